@@ -12,7 +12,6 @@ import argparse
 import array
 import json
 import math
-import os
 import pathlib
 import struct
 import subprocess
@@ -21,6 +20,7 @@ import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
 from fds_case import FdsCase, Mesh
+from ranks import stats_of
 
 
 class LargeCase(FdsCase):
@@ -46,13 +46,8 @@ class LargeCase(FdsCase):
 
 def draw(program, scene, target, ranks, options):
     """What --stats says."""
-    stats = target.with_suffix(".json")
-    command = [program, "render", scene, "-o", target, "--stats", stats, "--threads", "1", *options]
-    if ranks > 1:
-        command = ["mpirun", "--oversubscribe", "-n", ranks, *command, "--by-pieces"]
-    allowed = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    subprocess.run([str(word) for word in command], check=True, env=os.environ | allowed, stdout=subprocess.DEVNULL)
-    return json.loads(stats.read_text())
+    pieces = ["--by-pieces"] if ranks > 1 else []
+    return stats_of(ranks, [program, "render", scene, "-o", target, "--threads", "1", *options, *pieces], target.with_suffix(".json"))
 
 
 def main():

@@ -18,14 +18,13 @@ import tempfile
 import time
 
 import large_volume
+from ranks import ENVIRONMENT, by_ranks
 
-ALLOWED = os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 SECONDS_TO_END = 10
 
 
 def start(ranks, command):
-    launcher = ["mpirun", "--oversubscribe", "-n", str(ranks), *map(str, command)]
-    return subprocess.Popen(launcher, env=ALLOWED, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    return subprocess.Popen(by_ranks(ranks, command), env=ENVIRONMENT, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
 
 
 def ranks_of(launcher):

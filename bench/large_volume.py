@@ -10,13 +10,13 @@ The sequence is a raw file with holes: a moving plume fills 5 % of the voxels, a
 """
 import argparse
 import array
-import json
 import math
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
+
+from ranks import stats_of
 
 SHARE = 0.05  # of the voxels that the plume fills
 
@@ -47,13 +47,8 @@ def write_plume(path, side, frames):
 
 def compress_on_ranks(program, path, side, ranks, options):
     """What --stats says of a run."""
-    stats = path.with_suffix(".json")
-    command = [program, "compress", path, "-o", path.with_suffix(".volute"), "--raw-size", f"{side},{side},{side}", "--stats", stats, *options]
-    if ranks > 1:
-        command = ["mpirun", "--oversubscribe", "-n", str(ranks), *command]
-    allowed = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    subprocess.run([str(word) for word in command], check=True, env=os.environ | allowed, stdout=subprocess.DEVNULL)
-    return json.loads(stats.read_text())
+    command = [program, "compress", path, "-o", path.with_suffix(".volute"), "--raw-size", f"{side},{side},{side}", *options]
+    return stats_of(ranks, command, path.with_suffix(".json"))
 
 
 def main():

@@ -12,12 +12,13 @@ import argparse
 import array
 import json
 import math
-import os
 import pathlib
 import struct
 import subprocess
 import sys
 import tempfile
+
+from ranks import stats_of
 
 # Of a cube's corners 0..7 (x + 2 y + 4 z): around the diagonal from 0 to 7.
 TETRAHEDRA = ((0, 1, 3, 7), (0, 3, 2, 7), (0, 2, 6, 7), (0, 6, 4, 7), (0, 4, 5, 7), (0, 5, 1, 7))
@@ -79,13 +80,8 @@ def write_mesh(folder, cubes, pieces):
 
 def draw(program, mesh, target, ranks, options=()):
     """What --stats says."""
-    stats = target.with_suffix(".json")
-    command = [program, "render", mesh, "-o", target, "--stats", stats, "--threads", "1", *options]
-    if ranks > 1:
-        command = ["mpirun", "--oversubscribe", "-n", ranks, *command, "--by-pieces"]
-    allowed = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    subprocess.run([str(word) for word in command], check=True, env=os.environ | allowed, stdout=subprocess.DEVNULL)
-    return json.loads(stats.read_text())
+    pieces = ["--by-pieces"] if ranks > 1 else []
+    return stats_of(ranks, [program, "render", mesh, "-o", target, "--threads", "1", *options, *pieces], target.with_suffix(".json"))
 
 
 def main():

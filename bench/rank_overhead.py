@@ -22,13 +22,13 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "
 os.environ.setdefault("VOLUTE", "volute")
 import ring
 import sight_cases
+from ranks import ENVIRONMENT, by_ranks
 
 
 def used_by(command):
     """CPU and wall seconds of a command and all that it started."""
     before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-    allowed = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    subprocess.run([str(word) for word in command], check=True, env=os.environ | allowed, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+    subprocess.run([str(word) for word in command], check=True, env=ENVIRONMENT, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                    stderr=subprocess.DEVNULL)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, time.monotonic() - begin
@@ -107,7 +107,7 @@ def main():
                 targets = [[folder / f"study_{i}_{which}"] if verb == "sweep" else [] for which in (0, 1)]
                 one.append(used_by((program, *words, *targets[0], "--threads", 2)))
                 stats = folder / "stats.json"
-                many.append(used_by(("mpirun", "--oversubscribe", "-n", 2, program, *words, *targets[1], "--threads", 1, "--stats", stats)))
+                many.append(used_by(by_ranks(2, (program, *words, *targets[1], "--threads", 1, "--stats", stats))))
             (cpu, wall), (cpus, walls) = ([sum(run[which] for run in runs) / options.times for which in (0, 1)] for runs in (one, many))
             ranks = json.loads(stats.read_text())["ranks"]
             units = [sum(len(each) for each in rank["units"].values()) for rank in ranks]

@@ -300,16 +300,18 @@ void Scene::shine(Snapshot& snapshot, Progress& progress) {
   const std::vector<std::shared_ptr<const MediumAt>> plain = snapshot.media;
   for (std::size_t i = 0; i < plain.size(); ++i) {
     std::vector<Lamp> others;
-    std::vector<AnyMedium> between;
     for (std::size_t k = 0; k < plain.size(); ++k) {
-      if (k == i)
-        continue;
-      others.insert(others.end(), lamps[k].begin(), lamps[k].end());
-      plain[k]->addMedia(between);
+      if (k != i)
+        others.insert(others.end(), lamps[k].begin(), lamps[k].end());
     }
-    for (AnyMedium& medium : between) medium = scaledBy(1 / snapshot.law.factor(), medium);
     if (others.empty())
       continue;
+    std::vector<AnyMedium> between;
+    for (std::size_t k = 0; k < plain.size(); ++k) {
+      if (k != i)
+        plain[k]->addMedia(between);
+    }
+    for (AnyMedium& medium : between) medium = scaledBy(1 / snapshot.law.factor(), medium);
     if (auto lit = plain[i]->litBy({others, blocksOf(geometry_), between}))
       snapshot.media[i] = std::move(lit);
   }

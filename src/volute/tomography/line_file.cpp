@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -14,27 +12,10 @@
 #include <string_view>
 
 #include "volute/base/input_file.hpp"
+#include "volute/io/table_row.hpp"
 
 namespace volute {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front())))
-    text.remove_prefix(1);
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())))
-    text.remove_suffix(1);
-  return text;
-}
-
-std::vector<std::string_view> cells(std::string_view row) {
-  std::vector<std::string_view> all;
-  for (std::size_t at = 0; at <= row.size();) {
-    const std::size_t end = std::min(row.find(',', at), row.size());
-    all.push_back(trimmed(row.substr(at, end - at)));
-    at = end + 1;
-  }
-  return all;
-}
 
 constexpr std::array<std::string_view, 6> kEnds{"x0", "y0", "z0", "x1", "y1", "z1"};
 constexpr std::array<std::string_view, 6> kRay{"x", "y", "z", "dx", "dy", "dz"};
@@ -71,9 +52,8 @@ class LineReader {
 
 Status LineReader::readNames(std::string_view row) {
   std::vector<std::string> names;
-  for (const std::string_view cell : cells(row)) {
-    std::string name(cell);
-    std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const std::string_view cell : fieldsOf(row)) {
+    std::string name = lowerCase(cell);
     if (!columns_.emplace(name, columns_.size()).second)
       return fail(ErrorCode::kInvalidData, "{}: two columns are called '{}'", where(), name);
     names.push_back(name);
@@ -107,12 +87,10 @@ Status LineReader::readNames(std::string_view row) {
 
 Result<double> LineReader::number(std::string_view name) const {
   const std::string_view cell = cells_[columns_.at(std::string(name))];
-  double value = 0;
-  const auto read = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (read.ec != std::errc() || read.ptr != cell.data() + cell.size() || !std::isfinite(value)) {
-    return fail(ErrorCode::kInvalidData, "{}, {}: '{}' is no finite number", where(), name, cell);
-  }
-  return value;
+  const auto value = finiteNumber(cell);
+  if (!value)
+    return fail(ErrorCode::kInvalidData, "{}, {}: '{}' is not a finite number", where(), name, cell);
+  return *value;
 }
 
 Result<Segment> LineReader::line() const {
@@ -172,7 +150,7 @@ Result<LineFrame*> LineReader::frame() {
 }
 
 Status LineReader::readRow(std::string_view row) {
-  cells_ = cells(row);
+  cells_ = fieldsOf(row);
   if (cells_.size() != columns_.size()) {
     return fail(ErrorCode::kInvalidData, "{}: {} values; the first row names {} columns", where(),
                 cells_.size(), columns_.size());
@@ -187,18 +165,12 @@ Status LineReader::readRow(std::string_view row) {
 }
 
 Result<LineFile> LineReader::read(std::string_view text) {
-  constexpr std::string_view kMark = "\xef\xbb\xbf";  // spreadsheets begin files of UTF-8 with it
-  if (text.starts_with(kMark))
-    text.remove_prefix(kMark.size());
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view row = trimmed(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-    ++row_;
+  VOLUTE_TRY(forEachRow(text, [&](std::string_view row, int number) -> Status {
+    row_ = number;
     if (row.empty() || row.front() == '#')
-      continue;
-    VOLUTE_TRY(columns_.empty() ? readNames(row) : readRow(row));
-  }
+      return {};
+    return columns_.empty() ? readNames(row) : readRow(row);
+  }));
   if (frames_.empty())
     return fail(ErrorCode::kInvalidData, "{}: no line; expected a row of names and one a line",
                 file_);

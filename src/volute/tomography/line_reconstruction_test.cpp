@@ -194,8 +194,8 @@ TEST_F(LineFileTest, RefusesWrongColumnsAndValues) {
   EXPECT_THAT(refusal(head), HasSubstr("no line"));
   EXPECT_THAT(refusal(head + "0,0,0,1,1,1\n"), HasSubstr("row 2: 6 values; the first row names 7"));
   EXPECT_THAT(refusal(head + "0,0,0,1,1,one,2\n"),
-              HasSubstr("row 2, z1: 'one' is no finite number"));
-  EXPECT_THAT(refusal(head + "0,0,0,1,1,inf,2\n"), HasSubstr("no finite number"));
+              HasSubstr("row 2, z1: 'one' is not a finite number"));
+  EXPECT_THAT(refusal(head + "0,0,0,1,1,inf,2\n"), HasSubstr("not a finite number"));
   EXPECT_THAT(refusal(head + "1,1,1,1,1,1,2\n"), HasSubstr("both ends are the same point"));
   EXPECT_THAT(refusal("x,y,z,dx,dy,dz,transmittance\n0,0,0,1,0,0,0\n"),
               HasSubstr("transmittance: 0 lets no depth be told"));

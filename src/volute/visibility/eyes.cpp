@@ -4,64 +4,18 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
 
 #include "volute/base/parallel.hpp"
+#include "volute/io/table_row.hpp"
 
 namespace volute {
 namespace {
 
 constexpr double kLargest = 1e7;  // [m]; beyond it coordinates are a mistake
-
-std::string_view trimmed(std::string_view text) {
-  const auto isSpace = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && isSpace(text.front())) text.remove_prefix(1);
-  while (!text.empty() && isSpace(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-std::string lowered(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return lower;
-}
-
-std::optional<double> numberOf(std::string_view text) {
-  if (text.starts_with('+'))
-    text.remove_prefix(1);
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
-
-/// Fields between commas, or semicolons where a line has them; quotes around a field are
-/// dropped.
-std::vector<std::string_view> fieldsOf(std::string_view line) {
-  const char separator = line.find(';') != line.npos ? ';' : ',';
-  std::vector<std::string_view> fields;
-  for (std::size_t begin = 0;;) {
-    bool quoted = false;
-    std::size_t end = begin;
-    for (; end < line.size() && (quoted || line[end] != separator); ++end)
-      quoted = quoted != (line[end] == '"');
-    end = end < line.size() ? end : line.npos;
-    auto field = trimmed(line.substr(begin, end == line.npos ? line.npos : end - begin));
-    if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
-      field = field.substr(1, field.size() - 2);
-    fields.push_back(field);
-    if (end == line.npos)
-      break;
-    begin = end + 1;
-  }
-  return fields;
-}
 
 std::vector<std::string_view> wordsOf(std::string_view line) {
   std::vector<std::string_view> words;
@@ -74,20 +28,6 @@ std::vector<std::string_view> wordsOf(std::string_view line) {
   return words;
 }
 
-/// Calls visit(line, number) until it fails; lines are trimmed and numbered from 1.
-template <class Visit>
-Status forEachLine(std::string_view text, Visit&& visit) {
-  if (text.starts_with("\xEF\xBB\xBF"))
-    text.remove_prefix(3);
-  int number = 0;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    VOLUTE_TRY(visit(trimmed(text.substr(0, end)), ++number));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return {};
-}
-
 /// Which field of a line is what; -1: none.
 struct Columns {
   int x = 0, y = 1, z = 2, name = -1;
@@ -97,7 +37,7 @@ struct Columns {
   static std::optional<Columns> named(const std::vector<std::string_view>& fields) {
     Columns columns{-1, -1, -1, -1, fields.size()};
     for (int i = 0; i < static_cast<int>(fields.size()); ++i) {
-      const std::string field = lowered(fields[static_cast<std::size_t>(i)]);
+      const std::string field = lowerCase(fields[static_cast<std::size_t>(i)]);
       const auto is = [&](std::string_view axis) {
         return field == axis || field.starts_with(std::string(axis) + "/") ||
                field.starts_with(std::string(axis) + " [") || field == "eye_" + std::string(axis);
@@ -128,7 +68,7 @@ struct TableColumns {
       return std::nullopt;
     TableColumns columns{*point};
     for (int i = 0; i < static_cast<int>(fields.size()); ++i) {
-      const std::string field = lowered(fields[static_cast<std::size_t>(i)]);
+      const std::string field = lowerCase(fields[static_cast<std::size_t>(i)]);
       if (field == "id" || field == "agent" || field == "person")
         columns.id = i;
       else if (field == "t" || field == "time" || field.starts_with("time/") ||
@@ -149,7 +89,7 @@ bool hasNames(std::string_view text) {
     named = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
     return fail(ErrorCode::kCancelled, "enough");  // the other lines do not matter
   };
-  (void)forEachLine(text, first);
+  (void)forEachRow(text, first);
   return named;
 }
 
@@ -161,7 +101,7 @@ Result<double> coordinate(const std::vector<std::string_view>& fields, int colum
                 file, line, axis);
   }
   const std::string_view field = fields[static_cast<std::size_t>(column)];
-  const auto value = numberOf(field);
+  const auto value = finiteNumber(field);
   if (!value || std::abs(*value) > kLargest) {
     return fail(ErrorCode::kInvalidData, "{}: line {}: {} is '{}'; expected a number of metres",
                 file, line, axis, field.substr(0, 40));
@@ -200,7 +140,7 @@ Result<Step> stepOf(std::string_view text, std::string_view file, int line, bool
   const auto words = wordsOf(text);
   std::array<double, 5> values{};
   for (std::size_t i = 0; i < (needsZ ? 5U : 4U); ++i) {
-    const auto value = i < words.size() ? numberOf(words[i]) : std::nullopt;
+    const auto value = i < words.size() ? finiteNumber(words[i]) : std::nullopt;
     const bool fits = i >= 2 || (value && *value == std::floor(*value) && *value >= 0);
     if (!value || !fits || std::abs(*value) > kLargest) {
       return fail(ErrorCode::kInvalidData,
@@ -220,11 +160,11 @@ struct TrajectoryHead {
 
   void read(std::string_view line) {
     constexpr std::string_view kRate = "framerate:";
-    const std::string remark = lowered(line);
+    const std::string remark = lowerCase(line);
     const std::size_t at = remark.find(kRate);
     if (at != remark.npos) {
       const auto words = wordsOf(std::string_view(remark).substr(at + kRate.size()));
-      if (const auto value = words.empty() ? std::nullopt : numberOf(words[0]))
+      if (const auto value = words.empty() ? std::nullopt : finiteNumber(words[0]))
         rate = *value;
     }
     if (remark.find("x/cm") != remark.npos || remark.find("x[in cm]") != remark.npos)
@@ -322,7 +262,7 @@ Result<std::vector<NamedPoint>> parsePoints(std::string_view text, std::string_v
     points.push_back(std::move(point));
     return {};
   };
-  VOLUTE_TRY(forEachLine(text, readLine));
+  VOLUTE_TRY(forEachRow(text, readLine));
   if (points.empty())
     return fail(ErrorCode::kInvalidData, "{}: no point; expected lines x,y,z in metres", file);
   return points;
@@ -372,7 +312,7 @@ Result<Trajectories> Trajectories::parse(std::string_view text, std::string_view
     }
     return {};
   };
-  VOLUTE_TRY(forEachLine(text, readLine));
+  VOLUTE_TRY(forEachRow(text, readLine));
   if (frames.empty())
     return fail(ErrorCode::kInvalidData, "{}: nobody walks here; expected lines 'id frame x y z'",
                 file);
@@ -417,7 +357,7 @@ Result<Trajectories> Trajectories::parseTable(std::string_view text, std::string
     VOLUTE_ASSIGN(const auto point, pointOf(fields, columns->point, file, number, height));
     const auto field = [&](int column) {
       return column < static_cast<int>(fields.size())
-                 ? numberOf(fields[static_cast<std::size_t>(column)])
+                 ? finiteNumber(fields[static_cast<std::size_t>(column)])
                  : std::optional<double>();
     };
     const auto id = field(columns->id), time = field(columns->time);
@@ -430,7 +370,7 @@ Result<Trajectories> Trajectories::parseTable(std::string_view text, std::string
         Vec3(point.position[0], point.position[1], height.value_or(point.position[2]));
     return {};
   };
-  VOLUTE_TRY(forEachLine(text, readLine));
+  VOLUTE_TRY(forEachRow(text, readLine));
   if (people.empty())
     return fail(ErrorCode::kInvalidData, "{}: nobody walks here; expected lines id,time,x,y", file);
   Trajectories result;
