@@ -363,11 +363,11 @@ class Package(unittest.TestCase):
         with self.assertRaises(TypeError):
             volute.Scene(said, emission=1)
 
-    def smoke_room(self):
-        folder = self.path / "room"
+    def smoke_room(self, name="room", more=()):
+        folder = self.path / name
         folder.mkdir(exist_ok=True)
         mesh = fds_case.Mesh("room", (0, 8, 0, 3, 0, 2.4), (16, 6, 5))
-        return fds_case.FdsCase([mesh], (0.0, 10.0, 20.0), lambda time, x, y, z: 0.1 * time).write(folder)
+        return fds_case.FdsCase([mesh], (0.0, 10.0, 20.0), lambda time, x, y, z: 0.1 * time, more=more).write(folder)
 
     def test_fds(self):
         case = volute.fds.open(self.smoke_room())
@@ -416,6 +416,11 @@ class Package(unittest.TestCase):
         self.assertEqual(list(engine.times), [0, 10, 20])
         self.assertEqual(list(engine.missing), ["temperature"])
         self.assertEqual(list(engine.criteria), ["extinction"])
+        hot = [("TEMPERATURE", "C", lambda time, x, y, z: 20 + time * x)]
+        warm = volute.Engine(self.smoke_room("warm", hot), signs, criteria=criteria)
+        self.assertEqual((list(warm.criteria), list(warm.missing)), (["extinction", "temperature"], []))
+        np.testing.assert_allclose(warm.dose([1, 2], [[1.25, 1.25, 1.2], [4.25, 1.25, 1.2]], 15)["temperature"],
+                                   [20 + 15 * 1.25, 20 + 15 * 4.25], rtol=1e-4)
         np.testing.assert_allclose(engine.sign_places, [[7.9, 1.5, 2], [0.1, 1.5, 2]])
         eyes = np.array([[1, 1.5, 1.6], [4, 1.5, 1.6], [6, 1.5, 1.6]])
         # K = t / 10: an optical depth of 8 over 6.9, 3.9 and 1.9 m, of 3 over .9, 3.9 and 5.9 m.

@@ -41,6 +41,32 @@ class Tenability(Cases):
     HOT = {"name": "hot", "kind": "temperature", "limit": 60}
     FED = {"name": "fed", "kind": "fed-gas", "model": "fds", "limit": 0.05}
 
+    def test_a_case_in_a_scene_answers_as_it_does_alone(self):
+        """Its temperature, the times between the stored ones, what comes and goes; and a wall of the scene besides."""
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (20, 4, 3), [(12, 13, 0, 4, 0, 3)])
+        case = FdsCase([mesh], [0.0, 60.0, 120.0], lambda t, *_: 0.001 * t, events=[(0, 0, 0, False), (0, 0, 75, True)],
+                       more=[("TEMPERATURE", "C", lambda t, x, *_: 20 + t * (20 - x) / 20)]).write(self.folder)
+        scene = {"format": "volute-scene-1", "media": [{"kind": "smoke", "case": case.name}]}
+        self.path("bare.json").write_text(json.dumps(scene))
+        self.path("wall.obj").write_text("v 17 0 0\nv 17 4 0\nv 17 4 3\nv 17 0 3\nf 1 2 3 4\n")
+        self.path("walled.json").write_text(json.dumps(scene | {"geometry": [{"file": "wall.obj"}]}))
+        criteria = self.criteria(self.HOT)
+        reports = []
+        for name in (case.name, "bare.json", "walled.json"):
+            self.works("visibility", self.path(name), "--signs", self.signs(), "--criteria", criteria, "--height", 1.5, "--step", 1,
+                       "-o", self.path("out_" + name))
+            reports.append(self.report("out_" + name))
+        alone, bare, walled = reports
+        self.assertAlmostEqual(alone["tenability"]["criteria"][0]["rows_interpolated"][1][3], 800 / 16.5, 4)
+        self.assertEqual(alone["aset"][0]["rows_interpolated"][1][12], 75)
+        for report in (bare, walled):
+            self.assertEqual(report["tenability"]["criteria"], alone["tenability"]["criteria"])
+        self.assertEqual((bare["aset"], bare["summary"]), (alone["aset"], alone["summary"]))
+        first, wall = alone["summary"][0]["signs"], walled["summary"][0]["signs"]
+        self.assertEqual((first["exit"], first["back"]), (1, 1))
+        self.assertAlmostEqual(wall["exit"], 3 / 20)
+        self.assertAlmostEqual(wall["back"], 17 / 20)
+
     def test_a_plan_has_times_and_doses_of_each_criterion(self):
         criteria = self.criteria(self.HOT, self.FED, {"name": "iso", "kind": "fed-gas", "limit": 1},
                                  {"name": "acid", "kind": "fec", "limit": 0.3})

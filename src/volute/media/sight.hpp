@@ -225,9 +225,9 @@ class SightField {
 
   /// A quantity besides the smoke where people are: "carbon-monoxide" [mol/mol], "temperature"
   /// [degrees C] (tenability/exposure.hpp has the names). kNotFound when the case does not store
-  /// it.
+  /// it; that message stands in a list of such reasons, below the case's name.
   [[nodiscard]] virtual Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) {
-    return fail(ErrorCode::kNotFound, "{}: has no {}", description(), quantity);
+    return fail(ErrorCode::kNotFound, "the medium stores no {}", quantity);
   }
 
   /// What a report says about the case, apart from its smoke.

@@ -17,16 +17,19 @@ class BehindSurfaces final : public SightInstant {
 
   void look(std::span<const SightLine> lines, std::span<Sight> sights) const override {
     media_->look(lines, sights);
-    std::vector<Segment> segments;
-    for (const SightLine& line : lines) {
-      const double length = line.length();
-      const Vec3 way = line.target - line.eye;
-      segments.push_back({line.eye, length > 0 ? Vec3(way / length) : Vec3::UnitX(), 0,
-                          length * (1 - kShort)});
-    }
-    std::vector<std::uint8_t> blocked(lines.size(), 0);
-    surfaces_.occluded(segments, blocked);
-    for (std::size_t i = 0; i < sights.size(); ++i) sights[i].blocked |= blocked[i] != 0;
+    const auto behind = occluded(lines);
+    for (std::size_t i = 0; i < sights.size(); ++i) sights[i].blocked |= behind[i] != 0;
+  }
+
+  void bounds(std::span<const SightLine> lines, std::span<double> low,
+              std::span<double> high) const override {
+    media_->bounds(lines, low, high);
+  }
+
+  void blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const override {
+    media_->blocked(lines, out);
+    const auto behind = occluded(lines);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] |= behind[i];
   }
 
   void places(std::span<const Vec3> points, std::span<Place> places) const override {
@@ -37,18 +40,92 @@ class BehindSurfaces final : public SightInstant {
     media_->extinction(points, extinction);
   }
 
+  std::vector<PlanShape> shapes(double z) const override { return media_->shapes(z); }
+
+  std::uint64_t geometry() const override { return media_->geometry(); }
+
+  void weigh(const SightLine& line, std::vector<SightWeight>& weights,
+             Sight& sight) const override {
+    media_->weigh(line, weights, sight);
+    sight.blocked |= occluded({&line, 1}).front() != 0;
+  }
+
+  SightData data() const override { return media_->data(); }
+
  private:
   static constexpr double kShort = 1e-9;  ///< a target on a surface is seen
+
+  std::vector<std::uint8_t> occluded(std::span<const SightLine> lines) const {
+    std::vector<Segment> segments;
+    for (const SightLine& line : lines) {
+      const double length = line.length();
+      const Vec3 way = line.target - line.eye;
+      segments.push_back(
+          {line.eye, length > 0 ? Vec3(way / length) : Vec3::UnitX(), 0, length * (1 - kShort)});
+    }
+    std::vector<std::uint8_t> blocked(lines.size(), 0);
+    surfaces_.occluded(segments, blocked);
+    return blocked;
+  }
 
   std::shared_ptr<const SightInstant> media_;
   TriangleScene surfaces_;
 };
 
+/// A field with surfaces in the way; all else it says itself.
+class FieldBehindSurfaces final : public SightField {
+ public:
+  FieldBehindSurfaces(std::unique_ptr<SightField> field, TriangleScene surfaces, const Box3& bounds)
+      : field_(std::move(field)), surfaces_(std::move(surfaces)), bounds_(bounds) {}
+
+  std::string description() const override { return field_->description(); }
+
+  std::string fillingSource() const override { return field_->fillingSource(); }
+
+  std::vector<std::string> remarks() const override { return field_->remarks(); }
+
+  std::span<const double> times() const override { return field_->times(); }
+
+  int numberOf(std::size_t time) const override { return field_->numberOf(time); }
+
+  Box3 bounds() const override { return bounds_; }
+
+  std::optional<double> north() const override { return field_->north(); }
+
+  std::vector<double> changes() const override { return field_->changes(); }
+
+  bool interpolates() const override { return field_->interpolates(); }
+
+  Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override {
+    return behind(field_->read(time));
+  }
+
+  Result<std::shared_ptr<const SightInstant>> readAt(double time) override {
+    return behind(field_->readAt(time));
+  }
+
+  Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override {
+    return field_->conditions(quantity);
+  }
+
+  Result<CaseFacts> facts() override { return field_->facts(); }
+
+ private:
+  Result<std::shared_ptr<const SightInstant>> behind(
+      Result<std::shared_ptr<const SightInstant>> media) const {
+    VOLUTE_ASSIGN(auto instant, std::move(media));
+    return std::make_shared<const BehindSurfaces>(std::move(instant), surfaces_);
+  }
+
+  std::unique_ptr<SightField> field_;
+  TriangleScene surfaces_;
+  Box3 bounds_;
+};
+
+/// All media of a scene, along rays, with its surfaces in the way.
 class SceneSight final : public SightField {
  public:
-  /// @param only  of the scene's only medium; null: rays through all of them
-  SceneSight(Scene scene, std::unique_ptr<SightField> only)
-      : scene_(std::move(scene)), only_(std::move(only)), bounds_(scene_.bounds()) {
+  explicit SceneSight(Scene scene) : scene_(std::move(scene)), bounds_(scene_.bounds()) {
     scene_.setLaw({});
     for (const auto& medium : scene_.media())
       times_.insert(times_.end(), medium->info().times.begin(), medium->info().times.end());
@@ -59,44 +136,26 @@ class SceneSight final : public SightField {
   }
 
   std::string description() const override {
-    if (only_)
-      return only_->description();
     return fmt::format("{}: {} media, along rays", scene_.path(), scene_.media().size());
   }
 
-  std::vector<std::string> remarks() const override {
-    return only_ ? only_->remarks() : std::vector<std::string>();
-  }
-
-  std::span<const double> times() const override { return only_ ? only_->times() : times_; }
-
-  int numberOf(std::size_t time) const override {
-    return only_ ? only_->numberOf(time) : static_cast<int>(time);
-  }
+  std::span<const double> times() const override { return times_; }
 
   Box3 bounds() const override { return bounds_; }
 
   Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override {
     Progress quiet;
-    std::shared_ptr<const SightInstant> media;
-    TriangleScene surfaces = scene_.geometry();
-    if (only_) {
-      VOLUTE_ASSIGN(media, only_->read(time));
-    } else {
-      VOLUTE_ASSIGN(const auto snapshot, scene_.at({.time = times_[time]}, quiet));
-      std::vector<AnyMedium> all;
-      for (const auto& medium : snapshot.media) medium->addMedia(all);
-      media = sightThrough(std::move(all));
-      surfaces = snapshot.geometry;
-    }
-    if (surfaces.empty())
+    VOLUTE_ASSIGN(const auto snapshot, scene_.at({.time = times_[time]}, quiet));
+    std::vector<AnyMedium> all;
+    for (const auto& medium : snapshot.media) medium->addMedia(all);
+    auto media = sightThrough(std::move(all));
+    if (snapshot.geometry.empty())
       return media;
-    return std::make_shared<const BehindSurfaces>(std::move(media), std::move(surfaces));
+    return std::make_shared<const BehindSurfaces>(std::move(media), snapshot.geometry);
   }
 
  private:
   Scene scene_;
-  std::unique_ptr<SightField> only_;
   Box3 bounds_;
   std::vector<double> times_;
 };
@@ -105,16 +164,16 @@ class SceneSight final : public SightField {
 
 Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& options,
                                             Progress& progress) {
-  std::unique_ptr<SightField> only;
-  if (scene.media().size() == 1) {
-    const MediumEntry& entry = scene.description().media.front();
-    Reading reading{progress, options.maxMemory};
-    MediumContext context{reading,           options.files, scene.description().lights,
-                          scene.geometry(),  scene.path(),  entry.path,
-                          scene.media()[0],  nullptr};
-    VOLUTE_ASSIGN(only, entry.kind->openSight(entry.json, context));
-  }
-  return std::make_unique<SceneSight>(std::move(scene), std::move(only));
+  if (scene.media().size() != 1)
+    return std::make_unique<SceneSight>(std::move(scene));
+  const MediumEntry& entry = scene.description().media.front();
+  Reading reading{progress, options.maxMemory};
+  MediumContext context{reading,      options.files, scene.description().lights, scene.geometry(),
+                        scene.path(), entry.path,    scene.media()[0],           nullptr};
+  VOLUTE_ASSIGN(auto only, entry.kind->openSight(entry.json, context));
+  if (scene.geometry().empty())
+    return only;
+  return std::make_unique<FieldBehindSurfaces>(std::move(only), scene.geometry(), scene.bounds());
 }
 
 }  // namespace volute

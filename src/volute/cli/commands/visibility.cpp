@@ -206,9 +206,9 @@ Result<std::unique_ptr<SightField>> fieldOf(const Arguments& arguments, Context&
   Progress quiet;
   VOLUTE_ASSIGN(auto scene, Scene::open(path, options, quiet));
   request.remarks.push_back(fmt::format(
-      "{}: {} has smoke from z = {:g} to {:g} m only, and eyes or signs are outside; smoke is read from "
+      "{} has smoke from z = {:g} to {:g} m only, and eyes or signs are outside; smoke is read from "
       "{} instead (--field NAME selects another source)",
-      path, field->description(), low, high, other->source().name));
+      field->description(), low, high, other->source().name));
   return sightOf(std::move(scene), options, context.progress);
 }
 
