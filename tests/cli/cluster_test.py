@@ -3,6 +3,7 @@
 """Several processes that mpirun starts give the bytes of one, and end together when one of them cannot go on."""
 import array
 import filecmp
+import html
 import json
 import math
 import os
@@ -251,14 +252,25 @@ class SameBytes(Cluster):
 
     def test_visibility_of_several_storeys(self):
         mesh = sight_cases.Mesh("hall", (0, 7, 0, 3, 0, 2.4), (14, 6, 4), [])
-        case = sight_cases.FdsCase([mesh], [0.0, 1.0, 2.5], lambda time, x, y, z: 0.02 * (1 + time) * (1 + 0.1 * x)).write(self.folder)
+        case = sight_cases.FdsCase([mesh], [0.0, 1.0, 2.5], lambda time, x, y, z: 0.2 * (1 + time) * (1 + z)).write(self.folder)
         signs = self.path("signs.json")
         signs.write_text(json.dumps({"signs": [{"name": "east", "position": [7, 1.5, 1.1], "normal": [-1, 0, 0]}]}))
-        arguments = ("visibility", case, "--signs", signs, "--height", "0.9,1.5", "--step", "0.5")
+        arguments = ("visibility", case, "--signs", signs, "--height", "0.9,1.5", "--step", "0.5", "--extinction-limit", "0.7")
         self.works(*arguments, "-o", self.path("alone"))
         self.succeeds(3, *arguments, "-o", self.path("ours"))
         names = self.same_folders(self.path("alone"), self.path("ours"))
         self.assertTrue({"report.html", "z_0.9/sight.csv", "z_1.5/aset.png"} <= set(names), names)
+        report = json.loads((self.path("alone") / "visibility.json").read_text())
+        storeys = [json.loads((self.path("alone") / name / "visibility.json").read_text()) for name in ("z_0.9", "z_1.5")]
+        self.assertEqual([one["verdict"] for one in report["heights"]], [one["verdict"] for one in storeys])
+        page = (self.path("alone") / "report.html").read_text()
+        for name, storey in zip(("0.9", "1.5"), storeys):
+            self.assertTrue(f"<h1>Eyes at z = {name} m</h1>" in page)
+            for verdict in storey["verdict"]:
+                self.assertTrue(html.escape(verdict["sentence"]).replace("&#x27;", "&#39;") in page, verdict)
+        for one in report["verdict"]:
+            times = [v["time"] for storey in storeys for v in storey["verdict"] if v["criterion"] == one["criterion"] and v["time"] is not None]
+            self.assertEqual(one["time"], min(times) if times else None)
 
 
     def test_sweep(self):

@@ -35,7 +35,9 @@ svg {{ display: block; }}
 @page {{ size: A4; margin: 14mm 12mm; }}
 @media print {{
   body {{ margin: 0; max-width: none; font-size: 10.5pt; }} .verdict {{ font-size: 11pt; }}
-  figure, tr, svg, .verdict {{ break-inside: avoid; }} h2, figcaption {{ break-after: avoid; }}
+  .part {{ break-before: page; }}
+  figure, table, tr, svg, .verdict {{ break-inside: avoid; }}
+  h2, h3, figcaption, tr:first-child {{ break-after: avoid; }}
   figure {{ display: inline-block; vertical-align: top; margin: 1mm; }}
   figure img {{ max-height: 108mm; }}
 }}

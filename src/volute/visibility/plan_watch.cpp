@@ -82,6 +82,7 @@ class PlanWatch final : public Watch {
     if (!survey.criteria.empty())
       tenability_.emplace(survey, eyes_, planValues(), shapes_, shownSigns(survey.sets[0].members));
     hidden_.assign(survey.sets.size(), std::vector<bool>(eyes_.size(), true));
+    inView_.assign(survey.signs.size(), false);
     std::error_code error;
     std::filesystem::create_directory(survey.folder / "maps", error);
     series_.resize(survey.signs.size());
@@ -96,6 +97,7 @@ class PlanWatch final : public Watch {
       return {};
     if (at.index == 0)
       noteHidden(at);
+    noteInView(at);
     if (survey_->extinctionLimit > 0)
       updateLocal(at);
     if (survey_->maps != Survey::Maps::kNone) {
@@ -131,6 +133,8 @@ class PlanWatch final : public Watch {
       report["aset"].push_back(asetJson(set));
       addArrays(set, arrays);
       VOLUTE_TRY(writeAset(set));
+      if (set > 0 && !showsAnything(set))
+        continue;
       VOLUTE_ASSIGN(const auto figure,
                     htmlFigure(survey_->folder / asetName(set),
                              fmt::format("When {} seen any more.", setWords(set))));
@@ -209,6 +213,19 @@ class PlanWatch final : public Watch {
         }
       }
     }
+  }
+
+  /// Signs that can be seen from somewhere at some time.
+  void noteInView(const SurveyTime& at) {
+    for (std::size_t s = 0; s < inView_.size(); ++s) {
+      if (!inView_[s])
+        inView_[s] = std::ranges::any_of(at.sightings.subspan(s * eyes_.size(), eyes_.size()), inSight);
+    }
+  }
+
+  /// Whether a map of a set could show anything.
+  bool showsAnything(std::size_t set) const {
+    return std::ranges::any_of(survey_->sets[set].members, [&](std::size_t s) { return inView_[s]; });
   }
 
   /// Those of some signs that are on the plan's storey, for maps.
@@ -482,7 +499,15 @@ class PlanWatch final : public Watch {
     std::vector<int> shown{drawn[0], drawn[count / 3], drawn[2 * count / 3], drawn[count - 1]};
     shown.erase(std::ranges::unique(shown).begin(), shown.end());
     constexpr std::size_t kMax = 6;
-    for (std::size_t s = 0; s < std::min(kMax, survey_->signs.size()); ++s) {
+    std::size_t figures = 0;
+    std::string hidden;
+    for (std::size_t s = 0; s < survey_->signs.size(); ++s) {
+      if (!inView_[s]) {
+        hidden += (hidden.empty() ? "" : ", ") + escapedHtml(survey_->signs[s].sign.name);
+        continue;
+      }
+      if (++figures > kMax)
+        continue;
       for (const int i : shown) {
         const auto file = survey_->folder / "maps" / fmt::format("{}_{:04d}.png", mapName(s), i);
         VOLUTE_ASSIGN(const auto figure,
@@ -491,6 +516,10 @@ class PlanWatch final : public Watch {
         page += figure;
       }
     }
+    if (!hidden.empty())
+      page += fmt::format("<p>In view from no point of this plan at any time: {}.</p>\n", hidden);
+    if (figures > kMax)
+      page += fmt::format("<p>Maps of {} more signs are in the folder maps.</p>\n", figures - kMax);
     return page;
   }
 
@@ -500,6 +529,7 @@ class PlanWatch final : public Watch {
   std::vector<Vec3> eyes_;
   std::optional<SignLoss> losses_;
   std::vector<std::vector<bool>> hidden_;  // of each set
+  std::vector<bool> inView_;               // of each sign
   std::optional<LevelWatch> local_;
   std::optional<PlanTenability> tenability_;
   std::vector<PlanShape> shapes_;  // at the first time

@@ -4,6 +4,7 @@
 
 #include <zstd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <string>
 #include <vector>
@@ -56,12 +57,15 @@ void appendRow(std::string& out, const std::string& head, const std::string& sig
 
 }  // namespace
 
-/// A stream of one Zstandard frame.
+/// A stream of one Zstandard frame, compressed by threads of its own while the next rows are made. Its
+/// bytes do not depend on how many they are.
 class SightCsv::Zst {
  public:
   Zst() : stream_(ZSTD_createCCtx(), ZSTD_freeCCtx), out_(ZSTD_CStreamOutSize()) {
     ZSTD_CCtx_setParameter(stream_.get(), ZSTD_c_compressionLevel, 3);
     ZSTD_CCtx_setParameter(stream_.get(), ZSTD_c_checksumFlag, 1);
+    // Fails, and changes nothing, where the library has no threads.
+    ZSTD_CCtx_setParameter(stream_.get(), ZSTD_c_nbWorkers, std::max(1, threadCount()));
   }
 
   Status write(OutputFile& file, std::string_view text, bool end) {

@@ -2,17 +2,44 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/visibility/storeys.hpp"
 
+#include <algorithm>
 #include <optional>
 
 #include "volute/base/output_folder.hpp"
 #include "volute/base/team_checks.hpp"
 #include "volute/base/write_file.hpp"
-#include "volute/report/page.hpp"
+#include "volute/report/pdf.hpp"
+#include "volute/visibility/survey_page.hpp"
 
 namespace volute {
+namespace {
+
+/// Of each criterion that has a time the verdict of the storey where it comes first, with the height.
+Json worstVerdicts(const Json& storeys) {
+  Json worst = Json::array();
+  const auto sooner = [](const Json& one, const Json& other) {
+    return one.is_number() && (!other.is_number() || one.get<double>() < other.get<double>());
+  };
+  for (const Json& storey : storeys) {
+    for (const Json& one : storey["verdict"]) {
+      if (!one.contains("time"))
+        continue;
+      Json with = one;
+      with["height"] = storey["height"];
+      const auto known = std::ranges::find(worst, one["criterion"], [](const Json& w) -> const Json& { return w["criterion"]; });
+      if (known == worst.end())
+        worst.push_back(std::move(with));
+      else if (sooner(one.value("time", Json()), known->value("time", Json())))
+        *known = std::move(with);
+    }
+  }
+  return worst;
+}
+
+}  // namespace
 
 Result<SurveySummary> surveyStoreys(
-    std::span<const double> heights, const std::string& output, Progress& progress, Team& team,
+    std::span<const double> heights, const std::string& output, bool pdf, Progress& progress, Team& team,
     const std::function<Result<SurveySummary>(double, const std::string&)>& survey) {
   constexpr std::string_view kMark = "visibility.json";
   VOLUTE_TRY(checkFolderIsShared(output, team));
@@ -28,44 +55,46 @@ Result<SurveySummary> surveyStoreys(
   VOLUTE_TRY(team.agree(made));
   VOLUTE_ASSIGN(const auto paths, team.gatherTexts(pending ? pending->path().string() : ""));
   const std::filesystem::path folder = paths.front();
-  Json report = {{"heights", Json::array()}};
-  std::string page;
-  std::optional<SurveySummary> first;
+  SurveySummary all;
+  std::vector<SurveyPage> pages;
+  Json list = Json::array();
   for (const double height : heights) {
     const std::string name = fmt::format("z_{:g}", height);
     progress.remark(fmt::format("eyes at z = {:g} m", height));
     VOLUTE_ASSIGN(auto found, survey(height, (folder / name).string()));
-    if (!team.leads()) {
-      first = std::move(found);
+    all.times = std::move(found.times);
+    if (!team.leads())
       continue;
-    }
-    report["heights"].push_back({{"height", height},
-                                 {"folder", name},
-                                 {"sight_lines", found.sightLines},
-                                 {"seen_first", found.seenFirst},
-                                 {"seen_last", found.seenLast}});
-    VOLUTE_ASSIGN(const auto figure,
-                  htmlFigure(folder / name / "aset.png",
-                             fmt::format("Time from which no sign is visible, from z = {:g} m.", height)));
-    page += fmt::format("<h2><a href='{0}/report.html'>Eyes at z = {1:g} m</a></h2>\n{2}", name, height,
-                        figure);
-    if (!first) {
-      first = std::move(found);
-    } else {
-      first->sightLines += found.sightLines;
-      first->seenFirst += found.seenFirst;
-      first->seenLast += found.seenLast;
-    }
+    all.sightLines += found.sightLines;
+    all.seenFirst += found.seenFirst / static_cast<double>(heights.size());
+    all.seenLast += found.seenLast / static_cast<double>(heights.size());
+    for (const std::string& sentence : found.verdict)
+      all.verdict.push_back(fmt::format("z = {:g} m: {}", height, sentence));
+    list.push_back({{"height", height},
+                    {"folder", name},
+                    {"sight_lines", found.sightLines},
+                    {"seen_first", found.seenFirst},
+                    {"seen_last", found.seenLast},
+                    {"verdict", found.page.report.value("verdict", Json::array())}});
+    pages.push_back(std::move(found.page));
   }
   const auto finish = [&]() -> Status {
+    const std::filesystem::path page = folder / "report.html";
+    VOLUTE_TRY(writeStoreysPage(page, heights, pages));
+    if (pdf) {
+      if (const auto printed = printPdf(page, folder / "report.pdf"); !printed)
+        progress.remark(printed.error().message);
+    }
+    const Json report = {{"format", "volute-visibility-1"},
+                         {"case", pages.front().report["case"]},
+                         {"times", all.times},
+                         {"verdict", worstVerdicts(list)},
+                         {"heights", list}};
     VOLUTE_TRY(writeFile(folder / kMark, dumpJson(report) + "\n"));
-    VOLUTE_TRY(writePage(folder / "report.html", "Visibility of signs, storey by storey", page));
     return pending->commit();
   };
   VOLUTE_TRY(team.agree(team.leads() ? finish() : Status()));
-  const double count = static_cast<double>(heights.size());
-  first->seenFirst /= count, first->seenLast /= count;
-  return std::move(*first);
+  return all;
 }
 
 }  // namespace volute

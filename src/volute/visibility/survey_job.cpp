@@ -139,8 +139,10 @@ class Job {
       summary.sightLines = csv_->rows();
       summary.seenFirst = summary_.front()["any"].get<double>();
       summary.seenLast = summary_.back()["any"].get<double>();
-      for (const Json& one : json_.value("verdict", Json::array()))
+      for (const Json& one : page_.report.value("verdict", Json::array()))
         summary.verdict.push_back(one["sentence"].get<std::string>());
+      if (watch_.hasPage())
+        summary.page = std::move(page_);
     }
     return summary;
   }
@@ -303,7 +305,7 @@ class Job {
   Status finish() {
     VOLUTE_ASSIGN(const auto sightFile, csv_->finish());
     remarkOnUncovered();
-    json_ = {{"format", "volute-visibility-1"},
+    page_.report = {{"format", "volute-visibility-1"},
              {"case", request_.casePath},
              {"smoke", field_.description()},
              {"criterion",
@@ -311,27 +313,27 @@ class Job {
               "of K ds, natural logarithm) is at most C times the angle law's factor"},
              {"sight_file", sightFile.empty() ? Json() : Json(sightFile)}};
     addFacts();
-    json_["signs"] = Json::array();
-    for (const SightTarget& target : survey_.signs) json_["signs"].push_back(signJson(target));
-    json_["times"] = survey_.times;
-    json_["round"] = nameOf(survey_.round);
-    json_["summary"] = summary_;
-    VOLUTE_ASSIGN(auto body, watch_.finish(json_));
-    VOLUTE_ASSIGN(const auto views, pictures_.finish(survey_, json_));
-    body += views;
-    json_["remarks"] = log_.remarks();
+    page_.report["signs"] = Json::array();
+    for (const SightTarget& target : survey_.signs) page_.report["signs"].push_back(signJson(target));
+    page_.report["times"] = survey_.times;
+    page_.report["round"] = nameOf(survey_.round);
+    page_.report["summary"] = summary_;
+    VOLUTE_ASSIGN(page_.body, watch_.finish(page_.report));
+    VOLUTE_ASSIGN(const auto views, pictures_.finish(survey_, page_.report));
+    page_.body += views;
+    page_.report["remarks"] = log_.remarks();
     if (watch_.hasPage()) {
-      VOLUTE_TRY(writeSurveyPage(folder_->path() / "report.html", json_, body));
+      VOLUTE_TRY(writeSurveyPage(folder_->path() / "report.html", page_));
       if (request_.pdf) {
         const auto printed =
             printPdf(folder_->path() / "report.html", folder_->path() / "report.pdf");
         if (!printed) {
           log_.remark(printed.error().message);
-          json_["remarks"] = log_.remarks();
+          page_.report["remarks"] = log_.remarks();
         }
       }
     }
-    VOLUTE_TRY(writeFile(folder_->path() / kMark, dumpJson(json_) + "\n"));
+    VOLUTE_TRY(writeFile(folder_->path() / kMark, dumpJson(page_.report) + "\n"));
     if (watch_.hasPage())
       VOLUTE_TRY(writeFile(folder_->path() / "curves.csv", curvesCsv()));
     return folder_->commit();
@@ -347,9 +349,9 @@ class Job {
     };
     for (const auto& [figure, key] :
          {std::pair("heat release", "fire"), std::pair("devices", "devices")}) {
-      if (!json_.contains(key))
+      if (!page_.report.contains(key))
         continue;
-      for (const Json& curve : json_[key]) {
+      for (const Json& curve : page_.report[key]) {
         const Json& times = curve["times"];
         for (std::size_t i = 0; i < std::min(times.size(), curve["values"].size()); ++i)
           add(figure, curve["name"], curve["unit"], times[i], curve["values"][i]);
@@ -371,7 +373,7 @@ class Job {
       return;
     }
     for (const std::string& remark : facts->remarks) log_.remark(remark);
-    Json& title = json_["title_block"] = Json::object();
+    Json& title = page_.report["title_block"] = Json::object();
     for (const auto& [name, value] : facts->title) title[name] = value;
     title["analysis"] = "Volute " VOLUTE_VERSION;
     if (!request_.author.empty())
@@ -385,8 +387,8 @@ class Job {
                         {"values", curve.values}});
       return list;
     };
-    json_["fire"] = curves(facts->fire);
-    json_["devices"] = curves(facts->devices);
+    page_.report["fire"] = curves(facts->fire);
+    page_.report["devices"] = curves(facts->devices);
   }
 
   SurveyRequest request_;
@@ -403,7 +405,7 @@ class Job {
   std::optional<SightCsv> csv_;                 // of rank 0
   std::shared_ptr<const SightInstant> first_;  // until its turn
   Json summary_ = Json::array();
-  Json json_;
+  SurveyPage page_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "volute/grid/select_frames.hpp"
 #include "volute/media/sight.hpp"
 #include "volute/visibility/sight_csv.hpp"
+#include "volute/visibility/survey_page.hpp"
 #include "volute/visibility/watch.hpp"
 
 namespace volute {
@@ -42,6 +43,7 @@ struct SurveySummary {
   std::vector<double> times;           ///< [s]
   double seenFirst = 0, seenLast = 0;  ///< shares of the eyes that see a sign
   std::vector<std::string> verdict;    ///< in sentences
+  SurveyPage page{};                   ///< empty where there is none
 };
 
 /// Goes through the stored times of a case and writes the folder of results. A stored time is a unit

@@ -12,14 +12,20 @@
 namespace volute {
 namespace {
 
-/// The answer, before everything else.
-std::string verdictPart(const Json& report) {
+constexpr const char* kTitle = "Tenability and sight of signs";
+
+std::string verdictBoxes(const Json& report) {
   std::string html;
   if (report.contains("verdict")) {
     for (const Json& one : report["verdict"])
       html += fmt::format("<div class='verdict'>{}</div>\n", htmlOf(one["sentence"]));
   }
-  return html.empty() ? "" : "<h2>Verdict</h2>\n" + html;
+  return html;
+}
+
+/// The answer, before everything else.
+std::string verdictPart(const std::string& boxes) {
+  return boxes.empty() ? "" : "<h2>Verdict</h2>\n" + boxes;
 }
 
 /// How many, from when to when, and what is lost between them.
@@ -160,12 +166,29 @@ give can be told by another simulation alone.</li>
 
 }  // namespace
 
-Status writeSurveyPage(const std::filesystem::path& file, const Json& report,
-                       const std::string& body) {
-  return writePage(file, "Tenability and sight of signs",
-                   verdictPart(report) + titlePart(report) + htmlWarnings(report["remarks"]) +
-                       firePart(report) + signTable(report["signs"]) + summaryPlot(report) + body +
-                       kLimits);
+Status writeSurveyPage(const std::filesystem::path& file, const SurveyPage& page) {
+  const Json& report = page.report;
+  return writePage(file, kTitle,
+                   verdictPart(verdictBoxes(report)) + titlePart(report) +
+                       htmlWarnings(report["remarks"]) + firePart(report) +
+                       signTable(report["signs"]) + summaryPlot(report) + page.body + kLimits);
+}
+
+Status writeStoreysPage(const std::filesystem::path& file, std::span<const double> heights,
+                        std::span<const SurveyPage> storeys) {
+  std::string verdict, parts;
+  for (std::size_t i = 0; i < storeys.size(); ++i) {
+    const auto& [report, body] = storeys[i];
+    const std::string boxes = verdictBoxes(report);
+    if (!boxes.empty())
+      verdict += fmt::format("<h3><a href='#storey{}'>Eyes at z = {:g} m</a></h3>\n{}", i, heights[i], boxes);
+    parts += fmt::format("<section class='part' id='storey{}'><h1>Eyes at z = {:g} m</h1>\n{}{}{}</section>\n",
+                         i, heights[i], htmlWarnings(report["remarks"]), summaryPlot(report), body);
+  }
+  const Json& first = storeys.front().report;
+  return writePage(file, kTitle,
+                   verdictPart(verdict) + titlePart(first) + firePart(first) +
+                       signTable(first["signs"]) + parts + kLimits);
 }
 
 }  // namespace volute

@@ -229,7 +229,7 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   request.survey.maps = maps == "all" ? Survey::Maps::kAll : maps == "some" ? Survey::Maps::kSome : Survey::Maps::kNone;
   VOLUTE_ASSIGN(request.survey.extinctionLimit, extinctionLimit(arguments));
   VOLUTE_ASSIGN(request.sightFile, sightFile(arguments.get<std::string>("sight")));
-  request.pdf = arguments.flag("pdf");
+  request.pdf = arguments.flag("pdf") && output == arguments.get<std::string>("output");
   request.author = arguments.find<std::string>("by").value_or("");
   request.date = arguments.find<std::string>("date").value_or("");
   VOLUTE_ASSIGN(request.survey.criteria, criteriaOf(arguments));
@@ -255,7 +255,7 @@ Status runVisibility(const Arguments& arguments, Context& context) {
   Context::watch(output);
   VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
   VOLUTE_ASSIGN(const auto found,
-                heights.size() > 1 ? surveyStoreys(heights, output, context.progress, context.team,
+                heights.size() > 1 ? surveyStoreys(heights, output, arguments.flag("pdf"), context.progress, context.team,
                                                    [&](double height, const std::string& folder) {
                                                      return surveyOf(arguments, context, height,
                                                                      folder);
