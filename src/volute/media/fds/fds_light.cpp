@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <optional>
 
 #include "volute/base/gather_values.hpp"
 #include "volute/lighting/vertex_light.hpp"
@@ -12,29 +14,48 @@
 namespace volute {
 namespace {
 
-/// The cells of gas of a lattice: their places among all cells, and their middles.
+/// Of a lattice: rows of cells along x that are lit together, so that memory does not grow with it.
+struct Rows {
+  std::size_t lattice, begin, end;
+};
+
+/// The cells of gas in rows: their places among all cells, and their middles.
 struct GasCells {
   std::vector<std::array<int, 3>> cells;
   std::vector<Vec3> middles;
 };
 
-GasCells gasOf(const FdsLattice& lattice, const std::vector<FdsCell>& states) {
+std::vector<Rows> rowsOf(std::span<const FdsLattice> lattices, std::size_t i) {
+  constexpr std::size_t kCells = 1 << 16;
+  const FdsLattice& lattice = lattices[i];
+  const std::size_t count = static_cast<std::size_t>(lattice.cells(1)) * lattice.cells(2);
+  const std::size_t atOnce = std::max<std::size_t>(1, kCells / std::max(1, lattice.cells(0)));
+  std::vector<Rows> rows;
+  std::size_t begin = 0;
+  do {  // none has one round of nothing
+    rows.push_back({i, begin, std::min(begin + atOnce, count)});
+    begin += atOnce;
+  } while (begin < count);
+  return rows;
+}
+
+GasCells gasOf(const FdsLattice& lattice, const std::vector<FdsCell>& states, const Rows& rows) {
   GasCells gas;
-  for (int z = 0; z < lattice.cells(2); ++z) {
-    for (int y = 0; y < lattice.cells(1); ++y) {
-      for (int x = 0; x < lattice.cells(0); ++x) {
-        const std::array<int, 3> cell{x, y, z};
-        if (states[lattice.cellAt(cell)] == FdsCell::kSolid)
-          continue;
-        Vec3 middle;
-        for (int axis = 0; axis < 3; ++axis) {
-          const auto& planes = lattice.planes[axis];
-          const auto at = static_cast<std::size_t>(cell[axis]);
-          middle[axis] = 0.5 * (planes[at] + planes[at + 1]);
-        }
-        gas.cells.push_back(cell);
-        gas.middles.push_back(middle);
+  for (std::size_t row = rows.begin; row < rows.end; ++row) {
+    const auto y = static_cast<int>(row % lattice.cells(1)),
+               z = static_cast<int>(row / lattice.cells(1));
+    for (int x = 0; x < lattice.cells(0); ++x) {
+      const std::array<int, 3> cell{x, y, z};
+      if (states[lattice.cellAt(cell)] == FdsCell::kSolid)
+        continue;
+      Vec3 middle;
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto& planes = lattice.planes[axis];
+        const auto at = static_cast<std::size_t>(cell[axis]);
+        middle[axis] = 0.5 * (planes[at] + planes[at + 1]);
       }
+      gas.cells.push_back(cell);
+      gas.middles.push_back(middle);
     }
   }
   return gas;
@@ -42,7 +63,8 @@ GasCells gasOf(const FdsLattice& lattice, const std::vector<FdsCell>& states) {
 
 /// How much of a lamp's light comes to each point.
 Result<std::vector<float>> sharesOf(const FdsField& field, const FdsObstructions& obstructions,
-                            const FdsLamps& lamps, const Lamp& lamp, std::span<const Vec3> points) {
+                                    const FdsLamps& lamps, const Lamp& lamp,
+                                    std::span<const Vec3> points) {
   const Box3 bounds = field.bounds();
   std::vector<Segment> ways;
   for (const Vec3& point : points) {
@@ -56,9 +78,8 @@ Result<std::vector<float>> sharesOf(const FdsField& field, const FdsObstructions
   std::vector<std::uint8_t> hidden(points.size(), 0);
   std::vector<std::uint8_t> others(points.size(), 0);
   if (lamps.holders) {
-    VOLUTE_TRY(sumAlong(*lamps.holders, ways, depths, [&](auto segments, auto out) {
-      field.opticalDepth(segments, out);
-    }));
+    VOLUTE_TRY(sumAlong(*lamps.holders, ways, depths,
+                        [&](auto segments, auto out) { field.opticalDepth(segments, out); }));
   } else {
     field.opticalDepth(ways, depths);
   }
@@ -77,52 +98,68 @@ Result<std::vector<float>> sharesOf(const FdsField& field, const FdsObstructions
 }
 
 /// Means at the nodes of what is known at cells.
-FdsLight atNodes(const FdsLattice& lattice, const GasCells& gas, std::span<const float> light) {
-  const std::size_t strideY = lattice.planes[0].size();
-  const std::size_t strideZ = strideY * lattice.planes[1].size();
-  FdsLight nodes(3 * lattice.nodeCount(), 0);
-  std::vector<std::uint8_t> counts(lattice.nodeCount(), 0);
-  for (std::size_t i = 0; i < gas.cells.size(); ++i) {
-    const auto& cell = gas.cells[i];
-    const std::size_t first =
-        cell[2] * strideZ + cell[1] * strideY + static_cast<std::size_t>(cell[0]);
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-      const std::size_t node =
-          first + (corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ;
-      ++counts[node];
-      for (std::size_t c = 0; c < 3; ++c) nodes[3 * node + c] += light[3 * i + c];
+class NodeMeans {
+ public:
+  explicit NodeMeans(const FdsLattice& lattice)
+      : lattice_(lattice), sums_(3 * lattice.nodeCount(), 0), counts_(lattice.nodeCount(), 0) {}
+
+  /// @param light  RGB of each cell
+  void add(const GasCells& gas, std::span<const float> light) {
+    const std::size_t strideY = lattice_.planes[0].size();
+    const std::size_t strideZ = strideY * lattice_.planes[1].size();
+    for (std::size_t i = 0; i < gas.cells.size(); ++i) {
+      const auto& cell = gas.cells[i];
+      const std::size_t first =
+          cell[2] * strideZ + cell[1] * strideY + static_cast<std::size_t>(cell[0]);
+      for (std::size_t corner = 0; corner < 8; ++corner) {
+        const std::size_t node =
+            first + (corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ;
+        ++counts_[node];
+        for (std::size_t c = 0; c < 3; ++c) sums_[3 * node + c] += light[3 * i + c];
+      }
     }
   }
-  for (std::size_t node = 0; node < counts.size(); ++node) {
-    for (std::size_t c = 0; c < 3; ++c)
-      nodes[3 * node + c] /= static_cast<float>(std::max<int>(counts[node], 1));
+
+  /// Of all that was added.
+  std::shared_ptr<const FdsLight> take() {
+    for (std::size_t node = 0; node < counts_.size(); ++node) {
+      for (std::size_t c = 0; c < 3; ++c)
+        sums_[3 * node + c] /= static_cast<float>(std::max<int>(counts_[node], 1));
+    }
+    return std::make_shared<const FdsLight>(std::move(sums_));
   }
-  return nodes;
-}
+
+ private:
+  const FdsLattice& lattice_;
+  FdsLight sums_;
+  std::vector<std::uint8_t> counts_;
+};
 
 }  // namespace
 
 Result<std::vector<std::shared_ptr<const FdsLight>>> fdsLight(const FdsField& field,
-                                                               const FdsObstructions& obstructions,
-                                                               const FdsLamps& lamps) {
+                                                              const FdsObstructions& obstructions,
+                                                              const FdsLamps& lamps) {
   const auto lattices = field.grid().lattices();
-  std::vector<std::size_t> held;
+  std::vector<Rows> all;
   for (std::size_t i = 0; i < lattices.size(); ++i) {
     if (field.grid().holds(i))
-      held.push_back(i);
+      std::ranges::copy(rowsOf(lattices, i), std::back_inserter(all));
   }
-  // Ranks ask each other at once; those that have no lattice left answer.
-  std::uint64_t rounds = held.size();
+  // Ranks ask each other at once; those that have no rows left answer.
+  std::uint64_t rounds = all.size();
   if (lamps.holders) {
     const std::span<const std::uint64_t> own(&rounds, 1);
     VOLUTE_ASSIGN(const auto each, gatherValues(*lamps.holders, own));
     rounds = std::ranges::max(each);
   }
   std::vector<std::shared_ptr<const FdsLight>> out(lattices.size(), std::make_shared<FdsLight>());
+  std::optional<NodeMeans> means;
   for (std::uint64_t round = 0; round < rounds; ++round) {
-    const bool asks = round < held.size();
-    const std::size_t i = asks ? held[round] : 0;
-    const GasCells gas = asks ? gasOf(lattices[i], field.cells(i)) : GasCells();
+    const bool asks = round < all.size();
+    GasCells gas;
+    if (asks)
+      gas = gasOf(lattices[all[round].lattice], field.cells(all[round].lattice), all[round]);
     std::vector<std::vector<float>> shares;
     for (const Lamp& lamp : lamps.lamps) {
       VOLUTE_ASSIGN(auto share, sharesOf(field, obstructions, lamps, lamp, gas.middles));
@@ -130,9 +167,12 @@ Result<std::vector<std::shared_ptr<const FdsLight>>> fdsLight(const FdsField& fi
     }
     if (!asks)
       continue;
-    const auto light =
-        scatteredLight(gas.middles, lamps.lamps, shares, lamps.albedo, lamps.ambient);
-    out[i] = std::make_shared<const FdsLight>(atNodes(lattices[i], gas, light));
+    const std::size_t lattice = all[round].lattice;
+    if (all[round].begin == 0)
+      means.emplace(lattices[lattice]);
+    means->add(gas, scatteredLight(gas.middles, lamps.lamps, shares, lamps.albedo, lamps.ambient));
+    if (round + 1 == all.size() || all[round + 1].lattice != lattice)
+      out[lattice] = means->take();
   }
   return out;
 }

@@ -84,6 +84,32 @@ TEST(FdsLight, OtherThingsStopItAndAmbientComesEverywhere) {
   EXPECT_NEAR(lit.emission({1, 1, 1})[0], kK * 0.5 * (0.1 + above / (4 * std::numbers::pi)), 1e-7);
 }
 
+TEST(FdsLight, OfManyCellsIsLitInPartsThatMeet) {
+  SmvIndex index;
+  FdsMesh& mesh = index.meshes.emplace_back();
+  constexpr int kCells[3] = {60, 50, 45};  // 135,000: three parts
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i <= kCells[axis]; ++i) mesh.planes[axis].push_back(0.1 * i);
+  }
+  const FdsLattice lattice{.mesh = 0, .planes = mesh.planes};
+  auto values = std::make_shared<FdsValues>();
+  values->value.assign(lattice.cellCount(), static_cast<float>(kK));
+  const FdsField field(*FdsGrid::create({lattice}), {values},
+                       {std::make_shared<std::vector<FdsCell>>(lattice.cellCount(), FdsCell::kGas)});
+  Lamp sun;
+  sun.kind = Lamp::Kind::kSun;
+  sun.direction = Vec3(0, 0, -1);
+  const FdsLamps lamps{.lamps = {&sun, 1}, .albedo = Rgb::Ones()};
+  const FdsField lit = field.withLight(fdsLight(field, FdsObstructions(index, 0), lamps).value());
+  for (int z = 1; z < kCells[2]; ++z) {
+    for (int y = 1; y < kCells[1]; ++y) {
+      const double above = 0.1 * (kCells[2] - z);
+      const double expected = kK / (4 * std::numbers::pi) * std::exp(-kK * above) * std::cosh(kK * 0.05);
+      ASSERT_NEAR(lit.emission({3, 0.1 * y, 0.1 * z})[0], expected, 1e-6) << y << " " << z;
+    }
+  }
+}
+
 /// Three meshes side by side along x, of cells of 0.5 m; those of a share have values.
 FdsField threeMeshes(int share, int shares) {
   SmvIndex index;
