@@ -130,6 +130,17 @@ class Look(support.TestCase):
         self.assertIn(".exr", self.fails(2, *words, "-o", self.path("y.png"), "--aov", "alpha,z"))
         self.assertIn("'depth' is none of", self.fails(2, *words, "-o", self.path("y.exr"), "--aov", "depth"))
 
+    def test_depths_of_what_is_lit_are_those_of_what_is_not(self):
+        sun = [{"kind": "sun", "direction": [1, 0, -1], "radiance": [3, 3, 3]}]
+        depths = []
+        for more in ({}, {"albedo": [0.8, 0.8, 0.8], "lights": sun}):
+            scene = self.scene(extinction=5, **more)
+            self.works("render", scene, "-o", self.path("x.exr"), "--aov", "optical-depth", measured=False)
+            depths.append(pictures.read_exr(self.path("x.exr")).values)
+        self.assertGreater(max(depths[0]), 0.5)
+        for plain, lit in zip(*depths):
+            self.assertAlmostEqual(plain, lit, delta=1e-5)
+
     def test_a_frame_turns(self):
         self.works("render", self.npy("smoke.npy"), "-o", self.path("t_%03d.png"), "--size", "12x12", "--orbit", "36")
         self.assertEqual(len([name for name in self.files() if name.startswith("t_")]), 25)

@@ -124,7 +124,11 @@ Result<Image> FilmJob::pictureOf(const Snapshot& snapshot, const Camera& camera,
 Result<Image> FilmJob::picture(const FilmFrame& frame, Progress& progress) {
   Result<Snapshot> snapshot = [&] {
     const Stopwatch watch(totals.snapshots);
-    return scene.at({.time = frame.time, .tree = tree, .eye = seenFrom(camera)}, progress);
+    return scene.at({.time = frame.time,
+                     .lit = options.aov == Aov::kNone && !contour,
+                     .tree = tree,
+                     .eye = seenFrom(camera)},
+                    progress);
   }();
   VOLUTE_TRY(snapshot);
   snapshot->background = options.background;
@@ -228,7 +232,7 @@ Status scaleContour(FilmJob& job, Progress& progress, Team& team) {
       "scaling", static_cast<std::int64_t>(job.frames.size()), progress,
       [&](std::int64_t i) -> Status {
         const FilmFrame& frame = job.frames[static_cast<std::size_t>(i)];
-        VOLUTE_ASSIGN(const auto snapshot, job.scene.at({.time = frame.time}, progress));
+        VOLUTE_ASSIGN(const auto snapshot, job.scene.at({.time = frame.time, .lit = false}, progress));
         largest = std::max(largest, largestOn(*job.contour, snapshot.media));
         return {};
       }));

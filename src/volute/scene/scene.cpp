@@ -281,7 +281,7 @@ Result<Snapshot> Scene::at(const InstantRequest& request, Progress& progress) {
   snapshot.lights = description_.lights;
   snapshot.signs = description_.signs;
   snapshot.background = description_.background;
-  if (!request.coarse)
+  if (!request.coarse && request.lit)
     shine(snapshot, progress);
   return snapshot;
 }

@@ -145,7 +145,7 @@ class SceneSight final : public SightField {
 
   Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override {
     Progress quiet;
-    VOLUTE_ASSIGN(const auto snapshot, scene_.at({.time = times_[time]}, quiet));
+    VOLUTE_ASSIGN(const auto snapshot, scene_.at({.time = times_[time], .lit = false}, quiet));
     std::vector<AnyMedium> all;
     for (const auto& medium : snapshot.media) medium->addMedia(all);
     auto media = sightThrough(std::move(all));

@@ -207,8 +207,10 @@ double FdsLayer::caseTime(double time) const {
   return description_.clock.at(time, case_->times());
 }
 
-Result<FdsField> FdsLayer::fieldAt(double time) const {
+Result<FdsField> FdsLayer::fieldAt(double time, bool lit) const {
   VOLUTE_ASSIGN(const auto field, case_->field(caseTime(time)));
+  if (!lit)
+    return field;
   return inLight(field, time);
 }
 

@@ -69,7 +69,7 @@ class FdsLayer {
 
   /// The smoke at a time of the scene [s], linear between stored frames, in its light, still without
   /// the description's scale. Slow with lamps.
-  [[nodiscard]] Result<FdsField> fieldAt(double time) const;
+  [[nodiscard]] Result<FdsField> fieldAt(double time, bool lit = true) const;
 
   /// The fire at a time of the scene [s], which shines and hides nothing; nothing where the case
   /// has neither flame temperature nor heat release, or it is not shown, or nothing burns.

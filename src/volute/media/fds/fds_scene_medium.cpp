@@ -195,7 +195,7 @@ FdsSceneMedium::FdsSceneMedium(FdsLayer layer) : layer_(std::move(layer)) {
 
 Result<std::shared_ptr<const MediumAt>> FdsSceneMedium::at(const InstantRequest& request,
                                                            Progress&) {
-  VOLUTE_ASSIGN(auto smoke, layer_.fieldAt(request.time));
+  VOLUTE_ASSIGN(auto smoke, layer_.fieldAt(request.time, request.lit));
   VOLUTE_ASSIGN(auto fire, layer_.fireAt(request.time));
   VOLUTE_ASSIGN(auto sheets, layer_.isoAt(request.time));
   const double scale = layer_.description().model.scale;

@@ -222,7 +222,7 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
                   "preset out",
                   layer_.path());
     }
-    VOLUTE_ASSIGN(auto light, lightAt(moment));
+    VOLUTE_ASSIGN(auto light, lightAt(moment, request.lit));
     block_ = position / BlockGrid::kSide;
     return std::make_shared<const VolumeAt>(layer_, std::move(light), request.factor);
   }
@@ -240,12 +240,15 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   return std::make_shared<const VolumeAt>(layer_, std::move(slice), request.factor);
 }
 
-Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment) {
-  if (moment == lightMoment_)
+Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, bool lit) {
+  if (moment == lightMoment_ && (lightIsWhole_ || !lit))
     return light_;
   VOLUTE_ASSIGN(auto slice, layer_.shadedSliceAt(moment));
   const Placement& place = layer_.placement();
-  VolumeLighting lighting = lighting_;
+  VolumeLighting lighting;
+  lighting.ownFire = false;
+  if (lit)
+    lighting = lighting_;
   const auto inVolume = [&](const Vec3& point) {
     return Vec3(place.turn.transpose() * (point - place.offset));
   };
@@ -265,11 +268,12 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment) 
     };
   }
   ShadedVoxels volume(std::move(slice));
-  if (layer_.appearance().scatters()) {
+  if (lit && layer_.appearance().scatters()) {
     VOLUTE_ASSIGN(lighting.colors, layer_.colorsAt(moment, volume.lightPoints()));
   }
   light_ = std::make_shared<const VolumeLight>(std::move(volume), std::move(lighting));
   lightMoment_ = moment;
+  lightIsWhole_ = lit;
   return light_;
 }
 

@@ -114,11 +114,12 @@ class VolumeMedium : public SceneMedium {
   Result<std::shared_ptr<const BrickSlice>> coarseSlice(int position, Progress& progress) const;
 
   /// Of a moment; the last one is kept.
-  [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(double moment);
+  [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(double moment, bool lit);
 
   VolumeLayer layer_;
   VolumeLighting lighting_;
   double lightMoment_ = -1;
+  bool lightIsWhole_ = false;  // else of the extinction alone
   std::shared_ptr<const VolumeLight> light_;
   bool checked_ = false;  ///< it was looked through for damage
   bool damaged_ = false;
