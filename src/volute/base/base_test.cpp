@@ -25,6 +25,7 @@
 #include "volute/base/input_file.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/base/thread_priority.hpp"
 #include "volute/base/view.hpp"
 
@@ -158,6 +159,17 @@ TEST(InputFile, ReadsAnywhereAndRefusesPastTheEnd) {
   const auto past = file->read(7, bytes);
   ASSERT_FALSE(past);
   EXPECT_EQ(past.error().code, ErrorCode::kTruncated);
+}
+
+TEST(ReadText, ReadsAllUpToALimit) {
+  const auto path = freshFolder("text") / "in.txt";
+  std::ofstream(path) << "0123456789";
+  EXPECT_EQ(readText(path).value(), "0123456789");
+  EXPECT_EQ(readText(path, 10).value().size(), 10u);
+  const auto large = readText(path, 9);
+  ASSERT_FALSE(large);
+  EXPECT_EQ(large.error().code, ErrorCode::kTooLarge);
+  EXPECT_NE(large.error().message.find("expected at most 9"), std::string::npos);
 }
 
 TEST(InputFile, MissingFileIsNotFound) {

@@ -9,10 +9,12 @@
 #include <optional>
 #include <sstream>
 
-#include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 
 namespace volute {
 namespace {
+
+constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
 
 // In the order of COLMAP's numbers, with how many parameters each has.
 struct Model {
@@ -32,17 +34,6 @@ constexpr std::array<Model, 12> kModels{{{"SIMPLE_PINHOLE", 3},
                                          {"RADIAL_FISHEYE", 5},
                                          {"THIN_PRISM_FISHEYE", 12},
                                          {"RAD_TAN_THIN_PRISM_FISHEYE", 16}}};
-
-Result<std::string> readWhole(const std::filesystem::path& path) {
-  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
-  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  if (file.size() > kMaxBytes)
-    return fail(ErrorCode::kTooLarge, "{}: {} bytes are too many for a COLMAP model", path.string(),
-                file.size());
-  std::string text(file.size(), '\0');
-  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
-  return text;
-}
 
 bool toNumber(const std::string& text, double& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -122,7 +113,7 @@ Status checkWhole(const std::filesystem::path& path, const std::string& text, st
 }
 
 Status readCamerasText(const std::filesystem::path& path, ColmapModel& model) {
-  VOLUTE_ASSIGN(const std::string text, readWhole(path));
+  VOLUTE_ASSIGN(const std::string text, readText(path, kMaxBytes));
   for (const Line& line : linesOf(text)) {
     if (line.words.empty())
       continue;
@@ -168,7 +159,7 @@ bool parseImage(const Line& line, ColmapImage& image) {
 /// Each image has a line of its own and one of points, which may be empty and which some tools
 /// leave out.
 Status readImagesText(const std::filesystem::path& path, ColmapModel& model) {
-  VOLUTE_ASSIGN(const std::string text, readWhole(path));
+  VOLUTE_ASSIGN(const std::string text, readText(path, kMaxBytes));
   bool pointsMayFollow = false;
   for (const Line& line : linesOf(text)) {
     ColmapImage image;
@@ -244,7 +235,7 @@ tl::unexpected<Error> damaged(const std::filesystem::path& path, const Bytes& by
 }
 
 Status readCamerasBinary(const std::filesystem::path& path, ColmapModel& model) {
-  VOLUTE_ASSIGN(const std::string text, readWhole(path));
+  VOLUTE_ASSIGN(const std::string text, readText(path, kMaxBytes));
   Bytes bytes(text);
   const auto count = bytes.take<std::uint64_t>();
   for (std::uint64_t i = 0; i < count && bytes.ok(); ++i) {
@@ -274,7 +265,7 @@ Status readCamerasBinary(const std::filesystem::path& path, ColmapModel& model) 
 }
 
 Status readImagesBinary(const std::filesystem::path& path, ColmapModel& model) {
-  VOLUTE_ASSIGN(const std::string text, readWhole(path));
+  VOLUTE_ASSIGN(const std::string text, readText(path, kMaxBytes));
   Bytes bytes(text);
   const auto count = bytes.take<std::uint64_t>();
   for (std::uint64_t i = 0; i < count && bytes.ok(); ++i) {

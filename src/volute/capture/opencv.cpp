@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-#include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/capture/importers.hpp"
 #include "volute/io/json_depth.hpp"
 
@@ -113,13 +113,7 @@ std::vector<std::string> unused(const Entries& entries, std::span<const CameraDr
 /// JSON is YAML too, so one reader does for both. yaml-cpp throws.
 Result<Entries> readEntries(const std::filesystem::path& file) {
   constexpr std::uint64_t kMaxBytes = 16 << 20;
-  VOLUTE_ASSIGN(const auto input, InputFile::open(file));
-  if (input.size() > kMaxBytes) {
-    return fail(ErrorCode::kTooLarge, "{}: {} bytes are too many for a calibration", file.string(),
-                input.size());
-  }
-  std::string text(input.size(), '\0');
-  VOLUTE_TRY(input.read(0, std::as_writable_bytes(std::span(text))));
+  VOLUTE_ASSIGN(std::string text, readText(file, kMaxBytes));
   if (file.extension() == ".json")
     VOLUTE_TRY(checkJsonDepth(text, file.string()));
   // OpenCV's first line is no YAML directive as the standard has it, and old versions put no "---"

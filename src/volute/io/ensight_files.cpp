@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 
 namespace volute {
 namespace {
@@ -87,13 +88,6 @@ NamedFile namedFile(const std::vector<std::string>& words, std::size_t names) {
   return file;
 }
 
-Result<std::string> textOf(const std::filesystem::path& path) {
-  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  std::string text(file.size(), ' ');
-  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
-  return text;
-}
-
 /// A line without a colon or a number begins a part of the case, or is a remark. VTK's reader looks
 /// for a word it does not find for a minute.
 bool isSection(const std::vector<std::string>& words) {
@@ -104,7 +98,7 @@ bool isSection(const std::vector<std::string>& words) {
 }
 
 Result<Case> readCase(const std::filesystem::path& path) {
-  VOLUTE_ASSIGN(const std::string text, textOf(path));
+  VOLUTE_ASSIGN(const std::string text, readText(path));
   std::istringstream stream(text);
   Case out;
   TimeSet* set = nullptr;
@@ -185,7 +179,7 @@ class Cursor {
     VOLUTE_ASSIGN(auto file, InputFile::open(path));
     Cursor cursor(std::move(file), binary);
     if (!binary) {
-      VOLUTE_ASSIGN(cursor.text_, textOf(path));
+      VOLUTE_ASSIGN(cursor.text_, readText(path));
     }
     return cursor;
   }

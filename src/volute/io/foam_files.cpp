@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 
 namespace volute {
 namespace {
@@ -190,13 +191,9 @@ class FoamWalk {
 
 /// The bytes of a file, unpacked.
 Result<std::string> contentOf(const std::filesystem::path& path) {
+  if (path.extension() != ".gz")
+    return readText(path);
   std::string text;
-  if (path.extension() != ".gz") {
-    VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-    text.resize(file.size());
-    VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
-    return text;
-  }
   VOLUTE_TRY(InputFile::check(path));
   const gzFile file = ::gzopen(path.c_str(), "rb");
   if (!file)

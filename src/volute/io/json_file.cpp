@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <span>
 #include <string>
 
-#include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/io/json_depth.hpp"
 
 namespace volute {
@@ -30,14 +29,7 @@ std::string wordAt(const std::string& text, std::size_t end) {
 Result<nlohmann::json> readJson(const std::filesystem::path& path) {
   constexpr std::uint64_t kMaxBytes = 16 << 20;
   const std::string file = path.string();
-  VOLUTE_ASSIGN(const auto input, InputFile::open(path));
-  if (input.size() > kMaxBytes) {
-    return fail(ErrorCode::kTooLarge,
-                "{}: {} bytes are too many for a JSON file of ours; expected at most {}", file,
-                input.size(), kMaxBytes);
-  }
-  std::string text(input.size(), '\0');
-  VOLUTE_TRY(input.read(0, std::as_writable_bytes(std::span(text))));
+  VOLUTE_ASSIGN(const auto text, readText(path, kMaxBytes));
   if (text.empty())
     return fail(ErrorCode::kInvalidData, "{}: is empty; expected JSON", file);
   VOLUTE_TRY(checkJsonDepth(text, file));

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/io/below_folder.hpp"
 #include "volute/io/number_word.hpp"
@@ -63,17 +63,6 @@ Status forEachLine(std::string& text, Statement&& statement) {
     joined.clear();
   }
   return {};
-}
-
-Result<std::string> readText(const std::filesystem::path& path, std::uint64_t maxMemory) {
-  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  if (file.size() > maxMemory) {
-    return fail(ErrorCode::kTooLarge, "{}: {} MiB, more than the {} MiB of memory allowed",
-                path.string(), file.size() >> 20, maxMemory >> 20);
-  }
-  std::string text(file.size(), ' ');
-  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
-  return text;
 }
 
 /// All that Wavefront's format has, and what exporters add.

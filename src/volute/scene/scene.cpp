@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/base/remark_log.hpp"
 #include "volute/io/json_depth.hpp"
 #include "volute/io/json_file.hpp"
@@ -42,9 +42,7 @@ void extend(Box3& box, const Box3& by) {
 /// As it is written, with its members in their order.
 Result<OrderedJson> readScene(const std::string& path) {
   VOLUTE_TRY(readJson(path));  // whatever is wrong with it is said there
-  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  std::string text(file.size(), '\0');
-  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
+  VOLUTE_ASSIGN(const auto text, readText(path));
   VOLUTE_TRY(checkJsonDepth(text, path));
   return OrderedJson::parse(text, nullptr, false);
 }

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/io/table_row.hpp"
 
 namespace volute {
@@ -186,12 +186,7 @@ Result<LineFile> LineReader::read(std::string_view text) {
 
 Result<LineFile> readLines(const std::filesystem::path& file) {
   constexpr std::uint64_t kMax = std::uint64_t{1} << 30;
-  VOLUTE_ASSIGN(const auto input, InputFile::open(file));
-  if (input.size() > kMax)
-    return fail(ErrorCode::kTooLarge, "{}: {} bytes; expected a table of at most 1 GiB",
-                file.string(), input.size());
-  std::string text(input.size(), '\0');
-  VOLUTE_TRY(input.read(0, std::as_writable_bytes(std::span(text))));
+  VOLUTE_ASSIGN(const auto text, readText(file, kMax));
   return LineReader(file.string()).read(text);
 }
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
@@ -28,12 +28,10 @@ std::string unescaped(std::string text) {
 /// What a collection's DataSets call their files. Whatever else is wrong with it is said by those
 /// who read it.
 std::vector<std::string> namesIn(const std::filesystem::path& collection) {
-  const auto file = InputFile::open(collection);
-  if (!file || file->size() > kLargestCollection)
+  const auto read = readText(collection, kLargestCollection);
+  if (!read)
     return {};
-  std::string text(file->size(), '\0');
-  if (!file->read(0, std::as_writable_bytes(std::span(text))))
-    return {};
+  const std::string& text = *read;
   std::vector<std::string> names;
   constexpr std::string_view kKey = " file=";
   for (std::size_t at = 0; (at = text.find(kKey, at)) != std::string::npos;) {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-#include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/io/json_file.hpp"
@@ -238,9 +238,7 @@ class StudyReader {
 
 /// Any size: it is this program's own.
 Result<Json> readOwnJson(const std::filesystem::path& path) {
-  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  std::string text(file.size(), '\0');
-  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
+  VOLUTE_ASSIGN(const auto text, readText(path));
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded() || !json.is_object())
     return fail(ErrorCode::kInvalidData, "{}: is no JSON object", path.string());

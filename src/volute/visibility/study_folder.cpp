@@ -3,12 +3,12 @@
 #include "volute/visibility/study_folder.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <array>
+#include <charconv>
 #include <string>
 #include <vector>
 
-#include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/base/version.hpp"
 #include "volute/base/write_file.hpp"
 
@@ -41,22 +41,16 @@ bool isDone(const std::filesystem::path& folder, const std::filesystem::path& ke
   std::error_code error;
   if (!std::filesystem::exists(folder / "visibility.json", error))
     return false;
-  const auto file = InputFile::open(keyFile);
-  if (!file || file->size() != key.size())
-    return false;
-  std::string text(key.size(), '\0');
-  return file->read(0, std::as_writable_bytes(std::span(text))) && text == key;
+  const auto text = readText(keyFile, key.size());
+  return text && *text == key;
 }
 
 StudyRunState stateOf(const StudyRun& run, const std::filesystem::path& folder) {
   const auto keyFile = folder / "keys" / (run.name + ".txt");
   if (isDone(folder / run.name, keyFile, keyOf(run)))
     return {true, ""};
-  if (const auto file = InputFile::open(keyFile); file && file->size() < 65536) {
-    std::string text(file->size(), '\0');
-    if (file->read(0, std::as_writable_bytes(std::span(text))) && text.starts_with("failed: "))
-      return {false, text.substr(8, text.size() - 9)};
-  }
+  if (const auto text = readText(keyFile, 65535); text && text->starts_with("failed: "))
+    return {false, text->substr(8, text->size() - 9)};
   return {false, "not run yet"};
 }
 

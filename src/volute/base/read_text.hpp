@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <string>
+
+#include "volute/base/result.hpp"
+
+namespace volute {
+
+/// All of a text file. kTooLarge for more than `most` bytes; else as InputFile::open() and read().
+[[nodiscard]] Result<std::string> readText(
+    const std::filesystem::path& path,
+    std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+
+}  // namespace volute
