@@ -23,8 +23,7 @@ volute::Status lookForTheExit(const char* file) {
   for (const std::string& remark : fire.remarks()) fmt::print("{}\n", remark);
 
   // The same case, for sight lines. Any scene works, with walls and several media.
-  VOLUTE_ASSIGN(auto scene, volute::Scene::open(file, {}, quiet));
-  VOLUTE_ASSIGN(const auto smoke, volute::sightOf(std::move(scene), {}, quiet));
+  VOLUTE_ASSIGN(const auto smoke, volute::openSight(file, {}, quiet));
 
   const volute::Vec3 middle = room.min + 0.5 * room.size();
   volute::SafetySign exit;

@@ -19,8 +19,7 @@ namespace {
 
 volute::Status evacuate(const char* file, const char* signFile) {
   volute::Progress quiet;
-  VOLUTE_ASSIGN(auto scene, volute::Scene::open(file, {}, quiet));
-  VOLUTE_ASSIGN(auto field, volute::sightOf(std::move(scene), {}, quiet));
+  VOLUTE_ASSIGN(auto field, volute::openSight(file, {}, quiet));
   VOLUTE_ASSIGN(const auto signs, volute::readSigns(signFile));
   const volute::Box3 room = field->bounds();
   const double height = room.min.z() + std::min(1.7, 0.7 * room.size().z());

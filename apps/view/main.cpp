@@ -27,23 +27,6 @@ std::optional<ViewRenderer> rendererOf(const Arguments& arguments) {
                           : ViewRenderer::kAuto;
 }
 
-/// --smoke-method, which is about OpenGL alone.
-Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments,
-                                    std::optional<ViewRenderer> renderer) {
-  const auto name = arguments.get<std::string>("smoke-method");
-  if (name == "auto")
-    return GlSmokeMethod::kAuto;
-  const bool gl = renderer == ViewRenderer::kGl ||
-                  (renderer != ViewRenderer::kCpu && graphicsHardwarePresent());
-  if (!gl) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--smoke-method: {} is a way to draw smoke with OpenGL; add --renderer gl", name);
-  }
-  return name == "march"   ? GlSmokeMethod::kMarch
-         : name == "splat" ? GlSmokeMethod::kSplat
-                           : GlSmokeMethod::kProject;
-}
-
 Status run(const Arguments& arguments, Context& context) {
   const std::string path = arguments.positionals().empty() ? "" : arguments.positional(0);
   const Pixels size = arguments.get<Pixels>("size");
@@ -54,7 +37,9 @@ Status run(const Arguments& arguments, Context& context) {
       size.width,
       size.height,
       {.renderer = renderer, .cpu = cpuMayDraw("a picture").has_value()}};
-  VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, renderer));
+  const bool gl = renderer == ViewRenderer::kGl ||
+                  (renderer != ViewRenderer::kCpu && graphicsHardwarePresent());
+  VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, gl));
   nlohmann::ordered_json members = nlohmann::ordered_json::object();
   if (!path.empty()) {
     VOLUTE_ASSIGN(members, mediumMembers(path, arguments));

@@ -18,13 +18,13 @@
 #include "volute/image/srgb.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/camera_file.hpp"
+#include "volute/scene/picture_camera.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_renderer.hpp"
 #include "volute/scene/scene_sight.hpp"
 #include "volute/tomography/capture_refinement.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
-#include "volute/tomography/run_key.hpp"
 #include "volute/visibility/criteria_file.hpp"
 #include "volute/visibility/eyes.hpp"
 #include "volute/visibility/sight_engine.hpp"
@@ -117,7 +117,15 @@ class PythonScene {
                             const py::object& listener) {
     return arrayOf(run(listener, [&](Progress& progress) -> Result<Image> {
       const std::lock_guard lock(mutex_);
-      VOLUTE_ASSIGN(const Camera from, cameraOf(camera, size));
+      std::optional<CameraDescription> asked;
+      if (!camera.empty()) {
+        VOLUTE_ASSIGN(asked, parseCamera(jsonOf(camera), {"camera"}));
+      }
+      std::optional<Pixels> pixels;
+      if (size) {
+        VOLUTE_ASSIGN(pixels, pixelsOf(*size));
+      }
+      VOLUTE_ASSIGN(const auto from, pictureCamera(scene_, std::move(asked), pixels));
       RenderOptions options;
       options.background = scene_.description().background;
       if (background)
@@ -128,29 +136,19 @@ class PythonScene {
       VOLUTE_ASSIGN(Snapshot snapshot, scene_.at({.time = time}, progress));
       snapshot.background = options.background;
       auto& with = renderer == "reference" ? reference_ : cpu_;
-      return with.render(snapshot, from, options, progress);
+      return with.render(snapshot, from.camera, options, progress);
     }));
   }
 
  private:
-  Result<Camera> cameraOf(const std::string& json, std::optional<std::array<int, 2>> size) const {
-    constexpr Pixels kUsualSize{800, 600};
-    std::optional<CameraDescription> description = scene_.camera();
-    if (!json.empty()) {
-      VOLUTE_ASSIGN(description, parseCamera(jsonOf(json), {"camera"}));
-    }
-    Pixels pixels = description ? description->size.value_or(kUsualSize) : kUsualSize;
-    if (size)
-      pixels = {(*size)[0], (*size)[1]};
+  static Result<Pixels> pixelsOf(const std::array<int, 2>& size) {
     constexpr int kLargest = 32768;
+    const Pixels pixels{size[0], size[1]};
     if (pixels.width < 1 || pixels.height < 1 || pixels.width > kLargest || pixels.height > kLargest) {
       return fail(ErrorCode::kInvalidArgument, "size: {} x {} pixels; expected 1 to {} on each side",
                   pixels.width, pixels.height, kLargest);
     }
-    return description ? makeCamera(*description, pixels)
-                       : Camera::framing(scene_.media().empty() ? scene_.bounds()
-                                                                : scene_.media().front()->info().bounds,
-                                         pixels.width, pixels.height);
+    return pixels;
   }
 
   Scene scene_;
@@ -252,8 +250,7 @@ class Sight {
   Status open() {
     Progress quiet;
     instant_ = nullptr;
-    VOLUTE_ASSIGN(auto scene, Scene::open(path_, options_, quiet));
-    VOLUTE_ASSIGN(field_, sightOf(std::move(scene), options_, quiet));
+    VOLUTE_ASSIGN(field_, openSight(path_, options_, quiet));
     times_.assign(field_->times().begin(), field_->times().end());
     bounds_ = field_->bounds();
     description_ = field_->description();
@@ -299,12 +296,8 @@ class Engine {
     run(listener, [&](Progress& progress) -> Status {
       const SceneOptions options = sceneOptions(members, maxMemory);
       VOLUTE_ASSIGN(const auto signs, readSigns(signsFile));
-      std::vector<Criterion> criteria = usualCriteria();
-      if (!criteriaFile.empty()) {
-        VOLUTE_ASSIGN(criteria, readCriteria(criteriaFile));
-      }
-      VOLUTE_ASSIGN(auto scene, Scene::open(path, options, progress));
-      VOLUTE_ASSIGN(auto field, sightOf(std::move(scene), options, progress));
+      VOLUTE_ASSIGN(const auto criteria, criteriaOf(criteriaFile.empty() ? "usual" : criteriaFile));
+      VOLUTE_ASSIGN(auto field, openSight(path, options, progress));
       VOLUTE_ASSIGN(auto made, SightEngine::open(std::move(field), signs, criteria, progress));
       engine_ = std::make_unique<SightEngine>(std::move(made));
       return {};
@@ -497,18 +490,13 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
     const bool refine = said.value("refine", true);
     VOLUTE_ASSIGN(const CaptureRefinement refinement,
                   refineCapture(given, heldOut, refine ? Refine::kAuto : Refine::kNever, maxMemory, progress));
-    if (refinement.used)
-      for (const auto& text : describeCorrections(refinement)) progress.remark("calibration refined: " + text);
     const Capture& capture = refinement.capture;
-    VOLUTE_ASSIGN(auto views, ViewReader::open(capture, heldOut, maxMemory, progress));
-    VOLUTE_ASSIGN(const auto work, WorkFolder::open(output.empty() ? "-" : output));
     VOLUTE_ASSIGN(const auto frames,
-                  ReconstructedFrames::open(capture, settings, std::move(views), work,
-                                            frameKeys(capture, settings, heldOut), progress));
+                  ReconstructedFrames::open(capture, settings, heldOut,
+                                            output.empty() ? "-" : output, progress));
     const Status done = [&]() -> Status {
       VOLUTE_TRY(frames->solveAll());
-      VOLUTE_ASSIGN(report, reconstructionReport(capture, settings, *frames));
-      report["refinement"] = refinementJson(refinement);
+      VOLUTE_ASSIGN(report, reconstructionReport(refinement, settings, *frames));
       info = frames->info();
       if (!output.empty()) {
         CompressOptions options;
@@ -529,9 +517,7 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
       }
       return {};
     }();
-    // What was finished of a file serves when the call is made again.
-    if (done || output.empty())
-      work.remove();
+    frames->work().leave(done.has_value());  // what was finished serves when the call is made again
     return done;
   });
   py::object array = py::none();

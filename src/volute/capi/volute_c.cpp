@@ -354,8 +354,7 @@ volute_status volute_scene_open(const char* path, volute_scene** scene) {
     VOLUTE_TRY(volute::given("volute_scene_open", path, scene));
     *scene = nullptr;
     volute::Progress quiet;
-    VOLUTE_ASSIGN(auto opened, volute::Scene::open(path, {}, quiet));
-    VOLUTE_ASSIGN(auto field, volute::sightOf(std::move(opened), {}, quiet));
+    VOLUTE_ASSIGN(auto field, volute::openSight(path, {}, quiet));
     auto made = std::make_unique<volute_scene>();
     made->field = std::move(field);
     *scene = made.release();
@@ -393,8 +392,7 @@ volute_status volute_engine_open(const char* path, const char* signs, volute_eng
     *engine = nullptr;
     volute::Progress quiet;
     VOLUTE_ASSIGN(const auto read, volute::readSigns(signs));
-    VOLUTE_ASSIGN(auto opened, volute::Scene::open(path, {}, quiet));
-    VOLUTE_ASSIGN(auto field, volute::sightOf(std::move(opened), {}, quiet));
+    VOLUTE_ASSIGN(auto field, volute::openSight(path, {}, quiet));
     VOLUTE_ASSIGN(auto made, volute::SightEngine::open(std::move(field), read,
                                                        volute::usualCriteria(), quiet));
     *engine = std::make_unique<volute_engine>(volute_engine{std::move(made)}).release();

@@ -49,6 +49,11 @@ class Arguments {
     return found == values_.end() ? nullptr : &found->second.value;
   }
 
+  /// The values of an option that may be repeated.
+  std::vector<std::string> all(std::string_view name) const {
+    return find<std::vector<std::string>>(name).value_or(std::vector<std::string>());
+  }
+
   /// For options that are required or have a default.
   template <class T>
   T get(std::string_view name) const {

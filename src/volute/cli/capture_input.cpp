@@ -9,22 +9,16 @@ namespace {
 Result<std::array<int, 3>> parseResolution(const std::string& text) {
   constexpr int kMax = 1 << 14;
   std::array<int, 3> voxels{};
-  std::size_t begin = 0;
-  int count = 0;
-  for (; count < 3 && begin <= text.size(); ++count) {
-    const auto end = std::min(text.find(',', begin), text.size());
-    const auto side = parseInteger(std::string_view(text).substr(begin, end - begin));
-    if (!side || *side < 1 || *side > kMax)
-      break;
-    voxels[static_cast<std::size_t>(count)] = *side;
-    begin = end + 1;
+  const auto parts = split(text, ',');
+  bool right = parts.size() == 1 || parts.size() == voxels.size();
+  for (std::size_t i = 0; right && i < parts.size(); ++i) {
+    voxels[i] = parseInteger(parts[i]).value_or(0);
+    right = voxels[i] >= 1 && voxels[i] <= kMax;
   }
-  if (begin <= text.size() || (count != 1 && count != 3)) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--resolution: '{}' is not a resolution; expected N or NX,NY,NZ voxels, 1 to {}",
-                text, kMax);
-  }
-  return voxels;
+  if (right)
+    return voxels;
+  return fail(ErrorCode::kInvalidArgument,
+              "'{}' is not a resolution; expected N or NX,NY,NZ voxels, 1 to {}", text, kMax);
 }
 
 }  // namespace
@@ -54,13 +48,10 @@ Result<CaptureOptions> captureOptionsOf(const Arguments& arguments, const Contex
   options.frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
   options.maxMemory = context.maxMemory;
   if (const auto text = arguments.find<std::string>("resolution")) {
-    VOLUTE_ASSIGN(options.resolution, parseResolution(*text));
+    VOLUTE_ASSIGN(options.resolution, ofOption("resolution", parseResolution(*text)));
   }
   if (const auto text = arguments.find<std::string>("color")) {
-    const auto response = Response::byName(*text);
-    if (!response)
-      return fail(ErrorCode::kInvalidArgument, "--color: {}", response.error().message);
-    options.response = *response;
+    VOLUTE_ASSIGN(options.response, ofOption("color", Response::byName(*text)));
   }
   return options;
 }

@@ -211,19 +211,4 @@ std::string optionOfMember(const FieldTable& table, std::string_view member) {
   return row && row->hasOption() ? row->optionName(outer) : "";
 }
 
-Option fieldOption(std::string help, std::vector<std::string_view> kinds) {
-  return {.name = "field",
-          .kind = ValueKind::kText,
-          .value = "NAME",
-          .help = std::move(help),
-          .aliases = {"grid"},
-          .kinds = std::move(kinds)};
-}
-
-Option fieldsOption(std::string help, std::vector<std::string_view> kinds) {
-  Option option = fieldOption(std::move(help), std::move(kinds));
-  option.value = "NAME[,NAME]";
-  return option;
-}
-
 }  // namespace volute::cli

@@ -27,10 +27,4 @@ std::vector<Option> fieldOptions(const std::vector<const FieldTable*>& tables,
 /// The option that stands for a member of a table: "fire/cutoff" for one within. Empty: none.
 std::string optionOfMember(const FieldTable& table, std::string_view member);
 
-/// --field of what has several: `kinds` as in Option, empty: all.
-Option fieldOption(std::string help, std::vector<std::string_view> kinds = {});
-
-/// The same where several may be named.
-Option fieldsOption(std::string help, std::vector<std::string_view> kinds = {});
-
 }  // namespace volute::cli

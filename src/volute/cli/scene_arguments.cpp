@@ -2,9 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/scene_arguments.hpp"
 
-#include <filesystem>
-
-#include "volute/cli/field_options.hpp"
 #include "volute/cli/file_kind.hpp"
 #include "volute/scene/kinds.hpp"
 
@@ -37,7 +34,7 @@ Result<OrderedJson> mediumMembers(const std::string& path, const Arguments& argu
 Error aboutOptions(Error error, const std::string& path) {
   const std::string begin = path + ": /media/0";
   const std::size_t at = error.message.find(begin);
-  if (at == std::string::npos)
+  if (isScenePath(path) || at == std::string::npos)
     return error;
   std::size_t end = at + begin.size();
   if (error.message[end] != '/') {
@@ -55,19 +52,25 @@ Error aboutOptions(Error error, const std::string& path) {
   return error;
 }
 
-Result<Scene> openScene(const std::string& path, const Arguments& arguments, Context& context,
-                        bool measured) {
+Result<SceneOptions> sceneOptions(const std::string& path, const Arguments& arguments,
+                                  const Context& context) {
   SceneOptions options;
   options.maxMemory = context.maxMemory;
   options.files.partial = arguments.flag("partial");
+  VOLUTE_ASSIGN(options.members, mediumMembers(path, arguments));
+  if (isScenePath(path) && arguments.given("basis"))
+    options.overrides["basis"] = arguments.get<std::string>("basis");
+  return options;
+}
+
+Result<Scene> openScene(const std::string& path, const Arguments& arguments, Context& context,
+                        bool measured) {
+  VOLUTE_ASSIGN(auto options, sceneOptions(path, arguments, context));
   options.files.measured = measured;
   VOLUTE_ASSIGN(options.files.lightCache, lightCache(arguments, context));
   if (arguments.flag("by-pieces") && context.team.size() > 1)
     options.files.holders = &context.team;
-  VOLUTE_ASSIGN(options.members, mediumMembers(path, arguments));
   const bool scene = isScenePath(path);
-  if (scene && arguments.given("basis"))
-    options.overrides["basis"] = arguments.get<std::string>("basis");
   // Fire does not absorb by default; an optical depth of nothing would say nothing.
   if (!scene && arguments.given("aov") && !options.members.contains("extinction") &&
       mediumKindOf(path, true)->fields().find("extinction"))
@@ -79,34 +82,9 @@ Result<Scene> openScene(const std::string& path, const Arguments& arguments, Con
       mediumKindOf(path, true)->fields().find("preset"))
     options.members["preset"] = "auto";
   auto opened = Scene::open(path, options, context.progress);
-  if (!opened && !scene)
+  if (!opened)
     return tl::unexpected(aboutOptions(std::move(opened.error()), path));
   return opened;
-}
-
-Result<OrderedJson> entryOf(const std::string& path, const Arguments& arguments) {
-  VOLUTE_ASSIGN(const auto members, mediumMembers(path, arguments));
-  const MediumKind& kind = *mediumKindOf(path, false);
-  OrderedJson entry = kind.sceneOf(std::filesystem::path(path).filename().string())["media"][0];
-  entry.update(members);
-  return entry;
-}
-
-Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Arguments& arguments,
-                                              Context& context) {
-  SceneOptions options;
-  options.maxMemory = context.maxMemory;
-  if (isScenePath(path)) {
-    VOLUTE_ASSIGN(auto scene, openScene(path, arguments, context));
-    return sightOf(std::move(scene), options, context.progress);
-  }
-  VOLUTE_ASSIGN(const auto entry, entryOf(path, arguments));
-  const nlohmann::json plain = entry;
-  MediumContext in{context, options.files, SceneLights(), TriangleScene(), path, "/media/0"};
-  auto sight = mediumKindOf(path, false)->openSight(plain, in);
-  if (!sight)
-    return tl::unexpected(aboutOptions(std::move(sight.error()), path));
-  return sight;
 }
 
 std::vector<Option> lightCacheOptions() {
@@ -139,6 +117,18 @@ Result<std::optional<LightCache>> lightCache(const Arguments& arguments, Context
     return std::optional(std::move(*cache));
   context.progress.remark("light is not kept: " + cache.error().message);
   return std::nullopt;
+}
+
+Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, bool gl) {
+  const auto name = arguments.get<std::string>("smoke-method");
+  if (!gl && name != "auto") {
+    return fail(ErrorCode::kInvalidArgument,
+                "--smoke-method: {} is a way to draw with OpenGL; add --renderer gl", name);
+  }
+  return name == "auto"    ? GlSmokeMethod::kAuto
+         : name == "march" ? GlSmokeMethod::kMarch
+         : name == "splat" ? GlSmokeMethod::kSplat
+                           : GlSmokeMethod::kProject;
 }
 
 Result<std::optional<CameraDescription>> cameraOf(const Arguments& arguments) {

@@ -9,9 +9,9 @@
 #include "volute/cli/arguments.hpp"
 #include "volute/cli/context.hpp"
 #include "volute/cli/field_options.hpp"
+#include "volute/gl/gl_smoke_method.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/scene/scene.hpp"
-#include "volute/scene/scene_sight.hpp"
 
 namespace volute::cli {
 
@@ -34,19 +34,16 @@ std::vector<Option> lightCacheOptions();
 [[nodiscard]] Result<Scene> openScene(const std::string& path, const Arguments& arguments,
                                       Context& context, bool measured = true);
 
-/// The same as sight lines ask for it.
-[[nodiscard]] Result<std::unique_ptr<SightField>> openSight(const std::string& path,
-                                                            const Arguments& arguments,
-                                                            Context& context);
-
-/// The entry of a scene that a file alone stands for, with what the options given say; its names
-/// are found from the file's folder. kInvalidArgument for an option of other kinds.
-[[nodiscard]] Result<nlohmann::ordered_json> entryOf(const std::string& path,
-                                                     const Arguments& arguments);
+/// How openScene() opens it; kInvalidArgument for an option of other kinds.
+[[nodiscard]] Result<SceneOptions> sceneOptions(const std::string& path, const Arguments& arguments,
+                                                const Context& context);
 
 /// An error about a member of the only medium of a scene that a file stands for, as one about the
 /// option.
 Error aboutOptions(Error error, const std::string& path);
+
+/// --smoke-method; kInvalidArgument where one is named and OpenGL does not draw.
+[[nodiscard]] Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, bool gl);
 
 /// From --camera or --eye, --target, --up and --fov or --ortho; nothing when none of them is given.
 [[nodiscard]] Result<std::optional<CameraDescription>> cameraOf(const Arguments& arguments);

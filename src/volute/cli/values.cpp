@@ -4,33 +4,14 @@
 
 #include <fmt/ranges.h>
 
-#include <charconv>
 #include <cmath>
 #include <vector>
 
 #include "volute/base/suggest.hpp"
+#include "volute/io/number_word.hpp"
 
 namespace volute::cli {
 namespace {
-
-template <class T>
-bool parseWhole(std::string_view text, T& value) {
-  if (text.starts_with('+'))
-    text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && !text.empty();
-}
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t begin = 0;;) {
-    const std::size_t end = text.find(separator, begin);
-    parts.push_back(text.substr(begin, end - begin));
-    if (end == std::string_view::npos)
-      return parts;
-    begin = end + 1;
-  }
-}
 
 bool parseCount(std::string_view text, std::size_t count, std::vector<double>& numbers) {
   if (const auto found = parseNumbers(text))
@@ -43,7 +24,7 @@ bool parseFrameNumber(std::string_view text, std::optional<int>& number) {
   if (text.empty())
     return true;
   int value = 0;
-  if (!parseWhole(text, value) || value < 0)
+  if (!readNumber(text, value) || value < 0)
     return false;
   number = value;
   return true;
@@ -77,9 +58,20 @@ Result<Value> parseChoice(const Option& option, std::string_view text) {
 
 }  // namespace
 
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = text.find(separator, begin);
+    parts.push_back(text.substr(begin, end - begin));
+    if (end == std::string_view::npos)
+      return parts;
+    begin = end + 1;
+  }
+}
+
 Result<double> parseNumber(std::string_view text) {
   double value = 0;
-  if (!parseWhole(text, value) || !std::isfinite(value)) {
+  if (!readNumber(text, value) || !std::isfinite(value)) {
     return fail(ErrorCode::kInvalidArgument,
                 "'{}' is not a finite number; expected one like 0.003 or 3e-3", text);
   }
@@ -97,7 +89,7 @@ Result<std::vector<double>> parseNumbers(std::string_view text) {
 
 Result<int> parseInteger(std::string_view text) {
   int value = 0;
-  if (!parseWhole(text, value)) {
+  if (!readNumber(text, value)) {
     return fail(ErrorCode::kInvalidArgument, "'{}' is not a whole number; expected one like 8",
                 text);
   }
@@ -111,7 +103,7 @@ Result<Bytes> parseBytes(std::string_view text) {
   const std::size_t digits = text.find_first_not_of("0123456789.");
   std::string_view unit = digits == std::string_view::npos ? "" : text.substr(digits);
   double number = 0;
-  if (!parseWhole(text.substr(0, digits), number))
+  if (!readNumber(text.substr(0, digits), number))
     return wrong;
   double factor = 1;
   if (!unit.empty()) {
@@ -164,8 +156,8 @@ Result<Region> parseRegion(std::string_view text) {
     return wrong;
   for (int axis = 0; axis < 3; ++axis) {
     const auto ends = split(axes[axis], ':');
-    if (ends.size() != 2 || !parseWhole(ends[0], region.begin[axis]) ||
-        !parseWhole(ends[1], region.end[axis])) {
+    if (ends.size() != 2 || !readNumber(ends[0], region.begin[axis]) ||
+        !readNumber(ends[1], region.end[axis])) {
       return wrong;
     }
     if (region.begin[axis] < 0 || region.begin[axis] >= region.end[axis])
@@ -199,8 +191,8 @@ Result<Pixels> parsePixels(std::string_view text) {
   constexpr int kMax = 32768;
   const auto parts = split(text, 'x');
   Pixels pixels;
-  if (parts.size() == 2 && parseWhole(parts[0], pixels.width) &&
-      parseWhole(parts[1], pixels.height) && std::min(pixels.width, pixels.height) >= 1 &&
+  if (parts.size() == 2 && readNumber(parts[0], pixels.width) &&
+      readNumber(parts[1], pixels.height) && std::min(pixels.width, pixels.height) >= 1 &&
       std::max(pixels.width, pixels.height) <= kMax) {
     return pixels;
   }

@@ -29,6 +29,9 @@ struct Bytes {
 using Value = std::variant<bool, std::string, double, int, Bytes, FrameRange, Region, Box3, Vec3,
                            Pixels, std::vector<std::string>>;
 
+/// The parts between separators, empty ones too; at least one.
+std::vector<std::string_view> split(std::string_view text, char separator);
+
 /// The errors of these are one sentence (kInvalidArgument) with the offending text and what was
 /// expected.
 [[nodiscard]] Result<double> parseNumber(std::string_view text);

@@ -2,14 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/volume_output.hpp"
 
-#include <algorithm>
-#include <array>
-
 #include "volute/base/interrupt.hpp"
 #include "volute/base/output_name.hpp"
-#include "volute/io/npy.hpp"
-#include "volute/io/volume_sink.hpp"
-#include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
 
@@ -20,21 +14,13 @@ Status checkTarget(const std::string& target, bool standardOutput) {
   return {};
 }
 
-Result<std::unique_ptr<FrameSink>> openSink(const std::string& target, const VolumeInfo& info,
-                                            bool voluteToo) {
-  if (target == "-") {
-    VOLUTE_ASSIGN(auto sink, NpySink::create(target, info));
-    return sink;
+Status checkTarget(const std::string& target, Context& context) {
+  context.resultsToStderr = target == "-";
+  if (context.json && target == "-") {
+    return fail(ErrorCode::kInvalidArgument,
+                "--json and '--output -' both want standard output; leave one");
   }
-  constexpr std::array<std::string_view, 4> kKnown = {".npy", ".vdb", ".vti", ".pvd"};
-  if (std::ranges::find(kKnown, extensionOf(target)) == kKnown.end()) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "--output: '{}' has an unknown format; expected {}.npy, %04d.vdb, %04d.vti, .pvd or -{}",
-        target, voluteToo ? ".volute, " : "",
-        isVolutePath(target) ? "; volute compress writes .volute files" : "");
-  }
-  return createSink(target, info);
+  return context.team.leads() ? checkTarget(target, true) : Status();
 }
 
 }  // namespace volute::cli

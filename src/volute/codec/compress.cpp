@@ -542,12 +542,12 @@ double Compressor::outcomeOfTry() const {
 
 tl::unexpected<Error> Compressor::unreachable() const {
   if (goal_.isSize()) {
-    return fail(ErrorCode::kInvalidArgument,
+    return fail(ErrorCode::kUnsupported,
                 "{}: cannot be made as small as {} = {}; the smallest is {} bytes of {} raw ones",
                 target_.string(), nameOf(options_.target.kind), options_.target.value,
                 fileBytes_, info_.rawBytes());
   }
-  return fail(ErrorCode::kInvalidArgument,
+  return fail(ErrorCode::kUnsupported,
               "{}: {} = {} cannot be reached: the rounding of float32 leaves a relative RMS of "
               "{:.3g} and a maximum error of {:.3g}; ask for more",
               target_.string(), nameOf(options_.target.kind), options_.target.value, relativeRms_,

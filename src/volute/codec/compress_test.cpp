@@ -200,7 +200,7 @@ TEST(Compress, ReachesWhatFloatsAllowAndSaysWhenNot) {
   const ScratchFile file;
   const auto refused = compressTo(file.path(), sequence, {Kind::kMaxError, 1e-12});
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
   EXPECT_NE(refused.error().message.find("cannot be reached"), std::string::npos);
   const auto tooSmall = compressTo(file.path(), sequence, {Kind::kSize, 100});
   ASSERT_FALSE(tooSmall);

@@ -201,8 +201,12 @@ TEST(VolumeSource, UnknownKindsAreNamed) {
   EXPECT_EQ(openSource("none.npy", {}).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(openSource("none_%04d.vdb", {}).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(openSource("none.vti", {}).error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(createSink("a.xyz", makeSequence(1, 1, 1, 1).info).error().code,
-            ErrorCode::kUnsupported);
+  const VolumeInfo info = makeSequence(1, 1, 1, 1).info;
+  EXPECT_EQ(createSink("a.xyz", info).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(createSink("a.volute", info).error().message,
+              ::testing::HasSubstr("volute compress writes"));
+  EXPECT_THAT(createSink("a.xyz", info, {.orVolute = true}).error().message,
+              ::testing::HasSubstr("expected .volute, .npy"));
 }
 
 TEST(NpySequence, NumberedFilesAreItsFrames) {

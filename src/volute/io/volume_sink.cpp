@@ -11,14 +11,15 @@ namespace volute {
 Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& output,
                                               const VolumeInfo& info, const SinkOptions& options) {
   const std::string extension = output.extension().string();
-  if (extension == ".npy")
+  if (extension == ".npy" || output == "-")
     return NpySink::create(output, info);
   const bool vdb = extension == ".vdb";
   if (!vdb && extension != ".vti" && extension != ".pvd") {
-    return fail(ErrorCode::kUnsupported,
-                "{}: cannot write this kind of volume; expected .npy, a pattern such as "
-                "smoke_%04d.vdb or smoke_%04d.vti, or .pvd",
-                output.string());
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "output: '{}' has an unknown format; expected {}.npy, %04d.vdb, %04d.vti, .pvd or -{}",
+        output.string(), options.orVolute ? ".volute, " : "",
+        extension == ".volute" ? "; volute compress writes .volute files" : "");
   }
   VOLUTE_ASSIGN(const LatticePlugin* plugin, vdb ? loadVdbPlugin() : loadVtkPlugin());
   return createLatticeSink(output, info, plugin->makeWriter({.half = options.half}));

@@ -189,6 +189,10 @@ class SightField {
   /// Which of a file's sources it is, where a picture can be taken of that too; empty: not known.
   virtual std::string fillingSource() const { return ""; }
 
+  /// Another source of the same file that reaches further up and down, to be asked for by its name;
+  /// empty: none.
+  virtual std::string tallerSource() const { return ""; }
+
   /// What its reader has to say.
   virtual std::vector<std::string> remarks() const { return {}; }
 

@@ -3,8 +3,10 @@
 #include "volute/scene/scene_sight.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "volute/media/ray_sight.hpp"
+#include "volute/scene/kinds.hpp"
 
 namespace volute {
 namespace {
@@ -174,6 +176,44 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
   if (scene.geometry().empty())
     return only;
   return std::make_unique<FieldBehindSurfaces>(std::move(only), scene.geometry(), scene.bounds());
+}
+
+Result<std::unique_ptr<SightField>> openSight(const std::string& path, const SceneOptions& options,
+                                              Progress& progress) {
+  registerUsualMedia();
+  if (isScenePath(path)) {
+    VOLUTE_ASSIGN(auto scene, Scene::open(path, options, progress));
+    return sightOf(std::move(scene), options, progress);
+  }
+  const MediumKind& kind = *mediumKindOf(path, false);
+  auto entry = kind.sceneOf(std::filesystem::path(path).filename().string())["media"][0];
+  entry.update(options.members);
+  Reading reading{progress, options.maxMemory};
+  const SceneLights lights;
+  const TriangleScene geometry;
+  MediumContext context{reading, options.files, lights, geometry, path, "/media/0"};
+  return kind.openSight(nlohmann::json(entry), context);
+}
+
+Result<std::unique_ptr<SightField>> openSight(const std::string& path, const SceneOptions& options,
+                                              std::span<const double> heights,
+                                              std::vector<std::string>& remarks,
+                                              Progress& progress) {
+  VOLUTE_ASSIGN(auto field, openSight(path, options, progress));
+  const double low = field->bounds().min.z(), high = field->bounds().max.z();
+  const bool outside = std::ranges::any_of(heights, [&](double z) { return z < low || z > high; });
+  const std::string taller =
+      outside && !options.members.contains("field") ? field->tallerSource() : "";
+  if (taller.empty())
+    return field;
+  SceneOptions other = options;
+  other.members["field"] = taller;
+  remarks.push_back(
+      fmt::format("{} has smoke from z = {:g} to {:g} m only, and eyes or signs are outside; smoke "
+                  "is read from "
+                  "{} instead (--field NAME selects another source)",
+                  field->description(), low, high, taller));
+  return openSight(path, other, progress);
 }
 
 }  // namespace volute

@@ -14,4 +14,18 @@ namespace volute {
 [[nodiscard]] Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& options,
                                                           Progress& progress);
 
+/// A file of any kind for sight lines. Of a medium alone, what only pictures need is not read.
+[[nodiscard]] Result<std::unique_ptr<SightField>> openSight(const std::string& path,
+                                                            const SceneOptions& options,
+                                                            Progress& progress);
+
+/// The same where lines begin or end at `heights` [m]: a source of one layer (a 2D slice) that
+/// options.members do not name gives way to a taller one if one of them is outside of it; a
+/// sentence about that is added to `remarks`.
+[[nodiscard]] Result<std::unique_ptr<SightField>> openSight(const std::string& path,
+                                                            const SceneOptions& options,
+                                                            std::span<const double> heights,
+                                                            std::vector<std::string>& remarks,
+                                                            Progress& progress);
+
 }  // namespace volute

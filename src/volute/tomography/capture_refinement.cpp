@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/capture_refinement.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -253,11 +255,8 @@ class Refiner {
   std::vector<int> numbers_, shifts_;
 };
 
-}  // namespace
-
-Result<CaptureRefinement> refineCapture(const Capture& capture,
-                                        const std::vector<std::string>& heldOut, Refine refine,
-                                        std::uint64_t maxMemory, Progress& progress) {
+Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std::string>& heldOut,
+                                  Refine refine, std::uint64_t maxMemory, Progress& progress) {
   CaptureRefinement result;
   result.capture = capture;
   const auto leave = [&](std::string_view why) {
@@ -323,6 +322,28 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
     camera.pictures.gain *= result.fit.corrections[v].gain();
     camera.pictures.frameShift += result.shifts[v];
   }
+  return result;
+}
+
+}  // namespace
+
+Result<CaptureRefinement> refineCapture(const Capture& capture,
+                                        const std::vector<std::string>& heldOut, Refine refine,
+                                        std::uint64_t maxMemory, Progress& progress) {
+  VOLUTE_ASSIGN(auto result, refined(capture, heldOut, refine, maxMemory, progress));
+  for (const std::string& text : result.faults) progress.remark("warning: " + text);
+  if (!result.faults.empty() && !result.used)
+    progress.remark("the calibration is not refined before that is mended");
+  if (!result.used)
+    return result;
+  progress.remark(fmt::format(
+      "calibration refined with the volume on frame{} {}: {:.1f} % of the pictures are not "
+      "explained, instead of {:.1f} % (relative L2, coarse voxels; --refine never leaves it)",
+      result.frames.size() == 1 ? "" : "s", fmt::join(result.frames, ", "), 100 * result.after,
+      100 * result.before));
+  for (const std::string& text : describeCorrections(result)) progress.remark(text);
+  for (const std::string& text : outstandingCorrections(result))
+    progress.remark("warning: " + text);
   return result;
 }
 

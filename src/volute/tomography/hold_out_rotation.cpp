@@ -7,7 +7,6 @@
 
 #include "volute/report/json.hpp"
 #include "volute/tomography/layout.hpp"
-#include "volute/tomography/run_key.hpp"
 
 namespace volute {
 
@@ -124,12 +123,9 @@ Result<std::unique_ptr<HoldOutRotation>> HoldOutRotation::run(
     run.settings.causeNamed = true;  // the run with all cameras tells what is wrong
     VOLUTE_ASSIGN(run.refinement, refineCapture(capture, {name}, refine, maxMemory, own));
     const Capture& refined = run.refinement.capture;
-    VOLUTE_ASSIGN(auto views, ViewReader::open(refined, {name}, maxMemory, own));
-    VOLUTE_ASSIGN(const auto work,
-                  WorkFolder::open(output.string() + fmt::format(".without{}", v)));
     VOLUTE_ASSIGN(run.frames,
-                  ReconstructedFrames::open(refined, run.settings, std::move(views), work,
-                                            frameKeys(refined, run.settings, {name}), own));
+                  ReconstructedFrames::open(refined, run.settings, {name},
+                                            output.string() + fmt::format(".without{}", v), own));
     VOLUTE_TRY(run.frames->solveAll());
     LeftOutCamera camera{name, 0, 0};
     VOLUTE_ASSIGN(camera.psnr, meanOfFrames(*run.frames, v, "psnr"));
@@ -145,6 +141,13 @@ double HoldOutRotation::psnr() const {
   double sum = 0;
   for (const LeftOutCamera& camera : cameras_) sum += camera.psnr;
   return sum / static_cast<double>(cameras_.size());
+}
+
+void HoldOutRotation::addTo(nlohmann::ordered_json& json, const Capture& capture) const {
+  const double fitted = json["residual"].is_number() ? json["residual"].get<double>() : 0;
+  json["held_out_psnr"] = jsonNumber(psnr());
+  json["held_out_in_turn"] = this->json();
+  json["verdict"] = captureVerdict(capture, cameras_, fitted);
 }
 
 nlohmann::ordered_json HoldOutRotation::json() const {

@@ -46,6 +46,10 @@ class HoldOutRotation {
 
   nlohmann::ordered_json json() const;
 
+  /// Adds held_out_psnr, held_out_in_turn and the verdict on the capture to what
+  /// reconstructionReport() has.
+  void addTo(nlohmann::ordered_json& json, const Capture& capture) const;
+
  private:
   struct Run;
 

@@ -27,4 +27,18 @@ std::string CameraLayout::narrowest(std::size_t most) const {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
+void CameraLayout::remark(bool all, Progress& progress) const {
+  constexpr std::size_t kNarrowest = 5;
+  const std::size_t pairs = angles.size();
+  constexpr std::string_view kWhat = "degrees between lines of sight, modulo 180";
+  if (pairs > kNarrowest && !all) {
+    progress.remark(fmt::format("{}, the {} narrowest of {} pairs (--verbose: all): {}", kWhat,
+                                kNarrowest, pairs, narrowest(kNarrowest)));
+  } else if (pairs > 0) {
+    progress.remark(fmt::format("{}: {}", kWhat, narrowest(pairs)));
+  }
+  if (const auto text = advice())
+    progress.remark(*text);
+}
+
 }  // namespace volute

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include "volute/base/progress.hpp"
 #include "volute/capture/capture.hpp"
 #include "volute/tomography/diagnostics.hpp"
 
@@ -19,6 +20,9 @@ struct CameraLayout {
 
   /// See layoutAdvice().
   std::optional<std::string> advice() const { return layoutAdvice(names, angles); }
+
+  /// Remarks on the narrowest angles, or on all, and on the advice.
+  void remark(bool all, Progress& progress) const;
 };
 
 }  // namespace volute

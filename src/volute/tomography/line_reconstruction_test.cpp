@@ -11,9 +11,13 @@
 #include <fstream>
 #include <random>
 
+#include "volute/base/remark_log.hpp"
+#include "volute/tomography/line_volumes.hpp"
+
 namespace volute {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 const VolumeGeometry kGeometry{{Vec3(0, 0, 0), Vec3(4, 3, 2)}, {16, 12, 8}};
@@ -203,6 +207,56 @@ TEST_F(LineFileTest, RefusesWrongColumnsAndValues) {
               HasSubstr("sigma: 0; expected more than 0"));
   EXPECT_THAT(refusal("x0,y0,z0,x1,y1,z1,value,frame\n0,0,0,1,0,0,1,1.5\n"),
               HasSubstr("frame: 1.5; expected a whole number"));
+}
+
+TEST_F(LineFileTest, FramesBecomeVolumes) {
+  std::string text = "x0,y0,z0,x1,y1,z1,optical_depth,frame\n";
+  for (const int frame : {3, 4, 6}) {
+    for (const LineMeasurement& one : measured(60, 0)) {
+      const Vec3 a = one.line.origin, b = one.line.at(one.line.end);
+      text += fmt::format("{},{},{},{},{},{},{},{}\n", a.x(), a.y(), a.z(), b.x(), b.y(), b.z(),
+                          one.value, frame);
+    }
+  }
+  text += "9,9,9,9,9,8,1,4\n";
+  std::ofstream(file_) << text;
+  Progress quiet;
+  RemarkLog heard(quiet);
+  const std::string file = file_.string();
+  CaptureOptions where;
+  where.resolution = {8, 0, 0};
+  where.frames = {4, std::nullopt, 1};
+  const auto all = reconstructLineFile(file, where, {}, false, heard);
+  ASSERT_TRUE(all) << all.error().message;
+  const VolumeInfo& info = all->volumes.info;
+  EXPECT_EQ(info.name, "extinction");
+  EXPECT_EQ(info.unit, "1/m");
+  EXPECT_THAT(info.frameNumbers, ::testing::ElementsAre(4, 6));
+  EXPECT_EQ(info.bounds.max, Vec3(9, 9, 9));
+  EXPECT_EQ(all->volumes.values.size(), info.values());
+  EXPECT_EQ(all->records.size(), 2U);
+  EXPECT_EQ(all->records[0]["lines"], 61);
+  EXPECT_TRUE(all->records[0]["spread"].is_null());
+  EXPECT_GT(all->mean("residual"), 0);
+  EXPECT_THAT(heard.remarks(), Contains(HasSubstr("box around the lines' ends")));
+
+  where.bounds = kGeometry.bounds;
+  const auto refused = reconstructLineFile(file, where, {}, false, heard);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("frame 4: row"));
+  const auto rest = reconstructLineFile(file, where, {}, true, heard);
+  ASSERT_TRUE(rest) << rest.error().message;
+  EXPECT_EQ(rest->records[0]["lines"], 60);
+  EXPECT_THAT(heard.remarks(), Contains(HasSubstr("1 of 61 lines of frame 4 miss the volume")));
+  EXPECT_EQ(rest->volumes.info.x, 8);
+  EXPECT_EQ(rest->volumes.info.y, 6);
+
+  where.frames = {7, 9, 1};
+  EXPECT_EQ(reconstructLineFile(file, where, {}, true, heard).error().code,
+            ErrorCode::kInvalidArgument);
+  where.frames = {};
+  where.maxMemory = 1 << 12;
+  EXPECT_EQ(reconstructLineFile(file, where, {}, true, heard).error().code, ErrorCode::kTooLarge);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "volute/tomography/diagnostics.hpp"
 #include "volute/tomography/project.hpp"
 #include "volute/tomography/residual.hpp"
+#include "volute/tomography/run_key.hpp"
 #include "volute/tomography/volume_flow.hpp"
 
 namespace volute {
@@ -111,17 +112,34 @@ std::vector<int> chainBegins(std::span<const int> frames, bool warmStart) {
 }
 
 Result<std::unique_ptr<ReconstructedFrames>> ReconstructedFrames::open(
-    const Capture& capture, const ReconstructionSettings& settings, ViewReader views,
-    WorkFolder work, std::vector<std::string> keys, Progress& progress) {
-  std::unique_ptr<ReconstructedFrames> frames(new ReconstructedFrames(
-      capture, settings, std::move(views), std::move(work), std::move(keys), progress));
-  VOLUTE_ASSIGN(const FrameViews first, frames->views_.read(capture.frames.front()));
-  frames->grey_ = first.grey();
-  frames->info_ = infoOf(capture, settings.tomography.basis, frames->grey_);
-  VOLUTE_TRY(frames->info_.validate("the reconstruction"));
-  for (int index = 0; index < frames->info_.frames; ++index)
-    frames->resumed_ += frames->finished(index) ? 1 : 0;
+    const Capture& capture, const ReconstructionSettings& settings,
+    const std::vector<std::string>& heldOut, const std::filesystem::path& output,
+    Progress& progress) {
+  VOLUTE_ASSIGN(auto views,
+                ViewReader::open(capture, heldOut, settings.tomography.maxMemory, progress));
+  VOLUTE_ASSIGN(auto work, WorkFolder::open(output));
+  std::unique_ptr<ReconstructedFrames> frames(
+      new ReconstructedFrames(capture, settings, std::move(views), std::move(work),
+                              frameKeys(capture, settings, heldOut), progress));
+  if (const Status begun = frames->begin(); !begun) {
+    frames->work_.leave(false);
+    return tl::unexpected<Error>(begun.error());
+  }
   return frames;
+}
+
+Status ReconstructedFrames::begin() {
+  VOLUTE_ASSIGN(const FrameViews first, views_.read(capture_.frames.front()));
+  grey_ = first.grey();
+  info_ = infoOf(capture_, settings_.tomography.basis, grey_);
+  VOLUTE_TRY(info_.validate("the reconstruction"));
+  for (int index = 0; index < info_.frames; ++index) resumed_ += finished(index) ? 1 : 0;
+  if (work_.any()) {
+    progress_.remark(
+        fmt::format("{}: an earlier run finished {} of {} frames with these options and inputs",
+                    work_.path().string(), resumed_, info_.frames));
+  }
+  return {};
 }
 
 VolumeGeometry ReconstructedFrames::geometry() const {

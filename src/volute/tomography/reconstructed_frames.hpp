@@ -39,12 +39,14 @@ std::vector<int> chainBegins(std::span<const int> frames, bool warmStart);
 /// interrupted run goes on where it was.
 class ReconstructedFrames final : public FrameSource {
  public:
-  /// Reads the first frame's pictures, to know whether they are grey. All but the moved arguments
-  /// must outlive the object. `keys`: what finished frames in the work folder must have, one a
-  /// frame.
+  /// Reads the first frame's pictures, to know whether they are grey, and remarks on frames that an
+  /// earlier run finished. Capture, settings and progress must outlive the object.
+  /// @param heldOut  cameras that are not used, only compared with
+  /// @param output  the work folder is beside it; see WorkFolder::open()
   [[nodiscard]] static Result<std::unique_ptr<ReconstructedFrames>> open(
-      const Capture& capture, const ReconstructionSettings& settings, ViewReader views,
-      WorkFolder work, std::vector<std::string> keys, Progress& progress);
+      const Capture& capture, const ReconstructionSettings& settings,
+      const std::vector<std::string>& heldOut, const std::filesystem::path& output,
+      Progress& progress);
 
   const VolumeInfo& info() const override { return info_; }
 
@@ -75,6 +77,9 @@ class ReconstructedFrames final : public FrameSource {
 
   const WorkFolder& work() const { return work_; }
 
+  /// What finished frames in the work folder must have, one a frame; see frameKeys().
+  const std::vector<std::string>& keys() const { return keys_; }
+
  private:
   ReconstructedFrames(const Capture& capture, const ReconstructionSettings& settings,
                       ViewReader views, WorkFolder work, std::vector<std::string> keys,
@@ -87,6 +92,8 @@ class ReconstructedFrames final : public FrameSource {
         chains_(chainBegins(capture.frames, settings.warmStart)),
         finished_(keys_.size(), 0),
         progress_(progress) {}
+
+  [[nodiscard]] Status begin();
 
   int numberOf(int index) const { return capture_.frames[static_cast<std::size_t>(index)]; }
 

@@ -101,8 +101,11 @@ Json settingsJson(const ReconstructionSettings& settings) {
           {"force", settings.force}};
 }
 
-Result<Json> reconstructionReport(const Capture& capture, const ReconstructionSettings& settings,
-                                  const ReconstructedFrames& frames) {
+Result<Json> reconstructionReport(const CaptureRefinement& refinement,
+                                  const ReconstructionSettings& settings,
+                                  const ReconstructedFrames& frames,
+                                  const VelocityFrames* velocity) {
+  const Capture& capture = refinement.capture;
   Json records = Json::array(), warnings = Json::array();
   std::vector<Json> iterations, seconds, hulls;
   const CameraLayout layout(capture);
@@ -115,27 +118,34 @@ Result<Json> reconstructionReport(const Capture& capture, const ReconstructionSe
     hulls.push_back(record["hull_share"]);
     records.push_back(std::move(record));
   }
+  for (const std::string& text : refinement.faults) warnings.push_back(text);
+  for (const std::string& text : outstandingCorrections(refinement)) warnings.push_back(text);
   const Json cameras = camerasJson(capture, records);
   const CaptureVolume& volume = capture.volume;
-  return Json{{"format", "volute-reconstruction-report-1"},
-              {"capture", capture.file.string()},
-              {"calibration", capture.kind},
-              {"pixel_centre", capture.pixelCentre},
-              {"volume",
-               {{"min", jsonOf(volume.bounds.min)},
-                {"max", jsonOf(volume.bounds.max)},
-                {"resolution", volume.resolution}}},
-              {"options", settingsJson(settings)},
-              {"residual", residualOfFitted(cameras)},
-              {"held_out_psnr", heldOutPsnr(cameras)},
-              {"iterations", meanOf(iterations)},
-              {"hull_share", meanOf(hulls)},
-              {"seconds_per_frame", meanOf(seconds)},
-              {"cameras", cameras},
-              {"angles", anglesJson(layout)},
-              {"advice", advice ? Json(*advice) : Json()},
-              {"warnings", warnings},
-              {"frames", records}};
+  Json json = {{"format", "volute-reconstruction-report-1"},
+               {"capture", capture.file.string()},
+               {"calibration", capture.kind},
+               {"pixel_centre", capture.pixelCentre},
+               {"volume",
+                {{"min", jsonOf(volume.bounds.min)},
+                 {"max", jsonOf(volume.bounds.max)},
+                 {"resolution", volume.resolution}}},
+               {"options", settingsJson(settings)},
+               {"residual", residualOfFitted(cameras)},
+               {"held_out_psnr", heldOutPsnr(cameras)},
+               {"iterations", meanOf(iterations)},
+               {"hull_share", meanOf(hulls)},
+               {"seconds_per_frame", meanOf(seconds)},
+               {"cameras", cameras},
+               {"angles", anglesJson(layout)},
+               {"advice", advice ? Json(*advice) : Json()},
+               {"warnings", warnings},
+               {"frames", records}};
+  if (velocity) {
+    VOLUTE_ASSIGN(json["velocity"], velocity->json());
+  }
+  json["refinement"] = refinementJson(refinement);
+  return json;
 }
 
 void addSummary(const nlohmann::ordered_json& json, Report& report) {

@@ -5,16 +5,19 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/report/report.hpp"
+#include "volute/tomography/capture_refinement.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
+#include "volute/tomography/velocity_frames.hpp"
 
 namespace volute {
 
 /// All that was measured on a reconstruction, for programs: the cameras with the angles between
 /// them, each frame with the residual of each camera, hull, saturation, iterations and time, the
-/// warnings, and means over the frames.
+/// warnings, means over the frames, how the calibration was refined, and velocities unless those
+/// are null.
 [[nodiscard]] Result<nlohmann::ordered_json> reconstructionReport(
-    const Capture& capture, const ReconstructionSettings& settings,
-    const ReconstructedFrames& frames);
+    const CaptureRefinement& refinement, const ReconstructionSettings& settings,
+    const ReconstructedFrames& frames, const VelocityFrames* velocity = nullptr);
 
 /// The means of `json`, as reconstructionReport() has them, as rows for people.
 void addSummary(const nlohmann::ordered_json& json, Report& report);

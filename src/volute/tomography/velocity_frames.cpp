@@ -12,13 +12,13 @@ namespace volute {
 
 Result<std::unique_ptr<VelocityFrames>> VelocityFrames::open(ReconstructedFrames& frames,
                                                              const FlowOptions& options,
-                                                             WorkFolder work,
-                                                             const std::vector<std::string>& keys,
+                                                             const std::filesystem::path& output,
                                                              Progress& progress) {
   const VolumeInfo& light = frames.info();
   if (light.frames < 2)
     return fail(ErrorCode::kInvalidArgument,
                 "A velocity needs two frames at least, and one is chosen");
+  VOLUTE_ASSIGN(auto work, WorkFolder::open(output.string() + ".velocity"));
   std::unique_ptr<VelocityFrames> velocities(
       new VelocityFrames(frames, options, std::move(work), progress));
   velocities->info_ = light;
@@ -27,6 +27,7 @@ Result<std::unique_ptr<VelocityFrames>> VelocityFrames::open(ReconstructedFrames
   velocities->info_.channels = 3;
   const std::string how =
       fmt::format("{} {} {}", options.smoothness, options.divergence, options.warps);
+  const auto& keys = frames.keys();
   for (std::size_t i = 0; i + 1 < keys.size(); ++i)
     velocities->keys_.push_back(digestOf(how + keys[i] + keys[i + 1]));
   return velocities;

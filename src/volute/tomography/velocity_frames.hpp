@@ -17,11 +17,11 @@ namespace volute {
 /// depend on the two frames alone, so the same come out for any number of processes.
 class VelocityFrames final : public FrameSource {
  public:
-  /// `frames` and `progress` must outlive it. @param keys  of the frames, as `frames` has them.
-  /// kInvalidArgument for fewer than two frames.
+  /// `frames` and `progress` must outlive it. kInvalidArgument for fewer than two frames.
+  /// @param output  that of the frames: the work folder is "output.velocity.work"
   [[nodiscard]] static Result<std::unique_ptr<VelocityFrames>> open(
-      ReconstructedFrames& frames, const FlowOptions& options, WorkFolder work,
-      const std::vector<std::string>& keys, Progress& progress);
+      ReconstructedFrames& frames, const FlowOptions& options, const std::filesystem::path& output,
+      Progress& progress);
 
   const VolumeInfo& info() const override { return info_; }
 

@@ -69,7 +69,7 @@ Result<WorkFolder> WorkFolder::open(const fs::path& output) {
   if (!fs::is_directory(folder, error)) {
     return fail(ErrorCode::kIo, "{}: cannot make this folder for finished frames", folder.string());
   }
-  return WorkFolder(folder);
+  return WorkFolder(folder, output == "-");
 }
 
 bool WorkFolder::has(int frame, const std::string& key) const {
@@ -136,6 +136,13 @@ void WorkFolder::remove() const {
   removeFrames(path_);
   std::error_code error;
   fs::remove(path_, error);  // stays when somebody else's files are in it
+}
+
+bool WorkFolder::leave(bool done) const {
+  const bool stays = !done && !temporary_ && any();
+  if (!stays)
+    remove();
+  return stays;
 }
 
 }  // namespace volute

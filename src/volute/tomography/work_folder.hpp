@@ -40,10 +40,16 @@ class WorkFolder {
   /// Removes it all: the output is there.
   void remove() const;
 
+  /// After a run: removes it unless that failed, has finished frames, and can be continued (an
+  /// output of "-" cannot). Returns true if it stays.
+  bool leave(bool done) const;
+
  private:
-  explicit WorkFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  WorkFolder(std::filesystem::path path, bool temporary)
+      : path_(std::move(path)), temporary_(temporary) {}
 
   std::filesystem::path path_;
+  bool temporary_;  // of an output that is "-"
 };
 
 /// A digest of a text: 16 hexadecimal digits (FNV-1a, 64 bits).

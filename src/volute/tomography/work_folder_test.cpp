@@ -53,6 +53,24 @@ TEST(WorkFolder, FilesOfOthersStay) {
   EXPECT_TRUE(std::filesystem::exists(folder / "x.work" / "notes.txt"));
 }
 
+TEST(WorkFolder, StaysForARunThatGoesOn) {
+  const TempFolder folder;
+  const std::vector<float> values{1, 2};
+  ASSERT_VALUE(const auto empty, WorkFolder::open(folder / "x"));
+  EXPECT_FALSE(empty.leave(false));
+  EXPECT_FALSE(std::filesystem::exists(folder / "x.work"));
+  ASSERT_VALUE(const auto work, WorkFolder::open(folder / "x"));
+  ASSERT_TRUE(volute::testing::ok(work.store(1, "k", values, {})));
+  EXPECT_TRUE(work.leave(false));
+  EXPECT_TRUE(work.any());
+  EXPECT_FALSE(work.leave(true));
+  EXPECT_FALSE(std::filesystem::exists(folder / "x.work"));
+  ASSERT_VALUE(const auto piped, WorkFolder::open("-"));
+  ASSERT_TRUE(volute::testing::ok(piped.store(1, "k", values, {})));
+  EXPECT_FALSE(piped.leave(false));
+  EXPECT_FALSE(std::filesystem::exists(piped.path()));
+}
+
 TEST(WorkFolder, Digests) {
   EXPECT_EQ(digestOf(""), "cbf29ce484222325");
   EXPECT_EQ(digestOf("a"), "af63dc4c8601ec8c");  // from the authors of FNV

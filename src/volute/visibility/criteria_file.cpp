@@ -159,4 +159,12 @@ Result<std::vector<Criterion>> readCriteria(const std::string& file) {
   return criteria;
 }
 
+Result<std::vector<Criterion>> criteriaOf(const std::string& which) {
+  if (which == "none")
+    return std::vector<Criterion>();
+  if (which == "usual")
+    return usualCriteria();
+  return readCriteria(which);
+}
+
 }  // namespace volute

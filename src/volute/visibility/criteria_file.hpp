@@ -15,4 +15,7 @@ namespace volute {
 /// "fec". Errors name the place in the file.
 [[nodiscard]] Result<std::vector<Criterion>> readCriteria(const std::string& file);
 
+/// "usual", "none", or those of a file.
+[[nodiscard]] Result<std::vector<Criterion>> criteriaOf(const std::string& which);
+
 }  // namespace volute

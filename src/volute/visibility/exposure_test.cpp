@@ -195,6 +195,9 @@ TEST(Rset, IsANumberAMapOrPeople) {
   EXPECT_EQ(last[0], 7);
   EXPECT_TRUE(std::isnan(last[1]));
   EXPECT_THAT(Rset::parse("what\n", "bad.csv").error().message, HasSubstr("x,y,rset"));
+  EXPECT_EQ(Rset::read("45.5", 100).value().at(points, 1)[0], 45.5);
+  EXPECT_THAT(Rset::read("-1", 100).error().message, HasSubstr("rset: -1: expected seconds >= 0"));
+  EXPECT_EQ(Rset::read("none.csv", 100).error().code, ErrorCode::kNotFound);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "volute/base/parallel.hpp"
+#include "volute/base/read_text.hpp"
+#include "volute/io/number_word.hpp"
 
 namespace volute {
 namespace {
@@ -44,6 +46,18 @@ Result<Rset> Rset::parse(std::string_view text, std::string_view file) {
   std::vector<Vec3> map;
   for (const NamedPoint& point : *points) map.push_back(point.position);
   return Rset(std::move(map));
+}
+
+Result<Rset> Rset::read(const std::string& secondsOrFile, std::uint64_t most) {
+  double seconds = 0;
+  if (readNumber(secondsOrFile, seconds)) {
+    if (seconds >= 0)
+      return Rset(seconds);
+    return fail(ErrorCode::kInvalidArgument, "rset: {}: expected seconds >= 0, or a file",
+                secondsOrFile);
+  }
+  VOLUTE_ASSIGN(const auto text, readText(secondsOrFile, most));
+  return parse(text, secondsOrFile);
 }
 
 std::vector<double> Rset::at(std::span<const Vec3> points, double radius) const {

@@ -22,6 +22,10 @@ class Rset {
   /// A map: lines x,y,rset [m, m, s], or people who walk as Trajectories::parse() takes them.
   [[nodiscard]] static Result<Rset> parse(std::string_view text, std::string_view file);
 
+  /// A number of seconds >= 0, or the name of a file for parse(), of at most `most` bytes.
+  /// kInvalidArgument, "rset: ...", for other numbers.
+  [[nodiscard]] static Result<Rset> read(const std::string& secondsOrFile, std::uint64_t most);
+
   /// At points [s]; NaN where nobody comes. `radius` [m] around people; a map's value is that of
   /// its nearest point.
   std::vector<double> at(std::span<const Vec3> points, double radius) const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/field_options.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/sibling_program.hpp"
 
 namespace volute::cli {

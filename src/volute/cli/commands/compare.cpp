@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/field_options.hpp"
 #include "volute/cli/file_kind.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/io/image_file.hpp"
@@ -120,11 +120,7 @@ Command compareCommand() {
                            "differs most, the largest differences along y; for several grids, "
                            "side by side, each relative to its range; .png in colours scaled to "
                            "the largest, .exr unscaled"},
-                  {.name = "frames",
-                   .kind = kFrames,
-                   .value = "A:B[:S]",
-                   .help = "frames with numbers A <= n < B, in both",
-                   .kinds = {"volume", kVoluteKind}},
+                  framesOption("frames with numbers A <= n < B, in both", {"volume", kVoluteKind}),
                   fieldsOption("grids of files with several; if not given, all",
                                {"volume", kVoluteKind}),
                   {.name = "bounds",
@@ -132,9 +128,7 @@ Command compareCommand() {
                    .value = "X0,Y0,Z0,X1,Y1,Z1",
                    .help = "as for compress [m]",
                    .kinds = {"volume"}},
-                  {.name = "partial",
-                   .help = "use the intact part of a damaged .volute",
-                   .kinds = {kVoluteKind}}},
+                  partialOption({kVoluteKind})},
       .run = runCompare};
 }
 

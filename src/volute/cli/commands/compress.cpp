@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/codec/compress.hpp"
-
-#include <fmt/ranges.h>
+#include "volute/media/volume/grid_compression.hpp"
 
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/field_options.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/values.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/raw_volume.hpp"
-#include "volute/media/volume/compression_report.hpp"
 
 namespace volute::cli {
 namespace {
@@ -33,16 +30,6 @@ ErrorTarget targetOf(const Arguments& arguments) {
   return {Kind::kRms, kUsualRms};
 }
 
-/// The command line was checked, so what compress() still finds invalid is a target out of reach:
-/// it could not, and that is not wrong usage.
-Result<CompressReport> compressTo(const std::string& target, FrameSource& source,
-                                  const CompressOptions& options, Context& context) {
-  auto result = compress(source, target, options, context.progress, context.team);
-  if (!result && result.error().code == ErrorCode::kInvalidArgument)
-    result.error().code = ErrorCode::kUnsupported;
-  return result;
-}
-
 /// What --raw-size and the others say of files without a header.
 Result<std::optional<RawLayout>> rawLayout(const Arguments& arguments) {
   const auto size = arguments.find<std::string>("raw-size");
@@ -56,61 +43,6 @@ Result<std::optional<RawLayout>> rawLayout(const Arguments& arguments) {
   return raw;
 }
 
-/// All grids of a cache, or some. False where one grid is to be compressed by itself.
-Result<bool> runGrids(const std::string& path, const std::string& target,
-                      const std::string& fields, const CompressOptions& options,
-                      const InputOptions& input, const Arguments& arguments, Context& context) {
-  GridCompression how{options, {}, arguments.find<FrameRange>("frames").value_or(FrameRange{})};
-  VOLUTE_ASSIGN(how.rms,
-                ofOption("rms-of", parseGridRms(arguments.find<std::string>("rms-of").value_or(""))));
-  const bool one = gridNames(fields).size() == 1 || input.raw;
-  if (one || !VolumeGrids::mayBe(path)) {
-    if (how.rms.empty())
-      return false;
-    return fail(ErrorCode::kInvalidArgument,
-                "--rms-of is for several grids, and this is one: say --rms");
-  }
-  InputOptions unverified = input;  // who reads it says what is damaged
-  unverified.verify = false;
-  VOLUTE_ASSIGN(const auto grids, VolumeGrids::open(path, unverified, context));
-  VOLUTE_ASSIGN(const auto chosen, grids->choose(fields, path));
-  if (chosen.empty() && !grids->leftOut().empty()) {
-    return fail(ErrorCode::kUnsupported, "{}: no grid can be compressed: {}", path,
-                fmt::join(grids->leftOut(), ", "));
-  }
-  if (chosen.size() == 1 && grids->leftOut().empty() && how.rms.empty() &&
-      !wantsDescription(grids->grids()[chosen[0]]))
-    return false;
-  if (chosen.empty())
-    return false;
-  if (input.bounds) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--bounds is for one grid, and {} has {}: choose one with --field", path,
-                grids->grids().size());
-  }
-  for (const auto& [name, rms] : how.rms) VOLUTE_TRY(grids->choose(name, path));
-  if (!grids->leftOut().empty()) {
-    context.progress.remark(fmt::format("{}: left out, as it holds no volume: {}", path,
-                                        fmt::join(grids->leftOut(), ", ")));
-  }
-  for (const std::size_t i : chosen) {
-    if (input.partial && isVolutePath(path) && !grids->grids()[i].empty)
-      VOLUTE_TRY(openVolute(path, true, context, true, grids->grids()[i].name));
-  }
-  VOLUTE_ASSIGN(const auto result, compressGrids(*grids, chosen, target, how, context, context.team));
-  const auto full = std::ranges::find_if(result.grids, [](const auto& grid) { return grid.info.x > 0; });
-  const VolumeInfo& info = full->info;
-  if (const auto gaps = missingNumbers(info.frameNumbers); !gaps.empty() && !arguments.given("frames"))
-    context.progress.remark(fmt::format("{}: {}", path, gaps));
-  const bool whole = !arguments.given("frames") && grids->leftOut().empty() &&
-                     chosen.size() == grids->grids().size();
-  const Report report =
-      compressionReport(target, result, info.frames, whole ? bytesOnDisk(path) : std::nullopt);
-  VOLUTE_TRY(writeStats(arguments, context, report.json()));
-  context.print(report);
-  return true;
-}
-
 Status runCompress(const Arguments& arguments, Context& context) {
   const std::string& path = arguments.positional(0);
   const auto target = arguments.get<std::string>("output");
@@ -120,13 +52,16 @@ Status runCompress(const Arguments& arguments, Context& context) {
   if (context.team.leads())
     VOLUTE_TRY(checkTarget(target));
   InputOptions input;
-  const std::string fields = arguments.find<std::string>("field").value_or("");
-  input.grid = fields;
+  input.grid = arguments.find<std::string>("field").value_or("");
   input.bounds = arguments.find<Box3>("bounds");
   input.partial = arguments.flag("partial");
   input.byLayers = true;
   VOLUTE_ASSIGN(input.raw, rawLayout(arguments));
-  CompressOptions options;
+  GridCompression how;
+  how.frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
+  VOLUTE_ASSIGN(how.rms,
+                ofOption("rms-of", parseGridRms(arguments.find<std::string>("rms-of").value_or(""))));
+  CompressOptions& options = how.options;
   options.target = targetOf(arguments);
   options.wavelet = arguments.get<std::string>("wavelet");
   options.fast = arguments.flag("fast");
@@ -138,19 +73,8 @@ Status runCompress(const Arguments& arguments, Context& context) {
     options.work = *work;
     VOLUTE_TRY(checkFolderIsShared(*work, context.team));
   }
-  VOLUTE_ASSIGN(const bool done, runGrids(path, target, fields, options, input, arguments, context));
-  if (done)
-    return {};
-  VOLUTE_ASSIGN(auto volume, openVolume(path, input, context));
-  auto source = std::move(volume.source);
-  const bool whole = !arguments.given("frames") && !arguments.given("bounds") &&
-                     source->otherGrids().empty();
-  if (const auto frames = arguments.find<FrameRange>("frames")) {
-    VOLUTE_ASSIGN(source, selectFrames(std::move(source), *frames));
-  }
-  VOLUTE_ASSIGN(const auto result, compressTo(target, *source, options, context));
-  const Report report = compressionReport(target, source->info(), result,
-                                          whole ? bytesOnDisk(path) : std::nullopt);
+  VOLUTE_ASSIGN(const auto report,
+                compressVolume(path, target, how, input, context, context.team));
   VOLUTE_TRY(writeStats(arguments, context, report.json()));
   context.print(report);
   return {};
@@ -180,19 +104,9 @@ Command compressCommand() {
           "channels, divided by the maximum minus the minimum of the whole original.",
       .positionals = {{.name = "INPUT",
                        .help = "a volume: .npy, .vdb, .vti, .pvd, .volute, a pattern or a folder"}},
-      .options = {{.name = "output",
-                   .letter = 'o',
-                   .kind = kOutput,
-                   .value = "OUT.volute",
-                   .help = "the file to write",
-                   .derived = ".volute"},
-                  {.name = "rms",
-                   .kind = kNumber,
-                   .value = "R",
-                   .help = "relative RMS error at most R (1 keeps nothing); 0.003 if no target is "
-                           "given",
-                   .most = 1,
-                   .positive = true},
+      .options = {outputOption("OUT.volute", "the file to write", ".volute"),
+                  rmsOption("relative RMS error at most R (1 keeps nothing); 0.003 if no target is "
+                            "given"),
                   {.name = "psnr",
                    .kind = kNumber,
                    .value = "DB",
@@ -219,10 +133,7 @@ Command compressCommand() {
                    .help = "relative RMS of individual grids of a cache"},
                   fieldsOption("grids of a file with several; if not given, all; or the source of "
                                "an FDS case"),
-                  {.name = "frames",
-                   .kind = kFrames,
-                   .value = "A:B[:S]",
-                   .help = "frames with numbers A <= n < B, every S-th"},
+                  framesOption(),
                   {.name = "wavelet",
                    .kind = kChoice,
                    .value = "NAME",
@@ -274,7 +185,7 @@ Command compressCommand() {
                    .help = "keep finished units here until the file is written: the same command "
                            "continues from them, with any number of ranks; ranks share the folder"},
                   statsOption(),
-                  {.name = "partial", .help = "use the intact part of a damaged .volute"}},
+                  partialOption()},
       .oneOf = {{{"rms", "psnr", "ratio", "size", "max-error"}, false}},
       .ranks = true,
       .run = runCompress};

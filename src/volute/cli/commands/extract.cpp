@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/media/volume/volume_extraction.hpp"
-
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/field_options.hpp"
 #include "volute/cli/file_kind.hpp"
 #include "volute/cli/ranks.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/fds/smv_index.hpp"
+#include "volute/media/volume/volume_extraction.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
 namespace {
 
 Status checkExtraction(const std::string& path, const std::string& target, Context& context) {
-  if (context.json && target == "-") {
-    return fail(ErrorCode::kInvalidArgument,
-                "--json and '--output -' both want standard output; leave one");
-  }
   if (!isSmvPath(path) && !isVolutePath(path)) {
     return fail(ErrorCode::kInvalidArgument,
                 "'{}' does not end in .volute or .smv; 'extract' reads such files alone", path);
@@ -26,7 +21,7 @@ Status checkExtraction(const std::string& path, const std::string& target, Conte
     return fail(ErrorCode::kUnsupported,
                 "{}: an FDS case is taken out by one process; leave mpirun out", path);
   }
-  return context.team.leads() ? checkTarget(target, true) : Status();
+  return checkTarget(target, context);
 }
 
 Status runExtract(const Arguments& arguments, Context& context) {
@@ -34,15 +29,12 @@ Status runExtract(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
   VOLUTE_TRY(refuseIdle(arguments, {readKind(path)}));
   VOLUTE_TRY(checkExtraction(path, target, context));
-  context.resultsToStderr = target == "-";
-  const ExtractionRequest request{.fields = arguments.find<std::string>("field").value_or(""),
-                                  .frames = arguments.find<FrameRange>("frames").value_or(FrameRange{}),
-                                  .region = arguments.find<Region>("region"),
-                                  .level = arguments.get<int>("level"),
-                                  .partial = arguments.flag("partial")};
-  const auto open = [](const std::string& name, const VolumeInfo& info) {
-    return openSink(name, info);
-  };
+  const ExtractionRequest request{
+      .fields = arguments.find<std::string>("field").value_or(""),
+      .frames = arguments.find<FrameRange>("frames").value_or(FrameRange{}),
+      .region = arguments.find<Region>("region"),
+      .level = arguments.get<int>("level"),
+      .partial = arguments.flag("partial")};
   const bool several = isSmvPath(path) ? namesEachMesh(target) : namesEachGrid(target);
   auto outputs = Json::array();  // of several
   const Extracted extracted = [&](const Report& report) -> Status {
@@ -54,9 +46,10 @@ Status runExtract(const Arguments& arguments, Context& context) {
       context.print(report);
     return {};
   };
-  VOLUTE_TRY(isSmvPath(path)
-                 ? extractFds(path, target, request, open, extracted, context)
-                 : extractVolute(path, target, request, open, extracted, context, context.team));
+  VOLUTE_TRY(namingOptions(
+      isSmvPath(path) ? extractFds(path, target, request, extracted, context)
+                      : extractVolute(path, target, request, extracted, context, context.team),
+      arguments));
   if (!several)
     return {};
   VOLUTE_TRY(writeStats(arguments, context, {{"outputs", outputs}}));
@@ -92,17 +85,10 @@ Command extractCommand() {
           "extinction [1/m] at the stored times as voxels of the finest cell size, with zeros in "
           "obstructions; with {mesh} in OUT, each mesh separately.",
       .positionals = {{.name = "IN", .help = "a .volute file, or the .smv of an FDS case"}},
-      .options = {{.name = "output",
-                   .letter = 'o',
-                   .kind = kOutput,
-                   .value = "OUT",
-                   .help = ".npy, a pattern %04d.vdb or %04d.vti with the frame's number, or - for "
-                           "a .npy on standard output",
-                   .required = true},
-                  {.name = "frames",
-                   .kind = kFrames,
-                   .value = "A:B[:S]",
-                   .help = "frames with numbers A <= n < B, every S-th"},
+      .options = {outputOption("OUT",
+                               ".npy, a pattern %04d.vdb or %04d.vti with the frame's "
+                               "number, or - for a .npy on standard output"),
+                  framesOption(),
                   fieldsOption("grids of a file with several; if not given, all; or the source of "
                                "an FDS case",
                                {kVoluteKind, "fds"}),
@@ -120,9 +106,7 @@ Command extractCommand() {
                    .most = 4,
                    .kinds = {kVoluteKind}},
                   statsOption({kVoluteKind}),
-                  {.name = "partial",
-                   .help = "use the intact part of a damaged file",
-                   .kinds = {kVoluteKind}}},
+                  partialOption({kVoluteKind})},
       .ranks = true,
       .run = runExtract};
 }

@@ -5,6 +5,7 @@
 #include "volute/base/stopwatch.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/field_options.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/film/picture_writer.hpp"
 #include "volute/io/frame_pattern.hpp"
@@ -166,10 +167,7 @@ std::vector<Option> fogCommandOptions() {
   const auto more = fieldOptions({&fogFields(), &sunFields()});
   options.insert(options.end(), more.begin(), more.end());
   const std::vector<Option> last = {
-      {.name = "frames",
-       .kind = kFrames,
-       .value = "A:B[:S]",
-       .help = "for patterns with %04d: numbers A <= n < B, every S-th"},
+      framesOption("for patterns with %04d: numbers A <= n < B, every S-th"),
       {.name = "rate",
        .kind = kNumber,
        .value = "F",

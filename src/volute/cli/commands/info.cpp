@@ -3,9 +3,9 @@
 #include "volute/capture/capture_report.hpp"
 #include "volute/capture/open_capture.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/field_options.hpp"
 #include "volute/cli/file_kind.hpp"
 #include "volute/cli/gl_pictures.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/scene/describe_file.hpp"
 
 namespace volute::cli {

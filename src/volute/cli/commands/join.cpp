@@ -3,6 +3,7 @@
 #include "volute/codec/join.hpp"
 
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
@@ -22,22 +23,17 @@ Status runJoin(const Arguments& arguments, Context& context) {
   }
   VOLUTE_TRY(checkTarget(target));
   const JoinOptions options{arguments.find<double>("rms"), context.maxMemory};
-  auto result = join(parts, target, options, context.progress);
-  // The command line was checked; what is still found invalid is in the files, or out of reach.
-  if (!result && result.error().code == ErrorCode::kInvalidArgument)
-    result.error().code = ErrorCode::kUnsupported;
-  if (!result)
-    return tl::unexpected<Error>(result.error());
+  VOLUTE_ASSIGN(const auto result, join(parts, target, options, context.progress));
   Report report;
   report.add("output", target)
       .add("parts", parts.size(), fmt::format("{}", parts.size()))
-      .add("frames", result->frames, fmt::format("{}", result->frames))
-      .add("exact", result->copied,
-           result->copied ? "yes: blocks were copied as they are" : "no: decoded and encoded again")
-      .add("relative_rms_to_parts", result->partsRms)
-      .add("relative_rms", result->relativeRms)
-      .add("max_error", result->maxError)
-      .add("bytes", result->fileBytes, bytesText(result->fileBytes));
+      .add("frames", result.frames, fmt::format("{}", result.frames))
+      .add("exact", result.copied,
+           result.copied ? "yes: blocks were copied as they are" : "no: decoded and encoded again")
+      .add("relative_rms_to_parts", result.partsRms)
+      .add("relative_rms", result.relativeRms)
+      .add("max_error", result.maxError)
+      .add("bytes", result.fileBytes, bytesText(result.fileBytes));
   context.print(report);
   return {};
 }
@@ -45,7 +41,6 @@ Status runJoin(const Arguments& arguments, Context& context) {
 }  // namespace
 
 Command joinCommand() {
-  using enum ValueKind;
   return {
       .name = "join",
       .summary = "Joins .volute files in the order of their frames",
@@ -63,19 +58,9 @@ Command joinCommand() {
           "their error: the result says how much, and the file states the sum as a bound for the "
           "error to the originals.",
       .positionals = {{.name = "PART", .help = ".volute files", .several = true}},
-      .options = {{.name = "output",
-                   .letter = 'o',
-                   .kind = kOutput,
-                   .value = "OUT.volute",
-                   .help = "the file to write",
-                   .required = true},
-                  {.name = "rms",
-                   .kind = kNumber,
-                   .value = "R",
-                   .help = "relative RMS error to the parts if they must be encoded again; if not "
-                           "given, as large as their own",
-                   .most = 1,
-                   .positive = true}},
+      .options = {outputOption("OUT.volute", "the file to write"),
+                  rmsOption("relative RMS error to the parts if they must be encoded again; if not "
+                            "given, as large as their own")},
       .run = runJoin};
 }
 

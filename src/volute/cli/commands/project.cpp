@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/tomography/project_frames.hpp"
-
 #include <algorithm>
 
 #include "volute/capture/geometry_check.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/field_options.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/volume/volume_input.hpp"
+#include "volute/tomography/project_frames.hpp"
 
 namespace volute::cli {
 namespace {
@@ -95,30 +94,18 @@ Status runProject(const Arguments& arguments, Context& context) {
 Command projectCommand() {
   using enum ValueKind;
   std::vector<Option> options = {
-      {.name = "output",
-       .letter = 'o',
-       .kind = kOutput,
-       .value = "PATTERN.exr",
-       .help = "pictures to write: {camera} is the camera's name, %04d the frame",
-       .required = true},
-      {.name = "frames",
-       .kind = kFrames,
-       .value = "A:B[:S]",
-       .help = "frames of the volume with numbers A <= n < B, every S-th"},
+      outputOption("PATTERN.exr",
+                   "pictures to write: {camera} is the camera's name, %04d the frame"),
+      framesOption("frames of the volume with numbers A <= n < B, every S-th"),
       {.name = "basis",
        .kind = kChoice,
        .value = "NAME",
        .help = "interpolation between voxel centres; if not given, that of the .volute, else "
                "trilinear (zero one voxel beyond the outer centres)",
        .choices = {"trilinear", "box"}},
-      {.name = "rays-per-pixel",
-       .kind = kChoice,
-       .value = "N",
-       .help = "1: through the pixel's centre; 4: mean of four rays at its quarter points",
-       .initial = "4",
-       .choices = {"1", "4"}},
+      raysOption(),
       fieldOption("grid of a file with several; if not given, emission"),
-      {.name = "partial", .help = "use the intact part of a damaged .volute"}};
+      partialOption()};
   for (Option& option : captureOptionTable()) {
     if (option.name == "bounds")
       option.help =

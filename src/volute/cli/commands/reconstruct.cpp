@@ -2,27 +2,28 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/reconstruct.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <filesystem>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/capture/capture_check.hpp"
 #include "volute/capture/write_capture.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/commands/reconstruct_lines.hpp"
 #include "volute/cli/ranks.hpp"
-#include "volute/cli/reconstruction_output.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
+#include "volute/grid/copy_frames.hpp"
 #include "volute/media/volume/volume_input.hpp"
-#include "volute/tomography/capture_refinement.hpp"
+#include "volute/media/volume/volume_writer.hpp"
 #include "volute/tomography/hold_out_rotation.hpp"
 #include "volute/tomography/layout.hpp"
-#include "volute/tomography/reconstructed_frames.hpp"
+#include "volute/tomography/line_volumes.hpp"
 #include "volute/tomography/reconstruction_page.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
-#include "volute/tomography/run_key.hpp"
-#include "volute/tomography/velocity_frames.hpp"
 
 namespace volute::cli {
 namespace {
@@ -52,24 +53,6 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
   return settings;
 }
 
-void remarkOnLayout(const Capture& capture, Context& context) {
-  constexpr std::size_t kNarrowest = 5;
-  const CameraLayout layout(capture);
-  const std::size_t pairs = layout.angles.size();
-  if (context.verbose || pairs <= kNarrowest) {
-    if (pairs > 0)
-      context.progress.remark(
-          fmt::format("degrees between lines of sight, modulo 180: {}", layout.narrowest(pairs)));
-  } else {
-    context.progress.remark(
-        fmt::format("degrees between lines of sight, modulo 180, the {} narrowest of {} pairs "
-                    "(--verbose: all): {}",
-                    kNarrowest, pairs, layout.narrowest(kNarrowest)));
-  }
-  if (const auto advice = layout.advice())
-    context.progress.remark(*advice);
-}
-
 Status writeReport(const std::string& file, const nlohmann::ordered_json& json,
                    ReconstructedFrames& frames, Progress& progress) {
   VOLUTE_TRY(writeFile(file, dumpJson(json) + "\n"));
@@ -94,44 +77,17 @@ Status checkReconstructTargets(const Arguments& arguments, const std::string& ta
                   "--error-bars: '{}': expected .npy, or a pattern %04d.vdb or %04d.vti", *bars);
     VOLUTE_TRY(checkTarget(*bars, true));
   }
-  if (arguments.flag("velocity"))
-    VOLUTE_TRY(checkVelocityTarget(target));
+  if (arguments.flag("velocity") && !holdsSeveralGrids(target)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--velocity: '{}' holds one grid; put {{grid}} into its name, as in "
+                "fire_{{grid}}.npy, or write a .volute or %04d.vdb",
+                target);
+  }
   if (arguments.given("rms") && !isVolutePath(target)) {
     return fail(ErrorCode::kInvalidArgument,
                 "--rms is the error of a compressed file; '{}' does not end in .volute", target);
   }
-  return checkTarget(target, true);
-}
-
-Result<std::unique_ptr<ReconstructedFrames>> openFrames(const Capture& capture,
-                                                        const ReconstructionSettings& settings,
-                                                        const std::vector<std::string>& heldOut,
-                                                        const std::string& target,
-                                                        Context& context) {
-  VOLUTE_ASSIGN(auto views,
-                ViewReader::open(capture, heldOut, context.maxMemory, context.progress));
-  VOLUTE_ASSIGN(const auto work, WorkFolder::open(target));
-  const bool before = work.any();
-  auto frames = ReconstructedFrames::open(capture, settings, std::move(views), work,
-                                          frameKeys(capture, settings, heldOut), context.progress);
-  if (!frames) {
-    if (!before && context.team.leads())
-      work.remove();
-    return frames;
-  }
-  if (before) {
-    context.progress.remark(
-        fmt::format("{}: an earlier run finished {} of {} frames with these options and inputs",
-                    work.path().string(), (*frames)->resumed(), (*frames)->info().frames));
-  }
-  return frames;
-}
-
-Result<std::unique_ptr<VelocityFrames>> openVelocity(ReconstructedFrames& frames,
-                                                     const std::vector<std::string>& keys,
-                                                     const std::string& target, Context& context) {
-  VOLUTE_ASSIGN(auto work, WorkFolder::open(target + ".velocity"));
-  return VelocityFrames::open(frames, {}, std::move(work), keys, context.progress);
+  return {};
 }
 
 Refine refineOf(const Arguments& arguments) {
@@ -141,8 +97,7 @@ Refine refineOf(const Arguments& arguments) {
 
 /// The cameras to hold out; none with `auto`, which leaves each out in turn.
 Result<std::vector<std::string>> heldOutOf(const Arguments& arguments, bool& inTurn) {
-  auto names =
-      arguments.find<std::vector<std::string>>("hold-out").value_or(std::vector<std::string>{});
+  auto names = arguments.all("hold-out");
   inTurn = std::ranges::find(names, "auto") != names.end();
   if (inTurn && names.size() > 1)
     return fail(ErrorCode::kInvalidArgument,
@@ -155,84 +110,56 @@ Result<std::vector<std::string>> heldOutOf(const Arguments& arguments, bool& inT
   return names;
 }
 
-Result<CaptureRefinement> refinedCapture(const Capture& capture, const Arguments& arguments,
-                                         const std::vector<std::string>& heldOut,
-                                         Context& context) {
-  VOLUTE_ASSIGN(auto refinement, refineCapture(capture, heldOut, refineOf(arguments),
-                                               context.maxMemory, context.progress));
-  for (const std::string& text : refinement.faults) context.progress.remark("warning: " + text);
-  if (!refinement.faults.empty() && !refinement.used)
-    context.progress.remark("the calibration is not refined before that is mended");
-  if (refinement.used) {
-    context.progress.remark(fmt::format(
-        "calibration refined with the volume on frame{} {}: {:.1f} % of the pictures are not "
-        "explained, instead of {:.1f} % (relative L2, coarse voxels; --refine never leaves it)",
-        refinement.frames.size() == 1 ? "" : "s", fmt::join(refinement.frames, ", "),
-        100 * refinement.after, 100 * refinement.before));
-    for (const std::string& text : describeCorrections(refinement)) context.progress.remark(text);
-    for (const std::string& text : outstandingCorrections(refinement))
-      context.progress.remark("warning: " + text);
-  }
-  if (const auto file = arguments.find<std::string>("refined"))
-    VOLUTE_TRY(writeCapture(*file, refinement.capture));
-  return refinement;
+Result<VolumeWriter> openWriter(std::vector<WrittenGrid> grids, const std::string& target,
+                                const std::string& from, const Arguments& arguments,
+                                Context& context) {
+  return namingOptions(VolumeWriter::open(std::move(grids), target, "reconstructed from " + from,
+                                          context, context.team),
+                       arguments);
 }
 
-Status writeErrorBars(const std::string& target, HoldOutRotation& rotation, Context& context) {
-  VOLUTE_ASSIGN(auto sink, openSink(target, rotation.errorBars().info(), true));
-  return copyFrames(rotation.errorBars(), *sink, "writing error bars", context.progress);
-}
-
-/// What leaving out each camera said: the headline, a table, and a verdict.
+/// What leaving out each camera said, and the file of error bars.
 Status addRotation(HoldOutRotation& rotation, const Arguments& arguments, const Capture& capture,
                    nlohmann::ordered_json& json, Report& report, Context& context) {
-  const double fitted = json["residual"].is_number() ? json["residual"].get<double>() : 0;
-  const auto verdict = captureVerdict(capture, rotation.cameras(), fitted);
-  json["held_out_psnr"] = jsonNumber(rotation.psnr());
-  json["held_out_in_turn"] = rotation.json();
-  json["verdict"] = verdict;
+  rotation.addTo(json, capture);
   std::vector<std::string> texts;
   for (const LeftOutCamera& camera : rotation.cameras())
     texts.push_back(fmt::format("{} {:.2f} dB, {:.3f}", camera.name, camera.psnr, camera.residual));
-  report.add("verdict", verdict)
+  report.add("verdict", json["verdict"].get<std::string>())
       .add("held_out_in_turn", json["held_out_in_turn"], fmt::format("{}", fmt::join(texts, "; ")));
-  if (const auto file = arguments.find<std::string>("error-bars"))
-    VOLUTE_TRY(writeErrorBars(*file, rotation, context));
-  return {};
+  const auto file = arguments.find<std::string>("error-bars");
+  if (!file)
+    return {};
+  VOLUTE_ASSIGN(
+      auto sink,
+      namingOptions(createSink(*file, rotation.errorBars().info(), {.orVolute = true}), arguments));
+  return copyFrames(rotation.errorBars(), *sink, "writing error bars", context.progress);
 }
 
 Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Arguments& arguments,
                  const CaptureRefinement& refinement, const ReconstructionSettings& settings,
                  HoldOutRotation* rotation, Context& context) {
+  constexpr double kVelocityRms = 5e-3;  // less than what the estimate is off by
   const Capture& capture = refinement.capture;
   const auto target = arguments.get<std::string>("output");
-  VOLUTE_ASSIGN(auto writer,
-                ReconstructionWriter::open(
-                    frames, velocity,
-                    {target, arguments.get<double>("rms"),
-                     fmt::format("reconstructed from {}", capture.file.filename().string())},
-                    context));
+  const double rms = arguments.get<double>("rms");
+  std::vector<WrittenGrid> grids{{&frames, rms}};
+  if (velocity)
+    grids.push_back({velocity, std::max(rms, kVelocityRms)});
+  VOLUTE_ASSIGN(auto writer, openWriter(std::move(grids), target, capture.file.filename().string(),
+                                        arguments, context));
   VOLUTE_TRY(frames.solveAll(context.team));
   if (velocity)
     VOLUTE_TRY(velocity->solveAll(context.team));
-  VOLUTE_ASSIGN(auto json, reconstructionReport(capture, settings, frames));
-  if (velocity) {
-    VOLUTE_ASSIGN(json["velocity"], velocity->json());
-  }
-  json["refinement"] = refinementJson(refinement);
-  for (const std::string& text : refinement.faults) json["warnings"].push_back(text);
-  for (const std::string& text : outstandingCorrections(refinement))
-    json["warnings"].push_back(text);
+  VOLUTE_ASSIGN(auto json, reconstructionReport(refinement, settings, frames, velocity));
   const VolumeInfo& info = frames.info();
   Report report;
-  report.add("output", target)
-      .add("frames", info.frames, fmt::format("{}", info.frames))
-      .add("size", {info.x, info.y, info.z},
-           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
-      .add("channels", info.channels, fmt::format("{}", info.channels));
+  report.add("output", target);
+  addSize(report, info);
+  report.add("channels", info.channels, fmt::format("{}", info.channels));
   if (rotation)
     VOLUTE_TRY(addRotation(*rotation, arguments, capture, json, report, context));
-  VOLUTE_TRY(writer.write(report, context));
+  VOLUTE_TRY(writer.write(report));
   if (velocity)
     report.add("mean_speed", json["velocity"]["mean_speed"],
                fmt::format("{:.3g} m/s", json["velocity"].value("mean_speed", 0.0)));
@@ -246,22 +173,63 @@ Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Ar
   return {};
 }
 
+/// Measured lines instead of pictures; the targets have been checked.
+Status runLines(const Arguments& arguments, Context& context) {
+  const std::string& file = arguments.positional(0);
+  const auto target = arguments.get<std::string>("output");
+  for (const char* name :
+       {"velocity", "hold-out", "error-bars", "refine", "refined", "max-saturated", "images",
+        "color", "solver", "regularization", "sparsity", "temporal", "noise-sigma",
+        "rays-per-pixel", "no-hull", "coarse-to-fine", "warm-start", "no-warm-start"}) {
+    if (arguments.given(name))
+      return fail(ErrorCode::kInvalidArgument, "--{} is for cameras, and {} has lines", name, file);
+  }
+  if (context.team.size() > 1)
+    return fail(ErrorCode::kUnsupported, "{}: lines are for one process; leave mpirun out", file);
+  VOLUTE_ASSIGN(const auto where, captureOptionsOf(arguments, context));
+  LineOptions how;
+  if (arguments.given("basis") && arguments.get<std::string>("basis") == "trilinear")
+    how.basis = Basis::kTrilinear;
+  how.lambda = arguments.find<double>("lambda");
+  how.iterations = arguments.find<int>("iterations");
+  VOLUTE_ASSIGN(const auto found,
+                reconstructLineFile(file, where, how, arguments.flag("force"), context.progress));
+  SequenceSource source(found.volumes);
+  const VolumeInfo& info = source.info();
+  Report report;
+  report.add("output", target)
+      .add("grid", info.name, info.unit.empty() ? info.name : info.name + " [" + info.unit + "]");
+  addSize(report, info);
+  VOLUTE_ASSIGN(auto writer, openWriter({{&source, arguments.get<double>("rms")}}, target, file,
+                                        arguments, context));
+  VOLUTE_TRY(writer.write(report));
+  const double leftOut = found.mean("left_out"), residual = found.mean("residual");
+  report
+      .add("left_out", jsonNumber(leftOut),
+           fmt::format("{:.3f} (relative L2 of lines that were left out in turn)", leftOut))
+      .add("residual", jsonNumber(residual),
+           fmt::format("{:.3f} (of the lines that were fitted)", residual));
+  if (const auto page = arguments.find<std::string>("report")) {
+    auto json = report.json();
+    json["lines"] = found.records;
+    VOLUTE_TRY(writeFile(*page, dumpJson(json) + "\n"));
+  }
+  context.print(report);
+  return {};
+}
+
 Status runReconstruct(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
-  if (context.json && target == "-") {
-    return fail(ErrorCode::kInvalidArgument,
-                "--json and '--output -' both want standard output; leave one");
-  }
   VOLUTE_TRY(checkReconstructTargets(arguments, target));
+  VOLUTE_TRY(checkTarget(target, context));
   if (context.team.size() > 1 && target == "-") {
     return fail(ErrorCode::kInvalidArgument,
                 "--output -: several processes keep finished frames in a folder beside the output; "
                 "give it a name");
   }
   VOLUTE_TRY(checkFolderIsShared(target, context.team));
-  context.resultsToStderr = target == "-";
-  if (isLineFile(arguments.positional(0)))
-    return runReconstructLines(arguments, context);
+  if (extensionOf(arguments.positional(0)) == ".csv")
+    return runLines(arguments, context);
   VOLUTE_ASSIGN(const auto options, captureOptionsOf(arguments, context));
   VOLUTE_ASSIGN(const auto capture, openCapture(arguments.positional(0), options));
   remarkOn(capture, context);
@@ -277,33 +245,33 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
   const VolumeGeometry geometry{capture.volume.bounds, capture.volume.resolution};
   VOLUTE_TRY(checkVolumeSize(geometry, context.maxMemory));
   VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.maxMemory, context.progress));
-  remarkOnLayout(capture, context);
-  VOLUTE_ASSIGN(const auto refinement, refinedCapture(capture, arguments, heldOut, context));
+  CameraLayout(capture).remark(context.verbose, context.progress);
+  VOLUTE_ASSIGN(const auto refinement, refineCapture(capture, heldOut, refineOf(arguments),
+                                                     context.maxMemory, context.progress));
+  if (const auto file = arguments.find<std::string>("refined"))
+    VOLUTE_TRY(writeCapture(*file, refinement.capture));
   settings.causeNamed = !refinement.faults.empty() && !refinement.used;
   std::unique_ptr<HoldOutRotation> rotation;
   if (inTurn) {
     VOLUTE_ASSIGN(rotation, HoldOutRotation::run(capture, settings, refineOf(arguments), target,
                                                  context.maxMemory, context.progress));
   }
-  VOLUTE_ASSIGN(auto frames, openFrames(refinement.capture, settings, heldOut, target, context));
+  VOLUTE_ASSIGN(const auto frames, ReconstructedFrames::open(refinement.capture, settings, heldOut,
+                                                             target, context.progress));
   std::unique_ptr<VelocityFrames> velocity;
   if (arguments.flag("velocity")) {
-    VOLUTE_ASSIGN(velocity, openVelocity(*frames, frameKeys(refinement.capture, settings, heldOut),
-                                         target, context));
+    VOLUTE_ASSIGN(velocity, VelocityFrames::open(*frames, {}, target, context.progress));
   }
   const Status status = context.team.agree(runFrames(*frames, velocity.get(), arguments, refinement,
                                                      settings, rotation.get(), context));
   if (!context.team.leads())
     return status;
-  const bool whole = status || target == "-";
-  if (velocity && (whole || !velocity->work().any()))
-    velocity->work().remove();
-  if (!status && target != "-" && frames->work().any()) {
+  if (velocity)
+    velocity->work().leave(status.has_value());
+  if (frames->work().leave(status.has_value())) {
     context.progress.remark(
         fmt::format("finished frames are kept in {}; the same command continues from there",
                     frames->work().path().string()));
-  } else {
-    frames->work().remove();
   }
   return status;
 }
@@ -345,23 +313,18 @@ std::vector<Option> solverOptions() {
       {.name = "sparsity",
        .kind = kNumber,
        .value = "F",
-       .help =
-           "with total variation: penalty on light in dark voxels, relative to lambda; if not "
-           "given, 2.5, or 0 if the data prefer it",
+       .help = "with total variation: penalty on light in dark voxels, relative to lambda; if not "
+               "given, 2.5, or 0 if the data prefer it",
        .least = 0},
       {.name = "noise-sigma",
        .kind = kNumber,
        .value = "S",
        .help = "noise of a pixel's channel [radiance]; if not given, that of the capture",
        .positive = true},
-      {.name = "rays-per-pixel",
-       .kind = kChoice,
-       .value = "N",
-       .help = "1: through the pixel's centre; 4: mean of four rays at its quarter points",
-       .initial = "4",
-       .choices = {"1", "4"}},
-      {.name = "no-hull", .help = "solve for all voxels, not only those where every camera sees "
-                                  "light"},
+      raysOption(),
+      {.name = "no-hull",
+       .help = "solve for all voxels, not only those where every camera sees "
+               "light"},
       {.name = "coarse-to-fine", .help = "solve at half the resolution first"},
       {.name = "warm-start", .help = "start each frame from the previous one (default)"},
       {.name = "no-warm-start", .help = "start each frame from zero"},
@@ -377,31 +340,20 @@ std::vector<Option> solverOptions() {
 std::vector<Option> reconstructOptionTable() {
   using enum ValueKind;
   std::vector<Option> options = {
-      {.name = "output",
-       .letter = 'o',
-       .kind = kOutput,
-       .value = "OUT",
-       .help = ".volute, .npy (float32, t,z,y,x[,c]), %04d.vdb, %04d.vti, .pvd, or - for a .npy",
-       .derived = ".volute"},
+      outputOption(
+          "OUT", ".volute, .npy (float32, t,z,y,x[,c]), %04d.vdb, %04d.vti, .pvd, or - for a .npy",
+          ".volute"),
       {.name = "resolution",
        .kind = kText,
        .value = "N[,N,N]",
        .help = "voxels in x, y, z, or cubic voxels with N on the longest side; if not given, that "
                "of the capture"},
-      {.name = "frames",
-       .kind = kFrames,
-       .value = "A:B[:S]",
-       .help = "frames with numbers A <= n < B; volute join joins parts"},
-      {.name = "rms",
-       .kind = kNumber,
-       .value = "R",
-       .help = "relative RMS error of the compressed .volute",
-       .initial = "0.001",
-       .most = 1,
-       .positive = true},
+      framesOption("frames with numbers A <= n < B; volute join joins parts"),
+      rmsOption("relative RMS error of the compressed .volute", "0.001"),
       {.name = "velocity",
-       .help = "estimate the velocity [m/s] between frames; written as grid 'velocity' of a .volute "
-               "or %04d.vdb, or to a file of its own with {grid} in OUT"},
+       .help =
+           "estimate the velocity [m/s] between frames; written as grid 'velocity' of a .volute "
+           "or %04d.vdb, or to a file of its own with {grid} in OUT"},
       {.name = "hold-out",
        .kind = kText,
        .value = "NAME",

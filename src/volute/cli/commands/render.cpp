@@ -13,42 +13,30 @@
 #include "volute/film/write_film.hpp"
 #include "volute/cli/file_kind.hpp"
 #include "volute/cli/scene_arguments.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/values.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/media/volume/volume_input.hpp"
+#include "volute/scene/picture_camera.hpp"
 
 namespace volute::cli {
 namespace {
 
-constexpr Pixels kUsualSize{800, 600};
-
-/// The command line's, the scene's, or one that frames what is shown: of nothing.
-Result<Camera> chooseCamera(const Arguments& arguments, const Scene& scene,
-                            std::optional<CameraDescription>& description, Progress& progress) {
-  VOLUTE_ASSIGN(description, cameraOf(arguments));
-  if (!description) {
-    description = scene.camera();
-    if (description && !description->reason.empty()) {
-      const Vec3& eye = description->view.eye;
-      const Vec3& target = description->view.target;
-      progress.remark(fmt::format("seen {} (--eye {:.2f},{:.2f},{:.2f} --target "
-                                  "{:.2f},{:.2f},{:.2f} --fov {:g})",
-                                  description->reason, eye.x(), eye.y(), eye.z(), target.x(),
-                                  target.y(), target.z(), description->fov.value_or(0)));
-    }
+Result<PictureCamera> chooseCamera(const Arguments& arguments, const Scene& scene,
+                                   Progress& progress) {
+  VOLUTE_ASSIGN(auto asked, cameraOf(arguments));
+  VOLUTE_ASSIGN(auto found,
+                pictureCamera(scene, std::move(asked), arguments.find<Pixels>("size")));
+  if (const auto& seen = found.description; seen && !seen->reason.empty()) {
+    const Vec3 &eye = seen->view.eye, &target = seen->view.target;
+    progress.remark(fmt::format("seen {} (--eye {:.2f},{:.2f},{:.2f} --target {:.2f},{:.2f},{:.2f} "
+                                "--fov {:g})",
+                                seen->reason, eye.x(), eye.y(), eye.z(), target.x(), target.y(),
+                                target.z(), seen->fov.value_or(0)));
   }
-  Pixels size = arguments.find<Pixels>("size").value_or(kUsualSize);
-  if (!description && scene.media().empty() && scene.geometry().empty()) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: has nothing to frame; expected media or geometry, or a camera", scene.path());
-  }
-  if (!description)
-    return Camera::framing(scene.bounds(), size.width, size.height);
-  if (!arguments.given("size"))
-    size = description->size.value_or(kUsualSize);
-  return makeCamera(*description, size);
+  return found;
 }
 
 RenderOptions renderOptions(const Arguments& arguments, const Scene& scene) {
@@ -120,19 +108,6 @@ std::string_view beyondGl(const Arguments& arguments) {
       return option;
   }
   return "";
-}
-
-/// An option that is about OpenGL alone, unless it is as it is by itself.
-Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, bool gl) {
-  const auto name = arguments.get<std::string>("smoke-method");
-  if (!gl && name != "auto") {
-    return fail(ErrorCode::kInvalidArgument,
-                "--smoke-method: {} is a way to draw with OpenGL; add --renderer gl", name);
-  }
-  return name == "auto"    ? GlSmokeMethod::kAuto
-         : name == "march" ? GlSmokeMethod::kMarch
-         : name == "splat" ? GlSmokeMethod::kSplat
-                           : GlSmokeMethod::kProject;
 }
 
 /// `auto` takes OpenGL where hardware draws all that is asked for.
@@ -219,10 +194,8 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
                 "--frames");
   }
   VOLUTE_ASSIGN(auto frames, framesOf(arguments, scene, target, context.progress));
-  std::optional<CameraDescription> described;
-  VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, scene, described, context.progress));
-  const Vec3 centre = described ? described->view.target : Vec3(scene.bounds().centre());
-  VOLUTE_TRY(checkPictureMemory(camera, context.maxMemory));
+  VOLUTE_ASSIGN(auto seen, chooseCamera(arguments, scene, context.progress));
+  VOLUTE_TRY(checkPictureMemory(seen.camera, context.maxMemory));
   VOLUTE_ASSIGN(auto renderer, rendererOf(arguments, together));
   VOLUTE_ASSIGN(auto contour, contourOf(arguments, scene));
   const RenderOptions options = renderOptions(arguments, scene);
@@ -230,17 +203,18 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   const bool captioned = !scene.isFile() && scene.media().front()->info().captioned &&
                          options.aov == Aov::kNone && !arguments.flag("no-legend");
   const bool legend = arguments.flag("legend") || captioned;
-  FilmJob job{std::move(scene), camera, options, std::move(renderer),
+  FilmJob job{std::move(scene), seen.camera, options, std::move(renderer),
                 arguments.get<std::string>("renderer") == "auto", std::move(frames), rate,
                 std::move(contour), arguments.get<std::string>("volume-method") == "tree",
                 legend};
   job.totals = std::move(totals);
-  job.way = std::move(described);
+  job.orbitCentre =
+      seen.description ? seen.description->view.target : Vec3(job.scene.bounds().centre());
+  job.way = std::move(seen.description);
   job.layers = std::move(layers);
   job.together = together;
   VOLUTE_TRY(ofOption("by-pieces", checkTogether(job)));
   job.orbit = arguments.find<double>("orbit").value_or(0) * std::numbers::pi / 180;
-  job.orbitCentre = centre;
   job.measured = isMeasured(arguments);
   if (!job.measured && !job.contour)
     job.samples = arguments.get<int>("samples");
@@ -355,37 +329,25 @@ Status runRender(const Arguments& arguments, Context& context) {
 std::vector<Option> renderOptionTable() {
   using enum ValueKind;
   std::vector<Option> options = {
-      {.name = "output",
-       .letter = 'o',
-       .kind = kOutput,
-       .value = "OUT",
-       .help = ".png, .exr (linear values), .mp4 or .webm; several stills need %04d for the "
-               "frame's number",
-       .derived = ".png"},
+      outputOption("OUT",
+                   ".png, .exr (linear values), .mp4 or .webm; several stills need %04d for the "
+                   "frame's number",
+                   ".png"),
       {.name = "size",
        .kind = kPixels,
        .value = "WxH",
        .help = "size of the picture [pixels]; if not given, that of the camera file, else 800x600"},
       {.name = "time", .kind = kNumber, .value = "T", .help = "show the frame at T [s]"},
-      {.name = "frames",
-       .kind = kFrames,
-       .value = "A:B[:S]",
-       .help = "frames with numbers A <= n < B, every S-th"},
+      framesOption(),
       {.name = "renderer",
        .kind = kChoice,
        .value = "NAME",
        .help = "renderer; auto: gl with a suitable graphics card, else cpu",
        .initial = "auto",
        .choices = {"auto", "cpu", "gl", "reference"}},
-      {.name = "smoke-method",
-       .kind = kChoice,
-       .value = "NAME",
-       .help = "how OpenGL draws smoke on a mesh without other media: march from face to face, "
-               "splat all tetrahedra (lit smoke is marched anyway), or projected tetrahedra; "
-               "auto: splat without light, else march",
-       .initial = "auto",
-       .choices = {"auto", "march", "splat", "projected"},
-       .kinds = {"smoke", kSceneKind}},
+      smokeMethodOption(": march from face to face, splat all tetrahedra (lit smoke is marched "
+                        "anyway), or projected tetrahedra; auto: splat without light, else march",
+                        {"smoke", kSceneKind}),
       {.name = "volume-method",
        .kind = kChoice,
        .value = "NAME",
@@ -482,9 +444,7 @@ std::vector<Option> renderOptionTable() {
            "draw mode, field, C, time and colour scale into .png and films"},
       {.name = "no-legend", .help = "no legend in pictures of an FDS case alone"},
       statsOption(),
-      {.name = "partial",
-       .help = "use the intact part of a damaged .volute",
-       .kinds = {"volume", kSceneKind}}};
+      partialOption({"volume", kSceneKind})};
   auto camera = fieldOptions({&cameraFields()});
   for (Option& option : camera) option.kinds.clear();
   for (const auto& more : {camera, mediumOptions(), lightCacheOptions()})

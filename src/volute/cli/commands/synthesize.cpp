@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
-#include "volute/codec/compress.hpp"
-#include "volute/media/volume/volume_input.hpp"
+#include "volute/media/volume/volume_writer.hpp"
 #include "volute/synth/hall_files.hpp"
 #include "volute/synth/synth.hpp"
 #include "volute/synth/valley_files.hpp"
@@ -30,85 +30,60 @@ Result<SynthOptions> optionsOf(const Arguments& arguments) {
   return options;
 }
 
-Status write(FrameSource& source, const std::string& target, const Arguments& arguments,
-             Context& context) {
-  if (!isVolutePath(target)) {
-    VOLUTE_ASSIGN(auto sink, openSink(target, source.info(), true));
-    return copyFrames(source, *sink, "synthesizing", context.progress);
-  }
-  CompressOptions options;
-  options.target = {ErrorTarget::Kind::kRms, arguments.get<double>("rms")};
-  options.provenance =
-      fmt::format("synthesized {}, seed {}", arguments.positional(0), arguments.get<int>("seed"));
-  options.maxMemory = context.maxMemory;
-  const auto report = compress(source, target, options, context.progress);
-  return report ? Status() : tl::unexpected<Error>(report.error());
-}
-
-/// The valley is no volume: a folder of pictures.
-Status runValley(const Arguments& arguments, Context& context) {
+/// The valley is a folder of pictures, the hall and the ball are smoke on meshes of tets.
+Status writeFiles(const Arguments& arguments, Report& report, Context& context) {
+  const std::string& kind = arguments.positional(0);
   const auto target = arguments.get<std::string>("output");
-  ValleyFiles files;
-  files.seed = static_cast<std::uint32_t>(arguments.get<int>("seed"));
-  files.size = arguments.get<Pixels>("pixels");
-  files.frames = arguments.findGiven<int>("frames").value_or(1);
-  files.mapSize = arguments.findGiven<int>("size").value_or(files.mapSize);
-  files.geometry = arguments.flag("geometry");
-  VOLUTE_TRY(writeValley(files, target, context.progress));
-  Report report;
-  report.add("output", target).add("frames", files.frames, fmt::format("{}", files.frames));
-  context.print(report);
-  return {};
-}
-
-Status runBall(const Arguments& arguments, Context& context) {
-  const auto target = arguments.get<std::string>("output");
-  VOLUTE_TRY(writeBall(target, static_cast<std::uint32_t>(arguments.get<int>("seed"))));
-  Report report;
+  const auto seed = static_cast<std::uint32_t>(arguments.get<int>("seed"));
+  const auto frames = arguments.findGiven<int>("frames");
   report.add("output", target);
-  context.print(report);
+  if (kind == "ball")
+    return writeBall(target, seed);
+  int written = 0;
+  if (kind == "valley") {
+    ValleyFiles files;
+    files.seed = seed;
+    files.size = arguments.get<Pixels>("pixels");
+    files.frames = written = frames.value_or(1);
+    files.mapSize = arguments.findGiven<int>("size").value_or(files.mapSize);
+    files.geometry = arguments.flag("geometry");
+    VOLUTE_TRY(writeValley(files, target, context.progress));
+  } else {
+    HallFiles files;
+    files.seed = seed;
+    files.steps = written = frames.value_or(files.steps);
+    files.cell = arguments.get<double>("cell");
+    files.interval = arguments.get<double>("interval");
+    VOLUTE_TRY(writeHall(files, target, context.progress));
+  }
+  report.add("frames", written, fmt::format("{}", written));
   return {};
 }
 
-/// Smoke on a mesh of tets.
-Status runHall(const Arguments& arguments, Context& context) {
+Status writeVolumes(const Arguments& arguments, Report& report, Context& context) {
   const auto target = arguments.get<std::string>("output");
-  HallFiles files;
-  files.seed = static_cast<std::uint32_t>(arguments.get<int>("seed"));
-  files.steps = arguments.findGiven<int>("frames").value_or(files.steps);
-  files.cell = arguments.get<double>("cell");
-  files.interval = arguments.get<double>("interval");
-  VOLUTE_TRY(writeHall(files, target, context.progress));
-  Report report;
-  report.add("output", target).add("frames", files.steps, fmt::format("{}", files.steps));
-  context.print(report);
-  return {};
+  VOLUTE_ASSIGN(const auto options, optionsOf(arguments));
+  VOLUTE_TRY(checkTarget(target, context));
+  VOLUTE_ASSIGN(auto source, SyntheticSource::create(options, context.progress));
+  const VolumeInfo& info = source->info();
+  const std::string provenance =
+      fmt::format("synthesized {}, seed {}", arguments.positional(0), options.seed);
+  VOLUTE_ASSIGN(auto writer,
+                namingOptions(VolumeWriter::open({{source.get(), arguments.get<double>("rms")}},
+                                                 target, provenance, context, context.team),
+                              arguments));
+  report.add("output", target);
+  addSize(report, info);
+  report.add("channels", info.channels, fmt::format("{}", info.channels));
+  return writer.write(report);
 }
 
 Status runSynthesize(const Arguments& arguments, Context& context) {
-  if (arguments.positional(0) == "hall")
-    return runHall(arguments, context);
-  if (arguments.positional(0) == "ball")
-    return runBall(arguments, context);
-  if (arguments.positional(0) == "valley")
-    return runValley(arguments, context);
-  const auto target = arguments.get<std::string>("output");
-  if (context.json && target == "-") {
-    return fail(ErrorCode::kInvalidArgument,
-                "--json and '--output -' both want standard output; leave one");
-  }
-  VOLUTE_ASSIGN(const auto options, optionsOf(arguments));
-  VOLUTE_TRY(checkTarget(target, true));
-  context.resultsToStderr = target == "-";
-  VOLUTE_ASSIGN(auto source, SyntheticSource::create(options, context.progress));
-  VOLUTE_TRY(write(*source, target, arguments, context));
-  const VolumeInfo& info = source->info();
+  const std::string& kind = arguments.positional(0);
   Report report;
-  report.add("output", target)
-      .add("frames", info.frames, fmt::format("{}", info.frames))
-      .add("size", {info.x, info.y, info.z},
-           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
-      .add("channels", info.channels, fmt::format("{}", info.channels));
+  VOLUTE_TRY(kind == "valley" || kind == "hall" || kind == "ball"
+                 ? writeFiles(arguments, report, context)
+                 : writeVolumes(arguments, report, context));
   context.print(report);
   return {};
 }
@@ -186,13 +161,7 @@ Command synthesizeCommand() {
                    .initial = "5",
                    .positive = true},
                   {.name = "scalar", .help = "one channel instead of RGB"},
-                  {.name = "rms",
-                   .kind = kNumber,
-                   .value = "R",
-                   .help = "relative RMS error of a .volute",
-                   .initial = "0.001",
-                   .most = 1,
-                   .positive = true}},
+                  rmsOption("relative RMS error of a .volute", "0.001")},
       .run = runSynthesize};
 }
 

@@ -4,8 +4,9 @@
 
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/file_kind.hpp"
-#include "volute/cli/sibling_program.hpp"
 #include "volute/cli/scene_arguments.hpp"
+#include "volute/cli/shared_options.hpp"
+#include "volute/cli/sibling_program.hpp"
 
 namespace volute::cli {
 namespace {
@@ -37,12 +38,7 @@ std::vector<Option> viewOptions() {
        .help = "renderer, overriding the scene's view; auto: OpenGL on a graphics card, else the "
                "CPU",
        .choices = {"auto", "gl", "cpu"}},
-      {.name = "smoke-method",
-       .kind = kChoice,
-       .value = "NAME",
-       .help = "how OpenGL draws smoke on a mesh without other media, as for render",
-       .initial = "auto",
-       .choices = {"auto", "march", "splat", "projected"}},
+      smokeMethodOption(", as for render"),
       {.name = "no-panels", .help = "take the screenshot of the picture only, without panels"}};
   for (const auto& more : {mediumOptions(), lightCacheOptions()})
     options.insert(options.end(), more.begin(), more.end());

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 
-#include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/scene_arguments.hpp"
-#include "volute/fds/fds_case.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/film/sign_views.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/scene/scene_sight.hpp"
@@ -22,43 +20,17 @@ namespace volute::cli {
 namespace {
 
 /// A text file; what is made of it takes several times its size.
-Result<std::string> readText(const std::string& path, const Context& context) {
-  const std::uint64_t most = context.maxMemory / 16;
-  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  if (file.size() > most) {
-    return fail(ErrorCode::kTooLarge,
-                "{}: {} bytes of text are too many; expected at most {}, a 16th of --max-memory",
-                path, file.size(), most);
-  }
-  std::string text(file.size(), '\0');
-  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
-  return text;
-}
-
-std::vector<std::string> namesIn(std::string_view list) {
-  std::vector<std::string> names;
-  while (true) {
-    const std::size_t comma = list.find(',');
-    names.emplace_back(list.substr(0, comma));
-    if (comma == list.npos)
-      return names;
-    list.remove_prefix(comma + 1);
-  }
+Result<std::string> textOf(const std::string& path, const Context& context) {
+  return readText(path, context.maxMemory / 16);
 }
 
 /// "1.8,4.8": of plans, a storey each.
 Result<std::vector<double>> heightsOf(const Arguments& arguments) {
-  std::vector<double> heights;
-  for (const std::string& name : namesIn(arguments.get<std::string>("height"))) {
-    const auto number = parseNumber(name);
-    if (!number || !std::isfinite(*number))
-      return fail(ErrorCode::kInvalidArgument,
-                  "--height: '{}' is not a number; expected metres, such as 1.8, or several, such "
-                  "as 1.8,4.8",
-                  name);
-    if (std::ranges::find(heights, *number) != heights.end())
-      return fail(ErrorCode::kInvalidArgument, "--height: {} is there twice", name);
-    heights.push_back(*number);
+  VOLUTE_ASSIGN(auto heights,
+                ofOption("height", parseNumbers(arguments.get<std::string>("height"))));
+  for (auto at = heights.begin(); at != heights.end(); ++at) {
+    if (std::find(heights.begin(), at, *at) != at)
+      return fail(ErrorCode::kInvalidArgument, "--height: {:g} is there twice", *at);
   }
   return heights;
 }
@@ -77,7 +49,7 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     height = heights.front();
   }
   if (const auto file = arguments.find<std::string>("route")) {
-    VOLUTE_ASSIGN(const auto text, readText(*file, context));
+    VOLUTE_ASSIGN(const auto text, textOf(*file, context));
     VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
     VOLUTE_ASSIGN(auto routes, routesOf(points, *file));
     VOLUTE_ASSIGN(const auto slowed, speedLaw(arguments.get<std::string>("slowed")));
@@ -85,14 +57,14 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
                                           arguments.get<double>("start"), slowed});
   }
   if (const auto file = arguments.find<std::string>("eyes")) {
-    VOLUTE_ASSIGN(const auto text, readText(*file, context));
+    VOLUTE_ASSIGN(const auto text, textOf(*file, context));
     VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
     std::vector<Vec3> eyes;
     for (const NamedPoint& point : points) eyes.push_back(point.position);
     return pointWatch(std::move(eyes));
   }
   if (const auto file = arguments.find<std::string>("trajectories")) {
-    VOLUTE_ASSIGN(const auto text, readText(*file, context));
+    VOLUTE_ASSIGN(const auto text, textOf(*file, context));
     VOLUTE_ASSIGN(auto people, Trajectories::parse(text, *file, height));
     return trajectoryWatch(std::move(people));
   }
@@ -112,42 +84,11 @@ Result<double> extinctionLimit(const Arguments& arguments) {
 /// Places that pictures are taken from.
 Result<std::vector<Vec3>> viewsOf(const Arguments& arguments) {
   std::vector<Vec3> eyes;
-  for (const auto& text :
-       arguments.find<std::vector<std::string>>("picture").value_or(std::vector<std::string>{})) {
-    const auto eye = parseVector(text);
-    if (!eye)
-      return fail(ErrorCode::kInvalidArgument, "--picture: {}", eye.error().message);
-    eyes.push_back(*eye);
+  for (const std::string& text : arguments.all("picture")) {
+    VOLUTE_ASSIGN(const Vec3 eye, ofOption("picture", parseVector(text)));
+    eyes.push_back(eye);
   }
   return eyes;
-}
-
-/// The usual criteria, those of a file, or none.
-Result<std::vector<Criterion>> criteriaOf(const Arguments& arguments) {
-  const auto which = arguments.get<std::string>("criteria");
-  if (which == "none")
-    return std::vector<Criterion>();
-  if (which == "usual")
-    return usualCriteria();
-  return readCriteria(which);
-}
-
-/// A number of seconds, or a file.
-Result<std::optional<Rset>> rsetOf(const Arguments& arguments, const Context& context) {
-  const auto given = arguments.find<std::string>("rset");
-  if (!given)
-    return std::optional<Rset>();
-  double seconds = 0;
-  const char* end = given->data() + given->size();
-  const auto [stop, error] = std::from_chars(given->data(), end, seconds);
-  if (error == std::errc() && stop == end) {
-    if (!(seconds >= 0))
-      return fail(ErrorCode::kInvalidArgument, "--rset: {}: expected seconds >= 0, or a file", *given);
-    return Rset(seconds);
-  }
-  VOLUTE_ASSIGN(const auto text, readText(*given, context));
-  VOLUTE_ASSIGN(auto rset, Rset::parse(text, *given));
-  return std::optional<Rset>(std::move(rset));
 }
 
 /// A drawing of the building over maps.
@@ -160,11 +101,7 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
   UnderlayOptions options{bounds.min.head<2>(), bounds.max.head<2>()};
   options.maxMemory = maxMemory;
   if (const auto text = arguments.find<std::string>("underlay-bounds")) {
-    std::vector<double> ends;
-    for (const std::string& name : namesIn(*text)) {
-      if (const auto number = parseNumber(name); number && std::isfinite(*number))
-        ends.push_back(*number);
-    }
+    const auto ends = parseNumbers(*text).value_or(std::vector<double>());
     if (ends.size() != 4 || !(ends[0] < ends[2] && ends[1] < ends[3])) {
       return fail(
           ErrorCode::kInvalidArgument,
@@ -178,38 +115,19 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
   return std::make_shared<const PlanUnderlay>(std::move(underlay));
 }
 
-/// The smoke of a case. A source of one layer (a 2D slice), which nobody asked for, gives way to one
-/// that fills the meshes if the signs or the eyes' height are outside of that layer.
+/// The smoke of a case, which is to reach the signs and the eyes' height.
 Result<std::unique_ptr<SightField>> fieldOf(const Arguments& arguments, Context& context,
                                             SurveyRequest& request) {
-  const std::string& path = request.casePath;
-  VOLUTE_ASSIGN(auto field, openSight(path, arguments, context));
-  if (arguments.given("field") || !isSmvPath(path))
-    return field;
-  const double low = field->bounds().min.z(), high = field->bounds().max.z();
-  const auto outside = [&](double z) { return z < low || z > high; };
-  const bool named = arguments.given("eyes") || arguments.given("route") ||
-                     arguments.given("trajectories");
-  bool beyond = (!named || arguments.given("height")) && outside(request.survey.height);
-  for (const SafetySign& sign : request.signs) beyond = beyond || outside(sign.position.z());
-  if (!beyond)
-    return field;
-  FdsOptions filling{.volume = true};
-  filling.maxMemory = context.maxMemory;
-  const auto other = FdsCase::open(path, filling);
-  if (!other || other->bounds().size().z() <= high - low)
-    return field;
-  SceneOptions options;
-  options.maxMemory = context.maxMemory;
-  VOLUTE_ASSIGN(options.members, mediumMembers(path, arguments));
-  options.members["field"] = other->source().name;
-  Progress quiet;
-  VOLUTE_ASSIGN(auto scene, Scene::open(path, options, quiet));
-  request.remarks.push_back(fmt::format(
-      "{} has smoke from z = {:g} to {:g} m only, and eyes or signs are outside; smoke is read from "
-      "{} instead (--field NAME selects another source)",
-      field->description(), low, high, other->source().name));
-  return sightOf(std::move(scene), options, context.progress);
+  VOLUTE_ASSIGN(const auto options, sceneOptions(request.casePath, arguments, context));
+  std::vector<double> heights;
+  for (const SafetySign& sign : request.signs) heights.push_back(sign.position.z());
+  if (arguments.given("height") ||
+      !(arguments.given("eyes") || arguments.given("route") || arguments.given("trajectories")))
+    heights.push_back(request.survey.height);
+  auto field = openSight(request.casePath, options, heights, request.remarks, context.progress);
+  if (!field)
+    return tl::unexpected(aboutOptions(std::move(field.error()), request.casePath));
+  return field;
 }
 
 /// One plan, or other eyes.
@@ -219,9 +137,10 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   request.casePath = arguments.positional(0);
   request.output = output;
   VOLUTE_ASSIGN(request.signs, readSigns(arguments.get<std::string>("signs")));
-  for (const auto& set :
-       arguments.find<std::vector<std::string>>("set").value_or(std::vector<std::string>{}))
-    request.sets.push_back(namesIn(set));
+  for (const std::string& set : arguments.all("set")) {
+    const auto names = split(set, ',');
+    request.sets.emplace_back(names.begin(), names.end());
+  }
   request.frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
   request.survey.step = arguments.get<double>("step");
   request.survey.height = height;
@@ -232,8 +151,11 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   request.pdf = arguments.flag("pdf") && output == arguments.get<std::string>("output");
   request.author = arguments.find<std::string>("by").value_or("");
   request.date = arguments.find<std::string>("date").value_or("");
-  VOLUTE_ASSIGN(request.survey.criteria, criteriaOf(arguments));
-  VOLUTE_ASSIGN(request.survey.rset, rsetOf(arguments, context));
+  VOLUTE_ASSIGN(request.survey.criteria, criteriaOf(arguments.get<std::string>("criteria")));
+  if (const auto rset = arguments.find<std::string>("rset")) {
+    VOLUTE_ASSIGN(request.survey.rset,
+                  namingOptions(Rset::read(*rset, context.maxMemory / 16), arguments));
+  }
   VOLUTE_ASSIGN(request.survey.round, roundTime(arguments.get<std::string>("round")));
   VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context));
   VOLUTE_ASSIGN(auto views, viewsOf(arguments));
@@ -344,10 +266,7 @@ std::vector<Option> visibilityOptionTable() {
        .value = "T|FILE",
        .help = "required safe egress time, compared with the ASET of a plan: seconds, a table "
                "x,y,rset, or trajectories"},
-      {.name = "frames",
-       .kind = kFrames,
-       .value = "A:B[:S]",
-       .help = "stored times, counted from 0: A <= n < B, every S-th"},
+      framesOption("stored times, counted from 0: A <= n < B, every S-th"),
       {.name = "round",
        .kind = kChoice,
        .value = "HOW",

@@ -334,6 +334,14 @@ bool FdsSight::sameGeometry(const FdsField& field, double time) const {
   return true;
 }
 
+std::string FdsSight::tallerSource() const {
+  FdsOptions filling{.volume = true};
+  filling.maxMemory = maxMemory_;
+  const auto other = FdsCase::open(case_.index(), filling);
+  const bool taller = other && other->bounds().size().z() > bounds().size().z();
+  return taller ? other->source().name : "";
+}
+
 std::vector<double> FdsSight::changes() const {
   std::vector<double> changes;
   for (const double event : obstructionEvents(case_.index())) {

@@ -66,6 +66,8 @@ class FdsSight final : public SightField {
     return case_.source().volume ? case_.source().name : "";
   }
 
+  std::string tallerSource() const override;
+
   std::vector<std::string> remarks() const override {
     return {case_.remarks().begin(), case_.remarks().end()};
   }

@@ -8,6 +8,8 @@
 #include <random>
 #include <utility>
 
+#include "volute/fds/fds_case_testing.hpp"
+
 namespace volute {
 namespace {
 
@@ -94,6 +96,26 @@ TEST(FdsInstant, BlocksOfCellsBoundEveryLine) {
     EXPECT_GT(tight, 1000);
     EXPECT_GT(uncovered, 50);
   }
+}
+
+TEST(FdsSight, ASliceNamesTheSourceThatFillsItsMesh) {
+  const Folder folder;
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {}, {}});
+  const auto add = [&](const fdswriter::Slice& slice, const std::string& name) {
+    fdswriter::sliceFile(slice, {{0, fdswriter::atNodes(kFirst, slice.at, linear)}})
+        .save(folder / name);
+    index.slice(1, slice, name, false);
+    index.save(folder / "made.smv");
+  };
+  const auto sight = [&](const std::string& source) {
+    return FdsSight(opened(folder / "made.smv", {.source = source}));
+  };
+  add({{0, 5, 0, 4, 2, 2}}, "flat.sf");
+  EXPECT_EQ(sight("").tallerSource(), "");
+  add({whole(kFirst)}, "whole.sf");
+  EXPECT_EQ(sight("").tallerSource(), "");
+  EXPECT_EQ(sight("slice-extinction").tallerSource(), "slice3d-extinction");
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/media/volume/volume_writer.hpp"
+
 namespace volute {
 namespace {
 
@@ -71,11 +73,9 @@ Report compressionReport(const std::string& target, const VolumeInfo& info,
                       const CompressReport& result, std::optional<std::uint64_t> inputBytes) {
   const double speed = static_cast<double>(result.rawBytes) / 1e6 / std::max(result.seconds, 1e-9);
   Report report;
-  report.add("output", target)
-      .add("frames", info.frames, fmt::format("{}", info.frames))
-      .add("size", {info.x, info.y, info.z},
-           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
-      .add("channels", info.channels, fmt::format("{}", info.channels))
+  report.add("output", target);
+  addSize(report, info);
+  report.add("channels", info.channels, fmt::format("{}", info.channels))
       .add("raw_bytes", result.rawBytes, bytesText(result.rawBytes))
       .add("bytes", result.fileBytes, bytesText(result.fileBytes));
   addRatios(report, result.rawBytes, result.fileBytes, inputBytes);

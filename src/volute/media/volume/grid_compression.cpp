@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/volume/grid_compression.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -11,6 +13,8 @@
 
 #include "volute/base/output_file.hpp"
 #include "volute/codec/bundle.hpp"
+#include "volute/io/frame_pattern.hpp"
+#include "volute/media/volume/compression_report.hpp"
 
 namespace volute {
 namespace {
@@ -92,11 +96,8 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   GridProgress progress(reading_.progress, grid.name);
   auto report = compress(*source, file, options, progress, team_);
   if (!report) {
-    // As of one grid: the command line was checked, so what is still wrong is a target out of reach.
-    const ErrorCode code = report.error().code == ErrorCode::kInvalidArgument
-                               ? ErrorCode::kUnsupported
-                               : report.error().code;
-    return fail(code, "{}", errorIn(grid, report.error().message, leads ? file : ""));
+    return fail(report.error().code, "{}",
+                errorIn(grid, report.error().message, leads ? file : ""));
   }
   done_.back().info = source->info();
   done_.back().report = *report;
@@ -154,14 +155,7 @@ Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
   return CompressedGrids{done_, bytes, 0};
 }
 
-}  // namespace
-
-std::uint64_t CompressedGrids::rawBytes() const {
-  std::uint64_t bytes = 0;
-  for (const CompressedGrid& grid : grids) bytes += grid.report.rawBytes;
-  return bytes;
-}
-
+/// Whether a file of this grid alone needs to say more of it than its values.
 bool wantsDescription(const VolumeGrid& grid) {
   constexpr std::string_view kOwnTime = "volute:time", kHalf = "is_saved_as_half_float";
   if (!grid.description)
@@ -176,6 +170,60 @@ bool wantsDescription(const VolumeGrid& grid) {
       std::ranges::none_of(one.metadata.listOf, [](int list) { return list < 0; });
   return grid.empty || one.half || !plainType || !plainClass || !plainMetadata || !inAllFrames ||
          one.background != std::array<double, 3>{};
+}
+
+/// The grids of a cache; nothing where one grid is to be compressed by itself.
+Result<std::optional<Report>> compressCache(const std::string& path, const std::string& target,
+                                            const GridCompression& how, const InputOptions& input,
+                                            Reading& reading, Team& team) {
+  const bool one = gridNames(input.grid).size() == 1 || input.raw;
+  if (one || !VolumeGrids::mayBe(path)) {
+    if (how.rms.empty())
+      return std::nullopt;
+    return fail(ErrorCode::kInvalidArgument,
+                "--rms-of is for several grids, and this is one: say --rms");
+  }
+  InputOptions unverified = input;  // who reads it says what is damaged
+  unverified.verify = false;
+  VOLUTE_ASSIGN(const auto grids, VolumeGrids::open(path, unverified, reading));
+  const auto& all = grids->grids();
+  const std::string leftOut = fmt::format("{}", fmt::join(grids->leftOut(), ", "));
+  VOLUTE_ASSIGN(const auto chosen, grids->choose(input.grid, path));
+  if (chosen.empty() && !leftOut.empty())
+    return fail(ErrorCode::kUnsupported, "{}: no grid can be compressed: {}", path, leftOut);
+  if (chosen.empty() || (chosen.size() == 1 && leftOut.empty() && how.rms.empty() &&
+                         !wantsDescription(all[chosen[0]])))
+    return std::nullopt;
+  if (input.bounds) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--bounds is for one grid, and {} has {}: choose one with --field", path,
+                all.size());
+  }
+  for (const auto& [name, rms] : how.rms) VOLUTE_TRY(grids->choose(name, path));
+  if (!leftOut.empty()) {
+    reading.progress.remark(fmt::format("{}: left out, as it holds no volume: {}", path, leftOut));
+  }
+  for (const std::size_t i : chosen) {
+    if (input.partial && isVolutePath(path) && !all[i].empty)
+      VOLUTE_TRY(openVolute(path, true, reading, true, all[i].name));
+  }
+  VOLUTE_ASSIGN(const auto result, compressGrids(*grids, chosen, target, how, reading, team));
+  const auto full =
+      std::ranges::find_if(result.grids, [](const auto& grid) { return grid.info.x > 0; });
+  const bool allFrames = how.frames == FrameRange{};
+  if (const auto gaps = missingNumbers(full->info.frameNumbers); !gaps.empty() && allFrames)
+    reading.progress.remark(fmt::format("{}: {}", path, gaps));
+  const bool whole = allFrames && leftOut.empty() && chosen.size() == all.size();
+  return compressionReport(target, result, full->info.frames,
+                           whole ? bytesOnDisk(path) : std::nullopt);
+}
+
+}  // namespace
+
+std::uint64_t CompressedGrids::rawBytes() const {
+  std::uint64_t bytes = 0;
+  for (const CompressedGrid& grid : grids) bytes += grid.report.rawBytes;
+  return bytes;
 }
 
 Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
@@ -214,6 +262,21 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
+}
+
+Result<Report> compressVolume(const std::string& path, const std::string& target,
+                              const GridCompression& how, const InputOptions& input,
+                              Reading& reading, Team& team) {
+  VOLUTE_ASSIGN(auto report, compressCache(path, target, how, input, reading, team));
+  if (report)
+    return *std::move(report);
+  VOLUTE_ASSIGN(auto volume, openVolume(path, input, reading));
+  const bool whole =
+      how.frames == FrameRange{} && !input.bounds && volume.source->otherGrids().empty();
+  VOLUTE_ASSIGN(const auto source, selectFrames(std::move(volume.source), how.frames));
+  VOLUTE_ASSIGN(const auto result, compress(*source, target, how.options, reading.progress, team));
+  return compressionReport(target, source->info(), result,
+                           whole ? bytesOnDisk(path) : std::nullopt);
 }
 
 Result<std::map<std::string, double>> parseGridRms(const std::string& text) {

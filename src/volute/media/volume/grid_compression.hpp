@@ -10,6 +10,7 @@
 #include "volute/codec/compress.hpp"
 #include "volute/grid/select_frames.hpp"
 #include "volute/media/volume/volume_grids.hpp"
+#include "volute/report/report.hpp"
 
 namespace volute {
 
@@ -42,10 +43,17 @@ struct CompressedGrids {
                                                     const std::string& target,
                                                     const GridCompression& how, Reading& reading, Team& team);
 
+/// Compresses a volume of any format, or grids of a cache, as compressionReport() states it. Grids
+/// that hold no volume are left out with a remark; a single grid of which there is no more to say
+/// than its values is written as a volume. Errors: what cannot be read; kInvalidArgument where
+/// `input` or `how` are for one grid, or for several, and the file is otherwise; kUnsupported where
+/// the target is out of reach. Collective.
+/// @param input  its grid: one or several, "density,flame"; empty: all of a cache
+[[nodiscard]] Result<Report> compressVolume(const std::string& path, const std::string& target,
+                                            const GridCompression& how, const InputOptions& input,
+                                            Reading& reading, Team& team);
+
 /// "density=0.001,flame=0.01".
 [[nodiscard]] Result<std::map<std::string, double>> parseGridRms(const std::string& text);
-
-/// Whether a file of this grid alone needs to say more of it than its values.
-bool wantsDescription(const VolumeGrid& grid);
 
 }  // namespace volute

@@ -15,6 +15,7 @@
 #include "volute/media/volume/fds_input.hpp"
 #include "volute/media/volume/volume_grids.hpp"
 #include "volute/media/volume/volume_input.hpp"
+#include "volute/media/volume/volume_writer.hpp"
 
 namespace volute {
 namespace {
@@ -188,12 +189,6 @@ class OneGridSink final : public CacheSink {
   std::unique_ptr<FrameSink> sink_;
 };
 
-void addSize(Report& report, const VolumeInfo& info) {
-  report.add("frames", info.frames, fmt::format("{}", info.frames))
-      .add("size", {info.x, info.y, info.z},
-           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z));
-}
-
 /// @param counts  bytes read, blocks decoded
 void addReads(Report& report, std::span<const std::uint64_t> counts, std::size_t blocks) {
   report.add("bytes_read", counts[0], bytesText(counts[0]))
@@ -209,14 +204,9 @@ std::string filledIn(std::string target, std::string_view word, const std::strin
 /// Takes things out of one file.
 class Extractor {
  public:
-  Extractor(const std::string& path, const ExtractionRequest& request, const OpenSink& openSink,
-            const Extracted& extracted, Reading& reading, Team& team)
-      : path_(path),
-        request_(request),
-        openSink_(openSink),
-        extracted_(extracted),
-        reading_(reading),
-        team_(team) {}
+  Extractor(const std::string& path, const ExtractionRequest& request, const Extracted& extracted,
+            Reading& reading, Team& team)
+      : path_(path), request_(request), extracted_(extracted), reading_(reading), team_(team) {}
 
   /// One grid, to a file of any format.
   Status one(const std::string& grid, const std::string& target);
@@ -233,7 +223,6 @@ class Extractor {
 
   const std::string& path_;
   const ExtractionRequest& request_;
-  const OpenSink& openSink_;
   const Extracted& extracted_;
   Reading& reading_;
   Team& team_;
@@ -258,7 +247,7 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
   std::vector<std::unique_ptr<FrameSource>> sources;
   sources.push_back(std::move(source));
   const MakeSink make = [&]() -> Result<std::unique_ptr<CacheSink>> {
-    VOLUTE_ASSIGN(auto sink, openSink_(target, info));
+    VOLUTE_ASSIGN(auto sink, createSink(target, info));
     return std::make_unique<OneGridSink>(std::move(sink));
   };
   VOLUTE_TRY(extractFrames(sources, positions, make, reading_, team_));
@@ -314,7 +303,7 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
 Status Extractor::fds(const std::string& target, std::optional<int> mesh) {
   VOLUTE_ASSIGN(auto volume, openFdsVolume(path_, request_.fields, std::nullopt, mesh, reading_));
   VOLUTE_ASSIGN(auto source, selectFrames(std::move(volume), request_.frames));
-  VOLUTE_ASSIGN(auto sink, openSink_(target, source->info()));
+  VOLUTE_ASSIGN(auto sink, createSink(target, source->info()));
   VOLUTE_TRY(copyFrames(*source, *sink, "extracting", reading_.progress));
   Report report;
   report.add("output", target);
@@ -332,10 +321,14 @@ bool namesEachMesh(const std::string& target) {
   return target.find(kMeshWord) != std::string::npos;
 }
 
+std::string nameOfGrid(std::string target, const std::string& grid) {
+  return filledIn(std::move(target), kGridWord, grid);
+}
+
 Status extractVolute(const std::string& path, const std::string& target,
-                     const ExtractionRequest& request, const OpenSink& openSink,
-                     const Extracted& extracted, Reading& reading, Team& team) {
-  Extractor extractor(path, request, openSink, extracted, reading, team);
+                     const ExtractionRequest& request, const Extracted& extracted, Reading& reading,
+                     Team& team) {
+  Extractor extractor(path, request, extracted, reading, team);
   VOLUTE_ASSIGN(const auto main, openVolute(path, request.partial, reading, false));
   InputOptions input;
   input.partial = request.partial;
@@ -368,17 +361,16 @@ Status extractVolute(const std::string& path, const std::string& target,
       reading.progress.remark(fmt::format("{}: '{}' is empty and is left out", path, name));
       continue;
     }
-    const std::string own = filledIn(target, kGridWord, name);
+    const std::string own = nameOfGrid(target, name);
     VOLUTE_TRY(asCache ? extractor.cache({name}, own, main->info()) : extractor.one(name, own));
   }
   return {};
 }
 
 Status extractFds(const std::string& path, const std::string& target,
-                  const ExtractionRequest& request, const OpenSink& openSink,
-                  const Extracted& extracted, Reading& reading) {
+                  const ExtractionRequest& request, const Extracted& extracted, Reading& reading) {
   Team alone;
-  Extractor extractor(path, request, openSink, extracted, reading, alone);
+  Extractor extractor(path, request, extracted, reading, alone);
   if (!namesEachMesh(target))
     return extractor.fds(target, std::nullopt);
   VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path));

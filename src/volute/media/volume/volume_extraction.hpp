@@ -25,10 +25,6 @@ struct ExtractionRequest {
   bool partial = false;            ///< a damaged .volute is read as far as it is intact
 };
 
-/// Where the frames of one grid go, made on rank 0 alone.
-using OpenSink = std::function<Result<std::unique_ptr<FrameSink>>(const std::string& target,
-                                                                  const VolumeInfo& info)>;
-
 /// Receives what was written, after each output. Collective.
 using Extracted = std::function<Status(const Report&)>;
 
@@ -37,17 +33,20 @@ using Extracted = std::function<Status(const Report&)>;
 bool namesEachGrid(const std::string& target);
 bool namesEachMesh(const std::string& target);
 
+/// Such a name with that of a grid in place of {grid}.
+std::string nameOfGrid(std::string target, const std::string& grid);
+
 /// Takes grids out of a .volute: several to .vdb files, which hold all, with what the cache says of
 /// them, or one to a file of any format. The frames of a row of blocks are a unit of work for the
 /// ranks. Collective.
 [[nodiscard]] Status extractVolute(const std::string& path, const std::string& target,
-                                   const ExtractionRequest& request, const OpenSink& openSink,
-                                   const Extracted& extracted, Reading& reading, Team& team);
+                                   const ExtractionRequest& request, const Extracted& extracted,
+                                   Reading& reading, Team& team);
 
 /// Takes voxels of extinction [1/m] out of an FDS case, obstructions zero: all meshes together, or
 /// each on its own where the target names each. Meshes without smoke are left out with a remark.
 [[nodiscard]] Status extractFds(const std::string& path, const std::string& target,
-                                const ExtractionRequest& request, const OpenSink& openSink,
-                                const Extracted& extracted, Reading& reading);
+                                const ExtractionRequest& request, const Extracted& extracted,
+                                Reading& reading);
 
 }  // namespace volute

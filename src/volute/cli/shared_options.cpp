@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/shared_options.hpp"
+
+namespace volute::cli {
+
+Option outputOption(std::string_view value, std::string help, std::string_view derived) {
+  return {.name = "output",
+          .letter = 'o',
+          .kind = ValueKind::kOutput,
+          .value = value,
+          .help = std::move(help),
+          .derived = derived,
+          .required = derived.empty()};
+}
+
+Option framesOption(std::string help, std::vector<std::string_view> kinds) {
+  return {.name = "frames",
+          .kind = ValueKind::kFrames,
+          .value = "A:B[:S]",
+          .help = std::move(help),
+          .kinds = std::move(kinds)};
+}
+
+Option fieldOption(std::string help, std::vector<std::string_view> kinds) {
+  return {.name = "field",
+          .kind = ValueKind::kText,
+          .value = "NAME",
+          .help = std::move(help),
+          .aliases = {"grid"},
+          .kinds = std::move(kinds)};
+}
+
+Option fieldsOption(std::string help, std::vector<std::string_view> kinds) {
+  Option option = fieldOption(std::move(help), std::move(kinds));
+  option.value = "NAME[,NAME]";
+  return option;
+}
+
+Option partialOption(std::vector<std::string_view> kinds) {
+  return {.name = "partial",
+          .help = "use the intact part of a damaged .volute",
+          .kinds = std::move(kinds)};
+}
+
+Option rmsOption(std::string help, std::string initial) {
+  return {.name = "rms",
+          .kind = ValueKind::kNumber,
+          .value = "R",
+          .help = std::move(help),
+          .initial = std::move(initial),
+          .most = 1,
+          .positive = true};
+}
+
+Option raysOption() {
+  return {.name = "rays-per-pixel",
+          .kind = ValueKind::kChoice,
+          .value = "N",
+          .help = "1: through the pixel's centre; 4: mean of four rays at its quarter points",
+          .initial = "4",
+          .choices = {"1", "4"}};
+}
+
+Option smokeMethodOption(std::string help, std::vector<std::string_view> kinds) {
+  return {.name = "smoke-method",
+          .kind = ValueKind::kChoice,
+          .value = "NAME",
+          .help = "how OpenGL draws smoke on a mesh without other media" + std::move(help),
+          .initial = "auto",
+          .choices = {"auto", "march", "splat", "projected"},
+          .kinds = std::move(kinds)};
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/cli/option.hpp"
+
+// Options that several commands have. `kinds` as in Option, empty: all.
+
+namespace volute::cli {
+
+/// -o, --output of one file or a pattern.
+/// @param derived  as Option::derived; empty: the option is required
+Option outputOption(std::string_view value, std::string help, std::string_view derived = {});
+
+/// --frames by their numbers.
+Option framesOption(std::string help = "frames with numbers A <= n < B, every S-th",
+                    std::vector<std::string_view> kinds = {});
+
+/// --field of what has several.
+Option fieldOption(std::string help, std::vector<std::string_view> kinds = {});
+
+/// The same where several may be named.
+Option fieldsOption(std::string help, std::vector<std::string_view> kinds = {});
+
+/// --partial: damaged .volute files.
+Option partialOption(std::vector<std::string_view> kinds = {});
+
+/// --rms of a .volute.
+Option rmsOption(std::string help, std::string initial = "");
+
+/// --rays-per-pixel of pictures that are projected.
+Option raysOption();
+
+/// --smoke-method of OpenGL.
+Option smokeMethodOption(std::string help, std::vector<std::string_view> kinds = {});
+
+}  // namespace volute::cli

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/scene/scene_sight.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "volute/base/file_name.hpp"
+#include "volute/scene/kinds.hpp"
+
+namespace volute {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// Smoke from z = 1 to 2 m, or to 3 m by its other source.
+class Layer final : public SightField {
+ public:
+  explicit Layer(std::string source) : source_(std::move(source)) {}
+
+  std::string description() const override { return source_; }
+
+  std::string tallerSource() const override { return "tall"; }
+
+  std::span<const double> times() const override { return {}; }
+
+  Box3 bounds() const override { return {{0, 0, 1}, {1, 1, source_ == "tall" ? 3 : 2}}; }
+
+  Result<std::shared_ptr<const SightInstant>> read(std::size_t) override {
+    return fail(ErrorCode::kUnsupported, "nothing");
+  }
+
+ private:
+  std::string source_;
+};
+
+class LayerKind final : public MediumKind {
+ public:
+  const FieldTable& fields() const override {
+    static const FieldTable kTable{.name = "layer"};
+    return kTable;
+  }
+
+  bool opens(const std::string& path) const override { return extensionOf(path) == ".layer"; }
+
+  nlohmann::ordered_json sceneOf(const std::string& name) const override {
+    return {{"media", {{{"file", name}, {"field", "flat"}}}}};
+  }
+
+  Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json&, MediumContext&) const override {
+    return fail(ErrorCode::kUnsupported, "only pictures need this");
+  }
+
+  Result<std::unique_ptr<SightField>> openSight(const nlohmann::json& entry,
+                                                MediumContext&) const override {
+    return std::make_unique<Layer>(entry.at("field"));
+  }
+};
+
+TEST(OpenSight, ALayerGivesWayToATallerSourceWhereLinesLeaveIt) {
+  static const LayerKind kind;
+  registerUsualMedia();
+  mediumKinds().insert(mediumKinds().begin(), &kind);
+  Progress quiet;
+  std::vector<std::string> remarks;
+  SceneOptions options;
+  const auto sourceFor = [&](std::vector<double> heights) {
+    remarks.clear();
+    return openSight("smoke.layer", options, heights, remarks, quiet).value()->description();
+  };
+  EXPECT_EQ(openSight("smoke.layer", options, quiet).value()->description(), "flat");
+  EXPECT_EQ(sourceFor({1, 2}), "flat");
+  EXPECT_THAT(remarks, IsEmpty());
+  EXPECT_EQ(sourceFor({1.5, 2.5}), "tall");
+  EXPECT_THAT(remarks, ElementsAre(HasSubstr("from z = 1 to 2 m only")));
+  options.members["field"] = "mine";
+  EXPECT_EQ(sourceFor({2.5}), "mine");
+  EXPECT_THAT(remarks, IsEmpty());
+  mediumKinds().erase(mediumKinds().begin());
+}
+
+}  // namespace
+}  // namespace volute
