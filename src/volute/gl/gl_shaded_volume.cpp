@@ -46,8 +46,12 @@ Result<GlShadedAtlas> makeShadedAtlas(const MarchGrid& grid) {
   const std::vector<std::int32_t> begins = brickBegins(grid);
   if (grid.emissionChannel < 0) {
     made.values = made.bricks.makeAtlas(GL_R32F);
-    fillAtlas<float>(made.bricks, made.values, GL_RED, GL_FLOAT,
-                     [&](std::size_t b) { return grid.values + begins[b]; });
+    std::vector<float> texels(kCorners);
+    fillAtlas<float>(made.bricks, made.values, GL_RED, GL_FLOAT, [&](std::size_t b) {
+      const float* from = grid.values + begins[b];
+      for (float& texel : texels) texel = *std::exchange(from, from + grid.stride[0]);
+      return texels.data();
+    });
     return made;
   }
   made.values = made.bricks.makeAtlas(GL_RGBA32F);
@@ -72,12 +76,13 @@ GlShadedLight makeShadedLight(const MarchGrid& grid, const GlBricks& bricks) {
   GlShadedLight made{bricks.makeAtlas(GL_R32UI)};
   const std::vector<std::int32_t> begins = brickBegins(grid);
   std::vector<std::uint32_t> texels(kCorners);
-  const std::size_t channel = static_cast<std::size_t>(grid.lightChannel) * kCorners;
+  const std::int32_t channel = grid.lightChannel * grid.channelStride;
   fillAtlas<std::uint32_t>(bricks, made.values, GL_RED_INTEGER, GL_UNSIGNED_INT,
                            [&](std::size_t b) {
                              const float* from = grid.values + begins[b] + channel;
-                             for (std::size_t i = 0; i < kCorners; ++i)
-                               texels[i] = std::bit_cast<std::uint32_t>(from[i]);
+                             for (std::uint32_t& texel : texels)
+                               texel = std::bit_cast<std::uint32_t>(
+                                   *std::exchange(from, from + grid.stride[0]));
                              return texels.data();
                            });
   return made;

@@ -34,14 +34,29 @@ bool appendCorners(const BrickSlice& slice, int bx, int by, int bz, std::vector<
   corners.resize(before + static_cast<std::size_t>(kCornersOfBrick) * slice.channels());
   float* out = corners.data() + before;
   bool any = false;
+  // Along x there is one voxel of the brick before, and those of this one.
+  const int own = std::clamp(slice.x() - bx * kSide, 0, kSide);
+  const auto rowOf = [&](int column, int y, int z, int c) -> const float* {
+    const int brickY = y < 0 ? -1 : y / kSide, brickZ = z < 0 ? -1 : z / kSide;
+    if (column < 0 || y < 0 || z < 0 || column >= slice.bricksX() || y >= slice.y() ||
+        z >= slice.z())
+      return nullptr;
+    const std::int32_t stored = slice.brickAt(column, brickY, brickZ);
+    return stored == BrickSlice::kEmpty
+               ? nullptr
+               : slice.brick(stored) + (c * kSide + z % kSide) * kSide * kSide + y % kSide * kSide;
+  };
   for (int c = 0; c < slice.channels(); ++c) {
     for (int z = 0; z < kCornerSide; ++z) {
-      for (int y = 0; y < kCornerSide; ++y) {
-        for (int x = 0; x < kCornerSide; ++x) {
-          *out = slice.value(bx * kSide + x - 1, by * kSide + y - 1, bz * kSide + z - 1, c);
-          any = any || *out != 0;
-          ++out;
-        }
+      for (int y = 0; y < kCornerSide; ++y, out += kCornerSide) {
+        const int atY = by * kSide + y - 1, atZ = bz * kSide + z - 1;
+        const float* last = rowOf(bx - 1, atY, atZ, c);
+        const float* row = rowOf(bx, atY, atZ, c);
+        out[0] = last ? last[kSide - 1] : 0;
+        std::fill_n(out + 1, kSide, 0.0F);
+        if (row)
+          std::copy_n(row, own, out + 1);
+        any = any || std::any_of(out, out + kCornerSide, [](float value) { return value != 0; });
       }
     }
   }
@@ -69,8 +84,8 @@ float packLight(const Rgb& shares) {
   constexpr double kMax[3] = {2047, 2047, 1023};
   constexpr int kShift[3] = {0, 11, 22};
   for (int c = 0; c < 3; ++c) {
-    const double level = std::round(kMax[c] * std::sqrt(std::clamp(shares[c], 0.0, 1.0)));
-    bits |= static_cast<std::uint32_t>(level) << kShift[c];
+    const double level = kMax[c] * std::sqrt(std::clamp(shares[c], 0.0, 1.0));
+    bits |= static_cast<std::uint32_t>(static_cast<std::int32_t>(level + 0.5)) << kShift[c];
   }
   return std::bit_cast<float>(bits);
 }
@@ -81,9 +96,9 @@ Rgb unpackLight(float packed) {
   return levels * levels;
 }
 
-std::shared_ptr<const MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
-                                               const CellGrid& cells, double emissionScale,
-                                               double extinctionScale) {
+std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
+                                         const CellGrid& cells, double emissionScale,
+                                         double extinctionScale) {
   auto grid = std::make_shared<MarchGrid>();
   grid->slice = slice;
   grid->trilinear = slice->basis() == Basis::kTrilinear;

@@ -103,8 +103,7 @@ ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
     corners_ = findCentres(*slice_);
     return;
   }
-  auto march = std::make_shared<MarchGrid>(*makeMarchGrid(slice_, cells_, 1, 1));
-  march->values = march->corners.data();
+  auto march = makeMarchGrid(slice_, cells_, 1, 1);
   march->shaded = true;
   march->emissionChannel = slice_->channels() == 4 ? 1 : -1;
   march->steps = stepsOf(*slice_, cells_);
@@ -131,7 +130,12 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const Mar
     for (std::size_t b = begin; b < end; ++b)
       markNeeded(grid.values + corners->begins[b], marks[b]);
   });
+  std::size_t needed = 0;
+  for (const auto& ofBrick : marks)
+    needed += static_cast<std::size_t>(std::ranges::count(ofBrick, 1));
+  corners->points.reserve(needed), corners->places.reserve(needed);
   for (std::size_t b = 0; b < entries.size(); ++b) {
+    corners->firstPoint.push_back(static_cast<std::int32_t>(corners->points.size()));
     const auto entry = static_cast<int>(entries[b]);
     const int brick[3] = {entry % grid.tableStride[1] - 1,
                           entry % grid.tableStride[2] / grid.tableStride[1] - 1,
@@ -246,18 +250,32 @@ std::vector<Rgb> ShadedVoxels::forMeans(std::span<const Rgb> light) const {
   if (!march_)
     return {light.begin(), light.end()};
   std::vector<Rgb> out(light.size());
-  parallelRanges(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      Rgb differences = Rgb::Zero();
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        auto before = corners_->places[i], after = before;
-        --before[axis], ++after[axis];
-        const std::int32_t a = pointAt(before), b = pointAt(after);
-        if (a >= 0 && b >= 0)
-          differences += light[static_cast<std::size_t>(a)] + light[static_cast<std::size_t>(b)] -
-                         2 * light[i];
+  // By the brick that has a point first; its neighbours are mostly there.
+  parallelRanges(corners_->firstPoint.size(), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      const std::int32_t* points = &corners_->ofBrick[b * kShadedCorners];
+      for (int corner = 0; corner < kShadedCorners; ++corner) {
+        if (points[corner] < corners_->firstPoint[b])
+          continue;
+        const auto i = static_cast<std::size_t>(points[corner]);
+        Rgb differences = Rgb::Zero();
+        for (std::size_t axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
+          const auto step = static_cast<int>(stride);
+          const int at = corner / step % kShadedSide;
+          const auto neighbour = [&](int way) {
+            if (at + way >= 0 && at + way < kShadedSide)
+              return points[corner + way * step];
+            auto place = corners_->places[i];
+            place[axis] += way;
+            return pointAt(place);
+          };
+          const std::int32_t before = neighbour(-1), after = neighbour(1);
+          if (before >= 0 && after >= 0)
+            differences += light[static_cast<std::size_t>(before)] +
+                           light[static_cast<std::size_t>(after)] - 2 * light[i];
+        }
+        out[i] = (light[i] - differences / 12).max(0.5 * light[i]).min(1.5 * light[i]);
       }
-      out[i] = (light[i] - differences / 12).max(0.5 * light[i]).min(1.5 * light[i]);
     }
   });
   return out;
@@ -313,7 +331,8 @@ ShadedVoxels ShadedVoxels::withSplines(std::span<const Rgb> light) const {
   return lit;
 }
 
-ShadedVoxels ShadedVoxels::withLight(std::span<const Rgb> light) const {
+ShadedVoxels ShadedVoxels::withLight(std::vector<Rgb> given) const {
+  const std::span<const Rgb> light = given;
   VOLUTE_ASSERT(light.size() == corners_->points.size());
   if (!march_)
     return withSplines(light);
@@ -324,7 +343,7 @@ ShadedVoxels ShadedVoxels::withLight(std::span<const Rgb> light) const {
     lit.light_ = nullptr;
     return lit;
   }
-  lit.light_ = std::make_shared<const std::vector<Rgb>>(light.begin(), light.end());
+  lit.light_ = std::make_shared<const std::vector<Rgb>>(std::move(given));  // `light` still sees it
   const int channels = slice_->channels();
   auto march = std::make_shared<MarchGrid>(*march_);
   march->lightChannel = channels;
@@ -340,12 +359,23 @@ ShadedVoxels ShadedVoxels::withLight(std::span<const Rgb> light) const {
     return lit;  // by pieces
   march->corners.assign(bricks * to, 0);
   march->values = march->corners.data();
+  const bool beside = channels == 1;  // light is beside extinction, so that one load takes both
+  if (beside) {
+    march->channelStride = 1;
+    for (std::int32_t& stride : march->stride) stride *= 2;
+  }
   parallelRanges(bricks, 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
+      const float* values = march_->values + corners_->begins[b];
       float* out = &march->corners[b * to];
-      out = std::copy_n(march_->values + corners_->begins[b], from, out);
+      if (beside) {
+        for (int i = 0; i < kShadedCorners; ++i) out[2 * i] = values[i];
+      } else {
+        std::copy_n(values, from, out);
+      }
+      out += channels * march->channelStride;
       const std::int32_t* points = &corners_->ofBrick[b * kShadedCorners];
-      for (int i = 0; i < kShadedCorners; ++i, ++out) {
+      for (int i = 0; i < kShadedCorners; ++i, out += march->stride[0]) {
         if (points[i] >= 0)
           *out = packLight(light[static_cast<std::size_t>(points[i])] / largest.max(1e-300));
       }

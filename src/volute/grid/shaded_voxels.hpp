@@ -40,7 +40,7 @@ class ShadedVoxels {
   std::vector<Rgb> forMeans(std::span<const Rgb> light) const;
 
   /// The same with light: L at each of lightPoints().
-  ShadedVoxels withLight(std::span<const Rgb> light) const;
+  ShadedVoxels withLight(std::vector<Rgb> light) const;
 
   Box3 bounds() const { return extinction_.bounds(); }
 
@@ -83,6 +83,7 @@ class ShadedVoxels {
     std::vector<std::array<std::int32_t, 3>> places;  ///< of the points, in cells
     std::vector<std::int32_t> ofBrick;  ///< shape (bricks, 9, 9, 9)
     std::vector<std::int32_t> begins;   ///< of each brick's values in the march
+    std::vector<std::int32_t> firstPoint;  ///< of each brick; those before are of earlier bricks
     std::vector<std::int32_t> number;   ///< of the brick at each entry of the march's table; or -1
     std::vector<std::int32_t> ofVoxel;  ///< cubic: which of points is at each, of stored bricks; or -1
   };

@@ -3,6 +3,7 @@
 #include "volute/grid/shaded_voxels.hpp"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <cmath>
 #include <random>
@@ -100,6 +101,40 @@ TEST(ShadedVoxels, FastPathIsWithinItsErrorWhereLightIsLost) {
   for (std::size_t i = 0; i < rays.size(); ++i) {
     EXPECT_LE((fast[i].emitted - exact[i].emitted).abs().maxCoeff(), 1e-3 * brightest);
     EXPECT_NEAR(fast[i].transmittance, exact[i].transmittance, 1e-3);
+  }
+}
+
+TEST(ShadedVoxels, EveryTargetGivesTheSameBits) {
+  std::vector<Segment> rays;
+  for (int i = 0; i < 50; ++i)
+    rays.push_back({Vec3(-3, 0.6 + 0.027 * i, 2.1), Vec3(1, 0.02, 0.1).normalized(), 0, 10});
+  for (const int channels : {1, 4}) {
+    const ShadedVoxels medium = shadedMedium(channels, true);
+    std::vector<Radiance> first(rays.size()), other(rays.size());
+    medium.radiance(rays, first);
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      hwy::SetSupportedTargetsForTest(target);
+      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      medium.radiance(rays, other);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_TRUE((first[i].emitted == other[i].emitted).all()) << hwy::TargetName(target);
+        ASSERT_EQ(first[i].transmittance, other[i].transmittance) << hwy::TargetName(target);
+      }
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  }
+}
+
+/// Its light is what lies beside its extinction.
+TEST(ShadedVoxels, LightLiesBesideExtinction) {
+  const ShadedVoxels medium = shadedMedium(1, true);
+  const auto dark = shadedMedium(1, false).march(), lit = medium.march();
+  ASSERT_EQ(lit->stride[0], 2);
+  for (std::size_t entry = 0; entry < lit->table.size(); ++entry) {
+    ASSERT_EQ(lit->table[entry] < 0, dark->table[entry] < 0);
+    for (int i = 0; lit->table[entry] >= 0 && i < 9 * 9 * 9; ++i)
+      ASSERT_EQ(lit->values[lit->table[entry] + 2 * i], dark->values[dark->table[entry] + i]);
   }
 }
 

@@ -17,6 +17,7 @@
 #include <hwy/highway.h>
 
 #include "volute/math/float_lanes-inl.hpp"
+#include "volute/math/float_records-inl.hpp"
 
 #ifndef VOLUTE_GRID_VOXEL_MARCH_LANES
 #define VOLUTE_GRID_VOXEL_MARCH_LANES
@@ -27,6 +28,7 @@ namespace {
 constexpr std::size_t kMaxLanes = 128;  // what a batch holds; a multiple of any vector's lanes
 constexpr float kNever = 3e38F;          // stands for infinity, which times 0 would be NaN
 constexpr double kFarAway = 1e30;        // [m] planes beyond are never met
+constexpr int kCornerSide = BrickSlice::kSide + 1;  // of a trilinear brick
 
 /// Rays as the march wants them: `s` counts from where each enters the volume, in metres.
 struct RayLanes {
@@ -72,6 +74,19 @@ HWY_INLINE VF MeanTransmittance(VF x, VF e) {
                         hn::Div(hn::Sub(Constant(1), e), x));
 }
 
+/// exp(-depth), to 1e-5; a depth above 87 is 87.
+HWY_INLINE VF LightAfter(VF depth) {
+  const VF x = hn::Min(depth, Constant(87));
+  const VF n = hn::Round(hn::Mul(x, Constant(-1.44269504F)));
+  const VF r = hn::Add(x, hn::Mul(n, Constant(0.693147181F)));  // -ln2 / 2 .. ln2 / 2
+  VF p = MulThenAdd(r, Constant(0.0417F), Constant(-0.16678F));
+  p = MulThenAdd(p, r, Constant(0.5F));
+  p = MulThenAdd(p, r, Constant(-1));
+  p = MulThenAdd(p, r, Constant(1));
+  const VI exponent = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
+  return hn::Mul(p, hn::BitCast(df, exponent));
+}
+
 /// One axis of the march.
 struct Axis {
   VF first, delta, perDelta;
@@ -106,18 +121,21 @@ HWY_INLINE VF Gather(const MarchGrid& grid, int offset, VI index) {
   return hn::GatherIndex(df, grid.values + offset, index);
 }
 
+/// Of the eight corners of a cell, in voxels, where the pairs along x begin.
+constexpr int kPairs[4] = {0, kCornerSide, kCornerSide* kCornerSide, kCornerSide*(kCornerSide + 1)};
+
 /// The eight corners of a cell, as differences so that each place costs seven products.
 struct Corners {
   VF base[4], slope[4];
 
   HWY_INLINE Corners() {}
 
-  HWY_INLINE Corners(const MarchGrid& grid, int channel, VI index) {
-    for (int i = 0; i < 4; ++i) {
-      const int offset = channel * grid.channelStride + (i & 1 ? grid.stride[1] : 0) +
-                         (i & 2 ? grid.stride[2] : 0);
-      base[i] = Gather(grid, offset, index);
-      slope[i] = hn::Sub(Gather(grid, offset + 1, index), base[i]);
+  HWY_INLINE Corners(const MarchGrid& grid, int channel, const LaneIndex& index) {
+    for (int row = 0; row < 4; ++row) {
+      VF next;
+      LoadPairs(grid.values + channel * grid.channelStride + kPairs[row], index.at, base[row],
+                next);
+      slope[row] = hn::Sub(next, base[row]);
     }
   }
 
@@ -186,8 +204,9 @@ struct TrilinearLine {
     VF at[2][3];
     for (int axis = 0; axis < 3; ++axis)
       at[0][axis] = axes[axis].place(near), at[1][axis] = axes[axis].place(far);
+    const LaneIndex lanes(index);
     for (int c = 0; c < kChannels; ++c) {
-      const Corners corners(grid, c, index);
+      const Corners corners(grid, c, lanes);
       const VF both = hn::Add(corners.at(at[0][0], at[0][1], at[0][2]),
                               corners.at(at[1][0], at[1][1], at[1][2]));
       sum[c] =
@@ -206,8 +225,9 @@ struct TrilinearAbsorbing {
 
   HWY_INLINE void add(const MarchGrid& grid, VI index, VF begin, VF length, Mask active,
                       const Axis* axes) {
-    const Corners corners[3] = {Corners(grid, 0, index), Corners(grid, 1, index),
-                                Corners(grid, 2, index)};
+    const LaneIndex lanes(index);
+    const Corners corners[3] = {Corners(grid, 0, lanes), Corners(grid, 1, lanes),
+                                Corners(grid, 2, lanes)};
     const VF part = hn::Mul(length, Constant(1.0F / static_cast<float>(grid.steps)));
     for (int step = 0; step < grid.steps; ++step) {
       rule(grid, corners, MulThenAdd(part, Constant(static_cast<float>(step)), begin), part, active,
@@ -253,93 +273,163 @@ struct TrilinearAbsorbing {
   HWY_INLINE VF transmittance() const { return passed; }
 };
 
-/// The light at the eight corners of a cell, out of its packed form.
-struct LightCorners {
-  Corners channel[3];
+/// The two Gauss points of a step, and how much of what is emitted at each arrives where the step
+/// begins: the optical depth up to each by the integrals of the line through both extinctions.
+struct GaussStep {
+  VF at[2][3];
+  VF extinction[2];
+  VF depth;       ///< of the step
+  VF arrives[2];  ///< times half the step
 
-  HWY_INLINE LightCorners(const MarchGrid& grid, VI index)
-      : channel{Corners(), Corners(), Corners()} {
-    for (int i = 0; i < 4; ++i) {
-      const int offset = grid.lightChannel * grid.channelStride + (i & 1 ? grid.stride[1] : 0) +
-                         (i & 2 ? grid.stride[2] : 0);
-      VF low[3], high[3];
-      unpack(Gather(grid, offset, index), low);
-      unpack(Gather(grid, offset + 1, index), high);
-      for (int c = 0; c < 3; ++c) {
-        channel[c].base[i] = low[c];
-        channel[c].slope[i] = hn::Sub(high[c], low[c]);
-      }
-    }
-  }
-
-  HWY_INLINE void unpack(VF packed, VF* out) const {
-    const VI bits = hn::BitCast(di, packed);
-    const VI mask = hn::Set(di, 2047);
-    const VF levels[3] = {hn::ConvertTo(df, hn::And(bits, mask)),
-                          hn::ConvertTo(df, hn::And(hn::ShiftRight<11>(bits), mask)),
-                          hn::ConvertTo(df, hn::And(hn::ShiftRight<22>(bits), hn::Set(di, 1023)))};
-    for (int c = 0; c < 3; ++c) out[c] = hn::Mul(levels[c], levels[c]);
+  /// @param before  the optical depth up to the step
+  HWY_INLINE GaussStep(const Corners& density, VF begin, VF length, VF before, Mask active,
+                       const Axis* axes) {
+    const VF near = MulThenAdd(length, Constant(0.21132487F), begin);
+    const VF far = MulThenAdd(length, Constant(0.78867513F), begin);
+    for (int axis = 0; axis < 3; ++axis)
+      at[0][axis] = axes[axis].place(near), at[1][axis] = axes[axis].place(far);
+    for (int i = 0; i < 2; ++i)
+      extinction[i] = hn::IfThenElseZero(active, density.at(at[i][0], at[i][1], at[i][2]));
+    const VF low = hn::Mul(extinction[0], length), high = hn::Mul(extinction[1], length);
+    const VF first = MulThenAdd(low, Constant(0.25F), hn::Mul(high, Constant(-0.03867513F)));
+    const VF second = MulThenAdd(low, Constant(0.53867513F), hn::Mul(high, Constant(0.25F)));
+    const VF half = hn::Mul(length, Constant(0.5F));
+    arrives[0] = hn::Mul(half, LightAfter(hn::Add(before, first)));
+    arrives[1] = hn::Mul(half, LightAfter(hn::Add(before, second)));
+    depth = hn::Mul(hn::Add(low, high), Constant(0.5F));
   }
 };
 
-/// Extinction, emission and light are trilinear each; the product of extinction and light, which is
-/// what is scattered, is of degree 6 along a ray. Two Gauss points a step, with the optical depth up
-/// to each by the integrals of the line through both extinctions.
-template <bool kEmits, bool kLit>
-struct ShadedCells {
-  VF sum[3];
-  VF passed;
+/// The light at a cell's corners, summed with weights.
+class ScatteredLight {
+ public:
+  /// @param at  places of two points in the cell, and `scattered` the weight of the light there
+  HWY_INLINE ScatteredLight(const VF (&at)[2][3], const VF* scattered) {
+    VF other[8];
+    shares(at[0], scattered[0], weight_);
+    shares(at[1], scattered[1], other);
+    for (int i = 0; i < 8; ++i) weight_[i] = hn::Add(weight_[i], other[i]);
+    sum_[0] = sum_[1] = sum_[2] = hn::Zero(df);
+  }
 
-  HWY_INLINE ShadedCells() { sum[0] = sum[1] = sum[2] = hn::Zero(df), passed = Constant(1); }
+  /// Two corners side by side, packed.
+  HWY_INLINE void addRow(int row, VF low, VF high) {
+    add(weight_[2 * row], low);
+    add(weight_[2 * row + 1], high);
+  }
 
-  HWY_INLINE void add(const MarchGrid& grid, VI index, VF begin, VF length, Mask active,
-                      const Axis* axes) {
-    const Corners density(grid, 0, index);
-    const VF part = hn::Mul(length, Constant(1.0F / static_cast<float>(grid.steps)));
-    const VF half = hn::Mul(part, Constant(0.5F));
-    for (int step = 0; step < grid.steps; ++step) {
-      const VF from = MulThenAdd(part, Constant(static_cast<float>(step)), begin);
-      const VF near = MulThenAdd(part, Constant(0.21132487F), from);
-      const VF far = MulThenAdd(part, Constant(0.78867513F), from);
-      VF at[2][3];
-      for (int axis = 0; axis < 3; ++axis)
-        at[0][axis] = axes[axis].place(near), at[1][axis] = axes[axis].place(far);
-      VF extinction[2];
-      for (int i = 0; i < 2; ++i)
-        extinction[i] = hn::IfThenElseZero(active, density.at(at[i][0], at[i][1], at[i][2]));
-      if constexpr (!kEmits) {
-        if (hn::AllFalse(df, hn::Gt(hn::Max(extinction[0], extinction[1]), hn::Zero(df))))
-          continue;  // nothing to be seen in any lane
-      }
-      const VF low = hn::Mul(extinction[0], part), high = hn::Mul(extinction[1], part);
-      const VF first = MulThenAdd(low, Constant(0.25F), hn::Mul(high, Constant(-0.03867513F)));
-      const VF second = MulThenAdd(low, Constant(0.53867513F), hn::Mul(high, Constant(0.25F)));
-      const VF weight[2] = {hn::Mul(hn::Mul(passed, half), Exp(hn::Neg(first))),
-                            hn::Mul(hn::Mul(passed, half), Exp(hn::Neg(second)))};
-      if constexpr (kEmits) {
-        for (int c = 0; c < 3; ++c) {
-          const Corners emission(grid, grid.emissionChannel + c, index);
-          for (int i = 0; i < 2; ++i) {
-            const VF value = hn::IfThenElseZero(active, emission.at(at[i][0], at[i][1], at[i][2]));
-            sum[c] = MulThenAdd(value, weight[i], sum[c]);
-          }
-        }
-      }
-      if constexpr (kLit) {
-        const LightCorners light(grid, index);
-        const VF scattered[2] = {hn::Mul(extinction[0], weight[0]),
-                                 hn::Mul(extinction[1], weight[1])};
-        for (int c = 0; c < 3; ++c) {
-          VF both = hn::Mul(light.channel[c].at(at[0][0], at[0][1], at[0][2]), scattered[0]);
-          both = MulThenAdd(light.channel[c].at(at[1][0], at[1][1], at[1][2]), scattered[1], both);
-          sum[c] = MulThenAdd(both, Constant(grid.lightScale[c]), sum[c]);
-        }
-      }
-      passed = hn::Mul(passed, Exp(hn::Neg(hn::Mul(hn::Add(low, high), Constant(0.5F)))));
+  HWY_INLINE void addTo(VF* sum, const MarchGrid& grid) const {
+    constexpr float kScale[3] = {1, 1 / 4194304.0F, 1};  // green is not shifted
+    for (int c = 0; c < 3; ++c)
+      sum[c] = MulThenAdd(sum_[c], Constant(grid.lightScale[c] * kScale[c]), sum[c]);
+  }
+
+ private:
+  HWY_INLINE static void shares(const VF (&at)[3], VF whole, VF* out) {
+    const VF top = hn::Mul(at[2], whole), bottom = hn::Sub(whole, top);
+    VF row[4];
+    row[1] = hn::Mul(at[1], bottom), row[0] = hn::Sub(bottom, row[1]);
+    row[3] = hn::Mul(at[1], top), row[2] = hn::Sub(top, row[3]);
+    for (int i = 0; i < 4; ++i) {
+      out[2 * i + 1] = hn::Mul(at[0], row[i]);
+      out[2 * i] = hn::Sub(row[i], out[2 * i + 1]);
     }
   }
 
-  HWY_INLINE VF transmittance() const { return passed; }
+  HWY_INLINE void add(VF weight, VF packed) {
+    const VI bits = hn::BitCast(di, packed);
+    const VF levels[3] = {hn::ConvertTo(df, hn::And(bits, hn::Set(di, 2047))),
+                          hn::ConvertTo(df, hn::And(bits, hn::Set(di, 2047 << 11))),
+                          hn::ConvertTo(df, hn::And(hn::ShiftRight<22>(bits), hn::Set(di, 1023)))};
+    for (int c = 0; c < 3; ++c)
+      sum_[c] = MulThenAdd(hn::Mul(levels[c], levels[c]), weight, sum_[c]);
+  }
+
+  VF weight_[8], sum_[3];
+};
+
+/// Extinction, emission and light are trilinear each; the product of extinction and light, which is
+/// what is scattered, is of degree 6 along a ray.
+template <bool kLit>
+struct GlowingCells {
+  VF sum[3];
+  VF depth;
+
+  HWY_INLINE GlowingCells() { sum[0] = sum[1] = sum[2] = depth = hn::Zero(df); }
+
+  HWY_INLINE void add(const MarchGrid& grid, VI index, VF begin, VF length, Mask active,
+                      const Axis* axes) {
+    const LaneIndex lanes(index);
+    const Corners density(grid, 0, lanes);
+    const VF part = hn::Mul(length, Constant(1.0F / static_cast<float>(grid.steps)));
+    for (int i = 0; i < grid.steps; ++i) {
+      const GaussStep step(density, MulThenAdd(part, Constant(static_cast<float>(i)), begin), part,
+                           depth, active, axes);
+      for (int c = 0; c < 3; ++c) {
+        const Corners emission(grid, grid.emissionChannel + c, lanes);
+        for (int k = 0; k < 2; ++k) {
+          const VF* at = step.at[k];
+          const VF value = hn::IfThenElseZero(active, emission.at(at[0], at[1], at[2]));
+          sum[c] = MulThenAdd(value, step.arrives[k], sum[c]);
+        }
+      }
+      if constexpr (kLit) {
+        const VF scattered[2] = {hn::Mul(step.extinction[0], step.arrives[0]),
+                                 hn::Mul(step.extinction[1], step.arrives[1])};
+        ScatteredLight light(step.at, scattered);
+        for (int row = 0; row < 4; ++row) {
+          VF low, high;
+          LoadPairs(grid.values + grid.lightChannel * grid.channelStride + kPairs[row], lanes.at,
+                    low, high);
+          light.addRow(row, low, high);
+        }
+        light.addTo(sum, grid);
+      }
+      depth = hn::Add(depth, step.depth);
+    }
+  }
+
+  HWY_INLINE VF transmittance() const { return LightAfter(depth); }
+};
+
+/// The same without emission: extinction and light lie side by side.
+struct LitCells {
+  VF sum[3];
+  VF depth;
+
+  HWY_INLINE LitCells() { sum[0] = sum[1] = sum[2] = depth = hn::Zero(df); }
+
+  HWY_INLINE void add(const MarchGrid& grid, VI index, VF begin, VF length, Mask active,
+                      const Axis* axes) {
+    const LaneIndex lanes(index);
+    Corners density;
+    VF low[4], high[4];
+    VF four[4][4];
+    LoadFourRows<2 * kPairs[1], 2 * kPairs[2], 2 * kPairs[3]>(grid.values, lanes.at, four);
+    const auto take = [&](int row) HWY_ATTR {
+      const VF* loaded = four[row];
+      density.base[row] = loaded[0], density.slope[row] = hn::Sub(loaded[2], loaded[0]);
+      low[row] = loaded[1], high[row] = loaded[3];
+      return hn::Max(loaded[0], loaded[2]);
+    };
+    const VF most = hn::Max(hn::Max(take(0), take(1)), hn::Max(take(2), take(3)));
+    if (hn::AllFalse(df, hn::And(active, hn::Gt(most, hn::Zero(df)))))
+      return;  // nothing to be seen in any lane
+    const VF part = hn::Mul(length, Constant(1.0F / static_cast<float>(grid.steps)));
+    for (int i = 0; i < grid.steps; ++i) {
+      const GaussStep step(density, MulThenAdd(part, Constant(static_cast<float>(i)), begin), part,
+                           depth, active, axes);
+      const VF scattered[2] = {hn::Mul(step.extinction[0], step.arrives[0]),
+                               hn::Mul(step.extinction[1], step.arrives[1])};
+      ScatteredLight light(step.at, scattered);
+      light.addRow(0, low[0], high[0]), light.addRow(1, low[1], high[1]);
+      light.addRow(2, low[2], high[2]), light.addRow(3, low[3], high[3]);
+      light.addTo(sum, grid);
+      depth = hn::Add(depth, step.depth);
+    }
+  }
+
+  HWY_INLINE VF transmittance() const { return LightAfter(depth); }
 };
 
 /// The march of one vector of rays: from brick to brick, and inside stored bricks from cell to
@@ -473,10 +563,10 @@ void March(const MarchGrid& grid, const RayLanes& rays, std::size_t count, LaneR
   if (grid.shaded) {
     const bool emits = grid.emissionChannel >= 0, lit = grid.lightChannel >= 0;
     if (emits) {
-      (lit ? MarchAll<ShadedCells<true, true>> : MarchAll<ShadedCells<true, false>>)(
-          grid, rays, count, results, counts);
+      (lit ? MarchAll<GlowingCells<true>> : MarchAll<GlowingCells<false>>)(grid, rays, count,
+                                                                           results, counts);
     } else {
-      MarchAll<ShadedCells<false, true>>(grid, rays, count, results, counts);
+      MarchAll<LitCells>(grid, rays, count, results, counts);
     }
   } else if (rgb && grid.extinctionScale != 0) {
     (grid.trilinear ? MarchAll<TrilinearAbsorbing> : MarchAll<BoxAbsorbing>)(grid, rays, count,

@@ -21,6 +21,8 @@ namespace volute {
 ///
 /// Box: the values are the slice's own bricks, 8 a side. Trilinear: bricks are 9 a side, each with
 /// the voxels around all its cells, so that the eight corners of a cell are always in one brick.
+/// Channel c of the i-th voxel of a brick that begins at b is values[b + c * channelStride + i *
+/// stride[0]].
 struct MarchGrid {
   std::shared_ptr<const BrickSlice> slice;
   bool trilinear = false;
@@ -29,7 +31,8 @@ struct MarchGrid {
   std::vector<std::int32_t> table;  ///< where the brick's values begin, or -1
   const float* values = nullptr;
   std::vector<float> corners;  ///< the trilinear bricks
-  std::int32_t stride[3]{};    ///< in values, for a step of one cell on x, y, z
+  std::int32_t stride[3]{};  ///< in values, for a step of one cell on x, y, z; stride[0] is 1, but
+                             ///< 2 where light lies beside extinction
   std::int32_t channelStride = 0;
   double emissionScale = 0;
   double extinctionScale = 0;
@@ -49,9 +52,9 @@ struct MarchGrid {
 float packLight(const Rgb& shares);
 Rgb unpackLight(float packed);
 
-std::shared_ptr<const MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
-                                               const CellGrid& cells, double emissionScale,
-                                               double extinctionScale);
+std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
+                                         const CellGrid& cells, double emissionScale,
+                                         double extinctionScale);
 
 /// out[i] is the light along segments[i] through the cells of `range`; adds to `counts`. The grid
 /// must fit.

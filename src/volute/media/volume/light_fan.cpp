@@ -2,16 +2,19 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/volume/light_fan.hpp"
 
+#include <hwy/aligned_allocator.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "volute/base/parallel.hpp"
+#include "volute/media/volume/light_fan_rows.hpp"
 
 namespace volute {
 namespace {
 
-constexpr int kPad = 6;  ///< zeros around a plane: as far as rays and cubics reach
+constexpr int kPad = FanPlanes::kPad;  ///< zeros around a plane: as far as cubics reach, too
 constexpr double kGauss[2] = {0.21132486540518713, 0.78867513459481287};
 constexpr std::size_t kRowGrain = 16;
 
@@ -87,47 +90,15 @@ std::array<float, 4> cubicShares(double t) {
           static_cast<float>((t + 1) * t * (t - 1) / 6)};
 }
 
-/// Rounded down, of what is not far below 0.
-int floorOf(float x) {
-  return static_cast<int>(x + kPad) - kPad;
+/// Rounded down, of what is not below 0.
+std::size_t floorOf(double x) {
+  return static_cast<std::size_t>(x);
 }
 
-/// The mean on a way from (b, c) in one plane to (b + db, c + dc) in another, both in voxels, that
-/// begins at the share z0 of the way between planes.
-float meanBetween(const Plane& before, const Plane& here, float b, float db, float c, float dc,
-                  float z0) {
-  const auto crossing = [](float from, float step) {
-    const int first = floorOf(from), last = floorOf(from + step);
-    return first == last
-               ? 1.0F
-               : std::clamp((static_cast<float>(std::max(first, last)) - from) / step, 0.0F, 1.0F);
-  };
-  const float one = crossing(b, db), other = crossing(c, dc);
-  const float cuts[4] = {0, std::min(one, other), std::max(one, other), 1};
-  float sum = 0;
-  for (int part = 0; part < 3; ++part) {
-    const float from = cuts[part], length = cuts[part + 1] - from;
-    if (!(length > 0))
-      continue;
-    const float middle = from + 0.5F * length;
-    const int cellB = floorOf(b + middle * db), cellC = floorOf(c + middle * dc);
-    const float* low = before.row(cellB) + cellC;
-    const float* high = here.row(cellB) + cellC;
-    const int width = here.width;
-    for (const double node : kGauss) {
-      const float t = from + static_cast<float>(node) * length;
-      const float u = b + t * db - static_cast<float>(cellB),
-                  v = c + t * dc - static_cast<float>(cellC), z = z0 + t * (1 - z0);
-      const auto plane = [&](const float* at) {
-        const float first = at[0] + v * (at[1] - at[0]);
-        const float second = at[width] + v * (at[width + 1] - at[width]);
-        return first + u * (second - first);
-      };
-      const float first = plane(low);
-      sum += 0.5F * length * (first + z * (plane(high) - first));
-    }
-  }
-  return sum;
+/// Two planes side by side.
+void join(const Plane& before, const Plane& here, FanPlanes& both) {
+  for (std::size_t i = 0; i < before.values.size(); ++i)
+    both.values[2 * i] = before.values[i], both.values[2 * i + 1] = here.values[i];
 }
 
 /// A share of one value of a plane beside a ray.
@@ -182,7 +153,7 @@ LightFan::LightFan(const BrickSlice& slice, std::span<const Vec3> points)
       const Vec3 place = (points[i] - slice_.bounds().min).cwiseQuotient(voxel_);
       for (int axis = 0; axis < 3; ++axis)
         places_[i][static_cast<std::size_t>(axis)] =
-            static_cast<std::int32_t>(std::lround(place[axis] - 0.5));
+            static_cast<std::int32_t>(place[axis] + 1) - 1;  // rounded down; at least -1/2
     }
   });
 }
@@ -332,16 +303,20 @@ void LightFan::inPyramid(const Vec3& lamp, std::size_t axis, int sign,
   const Planes planes = planesOf(axis, which);
   const int rows = size_[across.row], columns = size_[across.column];
   Plane before(rows, columns), here(rows, columns);
-  std::vector<float> depths(static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]),
-                            0);
-  std::vector<float> perStep(depths.size());  // [m] of each ray, from plane to plane
+  FanPlanes both(rows, columns);
+  const std::size_t rays =
+      (static_cast<std::size_t>(count[1]) + kFanRays - 1) / kFanRays * kFanRays;
+  const std::size_t all = static_cast<std::size_t>(count[0]) * rays;
+  const auto floats = hwy::AllocateAligned<float>(2 * all);
+  float *depths = floats.get(), *perStep = depths + all;  // [m] of each ray, from plane to plane
+  std::fill_n(depths, 2 * all, 0.0F);
   for (int i = 0; i < count[0]; ++i) {
     for (int j = 0; j < count[1]; ++j) {
       const Vec3 way(voxel_[static_cast<Eigen::Index>(axis)],
                      (begin[0] + i) / perSlope * voxel_[static_cast<Eigen::Index>(across.row)],
                      (begin[1] + j) / perSlope * voxel_[static_cast<Eigen::Index>(across.column)]);
-      perStep[static_cast<std::size_t>(i) * static_cast<std::size_t>(count[1]) +
-              static_cast<std::size_t>(j)] = static_cast<float>(way.norm());
+      perStep[static_cast<std::size_t>(i) * rays + static_cast<std::size_t>(j)] =
+          static_cast<float>(way.norm());
     }
   }
   int k = sign > 0 ? static_cast<int>(std::floor(la)) + 1 : static_cast<int>(std::ceil(la)) - 1;
@@ -356,38 +331,39 @@ void LightFan::inPyramid(const Vec3& lamp, std::size_t axis, int sign,
     const double near = std::abs(from - la), far = std::abs(k - la);
     const auto z0 = static_cast<float>(1 - (far - near));  // place between the two planes
     if (far > near && !(before.empty && here.empty)) {
+      join(before, here, both);
+      const double v = begin[1] / perSlope;
+      FanRow row{};
+      row.c = static_cast<float>(lc + v * near), row.cStep = static_cast<float>(near / perSlope);
+      row.dc = static_cast<float>(v * (far - near));
+      row.dcStep = static_cast<float>((far - near) / perSlope);
+      row.z = z0;
       parallelRanges(static_cast<std::size_t>(count[0]), 4, [&](std::size_t first, std::size_t end) {
         for (std::size_t i = first; i < end; ++i) {
+          FanRow one = row;
           const double u = (begin[0] + static_cast<int>(i)) / perSlope;
-          const auto b = static_cast<float>(lb + u * near), db = static_cast<float>(u * (far - near));
-          if (std::max(b, b + db) < -1 || std::min(b, b + db) > static_cast<float>(rows))
+          one.b = static_cast<float>(lb + u * near), one.db = static_cast<float>(u * (far - near));
+          if (std::max(one.b, one.b + one.db) < -1 ||
+              std::min(one.b, one.b + one.db) > static_cast<float>(rows))
             continue;
-          for (int j = 0; j < count[1]; ++j) {
-            const double v = (begin[1] + j) / perSlope;
-            const auto c = static_cast<float>(lc + v * near),
-                       dc = static_cast<float>(v * (far - near));
-            if (std::max(c, c + dc) < -1 || std::min(c, c + dc) > static_cast<float>(columns))
-              continue;
-            const std::size_t ray =
-                i * static_cast<std::size_t>(count[1]) + static_cast<std::size_t>(j);
-            depths[ray] += perStep[ray] * static_cast<float>(far - near) *
-                           meanBetween(before, here, b, db, c, dc, z0);
-          }
+          addFanRow(both, one, rays, static_cast<float>(far - near), perStep + i * rays,
+                    depths + i * rays);
         }
       });
     }
     const auto& points = planes.points[static_cast<std::size_t>(k - planes.first)];
+    const double perFar = perSlope / far;
     parallelRanges(points.size(), 1024, [&](std::size_t first, std::size_t end) {
       for (std::size_t p = first; p < end; ++p) {
         const Place& place = places_[static_cast<std::size_t>(points[p])];
-        const double i = (place[across.row] - lb) / far * perSlope - begin[0];
-        const double j = (place[across.column] - lc) / far * perSlope - begin[1];
-        const auto atB = cubicShares(i - std::floor(i)), atC = cubicShares(j - std::floor(j));
-        const float* corner = &depths[static_cast<std::size_t>(std::floor(i) - 1) *
-                                          static_cast<std::size_t>(count[1]) +
-                                      static_cast<std::size_t>(std::floor(j) - 1)];
+        const double i = (place[across.row] - lb) * perFar - begin[0];
+        const double j = (place[across.column] - lc) * perFar - begin[1];
+        const std::size_t row = floorOf(i), column = floorOf(j);
+        const auto atB = cubicShares(i - static_cast<double>(row)),
+                   atC = cubicShares(j - static_cast<double>(column));
+        const float* corner = depths + (row - 1) * rays + column - 1;
         float sum = 0;
-        for (std::size_t r = 0; r < 4; ++r, corner += count[1]) {
+        for (std::size_t r = 0; r < 4; ++r, corner += rays) {
           sum += atB[r] * (atC[0] * corner[0] + atC[1] * corner[1] + atC[2] * corner[2] +
                            atC[3] * corner[3]);
         }

@@ -4,12 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <random>
 
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/media/volume/light_fan_rows.hpp"
 
 namespace volute {
 namespace {
@@ -86,6 +88,53 @@ float smooth(const Vec3& p) {
 const Vec3 kWays[] = {Vec3(0, 0, 1),    Vec3(0, 0, -1),    Vec3(1, 0, 0),        Vec3(0, -1, 0),
                       Vec3(1, 2, 3),    Vec3(-3, 0.2, 1),  Vec3(0.1, -2, -0.5),  Vec3(1, 1, 1),
                       Vec3(-1, 1, 0.3), Vec3(0.5, -3, 2.9), Vec3(-0.2, -0.1, -4)};
+
+TEST(LightFan, RowsOfRaysHaveTheirExactMeans) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  FanPlanes planes(9, 30);
+  const auto at = [&](int side, double b, double c) {
+    const auto value = [&](int row, int column) {
+      const int place = (row + FanPlanes::kPad) * planes.width + column + FanPlanes::kPad;
+      return static_cast<double>(planes.values[static_cast<std::size_t>(2 * place + side)]);
+    };
+    const int row = static_cast<int>(std::floor(b)), column = static_cast<int>(std::floor(c));
+    const double u = b - row, v = c - column;
+    return (1 - u) * ((1 - v) * value(row, column) + v * value(row, column + 1)) +
+           u * ((1 - v) * value(row + 1, column) + v * value(row + 1, column + 1));
+  };
+  for (int row = 0; row < planes.rows; ++row) {
+    for (int column = 0; column < planes.columns; ++column) {
+      const int place = (row + FanPlanes::kPad) * planes.width + column + FanPlanes::kPad;
+      for (int side = 0; side < 2; ++side)
+        planes.values[static_cast<std::size_t>(2 * place + side)] = uniform(random);
+    }
+  }
+  constexpr std::size_t kRays = 3 * kFanRays;
+  for (const FanRow& row : {FanRow{2.3F, 0.9F, -4, 0.8F, -0.6F, 0.03F, 0},
+                            FanRow{6.9F, -0.4F, 1.2F, 0.5F, 0.7F, -0.01F, 0.25F},
+                            FanRow{-0.5F, 0, 3, 0.25F, 0, 0, 0}}) {
+    alignas(64) float depths[kRays], lengths[kRays];
+    std::fill_n(depths, kRays, 1.0F);
+    for (std::size_t j = 0; j < kRays; ++j) lengths[j] = 1 + 0.1F * static_cast<float>(j);
+    addFanRow(planes, row, kRays, 0.5F, lengths, depths);
+    for (std::size_t j = 0; j < kRays; ++j) {
+      const double c = row.c + static_cast<double>(j) * row.cStep;
+      const double dc = row.dc + static_cast<double>(j) * row.dcStep;
+      double mean = 0;
+      constexpr int kSteps = 2000;
+      for (int i = 0; i < kSteps; ++i) {
+        const double t = (i + 0.5) / kSteps, z = row.z + t * (1 - row.z);
+        const double placeC = c + t * dc;
+        if (placeC <= -1 || placeC >= planes.columns)
+          continue;
+        const double b = row.b + t * row.db;
+        mean += ((1 - z) * at(0, b, placeC) + z * at(1, b, placeC)) / kSteps;
+      }
+      EXPECT_NEAR(depths[j], 1 + 0.5 * lengths[j] * mean, 1e-5 * lengths[j] + 1e-5) << j;
+    }
+  }
+}
 
 TEST(LightFan, OfSunsIsOneRayForEachCentre) {
   const auto slice = fanVolume(smooth);

@@ -197,7 +197,6 @@ std::vector<Lamp> VolumeLight::lampsOf(const BrickSlice& slice, double scale, st
 /// Light that is scattered evenly: on a coarse lattice, since it changes slowly.
 void VolumeLight::addSurrounding() const {
   const auto& points = volume_.lightPoints();
-  even_.assign(points.size(), Rgb::Zero());
   const bool surrounded = lighting_.surrounding.maxCoeff() > 0;
   const std::vector<Lamp> fires =
       lighting_.ownFire ? lampsOf(volume_, kMaxFires) : std::vector<Lamp>();
@@ -227,14 +226,15 @@ void VolumeLight::addSurrounding() const {
       for (std::size_t k = 0; k < segments.size(); ++k) light[i] += passes[k] * sent[k];
     }
   });
+  even_.resize(points.size());
   parallelRanges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) even_[i] = lattice.at(points[i], light);
   });
 }
 
-/// Where most voxels are light points, rays through all of the volume are fewer.
+/// Where many voxels are light points, rays through all of the volume cost less.
 bool VolumeLight::fans() const {
-  constexpr std::size_t kSparse = 4;
+  constexpr std::size_t kSparse = 16;
   const BrickSlice& slice = volume_.slice();
   const std::size_t voxels = static_cast<std::size_t>(slice.x()) *
                              static_cast<std::size_t>(slice.y()) *
@@ -302,31 +302,47 @@ void VolumeLight::gather() const {
   });
 }
 
+namespace {
+
+/// Of a lamp's light at a point, per unit of scattering.
+/// @param way  in which it is scattered; null: evenly
+/// @param share  of the light that arrives
+Rgb scatteredTo(const Lamp& lamp, const Vec3& point, const Vec3* way, double share,
+                double asymmetry) {
+  constexpr double kEven = 1 / (4 * std::numbers::pi);
+  const bool even = !way || asymmetry == 0;
+  if (lamp.kind == Lamp::Kind::kSun) {
+    const double phase = even ? kEven : henyeyGreenstein(asymmetry, lamp.direction.dot(*way));
+    return share * phase * lamp.intensity;
+  }
+  const Vec3 travels = point - lamp.position;
+  const double distance = travels.norm();
+  const double phase =
+      even ? kEven : henyeyGreenstein(asymmetry, distance > 0 ? travels.dot(*way) / distance : 0.0);
+  const double reach = std::max(distance, lamp.radius);
+  const bool everywhere = lamp.coneCosine <= -1 && !(lamp.edge > 0);
+  const double cone = everywhere ? 1 : lamp.coneShare(point);
+  return share * phase * cone / (reach * reach) * lamp.intensity;
+}
+
+}  // namespace
+
 ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   gather();
-  if (even_.empty())
+  if (lampShares_.empty() && even_.empty())
     return volume_;
   const auto& points = volume_.lightPoints();
   std::vector<Rgb> light(points.size());
   parallelRanges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      Rgb sum = even_[i];
+      Rgb sum = even_.empty() ? Rgb(Rgb::Zero()) : even_[i];
       Vec3 way = Vec3::Zero();  // from the point to the eye
       if (view)
         way = view->parallel ? Vec3(-view->at) : Vec3((view->at - points[i]).normalized());
       for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) {
-        const float share = lampShares_[l][i];
-        if (share == 0)
-          continue;
-        const Lamp& lamp = lighting_.lamps[l];
-        double phase = 1 / (4 * std::numbers::pi);
-        if (view && lighting_.asymmetry != 0) {
-          const Vec3 travels = lamp.kind == Lamp::Kind::kSun
-                                   ? lamp.direction
-                                   : Vec3((points[i] - lamp.position).normalized());
-          phase = henyeyGreenstein(lighting_.asymmetry, travels.dot(way));
-        }
-        sum += share * phase * lamp.irradiance(points[i]);
+        if (const float share = lampShares_[l][i]; share != 0)
+          sum += scatteredTo(lighting_.lamps[l], points[i], view ? &way : nullptr, share,
+                             lighting_.asymmetry);
       }
       light[i] = lighting_.albedo * sum;
       if (!lighting_.colors.empty())

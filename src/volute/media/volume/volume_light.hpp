@@ -81,7 +81,7 @@ class VolumeLight {
   VolumeLighting lighting_;
   mutable std::once_flag gathered_;
   mutable std::vector<std::vector<float>> lampShares_;  ///< of each lamp, at each light point: 0..1
-  mutable std::vector<Rgb> even_;                       ///< A + F at each light point
+  mutable std::vector<Rgb> even_;  ///< A + F at each light point; empty: neither is there
   mutable std::mutex guard_;
   mutable std::shared_ptr<const VolumeLight> inMore_;  ///< withLamps()
   mutable std::optional<View> lastView_;
