@@ -26,7 +26,7 @@ class Layer final : public SightField {
 
   std::span<const double> times() const override { return {}; }
 
-  Box3 bounds() const override { return {{0, 0, 1}, {1, 1, source_ == "tall" ? 3 : 2}}; }
+  Box3 bounds() const override { return {{0, 0, 1}, {1, 1, source_ == "tall" ? 3.0 : 2.0}}; }
 
   Result<std::shared_ptr<const SightInstant>> read(std::size_t) override {
     return fail(ErrorCode::kUnsupported, "nothing");
