@@ -3,10 +3,12 @@
 #include "volute/geometry/triangle_scene.hpp"
 
 #include <algorithm>
+#include <future>
 #include <mutex>
 #include <optional>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/parallel.hpp"
 #include "volute/geometry/shadow_intervals.hpp"
 #include "volute/geometry/sun_tree.hpp"
 #include "volute/geometry/triangle_tree.hpp"
@@ -57,21 +59,44 @@ struct TriangleScene::Impl {
   mutable std::once_flag treeMade;
   mutable std::optional<TriangleTree> madeTree;
 #if VOLUTE_HAS_EMBREE
-  std::unique_ptr<const EmbreeScene> embree;
+  static constexpr std::size_t kManyTriangles = 1 << 14;
+
+  /// Builds Embree's tree; that of many triangles beside what the caller does next.
+  void buildEmbree() {
+    const auto build = [this] { return EmbreeScene::make(triangles, bounds); };
+    if (triangles.size() < kManyTriangles || threadCount() == 1)
+      builtEmbree = build();
+    else  // where no thread can be had, when it is asked for
+      embreeComes = std::async(std::launch::async | std::launch::deferred, build);
+  }
+
+  /// Null where Embree does not answer. Waits for the tree.
+  const EmbreeScene* embree() const {
+    std::call_once(embreeThere, [&] {
+      if (embreeComes.valid())
+        builtEmbree = embreeComes.get();
+    });
+    return builtEmbree.get();
+  }
+
+  mutable std::once_flag embreeThere;
+  mutable std::unique_ptr<const EmbreeScene> builtEmbree;
+  /// Last: its thread uses the others.
+  mutable std::future<std::unique_ptr<const EmbreeScene>> embreeComes;
 #endif
 
   Hit nearest(const Segment& segment) const {
 #if VOLUTE_HAS_EMBREE
-    if (embree)
-      return embree->nearest(segment);
+    if (const EmbreeScene* fast = embree())
+      return fast->nearest(segment);
 #endif
     return tree().nearest(segment);
   }
 
   bool occluded(const Segment& segment) const {
 #if VOLUTE_HAS_EMBREE
-    if (embree)
-      return embree->occluded(segment);
+    if (const EmbreeScene* fast = embree())
+      return fast->occluded(segment);
 #endif
     return tree().occluded(segment);
   }
@@ -111,7 +136,7 @@ Result<TriangleScene> TriangleScene::build(std::vector<Triangle> triangles,
   auto impl = std::make_shared<Impl>(std::move(triangles), std::move(materials));
 #if VOLUTE_HAS_EMBREE
   if (execution == Execution::kFast && !impl->triangles.empty())
-    impl->embree = EmbreeScene::make(impl->triangles, impl->bounds);
+    impl->buildEmbree();
 #endif
   impl->execution = execution;
   TriangleScene scene;

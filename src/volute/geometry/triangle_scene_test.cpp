@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <thread>
 
 namespace volute {
 namespace {
@@ -195,6 +196,29 @@ TEST_P(Executions, NothingAndTrianglesWithoutAreaAreNotMet) {
   TriangleScene().nearest({&down, 1}, {&hit, 1});
   EXPECT_FALSE(hit.found());
   EXPECT_TRUE(TriangleScene().empty());
+}
+
+TEST(TriangleScene, ManyTrianglesAnswerAsSoonAsTheyAreThere) {
+  const auto triangles = triangleSoup(20'000, 0.02);
+  const auto segments = randomSegments(400);
+  std::vector<Hit> expected(segments.size());
+  const auto reference = TriangleScene::build(triangles, {}, Execution::kReference).value();
+  reference.nearest(segments, expected);
+  const auto fast = TriangleScene::build(triangles).value();
+  std::vector<std::vector<Hit>> found(4, std::vector<Hit>(segments.size()));
+  std::vector<std::thread> threads;
+  for (auto& hits : found) threads.emplace_back([&] { fast.nearest(segments, hits); });
+  for (std::thread& thread : threads) thread.join();
+  for (const auto& hits : found) {
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      EXPECT_EQ(hits[i].triangle, expected[i].triangle);
+      if (expected[i].found()) {
+        EXPECT_NEAR(hits[i].distance, expected[i].distance, 1e-9);
+      }
+    }
+  }
+  // One that nobody asks goes before its tree is there.
+  EXPECT_FALSE(TriangleScene::build(triangles).value().empty());
 }
 
 TEST(TriangleScene, TransformsMoveCorners) {

@@ -282,6 +282,7 @@ class GltfReader {
         numbers.component != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
         numbers.component != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
       return fail(ErrorCode::kInvalidData, "{}/indices: expected unsigned whole numbers", where);
+    indices.reserve(numbers.count);  // no more than the buffer holds
     for (std::size_t i = 0; i < numbers.count; ++i) {
       std::uint32_t index = 0;
       std::memcpy(&index, numbers.first + i * numbers.stride, unit);
@@ -318,6 +319,10 @@ class GltfReader {
       return fail(ErrorCode::kInvalidData, "{}: {} indices are no triangles", where,
                   indices.size());
     const std::size_t step = mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1;
+    // Pages touched for the first time cost more than what is written to them.
+    if (const std::size_t more = mesh_.triangles.size() + indices.size() / step;
+        more > 2 * mesh_.triangles.capacity())
+      mesh_.triangles.reserve(more);
     for (std::size_t i = 0; i + 2 < indices.size(); i += step) {
       const bool odd = mode == TINYGLTF_MODE_TRIANGLE_STRIP && i % 2 == 1;
       const std::size_t first = mode == TINYGLTF_MODE_TRIANGLE_FAN ? 0 : i;
