@@ -204,6 +204,39 @@ class Memory(ring.TestCase):
         self.assertLess(many, few + 4 * 3 * self.SIDE ** 3 * 4 / 1e6, "less than four frames more")
 
 
+    def test_refinement_keeps_to_max_memory(self):
+        for camera in self.json["cameras"][1::2]:  # so that there is something to refine
+            camera["K"][0][2] += 1.5
+        self.write_capture()
+        limit = 96 << 20
+        code, message, peak = self.peak("reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), "--frames", "11:12",
+                                        "--resolution", 80, "--iterations", 3, "--regularization", "none", "--refine", "always",
+                                        "--threads", 1, "--max-memory", "96M")
+        self.assertEqual(code, 0, message)
+        self.assertIn("calibration refined with the volume", message)
+        self.assertLess(peak, limit + (80 << 20), message)  # the program and its libraries
+
+
+class Lighting(ring.TestCase):
+    LAMPS = [{"kind": "sun", "direction": [1, 0, 0], "radiance": [9, 9, 9]},
+             {"kind": "point", "position": [0, 0, 4], "intensity": 20}]
+
+    def test_gives_extinction(self):
+        self.json.update(lamps=self.LAMPS, albedo=0.8)
+        self.write_capture()
+        self.reconstruct("--frames", "11:12", "--lighting", "single-scattering", "--report", self.path("r.json"),
+                         output="out.volute")
+        info = self.works("info", self.path("out.volute"), "--json").json
+        self.assertEqual((info["grid"], info["channels"]), ("extinction", 1))
+        report = json.loads(self.path("r.json").read_text())
+        self.assertEqual(report["options"]["lighting"], "single-scattering")
+
+    def test_needs_lamps(self):
+        message = self.fails(2, "reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), "--lighting",
+                             "single-scattering")
+        self.assertIn("states no lamps", message)
+
+
 class Parts(ring.TestCase):
     def test_parts_of_a_sequence_join(self):
         for name, frames in (("a", "10:12"), ("b", "12:14"), ("whole", "10:14")):

@@ -39,6 +39,8 @@ struct PictureSource {
   std::filesystem::path mask;            ///< 0 = ignore the pixel (obstructors); empty: none
   double gain = 1;                       ///< a factor on its linear values; of kAbsorption, where
                                          ///< that cancels out, on its optical depths
+  double exponent = 1;                   ///< a power of the linear values, 1 = white, before white
+                                         ///< and gain: mends a response that is nearly right
   Response response = Response::srgb();  ///< of .png files and films; .exr files are linear
   /// A channel that reads this or more is saturated: a stored value, 1 = white. Without it 1 for
   /// .png files, 250/255 for films, and nothing for .exr files.
@@ -54,6 +56,23 @@ struct CaptureCamera {
   std::string name;
   Camera camera;
   PictureSource pictures;
+  double reprojectionError = 0;  ///< how far off its sights are, root mean square [pixels]; 0: not
+                                 ///< stated
+};
+
+/// What lights the medium.
+struct CaptureLamp {
+  bool sun = true;                  ///< else a point
+  Vec3 direction = -Vec3::UnitZ();  ///< of a sun: the way its light travels; unit
+  Vec3 position = Vec3::Zero();     ///< of a point [m]
+  Rgb light = Rgb::Ones();          ///< sun: what arrives, per area that faces it; point: power per
+                                    ///< solid angle; in the unit of the pictures' radiance
+};
+
+/// Lamps around a medium that scatters.
+struct CaptureLighting {
+  std::vector<CaptureLamp> lamps;
+  Rgb albedo = Rgb::Ones();  ///< share of the extinguished light that is scattered, 0..1
 };
 
 /// The place of the volume that is looked for.
@@ -73,6 +92,7 @@ struct Capture {
   std::vector<int> frames;  ///< ascending; those that were chosen
   int firstFrame = 0;       ///< of the whole capture: its time is 0 s
   CaptureVolume volume;
+  CaptureLighting lighting;          ///< without lamps: not stated
   double framesPerSecond = 25;       ///< the time of frame n is that of n / framesPerSecond
   double white = 1;                  ///< linear radiance of a value of 1
   std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance

@@ -16,12 +16,18 @@
 namespace volute {
 namespace {
 
+/// A power of the size, with the sign as it is.
+double powered(double value, double exponent) {
+  return exponent == 1 ? value : std::copysign(std::pow(std::abs(value), exponent), value);
+}
+
 /// Light for each of the 2^16 values that a stored one can have.
-std::vector<float> lightTable(const Response& response, double factor) {
+std::vector<float> lightTable(const Response& response, double exponent, double factor) {
   constexpr int kValues = 1 << 16;
   std::vector<float> table(kValues);
   for (int i = 0; i < kValues; ++i)
-    table[i] = static_cast<float>(factor * response.linear(static_cast<double>(i) / (kValues - 1)));
+    table[i] = static_cast<float>(
+        factor * powered(response.linear(static_cast<double>(i) / (kValues - 1)), exponent));
   return table;
 }
 
@@ -190,9 +196,10 @@ Image CaptureImages::linearised(std::size_t camera, const Stored& stored) const 
   const double factor = capture_->white * (light ? pictures.gain : 1);
   Image image = stored.image;
   if (stored.linear) {
-    for (float& value : image.pixels) value = static_cast<float>(factor * value);
+    for (float& value : image.pixels)
+      value = static_cast<float>(factor * powered(value, pictures.exponent));
   } else {
-    const auto table = lightTable(pictures.response, factor);
+    const auto table = lightTable(pictures.response, pictures.exponent, factor);
     const float top = static_cast<float>(table.size() - 1);
     for (float& value : image.pixels)
       value = table[static_cast<std::size_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * top))];
@@ -380,6 +387,7 @@ void CaptureImages::subtractBackground(std::size_t camera, CameraPicture& pictur
       const bool masked = picture.weight[i / 3] == 0 && picture.atLeast[i / 3] == 0;
       light[i] -= masked ? 0 : background.pixels[i];
     }
+    picture.background = std::move(background);
     return;
   }
   constexpr double kSigmas = 3;

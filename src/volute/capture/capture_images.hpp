@@ -20,6 +20,7 @@ namespace volute {
 struct CameraPicture {
   Image radiance;             ///< measured minus background, linear RGB; negative values are kept;
                               ///< or optical depths
+  Image background;           ///< what was subtracted, linear RGB; empty: nothing
   std::vector<float> weight;  ///< (height, width), 0 = saturated or masked, else 1; of optical
                               ///< depths the light that is left, see OpticalDepths
   std::vector<std::uint8_t> atLeast;  ///< (height, width), bit c: channel c is saturated, or lets no

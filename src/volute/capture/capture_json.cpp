@@ -45,6 +45,42 @@ Result<double> readPositive(const JsonValue& value) {
   return number;
 }
 
+/// A number, or three, of at least 0 and not all 0.
+Result<Rgb> readLight(const JsonValue& value) {
+  Rgb light;
+  if (value.json().is_number()) {
+    VOLUTE_ASSIGN(const double grey, value.number());
+    light.setConstant(grey);
+  } else {
+    VOLUTE_ASSIGN(const Vec3 colour, value.vector());
+    light = colour.array();
+  }
+  if (!(light.minCoeff() >= 0) || !(light.maxCoeff() > 0))
+    return value.fault("expected a number above 0, or three of at least 0");
+  return light;
+}
+
+Result<CaptureLamp> readLamp(const JsonValue& value) {
+  CaptureLamp lamp;
+  VOLUTE_ASSIGN(const auto kind, value.at("kind"));
+  VOLUTE_ASSIGN(const auto name, kind.text());
+  if (name != "sun" && name != "point")
+    return kind.fault(fmt::format("is '{}'; expected 'sun' or 'point'", name));
+  lamp.sun = name == "sun";
+  VOLUTE_ASSIGN(const auto place, value.at(lamp.sun ? "direction" : "position"));
+  VOLUTE_ASSIGN(const Vec3 vector, place.vector());
+  VOLUTE_ASSIGN(const auto light, value.at(lamp.sun ? "radiance" : "intensity"));
+  VOLUTE_ASSIGN(lamp.light, readLight(light));
+  if (!lamp.sun) {
+    lamp.position = vector;
+    return lamp;
+  }
+  if (!(vector.norm() > 0))
+    return place.fault("expected the direction in which its light travels");
+  lamp.direction = vector.normalized();
+  return lamp;
+}
+
 /// A number from -most to most.
 Result<double> readWithin(const JsonValue& value, double most, const char* unit) {
   VOLUTE_ASSIGN(const double number, value.number());
@@ -168,6 +204,12 @@ class CameraReader {
     if (const auto shift = value_.find("frame_shift")) {
       VOLUTE_ASSIGN(pictures.frameShift, readWithin(*shift, 1000000, "frames"));
     }
+    if (const auto error = value_.find("reprojection_error")) {
+      constexpr double kMax = 20;
+      VOLUTE_ASSIGN(draft_.reprojectionError, error->number());
+      if (!(draft_.reprojectionError >= 0 && draft_.reprojectionError <= kMax))
+        return error->fault(fmt::format("expected 0 to {} pixels", kMax));
+    }
     if (const auto background = value_.find("background")) {
       VOLUTE_ASSIGN(pictures.background, path(*background));
     }
@@ -176,6 +218,13 @@ class CameraReader {
     }
     if (const auto gain = value_.find("gain")) {
       VOLUTE_ASSIGN(pictures.gain, readPositive(*gain));
+    }
+    if (const auto exponent = value_.find("exponent")) {
+      constexpr double kMin = 0.1, kMax = 10;
+      VOLUTE_ASSIGN(pictures.exponent, exponent->number());
+      if (!(pictures.exponent >= kMin && pictures.exponent <= kMax))
+        return exponent->fault(
+            fmt::format("is {}; expected {} to {}", pictures.exponent, kMin, kMax));
     }
     if (const auto color = value_.find("color")) {
       VOLUTE_ASSIGN(pictures.response, readResponse(*color));
@@ -190,6 +239,12 @@ class CameraReader {
   const std::filesystem::path& folder_;
   CameraDraft draft_;
 };
+
+void remarkUnknown(const JsonValue& value, std::initializer_list<std::string_view> known,
+                   CaptureDraft& draft) {
+  for (const auto& key : value.unknownKeys(known))
+    draft.remarks.push_back(fmt::format("{} is not known and ignored", key));
+}
 
 Status readVolume(const JsonValue& value, CaptureDraft& draft) {
   VOLUTE_ASSIGN(const auto low, value.at("min"));
@@ -213,12 +268,6 @@ Status readVolume(const JsonValue& value, CaptureDraft& draft) {
   }
   draft.resolution = voxels;
   return {};
-}
-
-void remarkUnknown(const JsonValue& value, std::initializer_list<std::string_view> known,
-                   CaptureDraft& draft) {
-  for (const auto& key : value.unknownKeys(known))
-    draft.remarks.push_back(fmt::format("{} is not known and ignored", key));
 }
 
 /// What stands before the cameras.
@@ -253,6 +302,19 @@ Status readHead(const JsonValue& root, CaptureDraft& draft, CameraDraft& default
   if (const auto empty = root.find("empty_frames")) {
     VOLUTE_ASSIGN(draft.emptyFrames, readEmptyFrames(*empty));
   }
+  if (const auto lamps = root.find("lamps")) {
+    VOLUTE_ASSIGN(const auto items, lamps->items());
+    for (const JsonValue& item : items) {
+      VOLUTE_ASSIGN(const auto lamp, readLamp(item));
+      draft.lighting.lamps.push_back(lamp);
+      remarkUnknown(item, {"kind", "direction", "position", "radiance", "intensity"}, draft);
+    }
+  }
+  if (const auto albedo = root.find("albedo")) {
+    VOLUTE_ASSIGN(draft.lighting.albedo, readLight(*albedo));
+    if (draft.lighting.albedo.maxCoeff() > 1)
+      return albedo->fault("expected 0 to 1");
+  }
   if (const auto volume = root.find("volume")) {
     VOLUTE_TRY(readVolume(*volume, draft));
     remarkUnknown(*volume, {"min", "max", "resolution"}, draft);
@@ -273,10 +335,11 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
   draft.kind = "capture.json";
   CameraDraft defaults;
   VOLUTE_TRY(readHead(root, draft, defaults));
-  remarkUnknown(root,
-                {"format", "kind", "color", "white", "pixel_centre", "frames", "volume", "noise_sigma",
-                 "cameras", "empty_frames", "saturation", "frames_per_second"},
-                draft);
+  remarkUnknown(
+      root,
+      {"format", "kind", "color", "white", "pixel_centre", "frames", "volume", "noise_sigma",
+       "cameras", "empty_frames", "saturation", "frames_per_second", "lamps", "albedo"},
+      draft);
   VOLUTE_ASSIGN(const auto list, root.at("cameras"));
   VOLUTE_ASSIGN(const auto cameras, list.items());
   const auto folder = file.parent_path();
@@ -284,9 +347,26 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
     VOLUTE_ASSIGN(auto read, CameraReader(camera, folder, defaults).read());
     draft.cameras.push_back(std::move(read));
     remarkUnknown(camera,
-                  {"name", "image", "width", "height", "K", "R", "t", "distortion", "background",
-                   "mask", "gain", "video", "video_start", "start_time", "frames_per_second", "frame_shift",
-                   "color", "saturation"},
+                  {"name",
+                   "image",
+                   "width",
+                   "height",
+                   "K",
+                   "R",
+                   "t",
+                   "distortion",
+                   "background",
+                   "mask",
+                   "gain",
+                   "exponent",
+                   "reprojection_error",
+                   "video",
+                   "video_start",
+                   "start_time",
+                   "frames_per_second",
+                   "frame_shift",
+                   "color",
+                   "saturation"},
                   draft);
   }
   return draft;

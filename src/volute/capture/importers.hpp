@@ -23,6 +23,7 @@ struct CameraDraft {
   Calibration calibration;  ///< width and height 0: those of its pictures
   PictureSource pictures;   ///< paths are ready to open; no image: from the pattern of the images
   std::optional<double> framesPerSecond{};  ///< of its pictures
+  double reprojectionError = 0;             ///< [pixels]; 0: not stated
   std::optional<double> startTime{};        ///< of its first picture [s], frame 0 of the capture at 0
 };
 
@@ -39,6 +40,7 @@ struct CaptureDraft {
   double white = 1;
   std::optional<double> noiseSigma;
   std::vector<int> emptyFrames;
+  CaptureLighting lighting{};
   std::vector<std::string> remarks;
 };
 

@@ -244,7 +244,7 @@ Result<CaptureCamera> makeCamera(CameraDraft& draft) {
     return fail(ErrorCode::kInvalidData, "{} ({}): {}", draft.where, draft.name,
                 camera.error().message);
   }
-  return CaptureCamera{draft.name, *camera, std::move(draft.pictures)};
+  return CaptureCamera{draft.name, *camera, std::move(draft.pictures), draft.reprojectionError};
 }
 
 Result<CaptureVolume> chooseVolume(const std::filesystem::path& file, const CaptureDraft& draft,
@@ -305,6 +305,7 @@ Result<Capture> makeCapture(const std::filesystem::path& file, CaptureDraft& dra
   capture.white = draft.white;
   capture.noiseSigma = draft.noiseSigma;
   capture.emptyFrames = draft.emptyFrames;
+  capture.lighting = draft.lighting;
   capture.remarks = draft.remarks;
   capture.remarks.insert(capture.remarks.begin(), conventionText(draft));
   for (CameraDraft& camera : draft.cameras) {

@@ -29,6 +29,13 @@ Json jsonOf(const Response& response) {
   return {{"table", response.table()}};
 }
 
+Json lampJson(const CaptureLamp& lamp) {
+  const Vec3 light = lamp.light.matrix();
+  if (lamp.sun)
+    return {{"kind", "sun"}, {"direction", jsonOf(lamp.direction)}, {"radiance", jsonOf(light)}};
+  return {{"kind", "point"}, {"position", jsonOf(lamp.position)}, {"intensity", jsonOf(light)}};
+}
+
 /// Whole numbers without a point.
 Json numberOf(double value) {
   return value == std::floor(value) ? Json(static_cast<std::int64_t>(value)) : Json(value);
@@ -63,12 +70,16 @@ Json cameraJson(const CaptureCamera& known, double framesPerSecond,
   json["t"] = jsonOf(Vec3(-camera.rotation() * camera.eye()));
   if (const Distortion& lens = camera.distortion(); !lens.none())
     json["distortion"] = {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3};
+  if (known.reprojectionError > 0)
+    json["reprojection_error"] = known.reprojectionError;
   if (!pictures.background.empty())
     json["background"] = path(pictures.background);
   if (!pictures.mask.empty())
     json["mask"] = path(pictures.mask);
   if (pictures.gain != 1)
     json["gain"] = pictures.gain;
+  if (pictures.exponent != 1)
+    json["exponent"] = pictures.exponent;
   json["color"] = jsonOf(pictures.response);
   if (pictures.saturation)
     json["saturation"] = *pictures.saturation;
@@ -96,6 +107,11 @@ Status writeCapture(const std::filesystem::path& file, const Capture& capture) {
     json["noise_sigma"] = *capture.noiseSigma;
   if (!capture.emptyFrames.empty())
     json["empty_frames"] = capture.emptyFrames;  // two are neighbours, so that they are a range too
+  if (!capture.lighting.lamps.empty()) {
+    json["lamps"] = Json::array();
+    for (const CaptureLamp& lamp : capture.lighting.lamps) json["lamps"].push_back(lampJson(lamp));
+    json["albedo"] = jsonOf(Vec3(capture.lighting.albedo.matrix()));
+  }
   json["cameras"] = Json::array();
   const auto folder = std::filesystem::absolute(file).parent_path();
   for (const CaptureCamera& known : capture.cameras)

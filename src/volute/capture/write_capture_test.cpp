@@ -29,6 +29,7 @@ TEST(WriteCapture, ReadsAsItWas) {
   files.image = (folder / "in" / "a_%04d.png").string();
   files.mask = folder / "in" / "mask.png";
   files.gain = 1.25;
+  files.exponent = 1.08;
   files.videoStart = 7.5;
   files.response = Response::gamma(2.2);
   PictureSource film;
@@ -38,7 +39,10 @@ TEST(WriteCapture, ReadsAsItWas) {
   film.rate = 1.5;
   film.saturation = 0.9;
   film.response = *Response::table({0, 0.2, 1});
-  capture.cameras = {{"a", camera, files}, {"b", camera, film}};
+  capture.cameras = {{"a", camera, files, 0.75}, {"b", camera, film}};
+  capture.lighting.lamps = {{.direction = Vec3(0, 0.6, -0.8), .light = Rgb(3, 2, 1)},
+                            {.sun = false, .position = Vec3(1, 2, 3), .light = Rgb(0, 1, 0)}};
+  capture.lighting.albedo = Rgb(0.9, 0.8, 1);
   const auto file = folder / "refined.json";
   ASSERT_TRUE(writeCapture(file, capture));
   const auto read = openCalibration(file, {});
@@ -60,11 +64,20 @@ TEST(WriteCapture, ReadsAsItWas) {
     EXPECT_EQ(is.camera.distortion(), was.camera.distortion());
     EXPECT_EQ(is.pictures.response, was.pictures.response);
     EXPECT_EQ(is.pictures.gain, was.pictures.gain);
+    EXPECT_EQ(is.pictures.exponent, was.pictures.exponent);
+    EXPECT_EQ(is.reprojectionError, was.reprojectionError);
     EXPECT_EQ(is.pictures.saturation, was.pictures.saturation);
     EXPECT_EQ(is.pictures.videoStart, was.pictures.videoStart);
     EXPECT_EQ(is.pictures.frameShift, was.pictures.frameShift);
     EXPECT_DOUBLE_EQ(is.pictures.rate, was.pictures.rate);
   }
+  ASSERT_EQ(read->lighting.lamps.size(), 2U);
+  EXPECT_TRUE(read->lighting.lamps[0].sun);
+  EXPECT_TRUE(read->lighting.lamps[0].direction.isApprox(Vec3(0, 0.6, -0.8), 1e-12));
+  EXPECT_FALSE(read->lighting.lamps[1].sun);
+  EXPECT_EQ(read->lighting.lamps[1].position, Vec3(1, 2, 3));
+  EXPECT_TRUE((read->lighting.lamps[1].light == Rgb(0, 1, 0)).all());
+  EXPECT_TRUE((read->lighting.albedo == Rgb(0.9, 0.8, 1)).all());
   EXPECT_EQ(std::filesystem::weakly_canonical(read->cameras[0].pictures.image),
             std::filesystem::weakly_canonical(files.image));
   EXPECT_EQ(std::filesystem::weakly_canonical(read->cameras[0].pictures.mask),

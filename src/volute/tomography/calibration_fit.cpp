@@ -38,7 +38,38 @@ struct LevelView {
   TomographyView view;       ///< its camera as given, reduced
   int factor = 1;            ///< given pixels on a side of one
   std::vector<float> light;  ///< (height, width, 4): grey, one frame a channel
+  std::vector<float> slope;  ///< of `light` by the logarithm of the exponent; empty: not refined
+  double exponent = 1;       ///< with which `light` was made
 };
+
+/// Which parameters of a camera are refined.
+using FreeParameters = std::array<bool, kCount>;
+
+/// pivot (light / pivot)^exponent, odd, and its derivative by the exponent's logarithm.
+struct PoweredLight {
+  double value = 0, slope = 0;
+
+  PoweredLight(double light, double pivot, double exponent) {
+    const double share = std::abs(light) / pivot;
+    if (share < 1e-6)
+      return;
+    value = std::copysign(pivot * std::pow(share, exponent), light);
+    slope = value * exponent * std::log(share);
+  }
+};
+
+/// Radiance at which exponents change nothing: a typical one of what shines.
+double pivotOf(std::span<const TomographyView> views) {
+  double sum = 0, squares = 0;
+  for (const TomographyView& view : views) {
+    for (std::size_t i = 0; i < view.radiance.pixels.size(); ++i) {
+      const double light = view.counts(i / view.radiance.channels) ? view.radiance.pixels[i] : 0;
+      sum += std::max(light, 0.0);
+      squares += light > 0 ? light * light : 0;
+    }
+  }
+  return sum > 0 ? squares / sum : 1;
+}
 
 float greyOf(const Image& image, std::size_t pixel) {
   const float* p = &image.pixels[pixel * image.channels];
@@ -63,18 +94,70 @@ std::vector<std::uint8_t> grown(std::vector<std::uint8_t> mask, int width, int h
   return mask;
 }
 
+/// How a pixel's ray changes with each of its camera's corrections.
+struct RaySlopes {
+  Eigen::Matrix<double, 3, kCount> direction = Eigen::Matrix<double, 3, kCount>::Zero();
+
+  /// @param turn  that the camera was corrected by
+  /// @param scale  principal points are in pixels of a picture so many times as large
+  RaySlopes(const Camera& camera, const Segment& ray, const Vec3& turn, double scale) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 by = Vec3::Unit(axis) + 0.5 * turn.cross(Vec3::Unit(axis));
+      direction.col(CameraCorrection::kTurn + axis) = by.cross(ray.direction);
+    }
+    const Mat3 rotation = camera.rotation();
+    const Vec3 inCamera = rotation * ray.direction;
+    const Vec2 point = inCamera.head<2>() / inCamera.z();
+    const Distortion& lens = camera.distortion();
+    Eigen::Matrix2d undistorted = Eigen::Matrix2d::Identity();
+    if (!lens.none()) {
+      constexpr double kLittle = 1e-5;
+      for (int axis = 0; axis < 2; ++axis) {
+        const Vec2 aside = kLittle * Vec2::Unit(axis);
+        undistorted.col(axis) =
+            (distort(lens, point + aside) - distort(lens, point - aside)) / (2 * kLittle);
+      }
+      undistorted = undistorted.inverse().eval();
+    }
+    const double square = point.squaredNorm();
+    Eigen::Matrix<double, 2, kCount> moved = Eigen::Matrix<double, 2, kCount>::Zero();
+    moved.col(CameraCorrection::kZoom) = -distort(lens, point);
+    moved.middleCols<2>(CameraCorrection::kPrincipal) =
+        -camera.intrinsics().topLeftCorner<2, 2>().inverse() / scale;
+    moved.col(CameraCorrection::kLens) = -square * point;
+    moved.col(CameraCorrection::kLens + 1) = -square * square * point;
+    // The direction is of length 1.
+    Mat3 across = rotation.transpose() * inCamera.z();
+    across -= ray.direction * (inCamera.z() * inCamera).transpose();
+    direction += across.leftCols<2>() * undistorted * moved;
+  }
+};
+
 /// One level of the fit: the volume is linear, the corrections are linearised around where they
 /// are.
 class LevelFit {
  public:
   LevelFit(std::span<const std::vector<TomographyView>> frames, const VolumeGeometry& geometry,
            const Level& level, std::span<const CameraCorrection> plausible,
-           std::uint64_t maxMemory)
-      : frames_(frames.size()),
+           std::span<const FreeParameters> free, double pivot, std::uint64_t maxMemory)
+      : given_(frames),
+        frames_(frames.size()),
         maxMemory_(maxMemory),
+        pivot_(pivot),
         geometry_(coarserGeometry(geometry, level.voxels)),
-        plausible_(plausible.begin(), plausible.end()) {
+        plausible_(plausible.begin(), plausible.end()),
+        free_(free.begin(), free.end()) {
     for (std::size_t v = 0; v < frames[0].size(); ++v) addView(frames, v, level);
+  }
+
+  /// From the next step on. Corrections of what is no longer free stay.
+  void setFree(std::span<const FreeParameters> free) { free_.assign(free.begin(), free.end()); }
+
+  /// Other corrections, with the volume and the hull that are there.
+  Status setCorrections(std::span<const CameraCorrection> corrections) {
+    corrections_.assign(corrections.begin(), corrections.end());
+    VOLUTE_TRY(placeCameras());
+    return makeProjector();
   }
 
   /// Hull and support, as the cameras are.
@@ -200,7 +283,13 @@ class LevelFit {
     for (std::size_t v = 0; v < views_.size(); ++v) {
       // A step beyond what is plausible is not one the slopes can tell.
       const double most = (delta[v].array() / plausible_[v].values.array()).abs().maxCoeff();
+      const CameraCorrection before = corrections_[v];
       corrections_[v].values += std::min(1.0, 1.5 / std::max(most, 1e-12)) * delta[v];
+      // Nor does a lens fold the picture.
+      if (!cameraOf(v, corrections_[v])) {
+        corrections_[v].values.segment<2>(CameraCorrection::kLens) =
+            before.values.segment<2>(CameraCorrection::kLens);
+      }
     }
     std::vector<Camera> given;
     for (const LevelView& view : views_) given.push_back(view.view.camera);
@@ -227,6 +316,8 @@ class LevelFit {
 
   const std::vector<CameraCorrection>& corrections() const { return corrections_; }
 
+  const std::vector<double>& sightError() const { return sightError_; }
+
   /// Standard deviations, from the last step's curvature.
   const std::vector<CameraCorrection>& uncertain() const { return uncertain_; }
 
@@ -244,14 +335,14 @@ class LevelFit {
       seen += view.view.silhouette.size() -
               static_cast<std::uint64_t>(std::ranges::count(view.view.silhouette, 0));
     }
-    return pixels * (16 + 4 + 1) + seen * row + support_->size() * kUnknownVectors * 16 +
+    return pixels * (32 + 4 + 1) + seen * row + support_->size() * kUnknownVectors * 16 +
            geometry_.voxels() * (1 + 3 * 8 + 4) + support_->latticeSize() * 2 * 16;
   }
 
   void addView(std::span<const std::vector<TomographyView>> frames, std::size_t v,
                const Level& level) {
     const TomographyView& first = frames[0][v];
-    LevelView one{{first.name, first.camera, {}}, 1, {}};
+    LevelView one{{first.name, first.camera, {}}, 1, {}, {}};
     // A voxel is nearly two pixels or more.
     constexpr double kPixels = 1.8;
     one.factor = std::clamp(static_cast<int>(voxelInPixels(first.camera, geometry_) / kPixels), 1,
@@ -284,9 +375,58 @@ class LevelFit {
     return corrected(views_[v].view.camera, correction, views_[v].factor);
   }
 
+  /// The light of a view with another exponent: that of each given pixel and channel, where
+  /// anything may be seen.
+  void applyExponent(std::size_t v, double exponent) {
+    LevelView& view = views_[v];
+    view.exponent = exponent;
+    view.slope.assign(view.light.size(), 0);
+    const int width = view.view.camera.width();
+    for (std::size_t f = 0; f < frames_; ++f) {
+      const TomographyView& given = given_[f][v];
+      const int channels = given.radiance.channels;
+      parallelFor(static_cast<std::size_t>(view.view.camera.height()), [&](std::size_t row) {
+        for (int column = 0; column < width; ++column) {
+          const std::size_t at = row * static_cast<std::size_t>(width) + column;
+          if (view.view.silhouette[at] == 0)
+            continue;
+          double light = 0, slope = 0, weight = 0;
+          for (int y = 0; y < view.factor; ++y) {
+            for (int x = 0; x < view.factor; ++x) {
+              const std::size_t pixel =
+                  (row * view.factor + y) * static_cast<std::size_t>(given.radiance.width) +
+                  static_cast<std::size_t>(column) * view.factor + x;
+              if (!given.counts(pixel) || given.isSaturated(pixel))
+                continue;
+              const double own = given.weight.empty() ? 1 : given.weight[pixel];
+              weight += own * channels;
+              for (int c = 0; c < channels; ++c) {
+                const std::size_t value = pixel * channels + c;
+                const double behind =
+                    given.background.pixels.empty() ? 0 : given.background.pixels[value];
+                const PoweredLight all(given.radiance.pixels[value] + behind, pivot_, exponent);
+                const PoweredLight less(behind, pivot_, exponent);
+                light += own * (all.value - less.value);
+                slope += own * (all.slope - less.slope);
+              }
+            }
+          }
+          if (!(weight > 0))
+            continue;
+          view.light[4 * at + f] = static_cast<float>(light / weight);
+          view.slope[4 * at + f] = static_cast<float>(slope / weight);
+        }
+      });
+    }
+  }
+
   Status placeCameras() {
     cameras_.clear();
     for (std::size_t v = 0; v < views_.size(); ++v) {
+      const double exponent = corrections_[v].exponent();
+      const bool refined = free_[v][CameraCorrection::kExponent];
+      if (exponent != views_[v].exponent || (refined && views_[v].slope.empty()))
+        applyExponent(v, exponent);
       VOLUTE_ASSIGN(auto camera, cameraOf(v, corrections_[v]));
       cameras_.push_back(camera);
     }
@@ -345,19 +485,6 @@ class LevelFit {
       fields.emplace_back(geometry_, whole);
     }
     slopes_.assign(frames_ * rows(), Parameters::Zero());
-    // Cameras a little to both sides in each parameter.
-    constexpr double kLittle = 0.02;
-    std::vector<std::array<std::optional<Camera>, 2 * kCount>> beside(views_.size());
-    for (std::size_t v = 0; v < views_.size(); ++v) {
-      for (int p = 0; p < CameraCorrection::kGain; ++p) {
-        for (int side = 0; side < 2; ++side) {
-          CameraCorrection moved = corrections_[v];
-          moved.values[p] += (2 * side - 1) * kLittle * plausible_[v].values[p];
-          if (auto camera = cameraOf(v, moved))
-            beside[v][static_cast<std::size_t>(2 * p + side)] = *camera;
-        }
-      }
-    }
     parallelRanges(rows(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t row = begin; row < end; ++row) {
         const PixelRow& at = projector_->pixels()[row];
@@ -365,29 +492,55 @@ class LevelFit {
         const double x = at.pixel % cameras_[v].width() + 0.5,
                      y = at.pixel / cameras_[v].width() + 0.5;
         const Segment ray = cameras_[v].ray(x, y);
-        std::array<Vec3, kCount> origin, direction;
-        for (int p = 0; p < CameraCorrection::kGain; ++p) {
-          origin[static_cast<std::size_t>(p)].setZero();
-          direction[static_cast<std::size_t>(p)].setZero();
-          const auto& low = beside[v][static_cast<std::size_t>(2 * p)];
-          const auto& high = beside[v][static_cast<std::size_t>(2 * p + 1)];
-          if (!low || !high)
-            continue;
-          const Segment a = low->ray(x, y), b = high->ray(x, y);
-          const double across = 1 / (2 * kLittle * plausible_[v].values[p]);
-          origin[static_cast<std::size_t>(p)] = across * (b.origin - a.origin);
-          direction[static_cast<std::size_t>(p)] = across * (b.direction - a.direction);
-        }
+        if (!(ray.begin < ray.end))
+          continue;
+        const RaySlopes change(cameras_[v], ray, corrections_[v].turn(), views_[v].factor);
         for (std::size_t f = 0; f < frames_; ++f) {
           const SightSlope slope = fields[f].along(ray);
           Parameters& out = slopes_[row * frames_ + f];
-          for (int p = 0; p < CameraCorrection::kGain; ++p)
-            out[p] = slope.alongOrigin.dot(origin[static_cast<std::size_t>(p)]) +
-                     slope.alongDirection.dot(direction[static_cast<std::size_t>(p)]);
+          out = change.direction.transpose() * slope.alongDirection;
+          out.segment<3>(CameraCorrection::kShift) = slope.alongOrigin;
           out[CameraCorrection::kGain] = -slope.integral;
+          if (!views_[v].slope.empty())
+            out[CameraCorrection::kExponent] =
+                -corrections_[v].gain() *
+                views_[v].slope[4 * static_cast<std::size_t>(at.pixel) + f];
+          for (int p = 0; p < kCount; ++p)
+            out[p] = free_[v][static_cast<std::size_t>(p)] ? out[p] : 0;
         }
       }
     });
+  }
+
+  /// Pixels of the given pictures by which a camera sees points of the volume elsewhere, root mean
+  /// square, if its corrections have this covariance.
+  double sightErrorOf(std::size_t v, const Square& covariance) const {
+    constexpr double kLittle = 0.05;
+    double squares = 0;
+    int seen = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 side(corner & 1 ? 0.25 : -0.25, corner & 2 ? 0.25 : -0.25,
+                      corner & 4 ? 0.25 : -0.25);
+      const Vec3 point = geometry_.bounds.centre() + side.cwiseProduct(geometry_.bounds.size());
+      const auto place = cameras_[v].project(point);
+      if (!place)
+        continue;
+      Eigen::Matrix<double, 2, kCount> slope = Eigen::Matrix<double, 2, kCount>::Zero();
+      for (int p = 0; p < kCount; ++p) {
+        if (!free_[v][static_cast<std::size_t>(p)])
+          continue;
+        CameraCorrection moved = corrections_[v];
+        const double step = kLittle * plausible_[v].values[p];
+        moved.values[p] += step;
+        const auto camera = cameraOf(v, moved);
+        const auto there = camera ? camera->project(point) : std::nullopt;
+        if (there)
+          slope.col(p) = (*there - *place) / step;
+      }
+      squares += (slope * covariance * slope.transpose()).trace();
+      ++seen;
+    }
+    return views_[v].factor * std::sqrt(squares / std::max(1, seen));
   }
 
   /// (S volume + slopes delta) of each row and frame.
@@ -436,7 +589,10 @@ class LevelFit {
     std::vector<Eigen::LDLT<Square>> inverse(views_.size());
     for (std::size_t v = 0; v < views_.size(); ++v) {
       hold[v] = kTogether * plausible_[v].values.array().square().inverse();
-      right[v] -= hold[v].cwiseProduct(corrections_[v].values);
+      for (int p = 0; p < kCount; ++p) {
+        if (free_[v][static_cast<std::size_t>(p)])
+          right[v][p] -= hold[v][p] * corrections_[v].values[p];
+      }
       block[v] += Square(hold[v].asDiagonal());
       inverse[v].compute(block[v]);
     }
@@ -487,17 +643,23 @@ class LevelFit {
     forElements(volume_.size(),
                 [&](std::size_t i) { volume_[i] = std::max(volume_[i] + da[i], 0.0F); });
     uncertain_.resize(views_.size());
+    sightError_.resize(views_.size());
     for (std::size_t v = 0; v < views_.size(); ++v) {
       const Square covariance = kTogether * inverse[v].solve(Square::Identity());
+      sightError_[v] = sightErrorOf(v, covariance);
       uncertain_[v].values = covariance.diagonal().cwiseMax(0).cwiseSqrt();
     }
     return dc;
   }
 
+  std::span<const std::vector<TomographyView>> given_;
   std::size_t frames_;
   std::uint64_t maxMemory_;
+  double pivot_;
   VolumeGeometry geometry_;
   std::vector<CameraCorrection> plausible_, corrections_, uncertain_;
+  std::vector<FreeParameters> free_;
+  std::vector<double> sightError_;
   std::vector<LevelView> views_;
   std::vector<Camera> cameras_;
   std::shared_ptr<const Support> support_;
@@ -519,10 +681,134 @@ bool clearlyLess(const std::vector<double>& after, const std::vector<double>& be
 
 }  // namespace
 
+namespace {
+
+constexpr int kVolumeSteps = 12;
+
+/// Poses, focal lengths, principal points and gains; lenses and exponents where `options` say so.
+std::vector<FreeParameters> freeParameters(std::size_t views,
+                                           const CalibrationFitOptions* extended) {
+  std::vector<FreeParameters> free(views);
+  for (std::size_t v = 0; v < views; ++v) {
+    std::fill_n(free[v].begin(), +CameraCorrection::kLens, true);
+    if (extended == nullptr)
+      continue;
+    free[v][CameraCorrection::kLens] = extended->lens;  // k2 where k1 is determined
+    free[v][CameraCorrection::kExponent] =
+        !extended->exponent.empty() && extended->exponent[v] != 0;
+  }
+  return free;
+}
+
+/// Takes the median over the cameras of one parameter out, where all of them have it free: another
+/// volume explains what they share nearly as well.
+void removeMedian(int parameter, std::span<const CameraCorrection> plausible,
+                  std::span<CameraCorrection> corrections, std::span<const FreeParameters> free) {
+  std::vector<double> shares;
+  for (std::size_t v = 0; v < free.size(); ++v) {
+    if (!free[v][static_cast<std::size_t>(parameter)])
+      return;
+    shares.push_back(corrections[v].values[parameter] / plausible[v].values[parameter]);
+  }
+  std::ranges::sort(shares);
+  const double common = 0.5 * (shares[(shares.size() - 1) / 2] + shares[shares.size() / 2]);
+  for (std::size_t v = 0; v < free.size(); ++v)
+    corrections[v].values[parameter] -= common * plausible[v].values[parameter];
+}
+
+/// Leaves of lenses and exponents what is well above its uncertainty and changes the picture.
+/// @param first  the parameter from which on is judged
+/// @param free  becomes what is left.
+void keepDetermined(int first, std::span<const CameraCorrection> plausible,
+                    std::span<const CameraCorrection> uncertain,
+                    std::span<CameraCorrection> corrections, std::span<FreeParameters> free) {
+  constexpr double kSigmas = 3, kMin = 0.15;  // the latter of what is plausible
+  for (std::size_t v = 0; v < free.size(); ++v) {
+    for (int p = first; p < kCount; ++p) {
+      double& value = corrections[v].values[p];
+      if (free[v][static_cast<std::size_t>(p)] &&
+          std::abs(value) >
+              std::max(kMin * plausible[v].values[p], kSigmas * uncertain[v].values[p]))
+        continue;
+      free[v][static_cast<std::size_t>(p)] = false;
+      value = 0;
+    }
+  }
+}
+
+double sumOf(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+/// Lenses and exponents from where the fit is. Nothing where they do not pay; the fit's own
+/// corrections are then to be set again.
+Result<std::optional<std::vector<CameraCorrection>>> extendedCorrections(
+    LevelFit& fit, int conjugateSteps, std::span<const CameraCorrection> plausible,
+    const CalibrationFitOptions& options) {
+  constexpr int kSteps = 4, kMoreSteps = 2;
+  constexpr double kPays = 0.93;
+  const auto steps = [&](int count) -> Status {
+    for (int k = 0; k < count; ++k) {
+      fit.weigh();
+      VOLUTE_TRY(fit.step(conjugateSteps));
+      fit.fitVolume(kVolumeSteps);
+    }
+    return {};
+  };
+  // One camera of many, or all together.
+  constexpr double kOnePays = 0.75;
+  const std::vector<double> before = fit.residuals();
+  const auto pays = [&] {
+    const std::vector<double> after = fit.residuals();
+    bool one = false;
+    for (std::size_t v = 0; v < after.size(); ++v) one = one || after[v] < kOnePays * before[v];
+    return sumOf(after) < (one ? 1 : kPays) * sumOf(before);
+  };
+  std::vector<FreeParameters> free = freeParameters(plausible.size(), &options);
+  fit.setFree(free);
+  VOLUTE_TRY(fit.setCorrections(std::vector<CameraCorrection>(fit.corrections())));
+  VOLUTE_TRY(steps(kSteps));
+  if (!pays())
+    return std::optional<std::vector<CameraCorrection>>();
+  std::vector<CameraCorrection> corrections = fit.corrections();
+  removeMedian(CameraCorrection::kLens, plausible, corrections, free);
+  removeMedian(CameraCorrection::kExponent, plausible, corrections, free);
+  keepDetermined(CameraCorrection::kLens, plausible, fit.uncertain(), corrections, free);
+  fit.setFree(free);
+  VOLUTE_TRY(fit.setCorrections(corrections));
+  fit.fitVolume(kVolumeSteps);
+  VOLUTE_TRY(steps(kMoreSteps));
+  bool second = false;
+  for (FreeParameters& one : free) {
+    one[CameraCorrection::kLens + 1] = one[CameraCorrection::kLens];
+    second = second || one[CameraCorrection::kLens];
+  }
+  if (second) {
+    fit.setFree(free);
+    VOLUTE_TRY(steps(kMoreSteps));
+    corrections = fit.corrections();
+    keepDetermined(CameraCorrection::kLens + 1, plausible, fit.uncertain(), corrections, free);
+    fit.setFree(free);
+    VOLUTE_TRY(fit.setCorrections(corrections));
+    fit.fitVolume(kVolumeSteps);
+    VOLUTE_TRY(steps(kMoreSteps));
+  }
+  if (!pays())
+    return std::optional<std::vector<CameraCorrection>>();
+  return std::optional(fit.corrections());
+}
+
+bool anyExtended(std::span<const CameraCorrection> corrections) {
+  return std::ranges::any_of(corrections, [](const CameraCorrection& one) {
+    return one.values.tail<kCount - CameraCorrection::kLens>().squaredNorm() > 0;
+  });
+}
+
+}  // namespace
+
 Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyView>> frames,
-                                         const VolumeGeometry& geometry, bool fine,
-                                         std::uint64_t maxMemory, Progress& progress) {
-  constexpr int kVolumeSteps = 12;
+                                         const VolumeGeometry& geometry,
+                                         const CalibrationFitOptions& options, Progress& progress) {
   if (frames.empty() || frames.size() > 3 || frames[0].empty())
     return fail(ErrorCode::kInvalidArgument, "One to three frames can be refined together");
   const auto& views = frames[0];
@@ -533,17 +819,20 @@ Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyV
                   "camera {} is orthographic; only pinholes are refined", view.name);
     plausible.push_back(plausibleCorrection(view.camera, geometry.bounds.centre()));
   }
+  std::vector<FreeParameters> free = freeParameters(views.size(), nullptr);
   const int coarsest = std::clamp(*std::ranges::min_element(geometry.resolution) / 16, 1, 4);
   std::vector<Level> levels;
   if (coarsest >= 4)
     levels.push_back({4, 6, 12, 8});
   levels.push_back({std::min(coarsest, 2), 5, 12, 3});
   CalibrationFit result;
+  result.pivot = pivotOf(views);
   std::unique_ptr<LevelFit> before;
   const auto refineAt = [&](const Level& level) -> Status {
     if (before)
       before->forgetProjector();
-    auto fit = std::make_unique<LevelFit>(frames, geometry, level, plausible, maxMemory);
+    auto fit = std::make_unique<LevelFit>(frames, geometry, level, plausible, free, result.pivot,
+                                          options.maxMemory);
     VOLUTE_TRY(fit->begin(corrections, progress));
     if (before)
       fit->startFrom(*before);
@@ -558,27 +847,51 @@ Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyV
     return {};
   };
   for (const Level& level : levels) VOLUTE_TRY(refineAt(level));
+  const Level& last = levels.back();
   result.after = before->residuals();
+  const auto tellUncertainty = [&] {
+    result.uncertain = before->uncertain();
+    result.sightError = before->sightError();
+  };
+  const bool extends =
+      options.lens || std::ranges::any_of(options.exponent, [](char one) { return one != 0; });
+  tellUncertainty();
+  if (extends) {
+    const auto extended = extendedCorrections(*before, last.conjugateSteps, plausible, options);
+    // A lens may go too far for its inverse: then the rest is kept.
+    if (!extended && extended.error().code == ErrorCode::kCancelled)
+      return tl::unexpected<Error>(extended.error());
+    if (extended && *extended) {
+      result.after = before->residuals();
+      tellUncertainty();
+      corrections = **extended;
+      for (std::size_t v = 0; v < views.size(); ++v) {
+        for (int p = CameraCorrection::kLens; p < kCount; ++p)
+          free[v][static_cast<std::size_t>(p)] = corrections[v].values[p] != 0;
+      }
+    }
+  }
   before->forgetProjector();
   // At the same voxels and as many iterations: coarser voxels explain less of any picture.
-  const Level& last = levels.back();
   {
-    LevelFit asGiven(frames, geometry, last, plausible, maxMemory);
+    LevelFit asGiven(frames, geometry, last, plausible, free, result.pivot, options.maxMemory);
     VOLUTE_TRY(asGiven.begin(std::vector<CameraCorrection>(views.size()), progress));
     asGiven.fitVolume((2 + last.steps) * kVolumeSteps);
     result.before = asGiven.residuals();
   }
-  if (fine && coarsest >= 2 && clearlyLess(result.after, result.before)) {
+  if (options.fine && coarsest >= 2 && clearlyLess(result.after, result.before)) {
     const auto finest = refineAt({1, 4, 30, 1.5});
     if (!finest && finest.error().code != ErrorCode::kTooLarge)
       return tl::unexpected<Error>(finest.error());
     if (!finest)
       progress.remark(finest.error().message);  // what coarser voxels gave is good, too
+    if (finest)
+      tellUncertainty();
   }
-  result.uncertain = before->uncertain();
   std::vector<Camera> given;
   for (const TomographyView& view : views) given.push_back(view.camera);
   VOLUTE_ASSIGN(result.cameras, keepInPlace(given, geometry.bounds, corrections));
+  result.lensOrResponse = anyExtended(corrections);
   result.corrections = corrections;
   return result;
 }

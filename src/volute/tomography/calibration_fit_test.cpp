@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
+#include <numeric>
 #include <random>
 
 #include "volute/tomography/reduced_view.hpp"
@@ -23,7 +25,8 @@ std::vector<CameraCorrection> someCorrections(const TestScene& scene, double sha
   std::vector<CameraCorrection> all;
   for (const TomographyView& view : scene.views) {
     CameraCorrection one = plausibleCorrection(view.camera, scene.geometry.bounds.centre());
-    for (int p = 0; p < CameraCorrection::kCount; ++p) one.values[p] *= share * normal(random);
+    for (int p = 0; p < CameraCorrection::kCount; ++p)
+      one.values[p] *= p < CameraCorrection::kLens ? share * normal(random) : 0;
     all.push_back(one);
   }
   return all;
@@ -144,7 +147,7 @@ TEST(CalibrationFit, FindsWhatWasChanged) {
   }
   Progress progress;
   const std::vector<std::vector<TomographyView>> frames{scene.views};
-  const auto fit = refineCalibration(frames, scene.geometry, false, kMemory, progress);
+  const auto fit = refineCalibration(frames, scene.geometry, {.maxMemory = kMemory}, progress);
   ASSERT_TRUE(fit) << fit.error().message;
   double before = 0, after = 0;
   for (std::size_t v = 0; v < truth.size(); ++v) {
@@ -162,7 +165,7 @@ TEST(CalibrationFit, LeavesWhatIsRight) {
   const TestScene scene(8);
   Progress progress;
   const std::vector<std::vector<TomographyView>> frames{scene.views};
-  const auto fit = refineCalibration(frames, scene.geometry, false, kMemory, progress);
+  const auto fit = refineCalibration(frames, scene.geometry, {.maxMemory = kMemory}, progress);
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_LT(pixelsOff(fit->cameras, camerasOf(scene.views), scene.geometry.bounds), 0.2);
   for (std::size_t v = 0; v < scene.views.size(); ++v)
@@ -171,17 +174,144 @@ TEST(CalibrationFit, LeavesWhatIsRight) {
   for (const CameraCorrection& one : fit->corrections) EXPECT_NEAR(one.gain(), 1, 0.02);
 }
 
+/// A camera with another lens.
+Camera withLens(const Camera& camera, double k1) {
+  CameraCorrection lens;
+  lens.values[CameraCorrection::kLens] = k1;
+  return *corrected(camera, lens);
+}
+
+/// Views whose pictures were taken through lenses, and stored with exponents, that nobody stated.
+struct UnstatedScene : TestScene {
+  /// @param border  how much further out points at the left and right border are seen, relative;
+  /// one
+  ///   a view
+  /// @param exponents  of the light as stored; one a view
+  UnstatedScene(std::span<const double> border, std::span<const double> exponents)
+      : TestScene(static_cast<int>(border.size())) {
+    const VolumeGeometry fine{geometry.bounds, {2 * kSide, 2 * kSide, 2 * kSide}};
+    const std::vector<float> volume = blobs(fine, 0);
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      // Closer than the scene's own: the medium fills the picture.
+      views[v].camera = Camera::pinhole({views[v].camera.eye(), Vec3::Zero()}, 20, 96, 88);
+      const double half = 0.5 * views[v].camera.width() * views[v].camera.pixelWidth();
+      k1.push_back(border[v] / (half * half));
+      views[v].radiance =
+          projectVolume(volume, fine, Basis::kBox, withLens(views[v].camera, k1[v]), 4);
+      for (float& value : views[v].radiance.pixels)
+        value = static_cast<float>(std::pow(value, 1 / exponents[v]));
+    }
+  }
+
+  /// The pixels at the border by which a camera's lens is off.
+  double lensOff(std::size_t v, const CalibrationFit& fit) const {
+    const double half = 0.5 * views[v].camera.width() * views[v].camera.pixelWidth();
+    const Distortion& lens = fit.cameras[v].distortion();
+    const double square = half * half;
+    return ((lens.k1 - k1[v]) * square + lens.k2 * square * square) * 0.5 * views[v].camera.width();
+  }
+
+  std::vector<double> k1;  ///< of the pictures
+};
+
+CalibrationFitOptions extended(std::size_t views) {
+  return {.lens = true, .exponent = std::vector<char>(views, 1), .maxMemory = kMemory};
+}
+
+CalibrationFit fitOf(const UnstatedScene& scene, const CalibrationFitOptions& options) {
+  Progress progress;
+  const std::vector<std::vector<TomographyView>> frames{scene.views};
+  const auto fit = refineCalibration(frames, scene.geometry, options, progress);
+  EXPECT_TRUE(fit) << (fit ? "" : fit.error().message);
+  return fit.value_or(CalibrationFit{});
+}
+
+double sumOf(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+const std::vector<double> kNoLens(8, 0.0), kNoExponent(8, 1.0);
+
+TEST(CalibrationFit, FindsResponses) {
+  std::vector<double> exponents = kNoExponent;
+  exponents[3] = 1.1;
+  exponents[6] = 1 / 1.1;
+  const UnstatedScene scene(kNoLens, exponents), clean(kNoLens, kNoExponent);
+  const CalibrationFit fit = fitOf(scene, extended(8));
+  ASSERT_EQ(fit.corrections.size(), 8U);
+  EXPECT_TRUE(fit.lensOrResponse);
+  for (std::size_t v = 0; v < 8; ++v)
+    EXPECT_NEAR(fit.corrections[v].exponent(), exponents[v], 0.015) << v;
+  EXPECT_LT(sumOf(fit.after), 1.05 * sumOf(fitOf(clean, extended(8)).after));
+}
+
+TEST(CalibrationFit, FindsLenses) {
+  std::vector<double> border = kNoLens;
+  border[1] = 0.12;
+  border[5] = -0.06;
+  const UnstatedScene scene(border, kNoExponent);
+  const CalibrationFit without = fitOf(scene, {.maxMemory = kMemory}),
+                       fit = fitOf(scene, extended(8));
+  ASSERT_EQ(fit.corrections.size(), 8U);
+  EXPECT_TRUE(fit.lensOrResponse);
+  std::vector<Camera> truth;
+  for (std::size_t v = 0; v < 8; ++v) truth.push_back(withLens(scene.views[v].camera, scene.k1[v]));
+  const Box3 outer = Box3{2 * scene.geometry.bounds.min, 2 * scene.geometry.bounds.max};
+  const double off = pixelsOff(fit.cameras, truth, outer),
+               before = pixelsOff(without.cameras, truth, outer);
+  EXPECT_LT(off, 0.7 * before) << off << " pixels instead of " << before;
+  for (const std::size_t v : {1U, 5U})
+    EXPECT_LT(std::abs(scene.lensOff(v, fit)), 0.35 * std::abs(scene.lensOff(v, without))) << v;
+  for (const CameraCorrection& one : fit.corrections) EXPECT_NEAR(one.exponent(), 1, 0.02);
+}
+
+TEST(CalibrationFit, LeavesLensesAndResponsesThatAreRightOrThatNothingTells) {
+  const UnstatedScene clean(kNoLens, kNoExponent);
+  // Another volume explains an exponent that all share.
+  const UnstatedScene common(kNoLens, std::vector<double>(8, 1.1));
+  for (const UnstatedScene* scene : {&clean, &common}) {
+    const CalibrationFit fit = fitOf(*scene, extended(8));
+    EXPECT_FALSE(fit.lensOrResponse);
+    for (const CameraCorrection& one : fit.corrections) {
+      EXPECT_EQ(one.exponent(), 1);
+      EXPECT_EQ(one.values[CameraCorrection::kLens], 0);
+    }
+  }
+}
+
+TEST(CalibrationFit, ResponsesOfPicturesWithABackground) {
+  std::vector<double> exponents = kNoExponent;
+  exponents[2] = 1.2;
+  exponents[5] = 1 / 1.2;
+  UnstatedScene scene(kNoLens, kNoExponent);
+  constexpr double kBehind = 0.1;
+  for (std::size_t v = 0; v < 8; ++v) {
+    TomographyView& view = scene.views[v];
+    view.background = view.radiance;
+    for (std::size_t i = 0; i < view.radiance.pixels.size(); ++i) {
+      const double behind = std::pow(kBehind, 1 / exponents[v]),
+                   all = std::pow(kBehind + view.radiance.pixels[i], 1 / exponents[v]);
+      view.background.pixels[i] = static_cast<float>(behind);
+      view.radiance.pixels[i] = static_cast<float>(all - behind);
+    }
+  }
+  const CalibrationFit fit = fitOf(scene, extended(8));
+  ASSERT_EQ(fit.corrections.size(), 8U);
+  for (std::size_t v = 0; v < 8; ++v)
+    EXPECT_NEAR(fit.corrections[v].exponent(), exponents[v], 0.025) << v;
+}
+
 TEST(CalibrationFit, NeedsNoTablesAndSaysWhenMemoryDoesNotSuffice) {
   const TestScene scene(5);
   Progress progress;
   const std::vector<std::vector<TomographyView>> frames{scene.views};
-  const auto ample = refineCalibration(frames, scene.geometry, false, kMemory, progress);
+  const auto ample = refineCalibration(frames, scene.geometry, {.maxMemory = kMemory}, progress);
   ASSERT_TRUE(ample) << ample.error().message;
-  const auto tight = refineCalibration(frames, scene.geometry, false, 9 << 20, progress);
+  const auto tight = refineCalibration(frames, scene.geometry, {.maxMemory = 9 << 20}, progress);
   ASSERT_TRUE(tight) << tight.error().message;
   for (std::size_t v = 0; v < scene.views.size(); ++v)
     EXPECT_NEAR(tight->after[v], ample->after[v], 0.02 * ample->after[v]);
-  const auto none = refineCalibration(frames, scene.geometry, false, 1 << 20, progress);
+  const auto none = refineCalibration(frames, scene.geometry, {.maxMemory = 1 << 20}, progress);
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, ErrorCode::kTooLarge);
   EXPECT_NE(none.error().message.find("more than the 1 MiB that are allowed (--max-memory)"),
@@ -194,7 +324,7 @@ TEST(CalibrationFit, RefusesOrthographicCameras) {
   scene.views[1].camera = Camera::orthographic({Vec3(0, -5, 0), Vec3::Zero()}, 2.5, 48, 44);
   Progress progress;
   const std::vector<std::vector<TomographyView>> frames{scene.views};
-  const auto fit = refineCalibration(frames, scene.geometry, false, kMemory, progress);
+  const auto fit = refineCalibration(frames, scene.geometry, {.maxMemory = kMemory}, progress);
   ASSERT_FALSE(fit);
   EXPECT_NE(fit.error().message.find("c1"), std::string::npos);
 }

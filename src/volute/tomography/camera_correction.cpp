@@ -33,20 +33,25 @@ Result<Camera> corrected(const Camera& camera, const CameraCorrection& correctio
   Mat3 k = camera.intrinsics();
   k.topLeftCorner<2, 2>() *= std::exp(correction.values[CameraCorrection::kZoom]);
   k.topRightCorner<2, 1>() += correction.values.segment<2>(CameraCorrection::kPrincipal) / scale;
+  Distortion lens = camera.distortion();
+  lens.k1 += correction.values[CameraCorrection::kLens];
+  lens.k2 += correction.values[CameraCorrection::kLens + 1];
   // The camera's axes turn with it.
   const Mat3 rotation = camera.rotation() * rotationOf(correction.turn()).transpose();
   const Vec3 eye = camera.eye() + correction.shift();
   return Camera::calibrated(
-      {camera.width(), camera.height(), k, rotation, -rotation * eye, camera.distortion(), 0.5});
+      {camera.width(), camera.height(), k, rotation, -rotation * eye, lens, 0.5});
 }
 
 CameraCorrection plausibleCorrection(const Camera& camera, const Vec3& centre) {
   constexpr double kTurn = 0.5 * std::numbers::pi / 180, kShift = 0.01, kZoom = 0.02,
-                   kPrincipal = 0.01, kGain = 0.1;
+                   kPrincipal = 0.01, kGain = 0.1, kExponent = 0.1;
+  const double lens = camera.distortion().none() ? 0.03 : 0.005;
+  const double border = 0.5 * camera.width() * camera.pixelWidth(), square = border * border;
   CameraCorrection plausible;
   plausible.values << Vec3::Constant(kTurn),
       Vec3::Constant(kShift * (camera.eye() - centre).norm()), kZoom, kPrincipal * camera.width(),
-      kPrincipal * camera.width(), kGain;
+      kPrincipal * camera.width(), kGain, lens / square, 0.5 * lens / (square * square), kExponent;
   return plausible;
 }
 
@@ -129,7 +134,9 @@ Result<std::vector<Camera>> keepInPlace(std::span<const Camera> given, const Box
   std::vector<Camera> now, was;
   for (std::size_t v = 0; v < given.size(); ++v) {
     CameraCorrection zoom;
-    zoom.values[CameraCorrection::kZoom] = corrections[v].values[CameraCorrection::kZoom];
+    for (const int p :
+         {+CameraCorrection::kZoom, +CameraCorrection::kLens, CameraCorrection::kLens + 1})
+      zoom.values[p] = corrections[v].values[p];
     VOLUTE_ASSIGN(auto before, corrected(given[v], zoom));
     VOLUTE_ASSIGN(auto camera, corrected(given[v], corrections[v]));
     was.push_back(before);

@@ -82,6 +82,7 @@ class Refiner {
 
   /// Frames that can be read and in which every camera sees light; as many as fit.
   void read() {
+    reader_.keepBackgrounds();
     // Trying other clocks copies them, and looking for mistakes reduces them.
     const std::uint64_t most = maxMemory_ / 6 / std::max<std::uint64_t>(1, frameBytes());
     for (const int number : framesToLookAt(capture_.frames)) {
@@ -121,8 +122,9 @@ class Refiner {
     return texts;
   }
 
-  Result<CalibrationFit> fit(bool fine) const {
-    return fitOf(frames_, fine);
+  /// @param extended  lenses and responses, too
+  Result<CalibrationFit> fit(bool fine, bool extended) const {
+    return fitOf(frames_, fine, extended);
   }
 
   /// Changes the clocks of cameras that stand out even as refined and fit clearly better with the
@@ -141,13 +143,24 @@ class Refiner {
   }
 
  private:
-  Result<CalibrationFit> fitOf(const Frames& frames, bool fine) const {
-    return refineCalibration(frames, geometry(), fine, maxMemory_ / 2, progress_);
+  Result<CalibrationFit> fitOf(const Frames& frames, bool fine, bool extended = false) const {
+    CalibrationFitOptions options{
+        .fine = fine, .lens = extended, .exponent = {}, .maxMemory = maxMemory_ / 2};
+    for (std::size_t v = 0; extended && v < frames[0].size(); ++v)
+      options.exponent.push_back(hasResponse(frames[0][v]) ? 1 : 0);
+    return refineCalibration(frames, geometry(), options, progress_);
+  }
+
+  /// Whether its exponent means anything: .exr files are linear, and an exponent of light is a
+  /// factor of optical depths, which the gain has.
+  bool hasResponse(const TomographyView& view) const {
+    return !view.opticalDepth &&
+           std::filesystem::path(known(view.name).pictures.image).extension() != ".exr";
   }
 
   /// Pictures of one frame [bytes].
   std::uint64_t frameBytes() const {
-    constexpr std::uint64_t kPixel = 12 + 4 + 1;
+    constexpr std::uint64_t kPixel = 12 + 12 + 4 + 1;
     std::uint64_t pixels = 0;
     for (const CaptureCamera& known : capture_.cameras)
       pixels += static_cast<std::uint64_t>(known.camera.width()) * known.camera.height();
@@ -292,10 +305,11 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
   if (refine == Refine::kNever || (refine == Refine::kAuto && !result.faults.empty()))
     return result;
   progress.report("refining the calibration", 0, 0);
-  auto given = refiner.fit(false);
+  auto given = refiner.fit(false, true);
   if (!given)
     return failed(given.error());
   const auto before = given->before;
+  const std::vector<int> unshifted = refiner.shifts();
   auto fit = refiner.withClocks(std::move(*given));
   if (!fit)
     return failed(fit.error());
@@ -306,7 +320,7 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
   result.after = mean(fit->after);
   result.used = refine == Refine::kAlways || pays(result);
   if (result.used) {
-    fit = refiner.fit(true);
+    fit = refiner.fit(true, fit->lensOrResponse || refiner.shifts() != unshifted);
     if (!fit)
       return failed(fit.error());
   }
@@ -319,7 +333,13 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
     result.moved.push_back(
         pixelsMoved(camera.camera, result.fit.cameras[v], capture.volume.bounds));
     camera.camera = result.fit.cameras[v];
-    camera.pictures.gain *= result.fit.corrections[v].gain();
+    camera.reprojectionError = result.fit.sightError[v];
+    const CameraCorrection& correction = result.fit.corrections[v];
+    PictureSource& pictures = camera.pictures;
+    // pivot (light / pivot)^exponent, with light = white gain value^exponent.
+    const double exponent = correction.exponent(), white = capture.white * pictures.gain;
+    pictures.gain *= correction.gain() * std::pow(result.fit.pivot / white, 1 - exponent);
+    pictures.exponent *= exponent;
     camera.pictures.frameShift += result.shifts[v];
   }
   return result;
@@ -358,12 +378,20 @@ std::vector<std::string> describeCorrections(const CaptureRefinement& refinement
         100 * (std::exp(one.values[CameraCorrection::kZoom]) - 1),
         one.values[CameraCorrection::kPrincipal], one.values[CameraCorrection::kPrincipal + 1],
         100 * (one.gain() - 1)));
+    const double k1 = one.values[CameraCorrection::kLens],
+                 k2 = one.values[CameraCorrection::kLens + 1];
+    if (k1 != 0 || k2 != 0)
+      texts.back() += fmt::format(", lens k1 {:+.4f}", k1);
+    if (k2 != 0)
+      texts.back() += fmt::format(", k2 {:+.4f}", k2);
+    if (one.exponent() != 1)
+      texts.back() += fmt::format(", exponent {:.3f}", one.exponent());
   }
   return texts;
 }
 
 std::vector<std::string> outstandingCorrections(const CaptureRefinement& refinement) {
-  constexpr double kTimes = 3, kPixels = 0.4, kGain = 0.05;
+  constexpr double kTimes = 3, kPixels = 0.4, kGain = 0.05, kExponent = 0.05;
   std::vector<std::string> texts;
   std::vector<double> gains;
   for (const CameraCorrection& one : refinement.fit.corrections)
@@ -398,6 +426,13 @@ std::vector<std::string> outstandingCorrections(const CaptureRefinement& refinem
           refinement.names[v], 100 * std::abs(1 / factor - 1), factor < 1 ? "bright" : "dark",
           factor));
     }
+    const double exponent = refinement.fit.corrections[v].exponent();
+    if (std::abs(exponent - 1) > kExponent) {
+      texts.push_back(fmt::format(
+          "camera {}: its linear values to the power of {:.2f} fit the others, and were taken "
+          "(\"exponent\"): is its \"color\" right?",
+          refinement.names[v], exponent));
+    }
   }
   return texts;
 }
@@ -411,6 +446,12 @@ nlohmann::ordered_json refinementJson(const CaptureRefinement& refinement) {
     const auto& off = refinement.fit.uncertain[v].values;
     cameras.push_back(
         {{"name", refinement.names[v]},
+         {"reprojection_error",
+          refinement.used
+              ? jsonNumber(
+                    refinement.capture.cameras[*findCamera(refinement.capture, refinement.names[v])]
+                        .reprojectionError)
+              : Json()},
          {"pixels_moved", refinement.used ? jsonNumber(refinement.moved[v]) : Json()},
          {"residual_before", jsonNumber(refinement.fit.before[v])},
          {"residual_after", jsonNumber(refinement.fit.after[v])},
@@ -424,7 +465,11 @@ nlohmann::ordered_json refinementJson(const CaptureRefinement& refinement) {
          {"principal_point", {one[7], one[8]}},
          {"principal_uncertain", {off[7], off[8]}},
          {"gain", std::exp(one[CameraCorrection::kGain])},
-         {"gain_uncertain", off[CameraCorrection::kGain]}});
+         {"gain_uncertain", off[CameraCorrection::kGain]},
+         {"lens", {one[CameraCorrection::kLens], one[CameraCorrection::kLens + 1]}},
+         {"lens_uncertain", {off[CameraCorrection::kLens], off[CameraCorrection::kLens + 1]}},
+         {"exponent", std::exp(one[CameraCorrection::kExponent])},
+         {"exponent_uncertain", off[CameraCorrection::kExponent]}});
   }
   return {{"used", refinement.used},
           {"frames", refinement.frames},

@@ -49,7 +49,8 @@ class CaptureRefinementTest : public ::testing::Test {
     std::normal_distribution<double> normal;
     for (CaptureCamera& known : capture.cameras) {
       CameraCorrection wrong = plausibleCorrection(known.camera, capture.volume.bounds.centre());
-      for (double& value : wrong.values) value *= 0.7 * normal(random);
+      for (int p = 0; p < CameraCorrection::kCount; ++p)
+        wrong.values[p] *= p < CameraCorrection::kLens ? 0.7 * normal(random) : 0;
       known.camera = *corrected(known.camera, wrong);
       known.pictures.gain *= wrong.gain();
     }
@@ -109,6 +110,42 @@ TEST_F(CaptureRefinementTest, ACameraWithoutAPictureOfAFrameDoesNotCountThere) {
   auto plain = ViewReader::open(capture, {}, std::uint64_t{1} << 30, progress);
   ASSERT_TRUE(plain);
   EXPECT_FALSE(plain->read(4));
+}
+
+TEST_F(CaptureRefinementTest, FindsResponsesOfPicturesAndLeavesThoseThatAreRight) {
+  double white = 0;
+  for (const CaptureCamera& known : capture.cameras) {
+    for (const int frame : capture.frames) {
+      const auto image = readImage(file(known.name, frame));
+      ASSERT_TRUE(image);
+      white = std::max<double>(white, *std::ranges::max_element(image->pixels));
+    }
+  }
+  capture.white = white;
+  for (CaptureCamera& known : capture.cameras) {
+    for (const int frame : capture.frames) {
+      Image image = *readImage(file(known.name, frame));
+      for (float& value : image.pixels) value /= static_cast<float>(white);
+      ASSERT_TRUE(writeImage(folder / fmt::format("{}_{:04}.png", known.name, frame), image));
+    }
+    known.pictures.image = (folder / (known.name + "_%04d.png")).string();
+  }
+  const CaptureRefinement clean = refined();
+  EXPECT_FALSE(clean.used);
+  EXPECT_TRUE(outstandingCorrections(clean).empty());
+  const double stated[kCameras] = {1, 1 / 1.1, 1, 1.1, 1, 1 / 1.1, 1};
+  for (std::size_t v = 0; v < kCameras; ++v) capture.cameras[v].pictures.exponent = stated[v];
+  const CaptureRefinement result = refined();
+  ASSERT_TRUE(result.used);
+  EXPECT_TRUE(result.faults.empty());
+  for (std::size_t v = 0; v < kCameras; ++v) {
+    const PictureSource& pictures = result.capture.cameras[v].pictures;
+    EXPECT_NEAR(pictures.exponent, 1, 0.025) << v;
+    EXPECT_NEAR(pictures.gain, 1, 0.05) << v;
+  }
+  EXPECT_NE(describeCorrections(result)[1].find(", exponent 1."), std::string::npos)
+      << describeCorrections(result)[1];
+  EXPECT_GE(outstandingCorrections(result).size(), 2U);
 }
 
 TEST_F(CaptureRefinementTest, MistakesAreNamedAndNotRefinedAway) {

@@ -42,10 +42,15 @@ TomographyView ViewReader::viewOf(std::size_t camera, CameraPicture picture) con
   const bool allCount = std::ranges::all_of(picture.weight, [](float w) { return w == 1; });
   const bool bounds = std::ranges::any_of(picture.atLeast, [](std::uint8_t b) { return b != 0; });
   const CaptureCamera& known = capture_->cameras[camera];
-  return {known.name, known.camera, std::move(picture.radiance),
+  return {known.name,
+          known.camera,
+          std::move(picture.radiance),
           allCount ? std::vector<float>{} : std::move(picture.weight),
           bounds ? std::move(picture.atLeast) : std::vector<std::uint8_t>{},
-          capture_->measured == Measured::kAbsorption};
+          capture_->measured == Measured::kAbsorption,
+          {},
+          known.reprojectionError,
+          keepsBackgrounds_ ? std::move(picture.background) : Image{}};
 }
 
 Result<FrameViews> ViewReader::read(int frame) {

@@ -53,6 +53,9 @@ class ViewReader {
 
   [[nodiscard]] Result<FrameViews> read(int frame);
 
+  /// Views have their backgrounds from now on.
+  void keepBackgrounds() { keepsBackgrounds_ = true; }
+
   /// One camera at any frame, one of the capture or not; nothing when there is no such picture.
   std::optional<TomographyView> neighbour(std::size_t camera, int frame);
 
@@ -68,6 +71,7 @@ class ViewReader {
   const Capture* capture_;
   CaptureImages images_;
   std::vector<char> heldOut_;
+  bool keepsBackgrounds_ = false;
 };
 
 }  // namespace volute

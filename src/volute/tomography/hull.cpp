@@ -140,7 +140,9 @@ std::vector<std::uint8_t> dilatedSilhouette(const TomographyView& view,
   std::vector<std::uint8_t> mask =
       view.silhouette.empty() ? litPixels(view, noiseSigma) : view.silhouette;
   for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = mask[i] != 0 ? 1 : 0;
-  mask = dilated(mask, image.width, image.height);
+  constexpr double kSigmas = 2;
+  const int margin = 1 + static_cast<int>(std::lround(kSigmas * view.sightError));
+  for (int k = 0; k < margin; ++k) mask = dilated(mask, image.width, image.height);
   for (std::size_t i = 0; i < view.weight.size(); ++i) {
     if (view.weight[i] == 0)
       mask[i] = 1;

@@ -21,9 +21,9 @@ double noiseOf(const TomographyView& view);
 double silhouetteThreshold(const TomographyView& view, std::optional<double> noiseSigma);
 
 /// (height, width), 1 where the medium may be seen: the view's own silhouette or |p - b| over the
-/// threshold in any channel, dilated by one pixel; 1 where the weight is 0, for nothing is known
-/// there. Where the noise decides, means of 5 x 5 pixels are compared with a fifth of the
-/// threshold.
+/// threshold in any channel, dilated by one pixel and by twice the error of the view's sights; 1
+/// where the weight is 0, for nothing is known there. Where the noise decides, means of 5 x 5
+/// pixels are compared with a fifth of the threshold.
 std::vector<std::uint8_t> dilatedSilhouette(const TomographyView& view,
                                             std::optional<double> noiseSigma);
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "volute/tomography/testing.hpp"
 
@@ -67,6 +68,47 @@ TEST_P(HullTest, LosesNoLightAndIsTight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Noise, HullTest, testing::Values(0.0, 0.02));
+
+/// The scene in pictures in which half a degree is 4.5 pixels, on fine voxels.
+struct FineScene : TestScene {
+  static constexpr int kFine = 60;
+  VolumeGeometry fine{geometry.bounds, {kFine, kFine, kFine}};
+  std::vector<float> light;
+
+  FineScene() : TestScene(8, 0, 0, 288, 264), light(blobs(fine, 0)) {}
+
+  std::vector<std::uint8_t> hull() const { return visualHull(views, silhouettesOf(*this), fine); }
+
+  /// The share of voxels with light that the hull has not.
+  double lost(std::span<const std::uint8_t> hull) const {
+    double lost = 0, all = 0;
+    for (std::size_t i = 0; i < hull.size(); ++i) {
+      all += light[3 * i] > 0 ? 1 : 0;
+      lost += light[3 * i] > 0 && hull[i] == 0 ? 1 : 0;
+    }
+    return lost / all;
+  }
+};
+
+TEST(Hull, ErrorOfSightsCarvesNoLight) {
+  FineScene scene;
+  const Camera right = scene.views[2].camera;
+  const Camera wrong = right.turned(right.eye(), right.down(), 0.5 * std::numbers::pi / 180);
+  const auto clean = scene.hull();
+  scene.views[2].camera = wrong;
+  const double carved = scene.lost(scene.hull());
+  scene.views[2].sightError = 2.25;  // it is 4.5 pixels: two standard deviations
+  const double kept = scene.lost(scene.hull());
+  RecordProperty("carved", std::to_string(carved));
+  RecordProperty("kept", std::to_string(kept));
+  EXPECT_GT(carved, 3e-4);
+  EXPECT_LT(kept, 0.1 * carved);
+  // Of a camera that is right the hull grows by less than a voxel on the mean.
+  scene.views[2].camera = right;
+  const auto grown = std::ranges::count(scene.hull(), 1), before = std::ranges::count(clean, 1);
+  EXPECT_GE(grown, before);
+  EXPECT_LT(static_cast<double>(grown), 1.08 * static_cast<double>(before));
+}
 
 TEST(Hull, VoxelThatNoCameraSeesStays) {
   const VolumeGeometry geometry{{Vec3(-1, -1, -1), Vec3(1, 1, 1)}, {4, 4, 4}};

@@ -12,6 +12,8 @@
 #include "volute/report/json.hpp"
 #include "volute/tomography/common_shift.hpp"
 #include "volute/tomography/diagnostics.hpp"
+#include "volute/tomography/lamp_light.hpp"
+#include "volute/tomography/occlusion.hpp"
 #include "volute/tomography/project.hpp"
 #include "volute/tomography/residual.hpp"
 #include "volute/tomography/run_key.hpp"
@@ -73,9 +75,10 @@ class Quietly final : public Progress {
   Progress& whole_;
 };
 
-VolumeInfo infoOf(const Capture& capture, Basis basis, bool grey) {
+VolumeInfo infoOf(const Capture& capture, const ReconstructionSettings& settings, bool grey) {
   VolumeInfo info;
-  const bool depths = capture.measured == Measured::kAbsorption;
+  const Basis basis = settings.tomography.basis;
+  const bool depths = capture.measured == Measured::kAbsorption || settings.singleScattering;
   info.name = depths ? "extinction" : "emission";
   info.unit = depths ? "1/m" : "radiance/m";
   info.frames = static_cast<int>(capture.frames.size());
@@ -130,8 +133,8 @@ Result<std::unique_ptr<ReconstructedFrames>> ReconstructedFrames::open(
 
 Status ReconstructedFrames::begin() {
   VOLUTE_ASSIGN(const FrameViews first, views_.read(capture_.frames.front()));
-  grey_ = first.grey();
-  info_ = infoOf(capture_, settings_.tomography.basis, grey_);
+  grey_ = first.grey() || settings_.singleScattering;
+  info_ = infoOf(capture_, settings_, grey_);
   VOLUTE_TRY(info_.validate("the reconstruction"));
   for (int index = 0; index < info_.frames; ++index) resumed_ += finished(index) ? 1 : 0;
   if (work_.any()) {
@@ -208,6 +211,32 @@ Result<std::vector<float>> ReconstructedFrames::volume(int index) const {
   return work_.values(numberOf(index), colourValues());
 }
 
+Result<std::vector<float>> ReconstructedFrames::emission(int index) const {
+  VOLUTE_ASSIGN(auto values, volume(index));
+  if (!settings_.singleScattering)
+    return values;
+  const auto extinction = greyVolume(values);
+  const auto source = lampSource(capture_.lighting, geometry(), extinction, extinction);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] *= source[i];
+  return values;
+}
+
+Result<FrameViews> ReconstructedFrames::views(int index) {
+  VOLUTE_ASSIGN(FrameViews views, views_.read(numberOf(index)));
+  if (!settings_.singleScattering)
+    return views;
+  VOLUTE_ASSIGN(const auto extinction, volume(index));
+  VOLUTE_ASSIGN(const auto light, emission(index));
+  for (TomographyView& view : views.views) {
+    const auto factors = selfAttenuation(view.camera, geometry(), greyVolume(extinction), light);
+    for (std::size_t i = 0; i < view.radiance.pixels.size(); ++i)
+      view.radiance.pixels[i] *= factors[i / 3];
+  }
+  if (!views.chosen.empty())
+    views.chosen = views.fittedWithout(views.views.size());
+  return views;
+}
+
 Result<nlohmann::ordered_json> ReconstructedFrames::record(int index) const {
   return work_.record(numberOf(index));
 }
@@ -269,14 +298,71 @@ Result<std::vector<float>> ReconstructedFrames::frameBefore(int index) {
   return carriedOn(before, 3, flow);
 }
 
-Result<Reconstruction> ReconstructedFrames::fit(int index, const FrameViews& views) {
-  VOLUTE_ASSIGN(const auto before, frameBefore(index));
-  const auto fitted = views.fitted();
+/// What stands in the way of a camera carves no hole.
+Status ReconstructedFrames::leaveOutOccluded(FrameViews& views,
+                                             std::vector<std::string>& warnings) {
+  std::vector<std::size_t> cameras;
+  for (std::size_t i = 0; i < views.views.size(); ++i) {
+    if (!views.heldOut[i] && !views.facts[i].missing)
+      cameras.push_back(i);
+  }
+  if (!settings_.tomography.hull || cameras.size() < 4)
+    return {};
+  std::vector<TomographyView> some;
+  const bool all = cameras.size() == views.views.size();
+  if (!all) {
+    for (const std::size_t i : cameras) some.push_back(views.views[i]);
+  }
+  Quietly quiet(progress_);
+  VOLUTE_ASSIGN(
+      const auto found,
+      findOcclusions(all ? std::span<const TomographyView>(views.views) : some, geometry(), quiet));
+  for (const Occlusion& occlusion : found) {
+    TomographyView& view = views.views[cameras[occlusion.view]];
+    leaveOut(occlusion, view);
+    warnings.push_back(fmt::format(
+        "camera {}, frame {}: something dark seems to be in front of the medium: {:.0f} % of its "
+        "light is missing where the other cameras tell of it; these pixels are left out (state a "
+        "\"mask\")",
+        view.name, views.frame, 100 * occlusion.share));
+  }
+  if (!found.empty() && !views.chosen.empty())
+    views.chosen = views.fittedWithout(views.views.size());
+  return {};
+}
+
+Result<Reconstruction> ReconstructedFrames::fitLit(FrameViews& views,
+                                                   const TomographyOptions& options,
+                                                   std::vector<float>& extinction,
+                                                   Progress& progress) {
+  std::vector<std::size_t> fitted;
+  for (std::size_t i = 0; i < views.views.size(); ++i) {
+    if (!views.heldOut[i])
+      fitted.push_back(i);
+  }
+  VOLUTE_ASSIGN(auto lit, reconstructLit(views.views, fitted, geometry(), options,
+                                         capture_.lighting, progress));
+  if (!views.chosen.empty())
+    views.chosen = views.fittedWithout(views.views.size());
+  extinction = std::move(lit.extinction);
+  return std::move(lit.fit);
+}
+
+/// @param extinction  of a medium that lamps light: [1/m], (z, y, x); the views are then those
+///   without attenuation.
+Result<Reconstruction> ReconstructedFrames::fit(int index, FrameViews& views,
+                                                std::vector<float>& extinction) {
+  std::vector<float> before;
+  if (!settings_.singleScattering) {  // what is stored is not what is fitted
+    VOLUTE_ASSIGN(before, frameBefore(index));
+  }
   VOLUTE_ASSIGN(TomographyOptions options, optionsOf(index));
-  if (!carriesOn(index))
+  if (!carriesOn(index) || settings_.singleScattering)
     options.temporal = 0;
   FrameProgress progress(progress_, views.frame, solved_, shares_ ? 0 : info_.frames - resumed_);
-  auto result = reconstruct(fitted, geometry(), options, before, progress);
+  auto result = settings_.singleScattering
+                    ? fitLit(views, options, extinction, progress)
+                    : reconstruct(views.fitted(), geometry(), options, before, progress);
   if (result)
     return result;
   if (result.error().code == ErrorCode::kNotFound) {
@@ -430,17 +516,19 @@ Status ReconstructedFrames::solve(int index) {
   const int number = numberOf(index);
   if (progress_.cancelled())
     return fail(ErrorCode::kCancelled, "stopped before frame {}", number);
-  VOLUTE_ASSIGN(const FrameViews views, views_.read(number));
+  VOLUTE_ASSIGN(FrameViews views, views_.read(number));
   const auto findings =
       checkPictures(views, geometry(), settings_.tomography.noiseSigma, settings_.limits);
   VOLUTE_ASSIGN(auto warnings, examine(views, findings));
   Reconstruction result;
+  std::vector<float> extinction;
   if (findings.dark) {
     result.volume.assign(colourValues(), 0);
     result.hullShare = 0;
     result.stoppedBy = "dark";
   } else {
-    auto fitted = fit(index, views);
+    VOLUTE_TRY(leaveOutOccluded(views, warnings));
+    auto fitted = fit(index, views, extinction);
     if (!fitted) {  // what was seen in the pictures may be why
       for (const std::string& warning : warnings) warn(warning);
       return tl::unexpected<Error>(fitted.error());
@@ -470,6 +558,7 @@ Status ReconstructedFrames::solve(int index) {
       {"cameras", cameras},
       {"warnings", warnings}};
   ++solved_;
+  for (std::size_t i = 0; i < 3 * extinction.size(); ++i) result.volume[i] = extinction[i / 3];
   return work_.store(number, keys_[static_cast<std::size_t>(index)], result.volume, record);
 }
 

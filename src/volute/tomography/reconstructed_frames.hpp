@@ -23,6 +23,9 @@ struct ReconstructionSettings {
   TomographyOptions tomography;
   PictureLimits limits;
   bool warmStart = true;    ///< from the frame before, in chains of frames
+  /// The volume is extinction, of a medium that the capture's lamps light; else it is the light
+  /// that the medium sends, the same in all directions.
+  bool singleScattering = false;
   bool force = false;       ///< go on in spite of faults, which become warnings
   bool causeNamed = false;  ///< why cameras disagree is known: frames do not guess at it
 };
@@ -71,7 +74,12 @@ class ReconstructedFrames final : public FrameSource {
   /// The frame's volume, shape (z, y, x, 3), and its views; for pictures of the report.
   [[nodiscard]] Result<std::vector<float>> volume(int index) const;
 
-  [[nodiscard]] Result<FrameViews> views(int index) { return views_.read(numberOf(index)); }
+  /// The light that the frame's volume sends, shape (z, y, x, 3): the volume itself but for
+  /// extinction that lamps light.
+  [[nodiscard]] Result<std::vector<float>> emission(int index) const;
+
+  /// The pictures that emission() is to explain.
+  [[nodiscard]] Result<FrameViews> views(int index);
 
   VolumeGeometry geometry() const;
 
@@ -108,7 +116,11 @@ class ReconstructedFrames final : public FrameSource {
   [[nodiscard]] Status solve(int index);
   bool carriesOn(int index) const;
   [[nodiscard]] Result<std::vector<float>> frameBefore(int index);
-  [[nodiscard]] Result<Reconstruction> fit(int index, const FrameViews& views);
+  [[nodiscard]] Status leaveOutOccluded(FrameViews& views, std::vector<std::string>& warnings);
+  [[nodiscard]] Result<Reconstruction> fit(int index, FrameViews& views,
+                                           std::vector<float>& extinction);
+  [[nodiscard]] Result<Reconstruction> fitLit(FrameViews& views, const TomographyOptions& options,
+                                              std::vector<float>& extinction, Progress& progress);
   [[nodiscard]] Result<TomographyOptions> optionsOf(int index) const;
   nlohmann::ordered_json measured(const FrameViews& views, const Reconstruction& result) const;
   [[nodiscard]] Result<std::vector<std::string>> examine(const FrameViews& views,

@@ -89,7 +89,7 @@ Result<std::string> pictures(const Json& report, ReconstructedFrames& frames, Pr
   for (const int index : shownFrames(frames.info().frames)) {
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped: the page of the report was not written");
-    VOLUTE_ASSIGN(const auto volume, frames.volume(index));
+    VOLUTE_ASSIGN(const auto volume, frames.emission(index));
     VOLUTE_ASSIGN(const auto views, frames.views(index));
     const Json& record = report["frames"][static_cast<std::size_t>(index)];
     html += fmt::format("<h3>Frame {}</h3>\n", views.frame);

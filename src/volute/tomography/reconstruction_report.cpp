@@ -97,6 +97,7 @@ Json settingsJson(const ReconstructionSettings& settings) {
           {"warm_start", settings.warmStart},
           {"temporal", options.temporal},
           {"noise_sigma", optional(options.noiseSigma)},
+          {"lighting", settings.singleScattering ? "single-scattering" : "constant"},
           {"max_saturated", settings.limits.saturated},
           {"force", settings.force}};
 }

@@ -35,7 +35,8 @@ std::string describe(const CaptureCamera& known) {
                   digits(camera.eye()), lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, pictures.gain,
                   pictures.videoStart, pictures.frameShift,
                   pictures.saturation.value_or(-1), pictures.response.name());
-  text += fmt::format("{} pictures a frame\n", pictures.rate);
+  text += fmt::format("{} pictures a frame, exponent {}, error {}\n", pictures.rate,
+                      pictures.exponent, known.reprojectionError);
   // A table's name does not tell its values.
   for (int i = 0; i <= 64; ++i) text += fmt::format("{} ", pictures.response.linear(i / 64.0));
   for (const auto& file : {pictures.background, pictures.mask, pictures.video}) {
@@ -58,6 +59,12 @@ std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionS
     text += describe(camera);
     for (const int frame : capture.emptyFrames)
       text += stateOf(frameFile(camera.pictures.image, frame));
+  }
+  if (settings.singleScattering) {
+    for (const CaptureLamp& lamp : capture.lighting.lamps)
+      text += fmt::format("lamp {} {} {} {}\n", lamp.sun, digits(lamp.direction),
+                          digits(lamp.position), digits(lamp.light));
+    text += fmt::format("albedo {}\n", digits(capture.lighting.albedo));
   }
   const std::string common = digestOf(text);
   std::vector<std::string> keys;

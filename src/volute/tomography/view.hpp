@@ -31,6 +31,9 @@ struct TomographyView {
   bool opticalDepth = false;
   std::vector<std::uint8_t> silhouette{};  ///< (height, width), not 0 where the medium is seen,
                                            ///< before dilation; empty: by threshold
+  double sightError = 0;  ///< how far off its sights are, root mean square [pixels]: silhouettes
+                          ///< are wider by twice as much
+  Image background{};  ///< what was subtracted, RGB; empty: nothing, or it was not asked for
 
   bool counts(std::size_t pixel) const { return weight.empty() || weight[pixel] != 0; }
 

@@ -50,7 +50,22 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
   settings.limits.saturated = arguments.get<double>("max-saturated");
   settings.warmStart = !arguments.flag("no-warm-start");
   settings.force = arguments.flag("force");
+  settings.singleScattering = arguments.get<std::string>("lighting") == "single-scattering";
   return settings;
+}
+
+Status checkLighting(const Capture& capture) {
+  if (capture.measured == Measured::kAbsorption)
+    return fail(ErrorCode::kInvalidArgument,
+                "--lighting single-scattering: pictures of a lit background give extinction "
+                "already; leave it");
+  if (capture.lighting.lamps.empty())
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "--lighting single-scattering: {} states no lamps; add \"lamps\", each with a sun's "
+        "direction and radiance or a point's position and intensity",
+        capture.file.string());
+  return {};
 }
 
 Status writeReport(const std::string& file, const nlohmann::ordered_json& json,
@@ -180,7 +195,7 @@ Status runLines(const Arguments& arguments, Context& context) {
   for (const char* name :
        {"velocity", "hold-out", "error-bars", "refine", "refined", "max-saturated", "images",
         "color", "solver", "regularization", "sparsity", "temporal", "noise-sigma",
-        "rays-per-pixel", "no-hull", "coarse-to-fine", "warm-start", "no-warm-start"}) {
+        "rays-per-pixel", "no-hull", "coarse-to-fine", "warm-start", "no-warm-start", "lighting"}) {
     if (arguments.given(name))
       return fail(ErrorCode::kInvalidArgument, "--{} is for cameras, and {} has lines", name, file);
   }
@@ -242,6 +257,8 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
                 "--hold-out auto: for one process, and an output with a name");
   }
   auto settings = settingsOf(arguments, capture, context);
+  if (settings.singleScattering)
+    VOLUTE_TRY(checkLighting(capture));
   const VolumeGeometry geometry{capture.volume.bounds, capture.volume.resolution};
   VOLUTE_TRY(checkVolumeSize(geometry, context.maxMemory));
   VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.maxMemory, context.progress));
@@ -325,6 +342,13 @@ std::vector<Option> solverOptions() {
       {.name = "no-hull",
        .help = "solve for all voxels, not only those where every camera sees "
                "light"},
+      {.name = "lighting",
+       .kind = kChoice,
+       .value = "MODEL",
+       .help = "constant: the medium sends the same light in all directions; single-scattering: it "
+               "scatters that of the capture's lamps, and the result is extinction [1/m]",
+       .initial = "constant",
+       .choices = {"constant", "single-scattering"}},
       {.name = "coarse-to-fine", .help = "solve at half the resolution first"},
       {.name = "warm-start", .help = "start each frame from the previous one (default)"},
       {.name = "no-warm-start", .help = "start each frame from zero"},
@@ -368,7 +392,8 @@ std::vector<Option> reconstructOptionTable() {
       {.name = "refine",
        .kind = kChoice,
        .value = "WHEN",
-       .help = "refine poses, focal lengths, principal points and gains together with the volume; "
+       .help = "refine poses, focal lengths, principal points, gains, lenses and responses with "
+               "the volume; "
                "auto: if cameras disagree and refinement makes them agree much better",
        .initial = "auto",
        .choices = {"auto", "never", "always"}},
