@@ -254,7 +254,7 @@ class Fds(support.TestCase):
                              "--criteria", "none", "-o", self.path("seen"))
             said = json.loads((self.path("seen") / "visibility.json").read_text())
             self.assertEqual("s3d" in said["smoke"], read == "s3d", said["smoke"])
-            self.assertEqual(b"smoke is read from s3d instead" in ran.err, read == "s3d", ran.err)
+            self.assertEqual(b"s3d is read instead" in ran.err, read == "s3d", ran.err)
 
     def test_stored_isosurfaces_are_shown(self):
         add_stored(self.path, self.case)

@@ -34,7 +34,10 @@ Result<std::unique_ptr<Team>> openTeamFor(const Command& command,
   auto team = openTeam();
   if (!team)
     return tl::unexpected<Error>(errorOfThisRank(team.error()));
-  VOLUTE_TRY(checkSameProgram(**team, VOLUTE_VERSION, words));
+  if (auto same = checkSameProgram(**team, VOLUTE_VERSION, words); !same) {
+    letFirstRankSpeak();
+    return tl::unexpected<Error>(std::move(same.error()));
+  }
   return team;
 }
 
