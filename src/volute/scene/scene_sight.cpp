@@ -84,6 +84,8 @@ class FieldBehindSurfaces final : public SightField {
 
   std::string fillingSource() const override { return field_->fillingSource(); }
 
+  std::string tallerSource() const override { return field_->tallerSource(); }
+
   std::vector<std::string> remarks() const override { return field_->remarks(); }
 
   std::span<const double> times() const override { return field_->times(); }
@@ -202,8 +204,10 @@ Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Sce
   VOLUTE_ASSIGN(auto field, openSight(path, options, progress));
   const double low = field->bounds().min.z(), high = field->bounds().max.z();
   const bool outside = std::ranges::any_of(heights, [&](double z) { return z < low || z > high; });
-  const std::string taller =
-      outside && !options.members.contains("field") ? field->tallerSource() : "";
+  // A scene says itself which source it shows; members are for a file alone.
+  if (!outside || isScenePath(path) || options.members.contains("field"))
+    return field;
+  const std::string taller = field->tallerSource();
   if (taller.empty())
     return field;
   SceneOptions other = options;

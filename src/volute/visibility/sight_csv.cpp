@@ -65,7 +65,8 @@ class SightCsv::Zst {
     ZSTD_CCtx_setParameter(stream_.get(), ZSTD_c_compressionLevel, 3);
     ZSTD_CCtx_setParameter(stream_.get(), ZSTD_c_checksumFlag, 1);
     // Fails, and changes nothing, where the library has no threads.
-    ZSTD_CCtx_setParameter(stream_.get(), ZSTD_c_nbWorkers, std::max(1, threadCount()));
+    // Each has tens of megabytes, and rows are made no faster than a few can compress.
+    ZSTD_CCtx_setParameter(stream_.get(), ZSTD_c_nbWorkers, std::clamp(threadCount(), 1, 4));
   }
 
   Status write(OutputFile& file, std::string_view text, bool end) {

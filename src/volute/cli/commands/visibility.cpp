@@ -132,7 +132,7 @@ Result<std::unique_ptr<SightField>> fieldOf(const Arguments& arguments, Context&
 
 /// One plan, or other eyes.
 Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, double height,
-                               const std::string& output) {
+                               const std::string& output, bool pdf) {
   SurveyRequest request;
   request.casePath = arguments.positional(0);
   request.output = output;
@@ -148,7 +148,7 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   request.survey.maps = maps == "all" ? Survey::Maps::kAll : maps == "some" ? Survey::Maps::kSome : Survey::Maps::kNone;
   VOLUTE_ASSIGN(request.survey.extinctionLimit, extinctionLimit(arguments));
   VOLUTE_ASSIGN(request.sightFile, sightFile(arguments.get<std::string>("sight")));
-  request.pdf = arguments.flag("pdf") && output == arguments.get<std::string>("output");
+  request.pdf = pdf;
   request.author = arguments.find<std::string>("by").value_or("");
   request.date = arguments.find<std::string>("date").value_or("");
   VOLUTE_ASSIGN(request.survey.criteria, criteriaOf(arguments.get<std::string>("criteria")));
@@ -176,13 +176,14 @@ Status runVisibility(const Arguments& arguments, Context& context) {
   const auto output = arguments.get<std::string>("output");
   Context::watch(output);
   VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
+  const bool pdf = arguments.flag("pdf");
   VOLUTE_ASSIGN(const auto found,
-                heights.size() > 1 ? surveyStoreys(heights, output, arguments.flag("pdf"), context.progress, context.team,
-                                                   [&](double height, const std::string& folder) {
-                                                     return surveyOf(arguments, context, height,
-                                                                     folder);
-                                                   })
-                                   : surveyOf(arguments, context, heights.front(), output));
+                heights.size() > 1
+                    ? surveyStoreys(heights, output, pdf, context.progress, context.team,
+                                    [&](double height, const std::string& folder) {
+                                      return surveyOf(arguments, context, height, folder, false);
+                                    })
+                    : surveyOf(arguments, context, heights.front(), output, pdf));
   VOLUTE_TRY(writeStats(arguments, context, {{"sight_lines", found.sightLines}}));
   Report report;
   report.add("output", output)
