@@ -153,7 +153,7 @@ class Interrupted(ring.TestCase):
         process = subprocess.Popen([support.PROGRAM, *map(str, self.command(*more))], stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE)
         end = time.monotonic() + 60
-        while not list(self.path("out.npy.work").glob("frame_000011.json")) and time.monotonic() < end:
+        while not list(self.path("out.npy.work").glob("frame_000011.*.json")) and time.monotonic() < end:
             self.assertIsNone(process.poll(), "ended before it could be stopped")
             time.sleep(0.002)
         process.send_signal(signal.SIGINT)

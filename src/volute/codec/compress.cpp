@@ -576,7 +576,7 @@ Result<CompressReport> Compressor::write() {
     return file.commit(headBytes_, std::span(&head_, 1), progress_);
   };
   VOLUTE_TRY(team_.agree(team_.leads() ? writeAll() : units_.sendSegments()));
-  if (store_ && team_.leads())
+  if (store_)
     store_->remove();
   CompressReport report;
   report.rawBytes = info_.rawBytes();

@@ -43,17 +43,12 @@ std::optional<std::vector<std::byte>> readChecked(const fs::path& path) {
 }  // namespace
 
 Result<UnitStore> UnitStore::open(const fs::path& folder, const std::string& key) {
-  std::error_code error;
-  fs::create_directory(folder, error);
-  if (!fs::is_directory(folder, error)) {
-    return fail(ErrorCode::kIo, "{}: cannot make this folder for finished units",
-                folder.string());
-  }
-  return UnitStore(folder, key);
+  VOLUTE_ASSIGN(auto shared, SharedFolder::open(folder, "finished units"));
+  return UnitStore(std::move(shared), key);
 }
 
 fs::path UnitStore::fileOf(int way, std::int64_t unit, const char* extension) const {
-  return folder_ / fmt::format("{}{}_{:02}_{:06}.{}", kPrefix, key_, way, unit, extension);
+  return folder_.path() / fmt::format("{}{}_{:02}_{:06}.{}", kPrefix, key_, way, unit, extension);
 }
 
 std::optional<std::vector<std::byte>> UnitStore::record(int way, std::int64_t unit) const {
@@ -77,14 +72,10 @@ void UnitStore::dropBytes(int way, std::int64_t unit) const {
 }
 
 void UnitStore::remove() const {
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder_, error)) {
-    const std::string name = entry.path().filename().string();
-    const bool part = processOfPart(name).has_value();
-    if (name.starts_with(kPrefix) || (part && name.starts_with(fmt::format(".{}", kPrefix))))
-      fs::remove(entry.path(), error);
-  }
-  fs::remove(folder_, error);
+  folder_.remove([](const std::string& name) {
+    return name.starts_with(kPrefix) ||
+           (processOfPart(name) && name.starts_with(fmt::format(".{}", kPrefix)));
+  });
 }
 
 }  // namespace volute

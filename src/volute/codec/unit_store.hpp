@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/base/shared_folder.hpp"
 
 namespace volute {
 
@@ -35,16 +36,17 @@ class UnitStore {
   /// Removes the bytes of a unit.
   void dropBytes(int way, std::int64_t unit) const;
 
-  /// Removes all that is this class's, and the folder if nothing else is in it.
+  /// Removes all that is this class's, and the folder if nothing else is in it; the last process
+  /// that uses the folder does so. Nothing may be done after it.
   void remove() const;
 
  private:
-  UnitStore(std::filesystem::path folder, std::string key)
+  UnitStore(SharedFolder folder, std::string key)
       : folder_(std::move(folder)), key_(std::move(key)) {}
 
   std::filesystem::path fileOf(int way, std::int64_t unit, const char* extension) const;
 
-  std::filesystem::path folder_;
+  SharedFolder folder_;
   std::string key_;
 };
 

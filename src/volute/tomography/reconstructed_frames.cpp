@@ -208,7 +208,7 @@ Status ReconstructedFrames::readFrame(int index, std::span<float> values) {
 }
 
 Result<std::vector<float>> ReconstructedFrames::volume(int index) const {
-  return work_.values(numberOf(index), colourValues());
+  return work_.values(numberOf(index), keys_[static_cast<std::size_t>(index)], colourValues());
 }
 
 Result<std::vector<float>> ReconstructedFrames::emission(int index) const {
@@ -238,7 +238,7 @@ Result<FrameViews> ReconstructedFrames::views(int index) {
 }
 
 Result<nlohmann::ordered_json> ReconstructedFrames::record(int index) const {
-  return work_.record(numberOf(index));
+  return work_.record(numberOf(index), keys_[static_cast<std::size_t>(index)]);
 }
 
 /// Faults end the run unless it is forced.
@@ -249,9 +249,8 @@ Result<std::vector<std::string>> ReconstructedFrames::examine(const FrameViews& 
     return fail(ErrorCode::kInvalidData, "{} (--force goes on)", findings.faults.front());
   warnings.insert(warnings.end(), findings.faults.begin(), findings.faults.end());
   if (findings.dark)
-    warnings.push_back(
-        fmt::format("frame {}: no camera sees any {}; the volume is 0", views.frame,
-                    views.opticalDepth ? "medium" : "light"));
+    warnings.push_back(fmt::format("frame {}: no camera sees any {}; the volume is 0", views.frame,
+                                   views.opticalDepth ? "medium" : "light"));
   return warnings;
 }
 
@@ -433,7 +432,7 @@ std::optional<std::string> ReconstructedFrames::explained(std::size_t camera,
 Result<std::optional<std::string>> ReconstructedFrames::commonShift(const FrameViews& views,
                                                                     const Reconstruction& result,
                                                                     bool othersWarn) {
-  constexpr double kMin = 0.35;                 // pixels
+  constexpr double kMin = 0.35;                   // pixels
   const double better = othersWarn ? 0.7 : 0.97;  // times the residual
   Quietly quiet(progress_);
   VOLUTE_ASSIGN(const auto shift,

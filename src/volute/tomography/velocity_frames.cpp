@@ -83,7 +83,8 @@ Result<VoxelFlow> VelocityFrames::flow(int pair) {
   const auto i = static_cast<std::size_t>(pair);
   if (!work_.has(info_.frameNumbers[i], keys_[i]))
     VOLUTE_TRY(solve(pair));
-  VOLUTE_ASSIGN(const auto values, work_.values(info_.frameNumbers[i], 3 * info_.voxels()));
+  VOLUTE_ASSIGN(const auto values,
+                work_.values(info_.frameNumbers[i], keys_[i], 3 * info_.voxels()));
   VoxelFlow flow{{info_.x, info_.y, info_.z}, {}};
   for (std::size_t a = 0; a < 3; ++a) {
     const auto begin = values.begin() + static_cast<std::ptrdiff_t>(a * info_.voxels());
@@ -112,7 +113,8 @@ Status VelocityFrames::readFrame(int index, std::span<float> values) {
 }
 
 Result<nlohmann::ordered_json> VelocityFrames::record(int pair) const {
-  return work_.record(info_.frameNumbers[static_cast<std::size_t>(pair)]);
+  const auto i = static_cast<std::size_t>(pair);
+  return work_.record(info_.frameNumbers[i], keys_[i]);
 }
 
 Result<nlohmann::ordered_json> VelocityFrames::json() const {

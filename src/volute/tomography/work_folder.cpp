@@ -8,7 +8,6 @@
 
 #include "volute/base/checksum.hpp"
 #include "volute/base/input_file.hpp"
-#include "volute/base/leftovers.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/codec/packing.hpp"
 #include "volute/io/json_depth.hpp"
@@ -19,13 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path valuesFile(const fs::path& folder, int frame) {
-  return folder / fmt::format("frame_{:06d}.values", frame);
+fs::path valuesFile(const fs::path& folder, int frame, const std::string& key) {
+  return folder / fmt::format("frame_{:06d}.{}.values", frame, key);
 }
 
 /// Written last: a frame is there when its record is.
-fs::path recordFile(const fs::path& folder, int frame) {
-  return folder / fmt::format("frame_{:06d}.json", frame);
+fs::path recordFile(const fs::path& folder, int frame, const std::string& key) {
+  return folder / fmt::format("frame_{:06d}.{}.json", frame, key);
 }
 
 Result<std::vector<std::byte>> readFile(const fs::path& path) {
@@ -33,19 +32,6 @@ Result<std::vector<std::byte>> readFile(const fs::path& path) {
   std::vector<std::byte> bytes(file.size());
   VOLUTE_TRY(file.read(0, bytes));
   return bytes;
-}
-
-/// Only what is ours: the folder may hold what somebody put there.
-void removeFrames(const fs::path& folder) {
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    const auto process = processOfPart(name);
-    const bool used = process && *process != ::getpid() && isRunning(*process);
-    const bool ours = name.starts_with("frame_") || name.starts_with(".frame_");
-    if (ours && !used && entry.is_regular_file(error))
-      fs::remove(entry.path(), error);
-  }
 }
 
 }  // namespace
@@ -64,25 +50,19 @@ Result<WorkFolder> WorkFolder::open(const fs::path& output) {
   folder += ".work";
   if (output == "-")
     folder = fs::temp_directory_path() / fmt::format("volute-{}.work", ::getpid());
-  std::error_code error;
-  fs::create_directory(folder, error);
-  if (!fs::is_directory(folder, error)) {
-    return fail(ErrorCode::kIo, "{}: cannot make this folder for finished frames", folder.string());
-  }
-  return WorkFolder(folder, output == "-");
+  VOLUTE_ASSIGN(auto shared, SharedFolder::open(folder, "finished frames"));
+  return WorkFolder(std::move(shared), output == "-");
 }
 
 bool WorkFolder::has(int frame, const std::string& key) const {
   std::error_code error;
-  if (!fs::exists(recordFile(path_, frame), error) || !fs::exists(valuesFile(path_, frame), error))
-    return false;
-  const auto json = readJson(recordFile(path_, frame));
-  return json && json->is_object() && json->value("key", "") == key;
+  return fs::exists(recordFile(path(), frame, key), error) &&
+         fs::exists(valuesFile(path(), frame, key), error);
 }
 
 bool WorkFolder::any() const {
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(path_, error)) {
+  for (const auto& entry : fs::directory_iterator(path(), error)) {
     if (entry.path().extension() == ".values")
       return true;
   }
@@ -92,21 +72,20 @@ bool WorkFolder::any() const {
 Status WorkFolder::store(int frame, const std::string& key, std::span<const float> values,
                          const nlohmann::ordered_json& record) const {
   const auto packed = pack({std::as_bytes(values)});
-  nlohmann::ordered_json stored = {{"key", key}, {"crc", crc32(packed)}, {"record", record}};
+  const nlohmann::ordered_json stored = {{"crc", crc32(packed)}, {"record", record}};
   const std::string text = stored.dump();
-  std::error_code error;
-  fs::remove(recordFile(path_, frame), error);  // must not vouch for values that are not its own
-  VOLUTE_TRY(writeFile(valuesFile(path_, frame), packed));
-  return writeFile(recordFile(path_, frame), text);
+  VOLUTE_TRY(writeFile(valuesFile(path(), frame, key), packed));
+  return writeFile(recordFile(path(), frame, key), text);
 }
 
-Result<std::vector<float>> WorkFolder::values(int frame, std::size_t count) const {
-  const auto path = valuesFile(path_, frame);
-  VOLUTE_ASSIGN(const auto packed, readFile(path));
-  VOLUTE_ASSIGN(const auto json, readJson(recordFile(path_, frame)));
+Result<std::vector<float>> WorkFolder::values(int frame, const std::string& key,
+                                              std::size_t count) const {
+  const auto file = valuesFile(path(), frame, key);
+  VOLUTE_ASSIGN(const auto packed, readFile(file));
+  VOLUTE_ASSIGN(const auto json, readJson(recordFile(path(), frame, key)));
   const auto damaged = [&] {
     return fail(ErrorCode::kInvalidData, "{}: this finished frame is damaged; remove {}",
-                path.string(), path_.string());
+                file.string(), path().string());
   };
   if (!json.is_object() || !json.contains("crc") || json["crc"] != crc32(packed) || packed.empty())
     return damaged();
@@ -118,24 +97,24 @@ Result<std::vector<float>> WorkFolder::values(int frame, std::size_t count) cons
   return values;
 }
 
-Result<nlohmann::ordered_json> WorkFolder::record(int frame) const {
-  const auto path = recordFile(path_, frame);
-  VOLUTE_ASSIGN(const auto bytes, readFile(path));
+Result<nlohmann::ordered_json> WorkFolder::record(int frame, const std::string& key) const {
+  const auto file = recordFile(path(), frame, key);
+  VOLUTE_ASSIGN(const auto bytes, readFile(file));
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  VOLUTE_TRY(checkJsonDepth(text, path.string()));
+  VOLUTE_TRY(checkJsonDepth(text, file.string()));
   const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("record")) {
     return fail(ErrorCode::kInvalidData,
-                "{}: this record of a finished frame is damaged; remove {}", path.string(),
-                path_.string());
+                "{}: this record of a finished frame is damaged; remove {}", file.string(),
+                path().string());
   }
   return json["record"];
 }
 
 void WorkFolder::remove() const {
-  removeFrames(path_);
-  std::error_code error;
-  fs::remove(path_, error);  // stays when somebody else's files are in it
+  folder_.remove([](const std::string& name) {
+    return name.starts_with("frame_") || name.starts_with(".frame_");
+  });
 }
 
 bool WorkFolder::leave(bool done) const {

@@ -9,19 +9,21 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/base/shared_folder.hpp"
 
 namespace volute {
 
 /// Where finished frames of a long run wait until the output is written: a folder "OUT.work" beside
-/// it. An interrupted run that is started again finds them there. Each has a key, a digest of all
-/// that decides about it; frames with another key count as not there.
+/// it. An interrupted run that is started again finds them there, and so do other runs for the same
+/// output, the last of which removes it (SharedFolder). Each frame has a key, a digest of all that
+/// decides about it, and files of that name: frames with another key count as not there.
 class WorkFolder {
  public:
   /// Makes the folder, or takes the one that is there. For "-" it is one in the folder for
   /// temporary files, of this process alone.
   [[nodiscard]] static Result<WorkFolder> open(const std::filesystem::path& output);
 
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return folder_.path(); }
 
   bool has(int frame, const std::string& key) const;
 
@@ -33,22 +35,23 @@ class WorkFolder {
                              const nlohmann::ordered_json& record) const;
 
   /// The values of a frame; kInvalidData when they are damaged or not `count`.
-  [[nodiscard]] Result<std::vector<float>> values(int frame, std::size_t count) const;
+  [[nodiscard]] Result<std::vector<float>> values(int frame, const std::string& key,
+                                                  std::size_t count) const;
 
-  [[nodiscard]] Result<nlohmann::ordered_json> record(int frame) const;
+  [[nodiscard]] Result<nlohmann::ordered_json> record(int frame, const std::string& key) const;
 
-  /// Removes it all: the output is there.
+  /// Removes it all unless another process uses it: the output is there.
   void remove() const;
 
   /// After a run: removes it unless that failed, has finished frames, and can be continued (an
-  /// output of "-" cannot). Returns true if it stays.
+  /// output of "-" cannot). Returns true if it stays for that.
   bool leave(bool done) const;
 
  private:
-  WorkFolder(std::filesystem::path path, bool temporary)
-      : path_(std::move(path)), temporary_(temporary) {}
+  WorkFolder(SharedFolder folder, bool temporary)
+      : folder_(std::move(folder)), temporary_(temporary) {}
 
-  std::filesystem::path path_;
+  SharedFolder folder_;
   bool temporary_;  // of an output that is "-"
 };
 

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <thread>
+
 #include "volute/io/testing.hpp"
 
 namespace volute {
@@ -26,8 +29,8 @@ TEST(WorkFolder, KeepsFramesUnderTheirKey) {
   EXPECT_TRUE(work.has(7, "k1"));
   EXPECT_FALSE(work.has(7, "k2"));
   EXPECT_FALSE(work.has(8, "k1"));
-  EXPECT_EQ(work.values(7, 6).value(), values);
-  EXPECT_EQ(work.record(7).value()["iterations"], 12);
+  EXPECT_EQ(work.values(7, "k1", 6).value(), values);
+  EXPECT_EQ(work.record(7, "k1").value()["iterations"], 12);
   work.remove();
   EXPECT_FALSE(std::filesystem::exists(folder / "out.volute.work"));
 }
@@ -36,13 +39,13 @@ TEST(WorkFolder, DamageIsFound) {
   const TempFolder folder;
   ASSERT_VALUE(const auto work, WorkFolder::open(folder / "x"));
   ASSERT_TRUE(volute::testing::ok(work.store(1, "k", std::vector<float>(64, 0.25f), {})));
-  EXPECT_FALSE(work.values(1, 63)) << "another size";
-  const auto path = folder / "x.work" / "frame_000001.values";
+  EXPECT_FALSE(work.values(1, "k", 63)) << "another size";
+  const auto path = folder / "x.work" / "frame_000001.k.values";
   std::string bytes = readBytes(path);
   bytes[bytes.size() / 2] ^= 1;
   writeBytes(path, bytes);
-  ASSERT_FALSE(work.values(1, 64));
-  EXPECT_NE(work.values(1, 64).error().message.find("is damaged; remove"), std::string::npos);
+  ASSERT_FALSE(work.values(1, "k", 64));
+  EXPECT_NE(work.values(1, "k", 64).error().message.find("is damaged; remove"), std::string::npos);
 }
 
 TEST(WorkFolder, FilesOfOthersStay) {
@@ -69,6 +72,44 @@ TEST(WorkFolder, StaysForARunThatGoesOn) {
   ASSERT_TRUE(volute::testing::ok(piped.store(1, "k", values, {})));
   EXPECT_FALSE(piped.leave(false));
   EXPECT_FALSE(std::filesystem::exists(piped.path()));
+}
+
+TEST(WorkFolder, TheLastOfTwoRunsRemovesIt) {
+  const TempFolder folder;
+  const std::vector<float> values{1, 2};
+  ASSERT_VALUE(const auto one, WorkFolder::open(folder / "x"));
+  {
+    ASSERT_VALUE(const auto other, WorkFolder::open(folder / "x"));
+    ASSERT_TRUE(volute::testing::ok(other.store(1, "k", values, {{"by", "other"}})));
+    EXPECT_TRUE(one.has(1, "k"));
+    ASSERT_TRUE(volute::testing::ok(one.store(1, "k2", {}, {{"by", "one"}})));
+    EXPECT_FALSE(one.leave(true));
+    EXPECT_EQ(other.values(1, "k", 2).value(), values) << "not taken from under the other run";
+    EXPECT_EQ(other.record(1, "k").value()["by"], "other");
+    EXPECT_FALSE(other.leave(true));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "x.work"));
+}
+
+TEST(WorkFolder, ManyRunsComeAndGo) {
+  const TempFolder folder;
+  std::vector<std::thread> runs;
+  std::atomic<int> lost = 0;
+  for (int run = 0; run < 4; ++run) {
+    runs.emplace_back([&] {
+      for (int i = 0; i < 200; ++i) {
+        const auto work = WorkFolder::open(folder / "x");
+        const bool kept = work && work->store(1, "k", std::vector<float>{1, 2}, {}) &&
+                          work->values(1, "k", 2) && work->record(1, "k");
+        lost += kept ? 0 : 1;
+        if (work)
+          work->leave(true);
+      }
+    });
+  }
+  for (auto& run : runs) run.join();
+  EXPECT_EQ(lost, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "x.work"));
 }
 
 TEST(WorkFolder, Digests) {

@@ -281,11 +281,9 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
   }
   const Status status = context.team.agree(runFrames(*frames, velocity.get(), arguments, refinement,
                                                      settings, rotation.get(), context));
-  if (!context.team.leads())
-    return status;
   if (velocity)
     velocity->work().leave(status.has_value());
-  if (frames->work().leave(status.has_value())) {
+  if (frames->work().leave(status.has_value()) && context.team.leads()) {
     context.progress.remark(
         fmt::format("finished frames are kept in {}; the same command continues from there",
                     frames->work().path().string()));
