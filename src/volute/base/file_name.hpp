@@ -6,6 +6,7 @@
 #include <cctype>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace volute {
 
@@ -24,6 +25,12 @@ inline bool isSameFile(const std::filesystem::path& a, const std::filesystem::pa
     return true;
   return std::filesystem::absolute(a, error).lexically_normal() ==
          std::filesystem::absolute(b, error).lexically_normal();
+}
+
+/// A path in the folder that `file` lies in. Not path::replace_filename(), which crashes where memory
+/// ends in it (libstdc++ 12).
+inline std::filesystem::path siblingOf(const std::filesystem::path& file, std::string_view name) {
+  return file.parent_path() / name;
 }
 
 /// The folder that a file lies in; "." for a bare name.

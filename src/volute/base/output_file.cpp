@@ -11,6 +11,8 @@
 #include <cstring>
 #include <utility>
 
+#include "volute/base/file_name.hpp"
+
 namespace volute {
 namespace {
 
@@ -85,9 +87,9 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
   const bool replaces = ::stat(place.c_str(), &old) == 0;
   if (replaces)
     VOLUTE_TRY(checkReplaceable(place, old.st_mode, target.string()));
-  auto temporary = place;
-  temporary.replace_filename(fmt::format(".{}.{}.{}.part{}", place.stem().string(), ::getpid(), counter++,
-                                         place.extension().string()));
+  auto temporary =
+      siblingOf(place, fmt::format(".{}.{}.{}.part{}", place.stem().string(), ::getpid(), counter++,
+                                   place.extension().string()));
   const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) {
     return fail(ErrorCode::kIo, "{}: cannot write into its folder: {}", target.string(), std::strerror(errno));

@@ -8,6 +8,7 @@
 
 #include <utility>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/leftovers.hpp"
 
 namespace volute {
@@ -70,8 +71,8 @@ Result<PendingFolder> PendingFolder::create(const fs::path& wanted, std::string_
                   target.string(), mark);
     }
   }
-  auto temporary = target;
-  temporary.replace_filename(fmt::format(".{}.{}.0.part", target.filename().string(), ::getpid()));
+  auto temporary =
+      siblingOf(target, fmt::format(".{}.{}.0.part", target.filename().string(), ::getpid()));
   fs::remove_all(temporary, error);
   PendingFolder pending(std::move(temporary), target);  // memory may end here, before the folder is
   if (!fs::create_directory(pending.temporary_, error)) {

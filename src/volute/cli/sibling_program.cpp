@@ -8,11 +8,13 @@
 #include <cstring>
 #include <filesystem>
 
+#include "volute/base/file_name.hpp"
+
 namespace volute::cli {
 
 Status becomeSibling(std::string_view name, std::string_view remedy, const Context& context) {
   std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", error).replace_filename(name);
+  const auto program = siblingOf(std::filesystem::read_symlink("/proc/self/exe", error), name);
   std::vector<std::string> words{std::string(name)};
   words.insert(words.end(), context.words.begin(), context.words.end());
   std::vector<char*> pointers;

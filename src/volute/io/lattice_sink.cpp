@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/file_name.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/io/frame_pattern.hpp"
@@ -73,8 +74,8 @@ Result<std::vector<std::filesystem::path>> targetsOf(const std::filesystem::path
   if (!FramePattern::isPattern(output)) {
     if (info.frames == 1)
       return std::vector{output};
-    auto example = output;
-    example.replace_filename(output.stem().string() + "_%04d" + output.extension().string());
+    const auto example =
+        siblingOf(output, output.stem().string() + "_%04d" + output.extension().string());
     return fail(ErrorCode::kInvalidArgument,
                 "{}: {} frames need a file each; name them with a pattern such as {}",
                 output.string(), info.frames, example.string());
@@ -148,7 +149,7 @@ Result<std::unique_ptr<FrameSink>> createLatticeSink(const std::filesystem::path
                   "{}: a collection is one file; leave the frame number out of its name",
                   output.string());
     }
-    files.replace_filename(output.stem().string() + "_%04d.vti");
+    files = siblingOf(output, output.stem().string() + "_%04d.vti");
   }
   VOLUTE_ASSIGN(auto targets, targetsOf(files, info));
   return std::make_unique<LatticeSink>(
