@@ -19,6 +19,7 @@
 #include "volute/fog/fog_march.hpp"
 #include "volute/fog/polar_table.hpp"
 #include "volute/fog/sun_shadow.hpp"
+#include "volute/synth/valley.hpp"
 
 namespace volute::bench {
 namespace {
@@ -258,8 +259,8 @@ Status benchEmpty(Run& run) {
 Status benchChange(Run& run) {
   const SplineGrid map = fogMap(512);
   for (int degree = 1; degree <= 3; ++degree) {
-    const auto seconds = minSeconds(
-        {[&] { const FogLevels levels(map, degree, 3, Restriction::kFullWeighting); }});
+    const auto seconds =
+        minSeconds({[&] { const FogLevels levels(map, degree, 3, Restriction::kFullWeighting); }});
     run.add(fmt::format("512 x 512: decomposed anew, degree {}, 3 levels", degree),
             1e3 * seconds[0], "ms");
   }
@@ -268,6 +269,53 @@ Status benchChange(Run& run) {
   VOLUTE_TRY(SunShadow::make(fog, Vec3(1, 0.5, 0.6)));
   const auto seconds = minSeconds({[&] { (void)SunShadow::make(fog, Vec3(1, 0.5, 0.6)); }}, 3);
   run.add("256 x 256: shadow maps of a sun, exponential profile", 1e3 * seconds[0], "ms");
+  return {};
+}
+
+/// The parts of the rays of `volute synthesize valley` that hills and trees keep the sun from, one
+/// ray per pixel: its tree of what the sun sees, grown anew, against the reference, whose tree is
+/// there. Both search the rays down to the ground.
+Status benchSunShadows(Run& run) {
+  const ::volute::Valley valley(1);
+  std::vector<Triangle> triangles = valley.surfaces(2).triangles;
+  for (Triangle& triangle : triangles) triangle.material = 0;
+  VOLUTE_ASSIGN(const TriangleScene scene, TriangleScene::build(triangles));
+  const Camera camera = Camera::pinhole(valley.view(), 50, 640, 400);
+  std::vector<Segment> segments;
+  for (int j = 0; j < 400; ++j) {
+    for (int i = 0; i < 640; ++i) segments.push_back(camera.ray(i + 0.5, j + 0.5));
+  }
+  std::vector<Hit> hits(segments.size());
+  scene.nearest(segments, hits);
+  const Box3& bounds = scene.bounds();
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const Interval inside = bounds.intersect(segments[i].origin, segments[i].direction);
+    segments[i].begin = std::max(segments[i].begin, inside.begin);
+    segments[i].end = std::min({segments[i].end, inside.end, hits[i].distance});
+  }
+  std::erase_if(segments, [](const Segment& segment) { return segment.empty(); });
+  const LightPoint sun{::volute::Valley::towardsSun()};
+  std::vector<Interval> dark;
+  const auto all = [&](const TriangleScene& where) {
+    for (const Segment& segment : segments) where.shadows(segment, sun, dark);
+  };
+  VOLUTE_ASSIGN(const TriangleScene reference,
+                TriangleScene::build(triangles, {}, TriangleScene::Execution::kReference));
+  reference.shadows(segments.front(), sun, dark);
+  double exact = std::numeric_limits<double>::infinity(), fresh = exact, kept = exact;
+  for (int round = 0; round < 3; ++round) {
+    exact = std::min(exact, secondsOf([&] { all(reference); }));
+    VOLUTE_ASSIGN(const TriangleScene fast, TriangleScene::build(triangles));
+    Hit hit;
+    fast.nearest({&segments.front(), 1}, {&hit, 1});  // waits for what it does in the background
+    fresh = std::min(fresh, secondsOf([&] { all(fast); }));
+    kept = std::min(kept, secondsOf([&] { all(fast); }));
+  }
+  const std::string name = fmt::format("shadows of {} triangles: ", triangles.size());
+  run.add(name + "exact tracing", 1e3 * exact, "ms", 1.0);
+  run.add(name + "tree of the sun made and walked, times as fast", 1e3 * fresh, "ms",
+          exact / fresh);
+  run.add(name + "tree of the sun walked, times as fast", 1e3 * kept, "ms", exact / kept);
   return {};
 }
 
@@ -395,13 +443,13 @@ void benchPaths(Run& run) {
   for (int samples : {16, 64}) {
     const PathTable table(samples);
     const auto seconds = minSeconds({walkAll(exact, &PaperFog::merged, rays, 1),
-                                       [&] {
-                                         double sum = 0;
-                                         for (const auto& [ray, distance] : rays)
-                                           sum += table.depth(map, ray, distance);
-                                         sink = sum;
-                                       }},
-                                      3);
+                                     [&] {
+                                       double sum = 0;
+                                       for (const auto& [ray, distance] : rays)
+                                         sum += table.depth(map, ray, distance);
+                                       sink = sum;
+                                     }},
+                                    3);
     double error = 0;
     for (const auto& [ray, distance] : rays)
       error = std::max(error, std::abs(std::exp(-table.depth(map, ray, distance)) -
@@ -417,7 +465,7 @@ void benchPaths(Run& run) {
 Status benchFog(const BenchInput&, BenchRows& rows, Progress& progress) {
   const ThreadLimit one(1);
   Run run{rows};
-  constexpr int kParts = 9;
+  constexpr int kParts = 10;
   int done = 0;
   const auto finished = [&]() -> Status {
     progress.report("fog", ++done, kParts);
@@ -425,7 +473,8 @@ Status benchFog(const BenchInput&, BenchRows& rows, Progress& progress) {
       return fail(ErrorCode::kCancelled, "stopped in the benchmark of fog");
     return {};
   };
-  for (Status (*part)(Run&) : {benchSizes, benchDetail, benchProfiles, benchEmpty, benchChange}) {
+  for (Status (*part)(Run&) :
+       {benchSizes, benchDetail, benchProfiles, benchEmpty, benchChange, benchSunShadows}) {
     VOLUTE_TRY(part(run));
     VOLUTE_TRY(finished());
   }

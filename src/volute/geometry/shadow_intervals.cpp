@@ -105,6 +105,27 @@ void unite(std::vector<Interval>& dark) {
   dark.resize(kept);
 }
 
+/// Adds one to those in order and apart; quick where it is among the last of them.
+void addTo(std::vector<Interval>& dark, Interval next) {
+  const auto touch = [](const Interval& a, const Interval& b) {
+    return b.begin <= a.end + kGap * (1 + std::abs(b.begin));
+  };
+  std::size_t end = dark.size();
+  while (end > 0 && !touch(next, dark[end - 1])) --end;
+  std::size_t first = end;
+  for (; first > 0 && touch(dark[first - 1], next); --first) {
+    next.begin = std::min(next.begin, dark[first - 1].begin);
+    next.end = std::max(next.end, dark[first - 1].end);
+  }
+  if (first == end) {
+    dark.insert(dark.begin() + static_cast<std::ptrdiff_t>(end), next);
+    return;
+  }
+  dark[first] = next;
+  dark.erase(dark.begin() + static_cast<std::ptrdiff_t>(first + 1),
+             dark.begin() + static_cast<std::ptrdiff_t>(end));
+}
+
 /// A segment that leads to the light, which is at `lamp` on it, perhaps infinite.
 template <class Nearest>
 void onLineOfLight(const Segment& segment, double lamp, Nearest&& nearest,
@@ -133,8 +154,9 @@ void shadowsOn(const Segment& segment, const LightPoint& light, const TriangleTr
   const double length = toLight.norm();
   if (segment.direction.cross(toLight).norm() <= kParallel * length) {
     const double along = segment.direction.dot(toLight);
-    onLineOfLight(segment, light.far ? std::copysign(kInfinity, along) : along,
-                  [&](const Segment& part) { return tree.nearest(part); }, dark);
+    onLineOfLight(
+        segment, light.far ? std::copysign(kInfinity, along) : along,
+        [&](const Segment& part) { return tree.nearest(part); }, dark);
     return;
   }
   const LightPlane plane(segment, toLight, light.far);
@@ -161,16 +183,14 @@ void shadowsOn(const Segment& segment, const LightPoint& light, const SunTree& t
     onLineOfLight(segment, std::copysign(kInfinity, segment.direction.dot(toLight)), nearest, dark);
     return;
   }
-  const LightPlane plane(segment, toLight, true);
   tree.walk(
-      segment, [&](const Interval& part) { dark.push_back(part); },
+      segment, [&](const Interval& part) { addTo(dark, part); },
       [&](const Triangle& triangle, const Interval& part) {
-        const auto shadow = plane.shadow(triangle);
+        const auto shadow = LightPlane(segment, toLight, true).shadow(triangle);
         const Interval within = shadow ? shadow->intersect(part) : Interval{};
         if (!within.empty())
-          dark.push_back(within);
+          addTo(dark, within);
       });
-  unite(dark);
 }
 
 }  // namespace volute

@@ -105,10 +105,19 @@ TEST(ShadowIntervals, OfASunAreThoseOfTheReference) {
     const double a = 0.001 * i, x = std::fmod(0.37 * i, 1.0);
     slivers.push_back({{Vec3(x, 0, a / 3), Vec3(x + 0.0004, 0, a / 3), Vec3(1 - x, 1, a / 3)}});
   }
+  // Walls along the first sun, and so many long triangles that their boxes fill the scene.
+  std::vector<Triangle> walls = hills(20, 40), posts = many;
+  for (int i = 0; i < 40; ++i) {
+    const Vec3 foot(0.02 * i, 0.9 - 0.01 * i, 0), along = 0.2 * Vec3(0.8, -0.4, 0.35);
+    const Vec3 aside = i % 2 ? Vec3(0, 0, 0.3) : Vec3(1e-7, 0, 0.3);
+    walls.push_back({{foot, foot + along, foot + along + aside}});
+    walls.push_back({{foot, foot + along + aside, foot + aside}});
+  }
+  posts.insert(posts.end(), slivers.begin(), slivers.end());
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-0.2, 1.2);
   const auto point = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
-  for (const auto& triangles : {few, many, slivers}) {
+  for (const auto& triangles : {few, many, slivers, walls, posts}) {
     const auto fast = *TriangleScene::build(triangles);
     const auto reference =
         *TriangleScene::build(triangles, {}, TriangleScene::Execution::kReference);
@@ -121,7 +130,10 @@ TEST(ShadowIntervals, OfASunAreThoseOfTheReference) {
         std::vector<Interval> dark, expected;
         fast.shadows(segment, {sun}, dark);
         reference.shadows(segment, {sun}, expected);
-        ASSERT_EQ(dark.size(), expected.size());
+        for (auto* parts : {&dark, &expected}) {  // walls edge-on leave rounding
+          std::erase_if(*parts, [](const Interval& part) { return part.end - part.begin < 1e-9; });
+        }
+        ASSERT_EQ(dark.size(), expected.size()) << triangles.size();
         for (std::size_t k = 0; k < dark.size(); ++k) {
           EXPECT_NEAR(dark[k].begin, expected[k].begin, 1e-8);
           EXPECT_NEAR(dark[k].end, expected[k].end, 1e-8);

@@ -3,6 +3,7 @@
 #include "volute/geometry/sun_tree.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -12,12 +13,13 @@ namespace volute {
 namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
-constexpr std::uint32_t kSunLeaf = 8;      ///< so few triangles are not shared out any more
-constexpr double kMaxCopies = 8;       ///< of a triangle, on average: long ones only multiply
+constexpr std::uint32_t kSunLeaf = 16;  ///< so few triangles are not shared out any more
+constexpr double kMaxCopies = 8;        ///< of a triangle, on average: long ones only multiply
 constexpr double kMargin = 1e-9;        ///< of a square's side, by which triangles may miss it
 constexpr double kSliver = 1e-10;       ///< of a square's area: a gap no larger is rounding
 constexpr double kEdgeOn = 1e-14;       ///< sine of an angle
-constexpr int kPlotDepth = 5;           ///< of the plots' squares, where there are many triangles
+constexpr double kSteep = 1e5;          ///< a slope
+constexpr int kPlotDepth = 7;           ///< of the plots' squares, where there are many triangles
 constexpr std::size_t kFewTriangles = 4096;
 constexpr std::size_t kMaxParts = 16;  ///< that the uncovered rest of a square may have
 
@@ -31,9 +33,7 @@ struct FlatTriangle {
   Vec2 slope;                     ///< of the height
   std::uint32_t number;
 
-  double at(const Vec2& p) const {
-    return corner[0].z() + slope.dot(p - corner[0].head<2>());
-  }
+  double at(const Vec2& p) const { return corner[0].z() + slope.dot(p - corner[0].head<2>()); }
 
   /// Twice the area of the triangle that the edge from a corner makes with a point.
   double side(int i, const Vec2& p) const {
@@ -44,7 +44,7 @@ struct FlatTriangle {
 /// How a triangle lies to a square.
 struct Cover {
   bool meets = false;
-  bool whole = false;             ///< the square is within the triangle
+  bool whole = false;              ///< the square is within the triangle
   double lowest = 0, highest = 0;  ///< of its height where both are
 };
 
@@ -68,11 +68,45 @@ Cover coverOf(const FlatTriangle& triangle, const Square& square) {
   return cover;
 }
 
+/// coverOf() of the four quarters of a square.
+template <class Square>
+std::array<Cover, 4> coversOfQuarters(const FlatTriangle& triangle, const Square& square) {
+  const double quarter = 0.5 * square.half, reach = quarter * (1 + 2 * kMargin);
+  const Vec2 middle(square.x, square.y);
+  double side[3], byX[3], byY[3];  // in the middle, and their changes towards a quarter's
+  for (int edge = 0; edge < 3; ++edge) {
+    side[edge] = triangle.side(edge, middle);
+    byX[edge] = -quarter * triangle.edge[edge].y();
+    byY[edge] = quarter * triangle.edge[edge].x();
+  }
+  const double height = triangle.at(middle), change = triangle.slope.cwiseAbs().sum() * reach;
+  std::array<Cover, 4> covers;
+  for (int i = 0; i < 4; ++i) {
+    const double right = i & 1 ? 1 : -1, up = i & 2 ? 1 : -1;
+    const double x = square.x + right * quarter, y = square.y + up * quarter;
+    if (triangle.left > x + reach || triangle.right < x - reach || triangle.low > y + reach ||
+        triangle.high < y - reach)
+      continue;
+    Cover cover{true, true, triangle.bottom, triangle.top};
+    for (int edge = 0; edge < 3; ++edge) {
+      const double there = side[edge] + right * byX[edge] + up * byY[edge];
+      cover.meets &= there >= -triangle.spread[edge] * reach;
+      cover.whole &= there >= triangle.spread[edge] * quarter;
+    }
+    const double its = height + quarter * (right * triangle.slope.x() + up * triangle.slope.y());
+    cover.lowest = std::max(cover.lowest, its - change);
+    cover.highest = std::min(cover.highest, its + change);
+    covers[i] = cover;
+  }
+  return covers;
+}
+
 /// Convex. Cut by lines it gains a corner at most by each; what would have more is given up.
 struct Polygon {
   static constexpr int kMax = 14;
 
   Polygon() = default;
+
   Polygon(const Polygon& other) { *this = other; }
 
   /// The corners that there are, no more.
@@ -188,6 +222,7 @@ class SunTreeBuilder {
         continue;
       entries.push_back({static_cast<std::uint32_t>(flat_.size()), cover});
       flat_.push_back(flat);
+      plot.faces.push_back(faceOf(flat));
     }
     plot_.triangles = {};
     plot_.nodes.emplace_back();
@@ -207,7 +242,7 @@ class SunTreeBuilder {
     if (!(half > 0))
       return;
     tree.square_ = {bounds.centre().x(), bounds.centre().y(), half};
-    const int depth = triangles.size() > kFewTriangles ? kPlotDepth : 0;
+    const int depth = plotDepth(boxes, half);
     const int across = 1 << depth;
     tree.plots_ = std::make_unique<SunTree::Plot[]>(static_cast<std::size_t>(across) * across);
     std::vector<double> light(static_cast<std::size_t>(across) * across, -kEndless);
@@ -241,6 +276,25 @@ class SunTreeBuilder {
     Cover cover;
   };
 
+  /// Of the plots' squares: one for each triangle or fewer, and few copies of long triangles.
+  static int plotDepth(std::span<const Box3> boxes, double half) {
+    if (boxes.size() <= kFewTriangles)
+      return 0;
+    int depth = kPlotDepth;
+    while (depth > 0 && std::size_t{1} << (2 * depth) > boxes.size()) --depth;
+    for (; depth > 0; --depth) {
+      const double perPlot = (1 << depth) / (2 * half);
+      double copies = 0;
+      for (const Box3& box : boxes) {
+        const Vec3 size = box.size();
+        copies += (1 + size.x() * perPlot) * (1 + size.y() * perPlot);
+      }
+      if (copies <= kMaxCopies * static_cast<double>(boxes.size()))
+        break;
+    }
+    return depth;
+  }
+
   /// False for one that the light meets edge-on: it keeps nothing in the dark.
   static bool flatten(const Triangle& triangle, std::uint32_t number, const Mat3& axes,
                       FlatTriangle& flat) {
@@ -264,6 +318,26 @@ class SunTreeBuilder {
     return true;
   }
 
+  static SunTree::Face faceOf(const FlatTriangle& flat) {
+    SunTree::Face face;
+    for (int i = 0; i < 3; ++i) {
+      const Vec2 a = flat.corner[i].head<2>(), b = flat.corner[(i + 1) % 3].head<2>();
+      const Vec2& base = a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()) ? a : b;
+      face.edges[i] = {base.x(), base.y(), flat.edge[i].x(), flat.edge[i].y()};
+    }
+    face.x = flat.corner[0].x(), face.y = flat.corner[0].y(), face.height = flat.corner[0].z();
+    face.slopeX = flat.slope.x(), face.slopeY = flat.slope.y();
+    face.triangle = flat.number;
+    face.edgeOn = flat.slope.cwiseAbs().maxCoeff() > kSteep;
+    return face;
+  }
+
+  /// As float, no lower.
+  static float above(double height) {
+    const auto near = static_cast<float>(height);
+    return near >= height ? near : std::nextafter(near, std::numeric_limits<float>::infinity());
+  }
+
   /// The node of the squares from (x, y) on, `across` a side.
   static void lay(SunTree& tree, std::span<const double> light, std::uint32_t node,
                   const Square& square, int above, int across, int x, int y) {
@@ -271,7 +345,7 @@ class SunTreeBuilder {
       const int plots = static_cast<int>(std::lround(std::sqrt(static_cast<double>(light.size()))));
       const auto number = static_cast<std::uint32_t>(y * plots + x);
       tree.plots_[number].square = square;
-      tree.plots_[number].depth = plots > 1 ? kPlotDepth : 0;
+      tree.plots_[number].depth = static_cast<int>(std::bit_width(light.size()) - 1) / 2;
       tree.top_[node] = {-kEndless, light[number], number, SunTree::kPlot};
       return;
     }
@@ -298,15 +372,15 @@ class SunTreeBuilder {
     if (entries.size() > kSunLeaf && depth + 1 < SunTree::kDeepest && copies < kMaxCopies) {
       std::array<std::vector<Entry>, 4> parts;
       std::size_t sum = 0;
-      for (int i = 0; i < 4; ++i) {
-        const Square child = square.child(i);
-        for (const Entry& entry : entries) {
-          const Cover cover = coverOf(flat_[entry.flat], child);
-          if (cover.meets)
-            parts[i].push_back({entry.flat, cover});
+      for (auto& part : parts) part.reserve(entries.size());
+      for (const Entry& entry : entries) {
+        const auto covers = coversOfQuarters(flat_[entry.flat], square);
+        for (int i = 0; i < 4; ++i) {
+          if (covers[i].meets)
+            parts[i].push_back({entry.flat, covers[i]});
         }
-        sum += parts[i].size();
       }
+      for (const auto& part : parts) sum += part.size();
       const double more = copies * static_cast<double>(sum) / static_cast<double>(entries.size());
       entries = {};
       const auto first = static_cast<std::uint32_t>(plot_.nodes.size());
@@ -325,22 +399,23 @@ class SunTreeBuilder {
     for (std::size_t i = 0; i < std::min<std::size_t>(entries.size(), 2 * kSunLeaf); ++i)
       highest.emplace_back(&flat_[entries[i].flat], entries[i].cover.lowest);
     dark = std::max(dark, coveredTogether(square, highest));
-    const auto first = static_cast<std::uint32_t>(plot_.order.size());
+    const auto first = static_cast<std::uint32_t>(plot_.entries.size());
     for (const Entry& entry : entries) {
       // What lies below the dark changes nothing.
       if (entry.cover.highest >= dark)
-        plot_.order.push_back(flat_[entry.flat].number);
+        plot_.entries.push_back({above(entry.cover.highest), entry.flat});
     }
+    std::sort(plot_.entries.begin() + first, plot_.entries.end(),
+              [](const SunTree::Entry& a, const SunTree::Entry& b) { return a.top > b.top; });
     plot_.nodes[node] = {dark, light, first,
-                          static_cast<std::uint32_t>(plot_.order.size()) - first};
+                         static_cast<std::uint32_t>(plot_.entries.size()) - first};
   }
 
   SunTree::Plot& plot_;
   std::vector<FlatTriangle> flat_;
 };
 
-SunTree::SunTree(std::span<const Triangle> triangles, const Vec3& towards)
-    : triangles_(triangles) {
+SunTree::SunTree(std::span<const Triangle> triangles, const Vec3& towards) : triangles_(triangles) {
   const Vec3 up = towards.normalized();
   const Vec3 right = up.unitOrthogonal();
   axes_.row(0) = right.transpose();

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "volute/geometry/triangle_scene.hpp"
+#include "volute/math/vec2.hpp"
 
 namespace volute {
 
@@ -23,9 +25,10 @@ class SunTree {
   /// The triangles must outlive it. @param towards  the light; its length does not matter
   SunTree(std::span<const Triangle> triangles, const Vec3& towards);
 
-  /// Calls `dark` for parts of a segment that are in the dark, and `look` for a triangle and a part
-  /// on which it may be what is in the light's way. All other parts are lit. The segment must not
-  /// lead to the light.
+  /// Calls `dark` for parts of a segment that are in the dark; all others are lit. Parts may
+  /// overlap, but one that ends before another begins comes first, unless both are of the same
+  /// leaf. The segment must not lead to the light. A triangle that the light meets nearly edge-on
+  /// is given to `look`, with the part on which it may be in the light's way.
   template <class Dark, class Look>
   void walk(const Segment& segment, Dark&& dark, Look&& look) const;
 
@@ -34,6 +37,7 @@ class SunTree {
 
   static constexpr std::uint32_t kParent = 0xffffffffu, kPlot = 0xfffffffeu;
   static constexpr int kDeepest = 20;
+  static constexpr double kNothing = 1e-12;  ///< of a segment's part in a leaf: rounding
 
   struct Node {
     double dark = 0;   ///< below it everything is in the dark
@@ -53,6 +57,34 @@ class SunTree {
     }
   };
 
+  /// A triangle across the light.
+  struct Face {
+    /// From one of its corners, the same for both triangles of an edge, so that they agree to the
+    /// last bit on where a line crosses it. The triangle is on the left.
+    struct Edge {
+      double x = 0, y = 0, dx = 0, dy = 0;
+
+      double left(const Vec2& p) const { return dx * (p.y() - y) - dy * (p.x() - x); }
+    };
+
+    std::array<Edge, 3> edges;
+    double x = 0, y = 0, height = 0, slopeX = 0, slopeY = 0;  ///< its plane, from a corner
+    std::uint32_t triangle = 0;
+    bool edgeOn = false;  ///< so steep that its plane says little
+
+    double above(const Vec3& p) const {
+      return height + slopeX * (p.x() - x) + slopeY * (p.y() - y) - p.z();
+    }
+
+    /// Where it is above the line from p to q, as shares of the way; empty: nowhere.
+    Interval over(const Vec3& p, const Vec3& q) const;
+  };
+
+  struct Entry {
+    float top = 0;  ///< at least the height of the face within the leaf
+    std::uint32_t face = 0;
+  };
+
   /// A part of the tree that grows when it is asked for first.
   struct Plot {
     Square square;
@@ -60,7 +92,8 @@ class SunTree {
     std::vector<std::uint32_t> triangles;  ///< until it has grown
     std::once_flag grown;
     std::vector<Node> nodes;
-    std::vector<std::uint32_t> order;
+    std::vector<Entry> entries;  ///< of the leaves, the highest first
+    std::vector<Face> faces;
   };
 
   const Plot& plot(std::uint32_t number) const;
@@ -69,9 +102,15 @@ class SunTree {
   struct Visit {
     const Plot* plot = nullptr;  ///< null: above the plots
     std::uint32_t node = 0;
+    bool dark = false;
     Square square;
     Interval part;
+    double from = 0, to = 0;  ///< heights at its begin and end
   };
+
+  template <class Dark, class Look>
+  void lookAtLeaf(const Visit& leaf, const Node& node, const Vec3& o, const Vec3& d, Dark&& dark,
+                  Look&& look) const;
 
   std::span<const Triangle> triangles_;
   Mat3 axes_;  ///< rows: across the light, across, towards it
@@ -79,6 +118,48 @@ class SunTree {
   std::vector<Node> top_;  ///< the first is the root; none without triangles
   std::unique_ptr<Plot[]> plots_;
 };
+
+inline Interval SunTree::Face::over(const Vec3& p, const Vec3& q) const {
+  Interval part{0, 1};
+  const auto clip = [&](double a, double b) {
+    if (a < 0 && b < 0)
+      return false;
+    if (a < 0)
+      part.begin = std::max(part.begin, a / (a - b));
+    else if (b < 0)
+      part.end = std::min(part.end, a / (a - b));
+    return true;
+  };
+  for (const Edge& edge : edges) {
+    if (!clip(edge.left(p.head<2>()), edge.left(q.head<2>())))
+      return {};
+  }
+  return clip(above(p), above(q)) ? part : Interval{};
+}
+
+template <class Dark, class Look>
+void SunTree::lookAtLeaf(const Visit& leaf, const Node& node, const Vec3& o, const Vec3& d,
+                         Dark&& dark, Look&& look) const {
+  const double lowest = std::min(leaf.from, leaf.to), length = leaf.part.length();
+  const Vec3 p = o + leaf.part.begin * d, q = o + leaf.part.end * d;
+  for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+    const Entry& entry = leaf.plot->entries[i];
+    if (entry.top < lowest)
+      return;
+    const Face& face = leaf.plot->faces[entry.face];
+    if (face.edgeOn) {
+      look(triangles_[face.triangle], leaf.part);
+      continue;
+    }
+    const Interval over = face.over(p, q);
+    if (!(over.length() > kNothing))
+      continue;
+    dark(Interval{leaf.part.begin + over.begin * length,
+                  over.end < 1 ? leaf.part.begin + over.end * length : leaf.part.end});
+    if (over.begin == 0 && over.end == 1)
+      return;
+  }
+}
 
 template <class Dark, class Look>
 void SunTree::walk(const Segment& segment, Dark&& dark, Look&& look) const {
@@ -92,49 +173,53 @@ void SunTree::walk(const Segment& segment, Dark&& dark, Look&& look) const {
   if (inside.empty())
     return;
   const double perX = 1 / d.x(), perY = 1 / d.y();
-  const auto heightAt = [&](double s) { return o.z() + s * d.z(); };
-  std::array<Visit, 2 * kDeepest + 2> stack;  // of three children one is gone into
+  std::array<Visit, 2 * kDeepest + 4> stack;  // of three children one is gone into
   int left = 0;
-  // What is decided by a node's bounds is not put on the stack.
+  const auto heightAt = [&](double s) { return o.z() + s * d.z(); };
+  // What is certainly lit is not put on the stack.
   const auto visit = [&](const Plot* in, std::uint32_t number, const Square& where,
                          const Interval& part, double from, double to) {
     const Node& node = in ? in->nodes[number] : top_[number];
-    if (std::min(from, to) >= node.light)
-      return;
-    if (std::max(from, to) <= node.dark)
-      dark(part);
-    else
-      stack[left++] = {in, number, where, part};
+    if (std::min(from, to) < node.light)
+      stack[left++] = {in, number, std::max(from, to) <= node.dark, where, part, from, to};
   };
   visit(nullptr, 0, square_, inside, heightAt(inside.begin), heightAt(inside.end));
   while (left > 0) {
-    const Visit at = stack[--left];
-    const Interval& part = at.part;
+    const Visit& at = stack[--left];
+    if (at.dark) {
+      dark(at.part);
+      continue;
+    }
     const Node& node = at.plot ? at.plot->nodes[at.node] : top_[at.node];
     if (node.count == kPlot) {
-      visit(&plot(node.first), 0, at.square, part, heightAt(part.begin), heightAt(part.end));
+      const Visit whole = at;
+      visit(&plot(node.first), 0, whole.square, whole.part, whole.from, whole.to);
       continue;
     }
     if (node.count != kParent) {
-      for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
-        look(triangles_[at.plot->order[i]], part);
+      lookAtLeaf(at, node, o, d, dark, look);
       continue;
     }
-    // Where the segment goes from one half of the square into the other.
-    const double atX = (at.square.x - o.x()) * perX, atY = (at.square.y - o.y()) * perY;
-    double begin = part.begin, from = heightAt(begin);
-    const auto goTo = [&](double end) {
-      const double middle = 0.5 * (begin + end), to = heightAt(end);
-      const int child = (o.x() + middle * d.x() >= at.square.x ? 1 : 0) +
-                        (o.y() + middle * d.y() >= at.square.y ? 2 : 0);
-      visit(at.plot, node.first + child, at.square.child(child), {begin, end}, from, to);
-      begin = end, from = to;
+    // Where the segment goes from one half of the square into the other; the last part is put on
+    // the stack first.
+    const Plot* const plot = at.plot;
+    const Square middle = at.square;
+    const double begin = at.part.begin, from = at.from;
+    const double atX = (middle.x - o.x()) * perX, atY = (middle.y - o.y()) * perY;
+    double end = at.part.end, to = at.to;
+    const auto goBackTo = [&](double s, double height) {
+      const double half = 0.5 * (s + end);
+      const int child =
+          (o.x() + half * d.x() >= middle.x ? 1 : 0) + (o.y() + half * d.y() >= middle.y ? 2 : 0);
+      visit(plot, node.first + child, middle.child(child), {s, end}, height, to);
+      end = s, to = height;
     };
-    for (const double cut : {std::min(atX, atY), std::max(atX, atY)}) {
-      if (cut > begin && cut < part.end)
-        goTo(cut);
-    }
-    goTo(part.end);
+    const double last = std::max(atX, atY), first = std::min(atX, atY);
+    if (last > begin && last < end)
+      goBackTo(last, heightAt(last));
+    if (first > begin && first < end)
+      goBackTo(first, heightAt(first));
+    goBackTo(begin, from);
   }
 }
 
