@@ -3,6 +3,7 @@
 """Caches of several grids through the program and back: tests/data/cache.volute has six of three frames, one of them empty and one not there at first."""
 import pathlib
 import shutil
+import struct
 import unittest
 
 import support
@@ -10,6 +11,50 @@ from support import read_npy, volute, write_npy
 
 CACHE = pathlib.Path(__file__).parents[1] / "data" / "cache.volute"
 NAMES = ["density", "flame", "fuel", "solid", "temperature", "velocity"]
+
+
+def counted(text):
+    """A string as OpenVDB stores it."""
+    return struct.pack("<I", len(text)) + text
+
+
+class VdbFile:
+    """A .vdb file cut into its grids; another one made of these, under other names."""
+
+    def __init__(self, path):
+        self.data, self.at = path.read_bytes(), 8 + 4 + 8 + 1 + 36  # magic, versions, a flag, an identifier
+        for _ in range(self.number("<I")):  # metadata: name, type, value
+            self.string(), self.string(), self.string()
+        self.head = self.data[:self.at]
+        self.grids = {}
+        for _ in range(self.number("<I")):
+            name, kind = self.string(), self.string()
+            self.string()  # whose instance it is
+            begin, buffers, end = (self.number("<q") for _ in range(3))
+            self.grids[name] = (kind, buffers - begin, self.data[begin:end])
+            self.at = end
+
+    def number(self, kind):
+        (value,) = struct.unpack_from(kind, self.data, self.at)
+        self.at += struct.calcsize(kind)
+        return value
+
+    def string(self):
+        length = self.number("<I")
+        self.at += length
+        return self.data[self.at - length:self.at]
+
+    def write(self, path, names):
+        """`names`: pairs of a grid's new name and its name here."""
+        out = bytearray(self.head + struct.pack("<I", len(names)))
+        for new, old in names:
+            kind, buffers, data = self.grids[old]
+            assert data.count(counted(old)) == 1
+            data = data.replace(counted(old), counted(new))
+            out += counted(new) + counted(kind) + counted(b"")
+            begin = len(out) + 24
+            out += struct.pack("<qqq", begin, begin + buffers + len(new) - len(old), begin + len(data)) + data
+        path.write_bytes(out)
 
 
 class Grids(support.TestCase):
@@ -150,6 +195,48 @@ class Grids(support.TestCase):
 
     def test_joining_a_file_with_itself_is_refused(self):
         self.assertIn("parts that do not overlap", self.fails(1, "join", CACHE, CACHE, "-o", self.path("x.volute")))
+
+    def thirty_grids(self, name, names):
+        """Three frames of 30 grids, copies of the cache's, in a folder."""
+        self.assertEqual(len({new for new, _ in names}), 30)
+        self.path(name).mkdir()
+        for file in sorted(self.path("cache").iterdir()):
+            VdbFile(file).write(self.path(name) / file.name, names)
+        return self.path(name)
+
+    def test_thirty_grids_of_which_one_is_empty_play(self):
+        self.unpack()
+        copies = [(b"copy%02d" % i, b"density") for i in range(28)]
+        one = self.thirty_grids("one", [(b"fuel", b"fuel"), (b"density", b"density"), *copies])
+        grids = self.works("info", one / "c_0100.vdb", "--json").json["grids"]
+        self.assertEqual(len(grids), 30)
+        self.assertEqual([grid["name"] for grid in grids if not grid["active_voxels"]], ["fuel"])
+        self.plays(one, "smoke from 'density'")
+        packed = self.path("one.volute")
+        self.works("compress", one, "-o", packed)
+        self.assertEqual(len(self.works("info", packed, "--json").json["grids"]), 30)
+        self.plays(packed, "smoke from 'density'")
+
+    def test_thirty_grids_play_whose_usual_one_is_empty(self):
+        self.unpack()
+        copies = [(b"copy%02d" % i, b"density") for i in range(29)]
+        folder = self.thirty_grids("usual", [(b"density", b"fuel"), *copies])
+        self.plays(folder, "the grid 'density' is empty, so 'copy00' is read instead")
+        self.assertIn("'density' has no active voxels", self.fails(1, "render", folder, "-o", self.path("x.png"), "--field", "density"))
+
+    def plays(self, cache, says):
+        """A picture of each frame, none of them black, and the viewer's."""
+        result = volute("render", cache, "-o", self.path("p_%04d.exr"), "--size", "32x24")
+        self.assertEqual(result.code, 0, result.message)
+        self.assertIn(says, result.message)
+        pictures = sorted(self.folder.glob("p_*.exr"))
+        self.assertEqual(len(pictures), 3)
+        for picture in pictures:
+            self.assertGreater(self.works("info", picture, "--json").json["maximum"], 0)
+            picture.unlink()
+        if "view" in volute("help").text and volute("info", "--gl").code == 0:
+            self.works("view", cache, "--screenshot", self.path("s.png"), "--size", "320x200", "--no-panels", "--time", "0.08")
+            self.path("s.png").unlink()
 
     def test_numbered_npy_files_are_a_sequence(self):
         shape, values = support.plume(3, 8)

@@ -19,11 +19,11 @@ namespace {
 /// chosen after the child was forked.
 struct Request {
   bool describe = false;
-  bool list = false;  ///< of all grids
+  bool list = false;   ///< of all grids
   bool cache = false;  ///< describe all grids
-  bool flag = false;  ///< needBox when describing, crop when reading
-  IndexBox whole;     ///< of the volume
-  IndexBox box;       ///< what is read of it
+  bool flag = false;   ///< needBox when describing, crop when reading
+  IndexBox whole;      ///< of the volume
+  IndexBox box;        ///< what is read of it
   char grid[LatticeFrame::kMaxName + 1] = {};
   char usual[LatticeFrame::kMaxName + 1] = {};
 };
@@ -226,11 +226,18 @@ class LatticeSource final : public FrameSource {
   Status open() {
     std::vector<LatticeFrame> frames;
     std::string grid = known_ ? known_->name : options_.grid;
+    const bool isDefault = grid.empty();
     if (known_)
       frames = known_->frames;
     if (!known_)
       VOLUTE_TRY(describeAll(grid, frames));
     VOLUTE_ASSIGN(auto places, latticePlaces(files_, frames));
+    if (isDefault && !options_.bounds && places.box.empty())
+      takeOneWithVoxels(grid, frames, places);
+    if (!unchosen_.empty() && options_.remark) {
+      options_.remark(fmt::format("{}: the grid '{}' is read; it also has {} (--field chooses)",
+                                  files_[0].path.string(), grid, unchosen_));
+    }
     shifts_ = std::move(places.shifts);
     IndexBox box = places.box;
     grid_ = grid;
@@ -242,8 +249,8 @@ class LatticeSource final : public FrameSource {
                   "{}: grid '{}' has no active voxels in any of the {} frames; give --bounds",
                   where, grid, files_.size());
     }
-    VOLUTE_TRY(checkSize(box, frames.front().channels, options_.maxMemory, where,
-                         options_.byLayers));
+    VOLUTE_TRY(
+        checkSize(box, frames.front().channels, options_.maxMemory, where, options_.byLayers));
     box_ = box;
     fillInfo(frames);
     return info_.validate(where);
@@ -297,8 +304,8 @@ class LatticeSource final : public FrameSource {
     return detail::decodeFrame(reply, path.string());
   }
 
-  /// `grid`, or the one that is meant where it is empty, in all files. Simulations leave out what is
-  /// not there yet: a file without the grid has an empty one.
+  /// `grid`, or the one that is meant where it is empty, in all files. Simulations leave out what
+  /// is not there yet: a file without the grid has an empty one.
   Status describeAll(std::string& grid, std::vector<LatticeFrame>& frames) {
     std::vector<bool> present;
     std::optional<Error> missing;
@@ -319,10 +326,8 @@ class LatticeSource final : public FrameSource {
       }
       const std::string_view others(frame->others,
                                     ::strnlen(frame->others, LatticeFrame::kMaxName));
-      if (grid.empty() && !others.empty() && options_.remark) {
-        options_.remark(fmt::format("{}: the grid '{}' is read; it also has {} (--field chooses)",
-                                    files_[0].path.string(), frame->grid, others));
-      }
+      if (grid.empty())
+        unchosen_ = others;
       grid = frame->grid;
       for (const std::string& name : namesIn(others)) {
         if (std::ranges::find(others_, name) == others_.end())
@@ -346,6 +351,34 @@ class LatticeSource final : public FrameSource {
     return {};
   }
 
+  /// Where the grid that is meant is empty in all frames: another one that is not, if there is one.
+  void takeOneWithVoxels(std::string& grid, std::vector<LatticeFrame>& frames,
+                         LatticePlaces& places) {
+    const std::string emptyGrid = grid, emptyOthers = unchosen_;
+    const auto emptyKnown = known_;
+    for (const std::string& name : namesIn(emptyOthers)) {
+      std::string other = name;
+      std::vector<LatticeFrame> its;
+      known_.reset();
+      if (!describeAll(other, its))
+        continue;
+      auto found = latticePlaces(files_, its);
+      if (!found || found->box.empty())
+        continue;
+      if (options_.remark) {
+        options_.remark(fmt::format("{}: the grid '{}' is empty, so '{}' is read instead",
+                                    files_[0].path.string(), emptyGrid, other));
+      }
+      grid = other, frames = std::move(its), places = std::move(*found);
+      unchosen_.clear();
+      std::erase(others_, grid);
+      if (std::ranges::find(others_, emptyGrid) == others_.end())
+        others_.push_back(emptyGrid);
+      return;
+    }
+    known_ = emptyKnown;
+  }
+
   void fillInfo(const std::vector<LatticeFrame>& frames) {
     info_.name = grid_;
     info_.frames = static_cast<int>(files_.size());
@@ -365,7 +398,8 @@ class LatticeSource final : public FrameSource {
   std::optional<KnownGrid> known_;
   std::string grid_;
   std::vector<std::string> others_;
-  IndexBox box_;  // on the first frame's lattice
+  std::string unchosen_;  ///< the grids of the file that first had the grid, where none was named
+  IndexBox box_;          // on the first frame's lattice
   std::vector<std::array<std::int64_t, 3>> shifts_;
   VolumeInfo info_;
 };
@@ -384,9 +418,9 @@ Result<ReaderProcess::Serve> serveCollection(std::string_view parameters) {
 }
 
 Result<std::unique_ptr<FrameSource>> openedSource(std::vector<LatticeFile> files,
-                                                 LoadLatticePlugin loadPlugin,
-                                                 const SourceOptions& options,
-                                                 std::optional<KnownGrid> known) {
+                                                  LoadLatticePlugin loadPlugin,
+                                                  const SourceOptions& options,
+                                                  std::optional<KnownGrid> known) {
   VOLUTE_ASSERT(!files.empty());
   if (options.grid.size() > LatticeFrame::kMaxName) {
     return fail(ErrorCode::kInvalidArgument, "a grid's name of {} characters; expected {} at most",
@@ -401,7 +435,7 @@ Result<std::unique_ptr<FrameSource>> openedSource(std::vector<LatticeFile> files
 }  // namespace
 
 Result<LatticePlaces> latticePlaces(const std::vector<LatticeFile>& files,
-                               const std::vector<LatticeFrame>& frames) {
+                                    const std::vector<LatticeFrame>& frames) {
   LatticePlaces places;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     VOLUTE_ASSIGN(const auto shift, latticeShift(frames.front(), frames[i], files[i]));
@@ -454,8 +488,7 @@ Result<std::vector<GridFacts>> listGrids(const std::filesystem::path& file,
   // Every grid is read for its range.
   ReaderProcess::Limits limits = limitsFor(file, 0, maxMemory);
   limits.seconds += 2e-6 * static_cast<double>(sizeOf(file));
-  VOLUTE_ASSIGN(const std::string reply,
-                process.call(name, toMessage(request) + name, 0, limits));
+  VOLUTE_ASSIGN(const std::string reply, process.call(name, toMessage(request) + name, 0, limits));
   return detail::decodeGridFacts(reply);
 }
 
@@ -464,8 +497,7 @@ Result<std::vector<TimedFile>> readCollection(const std::filesystem::path& colle
   const std::string name = collection.string();
   VOLUTE_TRY(InputFile::check(collection));
   ReaderProcess process(ReaderJob{serveCollection, toMessage(loadPlugin), {collection}});
-  VOLUTE_ASSIGN(const std::string reply,
-                process.call(name, name, 0, limitsFor(collection, 0, 0)));
+  VOLUTE_ASSIGN(const std::string reply, process.call(name, name, 0, limitsFor(collection, 0, 0)));
   return detail::decodeFiles(reply, name);
 }
 
