@@ -11,7 +11,7 @@ Segment lineSegment(const SightLine& line) {
   return {line.eye, direction, 0, length};
 }
 
-class RayInstant final : public SightInstant {
+class RayInstant final : public BasicSightInstant {
  public:
   explicit RayInstant(std::vector<AnyMedium> media) : media_(std::move(media)) {}
 
@@ -48,7 +48,7 @@ std::string RaySight::description() const {
   return fmt::format("{}: {}, along rays", medium_->info().file, medium_->info().what);
 }
 
-Result<std::shared_ptr<const SightInstant>> RaySight::read(std::size_t time) {
+Result<std::shared_ptr<const SightInstant>> RaySight::readOwn(std::size_t time) {
   Progress quiet;
   VOLUTE_ASSIGN(const auto now, medium_->at({.time = medium_->info().times[time]}, quiet));
   std::vector<AnyMedium> media;

@@ -22,9 +22,10 @@ class RaySight final : public SightField {
 
   int numberOf(std::size_t time) const override { return medium_->info().numbers[time]; }
 
-  Box3 bounds() const override { return medium_->info().bounds; }
+ protected:
+  Box3 ownBounds() const override { return medium_->info().bounds; }
 
-  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override;
+  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override;
 
  private:
   std::shared_ptr<SceneMedium> medium_;

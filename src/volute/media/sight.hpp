@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -96,6 +97,9 @@ struct SightData {
 };
 
 /// A medium and what is opaque in it at one stored time. All calls are const and thread-safe.
+///
+/// Every function is pure, so that a class that wraps an instant does not compile until it passes on
+/// a function that is added here. Media derive from BasicSightInstant, which has defaults.
 class SightInstant {
  public:
   virtual ~SightInstant() = default;
@@ -106,27 +110,16 @@ class SightInstant {
   /// What the depth of each line lies within, for less than look() costs: low <= Sight::low and
   /// Sight::high <= high. 0 and infinite where that cannot be told.
   virtual void bounds(std::span<const SightLine> lines, std::span<double> low,
-                      std::span<double> high) const {
-    (void)lines;
-    std::ranges::fill(low, 0.0);
-    std::ranges::fill(high, std::numeric_limits<double>::infinity());
-  }
+                      std::span<double> high) const = 0;
 
   /// Sight::blocked of each line alone, 1 where it is.
-  virtual void blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const {
-    std::vector<Sight> sights(lines.size());
-    look(lines, sights);
-    for (std::size_t i = 0; i < lines.size(); ++i) out[i] = sights[i].blocked ? 1 : 0;
-  }
+  virtual void blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const = 0;
 
   /// What stands at each point.
   virtual void places(std::span<const Vec3> points, std::span<Place> places) const = 0;
 
   /// What is cut by a level [m]; empty where nothing is known but places().
-  virtual std::vector<PlanShape> shapes(double z) const {
-    (void)z;
-    return {};
-  }
+  virtual std::vector<PlanShape> shapes(double z) const = 0;
 
   /// K at each point [1/m]; NaN where the field does not reach or something solid stands.
   virtual void extinction(std::span<const Vec3> points, std::span<double> extinction) const = 0;
@@ -134,15 +127,38 @@ class SightInstant {
   /// Optical depths are linear in the stored values. Instants of one field with the same geometry()
   /// have the same weights: lines are worked out once and then summed at each time. 0: this field
   /// has none.
-  virtual std::uint64_t geometry() const { return 0; }
+  virtual std::uint64_t geometry() const = 0;
 
   /// Appends the weights of a line; sets `covered` and `blocked` of the sight.
-  virtual void weigh(const SightLine& line, std::vector<SightWeight>& weights, Sight& sight) const {
-    (void)line, (void)weights, (void)sight;
-  }
+  virtual void weigh(const SightLine& line, std::vector<SightWeight>& weights,
+                     Sight& sight) const = 0;
 
   /// What the weights are of.
-  virtual SightData data() const { return {}; }
+  virtual SightData data() const = 0;
+};
+
+/// An instant of a medium that knows no bounds, shapes or weights, unless it overrides them.
+class BasicSightInstant : public SightInstant {
+ public:
+  void bounds(std::span<const SightLine>, std::span<double> low,
+              std::span<double> high) const override {
+    std::ranges::fill(low, 0.0);
+    std::ranges::fill(high, std::numeric_limits<double>::infinity());
+  }
+
+  void blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const override {
+    std::vector<Sight> sights(lines.size());
+    look(lines, sights);
+    for (std::size_t i = 0; i < lines.size(); ++i) out[i] = sights[i].blocked ? 1 : 0;
+  }
+
+  std::vector<PlanShape> shapes(double) const override { return {}; }
+
+  std::uint64_t geometry() const override { return 0; }
+
+  void weigh(const SightLine&, std::vector<SightWeight>&, Sight&) const override {}
+
+  SightData data() const override { return {}; }
 };
 
 /// One quantity of the air, at points, over time.
@@ -179,9 +195,23 @@ struct CaseFacts {
 };
 
 /// A medium over time, as sight lines ask for it.
+///
+/// bounds(), read() and readAt(), which surfaces of a scene change, are not virtual: they ask the
+/// medium and apply what wrap() was given. A field therefore needs no wrapper class, which could
+/// forget to pass a function on.
 class SightField {
  public:
+  /// Puts something between an instant and who looks.
+  using Wrap =
+      std::function<std::shared_ptr<const SightInstant>(std::shared_ptr<const SightInstant>)>;
+
   virtual ~SightField() = default;
+
+  /// From now on instants are given as `wrap` returns them, and bounds() is `bounds`.
+  void wrap(Wrap wrap, const Box3& bounds) {
+    wrap_ = std::move(wrap);
+    wrappedBounds_ = bounds;
+  }
 
   /// Where the extinction comes from, for people.
   virtual std::string description() const = 0;
@@ -203,14 +233,16 @@ class SightField {
   virtual int numberOf(std::size_t time) const { return static_cast<int>(time); }
 
   /// All places of which the field may know something [m].
-  virtual Box3 bounds() const = 0;
+  Box3 bounds() const { return wrap_ ? wrappedBounds_ : ownBounds(); }
 
   /// Where north is [degrees], from +y clockwise as seen from above; nothing: not known.
   virtual std::optional<double> north() const { return std::nullopt; }
 
   /// Reads one stored time, a position in times(). Asked in ascending order, each once; what was
   /// given before need not stay cheap to make again.
-  [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> read(std::size_t time) = 0;
+  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> read(std::size_t time) {
+    return wrapped(readOwn(time));
+  }
 
   /// When something opaque comes or goes after the first stored time and until the last [s],
   /// ascending.
@@ -222,9 +254,8 @@ class SightField {
   /// The same between stored times: the medium is interpolated, what is opaque is that of the time.
   /// For fields that interpolates(), which those with changes() must; asked in ascending order
   /// together with read().
-  [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> readAt(double time) {
-    return fail(ErrorCode::kUnsupported, "{}: has nothing between its stored times ({} s)",
-                description(), time);
+  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readAt(double time) {
+    return wrapped(readOwnAt(time));
   }
 
   /// A quantity besides the smoke where people are: "carbon-monoxide" [mol/mol], "temperature"
@@ -236,6 +267,26 @@ class SightField {
 
   /// What a report says about the case, apart from its smoke.
   [[nodiscard]] virtual Result<CaseFacts> facts() { return CaseFacts{}; }
+
+ protected:
+  // bounds(), read() and readAt() of the medium alone.
+  virtual Box3 ownBounds() const = 0;
+  [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) = 0;
+  [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> readOwnAt(double time) {
+    return fail(ErrorCode::kUnsupported, "{}: has nothing between its stored times ({} s)",
+                description(), time);
+  }
+
+ private:
+  Result<std::shared_ptr<const SightInstant>> wrapped(
+      Result<std::shared_ptr<const SightInstant>> own) const {
+    if (wrap_ && own)
+      return wrap_(std::move(*own));
+    return own;
+  }
+
+  Wrap wrap_;
+  Box3 wrappedBounds_;
 };
 
 }  // namespace volute

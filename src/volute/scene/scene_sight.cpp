@@ -11,7 +11,8 @@
 namespace volute {
 namespace {
 
-/// Another instant, with surfaces in the way.
+/// Another instant, with surfaces in the way. Derives from the pure interface, not from
+/// BasicSightInstant, so that no function of the other instant is lost.
 class BehindSurfaces final : public SightInstant {
  public:
   BehindSurfaces(std::shared_ptr<const SightInstant> media, TriangleScene surfaces)
@@ -74,58 +75,6 @@ class BehindSurfaces final : public SightInstant {
   TriangleScene surfaces_;
 };
 
-/// A field with surfaces in the way; all else it says itself.
-class FieldBehindSurfaces final : public SightField {
- public:
-  FieldBehindSurfaces(std::unique_ptr<SightField> field, TriangleScene surfaces, const Box3& bounds)
-      : field_(std::move(field)), surfaces_(std::move(surfaces)), bounds_(bounds) {}
-
-  std::string description() const override { return field_->description(); }
-
-  std::string fillingSource() const override { return field_->fillingSource(); }
-
-  std::string tallerSource() const override { return field_->tallerSource(); }
-
-  std::vector<std::string> remarks() const override { return field_->remarks(); }
-
-  std::span<const double> times() const override { return field_->times(); }
-
-  int numberOf(std::size_t time) const override { return field_->numberOf(time); }
-
-  Box3 bounds() const override { return bounds_; }
-
-  std::optional<double> north() const override { return field_->north(); }
-
-  std::vector<double> changes() const override { return field_->changes(); }
-
-  bool interpolates() const override { return field_->interpolates(); }
-
-  Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override {
-    return behind(field_->read(time));
-  }
-
-  Result<std::shared_ptr<const SightInstant>> readAt(double time) override {
-    return behind(field_->readAt(time));
-  }
-
-  Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override {
-    return field_->conditions(quantity);
-  }
-
-  Result<CaseFacts> facts() override { return field_->facts(); }
-
- private:
-  Result<std::shared_ptr<const SightInstant>> behind(
-      Result<std::shared_ptr<const SightInstant>> media) const {
-    VOLUTE_ASSIGN(auto instant, std::move(media));
-    return std::make_shared<const BehindSurfaces>(std::move(instant), surfaces_);
-  }
-
-  std::unique_ptr<SightField> field_;
-  TriangleScene surfaces_;
-  Box3 bounds_;
-};
-
 /// All media of a scene, along rays, with its surfaces in the way.
 class SceneSight final : public SightField {
  public:
@@ -145,9 +94,10 @@ class SceneSight final : public SightField {
 
   std::span<const double> times() const override { return times_; }
 
-  Box3 bounds() const override { return bounds_; }
+ protected:
+  Box3 ownBounds() const override { return bounds_; }
 
-  Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override {
+  Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override {
     Progress quiet;
     VOLUTE_ASSIGN(const auto snapshot, scene_.at({.time = times_[time], .lit = false}, quiet));
     std::vector<AnyMedium> all;
@@ -175,9 +125,14 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
   MediumContext context{reading,      options.files, scene.description().lights, scene.geometry(),
                         scene.path(), entry.path,    scene.media()[0],           nullptr};
   VOLUTE_ASSIGN(auto only, entry.kind->openSight(entry.json, context));
-  if (scene.geometry().empty())
-    return only;
-  return std::make_unique<FieldBehindSurfaces>(std::move(only), scene.geometry(), scene.bounds());
+  if (!scene.geometry().empty()) {
+    only->wrap(
+        [surfaces = scene.geometry()](std::shared_ptr<const SightInstant> media) {
+          return std::make_shared<const BehindSurfaces>(std::move(media), surfaces);
+        },
+        scene.bounds());
+  }
+  return only;
 }
 
 Result<std::unique_ptr<SightField>> openSight(const std::string& path, const SceneOptions& options,

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "volute/base/file_name.hpp"
+#include "volute/media/ray_sight.hpp"
 #include "volute/scene/kinds.hpp"
 
 namespace volute {
@@ -26,10 +27,11 @@ class Layer final : public SightField {
 
   std::span<const double> times() const override { return {}; }
 
-  Box3 bounds() const override { return {{0, 0, 1}, {1, 1, source_ == "tall" ? 3.0 : 2.0}}; }
+ protected:
+  Box3 ownBounds() const override { return {{0, 0, 1}, {1, 1, source_ == "tall" ? 3.0 : 2.0}}; }
 
-  Result<std::shared_ptr<const SightInstant>> read(std::size_t) override {
-    return fail(ErrorCode::kUnsupported, "nothing");
+  Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t) override {
+    return sightThrough({});
   }
 
  private:
@@ -79,6 +81,27 @@ TEST(OpenSight, ALayerGivesWayToATallerSourceWhereLinesLeaveIt) {
   EXPECT_EQ(sourceFor({2.5}), "mine");
   EXPECT_THAT(remarks, IsEmpty());
   mediumKinds().erase(mediumKinds().begin());
+}
+
+// There is no class that passes on what a field says, and could forget some of it.
+TEST(SightField, WrappingChangesBoundsAndInstantsAlone) {
+  Layer layer("flat");
+  const auto other = sightThrough({});
+  const Box3 bounds{{-1, -1, -1}, {5, 5, 5}};
+  int calls = 0;
+  layer.wrap(
+      [&](const std::shared_ptr<const SightInstant>& own) {
+        EXPECT_NE(own, nullptr);
+        ++calls;
+        return other;
+      },
+      bounds);
+  EXPECT_EQ(layer.bounds().max, bounds.max);
+  EXPECT_EQ(layer.read(0).value(), other);
+  EXPECT_FALSE(layer.readAt(0.5));  // an error is not wrapped
+  EXPECT_EQ(calls, 1);
+  EXPECT_EQ(layer.description(), "flat");
+  EXPECT_EQ(layer.tallerSource(), "tall");
 }
 
 }  // namespace

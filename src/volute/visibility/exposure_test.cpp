@@ -51,12 +51,6 @@ class BurningRoom final : public SightField {
 
   std::span<const double> times() const override { return times_; }
 
-  Box3 bounds() const override { return Room::bounds(); }
-
-  Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override {
-    return std::make_shared<const Room>(0.01 * times_[time]);
-  }
-
   Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override {
     if (quantity == "carbon-monoxide")
       return std::make_unique<Formula>([](double, const Vec3&) { return 0.001; });
@@ -67,6 +61,13 @@ class BurningRoom final : public SightField {
     if (quantity == "temperature")
       return std::make_unique<Formula>([](double t, const Vec3& p) { return 20 + t * p[0] / 100; });
     return fail(ErrorCode::kNotFound, "no {} here", quantity);
+  }
+
+ protected:
+  Box3 ownBounds() const override { return Room::bounds(); }
+
+  Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override {
+    return std::make_shared<const Room>(0.01 * times_[time]);
   }
 
  private:

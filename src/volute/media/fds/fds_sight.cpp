@@ -338,7 +338,7 @@ std::string FdsSight::tallerSource() const {
   FdsOptions filling{.volume = true};
   filling.maxMemory = maxMemory_;
   const auto other = FdsCase::open(case_.index(), filling);
-  const bool taller = other && other->bounds().size().z() > bounds().size().z();
+  const bool taller = other && other->bounds().size().z() > ownBounds().size().z();
   return taller ? other->source().name : "";
 }
 
@@ -351,7 +351,7 @@ std::vector<double> FdsSight::changes() const {
   return changes;
 }
 
-Result<std::shared_ptr<const SightInstant>> FdsSight::readAt(double when) {
+Result<std::shared_ptr<const SightInstant>> FdsSight::readOwnAt(double when) {
   VOLUTE_ASSIGN(auto field, case_.field(when));
   if (!sameGeometry(field, when))
     ++geometry_;

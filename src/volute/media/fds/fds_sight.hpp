@@ -12,7 +12,7 @@
 namespace volute {
 
 /// An FDS case at one time.
-class FdsInstant final : public SightInstant {
+class FdsInstant final : public BasicSightInstant {
  public:
   /// `geometry` is a number for its cells and obstructions, or 0.
   FdsInstant(FdsField field, FdsObstructions obstructions, std::uint64_t geometry);
@@ -76,17 +76,19 @@ class FdsSight final : public SightField {
 
   std::optional<double> north() const override { return case_.index().north; }
 
-  Box3 bounds() const override { return case_.bounds(); }
-
-  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override {
-    return readAt(times()[time]);
-  }
-
   std::vector<double> changes() const override;
   bool interpolates() const override { return true; }
-  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readAt(double time) override;
   [[nodiscard]] Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override;
   [[nodiscard]] Result<CaseFacts> facts() override;
+
+ protected:
+  Box3 ownBounds() const override { return case_.bounds(); }
+
+  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override {
+    return readOwnAt(times()[time]);
+  }
+
+  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwnAt(double time) override;
 
  private:
   bool sameGeometry(const FdsField& field, double time) const;

@@ -27,7 +27,7 @@ void MeshSight::remarkOnOthers() {
   }
 }
 
-Result<std::shared_ptr<const SightInstant>> MeshSight::read(std::size_t time) {
+Result<std::shared_ptr<const SightInstant>> MeshSight::readOwn(std::size_t time) {
   if (time == 0 && first_)
     return std::exchange(first_, nullptr);
   VOLUTE_ASSIGN(const auto frame, source_.read(time));

@@ -34,9 +34,10 @@ class MeshSight final : public SightField {
 
   int numberOf(std::size_t time) const override { return source_.numberOf(time); }
 
-  Box3 bounds() const override { return bounds_; }
+ protected:
+  Box3 ownBounds() const override { return bounds_; }
 
-  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override;
+  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override;
 
  private:
   MeshSight(MeshSource source, std::optional<MeshSource> density, const SmokeModel& model,

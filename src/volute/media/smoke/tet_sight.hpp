@@ -15,7 +15,7 @@ namespace volute {
 ///
 /// A line is walked from tet to neighbour; where it meets an edge, or leaves the mesh, the slow and
 /// simple TetLocator::crossings takes over.
-class TetInstant final : public SightInstant {
+class TetInstant final : public BasicSightInstant {
  public:
   /// `extinction` [1/m], one for each vertex, finite and >= 0. `geometry` is a number of the mesh's
   /// own, or 0.
