@@ -261,6 +261,26 @@ class Sweep(Cases):
         self.assertTrue((self.path("study") / "compared/b_plain_difference.png").exists())
         self.assertTrue((self.path("study") / "compared/spread.vti").exists())
 
+    def test_each_storey_is_compared_with_its_own(self):
+        """A run of two heights is what two runs of one height are."""
+        def values(study, name):
+            return (self.path(study) / "compared" / name).read_bytes().split(b"\n_", 1)[1]
+
+        options = {"signs": "signs.json", "step": 1, "maps": "aset"}
+        for study, height in (("study", "1.5,2.5"), ("low", 1.5), ("high", 2.5)):
+            self.works("sweep", self.study(options=options | {"height": height}), "-o", self.path(study))
+        names = sorted(path.name for path in (self.path("study") / "compared").iterdir())
+        runs = ("a_up", "b_plain", "b_up")
+        self.assertEqual(names, sorted([f"{run}_z_{z}_difference.{kind}" for run in runs for z in (1.5, 2.5) for kind in ("png", "vti")] +
+                                       ["spread_z_1.5.vti", "spread_z_2.5.vti"]))
+        for study, z in (("low", 1.5), ("high", 2.5)):
+            for run in runs:
+                self.assertEqual(values("study", f"{run}_z_{z}_difference.vti"), values(study, f"{run}_difference.vti"))
+            self.assertEqual(values("study", f"spread_z_{z}.vti"), values(study, "spread.vti"))
+        # The lower storey is farther from the sign, which hangs at 2 m.
+        row = self.rows()["b_plain"]
+        self.assertEqual(row["sign lost first, height [m]"], "1.5")
+
     def test_it_goes_on_where_it_was_stopped(self):
         study = self.study()
         self.sweep(study, "--part", "1/2")

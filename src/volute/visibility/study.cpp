@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <set>
 
@@ -21,6 +22,7 @@ namespace volute {
 namespace {
 
 constexpr std::size_t kMaxRuns = 100000;
+constexpr const char* kMinMargin = "least margin [s]";
 
 /// Options whose values are files.
 constexpr std::array<std::string_view, 6> kFiles{"signs", "route", "eyes",
@@ -273,7 +275,14 @@ Status StudyResults::add(const StudyRun& run, const std::filesystem::path& folde
   const auto file = folder / "visibility.json";
   VOLUTE_ASSIGN(const auto json, readOwnJson(file));
   try {
-    addResult(run, json);
+    std::vector<Json> storeys;
+    for (const Json& one : json.value("heights", Json::array())) {
+      const std::filesystem::path name = one.at("folder").get<std::string>();
+      VOLUTE_ASSIGN(auto storey, readOwnJson(folder / name.filename() / "visibility.json"));
+      storey["storey"] = name.filename().string();
+      storeys.push_back(std::move(storey));
+    }
+    addResult(run, json, storeys.empty() ? std::span(&json, 1) : std::span<const Json>(storeys));
   } catch (const Json::exception& error) {
     return fail(ErrorCode::kInvalidData,
                 "{}: is not what a survey writes ({}); delete {} to do this run again",
@@ -282,7 +291,9 @@ Status StudyResults::add(const StudyRun& run, const std::filesystem::path& folde
   return {};
 }
 
-void StudyResults::addResult(const StudyRun& run, const Json& json) {
+/// @param storeys  the report of each plan; of a single one that is `json`
+void StudyResults::addResult(const StudyRun& run, const Json& json,
+                             std::span<const Json> storeys) {
   std::map<std::string, std::string> row;
   put(row, "run", run.name);
   put(row, "case", run.casePath);
@@ -302,18 +313,32 @@ void StudyResults::addResult(const StudyRun& run, const Json& json) {
       put(row, criterion + " [s]", reached ? one["time"].dump() : "");
       put(row, criterion + ", interpolated [s]",
           reached ? one.value("time_interpolated", Json()).dump() : "");
+      if (one.contains("height"))
+        put(row, criterion + ", height [m]", reached ? one["height"].dump() : "");
       put(row, criterion + ", share", reached ? one.value("share", Json(0)).dump() : "0");
     }
     if (one.contains("sign"))
       put(row, "first sign lost", one["sign"].is_string() ? one["sign"].get<std::string>() : "");
   }
-  if (json.contains("tenability") && json["tenability"].contains("margin")) {
-    const Json& margin = json["tenability"]["margin"];
-    put(row, "least margin [s]", margin.contains("least") ? margin["least"].at("value").dump() : "");
+  Json margin;  // the smallest
+  std::size_t remarks = 0;
+  std::vector<Plan> plans;
+  for (const Json& storey : storeys) {
+    if (storey.contains("tenability") && storey["tenability"].contains("margin")) {
+      const Json& own = storey["tenability"]["margin"];
+      if (!row.contains(kMinMargin))
+        put(row, kMinMargin, "");
+      if (own.contains("least") && (margin.is_null() || own["least"].at("value") < margin))
+        margin = own["least"].at("value");
+    }
+    remarks += storey.value("remarks", Json::array()).size();
+    if (auto plan = planOf(run.name, storey))
+      plans.push_back(std::move(*plan));
   }
-  put(row, "remarks", std::to_string(json.value("remarks", Json::array()).size()));
-  if (auto plan = planOf(run.name, json))
-    plans_.push_back(std::move(*plan));
+  if (!margin.is_null())
+    put(row, kMinMargin, margin.dump());
+  put(row, "remarks", std::to_string(remarks));
+  std::ranges::move(plans, std::back_inserter(plans_));
   rows_.push_back(std::move(row));
 }
 
@@ -323,6 +348,7 @@ std::optional<StudyResults::Plan> StudyResults::planOf(const std::string& run, c
     return std::nullopt;
   Plan plan;
   plan.run = run;
+  plan.storey = json.value("storey", "");
   const Json& origin = eyes.at("origin");
   plan.plan.origin = Vec3(origin.at(0), origin.at(1), eyes.at("height"));
   plan.plan.step = eyes.at("step");
@@ -364,64 +390,78 @@ std::string StudyResults::table() const {
   return text;
 }
 
-Result<std::vector<std::string>> StudyResults::compare(const std::filesystem::path& folder) const {
-  std::vector<std::string> remarks;
-  if (plans_.size() < 2)
-    return remarks;
+/// A place that keeps its signs to the end counts as lost at the end: it is at least that.
+float StudyResults::Plan::timeAt(std::size_t i) const {
+  return std::isinf(aset[i]) ? static_cast<float>(end) : aset[i];
+}
+
+std::vector<StudyResults::Comparison> StudyResults::comparisons(
+    std::vector<std::string>& remarks) const {
+  if (plans_.empty())
+    return {};
   const auto found = std::ranges::find(plans_, baseline_, &Plan::run);
-  const Plan& base = found == plans_.end() ? plans_.front() : *found;
-  const auto fits = [&](const Plan& plan) {
-    return plan.plan.nx == base.plan.nx && plan.plan.ny == base.plan.ny &&
-           std::abs(plan.plan.step - base.plan.step) < 1e-9 &&
-           (plan.plan.origin - base.plan.origin).norm() < 1e-6;
-  };
-  // A place that keeps its signs to the end counts as lost at the end: it is at least that.
-  const auto timeOf = [](const Plan& plan, std::size_t i) {
-    return std::isinf(plan.aset[i]) ? static_cast<float>(plan.end) : plan.aset[i];
-  };
-  std::vector<const Plan*> same;
+  const std::string& base = found == plans_.end() ? plans_.front().run : baseline_;
+  std::vector<Comparison> all;
   for (const Plan& plan : plans_) {
-    if (!fits(plan)) {
-      remarks.push_back(fmt::format("run '{}' has another plan than '{}': it is not compared",
-                                    plan.run, base.run));
-      continue;
-    }
-    same.push_back(&plan);
-    if (&plan == &base)
-      continue;
-    std::vector<float> difference(base.aset.size());
-    PlanPicture picture;
-    picture.title = fmt::format("ASET of {} minus that of {}", plan.run, base.run);
-    picture.barLabel = "difference [s]";
-    picture.values.assign(base.aset.size(), 0);
-    picture.marks.assign(base.aset.size(), PlanMark::kUnknown);
-    double most = 1e-9;
-    for (std::size_t i = 0; i < difference.size(); ++i) {
-      difference[i] = timeOf(plan, i) - timeOf(base, i);
-      if (std::isnan(difference[i]))
-        continue;
-      picture.values[i] = difference[i];
-      picture.marks[i] = PlanMark::kValue;
-      most = std::max(most, std::abs(picture.values[i]));
-    }
-    picture.low = -most;
-    picture.high = most;
-    picture.words = {{PlanMark::kUnknown, "solid, or no data in one of them"}};
-    VOLUTE_TRY(writePlanVti(folder / (plan.run + "_difference.vti"), base.plan,
-                            {{"difference", difference}}));
-    VOLUTE_TRY(writeImage(folder / (plan.run + "_difference.png"),
-                          drawPlan(base.plan, picture, {})));
+    if (plan.run == base)
+      all.push_back({&plan, {}, plan.storey.empty() ? "" : "_" + plan.storey});
   }
-  if (same.size() < 2)
-    return remarks;
-  const std::size_t count = base.aset.size();
+  for (const Plan& plan : plans_) {
+    const auto same = std::ranges::find_if(all, [&](const Comparison& one) {
+      const FloorPlan &a = plan.plan, &b = one.base->plan;
+      return a.nx == b.nx && a.ny == b.ny && std::abs(a.step - b.step) < 1e-9 &&
+             (a.origin - b.origin).norm() < 1e-6;
+    });
+    if (same != all.end()) {
+      same->plans.push_back(&plan);
+      continue;
+    }
+    const std::string where =
+        plan.storey.empty() ? "" : fmt::format(" at z = {:g} m", plan.plan.origin[2]);
+    remarks.push_back(fmt::format("run '{}' has another plan{} than '{}': it is not compared",
+                                  plan.run, where, base));
+  }
+  return all;
+}
+
+Status StudyResults::writeDifference(const Plan& plan, const Comparison& comparison,
+                                     const std::filesystem::path& folder) {
+  const Plan& base = *comparison.base;
+  std::vector<float> difference(base.aset.size());
+  PlanPicture picture;
+  picture.title = fmt::format("ASET of {} minus that of {}", plan.run, base.run);
+  if (!comparison.name.empty())
+    picture.title += fmt::format(", z = {:g} m", base.plan.origin[2]);
+  picture.barLabel = "difference [s]";
+  picture.values.assign(base.aset.size(), 0);
+  picture.marks.assign(base.aset.size(), PlanMark::kUnknown);
+  double most = 1e-9;
+  for (std::size_t i = 0; i < difference.size(); ++i) {
+    difference[i] = plan.timeAt(i) - base.timeAt(i);
+    if (std::isnan(difference[i]))
+      continue;
+    picture.values[i] = difference[i];
+    picture.marks[i] = PlanMark::kValue;
+    most = std::max(most, std::abs(picture.values[i]));
+  }
+  picture.low = -most;
+  picture.high = most;
+  picture.words = {{PlanMark::kUnknown, "solid, or no data in one of them"}};
+  const std::string name = plan.run + comparison.name + "_difference";
+  VOLUTE_TRY(writePlanVti(folder / (name + ".vti"), base.plan, {{"difference", difference}}));
+  return writeImage(folder / (name + ".png"), drawPlan(base.plan, picture, {}));
+}
+
+Status StudyResults::writeSpread(const Comparison& comparison,
+                                 const std::filesystem::path& folder) {
+  const std::size_t count = comparison.base->aset.size();
   const float none = std::numeric_limits<float>::quiet_NaN();
   std::vector<float> least(count, none), mean(count, none), largest(count, none), spread(count, none);
   for (std::size_t i = 0; i < count; ++i) {
     double sum = 0, squares = 0, low = 0, high = 0;
     int n = 0;
-    for (const Plan* plan : same) {
-      const double time = timeOf(*plan, i);
+    for (const Plan* plan : comparison.plans) {
+      const double time = plan->timeAt(i);
       if (std::isnan(time))
         continue;
       low = n == 0 ? time : std::min(low, time);
@@ -437,11 +477,24 @@ Result<std::vector<std::string>> StudyResults::compare(const std::filesystem::pa
     mean[i] = static_cast<float>(sum / n);
     spread[i] = static_cast<float>(std::sqrt(std::max(0.0, squares / n - sum / n * sum / n)));
   }
-  VOLUTE_TRY(writePlanVti(folder / "spread.vti", base.plan,
-                          {{"aset_least", least},
-                           {"aset_mean", mean},
-                           {"aset_largest", largest},
-                           {"aset_standard_deviation", spread}}));
+  return writePlanVti(folder / ("spread" + comparison.name + ".vti"), comparison.base->plan,
+                      {{"aset_least", least},
+                       {"aset_mean", mean},
+                       {"aset_largest", largest},
+                       {"aset_standard_deviation", spread}});
+}
+
+Result<std::vector<std::string>> StudyResults::compare(const std::filesystem::path& folder) const {
+  std::vector<std::string> remarks;
+  for (const Comparison& comparison : comparisons(remarks)) {
+    if (comparison.plans.size() < 2)
+      continue;
+    for (const Plan* plan : comparison.plans) {
+      if (plan != comparison.base)
+        VOLUTE_TRY(writeDifference(*plan, comparison, folder));
+    }
+    VOLUTE_TRY(writeSpread(comparison, folder));
+  }
   return remarks;
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,8 @@ class StudyResults {
  public:
   explicit StudyResults(std::string baseline) : baseline_(std::move(baseline)) {}
 
-  /// From the visibility.json in a run's folder; nothing is added where that is damaged.
+  /// From the visibility.json in a run's folder, and those of its storeys; nothing is added where one
+  /// is damaged.
   [[nodiscard]] Status add(const StudyRun& run, const std::filesystem::path& folder);
   void addFailure(const StudyRun& run, const std::string& sentence);
 
@@ -52,21 +54,37 @@ class StudyResults {
   std::string table() const;
 
   /// ASET minus the baseline's for each run with the same plan, as NAME_difference.vti and .png,
-  /// and the least, the mean, the largest and the spread over all of these as spread.vti. Returns
-  /// sentences about runs that cannot be compared.
+  /// and the least, the mean, the largest and the spread over all of these as spread.vti. If the
+  /// baseline has several storeys, each is compared with the same height of other runs:
+  /// NAME_z_4.8_difference.vti, spread_z_4.8.vti. Returns sentences about runs that cannot be
+  /// compared.
   [[nodiscard]] Result<std::vector<std::string>> compare(const std::filesystem::path& folder) const;
 
  private:
   struct Plan {
     std::string run;
+    std::string storey;  ///< the name of its folder in the run's; empty: the run has one plan
     FloorPlan plan;
     std::vector<float> aset;  ///< NaN where nobody stands, infinite where nothing is lost
     double end = 0;           ///< the last time
+
+    float timeAt(std::size_t i) const;
   };
 
-  void addResult(const StudyRun& run, const Json& json);
+  /// Plans of the same places, that of the baseline among them.
+  struct Comparison {
+    const Plan* base = nullptr;
+    std::vector<const Plan*> plans;
+    std::string name;  ///< "_z_4.8" of one storey of several, else empty
+  };
+
+  void addResult(const StudyRun& run, const Json& json, std::span<const Json> storeys);
   void put(std::map<std::string, std::string>& row, const std::string& column, std::string value);
   static std::optional<Plan> planOf(const std::string& run, const Json& json);
+  std::vector<Comparison> comparisons(std::vector<std::string>& remarks) const;
+  static Status writeDifference(const Plan& plan, const Comparison& comparison,
+                                const std::filesystem::path& folder);
+  static Status writeSpread(const Comparison& comparison, const std::filesystem::path& folder);
 
   std::string baseline_;
   std::vector<std::string> columns_;
