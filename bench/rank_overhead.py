@@ -15,6 +15,7 @@ import os
 import pathlib
 import random
 import resource
+import shutil
 import struct
 import subprocess
 import sys
@@ -115,7 +116,10 @@ def main():
             one, many = [], []
             for i in range(options.times):
                 targets = [[folder / f"study_{i}_{which}"] if verb == "sweep" else [] for which in (0, 1)]
+                # Replacing results takes longer than writing them where there are none.
+                shutil.rmtree(folder / "out_v", ignore_errors=True)
                 one.append(used_by((program, *words, *targets[0], "--threads", 2)))
+                shutil.rmtree(folder / "out_v", ignore_errors=True)
                 stats = folder / "stats.json"
                 many.append(used_by(by_ranks(2, (program, *words, *targets[1], "--threads", 1, "--stats", stats))))
             (cpu, wall), (cpus, walls) = ([sum(run[which] for run in runs) / options.times for which in (0, 1)] for runs in (one, many))

@@ -250,6 +250,27 @@ class SameBytes(Cluster):
             self.check_units(self.path("stats.json"), "looking", times, ranks)
             self.assertIn("sight.csv", self.same_folders(self.path("alone"), self.path("ours")))
 
+    def test_visibility_with_many_sight_lines(self):
+        """Ranks compress the rows of their times; times with few rows are compressed together."""
+        mesh = sight_cases.Mesh("hall", (0, 7, 0, 3, 0, 2.4), (14, 6, 4), [(2, 2.5, 0, 1.5, 0, 2.4)])
+        case = sight_cases.FdsCase([mesh], [0.0, 1.0, 2.5, 4.0], lambda time, x, y, z: 0.02 * (1 + time) * (1 + 0.1 * x)).write(self.folder)
+        signs = self.path("signs.json")
+        signs.write_text(json.dumps({"signs": [{"name": "east", "position": [7, 1.5, 1.1], "normal": [-1, 0, 0]},
+                                               {"name": "west", "position": [0, 2, 1.3], "normal": [1, 0, 0], "emitting": True}]}))
+        arguments = ("visibility", case, "--signs", signs, "--height", "1.2", "--maps", "aset", "--criteria", "none")
+        for step, kind in (("0.03", "auto"), ("0.03", "csv"), ("0.1", "csv.zst")):
+            options = (*arguments, "--step", step, "--sight", kind)
+            self.works(*options, "-o", self.path("alone"), "--threads", "3")
+            for ranks in (2, 3):
+                self.succeeds(ranks, *options, "-o", self.path("ours"))
+                names = self.same_folders(self.path("alone"), self.path("ours"))
+                self.assertIn("sight.csv" if kind == "csv" else "sight.csv.zst", names)
+            if step == "0.03":
+                shutil.copytree(self.path("alone"), self.path(kind))
+        if shutil.which("zstd"):
+            text = subprocess.run(["zstd", "-dc", self.path("auto") / "sight.csv.zst"], check=True, stdout=subprocess.PIPE).stdout
+            self.assertTrue(text == (self.path("csv") / "sight.csv").read_bytes())
+
     def test_visibility_of_several_storeys(self):
         mesh = sight_cases.Mesh("hall", (0, 7, 0, 3, 0, 2.4), (14, 6, 4), [])
         case = sight_cases.FdsCase([mesh], [0.0, 1.0, 2.5], lambda time, x, y, z: 0.2 * (1 + time) * (1 + z)).write(self.folder)

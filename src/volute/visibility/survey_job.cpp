@@ -3,6 +3,7 @@
 #include "volute/visibility/survey_job.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -107,6 +108,7 @@ class Job {
         log_(progress),
         team_(team),
         lookout_(std::min(request_.maxMemory / 4, kMaxLines)),
+        rowMaker_(request_.sightFile),
         survey_(request_.survey) {}
 
   Result<SurveySummary> run() {
@@ -150,11 +152,16 @@ class Job {
  private:
   using Bytes = OrderedDelivery::Bytes;
 
-  /// What a rank sends of a time: this, the sightings, extinction at the eyes, and rows of the table.
+  /// What a rank sends of a time: this, the sightings, extinction at the eyes, and rows of the table,
+  /// each at a multiple of eight bytes.
   struct Lengths {
     double time = 0;
-    std::uint64_t stored = 0, sightings = 0, extinction = 0, rows = 0;
+    bool stored = false, packed = false;
+    std::uint64_t sightings = 0, extinction = 0, text = 0, rows = 0;
   };
+
+  static constexpr std::size_t paddedSize(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
+  static_assert(sizeof(Lengths) % 8 == 0 && sizeof(Sighting) % 8 == 0);
 
   Status openFolder() {
     if (!team_.leads())
@@ -243,46 +250,54 @@ class Job {
       instant.extinction(std::span(eyes).subspan(begin, end - begin),
                          std::span(extinction).subspan(begin, end - begin));
     });
-    std::string rows;
+    SightRows rows;
     if (stored) {
-      VOLUTE_TRY(watch_.draw({index, time, eyes, sightings, extinction}, instant));
-      if (request_.sightFile != SightFile::kNone)
-        rows = SightCsv::rowsOf(time, eyes, survey_.signs, sightings);
+      // Writing maps waits for the disk; the rows are made meanwhile.
+      Status drawn;
+      Result<SightRows> made;
+      parallelFor(2, [&](std::size_t what) {
+        if (what == 0)
+          drawn = watch_.draw({index, time, eyes, sightings, extinction}, instant);
+        else
+          made = rowMaker_.make(time, eyes, survey_.signs, sightings);
+      });
+      VOLUTE_TRY(drawn);
+      VOLUTE_ASSIGN(rows, std::move(made));
     }
-    const Lengths lengths{time, stored ? std::uint64_t{1} : 0, sightings.size(), extinction.size(),
-                          rows.size()};
-    for (const auto part : {std::as_bytes(std::span(&lengths, 1)),
-                            std::as_bytes(std::span(sightings)),
-                            std::as_bytes(std::span(extinction)), std::as_bytes(std::span(rows))})
-      bytes.insert(bytes.end(), part.begin(), part.end());
+    const Lengths lengths{time, stored, rows.packed, sightings.size(), extinction.size(),
+                          rows.textSize, rows.bytes.size()};
+    rows.bytes.resize(paddedSize(rows.bytes.size()));
+    const std::array parts{std::as_bytes(std::span(&lengths, 1)),
+                           std::as_bytes(std::span(sightings)),
+                           std::as_bytes(std::span(extinction)),
+                           std::as_bytes(std::span(rows.bytes))};
+    std::size_t size = bytes.size();
+    for (const auto part : parts) size += part.size();
+    bytes.reserve(size);
+    for (const auto part : parts) bytes.insert(bytes.end(), part.begin(), part.end());
     return {};
   }
 
   /// What look() gave, in the order of times, on rank 0.
   Status take(std::int64_t i, const Bytes& bytes) {
-    std::span<const std::byte> left = bytes;
-    const auto next = [&](void* to, std::size_t size) {
-      std::copy_n(left.begin(), size, static_cast<std::byte*>(to));
-      left = left.subspan(size);
-    };
-    while (!left.empty()) {
-      Lengths lengths;
-      next(&lengths, sizeof lengths);
-      std::vector<Sighting> sightings(lengths.sightings);
-      next(sightings.data(), lengths.sightings * sizeof(Sighting));
-      std::vector<double> extinction(lengths.extinction);
-      next(extinction.data(), lengths.extinction * sizeof(double));
-      const std::string_view rows(reinterpret_cast<const char*>(left.data()), lengths.rows);
-      left = left.subspan(lengths.rows);
+    const std::byte* at = bytes.data();
+    while (at != bytes.data() + bytes.size()) {
+      const auto& lengths = *reinterpret_cast<const Lengths*>(at);
+      const std::span sightings(reinterpret_cast<const Sighting*>(at + sizeof lengths),
+                                lengths.sightings);
+      const std::span extinction(reinterpret_cast<const double*>(sightings.data() + sightings.size()),
+                                 lengths.extinction);
+      const auto* text = reinterpret_cast<const char*>(extinction.data() + extinction.size());
+      at = reinterpret_cast<const std::byte*>(text) + paddedSize(lengths.rows);
       const auto eyes = watch_.eyes(lengths.time);
-      const bool stored = lengths.stored != 0;
-      const SurveyTime at{static_cast<std::size_t>(i), lengths.time, eyes, sightings, extinction,
-                          stored};
-      if (stored) {
-        VOLUTE_TRY(csv_->write(rows, lengths.sightings));
-        summary_.push_back(summaryOf(at, survey_));
+      const SurveyTime seen{static_cast<std::size_t>(i), lengths.time, eyes, sightings, extinction,
+                            lengths.stored};
+      if (lengths.stored) {
+        VOLUTE_TRY(csv_->write({lengths.sightings, lengths.packed, lengths.text,
+                                std::string(text, lengths.rows)}));
+        summary_.push_back(summaryOf(seen, survey_));
       }
-      VOLUTE_TRY(watch_.take(at));
+      VOLUTE_TRY(watch_.take(seen));
     }
     return {};
   }
@@ -398,6 +413,7 @@ class Job {
   RemarkLog log_;
   Team& team_;
   Lookout lookout_;
+  SightRowMaker rowMaker_;
   Survey survey_;
   std::vector<double> changes_;                 // of what is opaque
   std::vector<int> chosen_;                     // stored times, of Survey::times
