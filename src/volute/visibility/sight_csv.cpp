@@ -133,6 +133,8 @@ class SightPacker {
       }
     }
     Context context(ZSTD_createCCtx());
+    if (!context)
+      return fail(ErrorCode::kTooLarge, "sight.csv.zst: there is no memory left to compress it");
     constexpr int kNoOverlap = 1, kJob = 1 << 21;
     for (const auto& [parameter, value] :
          {std::pair(ZSTD_c_compressionLevel, 3), std::pair(ZSTD_c_windowLog, kWindowLog),
