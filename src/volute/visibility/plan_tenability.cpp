@@ -293,7 +293,7 @@ Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::ve
                                            Json& report, std::vector<PlanArray>& arrays,
                                            Json& verdict) {
   combine(signs, inSight);
-  Json json;
+  Json json = Json::object();
   json["criteria"] = criteriaJson(meter_);
   std::string page = volute::criteriaTable(meter_);
   std::string figures;

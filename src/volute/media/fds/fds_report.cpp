@@ -89,7 +89,7 @@ void addSlices(Report& report, const SmvIndex& index) {
       ++planes[fmt::format("{} at {} = {:g} m", slice.labels.quantity, "xyz"[axis], place)];
     }
   }
-  OrderedJson list;
+  auto list = OrderedJson::object();
   std::string text;
   for (const auto& [name, count] : planes) {
     list[name] = count;
@@ -122,7 +122,7 @@ void addContents(Report& report, const SmvIndex& index) {
   for (const auto& smoke : index.smoke) ++quantities["smoke3d of " + smoke.labels.quantity];
   if (!index.plots.empty())
     quantities["PLOT3D files"] = static_cast<int>(index.plots.size());
-  OrderedJson files;
+  auto files = OrderedJson::object();
   std::string text;
   for (const auto& [name, count] : quantities) {
     files[name] = count;

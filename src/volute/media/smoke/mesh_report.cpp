@@ -55,7 +55,7 @@ void addMissing(Report& report, const MeshSource& source, bool& damaged) {
 }
 
 void addCells(Report& report, const MeshContents& contents) {
-  OrderedJson kinds;
+  auto kinds = OrderedJson::object();
   std::string text;
   for (std::size_t i = 0; i < std::size(kShapes); ++i) {
     kinds[kShapes[i]] = contents.shapes[i];

@@ -97,7 +97,7 @@ void addBlocks(Report& report, const VoluteReader& reader) {
                         reader.info().frameNumbers[origin[0] + extents[0] - 1], origin[3],
                         origin[2], origin[1], reader.storedBytes(i), mode);
   }
-  nlohmann::ordered_json counts;
+  auto counts = nlohmann::ordered_json::object();
   std::string countsText;
   for (const auto& [mode, count] : modes) {
     counts[mode] = count;
