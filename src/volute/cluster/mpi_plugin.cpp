@@ -119,34 +119,37 @@ class MpiTeam final : public Team {
     return all;
   }
 
-  // In rounds, in each of which no rank sends or gets more than one piece.
+  // From rank to rank without buffers between, which cost more than the sending.
   std::vector<std::vector<std::byte>> exchangeEach(
       std::vector<std::vector<std::byte>> toEach) override {
-    const auto ranks = static_cast<std::size_t>(size_);
+    const auto ranks = static_cast<std::size_t>(size_), self = static_cast<std::size_t>(rank_);
     std::vector<std::uint64_t> own(ranks), sizes(ranks);
     std::ranges::transform(toEach, own.begin(), [](const auto& bytes) { return bytes.size(); });
     MPI_Request request;
     MPI_Ialltoall(own.data(), 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, meeting_, &request);
     wait(request);
-    std::uint64_t longest = std::max(std::ranges::max(own), std::ranges::max(sizes));
-    MPI_Iallreduce(MPI_IN_PLACE, &longest, 1, MPI_UINT64_T, MPI_MAX, meeting_, &request);
-    wait(request);
     std::vector<std::vector<std::byte>> received(ranks);
-    for (std::size_t i = 0; i < ranks; ++i) received[i].resize(sizes[i]);
-    const std::uint64_t most = kPiece / ranks;
-    for (std::uint64_t begin = 0; begin < longest; begin += most) {
-      Piecewise sent(own, begin, most), got(sizes, begin, most);
-      std::vector<std::byte> from(sent.total), to(got.total);
-      for (std::size_t i = 0; i < ranks; ++i)
-        std::copy_n(toEach[i].data() + std::min(begin, own[i]), sent.counts[i],
-                    from.data() + sent.places[i]);
-      MPI_Ialltoallv(from.data(), sent.counts.data(), sent.places.data(), MPI_BYTE, to.data(),
-                     got.counts.data(), got.places.data(), MPI_BYTE, meeting_, &request);
-      wait(request);
-      for (std::size_t i = 0; i < ranks; ++i)
-        std::copy_n(to.data() + got.places[i], got.counts[i],
-                    received[i].data() + std::min(begin, sizes[i]));
+    std::vector<MPI_Request> requests;
+    for (std::size_t i = 0; i < ranks; ++i) {
+      if (i == self)
+        continue;
+      received[i].resize(sizes[i]);
+      forEachPiece(sizes[i], [&](std::size_t begin, int count) {
+        MPI_Irecv(received[i].data() + begin, count, MPI_BYTE, static_cast<int>(i), kExchangeTag,
+                  meeting_, &requests.emplace_back());
+      });
     }
+    for (std::size_t i = 0; i < ranks; ++i) {
+      if (i == self)
+        continue;
+      forEachPiece(own[i], [&](std::size_t begin, int count) {
+        MPI_Isend(toEach[i].data() + begin, count, MPI_BYTE, static_cast<int>(i), kExchangeTag,
+                  meeting_, &requests.emplace_back());
+      });
+    }
+    received[self] = std::move(toEach[self]);
+    for (int times = 0, done = 0; !done; done ? void() : pause(times))
+      MPI_Testall(static_cast<int>(requests.size()), requests.data(), &done, MPI_STATUSES_IGNORE);
     return received;
   }
 
@@ -215,19 +218,14 @@ class MpiTeam final : public Team {
     std::vector<MPI_Request> requests;
   };
 
-  /// Where in a buffer what each rank has left from `begin` on lies, `most` of it at most.
-  struct Piecewise {
-    Piecewise(std::span<const std::uint64_t> sizes, std::uint64_t begin, std::uint64_t most) {
-      for (const std::uint64_t size : sizes) {
-        counts.push_back(static_cast<int>(std::min(size - std::min(begin, size), most)));
-        places.push_back(static_cast<int>(total));
-        total += static_cast<std::size_t>(counts.back());
-      }
-    }
+  static constexpr int kExchangeTag = 1;  // in meeting_, where serve() looks for 0
 
-    std::vector<int> counts, places;
-    std::size_t total = 0;
-  };
+  /// Calls body(begin, count) for pieces that MPI can count.
+  template <class Body>
+  static void forEachPiece(std::uint64_t size, Body&& body) {
+    for (std::uint64_t begin = 0; begin < size; begin += kPiece)
+      body(begin, static_cast<int>(std::min<std::uint64_t>(kPiece, size - begin)));
+  }
 
   static constexpr int kCounters = 2;
 

@@ -61,6 +61,24 @@ GasCells gasOf(const FdsLattice& lattice, const std::vector<FdsCell>& states, co
   return gas;
 }
 
+/// Around what this rank holds. A little larger, as outer planes that are almost the same are one.
+Box3 heldBox(const FdsGrid& grid) {
+  constexpr double kMargin = 1e-3;  // of its size
+  Box3 box;
+  for (std::size_t i = 0; i < grid.lattices().size(); ++i) {
+    if (!grid.holds(i))
+      continue;
+    const Box3 lattice = grid.lattices()[i].bounds();
+    box.extend(lattice.min);
+    box.extend(lattice.max);
+  }
+  if (!box.empty()) {
+    const Vec3 margin = kMargin * box.size();
+    box = {box.min - margin, box.max + margin};
+  }
+  return box;
+}
+
 /// How much of a lamp's light comes to each point.
 Result<std::vector<float>> sharesOf(const FdsField& field, const FdsObstructions& obstructions,
                                     const FdsLamps& lamps, const Lamp& lamp,
@@ -79,7 +97,8 @@ Result<std::vector<float>> sharesOf(const FdsField& field, const FdsObstructions
   std::vector<std::uint8_t> others(points.size(), 0);
   if (lamps.holders) {
     VOLUTE_TRY(sumAlong(*lamps.holders, ways, depths,
-                        [&](auto segments, auto out) { field.opticalDepth(segments, out); }));
+                        [&](auto segments, auto out) { field.opticalDepth(segments, out); },
+                        heldBox(field.grid())));
   } else {
     field.opticalDepth(ways, depths);
   }
