@@ -84,7 +84,7 @@ class Interrupt(support.TestCase):
         self.assertEqual(self.files(), [])
 
 
-LONGEST = 1.5  # [s] from the signal to the end of the program, which has one of them, on a machine with other work
+LONGEST = 1.5 * support.SLOWER  # [s] from the signal to the end of the program, which has one of them, on a machine with other work
 
 
 def sparse_npy(path, shape):
