@@ -80,9 +80,11 @@ GlShadedLight makeShadedLight(const MarchGrid& grid, const GlBricks& bricks) {
   fillAtlas<std::uint32_t>(bricks, made.values, GL_RED_INTEGER, GL_UNSIGNED_INT,
                            [&](std::size_t b) {
                              const float* from = grid.values + begins[b] + channel;
-                             for (std::uint32_t& texel : texels)
+                             for (std::uint32_t& texel : texels) {
+                               const float value = *std::exchange(from, from + grid.stride[0]);
                                texel = std::bit_cast<std::uint32_t>(
-                                   *std::exchange(from, from + grid.stride[0]));
+                                   grid.oneColor ? packLight(Rgb::Constant(value)) : value);
+                             }
                              return texels.data();
                            });
   return made;
@@ -146,8 +148,12 @@ class ShadedMedium final : public GlMedium {
     if (!light_)
       return;
     bindTexture("light", light_->values);
-    const float* scale = grid_->lightScale;
-    program.set(name("lightScale").c_str(), Vec3(scale[0], scale[1], scale[2]));
+    Vec3 scale;
+    for (int c = 0; c < 3; ++c) {
+      const double levels = grid_->oneColor ? kPackedLevels[c] : 1;
+      scale[c] = grid_->lightScale[c] / (levels * levels);
+    }
+    program.set(name("lightScale").c_str(), scale);
   }
 
  private:

@@ -81,10 +81,9 @@ int gaussSteps(const BrickSlice& slice, const CellGrid& cells, double extinction
 
 float packLight(const Rgb& shares) {
   std::uint32_t bits = 0;
-  constexpr double kMax[3] = {2047, 2047, 1023};
   constexpr int kShift[3] = {0, 11, 22};
   for (int c = 0; c < 3; ++c) {
-    const double level = kMax[c] * std::sqrt(std::clamp(shares[c], 0.0, 1.0));
+    const double level = kPackedLevels[c] * std::sqrt(std::clamp(shares[c], 0.0, 1.0));
     bits |= static_cast<std::uint32_t>(static_cast<std::int32_t>(level + 0.5)) << kShift[c];
   }
   return std::bit_cast<float>(bits);

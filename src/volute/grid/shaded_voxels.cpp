@@ -331,6 +331,21 @@ ShadedVoxels ShadedVoxels::withSplines(std::span<const Rgb> light) const {
   return lit;
 }
 
+namespace {
+
+/// Whether all of it is the brightest, made darker.
+bool isOneColor(std::span<const Rgb> light, const Rgb& largest) {
+  constexpr double kSame = 1e-6;
+  const double brightest = largest.maxCoeff();
+  const Rgb color = largest / brightest;
+  return std::ranges::all_of(light, [&](const Rgb& one) {
+    const double share = (one * color).sum() / color.square().sum();
+    return ((one - share * color).abs() <= kSame * brightest).all();
+  });
+}
+
+}  // namespace
+
 ShadedVoxels ShadedVoxels::withLight(std::vector<Rgb> given) const {
   const std::span<const Rgb> light = given;
   VOLUTE_ASSERT(light.size() == corners_->points.size());
@@ -347,10 +362,16 @@ ShadedVoxels ShadedVoxels::withLight(std::vector<Rgb> given) const {
   const int channels = slice_->channels();
   auto march = std::make_shared<MarchGrid>(*march_);
   march->lightChannel = channels;
-  // As the march unpacks it: squares of whole numbers up to these.
-  constexpr double kLevels[3] = {2047, 2047, 1023};
-  for (int c = 0; c < 3; ++c)
-    march->lightScale[c] = static_cast<float>(largest[c] / (kLevels[c] * kLevels[c]));
+  march->oneColor = isOneColor(light, largest);
+  for (int c = 0; c < 3; ++c) {
+    const double levels = march->oneColor ? 1 : kPackedLevels[c];
+    march->lightScale[c] = static_cast<float>(largest[c] / (levels * levels));
+  }
+  const Rgb perLargest = 1 / largest.max(1e-300);
+  const auto valueOf = [&](const Rgb& one) {
+    const Rgb shares = one * perLargest;
+    return march->oneColor ? static_cast<float>(shares.maxCoeff()) : packLight(shares);
+  };
   const std::size_t bricks = corners_->begins.size();
   const auto from = static_cast<std::size_t>(channels) * kShadedCorners;
   const auto to = static_cast<std::size_t>(channels + 1) * kShadedCorners;
@@ -377,7 +398,7 @@ ShadedVoxels ShadedVoxels::withLight(std::vector<Rgb> given) const {
       const std::int32_t* points = &corners_->ofBrick[b * kShadedCorners];
       for (int i = 0; i < kShadedCorners; ++i, out += march->stride[0]) {
         if (points[i] >= 0)
-          *out = packLight(light[static_cast<std::size_t>(points[i])] / largest.max(1e-300));
+          *out = valueOf(light[static_cast<std::size_t>(points[i])]);
       }
     }
   });

@@ -108,8 +108,9 @@ TEST(ShadedVoxels, EveryTargetGivesTheSameBits) {
   std::vector<Segment> rays;
   for (int i = 0; i < 50; ++i)
     rays.push_back({Vec3(-3, 0.6 + 0.027 * i, 2.1), Vec3(1, 0.02, 0.1).normalized(), 0, 10});
-  for (const int channels : {1, 4}) {
-    const ShadedVoxels medium = shadedMedium(channels, true);
+  for (const auto& [channels, grey] : {std::pair{1, false}, {4, false}, {1, true}, {4, true}}) {
+    const ShadedVoxels medium = shadedMedium(channels, true, grey);
+    ASSERT_EQ(medium.march()->oneColor, grey);
     std::vector<Radiance> first(rays.size()), other(rays.size());
     medium.radiance(rays, first);
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
@@ -135,6 +136,25 @@ TEST(ShadedVoxels, LightLiesBesideExtinction) {
     ASSERT_EQ(lit->table[entry] < 0, dark->table[entry] < 0);
     for (int i = 0; lit->table[entry] >= 0 && i < 9 * 9 * 9; ++i)
       ASSERT_EQ(lit->values[lit->table[entry] + 2 * i], dark->values[dark->table[entry] + i]);
+  }
+}
+
+/// Light of one colour is kept as it is, and is as exact as the pieces.
+TEST(ShadedVoxels, LightOfOneColourIsAsExactAsFloats) {
+  std::vector<Segment> rays;
+  for (int i = 0; i < 50; ++i)
+    rays.push_back({Vec3(-3, 0.6 + 0.027 * i, 2.1), Vec3(1, 0.02, 0.1).normalized(), 0, 10});
+  std::vector<Radiance> fast(rays.size()), exact(rays.size());
+  for (const int channels : {1, 4}) {
+    const ShadedVoxels medium = shadedMedium(channels, true, true);
+    medium.radiance(rays, fast);
+    radianceByPieces(medium, rays, exact);
+    double brightest = 0, worst = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      brightest = std::max(brightest, exact[i].emitted.maxCoeff());
+      worst = std::max(worst, (fast[i].emitted - exact[i].emitted).abs().maxCoeff());
+    }
+    EXPECT_LE(worst, 2e-4 * brightest);
   }
 }
 

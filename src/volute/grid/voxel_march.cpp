@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/grid/voxel_march.cpp"
@@ -26,8 +27,8 @@ namespace volute {
 namespace {
 
 constexpr std::size_t kMaxLanes = 128;  // what a batch holds; a multiple of any vector's lanes
-constexpr float kNever = 3e38F;          // stands for infinity, which times 0 would be NaN
-constexpr double kFarAway = 1e30;        // [m] planes beyond are never met
+constexpr float kNever = 3e38F;         // stands for infinity, which times 0 would be NaN
+constexpr double kFarAway = 1e30;       // [m] planes beyond are never met
 constexpr int kCornerSide = BrickSlice::kSide + 1;  // of a trilinear brick
 
 /// Rays as the march wants them: `s` counts from where each enters the volume, in metres.
@@ -38,7 +39,7 @@ struct RayLanes {
   alignas(64) float perDelta[3][kMaxLanes];  ///< 1 / delta; 0 when parallel
   alignas(64) float velocity[3][kMaxLanes];  ///< cells per metre
   alignas(64) float exitAt[3][kMaxLanes];    ///< place in the cell (0..1) where the ray leaves it,
-                                              ///< or stays
+                                             ///< or stays
   alignas(64) std::int32_t cell[3][kMaxLanes];
   alignas(64) std::int32_t step[3][kMaxLanes];
   alignas(64) float length[kMaxLanes];
@@ -348,9 +349,36 @@ class ScatteredLight {
   VF weight_[8], sum_[3];
 };
 
+/// The same of light of one colour: plain numbers.
+class OneColor {
+ public:
+  HWY_INLINE OneColor(const VF (&at)[2][3], const VF* scattered)
+      : at_(at), scattered_{scattered[0], scattered[1]} {}
+
+  HWY_INLINE void addRow(int row, VF low, VF high) {
+    light_.base[row] = low, light_.slope[row] = hn::Sub(high, low);
+  }
+
+  HWY_INLINE void addTo(VF* sum, const MarchGrid& grid) const {
+    const VF near = hn::Mul(light_.at(at_[0][0], at_[0][1], at_[0][2]), scattered_[0]);
+    const VF both = MulThenAdd(light_.at(at_[1][0], at_[1][1], at_[1][2]), scattered_[1], near);
+    for (int c = 0; c < 3; ++c) sum[c] = MulThenAdd(both, Constant(grid.lightScale[c]), sum[c]);
+  }
+
+ private:
+  const VF (&at_)[2][3];
+  VF scattered_[2];
+  Corners light_;
+};
+
+enum class Light { kNone, kPacked, kOneColor };
+
+template <Light kLight>
+using LightOf = std::conditional_t<kLight == Light::kOneColor, OneColor, ScatteredLight>;
+
 /// Extinction, emission and light are trilinear each; the product of extinction and light, which is
 /// what is scattered, is of degree 6 along a ray.
-template <bool kLit>
+template <Light kLight>
 struct GlowingCells {
   VF sum[3];
   VF depth;
@@ -373,10 +401,10 @@ struct GlowingCells {
           sum[c] = MulThenAdd(value, step.arrives[k], sum[c]);
         }
       }
-      if constexpr (kLit) {
+      if constexpr (kLight != Light::kNone) {
         const VF scattered[2] = {hn::Mul(step.extinction[0], step.arrives[0]),
                                  hn::Mul(step.extinction[1], step.arrives[1])};
-        ScatteredLight light(step.at, scattered);
+        LightOf<kLight> light(step.at, scattered);
         for (int row = 0; row < 4; ++row) {
           VF low, high;
           LoadPairs(grid.values + grid.lightChannel * grid.channelStride + kPairs[row], lanes.at,
@@ -393,6 +421,7 @@ struct GlowingCells {
 };
 
 /// The same without emission: extinction and light lie side by side.
+template <Light kLight>
 struct LitCells {
   VF sum[3];
   VF depth;
@@ -421,7 +450,7 @@ struct LitCells {
                            depth, active, axes);
       const VF scattered[2] = {hn::Mul(step.extinction[0], step.arrives[0]),
                                hn::Mul(step.extinction[1], step.arrives[1])};
-      ScatteredLight light(step.at, scattered);
+      LightOf<kLight> light(step.at, scattered);
       light.addRow(0, low[0], high[0]), light.addRow(1, low[1], high[1]);
       light.addRow(2, low[2], high[2]), light.addRow(3, low[3], high[3]);
       light.addTo(sum, grid);
@@ -561,12 +590,15 @@ void March(const MarchGrid& grid, const RayLanes& rays, std::size_t count, LaneR
            MarchCounts& counts) {
   const bool rgb = grid.channels == 3;
   if (grid.shaded) {
-    const bool emits = grid.emissionChannel >= 0, lit = grid.lightChannel >= 0;
-    if (emits) {
-      (lit ? MarchAll<GlowingCells<true>> : MarchAll<GlowingCells<false>>)(grid, rays, count,
-                                                                           results, counts);
+    const bool emits = grid.emissionChannel >= 0;
+    if (emits && grid.lightChannel < 0) {
+      MarchAll<GlowingCells<Light::kNone>>(grid, rays, count, results, counts);
+    } else if (emits) {
+      (grid.oneColor ? MarchAll<GlowingCells<Light::kOneColor>>
+                     : MarchAll<GlowingCells<Light::kPacked>>)(grid, rays, count, results, counts);
     } else {
-      MarchAll<LitCells>(grid, rays, count, results, counts);
+      (grid.oneColor ? MarchAll<LitCells<Light::kOneColor>>
+                     : MarchAll<LitCells<Light::kPacked>>)(grid, rays, count, results, counts);
     }
   } else if (rgb && grid.extinctionScale != 0) {
     (grid.trilinear ? MarchAll<TrilinearAbsorbing> : MarchAll<BoxAbsorbing>)(grid, rays, count,

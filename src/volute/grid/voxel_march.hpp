@@ -36,20 +36,24 @@ struct MarchGrid {
   std::int32_t channelStride = 0;
   double emissionScale = 0;
   double extinctionScale = 0;
-  int steps = 1;     ///< Gauss rules in a cell, for absorbing RGB in the trilinear basis
+  int steps = 1;            ///< Gauss rules in a cell, for absorbing RGB in the trilinear basis
   float lightLost = 1e-6F;  ///< a ray that has no more than this of its light ends
   /// Of ShadedVoxels: channel 0 is the extinction, and from these on there are the emission, three
   /// channels, and the light that is scattered, one; -1: there is none.
   bool shaded = false;
   int emissionChannel = -1;
   int lightChannel = -1;
-  float lightScale[3]{};  ///< of packed light: packLight()
-  bool fits = true;  ///< the values can be addressed by 31 bits
+  /// The light is of one colour: its values are numbers from 0 to 1 and lightScale is the
+  /// brightest. Else they are packed: packLight().
+  bool oneColor = false;
+  float lightScale[3]{};  ///< of the squares of what is packed
+  bool fits = true;       ///< the values can be addressed by 31 bits
 };
 
-/// Square roots of three shares 0..1 in one float's bits, with 11, 11 and 10 bits: so that one access
-/// reads a colour. unpackLight() gives what the march makes of them.
+/// Square roots of three shares 0..1 in one float's bits, with 11, 11 and 10 bits: so that one
+/// access reads a colour. unpackLight() gives what the march makes of them.
 float packLight(const Rgb& shares);
+constexpr double kPackedLevels[3] = {2047, 2047, 1023};  ///< the largest numbers that are packed
 Rgb unpackLight(float packed);
 
 std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
