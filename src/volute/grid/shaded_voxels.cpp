@@ -62,13 +62,12 @@ void markNeeded(const float* values, std::array<std::uint8_t, kShadedCorners>& m
   for (int i = 0; i < kShadedCorners; ++i) marks[static_cast<std::size_t>(i)] = values[i] != 0;
   for (const int stride : {1, kShadedSide, kShadedSide * kShadedSide}) {
     const auto before = marks;
-    for (int i = 0; i < kShadedCorners; ++i) {
-      const int place = i / stride % kShadedSide;
-      auto& mark = marks[static_cast<std::size_t>(i)];
-      if (place > 0)
-        mark |= before[static_cast<std::size_t>(i - stride)];
-      if (place < kShadedSide - 1)
-        mark |= before[static_cast<std::size_t>(i + stride)];
+    const int most = kShadedSide - 1;
+    for (int line = 0; line < kShadedCorners; line += kShadedSide * stride) {
+      for (int i = line; i < line + most * stride; ++i) {
+        marks[static_cast<std::size_t>(i)] |= before[static_cast<std::size_t>(i + stride)];
+        marks[static_cast<std::size_t>(i + stride)] |= before[static_cast<std::size_t>(i)];
+      }
     }
   }
 }
@@ -147,7 +146,8 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const Mar
       const int place[3] = {i % kShadedSide, i / kShadedSide % kShadedSide,
                             i / kShadedSide / kShadedSide};
       // One that a brick before has too is that one's.
-      for (int way = 1; way < 8 && out[i] < 0; ++way) {
+      const bool atFace = place[0] == 0 || place[1] == 0 || place[2] == 0;
+      for (int way = 1; atFace && way < 8 && out[i] < 0; ++way) {
         int other = entry, there = i;
         bool shared = true;
         for (int axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
