@@ -7,6 +7,7 @@
 #include "volute/gl/gl_part.hpp"
 #include "volute/gl/gl_snapshot.hpp"
 #include "volute/gl/gl_testing.hpp"
+#include "volute/grid/voxel_march.hpp"
 #include "volute/media/volume/volume_medium.hpp"
 #include "volute/medium/turned_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
@@ -98,6 +99,20 @@ TEST_F(GlShadedVolumeTest, SmokeAndFireLookAsOnTheCpuFromAllSides) {
         }
         ++view;
       }
+    }
+  }
+}
+
+/// Its light is not packed on the CPU, and is for OpenGL.
+TEST_F(GlShadedVolumeTest, LightOfOneColourDoesToo) {
+  VolumeLighting sunlit = lighting();
+  sunlit.lamps.resize(1);
+  sunlit.surrounding = Rgb::Zero(), sunlit.ownFire = false;
+  for (const bool burns : {false, true}) {
+    const VolumeLight light(voxels(burns, 5), sunlit);
+    for (const Camera& camera : cameras(infoOf(1, Basis::kTrilinear).bounds)) {
+      ASSERT_TRUE(light.seenFrom({false, camera.eye()}).march()->oneColor);
+      EXPECT_LE(difference(camera, light, {}, 1, {}, {}), kAgreement) << "burns " << burns;
     }
   }
 }
