@@ -44,9 +44,11 @@ struct Sparsity {
   double scale = 1;  ///< what counts as bright [radiance/m]
 };
 
-/// strength * sum over voxels of the length of all channels' differences to the three next voxels
-/// (joint total variation); voxels outside the support count as 0.
-/// Sparsity needs `nonNegative`.
+/// strength * sum over voxels of the singular values of the differences to the three next voxels, a
+/// matrix of 3 axes by 3 channels (total nuclear variation, Rigie and La Riviere 2015): channels
+/// whose differences point the same way cost less than those whose differences do not. Of grey
+/// volumes this is sqrt(3) times a channel's total variation. Voxels outside the support count as
+/// 0. Sparsity needs `nonNegative`.
 std::unique_ptr<Prior> makeTotalVariation(std::shared_ptr<const Support> support, double strength,
                                           const Sparsity& sparsity, bool nonNegative);
 

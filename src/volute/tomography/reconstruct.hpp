@@ -26,10 +26,10 @@ enum class TomographySolver {
 /// The regularisation term; the last three need kApg.
 enum class Regularization {
   kAuto,  ///< the best predictor of held-out cameras (with fewer than four views, held-out pixels):
-          ///< total variation of some strength, or plain iterations stopped early; none with solvers
-          ///< other than kApg
+          ///< total variation of some strength, or plain iterations stopped early; none with
+          ///< solvers other than kApg
   kNone,
-  kTv,       ///< total variation of all channels together
+  kTv,       ///< total variation of all channels together: their edges are likely the same
   kSmooth,   ///< squared differences of neighbours
   kWavelet,  ///< sparse wavelet coefficients, over all shifts by one voxel (cycle spinning)
 };
@@ -58,9 +58,9 @@ struct TomographyOptions {
   std::optional<double> sparsity;
   std::optional<TomographyChoice> choice;  ///< with kAuto: use this instead of choosing
   /// Number of iterations, after the choice of the strength if that is automatic. If none: with
-  /// regularization until convergence; without, until the residual falls to noiseSigma or, if that is
-  /// unknown, the error of held-out pixels rises; at most 600 iterations if the strength is chosen,
-  /// else 400.
+  /// regularization until convergence; without, until the residual falls to noiseSigma or, if that
+  /// is unknown, the error of held-out pixels rises; at most 600 iterations if the strength is
+  /// chosen, else 400.
   std::optional<int> iterations;
   int raysPerPixel = 4;  ///< 1 or 4
   bool hull = true;      ///< solve only for voxels where every camera sees the medium

@@ -6,12 +6,15 @@
 
 #include "volute/tomography/lattice_field.hpp"
 #include "volute/tomography/prior.hpp"
+#include "volute/tomography/singular_values.hpp"
 
 namespace volute {
 namespace {
 
 /// The proximal step by accelerated projected gradient on its dual (Beck and Teboulle 2009, "Fast
-/// gradient-based algorithms for constrained total variation"), with all channels under one root.
+/// gradient-based algorithms for constrained total variation"), with the nuclear norm of each
+/// voxel's differences (Rigie and La Riviere 2015, "Joint reconstruction of multi-channel, spectral
+/// CT data via constrained total nuclear variation minimization").
 class TotalVariation final : public Prior {
  public:
   TotalVariation(std::shared_ptr<const Support> support, double strength, const Sparsity& sparsity,
@@ -68,7 +71,7 @@ class TotalVariation final : public Prior {
   }
 
  private:
-  using Dual = std::array<Colour, 3>;  // one for the difference along each axis
+  using Dual = ColourSlopes;
   inline static const Dual kZero{Colour::Zero(), Colour::Zero(), Colour::Zero()};
 
   /// Each dual vector has a rate of its own (Pock and Chambolle 2011, lemma 2), so that one unknown
@@ -98,22 +101,28 @@ class TotalVariation final : public Prior {
     });
   }
 
-  /// dual = ahead + rate D primal, no longer than 1; ahead = dual + beta (dual - the dual before).
+  /// dual = ahead + rate D primal, no singular value above 1; ahead = dual + beta (dual - the dual
+  /// before).
   void updateDual(float beta) {
     const auto& stride = support_->stride();
-    forElements(reached_.size(), [&](std::size_t i) {
-      const std::ptrdiff_t n = reached_[i];
-      Dual next;
-      float squared = 0;
-      for (int a = 0; a < 3; ++a) {
-        next[a] = ahead_[n][a] + rate_[i] * (primal_[n + stride[a]] - primal_[n]);
-        squared += next[a].square().sum();
-      }
-      const float scale = squared > 1 ? 1 / std::sqrt(squared) : 1;
-      for (int a = 0; a < 3; ++a) {
-        next[a] *= scale;
-        ahead_[n][a] = next[a] + beta * (next[a] - dual_[n][a]);
-        dual_[n][a] = next[a];
+    constexpr std::size_t kBlock = 64;
+    parallelRanges(reached_.size(), kVectorBlock, [&](std::size_t begin, std::size_t end) {
+      std::array<Dual, kBlock> next;
+      for (std::size_t first = begin; first < end; first += kBlock) {
+        const std::size_t count = std::min(kBlock, end - first);
+        for (std::size_t k = 0; k < count; ++k) {
+          const std::ptrdiff_t n = reached_[first + k];
+          for (int a = 0; a < 3; ++a)
+            next[k][a] = ahead_[n][a] + rate_[first + k] * (primal_[n + stride[a]] - primal_[n]);
+        }
+        clipSingularValues({next.data(), count});
+        for (std::size_t k = 0; k < count; ++k) {
+          const std::ptrdiff_t n = reached_[first + k];
+          for (int a = 0; a < 3; ++a) {
+            ahead_[n][a] = next[k][a] + beta * (next[k][a] - dual_[n][a]);
+            dual_[n][a] = next[k][a];
+          }
+        }
       }
     });
   }
