@@ -21,9 +21,9 @@ struct CalibrationFit {
   std::vector<Camera> cameras;                ///< as corrected
   std::vector<double> sightError;  ///< one a view: how uncertain the places are at which it sees
                                    ///< points of the volume, root mean square [pixels]
-  std::vector<double> before;  ///< for each view, relative L2 of the projected volume as given
-  std::vector<double> after;   ///< and as corrected
-  double pivot = 0;            ///< radiance at which exponents change nothing, see CameraCorrection
+  std::vector<double> before;      ///< for each view, relative L2 of the projected volume as given
+  std::vector<double> after;       ///< and as corrected
+  double pivot = 0;  ///< radiance at which exponents change nothing, see CameraCorrection
   bool lensOrResponse = false;  ///< whether any lens or exponent was corrected
 };
 

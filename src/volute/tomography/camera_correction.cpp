@@ -35,7 +35,6 @@ Result<Camera> corrected(const Camera& camera, const CameraCorrection& correctio
   k.topRightCorner<2, 1>() += correction.values.segment<2>(CameraCorrection::kPrincipal) / scale;
   Distortion lens = camera.distortion();
   lens.k1 += correction.values[CameraCorrection::kLens];
-  lens.k2 += correction.values[CameraCorrection::kLens + 1];
   // The camera's axes turn with it.
   const Mat3 rotation = camera.rotation() * rotationOf(correction.turn()).transpose();
   const Vec3 eye = camera.eye() + correction.shift();
@@ -51,7 +50,7 @@ CameraCorrection plausibleCorrection(const Camera& camera, const Vec3& centre) {
   CameraCorrection plausible;
   plausible.values << Vec3::Constant(kTurn),
       Vec3::Constant(kShift * (camera.eye() - centre).norm()), kZoom, kPrincipal * camera.width(),
-      kPrincipal * camera.width(), kGain, lens / square, 0.5 * lens / (square * square), kExponent;
+      kPrincipal * camera.width(), kGain, lens / square, kExponent;
   return plausible;
 }
 
@@ -134,8 +133,7 @@ Result<std::vector<Camera>> keepInPlace(std::span<const Camera> given, const Box
   std::vector<Camera> now, was;
   for (std::size_t v = 0; v < given.size(); ++v) {
     CameraCorrection zoom;
-    for (const int p :
-         {+CameraCorrection::kZoom, +CameraCorrection::kLens, CameraCorrection::kLens + 1})
+    for (const int p : {+CameraCorrection::kZoom, +CameraCorrection::kLens})
       zoom.values[p] = corrections[v].values[p];
     VOLUTE_ASSIGN(auto before, corrected(given[v], zoom));
     VOLUTE_ASSIGN(auto camera, corrected(given[v], corrections[v]));

@@ -14,7 +14,7 @@ namespace volute {
 
 /// What is added to a camera's calibration, and to the logarithms of its gain and its exponent.
 struct CameraCorrection {
-  static constexpr int kCount = 13;
+  static constexpr int kCount = 12;
 
   enum : int {
     kTurn = 0,
@@ -23,12 +23,12 @@ struct CameraCorrection {
     kPrincipal = 7,
     kGain = 9,
     kLens = 10,
-    kExponent = 12
+    kExponent = 11
   };
 
   /// turn about the world's axes [rad] (3), shift of the eye [m] (3), logarithm of the factor on
   /// both focal lengths, principal point [pixels] (2), logarithm of the factor on the radiance, k1
-  /// and k2 of the lens (2), logarithm of the exponent of the radiance. The gain is that of
+  /// of the lens, logarithm of the exponent of the radiance. The gain is that of
   /// radiances at which the exponent changes nothing.
   Eigen::Matrix<double, kCount, 1> values = Eigen::Matrix<double, kCount, 1>::Zero();
 
@@ -50,7 +50,7 @@ struct CameraCorrection {
 /// How much of each correction is plausible, one standard deviation: half a degree, 1 % of the
 /// distance to `centre`, 2 % of the focal length, 1 % of the picture's width, 10 % of the gain and
 /// of the exponent. The lens may move points at the left and right border by 3 % of their distance
-/// from the middle (k1; k2 half of that), or by 0.5 % where the calibration states a distortion.
+/// from the middle, or by 0.5 % where the calibration states a distortion.
 CameraCorrection plausibleCorrection(const Camera& camera, const Vec3& centre);
 
 /// Takes out of the corrections what moves, turns or scales all cameras alike around `centre`, and

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
@@ -14,6 +15,7 @@
 #include "volute/report/json.hpp"
 #include "volute/tomography/capture_faults.hpp"
 #include "volute/tomography/frame_views.hpp"
+#include "volute/tomography/occlusion.hpp"
 
 namespace volute {
 namespace {
@@ -80,8 +82,9 @@ class Refiner {
   Refiner(const Capture& capture, ViewReader& reader, std::uint64_t maxMemory, Progress& progress)
       : capture_(capture), reader_(reader), maxMemory_(maxMemory), progress_(progress) {}
 
-  /// Frames that can be read and in which every camera sees light; as many as fit.
-  void read() {
+  /// Frames that can be read and in which every camera sees light; as many as fit. What stands in
+  /// front of one camera does not count.
+  Status read() {
     reader_.keepBackgrounds();
     // Trying other clocks copies them, and looking for mistakes reduces them.
     const std::uint64_t most = maxMemory_ / 6 / std::max<std::uint64_t>(1, frameBytes());
@@ -101,6 +104,26 @@ class Refiner {
     }
     if (!frames_.empty())
       shifts_.assign(frames_[0].size(), 0);
+    return findOccluded(nullptr);
+  }
+
+  /// Looks for what stands in front of one camera and leaves it out.
+  /// @param fit  where cameras are now known to be; null: as given
+  Status findOccluded(const CalibrationFit* fit) {
+    for (const auto& views : frames_) {
+      std::vector<TomographyView> placed = views;
+      for (std::size_t v = 0; fit != nullptr && v < placed.size(); ++v) {
+        placed[v].camera = fit->cameras[v];
+        const auto gain = static_cast<float>(fit->corrections[v].gain());
+        for (float& value : placed[v].radiance.pixels) value *= gain;
+      }
+      VOLUTE_ASSIGN(auto found, findOcclusions(placed, geometry(), progress_));
+      std::ranges::move(found, std::back_inserter(occlusions_));
+    }
+    for (auto& views : frames_) {
+      for (std::size_t v = 0; v < views.size(); ++v) leaveOutOccluded(v, views[v]);
+    }
+    return {};
   }
 
   const Frames& frames() const { return frames_; }
@@ -167,6 +190,14 @@ class Refiner {
     return pixels * kPixel;
   }
 
+  /// What stands in front of a camera, in any of the frames that were looked at.
+  void leaveOutOccluded(std::size_t camera, TomographyView& view) const {
+    for (const Occlusion& one : occlusions_) {
+      if (one.view == camera)
+        leaveOut(one, view);
+    }
+  }
+
   VolumeGeometry geometry() const { return {capture_.volume.bounds, capture_.volume.resolution}; }
 
   const CaptureCamera& known(const std::string& name) const {
@@ -195,6 +226,7 @@ class Refiner {
       auto view = reader_.neighbour(position, numbers_[f] + by);
       if (!view)
         continue;  // a later frame may do
+      leaveOutOccluded(camera, *view);
       frames.push_back(frames_[f]);
       frames.back()[camera] = std::move(*view);
       if (numbers)
@@ -212,6 +244,7 @@ class Refiner {
       auto view = reader_.neighbour(position, numbers_[f] + by);
       if (!view)
         continue;
+      leaveOutOccluded(camera, *view);
       Frames one{frames_[f]};
       VOLUTE_ASSIGN(const auto before, fitOf(one, false));
       one[0][camera] = std::move(*view);
@@ -266,6 +299,7 @@ class Refiner {
   Progress& progress_;
   Frames frames_;
   std::vector<int> numbers_, shifts_;
+  std::vector<Occlusion> occlusions_;
 };
 
 Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std::string>& heldOut,
@@ -284,7 +318,8 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
   VOLUTE_ASSIGN(auto reader, ViewReader::open(capture, heldOut, maxMemory, progress));
   progress.report("looking at the calibration", 0, 0);
   Refiner refiner(capture, reader, maxMemory, progress);
-  refiner.read();
+  if (const Status read = refiner.read(); !read)
+    return tl::unexpected<Error>(read.error());
   if (refiner.frames().empty())
     return leave("no frame that was looked at shows light in all cameras");
   const std::size_t views = refiner.frames()[0].size();
@@ -320,6 +355,8 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
   result.after = mean(fit->after);
   result.used = refine == Refine::kAlways || pays(result);
   if (result.used) {
+    // Where they were given, cameras may have been too far off to tell.
+    VOLUTE_TRY(refiner.findOccluded(&*fit));
     fit = refiner.fit(true, fit->lensOrResponse || refiner.shifts() != unshifted);
     if (!fit)
       return failed(fit.error());
@@ -378,12 +415,8 @@ std::vector<std::string> describeCorrections(const CaptureRefinement& refinement
         100 * (std::exp(one.values[CameraCorrection::kZoom]) - 1),
         one.values[CameraCorrection::kPrincipal], one.values[CameraCorrection::kPrincipal + 1],
         100 * (one.gain() - 1)));
-    const double k1 = one.values[CameraCorrection::kLens],
-                 k2 = one.values[CameraCorrection::kLens + 1];
-    if (k1 != 0 || k2 != 0)
+    if (const double k1 = one.values[CameraCorrection::kLens]; k1 != 0)
       texts.back() += fmt::format(", lens k1 {:+.4f}", k1);
-    if (k2 != 0)
-      texts.back() += fmt::format(", k2 {:+.4f}", k2);
     if (one.exponent() != 1)
       texts.back() += fmt::format(", exponent {:.3f}", one.exponent());
   }
@@ -466,8 +499,8 @@ nlohmann::ordered_json refinementJson(const CaptureRefinement& refinement) {
          {"principal_uncertain", {off[7], off[8]}},
          {"gain", std::exp(one[CameraCorrection::kGain])},
          {"gain_uncertain", off[CameraCorrection::kGain]},
-         {"lens", {one[CameraCorrection::kLens], one[CameraCorrection::kLens + 1]}},
-         {"lens_uncertain", {off[CameraCorrection::kLens], off[CameraCorrection::kLens + 1]}},
+         {"k1", one[CameraCorrection::kLens]},
+         {"k1_uncertain", off[CameraCorrection::kLens]},
          {"exponent", std::exp(one[CameraCorrection::kExponent])},
          {"exponent_uncertain", off[CameraCorrection::kExponent]}});
   }

@@ -38,7 +38,8 @@ struct CaptureRefinement {
 /// findCaptureFaults(): where there are any, the calibration is left as it is. Then refines it,
 /// and, where a camera is left that does not fit, its clock by whole frames. Orthographic cameras,
 /// fewer than four cameras, and frames without light are left as they are, with the reason as a
-/// remark if `refine` is kAlways. What was found and corrected is remarked on.
+/// remark if `refine` is kAlways. Pixels in which something dark stands in front of one camera, see
+/// findOcclusions(), do not count. What was found and corrected is remarked on.
 [[nodiscard]] Result<CaptureRefinement> refineCapture(const Capture& capture,
                                                       const std::vector<std::string>& heldOut,
                                                       Refine refine, std::uint64_t maxMemory,

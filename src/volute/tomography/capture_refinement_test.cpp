@@ -63,6 +63,18 @@ class CaptureRefinementTest : public ::testing::Test {
     return result.value_or(CaptureRefinement{});
   }
 
+  /// The largest distance between where two cameras see points of the volume [pixels].
+  double pixelsOff(const Camera& a, const Camera& b) const {
+    double most = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 side(corner & 1 ? 0.2 : -0.2, corner & 2 ? 0.2 : -0.2, corner & 4 ? 0.2 : -0.2);
+      const Vec3 point =
+          capture.volume.bounds.centre() + side.cwiseProduct(capture.volume.bounds.size());
+      most = std::max(most, (*a.project(point) - *b.project(point)).norm());
+    }
+    return most;
+  }
+
   testing::TempFolder folder;
   Capture capture;
 };
@@ -91,6 +103,48 @@ TEST_F(CaptureRefinementTest, FindsCalibrationAndClockTogether) {
   EXPECT_TRUE(std::ranges::any_of(warnings, [](const std::string& text) {
     return text.find("camera c3: its pictures of 1 frame earlier") != std::string::npos;
   }));
+}
+
+TEST_F(CaptureRefinementTest, APoleBeforeOneCameraPullsNoCamera) {
+  constexpr std::size_t kCovered = 2;
+  capture.frames = {1};
+  perturb();
+  const CaptureRefinement clean = refined(Refine::kAlways);
+  for (const int frame : capture.frames) {
+    const std::string name = file(capture.cameras[kCovered].name, frame);
+    Image image = *readImage(name);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 24; x < 32; ++x)
+        for (int c = 0; c < 3; ++c) image.at(x, y, c) = 0;
+    ASSERT_TRUE(writeImage(name, image));
+  }
+  // With the pole among the pixels that count.
+  Progress progress;
+  auto reader = ViewReader::open(capture, {}, std::uint64_t{1} << 30, progress);
+  ASSERT_TRUE(reader);
+  std::vector<std::vector<TomographyView>> frames;
+  for (const int frame : capture.frames) frames.push_back(reader->read(frame)->views);
+  const auto pulled =
+      refineCalibration(frames, {capture.volume.bounds, capture.volume.resolution},
+                        {.fine = true, .maxMemory = std::uint64_t{1} << 29}, progress);
+  ASSERT_TRUE(pulled) << pulled.error().message;
+  double most = 0;
+  for (std::size_t v = 0; v < capture.cameras.size(); ++v)
+    most = std::max(most, pixelsOff(pulled->cameras[v], clean.capture.cameras[v].camera));
+  RecordProperty("pulled", std::to_string(most));
+
+  const CaptureRefinement result = refined(Refine::kAlways);
+  ASSERT_TRUE(result.used);
+  double worst = 0;
+  for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
+    const double off = pixelsOff(result.capture.cameras[v].camera, clean.capture.cameras[v].camera);
+    RecordProperty("pixels_off_" + std::to_string(v), std::to_string(off));
+    worst = std::max(worst, off);
+  }
+  EXPECT_LT(worst, 0.25);
+  EXPECT_LT(worst, 0.4 * most) << worst << " instead of " << most << " pixels";
+  EXPECT_NEAR(result.capture.cameras[kCovered].pictures.gain,
+              clean.capture.cameras[kCovered].pictures.gain, 0.04);
 }
 
 TEST_F(CaptureRefinementTest, ACameraWithoutAPictureOfAFrameDoesNotCountThere) {
