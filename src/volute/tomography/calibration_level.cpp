@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "volute/tomography/hull.hpp"
+#include "volute/tomography/momentum.hpp"
 #include "volute/tomography/ray_slopes.hpp"
 #include "volute/tomography/reduced_view.hpp"
 #include "volute/tomography/sight_slopes.hpp"
@@ -121,7 +122,7 @@ void LevelFit::fitVolume(int iterations) {
   const Vector step = steps();
   Vector& x = volume_;
   Vector y = x, before(x.size()), gradient(x.size()), sy(4 * rows());
-  double momentum = 1;
+  Momentum momentum;
   for (int k = 1; k <= iterations; ++k) {
     projector_->thereAndBack(
         y,
@@ -133,15 +134,7 @@ void LevelFit::fitVolume(int iterations) {
     std::swap(before, x);
     forElements(x.size(),
                 [&](std::size_t i) { x[i] = std::max(y[i] - step[i / 4] * gradient[i], 0.0F); });
-    const double uphill = sumElements(x.size(), [&](std::size_t i) {
-      return (static_cast<double>(y[i]) - x[i]) * (static_cast<double>(x[i]) - before[i]) /
-             step[i / 4];
-    });
-    if (uphill > 0)
-      momentum = 1;
-    const double next = 0.5 * (1 + std::sqrt(1 + 4 * momentum * momentum));
-    const auto beta = static_cast<float>((momentum - 1) / next);
-    momentum = next;
+    const float beta = momentum.next(x, y, before, step);
     forElements(x.size(), [&](std::size_t i) { y[i] = x[i] + beta * (x[i] - before[i]); });
   }
   projected_.resize(4 * rows());

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "volute/tomography/momentum.hpp"
 #include "volute/tomography/vector_ops.hpp"
 
 namespace volute {
@@ -69,7 +70,7 @@ int solveApg(const LeastSquares& problem, double largest, Prior& prior, int iter
   Vector& x = unknowns;
   Vector y = x, before(x.size()), gradient(x.size());
   Vector sy(4 * problem.rows()), sx(sy.size());
-  double momentum = 1;
+  Momentum momentum;
   float beta = 0;
   for (int k = 1; k <= iterations; ++k) {
     problem.projectAndGradient(y, sy, gradient);
@@ -81,15 +82,7 @@ int solveApg(const LeastSquares& problem, double largest, Prior& prior, int iter
     std::swap(before, x);
     forElements(x.size(), [&](std::size_t i) { x[i] = y[i] - step[i / 4] * gradient[i]; });
     prior.proximal(x, step);
-    const double uphill = sumElements(x.size(), [&](std::size_t i) {
-      return (static_cast<double>(y[i]) - x[i]) * (static_cast<double>(x[i]) - before[i]) /
-             step[i / 4];
-    });
-    if (uphill > 0)
-      momentum = 1;
-    const double next = 0.5 * (1 + std::sqrt(1 + 4 * momentum * momentum));
-    beta = static_cast<float>((momentum - 1) / next);
-    momentum = next;
+    beta = momentum.next(x, y, before, step);
     forElements(x.size(), [&](std::size_t i) { y[i] = x[i] + beta * (x[i] - before[i]); });
   }
   problem.projector->forward(x, sx);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "volute/tomography/lattice_field.hpp"
+#include "volute/tomography/momentum.hpp"
 #include "volute/tomography/prior.hpp"
 #include "volute/tomography/singular_values.hpp"
 
@@ -46,12 +47,10 @@ class TotalVariation final : public Prior {
     setSteps(step);
     target_.fill(a);
     ahead_ = dual_;
-    double momentum = 1;
+    Momentum momentum;
     for (int k = 0; k < kIterations; ++k) {
       updatePrimal(ahead_);
-      const double next = 0.5 * (1 + std::sqrt(1 + 4 * momentum * momentum));
-      updateDual(static_cast<float>((momentum - 1) / next));
-      momentum = next;
+      updateDual(momentum.next());
     }
     updatePrimal(dual_);
     primal_.copyTo(a);
