@@ -2,10 +2,16 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/base/output_folder.hpp"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <string>
 #include <utility>
 
 #include "volute/base/file_name.hpp"
@@ -38,6 +44,14 @@ Status syncParent(const fs::path& target) {
 /// What a folder is called while another takes its place.
 constexpr const char* kReplaced = ".old.part";
 
+/// How often a check or commit() begins again when other runs are at work on the same target.
+constexpr int kRounds = 1000;
+
+/// A folder with files in it has the name.
+bool isTaken(int reason) {
+  return reason == ENOTEMPTY || reason == EEXIST;
+}
+
 /// A run that was killed after it moved the old folder away, and before the new one was there.
 void restoreReplaced(const fs::path& target) {
   std::error_code error;
@@ -54,23 +68,57 @@ void restoreReplaced(const fs::path& target) {
   }
 }
 
+/// Whether the folder open as `descriptor` has no entries.
+bool isEmpty(int descriptor) {
+  const std::unique_ptr<DIR, int (*)(DIR*)> listing(::fdopendir(::dup(descriptor)), ::closedir);
+  if (!listing)
+    return false;
+  while (const dirent* entry = ::readdir(listing.get())) {
+    const std::string_view name = entry->d_name;
+    if (name != "." && name != "..")
+      return false;
+  }
+  return true;
+}
+
+/// No folder is there, or an empty one, or one with `mark` in it. Other runs may replace it
+/// meanwhile, so that all is asked of one folder, and again when that one lost its name.
+Status checkReplaceable(const fs::path& target, std::string_view mark) {
+  for (int round = 0; round < kRounds; ++round) {
+    const int folder = ::open(target.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder < 0) {
+      if (errno == ENOENT)
+        return {};
+      if (errno == ENOTDIR)
+        return fail(ErrorCode::kIo, "{}: is there and is no folder; expected a new one",
+                    target.string());
+      return fail(ErrorCode::kIo, "{}: cannot read this folder: {}", target.string(),
+                  std::strerror(errno));
+    }
+    const bool replaceable =
+        ::faccessat(folder, std::string(mark).c_str(), F_OK, 0) == 0 || isEmpty(folder);
+    struct stat asked {}, named {};
+    const bool isSame = ::fstat(folder, &asked) == 0 && ::stat(target.c_str(), &named) == 0 &&
+                        asked.st_dev == named.st_dev && asked.st_ino == named.st_ino;
+    ::close(folder);
+    if (replaceable)
+      return {};
+    if (isSame)
+      break;
+  }
+  return fail(ErrorCode::kIo,
+              "{}: holds files of something else (there is no {} in it); expected a new folder or "
+              "one of ours to replace",
+              target.string(), mark);
+}
+
 }  // namespace
 
 Result<PendingFolder> PendingFolder::create(const fs::path& wanted, std::string_view mark) {
   const fs::path target = withoutSlash(wanted);
-  std::error_code error;
   restoreReplaced(target);
-  if (fs::exists(target, error)) {
-    if (!fs::is_directory(target, error))
-      return fail(ErrorCode::kIo, "{}: is there and is no folder; expected a new one",
-                  target.string());
-    if (!fs::is_empty(target, error) && !fs::exists(target / mark, error)) {
-      return fail(ErrorCode::kIo,
-                  "{}: holds files of something else (there is no {} in it); expected a new folder "
-                  "or one of ours to replace",
-                  target.string(), mark);
-    }
-  }
+  VOLUTE_TRY(checkReplaceable(target, mark));
+  std::error_code error;
   auto temporary =
       siblingOf(target, fmt::format(".{}.{}.0.part", target.filename().string(), ::getpid()));
   fs::remove_all(temporary, error);
@@ -94,30 +142,46 @@ PendingFolder::PendingFolder(PendingFolder&& other) noexcept
 
 Status PendingFolder::commit() {
   VOLUTE_TRY(sync(temporary_));
-  std::error_code error;
-  // The old one and the new one change places at once, where the file system can.
-  if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) {
-    fs::remove_all(std::exchange(temporary_, {}), error);
-    return syncParent(target_);
+  const fs::path replaced = fs::path(temporary_).replace_extension(kReplaced);
+  std::error_code ignored;
+  // Another run may put its folder there or take it away between any two of these calls; each such
+  // case is the next round's. Whoever comes last stays.
+  for (int round = 0; round < kRounds; ++round) {
+    // The old one and the new one change places at once, where the file system can.
+    if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) {
+      fs::remove_all(std::exchange(temporary_, {}), ignored);
+      return syncParent(target_);
+    }
+    const bool canExchange = errno != EINVAL && errno != ENOSYS;
+    // Nothing is there, or an empty folder.
+    if (::rename(temporary_.c_str(), target_.c_str()) == 0) {
+      temporary_.clear();
+      return syncParent(target_);
+    }
+    if (!isTaken(errno))
+      break;
+    if (canExchange)
+      continue;
+    if (::rename(target_.c_str(), replaced.c_str()) != 0) {
+      if (errno == ENOENT)
+        continue;
+      break;
+    }
+    if (::rename(temporary_.c_str(), target_.c_str()) == 0) {
+      temporary_.clear();
+      fs::remove_all(replaced, ignored);
+      return syncParent(target_);
+    }
+    const int reason = errno;
+    if (::rename(replaced.c_str(), target_.c_str()) != 0 && isTaken(errno))
+      fs::remove_all(replaced, ignored);
+    if (!isTaken(reason)) {
+      errno = reason;
+      break;
+    }
   }
-  fs::path old;
-  if (fs::exists(target_, error)) {
-    old = temporary_;
-    old.replace_extension(kReplaced);
-    fs::rename(target_, old, error);
-  }
-  if (!error)
-    fs::rename(temporary_, target_, error);
-  if (error) {
-    std::error_code ignored;
-    if (!old.empty() && !fs::exists(target_, ignored))
-      fs::rename(old, target_, ignored);
-    return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", target_.string(), error.message());
-  }
-  temporary_.clear();
-  if (!old.empty())
-    fs::remove_all(old, error);
-  return syncParent(target_);
+  return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", target_.string(),
+              std::strerror(errno));
 }
 
 }  // namespace volute

@@ -138,5 +138,43 @@ TEST_F(Output, AFolderThatAKilledRunMovedAwayComesBack) {
   EXPECT_EQ(textOf(target / "mark"), "old");
 }
 
+/// Runs that all replace one folder: none fails, one of theirs is left whole, and nothing beside it.
+TEST_F(Output, RunsThatReplaceOneFolderAtOnceAllSucceed) {
+  const fs::path target = folder_ / "out";
+  constexpr int kRuns = 4;
+  for (const bool isNew : {true, false}) {
+    pid_t children[kRuns];
+    for (pid_t& child : children) {
+      child = ::fork();
+      if (child != 0)
+        continue;
+      for (int i = 0; i < 300; ++i) {
+        auto folder = PendingFolder::create(target, "mark");
+        if (!folder)
+          ::_exit(1);
+        std::ofstream(folder->path() / "mark") << ::getpid();
+        std::ofstream(folder->path() / "other") << ::getpid();
+        if (!folder->commit())
+          ::_exit(2);
+        // As if nothing had been there, for the next one.
+        std::error_code ignored;
+        const fs::path away = folder_ / fmt::format("away{}", ::getpid());
+        if (isNew) {
+          fs::rename(target, away, ignored);
+          fs::remove_all(away, ignored);
+        }
+      }
+      ::_exit(0);
+    }
+    for (const pid_t child : children) {
+      int status = -1;
+      ::waitpid(child, &status, 0);
+      EXPECT_EQ(status, 0) << "exit code " << WEXITSTATUS(status) << ", new folders: " << isNew;
+    }
+  }
+  EXPECT_EQ(textOf(target / "mark"), textOf(target / "other"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
 }  // namespace
 }  // namespace volute
