@@ -110,6 +110,13 @@ void addTo(std::vector<Interval>& dark, Interval next) {
   const auto touch = [](const Interval& a, const Interval& b) {
     return b.begin <= a.end + kGap * (1 + std::abs(b.begin));
   };
+  if (dark.empty() || next.begin >= dark.back().begin) {
+    if (!dark.empty() && touch(dark.back(), next))
+      dark.back().end = std::max(dark.back().end, next.end);
+    else
+      dark.push_back(next);
+    return;
+  }
   std::size_t end = dark.size();
   while (end > 0 && !touch(next, dark[end - 1])) --end;
   std::size_t first = end;

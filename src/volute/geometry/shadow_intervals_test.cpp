@@ -114,10 +114,20 @@ TEST(ShadowIntervals, OfASunAreThoseOfTheReference) {
     walls.push_back({{foot, foot + along + aside, foot + aside}});
   }
   posts.insert(posts.end(), slivers.begin(), slivers.end());
+  // Surfaces with holes, turned triangles, and some that are there twice.
+  std::vector<Triangle> holes = many;
+  for (std::size_t i = 0; i < holes.size(); ++i) {
+    if (i % 3 == 0)
+      std::swap(holes[i].corners[0], holes[i].corners[1]);
+  }
+  for (std::size_t i = holes.size(); i-- > 0;) {
+    if (i % 7 == 0)
+      holes[i] = holes[(i + 40) % holes.size()];
+  }
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-0.2, 1.2);
   const auto point = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
-  for (const auto& triangles : {few, many, slivers, walls, posts}) {
+  for (const auto& triangles : {few, many, slivers, walls, posts, holes}) {
     const auto fast = *TriangleScene::build(triangles);
     const auto reference =
         *TriangleScene::build(triangles, {}, TriangleScene::Execution::kReference);

@@ -13,15 +13,14 @@ namespace volute {
 namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
-constexpr std::uint32_t kSunLeaf = 16;  ///< so few triangles are not shared out any more
+constexpr std::uint32_t kSunLeaf = 24;  ///< so few triangles are not shared out any more
 constexpr double kMaxCopies = 8;        ///< of a triangle, on average: long ones only multiply
 constexpr double kMargin = 1e-9;        ///< of a square's side, by which triangles may miss it
-constexpr double kSliver = 1e-10;       ///< of a square's area: a gap no larger is rounding
 constexpr double kEdgeOn = 1e-14;       ///< sine of an angle
 constexpr double kSteep = 1e5;          ///< a slope
-constexpr int kPlotDepth = 7;           ///< of the plots' squares, where there are many triangles
+constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr int kPlotDepth = 6;           ///< of the plots' squares, where there are many triangles
 constexpr std::size_t kFewTriangles = 4096;
-constexpr std::size_t kMaxParts = 16;  ///< that the uncovered rest of a square may have
 
 /// Across a far light: x, y, and the height towards it.
 struct FlatTriangle {
@@ -32,6 +31,8 @@ struct FlatTriangle {
   double spread[3];               ///< |x| + |y| of the edges
   Vec2 slope;                     ///< of the height
   std::uint32_t number;
+  /// Across each edge, in the same plot; kNone at a border or a fold, and where more than two meet.
+  std::uint32_t neighbour[3];
 
   double at(const Vec2& p) const { return corner[0].z() + slope.dot(p - corner[0].head<2>()); }
 
@@ -45,6 +46,7 @@ struct FlatTriangle {
 struct Cover {
   bool meets = false;
   bool whole = false;              ///< the square is within the triangle
+  bool middle = false;             ///< the square's middle is
   double lowest = 0, highest = 0;  ///< of its height where both are
 };
 
@@ -54,13 +56,14 @@ Cover coverOf(const FlatTriangle& triangle, const Square& square) {
   if (triangle.left > square.x + reach || triangle.right < square.x - reach ||
       triangle.low > square.y + reach || triangle.high < square.y - reach)
     return {};
-  Cover cover{true, true, triangle.bottom, triangle.top};
+  Cover cover{true, true, true, triangle.bottom, triangle.top};
   const Vec2 middle(square.x, square.y);
   for (int edge = 0; edge < 3; ++edge) {
     const double side = triangle.side(edge, middle), spread = triangle.spread[edge];
     if (side < -spread * reach)
       return {};
     cover.whole &= side >= spread * square.half;
+    cover.middle &= side >= 0;
   }
   const double height = triangle.at(middle), change = triangle.slope.cwiseAbs().sum() * reach;
   cover.lowest = std::max(cover.lowest, height - change);
@@ -87,11 +90,12 @@ std::array<Cover, 4> coversOfQuarters(const FlatTriangle& triangle, const Square
     if (triangle.left > x + reach || triangle.right < x - reach || triangle.low > y + reach ||
         triangle.high < y - reach)
       continue;
-    Cover cover{true, true, triangle.bottom, triangle.top};
+    Cover cover{true, true, true, triangle.bottom, triangle.top};
     for (int edge = 0; edge < 3; ++edge) {
       const double there = side[edge] + right * byX[edge] + up * byY[edge];
       cover.meets &= there >= -triangle.spread[edge] * reach;
       cover.whole &= there >= triangle.spread[edge] * quarter;
+      cover.middle &= there >= 0;
     }
     const double its = height + quarter * (right * triangle.slope.x() + up * triangle.slope.y());
     cover.lowest = std::max(cover.lowest, its - change);
@@ -99,107 +103,6 @@ std::array<Cover, 4> coversOfQuarters(const FlatTriangle& triangle, const Square
     covers[i] = cover;
   }
   return covers;
-}
-
-/// Convex. Cut by lines it gains a corner at most by each; what would have more is given up.
-struct Polygon {
-  static constexpr int kMax = 14;
-
-  Polygon() = default;
-
-  Polygon(const Polygon& other) { *this = other; }
-
-  /// The corners that there are, no more.
-  Polygon& operator=(const Polygon& other) {
-    count = other.count;
-    std::copy_n(other.points.begin(), std::min(count, kMax), points.begin());
-    return *this;
-  }
-
-  void add(const Vec2& point) {
-    if (count < kMax)
-      points[count] = point;
-    ++count;
-  }
-
-  double area() const {
-    double twice = 0;
-    for (int i = 1; i + 1 < count; ++i) {
-      const Vec2 a = points[i] - points[0], b = points[i + 1] - points[0];
-      twice += a.x() * b.y() - a.y() * b.x();
-    }
-    return 0.5 * twice;
-  }
-
-  int count = 0;
-  std::array<Vec2, kMax> points;
-};
-
-/// Cuts a polygon along an edge into what is on the triangle's side and what is not.
-void divide(const Polygon& polygon, const FlatTriangle& triangle, int edge, Polygon& inside,
-            Polygon& outside) {
-  inside.count = outside.count = 0;
-  if (polygon.count == 0)
-    return;
-  double before = triangle.side(edge, polygon.points[polygon.count - 1]);
-  for (int i = 0; i < polygon.count; ++i) {
-    const Vec2& b = polygon.points[i];
-    const double side = triangle.side(edge, b);
-    if ((before >= 0) != (side >= 0)) {
-      const Vec2& a = polygon.points[i > 0 ? i - 1 : polygon.count - 1];
-      const Vec2 cut = a + before / (before - side) * (b - a);
-      inside.add(cut), outside.add(cut);
-    }
-    (side >= 0 ? inside : outside).add(b);
-    before = side;
-  }
-}
-
-/// The height below which a square lies in the dark of some triangles together: the lowest of those
-/// that it takes, from the first on, to leave no gap. -infinity where one is left.
-template <class Square, class Triangles>
-double coveredTogether(const Square& square, const Triangles& triangles) {
-  const double least = kSliver * 4 * square.half * square.half;
-  std::array<Polygon, kMaxParts> store[2];
-  Polygon *rest = store[0].data(), *next = store[1].data();
-  std::size_t parts = 1;
-  const double x = square.x, y = square.y, half = square.half;
-  for (const Vec2& corner : {Vec2(x - half, y - half), Vec2(x + half, y - half),
-                             Vec2(x + half, y + half), Vec2(x - half, y + half)})
-    rest[0].add(corner);
-  double lowest = kEndless;
-  Polygon left, inside, outside;
-  for (const auto& [triangle, height] : triangles) {
-    std::size_t more = 0;
-    for (std::size_t i = 0; i < parts; ++i) {
-      const std::size_t first = more;
-      left = rest[i];
-      for (int edge = 0; edge < 3 && left.count > 0; ++edge) {
-        divide(left, *triangle, edge, inside, outside);
-        if (inside.count > Polygon::kMax || outside.count > Polygon::kMax)
-          return -kEndless;
-        if (outside.area() > least) {
-          if (more == kMaxParts)
-            return -kEndless;
-          next[more++] = outside;
-        }
-        left = inside;
-      }
-      if (left.area() > least) {
-        lowest = std::min(lowest, height);
-        continue;
-      }
-      more = first;  // the triangle takes nothing of it
-      if (more == kMaxParts)
-        return -kEndless;
-      next[more++] = rest[i];
-    }
-    parts = more;
-    if (parts == 0)
-      return lowest;
-    std::swap(rest, next);
-  }
-  return -kEndless;
 }
 
 }  // namespace
@@ -222,9 +125,11 @@ class SunTreeBuilder {
         continue;
       entries.push_back({static_cast<std::uint32_t>(flat_.size()), cover});
       flat_.push_back(flat);
-      plot.faces.push_back(faceOf(flat));
+      plot.faces.push_back(faceOf(flat, Vec2(plot.square.x, plot.square.y)));
     }
     plot_.triangles = {};
+    findNeighbours();
+    marks_.resize(flat_.size());
     plot_.nodes.emplace_back();
     grow(0, plot.square, plot.depth, 1, std::move(entries));
   }
@@ -318,15 +223,16 @@ class SunTreeBuilder {
     return true;
   }
 
-  static SunTree::Face faceOf(const FlatTriangle& flat) {
+  static SunTree::Face faceOf(const FlatTriangle& flat, const Vec2& middle) {
     SunTree::Face face;
     for (int i = 0; i < 3; ++i) {
       const Vec2 a = flat.corner[i].head<2>(), b = flat.corner[(i + 1) % 3].head<2>();
-      const Vec2& base = a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()) ? a : b;
-      face.edges[i] = {base.x(), base.y(), flat.edge[i].x(), flat.edge[i].y()};
+      const Vec2 base = (a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()) ? a : b) - middle;
+      face.x[i] = -flat.edge[i].y(), face.y[i] = flat.edge[i].x();
+      face.rest[i] = flat.edge[i].y() * base.x() - flat.edge[i].x() * base.y();
     }
-    face.x = flat.corner[0].x(), face.y = flat.corner[0].y(), face.height = flat.corner[0].z();
-    face.slopeX = flat.slope.x(), face.slopeY = flat.slope.y();
+    face.x[3] = flat.slope.x(), face.y[3] = flat.slope.y();
+    face.rest[3] = flat.at(middle);
     face.triangle = flat.number;
     face.edgeOn = flat.slope.cwiseAbs().maxCoeff() > kSteep;
     return face;
@@ -393,12 +299,7 @@ class SunTreeBuilder {
       plot_.nodes[node] = {std::max(dark, lowest), light, first, SunTree::kParent};
       return;
     }
-    std::ranges::sort(entries, std::ranges::greater{},
-                      [](const Entry& entry) { return entry.cover.lowest; });
-    std::vector<std::pair<const FlatTriangle*, double>> highest;
-    for (std::size_t i = 0; i < std::min<std::size_t>(entries.size(), 2 * kSunLeaf); ++i)
-      highest.emplace_back(&flat_[entries[i].flat], entries[i].cover.lowest);
-    dark = std::max(dark, coveredTogether(square, highest));
+    dark = std::max(dark, coveredTogether(square, entries));
     const auto first = static_cast<std::uint32_t>(plot_.entries.size());
     for (const Entry& entry : entries) {
       // What lies below the dark changes nothing.
@@ -411,8 +312,113 @@ class SunTreeBuilder {
                          static_cast<std::uint32_t>(plot_.entries.size()) - first};
   }
 
+  /// Triangles that go through an edge in opposite directions lie on its two sides.
+  void findNeighbours() {
+    struct Side {
+      std::uint32_t flat = kNone, edge = 0;
+    };
+    struct Slot {
+      const Vec3* a = nullptr;
+      const Vec3* b = nullptr;
+      Side sides[2];  // that go from a to b, and from b to a
+      bool shared = false;
+    };
+    const std::size_t mask = std::bit_ceil(flat_.size() * 6) - 1;
+    std::vector<Slot> slots(mask + 1);
+    for (std::uint32_t i = 0; i < flat_.size(); ++i) {
+      for (std::uint32_t edge = 0; edge < 3; ++edge) {
+        const Vec3* a = &flat_[i].corner[edge];
+        const Vec3* b = &flat_[i].corner[edge < 2 ? edge + 1 : 0];
+        std::size_t at = (hashOf(*a) + hashOf(*b)) & mask;
+        for (;; at = (at + 1) & mask) {
+          Slot& slot = slots[at];
+          if (!slot.a) {
+            slot.a = a, slot.b = b;
+            slot.sides[0] = {i, edge};
+            break;
+          }
+          const bool along = *slot.a == *a && *slot.b == *b;
+          if (!along && !(*slot.a == *b && *slot.b == *a))
+            continue;
+          Side& side = slot.sides[along ? 0 : 1];
+          slot.shared |= side.flat != kNone;
+          side = {i, edge};
+          break;
+        }
+      }
+    }
+    for (FlatTriangle& flat : flat_) std::ranges::fill(flat.neighbour, kNone);
+    for (const Slot& slot : slots) {
+      const auto& [left, right] = slot.sides;
+      if (left.flat == kNone || right.flat == kNone || slot.shared)
+        continue;
+      flat_[left.flat].neighbour[left.edge] = right.flat;
+      flat_[right.flat].neighbour[right.edge] = left.flat;
+    }
+  }
+
+  static std::size_t hashOf(const Vec3& corner) {
+    const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value + 0.0); };
+    const std::uint64_t mixed =
+        bits(corner.x()) * 0x9e3779b97f4a7c15ull + bits(corner.y()) * 0xc2b2ae3d27d4eb4full;
+    return ((mixed ^ (mixed >> 29)) * 0xbf58476d1ce4e5b9ull) >> 20;
+  }
+
+  /// Whether an edge goes through a square.
+  static bool meets(const FlatTriangle& flat, int edge, const Square& square) {
+    const Vec2 a = flat.corner[edge].head<2>() - Vec2(square.x, square.y), b = a + flat.edge[edge];
+    return std::min(a.x(), b.x()) <= square.half && std::max(a.x(), b.x()) >= -square.half &&
+           std::min(a.y(), b.y()) <= square.half && std::max(a.y(), b.y()) >= -square.half &&
+           std::abs(flat.side(edge, Vec2(square.x, square.y))) <= flat.spread[edge] * square.half;
+  }
+
+  /// The height below which a square lies in the dark of a surface that covers it without a gap:
+  /// from a triangle over its middle, edge by edge, there is a next one wherever the edge meets
+  /// the square. -infinity without such a surface.
+  double coveredTogether(const Square& square, std::span<const Entry> entries) {
+    const std::uint32_t here = ++mark_;
+    for (const Entry& entry : entries) marks_[entry.flat] = {here, &entry, false};
+    double best = -kEndless;
+    for (const Entry& start : entries) {
+      if (!start.cover.middle || marks_[start.flat].seen)
+        continue;
+      double lowest = kEndless;
+      bool whole = true;
+      open_.assign(1, start.flat);
+      marks_[start.flat].seen = true;
+      while (!open_.empty()) {
+        const std::uint32_t at = open_.back();
+        open_.pop_back();
+        lowest = std::min(lowest, marks_[at].entry->cover.lowest);
+        for (int edge = 0; edge < 3; ++edge) {
+          const std::uint32_t next = flat_[at].neighbour[edge];
+          if (next != kNone && marks_[next].node == here) {
+            if (!marks_[next].seen) {
+              marks_[next].seen = true;
+              open_.push_back(next);
+            }
+          } else if (whole && meets(flat_[at], edge, square)) {
+            whole = false;
+          }
+        }
+      }
+      if (whole)
+        best = std::max(best, lowest);
+    }
+    return best;
+  }
+
+  struct Mark {
+    std::uint32_t node = 0;
+    const Entry* entry = nullptr;
+    bool seen = false;
+  };
+
   SunTree::Plot& plot_;
   std::vector<FlatTriangle> flat_;
+  std::vector<Mark> marks_;
+  std::vector<std::uint32_t> open_;
+  std::uint32_t mark_ = 0;
 };
 
 SunTree::SunTree(std::span<const Triangle> triangles, const Vec3& towards) : triangles_(triangles) {

@@ -17,8 +17,8 @@ namespace volute {
 
 /// Triangles as a far light sees them: a tree of squares on the plane across its direction. Of each
 /// square it knows above which height, towards the light, there is nothing, and below which height
-/// everything is in the dark because surfaces cover the square without a gap (a triangle alone, or
-/// the few of a leaf together). What is decided by neither is asked of the triangles of a leaf. The
+/// everything is in the dark because a surface covers the square without a gap (a triangle alone, or
+/// neighbours across their edges). What is decided by neither is asked of the triangles of a leaf. The
 /// lower part of the tree grows where segments come by first; by any thread.
 class SunTree {
  public:
@@ -57,24 +57,14 @@ class SunTree {
     }
   };
 
-  /// A triangle across the light.
+  /// A triangle across the light, from the middle of its plot on.
   struct Face {
-    /// From one of its corners, the same for both triangles of an edge, so that they agree to the
-    /// last bit on where a line crosses it. The triangle is on the left.
-    struct Edge {
-      double x = 0, y = 0, dx = 0, dy = 0;
-
-      double left(const Vec2& p) const { return dx * (p.y() - y) - dy * (p.x() - x); }
-    };
-
-    std::array<Edge, 3> edges;
-    double x = 0, y = 0, height = 0, slopeX = 0, slopeY = 0;  ///< its plane, from a corner
+    /// x_i x + y_i y + rest_i: of a point, for each edge, the same numbers but for the sign for
+    /// both triangles of it, and positive on the triangle's side; the last one is the height of
+    /// the triangle's plane.
+    std::array<double, 4> x, y, rest;
     std::uint32_t triangle = 0;
     bool edgeOn = false;  ///< so steep that its plane says little
-
-    double above(const Vec3& p) const {
-      return height + slopeX * (p.x() - x) + slopeY * (p.y() - y) - p.z();
-    }
 
     /// Where it is above the line from p to q, as shares of the way; empty: nowhere.
     Interval over(const Vec3& p, const Vec3& q) const;
@@ -120,32 +110,42 @@ class SunTree {
 };
 
 inline Interval SunTree::Face::over(const Vec3& p, const Vec3& q) const {
-  Interval part{0, 1};
-  const auto clip = [&](double a, double b) {
-    if (a < 0 && b < 0)
-      return false;
-    if (a < 0)
-      part.begin = std::max(part.begin, a / (a - b));
-    else if (b < 0)
-      part.end = std::min(part.end, a / (a - b));
-    return true;
-  };
-  for (const Edge& edge : edges) {
-    if (!clip(edge.left(p.head<2>()), edge.left(q.head<2>())))
-      return {};
+  std::array<double, 4> atP, atQ;
+  for (int i = 0; i < 4; ++i) {
+    atP[i] = x[i] * p.x() + y[i] * p.y() + rest[i];
+    atQ[i] = x[i] * q.x() + y[i] * q.y() + rest[i];
   }
-  return clip(above(p), above(q)) ? part : Interval{};
+  atP[3] -= p.z();
+  atQ[3] -= q.z();
+  bool beside = false;
+  for (int i = 0; i < 4; ++i) beside |= std::max(atP[i], atQ[i]) < 0;
+  if (beside)
+    return {};
+  Interval part{0, 1};
+  for (int i = 0; i < 4; ++i) {
+    if (atP[i] < 0)
+      part.begin = std::max(part.begin, atP[i] / (atP[i] - atQ[i]));
+    else if (atQ[i] < 0)
+      part.end = std::min(part.end, atP[i] / (atP[i] - atQ[i]));
+  }
+  return part;
 }
 
 template <class Dark, class Look>
 void SunTree::lookAtLeaf(const Visit& leaf, const Node& node, const Vec3& o, const Vec3& d,
                          Dark&& dark, Look&& look) const {
   const double lowest = std::min(leaf.from, leaf.to), length = leaf.part.length();
-  const Vec3 p = o + leaf.part.begin * d, q = o + leaf.part.end * d;
+  const Vec3 from = o - Vec3(leaf.plot->square.x, leaf.plot->square.y, 0);
+  const Vec3 p = from + leaf.part.begin * d, q = from + leaf.part.end * d;
+  const auto give = [&](const Interval& over) {
+    dark(Interval{leaf.part.begin + over.begin * length,
+                  over.end < 1 ? leaf.part.begin + over.end * length : leaf.part.end});
+  };
+  Interval covered;  // by faces that touch, before they are given
   for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
     const Entry& entry = leaf.plot->entries[i];
     if (entry.top < lowest)
-      return;
+      break;
     const Face& face = leaf.plot->faces[entry.face];
     if (face.edgeOn) {
       look(triangles_[face.triangle], leaf.part);
@@ -154,11 +154,25 @@ void SunTree::lookAtLeaf(const Visit& leaf, const Node& node, const Vec3& o, con
     const Interval over = face.over(p, q);
     if (!(over.length() > kNothing))
       continue;
-    dark(Interval{leaf.part.begin + over.begin * length,
-                  over.end < 1 ? leaf.part.begin + over.end * length : leaf.part.end});
-    if (over.begin == 0 && over.end == 1)
+    if (over.begin == 0 && over.end == 1) {
+      dark(leaf.part);
       return;
+    }
+    if (over.begin > covered.end || over.end < covered.begin) {
+      if (!covered.empty())
+        give(covered);
+      covered = over;
+    } else {
+      covered.begin = std::min(covered.begin, over.begin);
+      covered.end = std::max(covered.end, over.end);
+      if (covered.begin == 0 && covered.end == 1) {
+        dark(leaf.part);
+        return;
+      }
+    }
   }
+  if (!covered.empty())
+    give(covered);
 }
 
 template <class Dark, class Look>
