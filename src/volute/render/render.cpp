@@ -70,18 +70,23 @@ std::vector<Pixel> pixelsOfTile(const Scene& scene, int left, int top) {
 /// Through all pieces of all media, in double.
 void byPieces(std::span<const AnyMedium> media, std::span<const Segment> segments,
               std::span<Radiance> light, RenderStats& stats) {
+  // So few rays at once that their pieces stay in the cache and in the memory that they have.
+  constexpr std::size_t kRays = 32;
   std::vector<std::vector<std::vector<Piece>>> ofMedium(media.size());
-  for (std::size_t m = 0; m < media.size(); ++m) {
-    ofMedium[m].resize(segments.size());
-    media[m].pieces(segments, ofMedium[m]);
-  }
+  for (auto& pieces : ofMedium) pieces.resize(std::min(kRays, segments.size()));
   std::vector<std::vector<Piece>> onRay(media.size());
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    for (std::size_t m = 0; m < media.size(); ++m) {
-      onRay[m] = std::move(ofMedium[m][i]);
-      stats.pieces += onRay[m].size();
+  for (std::size_t first = 0; first < segments.size(); first += kRays) {
+    const std::size_t rays = std::min(kRays, segments.size() - first);
+    for (std::size_t m = 0; m < media.size(); ++m)
+      media[m].pieces(segments.subspan(first, rays), std::span(ofMedium[m]).first(rays));
+    for (std::size_t i = 0; i < rays; ++i) {
+      for (std::size_t m = 0; m < media.size(); ++m) {
+        onRay[m].swap(ofMedium[m][i]);
+        stats.pieces += onRay[m].size();
+      }
+      light[first + i] = compositeMedia(onRay);
+      for (std::size_t m = 0; m < media.size(); ++m) onRay[m].swap(ofMedium[m][i]);
     }
-    light[i] = compositeMedia(onRay);
   }
 }
 
