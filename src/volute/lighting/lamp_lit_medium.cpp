@@ -11,6 +11,7 @@
 #include "volute/base/parallel.hpp"
 #include "volute/math/phase_function.hpp"
 #include "volute/math/quadrature.hpp"
+#include "volute/medium/integrate.hpp"
 
 namespace volute {
 namespace {
@@ -371,10 +372,9 @@ Rgb LampLitMedium::scattered(const Segment& segment, std::span<const Piece> dens
 
 void LampLitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
   medium_.radiance(segments, out);
-  std::vector<std::vector<Piece>> density(segments.size());
-  density_.pieces(segments, density);
-  for (std::size_t i = 0; i < segments.size(); ++i)
-    out[i].emitted += scattered(segments[i], density[i]);
+  forPieces(density_, segments, [&](std::size_t i, const std::vector<Piece>& density) {
+    out[i].emitted += scattered(segments[i], density);
+  });
 }
 
 }  // namespace volute

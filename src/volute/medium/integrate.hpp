@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <functional>
 #include <span>
 #include <vector>
@@ -39,12 +41,27 @@ Radiance composite(std::span<const Piece> pieces, double* errorBound = nullptr);
 Radiance compositeMedia(std::span<const std::vector<Piece>> perMedium,
                         double* errorBound = nullptr);
 
+/// Segments of whose pieces a loop takes care at once: few enough that they stay in the cache, and
+/// in memory that the next ones use again.
+inline constexpr std::size_t kSegmentsAtOnce = 32;
+
+/// Calls `each(i, pieces)` for every segments[i].
+template <Medium M, class Each>
+void forPieces(const M& medium, std::span<const Segment> segments, Each&& each) {
+  std::vector<std::vector<Piece>> pieces(std::min(kSegmentsAtOnce, segments.size()));
+  for (std::size_t first = 0; first < segments.size(); first += kSegmentsAtOnce) {
+    const std::size_t count = std::min(kSegmentsAtOnce, segments.size() - first);
+    medium.pieces(segments.subspan(first, count), std::span(pieces).first(count));
+    for (std::size_t i = 0; i < count; ++i) each(first + i, pieces[i]);
+  }
+}
+
 /// Used by AnyMedium for a medium without its own radiance().
 template <Medium M>
 void radianceByPieces(const M& medium, std::span<const Segment> segments, std::span<Radiance> out) {
-  std::vector<std::vector<Piece>> pieces(segments.size());
-  medium.pieces(segments, pieces);
-  for (std::size_t i = 0; i < segments.size(); ++i) out[i] = composite(pieces[i]);
+  forPieces(medium, segments, [&](std::size_t i, const std::vector<Piece>& pieces) {
+    out[i] = composite(pieces);
+  });
 }
 
 /// The integral of a function of the point over the part of `segment` inside `bounds`, by adaptive

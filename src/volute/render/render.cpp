@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "volute/base/parallel.hpp"
+#include "volute/medium/integrate.hpp"
 
 namespace volute {
 namespace {
@@ -70,13 +71,11 @@ std::vector<Pixel> pixelsOfTile(const Scene& scene, int left, int top) {
 /// Through all pieces of all media, in double.
 void byPieces(std::span<const AnyMedium> media, std::span<const Segment> segments,
               std::span<Radiance> light, RenderStats& stats) {
-  // So few rays at once that their pieces stay in the cache and in the memory that they have.
-  constexpr std::size_t kRays = 32;
   std::vector<std::vector<std::vector<Piece>>> ofMedium(media.size());
-  for (auto& pieces : ofMedium) pieces.resize(std::min(kRays, segments.size()));
+  for (auto& pieces : ofMedium) pieces.resize(std::min(kSegmentsAtOnce, segments.size()));
   std::vector<std::vector<Piece>> onRay(media.size());
-  for (std::size_t first = 0; first < segments.size(); first += kRays) {
-    const std::size_t rays = std::min(kRays, segments.size() - first);
+  for (std::size_t first = 0; first < segments.size(); first += kSegmentsAtOnce) {
+    const std::size_t rays = std::min(kSegmentsAtOnce, segments.size() - first);
     for (std::size_t m = 0; m < media.size(); ++m)
       media[m].pieces(segments.subspan(first, rays), std::span(ofMedium[m]).first(rays));
     for (std::size_t i = 0; i < rays; ++i) {
