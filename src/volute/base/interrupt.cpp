@@ -22,6 +22,7 @@ namespace {
 
 std::atomic<bool> stopRequested{false};
 std::atomic<bool> finished{false};
+std::atomic<bool> writes{false};
 std::atomic<bool> memoryWasMissing{false};
 std::mutex foldersMutex;
 std::set<std::filesystem::path> folders;
@@ -97,7 +98,9 @@ void waitForSignals() {
   if (sigwait(&set, &signal) != 0 || finished)
     return;
   stopRequested = true;
-  const timespec patience{0, std::chrono::nanoseconds(Interrupt::kPatience).count()};
+  const timespec patience =
+      writes ? timespec{Interrupt::kWriting.count(), 0}
+             : timespec{0, std::chrono::nanoseconds(Interrupt::kPatience).count()};
   const int second = sigtimedwait(&set, nullptr, &patience);
   if (!finished && (second > 0 || errno == EAGAIN))
     endNow();
@@ -124,6 +127,10 @@ Interrupt::~Interrupt() {
 
 bool Interrupt::requested() {
   return stopRequested;
+}
+
+void Interrupt::expectWriting() {
+  writes = true;
 }
 
 void Interrupt::name(std::string_view command) {

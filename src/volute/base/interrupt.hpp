@@ -10,10 +10,10 @@
 namespace volute {
 
 /// While it lives, SIGINT (Ctrl-C) and SIGTERM ask the running command to stop. A second one, or a
-/// command that has not stopped after kPatience, removes the half-written outputs beside the targets
-/// that were named to watch(), and ends the program with exit code 1. Make it before any other thread: they inherit the signal mask, and a
-/// thread of its own waits for the signals, so that the answer to them is free of what signal
-/// handlers may not do.
+/// command that has not stopped after kPatience (or kWriting), removes the half-written outputs
+/// beside the targets that were named to watch(), and ends the program with exit code 1. Make it
+/// before any other thread: they inherit the signal mask, and a thread of its own waits for the
+/// signals, so that the answer to them is free of what signal handlers may not do.
 class Interrupt {
  public:
   Interrupt();
@@ -31,11 +31,15 @@ class Interrupt {
   /// The parent folder of `target` is searched for half-written files when the program is ended.
   static void watch(const std::filesystem::path& target);
 
+  /// The command writes what it has when it is asked to stop, and has kWriting for that.
+  static void expectWriting();
+
   /// The command, which the last message begins with.
   static void name(std::string_view command);
 
   /// What a library computes, or a disk takes, does not ask whether to stop.
   static constexpr std::chrono::milliseconds kPatience{800};
+  static constexpr std::chrono::seconds kWriting{30};
 
  private:
   std::thread waiter_;

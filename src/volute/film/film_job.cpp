@@ -5,12 +5,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <string>
 
 #include "volute/base/gather_values.hpp"
 #include "volute/base/process_usage.hpp"
+#include "volute/film/cancel_only.hpp"
 
 namespace volute {
 namespace {
@@ -84,6 +86,39 @@ Status cpuMayDraw(const char* what) {
               "{} is drawn by the CPU, which VOLUTE_CPU_RENDERER=off forbids", what);
 }
 
+namespace {
+
+/// Each pixel of the larger picture is the one of the smaller that it lies in.
+Image enlarged(const Image& small, int width, int height) {
+  Image image(width, height, small.channels);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      for (int c = 0; c < small.channels; ++c)
+        image.at(x, y, c) = small.at(x * small.width / width, y * small.height / height, c);
+    }
+  }
+  return image;
+}
+
+struct PixelTile {
+  int left = 0, top = 0, width = 0, height = 0;
+};
+
+std::vector<PixelTile> tilesFromTheMiddle(int width, int height, int side) {
+  std::vector<PixelTile> tiles;
+  for (int top = 0; top < height; top += side) {
+    for (int left = 0; left < width; left += side)
+      tiles.push_back({left, top, std::min(side, width - left), std::min(side, height - top)});
+  }
+  std::ranges::stable_sort(tiles, {}, [&](const PixelTile& tile) {
+    return std::hypot(tile.left + 0.5 * (tile.width - width),
+                      tile.top + 0.5 * (tile.height - height));
+  });
+  return tiles;
+}
+
+}  // namespace
+
 Camera FilmJob::cameraAt(const FilmFrame& frame) const {
   Camera now = camera;
   if (way && !way->keys.empty()) {
@@ -105,20 +140,60 @@ Result<Image> FilmJob::pictureOf(const Snapshot& snapshot, const Camera& camera,
   }
   if (renderer->name() != "gl")
     VOLUTE_TRY(cpuMayDraw("this picture"));
-  const auto draw = [&] {
-    return samples > 1 && options.aov == Aov::kNone
-               ? renderer->renderSmooth(snapshot, camera, options, samples, style, progress,
-                                        &counts)
-               : renderer->render(snapshot, camera, options, progress, &counts);
+  const auto drawn = [&] {
+    return partial && options.aov == Aov::kNone
+               ? drawUntilStopped(snapshot, camera, progress, counts)
+               : draw(snapshot, camera, samples, progress, counts);
   };
-  auto image = draw();
+  auto image = drawn();
   if (image || !mayFallBack || renderer->name() != "gl" ||
       image.error().code == ErrorCode::kCancelled)
     return image;
   progress.remark(fmt::format("the CPU draws, since OpenGL does not: {}", image.error().message));
   renderer = std::make_unique<CpuRenderer>();
   VOLUTE_TRY(cpuMayDraw("this picture"));
-  return draw();
+  return drawn();
+}
+
+Result<Image> FilmJob::draw(const Snapshot& snapshot, const Camera& camera, int rays,
+                            Progress& progress, PictureCounts& counts) {
+  return rays > 1 && options.aov == Aov::kNone
+             ? renderer->renderSmooth(snapshot, camera, options, rays, style, progress, &counts)
+             : renderer->render(snapshot, camera, options, progress, &counts);
+}
+
+Result<Image> FilmJob::drawUntilStopped(const Snapshot& snapshot, const Camera& camera,
+                                        Progress& progress, PictureCounts& counts) {
+  constexpr int kCoarse = 8;   // pixels a side that one of the coarse picture stands for
+  constexpr int kTile = 128;   // [pixels]
+  constexpr int kBeside = 2;   // pixels around a tile, so that edges are found as in the whole
+  const int width = camera.width(), height = camera.height();
+  const Camera small = camera.resized((width + kCoarse - 1) / kCoarse, (height + kCoarse - 1) / kCoarse);
+  CancelOnly quiet(progress);
+  VOLUTE_ASSIGN(Image picture, draw(snapshot, small, 1, quiet, counts));
+  picture = enlarged(picture, width, height);
+  drawnShare = 0;
+  const double all = static_cast<double>(width) * height;
+  for (const PixelTile& tile : tilesFromTheMiddle(width, height, kTile)) {
+    const int left = std::max(tile.left - kBeside, 0), top = std::max(tile.top - kBeside, 0);
+    const int right = std::min(tile.left + tile.width + kBeside, width);
+    const int bottom = std::min(tile.top + tile.height + kBeside, height);
+    const auto part = draw(snapshot, camera.cropped(left, top, right - left, bottom - top), samples,
+                           quiet, counts);
+    if (!part && part.error().code == ErrorCode::kCancelled)
+      return picture;
+    VOLUTE_TRY(part);
+    for (int y = 0; y < tile.height; ++y) {
+      for (int x = 0; x < tile.width; ++x) {
+        for (int c = 0; c < picture.channels; ++c)
+          picture.at(tile.left + x, tile.top + y, c) = part->at(tile.left + x - left, tile.top + y - top, c);
+      }
+    }
+    drawnShare += tile.width * static_cast<double>(tile.height) / all;
+    progress.report("rendering", drawnShare, 1);
+  }
+  drawnShare = 1;
+  return picture;
 }
 
 Result<Image> FilmJob::picture(const FilmFrame& frame, Progress& progress) {

@@ -50,6 +50,8 @@ struct FilmJob {
   double orbit = 0;                     ///< [radians], over all frames
   Vec3 orbitCentre = Vec3::Zero();
   std::vector<std::string> layers{};  ///< of an .exr with several: beauty, alpha, z, transmittance, optical-depth
+  bool partial = false;  ///< a picture that is stopped is returned as far as it was drawn
+  double drawnShare = 1;  ///< of the pixels of the last such picture
   FilmTotals totals{};
 
   /// All `layers` of a frame, by the names of their channels: R, G, B, A, Z, transmittance.Y,
@@ -71,6 +73,11 @@ struct FilmJob {
   Camera cameraAt(const FilmFrame& frame) const;
   [[nodiscard]] Result<Image> pictureOf(const Snapshot& snapshot, const Camera& camera,
                                         Progress& progress, PictureCounts& counts);
+  [[nodiscard]] Result<Image> draw(const Snapshot& snapshot, const Camera& camera, int rays,
+                                   Progress& progress, PictureCounts& counts);
+  /// In tiles over a coarse picture; sets drawnShare.
+  [[nodiscard]] Result<Image> drawUntilStopped(const Snapshot& snapshot, const Camera& camera,
+                                               Progress& progress, PictureCounts& counts);
 };
 
 /// "beauty,alpha,z" as FilmJob::layers; none where it is optical-depth or transmittance alone, which

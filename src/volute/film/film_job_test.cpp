@@ -42,6 +42,47 @@ class TooSmall final : public SceneRenderer {
   ErrorCode code_;
 };
 
+/// Draws one colour, another in each call, and is stopped after some calls.
+class StoppedDrawer final : public SceneRenderer {
+ public:
+  explicit StoppedDrawer(int calls) : left_(calls) {}
+
+  std::string_view name() const override { return "cpu"; }
+
+ protected:
+  Status begin(const View&) override { return {}; }
+
+  Result<SurfacePicture> surfaces(const View&, Progress&) override { return missing(); }
+
+  Result<SurfaceView> walls(const View&, std::size_t) override { return missing(); }
+
+  Result<std::vector<SignPixel>> findSigns(const View&) override { return missing(); }
+
+  Result<Image> color(const View& view, const RenderOptions&, Progress&, RenderStats&) override {
+    if (left_-- == 0)
+      return fail(ErrorCode::kCancelled, "stopped");
+    Image image(view.camera.width(), view.camera.height(), 3);
+    for (float& value : image.pixels) value = value_;
+    value_ += 1;
+    return image;
+  }
+
+  Result<Image> opticalDepth(const View&, const RenderOptions&, Progress&, RenderStats&) override {
+    return missing();
+  }
+
+  Status addSigns(const View&, std::span<const SignPixel>, const RenderOptions&, Progress&,
+                  Image&) override {
+    return missing();
+  }
+
+ private:
+  static tl::unexpected<Error> missing() { return fail(ErrorCode::kUnsupported, "not drawn"); }
+
+  int left_;
+  float value_ = 1;
+};
+
 struct Remarks final : Progress {
   void remark(std::string_view message) override { heard += message; }
 
@@ -67,6 +108,32 @@ TEST(FilmJob, TheCpuDrawsWhatOpenGlCannotWhereItMay) {
     EXPECT_NE(remarks.heard.find("the device is too small"), std::string::npos);
     EXPECT_EQ(job.stats()["renderer"], "cpu");
   }
+}
+
+TEST(FilmJob, StoppedPicturesAreReturnedAsFarAsTheyAreDrawn) {
+  Remarks remarks;
+  const auto job = [](int calls) {
+    FilmJob made = jobWith(ErrorCode::kInvalidData, false);
+    made.camera = made.camera.resized(300, 200);  // six tiles
+    made.renderer = std::make_unique<StoppedDrawer>(calls);
+    made.partial = true;
+    return made;
+  };
+  FilmJob third = job(3);  // the coarse picture and two tiles
+  const auto image = third.picture({}, remarks);
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_EQ(image->width, 300);
+  EXPECT_EQ(image->height, 200);
+  EXPECT_EQ(image->at(150, 100, 0), 2) << "the middle comes first";
+  EXPECT_EQ(image->at(150, 180, 0), 3);
+  EXPECT_EQ(image->at(10, 10, 0), 1) << "of the coarse picture";
+  EXPECT_NEAR(third.drawnShare, (128 * 128 + 128 * 72) / (300 * 200.0), 1e-12);
+
+  FilmJob whole = job(7);
+  ASSERT_TRUE(whole.picture({}, remarks));
+  EXPECT_EQ(whole.drawnShare, 1);
+  FilmJob nothing = job(0);
+  EXPECT_EQ(nothing.picture({}, remarks).error().code, ErrorCode::kCancelled);
 }
 
 TEST(FilmJob, OpenGlThatWasAskedForFails) {

@@ -10,6 +10,7 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/base/ordered_delivery.hpp"
+#include "volute/film/cancel_only.hpp"
 #include "volute/image/picture_style.hpp"
 
 namespace volute {
@@ -27,19 +28,6 @@ Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, cons
   return filmWriter(target, development, job.camera.width(), job.camera.height(),
                     job.framesPerSecond, comment);
 }
-
-/// A single picture reports its own progress; of several each is one step, with its remarks.
-class CancelOnly final : public Progress {
- public:
-  explicit CancelOnly(Progress& outer) : outer_(outer) {}
-
-  void remark(std::string_view message) override { outer_.remark(message); }
-
-  bool cancelled() const override { return outer_.cancelled(); }
-
- private:
-  Progress& outer_;
-};
 
 /// How much is to come, before the first picture.
 void remarkOnPictures(const FilmJob& job, const std::string& target, Progress& progress) {
@@ -80,6 +68,7 @@ Result<double> exposureFor(FilmJob& job, ToneCurve tone, Progress& progress) {
   const std::size_t tried = job.measured ? 1 : std::min(count, kTried);
   const FilmTotals totals = job.totals;
   const int samples = std::exchange(job.samples, 1);
+  const bool partial = std::exchange(job.partial, false);  // without an exposure there is nothing
   if (!job.measured)
     job.camera = whole.resized(size(whole.width()), size(whole.height()));
   std::vector<Image> pictures;
@@ -93,6 +82,7 @@ Result<double> exposureFor(FilmJob& job, ToneCurve tone, Progress& progress) {
       status = tl::unexpected<Error>(std::move(one.error()));
   }
   job.camera = whole, job.samples = samples, job.totals = totals;
+  job.partial = partial;
   VOLUTE_TRY(status);
   const double exposure = suggestExposure(pictures, tone);
   progress.remark(count == 1 ? fmt::format("exposure {:.4g}", exposure)
@@ -165,8 +155,14 @@ class FilmPass {
           return {};
         },
         [&] { return isFilmPath(target_) ? film_.finish() : Status(); }));
-    const Stopwatch watch(job_.totals.write);
-    return writer_ ? writer_->finish() : Status();
+    {
+      const Stopwatch watch(job_.totals.write);
+      VOLUTE_TRY(writer_ ? writer_->finish() : Status());
+    }
+    if (job_.drawnShare == 1)
+      return {};
+    return fail(ErrorCode::kCancelled, "stopped; {} shows {:.0f} % of the picture, the rest coarsely",
+                target_, 100 * job_.drawnShare);
   }
 
  private:

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "volute/base/interrupt.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/film/picture_writer.hpp"
@@ -216,6 +217,9 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   VOLUTE_TRY(ofOption("by-pieces", checkTogether(job)));
   job.orbit = arguments.find<double>("orbit").value_or(0) * std::numbers::pi / 180;
   job.measured = isMeasured(arguments);
+  job.partial = arguments.flag("partial") && job.frames.size() == 1 && context.team.size() == 1;
+  if (job.partial)
+    Interrupt::expectWriting();
   if (!job.measured && !job.contour)
     job.samples = arguments.get<int>("samples");
   VOLUTE_TRY(scaleContour(job, context.progress, context.team));
@@ -444,7 +448,9 @@ std::vector<Option> renderOptionTable() {
            "draw mode, field, C, time and colour scale into .png and films"},
       {.name = "no-legend", .help = "no legend in pictures of an FDS case alone"},
       statsOption(),
-      partialOption({"volume", kSceneKind})};
+      {.name = "partial",
+       .help = "use the intact part of a damaged .volute; of a single picture that is interrupted, "
+               "write what is drawn"}};
   auto camera = fieldOptions({&cameraFields()});
   for (Option& option : camera) option.kinds.clear();
   for (const auto& more : {camera, mediumOptions(), lightCacheOptions()})

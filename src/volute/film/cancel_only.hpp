@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <string_view>
+
+#include "volute/base/progress.hpp"
+
+namespace volute {
+
+/// Passes on remarks and cancellation, but no progress: for one of several parts of a task.
+class CancelOnly final : public Progress {
+ public:
+  explicit CancelOnly(Progress& outer) : outer_(outer) {}
+
+  void remark(std::string_view message) override { outer_.remark(message); }
+
+  bool cancelled() const override { return outer_.cancelled(); }
+
+ private:
+  Progress& outer_;
+};
+
+}  // namespace volute
