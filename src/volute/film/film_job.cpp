@@ -164,11 +164,12 @@ Result<Image> FilmJob::draw(const Snapshot& snapshot, const Camera& camera, int 
 
 Result<Image> FilmJob::drawUntilStopped(const Snapshot& snapshot, const Camera& camera,
                                         Progress& progress, PictureCounts& counts) {
-  constexpr int kCoarse = 8;   // pixels a side that one of the coarse picture stands for
-  constexpr int kTile = 128;   // [pixels]
-  constexpr int kBeside = 2;   // pixels around a tile, so that edges are found as in the whole
+  constexpr int kCoarse = 8;  // pixels a side that one of the coarse picture stands for
+  constexpr int kTile = 128;  // [pixels]
+  constexpr int kBeside = 2;  // pixels around a tile, so that edges are found as in the whole
   const int width = camera.width(), height = camera.height();
-  const Camera small = camera.resized((width + kCoarse - 1) / kCoarse, (height + kCoarse - 1) / kCoarse);
+  const Camera small =
+      camera.resized((width + kCoarse - 1) / kCoarse, (height + kCoarse - 1) / kCoarse);
   CancelOnly quiet(progress);
   VOLUTE_ASSIGN(Image picture, draw(snapshot, small, 1, quiet, counts));
   picture = enlarged(picture, width, height);
@@ -185,8 +186,10 @@ Result<Image> FilmJob::drawUntilStopped(const Snapshot& snapshot, const Camera& 
     VOLUTE_TRY(part);
     for (int y = 0; y < tile.height; ++y) {
       for (int x = 0; x < tile.width; ++x) {
-        for (int c = 0; c < picture.channels; ++c)
-          picture.at(tile.left + x, tile.top + y, c) = part->at(tile.left + x - left, tile.top + y - top, c);
+        for (int c = 0; c < picture.channels; ++c) {
+          picture.at(tile.left + x, tile.top + y, c) =
+              part->at(tile.left + x - left, tile.top + y - top, c);
+        }
       }
     }
     drawnShare += tile.width * static_cast<double>(tile.height) / all;

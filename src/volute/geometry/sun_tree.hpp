@@ -17,9 +17,9 @@ namespace volute {
 
 /// Triangles as a far light sees them: a tree of squares on the plane across its direction. Of each
 /// square it knows above which height, towards the light, there is nothing, and below which height
-/// everything is in the dark because a surface covers the square without a gap (a triangle alone, or
-/// neighbours across their edges). What is decided by neither is asked of the triangles of a leaf. The
-/// lower part of the tree grows where segments come by first; by any thread.
+/// everything is in the dark because a surface covers the square without a gap (a triangle alone,
+/// or neighbours across their edges). What is decided by neither is asked of the triangles of a
+/// leaf. The lower part of the tree grows where segments come by first; by any thread.
 class SunTree {
  public:
   /// The triangles must outlive it. @param towards  the light; its length does not matter
