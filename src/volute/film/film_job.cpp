@@ -13,6 +13,7 @@
 #include "volute/base/gather_values.hpp"
 #include "volute/base/process_usage.hpp"
 #include "volute/film/cancel_only.hpp"
+#include "volute/image/picture_tiles.hpp"
 
 namespace volute {
 namespace {
@@ -100,23 +101,6 @@ Image enlarged(const Image& small, int width, int height) {
   return image;
 }
 
-struct PixelTile {
-  int left = 0, top = 0, width = 0, height = 0;
-};
-
-std::vector<PixelTile> tilesFromTheMiddle(int width, int height, int side) {
-  std::vector<PixelTile> tiles;
-  for (int top = 0; top < height; top += side) {
-    for (int left = 0; left < width; left += side)
-      tiles.push_back({left, top, std::min(side, width - left), std::min(side, height - top)});
-  }
-  std::ranges::stable_sort(tiles, {}, [&](const PixelTile& tile) {
-    return std::hypot(tile.left + 0.5 * (tile.width - width),
-                      tile.top + 0.5 * (tile.height - height));
-  });
-  return tiles;
-}
-
 }  // namespace
 
 Camera FilmJob::cameraAt(const FilmFrame& frame) const {
@@ -165,7 +149,7 @@ Result<Image> FilmJob::draw(const Snapshot& snapshot, const Camera& camera, int 
 Result<Image> FilmJob::drawUntilStopped(const Snapshot& snapshot, const Camera& camera,
                                         Progress& progress, PictureCounts& counts) {
   constexpr int kCoarse = 8;  // pixels a side that one of the coarse picture stands for
-  constexpr int kTile = 128;  // [pixels]
+  constexpr double kTile = 128 * 128;  // pixels, about
   constexpr int kBeside = 2;  // pixels around a tile, so that edges are found as in the whole
   const int width = camera.width(), height = camera.height();
   const Camera small =
@@ -175,7 +159,8 @@ Result<Image> FilmJob::drawUntilStopped(const Snapshot& snapshot, const Camera& 
   picture = enlarged(picture, width, height);
   drawnShare = 0;
   const double all = static_cast<double>(width) * height;
-  for (const PixelTile& tile : tilesFromTheMiddle(width, height, kTile)) {
+  for (const PictureTile& tile :
+       pictureTiles(width, height, static_cast<int>(std::ceil(all / kTile)))) {
     const int left = std::max(tile.left - kBeside, 0), top = std::max(tile.top - kBeside, 0);
     const int right = std::min(tile.left + tile.width + kBeside, width);
     const int bottom = std::min(tile.top + tile.height + kBeside, height);

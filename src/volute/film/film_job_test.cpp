@@ -114,7 +114,7 @@ TEST(FilmJob, StoppedPicturesAreReturnedAsFarAsTheyAreDrawn) {
   Remarks remarks;
   const auto job = [](int calls) {
     FilmJob made = jobWith(ErrorCode::kInvalidData, false);
-    made.camera = made.camera.resized(300, 200);  // six tiles
+    made.camera = made.camera.resized(390, 390);  // nine tiles
     made.renderer = std::make_unique<StoppedDrawer>(calls);
     made.partial = true;
     return made;
@@ -122,14 +122,14 @@ TEST(FilmJob, StoppedPicturesAreReturnedAsFarAsTheyAreDrawn) {
   FilmJob third = job(3);  // the coarse picture and two tiles
   const auto image = third.picture({}, remarks);
   ASSERT_TRUE(image) << image.error().message;
-  EXPECT_EQ(image->width, 300);
-  EXPECT_EQ(image->height, 200);
-  EXPECT_EQ(image->at(150, 100, 0), 2) << "the middle comes first";
-  EXPECT_EQ(image->at(150, 180, 0), 3);
+  EXPECT_EQ(image->width, 390);
+  EXPECT_EQ(image->height, 390);
+  EXPECT_EQ(image->at(195, 195, 0), 2) << "the middle comes first";
+  EXPECT_EQ(image->at(195, 50, 0), 3);
   EXPECT_EQ(image->at(10, 10, 0), 1) << "of the coarse picture";
-  EXPECT_NEAR(third.drawnShare, (128 * 128 + 128 * 72) / (300 * 200.0), 1e-12);
+  EXPECT_NEAR(third.drawnShare, 2 / 9.0, 1e-12);
 
-  FilmJob whole = job(7);
+  FilmJob whole = job(10);
   ASSERT_TRUE(whole.picture({}, remarks));
   EXPECT_EQ(whole.drawnShare, 1);
   FilmJob nothing = job(0);

@@ -2,15 +2,19 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include "volute/image/bitmap_text.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/compare.hpp"
 #include "volute/image/drawing.hpp"
+#include "volute/image/picture_tiles.hpp"
 #include "volute/image/srgb.hpp"
 
 namespace volute {
@@ -160,6 +164,25 @@ TEST(Drawing, LinesHaveTheirWidthAndRectanglesAreCut) {
   fillRect(image, -5, -5, 2, 100, Rgb::Constant(0.5));
   EXPECT_EQ(image.at(1, 19), 0.5F);
   EXPECT_EQ(image.at(2, 19), 0);
+}
+
+TEST(PictureTiles, CoverThePictureOnceTheMiddleFirst) {
+  for (const auto& [width, height, about] :
+       {std::array{300, 200, 4}, {1280, 800, 63}, {5, 3, 10}, {700, 65, 1}}) {
+    const std::vector<PictureTile> tiles = pictureTiles(width, height, about);
+    std::vector<int> covered(static_cast<std::size_t>(width) * height, 0);
+    for (const PictureTile& tile : tiles) {
+      EXPECT_GE(tile.width, std::min(width, 64));
+      EXPECT_GE(tile.height, std::min(height, 64));
+      for (int y = tile.top; y < tile.top + tile.height; ++y) {
+        for (int x = tile.left; x < tile.left + tile.width; ++x)
+          ++covered[static_cast<std::size_t>(y) * width + x];
+      }
+    }
+    EXPECT_TRUE(std::ranges::all_of(covered, [](int times) { return times == 1; }));
+    EXPECT_LE(std::abs(tiles[0].left + 0.5 * tiles[0].width - 0.5 * width), 0.5 * tiles[0].width);
+    EXPECT_LE(std::abs(tiles[0].top + 0.5 * tiles[0].height - 0.5 * height), 0.5 * tiles[0].height);
+  }
 }
 
 }  // namespace

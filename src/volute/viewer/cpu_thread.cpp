@@ -8,42 +8,14 @@
 #include <utility>
 
 #include "volute/base/thread_priority.hpp"
+#include "volute/image/picture_tiles.hpp"
 
 namespace volute {
 namespace {
 
 constexpr double kSoon = 0.35;    ///< [s]: a picture that takes longer comes in tiles,
 constexpr double kTileTime = 0.2; ///< [s] each, about
-constexpr int kSmallestTile = 64; ///< [pixels] a side: each tile has some work of its own
 constexpr double kFiner = 2;      ///< times as many pixels a side in the next picture
-
-struct Tile {
-  int left = 0, top = 0, width = 0, height = 0;
-};
-
-/// Tiles that cover a picture, those at its middle first.
-std::vector<Tile> tilesOf(int width, int height, int about) {
-  const double side = std::sqrt(static_cast<double>(width) * height / std::max(about, 1));
-  const auto count = [&](int length) {
-    const int most = std::max(1, length / kSmallestTile);
-    return std::clamp(static_cast<int>(std::lround(length / side)), 1, most);
-  };
-  const int columns = count(width), rows = count(height);
-  std::vector<Tile> tiles;
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      const int left = column * width / columns, top = row * height / rows;
-      tiles.push_back({left, top, (column + 1) * width / columns - left,
-                       (row + 1) * height / rows - top});
-    }
-  }
-  std::ranges::stable_sort(tiles, {}, [&](const Tile& tile) {
-    const double x = tile.left + 0.5 * (tile.width - width);
-    const double y = tile.top + 0.5 * (tile.height - height);
-    return x * x / (1.0 * width * width) + y * y / (1.0 * height * height);
-  });
-  return tiles;
-}
 
 /// From texel centres to texel centres, bilinearly.
 std::vector<float> resampled(const std::vector<float>& from, int fromWidth, int fromHeight,
@@ -222,13 +194,13 @@ bool CpuThread::takePicture(const CpuJob& job, double scale, bool preview) {
   const double expected = cost * pixels;
   const bool inTiles = !always && job.inTiles && expected > kSoon;
   const auto tiles =
-      tilesOf(width, height, inTiles ? static_cast<int>(expected / kTileTime) + 1 : 1);
+      pictureTiles(width, height, inTiles ? static_cast<int>(expected / kTileTime) + 1 : 1);
   if (inTiles && !canvasShown_)
     return false;  // there is always a coarser one
   beginPicture(width, height);
   const double begun = clock_();
   double done = 0, spent = 0;
-  for (const Tile& tile : tiles) {
+  for (const PictureTile& tile : tiles) {
     const auto image = (preview ? job.preview : job.take)(
         tiles.size() == 1 ? camera : camera.cropped(tile.left, tile.top, tile.width, tile.height),
         stop);
