@@ -189,13 +189,13 @@ void Loader::serve(std::unique_lock<std::mutex>& lock) {
     wantedChanges_.clear();  // they were meant for what was open
   const auto changes = std::exchange(wantedChanges_, {});
   changing_ = path || !changes.empty();
+  working_ = true;  // before the lock is given up
+  state_.busy = true;
   if (changing_)
     forgetSnapshots(lock);
   if (!changes.empty() && !time)
     time = time_;
   noteRequests();
-  working_ = true;
-  state_.busy = true;
   lock.unlock();
   const bool opened = !path || openNow(*path);
   if (path && opened && document_ && !time)

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/loader.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+namespace volute {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr auto kSoon = std::chrono::seconds(60);
+
+/// Its snapshots take a while to be freed.
+class Heavy final : public Document {
+ public:
+  std::string title() const override { return "heavy"; }
+
+  Box3 bounds() const override { return {Vec3::Zero(), Vec3::Ones()}; }
+
+  std::vector<double> times() const override { return {0}; }
+
+  bool grey() const override { return true; }
+
+  std::vector<std::filesystem::path> files() const override { return {}; }
+
+  Result<ViewScene> sceneAt(const SceneRequest&, Progress&) override {
+    const std::shared_ptr<int> weight(new int, [](int* held) {
+      std::this_thread::sleep_for(milliseconds(30));
+      delete held;
+    });
+    return ViewScene{.cpu = [weight](const Camera&, Progress&) { return Image(1, 1); }};
+  }
+};
+
+/// Until it holds; false: it never does.
+template <class Holds>
+bool soon(Holds&& holds) {
+  const auto begun = std::chrono::steady_clock::now();
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() - begun > kSoon)
+      return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+TEST(Loader, IsNotIdleWhileAChangeIsStillToBeMade) {
+  std::atomic<bool> made = false;
+  Loader loader([](const std::string&, Progress&) { return std::make_unique<Heavy>(); });
+  loader.open("heavy", std::nullopt);
+  ASSERT_TRUE(soon([&] {
+    const auto news = loader.news();
+    return news && news->idle;
+  }));
+  for (int i = 0; i < 5; ++i) {
+    made = false;
+    loader.change("some", [&](Document&, Progress&) -> Result<std::string> {
+      made = true;
+      return "made";
+    });
+    std::optional<LoaderNews> last;
+    ASSERT_TRUE(soon([&] {
+      last = loader.news();
+      return last && last->idle;
+    }));
+    EXPECT_TRUE(made) << "what was asked for is done when nothing is left to be done";
+    EXPECT_EQ(last->state.message, "made");
+    EXPECT_FALSE(last->state.busy);
+  }
+}
+
+}  // namespace
+}  // namespace volute
