@@ -123,6 +123,14 @@ class Render(support.TestCase):
             self.works("render", self.path("t.npy"), "-o", self.path("x.exr"), "--time", time, *self.AHEAD)
             self.assertAlmostEqual(self.works("info", self.path("x.exr"), "--json").json["maximum"], value, places=6)
 
+    def test_partial_that_changes_nothing_is_refused(self):
+        words = ["--partial", "--size", "8x8"]
+        for more in [["--frames", "0:2", "-o", self.path("s%d.png")], ["-o", self.path("d.exr"), "--aov", "optical-depth"],
+                     ["-o", self.path("a.exr"), "--aov", "beauty,alpha"]]:
+            self.assertIn("--partial changes nothing here", self.fails(2, "render", self.block(), *words, *more))
+        self.works("render", self.block(), *words, "-o", self.path("x.png"))
+        self.works("render", self.make_volute(frames=2), *words, "-o", self.path("v%d.png"), "--frames", "0:2")
+
     def test_times_past_the_end_are_refused(self):
         write_npy(self.path("t.npy"), (2, 1, 1, 1), [0.1, 0.9])
         words = ("render", self.path("t.npy"), "-o", self.path("x.exr"), *self.AHEAD, "--time")

@@ -175,6 +175,25 @@ Result<std::vector<FilmFrame>> framesOf(const Arguments& arguments, Scene& scene
   return std::move(chosen.frames);
 }
 
+/// --partial: for an interrupted picture, where it can be kept, and for the damage of .volute files.
+Status takePartial(const Arguments& arguments, int ranks, FilmJob& job) {
+  if (!arguments.flag("partial"))
+    return {};
+  job.partial = job.frames.size() == 1 && ranks == 1 && !job.contour &&
+                job.options.aov == Aov::kNone && job.layers.empty();
+  if (job.partial) {
+    Interrupt::expectWriting();
+    return {};
+  }
+  const FileKind file = readKind(arguments.positional(0));
+  if (file.kind == kSceneKind || file.kind == kVoluteKind)
+    return {};
+  return fail(ErrorCode::kInvalidArgument,
+              "--partial changes nothing here: it keeps the drawn part of an interrupted picture "
+              "(one picture, by one process, without --aov, --slice and --isosurface), or the "
+              "intact part of a damaged .volute");
+}
+
 Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
   FilmTotals totals;
   auto opened = [&] {
@@ -217,9 +236,7 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   VOLUTE_TRY(ofOption("by-pieces", checkTogether(job)));
   job.orbit = arguments.find<double>("orbit").value_or(0) * std::numbers::pi / 180;
   job.measured = isMeasured(arguments);
-  job.partial = arguments.flag("partial") && job.frames.size() == 1 && context.team.size() == 1;
-  if (job.partial)
-    Interrupt::expectWriting();
+  VOLUTE_TRY(takePartial(arguments, context.team.size(), job));
   if (!job.measured && !job.contour)
     job.samples = arguments.get<int>("samples");
   VOLUTE_TRY(scaleContour(job, context.progress, context.team));
