@@ -48,32 +48,61 @@ Result<Display> Display::create() {
   return display;
 }
 
-bool Display::isKept(GLuint picture, int version, const DisplayLook& look, int width,
-                     int height) const {
-  return picture_ == picture && version_ == version && width_ == width && height_ == height &&
-         look_.exposure == look.exposure && look_.filmic == look.filmic && look_.map == look.map &&
-         look_.surfaces == look.surfaces && (look_.background == look.background).all();
+bool Display::isKept(GLuint picture, int version, const DisplayLook& look) const {
+  return picture_ == picture && version_ == version && look_.exposure == look.exposure &&
+         look_.filmic == look.filmic && look_.map == look.map && look_.surfaces == look.surfaces &&
+         (look_.background == look.background).all();
 }
 
-void Display::draw(GLuint picture, int version, const DisplayLook& look, int width, int height) {
-  GLint target = 0;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
+bool Display::Kept::resize(const DisplaySize& other) {
+  if (size == other)
+    return false;
+  size = other;
+  colors = makeTexture2d(GL_RGBA8, size.width, size.height);
+  GLuint name = 0;
+  glCreateFramebuffers(1, &name);
+  frame = GlFramebuffer(name);
+  glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, colors.name(), 0);
+  return true;
+}
+
+void Display::Kept::copyTo(GLuint target, const DisplaySize& other) const {
+  glBlitNamedFramebuffer(frame.name(), target, 0, 0, size.width, size.height, 0, 0, other.width,
+                         other.height, GL_COLOR_BUFFER_BIT,
+                         size == other ? GL_NEAREST : GL_LINEAR);
+}
+
+void Display::prepare() {
+  constexpr DisplaySize kSmall{3, 3};  // not powers of two, for which there may be other programs
+  if (prepared_)
+    return;
+  prepared_ = true;
+  const GlTexture dark = makeTexture2d(GL_RGBA32F, kSmall.width, kSmall.height);
+  draw(dark.name(), 0, {}, kSmall, {2 * kSmall.width, 2 * kSmall.height});
+  picture_ = 0;
+}
+
+void Display::draw(GLuint picture, int version, const DisplayLook& look, const DisplaySize& own,
+                   const DisplaySize& window) {
+  GLint bound = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &bound);
+  const auto target = static_cast<GLuint>(bound);
   glDisable(GL_SCISSOR_TEST);  // copies mind it, too
-  if (width != width_ || height != height_) {
-    kept_ = makeTexture2d(GL_RGBA8, width, height);
-    GLuint name = 0;
-    glCreateFramebuffers(1, &name);
-    frame_ = GlFramebuffer(name);
-    glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, kept_.name(), 0);
-  }
-  if (!isKept(picture, version, look, width, height)) {
-    picture_ = picture, version_ = version, look_ = look, width_ = width, height_ = height;
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, frame_.name());
+  const bool resized = kept_.resize(own);
+  const bool other = resized || !isKept(picture, version, look);
+  if (other) {
+    picture_ = picture, version_ = version, look_ = look;
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, kept_.frame.name());
     keep(picture, look);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(target));
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target);
   }
-  glBlitNamedFramebuffer(frame_.name(), static_cast<GLuint>(target), 0, 0, width, height, 0, 0,
-                         width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  if (own == window) {
+    kept_.copyTo(target, window);
+    return;
+  }
+  if (enlarged_.resize(window) || other)
+    kept_.copyTo(enlarged_.frame.name(), window);
+  enlarged_.copyTo(target, window);
 }
 
 /// Into the framebuffer that is bound, all of it.
@@ -101,7 +130,7 @@ void Display::keep(GLuint picture, const DisplayLook& look) {
   glBindVertexArray(nothing_.name());
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
-  glViewport(0, 0, width_, height_);
+  glViewport(0, 0, kept_.size.width, kept_.size.height);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindSampler(kPictureUnit, 0);
   glBindSampler(kColorsUnit, 0);

@@ -19,19 +19,45 @@ struct DisplayLook {
   GLuint surfaces = 0;  ///< SurfaceDrawer's; 0: there are none
 };
 
+/// Of a picture or of a window [pixels].
+struct DisplaySize {
+  int width = 0, height = 0;
+
+  bool operator==(const DisplaySize&) const = default;
+};
+
 /// Draws a GlRenderer's texture, and the surfaces behind it, into the framebuffer that is bound.
-/// What it drew last is kept, with 8 bits a channel: while only panels change it is copied.
+/// What it drew last is kept, with 8 bits a channel: while only panels change it is copied. Where it
+/// is drawn smaller than the window it is enlarged afterwards, so that the tone curve, which costs a
+/// rasteriser on the CPU most, is not computed for each of the window's pixels.
 class Display {
  public:
   [[nodiscard]] static Result<Display> create();
 
+  /// Draws nothing that is seen: a rasteriser on the CPU compiles programs when they first draw, and
+  /// this is better done while a file is opened.
+  void prepare();
+
   /// @param version  another one where what is in `picture` or in the surfaces has changed
-  void draw(GLuint picture, int version, const DisplayLook& look, int width, int height);
+  /// @param own  as large as it is drawn before it is enlarged: at most the window's size
+  void draw(GLuint picture, int version, const DisplayLook& look, const DisplaySize& own,
+            const DisplaySize& window);
 
  private:
+  /// What it drew last, to be copied.
+  struct Kept {
+    GlTexture colors;
+    GlFramebuffer frame;
+    DisplaySize size;
+
+    /// True: it is empty now.
+    bool resize(const DisplaySize& other);
+    void copyTo(GLuint target, const DisplaySize& other) const;
+  };
+
   explicit Display(GlProgram program) : program_(std::move(program)) {}
 
-  bool isKept(GLuint picture, int version, const DisplayLook& look, int width, int height) const;
+  bool isKept(GLuint picture, int version, const DisplayLook& look) const;
   void keep(GLuint picture, const DisplayLook& look);
 
   GlProgram program_;
@@ -39,12 +65,11 @@ class Display {
   GlTexture colors_;
   GlObject<detail::destroySampler> smooth_;
   std::optional<ColorMap> map_;
-  GlTexture kept_;  ///< what was drawn last, of this:
-  GlFramebuffer frame_;
+  bool prepared_ = false;
+  Kept kept_, enlarged_;
   GLuint picture_ = 0;
   int version_ = 0;
   DisplayLook look_;
-  int width_ = 0, height_ = 0;
 };
 
 }  // namespace volute

@@ -35,9 +35,10 @@ Status HeadlessViewer::frame(const ViewerInput& input) {
     resize(input.width, input.height);
   else if (!pixel_.colors.name())
     pixel_ = Target(1, 1);
-  drawn_ = whole_;
   glBindFramebuffer(GL_FRAMEBUFFER, (whole_ ? frame_ : pixel_).framebuffer.name());
   VOLUTE_TRY(app_->frame(input));
+  if (app_->drew())
+    drawn_ = whole_;
   glFinish();  // as a window's swap does: else what is deleted stays until the queue is full
   return {};
 }

@@ -377,7 +377,14 @@ GLuint ViewPicture::texture() const {
 
 void ViewPicture::show(DisplayLook look, int width, int height) {
   look.surfaces = opaque_ && !fromCpu_ ? surfaces_.texture() : 0;
-  display_.draw(texture(), version_, look, width, height);
+  const DisplaySize window{width, height};
+  DisplaySize own = window;
+  if (drawn_.moving)
+    own = fromCpu_
+              ? DisplaySize{pictureWidth_, pictureHeight_}
+              : DisplaySize{pixels(scale_, drawn_.width), pixels(scale_, drawn_.height)};
+  const bool smaller = own.width <= width && own.height <= height;
+  display_.draw(texture(), version_, look, smaller ? own : window, window);
 }
 
 Image ViewPicture::sampledLight(const Rgb& background) const {

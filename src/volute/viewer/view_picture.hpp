@@ -124,6 +124,9 @@ class ViewPicture {
   /// Counts the pictures that were shown.
   int version() const { return version_; }
 
+  /// Before the first show(), while there is nothing to be shown.
+  void prepareShow() { display_.prepare(); }
+
   /// Into the framebuffer that is bound; `look.surfaces` is its own.
   void show(DisplayLook look, int width, int height);
 

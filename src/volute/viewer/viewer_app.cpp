@@ -23,6 +23,7 @@ constexpr double kRest = 0.25;  ///< [s] until surfaces are drawn exactly
 constexpr double kQuickPicture = 0.1;  ///< [s] that the CPU's first picture may take
 constexpr int kAhead = 64;             ///< snapshots that are loaded ahead, memory permitting
 constexpr int kLively = 6;             ///< frames in which panels answer an event
+constexpr double kUnseen = 0.1;        ///< [s] after which panels are drawn again while it plays
 
 /// Keys that ImGui edits text with.
 constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {{Key::kLeft, ImGuiKey_LeftArrow},
@@ -515,6 +516,8 @@ void ViewerApp::usePanels(const ViewerInput& input) {
 
 void ViewerApp::show(const DisplayLook& look, bool panels) {
   const Stopwatch watch(costs_.shown);
+  if (!picture_.shown() && opening_)
+    picture_.prepareShow();
   glViewport(0, 0, seen_.width, seen_.height);
   glClearColor(0.05F, 0.05F, 0.06F, 1);
   glClear(GL_COLOR_BUFFER_BIT);
@@ -541,12 +544,19 @@ Status ViewerApp::frame(const ViewerInput& input) {
   usePanels(input);
   VOLUTE_TRY(drawPicture(input));
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
+  unseen_ += input.seconds;
+  drew_ = !std::exchange(steps_, false) || picture_.version() != shownVersion_ || unseen_ > kUnseen;
+  if (!drew_)
+    return {};
+  unseen_ = 0;
+  shownVersion_ = picture_.version();
   shownLook_ = displayLook();
   show(shownLook_);
   return {};
 }
 
-/// Else the last frame may stay: what it took is better spent on pictures.
+/// Else the last frame may stay: what it took is better spent on pictures. While it plays, a frame
+/// that only asks for the next picture need not be drawn either.
 bool ViewerApp::due(const ViewerInput& input) {
   Timeline then = timeline_;
   then.advance(input.seconds);
@@ -559,8 +569,11 @@ bool ViewerApp::due(const ViewerInput& input) {
   if (acts || film_ || picture_.refining() || leaving_)
     lively_ = kLively;
   const bool writes = ImGui::GetIO().WantTextInput && input.seconds > 0.25;  // the cursor blinks
-  return lively_ > 0 || writes || picture_.hasNews() || loader_.changes() != loaderChanges_ ||
-         then.snapshotTime() != timeline_.snapshotTime() || input.seconds > 0.5;
+  const bool shows = lively_ > 0 || writes || picture_.hasNews() || input.seconds > 0.5;
+  const bool steps = loader_.changes() != loaderChanges_ ||
+                     then.snapshotTime() != timeline_.snapshotTime();
+  steps_ = !shows && steps && timeline_.playing();
+  return shows || steps;
 }
 
 double ViewerApp::patience() const {

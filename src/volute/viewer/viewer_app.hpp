@@ -191,6 +191,9 @@ class ViewerApp {
   /// One frame. Errors of documents are shown, not returned; what is returned ends the viewer.
   [[nodiscard]] Status frame(const ViewerInput& input);
 
+  /// Whether the last frame drew anything; else what was shown before it stays.
+  bool drew() const { return drew_; }
+
   /// Draws what the last frame showed once more, into the framebuffer that is bound.
   void showAgain(bool panels = true) { show(shownLook_, panels); }
 
@@ -365,6 +368,10 @@ class ViewerApp {
   bool moving_ = false;  ///< a person is turning it, or it plays
   bool played_ = false;  ///< in the last frame
   int lively_ = 0;       ///< frames that follow soon
+  bool steps_ = false;   ///< the next frame only goes on with playing: see due()
+  bool drew_ = false;
+  double unseen_ = 0;    ///< [s] since the last frame that was drawn
+  int shownVersion_ = 0;  ///< of the picture
   int loaderChanges_ = 0;
   ViewerInput seen_;     ///< the last
   DisplayLook shownLook_;

@@ -337,7 +337,8 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
     if (app->takeFullScreenRequest())
       window->toggleFullScreen();
     window->setTitle(app->title());
-    window->show();
+    if (app->drew())
+      window->show();
   }
   return {};
 }
