@@ -86,6 +86,10 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
   });
 }
 
+void isolated(const std::function<void()>& body) {
+  tbb::this_task_arena::isolate(body);
+}
+
 struct ThreadLimit::Impl {
   explicit Impl(int threads)
       : control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {}

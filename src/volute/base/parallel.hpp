@@ -15,6 +15,10 @@ void parallelRanges(std::size_t count, std::size_t grain, const std::function<vo
 /// Calls body(i) for each i in [0, count), each as a task of its own.
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// Calls body() so that its thread, while it waits for loops inside, takes no part of loops outside: those could wait
+/// for what body() has locked.
+void isolated(const std::function<void()>& body);
+
 /// While it lives, parallel loops use at most this many threads (`--threads N`). 0 = as many as there are.
 class ThreadLimit {
  public:

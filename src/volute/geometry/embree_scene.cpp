@@ -7,6 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "volute/base/parallel.hpp"
+
 namespace volute {
 namespace {
 
@@ -125,7 +127,8 @@ std::unique_ptr<const EmbreeScene> EmbreeScene::make(std::span<const Triangle> t
   impl->margin = kMargin * size;
   impl->bounds = {(bounds.min.array() - impl->margin).matrix(),
                   (bounds.max.array() + impl->margin).matrix()};
-  impl->device.reset(rtcNewDevice("threads=1"));
+  // By TBB, as all loops: a number of threads given here would be that of the whole program.
+  impl->device.reset(rtcNewDevice(nullptr));
   if (!impl->device)
     return nullptr;
   impl->scene.reset(rtcNewScene(impl->device.get()));
@@ -134,7 +137,7 @@ std::unique_ptr<const EmbreeScene> EmbreeScene::make(std::span<const Triangle> t
       static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   if (!attachTriangles(impl->device.get(), impl->scene.get(), triangles, impl->centre))
     return nullptr;
-  rtcCommitScene(impl->scene.get());
+  isolated([&] { rtcCommitScene(impl->scene.get()); });
   if (rtcGetDeviceError(impl->device.get()) != RTC_ERROR_NONE)
     return nullptr;
   return std::unique_ptr<const EmbreeScene>(new EmbreeScene(std::move(impl)));

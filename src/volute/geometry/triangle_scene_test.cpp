@@ -10,6 +10,8 @@
 #include <random>
 #include <thread>
 
+#include "volute/base/parallel.hpp"
+
 namespace volute {
 namespace {
 
@@ -219,6 +221,25 @@ TEST(TriangleScene, ManyTrianglesAnswerAsSoonAsTheyAreThere) {
   }
   // One that nobody asks goes before its tree is there.
   EXPECT_FALSE(TriangleScene::build(triangles).value().empty());
+}
+
+/// Beside a scene, at once and while its tree is built.
+TEST(TriangleScene, LeavesLoopsTheirThreads) {
+  const int before = threadCount();
+  for (const int count : {2, 30'000}) {
+    std::vector<Triangle> triangles;
+    for (int i = 0; i < count; ++i) {
+      const Vec3 at(i, 0, 0);
+      triangles.push_back({.corners = {at, at + Vec3::UnitX(), at + Vec3::UnitY()}});
+    }
+    const auto scene = TriangleScene::build(std::move(triangles));
+    ASSERT_TRUE(scene);
+    const Segment segments[] = {{Vec3(0.25, 0.25, 1), -Vec3::UnitZ(), 0, 2}};
+    Hit hits[1];
+    scene->nearest(segments, hits);
+    EXPECT_TRUE(hits[0].found());
+    EXPECT_EQ(threadCount(), before) << count;
+  }
 }
 
 TEST(TriangleScene, TransformsMoveCorners) {
