@@ -218,6 +218,57 @@ TEST_F(ViewerTest, NothingComesToRestWhileTimePasses) {
   settle();
 }
 
+TEST_F(ViewerTest, WhilePlayingOnlyWhatIsNewIsDrawn) {
+  app().settings().panels = false;
+  app().settings().look.renderer = static_cast<int>(ViewRenderer::kGl);
+  viewer_->drawWholeFrames();
+  app().open(path_);
+  settle();
+  app().timeline().play(true);
+  app().timeline().setSpeed(20);  // 40 of its frames in a second
+  constexpr double kFrame = 0.01;
+  input_.seconds = 0;
+  int steps = 0;
+  double unseen = 0;
+  for (int i = 0; i < 400; ++i) {
+    const int before = app().picture().version();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    input_.seconds += kFrame;
+    if (!app().due(input_))
+      continue;
+    const Image shown = viewer_->picture();
+    ASSERT_TRUE(viewer_->frame(input_));
+    unseen = app().drew() ? 0 : unseen + input_.seconds;
+    input_.seconds = 0;
+    EXPECT_LT(unseen, 0.15);
+    if (app().drew())
+      continue;
+    ++steps;
+    EXPECT_EQ(app().picture().version(), before);
+    EXPECT_EQ(greatestDifference(shown, viewer_->picture()), 0);
+  }
+  EXPECT_GT(steps, 10);
+  press(Key::kSpace);
+  settle();
+  EXPECT_TRUE(app().drew());
+}
+
+TEST_F(ViewerTest, WhatMovesFillsTheWindowAsWhatRests) {
+  app().settings().panels = false;
+  app().open(path_);
+  settle();
+  const Image rests = viewer_->picture();
+  input_.seconds = 0;
+  app().timeline().play(true);
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(viewer_->frame(input_));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  const Image moves = viewer_->picture();
+  EXPECT_NEAR(centreOf(moves), centreOf(rests), 0.01);
+  EXPECT_LT(greatestDifference(rests, moves), 0.15) << "enlarged before and after the tone curve";
+}
+
 TEST_F(ViewerTest, AnErrorIsShownAndTheOldPictureStays) {
   app().open(path_);
   settle();
