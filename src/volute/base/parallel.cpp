@@ -87,6 +87,9 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
 }
 
 void isolated(const std::function<void()>& body) {
+#ifdef __SANITIZE_THREAD__  // as above: what workers of others' loops do is not seen
+  const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
+#endif
   tbb::this_task_arena::isolate(body);
 }
 
