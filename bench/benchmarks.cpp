@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "bench/benchmark.hpp"
 
-
 namespace volute::bench {
 
 std::span<const Benchmark> benchmarks() {

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 // `volute bench fds`: opening a case of many meshes, and rays through it.
 #include <sys/resource.h>
+
 #include <cmath>
 #include <filesystem>
 #include <random>

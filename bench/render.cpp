@@ -64,16 +64,15 @@ void benchLooks(const std::string& name, const Tree4d& tree, const Camera& camer
   const Look plain{"absorbing, trilinear", extinction, Basis::kTrilinear};
   const Look cubic{"absorbing, cubic", extinction, Basis::kCubic};
   const int frame = tree.info().frames / 2;
-  const auto secondsFor = [](auto&& draw) {
-    return medianSeconds([&] { (void)draw(); }, 1.0);
-  };
+  const auto secondsFor = [](auto&& draw) { return medianSeconds([&] { (void)draw(); }, 1.0); };
   const double base =
       secondsFor([&] { return picture(tree, frame, camera, plain, Renderer::kCpu); });
   const double smooth =
       secondsFor([&] { return picture(tree, frame, camera, cubic, Renderer::kCpu); });
   const double lit = secondsFor([&] { return litPicture(tree, frame, camera, extinction); });
   rows.add({fmt::format("{}: absorbing, cubic, cpu", name), 1 / smooth, "frames/s", base / smooth});
-  rows.add({fmt::format("{}: lit by a sun and a lamp, cpu", name), 1 / lit, "frames/s", base / lit});
+  rows.add(
+      {fmt::format("{}: lit by a sun and a lamp, cpu", name), 1 / lit, "frames/s", base / lit});
 }
 
 Status benchOne(const std::string& name, const Sequence& sequence, Progress& progress,

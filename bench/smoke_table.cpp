@@ -133,9 +133,8 @@ Status SmokeTable::measure(BenchRows& rows, SmokeTargets& targets, Progress& pro
       row.note = stopped_[i].empty() ? resting_[i] : stopped_[i];
       if (timings[i].frames > 0) {
         row.value = 1e3 * timings[i].wall;
-        row.note +=
-            fmt::format("{}{:.0f} ms of CPU time, {} frames", row.note.empty() ? "" : "; ",
-                        1e3 * timings[i].cpu, timings[i].frames);
+        row.note += fmt::format("{}{:.0f} ms of CPU time, {} frames", row.note.empty() ? "" : "; ",
+                                1e3 * timings[i].cpu, timings[i].frames);
         targets.addSeconds(role, setting_, timings[i].wall);
       }
       if (timings[i].frames > 0 && baseline.frames > 0) {

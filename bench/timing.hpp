@@ -28,8 +28,7 @@ template <class Work>
 double medianSeconds(Work&& work, double minimumSeconds = 0.3) {
   constexpr std::size_t kMinimumRuns = 3;
   std::vector<double> runs;
-  for (double total = 0; runs.size() < kMinimumRuns || total < minimumSeconds;
-       total += runs.back())
+  for (double total = 0; runs.size() < kMinimumRuns || total < minimumSeconds; total += runs.back())
     runs.push_back(secondsOf(work));
   std::ranges::nth_element(runs, runs.begin() + static_cast<std::ptrdiff_t>(runs.size() / 2));
   return runs[runs.size() / 2];

@@ -102,11 +102,10 @@ Result<Image> finePicture(std::span<const float> volume, const VolumeGeometry& g
 /// (z, y, x, 3) of one frame.
 Result<std::vector<float>> readTruth(const Capture& capture, int frame, const std::string& path,
                                      const std::string& grid, std::uint64_t maxMemory) {
-  VOLUTE_ASSIGN(const auto source,
-                openSource(path, {.grid = grid,
-                                   .bounds = capture.volume.bounds,
-                                   .maxMemory = maxMemory,
-                                   .usualGrid = "emission"}));
+  VOLUTE_ASSIGN(const auto source, openSource(path, {.grid = grid,
+                                                     .bounds = capture.volume.bounds,
+                                                     .maxMemory = maxMemory,
+                                                     .usualGrid = "emission"}));
   const VolumeInfo& info = source->info();
   const auto& n = capture.volume.resolution;
   if (info.x != n[0] || info.y != n[1] || info.z != n[2] ||

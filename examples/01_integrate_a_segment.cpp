@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 
-// The one thing that Volute does, with the smallest possible medium: a ball of uniform, glowing smoke.
+// The one thing that Volute does, with the smallest possible medium: a ball of uniform, glowing
+// smoke.
 
 #include <fmt/core.h>
 

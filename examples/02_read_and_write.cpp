@@ -57,7 +57,7 @@ volute::Status writeAndRead() {
              report.fileBytes, report.maxError);
 
   VOLUTE_ASSIGN(const auto reader, volute::VoluteReader::open("cloud.volute"));
-  const int frame = reader.info().frameAt(0.4);  // [s]
+  const int frame = reader.info().frameAt(0.4);               // [s]
   const std::array<int, 3> begin{16, 8, 8}, end{32, 24, 24};  // z, y, x
   std::vector<float> part(16 * 16 * 16);
   VOLUTE_TRY(reader.readRegion(frame, begin, end, part));

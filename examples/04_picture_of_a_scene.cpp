@@ -27,16 +27,15 @@ volute::Status takePicture(const char* file, double time, const char* picture) {
   fmt::print("{}: {}, {} stored times\n", file, scene.media().front()->info().size,
              scene.times().size());
 
-  const auto camera = scene.camera()
-                          ? volute::makeCamera(*scene.camera(), {320, 240})
-                          : volute::Camera::framing(scene.bounds(), 320, 240);
+  const auto camera = scene.camera() ? volute::makeCamera(*scene.camera(), {320, 240})
+                                     : volute::Camera::framing(scene.bounds(), 320, 240);
 
   // The scene at one time, for this view: walls in the way may be left out. It is immutable: other
   // threads may render it, too.
-  VOLUTE_ASSIGN(const auto snapshot, scene.at({.time = time,
-                                               .factor = scene.law().factor(),
-                                               .eye = volute::seenFrom(camera)},
-                                              progress));
+  VOLUTE_ASSIGN(
+      const auto snapshot,
+      scene.at({.time = time, .factor = scene.law().factor(), .eye = volute::seenFrom(camera)},
+               progress));
 
   volute::CpuRenderer renderer;
   VOLUTE_ASSIGN(const auto image,

@@ -93,8 +93,8 @@ struct BallSaid {
   double growth = 0;
 };
 
-/// Its syntax in a scene: {"kind": "ball", "radius", "extinction", "growth"}. The reader, sliders and
-/// error messages use this table.
+/// Its syntax in a scene: {"kind": "ball", "radius", "extinction", "growth"}. The reader, sliders
+/// and error messages use this table.
 class BallKind final : public MediumKind {
  public:
   const FieldTable& fields() const override {
@@ -139,9 +139,8 @@ Status lookThroughTheBall() {
   CpuRenderer renderer;
   for (const double time : {0.0, 1.0, 2.0}) {
     VOLUTE_ASSIGN(const auto snapshot, scene.at({.time = time}, quiet));
-    VOLUTE_ASSIGN(const auto image,
-                  renderer.render(snapshot, makeCamera(*scene.camera(), {33, 33}),
-                                  {.background = snapshot.background}, quiet));
+    VOLUTE_ASSIGN(const auto image, renderer.render(snapshot, makeCamera(*scene.camera(), {33, 33}),
+                                                    {.background = snapshot.background}, quiet));
     const double seen = image.at(16, 16), truth = std::exp(-2 * (1 + 0.25 * time) * 0.5);
     fmt::print("{} s: {:.4f} of the light comes through the middle\n", time, seen);
     if (std::abs(seen - truth) > 1e-4)

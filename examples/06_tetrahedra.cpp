@@ -42,8 +42,8 @@ volute::Status lookThrough() {
 
   volute::Progress quiet;
   const auto camera = volute::Camera::framing(smoke.bounds(), 160, 120);
-  VOLUTE_ASSIGN(const auto image, volute::render(camera, {&smoke, 1},
-                                                 {.background = volute::Rgb(1, 1, 1)}, quiet));
+  VOLUTE_ASSIGN(const auto image,
+                volute::render(camera, {&smoke, 1}, {.background = volute::Rgb(1, 1, 1)}, quiet));
   return volute::writeImage("smoke.png", image);
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 
-// Until when is an exit sign visible from several points in a burning building, given the results of
-// the Fire Dynamics Simulator?
+// Until when is an exit sign visible from several points in a burning building, given the results
+// of the Fire Dynamics Simulator?
 //   example_07 case.smv
 
 #include <fmt/format.h>
@@ -44,7 +44,7 @@ volute::Status lookForTheExit(const char* file) {
     for (const volute::Sighting& seen : sightings) {
       fmt::print("{:6.1f} s, {:4.1f} m away: optical depth {:.3f}, {}\n", smoke->times()[time],
                  seen.distance, seen.depth,
-                 seen.blocked ? "something stands in the way"
+                 seen.blocked   ? "something stands in the way"
                  : seen.visible ? "seen"
                                 : "not seen");
     }

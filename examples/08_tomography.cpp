@@ -21,8 +21,8 @@ std::vector<float> ball() {
   for (int z = 0; z < kVoxels; ++z)
     for (int y = 0; y < kVoxels; ++y)
       for (int x = 0; x < kVoxels; ++x) {
-        const volute::Vec3 point = volute::Vec3(x, y, z) / (0.5 * (kVoxels - 1)) -
-                                   volute::Vec3::Ones();  // -1 .. 1
+        const volute::Vec3 point =
+            volute::Vec3(x, y, z) / (0.5 * (kVoxels - 1)) - volute::Vec3::Ones();  // -1 .. 1
         const auto glow = static_cast<float>(std::max(0.0, 1 - point.squaredNorm() / 0.36));
         volume.insert(volume.end(), {glow, 0.6f * glow, 0.2f * glow});
       }
@@ -30,8 +30,8 @@ std::vector<float> ball() {
 }
 
 volute::Status reconstructTheBall() {
-  const volute::VolumeGeometry geometry{
-      {volute::Vec3::Constant(-1), volute::Vec3::Constant(1)}, {kVoxels, kVoxels, kVoxels}};
+  const volute::VolumeGeometry geometry{{volute::Vec3::Constant(-1), volute::Vec3::Constant(1)},
+                                        {kVoxels, kVoxels, kVoxels}};
   const std::vector<float> truth = ball();
 
   volute::TomographyOptions options;

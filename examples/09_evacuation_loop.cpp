@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 
-// People leave a burning building: at each step they walk towards the nearest visible exit sign, as fast as the
-// smoke permits, and accumulate doses. An evacuation program makes the same two queries.
+// People leave a burning building: at each step they walk towards the nearest visible exit sign, as
+// fast as the smoke permits, and accumulate doses. An evacuation program makes the same two
+// queries.
 //   example_09 case.smv signs.json
 
 #include <fmt/format.h>
@@ -23,8 +24,8 @@ volute::Status evacuate(const char* file, const char* signFile) {
   VOLUTE_ASSIGN(const auto signs, volute::readSigns(signFile));
   const volute::Box3 room = field->bounds();
   const double height = room.min.z() + std::min(1.7, 0.7 * room.size().z());
-  VOLUTE_ASSIGN(auto engine, volute::SightEngine::open(std::move(field), signs,
-                                                       volute::usualCriteria(), quiet));
+  VOLUTE_ASSIGN(auto engine,
+                volute::SightEngine::open(std::move(field), signs, volute::usualCriteria(), quiet));
   for (const auto& missing : engine.missing())
     fmt::print("not assessed: {} ({})\n", missing.criterion.words(), missing.why);
 
@@ -53,7 +54,8 @@ volute::Status evacuate(const char* file, const char* signFile) {
       for (std::size_t s = 0; s < engine.signs().size(); ++s) {
         const volute::SightTarget& sign = engine.signs()[s];
         const bool sees = seen[s * eyes.size() + a] == volute::Seen::kYes;
-        if (sees && (goal == nullptr || (sign.target - eyes[a]).norm() < (goal->target - eyes[a]).norm()))
+        if (sees &&
+            (goal == nullptr || (sign.target - eyes[a]).norm() < (goal->target - eyes[a]).norm()))
           goal = &sign;
       }
       volute::Vec3 place = eyes[a];
@@ -62,7 +64,8 @@ volute::Status evacuate(const char* file, const char* signFile) {
       } else {
         volute::Vec3 way = goal->target - place;
         way.z() = 0;
-        const double reach = kStep * volute::walkingSpeed(volute::SpeedLaw::kFridolf, 1.2, smoke[a]);
+        const double reach =
+            kStep * volute::walkingSpeed(volute::SpeedLaw::kFridolf, 1.2, smoke[a]);
         if (way.norm() < std::max(reach, 0.5)) {
           ++out;
           continue;
@@ -76,10 +79,12 @@ volute::Status evacuate(const char* file, const char* signFile) {
       double worst = 0;
       for (std::size_t c = 0; c < engine.criteria().size(); ++c) {
         for (std::size_t a = 0; engine.criteria()[c].isDose() && a < eyes.size(); ++a)
-          worst = std::max(worst, std::isnan(doses[c * eyes.size() + a]) ? 0 : doses[c * eyes.size() + a]);
+          worst = std::max(worst,
+                           std::isnan(doses[c * eyes.size() + a]) ? 0 : doses[c * eyes.size() + a]);
       }
-      fmt::print("{:6.1f} s: {} people, {} see no sign, {} reach an exit, the largest dose is {:.4f}\n", t,
-                 eyes.size(), lost, out, worst);
+      fmt::print(
+          "{:6.1f} s: {} people, {} see no sign, {} reach an exit, the largest dose is {:.4f}\n", t,
+          eyes.size(), lost, out, worst);
     }
     eyes = std::move(left);
     ids = std::move(leftIds);

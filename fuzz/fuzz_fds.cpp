@@ -24,9 +24,9 @@ constexpr const char* kNames[] = {"case.smv", "a.sf", "a.s3d", "a.s3d.sz"};
 const std::filesystem::path& folder() {
   static const std::filesystem::path path = [] {
     const std::filesystem::path memory = "/dev/shm";
-    auto made = (std::filesystem::is_directory(memory) ? memory
-                                                       : std::filesystem::temp_directory_path()) /
-                ("volute-fuzz-fds-" + std::to_string(::getpid()));
+    auto made =
+        (std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path()) /
+        ("volute-fuzz-fds-" + std::to_string(::getpid()));
     std::filesystem::create_directories(made);
     std::atexit([] { std::filesystem::remove_all(folder()); });
     return made;

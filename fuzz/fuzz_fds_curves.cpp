@@ -3,8 +3,8 @@
 #include "fuzz/input_folder.hpp"
 #include "volute/media/fds/fds_conditions.hpp"
 
-// CHID_hrr.csv and CHID_devc.csv of a case with two devices. Errors are fine; curves whose times and
-// values are not as many are not.
+// CHID_hrr.csv and CHID_devc.csv of a case with two devices. Errors are fine; curves whose times
+// and values are not as many are not.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const volute::fuzz::InputFolder folder("fds_curves");
   volute::SmvIndex index;

@@ -7,7 +7,8 @@
 #include "volute/fds/particle_file.hpp"
 
 // An input is an .iso file and a .prt5 file with two classes of particles, the same bytes for both.
-// Errors are fine; places outside of the mesh, or triangles of vertices that are not there, are not.
+// Errors are fine; places outside of the mesh, or triangles of vertices that are not there, are
+// not.
 
 namespace {
 

@@ -11,8 +11,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   volute::ImageReadOptions options;
   options.maxMemory = 16 << 20;
   if (const auto image = volute::readImage(file, options)) {
-    volute::fuzz::require(image->pixels.size() == std::size_t(image->width) * image->height *
-                                                      image->channels);
+    volute::fuzz::require(image->pixels.size() ==
+                          std::size_t(image->width) * image->height * image->channels);
   }
   (void)volute::readImageNotes(file);
   return 0;

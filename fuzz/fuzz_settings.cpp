@@ -16,8 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string file =
       folder.save("visibility.json", volute::fuzz::textOf(data, size)).string();
   if (const auto criteria = volute::readCriteria(file)) {
-    for (const volute::Criterion& criterion : *criteria)
-      volute::fuzz::require(criterion.limit > 0);
+    for (const volute::Criterion& criterion : *criteria) volute::fuzz::require(criterion.limit > 0);
   }
   if (const auto camera = volute::readCamera(file)) {
     const volute::View3 view = camera->viewAt(1);

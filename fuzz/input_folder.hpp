@@ -28,9 +28,9 @@ class InputFolder {
  public:
   explicit InputFolder(const char* target) {
     const std::filesystem::path memory = "/dev/shm";
-    path_ = (std::filesystem::is_directory(memory) ? memory
-                                                   : std::filesystem::temp_directory_path()) /
-            ("volute-fuzz-" + std::string(target) + '-' + std::to_string(::getpid()));
+    path_ =
+        (std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path()) /
+        ("volute-fuzz-" + std::string(target) + '-' + std::to_string(::getpid()));
     std::filesystem::create_directories(path_);
   }
 

@@ -2,14 +2,14 @@
 // SPDX-FileCopyrightText: The Volute authors
 //
 // A library for LD_PRELOAD that makes one call of a program go wrong:
-//   VOLUTE_FAULT=full:N   from the N-th call on that writes below VOLUTE_FAULT_FOLDER, the disk is full
-//   VOLUTE_FAULT=once:N   the N-th of them fails with EIO, those after it do not
-//   VOLUTE_FAULT=flip:N   the N-th of them that writes bytes writes one flipped bit, and says nothing
-//   VOLUTE_FAULT=kill:N   the process is killed (SIGKILL) before the N-th of them
+//   VOLUTE_FAULT=full:N   from the N-th call on that writes below VOLUTE_FAULT_FOLDER, the disk is
+//   full VOLUTE_FAULT=once:N   the N-th of them fails with EIO, those after it do not
+//   VOLUTE_FAULT=flip:N   the N-th of them that writes bytes writes one flipped bit, and says
+//   nothing VOLUTE_FAULT=kill:N   the process is killed (SIGKILL) before the N-th of them
 //   VOLUTE_FAULT=memory:N the N-th operator new throws std::bad_alloc
 //   VOLUTE_FAULT=clock:N  CLOCK_REALTIME jumps back and forth by N seconds, at every call
-// Calls are counted from 1, over all threads of the process that was started; it writes how many there
-// were to the descriptor VOLUTE_FAULT_COUNT when it ends. What it forks is left alone.
+// Calls are counted from 1, over all threads of the process that was started; it writes how many
+// there were to the descriptor VOLUTE_FAULT_COUNT when it ends. What it forks is left alone.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -52,12 +52,9 @@ __attribute__((constructor(101))) void begin() {
   static constexpr struct {
     const char* name;
     Fault fault;
-  } kFaults[] = {{"full:", Fault::kFull},
-                 {"once:", Fault::kOnce},
-                 {"flip:", Fault::kFlip},
-                 {"kill:", Fault::kKill},
-                 {"memory:", Fault::kMemory},
-                 {"clock:", Fault::kClock}};
+  } kFaults[] = {{"full:", Fault::kFull}, {"once:", Fault::kOnce},     {"flip:", Fault::kFlip},
+                 {"kill:", Fault::kKill}, {"memory:", Fault::kMemory}, {"clock:", Fault::kClock}};
+
   const char* text = std::getenv("VOLUTE_FAULT");
   for (const auto& one : kFaults) {
     if (text && std::strncmp(text, one.name, std::strlen(one.name)) == 0) {
@@ -77,7 +74,7 @@ bool below(const char* path) {
 }
 
 bool below(int descriptor) {
-  struct stat status {};
+  struct stat status{};
   if (::fstat(descriptor, &status) != 0 || !(S_ISREG(status.st_mode) || S_ISDIR(status.st_mode)))
     return false;
   char link[64], path[4096];
@@ -125,7 +122,9 @@ struct Flipped {
     std::memcpy(copy, bytes, count);
     copy[count / 2] ^= 1;
   }
+
   ~Flipped() { std::free(copy); }
+
   Flipped(const Flipped&) = delete;
   Flipped& operator=(const Flipped&) = delete;
 };
@@ -135,7 +134,8 @@ void tell() {
   if (plan.count < 0 || ::getpid() != plan.process)
     return;
   char text[64];
-  const int length = std::snprintf(text, sizeof text, "%ld %ld\n", writes.load(), allocations.load());
+  const int length =
+      std::snprintf(text, sizeof text, "%ld %ld\n", writes.load(), allocations.load());
   static const auto write = real<ssize_t (*)(int, const void*, std::size_t)>("write");
   (void)!write(plan.count, text, static_cast<std::size_t>(length));
 }
@@ -147,12 +147,14 @@ __attribute__((destructor)) void end() {
 void* allocate(std::size_t size, std::size_t alignment) {
   const long number = ++allocations;
   if (plan.fault == Fault::kMemory && number == plan.number && ::getpid() == plan.process) {
-    if (const auto handler = std::get_new_handler())  // which may throw, as that of the library would
+    if (const auto handler =
+            std::get_new_handler())  // which may throw, as that of the library would
       handler();
     throw std::bad_alloc();
   }
-  void* memory = alignment > 0 ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
-                               : std::malloc(size > 0 ? size : 1);
+  void* memory = alignment > 0
+                     ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
+                     : std::malloc(size > 0 ? size : 1);
   if (!memory)
     throw std::bad_alloc();
   return memory;

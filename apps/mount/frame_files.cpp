@@ -32,7 +32,8 @@ MemoryFile::~MemoryFile() {
     ::close(descriptor_);
 }
 
-MemoryFile::MemoryFile(MemoryFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+MemoryFile::MemoryFile(MemoryFile&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)) {}
 
 std::string MemoryFile::path() const {
   return fmt::format("/proc/self/fd/{}", descriptor_);
@@ -48,7 +49,8 @@ Result<std::uint64_t> MemoryFile::size() const {
 long MemoryFile::read(char* to, std::size_t count, std::uint64_t offset) const {
   std::size_t done = 0;
   while (done < count) {
-    const ssize_t now = ::pread(descriptor_, to + done, count - done, static_cast<off_t>(offset + done));
+    const ssize_t now =
+        ::pread(descriptor_, to + done, count - done, static_cast<off_t>(offset + done));
     if (now < 0 && errno == EINTR)
       continue;
     if (now < 0)
@@ -60,14 +62,16 @@ long MemoryFile::read(char* to, std::size_t count, std::uint64_t offset) const {
   return static_cast<long>(done);
 }
 
-Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path, std::uint64_t maxMemory) {
+Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path,
+                                                     std::uint64_t maxMemory) {
   VOLUTE_ASSIGN(const LatticePlugin* plugin, loadVdbPlugin());
   auto files = std::unique_ptr<FrameFiles>(new FrameFiles(maxMemory));
   VOLUTE_TRY(files->openGrids(path));
   std::string stem = std::filesystem::path(path).stem().string();
   std::ranges::replace_if(stem, [](char c) { return c == '%' || c == '#'; }, '_');
   VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(stem + "_%04d.vdb"));
-  for (const int number : files->info().frameNumbers) files->names_.push_back(pattern.format(number).string());
+  for (const int number : files->info().frameNumbers)
+    files->names_.push_back(pattern.format(number).string());
   files->writer_ = plugin->makeWriter({});
   files->sizes_.resize(files->names_.size());
   return files;
@@ -79,23 +83,27 @@ Status FrameFiles::openGrids(const std::string& path) {
   fileMetadata_ = whole.fileMetadata();
   plain_ = whole.grids().size() == 1 && !whole.grids().front().description;
   std::uint64_t frameBytes = 0;
-  for (const VoluteGrid& grid : whole.grids()) frameBytes += grid.empty ? 0 : 4 * grid.info.frameValues();
+  for (const VoluteGrid& grid : whole.grids())
+    frameBytes += grid.empty ? 0 : 4 * grid.info.frameValues();
   if (frameBytes > maxMemory_ / 4) {
-    return fail(ErrorCode::kTooLarge,
-                "{}: a frame takes {} MiB, more than a quarter of the {} MiB allowed; raise --max-memory", path,
-                (frameBytes >> 20) + 1, maxMemory_ >> 20);
+    return fail(
+        ErrorCode::kTooLarge,
+        "{}: a frame takes {} MiB, more than a quarter of the {} MiB allowed; raise --max-memory",
+        path, (frameBytes >> 20) + 1, maxMemory_ >> 20);
   }
   for (const VoluteGrid& grid : whole.grids()) {
     Volume& volume = volumes_.emplace_back();
     volume.info = grid.info;
-    volume.description = grid.description.value_or(
-        GridDescription{.type = grid.info.channels == 3 ? "vec3s" : "float", .gridClass = "fog volume"});
+    volume.description = grid.description.value_or(GridDescription{
+        .type = grid.info.channels == 3 ? "vec3s" : "float", .gridClass = "fog volume"});
     if (grid.empty)
       continue;
-    VOLUTE_ASSIGN(auto reader, VoluteReader::open(path, {.maxMemory = maxMemory_, .grid = grid.info.name}));
+    VOLUTE_ASSIGN(auto reader,
+                  VoluteReader::open(path, {.maxMemory = maxMemory_, .grid = grid.info.name}));
     volume.reader = std::make_shared<const VoluteReader>(std::move(reader));
     volume.info = volume.reader->info();
-    const double share = 4.0 * static_cast<double>(volume.info.frameValues()) / static_cast<double>(frameBytes);
+    const double share =
+        4.0 * static_cast<double>(volume.info.frameValues()) / static_cast<double>(frameBytes);
     volume.room = static_cast<std::uint64_t>(share * static_cast<double>(maxMemory_ / 2));
   }
   return {};
@@ -131,7 +139,8 @@ Result<std::shared_ptr<const FrameFiles::File>> FrameFiles::file(std::size_t fra
 
 std::shared_ptr<const FrameFiles::File> FrameFiles::kept(std::size_t frame) {
   const std::lock_guard lock(keeping_);
-  const auto found = std::ranges::find(files_, frame, [](const auto& entry) { return entry.first; });
+  const auto found =
+      std::ranges::find(files_, frame, [](const auto& entry) { return entry.first; });
   if (found == files_.end())
     return nullptr;
   files_.splice(files_.begin(), files_, found);
@@ -180,7 +189,8 @@ Status FrameFiles::decode(Volume& volume, std::size_t frame) {
   volume.values.resize(info.frameValues());
   VOLUTE_ASSIGN(const Row* blocks, row(volume, static_cast<int>(frame) / BlockGrid::kSide));
   if (!blocks)
-    return volume.reader->readRegion(static_cast<int>(frame), {0, 0, 0}, {info.z, info.y, info.x}, volume.values);
+    return volume.reader->readRegion(static_cast<int>(frame), {0, 0, 0}, {info.z, info.y, info.x},
+                                     volume.values);
   scatter(volume, *blocks, frame);
   return {};
 }
@@ -232,7 +242,8 @@ void FrameFiles::scatter(Volume& of, const Row& row, std::size_t frame) {
   const std::size_t first = static_cast<std::size_t>(row.row) * grid.rowCount();
   const auto channels = static_cast<std::size_t>(volume.channels);
   parallelRanges(values.size(), std::size_t{1} << 20, [&](std::size_t begin, std::size_t end) {
-    std::fill(values.begin() + static_cast<std::ptrdiff_t>(begin), values.begin() + static_cast<std::ptrdiff_t>(end), 0.0f);
+    std::fill(values.begin() + static_cast<std::ptrdiff_t>(begin),
+              values.begin() + static_cast<std::ptrdiff_t>(end), 0.0f);
   });
   parallelRanges(row.blocks.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -241,11 +252,13 @@ void FrameFiles::scatter(Volume& of, const Row& row, std::size_t frame) {
       const auto origin = grid.origin(first + i);
       const auto extents = grid.extents(first + i);
       const std::size_t line = static_cast<std::size_t>(extents[3]) * channels;
-      const float* from = row.blocks[i].data() +
-                          (frame - static_cast<std::size_t>(origin[0])) * extents[1] * extents[2] * line;
+      const float* from = row.blocks[i].data() + (frame - static_cast<std::size_t>(origin[0])) *
+                                                     extents[1] * extents[2] * line;
       for (int z = 0; z < extents[1]; ++z) {
         for (int y = 0; y < extents[2]; ++y, from += line) {
-          const std::size_t to = (static_cast<std::size_t>(origin[1] + z) * volume.y + origin[2] + y) * volume.x + origin[3];
+          const std::size_t to =
+              (static_cast<std::size_t>(origin[1] + z) * volume.y + origin[2] + y) * volume.x +
+              origin[3];
           std::copy_n(from, line, values.data() + to * channels);
         }
       }

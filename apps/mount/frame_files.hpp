@@ -39,8 +39,9 @@ class MemoryFile {
   int descriptor_;
 };
 
-/// The frames of a .volute file, with all of its grids, as .vdb files that are made when somebody wants them: the bytes that
-/// `volute extract` writes. Threads may share it; one file at a time is made, on all cores.
+/// The frames of a .volute file, with all of its grids, as .vdb files that are made when somebody
+/// wants them: the bytes that `volute extract` writes. Threads may share it; one file at a time is
+/// made, on all cores.
 class FrameFiles {
  public:
   struct File {
@@ -80,8 +81,8 @@ class FrameFiles {
     std::shared_ptr<const VoluteReader> reader;  ///< null: it is empty
     VolumeInfo info;
     GridDescription description;
-    std::uint64_t room = 0;     ///< [bytes] for its rows
-    std::list<Row> rows{};      ///< the last one used first
+    std::uint64_t room = 0;       ///< [bytes] for its rows
+    std::list<Row> rows{};        ///< the last one used first
     std::vector<float> values{};  ///< a frame
   };
 
@@ -107,8 +108,8 @@ class FrameFiles {
   std::unique_ptr<LatticeWriter> writer_;
   std::vector<Volume> volumes_;
 
-  std::mutex keeping_;  // of what follows
-  std::vector<std::uint64_t> sizes_;  // 0: not known
+  std::mutex keeping_;                                                    // of what follows
+  std::vector<std::uint64_t> sizes_;                                      // 0: not known
   std::list<std::pair<std::size_t, std::shared_ptr<const File>>> files_;  // the last one used first
 };
 

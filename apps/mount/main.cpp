@@ -84,8 +84,8 @@ int attributes(const char* path, struct stat* status, fuse_file_info* /*open*/) 
   return 0;
 }
 
-int list(const char* path, void* buffer, fuse_fill_dir_t fill, off_t /*offset*/, fuse_file_info* /*open*/,
-         fuse_readdir_flags /*flags*/) {
+int list(const char* path, void* buffer, fuse_fill_dir_t fill, off_t /*offset*/,
+         fuse_file_info* /*open*/, fuse_readdir_flags /*flags*/) {
   if (std::strcmp(path, "/") != 0)
     return -ENOENT;
   constexpr auto kPlain = static_cast<fuse_fill_dir_flags>(0);
@@ -131,16 +131,18 @@ void hear(fuse_log_level /*level*/, const char* format, va_list arguments) {
   while (!fuseSays.empty() && fuseSays.back() == '\n') fuseSays.pop_back();
 }
 
-constexpr std::string_view kOtherwise = "`volute extract FILE -o FOLDER/frame_%04d.vdb` writes the files instead";
+constexpr std::string_view kOtherwise =
+    "`volute extract FILE -o FOLDER/frame_%04d.vdb` writes the files instead";
 
 Status checkFuse() {
   if (::access("/dev/fuse", R_OK | W_OK) == 0)
     return {};
   if (errno == ENOENT) {
-    return fail(ErrorCode::kUnsupported,
-                "/dev/fuse is not there: this system has no FUSE, or this container was not given it "
-                "(modprobe fuse; --device /dev/fuse); {}",
-                kOtherwise);
+    return fail(
+        ErrorCode::kUnsupported,
+        "/dev/fuse is not there: this system has no FUSE, or this container was not given it "
+        "(modprobe fuse; --device /dev/fuse); {}",
+        kOtherwise);
   }
   return fail(ErrorCode::kUnsupported, "/dev/fuse: {}; {}", std::strerror(errno), kOtherwise);
 }
@@ -150,7 +152,8 @@ Status checkFolder(const std::string& folder) {
   const bool is = std::filesystem::is_directory(folder, error);
   const bool empty = is && std::filesystem::is_empty(folder, error);
   if (error.value() == ENOTCONN) {
-    return fail(ErrorCode::kInvalidArgument, "{}: what was mounted here was killed; fusermount3 -u {} lets it go", folder,
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: what was mounted here was killed; fusermount3 -u {} lets it go", folder,
                 folder);
   }
   if (!is)
@@ -159,7 +162,8 @@ Status checkFolder(const std::string& folder) {
     return fail(ErrorCode::kIo, "{}: {}", folder, error.message());
   if (!empty) {
     return fail(ErrorCode::kInvalidArgument,
-                "{}: is not empty, and what is in it would be hidden; expected an empty folder", folder);
+                "{}: is not empty, and what is in it would be hidden; expected an empty folder",
+                folder);
   }
   return {};
 }
@@ -169,7 +173,8 @@ class Session {
  public:
   Status begin(Mounted& what, const std::string& folder) {
     fuse_set_log_func(hear);
-    std::vector<std::string> words{"volute", "-o", "ro,auto_unmount,nosuid,nodev,noatime,subtype=volute,fsname=volute"};
+    std::vector<std::string> words{
+        "volute", "-o", "ro,auto_unmount,nosuid,nodev,noatime,subtype=volute,fsname=volute"};
     std::vector<char*> pointers;
     for (std::string& word : words) pointers.push_back(word.data());
     fuse_args arguments = FUSE_ARGS_INIT(static_cast<int>(pointers.size()), pointers.data());
@@ -183,14 +188,17 @@ class Session {
     fuse_ = fuse_new(&arguments, &operations, sizeof operations, &what);
     fuse_opt_free_args(&arguments);
     if (!fuse_ || fuse_mount(fuse_, folder.c_str()) != 0) {
-      return fail(ErrorCode::kUnsupported, "{}: cannot mount: {}; {}", folder,
-                  fuseSays.empty() ? "FUSE refused (is fusermount3 of the package fuse3 there?)" : fuseSays, kOtherwise);
+      return fail(
+          ErrorCode::kUnsupported, "{}: cannot mount: {}; {}", folder,
+          fuseSays.empty() ? "FUSE refused (is fusermount3 of the package fuse3 there?)" : fuseSays,
+          kOtherwise);
     }
     mounted_ = true;
     return {};
   }
 
-  /// Until somebody unmounts the folder or asks to stop. libfuse's own loop would wait for one more request.
+  /// Until somebody unmounts the folder or asks to stop. libfuse's own loop would wait for one more
+  /// request.
   Status serve(const Progress& progress) {
     fuse_session* session = fuse_get_session(fuse_);
     const int device = fuse_session_fd(session);
@@ -208,7 +216,8 @@ class Session {
           const int received = fuse_session_receive_buf(session, &buffer);
           if (received > 0) {
             fuse_session_process_buf(session, &buffer);
-          } else if (received == 0 || (received != -EAGAIN && received != -EINTR && received != -ENOENT)) {
+          } else if (received == 0 ||
+                     (received != -EAGAIN && received != -EINTR && received != -ENOENT)) {
             fuse_session_exit(session);
           }
         }
@@ -235,7 +244,8 @@ Status run(const Arguments& arguments, Context& context) {
   const std::string& path = arguments.positional(0);
   const std::string& folder = arguments.positional(1);
   if (!isVolutePath(path))
-    return fail(ErrorCode::kInvalidArgument, "'{}' does not end in .volute; 'mount' shows such files alone", path);
+    return fail(ErrorCode::kInvalidArgument,
+                "'{}' does not end in .volute; 'mount' shows such files alone", path);
   VOLUTE_TRY(checkFolder(folder));
   Mounted what;
   what.progress = &context.progress;
@@ -247,8 +257,9 @@ Status run(const Arguments& arguments, Context& context) {
   Session session;
   VOLUTE_TRY(session.begin(what, folder));
   const auto& names = what.files->names();
-  context.progress.remark(fmt::format("{}/{}{}; Ctrl-C, or fusermount3 -u {}, ends it", folder, names.front(),
-                                      names.size() > 1 ? " to " + names.back() : "", folder));
+  context.progress.remark(fmt::format("{}/{}{}; Ctrl-C, or fusermount3 -u {}, ends it", folder,
+                                      names.front(), names.size() > 1 ? " to " + names.back() : "",
+                                      folder));
   return session.serve(context.progress);
 }
 

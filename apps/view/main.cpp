@@ -3,10 +3,10 @@
 // What `volute view` runs; the command's options are declared in volute/cli/commands/view.cpp.
 #include "volute/base/output_file.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/film/film_job.hpp"
 #include "volute/cli/program.hpp"
 #include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/volume_output.hpp"
+#include "volute/film/film_job.hpp"
 #include "volute/gl/gl_device.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/volume/volume_input.hpp"
@@ -31,12 +31,11 @@ Status run(const Arguments& arguments, Context& context) {
   const std::string path = arguments.positionals().empty() ? "" : arguments.positional(0);
   const Pixels size = arguments.get<Pixels>("size");
   const auto renderer = rendererOf(arguments);
-  const ViewerStart start{
-      path,
-      arguments.find<double>("time"),
-      size.width,
-      size.height,
-      {.renderer = renderer, .cpu = cpuMayDraw("a picture").has_value()}};
+  const ViewerStart start{path,
+                          arguments.find<double>("time"),
+                          size.width,
+                          size.height,
+                          {.renderer = renderer, .cpu = cpuMayDraw("a picture").has_value()}};
   const bool gl = renderer == ViewRenderer::kGl ||
                   (renderer != ViewRenderer::kCpu && graphicsHardwarePresent());
   VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, gl));
@@ -46,8 +45,7 @@ Status run(const Arguments& arguments, Context& context) {
   }
   VOLUTE_ASSIGN(auto cache, lightCache(arguments, context));
   const auto open = documentOpener(
-      {context.maxMemory, path, std::move(members), std::move(cache), method,
-       start.time});
+      {context.maxMemory, path, std::move(members), std::move(cache), method, start.time});
   const auto target = arguments.find<std::string>("screenshot");
   if (!target)
     return runViewerWindow(open, start, context.progress);
@@ -56,10 +54,10 @@ Status run(const Arguments& arguments, Context& context) {
   if (extensionOf(*target) != ".png")
     return fail(ErrorCode::kInvalidArgument, "--screenshot: '{}' is no .png", *target);
   VOLUTE_TRY(checkTarget(*target));
-  VOLUTE_ASSIGN(const Image image,
-                namingOptions(viewerScreenshot(open, start, !arguments.flag("no-panels"),
-                                               context.progress),
-                              arguments));
+  VOLUTE_ASSIGN(
+      const Image image,
+      namingOptions(viewerScreenshot(open, start, !arguments.flag("no-panels"), context.progress),
+                    arguments));
   return writeImage(*target, image);
 }
 

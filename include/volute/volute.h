@@ -3,11 +3,11 @@
  *
  * Volute for C, and for languages that call C: files of volumes, and lines of sight through scenes.
  *
- * Functions that can fail return a volute_status; volute_error() then returns a message. Handles are
- * created by functions that end in _open and released by functions that end in _close, which accept
- * NULL. Functions that take a const handle may be called from several threads at once. Paths and
- * texts are UTF-8. NULL where this header does not allow it is VOLUTE_INVALID_ARGUMENT. No function
- * ends the process or throws. */
+ * Functions that can fail return a volute_status; volute_error() then returns a message. Handles
+ * are created by functions that end in _open and released by functions that end in _close, which
+ * accept NULL. Functions that take a const handle may be called from several threads at once. Paths
+ * and texts are UTF-8. NULL where this header does not allow it is VOLUTE_INVALID_ARGUMENT. No
+ * function ends the process or throws. */
 #ifndef VOLUTE_VOLUTE_H
 #define VOLUTE_VOLUTE_H
 
@@ -40,13 +40,14 @@ const char* volute_error(void);
 
 /* Properties of a sequence of volumes, without its values. */
 typedef struct volute_info {
-  size_t size;    /* set it to sizeof(volute_info): later versions may add members */
+  size_t size; /* set it to sizeof(volute_info): later versions may add members */
   int32_t frames;
-  int32_t z, y, x;  /* voxels */
-  int32_t channels; /* 1, or 3 for linear RGB */
-  int32_t trilinear; /* 0: values are constant in voxels; 1: interpolated between voxel centres; 2: cubic B-splines there */
+  int32_t z, y, x;   /* voxels */
+  int32_t channels;  /* 1, or 3 for linear RGB */
+  int32_t trilinear; /* 0: values are constant in voxels; 1: interpolated between voxel centres; 2:
+                        cubic B-splines there */
   double bounds_min[3], bounds_max[3]; /* x y z of the outer voxel faces [m] */
-  double max_error; /* bound of the absolute error to the original */
+  double max_error;                    /* bound of the absolute error to the original */
 } volute_info;
 
 /* A .volute file that is open for reading. */
@@ -55,8 +56,8 @@ typedef struct volute_file volute_file;
 volute_status volute_file_open(const char* path, volute_file** file);
 void volute_file_close(volute_file* file);
 
-/* The same for one of several grids ("velocity"); "" opens "density", else the first non-empty grid,
- * as volute_file_open does. */
+/* The same for one of several grids ("velocity"); "" opens "density", else the first non-empty
+ * grid, as volute_file_open does. */
 volute_status volute_file_open_grid(const char* path, const char* grid, volute_file** file);
 
 /* Number of grids in the file, including empty ones; 0 for NULL. */

@@ -45,9 +45,9 @@
 
 // From where signs are seen, and what people take in; fire from pictures; made-up data.
 #include "volute/synth/synth.hpp"
+#include "volute/tenability/walking_speed.hpp"
 #include "volute/tomography/project.hpp"
 #include "volute/tomography/reconstruct.hpp"
-#include "volute/tenability/walking_speed.hpp"
 #include "volute/visibility/eyes.hpp"
 #include "volute/visibility/sight_engine.hpp"
 #include "volute/visibility/sign_file.hpp"

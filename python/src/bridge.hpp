@@ -33,14 +33,22 @@ struct Failure {
 /// Names as in volute._errors.
 inline const char* nameOf(ErrorCode code) {
   switch (code) {
-    case ErrorCode::kInvalidArgument: return "InvalidArgument";
-    case ErrorCode::kNotFound: return "NotFound";
-    case ErrorCode::kInvalidData: return "InvalidData";
-    case ErrorCode::kTruncated: return "Truncated";
-    case ErrorCode::kUnsupported: return "Unsupported";
-    case ErrorCode::kTooLarge: return "TooLarge";
-    case ErrorCode::kIo: return "IoError";
-    case ErrorCode::kCancelled: return "Cancelled";
+    case ErrorCode::kInvalidArgument:
+      return "InvalidArgument";
+    case ErrorCode::kNotFound:
+      return "NotFound";
+    case ErrorCode::kInvalidData:
+      return "InvalidData";
+    case ErrorCode::kTruncated:
+      return "Truncated";
+    case ErrorCode::kUnsupported:
+      return "Unsupported";
+    case ErrorCode::kTooLarge:
+      return "TooLarge";
+    case ErrorCode::kIo:
+      return "IoError";
+    case ErrorCode::kCancelled:
+      return "Cancelled";
   }
   return "Error";
 }
@@ -153,7 +161,8 @@ auto run(const py::object& listener, Call&& call) {
 template <class T>
 py::array_t<T> owned(std::vector<T>&& values, std::vector<py::ssize_t> shape) {
   auto* kept = new std::vector<T>(std::move(values));
-  const py::capsule owner(kept, [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); });
+  const py::capsule owner(kept,
+                          [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); });
   return py::array_t<T>(std::move(shape), kept->data(), owner);
 }
 

@@ -48,7 +48,8 @@ std::vector<AxisPart> partsOf(const std::vector<std::int64_t>& indices) {
     }
     if (!part->runs.empty()) {
       Run& last = part->runs.back();
-      if (last.from + last.length == from && last.to + static_cast<std::size_t>(last.length) == place) {
+      if (last.from + last.length == from &&
+          last.to + static_cast<std::size_t>(last.length) == place) {
         ++last.length;
         continue;
       }
@@ -69,7 +70,8 @@ bool isRange(const std::vector<std::int64_t>& indices) {
 /// The same for all four axes.
 class Gather {
  public:
-  Gather(const VoluteReader& reader, const std::array<std::vector<std::int64_t>, 4>& indices, int levels)
+  Gather(const VoluteReader& reader, const std::array<std::vector<std::int64_t>, 4>& indices,
+         int levels)
       : reader_(reader), levels_(levels) {
     for (std::size_t axis = 0; axis < 4; ++axis) {
       sizes_[axis] = indices[axis].size();
@@ -111,7 +113,8 @@ class Gather {
         eachIndex(*part[2], [&](std::size_t y, int fromY) {
           const std::size_t row = ((t * sizes_[1] + z) * sizes_[2] + y) * sizes_[3];
           const std::size_t fromRow =
-              ((static_cast<std::size_t>(fromT) * extents[1] + fromZ) * extents[2] + fromY) * extents[3];
+              ((static_cast<std::size_t>(fromT) * extents[1] + fromZ) * extents[2] + fromY) *
+              extents[3];
           for (const Run& run : part[3]->runs) {
             std::copy_n(&decoded[(fromRow + run.from) * channels], run.length * channels,
                         values + (row + run.to) * channels);
@@ -141,12 +144,13 @@ py::tuple tupleOf(const Vec3& v) {
 
 py::dict describe(const VolumeInfo& info) {
   using namespace py::literals;
-  return py::dict("name"_a = info.name, "unit"_a = info.unit,
-                  "shape"_a = py::make_tuple(info.frames, info.z, info.y, info.x, info.channels),
-                  "bounds"_a = py::make_tuple(tupleOf(info.bounds.min), tupleOf(info.bounds.max)),
-                  "times"_a = py::array_t<double>(info.times.size(), info.times.data()),
-                  "frame_numbers"_a = py::array_t<int>(info.frameNumbers.size(), info.frameNumbers.data()),
-                  "basis"_a = std::string(basisName(info.basis)));
+  return py::dict(
+      "name"_a = info.name, "unit"_a = info.unit,
+      "shape"_a = py::make_tuple(info.frames, info.z, info.y, info.x, info.channels),
+      "bounds"_a = py::make_tuple(tupleOf(info.bounds.min), tupleOf(info.bounds.max)),
+      "times"_a = py::array_t<double>(info.times.size(), info.times.data()),
+      "frame_numbers"_a = py::array_t<int>(info.frameNumbers.size(), info.frameNumbers.data()),
+      "basis"_a = std::string(basisName(info.basis)));
 }
 
 class File {
@@ -164,8 +168,9 @@ class File {
   py::dict header() const {
     using namespace py::literals;
     const VoluteHeader& h = reader_.header();
-    return py::dict("version"_a = py::make_tuple(h.versionMajor, h.versionMinor), "written_by"_a = h.writtenBy,
-                    "provenance"_a = h.provenance, "target"_a = py::make_tuple(h.targetKind, h.targetValue),
+    return py::dict("version"_a = py::make_tuple(h.versionMajor, h.versionMinor),
+                    "written_by"_a = h.writtenBy, "provenance"_a = h.provenance,
+                    "target"_a = py::make_tuple(h.targetKind, h.targetValue),
                     "rms"_a = h.reachedRms, "max_error"_a = h.reachedMaxError,
                     "value_range"_a = py::make_tuple(h.valueMin, h.valueMax));
   }
@@ -200,7 +205,8 @@ class File {
       indices[axis].assign(asked[axis]->data(), asked[axis]->data() + asked[axis]->size());
       for (const std::int64_t index : indices[axis]) {
         if (index < 0 || index >= sides[axis]) {
-          throw py::index_error(fmt::format("there is no {} on axis {}; it has {}", index, "tzyx"[axis], sides[axis]));
+          throw py::index_error(fmt::format("there is no {} on axis {}; it has {}", index,
+                                            "tzyx"[axis], sides[axis]));
         }
       }
       shape.push_back(asked[axis]->size());
@@ -213,10 +219,14 @@ class File {
     const std::span<float> all(to, static_cast<std::size_t>(values.size()));
     run(py::none(), [&](Progress& progress) -> Status {
       if (indices[0].size() == 1 && std::ranges::all_of(indices, isRange)) {
-        const auto first = [&](std::size_t axis) { return static_cast<int>(indices[axis].front()); };
-        const auto end = [&](std::size_t axis) { return static_cast<int>(indices[axis].back()) + 1; };
-        return reader_.readRegion(first(0), {first(1), first(2), first(3)}, {end(1), end(2), end(3)}, all,
-                                  levels);
+        const auto first = [&](std::size_t axis) {
+          return static_cast<int>(indices[axis].front());
+        };
+        const auto end = [&](std::size_t axis) {
+          return static_cast<int>(indices[axis].back()) + 1;
+        };
+        return reader_.readRegion(first(0), {first(1), first(2), first(3)},
+                                  {end(1), end(2), end(3)}, all, levels);
       }
       return Gather(reader_, indices, levels).read(to, progress);
     });
@@ -246,8 +256,8 @@ class PythonFrames final : public FrameSource {
     try {
       const Values frame = frame_(index);
       if (static_cast<std::size_t>(frame.size()) != values.size()) {
-        return fail(ErrorCode::kInvalidArgument, "frame {} has {} values; expected {}", index, frame.size(),
-                    values.size());
+        return fail(ErrorCode::kInvalidArgument, "frame {} has {} values; expected {}", index,
+                    frame.size(), values.size());
       }
       std::copy_n(frame.data(), values.size(), values.data());
       return {};
@@ -289,19 +299,21 @@ VolumeInfo infoOf(const Shape& shape, const std::optional<Bounds>& bounds,
 }
 
 py::dict compressFrames(py::function frame, const Shape& shape, const std::filesystem::path& path,
-                        const std::string& target, double value, const std::optional<Bounds>& bounds,
+                        const std::string& target, double value,
+                        const std::optional<Bounds>& bounds,
                         const std::optional<std::vector<double>>& times,
-                        const std::optional<std::vector<int>>& frameNumbers, const std::string& name,
-                        const std::string& unit, const std::string& basis, const std::string& wavelet,
-                        bool fast, const std::string& provenance, std::uint64_t maxMemory,
-                        const py::object& listener) {
+                        const std::optional<std::vector<int>>& frameNumbers,
+                        const std::string& name, const std::string& unit, const std::string& basis,
+                        const std::string& wavelet, bool fast, const std::string& provenance,
+                        std::uint64_t maxMemory, const py::object& listener) {
   using namespace py::literals;
   using Kind = ErrorTarget::Kind;
-  constexpr std::array<std::pair<std::string_view, Kind>, 5> kKinds{{{"rms", Kind::kRms},
-                                                                     {"psnr", Kind::kPsnr},
-                                                                     {"ratio", Kind::kRatio},
-                                                                     {"size", Kind::kSize},
-                                                                     {"max_error", Kind::kMaxError}}};
+  constexpr std::array<std::pair<std::string_view, Kind>, 5> kKinds{
+      {{"rms", Kind::kRms},
+       {"psnr", Kind::kPsnr},
+       {"ratio", Kind::kRatio},
+       {"size", Kind::kSize},
+       {"max_error", Kind::kMaxError}}};
   const auto kind = std::ranges::find(kKinds, target, &std::pair<std::string_view, Kind>::first);
   if (kind == kKinds.end())
     throw py::value_error("target: " + target);
@@ -370,7 +382,8 @@ class Fds {
 
   std::vector<std::pair<std::string, std::string>> sources() const {
     std::vector<std::pair<std::string, std::string>> result;
-    for (const FdsSource& source : volume_->fdsCase().sources()) result.emplace_back(source.name, source.description);
+    for (const FdsSource& source : volume_->fdsCase().sources())
+      result.emplace_back(source.name, source.description);
     return result;
   }
 
@@ -393,24 +406,27 @@ PYBIND11_MODULE(_core, m) {
   m.attr("block") = volute::BlockGrid::kSide;
 
   py::class_<File>(m, "File")
-      .def(py::init<const std::filesystem::path&, bool, std::uint64_t, const std::string&>(), "path"_a, "partial"_a,
-           "max_memory"_a, "grid"_a)
+      .def(py::init<const std::filesystem::path&, bool, std::uint64_t, const std::string&>(),
+           "path"_a, "partial"_a, "max_memory"_a, "grid"_a)
       .def_property_readonly("info", &File::info)
       .def_property_readonly("grids", &File::grids)
       .def_property_readonly("header", &File::header)
-      .def_property_readonly("bytes_read", [](const File& file) { return file.reader().bytesRead(); })
-      .def_property_readonly("blocks_decoded", [](const File& file) { return file.reader().blocksDecoded(); })
+      .def_property_readonly("bytes_read",
+                             [](const File& file) { return file.reader().bytesRead(); })
+      .def_property_readonly("blocks_decoded",
+                             [](const File& file) { return file.reader().blocksDecoded(); })
       .def("read", &File::read, "t"_a, "z"_a, "y"_a, "x"_a, "levels"_a = 99)
       .def("verify", &File::verify, "listener"_a);
 
-  m.def("compress", &compressFrames, "frame"_a, "shape"_a, "path"_a, "target"_a, "value"_a, "bounds"_a, "times"_a,
-        "frame_numbers"_a, "name"_a, "unit"_a, "basis"_a, "wavelet"_a, "fast"_a, "provenance"_a, "max_memory"_a,
-        "listener"_a);
+  m.def("compress", &compressFrames, "frame"_a, "shape"_a, "path"_a, "target"_a, "value"_a,
+        "bounds"_a, "times"_a, "frame_numbers"_a, "name"_a, "unit"_a, "basis"_a, "wavelet"_a,
+        "fast"_a, "provenance"_a, "max_memory"_a, "listener"_a);
 
   py::class_<Fds>(m, "Fds")
-      .def(py::init<const std::filesystem::path&, const std::string&, const std::string&, double, std::optional<int>,
-                    const std::optional<Bounds>&, std::uint64_t>(),
-           "path"_a, "quantity"_a, "source"_a, "mass_extinction"_a, "mesh"_a, "bounds"_a, "max_memory"_a)
+      .def(py::init<const std::filesystem::path&, const std::string&, const std::string&, double,
+                    std::optional<int>, const std::optional<Bounds>&, std::uint64_t>(),
+           "path"_a, "quantity"_a, "source"_a, "mass_extinction"_a, "mesh"_a, "bounds"_a,
+           "max_memory"_a)
       .def_property_readonly("info", &Fds::info)
       .def_property_readonly("remarks", &Fds::remarks)
       .def_property_readonly("sources", &Fds::sources)

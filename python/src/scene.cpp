@@ -3,6 +3,8 @@
 
 // volute._scene: scenes, pictures, lines of sight, and volumes from pictures.
 
+#include "volute/scene/scene.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,7 +21,6 @@
 #include "volute/io/image_file.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/scene/picture_camera.hpp"
-#include "volute/scene/scene.hpp"
 #include "volute/scene/scene_renderer.hpp"
 #include "volute/scene/scene_sight.hpp"
 #include "volute/tomography/capture_refinement.hpp"
@@ -144,9 +145,11 @@ class PythonScene {
   static Result<Pixels> pixelsOf(const std::array<int, 2>& size) {
     constexpr int kLargest = 32768;
     const Pixels pixels{size[0], size[1]};
-    if (pixels.width < 1 || pixels.height < 1 || pixels.width > kLargest || pixels.height > kLargest) {
-      return fail(ErrorCode::kInvalidArgument, "size: {} x {} pixels; expected 1 to {} on each side",
-                  pixels.width, pixels.height, kLargest);
+    if (pixels.width < 1 || pixels.height < 1 || pixels.width > kLargest ||
+        pixels.height > kLargest) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "size: {} x {} pixels; expected 1 to {} on each side", pixels.width,
+                  pixels.height, kLargest);
     }
     return pixels;
   }
@@ -180,7 +183,8 @@ class Sight {
     const auto from = pointsOf(eyes, "eyes");
     const auto to = pointsOf(targets, "targets");
     if (from.size() != to.size())
-      throw py::value_error(fmt::format("{} eyes and {} targets; expected as many", from.size(), to.size()));
+      throw py::value_error(
+          fmt::format("{} eyes and {} targets; expected as many", from.size(), to.size()));
     py::array_t<LineSight> out(static_cast<py::ssize_t>(from.size()));
     LineSight* sights = out.mutable_data();
     run(py::none(), [&](Progress&) -> Status {
@@ -223,9 +227,8 @@ class Sight {
     });
     py::array_t<SignSight> out({times.size(), signCount, from.size()});
     std::ranges::transform(all, out.mutable_data(), [](const Sighting& s) {
-      return SignSight{s.distance,       s.angle,      s.depth,   s.low,       s.high,
-                       s.meanExtinction, s.visibility, s.covered, s.blocked,   s.visible,
-                       s.certainly,      s.possibly};
+      return SignSight{s.distance,   s.angle,   s.depth,   s.low,     s.high,      s.meanExtinction,
+                       s.visibility, s.covered, s.blocked, s.visible, s.certainly, s.possibly};
     });
     return out;
   }
@@ -304,9 +307,7 @@ class Engine {
     });
   }
 
-  std::vector<double> times() const {
-    return {engine_->times().begin(), engine_->times().end()};
-  }
+  std::vector<double> times() const { return {engine_->times().begin(), engine_->times().end()}; }
 
   std::vector<std::string> signs() const {
     std::vector<std::string> names;
@@ -392,7 +393,8 @@ class Engine {
 class PythonTrajectories {
  public:
   PythonTrajectories(const std::string& text, const std::string& file, std::optional<double> height)
-      : walks_(run(py::none(), [&](Progress&) { return Trajectories::parse(text, file, height); })) {}
+      : walks_(
+            run(py::none(), [&](Progress&) { return Trajectories::parse(text, file, height); })) {}
 
   py::tuple span() const { return py::make_tuple(walks_.begin(), walks_.end()); }
 
@@ -465,7 +467,8 @@ CaptureOptions captureOptions(const OrderedJson& said, std::uint64_t maxMemory) 
 Status checkGeometryOf(const Capture& capture, bool force, Progress& progress) {
   for (const GeometryFault& fault : checkGeometry(capture)) {
     if (!force)
-      return fail(ErrorCode::kInvalidData, "{}: {} (force=True goes on)", capture.file.string(), fault.message);
+      return fail(ErrorCode::kInvalidData, "{}: {} (force=True goes on)", capture.file.string(),
+                  fault.message);
     progress.remark("warning: " + fault.message);
   }
   return {};
@@ -489,7 +492,8 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
     VOLUTE_TRY(checkGeometryOf(given, settings.force, progress));
     const bool refine = said.value("refine", true);
     VOLUTE_ASSIGN(const CaptureRefinement refinement,
-                  refineCapture(given, heldOut, refine ? Refine::kAuto : Refine::kNever, maxMemory, progress));
+                  refineCapture(given, heldOut, refine ? Refine::kAuto : Refine::kNever, maxMemory,
+                                progress));
     const Capture& capture = refinement.capture;
     VOLUTE_ASSIGN(const auto frames,
                   ReconstructedFrames::open(capture, settings, heldOut,
@@ -507,13 +511,15 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
         return {};
       }
       if (info.rawBytes() > maxMemory) {
-        return fail(ErrorCode::kTooLarge,
-                    "{} MiB of values, more than the {} MiB allowed; give `output` or raise max_memory",
-                    (info.rawBytes() >> 20) + 1, maxMemory >> 20);
+        return fail(
+            ErrorCode::kTooLarge,
+            "{} MiB of values, more than the {} MiB allowed; give `output` or raise max_memory",
+            (info.rawBytes() >> 20) + 1, maxMemory >> 20);
       }
       values.resize(info.values());
       for (int i = 0; i < info.frames; ++i) {
-        VOLUTE_TRY(frames->readFrame(i, std::span(values).subspan(i * info.frameValues(), info.frameValues())));
+        VOLUTE_TRY(frames->readFrame(
+            i, std::span(values).subspan(i * info.frameValues(), info.frameValues())));
       }
       return {};
     }();
@@ -538,13 +544,14 @@ PYBIND11_MODULE(_scene, m) {
   translateFailures();
   m.doc() = "What of Volute shows and looks through scenes; use the package `volute`.";
   PYBIND11_NUMPY_DTYPE(volute::python::Sight::LineSight, depth, low, high, covered, blocked);
-  PYBIND11_NUMPY_DTYPE(volute::python::Sight::SignSight, distance, angle, depth, low, high, mean_extinction, visibility,
-                       covered, blocked, visible, certainly, possibly);
+  PYBIND11_NUMPY_DTYPE(volute::python::Sight::SignSight, distance, angle, depth, low, high,
+                       mean_extinction, visibility, covered, blocked, visible, certainly, possibly);
 
   py::class_<PythonScene>(m, "Scene")
       .def_static(
           "open",
-          [](const std::string& path, const std::string& members, std::uint64_t maxMemory, const py::object& listener) {
+          [](const std::string& path, const std::string& members, std::uint64_t maxMemory,
+             const py::object& listener) {
             return std::make_unique<PythonScene>(run(listener, [&](Progress& progress) {
               return Scene::open(path, sceneOptions(members, maxMemory), progress);
             }));
@@ -552,7 +559,8 @@ PYBIND11_MODULE(_scene, m) {
           "path"_a, "members"_a, "max_memory"_a, "listener"_a)
       .def_static(
           "make",
-          [](const std::string& json, const std::string& file, std::uint64_t maxMemory, const py::object& listener) {
+          [](const std::string& json, const std::string& file, std::uint64_t maxMemory,
+             const py::object& listener) {
             return std::make_unique<PythonScene>(run(listener, [&](Progress& progress) {
               return Scene::make(jsonOf(json), file, sceneOptions("{}", maxMemory), progress);
             }));
@@ -564,22 +572,24 @@ PYBIND11_MODULE(_scene, m) {
       .def_property_readonly("times", &PythonScene::times)
       .def_property_readonly("media", &PythonScene::media)
       .def("change", &PythonScene::change, "json"_a, "listener"_a)
-      .def("render", &PythonScene::render, "time"_a, "camera"_a, "size"_a, "renderer"_a, "aov"_a, "background"_a,
-           "listener"_a);
+      .def("render", &PythonScene::render, "time"_a, "camera"_a, "size"_a, "renderer"_a, "aov"_a,
+           "background"_a, "listener"_a);
 
   py::class_<volute::python::Sight>(m, "Sight")
-      .def(py::init<std::string, std::string, std::uint64_t>(), "path"_a, "members"_a, "max_memory"_a)
+      .def(py::init<std::string, std::string, std::uint64_t>(), "path"_a, "members"_a,
+           "max_memory"_a)
       .def_property_readonly("times", &volute::python::Sight::times)
       .def_property_readonly("bounds", &volute::python::Sight::bounds)
       .def_property_readonly("description", &volute::python::Sight::description)
       .def_property_readonly("remarks", &volute::python::Sight::remarks)
       .def("look", &volute::python::Sight::look, "time"_a, "eyes"_a, "targets"_a)
-      .def("survey", &volute::python::Sight::survey, "times"_a, "signs_file"_a, "eyes"_a, "listener"_a)
+      .def("survey", &volute::python::Sight::survey, "times"_a, "signs_file"_a, "eyes"_a,
+           "listener"_a)
       .def("sign_names", &volute::python::Sight::signNames, "file"_a);
 
   py::class_<Engine>(m, "Engine")
-      .def(py::init<const std::string&, const std::string&, const std::string&, const std::string&, std::uint64_t,
-                    const py::object&>(),
+      .def(py::init<const std::string&, const std::string&, const std::string&, const std::string&,
+                    std::uint64_t, const py::object&>(),
            "path"_a, "members"_a, "signs_file"_a, "criteria_file"_a, "max_memory"_a, "listener"_a)
       .def_property_readonly("times", &Engine::times)
       .def_property_readonly("signs", &Engine::signs)
@@ -591,12 +601,14 @@ PYBIND11_MODULE(_scene, m) {
       .def("extinction", &Engine::extinction, "time"_a, "eyes"_a);
 
   py::class_<PythonTrajectories>(m, "Trajectories")
-      .def(py::init<const std::string&, const std::string&, std::optional<double>>(), "text"_a, "file"_a, "height"_a)
+      .def(py::init<const std::string&, const std::string&, std::optional<double>>(), "text"_a,
+           "file"_a, "height"_a)
       .def_property_readonly("span", &PythonTrajectories::span)
       .def_property_readonly("ids", &PythonTrajectories::ids)
       .def("at", &PythonTrajectories::at, "time"_a);
 
-  m.def("reconstruct", &reconstructCapture, "path"_a, "output"_a, "rms"_a, "options"_a, "max_memory"_a, "listener"_a);
+  m.def("reconstruct", &reconstructCapture, "path"_a, "output"_a, "rms"_a, "options"_a,
+        "max_memory"_a, "listener"_a);
   m.def(
       "read_image",
       [](const std::filesystem::path& path) {
@@ -605,7 +617,8 @@ PYBIND11_MODULE(_scene, m) {
       "path"_a);
   m.def(
       "write_image",
-      [](const std::filesystem::path& path, const py::array_t<float, py::array::c_style | py::array::forcecast>& array) {
+      [](const std::filesystem::path& path,
+         const py::array_t<float, py::array::c_style | py::array::forcecast>& array) {
         const Image image = imageOf(array);
         run(py::none(), [&](Progress&) { return writeImage(path, image); });
       },

@@ -27,8 +27,8 @@ inline bool isSameFile(const std::filesystem::path& a, const std::filesystem::pa
          std::filesystem::absolute(b, error).lexically_normal();
 }
 
-/// A path in the folder that `file` lies in. Not path::replace_filename(), which crashes where memory
-/// ends in it (libstdc++ 12).
+/// A path in the folder that `file` lies in. Not path::replace_filename(), which crashes where
+/// memory ends in it (libstdc++ 12).
 inline std::filesystem::path siblingOf(const std::filesystem::path& file, std::string_view name) {
   return file.parent_path() / name;
 }

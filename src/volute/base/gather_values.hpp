@@ -13,7 +13,7 @@ namespace volute {
 /// Collective. The values of all ranks, bit for bit, in the order of ranks.
 template <class Value>
 [[nodiscard]] Result<std::vector<std::vector<Value>>> gatherEach(Team& team,
-                                                                std::span<const Value> own) {
+                                                                 std::span<const Value> own) {
   VOLUTE_ASSIGN(const auto all, team.gatherAll(std::as_bytes(own)));
   std::vector<std::vector<Value>> values;
   for (const auto& bytes : all) {

@@ -15,22 +15,23 @@ namespace volute {
 namespace {
 
 tl::unexpected<Error> notRegular(const std::filesystem::path& path, mode_t mode) {
-  const char* what = S_ISDIR(mode)    ? "a folder"
-                     : S_ISFIFO(mode) ? "a pipe"
-                     : S_ISSOCK(mode) ? "a socket"
+  const char* what = S_ISDIR(mode)                    ? "a folder"
+                     : S_ISFIFO(mode)                 ? "a pipe"
+                     : S_ISSOCK(mode)                 ? "a socket"
                      : S_ISCHR(mode) || S_ISBLK(mode) ? "a device"
                                                       : "something else";
-  return fail(ErrorCode::kIo, "{}: not a regular file: it is {}; give a file that lies on a disk", path.string(), what);
+  return fail(ErrorCode::kIo, "{}: not a regular file: it is {}; give a file that lies on a disk",
+              path.string(), what);
 }
 
 }  // namespace
 
 Result<InputFile> InputFile::open(const std::filesystem::path& path) {
-  // Without O_NONBLOCK a pipe that nobody writes to is waited for, and so are some devices. Regular files do not
-  // know it.
+  // Without O_NONBLOCK a pipe that nobody writes to is waited for, and so are some devices. Regular
+  // files do not know it.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   const int reason = errno;
-  struct stat status {};
+  struct stat status{};
   if (descriptor < 0) {
     if (reason == ENXIO && ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
       return notRegular(path, status.st_mode);
@@ -50,11 +51,14 @@ Status InputFile::check(const std::filesystem::path& path) {
 }
 
 InputFile::~InputFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (descriptor_ >= 0)
+    ::close(descriptor_);
 }
 
 InputFile::InputFile(InputFile&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), size_(other.size_), path_(std::move(other.path_)) {}
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      size_(other.size_),
+      path_(std::move(other.path_)) {}
 
 InputFile& InputFile::operator=(InputFile&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
@@ -65,11 +69,16 @@ InputFile& InputFile::operator=(InputFile&& other) noexcept {
 
 Status InputFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
   while (!bytes.empty()) {
-    const ssize_t count = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return fail(ErrorCode::kIo, "{}: cannot read at byte {}: {}", path_.string(), offset, std::strerror(errno));
+    const ssize_t count =
+        ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (count < 0 && errno == EINTR)
+      continue;
+    if (count < 0)
+      return fail(ErrorCode::kIo, "{}: cannot read at byte {}: {}", path_.string(), offset,
+                  std::strerror(errno));
     if (count == 0) {
-      return fail(ErrorCode::kTruncated, "{}: ends at byte {}, {} bytes short", path_.string(), size_, bytes.size());
+      return fail(ErrorCode::kTruncated, "{}: ends at byte {}, {} bytes short", path_.string(),
+                  size_, bytes.size());
     }
     offset += static_cast<std::uint64_t>(count);
     bytes = bytes.subspan(static_cast<std::size_t>(count));

@@ -13,12 +13,14 @@
 
 namespace volute {
 
-/// A file open for reading at any place. Reads are thread-safe (pread) and never move a shared position.
+/// A file open for reading at any place. Reads are thread-safe (pread) and never move a shared
+/// position.
 class InputFile {
  public:
   /// Fails with kNotFound or kIo, naming the path and the system's reason. What is no regular file
   /// (a folder, pipe, socket or device) is refused without waiting for whoever is at its other end.
-  /// All reading begins here; libraries that open files by name are given what this has opened once.
+  /// All reading begins here; libraries that open files by name are given what this has opened
+  /// once.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path);
 
   ~InputFile();
@@ -29,6 +31,7 @@ class InputFile {
   [[nodiscard]] static Status check(const std::filesystem::path& path);
 
   std::uint64_t size() const { return size_; }
+
   const std::filesystem::path& path() const { return path_; }
 
   /// Fills `bytes` from `offset` on, whole; kTruncated when the file ends before that.

@@ -64,14 +64,15 @@ void removePendingFiles() {
   ::_exit(1);
 }
 
-/// Called by operator new. Some library functions are noexcept and allocate (libstdc++'s directory_iterator):
-/// they call std::terminate(), where std::bad_alloc is no longer visible.
+/// Called by operator new. Some library functions are noexcept and allocate (libstdc++'s
+/// directory_iterator): they call std::terminate(), where std::bad_alloc is no longer visible.
 void noteMissingMemory() {
   memoryWasMissing = true;
   throw std::bad_alloc();
 }
 
-/// Where memory is missing while something is freed (JSON takes some for that), or in a function that cannot throw.
+/// Where memory is missing while something is freed (JSON takes some for that), or in a function
+/// that cannot throw.
 [[noreturn]] void endWithoutMemory() {
   try {
     if (const auto error = std::current_exception())

@@ -16,13 +16,17 @@
 namespace volute {
 namespace {
 
-Status writeAll(int descriptor, std::span<const std::byte> bytes, std::int64_t offset, const std::string& name) {
+Status writeAll(int descriptor, std::span<const std::byte> bytes, std::int64_t offset,
+                const std::string& name) {
   while (!bytes.empty()) {
     const ssize_t count = offset < 0 ? ::write(descriptor, bytes.data(), bytes.size())
                                      : ::pwrite(descriptor, bytes.data(), bytes.size(), offset);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return fail(ErrorCode::kIo, "{}: cannot write: {}", name, std::strerror(errno));
-    if (offset >= 0) offset += count;
+    if (count < 0 && errno == EINTR)
+      continue;
+    if (count < 0)
+      return fail(ErrorCode::kIo, "{}: cannot write: {}", name, std::strerror(errno));
+    if (offset >= 0)
+      offset += count;
     bytes = bytes.subspan(static_cast<std::size_t>(count));
   }
   return {};
@@ -46,7 +50,9 @@ Status checkReplaceable(const std::filesystem::path& place, mode_t mode, const s
   if (!S_ISREG(mode))
     return fail(ErrorCode::kIo, "{}: is there and is no regular file; give another name", name);
   if (::access(place.c_str(), W_OK) != 0) {
-    return fail(ErrorCode::kIo, "{}: is there and is write-protected (mode {:04o}); give another name, or allow writing to it",
+    return fail(ErrorCode::kIo,
+                "{}: is there and is write-protected (mode {:04o}); give another name, or allow "
+                "writing to it",
                 name, mode & 07777);
   }
   return {};
@@ -56,8 +62,10 @@ Status syncPath(const std::filesystem::path& path, const std::string& name) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
   const int reason = errno;
-  if (descriptor >= 0) ::close(descriptor);
-  if (!synced) return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", name, std::strerror(reason));
+  if (descriptor >= 0)
+    ::close(descriptor);
+  if (!synced)
+    return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", name, std::strerror(reason));
   return {};
 }
 
@@ -70,7 +78,8 @@ Status syncFolderOf(const std::filesystem::path& path, const std::string& name) 
   const bool synced = ::fsync(descriptor) == 0 || errno == EINVAL || errno == EROFS;
   const int reason = errno;
   ::close(descriptor);
-  if (!synced) return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", name, std::strerror(reason));
+  if (!synced)
+    return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", name, std::strerror(reason));
   return {};
 }
 
@@ -83,16 +92,16 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
   static std::atomic<unsigned> counter{0};
   VOLUTE_ASSIGN(const auto place, placeOf(target));
   PendingFile pending(target, place);  // before the file is there: memory may end here
-  struct stat old {};
+  struct stat old{};
   const bool replaces = ::stat(place.c_str(), &old) == 0;
   if (replaces)
     VOLUTE_TRY(checkReplaceable(place, old.st_mode, target.string()));
-  auto temporary =
-      siblingOf(place, fmt::format(".{}.{}.{}.part{}", place.stem().string(), ::getpid(), counter++,
-                                   place.extension().string()));
+  auto temporary = siblingOf(place, fmt::format(".{}.{}.{}.part{}", place.stem().string(),
+                                                ::getpid(), counter++, place.extension().string()));
   const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) {
-    return fail(ErrorCode::kIo, "{}: cannot write into its folder: {}", target.string(), std::strerror(errno));
+    return fail(ErrorCode::kIo, "{}: cannot write into its folder: {}", target.string(),
+                std::strerror(errno));
   }
   if (replaces) {
     // Another owner is root's to give, and a change of owner takes bits of the mode away.
@@ -105,7 +114,8 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
 }
 
 PendingFile::~PendingFile() {
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  if (!temporary_.empty())
+    ::unlink(temporary_.c_str());
 }
 
 PendingFile::PendingFile(PendingFile&& other) noexcept
@@ -123,28 +133,36 @@ PendingFile& PendingFile::operator=(PendingFile&& other) noexcept {
 Status PendingFile::commit() {
   VOLUTE_TRY(syncPath(temporary_, target_.string()));
   if (::rename(temporary_.c_str(), place_.c_str()) != 0) {
-    return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", target_.string(), std::strerror(errno));
+    return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", target_.string(),
+                std::strerror(errno));
   }
   temporary_.clear();
   return syncFolderOf(place_, target_.string());
 }
 
 Result<OutputFile> OutputFile::create(const std::filesystem::path& target) {
-  if (target == "-") return OutputFile(::dup(STDOUT_FILENO), nullptr);
+  if (target == "-")
+    return OutputFile(::dup(STDOUT_FILENO), nullptr);
   VOLUTE_ASSIGN(auto pending, PendingFile::create(target));
   const int descriptor = ::open(pending.path().c_str(), O_WRONLY | O_CLOEXEC);
-  if (descriptor < 0) return fail(ErrorCode::kIo, "{}: cannot write: {}", target.string(), std::strerror(errno));
+  if (descriptor < 0)
+    return fail(ErrorCode::kIo, "{}: cannot write: {}", target.string(), std::strerror(errno));
   return OutputFile(descriptor, std::make_unique<PendingFile>(std::move(pending)));
 }
 
 OutputFile::~OutputFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (descriptor_ >= 0)
+    ::close(descriptor_);
 }
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), pending_(std::move(other.pending_)), size_(other.size_) {}
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      pending_(std::move(other.pending_)),
+      size_(other.size_) {}
 
-std::string OutputFile::name() const { return pending_ ? pending_->target().string() : "standard output"; }
+std::string OutputFile::name() const {
+  return pending_ ? pending_->target().string() : "standard output";
+}
 
 Status OutputFile::write(std::span<const std::byte> bytes) {
   VOLUTE_TRY(writeAll(descriptor_, bytes, -1, name()));
@@ -157,7 +175,8 @@ Status OutputFile::overwrite(std::uint64_t offset, std::span<const std::byte> by
 }
 
 Status OutputFile::commit() {
-  if (!pending_) return {};
+  if (!pending_)
+    return {};
   if (::close(std::exchange(descriptor_, -1)) != 0) {
     return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", name(), std::strerror(errno));
   }

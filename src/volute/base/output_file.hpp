@@ -13,13 +13,15 @@
 
 namespace volute {
 
-/// A name beside `target` for an output in the making, so that the target appears whole or not at all:
-/// whoever writes goes to path(); commit() makes it durable and renames it; otherwise the destructor removes it.
-/// A file that is replaced hands on its mode and owner; of a symbolic link the file that it leads to is replaced.
+/// A name beside `target` for an output in the making, so that the target appears whole or not at
+/// all: whoever writes goes to path(); commit() makes it durable and renames it; otherwise the
+/// destructor removes it. A file that is replaced hands on its mode and owner; of a symbolic link
+/// the file that it leads to is replaced.
 class PendingFile {
  public:
-  /// Creates the empty temporary file; kIo when the folder cannot be written, and for targets that are there and are
-  /// write-protected or no regular files. The temporary name keeps the target's extension, which some libraries go by.
+  /// Creates the empty temporary file; kIo when the folder cannot be written, and for targets that
+  /// are there and are write-protected or no regular files. The temporary name keeps the target's
+  /// extension, which some libraries go by.
   [[nodiscard]] static Result<PendingFile> create(const std::filesystem::path& target);
 
   ~PendingFile();
@@ -27,6 +29,7 @@ class PendingFile {
   PendingFile& operator=(PendingFile&& other) noexcept;
 
   const std::filesystem::path& path() const { return temporary_; }
+
   const std::filesystem::path& target() const { return target_; }
 
   /// fsync, then rename over the target, then fsync its folder. Call it once.
@@ -40,7 +43,8 @@ class PendingFile {
   std::filesystem::path place_;      // where it is, symbolic links followed
 };
 
-/// A PendingFile with a descriptor: bytes in order, then commit(). "-" as the target is standard output.
+/// A PendingFile with a descriptor: bytes in order, then commit(). "-" as the target is standard
+/// output.
 class OutputFile {
  public:
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& target);
@@ -52,7 +56,8 @@ class OutputFile {
   /// Appends. kIo names the target and the system's reason (a full disk, say).
   [[nodiscard]] Status write(std::span<const std::byte> bytes);
 
-  /// Writes over bytes that were written before (headers whose counts come last). Not for standard output.
+  /// Writes over bytes that were written before (headers whose counts come last). Not for standard
+  /// output.
   [[nodiscard]] Status overwrite(std::uint64_t offset, std::span<const std::byte> bytes);
 
   [[nodiscard]] Status commit();
@@ -62,6 +67,7 @@ class OutputFile {
  private:
   OutputFile(int descriptor, std::unique_ptr<PendingFile> pending)
       : descriptor_(descriptor), pending_(std::move(pending)) {}
+
   std::string name() const;
 
   int descriptor_ = -1;

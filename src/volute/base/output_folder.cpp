@@ -97,7 +97,7 @@ Status checkReplaceable(const fs::path& target, std::string_view mark) {
     }
     const bool replaceable =
         ::faccessat(folder, std::string(mark).c_str(), F_OK, 0) == 0 || isEmpty(folder);
-    struct stat asked {}, named {};
+    struct stat asked{}, named{};
     const bool isSame = ::fstat(folder, &asked) == 0 && ::stat(target.c_str(), &named) == 0 &&
                         asked.st_dev == named.st_dev && asked.st_ino == named.st_ino;
     ::close(folder);
@@ -148,7 +148,8 @@ Status PendingFolder::commit() {
   // case is the next round's. Whoever comes last stays.
   for (int round = 0; round < kRounds; ++round) {
     // The old one and the new one change places at once, where the file system can.
-    if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) {
+    if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) ==
+        0) {
       fs::remove_all(std::exchange(temporary_, {}), ignored);
       return syncParent(target_);
     }

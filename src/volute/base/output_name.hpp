@@ -9,9 +9,9 @@
 
 namespace volute {
 
-/// Before long work: whether a file can be written there. Its folder must be there and writable, and
-/// the target must be no folder and no device. "-" is allowed where `standardOutput` says so. kIo,
-/// with what to do, else.
+/// Before long work: whether a file can be written there. Its folder must be there and writable,
+/// and the target must be no folder and no device. "-" is allowed where `standardOutput` says so.
+/// kIo, with what to do, else.
 [[nodiscard]] Status checkOutput(const std::string& target, bool standardOutput = false);
 
 /// A name for what is made of `input`, in the current folder: "cache_%04d.vdb" and ".volute" are

@@ -36,7 +36,7 @@ class Output : public ::testing::Test {
   }
 
   mode_t modeOf(const fs::path& path) const {
-    struct stat status {};
+    struct stat status{};
     ::stat(path.c_str(), &status);
     return status.st_mode & 07777;
   }
@@ -138,7 +138,8 @@ TEST_F(Output, AFolderThatAKilledRunMovedAwayComesBack) {
   EXPECT_EQ(textOf(target / "mark"), "old");
 }
 
-/// Runs that all replace one folder: none fails, one of theirs is left whole, and nothing beside it.
+/// Runs that all replace one folder: none fails, one of theirs is left whole, and nothing beside
+/// it.
 TEST_F(Output, RunsThatReplaceOneFolderAtOnceAllSucceed) {
   const fs::path target = folder_ / "out";
   constexpr int kRuns = 4;

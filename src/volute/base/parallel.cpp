@@ -41,7 +41,8 @@ void forRanges(std::size_t count, std::size_t grain,
         body(part * grain, std::min(count, (part + 1) * grain));
     } catch (...) {
       const std::lock_guard lock(errorMutex);
-      if (!error) error = std::current_exception();
+      if (!error)
+        error = std::current_exception();
       next = parts;
     }
     insideLoop = wasInside;
@@ -55,7 +56,8 @@ void forRanges(std::size_t count, std::size_t grain,
       });
   work();
   workers.clear();  // joins
-  if (error) std::rethrow_exception(error);
+  if (error)
+    std::rethrow_exception(error);
 }
 
 #else
@@ -66,7 +68,8 @@ constexpr int kCaller = 0;
 void forRanges(std::size_t count, std::size_t grain,
                const std::function<void(std::size_t, std::size_t)>& body) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
-    if (tbb::this_task_arena::current_thread_index() != kCaller) detail::beginAsWorker();
+    if (tbb::this_task_arena::current_thread_index() != kCaller)
+      detail::beginAsWorker();
     body(range.begin(), range.end());
   });
 }

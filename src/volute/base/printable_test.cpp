@@ -15,13 +15,18 @@ TEST(Printable, KeepsWhatPeopleWrite) {
 TEST(Printable, ShowsWhatWouldSteerATerminal) {
   EXPECT_EQ(printable("\x1b[2Jred\x07"), "\\u001b[2Jred\\u0007");
   EXPECT_EQ(printable("a\rb\x7f"), "a\\u000db\\u007f");
-  EXPECT_EQ(printable("\xC2\x9B" "31m"), "\\u009b31m");
-  EXPECT_EQ(printable("\xE2\x80\xAE" "gnp"), "\\u202egnp");
+  EXPECT_EQ(printable("\xC2\x9B"
+                      "31m"),
+            "\\u009b31m");
+  EXPECT_EQ(printable("\xE2\x80\xAE"
+                      "gnp"),
+            "\\u202egnp");
   EXPECT_EQ(printable(std::string_view("a\0b", 3)), "a\\u0000b");
 }
 
 TEST(Printable, ShowsBytesThatAreNoText) {
-  for (const char* bytes : {"\x80", "\xC0\xAF", "\xED\xA0\x80", "\xF5\x80\x80\x80", "\xE2\x80", "\x9B"}) {
+  for (const char* bytes :
+       {"\x80", "\xC0\xAF", "\xED\xA0\x80", "\xF5\x80\x80\x80", "\xE2\x80", "\x9B"}) {
     for (const char c : printable(bytes)) EXPECT_LT(static_cast<unsigned char>(c), 0x7F) << bytes;
   }
 }

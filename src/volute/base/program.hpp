@@ -19,8 +19,8 @@ std::string findProgram(std::initializer_list<std::string_view> names);
 /// @return false if it was: what it did is told by the files that it wrote.
 bool runProgram(std::vector<std::string> words, double seconds);
 
-/// A folder of this process alone, in the machine's folder for temporary files; removed with what is
-/// in it at the end. Its path is empty where it cannot be made.
+/// A folder of this process alone, in the machine's folder for temporary files; removed with what
+/// is in it at the end. Its path is empty where it cannot be made.
 class ScratchFolder {
  public:
   ScratchFolder();

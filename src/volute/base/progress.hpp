@@ -6,8 +6,8 @@
 
 namespace volute {
 
-/// What a long call reports to, and asks whether to go on. The default says nothing and never stops.
-/// Called from the thread that made the long call.
+/// What a long call reports to, and asks whether to go on. The default says nothing and never
+/// stops. Called from the thread that made the long call.
 class Progress {
  public:
   virtual ~Progress() = default;
@@ -23,7 +23,8 @@ class Progress {
   /// A remark worth a person's attention that does not stop the work.
   virtual void remark(std::string_view message) { (void)message; }
 
-  /// True once the caller wants to stop; the long call then fails with ErrorCode::kCancelled and leaves nothing behind.
+  /// True once the caller wants to stop; the long call then fails with ErrorCode::kCancelled and
+  /// leaves nothing behind.
   virtual bool cancelled() const { return false; }
 };
 

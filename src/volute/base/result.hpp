@@ -22,7 +22,8 @@ enum class ErrorCode {
   kCancelled,        ///< the caller asked to stop
 };
 
-/// One sentence for people: what, where (file, frame, byte, JSON path), what was expected, what to do.
+/// One sentence for people: what, where (file, frame, byte, JSON path), what was expected, what to
+/// do.
 struct Error {
   ErrorCode code = ErrorCode::kInvalidData;
   std::string message;
@@ -35,16 +36,17 @@ using Status = Result<void>;
 
 /// `return fail(ErrorCode::kNotFound, "{}: no grid named '{}'", file, grid);`
 template <class... Args>
-[[nodiscard]] tl::unexpected<Error> fail(ErrorCode code, fmt::format_string<Args...> format, Args&&... args) {
+[[nodiscard]] tl::unexpected<Error> fail(ErrorCode code, fmt::format_string<Args...> format,
+                                         Args&&... args) {
   return tl::unexpected<Error>(Error{code, fmt::format(format, std::forward<Args>(args)...)});
 }
 
 }  // namespace volute
 
 /// Leaves the function with the error of `expression` (a Result), if it has one.
-#define VOLUTE_TRY(expression)                                                  \
-  do {                                                                          \
-    if (auto voluteStatus = (expression); !voluteStatus)                        \
+#define VOLUTE_TRY(expression)                                                   \
+  do {                                                                           \
+    if (auto voluteStatus = (expression); !voluteStatus)                         \
       return ::tl::unexpected<::volute::Error>(std::move(voluteStatus).error()); \
   } while (false)
 
@@ -52,8 +54,9 @@ template <class... Args>
 #define VOLUTE_CONCAT(a, b) VOLUTE_CONCAT_(a, b)
 
 /// `VOLUTE_ASSIGN(auto file, InputFile::open(path));` declares `file`, or leaves with the error.
-#define VOLUTE_ASSIGN(declaration, expression)                                             \
-  auto VOLUTE_CONCAT(voluteResult, __LINE__) = (expression);                               \
-  if (!VOLUTE_CONCAT(voluteResult, __LINE__))                                              \
-    return ::tl::unexpected<::volute::Error>(std::move(VOLUTE_CONCAT(voluteResult, __LINE__)).error()); \
+#define VOLUTE_ASSIGN(declaration, expression)                     \
+  auto VOLUTE_CONCAT(voluteResult, __LINE__) = (expression);       \
+  if (!VOLUTE_CONCAT(voluteResult, __LINE__))                      \
+    return ::tl::unexpected<::volute::Error>(                      \
+        std::move(VOLUTE_CONCAT(voluteResult, __LINE__)).error()); \
   declaration = std::move(*VOLUTE_CONCAT(voluteResult, __LINE__))

@@ -17,8 +17,7 @@ namespace fs = std::filesystem;
 
 /// Whether a path still leads to the folder that was opened.
 bool isStill(const fs::path& path, int descriptor) {
-  struct stat named {
-  }, opened{};
+  struct stat named{}, opened{};
 
   return ::stat(path.c_str(), &named) == 0 && ::fstat(descriptor, &opened) == 0 &&
          named.st_dev == opened.st_dev && named.st_ino == opened.st_ino;

@@ -17,8 +17,7 @@ namespace {
 constexpr std::byte kWell{0xFF};
 
 std::vector<std::byte> messageOf(const Status& status, std::span<const std::byte> bytes) {
-  std::vector<std::byte> message{status ? kWell
-                                        : static_cast<std::byte>(status.error().code)};
+  std::vector<std::byte> message{status ? kWell : static_cast<std::byte>(status.error().code)};
   if (!status)
     bytes = std::as_bytes(std::span(status.error().message));
   message.insert(message.end(), bytes.begin(), bytes.end());
@@ -108,7 +107,8 @@ Status Team::sum(std::span<std::uint64_t> numbers) {
 
 UnitRecord& Team::record(std::string_view stage) {
   const auto known = std::ranges::find(records_, stage, &UnitRecord::stage);
-  return known != records_.end() ? *known : records_.emplace_back(UnitRecord{std::string(stage), {}});
+  return known != records_.end() ? *known
+                                 : records_.emplace_back(UnitRecord{std::string(stage), {}});
 }
 
 Status Team::forUnits(std::string_view stage, std::int64_t count, Progress& progress,
@@ -187,8 +187,7 @@ Result<std::vector<std::byte>> Team::collect(std::int64_t item) {
     }
   }
   waited_ += milliseconds / 1000;
-  const auto found =
-      std::ranges::find(own_, item, [](const auto& sent) { return sent.first; });
+  const auto found = std::ranges::find(own_, item, [](const auto& sent) { return sent.first; });
   auto bytes = std::move(found->second);
   own_.erase(found);
   return bytes;
@@ -198,8 +197,7 @@ std::vector<std::vector<std::byte>> Team::exchange(std::span<const std::byte> by
   return {{bytes.begin(), bytes.end()}};
 }
 
-std::vector<std::vector<std::byte>> Team::exchangeEach(
-    std::vector<std::vector<std::byte>> toEach) {
+std::vector<std::vector<std::byte>> Team::exchangeEach(std::vector<std::vector<std::byte>> toEach) {
   return toEach;
 }
 

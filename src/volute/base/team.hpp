@@ -46,7 +46,9 @@ class Team {
   Team& operator=(const Team&) = delete;
 
   virtual int rank() const { return 0; }
+
   virtual int size() const { return 1; }
+
   /// The machine that this rank runs on; for messages.
   virtual std::string host() const { return {}; }
 
@@ -137,7 +139,9 @@ class Team {
   /// `status` of this rank, and bytes where it is well.
   Result<std::vector<std::vector<std::byte>>> meet(const Status& status,
                                                    std::span<const std::byte> bytes);
+
   bool stopped() { return fetchAdd(Counter::kTaken, 0) >= kStopped; }
+
   UnitRecord& record(std::string_view stage);
 
   Status failed_;  // what all collective calls return after one failed

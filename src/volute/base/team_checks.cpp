@@ -48,8 +48,8 @@ Status checkFolderIsShared(const std::string& target, Team& team) {
   if (team.leads()) {
     status = writeFile(probe, fmt::format("{}", number));
     if (!status) {
-      status.error().message = fmt::format("{}: cannot be written: {}", target,
-                                           status.error().message);
+      status.error().message =
+          fmt::format("{}: cannot be written: {}", target, status.error().message);
     }
   }
   VOLUTE_TRY(team.agree(status));

@@ -64,7 +64,8 @@ TEST(Team, NoRankDoesMoreThanTwiceItsShare) {
   using namespace std::chrono_literals;
   constexpr int kRanks = 4, kUnits = 100;
   std::vector<std::chrono::microseconds> cost;
-  for (int unit = 0; unit < kUnits; ++unit) cost.push_back(unit == 30 ? 30ms : 500us * (1 + unit % 10));
+  for (int unit = 0; unit < kUnits; ++unit)
+    cost.push_back(unit == 30 ? 30ms : 500us * (1 + unit % 10));
   std::vector<std::vector<std::int64_t>> units(kRanks);
   onRanks(kRanks, [&](Team& team) {
     Progress progress;
@@ -132,8 +133,8 @@ TEST(Team, ARankThatLeavesEndsTheOthers) {
 
 TEST(Team, CancelledRanksGiveWayToTheReason) {
   onRanks(2, [](Team& team) {
-    const Status own = team.rank() == 0 ? fail(ErrorCode::kCancelled, "stopped")
-                                        : fail(ErrorCode::kIo, "broken");
+    const Status own =
+        team.rank() == 0 ? fail(ErrorCode::kCancelled, "stopped") : fail(ErrorCode::kIo, "broken");
     EXPECT_EQ(team.agree(own).error().message, "rank 1: broken");
   });
 }
@@ -160,8 +161,7 @@ TEST(Team, WhoWaitsForARankThatFailedIsTold) {
     if (team.leads()) {
       const auto bytes = team.collect(5);
       ASSERT_FALSE(bytes);
-      EXPECT_EQ(team.agree(tl::unexpected<Error>(bytes.error())).error().message,
-                "rank 1: broken");
+      EXPECT_EQ(team.agree(tl::unexpected<Error>(bytes.error())).error().message, "rank 1: broken");
     } else {
       EXPECT_FALSE(team.agree(fail(ErrorCode::kIo, "broken")));
     }

@@ -54,7 +54,9 @@ class ThreadTeam final : public Team {
   ThreadTeam(ThreadTable& table, int rank) : table_(table), rank_(rank) {}
 
   int rank() const override { return rank_; }
+
   int size() const override { return table_.ranks(); }
+
   std::string host() const override { return "here"; }
 
  protected:

@@ -11,8 +11,9 @@
 
 namespace volute {
 
-/// A window on N-dimensional data that somebody else owns: a pointer, extents and strides (in elements).
-/// The last axis is the fastest when it is made from a contiguous array. Stands in for std::mdspan.
+/// A window on N-dimensional data that somebody else owns: a pointer, extents and strides (in
+/// elements). The last axis is the fastest when it is made from a contiguous array. Stands in for
+/// std::mdspan.
 template <class T, std::size_t N>
 class View {
  public:
@@ -20,7 +21,8 @@ class View {
 
   View() = default;
 
-  View(T* data, const Index& extents, const Index& strides) : data_(data), extents_(extents), strides_(strides) {}
+  View(T* data, const Index& extents, const Index& strides)
+      : data_(data), extents_(extents), strides_(strides) {}
 
   /// A contiguous array in C order; `data` holds exactly the product of the extents.
   View(std::span<T> data, const Index& extents) : data_(data.data()), extents_(extents) {
@@ -55,9 +57,13 @@ class View {
   }
 
   T* data() const { return data_; }
+
   const Index& extents() const { return extents_; }
+
   const Index& strides() const { return strides_; }
+
   std::ptrdiff_t extent(std::size_t axis) const { return extents_[axis]; }
+
   std::ptrdiff_t stride(std::size_t axis) const { return strides_[axis]; }
 
   std::size_t size() const {
@@ -70,7 +76,8 @@ class View {
   View sub(const Index& origin, const Index& extents) const {
     std::ptrdiff_t offset = 0;
     for (std::size_t axis = 0; axis < N; ++axis) {
-      VOLUTE_ASSERT(origin[axis] >= 0 && extents[axis] >= 0 && origin[axis] + extents[axis] <= extents_[axis]);
+      VOLUTE_ASSERT(origin[axis] >= 0 && extents[axis] >= 0 &&
+                    origin[axis] + extents[axis] <= extents_[axis]);
       offset += origin[axis] * strides_[axis];
     }
     return {data_ + offset, extents, strides_};

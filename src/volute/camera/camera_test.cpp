@@ -25,8 +25,8 @@ Eigen::Vector2d pixelOf(const Camera& camera, const Vec3& point) {
 
 TEST(Camera, ARectangleOfAPictureHasItsRays) {
   const View3 view{{1, -2, 0.5}, {0.2, 0, 0}, {0, 0.1, 1}};
-  for (const Camera& whole : {Camera::pinhole(view, 50, 200, 100),
-                              Camera::orthographic(view, 3, 200, 100)}) {
+  for (const Camera& whole :
+       {Camera::pinhole(view, 50, 200, 100), Camera::orthographic(view, 3, 200, 100)}) {
     const Camera part = whole.cropped(40, 25, 64, 32);
     EXPECT_EQ(part.width(), 64);
     EXPECT_EQ(part.height(), 32);

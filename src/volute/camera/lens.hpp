@@ -10,7 +10,8 @@
 namespace volute {
 
 /// Radial and tangential lens distortion as OpenCV has it (Brown 1966) of points of the image plane
-/// at distance 1 in front of the camera, x to the right, y down, dimensionless: with r2 = x^2 + y^2,
+/// at distance 1 in front of the camera, x to the right, y down, dimensionless: with r2 = x^2 +
+/// y^2,
 ///   x' = x (1 + k1 r2 + k2 r2^2 + k3 r2^3) + 2 p1 x y + p2 (r2 + 2 x^2)
 ///   y' = y (1 + k1 r2 + k2 r2^2 + k3 r2^3) + p1 (r2 + 2 y^2) + 2 p2 x y.
 struct Distortion {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/volute.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,6 +16,7 @@
 #include "volute/scene/scene_sight.hpp"
 #include "volute/visibility/sight_engine.hpp"
 #include "volute/visibility/sign_file.hpp"
+#include "volute/volute.h"
 
 struct volute_file {
   volute::VoluteReader reader;
@@ -41,14 +40,22 @@ thread_local std::string lastError;
 
 volute_status statusOf(ErrorCode code) {
   switch (code) {
-    case ErrorCode::kInvalidArgument: return VOLUTE_INVALID_ARGUMENT;
-    case ErrorCode::kNotFound: return VOLUTE_NOT_FOUND;
-    case ErrorCode::kInvalidData: return VOLUTE_INVALID_DATA;
-    case ErrorCode::kTruncated: return VOLUTE_TRUNCATED;
-    case ErrorCode::kUnsupported: return VOLUTE_UNSUPPORTED;
-    case ErrorCode::kTooLarge: return VOLUTE_TOO_LARGE;
-    case ErrorCode::kIo: return VOLUTE_IO;
-    case ErrorCode::kCancelled: return VOLUTE_CANCELLED;
+    case ErrorCode::kInvalidArgument:
+      return VOLUTE_INVALID_ARGUMENT;
+    case ErrorCode::kNotFound:
+      return VOLUTE_NOT_FOUND;
+    case ErrorCode::kInvalidData:
+      return VOLUTE_INVALID_DATA;
+    case ErrorCode::kTruncated:
+      return VOLUTE_TRUNCATED;
+    case ErrorCode::kUnsupported:
+      return VOLUTE_UNSUPPORTED;
+    case ErrorCode::kTooLarge:
+      return VOLUTE_TOO_LARGE;
+    case ErrorCode::kIo:
+      return VOLUTE_IO;
+    case ErrorCode::kCancelled:
+      return VOLUTE_CANCELLED;
   }
   return VOLUTE_INTERNAL;
 }
@@ -90,7 +97,8 @@ Status readRegion(const VoluteReader& reader, std::int32_t frame, const std::int
                 frame, info.frames);
   }
   if (!begin != !end)
-    return fail(ErrorCode::kInvalidArgument, "volute_file_read: begin without end, or end without begin");
+    return fail(ErrorCode::kInvalidArgument,
+                "volute_file_read: begin without end, or end without begin");
   std::array<int, 3> from{0, 0, 0}, to{info.z, info.y, info.x};
   const std::array<int, 3> sides = to;
   auto wanted = static_cast<std::size_t>(info.channels);
@@ -107,8 +115,8 @@ Status readRegion(const VoluteReader& reader, std::int32_t frame, const std::int
     wanted *= static_cast<std::size_t>(to[axis] - from[axis]);
   }
   if (count != wanted) {
-    return fail(ErrorCode::kInvalidArgument, "volute_file_read: room for {} values; the region has {}",
-                count, wanted);
+    return fail(ErrorCode::kInvalidArgument,
+                "volute_file_read: room for {} values; the region has {}", count, wanted);
   }
   return reader.readRegion(frame, from, to, {values, count});
 }
@@ -157,9 +165,10 @@ Status compressFrames(const char* path, const volute_info& said, const double* t
   info.z = said.z, info.y = said.y, info.x = said.x;
   info.channels = said.channels;
   if (said.trilinear < 0 || said.trilinear > 2) {
-    return fail(ErrorCode::kInvalidArgument,
-                "volute_compress: info.trilinear is {}; expected 0 (box), 1 (trilinear) or 2 (cubic)",
-                said.trilinear);
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "volute_compress: info.trilinear is {}; expected 0 (box), 1 (trilinear) or 2 (cubic)",
+        said.trilinear);
   }
   info.basis = static_cast<Basis>(said.trilinear);
   const Vec3 low(said.bounds_min[0], said.bounds_min[1], said.bounds_min[2]);
@@ -229,7 +238,8 @@ Result<std::vector<Vec3>> eyesOf(const double* eyes, std::size_t agents, const c
   for (std::size_t i = 0; i < agents; ++i) {
     places[i] = Vec3(eyes[3 * i], eyes[3 * i + 1], eyes[3 * i + 2]);
     if (!places[i].allFinite())
-      return fail(ErrorCode::kInvalidArgument, "{}: the place of agent {} is not finite", function, i);
+      return fail(ErrorCode::kInvalidArgument, "{}: the place of agent {} is not finite", function,
+                  i);
   }
   return places;
 }
@@ -437,9 +447,8 @@ volute_status volute_engine_sees(volute_engine* engine, double time, const doubl
     VOLUTE_ASSIGN(const auto places, volute::eyesOf(eyes, agents, "volute_engine_sees"));
     std::vector<volute::Seen> found(engine->engine.signs().size() * agents);
     VOLUTE_TRY(engine->engine.sees(places, time, found));
-    std::ranges::transform(found, seen, [](volute::Seen one) {
-      return static_cast<unsigned char>(one);
-    });
+    std::ranges::transform(found, seen,
+                           [](volute::Seen one) { return static_cast<unsigned char>(one); });
     return {};
   });
 }

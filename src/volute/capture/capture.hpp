@@ -87,7 +87,7 @@ struct Capture {
   std::filesystem::path file;  ///< where it was read from
   std::string kind;            ///< "capture.json", "NeRF transforms", "COLMAP", "OpenCV"
   Measured measured = Measured::kEmission;
-  double pixelCentre = 0.5;    ///< of the file's coordinates; the cameras have it settled
+  double pixelCentre = 0.5;  ///< of the file's coordinates; the cameras have it settled
   std::vector<CaptureCamera> cameras;
   std::vector<int> frames;  ///< ascending; those that were chosen
   int firstFrame = 0;       ///< of the whole capture: its time is 0 s

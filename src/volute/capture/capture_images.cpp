@@ -63,8 +63,7 @@ Status checkFilm(const CaptureCamera& camera, int firstFrame, int lastFrame,
     return {};
   if (pictures.placeOf(firstFrame).number < 0) {
     return fail(ErrorCode::kNotFound, "camera {}, frame {}: the film {} begins with frame {}",
-                camera.name, firstFrame, pictures.video.string(),
-                firstFrameOf(pictures));
+                camera.name, firstFrame, pictures.video.string(), firstFrameOf(pictures));
   }
   const PicturePlace last = pictures.placeOf(lastFrame);
   const int wanted = last.number + (last.share > 0 ? 2 : 1);
@@ -72,12 +71,12 @@ Status checkFilm(const CaptureCamera& camera, int firstFrame, int lastFrame,
   if (!there)
     return fail(there.error().code, "camera {}: {}", camera.name, there.error().message);
   if (*there < wanted) {
-    return fail(ErrorCode::kNotFound,
-                "camera {}, frame {}: the film {} has {} frames, so that it ends with frame {}; "
-                "choose with --frames those that all cameras have",
-                camera.name, lastFrame, pictures.video.string(), *there,
-                static_cast<int>(
-                    std::floor(pictures.videoStart - shift + (*there - 1) / pictures.rate)));
+    return fail(
+        ErrorCode::kNotFound,
+        "camera {}, frame {}: the film {} has {} frames, so that it ends with frame {}; "
+        "choose with --frames those that all cameras have",
+        camera.name, lastFrame, pictures.video.string(), *there,
+        static_cast<int>(std::floor(pictures.videoStart - shift + (*there - 1) / pictures.rate)));
   }
   return {};
 }
@@ -155,8 +154,7 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   return stored;
 }
 
-Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int number,
-                                                        int frame) {
+Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int number, int frame) {
   const auto& pictures = capture_->cameras[camera].pictures;
   const std::string name = nameOf(camera, frame);
   if (pictures.video.empty()) {
@@ -282,11 +280,10 @@ Result<CaptureImages> CaptureImages::open(const Capture& capture, std::uint64_t 
   return images;
 }
 
-Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int number,
-                                                    int frame) {
+Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int number, int frame) {
   VOLUTE_ASSIGN(const Stored stored, readStored(camera, number, frame));
-  Seen seen{number, linearised(camera, stored), {}, stored.transparentShare,
-            stored.image.channels == 1};
+  Seen seen{
+      number, linearised(camera, stored), {}, stored.transparentShare, stored.image.channels == 1};
   const auto channels = static_cast<std::size_t>(stored.image.channels);
   seen.atLeast.assign(stored.image.pixels.size() / channels, 0);
   for (std::size_t i = 0; i < seen.atLeast.size(); ++i) {
@@ -298,8 +295,7 @@ Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int numb
   return seen;
 }
 
-Result<CaptureImages::Seen> CaptureImages::readKept(std::size_t camera, int number,
-                                                    int frame) {
+Result<CaptureImages::Seen> CaptureImages::readKept(std::size_t camera, int number, int frame) {
   auto& kept = kept_[camera];
   for (const Seen& seen : kept) {
     if (seen.number == number)

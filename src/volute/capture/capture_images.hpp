@@ -23,15 +23,15 @@ struct CameraPicture {
   Image background;           ///< what was subtracted, linear RGB; empty: nothing
   std::vector<float> weight;  ///< (height, width), 0 = saturated or masked, else 1; of optical
                               ///< depths the light that is left, see OpticalDepths
-  std::vector<std::uint8_t> atLeast;  ///< (height, width), bit c: channel c is saturated, or lets no
-                                      ///< light through; `radiance` is the bound
+  std::vector<std::uint8_t> atLeast;  ///< (height, width), bit c: channel c is saturated, or lets
+                                      ///< no light through; `radiance` is the bound
   std::optional<BackgroundDrift> drift;  ///< of the background, where it was found and undone
-  double brightest = 0;               ///< of the measured channels, background included
-  double saturatedShare = 0;          ///< of the pixels that are not masked
-  double opaqueShare = 0;             ///< of the pixels with a lit background, those without light
-  double maskedShare = 0;             ///< of all pixels
-  double transparentShare = 0;        ///< of all pixels of an .exr, those with alpha < 1
-  bool grey = false;                  ///< one channel in the file
+  double brightest = 0;                  ///< of the measured channels, background included
+  double saturatedShare = 0;             ///< of the pixels that are not masked
+  double opaqueShare = 0;       ///< of the pixels with a lit background, those without light
+  double maskedShare = 0;       ///< of all pixels
+  double transparentShare = 0;  ///< of all pixels of an .exr, those with alpha < 1
+  bool grey = false;            ///< one channel in the file
 };
 
 /// Reads the pictures of a capture: makes them linear, applies gain and white, subtracts the
@@ -68,7 +68,7 @@ class CaptureImages {
   /// One picture as light, before anything is subtracted.
   struct Seen {
     int number = -1;
-    Image light;                         // linear RGB
+    Image light;                        // linear RGB
     std::vector<std::uint8_t> atLeast;  // (height, width), bit c: channel c is saturated
     double transparentShare = 0;
     bool grey = false;
@@ -91,8 +91,8 @@ class CaptureImages {
 
   const Capture* capture_;
   std::uint64_t maxMemory_;
-  std::vector<std::vector<char>> masks_;  // 0 = ignore; empty: none
-  std::vector<Image> backgrounds_;        // linear RGB; empty: none
+  std::vector<std::vector<char>> masks_;           // 0 = ignore; empty: none
+  std::vector<Image> backgrounds_;                 // linear RGB; empty: none
   std::vector<std::vector<std::uint8_t>> beside_;  // pixels that show the background; empty: none
   std::map<std::size_t, FilmFrames> films_;
   // Of cameras between whose pictures frames lie, the last two: the next frame needs them again.

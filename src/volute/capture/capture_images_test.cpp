@@ -119,7 +119,8 @@ TEST_F(CaptureImagesTest, LitBackgroundsGiveOpticalDepths) {
   for (int i = 0; i < 3; ++i)
     json["cameras"][i]["background"] = fmt::format("back_{}.exr", static_cast<char>('a' + i));
   Image seen = picture(0.8f);
-  for (int c = 0; c < 3; ++c) seen.at(12, 8, c) = 0.8f * std::exp(-0.5f * static_cast<float>(c + 1));
+  for (int c = 0; c < 3; ++c)
+    seen.at(12, 8, c) = 0.8f * std::exp(-0.5f * static_cast<float>(c + 1));
   seen.at(13, 8, 1) = 0;
   write("f_0004_b.exr", seen);
   json["cameras"][1]["gain"] = 2;  // of the depth: of light it cancels out

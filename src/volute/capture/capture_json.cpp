@@ -93,8 +93,7 @@ Result<double> readRate(const JsonValue& value) {
   constexpr double kMin = 1e-3, kMax = 1e6;
   VOLUTE_ASSIGN(const double rate, value.number());
   if (!(rate >= kMin && rate <= kMax))
-    return value.fault(
-        fmt::format("is {}; expected {} to {} pictures a second", rate, kMin, kMax));
+    return value.fault(fmt::format("is {}; expected {} to {} pictures a second", rate, kMin, kMax));
   return rate;
 }
 

@@ -44,12 +44,13 @@ void addCameras(Report& report, const Capture& capture, bool& damaged) {
                     {"eye", vectorJson(camera.camera.eye())},
                     {"pictures", pictures},
                     {"pictures_there", there}});
-    text += fmt::format("\n  {}: {} x {} pixels from {} m, {}{}", camera.name,
-                        camera.camera.width(), camera.camera.height(),
-                        vectorText(camera.camera.eye()), pictures.empty() ? "no pictures" : pictures,
-                        missing ? fmt::format(": {} of {} pictures are MISSING",
-                                              capture.frames.size() - there, capture.frames.size())
-                                : "");
+    text +=
+        fmt::format("\n  {}: {} x {} pixels from {} m, {}{}", camera.name, camera.camera.width(),
+                    camera.camera.height(), vectorText(camera.camera.eye()),
+                    pictures.empty() ? "no pictures" : pictures,
+                    missing ? fmt::format(": {} of {} pictures are MISSING",
+                                          capture.frames.size() - there, capture.frames.size())
+                            : "");
   }
   report.add("cameras", list, text);
 }

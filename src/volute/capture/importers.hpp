@@ -24,7 +24,7 @@ struct CameraDraft {
   PictureSource pictures;   ///< paths are ready to open; no image: from the pattern of the images
   std::optional<double> framesPerSecond{};  ///< of its pictures
   double reprojectionError = 0;             ///< [pixels]; 0: not stated
-  std::optional<double> startTime{};        ///< of its first picture [s], frame 0 of the capture at 0
+  std::optional<double> startTime{};  ///< of its first picture [s], frame 0 of the capture at 0
 };
 
 /// A capture whose cameras are not made yet.

@@ -12,7 +12,7 @@ namespace volute {
 
 /// A picture of a lit background through a medium, as optical depths.
 struct OpticalDepths {
-  Image depth;                ///< -ln(light / background), RGB; below 0 where noise made it brighter
+  Image depth;  ///< -ln(light / background), RGB; below 0 where noise made it brighter
   std::vector<float> weight;  ///< (height, width): light / the brightest background, at most 1, of
                               ///< the darkest channel, so that noise / weight is the depth's
                               ///< noise; 0 = does not count

@@ -22,8 +22,8 @@ struct Command {
   std::vector<Positional> positionals = {};
   std::vector<Option> options = {};
   std::vector<OneOf> oneOf = {};
-  /// Whether several processes that mpirun starts share its work. Then `run` is called on all ranks,
-  /// and reads what Context::team says.
+  /// Whether several processes that mpirun starts share its work. Then `run` is called on all
+  /// ranks, and reads what Context::team says.
   bool ranks = false;
   Status (*run)(const Arguments&, Context&) = nullptr;
 };

@@ -12,12 +12,12 @@ std::span<const Command> commands() {
   static const std::vector<Command> table = {
       infoCommand(),       compressCommand(), extractCommand(),     compareCommand(),
       synthesizeCommand(), projectCommand(),  reconstructCommand(), joinCommand(),
-      renderCommand(),     fogCommand(),      visibilityCommand(), sweepCommand(),
+      renderCommand(),     fogCommand(),      visibilityCommand(),  sweepCommand(),
 #ifdef VOLUTE_WITH_VIEWER
       viewCommand(),
 #endif
-      mountCommand(),      benchCommand(),
-      helpCommand(),       manCommand(),      completionCommand(),
+      mountCommand(),      benchCommand(),    helpCommand(),        manCommand(),
+      completionCommand(),
   };
   return table;
 }

@@ -4,9 +4,9 @@
 
 #include <cstdio>
 
-#include "volute/cli/console.hpp"
 #include "volute/base/interrupt.hpp"
 #include "volute/base/printable.hpp"
+#include "volute/cli/console.hpp"
 
 namespace volute::cli {
 

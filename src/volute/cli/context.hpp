@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "volute/base/team.hpp"
+#include "volute/media/reading.hpp"
 #include "volute/report/json.hpp"
 #include "volute/report/report.hpp"
-#include "volute/media/reading.hpp"
 
 namespace volute::cli {
 
@@ -18,13 +18,13 @@ class Console;
 
 /// What a command works with besides its arguments.
 struct Context : Reading {
-  Team& team;  ///< who shares the work; this process alone without mpirun
+  Team& team;                  ///< who shares the work; this process alone without mpirun
   Console* console = nullptr;  ///< whose bar ends before results are shown
   bool json = false;
   bool verbose = false;
   std::vector<std::string> words{};  ///< as the user typed them, without the command's name
-  bool silent = false;           ///< results are not shown: a command of many runs has its own
-  bool resultsToStderr = false;  ///< set when the data themselves go to standard output
+  bool silent = false;               ///< results are not shown: a command of many runs has its own
+  bool resultsToStderr = false;      ///< set when the data themselves go to standard output
 
   /// Shows results: one JSON object or lines of text, on standard output. (Of ranks but the first
   /// standard output and standard error lead nowhere.)

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "volute/base/result.hpp"
-#include "volute/report/report.hpp"
 #include "volute/gl/gl_smoke_method.hpp"
+#include "volute/report/report.hpp"
 #include "volute/scene/scene_renderer.hpp"
 
 namespace volute::cli {

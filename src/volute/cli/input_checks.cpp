@@ -72,8 +72,8 @@ void remarkOnLeftovers(const Command& command, const Arguments& arguments, Conte
   for (const Option& option : command.options) {
     if (option.kind != ValueKind::kOutput && option.name != "output")
       continue;
-    const auto target = option.several ? std::nullopt
-                                       : arguments.findGiven<std::string>(option.name);
+    const auto target =
+        option.several ? std::nullopt : arguments.findGiven<std::string>(option.name);
     if (!target || *target == "-")
       continue;
     folders.insert(folderOf(*target));

@@ -92,7 +92,8 @@ std::string markdownOptions(std::span<const Option> options) {
 }  // namespace
 
 std::string manualPage() {
-  std::string out = fmt::format(".TH VOLUTE 1 \"\" \"volute {}\" \"User Commands\"\n", VOLUTE_VERSION);
+  std::string out =
+      fmt::format(".TH VOLUTE 1 \"\" \"volute {}\" \"User Commands\"\n", VOLUTE_VERSION);
   out +=
       ".SH NAME\nvolute \\- compresses, renders and measures semi\\-transparent media\n"
       ".SH SYNOPSIS\n.B volute\n.I COMMAND\n[options]\n"

@@ -11,18 +11,18 @@
 #include <exception>
 #include <new>
 
+#include "volute/base/interrupt.hpp"
+#include "volute/base/output_name.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/base/printable.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/base/version.hpp"
 #include "volute/cli/command.hpp"
 #include "volute/cli/console.hpp"
 #include "volute/cli/help.hpp"
-#include "volute/base/interrupt.hpp"
 #include "volute/cli/input_checks.hpp"
 #include "volute/cli/parse.hpp"
-#include "volute/base/printable.hpp"
 #include "volute/cli/ranks.hpp"
-#include "volute/base/output_name.hpp"
 #include "volute/cluster/cluster.hpp"
 #include "volute/cluster/rank_streams.hpp"
 #include "volute/io/reader_helper.hpp"
@@ -36,7 +36,8 @@ constexpr int kWrongUsage = 2;
 
 int wrongUsage(const Error& error) {
   letFirstRankSpeak();
-  fmt::print(stderr, "volute: {}\n'volute help' lists the commands.\n", printableMessage(error.message));
+  fmt::print(stderr, "volute: {}\n'volute help' lists the commands.\n",
+             printableMessage(error.message));
   return kWrongUsage;
 }
 
@@ -97,8 +98,7 @@ void nameOutputs(const Command& command, Arguments& arguments, Progress& progres
   }
 }
 
-int runCommand(const Command& command, Arguments arguments,
-               const std::vector<std::string>& words) {
+int runCommand(const Command& command, Arguments arguments, const std::vector<std::string>& words) {
   Interrupt::name(command.name);
   auto team = openTeamFor(command, words);
   if (!team) {

@@ -102,7 +102,8 @@ std::vector<Option> lightCacheOptions() {
 }
 
 Result<std::optional<LightCache>> lightCache(const Arguments& arguments, Context& context) {
-  const auto limit = arguments.find<Bytes>("cache-size").value_or(Bytes()).count;  // not of all commands
+  const auto limit =
+      arguments.find<Bytes>("cache-size").value_or(Bytes()).count;  // not of all commands
   const auto folder = arguments.find<std::string>("cache");
   if (limit == 0 || folder == "none")
     return std::nullopt;

@@ -43,9 +43,10 @@ Result<std::unique_ptr<Team>> makeTeam(const void* communicator) {
   }
   const auto& plugin = *static_cast<const MpiPlugin*>(*loaded);
   if (!(plugin.layout == TeamLayout())) {
-    return fail(ErrorCode::kUnsupported,
-                "the plug-in volute_mpi.so was built with another Volute than this program; install "
-                "or build both together");
+    return fail(
+        ErrorCode::kUnsupported,
+        "the plug-in volute_mpi.so was built with another Volute than this program; install "
+        "or build both together");
   }
   std::string error;
   auto team = plugin.makeTeam(communicator, error);

@@ -16,11 +16,17 @@ using testing::HasSubstr;
 
 class Cluster : public testing::Test {
  protected:
-  static constexpr const char* kVariables[] = {
-      "OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "PMI_RANK",     "PMI_SIZE",
-      "PMIX_RANK",            "SLURM_STEP_NUM_TASKS", "SLURM_PROCID", "VOLUTE_PLUGIN_FOLDER"};
+  static constexpr const char* kVariables[] = {"OMPI_COMM_WORLD_RANK",
+                                               "OMPI_COMM_WORLD_SIZE",
+                                               "PMI_RANK",
+                                               "PMI_SIZE",
+                                               "PMIX_RANK",
+                                               "SLURM_STEP_NUM_TASKS",
+                                               "SLURM_PROCID",
+                                               "VOLUTE_PLUGIN_FOLDER"};
 
   void SetUp() override { clear(); }
+
   void TearDown() override { clear(); }
 
   static void clear() {

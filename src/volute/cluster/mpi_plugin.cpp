@@ -79,6 +79,7 @@ class MpiTeam final : public Team {
   }
 
   int rank() const override { return rank_; }
+
   int size() const override { return size_; }
 
   std::string host() const override {
@@ -297,6 +298,7 @@ class MpiTeam final : public Team {
       std::uint64_t processes = 0;  // in which process numbers mean the same
       std::int64_t process = 0;
     } own;
+
     ::gethostname(own.host, sizeof own.host - 1);
     struct stat space;
     own.processes = ::stat("/proc/self/ns/pid", &space) == 0 ? space.st_ino : 0;
@@ -353,10 +355,11 @@ class MpiTeam final : public Team {
   /// For a rank that was killed MPI waits for ever, and a launcher that does not hear of its end
   /// leaves the others there.
   void endWithout(const Neighbour& gone) const {
-    std::fprintf(stderr,
-                 "volute: rank %d (process %d) has ended without a word: it was killed, perhaps for "
-                 "its memory; the others end as well\n",
-                 gone.rank, static_cast<int>(gone.process));
+    std::fprintf(
+        stderr,
+        "volute: rank %d (process %d) has ended without a word: it was killed, perhaps for "
+        "its memory; the others end as well\n",
+        gone.rank, static_cast<int>(gone.process));
     ::kill(::getpid(), SIGTERM);
   }
 

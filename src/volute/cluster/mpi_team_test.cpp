@@ -46,18 +46,25 @@ void checkLetters(Team& team) {
 void checkUnits(Team& team) {
   Progress progress;
   std::uint64_t sum = 0;
-  const Status done = team.forUnits("work", 40, progress, [&](std::int64_t unit) -> Status {
-    sum += static_cast<std::uint64_t>(unit);
-    return team.post(unit, std::vector<std::byte>(static_cast<std::size_t>(50000 * (unit % 3)), std::byte(unit)), 1 << 20);
-  }, [&]() -> Status {
-    for (std::int64_t unit = 0; team.leads() && unit < 40; ++unit) {
-      VOLUTE_ASSIGN(const auto bytes, team.collect(unit));
-      check(bytes.size() == static_cast<std::size_t>(50000 * (unit % 3)), "what is posted is collected");
-      check(std::ranges::all_of(bytes, [&](std::byte one) { return one == std::byte(unit); }),
-            "bytes that are posted");
-    }
-    return {};
-  });
+  const Status done = team.forUnits(
+      "work", 40, progress,
+      [&](std::int64_t unit) -> Status {
+        sum += static_cast<std::uint64_t>(unit);
+        return team.post(
+            unit,
+            std::vector<std::byte>(static_cast<std::size_t>(50000 * (unit % 3)), std::byte(unit)),
+            1 << 20);
+      },
+      [&]() -> Status {
+        for (std::int64_t unit = 0; team.leads() && unit < 40; ++unit) {
+          VOLUTE_ASSIGN(const auto bytes, team.collect(unit));
+          check(bytes.size() == static_cast<std::size_t>(50000 * (unit % 3)),
+                "what is posted is collected");
+          check(std::ranges::all_of(bytes, [&](std::byte one) { return one == std::byte(unit); }),
+                "bytes that are posted");
+        }
+        return {};
+      });
   check(done.has_value(), "units are done");
   check(team.sum({&sum, 1}).has_value() && sum == 780, "each unit once");
   check(*team.broadcast(10 + team.rank()) == 10, "a broadcast");
@@ -74,7 +81,8 @@ void checkTeam(MPI_Comm communicator, int size) {
   checkLetters(**team);
   checkUnits(**team);
   const bool last = (*team)->rank() == size - 1;
-  const Status status = (*team)->agree(last ? Status(fail(ErrorCode::kIo, "no such file")) : Status());
+  const Status status =
+      (*team)->agree(last ? Status(fail(ErrorCode::kIo, "no such file")) : Status());
   check(!status && status.error().message.ends_with("no such file"), "an error of one is of all");
   check(!(*team)->gatherAll({}), "and stays");
 }

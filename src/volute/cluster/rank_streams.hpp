@@ -8,8 +8,8 @@
 
 namespace volute {
 
-/// Standard output and standard error of all ranks but the first lead nowhere from here on. Needs no
-/// team: it is the first thing that a program does.
+/// Standard output and standard error of all ranks but the first lead nowhere from here on. Needs
+/// no team: it is the first thing that a program does.
 void silenceOtherRanks();
 
 /// Where ranks end with an error before they are a team, the launcher ends all as soon as one does:

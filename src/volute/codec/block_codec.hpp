@@ -51,8 +51,8 @@ class BlockDecoder {
   virtual std::uint64_t maxSegmentBytes(const BlockShape& shape, std::size_t tier) const = 0;
 
   /// Fills `values` from the first tiers of a block; tiers that are not given, and levels from
-  /// `levels` on, count as zero, and the values may then leave the range of the original. Safe on any bytes: kInvalidData, in a message that wants a
-  /// subject, or finite values.
+  /// `levels` on, count as zero, and the values may then leave the range of the original. Safe on
+  /// any bytes: kInvalidData, in a message that wants a subject, or finite values.
   [[nodiscard]] virtual Status decode(Tiers tiers, int levels, const BlockShape& shape,
                                       std::span<float> values) const = 0;
 

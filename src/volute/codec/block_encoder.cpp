@@ -319,7 +319,7 @@ bool BlockWriting::hasAny(std::size_t tier) {
 }
 
 inline void BlockWriting::settle(float& coefficient, double norm, double size, std::int32_t q,
-                          Training* training) {
+                                 Training* training) {
   squaredError_ += quantiser_.squaredError(size, q);
   const std::int32_t m = std::abs(q);
   if (training != nullptr && m > 0) {
@@ -412,8 +412,7 @@ void BlockWriting::skip(std::size_t tier) {
     const auto& inSteps = this->inSteps(level);
     for (unsigned left = existing; left != 0; left &= left - 1) {
       const int k = std::countr_zero(left);
-      const double size =
-          std::abs(at[level.offset[k]]) * inSteps[static_cast<std::size_t>(k)];
+      const double size = std::abs(at[level.offset[k]]) * inSteps[static_cast<std::size_t>(k)];
       settle(at[level.offset[k]], level.norm[k], size, 0, nullptr);
     }
     return false;

@@ -56,12 +56,13 @@ Status BlockRow::load(int row, int firstLayer, int endLayer) {
   const int end = std::min(info.z, endLayer * BlockGrid::kSide);
   firstLayer_ = firstLayer;
   endLayer_ = endLayer;
-  const std::size_t part = info.frameValues() / static_cast<std::size_t>(info.z) *
-                           static_cast<std::size_t>(end - begin);
+  const std::size_t part =
+      info.frameValues() / static_cast<std::size_t>(info.z) * static_cast<std::size_t>(end - begin);
   values_.resize(static_cast<std::size_t>(frames) * part);
   for (int i = 0; i < frames; ++i) {
-    VOLUTE_TRY(source_.readLayers(
-        first + i, begin, end, std::span(values_).subspan(static_cast<std::size_t>(i) * part, part)));
+    VOLUTE_TRY(
+        source_.readLayers(first + i, begin, end,
+                           std::span(values_).subspan(static_cast<std::size_t>(i) * part, part)));
   }
   VOLUTE_TRY(scan(first));
   row_ = row;

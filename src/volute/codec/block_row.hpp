@@ -13,8 +13,8 @@
 
 namespace volute {
 
-/// The frames of one row of blocks (16 frames), or some layers of blocks of them, read from a source
-/// and cut into blocks.
+/// The frames of one row of blocks (16 frames), or some layers of blocks of them, read from a
+/// source and cut into blocks.
 class BlockRow {
  public:
   explicit BlockRow(FrameSource& source);
@@ -49,7 +49,7 @@ class BlockRow {
 
   FrameSource& source_;
   BlockGrid grid_;
-  std::vector<float> values_;  // (t, z, y, x, c), of the layers that are loaded
+  std::vector<float> values_;                     // (t, z, y, x, c), of the layers that are loaded
   int row_ = -1, firstLayer_ = 0, endLayer_ = 0;  // that are loaded
   float minimum_, maximum_;
 };

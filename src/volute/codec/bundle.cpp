@@ -37,8 +37,8 @@ Status copyTier(const BundlePart& part, std::size_t begin, std::size_t end, Outp
 }  // namespace
 
 Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
-                             const FrameMetadata& fileMetadata,
-                             const std::filesystem::path& target, Progress& progress) {
+                             const FrameMetadata& fileMetadata, const std::filesystem::path& target,
+                             Progress& progress) {
   std::vector<BundlePart> parts;
   std::vector<FileHead> heads;
   std::vector<VoluteGrid> table;
@@ -73,12 +73,10 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
     return fail(ErrorCode::kInvalidArgument, "{}: no grid has values", target.string());
   const bool plain = table.size() == 1 && !table.front().description && fileMetadata.lists.empty();
   VOLUTE_ASSIGN(auto out, CheckedFile::create(target));
-  const auto headBytes =
-      plain ? writeHead(heads.front()) : writeHead(table, fileMetadata, heads);
+  const auto headBytes = plain ? writeHead(heads.front()) : writeHead(table, fileMetadata, heads);
   VOLUTE_TRY(out.bytes().write(headBytes));
   std::size_t tiers = 0;
-  for (const FileHead& head : heads)
-    tiers = std::max(tiers, head.decoder->tierLevels().size());
+  for (const FileHead& head : heads) tiers = std::max(tiers, head.decoder->tierLevels().size());
   for (std::size_t tier = 0; tier < tiers; ++tier) {
     for (std::size_t i = 0; i < heads.size(); ++i) {
       if (progress.cancelled())

@@ -22,15 +22,14 @@ struct BundledGrid {
 };
 
 /// Puts .volute files of one grid each together as the grids of one, in their order. Segments are
-/// copied byte for byte, tier by tier and in each grid by grid, so that a prefix of the file plays all
-/// grids coarsely. One grid without a description gives the file as it is.
+/// copied byte for byte, tier by tier and in each grid by grid, so that a prefix of the file plays
+/// all grids coarsely. One grid without a description gives the file as it is.
 ///
 /// kInvalidArgument where grids have other frames than the first, two have one name, or none has
 /// values.
 /// @return the bytes of the new file.
 [[nodiscard]] Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
                                            const FrameMetadata& fileMetadata,
-                                           const std::filesystem::path& target,
-                                           Progress& progress);
+                                           const std::filesystem::path& target, Progress& progress);
 
 }  // namespace volute

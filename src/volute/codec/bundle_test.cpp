@@ -102,8 +102,8 @@ TEST(Bundle, EachGridIsWhatItIsAlone) {
   EXPECT_NEAR(reader->grids()[3].header.targetValue, 2e-2 / 3, 1e-12);
   EXPECT_EQ(reader->fileMetadata(), cache.fileMetadata);
   EXPECT_FALSE(reader->grid().description);
-  const auto source = frameSource(std::make_shared<VoluteReader>(
-      *VoluteReader::open(cache.file.path(), options("velocity"))));
+  const auto source = frameSource(
+      std::make_shared<VoluteReader>(*VoluteReader::open(cache.file.path(), options("velocity"))));
   EXPECT_EQ(source->otherGrids(), (std::vector<std::string>{"temperature", "flame", "density"}));
 }
 

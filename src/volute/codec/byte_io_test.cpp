@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/byte_io.hpp"
+
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
 
-#include "volute/codec/byte_io.hpp"
 #include "volute/codec/packing.hpp"
 #include "volute/codec/step_search.hpp"
 

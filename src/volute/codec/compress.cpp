@@ -168,12 +168,12 @@ class Compressor {
   bool chosenBefore_ = false;  // modes_ are those of another step, else a guess
   double chosenStep_ = 0;      // at which modes_ were chosen
   QuantisationModel model_;
-  std::optional<UnitStore> store_;       // of finished units, where that is asked for
-  std::uint64_t content_ = 0;            // a digest of all values, for it
-  int way_ = -1;                         // how many ways through the units were begun before
-  EncodedUnits units_;                   // of the last way through
-  std::vector<LayerError> layers_;       // the same, of this rank
-  std::uint64_t fileBytes_ = 0;          // as far as it was asked for
+  std::optional<UnitStore> store_;  // of finished units, where that is asked for
+  std::uint64_t content_ = 0;       // a digest of all values, for it
+  int way_ = -1;                    // how many ways through the units were begun before
+  EncodedUnits units_;              // of the last way through
+  std::vector<LayerError> layers_;  // the same, of this rank
+  std::uint64_t fileBytes_ = 0;     // as far as it was asked for
   CodingError error_;
   double relativeRms_ = 0;  // of the last way through all blocks
   int tries_ = 0;
@@ -213,44 +213,47 @@ void addCoefficients(std::span<const float> values, const BlockShape& shape,
 Status Compressor::survey() {
   const BlockGrid& grid = row_.grid();
   const auto width = static_cast<std::size_t>(grid.counts()[3]);
+
   struct LayerMoments {
     std::uint64_t layer = 0;
     ColorMoments moments;
   };
+
   std::vector<LayerMoments> layers;
-  VOLUTE_TRY(team_.forUnits("analysing", plan_.count(), progress_, [&](std::int64_t number) -> Status {
-    VOLUTE_TRY(checkCancelled());
-    const UnitPlan::Unit unit = plan_.unit(number);
-    VOLUTE_TRY(row_.load(unit.row, unit.firstLayer, unit.endLayer));
-    // A line of blocks is a task; sums go line by line, so that they come out the same.
-    const std::size_t lines = plan_.blocks(unit) / width;
-    std::vector<ColorMoments> moments(lines);
-    std::mutex mutex;
-    parallelFor(lines, [&](std::size_t line) {
-      std::vector<float> values;
-      QuantisationModel model;
-      std::uint64_t content = 0;
-      for (std::size_t i = line * width; i < (line + 1) * width; ++i) {
-        const std::size_t block = plan_.firstBlock(unit) + i;
-        values.resize(grid.values(block));
-        row_.cut(block, values);
-        moments[line].add(values, info_.channels);
-        addCoefficients(values, shapeOf(grid, block), model);
-        if (!options_.work.empty())
-          content += (2 * block + 1) * crc32(std::as_bytes(std::span(values)));
-      }
-      const std::lock_guard lock(mutex);
-      model_.merge(model);
-      content_ += content;
-    });
-    const std::size_t linesALayer = plan_.blocksALayer() / width;
-    for (std::size_t line = 0; line < lines; ++line) {
-      if (line % linesALayer == 0)
-        layers.push_back({plan_.firstLayer(unit) + line / linesALayer, {}});
-      layers.back().moments.add(moments[line]);
-    }
-    return {};
-  }));
+  VOLUTE_TRY(
+      team_.forUnits("analysing", plan_.count(), progress_, [&](std::int64_t number) -> Status {
+        VOLUTE_TRY(checkCancelled());
+        const UnitPlan::Unit unit = plan_.unit(number);
+        VOLUTE_TRY(row_.load(unit.row, unit.firstLayer, unit.endLayer));
+        // A line of blocks is a task; sums go line by line, so that they come out the same.
+        const std::size_t lines = plan_.blocks(unit) / width;
+        std::vector<ColorMoments> moments(lines);
+        std::mutex mutex;
+        parallelFor(lines, [&](std::size_t line) {
+          std::vector<float> values;
+          QuantisationModel model;
+          std::uint64_t content = 0;
+          for (std::size_t i = line * width; i < (line + 1) * width; ++i) {
+            const std::size_t block = plan_.firstBlock(unit) + i;
+            values.resize(grid.values(block));
+            row_.cut(block, values);
+            moments[line].add(values, info_.channels);
+            addCoefficients(values, shapeOf(grid, block), model);
+            if (!options_.work.empty())
+              content += (2 * block + 1) * crc32(std::as_bytes(std::span(values)));
+          }
+          const std::lock_guard lock(mutex);
+          model_.merge(model);
+          content_ += content;
+        });
+        const std::size_t linesALayer = plan_.blocksALayer() / width;
+        for (std::size_t line = 0; line < lines; ++line) {
+          if (line % linesALayer == 0)
+            layers.push_back({plan_.firstLayer(unit) + line / linesALayer, {}});
+          layers.back().moments.add(moments[line]);
+        }
+        return {};
+      }));
   VOLUTE_TRY(team_.sum(model_.counts()));
   const std::array<float, 2> own{row_.minimum(), row_.maximum()};
   VOLUTE_ASSIGN(const auto limits, gatherValues(team_, std::span<const float>(own)));
@@ -380,16 +383,15 @@ Status Compressor::keep(const EncodedUnits::Unit& done, EncodedUnitRecord& recor
 
 // Nothing when there is nothing of use. Bytes may be missing: they are dropped when the next way
 // begins.
-Result<std::optional<EncodedUnitRecord>> Compressor::recall(
-    EncodedUnits::Unit& done) {
+Result<std::optional<EncodedUnitRecord>> Compressor::recall(EncodedUnits::Unit& done) {
   std::optional<EncodedUnitRecord> none;
   const auto kept = store_->record(way_, done.number);
   if (!kept)
     return none;
   const auto bytes = store_->bytes(way_, done.number).value_or(std::vector<std::byte>());
   const UnitPlan::Unit unit = plan_.unit(done.number);
-  auto record = EncodedUnitRecord::fromBytes(*kept, plan_.blocks(unit),
-                                      static_cast<std::size_t>(unit.endLayer - unit.firstLayer));
+  auto record = EncodedUnitRecord::fromBytes(
+      *kept, plan_.blocks(unit), static_cast<std::size_t>(unit.endLayer - unit.firstLayer));
   if (!record)
     return none;
   const auto sizes = record->tierSizes();
@@ -503,11 +505,11 @@ Status Compressor::encodeAll(double proposed, Way way) {
   const int rows = row_.rows();
   const int count = way == Way::kLearn ? std::min(rows, kRowsToLearnFrom) : rows;
   tries_ += way == Way::kEncode ? 1 : 0;
-  const std::string stage = way == Way::kLearn    ? "learning"
-                            : way == Way::kChoose ? chosenBefore_ ? "choosing modes again"
-                                                                  : "choosing modes"
-                            : tries_ == 1         ? "compressing"
-                                                  : fmt::format("compressing, try {}", tries_);
+  const std::string stage = way == Way::kLearn ? "learning"
+                            : way == Way::kChoose
+                                ? chosenBefore_ ? "choosing modes again" : "choosing modes"
+                            : tries_ == 1 ? "compressing"
+                                          : fmt::format("compressing, try {}", tries_);
   const std::int64_t unitsARow = plan_.unitsARow();
   VOLUTE_TRY(team_.forUnits(stage, count * unitsARow, progress_, [&](std::int64_t i) {
     const std::int64_t row = i / unitsARow * rows / count;
@@ -515,8 +517,7 @@ Status Compressor::encodeAll(double proposed, Way way) {
   }));
   chosenBefore_ = chosenBefore_ || way == Way::kChoose;
   VOLUTE_TRY(shareErrors());
-  relativeRms_ =
-      goal_.relative(std::sqrt(error_.squared / static_cast<double>(info_.values())));
+  relativeRms_ = goal_.relative(std::sqrt(error_.squared / static_cast<double>(info_.values())));
   head_.header.reachedRms = relativeRms_ + goal_.relative(options_.sourceRms);
   head_.header.reachedMaxError = error_.maximum + options_.sourceMaxError;
   if (way == Way::kChoose)
@@ -544,8 +545,8 @@ tl::unexpected<Error> Compressor::unreachable() const {
   if (goal_.isSize()) {
     return fail(ErrorCode::kUnsupported,
                 "{}: cannot be made as small as {} = {}; the smallest is {} bytes of {} raw ones",
-                target_.string(), nameOf(options_.target.kind), options_.target.value,
-                fileBytes_, info_.rawBytes());
+                target_.string(), nameOf(options_.target.kind), options_.target.value, fileBytes_,
+                info_.rawBytes());
   }
   return fail(ErrorCode::kUnsupported,
               "{}: {} = {} cannot be reached: the rounding of float32 leaves a relative RMS of "

@@ -33,8 +33,8 @@ struct CompressOptions {
   ErrorTarget target;
   std::string wavelet = "auto";   ///< auto, haar, cdf53 or cdf97: allowed for blocks
   std::optional<BlockMode> mode;  ///< one mode for all blocks, for experiments
-  bool fast = false;       ///< try fewer modes: faster, files some percent larger
-  std::string provenance;  ///< kept in the file
+  bool fast = false;              ///< try fewer modes: faster, files some percent larger
+  std::string provenance;         ///< kept in the file
   /// The absolute error of the source relative to its own original; the file states the sums, which
   /// bound the errors relative to that original.
   double sourceRms = 0;

@@ -288,6 +288,7 @@ TEST(Compress, TheSameBytesForAnyNumberOfRanks) {
     ErrorTarget target;
     int channels;
   };
+
   for (const Case& one : {Case{{Kind::kRms, 2e-3}, 3}, Case{{Kind::kSize, 9000}, 1},
                           Case{{Kind::kMaxError, 0.05}, 1}}) {
     const Sequence sequence = plumes(33, 20, 18, 20, one.channels);  // 3 rows of 2 layers

@@ -340,9 +340,9 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
   if (!in.ok())
     return malformed("it ends early");
   head.parameters.assign(parameters.begin(), parameters.end());
-  auto decoder = openWaveletDecoder(parameters, {head.info.channels,
-                                                 static_cast<float>(header.valueMin),
-                                                 static_cast<float>(header.valueMax)});
+  auto decoder =
+      openWaveletDecoder(parameters, {head.info.channels, static_cast<float>(header.valueMin),
+                                      static_cast<float>(header.valueMax)});
   if (!decoder)
     return malformed(decoder.error().message);
   head.decoder = std::move(*decoder);
@@ -512,8 +512,8 @@ Status checkTable(const GridTable& table, const AllChunks& chunks, const FileHea
   const auto streams =
       static_cast<std::size_t>(std::ranges::count(table.rows, false, &GridRow::empty));
   if (streams != chunks.grids.size())
-    return malformed(fmt::format("it has {} grids with values, and the file {}", streams,
-                                 chunks.grids.size()));
+    return malformed(
+        fmt::format("it has {} grids with values, and the file {}", streams, chunks.grids.size()));
   std::uint64_t bytes = 0;
   for (const GridRow& row : table.rows)
     for (const std::uint64_t tier : row.tierBytes) {
@@ -685,15 +685,13 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
   std::vector<TierPlace> places;
   std::size_t stream = 0;  // of those with values
   if (chunks.table.empty()) {
-    VOLUTE_ASSIGN(const auto content,
-                  unpackChunk(chunks.grids[0].info, budget / 32, path, "INFO"));
+    VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.grids[0].info, budget / 32, path, "INFO"));
     VOLUTE_TRY(readInfoChunk(content, path, head));
     if (!grid.empty() && grid != head.info.name) {
       return fail(ErrorCode::kNotFound, "{}: there is no grid '{}'; the file holds '{}'", path,
                   grid, head.info.name);
     }
-    head.grids.push_back(
-        {head.info, head.header, {}, false, head.fileBytes - head.headBytes});
+    head.grids.push_back({head.info, head.header, {}, false, head.fileBytes - head.headBytes});
   } else {
     VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.table, budget / 64, path, "GRDS"));
     auto table = readGridTable(content);
@@ -704,9 +702,9 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
     VOLUTE_TRY(checkTable(*table, chunks, head, path));
     VOLUTE_ASSIGN(const std::size_t wanted, wantedGrid(*table, grid, path));
     places = placesOf(*table, head.headBytes)[wanted];
-    stream = static_cast<std::size_t>(
-        std::count_if(table->rows.begin(), table->rows.begin() + static_cast<std::ptrdiff_t>(wanted),
-                      [](const GridRow& row) { return !row.empty; }));
+    stream = static_cast<std::size_t>(std::count_if(
+        table->rows.begin(), table->rows.begin() + static_cast<std::ptrdiff_t>(wanted),
+        [](const GridRow& row) { return !row.empty; }));
     VOLUTE_TRY(readGrids(*table, chunks, wanted, budget, path, head));
     VOLUTE_TRY(checkFrames(head, path));
   }

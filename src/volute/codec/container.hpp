@@ -68,14 +68,14 @@ BlockShape shapeOf(const BlockGrid& grid, std::size_t block);
 std::vector<std::byte> writeHead(FileHead& head);
 
 /// The same of a file with several grids.
-/// @param grids  their names, descriptions and emptiness; `heads` are those of the grids that are not
-/// empty, in the same order, which have the same frames.
+/// @param grids  their names, descriptions and emptiness; `heads` are those of the grids that are
+/// not empty, in the same order, which have the same frames.
 std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
                                  const FrameMetadata& fileMetadata, std::span<FileHead> heads);
 
-/// Reads and checks a head, for one of its grids (VoluteReader::Options::grid). Takes any bytes: it allocates in proportion to what is there, and at
-/// most max(64 MiB, maxMemory). The file may end before its last segment (the caller compares its
-/// size with fileBytes), but not after it.
+/// Reads and checks a head, for one of its grids (VoluteReader::Options::grid). Takes any bytes: it
+/// allocates in proportion to what is there, and at most max(64 MiB, maxMemory). The file may end
+/// before its last segment (the caller compares its size with fileBytes), but not after it.
 [[nodiscard]] Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory,
                                         const std::string& grid = "");
 

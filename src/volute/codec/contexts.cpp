@@ -18,8 +18,7 @@ constexpr std::uint32_t kWorthAnEntry = 6;
 
 std::uint16_t probabilityOf(int index) {
   const int near = index <= 32 ? 32 * index * index : 65536 - 32 * (64 - index) * (64 - index);
-  return static_cast<std::uint16_t>(
-      std::clamp(near, AdaptiveBit::kMin, 65536 - AdaptiveBit::kMin));
+  return static_cast<std::uint16_t>(std::clamp(near, AdaptiveBit::kMin, 65536 - AdaptiveBit::kMin));
 }
 
 int indexOf(const std::array<std::uint32_t, 2>& seen) {

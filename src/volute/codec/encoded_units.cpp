@@ -57,7 +57,8 @@ std::vector<std::byte> EncodedUnitRecord::toBytes() const {
 }
 
 std::optional<EncodedUnitRecord> EncodedUnitRecord::fromBytes(std::span<const std::byte> bytes,
-                                                std::size_t blocks, std::size_t layers) {
+                                                              std::size_t blocks,
+                                                              std::size_t layers) {
   EncodedUnitRecord record;
   record.modes.resize(blocks);
   record.layers.resize(layers);
@@ -122,7 +123,8 @@ Status EncodedUnits::clear() {
 
 EncodedUnits::Unit EncodedUnits::begin(std::int64_t number) const {
   Unit unit{number};
-  for (std::size_t tier = 0; tier < spools_.size(); ++tier) unit.begins[tier] = spools_[tier].size();
+  for (std::size_t tier = 0; tier < spools_.size(); ++tier)
+    unit.begins[tier] = spools_[tier].size();
   return unit;
 }
 

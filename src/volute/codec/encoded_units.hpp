@@ -52,8 +52,8 @@ struct EncodedUnitRecord {
   std::vector<std::byte> toBytes() const;
 
   /// Nothing when the bytes are of no such record.
-  static std::optional<EncodedUnitRecord> fromBytes(std::span<const std::byte> bytes, std::size_t blocks,
-                                             std::size_t layers);
+  static std::optional<EncodedUnitRecord> fromBytes(std::span<const std::byte> bytes,
+                                                    std::size_t blocks, std::size_t layers);
 
   /// Of each tier, of all blocks.
   std::array<std::uint64_t, kWaveletTiers.size()> tierSizes() const;
@@ -112,8 +112,7 @@ class EncodedUnits {
   /// On rank 0: the segments of all ranks, tier by tier and in each unit by unit. Meanwhile the
   /// other ranks are in sendSegments().
   /// @param goesOn  asked now and then; an error ends it
-  [[nodiscard]] Status writeSegments(OutputFile& file,
-                                     const std::function<Status()>& goesOn);
+  [[nodiscard]] Status writeSegments(OutputFile& file, const std::function<Status()>& goesOn);
   [[nodiscard]] Status sendSegments();
 
  private:

@@ -29,9 +29,9 @@ struct Extraction {
 /// frames stays.
 class ExtractSource final : public FrameSource {
  public:
-  /// Holds the selected frames of one row of blocks, or as many of them as the memory that is allowed
-  /// has room for: then blocks are decoded more than once. kTooLarge where that is none. `progress`
-  /// must outlive the source.
+  /// Holds the selected frames of one row of blocks, or as many of them as the memory that is
+  /// allowed has room for: then blocks are decoded more than once. kTooLarge where that is none.
+  /// `progress` must outlive the source.
   [[nodiscard]] static Result<std::unique_ptr<ExtractSource>> create(
       std::shared_ptr<const VoluteReader> reader, Extraction extraction, Progress& progress);
 

@@ -31,8 +31,8 @@ struct GridTable {
 std::vector<std::byte> writeGridTable(const GridTable& table);
 
 /// Takes any bytes: what it allocates is in proportion to them. The lists of frames have the length
-/// that the bytes state, which the caller compares with the frames that there are. An error is what is
-/// wrong, and wants a subject.
+/// that the bytes state, which the caller compares with the frames that there are. An error is what
+/// is wrong, and wants a subject.
 [[nodiscard]] Result<GridTable> readGridTable(std::span<const std::byte> content);
 
 }  // namespace volute

@@ -51,8 +51,8 @@ std::string gridText(const VolumeInfo& info) {
       "{} x {} x {} voxels with {} channel{} of '{}' [{}], {} basis, from ({:.6g}, {:.6g}, {:.6g}) "
       "to ({:.6g}, {:.6g}, {:.6g}) m",
       info.x, info.y, info.z, info.channels, info.channels == 1 ? "" : "s", info.name, info.unit,
-      basisName(info.basis), info.bounds.min.x(), info.bounds.min.y(),
-      info.bounds.min.z(), info.bounds.max.x(), info.bounds.max.y(), info.bounds.max.z());
+      basisName(info.basis), info.bounds.min.x(), info.bounds.min.y(), info.bounds.min.z(),
+      info.bounds.max.x(), info.bounds.max.y(), info.bounds.max.z());
 }
 
 bool sameGrid(const VolumeInfo& a, const VolumeInfo& b) {
@@ -310,7 +310,7 @@ Result<JoinReport> encodeAgain(const std::vector<Part>& parts, FrameSource& fram
 /// One grid through all files.
 struct GridParts {
   std::string name;
-  std::vector<Part> parts{};                  ///< of the files where it has values
+  std::vector<Part> parts{};                     ///< of the files where it has values
   std::vector<std::optional<std::size_t>> of{};  ///< of each file the place in `parts`
 };
 
@@ -322,8 +322,8 @@ Result<VolumeInfo> volumeAround(const std::vector<Part>& parts) {
     const VolumeInfo& info = part.info();
     around.extend(info.bounds.min);
     around.extend(info.bounds.max);
-    const bool sameKind = info.channels == first.channels && info.unit == first.unit &&
-                          info.basis == first.basis;
+    const bool sameKind =
+        info.channels == first.channels && info.unit == first.unit && info.basis == first.basis;
     if (!sameKind || !onOneLattice(info, first) ||
         around.size().cwiseQuotient(first.voxelSize()).maxCoeff() > kFarthest) {
       return fail(ErrorCode::kInvalidData, "{} and {} do not fit together: {}, and {}",
@@ -430,11 +430,12 @@ class GridJoin {
       if (one && one != &*gridIn(*from, grid.name)->description) {
         if (one->type != all->type || one->gridClass != all->gridClass || one->map != all->map ||
             one->half != all->half || one->background != all->background) {
-          return fail(ErrorCode::kInvalidData,
-                      "{} and {} do not fit together: grid '{}' is of type {} ({}) in one and of {} "
-                      "({}) in the other, or has another background",
-                      from->name(), file.name(), grid.name, all->type, all->gridClass, one->type,
-                      one->gridClass);
+          return fail(
+              ErrorCode::kInvalidData,
+              "{} and {} do not fit together: grid '{}' is of type {} ({}) in one and of {} "
+              "({}) in the other, or has another background",
+              from->name(), file.name(), grid.name, all->type, all->gridClass, one->type,
+              one->gridClass);
         }
         for (std::size_t axis = 0; axis < 3 && all->voxelSize[axis] > 0; ++axis) {
           apart[axis] =
@@ -445,7 +446,8 @@ class GridJoin {
       }
       if (one && !there->empty && !placed) {
         placed = true;
-        for (std::size_t axis = 0; axis < 3; ++axis) all->begin[axis] = one->begin[axis] + apart[axis];
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          all->begin[axis] = one->begin[axis] + apart[axis];
       }
       for (int i = 0; i < file.info().frames; ++i) {
         GridDescription::Index shift = apart;

@@ -110,8 +110,8 @@ TEST_F(JoinTest, CopiesBlocksThatWereCompressedApart) {
   EXPECT_EQ(report->fileBytes, std::filesystem::file_size(scratch.path()));
   // What is said of errors holds, relative to the range of the whole.
   Sequence original = whole;
-  std::ranges::copy(brighter.values,
-                    original.values.begin() + 16 * static_cast<std::ptrdiff_t>(whole.info.frameValues()));
+  std::ranges::copy(brighter.values, original.values.begin() + 16 * static_cast<std::ptrdiff_t>(
+                                                                        whole.info.frameValues()));
   const auto difference = differenceOf(original, all);
   EXPECT_NEAR(difference.relativeRms, report->relativeRms, 1e-6);
   EXPECT_NEAR(difference.maxError, report->maxError, 1e-6);
@@ -285,18 +285,23 @@ class JoinGridsTest : public JoinTest {
 TEST_F(JoinGridsTest, BlocksOfEachGridAreCopied) {
   const Sequence whole = periodic(37);
   const Sequence other = plumes(37, 12, 9, 10);
-  const auto a = packGrids("a.volute", {{"density", partOf(whole, 0, 16)}, {"flame", partOf(other, 0, 16)}}, 16);
-  const auto b = packGrids("b.volute", {{"density", partOf(whole, 16, 37)}, {"flame", partOf(other, 16, 37)}}, 21);
+  const auto a = packGrids(
+      "a.volute", {{"density", partOf(whole, 0, 16)}, {"flame", partOf(other, 0, 16)}}, 16);
+  const auto b = packGrids(
+      "b.volute", {{"density", partOf(whole, 16, 37)}, {"flame", partOf(other, 16, 37)}}, 21);
   const auto report = joined({b, a});
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report->copied);
   EXPECT_EQ(report->frames, 37);
   EXPECT_EQ(report->fileBytes, std::filesystem::file_size(scratch.path()));
   for (const char* name : {"density", "flame"}) {
-    const auto first = valuesOf(a, name), second = valuesOf(b, name), both = valuesOf(scratch.path(), name);
+    const auto first = valuesOf(a, name), second = valuesOf(b, name),
+               both = valuesOf(scratch.path(), name);
     EXPECT_EQ(both.info.frameNumbers, whole.info.frameNumbers);
-    EXPECT_TRUE(std::ranges::equal(first.values, std::span(both.values).first(first.values.size())));
-    EXPECT_TRUE(std::ranges::equal(second.values, std::span(both.values).last(second.values.size())));
+    EXPECT_TRUE(
+        std::ranges::equal(first.values, std::span(both.values).first(first.values.size())));
+    EXPECT_TRUE(
+        std::ranges::equal(second.values, std::span(both.values).last(second.values.size())));
   }
   const auto reader = gridOf(scratch.path(), "flame");
   ASSERT_EQ(reader.grids().size(), 2u);
@@ -311,8 +316,10 @@ TEST_F(JoinGridsTest, GridsThatGrowHaveTheBackgroundElsewhere) {
   const Sequence whole = plumes(32, 9, 10, 24);
   const Sequence early = cropped(partOf(whole, 0, 16), 8, 16);
   const Sequence late = cropped(partOf(whole, 16, 32), 4, 24);
-  const auto a = packGrids("a.volute", {{"density", early, {8, 0, 0}}, {"flame", std::nullopt}}, 16);
-  const auto b = packGrids("b.volute", {{"flame", late, {4, 0, 0}}, {"density", late, {4, 0, 0}}}, 16);
+  const auto a =
+      packGrids("a.volute", {{"density", early, {8, 0, 0}}, {"flame", std::nullopt}}, 16);
+  const auto b =
+      packGrids("b.volute", {{"flame", late, {4, 0, 0}}, {"density", late, {4, 0, 0}}}, 16);
   JoinOptions options;
   options.rms = 1e-4;
   const auto report = joined({a, b}, options);

@@ -33,7 +33,8 @@ TEST(ModeSearch, FindsTheLowestPlaceOfAnyValleyFromAnywhere) {
   for (const BlockMode& lowest : allBlockModes()) {
     for (const BlockMode& start : allBlockModes()) {
       Valley valley{lowest};
-      ModeSearch search(allBlockModes(), asItIs, [&](const BlockMode& mode) { return valley(mode); });
+      ModeSearch search(allBlockModes(), asItIs,
+                        [&](const BlockMode& mode) { return valley(mode); });
       search.tryMode(start);
       search.descend();
       EXPECT_EQ(search.best(), lowest) << describe(start);
@@ -70,7 +71,8 @@ TEST(ModeSearch, TriesTheSimplestOfModesThatAreTheSame) {
     mode.timeLevels = std::min(mode.timeLevels, 2);
     return mode;
   };
-  ModeSearch search(allBlockModes(), plainOfTwo, [&](const BlockMode& mode) { return valley(mode); });
+  ModeSearch search(allBlockModes(), plainOfTwo,
+                    [&](const BlockMode& mode) { return valley(mode); });
   search.tryMode({true, Wavelet::kHaar, 4});
   search.descend();
   EXPECT_EQ(search.best(), (BlockMode{false, Wavelet::kCdf97, 2}));

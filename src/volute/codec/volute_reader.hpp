@@ -36,7 +36,7 @@ struct VoluteHeader {
 
 /// One of the grids of a file.
 struct VoluteGrid {
-  VolumeInfo info;     ///< x, y and z are 0 for an empty grid, which has no bounds
+  VolumeInfo info;  ///< x, y and z are 0 for an empty grid, which has no bounds
   VoluteHeader header;
   /// Its description in the original cache; none if it comes from elsewhere.
   std::optional<GridDescription> description{};

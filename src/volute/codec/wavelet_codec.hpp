@@ -88,9 +88,9 @@ struct TierStrides {
 TierStrides stridesOfTier(const BlockShape& shape, std::size_t tier, int levels);
 
 /// Turns planes of dequantised coefficients into values, as a reader sees them before corrections:
-/// inverse transform, colour, and what is known of the original: its range, and zeros outside of the
-/// support. With `coarse` these are left out, since they would change the means that levels are; then
-/// values stay within one range of the original's.
+/// inverse transform, colour, and what is known of the original: its range, and zeros outside of
+/// the support. With `coarse` these are left out, since they would change the means that levels
+/// are; then values stay within one range of the original's.
 void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
                  const BlockMode& mode, const BlockShape& shape,
                  const WaveletParameters& parameters, const StreamInfo& stream, bool coarse,

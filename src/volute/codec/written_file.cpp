@@ -17,10 +17,11 @@ constexpr std::size_t kSegmentsATask = 256;
 
 tl::unexpected<Error> differs(const std::string& name, std::uint64_t offset,
                               std::string_view what) {
-  return fail(ErrorCode::kIo,
-              "{}: {} at byte {} differs from what was written, so the file was not kept; check the "
-              "memory and the disk of this machine",
-              name, what, offset);
+  return fail(
+      ErrorCode::kIo,
+      "{}: {} at byte {} differs from what was written, so the file was not kept; check the "
+      "memory and the disk of this machine",
+      name, what, offset);
 }
 
 Status checkHeadBytes(const InputFile& file, const std::string& name,
@@ -40,11 +41,10 @@ Status checkHeadBytes(const InputFile& file, const std::string& name,
 
 /// Compares what a reader finds in the head with what the encoder knows.
 Status checkGrid(const InputFile& file, const std::string& name, const FileHead& expected) {
-  const auto read =
-      readHead(file, std::numeric_limits<std::uint64_t>::max(), expected.info.name);
+  const auto read = readHead(file, std::numeric_limits<std::uint64_t>::max(), expected.info.name);
   if (!read) {
-    return fail(ErrorCode::kIo, "{}: cannot be read back, so the file was not kept: {}",
-                name, read.error().message);
+    return fail(ErrorCode::kIo, "{}: cannot be read back, so the file was not kept: {}", name,
+                read.error().message);
   }
   const auto same = [](const SegmentEntry& a, const SegmentEntry& b) {
     return a.size == b.size && (a.size == 0 || (a.offset == b.offset && a.crc == b.crc));
@@ -60,8 +60,8 @@ Status checkGrid(const InputFile& file, const std::string& name, const FileHead&
       std::ranges::equal(read->segments, expected.segments, same))
     return {};
   return fail(ErrorCode::kIo,
-              "{}: grid '{}' differs from what was encoded, so the file was not kept",
-              name, expected.info.name);
+              "{}: grid '{}' differs from what was encoded, so the file was not kept", name,
+              expected.info.name);
 }
 
 Status checkSegments(const InputFile& file, const std::string& name,

@@ -17,9 +17,9 @@
 namespace volute {
 
 /// Reads a .volute file back. The head must equal the bytes that were written, a reader must find
-/// the same parameters and segments in it, and each segment must have the checksum of the bytes that
-/// the encoder decoded to measure the error. The errors that a report states are therefore those of
-/// the file.
+/// the same parameters and segments in it, and each segment must have the checksum of the bytes
+/// that the encoder decoded to measure the error. The errors that a report states are therefore
+/// those of the file.
 /// @param name       of the file, for messages
 /// @param headBytes  what writeHead() gave
 /// @param heads      of the grids that are not empty; their segments have their places
@@ -37,8 +37,8 @@ class CheckedFile {
   OutputFile& bytes() { return bytes_; }
 
   /// The arguments are those of checkWritten(). Call it once.
-  [[nodiscard]] Status commit(std::span<const std::byte> headBytes,
-                              std::span<const FileHead> heads, const Progress& progress);
+  [[nodiscard]] Status commit(std::span<const std::byte> headBytes, std::span<const FileHead> heads,
+                              const Progress& progress);
 
  private:
   CheckedFile(std::optional<PendingFile> pending, OutputFile bytes)

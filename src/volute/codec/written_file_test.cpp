@@ -22,8 +22,8 @@ struct Written {
   std::vector<char> bytes;
 
   Written() {
-    EXPECT_TRUE(testing::compressTo(file.path(), plumes(18, 5, 6, 19),
-                                    {ErrorTarget::Kind::kRms, 2e-2}));
+    EXPECT_TRUE(
+        testing::compressTo(file.path(), plumes(18, 5, 6, 19), {ErrorTarget::Kind::kRms, 2e-2}));
     const auto opened = InputFile::open(file.path());
     head = *readHead(*opened, std::uint64_t{64} << 20);
     headBytes = writeHead(head);
@@ -35,8 +35,7 @@ struct Written {
     const Progress quiet;
     writeBytes(file.path(), now);
     const auto opened = InputFile::open(file.path());
-    const auto status =
-        checkWritten(*opened, "out.volute", headBytes, std::span(&head, 1), quiet);
+    const auto status = checkWritten(*opened, "out.volute", headBytes, std::span(&head, 1), quiet);
     return status ? std::string() : status.error().message;
   }
 };
@@ -51,7 +50,8 @@ TEST(WrittenFile, AFlippedBitIsFound) {
   for (std::size_t i = 0; i < written.bytes.size(); i += 5) {
     std::vector<char> other = written.bytes;
     other[i] = static_cast<char>(other[i] ^ 1 << i % 8);
-    EXPECT_NE(written.check(other).find("differs from what was written"), std::string::npos) << "byte " << i;
+    EXPECT_NE(written.check(other).find("differs from what was written"), std::string::npos)
+        << "byte " << i;
   }
 }
 
@@ -80,6 +80,7 @@ TEST(WrittenFile, ItCanBeStopped) {
    public:
     bool cancelled() const override { return true; }
   };
+
   const Written written;
   const auto opened = InputFile::open(written.file.path());
   const auto status = checkWritten(*opened, "out.volute", written.headBytes,

@@ -9,15 +9,15 @@
 namespace volute {
 namespace {
 
-constexpr double kFinest = 0.02;       ///< [m] of the raster
-constexpr double kIndoors = 0.6;       ///< [m] of gas that end the way through a wall
-constexpr double kRoomHeight = 1.5;    ///< [m]
-constexpr double kLowRoom = 0.45;      ///< of the meshes' height, where they are low
+constexpr double kFinest = 0.02;     ///< [m] of the raster
+constexpr double kIndoors = 0.6;     ///< [m] of gas that end the way through a wall
+constexpr double kRoomHeight = 1.5;  ///< [m]
+constexpr double kLowRoom = 0.45;    ///< of the meshes' height, where they are low
 constexpr double kShellShare = 0.3;
-constexpr double kTallWall = 1.8;      ///< [m]
-constexpr double kEndOn = 1.2;         ///< deeper than that, of its width, is no wall on that side
-constexpr double kThinWall = 0.3;      ///< [m]
-constexpr double kEyeLevel = 1.2;      ///< [m]
+constexpr double kTallWall = 1.8;  ///< [m]
+constexpr double kEndOn = 1.2;     ///< deeper than that, of its width, is no wall on that side
+constexpr double kThinWall = 0.3;  ///< [m]
+constexpr double kEyeLevel = 1.2;  ///< [m]
 constexpr std::size_t kInteriorPoints = 400;
 constexpr double kBeforeWall = 0.004;  ///< [m] that a vent stands before what it lies on
 constexpr double kOfCell = 0.02;       ///< the same in very fine meshes, of a cell
@@ -199,7 +199,8 @@ void FdsBuilding::findShell(const Raster& raster) {
   for (const int side : {0, 1, 2, 3, 5}) {
     const int axis = side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
     const int needed = std::max(
-        1, static_cast<int>(std::ceil((axis == 2 ? roomHeight : kIndoors) / raster.cell[axis] - 0.5)));
+        1,
+        static_cast<int>(std::ceil((axis == 2 ? roomHeight : kIndoors) / raster.cell[axis] - 0.5)));
     for (int j = 0; j < raster.n[v]; ++j) {
       for (int i = 0; i < raster.n[u]; ++i) {
         pending.clear();
@@ -352,12 +353,11 @@ std::vector<FdsQuad> FdsBuilding::quads(FdsSides open, std::span<const FdsCut> c
         if (size[axis] <= 0 && side == 1)
           break;  // both sides look alike
         const int face = 2 * axis + side;
-        FdsQuad quad =
-            quadOf(one.bounds, axis, side, one.colours[static_cast<std::size_t>(face)]);
+        FdsQuad quad = quadOf(one.bounds, axis, side, one.colours[static_cast<std::size_t>(face)]);
         Vec3 middle = one.bounds.centre();
         middle[axis] = side == 1 ? one.bounds.max[axis] : one.bounds.min[axis];
-        quad.cut = (made >> face & 1) != 0 ||
-                   ((open >> face & 1) != 0 && touchesLeft(middle, open));
+        quad.cut =
+            (made >> face & 1) != 0 || ((open >> face & 1) != 0 && touchesLeft(middle, open));
         quads.push_back(quad);
       }
     }

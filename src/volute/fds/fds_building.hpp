@@ -12,9 +12,9 @@ namespace volute {
 
 /// A plane that cuts a building open.
 struct FdsCut {
-  int axis = 2;        ///< across it: 0 x, 1 y, 2 z
-  double place = 0;    ///< along the axis [m]
-  bool above = true;   ///< what is above is left out, else what is below
+  int axis = 2;       ///< across it: 0 x, 1 y, 2 z
+  double place = 0;   ///< along the axis [m]
+  bool above = true;  ///< what is above is left out, else what is below
 
   bool operator==(const FdsCut&) const = default;
 };
@@ -77,7 +77,9 @@ class FdsBuilding {
   void findBounds(const SmvIndex& index);
   void findShell(const Raster& raster);
   void findInterior(const Raster& raster);
+
   bool left(std::size_t box, FdsSides open) const { return (shell_[box] & open) != 0; }
+
   bool touchesLeft(const Vec3& point, FdsSides open) const;
 
   std::vector<FdsBox> boxes_;

@@ -29,7 +29,8 @@ SmvIndex house(std::vector<Indices> obstructions, std::vector<Indices> openings 
   const Folder folder;
   fdswriter::Index index;
   index.meshes.push_back({{housePlanes(32), housePlanes(24), housePlanes(12)},
-                          std::move(obstructions), std::move(openings)});
+                          std::move(obstructions),
+                          std::move(openings)});
   std::string text = index.text();
   if (!vents.empty()) {
     const auto at = text.find("\nVENT\n");
@@ -43,17 +44,20 @@ SmvIndex house(std::vector<Indices> obstructions, std::vector<Indices> openings 
 }
 
 /// All sides of the mesh and its top are open to the outside.
-const std::vector<Indices> kOpenSides{{0, 0, 0, 24, 0, 12},   {32, 32, 0, 24, 0, 12},
-                                      {0, 32, 0, 0, 0, 12},   {0, 32, 24, 24, 0, 12},
+const std::vector<Indices> kOpenSides{{0, 0, 0, 24, 0, 12},
+                                      {32, 32, 0, 24, 0, 12},
+                                      {0, 32, 0, 0, 0, 12},
+                                      {0, 32, 24, 24, 0, 12},
                                       {0, 32, 0, 24, 12, 12}};
 const Indices kFrontWall{2, 30, 2, 3, 0, 10}, kBackWall{2, 30, 21, 22, 0, 10},
-    kLeftWall{2, 3, 2, 22, 0, 10}, kRightWall{29, 30, 2, 22, 0, 10}, kRoofSlab{2, 30, 2, 22, 10, 11},
-    kInnerWall{15, 16, 3, 21, 0, 10}, kSofa{5, 9, 3, 6, 0, 3}, kLowTable{20, 24, 10, 14, 2, 3};
+    kLeftWall{2, 3, 2, 22, 0, 10}, kRightWall{29, 30, 2, 22, 0, 10},
+    kRoofSlab{2, 30, 2, 22, 10, 11}, kInnerWall{15, 16, 3, 21, 0, 10}, kSofa{5, 9, 3, 6, 0, 3},
+    kLowTable{20, 24, 10, 14, 2, 3};
 
 /// Whether an obstruction stays.
 bool stays(const FdsBuilding& building, FdsSides open, const Indices& what) {
-  const Vec3 middle = 0.5 * kHouseCell *
-                      Vec3(what.i1 + what.i2, what.j1 + what.j2, what.k1 + what.k2);
+  const Vec3 middle =
+      0.5 * kHouseCell * Vec3(what.i1 + what.i2, what.j1 + what.j2, what.k1 + what.k2);
   for (const FdsBox& box : building.kept(open)) {
     if ((box.bounds.centre() - middle).norm() < 1e-9)
       return true;
@@ -62,10 +66,10 @@ bool stays(const FdsBuilding& building, FdsSides open, const Indices& what) {
 }
 
 TEST(FdsBuilding, opensLikeADollsHouse) {
-  const FdsBuilding building(house({kFrontWall, kBackWall, kLeftWall, kRightWall, kRoofSlab,
-                                    kInnerWall, kSofa, kLowTable},
-                                   kOpenSides),
-                             0);
+  const FdsBuilding building(
+      house({kFrontWall, kBackWall, kLeftWall, kRightWall, kRoofSlab, kInnerWall, kSofa, kLowTable},
+            kOpenSides),
+      0);
   const FdsSides open = building.sidesTowards({4, -10, 8});
   EXPECT_EQ(open, kForwards | kUpwards);
   EXPECT_FALSE(stays(building, open, kFrontWall));
@@ -90,9 +94,8 @@ TEST(FdsBuilding, aWallInPiecesIsLeftOutAroundItsDoor) {
 }
 
 TEST(FdsBuilding, whatStandsInARoomWithoutRoofStays) {
-  const FdsBuilding building(house({kFrontWall, kBackWall, kLeftWall, kRightWall, kSofa, kLowTable},
-                                   kOpenSides),
-                             0);
+  const FdsBuilding building(
+      house({kFrontWall, kBackWall, kLeftWall, kRightWall, kSofa, kLowTable}, kOpenSides), 0);
   EXPECT_EQ(building.kept(63).size(), 6U);
 }
 
@@ -100,7 +103,8 @@ TEST(FdsBuilding, aWallSeenFromItsEndStays) {
   // From the left the front wall's pieces lie in line, with a window between them.
   const Indices left{2, 12, 2, 3, 0, 10}, right{16, 30, 2, 3, 0, 10}, sill{12, 16, 2, 3, 0, 3};
   const FdsBuilding building(
-      house({left, right, sill, kBackWall, kLeftWall, kRightWall, kRoofSlab, kInnerWall}, kOpenSides),
+      house({left, right, sill, kBackWall, kLeftWall, kRightWall, kRoofSlab, kInnerWall},
+            kOpenSides),
       0);
   constexpr FdsSides kLeft = 1;
   EXPECT_FALSE(stays(building, kLeft, kLeftWall));
@@ -111,14 +115,14 @@ TEST(FdsBuilding, aWallSeenFromItsEndStays) {
 TEST(FdsBuilding, wallsUnderARoofAreNoPartOfItOverAnotherStorey) {
   // Under the mesh's own top a wall stands on a slab.
   const Indices slab{0, 32, 0, 24, 5, 6}, wall{15, 16, 0, 24, 6, 12};
-  const FdsBuilding building(house({slab, wall}, {}, " 1 1\n 0 0 0 0 0 0 1 0\n 0 32 0 24 12 12 99 0\n"),
-                             0);
+  const FdsBuilding building(
+      house({slab, wall}, {}, " 1 1\n 0 0 0 0 0 0 1 0\n 0 32 0 24 12 12 99 0\n"), 0);
   EXPECT_EQ(building.kept(kUpwards).size(), 2U);
 }
 
 TEST(FdsBuilding, storeysAreCounted) {
-  const FdsBuilding building(house({{0, 32, 0, 24, 6, 6}, {0, 4, 0, 24, 5, 6}},
-                                   {}, " 1 1\n 0 0 0 0 0 0 1 0\n 0 32 0 24 12 12 99 0\n"),
+  const FdsBuilding building(house({{0, 32, 0, 24, 6, 6}, {0, 4, 0, 24, 5, 6}}, {},
+                                   " 1 1\n 0 0 0 0 0 0 1 0\n 0 32 0 24 12 12 99 0\n"),
                              0);
   EXPECT_EQ(building.storeys(), 2);
 }
@@ -144,7 +148,8 @@ TEST(FdsBuilding, theMeshesOwnWallsAreThereFromWithinWhateverTheirSurface) {
     EXPECT_THAT(building.quads(), SizeIs(6 + 6)) << "the sofa, the vent and five walls";
     EXPECT_THAT(building.quads(kForwards | kUpwards), SizeIs(6 + 6 - 2));
     EXPECT_EQ(building.kept(63).size(), 1U) << "furniture before a closed wall";
-    EXPECT_THAT(building.interior(), testing::Not(testing::IsEmpty())) << "under the mesh's own top";
+    EXPECT_THAT(building.interior(), testing::Not(testing::IsEmpty()))
+        << "under the mesh's own top";
   }
 }
 

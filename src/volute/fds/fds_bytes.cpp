@@ -35,10 +35,11 @@ Status FdsCase::findTemperatureScale() {
   }
   const auto [least, most] = temperatureRange_;
   if (largestSaid().value_or(most) > most * (1 + 1e-5)) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: its .sz files have {} up to {:g} degrees C, and no TEMP_MINMAX says what bytes "
-                "stand for",
-                index_.path.string(), options_.quantity, *largestSaid());
+    return fail(
+        ErrorCode::kInvalidData,
+        "{}: its .sz files have {} up to {:g} degrees C, and no TEMP_MINMAX says what bytes "
+        "stand for",
+        index_.path.string(), options_.quantity, *largestSaid());
   }
   remarks_.push_back(
       fmt::format("{}: bytes of {} are taken for {:g} to {:g} degrees C, as FDS writes them unless "

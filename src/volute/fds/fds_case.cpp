@@ -148,9 +148,10 @@ void FdsCase::weighSources(const FdsOptions& options) {
   if (times == 0)
     return;  // what is wrong with it is said
   std::string others;
-  std::string reason = sources_[chosen_].volume
-                           ? "the most precise"
-                           : "the most precise, in layers alone: what is above and below is not known";
+  std::string reason =
+      sources_[chosen_].volume
+          ? "the most precise"
+          : "the most precise, in layers alone: what is above and below is not known";
   for (const std::size_t i : eligible) {
     if (i == chosen_ || (sources_[chosen_].volume && !sources_[i].volume))
       continue;
@@ -179,11 +180,11 @@ void FdsCase::weighSources(const FdsOptions& options) {
     if (i != chosen_)
       others += (others.empty() ? "" : ", ") + sources_[i].name;
   }
-  remarks_.push_back(fmt::format("{}: {} is read from {} ({} stored times): {}; the case also has {} "
-                                 "(--field NAME takes another)",
-                                 index_.path.string(),
-                                 options.quantity.empty() ? "smoke" : options.quantity,
-                                 sources_[chosen_].name, times, reason, others));
+  remarks_.push_back(
+      fmt::format("{}: {} is read from {} ({} stored times): {}; the case also has {} "
+                  "(--field NAME takes another)",
+                  index_.path.string(), options.quantity.empty() ? "smoke" : options.quantity,
+                  sources_[chosen_].name, times, reason, others));
 }
 
 /// Smoke of several kinds adds up, and bytes of one of them are read.
@@ -459,8 +460,7 @@ Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(Part& part,
   findGeometry(part, times_[position]);
   const std::shared_ptr<const Part::Geometry> geometry = part.geometry;
   // What FDS counts as the temperature of solids and behind walls is not known, so the mean stays.
-  const bool averaged =
-      !geometry->round.empty() && scale.bytes != SmokeScale::Bytes::kTemperature;
+  const bool averaged = !geometry->round.empty() && scale.bytes != SmokeScale::Bytes::kTemperature;
   std::vector<float> first;  // stored values of the first stored time, where there were any
   SmokeScale firstScale;
   if (averaged) {
@@ -518,8 +518,8 @@ Result<std::shared_ptr<const FdsCase::Frame>> FdsCase::frame(std::size_t positio
   std::mutex mutex;
   std::optional<Error> error;
   parallelFor(parts_.size(), [&](std::size_t i) {
-    auto values = holds(*parts_[i]) ? partValues(*parts_[i], position)
-                                    : std::make_shared<const FdsValues>();
+    auto values =
+        holds(*parts_[i]) ? partValues(*parts_[i], position) : std::make_shared<const FdsValues>();
     if (values) {
       (*frame)[i] = std::move(*values);
       return;

@@ -27,7 +27,7 @@ struct FdsOptions {
   double visibilityFactor = 3;  ///< C of visibility slices (VISIBILITY_FACTOR)
   double visibilityCap = 30;    ///< [m], FDS's limit of visibility (MAXIMUM_VISIBILITY)
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes], for frames
-  FdsShare share{};  ///< fields have values of these meshes alone
+  FdsShare share{};                                  ///< fields have values of these meshes alone
 };
 
 /// The smoke of a case, or another quantity: its files, stored times, bounds, and snapshots of

@@ -243,9 +243,10 @@ TEST(FdsCase, manyTimesGoBeforeExactValuesAtFew) {
   saveSliceAndBytes(folder, few, many);
   const FdsCase bytes = opened(folder / "made.smv");
   EXPECT_EQ(bytes.source().name, "s3d");
-  EXPECT_THAT(bytes.remarks(), testing::Contains(testing::HasSubstr(
-                                   "s3d (7 stored times): it has 7 stored times, "
-                                   "slice3d-extinction only 3; the case also has slice3d-extinction")));
+  EXPECT_THAT(bytes.remarks(),
+              testing::Contains(testing::HasSubstr(
+                  "s3d (7 stored times): it has 7 stored times, "
+                  "slice3d-extinction only 3; the case also has slice3d-extinction")));
   EXPECT_EQ(opened(folder / "made.smv", {.source = "slice3d-extinction"}).times().size(), 3U);
   saveSliceAndBytes(folder, few, some);
   const FdsCase floats = opened(folder / "made.smv");
@@ -376,8 +377,9 @@ TEST(FdsCase, aMeshThatEndsBetweenFramesIsNamedWhicheverItIs) {
     const FdsCase read = opened(folder / "made.smv");
     EXPECT_THAT(read.times(), ElementsAre(0));
     EXPECT_THAT(read.remarks(), Contains(HasSubstr("1 of 2 stored times are left out")));
-    EXPECT_THAT(read.remarks(),
-                Contains(HasSubstr(fmt::format("made_{0}_1.sf (mesh {0}) has 1, the last at 0 s", mesh))));
+    EXPECT_THAT(
+        read.remarks(),
+        Contains(HasSubstr(fmt::format("made_{0}_1.sf (mesh {0}) has 1, the last at 0 s", mesh))));
   }
 }
 

@@ -150,8 +150,8 @@ const FdsField::Marches& FdsField::marches() const {
         gas[c] = cells[c] == FdsCell::kGas;
         marches_->known &= cells[c] != FdsCell::kUnknown;
       }
-      marches_->lattices.emplace_back(grid_->lattices()[i], values_[i]->value, gas,
-                                      values_[i]->low, values_[i]->high);
+      marches_->lattices.emplace_back(grid_->lattices()[i], values_[i]->value, gas, values_[i]->low,
+                                      values_[i]->high);
     }
   });
   return *marches_;
@@ -312,8 +312,8 @@ FdsField::Lines FdsField::march(std::span<const Segment> segments) const {
     for (std::size_t i = first; i < parts.size() && parts[i].lattice == lattice; ++i)
       some.push_back(parts[i].part);
     sums.resize(some.size());
-    marchParts(grid_->lattices()[lattice], all.lattices[static_cast<std::size_t>(lattice)], segments,
-               some, sums);
+    marchParts(grid_->lattices()[lattice], all.lattices[static_cast<std::size_t>(lattice)],
+               segments, some, sums);
     for (std::size_t i = 0; i < some.size(); ++i) {
       lines.depth[some[i].segment] += sums[i].depth;
       lines.gas[some[i].segment] += sums[i].gas;

@@ -49,7 +49,8 @@ using FdsLight = std::vector<float>;
 class FdsField {
  public:
   /// One entry of `values` and of `cells` for each lattice of `grid`, with as many elements as the
-  /// lattice has values and cells, or none where the grid does not hold it. Values at nodes of gas cells must be finite and >= 0.
+  /// lattice has values and cells, or none where the grid does not hold it. Values at nodes of gas
+  /// cells must be finite and >= 0.
   FdsField(std::shared_ptr<const FdsGrid> grid,
            std::vector<std::shared_ptr<const FdsValues>> values,
            std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells);
@@ -119,7 +120,7 @@ class FdsField {
   std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells_;
   Rgb source_ = Rgb::Zero();
   std::vector<std::shared_ptr<const FdsLight>> light_;  // empty: even
-  std::shared_ptr<Marches> marches_;  // made when they are asked for
+  std::shared_ptr<Marches> marches_;                    // made when they are asked for
 };
 
 }  // namespace volute

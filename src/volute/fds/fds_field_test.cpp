@@ -227,7 +227,8 @@ TEST(FdsField, facesBetweenMeshesCountOnce) {
   EXPECT_NEAR(checkedDepthOf(field, between({3, 1, 0}, {0, 1, 0})).value, 3, 1e-12);
   EXPECT_NEAR(checkedDepthOf(field, between({2, 0, 0.25}, {2, 2, 0.25})).value, 2, 1e-12);
   EXPECT_NEAR(checkedDepthOf(field, between({3, 0, 0.25}, {3, 2, 0.25})).value, 2, 1e-12);
-  EXPECT_NEAR(checkedDepthOf(field, between({0, 0, -1}, {3, 2, 1})).value, Vec3(3, 2, 2).norm(), 1e-12);
+  EXPECT_NEAR(checkedDepthOf(field, between({0, 0, -1}, {3, 2, 1})).value, Vec3(3, 2, 2).norm(),
+              1e-12);
 }
 
 TEST(FdsField, planesThatFiveDecimalsMoveApartAreOne) {

@@ -35,8 +35,8 @@ struct FdsFileCheck {
 };
 
 /// All slices, smoke and PLOT3D files that the index names, in its order; of these each frame's
-/// markers are read, not its values. Of all other files that it names, at the end, only whether they
-/// are there and not empty; a table of particles may be empty for a while.
+/// markers are read, not its values. Of all other files that it names, at the end, only whether
+/// they are there and not empty; a table of particles may be empty for a while.
 std::vector<FdsFileCheck> checkFiles(const SmvIndex& index);
 
 }  // namespace volute

@@ -113,8 +113,10 @@ TEST(FdsFiles, eachLossIsToldApart) {
   expect("made_3.s3d", FdsFileState::kMissing, 0);
   expect("made_4.s3d", FdsFileState::kTruncated, 2);
   expect("made_2.q", FdsFileState::kMissing, 0);
-  EXPECT_THAT(find(checks, "made_1.sf").reason,
-              HasSubstr("has fewer frames (2, the last at 5 s) than made_4.sf (mesh 4: 3, the last at 10 s)"));
+  EXPECT_THAT(
+      find(checks, "made_1.sf").reason,
+      HasSubstr(
+          "has fewer frames (2, the last at 5 s) than made_4.sf (mesh 4: 3, the last at 10 s)"));
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 namespace volute {
 namespace {
 
-constexpr double kPerMegawatt = 1e-3;  // of kW
-constexpr double kDark = 1e-3;         // of white: is no flame
+constexpr double kPerMegawatt = 1e-3;    // of kW
+constexpr double kDark = 1e-3;           // of white: is no flame
 constexpr double kZeroCelsius = 273.15;  // [K]
 
 FdsField above(const FdsField& heat, double cutoff) {

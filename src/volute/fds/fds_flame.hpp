@@ -25,8 +25,8 @@ struct FlameLaw {
 /// light depends on its soot, which FDS does not resolve.
 ///
 /// Where FDS stores the flames' temperature instead, light is that of a black body of it, up to a
-/// factor: its colour, and its luminance, which says by itself what does not glow (one of 1000 K is thousands of
-/// times darker than one of 1500 K).
+/// factor: its colour, and its luminance, which says by itself what does not glow (one of 1000 K is
+/// thousands of times darker than one of 1500 K).
 ///
 /// Cutoff and law of the black body are applied to the stored values, before anything is
 /// interpolated. Cheap to copy.
@@ -41,8 +41,8 @@ class FdsFlame {
   /// `heat` holds the heat release [kW/m3] in place of an extinction.
   FdsFlame(const FdsField& heat, const FlameLaw& law);
 
-  /// `celsius` holds temperatures [degrees C] in place of an extinction. A black body of `brightest`
-  /// [K] has the luminance law.emission a metre, others the law's share of it.
+  /// `celsius` holds temperatures [degrees C] in place of an extinction. A black body of
+  /// `brightest` [K] has the luminance law.emission a metre, others the law's share of it.
   static FdsFlame glowing(const FdsField& celsius, const FlameLaw& law, double brightest);
 
   /// Whether there is a flame anywhere.

@@ -5,10 +5,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
-
-#include <cmath>
 #include <random>
 #include <tuple>
 
@@ -71,9 +70,9 @@ VOLUTE_CONFORMANCE(FdsGlowingFlames, glowingUnderTest());
 TEST(FdsFlame, TemperaturesShineAsBlackBodies) {
   const Folder folder;
   // 400 degrees below x = 0.5 are dark, 1400 above shine.
-  const FdsField celsius = heatOf(
-      folder, [](double x, double, double) { return x < 0.5 ? 400.0 : 1400.0; },
-      {0, 0, 0, 0, 0, 0});
+  const FdsField celsius =
+      heatOf(folder, [](double x, double, double) { return x < 0.5 ? 400.0 : 1400.0; },
+             {0, 0, 0, 0, 0, 0});
   const FdsFlame flame = FdsFlame::glowing(celsius, {.emission = 3}, 2000);
   ASSERT_TRUE(flame.burns());
   EXPECT_NEAR(flame.bounds().min.x(), 0.4, 1e-12);
@@ -85,14 +84,13 @@ TEST(FdsFlame, TemperaturesShineAsBlackBodies) {
   // Half of the cell between, and 0.4 m in full.
   const double expected = 3 * 0.5 * blackBodyLuminance(kelvin, 2000);
   for (int c = 0; c < 3; ++c) {
-    EXPECT_NEAR(seen.emitted[c], expected * colour[static_cast<std::size_t>(c)],
-                1e-3 * expected);
+    EXPECT_NEAR(seen.emitted[c], expected * colour[static_cast<std::size_t>(c)], 1e-3 * expected);
   }
   EXPECT_EQ(seen.transmittance, 1);
   const Folder cold;
-  EXPECT_FALSE(FdsFlame::glowing(heatOf(cold, [](auto...) { return 300.0; }, {0, 0, 0, 0, 0, 0}),
-                                 {}, 1500)
-                   .burns());
+  EXPECT_FALSE(
+      FdsFlame::glowing(heatOf(cold, [](auto...) { return 300.0; }, {0, 0, 0, 0, 0, 0}), {}, 1500)
+          .burns());
 }
 
 TEST(FdsFlame, ReachesAsFarAsItsCells) {
@@ -136,8 +134,8 @@ TEST(FdsFlame, ItsLuminanceIsThatOfLinesThroughItAndItsSmoke) {
   const double per = 3 * 0.7;  // luminance a metre; 1, 0.8 and 0.6 m along x, y and z
   EXPECT_NEAR(flame.luminance(heat, 0), per * 1.0, 1e-3 * per) << "the upper quartile is along x";
   const double depth = 700 * 0.01;
-  EXPECT_NEAR(flame.luminance(heat, 0.01),
-              per * (1 - std::exp(-depth)) / depth, 1e-3 * per) << "smoke of 7 1/m";
+  EXPECT_NEAR(flame.luminance(heat, 0.01), per * (1 - std::exp(-depth)) / depth, 1e-3 * per)
+      << "smoke of 7 1/m";
   const FdsFlame none(heat, {.cutoff = 800});
   EXPECT_EQ(none.luminance(heat, 0), 0);
 }

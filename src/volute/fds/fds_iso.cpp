@@ -12,11 +12,11 @@
 namespace volute {
 namespace {
 
-constexpr double kThick = 1e-3;    // [m]
-constexpr double kNormal = 0.02;   // [m], to both sides of a point: for the slope there
-constexpr double kSteep = 0.55;    // of the colour, where the surface stands upright
-constexpr double kTouching = 1e-9; // [m], between pieces side by side
-constexpr int kParts = 4;          // of a cell: a cubic crosses a level three times at most
+constexpr double kThick = 1e-3;     // [m]
+constexpr double kNormal = 0.02;    // [m], to both sides of a point: for the slope there
+constexpr double kSteep = 0.55;     // of the colour, where the surface stands upright
+constexpr double kTouching = 1e-9;  // [m], between pieces side by side
+constexpr int kParts = 4;           // of a cell: a cubic crosses a level three times at most
 constexpr int kHalvings = 40;
 
 /// Adds where value(s) - level changes its sign.
@@ -103,12 +103,12 @@ void FdsIso::opticalDepth(std::span<const Segment> segments, std::span<double> d
   });
 }
 
-void FdsIso::pieces(std::span<const Segment> segments,
-                    std::span<std::vector<Piece>> pieces) const {
+void FdsIso::pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const {
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const std::vector<double> roots = crossings(segments[i]);
-    sheetPieces(segments[i], roots, look_.opacity,
-                [&](std::size_t root) { return shaded(segments[i].at(roots[root])); }, pieces[i]);
+    sheetPieces(
+        segments[i], roots, look_.opacity,
+        [&](std::size_t root) { return shaded(segments[i].at(roots[root])); }, pieces[i]);
   }
 }
 

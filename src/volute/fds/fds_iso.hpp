@@ -20,16 +20,17 @@ double sheetShade(double up);
 
 /// How a translucent surface looks.
 struct IsoLook {
-  double level = 0;        ///< of the field's values
+  double level = 0;          ///< of the field's values
   Rgb colour = Rgb::Ones();  ///< radiance of the surface where it faces up
-  double opacity = 0.45;   ///< share of the light from behind that each sheet takes, above 0, below 1
+  double opacity =
+      0.45;  ///< share of the light from behind that each sheet takes, above 0, below 1
 };
 
 /// The surface on which a field has a level, as a medium: a sheet a millimetre thick wherever a ray
-/// crosses it, so that it stands among smoke and fire in the right order. Crossings are roots of the
-/// field's own cubics along the ray, so there is no mesh of triangles; of cells with one value they
-/// are the faces between cells below and above. A sheet is the darker the steeper it stands. Cheap
-/// to copy.
+/// crosses it, so that it stands among smoke and fire in the right order. Crossings are roots of
+/// the field's own cubics along the ray, so there is no mesh of triangles; of cells with one value
+/// they are the faces between cells below and above. A sheet is the darker the steeper it stands.
+/// Cheap to copy.
 class FdsIso {
  public:
   /// `field` holds any quantity in place of an extinction.
@@ -39,6 +40,7 @@ class FdsIso {
 
   /// A sheet has no thickness that a point would find.
   double extinction(const Vec3&) const { return 0; }
+
   Rgb emission(const Vec3&) const { return Rgb::Zero(); }
 
   void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const;

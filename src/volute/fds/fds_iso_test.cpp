@@ -27,10 +27,11 @@ FdsField temperatureOf(const Folder& folder, const fdswriter::Function& value, I
 
 TEST(FdsIso, StandsWhereAPlaneHasItsLevel) {
   const Folder folder;
-  const FdsIso iso(temperatureOf(folder, [](double x, double y, double z) {
-                     return 20 + 100 * x + 50 * y + 30 * z;
-                   }, {0, 0, 0, 0, 0, 0}),
-                   {.level = 90, .colour = Rgb(1, 0.5, 0.25), .opacity = 0.4});
+  const FdsIso iso(
+      temperatureOf(folder,
+                    [](double x, double y, double z) { return 20 + 100 * x + 50 * y + 30 * z; },
+                    {0, 0, 0, 0, 0, 0}),
+      {.level = 90, .colour = Rgb(1, 0.5, 0.25), .opacity = 0.4});
   for (const auto& [from, to] : {std::pair(Vec3(0, 0.1, 0.2), Vec3(1, 0.5, 0.4)),
                                  std::pair(Vec3(1, 0.7, 0.1), Vec3(0.05, 0.02, 0.5))}) {
     const Segment line = between(from, to);

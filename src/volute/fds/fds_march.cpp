@@ -37,10 +37,9 @@ struct PartLanes {
   alignas(64) double next[3][kMaxLanes];  ///< where the next plane of each axis is met
   alignas(64) double origin[3][kMaxLanes];
   alignas(64) double direction[3][kMaxLanes];
-  alignas(64) double inverse[3][kMaxLanes];  ///< 1 / direction; 0 when parallel
-  alignas(
-      64) std::int64_t plane[3][kMaxLanes];     ///< the next one; of a parallel axis the upper one
-  alignas(64) std::int64_t step[3][kMaxLanes];  ///< -1, 0, 1
+  alignas(64) double inverse[3][kMaxLanes];      ///< 1 / direction; 0 when parallel
+  alignas(64) std::int64_t plane[3][kMaxLanes];  ///< the next one; of a parallel axis the upper one
+  alignas(64) std::int64_t step[3][kMaxLanes];   ///< -1, 0, 1
   alignas(64) std::int64_t cell[kMaxLanes];
   alignas(64) std::int64_t cellStep[3][kMaxLanes];
   alignas(64) std::int64_t corner[kMaxLanes];  ///< the value at the cell's least corner
@@ -174,8 +173,8 @@ HWY_INLINE void MarchEven(const MarchLattice& march, PartLanes& lanes, std::size
   for (int axis = 0; axis < 3; ++axis) {
     next[axis] = hn::Load(d, lanes.next[axis] + first);
     // Nothing for lanes that are parallel: `next` stays infinite.
-    advance[axis] = hn::Abs(hn::Mul(hn::Set(d, march.spacing[axis]),
-                                    hn::Load(d, lanes.inverse[axis] + first)));
+    advance[axis] =
+        hn::Abs(hn::Mul(hn::Set(d, march.spacing[axis]), hn::Load(d, lanes.inverse[axis] + first)));
     cellStep[axis] = hn::Load(di, lanes.cellStep[axis] + first);
   }
   const VI lastCell = hn::Set(di, static_cast<std::int64_t>(march.pairs.size()) - 1);
@@ -186,8 +185,7 @@ HWY_INLINE void MarchEven(const MarchLattice& march, PartLanes& lanes, std::size
     const V to = hn::Min(hn::Min(next[0], yz), end);
     // Planes that are counted on may end a rounding before the lattice does: a lane that is beyond
     // them, or has ended, looks at what is there.
-    const auto [least, most] =
-        PairsAt(march.pairs, hn::Max(hn::Zero(di), hn::Min(cell, lastCell)));
+    const auto [least, most] = PairsAt(march.pairs, hn::Max(hn::Zero(di), hn::Min(cell, lastCell)));
     const V length = hn::IfThenElseZero(live, hn::Max(hn::Sub(to, from), hn::Zero(d)));
     gas = hn::Add(gas, length);
     low = hn::MulAdd(least, length, low);
@@ -208,7 +206,8 @@ HWY_INLINE void MarchEven(const MarchLattice& march, PartLanes& lanes, std::size
   hn::Store(high, d, lanes.high + first);
 }
 
-/// @tparam kPaired  of cells that are all gas: low and high ends side by side, the low ones as values
+/// @tparam kPaired  of cells that are all gas: low and high ends side by side, the low ones as
+/// values
 template <bool kNodal, bool kBanded, bool kPaired>
 HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::size_t first) {
   V from = hn::Load(d, lanes.from + first);
@@ -254,8 +253,8 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
       const VI at = hn::IfThenElseZero(hn::RebindMask(di, live), corner);
       const Mask counts = hn::Gt(length, hn::Zero(d));
       const auto over = [&](const float* values) HWY_ATTR {
-        return hn::IfThenElseZero(
-            counts, Integral(march, values, origin, direction, inside, at, from, to));
+        return hn::IfThenElseZero(counts,
+                                  Integral(march, values, origin, direction, inside, at, from, to));
       };
       depth = hn::Add(depth, over(march.values));
       if constexpr (kBanded) {
@@ -345,15 +344,16 @@ namespace {
 
 HWY_EXPORT(March);
 
-/// How far evenly spaced planes may be from their places [spacings]: sums of so many steps, of blocks
-/// that are bounds and no more, do not see it.
+/// How far evenly spaced planes may be from their places [spacings]: sums of so many steps, of
+/// blocks that are bounds and no more, do not see it.
 constexpr double kEven = 1e-9;
 
-/// cellBetween() for a place inside the planes but for rounding, from where evenly spaced ones would
-/// have it: searches from start to end are mispredicted branches.
+/// cellBetween() for a place inside the planes but for rounding, from where evenly spaced ones
+/// would have it: searches from start to end are mispredicted branches.
 std::int64_t cellNear(const std::vector<double>& planes, double perPlane, double place) {
   const auto last = static_cast<std::int64_t>(planes.size()) - 2;
-  const double guess = std::clamp((place - planes.front()) * perPlane, 0.0, static_cast<double>(last));
+  const double guess =
+      std::clamp((place - planes.front()) * perPlane, 0.0, static_cast<double>(last));
   auto cell = static_cast<std::int64_t>(guess);
   const double* at = planes.data();
   while (cell < last && at[cell + 1] <= place) ++cell;
@@ -484,8 +484,8 @@ void marchParts(const FdsLattice& lattice, const MarchLattice& march,
       if (march.low != nullptr) {
         sum.low = lanes.low[i];
         // An infinite corner makes the sum infinite, or no number.
-        sum.high = std::isfinite(lanes.high[i]) ? lanes.high[i]
-                                                : std::numeric_limits<double>::infinity();
+        sum.high =
+            std::isfinite(lanes.high[i]) ? lanes.high[i] : std::numeric_limits<double>::infinity();
       }
     }
   }

@@ -20,8 +20,8 @@ struct MarchLattice {
                std::span<const std::uint8_t> gas, std::span<const float> low = {},
                std::span<const float> high = {});
 
-  /// Of cells that are all gas, for low and high ends alone; where planes are evenly spaced (the last
-  /// cell on an axis may be smaller) rounding differs from traversePlanes().
+  /// Of cells that are all gas, for low and high ends alone; where planes are evenly spaced (the
+  /// last cell on an axis may be smaller) rounding differs from traversePlanes().
   MarchLattice(const FdsLattice& lattice, std::span<const float> least,
                std::span<const float> most);
 
@@ -35,7 +35,7 @@ struct MarchLattice {
   const float* values = nullptr;  ///< must outlive this
   const float* low = nullptr;     ///< as many as values; null: they are exact
   const float* high = nullptr;
-  std::vector<float> own;         ///< of each cell: its value, or 1 if nodal; -1 where no gas is
+  std::vector<float> own;            ///< of each cell: its value, or 1 if nodal; -1 where no gas is
   std::vector<std::uint64_t> pairs;  ///< of all-gas cells: the bits of least and, above, most
   bool even = false;                 ///< such cells, evenly spaced
   std::array<double, 3> spacing{};   ///< [m]

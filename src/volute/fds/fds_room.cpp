@@ -13,11 +13,11 @@
 namespace volute {
 namespace {
 
-constexpr int kColumns = 200;            ///< along the longer side
-constexpr double kStep = 0.05;           ///< [m] that a floor may be uneven by
-constexpr double kHeadroom = 1.9;        ///< [m]
-constexpr double kMinHeight = 0.6;     ///< of the meshes', where they are low
-constexpr double kMinPlan = 0.02;      ///< of the meshes' plan
+constexpr int kColumns = 200;           ///< along the longer side
+constexpr double kStep = 0.05;          ///< [m] that a floor may be uneven by
+constexpr double kHeadroom = 1.9;       ///< [m]
+constexpr double kMinHeight = 0.6;      ///< of the meshes', where they are low
+constexpr double kMinPlan = 0.02;       ///< of the meshes' plan
 constexpr std::size_t kMaxFloors = 16;  ///< levels that are looked at, the largest first
 constexpr double kOpen = std::numeric_limits<double>::infinity();
 

@@ -134,9 +134,9 @@ bool isFire(std::string_view quantity) {
 void addFire(const SmvIndex& index, std::string_view quantity, std::vector<FdsSource>& sources) {
   FdsSource bytes;
   bytes.name = "s3d-" + spelled(quantity);
-  bytes.description = fmt::format("8-bit {} at nodes (.s3d)", quantity == kFdsHeatRelease
-                                                                  ? "heat release"
-                                                                  : "flame temperature");
+  bytes.description =
+      fmt::format("8-bit {} at nodes (.s3d)",
+                  quantity == kFdsHeatRelease ? "heat release" : "flame temperature");
   bytes.volume = true;
   for (std::size_t i = 0; i < index.smoke.size(); ++i) {
     if (index.smoke[i].labels.quantity == quantity)
@@ -158,9 +158,8 @@ void addSmoke(const SmvIndex& index, std::vector<FdsSource>& sources) {
     if (isSmoke(smoke) && std::ranges::find(kinds, smoke.labels.quantity) == kinds.end())
       kinds.push_back(smoke.labels.quantity);
   }
-  std::ranges::stable_partition(kinds, [](const std::string& kind) {
-    return kind.find("SOOT") != std::string::npos;
-  });
+  std::ranges::stable_partition(
+      kinds, [](const std::string& kind) { return kind.find("SOOT") != std::string::npos; });
   for (const std::string& kind : kinds) {
     const bool first = &kind == kinds.data();
     const bool soot = kind.find("SOOT") != std::string::npos;
@@ -176,10 +175,10 @@ void addSmoke(const SmvIndex& index, std::vector<FdsSource>& sources) {
       made.smoke = kind;
       return made;
     };
-    FdsSource bytes = source(
-        "s3d",
-        soot ? "8-bit smoke at nodes (.s3d)" : fmt::format("8-bit smoke ({}) at nodes (.s3d)", kind),
-        FdsFileKind::kSmoke);
+    FdsSource bytes = source("s3d",
+                             soot ? "8-bit smoke at nodes (.s3d)"
+                                  : fmt::format("8-bit smoke ({}) at nodes (.s3d)", kind),
+                             FdsFileKind::kSmoke);
     FdsSource density = source("s3dd", fmt::format("8-bit density of {} at nodes (.s3dd)", of),
                                FdsFileKind::kSmokeDensity);
     FdsSource words = source("s16", fmt::format("16-bit density of {} at nodes (.s16)", of),

@@ -67,7 +67,7 @@ Records plotFile(std::array<int, 3> cells, const std::vector<float>& fiveVariabl
 /// Triangles with their levels' numbers, from 1, at a time.
 struct Triangles {
   float time = 0;
-  std::vector<float> vertices;               ///< x, y, z of each
+  std::vector<float> vertices;                ///< x, y, z of each
   std::vector<std::int32_t> corners, levels;  ///< three corners a triangle, from 1
 };
 

@@ -12,7 +12,7 @@ namespace volute {
 namespace {
 
 Status checkFdsLabel(const FortranFile& file, std::uint64_t offset, std::span<const char> found,
-                  std::string_view expected, std::string_view what) {
+                     std::string_view expected, std::string_view what) {
   const std::string_view text(found.data(), found.size());
   const std::string_view stated = text.substr(0, text.find_last_not_of(' ') + 1);
   if (stated == trimmed(expected.substr(0, kFdsLabel)))

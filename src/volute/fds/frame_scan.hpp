@@ -27,8 +27,8 @@ inline Result<double> checkedTime(const FortranFile& file, std::uint64_t offset,
   if (std::abs(time) <= kLatestTime)
     return time;
   return fail(ErrorCode::kInvalidData,
-              "{}: byte {}: the time of frame {} is {} s: the file is damaged", file.path().string(),
-              offset + 4, frame, time);
+              "{}: byte {}: the time of frame {} is {} s: the file is damaged",
+              file.path().string(), offset + 4, frame, time);
 }
 
 /// Reads a frame's time; `offset` moves behind it.

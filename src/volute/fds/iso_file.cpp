@@ -116,12 +116,14 @@ Result<FdsIsoFrame> FdsIsoFile::readFrame(std::size_t frame) const {
   read.triangles.resize(static_cast<std::size_t>(sizes[1]));
   read.levels.resize(read.triangles.size());
   if (!read.vertices.empty()) {
-    VOLUTE_ASSIGN(offset, file_.readInto(offset, std::span(read.vertices), frameName("vertices", frame)));
+    VOLUTE_ASSIGN(offset,
+                  file_.readInto(offset, std::span(read.vertices), frameName("vertices", frame)));
   }
   if (!read.triangles.empty()) {
     VOLUTE_ASSIGN(offset,
                   file_.readInto(offset, std::span(read.triangles), frameName("triangles", frame)));
-    VOLUTE_ASSIGN(offset, file_.readInto(offset, std::span(read.levels), frameName("levels", frame)));
+    VOLUTE_ASSIGN(offset,
+                  file_.readInto(offset, std::span(read.levels), frameName("levels", frame)));
   }
   const auto wrong = [&](const std::string& what) {
     return fail(ErrorCode::kInvalidData, "{}: frame {} (t = {} s): {}: the file is damaged",
@@ -140,7 +142,8 @@ Result<FdsIsoFrame> FdsIsoFile::readFrame(std::size_t frame) const {
   }
   for (std::int32_t& level : read.levels) {
     if (level < 1 || level > static_cast<std::int32_t>(levels_.size()))
-      return wrong(fmt::format("a triangle of level {}, where there are {}", level, levels_.size()));
+      return wrong(
+          fmt::format("a triangle of level {}, where there are {}", level, levels_.size()));
     --level;
   }
   return read;

@@ -20,7 +20,8 @@ struct FdsIsoFrame {
 };
 
 /// .iso: isosurfaces as FDS has cut them into triangles (&ISOF; smvv.f90, ISO_HEADER_OUT and
-/// ISO_OUT). Record markers are checked when it is opened, vertices and triangles when they are read.
+/// ISO_OUT). Record markers are checked when it is opened, vertices and triangles when they are
+/// read.
 class FdsIsoFile {
  public:
   /// kUnsupported for another version, or for triangles that stay (which FDS does not write).

@@ -97,7 +97,8 @@ TEST(FdsIsoFile, SaysWhatIsWrong) {
 TEST(FdsParticleFile, GivesPlacesAndValues) {
   const Folder folder;
   for (const std::size_t split : {0, 5}) {
-    const auto file = particlesOf(fdswriter::particleFile(kQuantities, particleFrames(), split), folder);
+    const auto file =
+        particlesOf(fdswriter::particleFile(kQuantities, particleFrames(), split), folder);
     ASSERT_TRUE(file) << file.error().message;
     EXPECT_THAT(file->frames().times, ElementsAre(0, 1, 2));
     EXPECT_EQ(file->classes(), 2U);
@@ -139,7 +140,8 @@ TEST(FdsParticleFile, WorksWithoutEmptyRecordsAndSaysWhatIsWrong) {
   EXPECT_THAT(wrong->readFrame(1).error().message, HasSubstr("a particle is at inf m"));
 }
 
-/// Every prefix is refused or has its whole frames, and every flipped bit of what is guarded is refused.
+/// Every prefix is refused or has its whole frames, and every flipped bit of what is guarded is
+/// refused.
 template <class Open>
 void damage(const fdswriter::Records& whole, const Open& open) {
   std::size_t frames = 0;
@@ -186,7 +188,8 @@ TEST(FdsParticleFile, IsReadToItsLastWholeFrameAndDamageIsRefused) {
 
 TEST(FrameTimes, TheNearestOne) {
   const std::vector<double> times = {0, 10, 30};
-  for (const auto& [time, place] : {std::pair(-5.0, 0U), {4.9, 0U}, {5.0, 0U}, {5.1, 1U}, {20.1, 2U}, {99.0, 2U}})
+  for (const auto& [time, place] :
+       {std::pair(-5.0, 0U), {4.9, 0U}, {5.0, 0U}, {5.1, 1U}, {20.1, 2U}, {99.0, 2U}})
     EXPECT_EQ(nearestFrame(times, time), place) << time;
 }
 

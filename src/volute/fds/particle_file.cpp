@@ -75,13 +75,15 @@ Status FdsParticleFile::readClass(std::uint64_t& offset, std::size_t one, std::s
                                   FdsParticles* into, std::uint64_t& count) const {
   const std::string what = frameName("particles", frame);
   constexpr std::int64_t kMax = (std::int64_t{1} << 31) - 1;
-  VOLUTE_ASSIGN(const int number, readCount(file_, offset, frameName("number of particles", frame), 0, kMax));
+  VOLUTE_ASSIGN(const int number,
+                readCount(file_, offset, frameName("number of particles", frame), 0, kMax));
   count = static_cast<std::uint64_t>(number);
   const std::uint64_t quantities = quantities_[one].size();
   if (count == 0) {
     // Empty records follow, or none.
     for (int record = 0; record < (quantities > 0 ? 3 : 2); ++record) {
-      const Result<std::uint64_t> next = offset < file_.size() ? file_.skip(offset, 0, what) : offset;
+      const Result<std::uint64_t> next =
+          offset < file_.size() ? file_.skip(offset, 0, what) : offset;
       if (!next && next.error().code == ErrorCode::kTruncated)
         return tl::unexpected<Error>(next.error());
       if (!next || *next == offset)

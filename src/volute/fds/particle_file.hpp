@@ -42,8 +42,8 @@ class FdsParticleFile {
   explicit FdsParticleFile(FortranFile file) : file_(std::move(file)) {}
 
   Result<std::uint64_t> readHeader(std::size_t classes);
-  Status readClass(std::uint64_t& offset, std::size_t one, std::size_t frame,
-                   FdsParticles* into, std::uint64_t& count) const;
+  Status readClass(std::uint64_t& offset, std::size_t one, std::size_t frame, FdsParticles* into,
+                   std::uint64_t& count) const;
 
   FortranFile file_;
   std::vector<std::vector<FdsLabels>> quantities_;  // of each class

@@ -39,13 +39,13 @@ struct SmokeScale {
   double visibilityFactor = 3;
   double visibilityCap = 30;  ///< [m]
   Bytes bytes = Bytes::kNone;
-  Rounding rounding = Rounding::kUnknown;  ///< of opacity
-  double cellLength = 0;                   ///< [m], of opacity
-  double largestDensity = 0;               ///< [kg/m3], of b = 254
-  double largestHeat = 0;                  ///< [kW/m3], of b = 254: HRRPUV_MAX_SMV
+  Rounding rounding = Rounding::kUnknown;       ///< of opacity
+  double cellLength = 0;                        ///< [m], of opacity
+  double largestDensity = 0;                    ///< [kg/m3], of b = 254
+  double largestHeat = 0;                       ///< [kW/m3], of b = 254: HRRPUV_MAX_SMV
   std::array<double, 2> temperature{20, 2000};  ///< [degrees C], of b = 0 and 254: TEMP_MINMAX
-  bool asStored = false;                   ///< not smoke: physical values are taken as they are
-  double step = 0;                         ///< of physical values that were rounded
+  bool asStored = false;  ///< not smoke: physical values are taken as they are
+  double step = 0;        ///< of physical values that were rounded
 
   /// Whether values stand for a range.
   bool inexact() const {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/fds/smv_reader.hpp"
-
 #include <algorithm>
+
+#include "volute/fds/smv_reader.hpp"
 
 namespace volute {
 namespace {
@@ -83,7 +83,8 @@ Status SmvReader::readSurfaces(std::string_view rest, bool coloured) {
   if (coloured) {
     FdsLabels labels;
     VOLUTE_TRY(readLabels(labels));
-    index_.others.push_back({"values of " + labels.quantity + " on isosurfaces", surfaces.mesh, colours});
+    index_.others.push_back(
+        {"values of " + labels.quantity + " on isosurfaces", surfaces.mesh, colours});
   }
   index_.isosurfaces.push_back(std::move(surfaces));
   return {};

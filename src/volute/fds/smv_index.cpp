@@ -113,7 +113,8 @@ Status SmvReader::readFireCutoff(std::string_view) {
 Status SmvReader::readHeatRange(std::string_view) {
   VOLUTE_ASSIGN(const auto values, numbers("the least and largest heat release of a byte", 2));
   if (!(values[0] == 0 && values[1] > 0 && std::isfinite(values[1])))
-    return wrong(fmt::format("heat release from 0 to more, not {:g} to {:g}", values[0], values[1]));
+    return wrong(
+        fmt::format("heat release from 0 to more, not {:g} to {:g}", values[0], values[1]));
   index_.largestHeat = values[1];
   return {};
 }
@@ -450,9 +451,9 @@ Result<SmvIndex> SmvReader::read() {
     const bool later =
         line->starts_with("SL") || line->starts_with("SMOK") || line->starts_with("PL3D") ||
         line->starts_with("BND") || line->starts_with("PRT5") || line->starts_with("CSVF") ||
-        line->starts_with("ISOG") || line->starts_with("TISOG") ||
-        line->starts_with("SHOW_") || line->starts_with("HIDE_") || line->starts_with("OPEN_") ||
-        line->starts_with("CLOSE_") || line->starts_with("DEVICE");  // DEVICE_ACT too
+        line->starts_with("ISOG") || line->starts_with("TISOG") || line->starts_with("SHOW_") ||
+        line->starts_with("HIDE_") || line->starts_with("OPEN_") || line->starts_with("CLOSE_") ||
+        line->starts_with("DEVICE");  // DEVICE_ACT too
     if (status.error().code != ErrorCode::kTruncated || !later)
       return tl::unexpected<Error>(status.error());
     break;

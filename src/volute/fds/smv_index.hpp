@@ -160,7 +160,8 @@ struct SmvIndex {
   std::optional<double> largestHeat;  ///< HRRPUV_MINMAX [kW/m3], FDS 6.11: what the last byte is
   /// TEMP_MINMAX [degrees C], FDS 6.11: what bytes 0 and 254 of temperature are.
   std::optional<std::array<double, 2>> temperatureRange;
-  std::optional<double> north;  ///< NORTHANGLE [degrees], -180..180: from +y clockwise, seen from above
+  std::optional<double>
+      north;  ///< NORTHANGLE [degrees], -180..180: from +y clockwise, seen from above
   std::vector<FdsMesh> meshes;
   std::vector<FdsSurface> surfaces;
   std::vector<FdsDevice> devices;

@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 
-#include "volute/fds/fds_case_testing.hpp"
 #include "volute/fds/fds_building.hpp"
+#include "volute/fds/fds_case_testing.hpp"
 #include "volute/fds/obstructions.hpp"
 
 namespace volute {
@@ -23,7 +23,8 @@ const fdswriter::Planes kIndexPlanes{{{0, 1, 3}, {0, 1, 2}, {0, 0.5, 1}}};
 
 fdswriter::Index made() {
   fdswriter::Index index;
-  index.meshes.push_back({kIndexPlanes, {{0, 1, 0, 2, 0, 1}, {1, 1, 0, 2, 0, 2}}, {{2, 2, 0, 2, 0, 2}}});
+  index.meshes.push_back(
+      {kIndexPlanes, {{0, 1, 0, 2, 0, 1}, {1, 1, 0, 2, 0, 2}}, {{2, 2, 0, 2, 0, 2}}});
   index.meshes.push_back({{{{3, 4}, {0, 1, 2}, {0, 0.5, 1}}}, {}, {}});
   index.slice(1, {{0, 2, 0, 2, 1, 1}}, "made_1_1.sf", false);
   index.slice(2, {{0, 1, 0, 2, 1, 1}}, "made_2_1.sf", true);
@@ -170,8 +171,8 @@ TEST(SmvIndex, surfacesHaveNumbers) {
     ASSERT_NE(line, std::string::npos);
     for (int i = 0; i < 2; ++i) line = text.find('\n', line) + 1;
     const std::size_t end = text.find('\n', line);
-    const auto index = readText(
-        folder, text.substr(0, line) + " 0 1 0 2 0 1 1 1e72 0 0 0 0 0" + text.substr(end));
+    const auto index =
+        readText(folder, text.substr(0, line) + " 0 1 0 2 0 1 1 1e72 0 0 0 0 0" + text.substr(end));
     ASSERT_FALSE(index) << section;
     EXPECT_THAT(index.error().message, HasSubstr("expected the number of a surface, not 1e+72"));
   }

@@ -116,8 +116,8 @@ Camera FilmJob::cameraAt(const FilmFrame& frame) const {
   return now.turned(orbitCentre, up, frame.turn * orbit);
 }
 
-Result<Image> FilmJob::pictureOf(const Snapshot& snapshot, const Camera& camera,
-                                   Progress& progress, PictureCounts& counts) {
+Result<Image> FilmJob::pictureOf(const Snapshot& snapshot, const Camera& camera, Progress& progress,
+                                 PictureCounts& counts) {
   if (contour) {
     VOLUTE_TRY(cpuMayDraw("a slice or an isosurface"));
     return lookAtContour(camera, snapshot.media, *contour);
@@ -148,7 +148,7 @@ Result<Image> FilmJob::draw(const Snapshot& snapshot, const Camera& camera, int 
 
 Result<Image> FilmJob::drawUntilStopped(const Snapshot& snapshot, const Camera& camera,
                                         Progress& progress, PictureCounts& counts) {
-  constexpr int kCoarse = 8;  // pixels a side that one of the coarse picture stands for
+  constexpr int kCoarse = 8;           // pixels a side that one of the coarse picture stands for
   constexpr double kTile = 128 * 128;  // pixels, about
   constexpr int kBeside = 2;  // pixels around a tile, so that edges are found as in the whole
   const int width = camera.width(), height = camera.height();
@@ -291,14 +291,15 @@ Status scaleContour(FilmJob& job, Progress& progress, Team& team) {
   if (!job.contour || job.contour->shows == Contour::Shows::kVisibility)
     return {};
   double largest = 0;
-  VOLUTE_TRY(team.forUnits(
-      "scaling", static_cast<std::int64_t>(job.frames.size()), progress,
-      [&](std::int64_t i) -> Status {
-        const FilmFrame& frame = job.frames[static_cast<std::size_t>(i)];
-        VOLUTE_ASSIGN(const auto snapshot, job.scene.at({.time = frame.time, .lit = false}, progress));
-        largest = std::max(largest, largestOn(*job.contour, snapshot.media));
-        return {};
-      }));
+  VOLUTE_TRY(team.forUnits("scaling", static_cast<std::int64_t>(job.frames.size()), progress,
+                           [&](std::int64_t i) -> Status {
+                             const FilmFrame& frame = job.frames[static_cast<std::size_t>(i)];
+                             VOLUTE_ASSIGN(
+                                 const auto snapshot,
+                                 job.scene.at({.time = frame.time, .lit = false}, progress));
+                             largest = std::max(largest, largestOn(*job.contour, snapshot.media));
+                             return {};
+                           }));
   VOLUTE_ASSIGN(const auto all, gatherValues(team, std::span<const double>(&largest, 1)));
   largest = std::ranges::max(all);
   job.contour->most = largest > 0 ? largest : 1;

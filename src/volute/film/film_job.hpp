@@ -10,8 +10,8 @@
 #include "volute/base/stopwatch.hpp"
 #include "volute/base/team.hpp"
 #include "volute/camera/camera.hpp"
-#include "volute/film/picture_writer.hpp"
 #include "volute/film/frame_choice.hpp"
+#include "volute/film/picture_writer.hpp"
 #include "volute/media/contour.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_renderer.hpp"
@@ -29,8 +29,8 @@ struct FilmTotals {
   nlohmann::ordered_json media = nlohmann::ordered_json::object();  ///< MediumAt::counts()
 };
 
-/// A scene, who renders it, and the frames of its film: one for a single picture. Made by setting its
-/// members; writeFilm() writes it, picture() gives one linear picture.
+/// A scene, who renders it, and the frames of its film: one for a single picture. Made by setting
+/// its members; writeFilm() writes it, picture() gives one linear picture.
 struct FilmJob {
   Scene scene;
   Camera camera;
@@ -38,19 +38,20 @@ struct FilmJob {
   std::unique_ptr<SceneRenderer> renderer;
   bool mayFallBack = false;  ///< the CPU takes them, with a remark, where `renderer` cannot
   std::vector<FilmFrame> frames{};
-  double framesPerSecond = kUsualRate;    ///< of a film
+  double framesPerSecond = kUsualRate;  ///< of a film
   std::optional<Contour> contour{};     ///< drawn instead of the media
   bool tree = false;                    ///< InstantRequest::tree
   bool legend = false;                  ///< drawn into visible pictures
-  bool together = false;                ///< ranks draw each picture together: they hold shares of a medium
-  bool measured = true;                 ///< light as it is: no tone curve, no smoothed edges
-  int samples = 1;                      ///< rays in a pixel where there are edges
-  PictureStyle style{};                 ///< by which edges are found
+  bool together = false;  ///< ranks draw each picture together: they hold shares of a medium
+  bool measured = true;   ///< light as it is: no tone curve, no smoothed edges
+  int samples = 1;        ///< rays in a pixel where there are edges
+  PictureStyle style{};   ///< by which edges are found
   std::optional<CameraDescription> way{};  ///< of a camera that moves
-  double orbit = 0;                     ///< [radians], over all frames
+  double orbit = 0;                        ///< [radians], over all frames
   Vec3 orbitCentre = Vec3::Zero();
-  std::vector<std::string> layers{};  ///< of an .exr with several: beauty, alpha, z, transmittance, optical-depth
-  bool partial = false;  ///< a picture that is stopped is returned as far as it was drawn
+  std::vector<std::string>
+      layers{};  ///< of an .exr with several: beauty, alpha, z, transmittance, optical-depth
+  bool partial = false;   ///< a picture that is stopped is returned as far as it was drawn
   double drawnShare = 1;  ///< of the pixels of the last such picture
   FilmTotals totals{};
 
@@ -59,8 +60,8 @@ struct FilmJob {
   [[nodiscard]] Result<std::vector<ImageChannel>> layersAt(const FilmFrame& frame,
                                                            Progress& progress);
 
-  /// The linear picture of a frame, RGB or what options.aov names. Errors: what the media cannot read
-  /// at that time, what the renderer cannot draw (kUnsupported, kTooLarge), kCancelled.
+  /// The linear picture of a frame, RGB or what options.aov names. Errors: what the media cannot
+  /// read at that time, what the renderer cannot draw (kUnsupported, kTooLarge), kCancelled.
   [[nodiscard]] Result<Image> picture(const FilmFrame& frame, Progress& progress);
 
   /// What the picture of a frame says about itself; the legend only where it is asked for.
@@ -80,8 +81,8 @@ struct FilmJob {
                                                Progress& progress, PictureCounts& counts);
 };
 
-/// "beauty,alpha,z" as FilmJob::layers; none where it is optical-depth or transmittance alone, which
-/// is a picture, or nothing.
+/// "beauty,alpha,z" as FilmJob::layers; none where it is optical-depth or transmittance alone,
+/// which is a picture, or nothing.
 [[nodiscard]] Result<std::vector<std::string>> parseLayers(const std::string& list);
 
 /// kUnsupported where ranks that hold shares of a mesh cannot draw the job's pictures together.
@@ -91,7 +92,8 @@ struct FilmJob {
 bool measuresLight(const Scene& scene);
 
 /// kInvalidArgument where a scene has nothing for such a contour: no medium that has any, a plane
-/// beyond all of them ("slice: ..."), concentrations without a scale in common ("slice-shows: ...").
+/// beyond all of them ("slice: ..."), concentrations without a scale in common ("slice-shows:
+/// ...").
 [[nodiscard]] Status checkContour(const Contour& contour, const Scene& scene);
 
 /// The scale of a slice's extinction or concentration, from all frames of all ranks; nothing to do

@@ -92,8 +92,12 @@ struct Remarks final : Progress {
 FilmJob jobWith(ErrorCode code, bool mayFallBack) {
   Progress quiet;
   auto scene = Scene::make({{"format", "volute-scene-1"}}, "scene.json", {}, quiet);
-  FilmJob job{std::move(*scene), Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 4, 3), {},
-                std::make_unique<TooSmall>(code), mayFallBack, {}};
+  FilmJob job{std::move(*scene),
+              Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 4, 3),
+              {},
+              std::make_unique<TooSmall>(code),
+              mayFallBack,
+              {}};
   job.options.background = Rgb(0.5, 0.25, 1);
   return job;
 }

@@ -37,8 +37,7 @@ std::string lineOf(const Contour& contour, const Mass& mass) {
         placeOf(contour));
   if (contour.shows == Shows::kExtinction)
     return "slice: extinction K [1/m], natural logarithm, " + placeOf(contour);
-  return fmt::format("slice: concentration {} [{}], {}", mass.of, mass.unit,
-                     placeOf(contour));
+  return fmt::format("slice: concentration {} [{}], {}", mass.of, mass.unit, placeOf(contour));
 }
 
 /// The same in short lines, for a legend.

@@ -39,8 +39,7 @@ Result<std::vector<FilmFrame>> steadyFrames(const FrameRequest& request, const S
   std::vector<FilmFrame> frames;
   for (int n = begin; n < end; n += range.step) frames.push_back({n, n / kUsualRate});
   if (frames.empty())
-    return fail(ErrorCode::kInvalidArgument, "frames: there is no frame from {} to {}", begin,
-                end);
+    return fail(ErrorCode::kInvalidArgument, "frames: there is no frame from {} to {}", begin, end);
   return fitting(std::move(frames), request.target);
 }
 
@@ -83,7 +82,8 @@ ChosenFrames plainly(std::vector<FilmFrame> frames) {
 /// 25 a second, from 0 s.
 std::vector<FilmFrame> framesUntil(double last) {
   std::vector<FilmFrame> frames;
-  const int count = static_cast<int>(std::min(std::floor(std::max(last, 0.0) * kUsualRate), 1e6)) + 1;
+  const int count =
+      static_cast<int>(std::min(std::floor(std::max(last, 0.0) * kUsualRate), 1e6)) + 1;
   for (int n = 0; n < count; ++n) frames.push_back({n, n / kUsualRate});
   return frames;
 }

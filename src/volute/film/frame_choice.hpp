@@ -23,7 +23,7 @@ struct FilmFrame {
 
 /// Which frames of a scene are wanted.
 struct FrameRequest {
-  std::string target;  ///< a film, or a pattern of names: several frames; else one
+  std::string target;                  ///< a film, or a pattern of names: several frames; else one
   std::optional<double> time{};        ///< this one [s]
   std::optional<FrameRange> frames{};  ///< these, by the numbers of the medium that leads
   double speed = 1;                    ///< seconds of the scene in a second of film, > 0
@@ -33,7 +33,7 @@ struct FrameRequest {
 /// What chooseFrames() found.
 struct ChosenFrames {
   std::vector<FilmFrame> frames;  ///< at least one
-  std::string reason{};  ///< why this frame, where the request left it open; may be empty
+  std::string reason{};           ///< why this frame, where the request left it open; may be empty
 };
 
 /// The medium whose frames are counted: the first whose frames are shown as they are, else the
@@ -42,8 +42,8 @@ const SceneMedium* leaderOf(const Scene& scene);
 
 /// What a request chooses, or what is shown without one: all frames of a film or a pattern, 25 a
 /// second where the medium interpolates, one that shows something for a single picture.
-/// kInvalidArgument, beginning with the member's name where it is one ("frames: ..."), for times past
-/// the end, frames that are not there, and several pictures for one name.
+/// kInvalidArgument, beginning with the member's name where it is one ("frames: ..."), for times
+/// past the end, frames that are not there, and several pictures for one name.
 [[nodiscard]] Result<ChosenFrames> chooseFrames(const FrameRequest& request, Scene& scene,
                                                 Progress& progress);
 

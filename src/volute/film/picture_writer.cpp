@@ -38,7 +38,7 @@ Image developed(const Image& image, const Development& development, const Pictur
 class ImageFileWriter final : public PictureWriter {
  public:
   ImageFileWriter(std::optional<FramePattern> pattern, std::string target,
-              const Development& development)
+                  const Development& development)
       : pattern_(std::move(pattern)), target_(std::move(target)), development_(development) {}
 
   Status write(const Image& image, int frameNumber, const PictureText& text) override {
@@ -90,7 +90,7 @@ bool isFilmPath(const std::string& target) {
 }
 
 Result<std::unique_ptr<PictureWriter>> imageFileWriter(const std::string& target,
-                                                   const Development& development) {
+                                                       const Development& development) {
   std::optional<FramePattern> pattern;
   if (FramePattern::isPattern(target)) {
     VOLUTE_ASSIGN(pattern, FramePattern::parse(target));

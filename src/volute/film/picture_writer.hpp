@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
-#include "volute/image/legend.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/image.hpp"
+#include "volute/image/legend.hpp"
 #include "volute/image/picture_style.hpp"
 #include "volute/io/image_file.hpp"
 
@@ -54,8 +54,8 @@ class PictureWriter {
 
 /// Files .png or .exr, one a picture: a pattern with the frame's number, or a plain name for a
 /// single one.
-[[nodiscard]] Result<std::unique_ptr<PictureWriter>> imageFileWriter(const std::string& target,
-                                                                 const Development& development);
+[[nodiscard]] Result<std::unique_ptr<PictureWriter>> imageFileWriter(
+    const std::string& target, const Development& development);
 
 /// A film .mp4 or .webm, and what it says about itself.
 /// @param framesPerSecond  > 0

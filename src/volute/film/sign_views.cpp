@@ -93,8 +93,7 @@ std::pair<const SightTarget*, bool> nearestInSight(const Vec3& eye,
   bool inSight = false;
   for (std::size_t s = 0; s < signs.size(); ++s) {
     const bool seen = !sightings[s].blocked && sightings[s].visibility > 0;
-    const bool nearer =
-        !nearest || (signs[s].target - eye).norm() < (nearest->target - eye).norm();
+    const bool nearer = !nearest || (signs[s].target - eye).norm() < (nearest->target - eye).norm();
     if ((seen && !inSight) || (seen == inSight && nearer)) {
       nearest = &signs[s];
       inSight = seen;
@@ -113,10 +112,11 @@ Result<SignViews> SignViews::make(std::vector<Vec3> eyes, const std::string& pat
   if (views.eyes_.empty())
     return views;
   if (isScenePath(path)) {
-    return fail(ErrorCode::kUnsupported,
-                "{}: pictures from where people stand are made of a file alone; a scene has a camera "
-                "of its own",
-                path);
+    return fail(
+        ErrorCode::kUnsupported,
+        "{}: pictures from where people stand are made of a file alone; a scene has a camera "
+        "of its own",
+        path);
   }
   const MediumKind& kind = *mediumKindOf(path, false);
   const auto file = std::filesystem::absolute(path);
@@ -173,7 +173,7 @@ Status SignViews::begin(const Survey& survey, const SightInstant& first) {
 }
 
 Status SignViews::render(const View& view, const std::filesystem::path& target, double time,
-                            PictureMode mode) const {
+                         PictureMode mode) const {
   StopOnly quiet(reading_->progress);
   SceneOptions options;
   options.maxMemory = reading_->maxMemory;
@@ -182,8 +182,10 @@ Status SignViews::render(const View& view, const std::filesystem::path& target, 
   law.mode = mode;
   scene.setLaw(law);
   const CameraDescription description = *scene.camera();
-  FilmJob job{std::move(scene), makeCamera(description, *description.size), {},
-                std::make_unique<CpuRenderer>()};
+  FilmJob job{std::move(scene),
+              makeCamera(description, *description.size),
+              {},
+              std::make_unique<CpuRenderer>()};
   job.options.background = job.scene.description().background;
   job.legend = true;
   const FilmFrame frame{0, time};
@@ -209,11 +211,11 @@ Result<std::string> SignViews::finish(const Survey& survey, Json& report) {
   for (const View& view : views_) {
     for (const std::size_t t : shown) {
       for (const PictureMode mode : {PictureMode::kPhotometric, PictureMode::kThreshold}) {
-        const std::string file =
-            fmt::format("{}_{:04d}_{}.png", view.scene.substr(0, view.scene.size() - 5), t,
-                        nameOf(mode));
-        VOLUTE_TRY(render({view.eye, view.sign, view.inSight, (survey.folder / view.scene).string()},
-                          survey.folder / file, survey.times[t], mode));
+        const std::string file = fmt::format(
+            "{}_{:04d}_{}.png", view.scene.substr(0, view.scene.size() - 5), t, nameOf(mode));
+        VOLUTE_TRY(
+            render({view.eye, view.sign, view.inSight, (survey.folder / view.scene).string()},
+                   survey.folder / file, survey.times[t], mode));
         report["pictures"].push_back({{"file", file},
                                       {"eye", vectorJson(view.eye)},
                                       {"sign", survey.signs[view.sign].sign.name},
@@ -223,10 +225,10 @@ Result<std::string> SignViews::finish(const Survey& survey, Json& report) {
         VOLUTE_ASSIGN(
             const auto figure,
             htmlFigure(survey.folder / file,
-                     fmt::format("From {:g}, {:g}, {:g} m towards {}{}, {:g} s, {}", view.eye[0],
-                                 view.eye[1], view.eye[2], survey.signs[view.sign].sign.name,
-                                 view.inSight ? "" : " (no sign is in sight from there)",
-                                 survey.times[t], nameOf(mode))));
+                       fmt::format("From {:g}, {:g}, {:g} m towards {}{}, {:g} s, {}", view.eye[0],
+                                   view.eye[1], view.eye[2], survey.signs[view.sign].sign.name,
+                                   view.inSight ? "" : " (no sign is in sight from there)",
+                                   survey.times[t], nameOf(mode))));
         page += figure;
       }
     }

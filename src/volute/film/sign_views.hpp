@@ -14,8 +14,9 @@
 namespace volute {
 
 /// What people see who stand at a few places: pictures towards the nearest sign, in the middle of
-/// the times and at the last, photometric and threshold. Each place has a scene file; lamps hang below the ceiling over the eye, the sign and between them, or the
-/// light of an FDS case comes from everywhere.
+/// the times and at the last, photometric and threshold. Each place has a scene file; lamps hang
+/// below the ceiling over the eye, the sign and between them, or the light of an FDS case comes
+/// from everywhere.
 class SignViews final : public SurveyPictures {
  public:
   /// kUnsupported for pictures of a scene, which has a camera of its own.
@@ -39,7 +40,7 @@ class SignViews final : public SurveyPictures {
     Vec3 eye = Vec3::Zero();
     std::size_t sign = 0;
     bool inSight = true;  ///< it can be read from there without smoke
-    std::string scene;  ///< the file, in the folder of results
+    std::string scene;    ///< the file, in the folder of results
   };
 
   explicit SignViews(Reading& reading) : reading_(&reading) {}

@@ -161,8 +161,9 @@ class FilmPass {
     }
     if (job_.drawnShare == 1)
       return {};
-    return fail(ErrorCode::kCancelled, "stopped; {} shows {:.0f} % of the picture, the rest coarsely",
-                target_, 100 * job_.drawnShare);
+    return fail(ErrorCode::kCancelled,
+                "stopped; {} shows {:.0f} % of the picture, the rest coarsely", target_,
+                100 * job_.drawnShare);
   }
 
  private:
@@ -190,9 +191,7 @@ class FilmPass {
     return image;
   }
 
-  const FilmFrame& frame(std::int64_t i) const {
-    return job_.frames[static_cast<std::size_t>(i)];
-  }
+  const FilmFrame& frame(std::int64_t i) const { return job_.frames[static_cast<std::size_t>(i)]; }
 
   /// Of several pictures each is one step, with its remarks.
   Progress& each() { return count_ > 1 ? static_cast<Progress&>(steps_) : progress_; }
@@ -284,7 +283,7 @@ void addStats(nlohmann::ordered_json& sum, const nlohmann::ordered_json& other) 
 }  // namespace
 
 Status writeFilm(FilmJob& job, const std::string& target, Development& development,
-                      std::uint64_t maxMemory, Progress& progress, Team& team) {
+                 std::uint64_t maxMemory, Progress& progress, Team& team) {
   return FilmPass(job, target, development, maxMemory, progress, team).run();
 }
 

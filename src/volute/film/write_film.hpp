@@ -6,19 +6,18 @@
 
 #include "volute/base/progress.hpp"
 #include "volute/base/team.hpp"
-#include "volute/film/picture_writer.hpp"
 #include "volute/film/film_job.hpp"
+#include "volute/film/picture_writer.hpp"
 
 namespace volute {
 
 /// Renders and writes every frame of a job; settles the exposure first when it is to be found
-/// (0). A picture is a unit of work: ranks write their image files themselves, and send pictures of a
-/// film to rank 0, which writes them in order and holds a few at most. Collective.
+/// (0). A picture is a unit of work: ranks write their image files themselves, and send pictures of
+/// a film to rank 0, which writes them in order and holds a few at most. Collective.
 /// @param development  in it the exposure that was found
 /// @param maxMemory  [bytes]
-[[nodiscard]] Status writeFilm(FilmJob& job, const std::string& target,
-                                    Development& development, std::uint64_t maxMemory,
-                                    Progress& progress, Team& team);
+[[nodiscard]] Status writeFilm(FilmJob& job, const std::string& target, Development& development,
+                               std::uint64_t maxMemory, Progress& progress, Team& team);
 
 /// FilmJob::stats() of all ranks together. Collective.
 [[nodiscard]] Result<nlohmann::ordered_json> sumOfFilmStats(const FilmJob& job, Team& team);

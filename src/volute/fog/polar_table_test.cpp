@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/fog/polar_fog.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
 #include "volute/fog/fog_testing.hpp"
+#include "volute/fog/polar_fog.hpp"
 
 namespace volute {
 namespace {

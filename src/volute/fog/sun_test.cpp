@@ -249,8 +249,7 @@ conformance::MediumUnderTest sunlit(int degree, std::size_t profile) {
   traits.region.max.z() = std::min(traits.region.max.z(), 8.0);
   // The light along a piece is a parabola to 1e-4 at two places; between them the shadow has kinks,
   // and a small jump where the way to the sun becomes steep.
-  traits.tolerance = {
-      .closedForm = 2e-3, .points = 1e-2, .quadrature = 5e-3, .fineSteps = 1e-2};
+  traits.tolerance = {.closedForm = 2e-3, .points = 1e-2, .quadrature = 5e-3, .fineSteps = 1e-2};
   return conformance::underTest(*SunlitFog::make(fog, suns), traits);
 }
 

@@ -16,7 +16,7 @@ namespace {
 constexpr double kLightTolerance = 1e-4;
 constexpr double kFinestCut = 1 / 32.0;  // of a cell
 constexpr double kThin = 0.125;          // optical depth of a step of radiance()
-constexpr int kMaxSteps = 4096;         // in a cell, for rays that hardly ever leave it
+constexpr int kMaxSteps = 4096;          // in a cell, for rays that hardly ever leave it
 constexpr double kLightLost = 1e-7;
 
 /// curve * (a + b s + c s^2).
@@ -190,9 +190,9 @@ class SunlitFog::Cells {
     const auto place = static_cast<std::size_t>(x + 37 * y + 101 * level) % kPlaces;
     std::optional<Kept>& kept = kept_[place];
     if (!kept || kept->level != level || kept->x != x || kept->y != y) {
-      kept.emplace(Kept{
-          level, x, y,
-          CellSpline(fog_.levels().pyramid().level(level), fog_.options().degree, x, y)});
+      kept.emplace(
+          Kept{level, x, y,
+               CellSpline(fog_.levels().pyramid().level(level), fog_.options().degree, x, y)});
     }
     return kept->cell;
   }

@@ -19,7 +19,7 @@ constexpr double kMargin = 1e-9;        ///< of a square's side, by which triang
 constexpr double kEdgeOn = 1e-14;       ///< sine of an angle
 constexpr double kSteep = 1e5;          ///< a slope
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr int kPlotDepth = 6;           ///< of the plots' squares, where there are many triangles
+constexpr int kPlotDepth = 6;  ///< of the plots' squares, where there are many triangles
 constexpr std::size_t kFewTriangles = 4096;
 
 /// Across a far light: x, y, and the height towards it.
@@ -317,12 +317,14 @@ class SunTreeBuilder {
     struct Side {
       std::uint32_t flat = kNone, edge = 0;
     };
+
     struct Slot {
       const Vec3* a = nullptr;
       const Vec3* b = nullptr;
       Side sides[2];  // that go from a to b, and from b to a
       bool shared = false;
     };
+
     const std::size_t mask = std::bit_ceil(flat_.size() * 6) - 1;
     std::vector<Slot> slots(mask + 1);
     for (std::uint32_t i = 0; i < flat_.size(); ++i) {

@@ -30,7 +30,8 @@ GlShadedVolume glShadedOf(const VolumeAt& volume) {
   return {[light = volume.light(), place = volume.placement()](const Camera& camera) {
             return seenFrom(*light, place, camera);
           },
-          [light = volume.light()] { light->prepare(); }, volume.factor(), volume.placement().turn, volume.placement().offset};
+          [light = volume.light()] { light->prepare(); }, volume.factor(), volume.placement().turn,
+          volume.placement().offset};
 }
 
 GlParts partsOf(const VolumeAt& volume, const GlSnapshotOptions&) {

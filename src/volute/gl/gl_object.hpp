@@ -88,8 +88,8 @@ GlBuffer makeBuffer(std::span<const T> values) {
   glCreateBuffers(1, &name);
   constexpr GLsizeiptr kMin = 16;
   const auto bytes = static_cast<GLsizeiptr>(values.size_bytes());
-  glNamedBufferStorage(name, bytes > kMin ? bytes : kMin,
-                       bytes > kMin ? values.data() : nullptr, GL_DYNAMIC_STORAGE_BIT);
+  glNamedBufferStorage(name, bytes > kMin ? bytes : kMin, bytes > kMin ? values.data() : nullptr,
+                       GL_DYNAMIC_STORAGE_BIT);
   if (bytes > 0 && bytes <= kMin)
     glNamedBufferSubData(name, 0, bytes, values.data());
   return GlBuffer(name);

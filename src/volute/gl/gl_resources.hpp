@@ -73,8 +73,7 @@ struct GlResources {
   template <class Made, class Make, class... Holds>
   Result<std::shared_ptr<Made>> upload(const std::shared_ptr<const void>& source,
                                        const std::string& media, Make&& make, Holds&&... holds) {
-    return store.get<Made>(
-        source, [&] { return passes.run("upload", media, make); }, holds...);
+    return store.get<Made>(source, [&] { return passes.run("upload", media, make); }, holds...);
   }
 };
 

@@ -81,14 +81,14 @@ Result<Image> GlSceneRenderer::opticalDepth(const View& view, const RenderOption
   return renderer_.render(view.camera, natural_, depths, progress, &stats, view.opaqueDepth);
 }
 
-Status GlSceneRenderer::addSigns(const View& view, std::span<const SignPixel>,
-                                 const RenderOptions&, Progress& progress, Image& image) {
-  VOLUTE_TRY(renderer_.draw(view.camera, natural_, GlQuantity::kOpticalDepth, progress,
-                            view.opaqueDepth));
+Status GlSceneRenderer::addSigns(const View& view, std::span<const SignPixel>, const RenderOptions&,
+                                 Progress& progress, Image& image) {
+  VOLUTE_TRY(
+      renderer_.draw(view.camera, natural_, GlQuantity::kOpticalDepth, progress, view.opaqueDepth));
   std::vector<float> powers;  // of e, of the depth
   for (const Sign& sign : view.snapshot.signs) {
-    powers.push_back(static_cast<float>(
-        -std::log(seenTransmittance(1, view.snapshot.law.mode, sign.c))));
+    powers.push_back(
+        static_cast<float>(-std::log(seenTransmittance(1, view.snapshot.law.mode, sign.c))));
   }
   VOLUTE_ASSIGN(const auto light, renderer_.signLight(powers));
   for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] += light.pixels[i];

@@ -9,8 +9,8 @@
 
 namespace volute {
 
-/// A renderer by OpenGL 4.5, without a display, in a context of its own. Its pictures agree with the
-/// CPU's within 2e-5 of their maximum. kUnsupported, in one sentence, where this machine has no
+/// A renderer by OpenGL 4.5, without a display, in a context of its own. Its pictures agree with
+/// the CPU's within 2e-5 of their maximum. kUnsupported, in one sentence, where this machine has no
 /// OpenGL 4.5.
 /// @param hardwareOnly  not by a driver that draws on the CPU
 [[nodiscard]] Result<std::unique_ptr<SceneRenderer>> createGlRenderer(

@@ -197,7 +197,7 @@ TEST_F(GlSceneTest, BillboardsAreThoseOfTheCpu) {
 
 TEST_F(GlSceneTest, SunsLightFog) {
   const Sun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)},
-                         {Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)}};
+                      {Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)}};
   for (const auto& [name, profile] : fogtest::profiles()) {
     const int degree = name == "slab" ? 1 : 2;
     const FogMedium fog =
@@ -221,7 +221,7 @@ TEST_F(GlSceneTest, SunsLightFog) {
 
 TEST_F(GlSceneTest, SurfacesThrowShadowsIntoSunlitFog) {
   const Sun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)},
-                         {Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)}};
+                      {Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)}};
   const TriangleScene geometry = room();
   const auto shadows = [&](const Segment& segment, std::size_t sun, std::vector<Interval>& dark) {
     geometry.shadows(segment, {suns[sun].towards}, dark);

@@ -37,12 +37,12 @@ struct GlShadedAtlas {
 
 Result<GlShadedAtlas> makeShadedAtlas(const MarchGrid& grid) {
   GlShadedAtlas made;
-  VOLUTE_ASSIGN(made.bricks, makeGlBricks(voxels::cellsOf(*grid.slice), kCornersSide, kCornersSide,
-                                          [&](int x, int y, int z) {
-                                            return grid.table[(z + 1) * grid.tableStride[2] +
-                                                              (y + 1) * grid.tableStride[1] + x +
-                                                              1] >= 0;
-                                          }));
+  VOLUTE_ASSIGN(made.bricks,
+                makeGlBricks(voxels::cellsOf(*grid.slice), kCornersSide, kCornersSide,
+                             [&](int x, int y, int z) {
+                               return grid.table[(z + 1) * grid.tableStride[2] +
+                                                 (y + 1) * grid.tableStride[1] + x + 1] >= 0;
+                             }));
   const std::vector<std::int32_t> begins = brickBegins(grid);
   if (grid.emissionChannel < 0) {
     made.values = made.bricks.makeAtlas(GL_R32F);
@@ -56,14 +56,13 @@ Result<GlShadedAtlas> makeShadedAtlas(const MarchGrid& grid) {
   }
   made.values = made.bricks.makeAtlas(GL_RGBA32F);
   std::vector<std::array<float, 4>> texels(kCorners);
-  fillAtlas<std::array<float, 4>>(
-      made.bricks, made.values, GL_RGBA, GL_FLOAT, [&](std::size_t b) {
-        const float* from = grid.values + begins[b];
-        for (std::size_t i = 0; i < kCorners; ++i) {
-          texels[i] = {from[i], from[i + kCorners], from[i + 2 * kCorners], from[i + 3 * kCorners]};
-        }
-        return texels.data();
-      });
+  fillAtlas<std::array<float, 4>>(made.bricks, made.values, GL_RGBA, GL_FLOAT, [&](std::size_t b) {
+    const float* from = grid.values + begins[b];
+    for (std::size_t i = 0; i < kCorners; ++i) {
+      texels[i] = {from[i], from[i + kCorners], from[i + 2 * kCorners], from[i + 3 * kCorners]};
+    }
+    return texels.data();
+  });
   return made;
 }
 
@@ -77,16 +76,16 @@ GlShadedLight makeShadedLight(const MarchGrid& grid, const GlBricks& bricks) {
   const std::vector<std::int32_t> begins = brickBegins(grid);
   std::vector<std::uint32_t> texels(kCorners);
   const std::int32_t channel = grid.lightChannel * grid.channelStride;
-  fillAtlas<std::uint32_t>(bricks, made.values, GL_RED_INTEGER, GL_UNSIGNED_INT,
-                           [&](std::size_t b) {
-                             const float* from = grid.values + begins[b] + channel;
-                             for (std::uint32_t& texel : texels) {
-                               const float value = *std::exchange(from, from + grid.stride[0]);
-                               texel = std::bit_cast<std::uint32_t>(
-                                   grid.oneColor ? packLight(Rgb::Constant(value)) : value);
-                             }
-                             return texels.data();
-                           });
+  fillAtlas<std::uint32_t>(
+      bricks, made.values, GL_RED_INTEGER, GL_UNSIGNED_INT, [&](std::size_t b) {
+        const float* from = grid.values + begins[b] + channel;
+        for (std::uint32_t& texel : texels) {
+          const float value = *std::exchange(from, from + grid.stride[0]);
+          texel =
+              std::bit_cast<std::uint32_t>(grid.oneColor ? packLight(Rgb::Constant(value)) : value);
+        }
+        return texels.data();
+      });
   return made;
 }
 

@@ -57,12 +57,15 @@ class GlShadedVolumeTest : public GlRendererTest {
   /// The largest difference from the CPU, as a share of its brightest.
   double difference(const Camera& camera, const VolumeLight& light, const Placement& place,
                     double factor, const RenderOptions& options, std::span<const float> opaque) {
-    const GlScene scene{{glPart(GlShadedVolume{
-        [&](const Camera& at) { return seenFrom(light, place, at); }, {}, factor, place.turn,
-        place.offset})}};
-    const AnyMedium medium = scaledBy(
-        factor, AnyMedium(TurnedMedium(AnyMedium(seenFrom(light, place, camera)), place.turn,
-                                       place.offset)));
+    const GlScene scene{
+        {glPart(GlShadedVolume{[&](const Camera& at) { return seenFrom(light, place, at); },
+                               {},
+                               factor,
+                               place.turn,
+                               place.offset})}};
+    const AnyMedium medium =
+        scaledBy(factor, AnyMedium(TurnedMedium(AnyMedium(seenFrom(light, place, camera)),
+                                                place.turn, place.offset)));
     const Image found = renderer_->render(camera, scene, options, quiet_, nullptr, opaque).value();
     const Image expected = render(camera, {&medium, 1}, options, quiet_, nullptr, opaque).value();
     double worst = 0, largest = 0;

@@ -18,9 +18,11 @@ namespace {
 constexpr int kSide = BrickSlice::kSide;
 
 ShaderPart settings(int channels, Basis basis) {
-  return {"volume settings",
-          fmt::format("#define M_CHANNELS {}\n#define M_TRILINEAR {}\n#define M_SHADED 0\n#define M_LIT 0\n", channels,
-                      basis == Basis::kTrilinear ? 1 : 0)};
+  return {
+      "volume settings",
+      fmt::format(
+          "#define M_CHANNELS {}\n#define M_TRILINEAR {}\n#define M_SHADED 0\n#define M_LIT 0\n",
+          channels, basis == Basis::kTrilinear ? 1 : 0)};
 }
 
 /// The tree and the atlas come after the type of their values and before the march.
@@ -63,13 +65,14 @@ Result<GlVolumeAtlas> makeVolumeAtlas(const BrickSlice& slice) {
   made.channels = slice.channels(), made.basis = slice.basis();
   const int side = grid->trilinear ? kSide + 1 : kSide;
   std::vector<std::int32_t> begins;
-  VOLUTE_ASSIGN(made.bricks, makeGlBricks(cells, side, side * made.channels, [&](int x, int y, int z) {
-    const std::int32_t begin =
-        grid->table[(z + 1) * grid->tableStride[2] + (y + 1) * grid->tableStride[1] + x + 1];
-    if (begin >= 0)
-      begins.push_back(begin);
-    return begin >= 0;
-  }));
+  VOLUTE_ASSIGN(
+      made.bricks, makeGlBricks(cells, side, side * made.channels, [&](int x, int y, int z) {
+        const std::int32_t begin =
+            grid->table[(z + 1) * grid->tableStride[2] + (y + 1) * grid->tableStride[1] + x + 1];
+        if (begin >= 0)
+          begins.push_back(begin);
+        return begin >= 0;
+      }));
   made.atlas = made.bricks.makeAtlas(GL_R32F);
   fillAtlas<float>(made.bricks, made.atlas, GL_RED, GL_FLOAT,
                    [&](std::size_t b) { return grid->values + begins[b]; });

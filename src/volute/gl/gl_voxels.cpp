@@ -91,8 +91,8 @@ Result<GlBricks> makeGlBricks(const CellGrid& cells, int side, int height,
         const std::array<int, 3> brick{x, y, z};
         for (std::size_t axis = 0; axis < 3; ++axis) {
           made.range.begin[axis] = std::min(made.range.begin[axis], brick[axis] * kCells);
-          made.range.end[axis] =
-              std::max(made.range.end[axis], std::min((brick[axis] + 1) * kCells, cells.count[axis]));
+          made.range.end[axis] = std::max(made.range.end[axis],
+                                          std::min((brick[axis] + 1) * kCells, cells.count[axis]));
         }
       }
     }

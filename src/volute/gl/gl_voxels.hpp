@@ -34,11 +34,11 @@ void bindCells(const GlProgram& program, const std::string& prefix, const Vec3& 
 /// Which bricks of a volume's cells are not empty, and how their atlas is arranged.
 struct GlBricks {
   CellGrid cells;
-  CellRange range;                 ///< the cells of all stored bricks
-  std::size_t stored = 0;          ///< bricks
-  int side = 0, height = 0;        ///< of a brick in the atlas, along x and y, and along z [texels]
-  std::array<int, 3> arranged{};   ///< bricks of the atlas along each axis
-  GlTexture table;                 ///< R32I: the number of each brick, or -1
+  CellRange range;                ///< the cells of all stored bricks
+  std::size_t stored = 0;         ///< bricks
+  int side = 0, height = 0;       ///< of a brick in the atlas, along x and y, and along z [texels]
+  std::array<int, 3> arranged{};  ///< bricks of the atlas along each axis
+  GlTexture table;                ///< R32I: the number of each brick, or -1
 
   /// An empty texture for all stored bricks.
   GlTexture makeAtlas(GLenum format) const;
@@ -46,8 +46,9 @@ struct GlBricks {
 
 /// Asks for each brick, x fastest, whether it is stored. kTooLarge where the device's textures hold
 /// fewer.
-[[nodiscard]] Result<GlBricks> makeGlBricks(const CellGrid& cells, int side, int height,
-                                            const std::function<bool(int x, int y, int z)>& isStored);
+[[nodiscard]] Result<GlBricks> makeGlBricks(
+    const CellGrid& cells, int side, int height,
+    const std::function<bool(int x, int y, int z)>& isStored);
 
 /// Uploads all bricks of an atlas, a layer of them at a time.
 /// @param texelsOf  of a brick by its number: (height, side, side) values, until the next call

@@ -162,8 +162,7 @@ void SurfaceDrawer::drawQuads(std::span<const GlQuad> quads) {
 }
 
 /// @param bounds  of what will be drawn besides the quads
-void SurfaceDrawer::begin(const Camera& camera, const Box3& bounds,
-                          std::span<const GlQuad> quads) {
+void SurfaceDrawer::begin(const Camera& camera, const Box3& bounds, std::span<const GlQuad> quads) {
   resize(camera.width(), camera.height());
   farthest_ = farthestOf(camera, bounds, quads);
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());

@@ -22,7 +22,6 @@ constexpr std::size_t kGrain = 4096;
 constexpr int kOpaqueUnit = 0, kWeightsUnit = 1, kPlacesUnit = 2, kTetsUnit = 3, kOutlinesUnit = 4,
               kFieldsUnit = 5;
 
-
 /// Corners of a tet's cover, two triangles, as tets_vertex.glsl numbers them.
 constexpr std::uint32_t kCover[] = {0, 1, 2, 0, 2, 3};
 

@@ -96,8 +96,9 @@ TEST_F(TetProjectorTest, ThickCellsAreSeenOnceAtAnySize) {
         if (!opaque.empty() && size % 8 == 0)
           continue;
         const Error error = compare(projector, smoke, camera, {}, opaque);
-        EXPECT_LE(error.worst, kProjected) << width << " x " << height << ", eye "
-                                       << camera.eye().transpose() << ", wall " << opaque.size();
+        EXPECT_LE(error.worst, kProjected)
+            << width << " x " << height << ", eye " << camera.eye().transpose() << ", wall "
+            << opaque.size();
       }
     }
   }
@@ -115,7 +116,7 @@ TEST_F(TetProjectorTest, EyesInThePlanesOfFaces) {
             Camera::orthographic({eye, eye + Vec3(1, 0, 0)}, 1.2, size, size)}) {
         const Error error = compare(projector, smoke, camera);
         EXPECT_LE(error.worst, kProjected) << size << ", eye " << eye.transpose()
-                                       << (camera.isOrthographic() ? ", orthographic" : "");
+                                           << (camera.isOrthographic() ? ", orthographic" : "");
       }
     }
   }

@@ -9,8 +9,8 @@
 
 namespace volute {
 
-/// Copies all frames and finishes the sink. Reports frames of `stage`; kCancelled names the stage and
-/// the frame.
+/// Copies all frames and finishes the sink. Reports frames of `stage`; kCancelled names the stage
+/// and the frame.
 [[nodiscard]] Status copyFrames(FrameSource& source, FrameSink& sink, const std::string& stage,
                                 Progress& progress);
 

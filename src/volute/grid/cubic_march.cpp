@@ -82,7 +82,8 @@ struct GaussTable {
       for (int j = 0; j < kCubicNodes; ++j) {
         upTo[i][j] = static_cast<float>(gaussIntegral(3, 0, at[i], [&](double u) {
           double product = 1;
-          for (int k = 0; k < kCubicNodes; ++k) product *= k == j ? 1 : (u - at[k]) / (at[j] - at[k]);
+          for (int k = 0; k < kCubicNodes; ++k)
+            product *= k == j ? 1 : (u - at[k]) / (at[j] - at[k]);
           return product;
         }));
       }
@@ -129,8 +130,7 @@ struct CubicRay {
 
   /// Adds what is between u and u + length, unless its optical depth is more than `most`.
   /// @return  the depth
-  double step(const voxels::InCell& in, const float* from, double u, double length,
-                         double most) {
+  double step(const voxels::InCell& in, const float* from, double u, double length, double most) {
     float extinction[kCubicNodes], sent[kCubicNodes][3];
     const bool own = grid.channels() == 4;
     const auto scale = static_cast<float>(own ? length : grid.extinctionScale / 3 * length);
@@ -164,8 +164,9 @@ Radiance marchCubic(const CubicGrid& grid, const Segment& segment) {
   CubicRay ray{.grid = grid};
   const int channels = grid.channels();
   const bool absorbing = channels == 4 || (channels == 3 && grid.extinctionScale != 0);
-  const auto mostLine = static_cast<float>(
-      channels == 1 && grid.extinctionScale > 0 ? -std::log(kCubicLightLost) / grid.extinctionScale : 3e38);
+  const auto mostLine = static_cast<float>(channels == 1 && grid.extinctionScale > 0
+                                               ? -std::log(kCubicLightLost) / grid.extinctionScale
+                                               : 3e38);
   grid.traverse(segment, [&](const auto& cell, const float* from, double begin, double end) {
     const voxels::InCell in(grid.cells, cell, segment, begin, end);
     if (absorbing)

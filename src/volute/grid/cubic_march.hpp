@@ -16,8 +16,8 @@
 
 namespace volute {
 
-/// Bricks of 8^3 cells, each with the coefficients that count in one of its cells: 11 a side, so that
-/// the 64 of a cell are always in one brick.
+/// Bricks of 8^3 cells, each with the coefficients that count in one of its cells: 11 a side, so
+/// that the 64 of a cell are always in one brick.
 struct CubicGrid {
   static constexpr int kSide = BrickSlice::kSide + 3;
   static constexpr int kCoefficients = kSide * kSide * kSide;
@@ -25,12 +25,12 @@ struct CubicGrid {
   CubicGrid(std::shared_ptr<const BrickSlice> slice, double emissionScale, double extinctionScale);
 
   struct Brick {
-    std::size_t begin = 0;  ///< of its coefficients, shape (c, z, y, x)
+    std::size_t begin = 0;                    ///< of its coefficients, shape (c, z, y, x)
     std::bitset<BrickSlice::kVoxels> filled;  ///< cells, x fastest, in which one of them is not 0
   };
 
-  /// Calls visit(brick, first of the cell's coefficients in each channel, begin, end) for each cell on
-  /// a segment that is not all zero, front to back, until it returns false.
+  /// Calls visit(brick, first of the cell's coefficients in each channel, begin, end) for each cell
+  /// on a segment that is not all zero, front to back, until it returns false.
   template <class Visit>
   void traverse(const Segment& segment, Visit&& visit) const;
 
@@ -39,8 +39,8 @@ struct CubicGrid {
   std::shared_ptr<const BrickSlice> slice;
   double emissionScale, extinctionScale;
   CellGrid cells;
-  CellGrid bricks;              ///< the cells of the table
-  CellRange occupied;           ///< of the table, where a brick is stored
+  CellGrid bricks;                  ///< the cells of the table
+  CellRange occupied;               ///< of the table, where a brick is stored
   std::vector<std::int32_t> table;  ///< shape (z, y, x): which of `stored`; or -1
   std::vector<Brick> stored;
   std::vector<float> coefficients;
@@ -82,11 +82,12 @@ void CubicGrid::traverse(const Segment& segment, Visit&& visit) const {
     traverseCells(cells, range, within, [&](const auto& cell, double from, double to) {
       const int x = cell[0] - range.begin[0], y = cell[1] - range.begin[1],
                 z = cell[2] - range.begin[2];
-      if (!on || !brick.filled[static_cast<std::size_t>((z * BrickSlice::kSide + y) *
-                                                            BrickSlice::kSide + x)])
+      if (!on || !brick.filled[static_cast<std::size_t>(
+                     (z * BrickSlice::kSide + y) * BrickSlice::kSide + x)])
         return;
       ++crossed;
-      on = visit(cell, &coefficients[brick.begin + static_cast<std::size_t>((z * kSide + y) * kSide + x)],
+      on = visit(cell,
+                 &coefficients[brick.begin + static_cast<std::size_t>((z * kSide + y) * kSide + x)],
                  from, to);
     });
   });

@@ -12,8 +12,8 @@
 
 namespace volute::voxels {
 
-/// The coefficients that count in a cell, shape (z, y, x): those of the voxels one beyond its corners
-/// on each side.
+/// The coefficients that count in a cell, shape (z, y, x): those of the voxels one beyond its
+/// corners on each side.
 inline constexpr int kSplineCorners = 64;
 
 /// Of the four B-splines that are not zero at a place 0..1 between two knots; they sum to 1.
@@ -45,10 +45,9 @@ inline double splineIntegral(std::span<const double, kSplineCorners> c, const In
 
 /// The four B-splines of an axis as polynomials of u, at place a + b u.
 inline std::array<Cubic, 4> splineCurves(double a, double b) {
-  constexpr std::array<Cubic, 4> kOfPlace{Cubic{{1 / 6.0, -0.5, 0.5, -1 / 6.0}},
-                                          Cubic{{4 / 6.0, 0, -1, 0.5}},
-                                          Cubic{{1 / 6.0, 0.5, 0.5, -0.5}},
-                                          Cubic{{0, 0, 0, 1 / 6.0}}};
+  constexpr std::array<Cubic, 4> kOfPlace{
+      Cubic{{1 / 6.0, -0.5, 0.5, -1 / 6.0}}, Cubic{{4 / 6.0, 0, -1, 0.5}},
+      Cubic{{1 / 6.0, 0.5, 0.5, -0.5}}, Cubic{{0, 0, 0, 1 / 6.0}}};
   std::array<Cubic, 4> curves;
   for (std::size_t i = 0; i < 4; ++i) {
     curves[i] = kOfPlace[i].shifted(a);

@@ -58,7 +58,8 @@ void copyCoefficients(const BrickSlice& slice, int x, int y, int z, float* out) 
     for (int k = 0; k < CubicGrid::kSide; ++k) {
       for (int j = 0; j < CubicGrid::kSide; ++j) {
         for (int i = 0; i < CubicGrid::kSide; ++i)
-          *out++ = slice.value(x * kCellsOfBrick + i - 3, y * kCellsOfBrick + j - 3, z * kCellsOfBrick + k - 3, c);
+          *out++ = slice.value(x * kCellsOfBrick + i - 3, y * kCellsOfBrick + j - 3,
+                               z * kCellsOfBrick + k - 3, c);
       }
     }
   }
@@ -96,7 +97,8 @@ CubicGrid::CubicGrid(std::shared_ptr<const BrickSlice> of, double emission, doub
   bricks = {cells.origin, BrickSlice::kSide * cells.cell, {}};
   for (std::size_t axis = 0; axis < 3; ++axis)
     bricks.count[axis] = (cells.count[axis] + BrickSlice::kSide - 1) / BrickSlice::kSide;
-  table.assign(static_cast<std::size_t>(bricks.count[0]) * static_cast<std::size_t>(bricks.count[1]) *
+  table.assign(static_cast<std::size_t>(bricks.count[0]) *
+                   static_cast<std::size_t>(bricks.count[1]) *
                    static_cast<std::size_t>(bricks.count[2]),
                -1);
   std::vector<std::array<int, 3>> places;
@@ -116,8 +118,8 @@ CubicGrid::CubicGrid(std::shared_ptr<const BrickSlice> of, double emission, doub
       }
     }
   }
-  const std::size_t each = static_cast<std::size_t>(kCoefficients) *
-                           static_cast<std::size_t>(slice->channels());
+  const std::size_t each =
+      static_cast<std::size_t>(kCoefficients) * static_cast<std::size_t>(slice->channels());
   stored.resize(places.size());
   coefficients.resize(places.size() * each + 1);  // the last row is read four at a time
   parallelRanges(places.size(), 8, [&](std::size_t begin, std::size_t end) {
@@ -173,11 +175,12 @@ void CubicVoxels::opticalDepth(std::span<const Segment> segments, std::span<doub
   for (std::size_t s = 0; s < segments.size(); ++s) {
     double sum = 0;
     if (scale != 0) {
-      grid_->traverse(segments[s], [&](const auto& cell, const float* from, double begin, double end) {
-        const voxels::InCell in(cells_, cell, segments[s], begin, end);
-        sum += voxels::splineIntegral(extinctionCorners(from, channels), in, end - begin);
-        return true;
-      });
+      grid_->traverse(
+          segments[s], [&](const auto& cell, const float* from, double begin, double end) {
+            const voxels::InCell in(cells_, cell, segments[s], begin, end);
+            sum += voxels::splineIntegral(extinctionCorners(from, channels), in, end - begin);
+            return true;
+          });
     }
     depths[s] = scale * sum;
   }
@@ -189,26 +192,27 @@ void CubicVoxels::pieces(std::span<const Segment> segments,
   const double scale = channels == 4 ? 1 : grid_->emissionScale;
   for (std::size_t s = 0; s < segments.size(); ++s) {
     pieces[s].clear();
-    grid_->traverse(segments[s], [&](const auto& cell, const float* from, double begin, double end) {
-      const voxels::InCell in(cells_, cell, segments[s], begin, end);
-      Piece piece{begin, end, {}, {}, 0};
-      std::array<Polynomial, 4> curves;
-      for (int c = 0; c < channels; ++c) {
-        curves[static_cast<std::size_t>(c)] =
-            voxels::splineAlong(cornersFrom(from + c * CubicGrid::kCoefficients), in);
-      }
-      for (std::size_t c = 0; c < 3; ++c)
-        piece.emission[c] = curves[channels == 4 ? c + 1 : channels == 3 ? c : 0] * scale;
-      piece.extinction = curves[0];
-      if (channels == 3) {
-        piece.extinction += curves[1];
-        piece.extinction += curves[2];
-      }
-      if (channels != 4)
-        piece.extinction = piece.extinction * (grid_->extinctionScale / channels);
-      pieces[s].push_back(piece);
-      return true;
-    });
+    grid_->traverse(
+        segments[s], [&](const auto& cell, const float* from, double begin, double end) {
+          const voxels::InCell in(cells_, cell, segments[s], begin, end);
+          Piece piece{begin, end, {}, {}, 0};
+          std::array<Polynomial, 4> curves;
+          for (int c = 0; c < channels; ++c) {
+            curves[static_cast<std::size_t>(c)] =
+                voxels::splineAlong(cornersFrom(from + c * CubicGrid::kCoefficients), in);
+          }
+          for (std::size_t c = 0; c < 3; ++c)
+            piece.emission[c] = curves[channels == 4 ? c + 1 : channels == 3 ? c : 0] * scale;
+          piece.extinction = curves[0];
+          if (channels == 3) {
+            piece.extinction += curves[1];
+            piece.extinction += curves[2];
+          }
+          if (channels != 4)
+            piece.extinction = piece.extinction * (grid_->extinctionScale / channels);
+          pieces[s].push_back(piece);
+          return true;
+        });
   }
 }
 

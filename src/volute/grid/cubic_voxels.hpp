@@ -18,8 +18,8 @@ struct CubicGrid;
 ///   of 1 or 3 channels: emission and extinction as VoxelMedium has them
 ///   of 4 channels:      extinction = K [1/m], emission = J [radiance/m], in channels K, J red, J
 ///                       green, J blue
-/// A sum of splines stays within the range of its coefficients, and along a ray it is of degree 9 in
-/// each cell between eight centres. What VoxelMedium and ShadedVoxels are over Basis::kCubic; a
+/// A sum of splines stays within the range of its coefficients, and along a ray it is of degree 9
+/// in each cell between eight centres. What VoxelMedium and ShadedVoxels are over Basis::kCubic; a
 /// FastMedium. Cheap to copy: what it holds is shared and const.
 class CubicVoxels {
  public:
@@ -40,8 +40,8 @@ class CubicVoxels {
 
   /// In float, four coefficients at a time. Five Gauss points in each cell, which are exact for the
   /// optical depth; in steps of an optical depth of at most 1.2 where emission is no multiple of
-  /// extinction. Within 1e-5 of the brightest of the pieces' light. A ray that has lost all but 1e-6
-  /// of its light ends there.
+  /// extinction. Within 1e-5 of the brightest of the pieces' light. A ray that has lost all but
+  /// 1e-6 of its light ends there.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
   MarchCounts counts() const;

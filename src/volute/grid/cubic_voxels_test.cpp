@@ -145,8 +145,8 @@ TEST(CubicVoxels, ScatteredLightIsThatOfTheSplineTimesTheLight) {
     largest = std::max(largest, asked);
     corrected = std::max(corrected, std::abs(lit.emission(p)[0] - asked));
     // What products at the voxels' centres alone would give.
-    plain = std::max(plain, std::abs(lit.extinction(p) * lightAt(p) *
-                                     (0.09 / 6 + 0.3 * 2 * (x - 12) / 30 / 3)));
+    plain = std::max(
+        plain, std::abs(lit.extinction(p) * lightAt(p) * (0.09 / 6 + 0.3 * 2 * (x - 12) / 30 / 3)));
   }
   EXPECT_LE(corrected, 2e-3 * largest);
   EXPECT_GT(plain, 5 * corrected);

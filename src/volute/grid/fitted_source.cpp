@@ -17,7 +17,8 @@ std::array<int, 3> sizeOf(const VolumeInfo& info) {
   return {info.x, info.y, info.z};
 }
 
-/// What the values of a source along one axis add to a new voxel: weights of voxels from `first` on.
+/// What the values of a source along one axis add to a new voxel: weights of voxels from `first`
+/// on.
 struct AxisWeights {
   int first = 0;
   std::vector<float> weights;
@@ -38,15 +39,15 @@ std::vector<AxisWeights> weightsAlong(int axis, const VolumeInfo& from, const Vo
     const auto centre = [&](int part) {  // in old voxels, from the centre of the first
       return (begin + (part + 0.5) * toSize / parts - from.bounds.min[axis]) / fromSize - 0.5;
     };
-    one.first = static_cast<int>(
-        std::clamp(std::floor(centre(0)), -1.0, static_cast<double>(count)));
+    one.first =
+        static_cast<int>(std::clamp(std::floor(centre(0)), -1.0, static_cast<double>(count)));
     for (int part = 0; part < parts; ++part) {
       double place = centre(part);
       if (std::abs(place - std::round(place)) < kSamePlace)
         place = std::round(place);
       const double low = std::floor(place);
-      for (const auto& [index, weight] : {std::pair(low, 1 - (place - low)),
-                                          std::pair(low + 1, place - low)}) {
+      for (const auto& [index, weight] :
+           {std::pair(low, 1 - (place - low)), std::pair(low + 1, place - low)}) {
         if (index < 0 || index >= count || weight <= 0)
           continue;
         const auto at = static_cast<std::size_t>(static_cast<int>(index) - one.first);
@@ -164,8 +165,7 @@ VolumeInfo widenedTo(const VolumeInfo& info, const Box3& box) {
   int* const counts[] = {&wide.x, &wide.y, &wide.z};
   for (int axis = 0; axis < 3; ++axis) {
     const auto voxels = [&](double distance) {
-      return static_cast<int>(
-          std::clamp(std::ceil(distance / size[axis] - kSamePlace), 0.0, 1e6));
+      return static_cast<int>(std::clamp(std::ceil(distance / size[axis] - kSamePlace), 0.0, 1e6));
     };
     const int before = voxels(info.bounds.min[axis] - box.min[axis]);
     const int after = voxels(box.max[axis] - info.bounds.max[axis]);

@@ -13,9 +13,9 @@ namespace volute {
 /// voxels, to a thousandth of one.
 bool onOneLattice(const VolumeInfo& a, const VolumeInfo& b);
 
-/// `source` over the voxels of `lattice` (its size and bounds count). Values of voxels that both have
-/// are copied; on another lattice they are interpolated between the centres of voxels, and where the
-/// new voxels are larger, averaged over each.
+/// `source` over the voxels of `lattice` (its size and bounds count). Values of voxels that both
+/// have are copied; on another lattice they are interpolated between the centres of voxels, and
+/// where the new voxels are larger, averaged over each.
 /// @param outside  of each channel, where the source has no voxels
 std::unique_ptr<FrameSource> fitTo(std::unique_ptr<FrameSource> source, const VolumeInfo& lattice,
                                    const std::array<double, 3>& outside = {});

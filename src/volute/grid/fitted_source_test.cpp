@@ -74,7 +74,8 @@ TEST(FittedSource, OtherLatticesAreInterpolated) {
     const auto values = fitted(linear, other);
     for (int i = 0; i < 8; ++i) {
       const Vec3 centre = min + size * (Vec3(i % 2, i / 2 % 2, i / 4) + 0.5 * Vec3::Ones());
-      EXPECT_NEAR(values[static_cast<std::size_t>(i)], at(centre.x(), centre.y(), centre.z()), 1e-5);
+      EXPECT_NEAR(values[static_cast<std::size_t>(i)], at(centre.x(), centre.y(), centre.z()),
+                  1e-5);
     }
   }
 }

@@ -13,7 +13,8 @@
 
 namespace volute {
 
-/// A sequence of volumes that is read frame by frame, so that ten thousand frames need the memory of one.
+/// A sequence of volumes that is read frame by frame, so that ten thousand frames need the memory
+/// of one.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -23,8 +24,9 @@ class FrameSource {
   /// Other grids of the same files, as far as they are known.
   virtual std::vector<std::string> otherGrids() const { return {}; }
 
-  /// Fills `values`, shape (z, y, x, c), x and c fastest, with frame `index` (a position, not a frame number).
-  /// Errors name the file and the frame. May be called again for the same frame, and from one thread at a time.
+  /// Fills `values`, shape (z, y, x, c), x and c fastest, with frame `index` (a position, not a
+  /// frame number). Errors name the file and the frame. May be called again for the same frame, and
+  /// from one thread at a time.
   [[nodiscard]] virtual Status readFrame(int index, std::span<float> values) = 0;
 
   /// Whether readLayers() reads little more than the layers it returns.

@@ -19,7 +19,8 @@ void FrameMetadata::add(const MetadataList* list) {
     return;
   }
   // Mostly that of the frame before.
-  const auto last = std::ranges::find_if(listOf.rbegin(), listOf.rend(), [](int i) { return i >= 0; });
+  const auto last =
+      std::ranges::find_if(listOf.rbegin(), listOf.rend(), [](int i) { return i >= 0; });
   if (last != listOf.rend() && lists[static_cast<std::size_t>(*last)] == *list) {
     listOf.push_back(*last);
     return;

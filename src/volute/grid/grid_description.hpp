@@ -23,7 +23,8 @@ using MetadataList = std::vector<GridMetadata>;
 /// Lists of metadata of the frames of a sequence: most have the same one.
 struct FrameMetadata {
   std::vector<MetadataList> lists{};  ///< each once
-  std::vector<int> listOf{};  ///< of each frame a position in `lists`, -1: it has none; empty: all -1
+  std::vector<int>
+      listOf{};  ///< of each frame a position in `lists`, -1: it has none; empty: all -1
 
   /// Of a frame; null where it has none.
   const MetadataList* at(int frame) const;
@@ -42,17 +43,17 @@ struct FrameMetadata {
 struct GridDescription {
   using Index = std::array<std::int64_t, 3>;
 
-  std::string type = "float";         ///< of a value: float, double, vec3s or vec3d
-  std::string gridClass{};            ///< "fog volume", "level set", "staggered"; empty: unknown
-  bool half = false;                  ///< values are stored as 16-bit floats
+  std::string type = "float";          ///< of a value: float, double, vec3s or vec3d
+  std::string gridClass{};             ///< "fog volume", "level set", "staggered"; empty: unknown
+  bool half = false;                   ///< values are stored as 16-bit floats
   std::array<double, 3> background{};  ///< of each channel, where the cache has no voxels
-  std::string map{};                  ///< OpenVDB's name of the kind of transform
-  std::array<double, 3> voxelSize{};  ///< [m]
-  std::array<double, 3> origin{};     ///< centre of the voxel with index 0 in the first frame [m]
-  Index begin{};                      ///< index of the volume's first voxel in the first frame
-  std::uint64_t voxels = 0;           ///< that are not empty, the most in any frame
-  std::uint64_t memory = 0;           ///< [bytes] in OpenVDB's tree, the most in any frame
-  FrameMetadata metadata{};           ///< a frame that has none does not have the grid
+  std::string map{};                   ///< OpenVDB's name of the kind of transform
+  std::array<double, 3> voxelSize{};   ///< [m]
+  std::array<double, 3> origin{};      ///< centre of the voxel with index 0 in the first frame [m]
+  Index begin{};                       ///< index of the volume's first voxel in the first frame
+  std::uint64_t voxels = 0;            ///< that are not empty, the most in any frame
+  std::uint64_t memory = 0;            ///< [bytes] in OpenVDB's tree, the most in any frame
+  FrameMetadata metadata{};            ///< a frame that has none does not have the grid
   /// How far the origin of each frame lies from that of the first [voxels]; empty: nowhere.
   std::vector<Index> shifts{};
 

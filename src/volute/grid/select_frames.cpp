@@ -28,8 +28,7 @@ class SelectedFrames final : public FrameSource {
 
   bool readsLayers() const override { return source_->readsLayers(); }
 
-  [[nodiscard]] Status readLayers(int index, int first, int end,
-                                  std::span<float> values) override {
+  [[nodiscard]] Status readLayers(int index, int first, int end, std::span<float> values) override {
     return source_->readLayers(positions_[index], first, end, values);
   }
 

@@ -30,7 +30,9 @@ Sequence makeSequence(int frames, int z, int y, int x, int channels = 1);
 class SequenceSource final : public FrameSource {
  public:
   explicit SequenceSource(const Sequence& sequence) : sequence_(sequence) {}
+
   const VolumeInfo& info() const override { return sequence_.info; }
+
   [[nodiscard]] Status readFrame(int index, std::span<float> values) override;
 
  private:

@@ -188,7 +188,8 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCentres(const Bri
       for (int x = 0; x < slice.x(); ++x) {
         if (!(slice.value(x, y, z, 0) > 0))
           continue;
-        centres->ofVoxel[slice.placeOf(x, y, z)] = static_cast<std::int32_t>(centres->points.size());
+        centres->ofVoxel[slice.placeOf(x, y, z)] =
+            static_cast<std::int32_t>(centres->points.size());
         centres->points.push_back(slice.bounds().min +
                                   voxel.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5)));
         centres->places.push_back({x, y, z});
@@ -209,11 +210,13 @@ std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& place) con
                                                 (z + 1) * march_->tableStride[2]);
     const std::int32_t brick = corners_->number[entry];
     if (brick >= 0) {
-      const int corner = ((place[2] % BrickSlice::kSide) * kShadedSide +
-                          place[1] % BrickSlice::kSide) * kShadedSide +
-                         place[0] % BrickSlice::kSide;
-      const std::int32_t point = corners_->ofBrick[static_cast<std::size_t>(brick) * kShadedCorners +
-                                                   static_cast<std::size_t>(corner)];
+      const int corner =
+          ((place[2] % BrickSlice::kSide) * kShadedSide + place[1] % BrickSlice::kSide) *
+              kShadedSide +
+          place[0] % BrickSlice::kSide;
+      const std::int32_t point =
+          corners_->ofBrick[static_cast<std::size_t>(brick) * kShadedCorners +
+                            static_cast<std::size_t>(corner)];
       if (point >= 0)
         return point;
     }
@@ -231,8 +234,8 @@ std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& place) con
         --brick, in = BrickSlice::kSide;
       }
       possible = possible && at >= 0 && at <= cells_.count[static_cast<std::size_t>(axis)];
-      entry += static_cast<std::size_t>(brick + 1) *
-               static_cast<std::size_t>(march_->tableStride[axis]);
+      entry +=
+          static_cast<std::size_t>(brick + 1) * static_cast<std::size_t>(march_->tableStride[axis]);
       corner += in * stride;
     }
     if (!possible || entry >= corners_->number.size() || corners_->number[entry] < 0)
@@ -282,8 +285,8 @@ std::vector<Rgb> ShadedVoxels::forMeans(std::span<const Rgb> light) const {
 }
 
 /// Between voxels the spline of products K_i L_i is K L plus a sixth of its second derivative, and
-/// the spline of K is K plus a sixth of its own: what is asked for, the product of the latter with L,
-/// has coefficients K_i L_i - sum over neighbours n of K_n (L_n - L_i) / 6.
+/// the spline of K is K plus a sixth of its own: what is asked for, the product of the latter with
+/// L, has coefficients K_i L_i - sum over neighbours n of K_n (L_n - L_i) / 6.
 ShadedVoxels ShadedVoxels::withSplines(std::span<const Rgb> light) const {
   VolumeInfo info;
   info.x = slice_->x(), info.y = slice_->y(), info.z = slice_->z();
@@ -321,7 +324,8 @@ ShadedVoxels ShadedVoxels::withSplines(std::span<const Rgb> light) const {
       const std::size_t voxel = slice_->placeOf(place[0], place[1], place[2]);
       float* out = &values[voxel / BrickSlice::kVoxels * 4 * BrickSlice::kVoxels +
                            voxel % BrickSlice::kVoxels];
-      for (int c = 0; c < 3; ++c) out[(1 + c) * BrickSlice::kVoxels] += static_cast<float>(scattered[c]);
+      for (int c = 0; c < 3; ++c)
+        out[(1 + c) * BrickSlice::kVoxels] += static_cast<float>(scattered[c]);
     }
   });
   auto slice = std::make_shared<BrickSlice>(info);
@@ -404,8 +408,8 @@ ShadedVoxels ShadedVoxels::withLight(std::vector<Rgb> given) const {
   });
   for (std::size_t entry = 0; entry < march->table.size(); ++entry) {
     if (corners_->number[entry] >= 0) {
-      march->table[entry] = static_cast<std::int32_t>(
-          static_cast<std::size_t>(corners_->number[entry]) * to);
+      march->table[entry] =
+          static_cast<std::int32_t>(static_cast<std::size_t>(corners_->number[entry]) * to);
     }
   }
   lit.march_ = std::move(march);
@@ -416,10 +420,11 @@ Rgb ShadedVoxels::lightAt(const std::array<int, 3>& cell, int corner) const {
   std::size_t entry = 0;
   int place = 0;
   for (int axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
-    entry += static_cast<std::size_t>(cell[static_cast<std::size_t>(axis)] / BrickSlice::kSide + 1) *
-             static_cast<std::size_t>(march_->tableStride[axis]);
-    place += (cell[static_cast<std::size_t>(axis)] % BrickSlice::kSide + (corner >> axis & 1)) *
-             stride;
+    entry +=
+        static_cast<std::size_t>(cell[static_cast<std::size_t>(axis)] / BrickSlice::kSide + 1) *
+        static_cast<std::size_t>(march_->tableStride[axis]);
+    place +=
+        (cell[static_cast<std::size_t>(axis)] % BrickSlice::kSide + (corner >> axis & 1)) * stride;
   }
   const std::int32_t brick = corners_->number[entry];
   if (!light_ || brick < 0)
@@ -459,39 +464,37 @@ void ShadedVoxels::pieces(std::span<const Segment> segments,
   for (std::size_t s = 0; s < segments.size(); ++s) {
     pieces[s].clear();
     const CellGrid& grid = cells_;
-    traverseCells(grid, occupied_, segments[s],
-                  [&](const std::array<int, 3>& cell, double begin, double end) {
-                    const voxels::InCell ray(grid, cell, segments[s], begin, end);
-                    std::array<std::array<double, 8>, 7> values{};
-                    bool empty = true;
-                    for (std::size_t i = 0; i < 8; ++i) {
-                      const auto& [dx, dy, dz] = voxels::kCorners[i];
-                      for (int c = 0; c < channels; ++c) {
-                        const double value =
-                            slice_->value(cell[0] + dx, cell[1] + dy, cell[2] + dz, c);
-                        values[static_cast<std::size_t>(c)][i] = value;
-                        empty = empty && value == 0;
-                      }
-                    }
-                    if (empty)
-                      return;
-                    for (int i = 0; i < 8 && light_; ++i) {
-                      const Rgb light = lightAt(cell, i);
-                      for (std::size_t c = 0; c < 3; ++c)
-                        values[4 + c][static_cast<std::size_t>(i)] =
-                            light[static_cast<Eigen::Index>(c)];
-                    }
-                    Piece piece{begin, end, {}, {}, 0};
-                    const Cubic extinction = voxels::cornerCubic(ray, values[0]);
-                    piece.extinction = extinction;
-                    for (std::size_t c = 0; c < 3; ++c) {
-                      piece.emission[c] = voxels::cornerCubic(ray, values[1 + c]);
-                      if (light_)
-                        piece.emission[c] +=
-                            product(extinction, voxels::cornerCubic(ray, values[4 + c]));
-                    }
-                    pieces[s].push_back(piece);
-                  });
+    traverseCells(
+        grid, occupied_, segments[s],
+        [&](const std::array<int, 3>& cell, double begin, double end) {
+          const voxels::InCell ray(grid, cell, segments[s], begin, end);
+          std::array<std::array<double, 8>, 7> values{};
+          bool empty = true;
+          for (std::size_t i = 0; i < 8; ++i) {
+            const auto& [dx, dy, dz] = voxels::kCorners[i];
+            for (int c = 0; c < channels; ++c) {
+              const double value = slice_->value(cell[0] + dx, cell[1] + dy, cell[2] + dz, c);
+              values[static_cast<std::size_t>(c)][i] = value;
+              empty = empty && value == 0;
+            }
+          }
+          if (empty)
+            return;
+          for (int i = 0; i < 8 && light_; ++i) {
+            const Rgb light = lightAt(cell, i);
+            for (std::size_t c = 0; c < 3; ++c)
+              values[4 + c][static_cast<std::size_t>(i)] = light[static_cast<Eigen::Index>(c)];
+          }
+          Piece piece{begin, end, {}, {}, 0};
+          const Cubic extinction = voxels::cornerCubic(ray, values[0]);
+          piece.extinction = extinction;
+          for (std::size_t c = 0; c < 3; ++c) {
+            piece.emission[c] = voxels::cornerCubic(ray, values[1 + c]);
+            if (light_)
+              piece.emission[c] += product(extinction, voxels::cornerCubic(ray, values[4 + c]));
+          }
+          pieces[s].push_back(piece);
+        });
   }
 }
 

@@ -19,8 +19,8 @@ namespace volute {
 /// [radiance], each interpolated between voxel centres; K and J fall to zero one voxel beyond the
 /// outer ones. So the light along a ray is exact for the three: pieces() has them as polynomials.
 ///
-/// Over the cubic basis K and J are splines, and so is what is scattered: its coefficients are those
-/// whose spline is that of K times L to the fourth order of the voxels' size.
+/// Over the cubic basis K and J are splines, and so is what is scattered: its coefficients are
+/// those whose spline is that of K times L to the fourth order of the voxels' size.
 ///
 /// A Medium and FastMedium. Cheap to copy: what it holds is shared and const.
 class ShadedVoxels {
@@ -35,8 +35,8 @@ class ShadedVoxels {
 
   /// From light at each of lightPoints() what L is to be there, so that between them its means are
   /// right to the fourth order: less a twelfth of its second differences. What is interpolated
-  /// between values of e^-t would else be too bright everywhere. Over the cubic basis it is the light
-  /// itself.
+  /// between values of e^-t would else be too bright everywhere. Over the cubic basis it is the
+  /// light itself.
   std::vector<Rgb> forMeans(std::span<const Rgb> light) const;
 
   /// The same with light: L at each of lightPoints().
@@ -55,9 +55,9 @@ class ShadedVoxels {
   /// One for each cell that is not all zero.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
-  /// In float and SIMD: two Gauss points for each step of an optical depth of at most 1.3, and light
-  /// as 11, 11 and 10 bits of its square root; within 1e-3 of the brightest of the pieces' light. A
-  /// ray that has lost all but 1e-4 of its light ends there.
+  /// In float and SIMD: two Gauss points for each step of an optical depth of at most 1.3, and
+  /// light as 11, 11 and 10 bits of its square root; within 1e-3 of the brightest of the pieces'
+  /// light. A ray that has lost all but 1e-4 of its light ends there.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
   /// What absorbs in it, and sends nothing: for light on its way to somewhere.
@@ -81,11 +81,12 @@ class ShadedVoxels {
   struct Corners {
     std::vector<Vec3> points;
     std::vector<std::array<std::int32_t, 3>> places;  ///< of the points, in cells
-    std::vector<std::int32_t> ofBrick;  ///< shape (bricks, 9, 9, 9)
-    std::vector<std::int32_t> begins;   ///< of each brick's values in the march
+    std::vector<std::int32_t> ofBrick;                ///< shape (bricks, 9, 9, 9)
+    std::vector<std::int32_t> begins;                 ///< of each brick's values in the march
     std::vector<std::int32_t> firstPoint;  ///< of each brick; those before are of earlier bricks
-    std::vector<std::int32_t> number;   ///< of the brick at each entry of the march's table; or -1
-    std::vector<std::int32_t> ofVoxel;  ///< cubic: which of points is at each, of stored bricks; or -1
+    std::vector<std::int32_t> number;  ///< of the brick at each entry of the march's table; or -1
+    std::vector<std::int32_t>
+        ofVoxel;  ///< cubic: which of points is at each, of stored bricks; or -1
   };
 
   struct Counters;

@@ -19,7 +19,8 @@ std::string_view basisName(Basis basis) {
 
 std::optional<Basis> basisNamed(std::string_view name) {
   for (const Basis basis : {Basis::kBox, Basis::kTrilinear, Basis::kCubic}) {
-    if (basisName(basis) == name) return basis;
+    if (basisName(basis) == name)
+      return basis;
   }
   return std::nullopt;
 }
@@ -36,7 +37,8 @@ void VolumeInfo::fillDefaults() {
     std::iota(frameNumbers.begin(), frameNumbers.end(), 0);
   }
   if (times.empty()) {
-    for (int number : frameNumbers) times.push_back((number - frameNumbers.front()) / kFramesPerSecond);
+    for (int number : frameNumbers)
+      times.push_back((number - frameNumbers.front()) / kFramesPerSecond);
   }
   if (bounds.empty()) {
     const Vec3 voxels(x, y, z);
@@ -46,27 +48,36 @@ void VolumeInfo::fillDefaults() {
 
 Status VolumeInfo::validate(const std::string& where) const {
   constexpr std::int64_t kMaxFrameValues = std::int64_t{1} << 40;
-  if (frames < 1) return fail(ErrorCode::kInvalidData, "{}: the sequence is empty; expected at least one frame", where);
+  if (frames < 1)
+    return fail(ErrorCode::kInvalidData, "{}: the sequence is empty; expected at least one frame",
+                where);
   if (x < 1 || y < 1 || z < 1) {
-    return fail(ErrorCode::kInvalidData, "{}: a volume of {} x {} x {} voxels has no values", where, x, y, z);
+    return fail(ErrorCode::kInvalidData, "{}: a volume of {} x {} x {} voxels has no values", where,
+                x, y, z);
   }
   if (static_cast<double>(x) * y * z > static_cast<double>(kMaxFrameValues)) {
-    return fail(ErrorCode::kTooLarge, "{}: {} x {} x {} voxels is beyond what a volume can hold", where, x, y, z);
+    return fail(ErrorCode::kTooLarge, "{}: {} x {} x {} voxels is beyond what a volume can hold",
+                where, x, y, z);
   }
   if (channels != 1 && channels != 3) {
-    return fail(ErrorCode::kInvalidData, "{}: {} channels; expected 1 (scalar) or 3 (RGB)", where, channels);
+    return fail(ErrorCode::kInvalidData, "{}: {} channels; expected 1 (scalar) or 3 (RGB)", where,
+                channels);
   }
   if (!bounds.min.allFinite() || !bounds.max.allFinite() || bounds.empty()) {
-    return fail(ErrorCode::kInvalidData, "{}: the bounds are empty or not finite; expected min < max on every axis", where);
+    return fail(ErrorCode::kInvalidData,
+                "{}: the bounds are empty or not finite; expected min < max on every axis", where);
   }
   if (static_cast<int>(frameNumbers.size()) != frames || static_cast<int>(times.size()) != frames) {
-    return fail(ErrorCode::kInvalidData, "{}: {} frames, but {} frame numbers and {} times", where, frames,
-                frameNumbers.size(), times.size());
+    return fail(ErrorCode::kInvalidData, "{}: {} frames, but {} frame numbers and {} times", where,
+                frames, frameNumbers.size(), times.size());
   }
   for (int i = 0; i < frames; ++i) {
-    const bool ascending = i == 0 || (frameNumbers[i] > frameNumbers[i - 1] && times[i] > times[i - 1]);
+    const bool ascending =
+        i == 0 || (frameNumbers[i] > frameNumbers[i - 1] && times[i] > times[i - 1]);
     if (!ascending || !std::isfinite(times[i])) {
-      return fail(ErrorCode::kInvalidData, "{}: frame numbers and times must be finite and ascend; frame {} does not", where, i);
+      return fail(ErrorCode::kInvalidData,
+                  "{}: frame numbers and times must be finite and ascend; frame {} does not", where,
+                  i);
     }
   }
   return {};

@@ -13,10 +13,10 @@
 
 namespace volute {
 
-/// The basis functions of a volume: `kBox` is constant in each voxel; `kTrilinear` interpolates between voxel
-/// centres and falls to zero one voxel beyond the outer ones; `kCubic` are B-splines of degree 3 at voxel centres, smooth
-/// to the second derivative, which reach two voxels beyond the outer ones. Splines do not interpolate: they stay within
-/// the range of the values.
+/// The basis functions of a volume: `kBox` is constant in each voxel; `kTrilinear` interpolates
+/// between voxel centres and falls to zero one voxel beyond the outer ones; `kCubic` are B-splines
+/// of degree 3 at voxel centres, smooth to the second derivative, which reach two voxels beyond the
+/// outer ones. Splines do not interpolate: they stay within the range of the values.
 enum class Basis { kBox, kTrilinear, kCubic };
 
 /// "box", "trilinear" or "cubic".
@@ -30,24 +30,29 @@ struct VolumeInfo {
   std::string name = "density";  ///< the grid's name
   std::string unit;              ///< of the values; empty if unknown
   int frames = 0;
-  int z = 0, y = 0, x = 0;  ///< voxels
-  int channels = 1;         ///< 1, or 3 for linear RGB
-  Box3 bounds;              ///< outer voxel faces [m]
+  int z = 0, y = 0, x = 0;        ///< voxels
+  int channels = 1;               ///< 1, or 3 for linear RGB
+  Box3 bounds;                    ///< outer voxel faces [m]
   std::vector<int> frameNumbers;  ///< one per frame, ascending: the numbers of the input
   std::vector<double> times;      ///< [s], one per frame, ascending
   Basis basis = Basis::kBox;
 
   std::size_t voxels() const { return static_cast<std::size_t>(z) * y * x; }
+
   std::size_t frameValues() const { return voxels() * channels; }
+
   std::size_t values() const { return frameValues() * frames; }
+
   std::uint64_t rawBytes() const { return 4ull * values(); }
+
   Vec3 voxelSize() const { return bounds.size().cwiseQuotient(Vec3(x, y, z)); }
 
-  /// The frame shown at `time` [s]: each until the next one; the first before all, the last after all.
+  /// The frame shown at `time` [s]: each until the next one; the first before all, the last after
+  /// all.
   int frameAt(double time) const;
 
-  /// Fills in what an input does not state: frame numbers 0.., times from the first at 0 s with 25 frames/s, and bounds
-  /// with cubic voxels whose longest side is 1 m.
+  /// Fills in what an input does not state: frame numbers 0.., times from the first at 0 s with 25
+  /// frames/s, and bounds with cubic voxels whose longest side is 1 m.
   void fillDefaults();
 
   /// An error that names the field if sizes, bounds, numbers or times are inconsistent.

@@ -51,13 +51,13 @@ inline CellRange occupiedCells(const BrickSlice& slice, const CellGrid& cells) {
 
 /// The eight voxels around a trilinear cell, x fastest.
 inline constexpr std::array<std::array<int, 3>, 8> kCorners{{{-1, -1, -1},
-                                                      {0, -1, -1},
-                                                      {-1, 0, -1},
-                                                      {0, 0, -1},
-                                                      {-1, -1, 0},
-                                                      {0, -1, 0},
-                                                      {-1, 0, 0},
-                                                      {0, 0, 0}}};
+                                                             {0, -1, -1},
+                                                             {-1, 0, -1},
+                                                             {0, 0, -1},
+                                                             {-1, -1, 0},
+                                                             {0, -1, 0},
+                                                             {-1, 0, 0},
+                                                             {0, 0, 0}}};
 
 /// Where a point is in its cell: from 0 to 1 across it on each axis, rounding kept inside.
 inline Vec3 placeInCell(const CellGrid& grid, const std::array<int, 3>& cell, const Vec3& point) {

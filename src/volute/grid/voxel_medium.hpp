@@ -46,8 +46,8 @@ class VoxelMedium {
   /// Exact, in double.
   void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const;
 
-  /// One piece for each voxel (box) or for each cell between eight centres (trilinear, cubic) that is
-  /// not all zero.
+  /// One piece for each voxel (box) or for each cell between eight centres (trilinear, cubic) that
+  /// is not all zero.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
   /// The fast path, in float and SIMD. Closed forms throughout, except for absorbing RGB in the
@@ -78,8 +78,8 @@ class VoxelMedium {
   std::shared_ptr<const BrickSlice> slice_;
   double emissionScale_;
   double extinctionScale_;
-  CellGrid cells_;      // voxels, or the cells between their centres
-  CellRange occupied_;  // the cells of all bricks that are stored
+  CellGrid cells_;                            // voxels, or the cells between their centres
+  CellRange occupied_;                        // the cells of all bricks that are stored
   std::shared_ptr<const MarchGrid> march_;    // null: cubic
   std::shared_ptr<const CubicVoxels> cubic_;  // null: another basis
   std::shared_ptr<Counters> counters_;

@@ -67,7 +67,8 @@ TEST(Srgb, BytesAreThoseOfTheFormulaWhereTheyChange) {
 TEST(Srgb, BytesAreThoseOfTheFormulaForAnyFloat) {
   std::mt19937 random(1);
   Image image(1024, 512, 1);
-  for (float& value : image.pixels) value = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
+  for (float& value : image.pixels)
+    value = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
   expectFormula(image);
   std::uniform_real_distribution<float> shown(0, 1.001F);
   for (float& value : image.pixels) value = shown(random);

@@ -14,9 +14,9 @@
 namespace volute {
 namespace {
 
-constexpr int kRowsOfDots = 320;  // a dot for so many rows of the picture
-constexpr double kMaxHigh = 0.22; // of the picture's height, unless letters are smallest
-constexpr double kShade = 0.08;   // of the ground behind the text, linear
+constexpr int kRowsOfDots = 320;   // a dot for so many rows of the picture
+constexpr double kMaxHigh = 0.22;  // of the picture's height, unless letters are smallest
+constexpr double kShade = 0.08;    // of the ground behind the text, linear
 constexpr double kInk = 0.9;
 
 /// In dots.

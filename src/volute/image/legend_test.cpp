@@ -38,7 +38,8 @@ TEST(Legend, FitsIntoPicturesOfEverySize) {
       EXPECT_LE(layout.y + layout.height, height);
       EXPECT_LT(layout.barWidth, layout.width);
       for (const std::string& line : layout.lines)
-        EXPECT_LT(textSize(line, TextStyle::ofDots(layout.dot)).width, layout.width) << width << ": " << line;
+        EXPECT_LT(textSize(line, TextStyle::ofDots(layout.dot)).width, layout.width)
+            << width << ": " << line;
     }
   }
 }

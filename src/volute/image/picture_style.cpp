@@ -55,8 +55,7 @@ const Matrix& agxOut() {
 /// The sigmoid over a logarithmic scale of 16.5 stops, 10 of them below middle grey.
 double agxCurve(double light) {
   constexpr double kMin = -12.47393, kMax = 4.026069;
-  const double x =
-      std::clamp((std::log2(std::max(light, 1e-10)) - kMin) / (kMax - kMin), 0.0, 1.0);
+  const double x = std::clamp((std::log2(std::max(light, 1e-10)) - kMin) / (kMax - kMin), 0.0, 1.0);
   return ((((((15.5 * x - 40.14) * x + 31.96) * x - 6.868) * x + 0.4298) * x) + 0.1191) * x -
          0.00232;
 }
@@ -174,8 +173,7 @@ Image withGlow(const Image& image, double share) {
     for (std::size_t i = 0; i < pixels; ++i)
       out.pixels[i * channels + c] = static_cast<float>((1 - share) * plane[i]);
     for (const double deviation : kDeviations) {
-      const auto spread =
-          blurredWide(plane, image.width, image.height, deviation * image.height);
+      const auto spread = blurredWide(plane, image.width, image.height, deviation * image.height);
       for (std::size_t i = 0; i < pixels; ++i)
         out.pixels[i * channels + c] += static_cast<float>(share / 3) * spread[i];
     }
@@ -191,25 +189,25 @@ void dither(Image& image) {
     return shown;
   }();
   constexpr double kRight = 0.7548776662466927, kDown = 0.5698402909980532, kChannel = 1 / 3.0;
-  parallelRanges(static_cast<std::size_t>(image.height), 16,
-                 [&](std::size_t begin, std::size_t end) {
-    for (std::size_t y = begin; y < end; ++y) {
-      for (int x = 0; x < image.width; ++x) {
-        for (int c = 0; c < image.channels; ++c) {
-          const double place = kRight * x + kDown * static_cast<double>(y) + kChannel * c;
-          const double threshold = place - std::floor(place);
-          float& value = image.at(x, static_cast<int>(y), c);
-          // The rounding of what a display shows as it is must not push it to its neighbour.
-          constexpr double kRounding = 1e-4;
-          const double level = 255 * srgbEncode(value);
-          const double whole = std::floor(level + kRounding);
-          const double rest = std::max(level - whole, 0.0);
-          const double shown = whole + (rest > kRounding && rest > threshold ? 1 : 0);
-          value = kShown[static_cast<std::size_t>(std::min(shown, 255.0))];
+  parallelRanges(
+      static_cast<std::size_t>(image.height), 16, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+          for (int x = 0; x < image.width; ++x) {
+            for (int c = 0; c < image.channels; ++c) {
+              const double place = kRight * x + kDown * static_cast<double>(y) + kChannel * c;
+              const double threshold = place - std::floor(place);
+              float& value = image.at(x, static_cast<int>(y), c);
+              // The rounding of what a display shows as it is must not push it to its neighbour.
+              constexpr double kRounding = 1e-4;
+              const double level = 255 * srgbEncode(value);
+              const double whole = std::floor(level + kRounding);
+              const double rest = std::max(level - whole, 0.0);
+              const double shown = whole + (rest > kRounding && rest > threshold ? 1 : 0);
+              value = kShown[static_cast<std::size_t>(std::min(shown, 255.0))];
+            }
+          }
         }
-      }
-    }
-  });
+      });
 }
 
 Image developed(Image light, const PictureStyle& style) {
@@ -219,17 +217,16 @@ Image developed(Image light, const PictureStyle& style) {
     light = withGlow(light, style.glow);
   if (style.tone != ToneCurve::kNone) {
     const auto channels = static_cast<std::size_t>(light.channels);
-    parallelRanges(light.pixels.size() / channels, 1 << 13,
-                   [&](std::size_t begin, std::size_t end) {
-                     for (std::size_t i = begin; i < end; ++i) {
-                       float* pixel = &light.pixels[i * channels];
-                       const Rgb shown =
-                           toneMapped(style.tone, {pixel[0], pixel[channels > 2 ? 1 : 0],
-                                                   pixel[channels > 2 ? 2 : 0]});
-                       for (std::size_t c = 0; c < channels; ++c)
-                         pixel[c] = static_cast<float>(shown[static_cast<Eigen::Index>(c)]);
-                     }
-                   });
+    parallelRanges(
+        light.pixels.size() / channels, 1 << 13, [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) {
+            float* pixel = &light.pixels[i * channels];
+            const Rgb shown = toneMapped(
+                style.tone, {pixel[0], pixel[channels > 2 ? 1 : 0], pixel[channels > 2 ? 2 : 0]});
+            for (std::size_t c = 0; c < channels; ++c)
+              pixel[c] = static_cast<float>(shown[static_cast<Eigen::Index>(c)]);
+          }
+        });
   }
   if (style.dither)
     dither(light);

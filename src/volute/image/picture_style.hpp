@@ -53,14 +53,14 @@ void dither(Image& image);
 /// All steps: RGB, or one channel, which is light without colour.
 Image developed(Image light, const PictureStyle& style);
 
-/// 1 for each pixel of a picture, as a display shows it, at which there is an edge: a channel that is
-/// more than 12 of 255 levels off the line through its neighbours on both sides.
+/// 1 for each pixel of a picture, as a display shows it, at which there is an edge: a channel that
+/// is more than 12 of 255 levels off the line through its neighbours on both sides.
 std::vector<std::uint8_t> edgePixels(const Image& shown);
 
-/// The exposure at which the light below which `share` of all light of `pictures` lies is shown as 1
-/// where it is clipped, and bright under a tone curve, or half of what is lit not brighter than in
-/// the middle, if that is darker; 1 where there is no light.
-/// `pictures`: of one sequence, which has one exposure.
+/// The exposure at which the light below which `share` of all light of `pictures` lies is shown as
+/// 1 where it is clipped, and bright under a tone curve, or half of what is lit not brighter than
+/// in the middle, if that is darker; 1 where there is no light. `pictures`: of one sequence, which
+/// has one exposure.
 double suggestExposure(const std::vector<Image>& pictures, ToneCurve tone, double share = 0.99);
 
 }  // namespace volute

@@ -23,8 +23,8 @@ std::vector<PictureTile> pictureTiles(int width, int height, int about) {
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const int left = column * width / columns, top = row * height / rows;
-      tiles.push_back({left, top, (column + 1) * width / columns - left,
-                       (row + 1) * height / rows - top});
+      tiles.push_back(
+          {left, top, (column + 1) * width / columns - left, (row + 1) * height / rows - top});
     }
   }
   std::ranges::stable_sort(tiles, {}, [&](const PictureTile& tile) {

@@ -85,21 +85,23 @@ std::vector<std::uint8_t> toSrgb8(const Image& image, double exposure) {
   constexpr std::size_t kGrain = 1 << 16;
   static const SrgbTable table;
   std::vector<std::uint8_t> bytes(image.pixels.size());
-  const std::size_t row = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels);
+  const std::size_t row =
+      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels);
   const auto rows = static_cast<std::size_t>(image.height);
-  parallelRanges(rows, kGrain / std::max<std::size_t>(row, 1) + 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t y = first; y < last; ++y) {
-      const float* from = image.pixels.data() + y * row;
-      std::uint8_t* to = bytes.data() + y * row;
-      if (y > first && std::memcmp(from, from - row, row * sizeof(float)) == 0) {
-        std::copy_n(to - row, row, to);  // as in drawings
-      } else if (exposure == 1) {
-        for (std::size_t i = 0; i < row; ++i) to[i] = table(from[i]);
-      } else {
-        for (std::size_t i = 0; i < row; ++i) to[i] = srgbByte(exposure * from[i]);
-      }
-    }
-  });
+  parallelRanges(rows, kGrain / std::max<std::size_t>(row, 1) + 1,
+                 [&](std::size_t first, std::size_t last) {
+                   for (std::size_t y = first; y < last; ++y) {
+                     const float* from = image.pixels.data() + y * row;
+                     std::uint8_t* to = bytes.data() + y * row;
+                     if (y > first && std::memcmp(from, from - row, row * sizeof(float)) == 0) {
+                       std::copy_n(to - row, row, to);  // as in drawings
+                     } else if (exposure == 1) {
+                       for (std::size_t i = 0; i < row; ++i) to[i] = table(from[i]);
+                     } else {
+                       for (std::size_t i = 0; i < row; ++i) to[i] = srgbByte(exposure * from[i]);
+                     }
+                   }
+                 });
   return bytes;
 }
 

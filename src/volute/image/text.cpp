@@ -17,8 +17,8 @@
 namespace volute {
 namespace {
 
-constexpr double kLineHeight = 1.25;      // of the em: from the highest letter to the lowest
-constexpr double kBaseline = 0.93;  // of the em, below the top
+constexpr double kLineHeight = 1.25;  // of the em: from the highest letter to the lowest
+constexpr double kBaseline = 0.93;    // of the em, below the top
 constexpr double kMonoAdvance = 0.602;
 constexpr double kUnit = 64;  // FreeType's, in a pixel
 
@@ -103,7 +103,8 @@ bool coverText(std::string_view text, double x, double y, const TextStyle& style
         const auto cover = dots.buffer[static_cast<std::ptrdiff_t>(row) * dots.pitch + column];
         if (cover > 0) {
           put(static_cast<int>(left) + glyph->bitmap_left + static_cast<int>(column),
-              static_cast<int>(baseline) - glyph->bitmap_top + static_cast<int>(row), cover / 255.0);
+              static_cast<int>(baseline) - glyph->bitmap_top + static_cast<int>(row),
+              cover / 255.0);
         }
       }
     }
@@ -141,9 +142,9 @@ std::optional<std::string> fontFile(Typeface face) {
   const std::string dejavu = mono ? "DejaVuSansMono.ttf" : "DejaVuSans.ttf";
   const std::string noto = mono ? "NotoSansMono-Regular.ttf" : "NotoSans-Regular.ttf";
   for (const std::string& file :
-       {std::string(named ? named : "") + "/" + dejavu, "/usr/share/fonts/truetype/dejavu/" + dejavu,
-        "/usr/share/fonts/TTF/" + dejavu, "/usr/share/fonts/dejavu/" + dejavu,
-        "/usr/share/fonts/dejavu-sans-fonts/" + dejavu,
+       {std::string(named ? named : "") + "/" + dejavu,
+        "/usr/share/fonts/truetype/dejavu/" + dejavu, "/usr/share/fonts/TTF/" + dejavu,
+        "/usr/share/fonts/dejavu/" + dejavu, "/usr/share/fonts/dejavu-sans-fonts/" + dejavu,
         "/usr/share/fonts/dejavu-sans-mono-fonts/" + dejavu,
         "/usr/share/fonts/truetype/noto/" + noto}) {
     std::error_code unknown;
@@ -161,12 +162,15 @@ TextSize textSize(std::string_view text, const TextStyle& style) {
   const auto wide = advanceOf(text, style);
   if (!wide)
     return textSize(text, dotsOf(style));
-  return {static_cast<int>(std::ceil(*wide - 1e-6)), static_cast<int>(std::ceil(kLineHeight * style.size))};
+  return {static_cast<int>(std::ceil(*wide - 1e-6)),
+          static_cast<int>(std::ceil(kLineHeight * style.size))};
 }
 
 void drawText(Image& image, std::string_view text, double x, double y, const TextStyle& style,
               const Rgb& color) {
-  const auto put = [&](int column, int row, double cover) { blend(image, column, row, cover, color); };
+  const auto put = [&](int column, int row, double cover) {
+    blend(image, column, row, cover, color);
+  };
   if (!coverText(text, x, y, style, put)) {
     drawText(image, text, static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)),
              dotsOf(style), color);

@@ -51,7 +51,7 @@ bool confineFiles(std::span<const std::filesystem::path> readable) {
   for (const auto& path : readable) {
     // Without the right to read a folder its files may still be open to us.
     const int place = ::open(path.c_str(), O_PATH | O_CLOEXEC);
-    struct stat status {};
+    struct stat status{};
     if (place < 0 || ::fstat(place, &status) != 0)
       continue;  // whoever reads it will say that it is not there
     landlock_path_beneath_attr rule{};
@@ -73,8 +73,7 @@ bool confineFiles(std::span<const std::filesystem::path> readable) {
 /// All but the right to read what belongs to others, without which root could not read the files of
 /// users; that what may be read is little is Landlock's part.
 void dropCapabilities() {
-  constexpr std::uint32_t kKept =
-      (1U << CAP_DAC_OVERRIDE) | (1U << CAP_DAC_READ_SEARCH);
+  constexpr std::uint32_t kKept = (1U << CAP_DAC_OVERRIDE) | (1U << CAP_DAC_READ_SEARCH);
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
   __user_cap_data_struct data[2] = {};
   if (::syscall(SYS_capget, &header, data) != 0)
@@ -109,8 +108,8 @@ class SyscallFilter {
     // What another architecture has and this one has not is negative.
     if (call < 0)
       return;
-    good_ = good_ && ::seccomp_rule_add(context_, action, call, sizeof...(conditions),
-                                        conditions...) == 0;
+    good_ = good_ &&
+            ::seccomp_rule_add(context_, action, call, sizeof...(conditions), conditions...) == 0;
   }
 
   bool load() {
@@ -126,8 +125,8 @@ class SyscallFilter {
 constexpr int kFree[] = {
     // files that are open, and what there is
     SCMP_SYS(read), SCMP_SYS(readv), SCMP_SYS(pread64), SCMP_SYS(preadv), SCMP_SYS(lseek),
-    SCMP_SYS(fstat), SCMP_SYS(stat), SCMP_SYS(lstat), SCMP_SYS(newfstatat),
-    SCMP_SYS(statx), SCMP_SYS(statfs), SCMP_SYS(fstatfs), SCMP_SYS(access), SCMP_SYS(faccessat),
+    SCMP_SYS(fstat), SCMP_SYS(stat), SCMP_SYS(lstat), SCMP_SYS(newfstatat), SCMP_SYS(statx),
+    SCMP_SYS(statfs), SCMP_SYS(fstatfs), SCMP_SYS(access), SCMP_SYS(faccessat),
     SCMP_SYS(faccessat2), SCMP_SYS(readlink), SCMP_SYS(readlinkat), SCMP_SYS(getdents64),
     SCMP_SYS(getcwd), SCMP_SYS(fadvise64), SCMP_SYS(flock),
     // memory
@@ -141,8 +140,8 @@ constexpr int kFree[] = {
     SCMP_SYS(nanosleep), SCMP_SYS(clock_nanosleep), SCMP_SYS(clock_gettime), SCMP_SYS(clock_getres),
     SCMP_SYS(gettimeofday), SCMP_SYS(time), SCMP_SYS(times), SCMP_SYS(getrandom),
     // signals to itself
-    SCMP_SYS(rt_sigaction), SCMP_SYS(rt_sigprocmask), SCMP_SYS(rt_sigreturn),
-    SCMP_SYS(sigaltstack), SCMP_SYS(restart_syscall),
+    SCMP_SYS(rt_sigaction), SCMP_SYS(rt_sigprocmask), SCMP_SYS(rt_sigreturn), SCMP_SYS(sigaltstack),
+    SCMP_SYS(restart_syscall),
     // about itself
     SCMP_SYS(getpid), SCMP_SYS(gettid), SCMP_SYS(getppid), SCMP_SYS(getuid), SCMP_SYS(geteuid),
     SCMP_SYS(getgid), SCMP_SYS(getegid), SCMP_SYS(getrlimit), SCMP_SYS(getrusage),

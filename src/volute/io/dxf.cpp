@@ -67,9 +67,9 @@ struct Block {
 
 /// [m]; $INSUNITS of the DXF Reference.
 std::optional<double> unitOf(int code) {
-  static constexpr double kUnits[] = {0,      0.0254,    0.3048, 1609.344, 1e-3, 1e-2, 1,   1e3,
-                                      2.54e-8, 2.54e-5,  0.9144, 1e-10,    1e-9, 1e-6, 0.1, 10,
-                                      100};
+  static constexpr double kUnits[] = {0,    0.0254, 0.3048,  1609.344, 1e-3,   1e-2,
+                                      1,    1e3,    2.54e-8, 2.54e-5,  0.9144, 1e-10,
+                                      1e-9, 1e-6,   0.1,     10,       100};
   if (code < 1 || code >= static_cast<int>(std::size(kUnits)))
     return std::nullopt;
   return kUnits[code];
@@ -133,8 +133,7 @@ class DxfReader {
       pair.line = line_ + 1;
       const std::string_view code = nextLine();
       if (!readNumber(code, pair.code)) {
-        return fault(pair.line, "'{}' is no group code; expected an ASCII DXF file",
-                     shown(code));
+        return fault(pair.line, "'{}' is no group code; expected an ASCII DXF file", shown(code));
       }
       if (at_ >= text_.size() && pair.code != 0)
         return fail(ErrorCode::kTruncated, "{}: ends at line {} without EOF; it is cut off",
@@ -146,8 +145,7 @@ class DxfReader {
 
   static std::string shown(std::string_view text) {
     std::string word(text.substr(0, 40));
-    std::ranges::replace_if(
-        word, [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
+    std::ranges::replace_if(word, [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
     return word;
   }
 
@@ -327,9 +325,8 @@ class DxfReader {
       return fail(ErrorCode::kInvalidData, "{}: a line that is nowhere: its blocks are too large",
                   path_.string());
     if (drawing_.lines.size() >= maxMemory_ / 4 / sizeof(DrawnLine)) {
-      return fail(ErrorCode::kTooLarge,
-                  "{}: its lines need more than the {} MiB of memory allowed", path_.string(),
-                  maxMemory_ >> 20);
+      return fail(ErrorCode::kTooLarge, "{}: its lines need more than the {} MiB of memory allowed",
+                  path_.string(), maxMemory_ >> 20);
     }
     drawing_.lines.push_back(line);
     return {};

@@ -67,8 +67,10 @@ double lengthOf(const DxfDrawing& drawing) {
 }
 
 TEST_F(Dxf, linesAndTheirUnit) {
-  const std::string header = pairs("0 SECTION 2 HEADER 9 $ACADVER 1 AC1015 9 $INSUNITS 70 4 0 ENDSEC");
-  const auto drawing = drawn(fileOf(pairs("0 LINE 8 walls 10 1 20 2 30 9 11 3.5 21 -4e1 31 9"), header));
+  const std::string header =
+      pairs("0 SECTION 2 HEADER 9 $ACADVER 1 AC1015 9 $INSUNITS 70 4 0 ENDSEC");
+  const auto drawing =
+      drawn(fileOf(pairs("0 LINE 8 walls 10 1 20 2 30 9 11 3.5 21 -4e1 31 9"), header));
   ASSERT_EQ(drawing.lines.size(), 1u);
   EXPECT_EQ(drawing.lines[0].from, Vec2(1, 2));
   EXPECT_EQ(drawing.lines[0].to, Vec2(3.5, -40));
@@ -103,20 +105,24 @@ TEST_F(Dxf, bulgesAreArcs) {
   for (const DrawnLine& line : half.lines) low = std::min(low, line.to.y());
   EXPECT_NEAR(low, -1, 1e-3);
   // A quarter: tan(90 / 4 degrees).
-  const auto quarter = drawn(fileOf(pairs("0 LWPOLYLINE 70 0 10 1 20 0 42 0.41421356237309503 10 0 20 1")));
+  const auto quarter =
+      drawn(fileOf(pairs("0 LWPOLYLINE 70 0 10 1 20 0 42 0.41421356237309503 10 0 20 1")));
   EXPECT_LT(farthest(quarter, Vec2(0, 0), 1), 1 / 1999.0);
 }
 
 TEST_F(Dxf, oldPolylinesHaveTheirPointsAsEntities) {
-  const auto drawing = drawn(fileOf(pairs("0 POLYLINE 66 1 70 1 10 0 20 0 0 VERTEX 10 1 20 1 0 VERTEX 10 4 20 1 "
-                                          "0 VERTEX 10 4 20 5 0 SEQEND")));
+  const auto drawing =
+      drawn(fileOf(pairs("0 POLYLINE 66 1 70 1 10 0 20 0 0 VERTEX 10 1 20 1 0 VERTEX 10 4 20 1 "
+                         "0 VERTEX 10 4 20 5 0 SEQEND")));
   ASSERT_EQ(drawing.lines.size(), 3u);
   EXPECT_DOUBLE_EQ(lengthOf(drawing), 3 + 4 + 5);
-  EXPECT_THAT(refusal(fileOf(pairs("0 VERTEX 10 1 20 1"))), HasSubstr("a VERTEX without its POLYLINE"));
+  EXPECT_THAT(refusal(fileOf(pairs("0 VERTEX 10 1 20 1"))),
+              HasSubstr("a VERTEX without its POLYLINE"));
 }
 
 TEST_F(Dxf, ellipsesHaveTheirAxes) {
-  const auto drawing = drawn(fileOf(pairs("0 ELLIPSE 10 1 20 1 11 0 21 3 40 0.5 41 0 42 6.283185307179586")));
+  const auto drawing =
+      drawn(fileOf(pairs("0 ELLIPSE 10 1 20 1 11 0 21 3 40 0.5 41 0 42 6.283185307179586")));
   for (const DrawnLine& line : drawing.lines) {
     const Vec2 p = line.from - Vec2(1, 1);
     EXPECT_NEAR(p.y() * p.y() / 9 + p.x() * p.x() / 2.25, 1, 1e-12);
@@ -125,26 +131,33 @@ TEST_F(Dxf, ellipsesHaveTheirAxes) {
 
 TEST_F(Dxf, splinesFollowTheirControlPoints) {
   // A rational quadratic that is a quarter of a circle.
-  const auto drawing = drawn(fileOf(pairs("0 SPLINE 71 2 40 0 40 0 40 0 40 1 40 1 40 1 41 1 41 0.7071067811865476 41 1 "
-                                          "10 1 20 0 10 1 20 1 10 0 20 1")));
+  const auto drawing = drawn(
+      fileOf(pairs("0 SPLINE 71 2 40 0 40 0 40 0 40 1 40 1 40 1 41 1 41 0.7071067811865476 41 1 "
+                   "10 1 20 0 10 1 20 1 10 0 20 1")));
   EXPECT_EQ(drawing.lines.size(), 16u);
   for (const DrawnLine& line : drawing.lines) EXPECT_NEAR(line.to.norm(), 1, 1e-12);
   // Given by what it passes alone.
   EXPECT_EQ(drawn(fileOf(pairs("0 SPLINE 71 3 11 0 21 0 11 1 21 0 11 1 21 1"))).lines.size(), 2u);
-  EXPECT_THAT(refusal(fileOf(pairs("0 SPLINE 71 3 40 0 40 1 10 1 20 1"))), HasSubstr("1 points and 2 knots"));
+  EXPECT_THAT(refusal(fileOf(pairs("0 SPLINE 71 3 40 0 40 1 10 1 20 1"))),
+              HasSubstr("1 points and 2 knots"));
 }
 
 TEST_F(Dxf, blocksAreInsertedTurnedAndStretched) {
-  const std::string blocks = pairs("0 SECTION 2 BLOCKS 0 BLOCK 2 door 10 1 20 0 0 LINE 10 1 20 0 11 2 21 0 0 ENDBLK "
-                                   "0 BLOCK 2 two 10 0 20 0 0 INSERT 2 door 10 0 20 0 0 ENDBLK 0 ENDSEC");
-  const auto drawing = drawn(fileOf(pairs("0 INSERT 2 two 10 5 20 6 41 2 42 3 50 90 70 2 44 10"), blocks));
+  const std::string blocks = pairs(
+      "0 SECTION 2 BLOCKS 0 BLOCK 2 door 10 1 20 0 0 LINE 10 1 20 0 11 2 21 0 0 ENDBLK "
+      "0 BLOCK 2 two 10 0 20 0 0 INSERT 2 door 10 0 20 0 0 ENDBLK 0 ENDSEC");
+  const auto drawing =
+      drawn(fileOf(pairs("0 INSERT 2 two 10 5 20 6 41 2 42 3 50 90 70 2 44 10"), blocks));
   ASSERT_EQ(drawing.lines.size(), 2u);
   EXPECT_LT((drawing.lines[0].from - Vec2(5, 6)).norm(), 1e-12);
   EXPECT_LT((drawing.lines[0].to - Vec2(5, 8)).norm(), 1e-12);
   EXPECT_LT((drawing.lines[1].from - Vec2(5, 16)).norm(), 1e-12) << "columns go along the turned x";
-  EXPECT_THAT(refusal(fileOf(pairs("0 INSERT 2 gate 10 0 20 0"))), HasSubstr("'gate', which is not there"));
-  const std::string ring = pairs("0 SECTION 2 BLOCKS 0 BLOCK 2 a 0 INSERT 2 a 10 0 20 0 0 ENDBLK 0 ENDSEC");
-  EXPECT_THAT(refusal(fileOf(pairs("0 INSERT 2 a 10 0 20 0"), ring)), HasSubstr("blocks within each other"));
+  EXPECT_THAT(refusal(fileOf(pairs("0 INSERT 2 gate 10 0 20 0"))),
+              HasSubstr("'gate', which is not there"));
+  const std::string ring =
+      pairs("0 SECTION 2 BLOCKS 0 BLOCK 2 a 0 INSERT 2 a 10 0 20 0 0 ENDBLK 0 ENDSEC");
+  EXPECT_THAT(refusal(fileOf(pairs("0 INSERT 2 a 10 0 20 0"), ring)),
+              HasSubstr("blocks within each other"));
 }
 
 TEST_F(Dxf, manyCopiesOfNothingEnd) {
@@ -153,7 +166,8 @@ TEST_F(Dxf, manyCopiesOfNothingEnd) {
     blocks += " 0 BLOCK 2 b" + std::to_string(i) + " 0 INSERT 2 b" + std::to_string(i + 1) +
               " 10 0 20 0 70 100 71 100 0 ENDBLK";
   blocks += " 0 BLOCK 2 b8 0 ENDBLK 0 ENDSEC";
-  EXPECT_THAT(refusal(fileOf(pairs("0 INSERT 2 b0 10 0 20 0"), pairs(blocks))), HasSubstr("blocks within blocks counted"));
+  EXPECT_THAT(refusal(fileOf(pairs("0 INSERT 2 b0 10 0 20 0"), pairs(blocks))),
+              HasSubstr("blocks within blocks counted"));
 }
 
 TEST_F(Dxf, whatIsSeenFromBelowIsMirrored) {
@@ -162,11 +176,13 @@ TEST_F(Dxf, whatIsSeenFromBelowIsMirrored) {
 }
 
 TEST_F(Dxf, whatIsHiddenIsNotDrawnAndTheRestIsCounted) {
-  const std::string layers = pairs("0 SECTION 2 TABLES 0 TABLE 2 LAYER 0 LAYER 2 off 70 0 62 -7 0 LAYER 2 cold 70 1 62 7 "
-                                   "0 LAYER 2 on 70 0 62 7 0 ENDTAB 0 ENDSEC");
+  const std::string layers = pairs(
+      "0 SECTION 2 TABLES 0 TABLE 2 LAYER 0 LAYER 2 off 70 0 62 -7 0 LAYER 2 cold 70 1 62 7 "
+      "0 LAYER 2 on 70 0 62 7 0 ENDTAB 0 ENDSEC");
   const std::string line = " 10 0 20 0 11 1 21 1";
-  const auto drawing = drawn(fileOf(pairs("0 LINE 8 off" + line) + pairs("0 LINE 8 cold" + line) + pairs("0 LINE 8 on" + line) +
-                                        pairs("0 LINE 60 1" + line) + pairs("0 LINE 67 1" + line) + pairs("0 TEXT 8 on 1 hall"),
+  const auto drawing = drawn(fileOf(pairs("0 LINE 8 off" + line) + pairs("0 LINE 8 cold" + line) +
+                                        pairs("0 LINE 8 on" + line) + pairs("0 LINE 60 1" + line) +
+                                        pairs("0 LINE 67 1" + line) + pairs("0 TEXT 8 on 1 hall"),
                                     layers));
   EXPECT_EQ(drawing.lines.size(), 1u);
   EXPECT_EQ(drawing.left.at("TEXT"), 1);
@@ -174,7 +190,8 @@ TEST_F(Dxf, whatIsHiddenIsNotDrawnAndTheRestIsCounted) {
 }
 
 TEST_F(Dxf, damagedFilesAreRefusedWithTheirLine) {
-  EXPECT_THAT(refusal(fileOf(pairs("0 LINE 10 x1 20 0 11 1 21 1"))), HasSubstr("line 8: 'x1' is no number (group 10)"));
+  EXPECT_THAT(refusal(fileOf(pairs("0 LINE 10 x1 20 0 11 1 21 1"))),
+              HasSubstr("line 8: 'x1' is no number (group 10)"));
   EXPECT_THAT(refusal(fileOf(pairs("0 LINE 10 nan 20 0 11 1 21 1"))), HasSubstr("is no number"));
   EXPECT_THAT(refusal(fileOf(pairs("0 LINE 10 1e300 20 0 11 1 21 1"))), HasSubstr("is no number"));
   EXPECT_THAT(refusal(fileOf(pairs("0 LINE 10 1"))), HasSubstr("LINE without group 20"));

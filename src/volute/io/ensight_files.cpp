@@ -92,8 +92,8 @@ NamedFile namedFile(const std::vector<std::string>& words, std::size_t names) {
 /// for a word it does not find for a minute.
 bool isSection(const std::vector<std::string>& words) {
   static constexpr std::string_view kSections[] = {
-      "FORMAT", "GEOMETRY", "VARIABLE", "TIME", "FILE", "MATERIAL", "BLOCK_CONTINUATION",
-      "SCRIPTS"};
+      "FORMAT", "GEOMETRY", "VARIABLE",           "TIME",
+      "FILE",   "MATERIAL", "BLOCK_CONTINUATION", "SCRIPTS"};
   return words[0][0] == '#' || std::ranges::find(kSections, words[0]) != std::end(kSections);
 }
 

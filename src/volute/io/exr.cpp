@@ -216,8 +216,8 @@ Status writeExr(const std::filesystem::path& path, const Image& image, const Ima
   std::vector<ImageChannel> channels;
   const auto count = static_cast<std::size_t>(image.channels);
   for (std::size_t c = 0; c < count; ++c) {
-    ImageChannel& channel = channels.emplace_back(
-        ImageChannel{image.channels == 1 ? "Y" : names[c], {}});
+    ImageChannel& channel =
+        channels.emplace_back(ImageChannel{image.channels == 1 ? "Y" : names[c], {}});
     for (std::size_t i = c; i < image.pixels.size(); i += count)
       channel.values.push_back(image.pixels[i]);
   }

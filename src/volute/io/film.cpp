@@ -40,32 +40,30 @@ namespace {
 /// many it passed over.
 Result<ReaderProcess::Serve> serveFilm(std::string_view parameters) {
   VOLUTE_ASSIGN(const FilmPlugin* plugin, loadFilmPlugin());
-  return [plugin, file = std::filesystem::path(parameters),
-          decoder = std::shared_ptr<FilmDecoder>()](
-             std::string_view request, std::span<float> pixels) mutable -> Result<std::string> {
-    if (request == "open") {
-      decoder = plugin->makeDecoder();
-      VOLUTE_ASSIGN(const FilmInfo info, decoder->open(file));
-      return toMessage(info);
-    }
-    if (!decoder)
-      return fail(ErrorCode::kInvalidData, "{}: decoding it failed before", file.string());
-    if (request == "skip") {
-      VOLUTE_ASSIGN(const int skipped, decoder->skip(kSkippedAtOnce));
-      return toMessage(skipped);
-    }
-    VOLUTE_ASSIGN(const bool more, decoder->next(pixels));
-    return std::string(more ? "frame" : "end");
-  };
+  return
+      [plugin, file = std::filesystem::path(parameters), decoder = std::shared_ptr<FilmDecoder>()](
+          std::string_view request, std::span<float> pixels) mutable -> Result<std::string> {
+        if (request == "open") {
+          decoder = plugin->makeDecoder();
+          VOLUTE_ASSIGN(const FilmInfo info, decoder->open(file));
+          return toMessage(info);
+        }
+        if (!decoder)
+          return fail(ErrorCode::kInvalidData, "{}: decoding it failed before", file.string());
+        if (request == "skip") {
+          VOLUTE_ASSIGN(const int skipped, decoder->skip(kSkippedAtOnce));
+          return toMessage(skipped);
+        }
+        VOLUTE_ASSIGN(const bool more, decoder->next(pixels));
+        return std::string(more ? "frame" : "end");
+      };
 }
 
 }  // namespace
 
 struct FilmReader::Impl {
   explicit Impl(const std::filesystem::path& file, std::uint64_t memory)
-      : path(file),
-        maxMemory(memory),
-        process(ReaderJob{serveFilm, file.string(), {file}}) {}
+      : path(file), maxMemory(memory), process(ReaderJob{serveFilm, file.string(), {file}}) {}
 
   Result<std::string> call(std::string_view request, std::size_t values) {
     constexpr std::uint64_t kLibraries = 256 << 20;

@@ -12,8 +12,8 @@ namespace volute {
 namespace {
 
 const LatticeGrid* gridNamed(const LatticeCache& file, const std::string& name) {
-  const auto found =
-      std::ranges::find_if(file.grids, [&](const LatticeGrid& grid) { return grid.frame.grid == name; });
+  const auto found = std::ranges::find_if(
+      file.grids, [&](const LatticeGrid& grid) { return grid.frame.grid == name; });
   return found == file.grids.end() ? nullptr : &*found;
 }
 
@@ -87,8 +87,9 @@ Status GridCache::collect(const std::vector<LatticeCache>& files) {
     VOLUTE_ASSIGN(auto places, latticePlaces(files_, known.frames));
     grid.empty = places.box.empty();
     description.begin = places.box.begin;
-    if (std::ranges::any_of(places.shifts,
-                            [](const auto& shift) { return shift != std::array<std::int64_t, 3>{}; }))
+    if (std::ranges::any_of(places.shifts, [](const auto& shift) {
+          return shift != std::array<std::int64_t, 3>{};
+        }))
       description.shifts = std::move(places.shifts);
     grids_.push_back(std::move(grid));
     known_.push_back(std::move(known));

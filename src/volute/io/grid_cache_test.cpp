@@ -180,8 +180,8 @@ TEST(GridCache, WhatAFileSaysIsNotTrusted) {
   const TempFolder folder;
   CacheInput input;
   GridDescription& grid = input.targets[0].description;
-  const MetadataList odd{{"", "string", "x"},          {"a", "int32", "12345"},
-                         {"b", "no such type", "1"},   {"name", "string", "another"},
+  const MetadataList odd{{"", "string", "x"},           {"a", "int32", "12345"},
+                         {"b", "no such type", "1"},    {"name", "string", "another"},
                          {"c", "__delayedload", "123"}, {"d", "mat4d", ""}};
   grid.metadata.add(&odd);
   grid.metadata.add(&odd);

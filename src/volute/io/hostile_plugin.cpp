@@ -91,8 +91,7 @@ const std::map<std::string, Attempt, std::less<>>& attempts() {
       {"code", [](const char*) { return mapMemory(PROT_READ | PROT_EXEC, MAP_PRIVATE); }},
       {"hoard", [](const char*) { return mapMemory(PROT_READ | PROT_WRITE, MAP_SHARED); }},
       {"rights", [](const char*) { return ::prctl(PR_SET_DUMPABLE, 1); }},
-      {"limit",
-       [](const char*) {
+      {"limit", [](const char*) {
          const rlimit all{RLIM_INFINITY, RLIM_INFINITY};
          return ::setrlimit(RLIMIT_DATA, &all);
        }}};
@@ -119,8 +118,8 @@ class HostileReader final : public LatticeReader {
     return fail(ErrorCode::kIo, "{} was refused: {}", grid, std::strerror(errno));
   }
 
-  Status read(const std::filesystem::path&, const std::string&, const IndexBox&,
-              const IndexBox&, bool, std::span<float>) override {
+  Status read(const std::filesystem::path&, const std::string&, const IndexBox&, const IndexBox&,
+              bool, std::span<float>) override {
     return fail(ErrorCode::kUnsupported, "nothing to read");
   }
 

@@ -22,8 +22,7 @@ inline bool isPicturePath(const std::filesystem::path& path) {
 
 /// How to read a picture.
 struct ImageReadOptions {
-  bool raw =
-      false;  ///< PNG: stored value / maximum, without decoding sRGB; for maps and masks
+  bool raw = false;  ///< PNG: stored value / maximum, without decoding sRGB; for maps and masks
   std::uint64_t maxMemory = std::uint64_t{1} << 30;  ///< [bytes] that the pixels may take
 };
 

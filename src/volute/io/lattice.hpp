@@ -50,22 +50,22 @@ struct GridFacts {
   static constexpr std::size_t kMaxName = 127, kMaxType = 31;
 
   char name[kMaxName + 1] = {};
-  char type[kMaxType + 1] = {};        ///< of a value: "float", "vec3s"
-  char gridClass[kMaxType + 1] = {};   ///< "fog volume", "staggered", "level set"; empty: unknown
-  IndexBox box;                        ///< of voxels that are not empty
-  std::array<double, 3> voxelSize{};   ///< [m]; zeros where voxels are not along the axes
-  std::uint64_t voxels = 0;            ///< that are not empty
-  std::uint64_t memory = 0;            ///< [bytes] in OpenVDB's tree
-  double least = 0, most = 0;          ///< of all values, of all channels; NaN where they are no numbers
-  bool half = false;                   ///< stored as 16-bit floats
-  bool readable = false;               ///< LatticeReader::read() takes it
+  char type[kMaxType + 1] = {};       ///< of a value: "float", "vec3s"
+  char gridClass[kMaxType + 1] = {};  ///< "fog volume", "staggered", "level set"; empty: unknown
+  IndexBox box;                       ///< of voxels that are not empty
+  std::array<double, 3> voxelSize{};  ///< [m]; zeros where voxels are not along the axes
+  std::uint64_t voxels = 0;           ///< that are not empty
+  std::uint64_t memory = 0;           ///< [bytes] in OpenVDB's tree
+  double least = 0, most = 0;  ///< of all values, of all channels; NaN where they are no numbers
+  bool half = false;           ///< stored as 16-bit floats
+  bool readable = false;       ///< LatticeReader::read() takes it
 };
 
 /// What a file of a cache says of one of its grids. Trivially copyable, as LatticeFrame.
 struct GridTraits {
   static constexpr std::size_t kMaxText = 63, kMaxProblem = 127;
 
-  char type[kMaxText + 1] = {};       ///< as in GridDescription, and so are the others
+  char type[kMaxText + 1] = {};  ///< as in GridDescription, and so are the others
   char gridClass[kMaxText + 1] = {};
   char map[kMaxText + 1] = {};
   char problem[kMaxProblem + 1] = {};  ///< why it cannot be kept, "of type int32"; empty: it can
@@ -130,8 +130,8 @@ struct LatticeWriterOptions {
 struct GridFrame {
   const VolumeInfo* info = nullptr;  ///< one with x = 0 is empty
   const GridDescription* description = nullptr;
-  int frame = 0;                     ///< its position
-  std::span<const float> values{};   ///< shape (z, y, x, c)
+  int frame = 0;                    ///< its position
+  std::span<const float> values{};  ///< shape (z, y, x, c)
 };
 
 /// Writes one frame to one file.

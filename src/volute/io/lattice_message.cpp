@@ -99,12 +99,10 @@ Result<LatticeCache> decodeCache(std::string_view message, const std::string& fi
       return cut();
     VOLUTE_ASSIGN(grid.frame, fromMessage<LatticeFrame>(*frame));
     VOLUTE_ASSIGN(grid.traits, fromMessage<GridTraits>(*traits));
-    for (char* end : {&grid.frame.grid[LatticeFrame::kMaxName],
-                      &grid.frame.others[LatticeFrame::kMaxName],
-                      &grid.traits.type[GridTraits::kMaxText],
-                      &grid.traits.gridClass[GridTraits::kMaxText],
-                      &grid.traits.map[GridTraits::kMaxText],
-                      &grid.traits.problem[GridTraits::kMaxProblem]})
+    for (char* end :
+         {&grid.frame.grid[LatticeFrame::kMaxName], &grid.frame.others[LatticeFrame::kMaxName],
+          &grid.traits.type[GridTraits::kMaxText], &grid.traits.gridClass[GridTraits::kMaxText],
+          &grid.traits.map[GridTraits::kMaxText], &grid.traits.problem[GridTraits::kMaxProblem]})
       *end = '\0';
     settleFlag(grid.traits.half);
     if (grid.traits.problem[0] == '\0')

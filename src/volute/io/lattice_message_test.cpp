@@ -75,8 +75,8 @@ TEST(LatticeMessage, FramesThatCannotBeAreRefused) {
   EXPECT_TRUE(
       refused([](auto& frame) { frame.origin[2] = std::numeric_limits<double>::infinity(); }));
   // Its absolute value is no int64.
-  EXPECT_TRUE(refused(
-      [](auto& frame) { frame.box.begin[0] = std::numeric_limits<std::int64_t>::min(); }));
+  EXPECT_TRUE(
+      refused([](auto& frame) { frame.box.begin[0] = std::numeric_limits<std::int64_t>::min(); }));
   EXPECT_TRUE(
       refused([](auto& frame) { frame.box.end[0] = std::numeric_limits<std::int64_t>::max(); }));
 }

@@ -22,8 +22,8 @@ struct LatticeFile {
 /// What is known of a grid that is read for a cache.
 struct KnownGrid {
   std::string name;
-  std::vector<LatticeFrame> frames;    ///< of each file; those of files without it have an empty box
-  std::vector<bool> present;           ///< whether each file has the grid
+  std::vector<LatticeFrame> frames;  ///< of each file; those of files without it have an empty box
+  std::vector<bool> present;         ///< whether each file has the grid
   std::array<double, 3> background{};  ///< of each channel, in files without it
 };
 
@@ -46,8 +46,9 @@ struct LatticePlaces {
   std::vector<std::array<std::int64_t, 3>> shifts;
   IndexBox box;
 };
+
 [[nodiscard]] Result<LatticePlaces> latticePlaces(const std::vector<LatticeFile>& files,
-                                             const std::vector<LatticeFrame>& frames);
+                                                  const std::vector<LatticeFrame>& frames);
 
 /// What each file of a cache says, all read in one child process.
 [[nodiscard]] Result<std::vector<LatticeCache>> describeCache(const std::vector<LatticeFile>& files,

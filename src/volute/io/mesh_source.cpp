@@ -109,7 +109,9 @@ std::filesystem::path folderOf(const std::filesystem::path& path) {
 
 ReaderJob meshReader(const std::filesystem::path& path, const std::string& field,
                      const MeshShare& share = {}) {
-  return {serveMesh, path.string() + '\0' + field + '\0' + toMessage(share), {isSpread(path) ? folderOf(path) : path}};
+  return {serveMesh,
+          path.string() + '\0' + field + '\0' + toMessage(share),
+          {isSpread(path) ? folderOf(path) : path}};
 }
 
 /// Bytes of the files below a folder: of the first so many, where a folder has very many.

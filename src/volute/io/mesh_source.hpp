@@ -32,7 +32,7 @@ struct MeshOptions {
   Negatives negatives = Negatives::kRefuse;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes], for reading one frame
   std::uint64_t perTet = 0;  ///< additional bytes of maxMemory that the caller needs per tet
-  MeshShare share{};  ///< of the pieces of a .pvtu; shared points are in each piece
+  MeshShare share{};         ///< of the pieces of a .pvtu; shared points are in each piece
 };
 
 /// The contents of a case at one stored time, for all its fields.

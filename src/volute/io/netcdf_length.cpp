@@ -74,8 +74,7 @@ class HeaderReader {
     std::string text(std::min(length, kMax), ' ');
     VOLUTE_TRY(file_.read(at_, std::as_writable_bytes(std::span(text))));
     at_ += padded(length);
-    std::ranges::replace_if(
-        text, [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
+    std::ranges::replace_if(text, [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
     return text;
   }
 

@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/netcdf_length.hpp"
 
-#include <gmock/gmock.h>
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "volute/io/testing.hpp"

@@ -136,12 +136,13 @@ class NpySequence final : public FrameSource {
     if (one.frames == 1 && one.x == info_.x && one.y == info_.y && one.z == info_.z &&
         one.channels == info_.channels)
       return {};
-    return fail(ErrorCode::kInvalidData,
-                "{}: holds {} frame{} of {} x {} x {} voxels with {} channel{}; expected one of {} x {} "
-                "x {} with {}, as {} has",
-                path.string(), one.frames, one.frames == 1 ? "" : "s", one.x, one.y, one.z,
-                one.channels, one.channels == 1 ? "" : "s", info_.x, info_.y, info_.z,
-                info_.channels, files_.front().path.filename().string());
+    return fail(
+        ErrorCode::kInvalidData,
+        "{}: holds {} frame{} of {} x {} x {} voxels with {} channel{}; expected one of {} x {} "
+        "x {} with {}, as {} has",
+        path.string(), one.frames, one.frames == 1 ? "" : "s", one.x, one.y, one.z, one.channels,
+        one.channels == 1 ? "" : "s", info_.x, info_.y, info_.z, info_.channels,
+        files_.front().path.filename().string());
   }
 
  private:

@@ -17,8 +17,8 @@ namespace volute {
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
                                                            const SourceOptions& options);
 
-/// Numbered arrays as a sequence, a frame each: (z, y, x), or with one frame as above. All must have
-/// the same size.
+/// Numbered arrays as a sequence, a frame each: (z, y, x), or with one frame as above. All must
+/// have the same size.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> openNpySequence(
     const std::vector<NumberedFile>& files, const SourceOptions& options);
 

@@ -231,13 +231,15 @@ TEST(NpySequence, NumberedFilesAreItsFrames) {
   ASSERT_TRUE(ok(writeAll(folder / "g_0001.npy", makeBlob(1, 4, 5, 6, 3))));
   const auto two = readSequence(folder.path());
   ASSERT_FALSE(two);
-  EXPECT_NE(two.error().message.find("f_####.npy (3 files) and g_####.npy (1 file)"), std::string::npos)
+  EXPECT_NE(two.error().message.find("f_####.npy (3 files) and g_####.npy (1 file)"),
+            std::string::npos)
       << two.error().message;
   std::filesystem::remove(folder / "g_0001.npy");
   ASSERT_TRUE(ok(writeAll(folder / "f_0013.npy", makeBlob(1, 4, 5, 7, 3))));
   const auto odd = readSequence(folder.path());
   ASSERT_FALSE(odd);
-  EXPECT_NE(odd.error().message.find("f_0013.npy: holds 1 frame of 7 x 5 x 4 voxels"), std::string::npos)
+  EXPECT_NE(odd.error().message.find("f_0013.npy: holds 1 frame of 7 x 5 x 4 voxels"),
+            std::string::npos)
       << odd.error().message;
   writeBytes(folder / "a_0001.vdb", "x");
   EXPECT_EQ(readSequence(folder.path()).error().code, ErrorCode::kInvalidArgument);

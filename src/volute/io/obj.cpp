@@ -93,8 +93,7 @@ bool isOneOf(std::string_view word, std::span<const std::string_view> words) {
 std::string unknownWord(std::string_view word, std::span<const std::string_view> words) {
   const auto near = nearest(word, words);
   std::string shown(word.substr(0, 40));
-  std::ranges::replace_if(
-      shown, [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
+  std::ranges::replace_if(shown, [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
   return fmt::format("'{}' is no statement{}", shown,
                      near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
 }

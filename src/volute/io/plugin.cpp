@@ -36,8 +36,8 @@ bool ofThisBuild(void* library) {
          std::string_view(reinterpret_cast<const char* (*)()>(symbol)()) == kPluginInterface;
 }
 
-/// Whether a library ends where it says: the loader maps one that was cut off, and using it is a bus
-/// error.
+/// Whether a library ends where it says: the loader maps one that was cut off, and using it is a
+/// bus error.
 bool isCutOff(const std::filesystem::path& file) {
   ElfW(Ehdr) header{};
   std::ifstream stream(file, std::ios::binary);

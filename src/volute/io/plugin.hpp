@@ -12,9 +12,9 @@ namespace volute {
 
 /// The parts of this library with heavy dependencies are plug-ins, loaded at the first use: a
 /// program that reads no VTK file neither waits for VTK nor carries it. They lie in the
-/// folder that the environment's VOLUTE_PLUGIN_FOLDER names, in lib/volute beside the program's bin,
-/// or where the library was to be installed when it was configured. An error says when this build
-/// has none, or the plug-in that is there is of another one.
+/// folder that the environment's VOLUTE_PLUGIN_FOLDER names, in lib/volute beside the program's
+/// bin, or where the library was to be installed when it was configured. An error says when this
+/// build has none, or the plug-in that is there is of another one.
 [[nodiscard]] Result<const LatticePlugin*> loadVdbPlugin();
 [[nodiscard]] Result<const LatticePlugin*> loadVtkPlugin();
 [[nodiscard]] Result<const MeshPlugin*> loadVtkMeshPlugin();
@@ -22,8 +22,8 @@ namespace volute {
 [[nodiscard]] Result<const SurfacePlugin*> loadGltfPlugin();
 [[nodiscard]] Result<const FilmPlugin*> loadFilmPlugin();
 
-/// What `function` of another plug-in, lib/volute/NAME.so, returns, of whatever build it is: what it
-/// returns must say. `library` is what it needs, for the error.
+/// What `function` of another plug-in, lib/volute/NAME.so, returns, of whatever build it is: what
+/// it returns must say. `library` is what it needs, for the error.
 [[nodiscard]] Result<const void*> loadPlugin(const char* name, const char* function,
                                              const char* library);
 

@@ -156,7 +156,8 @@ bool encodePng(png_structp png, png_infop info, std::vector<png_text>& texts, Pn
     png_set_gAMA(png, info, 1.0);
   if (!texts.empty())
     png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
-  if (isFlat(state)) {  // libpng's choice of filters takes 4 times as long, for a tenth of the bytes
+  if (isFlat(
+          state)) {  // libpng's choice of filters takes 4 times as long, for a tenth of the bytes
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
     png_set_compression_level(png, 3);
   }
@@ -278,8 +279,8 @@ Status writePngMap(const std::filesystem::path& path, const Image& map) {
   PngState state = stateOf(map, 16);
   state.pixels.resize(2 * map.pixels.size());
   for (std::size_t i = 0; i < map.pixels.size(); ++i) {
-    const auto value = static_cast<std::uint16_t>(
-        std::lround(kLargest * std::clamp<double>(map.pixels[i], 0, 1)));
+    const auto value =
+        static_cast<std::uint16_t>(std::lround(kLargest * std::clamp<double>(map.pixels[i], 0, 1)));
     std::memcpy(&state.pixels[2 * i], &value, sizeof value);
   }
   layOutRows(state, 2 * std::size_t{state.width} * map.channels);

@@ -89,7 +89,8 @@ Result<VolumeInfo> infoOf(const InputFile& file, const SourceOptions& options,
   std::uint64_t bytes = sizeOf(raw.type);
   bool possible = info.channels == 1 || info.channels == 3;
   for (const int extent : {info.x, info.y, info.z, info.channels})
-    possible = possible && extent > 0 && !__builtin_mul_overflow(bytes, std::uint64_t(extent), &bytes);
+    possible =
+        possible && extent > 0 && !__builtin_mul_overflow(bytes, std::uint64_t(extent), &bytes);
   if (!possible || bytes > std::uint64_t{1} << 60) {
     return fail(ErrorCode::kInvalidArgument,
                 "{}: a raw frame of {} x {} x {} voxels with {} channels; expected sizes of 1 or "
@@ -187,8 +188,9 @@ class RawSource final : public FrameSource {
 Status checkNoGrid(const std::filesystem::path& path, const SourceOptions& options) {
   if (options.grid.empty())
     return {};
-  return fail(ErrorCode::kInvalidArgument, "{}: a raw file has no named grids; leave out --field {}",
-              path.string(), options.grid);
+  return fail(ErrorCode::kInvalidArgument,
+              "{}: a raw file has no named grids; leave out --field {}", path.string(),
+              options.grid);
 }
 
 }  // namespace

@@ -14,9 +14,10 @@
 
 namespace volute {
 
-/// Files of values and nothing else, as `options.raw` says: numbered files with a frame each, or one
-/// with all of them, (t, z, y, x, c) in C order. Each file must have as many bytes as that takes; of
-/// a single one they give the number of frames. Reads little more than what it is asked for.
+/// Files of values and nothing else, as `options.raw` says: numbered files with a frame each, or
+/// one with all of them, (t, z, y, x, c) in C order. Each file must have as many bytes as that
+/// takes; of a single one they give the number of frames. Reads little more than what it is asked
+/// for.
 /// @param options  bounds are stated, as of a .npy; kInvalidArgument where `raw` makes no sense
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> openRaw(const std::filesystem::path& path,
                                                            const SourceOptions& options);

@@ -47,20 +47,33 @@ TEST(Raw, AllTypesInBothOrders) {
     std::string little, big;
     std::vector<float> values;
   };
+
   const Case cases[] = {
       {Type::kUint8, bytesOf<std::uint8_t>({0, 255}), bytesOf<std::uint8_t>({0, 255}), {0, 255}},
       {Type::kInt8, bytesOf<std::int8_t>({-128, 7}), bytesOf<std::int8_t>({-128, 7}), {-128, 7}},
-      {Type::kUint16, bytesOf<std::uint16_t>({1, 65535}), bytesOf<std::uint16_t>({1, 65535}, true),
+      {Type::kUint16,
+       bytesOf<std::uint16_t>({1, 65535}),
+       bytesOf<std::uint16_t>({1, 65535}, true),
        {1, 65535}},
-      {Type::kInt16, bytesOf<std::int16_t>({-2, 300}), bytesOf<std::int16_t>({-2, 300}, true),
+      {Type::kInt16,
+       bytesOf<std::int16_t>({-2, 300}),
+       bytesOf<std::int16_t>({-2, 300}, true),
        {-2, 300}},
-      {Type::kUint32, bytesOf<std::uint32_t>({1, 1u << 31}),
-       bytesOf<std::uint32_t>({1, 1u << 31}, true), {1, 0x1p31f}},
-      {Type::kInt32, bytesOf<std::int32_t>({-70000, 3}), bytesOf<std::int32_t>({-70000, 3}, true),
+      {Type::kUint32,
+       bytesOf<std::uint32_t>({1, 1u << 31}),
+       bytesOf<std::uint32_t>({1, 1u << 31}, true),
+       {1, 0x1p31f}},
+      {Type::kInt32,
+       bytesOf<std::int32_t>({-70000, 3}),
+       bytesOf<std::int32_t>({-70000, 3}, true),
        {-70000, 3}},
-      {Type::kFloat16, bytesOf<std::uint16_t>({0x3C00, 0xC000}),
-       bytesOf<std::uint16_t>({0x3C00, 0xC000}, true), {1, -2}},
-      {Type::kFloat32, bytesOf<float>({1.25f, -3e30f}), bytesOf<float>({1.25f, -3e30f}, true),
+      {Type::kFloat16,
+       bytesOf<std::uint16_t>({0x3C00, 0xC000}),
+       bytesOf<std::uint16_t>({0x3C00, 0xC000}, true),
+       {1, -2}},
+      {Type::kFloat32,
+       bytesOf<float>({1.25f, -3e30f}),
+       bytesOf<float>({1.25f, -3e30f}, true),
        {1.25f, -3e30f}},
       {Type::kFloat64, bytesOf<double>({0.1, -2}), bytesOf<double>({0.1, -2}, true), {0.1f, -2}}};
   for (const Case& one : cases) {
@@ -99,7 +112,8 @@ TEST(Raw, LayersOfAFileAndOfNumberedOnesAreThoseOfTheFrame) {
     std::vector<float> part(2 * 4 * 3 * 3);
     ASSERT_TRUE(ok(source->readLayers(2, 3, 5, part)));
     const auto frame = written.frame(2);
-    EXPECT_TRUE(std::equal(part.begin(), part.end(), frame.end() - static_cast<std::ptrdiff_t>(part.size())));
+    EXPECT_TRUE(std::equal(part.begin(), part.end(),
+                           frame.end() - static_cast<std::ptrdiff_t>(part.size())));
   }
 }
 

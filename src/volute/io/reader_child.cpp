@@ -89,8 +89,8 @@ class SharedValues {
       if (memory_)
         ::munmap(memory_, mapped_);
       mapped_ = 0;
-      memory_ = ::mmap(nullptr, count * sizeof(float), PROT_READ | PROT_WRITE, MAP_SHARED, kShared,
-                       0);
+      memory_ =
+          ::mmap(nullptr, count * sizeof(float), PROT_READ | PROT_WRITE, MAP_SHARED, kShared, 0);
       if (memory_ == MAP_FAILED) {
         memory_ = nullptr;
         throw std::bad_alloc();
@@ -146,7 +146,7 @@ struct Parameters {
 
 /// As writeReaderParameters() wrote them: the text, then paths, each ended by a zero byte.
 Parameters readParameters() {
-  struct stat status {};
+  struct stat status{};
   ::fstat(kParameters, &status);
   std::string all(static_cast<std::size_t>(status.st_size), '\0');
   std::uint64_t length = 0;

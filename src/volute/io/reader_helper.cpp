@@ -54,8 +54,8 @@ pid_t forkSibling() {
       break;
     const pid_t child = forkSibling();
     if (child == 0)
-      detail::serveAsReader(request->make, {given[0], given[1], given[2], given[3],
-                                            request->memory});
+      detail::serveAsReader(request->make,
+                            {given[0], given[1], given[2], given[3], request->memory});
     for (const int descriptor : given) ::close(descriptor);
     const auto reply = static_cast<std::int64_t>(child);
     if (!detail::sendReaderMessage(3, {}, toMessage(reply)))

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <string>
 
-#include "volute/base/file_name.hpp"
 #include "volute/base/assert.hpp"
+#include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
 #include "volute/io/obj.hpp"
 #include "volute/io/plugin.hpp"

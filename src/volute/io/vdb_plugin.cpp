@@ -316,7 +316,8 @@ GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid) {
   name.copy(facts.name, GridFacts::kMaxName);
   grid.valueType().copy(facts.type, GridFacts::kMaxType);
   if (grid.getGridClass() != openvdb::GRID_UNKNOWN)
-    openvdb::GridBase::gridClassToString(grid.getGridClass()).copy(facts.gridClass, GridFacts::kMaxType);
+    openvdb::GridBase::gridClassToString(grid.getGridClass())
+        .copy(facts.gridClass, GridFacts::kMaxType);
   facts.box = toIndexBox(grid.evalActiveVoxelBoundingBox());
   LatticeFrame place;
   if (readTransform(grid, name, place))
@@ -335,9 +336,9 @@ GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid) {
 bool isKeptElsewhere(const std::string& name) {
   using openvdb::GridBase;
   return name == GridBase::META_GRID_CLASS || name == GridBase::META_GRID_NAME ||
-         name == GridBase::META_FILE_BBOX_MIN || name == GridBase::META_FILE_BBOX_MAX || name == GridBase::META_FILE_COMPRESSION ||
-         name == GridBase::META_FILE_MEM_BYTES || name == GridBase::META_FILE_VOXEL_COUNT ||
-         name == GridBase::META_FILE_DELAYED_LOAD;
+         name == GridBase::META_FILE_BBOX_MIN || name == GridBase::META_FILE_BBOX_MAX ||
+         name == GridBase::META_FILE_COMPRESSION || name == GridBase::META_FILE_MEM_BYTES ||
+         name == GridBase::META_FILE_VOXEL_COUNT || name == GridBase::META_FILE_DELAYED_LOAD;
 }
 
 constexpr std::array<std::string_view, 17> kMetadataTypes = {
@@ -388,7 +389,8 @@ bool addBackground(const openvdb::GridBase& base, GridTraits& traits) {
   if (!base.isType<Grid>())
     return false;
   float background[3] = {};
-  Channels<typename Grid::ValueType>::store(static_cast<const Grid&>(base).background(), background);
+  Channels<typename Grid::ValueType>::store(static_cast<const Grid&>(base).background(),
+                                            background);
   for (std::size_t c = 0; c < 3; ++c)
     traits.background[c] = std::isfinite(background[c]) ? background[c] : 0;
   return true;
@@ -433,7 +435,8 @@ LatticeGrid describeForCache(VdbFile& file, std::size_t index) {
          addBackground<openvdb::Vec3SGrid>(*tree, traits) ||
          addBackground<openvdb::Vec3DGrid>(*tree, traits));
   traits.voxels = tree->activeVoxelCount();
-  const auto memory = grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_MEM_BYTES);
+  const auto memory =
+      grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_MEM_BYTES);
   traits.memory = memory && memory->value() > 0 ? static_cast<std::uint64_t>(memory->value())
                                                 : tree->memUsage();
   result.metadata = listMetadata(grid);
@@ -588,8 +591,8 @@ typename Grid::Ptr gridOver(const GridDescription& description) {
   const auto& b = description.background;
   if constexpr (Channels<Value>::kCount == 3) {
     using Scalar = typename Value::ValueType;
-    return Grid::create(Value(static_cast<Scalar>(b[0]), static_cast<Scalar>(b[1]),
-                              static_cast<Scalar>(b[2])));
+    return Grid::create(
+        Value(static_cast<Scalar>(b[0]), static_cast<Scalar>(b[1]), static_cast<Scalar>(b[2])));
   } else {
     return Grid::create(static_cast<Value>(b[0]));
   }
@@ -640,10 +643,12 @@ openvdb::math::Transform::Ptr makeCacheTransform(const GridFrame& frame) {
   const auto& size = grid.voxelSize;
   bool sound = true;
   for (int axis = 0; axis < 3; ++axis)
-    sound = sound && size[axis] > 0 && std::isfinite(size[axis]) && std::isfinite(grid.origin[axis]);
+    sound =
+        sound && size[axis] > 0 && std::isfinite(size[axis]) && std::isfinite(grid.origin[axis]);
   if (!sound || grid.map.empty())
     return makeTransform(*frame.info);
-  openvdb::Vec3d scale(size[0], size[1], size[2]), origin(grid.origin[0], grid.origin[1], grid.origin[2]);
+  openvdb::Vec3d scale(size[0], size[1], size[2]),
+      origin(grid.origin[0], grid.origin[1], grid.origin[2]);
   if (!grid.shifts.empty()) {
     const auto& shift = grid.shifts[static_cast<std::size_t>(frame.frame)];
     for (int axis = 0; axis < 3; ++axis)
@@ -677,8 +682,9 @@ Result<Index3> beginOf(const GridFrame& frame, const std::string& target) {
         grid.shifts.empty() ? 0 : grid.shifts[static_cast<std::size_t>(frame.frame)][axis];
     const std::int64_t first = grid.map.empty() ? 0 : grid.begin[axis] - shift;
     if (first < -kFarthest || first > kFarthest) {
-      return fail(ErrorCode::kInvalidData, "{}: grid '{}' begins at voxel {}, too far to be written",
-                  target, frame.info->name, first);
+      return fail(ErrorCode::kInvalidData,
+                  "{}: grid '{}' begins at voxel {}, too far to be written", target,
+                  frame.info->name, first);
     }
     begin[axis] = static_cast<int>(first);
   }
@@ -726,9 +732,9 @@ class VdbWriter final : public LatticeWriter {
         VOLUTE_ASSIGN(const Index3 begin, beginOf(frame, target.string()));
         const bool vectors = frame.info->channels == 3;
         const bool doubles = description.type == (vectors ? "vec3d" : "double");
-        const auto grid = vectors ? doubles ? makeCacheGrid<openvdb::Vec3DGrid>(frame, begin)
-                                            : makeCacheGrid<openvdb::Vec3SGrid>(frame, begin)
-                          : doubles ? makeCacheGrid<openvdb::DoubleGrid>(frame, begin)
+        const auto grid = vectors   ? doubles ? makeCacheGrid<openvdb::Vec3DGrid>(frame, begin)
+                                              : makeCacheGrid<openvdb::Vec3SGrid>(frame, begin)
+                            : doubles ? makeCacheGrid<openvdb::DoubleGrid>(frame, begin)
                                     : makeCacheGrid<openvdb::FloatGrid>(frame, begin);
         if (const MetadataList* own = description.metadata.at(frame.frame))
           putMetadata(*own, *grid);
@@ -745,10 +751,10 @@ class VdbWriter final : public LatticeWriter {
       if (metadata)
         putMetadata(*metadata, ofFile);
       VdbOutput(options_.zip).writeTo(stream, grids, ofFile);
-      overwriteIdentifier(stream, content,
-                          frames.empty() ? 0
-                                         : frames[0].info->frameNumbers[static_cast<std::size_t>(
-                                               frames[0].frame)]);
+      overwriteIdentifier(
+          stream, content,
+          frames.empty() ? 0
+                         : frames[0].info->frameNumbers[static_cast<std::size_t>(frames[0].frame)]);
       return {};
     });
   }

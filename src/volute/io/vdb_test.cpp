@@ -74,8 +74,9 @@ TEST(Vdb, LayersAreThoseOfTheFrame) {
       for (const auto& [first, end] : {std::pair{0, 16}, {16, 32}, {3, 4}, {13, 37}}) {
         std::vector<float> part(layer * static_cast<std::size_t>(end - first));
         ASSERT_TRUE(ok(source->readLayers(1, first, end, part)));
-        EXPECT_TRUE(std::equal(part.begin(), part.end(),
-                               written.frame(1).begin() + static_cast<std::ptrdiff_t>(layer * first)))
+        EXPECT_TRUE(
+            std::equal(part.begin(), part.end(),
+                       written.frame(1).begin() + static_cast<std::ptrdiff_t>(layer * first)))
             << first << ' ' << end;
       }
     }

@@ -15,7 +15,7 @@ namespace volute {
 
 /// How to write a volume.
 struct SinkOptions {
-  bool half = false;  ///< OpenVDB: store values as 16-bit floats
+  bool half = false;      ///< OpenVDB: store values as 16-bit floats
   bool orVolute = false;  ///< the caller writes .volute files: an error names them too
 };
 
@@ -50,7 +50,6 @@ class CacheSink {
 /// frame), each with all `grids`.
 /// @param fileMetadata  metadata of each file
 [[nodiscard]] Result<std::unique_ptr<CacheSink>> createCacheSink(
-    const std::filesystem::path& output, std::vector<GridTarget> grids,
-    FrameMetadata fileMetadata);
+    const std::filesystem::path& output, std::vector<GridTarget> grids, FrameMetadata fileMetadata);
 
 }  // namespace volute

@@ -49,7 +49,8 @@ Result<std::vector<LatticeFile>> listCollection(const std::filesystem::path& pat
                   path.string(), entry.time, *files.back().time);
     }
     if (entry.path.extension() != ".vti") {
-      return fail(ErrorCode::kUnsupported, "{}: names {}; expected a collection of .vti files, or of .vtu or .pvtu files",
+      return fail(ErrorCode::kUnsupported,
+                  "{}: names {}; expected a collection of .vti files, or of .vtu or .pvtu files",
                   path.string(), entry.path.string());
     }
     const auto number = frameNumberOf(entry.path);
@@ -82,9 +83,10 @@ Result<std::string> volumesIn(const std::filesystem::path& folder) {
   };
   const bool vdb = holds(".vdb"), npy = holds(".npy");
   if (vdb && npy) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{}: holds numbered .vdb and .npy files; name one sequence with its pattern, such as {}",
-                folder.string(), (folder / "name_%04d.vdb").string());
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "{}: holds numbered .vdb and .npy files; name one sequence with its pattern, such as {}",
+        folder.string(), (folder / "name_%04d.vdb").string());
   }
   return npy ? ".npy" : ".vdb";
 }

@@ -32,10 +32,11 @@ struct SourceOptions {
   std::optional<Box3> bounds;  ///< [m] outer voxel faces: states them (.npy), or crops and pads to
                                ///< them on the voxel grid
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes] that one frame may take
-  bool byLayers = false;          ///< a frame may take more: the caller reads it by layers
-  std::optional<RawLayout> raw{};  ///< layout of files without a header
-  std::string usualGrid = "density";                 ///< default grid of several
-  std::function<void(const std::string&)> remark{};  ///< receives remarks on chosen and ignored grids
+  bool byLayers = false;              ///< a frame may take more: the caller reads it by layers
+  std::optional<RawLayout> raw{};     ///< layout of files without a header
+  std::string usualGrid = "density";  ///< default grid of several
+  std::function<void(const std::string&)>
+      remark{};  ///< receives remarks on chosen and ignored grids
 };
 
 /// Opens a sequence of volumes according to `input`: a .npy or .vdb file, a pattern of such files

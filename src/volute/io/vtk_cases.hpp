@@ -26,8 +26,8 @@ struct VtkVolume {
   int blocks = 1;                             ///< with volumes
 };
 
-/// `field` is what will be taken of it, empty where that is not known yet. `share`: which pieces of a
-/// .pvtu; kUnsupported of other files, and where it has fewer pieces than shares.
+/// `field` is what will be taken of it, empty where that is not known yet. `share`: which pieces of
+/// a .pvtu; kUnsupported of other files, and where it has fewer pieces than shares.
 [[nodiscard]] Result<VtkVolume> readVtkVolume(const std::filesystem::path& path,
                                               std::size_t instant, const std::string& field,
                                               const MeshShare& share = {});

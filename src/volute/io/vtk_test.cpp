@@ -149,12 +149,14 @@ TEST(Vtk, PiecesFillTheWholeExtent) {
   };
   EXPECT_EQ(said("Piece", "Piece"), "");
   EXPECT_THAT(said("WholeExtent=\"2 4", "WholeExtent=\"2 9"), HasSubstr("2 of the 7 cells"));
-  EXPECT_THAT(said("WholeExtent=\"2 4", "WholeExtent=\"2 3"),
-              HasSubstr("its Extent along x is 2 to 4; expected it within the WholeExtent, 2 to 3"));
+  EXPECT_THAT(
+      said("WholeExtent=\"2 4", "WholeExtent=\"2 3"),
+      HasSubstr("its Extent along x is 2 to 4; expected it within the WholeExtent, 2 to 3"));
   EXPECT_THAT(said("Piece Extent=\"2 4", "Piece Extent=\"3 4"), HasSubstr("1 of the 2 cells"));
   // Two pieces.
-  const std::string one = "<Piece Extent=\"2 3 0 1 0 1\"><CellData><DataArray type=\"Int32\" "
-                          "Name=\"k\" format=\"ascii\">5</DataArray></CellData></Piece>\n";
+  const std::string one =
+      "<Piece Extent=\"2 3 0 1 0 1\"><CellData><DataArray type=\"Int32\" "
+      "Name=\"k\" format=\"ascii\">5</DataArray></CellData></Piece>\n";
   EXPECT_EQ(said("<Piece Extent=\"2 4 0 1 0 1\">\n<PointData></PointData>\n<CellData>" +
                      std::string(kCells) + "</CellData>\n</Piece>",
                  one + "<Piece Extent=\"3 4" + one.substr(18)),

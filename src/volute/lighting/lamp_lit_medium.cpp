@@ -71,8 +71,8 @@ struct LampLitMedium::Light {
           &ways[static_cast<std::size_t>((row * kAcross + column % kAcross) * kDistances + k)];
       depth += share * ((1 - w) * static_cast<double>(from[0].depth) +
                         w * static_cast<double>(from[1].depth));
-      open += share * ((1 - w) * static_cast<double>(from[0].open) +
-                       w * static_cast<double>(from[1].open));
+      open += share *
+              ((1 - w) * static_cast<double>(from[0].open) + w * static_cast<double>(from[1].open));
     };
     add(i, j, (1 - u) * (1 - v)), add(i, j + 1, (1 - u) * v);
     add(i + 1, j, u * (1 - v)), add(i + 1, j + 1, u * v);
@@ -114,8 +114,9 @@ struct LampLitMedium::Light {
 
 namespace {
 
-/// Extinction, and the share of light that gets back to the begin, along pieces of a ray: the optical
-/// depth as a cubic in each part of a piece, by its extinction at both ends and in the middle.
+/// Extinction, and the share of light that gets back to the begin, along pieces of a ray: the
+/// optical depth as a cubic in each part of a piece, by its extinction at both ends and in the
+/// middle.
 class AlongRay {
  public:
   explicit AlongRay(std::span<const Piece> pieces) {
@@ -140,7 +141,9 @@ class AlongRay {
   }
 
   bool empty() const { return parts_.empty(); }
+
   double begin() const { return parts_.front().begin; }
+
   double end() const { return parts_.back().begin + parts_.back().length; }
 
   /// K exp(-t) at s.
@@ -279,8 +282,8 @@ void LampLitMedium::cut(const Segment& segment, const Piece& piece, std::vector<
     double error = 0;
     for (double x : {0.25, 0.75}) {
       const Rgb there = at(x);
-      error = std::max(error, (a + b * x + c * x * x - there).abs().maxCoeff() -
-                                  kTolerance * there.maxCoeff());
+      error = std::max(
+          error, (a + b * x + c * x * x - there).abs().maxCoeff() - kTolerance * there.maxCoeff());
     }
     if (error > 0 && cuts < kMaxCuts) {
       const double half = part.begin + 0.5 * length;
@@ -327,8 +330,8 @@ Rgb LampLitMedium::scattered(const Segment& segment, std::span<const Piece> dens
   const double begin = ray.begin(), end = ray.end();
   const auto add = [&](const Light& light, int nodes) {
     const double nearest = (light.lamp.position - segment.origin).dot(segment.direction);
-    const double far = std::max((segment.at(nearest) - light.lamp.position).norm(),
-                                0.5 * light.lamp.radius);
+    const double far =
+        std::max((segment.at(nearest) - light.lamp.position).norm(), 0.5 * light.lamp.radius);
     const double from = std::atan2(begin - nearest, far), to = std::atan2(end - nearest, far);
     const auto between = [&](double a, double b) {
       if (!(a < b))
@@ -337,8 +340,8 @@ Rgb LampLitMedium::scattered(const Segment& segment, std::span<const Piece> dens
       for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
         const double tangent = std::tan(0.5 * (a + b + (b - a) * rule.nodes[i]));
         const double s = nearest + far * tangent;
-        const double thick = 0.5 * (b - a) * rule.weights[i] * ray.at(s) * far *
-                             (1 + tangent * tangent);
+        const double thick =
+            0.5 * (b - a) * rule.weights[i] * ray.at(s) * far * (1 + tangent * tangent);
         if (thick < kNothing)
           continue;
         const Vec3 point = segment.at(s);
@@ -350,8 +353,8 @@ Rgb LampLitMedium::scattered(const Segment& segment, std::span<const Piece> dens
     };
     // Light has an edge where it comes within the lamp's size.
     const double miss = (segment.at(nearest) - light.lamp.position).norm();
-    const double inside = std::sqrt(std::max(0.0, light.lamp.radius * light.lamp.radius -
-                                                      miss * miss));
+    const double inside =
+        std::sqrt(std::max(0.0, light.lamp.radius * light.lamp.radius - miss * miss));
     const double rim = std::atan2(inside, far);
     const double cuts[] = {from, std::clamp(-rim, from, to), std::clamp(0.0, from, to),
                            std::clamp(rim, from, to), to};
@@ -359,8 +362,7 @@ Rgb LampLitMedium::scattered(const Segment& segment, std::span<const Piece> dens
   };
   if (afar_) {
     const Vec3& middle = afar_->lamp.position;
-    const double nearest =
-        std::clamp((middle - segment.origin).dot(segment.direction), begin, end);
+    const double nearest = std::clamp((middle - segment.origin).dot(segment.direction), begin, end);
     if ((segment.at(nearest) - middle).norm() > kAfar * spread_) {
       add(*afar_, 5);
       return albedo_ * sum;

@@ -30,10 +30,10 @@ struct LampScattering {
 class LampLitMedium {
  public:
   /// @param medium  what is drawn; its own emission stays
-  /// @param density  has the same extinction and is cheap to walk: the medium itself, or what it was
-  /// made of
-  /// @param lamps  spots that shine everywhere; suns are left out, and of more than three the closest
-  /// ones are taken together
+  /// @param density  has the same extinction and is cheap to walk: the medium itself, or what it
+  /// was made of
+  /// @param lamps  spots that shine everywhere; suns are left out, and of more than three the
+  /// closest ones are taken together
   LampLitMedium(AnyMedium medium, AnyMedium density, std::span<const Lamp> lamps,
                 const LampScattering& scattering);
 
@@ -47,8 +47,8 @@ class LampLitMedium {
     medium_.opticalDepth(segments, depths);
   }
 
-  /// Those of the medium, cut until a parabola through the light at begin, middle and end of each is
-  /// within 1e-3 of it halfway between, or they were cut twelve times.
+  /// Those of the medium, cut until a parabola through the light at begin, middle and end of each
+  /// is within 1e-3 of it halfway between, or they were cut twelve times.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
   /// The medium's own fast path, and the light of each lamp by Gauss points at even angles from it

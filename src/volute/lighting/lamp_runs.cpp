@@ -12,8 +12,7 @@ void appendLampRuns(const TetLocator& locator, std::span<const float> extinction
   const TetMesh& mesh = locator.mesh();
   const Box3 bounds = mesh.bounds();
   // Towards the sun a way is endless.
-  const double farthest =
-      4 * bounds.size().maxCoeff() + (way.origin - bounds.centre()).norm();
+  const double farthest = 4 * bounds.size().maxCoeff() + (way.origin - bounds.centre()).norm();
   std::vector<TetCrossing> crossings;
   locator.crossings({way.origin, way.direction, way.begin, std::min(way.end, farthest)}, crossings);
   const std::size_t first = runs.size();

@@ -20,9 +20,9 @@ struct LampRun {
 void appendLampRuns(const TetLocator& locator, std::span<const float> extinction,
                     const Segment& way, double near, std::vector<LampRun>& runs);
 
-/// lampShareReference() of a mesh in pieces, from the runs of all of them in any order: e^-depth, or
-/// 0 where the way leaves the mesh and enters it again. Of runs in the same place, as those of a way
-/// in the plane between two pieces, one counts.
+/// lampShareReference() of a mesh in pieces, from the runs of all of them in any order: e^-depth,
+/// or 0 where the way leaves the mesh and enters it again. Of runs in the same place, as those of a
+/// way in the plane between two pieces, one counts.
 /// @param end  where the lamp is along the way, if it is inside; else infinite
 /// @param near  a gap that is none [m]
 double lampShareOf(std::span<LampRun> runs, double end, double near);

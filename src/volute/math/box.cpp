@@ -9,7 +9,8 @@ Interval Box3::intersect(const Vec3& origin, const Vec3& direction) const {
   Interval interval{-kInfinity, kInfinity};
   for (int axis = 0; axis < 3; ++axis) {
     if (direction[axis] == 0) {
-      if (origin[axis] < min[axis] || origin[axis] > max[axis]) return {0, 0};
+      if (origin[axis] < min[axis] || origin[axis] > max[axis])
+        return {0, 0};
       continue;
     }
     const double a = (min[axis] - origin[axis]) / direction[axis];

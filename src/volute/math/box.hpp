@@ -15,6 +15,7 @@ struct Interval {
   double end = 0;
 
   bool empty() const { return !(begin < end); }
+
   double length() const { return empty() ? 0 : end - begin; }
 
   Interval intersect(const Interval& other) const {
@@ -28,16 +29,19 @@ struct Box3 {
   Vec3 max = Vec3::Constant(-std::numeric_limits<double>::infinity());
 
   bool empty() const { return !(min.array() < max.array()).all(); }
+
   Vec3 size() const { return max - min; }
+
   Vec3 centre() const { return 0.5 * (min + max); }
+
   void extend(const Vec3& point) { min = min.cwiseMin(point), max = max.cwiseMax(point); }
 
   bool contains(const Vec3& point) const {
     return (point.array() >= min.array()).all() && (point.array() <= max.array()).all();
   }
 
-  /// The parameters s for which origin + s * direction lies inside; empty when it misses. A direction component of
-  /// zero counts as inside its slab when the origin is (faces included).
+  /// The parameters s for which origin + s * direction lies inside; empty when it misses. A
+  /// direction component of zero counts as inside its slab when the origin is (faces included).
   Interval intersect(const Vec3& origin, const Vec3& direction) const;
 };
 

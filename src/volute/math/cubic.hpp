@@ -17,14 +17,18 @@ struct Cubic {
   double operator()(double s) const { return c[0] + s * (c[1] + s * (c[2] + s * c[3])); }
 
   /// Its integral from 0 to s.
-  double integral(double s) const { return s * (c[0] + s * (c[1] / 2 + s * (c[2] / 3 + s * c[3] / 4))); }
+  double integral(double s) const {
+    return s * (c[0] + s * (c[1] / 2 + s * (c[2] / 3 + s * c[3] / 4)));
+  }
 
   bool isConstant() const { return c[1] == 0 && c[2] == 0 && c[3] == 0; }
+
   bool isZero() const { return c[0] == 0 && isConstant(); }
 
   /// The same curve in the parameter s - shift.
   Cubic shifted(double shift) const {
-    return {{(*this)(shift), c[1] + shift * (2 * c[2] + shift * 3 * c[3]), c[2] + 3 * shift * c[3], c[3]}};
+    return {{(*this)(shift), c[1] + shift * (2 * c[2] + shift * 3 * c[3]), c[2] + 3 * shift * c[3],
+             c[3]}};
   }
 
   Cubic& operator+=(const Cubic& other) {
@@ -32,7 +36,9 @@ struct Cubic {
     return *this;
   }
 
-  Cubic operator*(double factor) const { return {{c[0] * factor, c[1] * factor, c[2] * factor, c[3] * factor}}; }
+  Cubic operator*(double factor) const {
+    return {{c[0] * factor, c[1] * factor, c[2] * factor, c[3] * factor}};
+  }
 };
 
 }  // namespace volute

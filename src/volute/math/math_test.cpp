@@ -16,16 +16,20 @@ namespace {
 TEST(GaussRule, IsExactForItsDegree) {
   for (int n : {2, 3, 4, 5, 8}) {
     for (int degree = 0; degree < 2 * n; ++degree) {
-      const double value = gaussIntegral(n, 0.0, 2.0, [&](double x) { return std::pow(x, degree); });
-      EXPECT_NEAR(value / (std::pow(2.0, degree + 1) / (degree + 1)), 1, 1e-13) << n << " points, degree " << degree;
+      const double value =
+          gaussIntegral(n, 0.0, 2.0, [&](double x) { return std::pow(x, degree); });
+      EXPECT_NEAR(value / (std::pow(2.0, degree + 1) / (degree + 1)), 1, 1e-13)
+          << n << " points, degree " << degree;
     }
   }
 }
 
 TEST(AdaptiveIntegral, MeetsItsToleranceOnASmoothPeakAndAJump) {
-  EXPECT_NEAR(adaptiveIntegral([](double x) { return std::exp(-1000 * (x - 0.3) * (x - 0.3)); }, 0, 1, 1e-10),
+  EXPECT_NEAR(adaptiveIntegral([](double x) { return std::exp(-1000 * (x - 0.3) * (x - 0.3)); }, 0,
+                               1, 1e-10),
               std::sqrt(M_PI / 1000), 1e-9);
-  EXPECT_NEAR(adaptiveIntegral([](double x) { return x < M_PI / 4 ? 1.0 : 0.0; }, 0, 1, 1e-9), M_PI / 4, 1e-7);
+  EXPECT_NEAR(adaptiveIntegral([](double x) { return x < M_PI / 4 ? 1.0 : 0.0; }, 0, 1, 1e-9),
+              M_PI / 4, 1e-7);
 }
 
 TEST(Box3, IntersectsFromInsideOutsideAndAlongAFace) {

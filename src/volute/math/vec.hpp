@@ -6,7 +6,8 @@
 
 namespace volute {
 
-/// Points and directions in the world [m] unless a name says otherwise (pointInVoxels, pointInCamera).
+/// Points and directions in the world [m] unless a name says otherwise (pointInVoxels,
+/// pointInCamera).
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Mat4 = Eigen::Matrix4d;

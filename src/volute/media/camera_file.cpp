@@ -26,8 +26,9 @@ Status setKeys(CameraDescription& camera, const FieldValue& value) {
     const auto at = [&](std::size_t i) { return row[i].get<double>(); };
     const CameraKey key{at(0), {at(1), at(2), at(3)}, {at(4), at(5), at(6)}};
     if (!camera.keys.empty() && !(key.time > camera.keys.back().time)) {
-      return fail(ErrorCode::kInvalidData, "the time {:g} s follows {:g} s; expected ascending ones",
-                  key.time, camera.keys.back().time);
+      return fail(ErrorCode::kInvalidData,
+                  "the time {:g} s follows {:g} s; expected ascending ones", key.time,
+                  camera.keys.back().time);
     }
     if (key.eye == key.target) {
       return fail(ErrorCode::kInvalidData, "at {:g} s eye and target are the same point", key.time);
@@ -50,7 +51,7 @@ View3 CameraDescription::viewAt(double time) const {
     now.eye = key.eye, now.target = key.target;
     return now;
   }
-  const auto between = [&](Vec3 CameraKey::*place) {
+  const auto between = [&](Vec3 CameraKey::* place) {
     const auto slope = [&](std::size_t i) -> Vec3 {  // at rest at both ends
       if (i == 0 || i + 1 == keys.size())
         return Vec3::Zero();

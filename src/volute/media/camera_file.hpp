@@ -27,7 +27,7 @@ struct CameraDescription {
   std::optional<double> fov;    ///< [degrees]
   std::optional<double> ortho;  ///< [m]
   std::optional<Pixels> size;
-  std::string reason{};  ///< of one that nobody asked for: what it shows
+  std::string reason{};           ///< of one that nobody asked for: what it shows
   std::vector<CameraKey> keys{};  ///< its way, by ascending times; empty: it stays
 
   /// The view at a time: through all keys, with one velocity of eye and target at each (cubics of

@@ -78,7 +78,9 @@ TEST(CameraFile, KeysAreAWayThatIsSmoothInPlaceAndDirection) {
     before = velocity, turned = turning;
   }
   EXPECT_NE(parse(R"({"eye": [0, -4, 1], "target": [0, 0, 0], "fov": 40, "keys":
-      [[1, 0, -4, 1, 0, 0, 0], [1, 3, -3, 2, 0, 0, 1]]})").error().message.find("ascending"),
+      [[1, 0, -4, 1, 0, 0, 0], [1, 3, -3, 2, 0, 0, 1]]})")
+                .error()
+                .message.find("ascending"),
             std::string::npos);
 }
 

@@ -22,8 +22,9 @@ FieldRow clockField() {
   return {.name = "time",
           .type = FieldType::kObject,
           .access = part<path...>(),
-          .help = "the medium's time: offset + rate * the scene's time; wind follows the scene's "
-                  "time",
+          .help =
+              "the medium's time: offset + rate * the scene's time; wind follows the scene's "
+              "time",
           .table = &clockFields(),
           .slider = {.custom = addClock}};
 }

@@ -48,8 +48,7 @@ Rgb colorOf(const Contour& contour, double value) {
 }  // namespace
 
 ColorMap colorMapOf(const Contour& slice) {
-  return slice.shows == Contour::Shows::kConcentration ? ColorMap::kPlasma
-                                                            : ColorMap::kViridis;
+  return slice.shows == Contour::Shows::kConcentration ? ColorMap::kPlasma : ColorMap::kViridis;
 }
 
 Result<Contour> parseSlice(std::string_view text) {
@@ -78,7 +77,8 @@ double largestOn(const Contour& slice, std::span<const std::shared_ptr<const Med
   return largest;
 }
 
-Result<Image> lookAtContour(const Camera& camera, std::span<const std::shared_ptr<const MediumAt>> media,
+Result<Image> lookAtContour(const Camera& camera,
+                            std::span<const std::shared_ptr<const MediumAt>> media,
                             const Contour& contour) {
   ContourPieces pieces = piecesOf(contour, camera, media);
   const auto values = std::move(pieces.values);

@@ -143,7 +143,7 @@ struct FieldTable {
   std::string_view things = {};  ///< "FDS cases"
   /// Other table with the same "kind", told apart by the file's name; errors name both.
   const FieldTable& (*sibling)() = nullptr;
-  const void* usual = nullptr;  ///< the struct with its defaults
+  const void* usual = nullptr;                ///< the struct with its defaults
   std::shared_ptr<void> (*make)() = nullptr;  ///< another one
   const std::type_info* owner = nullptr;
 

@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include "volute/optics/visibility.hpp"
 #include "volute/media/field.hpp"
+#include "volute/optics/visibility.hpp"
 
 // What a member "C" may be: a number, or the name of a visibility law.
 

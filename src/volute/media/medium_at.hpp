@@ -44,8 +44,9 @@ struct Contour;
 /// A contour as triangles, and the building around it.
 struct ContourPieces {
   std::vector<Triangle> triangles;
-  std::vector<std::array<float, 3>> values;  ///< at the corners of each: extinction [1/m] or concentration
-  std::vector<Triangle> walls;               ///< those that the camera sees the inner side of
+  std::vector<std::array<float, 3>>
+      values;                   ///< at the corners of each: extinction [1/m] or concentration
+  std::vector<Triangle> walls;  ///< those that the camera sees the inner side of
 };
 
 /// Where a ray meets the inner side of a medium's wall.
@@ -93,8 +94,8 @@ class MediumAt {
   /// Null, or what looks nearly the same and is drawn much sooner: without surfaces' shadows.
   virtual std::shared_ptr<const MediumAt> quick() const { return nullptr; }
 
-  /// Where it glows, and how strongly: lamps that shine everywhere, a bounded number, in the scene's
-  /// place. Nothing takes from their light yet. Empty: it lights nothing but itself.
+  /// Where it glows, and how strongly: lamps that shine everywhere, a bounded number, in the
+  /// scene's place. Nothing takes from their light yet. Empty: it lights nothing but itself.
   virtual std::vector<Lamp> lightSources() const { return {}; }
 
   /// The same in the light of other media besides all that shines at it anyway; null: that changes

@@ -27,7 +27,7 @@ struct OpenOptions {
   bool verify = true;    ///< with `partial`: check them first, and report what is missing
   /// Defaults for measurements instead of appearance: the files' own basis.
   bool measured = true;
-  std::optional<LightCache> lightCache{};     ///< cache on disk for the light of lamps
+  std::optional<LightCache> lightCache{};      ///< cache on disk for the light of lamps
   std::shared_ptr<LightMemory> lightMemory{};  ///< consulted before it; may be null
   /// The team whose ranks each hold a share of a mesh in pieces and draw pictures together, with
   /// the same calls in the same order; null: this process holds everything.
@@ -87,6 +87,7 @@ class MediumKind {
 
   /// For people: "volumes of voxels", "a volume of voxels".
   std::string_view plural() const { return fields().things; }
+
   std::string_view singular() const { return fields().thing; }
 
   /// The list of the scene that contains its entries.
@@ -180,8 +181,7 @@ void registerMedium(const MediumKind& kind);
 
 /// The kind of an entry of a list; kInvalidData, which lists the names, if there is none.
 [[nodiscard]] Result<const MediumKind*> mediumKindOf(const nlohmann::json& entry,
-                                                     std::string_view list,
-                                                     const std::string& file,
+                                                     std::string_view list, const std::string& file,
                                                      const std::string& path);
 
 /// The kind of a file alone, by its name. Null: none.

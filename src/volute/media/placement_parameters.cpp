@@ -14,9 +14,9 @@ using OrderedJson = nlohmann::ordered_json;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMinScale = 1e-3, kMaxScale = 1e3;
-constexpr double kSteep = 89.99;    ///< [degrees] about y: at 90 x and z would be the same
+constexpr double kSteep = 89.99;             ///< [degrees] about y: at 90 x and z would be the same
 constexpr double kPlacementRounding = 1e-9;  ///< of what is shown
-constexpr double kNothing = 1e-15;  ///< of a matrix, beside its largest number
+constexpr double kNothing = 1e-15;           ///< of a matrix, beside its largest number
 constexpr double kPlacementPixels = 500;     ///< that draw a volume by its own size
 
 Vec3 middleOf(const Box3& box) {

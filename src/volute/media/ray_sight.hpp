@@ -16,6 +16,7 @@ class RaySight final : public SightField {
   explicit RaySight(std::shared_ptr<SceneMedium> medium) : medium_(std::move(medium)) {}
 
   std::string description() const override;
+
   std::vector<std::string> remarks() const override { return medium_->remarks; }
 
   std::span<const double> times() const override { return medium_->info().times; }

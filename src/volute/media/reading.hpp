@@ -8,7 +8,8 @@
 
 namespace volute {
 
-/// How the parts of a scene are read: who receives progress and may stop it, and how much memory it takes.
+/// How the parts of a scene are read: who receives progress and may stop it, and how much memory it
+/// takes.
 struct Reading {
   Progress& progress;
   std::uint64_t maxMemory = 0;  ///< [bytes]

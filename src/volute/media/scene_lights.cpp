@@ -88,11 +88,11 @@ const FieldTable& ambientFields() {
        .least = 0,
        .slider = {.label = "radiance"}}};
   // clang-format on
-  static const FieldTable kTable = fieldTable<AmbientDescription>(
-      {.name = "ambient",
-       .sentence = "light from all directions, without shadows",
-       .fields = kFields,
-       .says = "ambient"});
+  static const FieldTable kTable =
+      fieldTable<AmbientDescription>({.name = "ambient",
+                                      .sentence = "light from all directions, without shadows",
+                                      .fields = kFields,
+                                      .says = "ambient"});
   return kTable;
 }
 
@@ -135,9 +135,9 @@ const FieldTable& sunFields() {
   // clang-format on
   static const FieldTable kTable =
       fieldTable<Sun>({.name = "sun",
-                          .sentence = "a distant light with parallel rays",
-                          .fields = kFields,
-                          .says = "sun"});
+                       .sentence = "a distant light with parallel rays",
+                       .fields = kFields,
+                       .says = "sun"});
   return kTable;
 }
 

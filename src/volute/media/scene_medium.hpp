@@ -45,21 +45,23 @@ struct MediumInfo {
     loops = clock.loop;
   }
 
-  int channels = 3;       ///< 1: its light is grey, and colour maps apply
-  bool measured = false;  ///< is seen as it is: no exposure is looked for
+  int channels = 3;                 ///< 1: its light is grey, and colour maps apply
+  bool measured = false;            ///< is seen as it is: no exposure is looked for
   std::optional<PictureLaw> law{};  ///< that it wants to be seen through
-  bool lawByC = false;              ///< C was said, not assumed, and nothing but the law depends on it
-  bool shared = false;     ///< this process holds a share of it, see OpenOptions::holders
+  bool lawByC = false;  ///< C was said, not assumed, and nothing but the law depends on it
+  bool shared = false;  ///< this process holds a share of it, see OpenOptions::holders
   /// With `shared`: all ranks together find its first time, and what of lamps' light comes through
   /// it to surfaces.
   bool sharesAll = false;
-  bool captioned = false;  ///< pictures of it alone say what they show, unless they are asked not to
+  bool captioned =
+      false;  ///< pictures of it alone say what they show, unless they are asked not to
 
   /// What of its values is mass: "of soot", "g/m3". Nothing: they tell no mass, and `noMass` why.
   struct Mass {
     std::string of, unit;
     std::string field;  ///< "soot-density [g/m3]": two media with the same have one scale
   };
+
   std::optional<Mass> mass{};
   std::string noMass{};
 };

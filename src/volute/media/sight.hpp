@@ -98,8 +98,8 @@ struct SightData {
 
 /// A medium and what is opaque in it at one stored time. All calls are const and thread-safe.
 ///
-/// Every function is pure, so that a class that wraps an instant does not compile until it passes on
-/// a function that is added here. Media derive from BasicSightInstant, which has defaults.
+/// Every function is pure, so that a class that wraps an instant does not compile until it passes
+/// on a function that is added here. Media derive from BasicSightInstant, which has defaults.
 class SightInstant {
  public:
   virtual ~SightInstant() = default;
@@ -189,8 +189,8 @@ struct FactCurve {
 /// What a report says about a case.
 struct CaseFacts {
   std::vector<std::pair<std::string, std::string>> title;  ///< "FDS version", "FDS6.8.0" and so on
-  std::vector<FactCurve> fire;     ///< heat release rate
-  std::vector<FactCurve> devices;  ///< what instruments read
+  std::vector<FactCurve> fire;                             ///< heat release rate
+  std::vector<FactCurve> devices;                          ///< what instruments read
   std::vector<std::string> remarks;
 };
 
@@ -272,6 +272,7 @@ class SightField {
   // bounds(), read() and readAt() of the medium alone.
   virtual Box3 ownBounds() const = 0;
   [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) = 0;
+
   [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> readOwnAt(double time) {
     return fail(ErrorCode::kUnsupported, "{}: has nothing between its stored times ({} s)",
                 description(), time);

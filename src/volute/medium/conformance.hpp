@@ -30,7 +30,7 @@ namespace volute::conformance {
 struct Tolerance {
   double closedForm =
       1e-10;  ///< two ways to the same closed form; positions carry rounding of far origins
-  double points = 1e-9;    ///< pieces against point values, where the points themselves are rounded
+  double points = 1e-9;  ///< pieces against point values, where the points themselves are rounded
   double quadrature = 1e-6;  ///< against adaptive Simpson, which ends near jumps with such an error
   double fineSteps = 5e-3;   ///< against two thousand midpoint steps, first order at jumps
 };

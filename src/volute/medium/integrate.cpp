@@ -28,7 +28,8 @@ std::array<double, Polynomial::kTerms> exponentialMoments(double x, int terms) {
   // Series whose terms are all positive, cut where they no longer count, and before that where
   // (16 e / 80)^80 < 1e-20:
   //   x <= 0: sum of (-x)^j / (j! (n + 1 + j)), from that of the exponential
-  //   x >  0: exp(-x) * sum of x^j / ((n + 1) ... (n + 1 + j)), the same by Kummer's transformation,
+  //   x >  0: exp(-x) * sum of x^j / ((n + 1) ... (n + 1 + j)), the same by Kummer's
+  //   transformation,
   //           of the last one; by parts, adding what is positive, of those before it
   constexpr int kTerms = 80;
   constexpr double kNothing = 1e-18;

@@ -59,9 +59,8 @@ void forPieces(const M& medium, std::span<const Segment> segments, Each&& each) 
 /// Used by AnyMedium for a medium without its own radiance().
 template <Medium M>
 void radianceByPieces(const M& medium, std::span<const Segment> segments, std::span<Radiance> out) {
-  forPieces(medium, segments, [&](std::size_t i, const std::vector<Piece>& pieces) {
-    out[i] = composite(pieces);
-  });
+  forPieces(medium, segments,
+            [&](std::size_t i, const std::vector<Piece>& pieces) { out[i] = composite(pieces); });
 }
 
 /// The integral of a function of the point over the part of `segment` inside `bounds`, by adaptive

@@ -71,8 +71,9 @@ concept FastMedium =
     Medium<M> && requires(const M& medium, std::span<const Segment> segments,
                           std::span<Radiance> out) { medium.radiance(segments, out); };
 
-/// A medium whose optical depth is linear in a list of coefficients c: depth = P c. Tomography has P and
-/// its adjoint P' for voxels in a class of its own (tomography/projector.hpp), which is made for many rays.
+/// A medium whose optical depth is linear in a list of coefficients c: depth = P c. Tomography has
+/// P and its adjoint P' for voxels in a class of its own (tomography/projector.hpp), which is made
+/// for many rays.
 template <class M>
 concept LinearMedium =
     Medium<M> && requires(const M& medium, std::span<const double> coefficients) {

@@ -46,8 +46,10 @@ TEST(BlackBody, HasTheTabulatedChromaticities) {
     double temperature, x, y;
   };
 
-  const double t = 1900, kim = -0.2661239e9 / (t * t * t) - 0.2343589e6 / (t * t) + 877.6956 / t + 0.17991;
-  const double kimY = -1.1063814 * kim * kim * kim - 1.3481102 * kim * kim + 2.18555832 * kim - 0.20219683;
+  const double t = 1900,
+               kim = -0.2661239e9 / (t * t * t) - 0.2343589e6 / (t * t) + 877.6956 / t + 0.17991;
+  const double kimY =
+      -1.1063814 * kim * kim * kim - 1.3481102 * kim * kim + 2.18555832 * kim - 0.20219683;
   for (const Row& row : {Row{1000, 0.6528, 0.3445}, {1900, kim, kimY}, {6500, 0.3135, 0.3237}}) {
     const auto [x, y] = blackBodyChromaticity(row.temperature);
     EXPECT_NEAR(x, row.x, 1e-3) << row.temperature;

@@ -11,8 +11,8 @@
 namespace volute {
 namespace {
 
-constexpr int kMaxColumns = 4096;            ///< of a texture
-constexpr double kThickness = 1e-4;           ///< of the height
+constexpr int kMaxColumns = 4096;           ///< of a texture
+constexpr double kThickness = 1e-4;         ///< of the height
 constexpr double kMinTransmittance = 1e-7;  ///< so that the extinction stays finite
 
 /// Four channels between four texels; beyond the outer centres it is theirs.

@@ -2,13 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/render/sign.hpp"
 
-#include "volute/image/text.hpp"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
+
+#include "volute/image/text.hpp"
 
 namespace volute {
 namespace {

@@ -20,7 +20,8 @@ constexpr double kLift = 1e-6;       ///< [m]
 constexpr double kRounding = 1e-14;  ///< of the coordinates
 
 constexpr std::size_t kGrain = 4096;  ///< segments worth a task
-constexpr std::size_t kBand = std::size_t{1} << 16;  ///< pixels that SurfaceScene::more is asked for at once
+constexpr std::size_t kBand = std::size_t{1}
+                              << 16;  ///< pixels that SurfaceScene::more is asked for at once
 
 /// A lamp's rays from the points that face it.
 struct ShadowRays {
@@ -157,7 +158,8 @@ Result<SurfacePicture> renderSurfaces(const Camera& camera, const SurfaceScene& 
   };
   const auto height = static_cast<std::size_t>(camera.height());
   if (scene.more) {
-    const std::size_t rows = std::max<std::size_t>(1, kBand / static_cast<std::size_t>(camera.width()));
+    const std::size_t rows =
+        std::max<std::size_t>(1, kBand / static_cast<std::size_t>(camera.width()));
     for (std::size_t y = 0; y < height; y += rows) drawRows(y, std::min(y + rows, height));
   } else {
     parallelFor(height, [&](std::size_t y) {

@@ -18,7 +18,7 @@ namespace {
 
 constexpr TextStyle kLetters{Typeface::kSans, kCanvasTextHeight};
 constexpr double kBaseline = 0.93;  // of a letter's height, below its top
-constexpr double kHatchStep = 8;   // pixels between lines, along x
+constexpr double kHatchStep = 8;    // pixels between lines, along x
 constexpr double kHatchWidth = 1.3;
 constexpr double kDash = 7;
 
@@ -80,8 +80,7 @@ class ImageCanvas final : public Canvas {
     }
   }
 
-  void hatch(double x0, double y0, double x1, double y1, const Rgb& color,
-             bool falling) override {
+  void hatch(double x0, double y0, double x1, double y1, const Rgb& color, bool falling) override {
     hatchLines(x0, y0, x1, y1, falling, [&](const Vec2& a, const Vec2& b) {
       drawLine(image_, a.x(), a.y(), b.x(), b.y(), kHatchWidth, color);
     });
@@ -125,19 +124,18 @@ void SvgCanvas::rect(double x0, double y0, double x1, double y1, const Rgb& colo
 void SvgCanvas::line(const Vec2& from, const Vec2& to, double width, const Rgb& color,
                      bool dashed) {
   body_ += fmt::format(
-      "<line x1='{:.2f}' y1='{:.2f}' x2='{:.2f}' y2='{:.2f}' stroke='{}' stroke-width='{:.3g}'{}/>\n",
+      "<line x1='{:.2f}' y1='{:.2f}' x2='{:.2f}' y2='{:.2f}' stroke='{}' "
+      "stroke-width='{:.3g}'{}/>\n",
       from.x(), from.y(), to.x(), to.y(), hexOf(color), width,
       dashed ? fmt::format(" stroke-dasharray='{0} {0}'", kDash) : "");
 }
 
 void SvgCanvas::triangle(const Vec2& a, const Vec2& b, const Vec2& c, const Rgb& color) {
-  body_ += fmt::format(
-      "<polygon points='{:.2f},{:.2f} {:.2f},{:.2f} {:.2f},{:.2f}' fill='{}'/>\n", a.x(), a.y(),
-      b.x(), b.y(), c.x(), c.y(), hexOf(color));
+  body_ += fmt::format("<polygon points='{:.2f},{:.2f} {:.2f},{:.2f} {:.2f},{:.2f}' fill='{}'/>\n",
+                       a.x(), a.y(), b.x(), b.y(), c.x(), c.y(), hexOf(color));
 }
 
-void SvgCanvas::hatch(double x0, double y0, double x1, double y1, const Rgb& color,
-                      bool falling) {
+void SvgCanvas::hatch(double x0, double y0, double x1, double y1, const Rgb& color, bool falling) {
   std::string path;
   hatchLines(x0, y0, x1, y1, falling, [&](const Vec2& a, const Vec2& b) {
     path += fmt::format("M{:.2f} {:.2f}L{:.2f} {:.2f}", a.x(), a.y(), b.x(), b.y());
@@ -165,8 +163,10 @@ void SvgCanvas::textUpwards(std::string_view text, double x, double y, const Rgb
 
 std::string SvgCanvas::finish() const {
   return fmt::format(
-      "<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' viewBox='0 0 {0:.0f} "
-      "{1:.0f}' font-family='DejaVu Sans, Verdana, sans-serif' font-size='{2}'>\n<rect width='100%' "
+      "<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' viewBox='0 0 "
+      "{0:.0f} "
+      "{1:.0f}' font-family='DejaVu Sans, Verdana, sans-serif' font-size='{2}'>\n<rect "
+      "width='100%' "
       "height='100%' fill='#fff'/>\n{3}</svg>\n",
       width_, height_, kCanvasTextHeight, body_);
 }

@@ -13,8 +13,8 @@
 
 namespace volute {
 
-/// What figures are drawn on: pixels, or a vector file of the same size. Lengths are in pixels, x to
-/// the right and y down; colours are linear RGB. Later things are drawn over earlier ones.
+/// What figures are drawn on: pixels, or a vector file of the same size. Lengths are in pixels, x
+/// to the right and y down; colours are linear RGB. Later things are drawn over earlier ones.
 class Canvas {
  public:
   enum class Anchor { kBegin, kMiddle, kEnd };
@@ -41,7 +41,6 @@ class Canvas {
 
   /// The same that runs upwards, its middle at y.
   virtual void textUpwards(std::string_view text, double x, double y, const Rgb& color) = 0;
-
 };
 
 /// How wide text() draws a line, and how high.
@@ -57,11 +56,9 @@ class SvgCanvas final : public Canvas {
   SvgCanvas(double width, double height) : width_(width), height_(height) {}
 
   void rect(double x0, double y0, double x1, double y1, const Rgb& color) override;
-  void line(const Vec2& from, const Vec2& to, double width, const Rgb& color,
-            bool dashed) override;
+  void line(const Vec2& from, const Vec2& to, double width, const Rgb& color, bool dashed) override;
   void triangle(const Vec2& a, const Vec2& b, const Vec2& c, const Rgb& color) override;
-  void hatch(double x0, double y0, double x1, double y1, const Rgb& color,
-             bool falling) override;
+  void hatch(double x0, double y0, double x1, double y1, const Rgb& color, bool falling) override;
   void text(std::string_view text, double x, double y, const Rgb& color, Anchor anchor) override;
   void textUpwards(std::string_view text, double x, double y, const Rgb& color) override;
 

@@ -26,7 +26,8 @@ TEST(Canvas, drawsTheSameIntoPixelsAndVectors) {
   EXPECT_EQ(image.at(27, 7, 0), 0);
   EXPECT_EQ(image.at(34, 20, 0), 1) << "beyond the longest side";
   const std::string file = svg.finish();
-  EXPECT_THAT(file, HasSubstr("<rect x='10.00' y='5.00' width='10.00' height='10.00' fill='#ff0000'/>"));
+  EXPECT_THAT(file,
+              HasSubstr("<rect x='10.00' y='5.00' width='10.00' height='10.00' fill='#ff0000'/>"));
   EXPECT_THAT(file, HasSubstr("points='25.00,5.00 35.00,5.00 25.00,25.00' fill='#0000ff'"));
 }
 

@@ -26,7 +26,8 @@ TEST(CsvCell, IsNoFormula) {
   EXPECT_EQ(csvCell("\t=1"), "'\t=1");
   EXPECT_EQ(csvCell("\n=1"), "' =1");
   EXPECT_EQ(csvCell("=cmd|' /C calc'!A0"), "'=cmd|' /C calc'!A0");
-  EXPECT_EQ(csvCell("=HYPERLINK(\"http://x\",\"y\")"), "\"'=HYPERLINK(\"\"http://x\"\",\"\"y\"\")\"");
+  EXPECT_EQ(csvCell("=HYPERLINK(\"http://x\",\"y\")"),
+            "\"'=HYPERLINK(\"\"http://x\"\",\"\"y\"\")\"");
   EXPECT_EQ(csvCell("-inf"), "'-inf");
 }
 

@@ -14,9 +14,10 @@ namespace volute {
 Status printPdf(const std::filesystem::path& html, const std::filesystem::path& pdf) {
   const std::string browser = findProgram({"chromium", "chromium-browser", "google-chrome"});
   if (browser.empty()) {
-    return fail(ErrorCode::kUnsupported,
-                "no PDF without chromium, chromium-browser or google-chrome in the PATH; report.html "
-                "can be printed from any browser");
+    return fail(
+        ErrorCode::kUnsupported,
+        "no PDF without chromium, chromium-browser or google-chrome in the PATH; report.html "
+        "can be printed from any browser");
   }
   std::error_code error;
   const ScratchFolder folder;
@@ -38,7 +39,7 @@ Status printPdf(const std::filesystem::path& html, const std::filesystem::path& 
                                  "file://" + std::filesystem::absolute(html, error).string()};
   if (::geteuid() == 0)
     words.insert(words.begin() + 1, "--no-sandbox");  // which root cannot have
-  constexpr double kLongest = 120;  // [s]
+  constexpr double kLongest = 120;                    // [s]
   const bool ended = runProgram(words, kLongest);
   if (!std::filesystem::exists(pdf, error)) {
     return fail(ErrorCode::kIo, "{}: {} made no PDF of report.html{}", pdf.filename().string(),

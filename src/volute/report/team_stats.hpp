@@ -8,8 +8,8 @@
 
 namespace volute {
 
-/// What each rank did, in their order: the units of each stage, seconds of wall and CPU time, seconds
-/// that it waited, the largest amount of memory [bytes]. Collective.
+/// What each rank did, in their order: the units of each stage, seconds of wall and CPU time,
+/// seconds that it waited, the largest amount of memory [bytes]. Collective.
 [[nodiscard]] Result<nlohmann::ordered_json> teamStats(Team& team);
 
 }  // namespace volute

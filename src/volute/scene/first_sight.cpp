@@ -14,14 +14,14 @@
 namespace volute {
 namespace {
 
-constexpr int kPoints = 20;      ///< a side of the grid
-constexpr double kSeen = 0.03;   ///< of the largest value: less is hardly seen
-constexpr double kMuch = 0.5;    ///< of the largest amount
-constexpr double kSome = 0.2;    ///< likewise: the first time serves
-constexpr double kNear = 0.75;   ///< of the media's largest side: surfaces that belong to them
-constexpr int kTimes = 8;        ///< that are looked at
+constexpr int kPoints = 20;       ///< a side of the grid
+constexpr double kSeen = 0.03;    ///< of the largest value: less is hardly seen
+constexpr double kMuch = 0.5;     ///< of the largest amount
+constexpr double kSome = 0.2;     ///< likewise: the first time serves
+constexpr double kNear = 0.75;    ///< of the media's largest side: surfaces that belong to them
+constexpr int kTimes = 8;         ///< that are looked at
 constexpr double kPatience = 10;  ///< times as long while nothing was found
-constexpr double kEndless = 1e6; ///< [m]
+constexpr double kEndless = 1e6;  ///< [m]
 
 /// Whether it is around anything; it may be flat.
 bool holds(const Box3& box) {
@@ -82,8 +82,7 @@ SnapshotContent contentOfMedium(const AnyMedium& medium) {
     content.amount += values[i] * cell.prod();
     if (values[i] < kSeen * most)
       continue;
-    const Vec3 place(static_cast<double>(i % kPoints),
-                     static_cast<double>(i / kPoints % kPoints),
+    const Vec3 place(static_cast<double>(i % kPoints), static_cast<double>(i / kPoints % kPoints),
                      static_cast<double>(i / kPoints / kPoints));
     const Vec3 low = bounds.min + cell.cwiseProduct(place);
     extendBy(content.box, {low, low + cell});
@@ -120,10 +119,12 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, double seconds) 
   const auto begun = std::chrono::steady_clock::now();
   const auto times = scene.times();
   FirstSight sight{times.front(), scene.bounds(), ""};
+
   struct Look {
     double time;
     SnapshotContent content;
   };
+
   std::vector<Look> looks;
   if (!scene.isFile() && !scene.media().empty()) {
     VOLUTE_ASSIGN(const auto known, scene.media().front()->firstTime(progress));
@@ -140,8 +141,8 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, double seconds) 
   constexpr int kOrder[kTimes] = {0, 4, 2, 6, 1, 3, 5, 7};
   for (const int part : kOrder) {
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
-    const bool found = std::ranges::any_of(
-        looks, [](const Look& look) { return look.content.amount > 0; });
+    const bool found =
+        std::ranges::any_of(looks, [](const Look& look) { return look.content.amount > 0; });
     if (!looks.empty() && spent.count() > (found ? 1 : kPatience) * seconds)
       break;
     const double time = times[part * (times.size() - 1) / (kTimes - 1)];

@@ -28,11 +28,11 @@ struct SnapshotContent {
 /// cache are around all its frames, those of a simulation around its meshes.
 SnapshotContent contentOf(const Snapshot& snapshot);
 
-/// The first of the scene's times if there is something to see, else the earliest of some that shows
-/// much; looked for in coarse snapshots for about that many seconds, ten times as long
-/// while there was nothing, in eight of them at most. A file
-/// alone whose medium knows better says it (SceneMedium::firstTime()). Of a scene that has nothing it
-/// is the first time and Scene::bounds().
+/// The first of the scene's times if there is something to see, else the earliest of some that
+/// shows much; looked for in coarse snapshots for about that many seconds, ten times as long while
+/// there was nothing, in eight of them at most. A file alone whose medium knows better says it
+/// (SceneMedium::firstTime()). Of a scene that has nothing it is the first time and
+/// Scene::bounds().
 [[nodiscard]] Result<FirstSight> firstSight(
     Scene& scene, Progress& progress, double seconds = std::numeric_limits<double>::infinity());
 

@@ -142,8 +142,8 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
       if (entry.kind->fields().find(name))
         json[name] = value;
     }
-    MediumContext context{reading, options_.files, description.lights, geometry_, path_, entry.path,
-                          same ? media_[i] : nullptr, &earlier};
+    MediumContext context{reading, options_.files, description.lights,         geometry_,
+                          path_,   entry.path,     same ? media_[i] : nullptr, &earlier};
     VOLUTE_ASSIGN(media[i], entry.kind->open(json, context));
   }
   return media;
@@ -173,7 +173,8 @@ Status Scene::checkLaws() const {
 Status Scene::change(OrderedJson json, Progress& progress) {
   const nlohmann::json plain = json;
   VOLUTE_ASSIGN(auto description, parseScene(plain, path_));
-  const bool sameLights = json.value("lights", OrderedJson()) == json_.value("lights", OrderedJson());
+  const bool sameLights =
+      json.value("lights", OrderedJson()) == json_.value("lights", OrderedJson());
   VOLUTE_ASSIGN(auto media, openMedia(description, sameLights, progress));
   std::swap(media_, media);
   std::swap(description_, description);
@@ -258,7 +259,8 @@ Status Scene::placeSurfaces(const InstantRequest& request) {
   const auto materials = geometry_.materials();
   TriangleMesh all{{triangles.begin(), triangles.end()}, {materials.begin(), materials.end()}};
   for (const auto& medium : media_) VOLUTE_TRY(medium->addSurfaces(request, all));
-  VOLUTE_ASSIGN(surfaces_, TriangleScene::build(std::move(all.triangles), std::move(all.materials)));
+  VOLUTE_ASSIGN(surfaces_,
+                TriangleScene::build(std::move(all.triangles), std::move(all.materials)));
   surfacesOf_ = std::move(wanted);
   return {};
 }

@@ -32,12 +32,12 @@ struct SceneOptions {
 bool isScenePath(const std::string& path);
 
 /// Media, surfaces, lights, signs and a camera. It is opened from a file of any kind; at() gives a
-/// Snapshot. Its state is its JSON: changes are made there and read back. Call it from one thread at
-/// a time; Snapshots are independent of it.
+/// Snapshot. Its state is its JSON: changes are made there and read back. Call it from one thread
+/// at a time; Snapshots are independent of it.
 class Scene {
  public:
-  /// Opens a scene file, or a scene that shows only the given file. Errors name the file and the place
-  /// in it. Remarks made while media are opened go once to `progress`.
+  /// Opens a scene file, or a scene that shows only the given file. Errors name the file and the
+  /// place in it. Remarks made while media are opened go once to `progress`.
   [[nodiscard]] static Result<Scene> open(const std::string& path, const SceneOptions& options,
                                           Progress& progress);
 
@@ -81,16 +81,16 @@ class Scene {
   /// The scene at request.time; request.factor is that of law().
   [[nodiscard]] Result<Snapshot> at(const InstantRequest& request, Progress& progress);
 
-  /// Changes the scene to `json`. Data already read are reused where entries do not change. An error
-  /// leaves everything unchanged.
+  /// Changes the scene to `json`. Data already read are reused where entries do not change. An
+  /// error leaves everything unchanged.
   [[nodiscard]] Status change(nlohmann::ordered_json json, Progress& progress);
 
   /// Parameters a user may change, in the order of the file: media, lights, signs, the background.
   std::vector<Parameter> parameters() const;
 
-  /// The JSON with a new value of one of parameters() and all dependent changes: media of a kind share
-  /// the values of MediumKind::shares(), a sign that emits light loses its own C. kInvalidArgument for
-  /// an unknown path.
+  /// The JSON with a new value of one of parameters() and all dependent changes: media of a kind
+  /// share the values of MediumKind::shares(), a sign that emits light loses its own C.
+  /// kInvalidArgument for an unknown path.
   [[nodiscard]] Result<nlohmann::ordered_json> with(const std::string& path,
                                                     const std::vector<double>& value) const;
 
@@ -127,7 +127,7 @@ class Scene {
   std::string assumption_;
   std::optional<PictureLaw> law_;
   bool toldOfGlow_ = false;
-  TriangleScene surfaces_;               ///< all that is opaque,
+  TriangleScene surfaces_;                 ///< all that is opaque,
   std::vector<std::uint64_t> surfacesOf_;  ///< SceneMedium::surfacesKey() of it
 };
 

@@ -42,8 +42,8 @@ OrderedJson& listOf(OrderedJson& json, const char* name) {
 /// "exit", "exit 2", "exit 3": one that no sign has yet.
 std::string freeName(const OrderedJson& signs, std::string name) {
   const auto taken = [&](const std::string& wanted) {
-    return std::ranges::any_of(signs,
-                               [&](const OrderedJson& sign) { return sign.value("name", "") == wanted; });
+    return std::ranges::any_of(
+        signs, [&](const OrderedJson& sign) { return sign.value("name", "") == wanted; });
   };
   const auto last = name.find_last_of(' ');
   const bool numbered = last != std::string::npos && last + 1 < name.size() &&

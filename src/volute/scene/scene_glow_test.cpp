@@ -26,9 +26,9 @@ constexpr int kGlowSide = 20;  ///< voxels of 5 cm
 class SceneGlow : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              (std::string("glow_") +
-               testing::UnitTest::GetInstance()->current_test_info()->name());
+    folder_ =
+        std::filesystem::path(testing::TempDir()) /
+        (std::string("glow_") + testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::create_directories(folder_);
     power_ = write("fire.npy", 100);
     write("smoke.npy", 0);
@@ -69,7 +69,8 @@ class SceneGlow : public testing::Test {
   Snapshot at(const std::string& media, const std::string& more = "") {
     const auto json = nlohmann::ordered_json::parse(
         R"({"format": "volute-scene-1", "camera": {"eye": [0, -30, 8], "target": [0, 0, 4], "fov": 40},
-            "geometry": [{"file": "ground.obj"}], "media": [)" + media + "]" + more + "}");
+            "geometry": [{"file": "ground.obj"}], "media": [)" +
+        media + "]" + more + "}");
     auto scene = Scene::make(json, (folder_ / "scene.json").string(), {}, heard_);
     EXPECT_TRUE(scene) << scene.error().message;
     auto snapshot = scene->at({}, heard_);
@@ -80,6 +81,7 @@ class SceneGlow : public testing::Test {
   class Heard : public Progress {
    public:
     void remark(std::string_view said) override { remarks += std::string(said) + "\n"; }
+
     std::string remarks;
   };
 
@@ -141,8 +143,7 @@ TEST_F(SceneGlow, OtherVolumesScatterIt) {
   const std::string smoke =
       R"({"kind": "volume", "file": "smoke.npy", "emission": 0, "extinction": 0.1, "albedo": [0.9, 0.9, 0.9],
           "transform": [1,0,0,4, 0,1,0,-0.5, 0,0,1,7.5, 0,0,0,1]})";
-  const Snapshot snapshot =
-      at(smoke + "," + fire(R"(, "emission": 2, "lights_scene": "always")"));
+  const Snapshot snapshot = at(smoke + "," + fire(R"(, "emission": 2, "lights_scene": "always")"));
   std::vector<AnyMedium> media;
   snapshot.media[0]->addMedia(media);
   const double r2 = 4.5 * 4.5;  // from the ball's middle to the cube's

@@ -14,12 +14,12 @@ struct SceneLook {
   double stops = 0;  ///< light is multiplied by the exposure times 2^stops
   /// [1 / radiance]; nothing: one that suits the first picture.
   std::optional<double> exposure{};
-  int colors = 0;       ///< grey, viridis, inferno: of what has one channel
-  int quality = 0;      ///< automatic, full, half, quarter
-  int renderer = 0;     ///< automatic, OpenGL, CPU
-  bool surfaces = true;  ///< opaque things are shown
-  bool walks = false;    ///< else orbits
-  double speed = 1;     ///< of the timeline
+  int colors = 0;                ///< grey, viridis, inferno: of what has one channel
+  int quality = 0;               ///< automatic, full, half, quarter
+  int renderer = 0;              ///< automatic, OpenGL, CPU
+  bool surfaces = true;          ///< opaque things are shown
+  bool walks = false;            ///< else orbits
+  double speed = 1;              ///< of the timeline
   std::optional<double> time{};  ///< [s]
 
   bool operator==(const SceneLook&) const = default;

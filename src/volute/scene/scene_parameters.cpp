@@ -25,10 +25,9 @@ MediumFacts factsOf(const MediumInfo& info, bool suns) {
 
 /// Of an entry of "lights" or "signs".
 const FieldTable& tableOf(std::string_view list, const OrderedJson& entry) {
-  return list == "signs"
-             ? signFields()
-             : **std::ranges::find(lightTables(), entry.at("kind").get<std::string>(),
-                                   &FieldTable::says);
+  return list == "signs" ? signFields()
+                         : **std::ranges::find(lightTables(), entry.at("kind").get<std::string>(),
+                                               &FieldTable::says);
 }
 
 /// Of the entries of "lights" or "signs".

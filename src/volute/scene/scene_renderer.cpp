@@ -37,8 +37,8 @@ std::vector<std::uint8_t> pixelsThatMeet(const Camera& camera, std::span<const A
   return meets;
 }
 
-/// `opaqueDepth`, and 0 where a pixel is not asked for: what draws all pixels at once has nothing to
-/// do there.
+/// `opaqueDepth`, and 0 where a pixel is not asked for: what draws all pixels at once has nothing
+/// to do there.
 std::vector<float> endsOf(std::span<const float> opaqueDepth, std::span<const std::uint8_t> only) {
   std::vector<float> ends(opaqueDepth.begin(), opaqueDepth.end());
   if (!only.empty())
@@ -139,7 +139,8 @@ Result<Image> SceneRenderer::renderSmooth(const Snapshot& snapshot, const Camera
     counted.render.rays += more.render.rays, counted.render.segments += more.render.segments;
     counted.render.pieces += more.render.pieces;
     for (std::size_t p = 0; p < edges.size(); ++p) {
-      for (std::size_t c = 0; edges[p] && c < 3; ++c) sum.pixels[3 * p + c] += one.pixels[3 * p + c];
+      for (std::size_t c = 0; edges[p] && c < 3; ++c)
+        sum.pixels[3 * p + c] += one.pixels[3 * p + c];
     }
   }
   for (std::size_t p = 0; p < edges.size(); ++p) {
@@ -273,22 +274,22 @@ Result<SurfacePicture> CpuRenderer::surfaces(const View& view, Progress& progres
     VOLUTE_ASSIGN(media, mediaFor(view));
   }
   for (AnyMedium& medium : media) medium = scaledBy(1 / snapshot.law.factor(), medium);
-  const SurfaceScene scene{snapshot.geometry, snapshot.lights.lamps, snapshot.lights.ambient,
-                           media, snapshot.shadows, ofAll};
+  const SurfaceScene scene{snapshot.geometry,       snapshot.lights.lamps,
+                           snapshot.lights.ambient, media,
+                           snapshot.shadows,        ofAll};
   return renderSurfaces(view.camera, scene, Rgb::Zero(), progress, view.only);
 }
 
 Result<SurfaceView> CpuRenderer::walls(const View& view, std::size_t medium) {
-  return view.snapshot.media[medium]->lookAtWalls(view.camera, view.snapshot.geometry,
-                                                  view.only);
+  return view.snapshot.media[medium]->lookAtWalls(view.camera, view.snapshot.geometry, view.only);
 }
 
 Result<std::vector<SignPixel>> CpuRenderer::findSigns(const View& view) {
   return signPixels(view.camera, view.snapshot.signs, view.opaqueDepth);
 }
 
-Result<Image> CpuRenderer::color(const View& view, const RenderOptions& options,
-                                 Progress& progress, RenderStats& stats) {
+Result<Image> CpuRenderer::color(const View& view, const RenderOptions& options, Progress& progress,
+                                 RenderStats& stats) {
   RenderOptions own = options;
   own.renderer = method_;
   const auto whole = [](const auto& picture) { return picture != nullptr; };
@@ -310,8 +311,8 @@ Result<Image> CpuRenderer::color(const View& view, const RenderOptions& options,
     own.only = mixed;
     RenderStats more;
     VOLUTE_ASSIGN(const auto media, mediaFor(view));
-    VOLUTE_ASSIGN(const auto rest, volute::render(view.camera, media, own, progress, &more,
-                                                  view.opaqueDepth));
+    VOLUTE_ASSIGN(const auto rest,
+                  volute::render(view.camera, media, own, progress, &more, view.opaqueDepth));
     for (std::size_t i = 0; i < mixed.size(); ++i) {
       if (mixed[i])
         std::copy_n(&rest.pixels[3 * i], 3, &image.pixels[3 * i]);
@@ -328,8 +329,8 @@ Result<Image> CpuRenderer::opticalDepth(const View& view, const RenderOptions& o
   RenderOptions depths = options;
   depths.renderer = method_;
   depths.aov = Aov::kOpticalDepth;
-  VOLUTE_ASSIGN(auto sum, volute::render(view.camera, others_, depths, progress, &stats,
-                                         view.opaqueDepth));
+  VOLUTE_ASSIGN(auto sum,
+                volute::render(view.camera, others_, depths, progress, &stats, view.opaqueDepth));
   const double factor = view.snapshot.law.factor();
   for (float& depth : sum.pixels) depth = static_cast<float>(depth / factor);
   const auto ends = endsOf(view.opaqueDepth, view.only);

@@ -131,10 +131,12 @@ class CpuRenderer final : public SceneRenderer {
   /// All media for the camera, in the snapshot's order.
   [[nodiscard]] Result<std::vector<AnyMedium>> mediaFor(const View& view) const;
 
-  std::vector<std::shared_ptr<MediumPicture>> kept_;      ///< for other instants
-  std::vector<std::shared_ptr<MediumPicture>> pictures_;  ///< of each medium of the snapshot; or null
-  std::vector<std::vector<AnyMedium>> made_;  ///< of each for the camera; empty for those with a picture
-  std::vector<AnyMedium> others_;             ///< all of `made_`
+  std::vector<std::shared_ptr<MediumPicture>> kept_;  ///< for other instants
+  std::vector<std::shared_ptr<MediumPicture>>
+      pictures_;  ///< of each medium of the snapshot; or null
+  std::vector<std::vector<AnyMedium>>
+      made_;                       ///< of each for the camera; empty for those with a picture
+  std::vector<AnyMedium> others_;  ///< all of `made_`
 };
 
 }  // namespace volute

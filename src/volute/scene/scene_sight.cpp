@@ -167,10 +167,10 @@ Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Sce
     return field;
   SceneOptions other = options;
   other.members["field"] = taller;
-  remarks.push_back(
-      fmt::format("{} reaches from z = {:g} to {:g} m only, and eyes or signs are outside; {} is read "
-                  "instead (--field NAME selects another source)",
-                  field->description(), low, high, taller));
+  remarks.push_back(fmt::format(
+      "{} reaches from z = {:g} to {:g} m only, and eyes or signs are outside; {} is read "
+      "instead (--field NAME selects another source)",
+      field->description(), low, high, taller));
   return openSight(path, other, progress);
 }
 

@@ -20,8 +20,8 @@ namespace volute {
                                                             Progress& progress);
 
 /// The same where lines begin or end at `heights` [m]: a source of one layer (a 2D slice) that
-/// neither options.members nor a scene name gives way to a taller one if one of them is outside of it; a
-/// sentence about that is added to `remarks`.
+/// neither options.members nor a scene name gives way to a taller one if one of them is outside of
+/// it; a sentence about that is added to `remarks`.
 [[nodiscard]] Result<std::unique_ptr<SightField>> openSight(const std::string& path,
                                                             const SceneOptions& options,
                                                             std::span<const double> heights,

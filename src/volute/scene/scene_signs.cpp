@@ -84,8 +84,8 @@ const FieldTable& signFields() {
       {.name = "picture", .type = kFile, .access = member<&Sign::pictureFile>(),
        .help = "a .png or .exr whose linear values are its radiance; if not given, a green EXIT"}};
   // clang-format on
-  static const FieldTable kTable = fieldTable<Sign>(
-      {.name = "sign", .sentence = "an exit sign", .fields = kFields});
+  static const FieldTable kTable =
+      fieldTable<Sign>({.name = "sign", .sentence = "an exit sign", .fields = kFields});
   return kTable;
 }
 

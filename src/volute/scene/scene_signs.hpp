@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "volute/media/field.hpp"
 #include "volute/optics/visibility.hpp"
 #include "volute/render/sign.hpp"
-#include "volute/media/field.hpp"
 
 namespace volute {
 

@@ -84,8 +84,9 @@ TEST(SceneTables, MembersOfTheOtherKindOfSmokeAreRefused) {
   EXPECT_THAT(message(R"({"kind": "smoke", "case": "a.smv", "walls": true})"),
               HasSubstr("/media/0/walls"));
   const std::string deep = std::string(1000000, 'x') + ".smv";
-  EXPECT_THAT(message(fmt::format(R"({{"kind": "smoke", "case": "{}", "walls": true}})", deep).c_str()),
-              HasSubstr("and this is an FDS case"));
+  EXPECT_THAT(
+      message(fmt::format(R"({{"kind": "smoke", "case": "{}", "walls": true}})", deep).c_str()),
+      HasSubstr("and this is an FDS case"));
 }
 
 }  // namespace

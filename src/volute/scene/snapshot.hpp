@@ -17,10 +17,10 @@ namespace volute {
 /// A scene at one time, with everything that pictures of it need. Immutable: threads may render
 /// pictures while others request the next time.
 struct Snapshot {
-  double time = 0;  ///< [s], of the scene
-  PictureLaw law;   ///< law for everything except signs
+  double time = 0;                                     ///< [s], of the scene
+  PictureLaw law;                                      ///< law for everything except signs
   std::vector<std::shared_ptr<const MediumAt>> media;  ///< in the order of the scene
-  TriangleScene geometry;                              ///< all opaque surfaces, except walls of media
+  TriangleScene geometry;       ///< all opaque surfaces, except walls of media
   TriangleScene fixedGeometry;  ///< the scene's own surfaces, which block light for media
   SceneLights lights;
   std::vector<Sign> signs;

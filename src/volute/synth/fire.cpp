@@ -15,18 +15,18 @@ constexpr int kFireWarmUpFrames = 45;
 
 constexpr float kBurnerRadius = 0.32f;  // [m]
 constexpr float kBurnerHeight = 0.07f;
-constexpr float kBurnTime = 0.25f;   // [s], in which fuel turns to heat
-constexpr float kHeatOfFuel = 2.6f;  // temperatures are relative: 1 is a bright flame
-constexpr float kCooling = 1.7f;     // [1/s]
-constexpr float kRadiation = 2.5f;   // [1/s] at temperature 1, with its third power
-constexpr float kFireBuoyancy = 10.0f;   // [m/s^2] at temperature 1
+constexpr float kBurnTime = 0.25f;      // [s], in which fuel turns to heat
+constexpr float kHeatOfFuel = 2.6f;     // temperatures are relative: 1 is a bright flame
+constexpr float kCooling = 1.7f;        // [1/s]
+constexpr float kRadiation = 2.5f;      // [1/s] at temperature 1, with its third power
+constexpr float kFireBuoyancy = 10.0f;  // [m/s^2] at temperature 1
 constexpr float kFireConfinement = 0.7f;
 constexpr float kSwelling = 3.0f;  // volumes of hot gas more than of fuel
 constexpr float kGust = 6.0f;      // [m/s^2], eddies of the large noise in the flame
 constexpr float kCurl = 16.0f;     // and of the small one
 
-constexpr float kFireVisible = 0.3f;   // temperature below which nothing glows
-constexpr float kRadiance = 5.0f;  // [radiance/m] at temperature 1
+constexpr float kFireVisible = 0.3f;  // temperature below which nothing glows
+constexpr float kRadiance = 5.0f;     // [radiance/m] at temperature 1
 
 class Fire final : public Simulation {
  public:

@@ -13,10 +13,10 @@ namespace {
 constexpr float kSmokeStep = kFrameSeconds;
 constexpr int kSmokeWarmUpFrames = 150;
 
-constexpr float kSmokeBuoyancy = 0.80f;     // [m/s^2] at density 1
-constexpr float kJet = 1.6f;           // [m/s^2] in the nozzles
-constexpr float kDissipation = 0.22f;  // [1/s]
-constexpr float kThinning = 5;         // [1/s], more of it at the open faces
+constexpr float kSmokeBuoyancy = 0.80f;  // [m/s^2] at density 1
+constexpr float kJet = 1.6f;             // [m/s^2] in the nozzles
+constexpr float kDissipation = 0.22f;    // [1/s]
+constexpr float kThinning = 5;           // [1/s], more of it at the open faces
 constexpr float kSmokeConfinement = 0.5f;
 constexpr float kStir = 1.4f;  // [m/s^2], eddies of the noise in the smoke
 constexpr float kSmokeVisible = 0.03f;

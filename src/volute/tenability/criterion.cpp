@@ -6,7 +6,8 @@ namespace volute {
 namespace {
 
 constexpr const char* kThird =
-    "FED and FEC of 0.3: ISO 13571:2012, 5.4 and A.5.2 (11.4 % of the people are affected below it), "
+    "FED and FEC of 0.3: ISO 13571:2012, 5.4 and A.5.2 (11.4 % of the people are affected below "
+    "it), "
     "as quoted by the documentation of pyFDS-Evac; the standard itself was not at hand";
 
 Criterion dose(const char* name, DoseLaw law) {
@@ -53,8 +54,9 @@ std::vector<Air> Criterion::taken() const {
 
 const std::vector<Criterion>& usualCriteria() {
   static const std::vector<Criterion> criteria{
-      level("visibility", Air::kExtinction, 0.3,
-            "10 m of sight where one stands, C = 3 (K = 0.3 1/m): Purser, PD 7974-6, CIBSE Guide E"),
+      level(
+          "visibility", Air::kExtinction, 0.3,
+          "10 m of sight where one stands, C = 3 (K = 0.3 1/m): Purser, PD 7974-6, CIBSE Guide E"),
       level("temperature", Air::kTemperature, 60,
             "60 degrees C for some minutes, as NFPA 130 and vfdb guides have it"),
       level("radiant-flux", Air::kRadiantFlux, 2.5,

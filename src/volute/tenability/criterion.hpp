@@ -15,7 +15,7 @@ namespace volute {
 /// When conditions count as untenable: a quantity, a dose or a fraction that reaches a limit.
 struct Criterion {
   std::string name;
-  std::optional<DoseLaw> law;     ///< a dose or a fraction; else the quantity itself
+  std::optional<DoseLaw> law;  ///< a dose or a fraction; else the quantity itself
   Air quantity = Air::kTemperature;
   DosePerson person;
   double limit = 0;      ///< in the quantity's unit; of doses and fractions dimensionless

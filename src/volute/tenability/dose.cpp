@@ -43,13 +43,15 @@ Exposure completed(Exposure air) {
 
 double sumOver(const Exposure& air, double Irritant::* concentration) {
   double sum = 0;
-  for (const Irritant& irritant : kIrritants) sum += air.ppm(irritant.gas) / irritant.*concentration;
+  for (const Irritant& irritant : kIrritants)
+    sum += air.ppm(irritant.gas) / irritant.*concentration;
   return sum;
 }
 
 /// Stewart's equation, 63.18: 3.317e-5 CO^1.036 V_E / D [1/min].
 double stewart(double ppm, Activity activity) {
-  const double breathing = activity == Activity::kRest ? 8.5 : (activity == Activity::kLight ? 25 : 50);
+  const double breathing =
+      activity == Activity::kRest ? 8.5 : (activity == Activity::kLight ? 25 : 50);
   const double blood = activity == Activity::kRest ? 40 : (activity == Activity::kLight ? 30 : 20);
   return 3.317e-5 * std::pow(ppm, 1.036) * breathing / blood;
 }
@@ -80,8 +82,9 @@ double sfpeGas(const Exposure& air, Activity activity) {
 
 /// The coefficients of func.f90 are those of 63.18 rounded to four digits.
 double fdsCarbonMonoxide(double ppm, Activity activity) {
-  const double factor =
-      activity == Activity::kRest ? 0.7048625e-5 : (activity == Activity::kLight ? 2.764e-5 : 8.2925e-5);
+  const double factor = activity == Activity::kRest
+                            ? 0.7048625e-5
+                            : (activity == Activity::kLight ? 2.764e-5 : 8.2925e-5);
   return factor * std::pow(ppm, 1.036);
 }
 
@@ -112,8 +115,8 @@ double isoHeat(const Exposure& air, const DosePerson& person) {
   const double flux = air[Air::kRadiantFlux];
   const double convective = person.clothing == Clothing::kClothed ? std::pow(degrees, 3.61) / 4.1e8
                                                                   : std::pow(degrees, 3.4) / 5e7;
-  const double radiant = person.burns == BurnEndpoint::kPain ? std::pow(flux, 1.9) / 4.2
-                                                             : std::pow(flux, 1.56) / 6.9;
+  const double radiant =
+      person.burns == BurnEndpoint::kPain ? std::pow(flux, 1.9) / 4.2 : std::pow(flux, 1.56) / 6.9;
   return convective + (flux > kHarmlessFlux ? radiant : 0);
 }
 
@@ -132,7 +135,8 @@ bool lacks(DoseLaw law, const Exposure& air) {
 }
 
 constexpr std::string_view kQuoted =
-    "the documentation of pyFDS-Evac (Fundamentals), which quotes it by equation and page; the book "
+    "the documentation of pyFDS-Evac (Fundamentals), which quotes it by equation and page; the "
+    "book "
     "itself was not at hand";
 
 }  // namespace
@@ -141,7 +145,8 @@ std::span<const DoseLawInfo> doseLaws() {
   static constexpr std::array<DoseLawInfo, 8> laws{{
       {DoseLaw::kIsoGas, "iso-13571", "fed-gas",
        "ISO 13571:2012, 6.1: CO 35000 ppm min, HCN^2.36 / 1.2e6, times exp(CO2 / 5)",
-       "35000 ppm min: the documentation of pyFDS-Evac and the source of BRANZFIRE; the HCN term is "
+       "35000 ppm min: the documentation of pyFDS-Evac and the source of BRANZFIRE; the HCN term "
+       "is "
        "the handbook's 63.24; the standard itself was not at hand"},
       {DoseLaw::kSfpeGas, "sfpe", "fed-gas",
        "SFPE Handbook, 5th ed., ch. 63 (Purser and McAllister 2016), eq. 63.38 with 63.15, 63.18, "

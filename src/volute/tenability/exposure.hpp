@@ -14,8 +14,8 @@
 namespace volute {
 
 enum class Air : unsigned char {
-  kTemperature,  ///< [degrees C]
-  kRadiantFlux,  ///< [kW/m2]
+  kTemperature,     ///< [degrees C]
+  kRadiantFlux,     ///< [kW/m2]
   kCarbonMonoxide,  ///< this and all that follow up to kFormaldehyde: [mol/mol]
   kCarbonDioxide,
   kOxygen,

@@ -36,7 +36,8 @@ TEST(Dose, TheWorkedExampleOfPyFdsEvac) {
 
 TEST(Dose, GasesOneByOneInClosedForm) {
   const double third = 1.0 / 60;
-  EXPECT_NEAR(doseRate(DoseLaw::kIsoGas, {}, with(Air::kCarbonMonoxide, 0.0035)), 0.1 * third, 1e-12);
+  EXPECT_NEAR(doseRate(DoseLaw::kIsoGas, {}, with(Air::kCarbonMonoxide, 0.0035)), 0.1 * third,
+              1e-12);
   EXPECT_NEAR(doseRate(DoseLaw::kIsoGas, {}, with(Air::kHydrogenCyanide, 1e-4)),
               std::pow(100, 2.36) / 1.2e6 * third, 1e-12);
   Exposure breathing = with(Air::kCarbonMonoxide, 0.0035);
@@ -61,8 +62,8 @@ TEST(Dose, GasesOneByOneInClosedForm) {
               1e-12);
 }
 
-/// SMV Verification Guide, "fed_test": 1000 ppm of CO, 2 % of CO2, 7 % of O2; what its four pictures
-/// are marked with, to the last digit.
+/// SMV Verification Guide, "fed_test": 1000 ppm of CO, 2 % of CO2, 7 % of O2; what its four
+/// pictures are marked with, to the last digit.
 TEST(Dose, smokeviewsFiguresOfItsVerificationGuide) {
   Exposure air;
   air[Air::kCarbonMonoxide] = 1e-3;
@@ -78,7 +79,8 @@ TEST(Dose, smokeviewsFiguresOfItsVerificationGuide) {
 TEST(Dose, HeatInClosedForm) {
   // 100 degrees C: 24.7 min clothed, 7.924 min unclothed.
   const Exposure hot = with(Air::kTemperature, 100);
-  EXPECT_NEAR(secondsToOne(DoseLaw::kIsoHeat, hot, {.clothing = Clothing::kClothed}) / 60, 24.7, 0.05);
+  EXPECT_NEAR(secondsToOne(DoseLaw::kIsoHeat, hot, {.clothing = Clothing::kClothed}) / 60, 24.7,
+              0.05);
   EXPECT_NEAR(secondsToOne(DoseLaw::kIsoHeat, hot) / 60, 7.924, 0.001);
   EXPECT_NEAR(secondsToOne(DoseLaw::kSfpeHeat, hot) / 60, 7.924, 0.001);
   Exposure fire = with(Air::kRadiantFlux, 10);
@@ -102,11 +104,13 @@ TEST(Dose, IrritantsAreFractionsOfConcentrations) {
 
 TEST(Dose, WhatIsNotKnownIsSaidOrCountsAsClean) {
   Exposure air = with(Air::kCarbonMonoxide, 0.0035);
-  for (const Air gas : {Air::kHydrogenCyanide, Air::kCarbonDioxide, Air::kOxygen, Air::kNitricOxide})
+  for (const Air gas :
+       {Air::kHydrogenCyanide, Air::kCarbonDioxide, Air::kOxygen, Air::kNitricOxide})
     air[gas] = kUnknown;
   EXPECT_NEAR(doseRate(DoseLaw::kIsoGas, {}, air), 0.1 / 60, 1e-12);
   air[Air::kCarbonMonoxide] = kUnknown;
-  for (const DoseLaw law : {DoseLaw::kIsoGas, DoseLaw::kSfpeGas, DoseLaw::kFdsGas, DoseLaw::kSmokeviewGas})
+  for (const DoseLaw law :
+       {DoseLaw::kIsoGas, DoseLaw::kSfpeGas, DoseLaw::kFdsGas, DoseLaw::kSmokeviewGas})
     EXPECT_TRUE(std::isnan(doseRate(law, {}, air)));
   Exposure nothing;
   for (const AirQuantity& one : airQuantities()) nothing[one.quantity] = kUnknown;

@@ -11,8 +11,8 @@ namespace volute {
 namespace {
 
 /// Shares of an area or a volume, each times the number of pieces: 1 where all are alike.
-constexpr double kGood = 1e-2;   // taken without looking further
-constexpr double kMin = 1e-9;  // smaller ones are rounding
+constexpr double kGood = 1e-2;  // taken without looking further
+constexpr double kMin = 1e-9;   // smaller ones are rounding
 
 constexpr std::int64_t kNone = -1;
 
@@ -169,7 +169,7 @@ Status CellCutter::cutFace(const Polygon& face) {
 }
 
 double CellCutter::minShare(const Vec3& tip, std::int64_t vertex, double volume,
-                              double enough) const {
+                            double enough) const {
   double least = std::numeric_limits<double>::infinity();
   int count = 0;
   for (const Corners& t : triangles_) {

@@ -125,7 +125,8 @@ TEST(SplitCells, SaysWhatIsWrongWithATet) {
   EXPECT_THAT(messageOf(soup), HasSubstr("a: cell 1 has vertex 4; there are 4 vertices"));
   soup = sound;
   soup.vertices[3].y() = std::numeric_limits<double>::infinity();
-  EXPECT_THAT(messageOf(soup), HasSubstr("a: vertex 3 is at (0, inf, 1); expected metres, less than 1e30"));
+  EXPECT_THAT(messageOf(soup),
+              HasSubstr("a: vertex 3 is at (0, inf, 1); expected metres, less than 1e30"));
   soup = sound;
   soup.offsets = {0, 4, 7};
   EXPECT_THAT(messageOf(soup), HasSubstr("a: cell 1 does not have the vertices of its shape"));

@@ -23,7 +23,7 @@ using FaultKind = CaptureFault::Kind;
 using Views = std::vector<TomographyView>;
 
 constexpr std::size_t kFewestToTell = 4;
-constexpr int kCoarse = 16;                 // voxels on the longest side, about
+constexpr int kCoarse = 16;               // voxels on the longest side, about
 constexpr double kMinUnexplained = 0.12;  // of a view; below, nothing is looked for
 constexpr double kTimesResolved = 1.3;
 

@@ -13,11 +13,11 @@
 namespace volute {
 namespace {
 
-constexpr double kStandsOut = 2;            // times the median misfit of the others
+constexpr double kStandsOut = 2;          // times the median misfit of the others
 constexpr double kMinOutstanding = 0.02;  // below, nobody stands out
-constexpr double kGainShare = 0.3;          // of the squared residual that a gain must explain
+constexpr double kGainShare = 0.3;        // of the squared residual that a gain must explain
 constexpr double kMinMisfit = 0.04;       // below, nobody misfits
-constexpr double kMisfits = 1.5;            // times what the size of the voxels explains
+constexpr double kMisfits = 1.5;          // times what the size of the voxels explains
 constexpr double kFullHull = 0.9;
 constexpr double kNarrow = 15;  // [degrees]
 

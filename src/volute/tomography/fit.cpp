@@ -305,8 +305,8 @@ class PriorSearch {
       volumes[0] = reached_;
     }
     // One or two cameras tell little of how light is spread over dark voxels: of fire, volumes with
-    // sparsity come nearer to the truth though they predict a camera 3 to 9 % worse; of smoke, where
-    // sparsity is wrong, they predict it worse by a quarter and more.
+    // sparsity come nearer to the truth though they predict a camera 3 to 9 % worse; of smoke,
+    // where sparsity is wrong, they predict it worse by a quarter and more.
     keep({Regularization::kTv, search.chosen(), sparsity, 0}, least, std::move(reached_),
          sparsity > 0 ? kClearly : kMuch);
     return {};

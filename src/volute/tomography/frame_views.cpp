@@ -62,7 +62,8 @@ Result<FrameViews> ViewReader::read(int frame) {
     const CaptureCamera& known = capture_->cameras[camera];
     auto picture = images_.read(camera, frame);
     PictureFacts facts;
-    if (!picture && picture.error().code == ErrorCode::kNotFound && known.pictures.frameShift != 0) {
+    if (!picture && picture.error().code == ErrorCode::kNotFound &&
+        known.pictures.frameShift != 0) {
       // The others tell what they saw; this one has seen nothing, not even darkness.
       picture.emplace();
       picture->radiance = Image(known.camera.width(), known.camera.height());
@@ -73,9 +74,14 @@ Result<FrameViews> ViewReader::read(int frame) {
     } else if (!picture) {
       return tl::unexpected<Error>(picture.error());
     } else {
-      facts = {picture->brightest,        picture->saturatedShare, picture->maskedShare,
-               picture->transparentShare, picture->opaqueShare,    picture->grey,
-               false,                     picture->drift};
+      facts = {picture->brightest,
+               picture->saturatedShare,
+               picture->maskedShare,
+               picture->transparentShare,
+               picture->opaqueShare,
+               picture->grey,
+               false,
+               picture->drift};
     }
     result.facts.push_back(facts);
     result.views.push_back(viewOf(camera, std::move(*picture)));

@@ -89,7 +89,8 @@ Result<double> LineReader::number(std::string_view name) const {
   const std::string_view cell = cells_[columns_.at(std::string(name))];
   const auto value = finiteNumber(cell);
   if (!value)
-    return fail(ErrorCode::kInvalidData, "{}, {}: '{}' is not a finite number", where(), name, cell);
+    return fail(ErrorCode::kInvalidData, "{}, {}: '{}' is not a finite number", where(), name,
+                cell);
   return *value;
 }
 

@@ -159,8 +159,8 @@ class LineFileTest : public ::testing::Test {
 
   ~LineFileTest() override { std::filesystem::remove(file_); }
 
-  std::filesystem::path file_ = std::filesystem::temp_directory_path() /
-                                fmt::format("volute-lines-{}.csv", ::getpid());
+  std::filesystem::path file_ =
+      std::filesystem::temp_directory_path() / fmt::format("volute-lines-{}.csv", ::getpid());
 };
 
 TEST_F(LineFileTest, ReadsEndsAndDirections) {

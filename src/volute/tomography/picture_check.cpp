@@ -268,8 +268,7 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
           name,
           views.facts[i].brightest > 0
               ? fmt::format("shows no {} above {:.3g}",
-                            views.opticalDepth ? "optical depth" : "light",
-                            2 * counts[i].threshold)
+                            views.opticalDepth ? "optical depth" : "light", 2 * counts[i].threshold)
               : std::string("the picture is all black"),
           views.views[brightest].name, counts[brightest].lit));
       continue;

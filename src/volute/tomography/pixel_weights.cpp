@@ -50,8 +50,7 @@ double lightLeft(const TomographyView& view, std::size_t pixel) {
   constexpr double kMin = 1e-3;
   if (view.isSaturated(pixel)) {
     const float* depth = &view.radiance.pixels[3 * pixel];
-    return std::max(std::exp(-static_cast<double>(std::max({depth[0], depth[1], depth[2]}))),
-                    kMin);
+    return std::max(std::exp(-static_cast<double>(std::max({depth[0], depth[1], depth[2]}))), kMin);
   }
   return view.weight.empty() ? 1 : std::max<double>(view.weight[pixel], kMin);
 }

@@ -19,10 +19,9 @@ Status checkPattern(const ImageName& name, std::size_t cameras, std::size_t fram
                 "output: '{}' does not end in .exr, which holds linear values", name.text());
   }
   if (cameras > 1 && !name.hasCamera()) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "output: pictures of {} cameras do not fit into '{}'; put {{camera}} into its name",
-        cameras, name.text());
+    return fail(ErrorCode::kInvalidArgument,
+                "output: pictures of {} cameras do not fit into '{}'; put {{camera}} into its name",
+                cameras, name.text());
   }
   if (frames > 1 && !name.hasFrame()) {
     return fail(ErrorCode::kInvalidArgument,
@@ -97,7 +96,8 @@ Status projectFrames(ProjectedFrames& subject, const Capture& capture, const Ima
       if (progress.cancelled())
         return fail(ErrorCode::kCancelled, "stopped: frame {}, camera {} was not written", number,
                     camera.name);
-      const Image image = projectVolume(colour, geometry, subject.basis, camera.camera, raysPerPixel);
+      const Image image =
+          projectVolume(colour, geometry, subject.basis, camera.camera, raysPerPixel);
       VOLUTE_TRY(writeImage(name.file(camera.name, number), image));
       progress.report("projecting", ++done, total);
     }

@@ -21,15 +21,16 @@ struct ProjectedFrames {
   std::vector<int> positions;  ///< of the chosen frames
 };
 
-/// The names of the pictures of all chosen frames and cameras. kInvalidArgument ("output: ...") where
-/// they are no .exr, where several would have one name, and where one is a picture of the capture
-/// that is there: it cannot be taken again.
+/// The names of the pictures of all chosen frames and cameras. kInvalidArgument ("output: ...")
+/// where they are no .exr, where several would have one name, and where one is a picture of the
+/// capture that is there: it cannot be taken again.
 [[nodiscard]] Result<std::vector<std::string>> projectedPictures(const ProjectedFrames& subject,
                                                                  const Capture& capture,
                                                                  const ImageName& name);
 
-/// Writes them: projectVolume() of each frame through each camera, a linear float .exr with R, G, B.
-/// kTooLarge where a frame does not fit into the memory, kInvalidData for values that are not finite.
+/// Writes them: projectVolume() of each frame through each camera, a linear float .exr with R, G,
+/// B. kTooLarge where a frame does not fit into the memory, kInvalidData for values that are not
+/// finite.
 /// @param raysPerPixel  1 or 4
 /// @param maxMemory  [bytes]
 [[nodiscard]] Status projectFrames(ProjectedFrames& subject, const Capture& capture,

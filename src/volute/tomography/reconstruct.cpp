@@ -62,8 +62,8 @@ Result<Fit> fixedFit(const FitSetup& setup, std::vector<float> start) {
   VOLUTE_ASSIGN(Fit search, runFit(setup, withoutRows(data, heldOut), prior, start,
                                    {kMax, 0, heldOut, 0, 0, 2 * kMax}));
   const int best = std::max(1, search.iterations - (search.stoppedBy == "iterations" ? 0 : 12));
-  VOLUTE_ASSIGN(
-      Fit fit, runFit(setup, data, prior, std::move(start), {best, 0, {}, 0, kMax, kMax + best}));
+  VOLUTE_ASSIGN(Fit fit,
+                runFit(setup, data, prior, std::move(start), {best, 0, {}, 0, kMax, kMax + best}));
   if (search.stoppedBy == "held-out pixels")
     fit.stoppedBy = search.stoppedBy;
   fit.searchIterations = search.iterations;
@@ -175,8 +175,8 @@ Result<Reconstruction> reconstructReduced(std::span<const TomographyView> views,
     return fail(ErrorCode::kInvalidData, "No pixel that counts sees the volume");
   const bool expects = options.temporal > 0 && !warmStart.empty();
   const std::vector<float> expected = expects ? start : std::vector<float>{};
-  const FitSetup setup{problem, views,   options,
-                       largest, typicalValue(problem.data, largest), progress, expected};
+  const FitSetup setup{problem,  views,   options, largest, typicalValue(problem.data, largest),
+                       progress, expected};
   VOLUTE_ASSIGN(const Fit fit, choosesStrength(options) ? chooseFit(setup, std::move(start))
                                                         : fixedFit(setup, std::move(start)));
   Reconstruction result;

@@ -22,7 +22,7 @@ namespace volute {
 struct ReconstructionSettings {
   TomographyOptions tomography;
   PictureLimits limits;
-  bool warmStart = true;    ///< from the frame before, in chains of frames
+  bool warmStart = true;  ///< from the frame before, in chains of frames
   /// The volume is extinction, of a medium that the capture's lamps light; else it is the light
   /// that the medium sends, the same in all directions.
   bool singleScattering = false;

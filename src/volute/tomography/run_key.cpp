@@ -29,12 +29,11 @@ std::string describe(const CaptureCamera& known) {
   const Camera& camera = known.camera;
   const PictureSource& pictures = known.pictures;
   const Distortion& lens = camera.distortion();
-  std::string text =
-      fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}\n", known.name, camera.width(),
-                  camera.height(), digits(camera.intrinsics()), digits(camera.rotation()),
-                  digits(camera.eye()), lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, pictures.gain,
-                  pictures.videoStart, pictures.frameShift,
-                  pictures.saturation.value_or(-1), pictures.response.name());
+  std::string text = fmt::format(
+      "{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}\n", known.name, camera.width(),
+      camera.height(), digits(camera.intrinsics()), digits(camera.rotation()), digits(camera.eye()),
+      lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, pictures.gain, pictures.videoStart,
+      pictures.frameShift, pictures.saturation.value_or(-1), pictures.response.name());
   text += fmt::format("{} pictures a frame, exponent {}, error {}\n", pictures.rate,
                       pictures.exponent, known.reprojectionError);
   // A table's name does not tell its values.
@@ -54,7 +53,8 @@ std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionS
       fmt::format("{} {} {} {} {} {}\n", VOLUTE_VERSION, settingsJson(settings).dump(),
                   digits(capture.volume.bounds.min), digits(capture.volume.bounds.max),
                   fmt::join(capture.volume.resolution, " "), capture.white);
-  text += fmt::format("{} {}\n", capture.measured == Measured::kAbsorption, fmt::join(heldOut, "/"));
+  text +=
+      fmt::format("{} {}\n", capture.measured == Measured::kAbsorption, fmt::join(heldOut, "/"));
   for (const CaptureCamera& camera : capture.cameras) {
     text += describe(camera);
     for (const int frame : capture.emptyFrames)

@@ -33,7 +33,7 @@ struct TomographyView {
                                            ///< before dilation; empty: by threshold
   double sightError = 0;  ///< how far off its sights are, root mean square [pixels]: silhouettes
                           ///< are wider by twice as much
-  Image background{};  ///< what was subtracted, RGB; empty: nothing, or it was not asked for
+  Image background{};     ///< what was subtracted, RGB; empty: nothing, or it was not asked for
 
   bool counts(std::size_t pixel) const { return weight.empty() || weight[pixel] != 0; }
 

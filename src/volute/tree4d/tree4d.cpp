@@ -78,7 +78,8 @@ template <class Visit>
 void forEachBrickIn(const TreeData& data, int side, int z, int y, int x, Visit&& visit) {
   for (int bz = z; bz < std::min(z + side, data.extents[1]); bz += BrickSlice::kSide)
     for (int by = y; by < std::min(y + side, data.extents[2]); by += BrickSlice::kSide)
-      for (int bx = x; bx < std::min(x + side, data.extents[3]); bx += BrickSlice::kSide) visit(bz, by, bx);
+      for (int bx = x; bx < std::min(x + side, data.extents[3]); bx += BrickSlice::kSide)
+        visit(bz, by, bx);
 }
 
 }  // namespace
@@ -129,7 +130,8 @@ void Tree4d::extractFrame(int t, std::span<float> values) const {
         continue;
       }
       forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
-        const BoxCopy box = place(boxOf(data_, block, BrickSlice::kSide, bz, by, bx, c), bz, by, bx, c);
+        const BoxCopy box =
+            place(boxOf(data_, block, BrickSlice::kSide, bz, by, bx, c), bz, by, bx, c);
         if (data_.isOccupied(t, bz, by, bx)) {
           copyValues(data_, box);
         } else {
@@ -149,7 +151,8 @@ BrickSlice Tree4d::extractSlice(int t, std::uint64_t* nodesVisited) const {
   for (int bz = 0; bz < data_.bricks[0]; ++bz)
     for (int by = 0; by < data_.bricks[1]; ++by)
       for (int bx = 0; bx < data_.bricks[2]; ++bx, ++i) {
-        if (data_.isOccupied(t, bz * BrickSlice::kSide, by * BrickSlice::kSide, bx * BrickSlice::kSide))
+        if (data_.isOccupied(t, bz * BrickSlice::kSide, by * BrickSlice::kSide,
+                             bx * BrickSlice::kSide))
           index[i] = stored++;
       }
   const std::size_t brickValues = static_cast<std::size_t>(BrickSlice::kVoxels) * data_.channels;
@@ -159,7 +162,8 @@ BrickSlice Tree4d::extractSlice(int t, std::uint64_t* nodesVisited) const {
       forEachBlockOf(data_, t, [&](int z, int y, int x, const float* block) {
         forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
           const std::int32_t at =
-              index[(static_cast<std::size_t>(bz / BrickSlice::kSide) * data_.bricks[1] + by / BrickSlice::kSide) *
+              index[(static_cast<std::size_t>(bz / BrickSlice::kSide) * data_.bricks[1] +
+                     by / BrickSlice::kSide) *
                         data_.bricks[2] +
                     bx / BrickSlice::kSide];
           if (at == BrickSlice::kEmpty)

@@ -10,7 +10,6 @@
 namespace volute {
 namespace {
 
-
 void extend(VoxelBox& box, const VoxelBox& other) {
   if (other.empty())
     return;
@@ -70,7 +69,9 @@ void TreeBuilder::noteOccupied(std::size_t block, std::span<const float> values)
           for (int c = 0; c < info_.channels; ++c) zero &= values[i + c] == 0;
           if (zero)
             continue;
-          occupied[((t * kBricks + z / BrickSlice::kSide) * kBricks + y / BrickSlice::kSide) * kBricks + x / BrickSlice::kSide] = 1;
+          occupied[((t * kBricks + z / BrickSlice::kSide) * kBricks + y / BrickSlice::kSide) *
+                       kBricks +
+                   x / BrickSlice::kSide] = 1;
           const int vz = origin[1] + z, vy = origin[2] + y, vx = origin[3] + x;
           extend(boxes[t], {{vz, vy, vx}, {vz + 1, vy + 1, vx + 1}});
         }
@@ -132,7 +133,8 @@ Tree4d TreeBuilder::finish() {
                       data.entryCounts[2] * data.entryCounts[3]);
   enterBlocks(data);
 
-  data.bricks = {(info_.z + BrickSlice::kSide - 1) / BrickSlice::kSide, (info_.y + BrickSlice::kSide - 1) / BrickSlice::kSide,
+  data.bricks = {(info_.z + BrickSlice::kSide - 1) / BrickSlice::kSide,
+                 (info_.y + BrickSlice::kSide - 1) / BrickSlice::kSide,
                  (info_.x + BrickSlice::kSide - 1) / BrickSlice::kSide};
   const std::size_t frameBricks =
       static_cast<std::size_t>(data.bricks[0]) * data.bricks[1] * data.bricks[2];

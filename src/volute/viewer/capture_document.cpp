@@ -13,7 +13,7 @@
 namespace volute {
 namespace {
 
-constexpr double kCaptureRate = 25;           ///< frames a second
+constexpr double kCaptureRate = 25;    ///< frames a second
 constexpr double kScreenShare = 0.12;  ///< of the distance from the cameras to the volume
 constexpr std::size_t kMaxRemarks = 4;
 constexpr int kMaxPixels = 512;  ///< across a screen; larger pictures are thinned out
@@ -88,7 +88,8 @@ std::string CaptureDocument::title() const {
 
 std::vector<double> CaptureDocument::times() const {
   std::vector<double> times;
-  for (const int frame : capture_.frames) times.push_back((frame - capture_.firstFrame) / kCaptureRate);
+  for (const int frame : capture_.frames)
+    times.push_back((frame - capture_.firstFrame) / kCaptureRate);
   if (times.empty())
     times = {0.0};
   return times;

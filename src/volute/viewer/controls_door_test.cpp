@@ -141,8 +141,8 @@ TEST_F(DoorControls, TheAxesTurnTheCamera) {
   script_->input().width = 900, script_->input().height = 1500;
   open("blob.npy");
   const std::pair<const char*, Vec3> kSides[] = {
-      {"axis +x", Vec3::UnitX()}, {"axis -x", -Vec3::UnitX()}, {"axis +y", Vec3::UnitY()},
-      {"axis -y", -Vec3::UnitY()}, {"axis +z", Vec3::UnitZ()}, {"axis -z", -Vec3::UnitZ()}};
+      {"axis +x", Vec3::UnitX()},  {"axis -x", -Vec3::UnitX()}, {"axis +y", Vec3::UnitY()},
+      {"axis -y", -Vec3::UnitY()}, {"axis +z", Vec3::UnitZ()},  {"axis -z", -Vec3::UnitZ()}};
   for (const auto& [name, side] : kSides) {
     SCOPED_TRACE(name);
     app().camera().set({Vec3(2, -3, 1.5), Vec3(0.5, 0.5, 0.5)});  // none is behind another
@@ -205,7 +205,8 @@ TEST_F(DoorControls, ADoubleClickIsThePivot) {
 TEST_F(DoorControls, TheCameraIsCopiedAsJson) {
   open("blob.npy");
   std::string clipboard;
-  app().clipboard().use([&] { return clipboard; }, [&](const std::string& text) { clipboard = text; });
+  app().clipboard().use([&] { return clipboard; },
+                        [&](const std::string& text) { clipboard = text; });
   script_->press(Key::kC, true);
   const auto camera = nlohmann::json::parse(clipboard);
   EXPECT_NEAR(camera["eye"][0].get<double>(), app().camera().eye().x(), 1e-9);

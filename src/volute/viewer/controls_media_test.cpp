@@ -379,7 +379,8 @@ TEST_F(MediaControls, AUnitThatMakesSmokeBlackIsMendedByAClick) {
   std::vector<float> values;
   for (const Vec3& p : mesh->vertices()) values.push_back(static_cast<float>(0.3 * p.z()));
   ASSERT_TRUE(writeVtu(folder_.path("black.vtu"), *mesh, "smoke", values));
-  testing::writeText(folder_.path("black.json"), R"({"format": "volute-scene-1", "background": [1, 1, 1],
+  testing::writeText(folder_.path("black.json"),
+                     R"({"format": "volute-scene-1", "background": [1, 1, 1],
     "camera": {"eye": [3, -12, 2], "target": [3, 3, 1.5], "fov": 40},
     "media": [{"kind": "smoke", "case": "black.vtu", "quantity": "soot-density", "unit": "kg/m3"}]})");
   open("black.json");

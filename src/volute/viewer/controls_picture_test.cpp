@@ -118,8 +118,7 @@ TEST_F(Controls, OpenGlAndTheCpuAgree) {
   app().settings().look.renderer = 2;
   const Image cpu = picture();
   double sum = 0;
-  for (std::size_t i = 0; i < gl.pixels.size(); ++i)
-    sum += std::abs(gl.pixels[i] - cpu.pixels[i]);
+  for (std::size_t i = 0; i < gl.pixels.size(); ++i) sum += std::abs(gl.pixels[i] - cpu.pixels[i]);
   // A sign is rasterised: its edges are a pixel off.
   EXPECT_LT(sum / static_cast<double>(gl.pixels.size()), 0.01);
 }

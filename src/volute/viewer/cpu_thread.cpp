@@ -13,9 +13,9 @@
 namespace volute {
 namespace {
 
-constexpr double kSoon = 0.35;    ///< [s]: a picture that takes longer comes in tiles,
-constexpr double kTileTime = 0.2; ///< [s] each, about
-constexpr double kFiner = 2;      ///< times as many pixels a side in the next picture
+constexpr double kSoon = 0.35;     ///< [s]: a picture that takes longer comes in tiles,
+constexpr double kTileTime = 0.2;  ///< [s] each, about
+constexpr double kFiner = 2;       ///< times as many pixels a side in the next picture
 
 /// From texel centres to texel centres, bilinearly.
 std::vector<float> resampled(const std::vector<float>& from, int fromWidth, int fromHeight,
@@ -139,8 +139,8 @@ void CpuThread::work() {
   }
 }
 
-/// Until the finest picture is there: at once if that will not take long, else over ones of twice as
-/// many pixels a side.
+/// Until the finest picture is there: at once if that will not take long, else over ones of twice
+/// as many pixels a side.
 void CpuThread::run(const CpuJob& job) {
   double scale = job.first;
   if (job.newCosts)
@@ -221,8 +221,12 @@ bool CpuThread::takePicture(const CpuJob& job, double scale, bool preview) {
     spent = clock_() - begun;
     const double all = static_cast<double>(tile.width) * tile.height;
     done += all;
-    CpuPart part{.number = job.number, .time = job.time, .scale = scale, .width = width,
-                 .height = height, .preview = preview};
+    CpuPart part{.number = job.number,
+                 .time = job.time,
+                 .scale = scale,
+                 .width = width,
+                 .height = height,
+                 .preview = preview};
     const bool whole = &tile == &tiles.front();  // what is under the tiles comes with the first one
     if (whole) {
       part.partWidth = width, part.partHeight = height;
@@ -231,8 +235,8 @@ bool CpuThread::takePicture(const CpuJob& job, double scale, bool preview) {
       part.left = tile.left, part.top = tile.top;
       part.partWidth = tile.width, part.partHeight = tile.height;
       for (int y = 0; y < tile.height; ++y) {
-        const auto row = canvas_.begin() +
-                         4 * (static_cast<std::ptrdiff_t>(tile.top + y) * width + tile.left);
+        const auto row =
+            canvas_.begin() + 4 * (static_cast<std::ptrdiff_t>(tile.top + y) * width + tile.left);
         part.rgba.insert(part.rgba.end(), row, row + 4 * static_cast<std::ptrdiff_t>(tile.width));
       }
     }

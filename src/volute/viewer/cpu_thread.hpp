@@ -38,9 +38,9 @@ struct CpuJob {
 struct CpuPart {
   int number = 0;
   double time = 0, scale = 1;
-  int width = 0, height = 0;                          ///< [pixels] of the whole picture
+  int width = 0, height = 0;                             ///< [pixels] of the whole picture
   int left = 0, top = 0, partWidth = 0, partHeight = 0;  ///< [pixels], of the rectangle
-  std::vector<float> rgba{};                          ///< row by row
+  std::vector<float> rgba{};                             ///< row by row
   bool preview = false;
   bool complete = false;  ///< the last part of its picture
   double seconds = 0;     ///< that the picture took so far
@@ -48,8 +48,8 @@ struct CpuPart {
 
 /// How far the picture that is being refined has come.
 struct CpuProgress {
-  bool busy = false;      ///< one is taken, or waits
-  double share = 0;       ///< 0..1 of the whole job, by pixels
+  bool busy = false;  ///< one is taken, or waits
+  double share = 0;   ///< 0..1 of the whole job, by pixels
   double secondsLeft = 0;
 };
 
@@ -83,6 +83,7 @@ class CpuThread {
 
  private:
   class Stop;
+
   struct Costs {  ///< [s] a pixel, of the last pictures
     double fine = 0, preview = 0;
   };
@@ -95,7 +96,7 @@ class CpuThread {
   void deliver(Result<CpuPart> part);
 
   std::function<double()> clock_;
-  Costs costs_;                ///< the thread's, as the next ones
+  Costs costs_;  ///< the thread's, as the next ones
   int canvasWidth_ = 0, canvasHeight_ = 0;
   std::vector<float> canvas_;  ///< what was delivered last
   bool canvasShown_ = false;   ///< something of it was

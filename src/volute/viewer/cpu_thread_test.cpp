@@ -54,8 +54,13 @@ CpuPicture slowly(double aPixel, std::atomic<int>* pictures = nullptr) {
 CpuJob jobOf(CpuPicture take, double first = 0.25) {
   ViewCamera camera;
   camera.set({Vec3(1, -4, 2), Vec3(0, 0, 0.5)});
-  return {.take = std::move(take), .camera = camera, .width = kWide, .height = kTall,
-          .first = first, .number = 1, .time = 2.5};
+  return {.take = std::move(take),
+          .camera = camera,
+          .width = kWide,
+          .height = kTall,
+          .first = first,
+          .number = 1,
+          .time = 2.5};
 }
 
 /// A thread whose parts are collected as they are delivered, and what a window makes of them.
@@ -79,7 +84,8 @@ struct Shown {
     } else {
       ASSERT_EQ(part.width, width);
       for (int y = 0; y < part.partHeight; ++y)
-        std::copy_n(&part.rgba[4 * static_cast<std::size_t>(y) * part.partWidth], 4 * part.partWidth,
+        std::copy_n(&part.rgba[4 * static_cast<std::size_t>(y) * part.partWidth],
+                    4 * part.partWidth,
                     &rgba[4 * (static_cast<std::size_t>(part.top + y) * width + part.left)]);
     }
     parts.push_back(std::move(part));
@@ -186,8 +192,7 @@ TEST(CpuThread, TheQuickPictureIsFinishedWhateverIsNew) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     shown.until([] { return true; });
   }
-  ASSERT_TRUE(shown.until(
-      [&] { return !shown.parts.empty() && shown.parts.back().number == 40; }));
+  ASSERT_TRUE(shown.until([&] { return !shown.parts.empty() && shown.parts.back().number == 40; }));
   EXPECT_GT(pictures, 2);
 }
 

@@ -68,8 +68,7 @@ bool Display::Kept::resize(const DisplaySize& other) {
 
 void Display::Kept::copyTo(GLuint target, const DisplaySize& other) const {
   glBlitNamedFramebuffer(frame.name(), target, 0, 0, size.width, size.height, 0, 0, other.width,
-                         other.height, GL_COLOR_BUFFER_BIT,
-                         size == other ? GL_NEAREST : GL_LINEAR);
+                         other.height, GL_COLOR_BUFFER_BIT, size == other ? GL_NEAREST : GL_LINEAR);
 }
 
 void Display::prepare() {

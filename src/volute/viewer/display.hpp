@@ -27,15 +27,15 @@ struct DisplaySize {
 };
 
 /// Draws a GlRenderer's texture, and the surfaces behind it, into the framebuffer that is bound.
-/// What it drew last is kept, with 8 bits a channel: while only panels change it is copied. Where it
-/// is drawn smaller than the window it is enlarged afterwards, so that the tone curve, which costs a
-/// rasteriser on the CPU most, is not computed for each of the window's pixels.
+/// What it drew last is kept, with 8 bits a channel: while only panels change it is copied. Where
+/// it is drawn smaller than the window it is enlarged afterwards, so that the tone curve, which
+/// costs a rasteriser on the CPU most, is not computed for each of the window's pixels.
 class Display {
  public:
   [[nodiscard]] static Result<Display> create();
 
-  /// Draws nothing that is seen: a rasteriser on the CPU compiles programs when they first draw, and
-  /// this is better done while a file is opened.
+  /// Draws nothing that is seen: a rasteriser on the CPU compiles programs when they first draw,
+  /// and this is better done while a file is opened.
   void prepare();
 
   /// @param version  another one where what is in `picture` or in the surfaces has changed

@@ -63,8 +63,8 @@ class Document {
  public:
   virtual ~Document() = default;
 
-  virtual std::string title() const = 0;          ///< "fire.volute, 64 x 64 x 64 voxels, 48 frames"
-  virtual Box3 bounds() const = 0;                ///< finite [m]
+  virtual std::string title() const = 0;  ///< "fire.volute, 64 x 64 x 64 voxels, 48 frames"
+  virtual Box3 bounds() const = 0;        ///< finite [m]
 
   /// Around what there is to see, within bounds() [m].
   virtual Box3 content() const { return bounds(); }
@@ -117,7 +117,8 @@ class Document {
     return false;
   }
 
-  [[nodiscard]] virtual Result<ViewScene> sceneAt(const SceneRequest& request, Progress& progress) = 0;
+  [[nodiscard]] virtual Result<ViewScene> sceneAt(const SceneRequest& request,
+                                                  Progress& progress) = 0;
 
   /// Changes one of parameters(). An error leaves all as it was.
   [[nodiscard]] virtual Status set(const std::string& path, const std::vector<double>& value,

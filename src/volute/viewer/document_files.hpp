@@ -62,6 +62,7 @@ class DocumentFiles {
 
   /// The answers.
   void replace();
+
   void keep() { replacing_.reset(); }
 
   /// Whether a question or the list waits for an answer.

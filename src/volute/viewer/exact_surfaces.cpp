@@ -12,10 +12,10 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr int kRows = 8;         ///< of the flattest tiles: a work group's
-constexpr double kTile = 0.01;   ///< [s] that one may take
-constexpr double kMinTile = 512;   ///< pixels of a tile
-constexpr double kBlind = 8192;  ///< at most, after one where there was nothing to be lit
+constexpr int kRows = 8;          ///< of the flattest tiles: a work group's
+constexpr double kTile = 0.01;    ///< [s] that one may take
+constexpr double kMinTile = 512;  ///< pixels of a tile
+constexpr double kBlind = 8192;   ///< at most, after one where there was nothing to be lit
 constexpr double kMaxTile = 1 << 22;
 
 double secondsSince(SteadyClock::time_point begun) {

@@ -11,7 +11,7 @@ namespace volute {
 namespace {
 
 constexpr std::size_t kMaxSteps = 200;  ///< that can be undone
-constexpr double kDabsARadius = 4;       ///< so that a fast stroke shows no beads
+constexpr double kDabsARadius = 4;      ///< so that a fast stroke shows no beads
 
 }  // namespace
 

@@ -24,9 +24,9 @@ bool beginQuestion(const char* title, const ViewerInput& input, float wide) {
   ImGui::SetNextWindowPos(middleOf(input, 0.4F), 0, {0.5F, 0.5F});
   const float width = std::min(wide, static_cast<float>(input.width) - 2 * kPanelMargin);
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
-  return ImGui::BeginPopupModal(
-      title, nullptr,
-      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  return ImGui::BeginPopupModal(title, nullptr,
+                                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
+                                    ImGuiWindowFlags_NoSavedSettings);
 }
 
 void errorText(const std::string& text) {
@@ -103,9 +103,9 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
       if (plain)
         ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
       const std::string label = entry.folder ? entry.name + "/" : entry.name;
-      const bool pressed = ImGui::Selectable(label.c_str(), browser->name == entry.name,
-                                             ImGuiSelectableFlags_DontClosePopups |
-                                                 ImGuiSelectableFlags_AllowDoubleClick);
+      const bool pressed = ImGui::Selectable(
+          label.c_str(), browser->name == entry.name,
+          ImGuiSelectableFlags_DontClosePopups | ImGuiSelectableFlags_AllowDoubleClick);
       app.mark("entry = " + entry.name);
       if (plain)
         ImGui::PopStyleColor();
@@ -153,8 +153,8 @@ void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
     return;
   if (const ViewerApp::Leaving* leaving = app.leaving()) {
     const bool map = leaving->what == ViewerApp::Leaving::What::kMap;
-    const std::string before = leaving->path.empty() ? "Before the viewer ends"
-                                                     : "Before " + leaving->path + " is opened";
+    const std::string before =
+        leaving->path.empty() ? "Before the viewer ends" : "Before " + leaving->path + " is opened";
     wrappedText(map ? "The painted fog is not saved. " + before + ", save the map as"
                     : "The scene has unsaved changes. " + before + ", save it as");
     ImGui::SetNextItemWidth(-1);

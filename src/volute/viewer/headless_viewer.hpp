@@ -10,8 +10,9 @@
 
 namespace volute {
 
-/// The viewer without a display: its frames go to a framebuffer of their own, those that nobody looks
-/// at into one of a single pixel. To fill a window takes longer than all else where the CPU fills it.
+/// The viewer without a display: its frames go to a framebuffer of their own, those that nobody
+/// looks at into one of a single pixel. To fill a window takes longer than all else where the CPU
+/// fills it.
 class HeadlessViewer {
  public:
   [[nodiscard]] static Result<std::unique_ptr<HeadlessViewer>> create(

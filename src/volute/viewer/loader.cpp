@@ -152,11 +152,9 @@ void Loader::work() {
   auto nextLook = SteadyClock::now() + kLookEvery;
   std::unique_lock lock(mutex_);
   for (;;) {
-    wake_.wait_until(lock, nextLook,
-                     [&] {
-                       return ends_ || wanted() || unchecked_ || !discarded_.empty() ||
-                              ring_.missing(ahead_);
-                     });
+    wake_.wait_until(lock, nextLook, [&] {
+      return ends_ || wanted() || unchecked_ || !discarded_.empty() || ring_.missing(ahead_);
+    });
     if (ends_)
       return;
     if (!discarded_.empty())
@@ -282,14 +280,28 @@ std::vector<Loader::Watched> Loader::look(const std::vector<std::filesystem::pat
 }
 
 DocumentInfo Loader::describe() const {
-  return {document_->title(),      document_->bounds(),   document_->times(),
-          document_->grey(),       document_->measured(), document_->interpolates(),
+  return {document_->title(),
+          document_->bounds(),
+          document_->times(),
+          document_->grey(),
+          document_->measured(),
+          document_->interpolates(),
           document_->startView(),
-          document_->background(), document_->remarks(),  document_->look(),
-          document_->parameters(), document_->canvases(), document_->stations(),
-          document_->sceneName(),  openedCount_,          document_->editable(),
-          document_->canUndo(),    document_->canRedo(),  document_->changed(),
-          path_,                   document_->content(),  document_->firstTime()};
+          document_->background(),
+          document_->remarks(),
+          document_->look(),
+          document_->parameters(),
+          document_->canvases(),
+          document_->stations(),
+          document_->sceneName(),
+          openedCount_,
+          document_->editable(),
+          document_->canUndo(),
+          document_->canRedo(),
+          document_->changed(),
+          path_,
+          document_->content(),
+          document_->firstTime()};
 }
 
 /// False, with the error noted, when it stays with what was open.

@@ -146,11 +146,11 @@ class Loader {
   std::atomic<bool> overtaken_ = false;  ///< ends_, or another path is wanted: what runs stops
   std::atomic<bool> disturbed_ = false;  ///< overtaken_, or anything else is wanted
   SnapshotRing ring_;
-  std::vector<double> ahead_;  ///< times that are wanted next
-  std::optional<double> loadingAhead_;  ///< which of them is being loaded
-  std::optional<double> awaited_;       ///< it is to be shown
-  bool playing_ = false;                ///< the last request had such
-  bool changing_ = false;      ///< the document is about to be another
+  std::vector<double> ahead_;             ///< times that are wanted next
+  std::optional<double> loadingAhead_;    ///< which of them is being loaded
+  std::optional<double> awaited_;         ///< it is to be shown
+  bool playing_ = false;                  ///< the last request had such
+  bool changing_ = false;                 ///< the document is about to be another
   std::atomic<bool> aheadStops_ = false;  ///< what is loaded ahead is given up for something else
   std::atomic<bool> openGl_ = true;
   std::atomic<int> changes_ = 0;

@@ -11,8 +11,8 @@
 namespace volute {
 namespace {
 
-constexpr int kSamples = 256;    ///< places along a ray
-constexpr double kFar = 1e9;     ///< [m], where parallel rays are cut off
+constexpr int kSamples = 256;  ///< places along a ray
+constexpr double kFar = 1e9;   ///< [m], where parallel rays are cut off
 
 /// The part of the ray inside the medium, finite.
 Interval partInside(const AnyMedium& medium, const Segment& ray, double size) {

@@ -15,7 +15,7 @@ namespace volute {
 /// How documents are opened.
 struct DocumentOptions {
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes]
-  std::string file{};  ///< that `members` are said of
+  std::string file{};                                ///< that `members` are said of
   /// Of its entry in a scene, where it is a file alone.
   nlohmann::ordered_json members = nlohmann::ordered_json::object();
   std::optional<LightCache> lightCache{};  ///< where light of lamps in smoke is looked for and kept

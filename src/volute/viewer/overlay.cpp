@@ -108,9 +108,11 @@ void drawAids(const ViewScene& scene, const Lines& lines, const Rgb& background)
   // A soft edge would be as dark or light as the line itself.
   list->Flags &= ~(ImDrawListFlags_AntiAliasedLines | ImDrawListFlags_AntiAliasedLinesUseTex);
   if (light)
-    list->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glBlendEquation(GL_MIN); }, nullptr);
+    list->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glBlendEquation(GL_MIN); },
+                      nullptr);
   else
-    list->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glBlendEquation(GL_MAX); }, nullptr);
+    list->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glBlendEquation(GL_MAX); },
+                      nullptr);
   for (const ViewLine& line : scene.aids) {
     const Rgb color = light ? Rgb(background - line.color) : Rgb(background + line.color);
     const auto byte = [&](int c) {

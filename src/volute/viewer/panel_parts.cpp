@@ -18,9 +18,9 @@ namespace volute {
 void useFont(double scale) {
   constexpr float kPixels = 14;
   // Latin with all its accents, Greek, Cyrillic, dashes and quotes, arrows, mathematics.
-  static const ImWchar kLetters[] = {0x20, 0x24F, 0x2B0, 0x3FF, 0x400, 0x52F, 0x1E00, 0x1EFF,
-                                     0x2010, 0x205E, 0x2070, 0x209F, 0x20A0, 0x20BF, 0x2190,
-                                     0x21FF, 0x2200, 0x22FF, 0};
+  static const ImWchar kLetters[] = {0x20,   0x24F,  0x2B0,  0x3FF,  0x400,  0x52F,  0x1E00,
+                                     0x1EFF, 0x2010, 0x205E, 0x2070, 0x209F, 0x20A0, 0x20BF,
+                                     0x2190, 0x21FF, 0x2200, 0x22FF, 0};
   ImFontAtlas* fonts = ImGui::GetIO().Fonts;
 #if VOLUTE_HAS_FREETYPE
   fonts->FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();

@@ -64,7 +64,9 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
                                                       Progress& progress) {
   SceneOptions scene;
   scene.maxMemory = options.maxMemory;
-  scene.files = {.partial = true, .verify = false, .lightCache = options.lightCache,
+  scene.files = {.partial = true,
+                 .verify = false,
+                 .lightCache = options.lightCache,
                  .lightMemory = std::make_shared<LightMemory>(kLightBytes)};
   if (path == options.file)
     scene.members = options.members;
@@ -129,7 +131,8 @@ std::string SceneDocument::title() const {
     return fmt::format("{}: {}", name, media.empty() ? "nothing" : media[0]->info().what);
   std::vector<std::pair<std::string, std::ptrdiff_t>> counts;
   const auto count = [&](const std::string& what, std::ptrdiff_t more) {
-    const auto found = std::ranges::find(counts, what, &std::pair<std::string, std::ptrdiff_t>::first);
+    const auto found =
+        std::ranges::find(counts, what, &std::pair<std::string, std::ptrdiff_t>::first);
     if (found != counts.end())
       found->second += more;
     else if (more > 0)
@@ -142,7 +145,8 @@ std::string SceneDocument::title() const {
   std::vector<std::string> parts;
   for (const auto& [what, number] : counts) parts.push_back(countOf(number, what.c_str()));
   return fmt::format("{}: {}{}", name,
-                     parts.empty() ? "an empty scene" : fmt::to_string(fmt::join(parts, ", ")), end);
+                     parts.empty() ? "an empty scene" : fmt::to_string(fmt::join(parts, ", ")),
+                     end);
 }
 
 /// Several media have 25 frames a second, each of which is one.

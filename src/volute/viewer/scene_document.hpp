@@ -102,8 +102,8 @@ class SceneDocument final : public Document {
   Scene scene_;
   SceneHistory history_;
   std::optional<StartView> start_;
-  std::optional<FirstSight> sight_;  ///< of what is no scene file
-  nlohmann::ordered_json saved_;     ///< the scene, as a file has it
+  std::optional<FirstSight> sight_;             ///< of what is no scene file
+  nlohmann::ordered_json saved_;                ///< the scene, as a file has it
   std::vector<std::string> sceneRemarks_;       ///< that no medium gave
   std::shared_ptr<const GlSurfaces> surfaces_;  ///< while nothing that lights them changes,
   TriangleScene surfacesOf_;                    ///< of this geometry

@@ -38,7 +38,8 @@ void addGround(const Box3& content, std::vector<ViewLine>& lines) {
     const Vec3 along = reach * step * Vec3::UnitX(), across = i * step * Vec3::UnitY();
     const Vec3 turnedAlong = reach * step * Vec3::UnitY(), turnedAcross = i * step * Vec3::UnitX();
     lines.push_back({middle - along + across, middle + along + across, kGround});
-    lines.push_back({middle - turnedAlong + turnedAcross, middle + turnedAlong + turnedAcross, kGround});
+    lines.push_back(
+        {middle - turnedAlong + turnedAcross, middle + turnedAlong + turnedAcross, kGround});
   }
 }
 
@@ -92,8 +93,7 @@ void SceneDocument::addSurfaces(const SceneRequest& request,
       !alike(surfacesOf_, now.geometry)) {
     std::vector<AnyMedium> media, natural;
     for (const auto& medium : now.media) medium->addMedia(media);
-    for (const AnyMedium& medium : media)
-      natural.push_back(scaledBy(1 / now.law.factor(), medium));
+    for (const AnyMedium& medium : media) natural.push_back(scaledBy(1 / now.law.factor(), medium));
     surfaces_ = std::make_shared<const GlSurfaces>(
         surfaceCorners({now.geometry, now.lights.lamps, now.lights.ambient, natural}));
     surfacesOf_ = now.geometry;
@@ -112,11 +112,10 @@ void SceneDocument::addSurfaces(const SceneRequest& request,
 }
 
 /// @param surfaces  and walls are in it
-CpuPicture SceneDocument::byCpu(std::shared_ptr<const Snapshot> snapshot,
-                                            bool surfaces) const {
+CpuPicture SceneDocument::byCpu(std::shared_ptr<const Snapshot> snapshot, bool surfaces) const {
   RenderOptions options{.background = snapshot->background};
-  return [snapshot = std::move(snapshot), options, surfaces, held = drawer_](
-             const Camera& camera, Progress& progress) {
+  return [snapshot = std::move(snapshot), options, surfaces, held = drawer_](const Camera& camera,
+                                                                             Progress& progress) {
     const std::lock_guard lock(held->mutex);
     if (surfaces)
       return held->renderer.render(*snapshot, camera, options, progress);
@@ -150,8 +149,8 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneRequest& request, Progress& 
   scene.cpu = byCpu(snapshot, true);
   if (auto quick = snapshot->quick())
     scene.preview = byCpu(std::make_shared<const Snapshot>(std::move(*quick)), true);
-  scene.inTiles = std::ranges::none_of(
-      snapshot->media, [](const auto& medium) { return medium->drawsItself(); });
+  scene.inTiles = std::ranges::none_of(snapshot->media,
+                                       [](const auto& medium) { return medium->drawsItself(); });
   for (const auto& medium : snapshot->media) scene.bytes += medium->memoryBytes();
   // Here, not while a picture is waited for.
   if (request.openGl) {

@@ -16,10 +16,9 @@ namespace {
 constexpr ImU32 kInk = IM_COL32(235, 238, 242, 235), kShade = IM_COL32(12, 14, 18, 150);
 constexpr ImU32 kAmber = IM_COL32(255, 190, 70, 255);
 
-constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                                    ImGuiWindowFlags_NoSavedSettings |
-                                    ImGuiWindowFlags_AlwaysAutoResize |
-                                    ImGuiWindowFlags_NoFocusOnAppearing;
+constexpr ImGuiWindowFlags kPlain =
+    ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing;
 
 /// The part of the window that no panel covers [pixels].
 struct FreeArea {
@@ -33,7 +32,9 @@ FreeArea freeArea(ViewerApp& app, const ViewerInput& input) {
   const auto at = [](double value) { return static_cast<float>(value); };
   return {at(insets.left) + kPanelMargin, at(insets.top) + kPanelMargin,
           at(input.width - insets.right) - kPanelMargin,
-          at(input.height) - (app.timeline().moves() ? app.settings().timeHeight + kPanelMargin : 0) - kPanelMargin};
+          at(input.height) -
+              (app.timeline().moves() ? app.settings().timeHeight + kPanelMargin : 0) -
+              kPanelMargin};
 }
 
 std::string lengthText(double metres) {
@@ -70,10 +71,10 @@ void drawProgress(ViewerApp& app, const FreeArea& free) {
   if (work.stale)
     ImGui::TextColored({1, 0.75F, 0.3F, 1}, "not up to date:");
   wrappedText(work.text);
-  const float button = work.stops ? ImGui::CalcTextSize("Stop").x +
-                                        2 * ImGui::GetStyle().FramePadding.x +
-                                        ImGui::GetStyle().ItemSpacing.x
-                                  : 0;
+  const float button = work.stops
+                           ? ImGui::CalcTextSize("Stop").x + 2 * ImGui::GetStyle().FramePadding.x +
+                                 ImGui::GetStyle().ItemSpacing.x
+                           : 0;
   if (work.share >= 0) {
     ImGui::ProgressBar(static_cast<float>(work.share), {-std::max(button, 1.0F), 8}, "");
     if (work.stops)
@@ -118,7 +119,8 @@ void drawScaleBar(ViewerApp& app, const FreeArea& free, const ViewerInput& input
     return;
   const ViewCamera& view = app.camera();
   const Camera camera = view.camera(input.width, input.height);
-  const double depth = camera.isOrthographic() ? 1 : (view.pivot() - camera.eye()).dot(camera.forward());
+  const double depth =
+      camera.isOrthographic() ? 1 : (view.pivot() - camera.eye()).dot(camera.forward());
   if (!(depth > 0))
     return;
   constexpr double kMax = 120;  // pixels
@@ -128,7 +130,8 @@ void drawScaleBar(ViewerApp& app, const FreeArea& free, const ViewerInput& input
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const float x = free.left + 8, y = free.bottom - 10;
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-  list->AddRectFilled({x - 8, y - size.y - 12}, {x + std::max(length, size.x) + 8, y + 8}, kShade, 6);
+  list->AddRectFilled({x - 8, y - size.y - 12}, {x + std::max(length, size.x) + 8, y + 8}, kShade,
+                      6);
   list->AddText({x, y - size.y - 7}, kInk, text.c_str());
   list->AddLine({x, y}, {x + length, y}, kInk, 2);
   for (const float end : {x, x + length}) list->AddLine({end, y - 4}, {end, y + 4}, kInk, 2);
@@ -144,13 +147,12 @@ struct AxisEnd {
 /// The world's axes as the camera sees them; a click on an end looks from there.
 void drawGizmo(ViewerApp& app, const FreeArea& free) {
   constexpr float kRadius = 34, kEnd = 9;
-  static const AxisEnd kEnds[] = {
-      {"x", "axis +x", Vec3::UnitX(), IM_COL32(236, 95, 88, 255)},
-      {"", "axis -x", -Vec3::UnitX(), IM_COL32(140, 62, 60, 255)},
-      {"y", "axis +y", Vec3::UnitY(), IM_COL32(125, 196, 95, 255)},
-      {"", "axis -y", -Vec3::UnitY(), IM_COL32(72, 112, 58, 255)},
-      {"z", "axis +z", Vec3::UnitZ(), IM_COL32(92, 151, 240, 255)},
-      {"", "axis -z", -Vec3::UnitZ(), IM_COL32(56, 88, 140, 255)}};
+  static const AxisEnd kEnds[] = {{"x", "axis +x", Vec3::UnitX(), IM_COL32(236, 95, 88, 255)},
+                                  {"", "axis -x", -Vec3::UnitX(), IM_COL32(140, 62, 60, 255)},
+                                  {"y", "axis +y", Vec3::UnitY(), IM_COL32(125, 196, 95, 255)},
+                                  {"", "axis -y", -Vec3::UnitY(), IM_COL32(72, 112, 58, 255)},
+                                  {"z", "axis +z", Vec3::UnitZ(), IM_COL32(92, 151, 240, 255)},
+                                  {"", "axis -z", -Vec3::UnitZ(), IM_COL32(56, 88, 140, 255)}};
   const bool covered = app.settings().layout.isOpen(SidePanel::kScene) &&
                        free.right > static_cast<float>(app.size().first) - 2 * kPanelMargin;
   const bool small = free.right - free.left < 6 * kRadius || free.bottom - free.top < 10 * kRadius;
@@ -180,10 +182,15 @@ void drawGizmo(ViewerApp& app, const FreeArea& free) {
     app.mark(end.mark);
     if (named)
       list->AddLine(middle, at, end.color, 2);
-    list->AddCircleFilled(at, over ? kEnd : named ? kEnd - 1 : kEnd - 4, over ? kInk : end.color, 20);
+    list->AddCircleFilled(at,
+                          over    ? kEnd
+                          : named ? kEnd - 1
+                                  : kEnd - 4,
+                          over ? kInk : end.color, 20);
     if (named) {
       const ImVec2 size = ImGui::CalcTextSize(end.name);
-      list->AddText({at.x - 0.5F * size.x, at.y - 0.5F * size.y}, IM_COL32(16, 18, 22, 255), end.name);
+      list->AddText({at.x - 0.5F * size.x, at.y - 0.5F * size.y}, IM_COL32(16, 18, 22, 255),
+                    end.name);
     }
     if (pressed)
       app.lookFromAxis(end.direction);
@@ -202,8 +209,9 @@ void drawProbe(ViewerApp& app, const ViewerInput& input) {
   ImGui::BeginTooltip();
   const Vec3& p = probe->place;
   ImGui::Text("x %.4g  y %.4g  z %.4g m", p.x(), p.y(), p.z());
-  ImGui::TextDisabled("%s", probe->onSurface ? "on a surface" : "where most of the light comes "
-                                                                "from");
+  ImGui::TextDisabled("%s", probe->onSurface ? "on a surface"
+                                             : "where most of the light comes "
+                                               "from");
   for (const auto& medium : probe->media) {
     ImGui::Separator();
     ImGui::TextUnformatted(medium.name.c_str());

@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include "volute/render/surfaces.hpp"
 #include "volute/media/medium_at.hpp"
+#include "volute/render/surfaces.hpp"
 #include "volute/viewer/view_scene.hpp"
 
 namespace volute {

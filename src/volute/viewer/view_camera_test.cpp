@@ -88,7 +88,8 @@ TEST(ViewCamera, IsUprightAsItIsTold) {
                Camera::pinhole(view, 55, kViewWidth, kViewHeight).down());
     ViewCamera again;
     again.set(camera.view());
-    expectNear(again.camera(kViewWidth, kViewHeight).right(), camera.camera(kViewWidth, kViewHeight).right());
+    expectNear(again.camera(kViewWidth, kViewHeight).right(),
+               camera.camera(kViewWidth, kViewHeight).right());
     camera.drag(70, 20);  // turns around what is up
     EXPECT_NEAR(camera.camera(kViewWidth, kViewHeight).right().dot(camera.upwards()), 0, 1e-12);
     const Vec3 eye = camera.eye();

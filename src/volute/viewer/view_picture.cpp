@@ -9,9 +9,9 @@
 namespace volute {
 namespace {
 
-constexpr double kQuick = 0.04;           ///< [s] that OpenGL may take while something moves
-constexpr double kRefine = 0.012;         ///< [s] of an update that surfaces get, about
-constexpr double kCoarsest = 1.0 / 8;     ///< of the window's pixels a side
+constexpr double kQuick = 0.04;        ///< [s] that OpenGL may take while something moves
+constexpr double kRefine = 0.012;      ///< [s] of an update that surfaces get, about
+constexpr double kCoarsest = 1.0 / 8;  ///< of the window's pixels a side
 /// That the CPU's quick pictures may have, of the window's pixels a side.
 constexpr double kScales[] = {1, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125, 0.0625};
 constexpr double kUnknown = 1.0 / 8;  ///< where nobody knows what pixels cost
@@ -96,8 +96,8 @@ bool ViewPicture::byCpu(const PictureRequest& request) const {
 
 std::string ViewPicture::whyCpu(const PictureRequest& request) const {
   return request.renderer == ViewRenderer::kCpu ? "as you chose"
-         : !makers_.hardware                       ? "there is no graphics card"
-                                                   : refused_;
+         : !makers_.hardware                    ? "there is no graphics card"
+                                                : refused_;
 }
 
 double ViewPicture::quickScale(const PictureRequest& request, double seconds) const {
@@ -157,8 +157,8 @@ Status ViewPicture::drawByGl(const PictureRequest& request, double scale) {
 }
 
 bool ViewPicture::mayBeExact(const PictureRequest& request) const {
-  return scene_ && scene_->snapshot && request.surfaces && !request.moving && refusedExact_.empty() &&
-         !byCpu(request);
+  return scene_ && scene_->snapshot && request.surfaces && !request.moving &&
+         refusedExact_.empty() && !byCpu(request);
 }
 
 void ViewPicture::dropExact() {
@@ -273,8 +273,7 @@ double ViewPicture::cpuScale(const PictureRequest& request, bool& preview) const
   return std::min(scale, finest);
 }
 
-void ViewPicture::askCpu(const PictureRequest& request, double first, double finest,
-                         bool preview) {
+void ViewPicture::askCpu(const PictureRequest& request, double first, double finest, bool preview) {
   const bool surfaces = request.surfaces || !scene_->bare;
   cpu_->request({.take = surfaces ? scene_->cpu : scene_->bare,
                  .preview = surfaces ? scene_->preview : CpuPicture(),
@@ -309,7 +308,8 @@ Status ViewPicture::drawByCpu(const PictureRequest& request) {
     drawn_ = request;
     changed_ = false;
   } else if (!request.moving && !stopped_ && !asksForAll_ && shownNumber_ == asked_) {
-    const double next = shownPreview_ ? scale_ : std::min(2 * scale_, finest);  // it has come to rest
+    const double next =
+        shownPreview_ ? scale_ : std::min(2 * scale_, finest);  // it has come to rest
     askCpu(request, next, finest, false);
   }
   return {};
@@ -318,9 +318,9 @@ Status ViewPicture::drawByCpu(const PictureRequest& request) {
 Status ViewPicture::update(const PictureRequest& request) {
   if (!scene_)
     return {};
-  remark_ = refused_.empty()                     ? ""
+  remark_ = refused_.empty()                        ? ""
             : request.renderer == ViewRenderer::kGl ? "without the media: " + refused_
-                                                 : "by the CPU: " + refused_;
+                                                    : "by the CPU: " + refused_;
   if (remark_.empty() && !refusedExact_.empty())
     remark_ = "surfaces lit only at corners: " + refusedExact_;
   if (byCpu(request)) {
@@ -330,14 +330,14 @@ Status ViewPicture::update(const PictureRequest& request) {
         makers_.cpu
             ? drawByCpu(request)
             : fail(ErrorCode::kUnsupported,
-                   "the CPU would have to draw this ({}), but VOLUTE_CPU_RENDERER=off",
-                   times_.why);
+                   "the CPU would have to draw this ({}), but VOLUTE_CPU_RENDERER=off", times_.why);
     if (!drawn)
       scene_.reset();
     return drawn;
   }
-  const double scale = request.moving && request.quality != Quality::kFull ? quickScale(request, kQuick)
-                                                                     : scaleOf(request.quality);
+  const double scale = request.moving && request.quality != Quality::kFull
+                           ? quickScale(request, kQuick)
+                           : scaleOf(request.quality);
   const bool same = !changed_ && sameView(request, drawn_) && scale_ == scale && !fromCpu_;
   const Status drawn = same ? refine(request) : drawByGl(request, scale);
   changed_ = false;
@@ -380,9 +380,8 @@ void ViewPicture::show(DisplayLook look, int width, int height) {
   const DisplaySize window{width, height};
   DisplaySize own = window;
   if (drawn_.moving)
-    own = fromCpu_
-              ? DisplaySize{pictureWidth_, pictureHeight_}
-              : DisplaySize{pixels(scale_, drawn_.width), pixels(scale_, drawn_.height)};
+    own = fromCpu_ ? DisplaySize{pictureWidth_, pictureHeight_}
+                   : DisplaySize{pixels(scale_, drawn_.width), pixels(scale_, drawn_.height)};
   const bool smaller = own.width <= width && own.height <= height;
   display_.draw(texture(), version_, look, smaller ? own : window, window);
 }

@@ -10,9 +10,9 @@
 
 #include "volute/gl/gl_renderer.hpp"
 #include "volute/gl/surface_drawer.hpp"
+#include "volute/viewer/cpu_thread.hpp"
 #include "volute/viewer/display.hpp"
 #include "volute/viewer/exact_surfaces.hpp"
-#include "volute/viewer/cpu_thread.hpp"
 #include "volute/viewer/view_camera.hpp"
 
 namespace volute {
@@ -23,14 +23,14 @@ enum class Quality { kAuto, kFull, kHalf, kQuarter };
 /// Who may draw.
 struct PictureMakers {
   bool hardware = false;  ///< OpenGL is a graphics card, not a rasteriser on the CPU
-  bool cpu = true;  ///< else what it would have drawn is an error
+  bool cpu = true;        ///< else what it would have drawn is an error
 };
 
 /// Who draws it.
 enum class ViewRenderer {
-  kAuto,       ///< OpenGL on a graphics card, where it can; else the CPU
-  kGl,         ///< what it can, and nothing else
-  kCpu,  ///< as `volute render --renderer cpu`
+  kAuto,  ///< OpenGL on a graphics card, where it can; else the CPU
+  kGl,    ///< what it can, and nothing else
+  kCpu,   ///< as `volute render --renderer cpu`
 };
 
 /// What a picture is to be.
@@ -52,7 +52,7 @@ struct PictureRequest {
 struct FrameTimes {
   double milliseconds = 0;    ///< the last picture, on the device or the CPU
   int width = 0, height = 0;  ///< that it had [pixels]
-  bool cpu = false;     ///< who drew it
+  bool cpu = false;           ///< who drew it
   std::string why{};          ///< it was the CPU
   /// What OpenGL did for it.
   std::vector<GlPassTime> passes{};
@@ -174,22 +174,23 @@ class ViewPicture {
   std::string refusedExact_;                       ///< and why not its surfaces
   std::chrono::steady_clock::time_point drawnAt_;  ///< OpenGL's picture
   bool isExact_ = false;
-  double scale_ = 0;     ///< of the window's pixels a side, of the picture that is shown; 0: none
-  PictureRequest drawn_;    ///< that the picture answers
-  bool changed_ = true;  ///< another scene since
+  double scale_ = 0;      ///< of the window's pixels a side, of the picture that is shown; 0: none
+  PictureRequest drawn_;  ///< that the picture answers
+  bool changed_ = true;   ///< another scene since
   PictureMakers makers_;
-  bool opaque_ = false;     ///< OpenGL's picture has surfaces
-  bool media_ = false;      ///< and media
-  bool fromCpu_ = false;    ///< the CPU took it
-  bool stopped_ = false;    ///< a person wants it no finer
-  int version_ = 0;         ///< of the picture that is shown
-  int asked_ = 0;           ///< number of the last request to the CPU,
-  int shownNumber_ = 0;     ///< and of the picture that is shown
-  bool asksForAll_ = false;    ///< it goes on by itself until the picture is as fine as it gets
-  bool shownFinest_ = false;   ///< which it is
+  bool opaque_ = false;       ///< OpenGL's picture has surfaces
+  bool media_ = false;        ///< and media
+  bool fromCpu_ = false;      ///< the CPU took it
+  bool stopped_ = false;      ///< a person wants it no finer
+  int version_ = 0;           ///< of the picture that is shown
+  int asked_ = 0;             ///< number of the last request to the CPU,
+  int shownNumber_ = 0;       ///< and of the picture that is shown
+  bool asksForAll_ = false;   ///< it goes on by itself until the picture is as fine as it gets
+  bool shownFinest_ = false;  ///< which it is
   bool shownPreview_ = false;
-  double shownTime_ = 0;       ///< [s] of the document
-  double glSecondsAPixel_ = 2e-8, cpuSecondsAPixel_ = 0, previewSecondsAPixel_ = 0;  ///< what pictures have cost; 0: nobody knows
+  double shownTime_ = 0;  ///< [s] of the document
+  double glSecondsAPixel_ = 2e-8, cpuSecondsAPixel_ = 0,
+         previewSecondsAPixel_ = 0;  ///< what pictures have cost; 0: nobody knows
 };
 
 }  // namespace volute

@@ -31,19 +31,19 @@ using CpuPicture = std::function<Result<Image>(const Camera& camera, Progress& p
 
 /// One instant of a document, ready to be drawn.
 struct ViewScene {
-  double time = 0;    ///< [s] of the document
-  GlScene media{};    ///< as the law of the picture sees them
+  double time = 0;  ///< [s] of the document
+  GlScene media{};  ///< as the law of the picture sees them
   /// Whose boundaries a pointer meets as walls.
   std::vector<std::shared_ptr<const MediumAt>> now{};
   std::shared_ptr<const GlSurfaces> surfaces{};
   std::vector<GlQuad> quads{};
   std::vector<ViewLine> lines{};
   std::vector<ViewLine> aids{};  ///< likewise, but not on pictures without panels
-  CpuPicture cpu{};       ///< empty: there is none
-  CpuPicture bare{};      ///< the same without surfaces; empty: there are none
-  CpuPicture preview{};   ///< `cpu` sooner, without shadows; empty: no sooner
-  bool inTiles = false;   ///< a rectangle of a picture costs its share
-  std::uint64_t bytes = 0;  ///< of memory, about, that it alone holds
+  CpuPicture cpu{};              ///< empty: there is none
+  CpuPicture bare{};             ///< the same without surfaces; empty: there are none
+  CpuPicture preview{};          ///< `cpu` sooner, without shadows; empty: no sooner
+  bool inTiles = false;          ///< a rectangle of a picture costs its share
+  std::uint64_t bytes = 0;       ///< of memory, about, that it alone holds
   /// What a pointer or a ray meets: all triangles of the scene, however they are drawn.
   TriangleScene geometry{};
   std::vector<std::string> remarks{};  ///< what this instant lacks, in sentences

@@ -19,7 +19,7 @@ namespace volute {
 namespace {
 
 constexpr double kHeldTime = 1e-9;
-constexpr double kRest = 0.25;  ///< [s] until surfaces are drawn exactly
+constexpr double kRest = 0.25;         ///< [s] until surfaces are drawn exactly
 constexpr double kQuickPicture = 0.1;  ///< [s] that the CPU's first picture may take
 constexpr int kAhead = 64;             ///< snapshots that are loaded ahead, memory permitting
 constexpr int kLively = 6;             ///< frames in which panels answer an event
@@ -476,13 +476,14 @@ Status ViewerApp::drawPicture(const ViewerInput& input) {
     scene_.reset();
   }
   // At once, and better once the picture is fine.
-  const bool fine = !exposure_.found && scene_ && !scene_->coarse && picture_.settled(request(input));
+  const bool fine =
+      !exposure_.found && scene_ && !scene_->coarse && picture_.settled(request(input));
   const bool first = !exposure_.tried && picture_.shown() && !picture_.stale();
   if (!exposure_.found && document_ && scene_ && (first || fine)) {
     exposure_.value =
-        document_->measured ? 1
-                            : suggestExposure({picture_.sampledLight(document_->background)},
-                                              ToneCurve::kFilmic);
+        document_->measured
+            ? 1
+            : suggestExposure({picture_.sampledLight(document_->background)}, ToneCurve::kFilmic);
     exposure_.tried = true;
     exposure_.found = fine;
   }
@@ -570,8 +571,8 @@ bool ViewerApp::due(const ViewerInput& input) {
     lively_ = kLively;
   const bool writes = ImGui::GetIO().WantTextInput && input.seconds > 0.25;  // the cursor blinks
   const bool shows = lively_ > 0 || writes || picture_.hasNews() || input.seconds > 0.5;
-  const bool steps = loader_.changes() != loaderChanges_ ||
-                     then.snapshotTime() != timeline_.snapshotTime();
+  const bool steps =
+      loader_.changes() != loaderChanges_ || then.snapshotTime() != timeline_.snapshotTime();
   steps_ = !shows && steps && timeline_.playing();
   return shows || steps;
 }

@@ -128,7 +128,7 @@ class ViewerApp {
   struct Leaving {
     enum class What { kMap, kScene };
 
-    std::string path;     ///< empty: ends
+    std::string path;  ///< empty: ends
     What what = What::kMap;
     bool saving = false;  ///< it is being written
   };
@@ -370,10 +370,10 @@ class ViewerApp {
   int lively_ = 0;       ///< frames that follow soon
   bool steps_ = false;   ///< the next frame only goes on with playing: see due()
   bool drew_ = false;
-  double unseen_ = 0;    ///< [s] since the last frame that was drawn
+  double unseen_ = 0;     ///< [s] since the last frame that was drawn
   int shownVersion_ = 0;  ///< of the picture
   int loaderChanges_ = 0;
-  ViewerInput seen_;     ///< the last
+  ViewerInput seen_;  ///< the last
   DisplayLook shownLook_;
   PointerState pointer_;
   bool screenshotRequested_ = false;

@@ -60,7 +60,7 @@ struct ViewerInput {
   std::string typed{};    ///< text, UTF-8
   std::string dropped{};  ///< a file that was dropped on the window; empty: none
   bool closes = false;    ///< the window is asked to close
-  bool twice = false;     ///< the left button was pressed twice in a row, quickly, the last time now
+  bool twice = false;  ///< the left button was pressed twice in a row, quickly, the last time now
 };
 
 }  // namespace volute

@@ -57,7 +57,9 @@ ViewCamera::Insets ViewerApp::insets(int width, int height) const {
   if (!settings_.panels)
     return insets;
   const PanelLayout& layout = settings_.layout;
-  const auto taken = [](float panel) { return static_cast<double>(kPanelMargin + panel + kPanelGap); };
+  const auto taken = [](float panel) {
+    return static_cast<double>(kPanelMargin + panel + kPanelGap);
+  };
   if (layout.isOpen(SidePanel::kPicture) || layout.isOpen(SidePanel::kPaint))
     insets.left = taken(layout.width(SidePanel::kPicture));
   if (layout.isOpen(SidePanel::kScene) && document_ && !document_->parameters.empty())
@@ -107,8 +109,8 @@ void ViewerApp::copyCamera() {
   const auto list = [](const Vec3& v) {
     return nlohmann::ordered_json::array({v.x(), v.y(), v.z()});
   };
-  nlohmann::ordered_json camera{{"eye", list(view.eye)}, {"target", list(view.target)},
-                                {"up", list(view.up)}};
+  nlohmann::ordered_json camera{
+      {"eye", list(view.eye)}, {"target", list(view.target)}, {"up", list(view.up)}};
   if (view.ortho > 0)
     camera["ortho"] = view.ortho;
   else

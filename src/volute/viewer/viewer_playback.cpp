@@ -134,8 +134,9 @@ class Measurement {
     const double spent = now() - begin;
     timeline.play(false);
     const double rate = (timeline.frames() - 1) / (timeline.last() - timeline.first());
-    fmt::print(R"(, "pictures": {:.2f}, "played": {:.2f}, "rate": {:.2f}, "scale": {:.2f}, "playing": {:.3f})",
-               pictures / spent, shown / spent, rate, scales / std::max(pictures, 1), longest);
+    fmt::print(
+        R"(, "pictures": {:.2f}, "played": {:.2f}, "rate": {:.2f}, "scale": {:.2f}, "playing": {:.3f})",
+        pictures / spent, shown / spent, rate, scales / std::max(pictures, 1), longest);
     std::fflush(stdout);
     until([&] { return app.settled(); });
   }
@@ -197,8 +198,7 @@ int main(int argc, char** argv) {
     if (argument == "--limit" && i + 1 < argc) {
       limit = std::atof(argv[++i]);
     } else if (argument == "--renderer" && i + 1 < argc) {
-      options.renderer =
-          argv[++i] == std::string("gl") ? ViewRenderer::kGl : ViewRenderer::kCpu;
+      options.renderer = argv[++i] == std::string("gl") ? ViewRenderer::kGl : ViewRenderer::kCpu;
     } else {
       auto viewer = HeadlessViewer::create(documentOpener({}), options);
       if (!viewer) {

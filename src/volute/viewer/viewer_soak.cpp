@@ -33,9 +33,9 @@ namespace {
 
 using namespace volute;
 
-constexpr double kLongest = 0.1;      ///< [s] a frame may take while a file loads
+constexpr double kLongest = 0.1;     ///< [s] a frame may take while a file loads
 constexpr double kMaxGrowth = 0.05;  ///< of memory, on average
-constexpr double kTellEvery = 60;     ///< [s] between two lines
+constexpr double kTellEvery = 60;    ///< [s] between two lines
 constexpr int kWidth = 640, kHeight = 900;
 
 double now() {

@@ -305,7 +305,7 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
   options.recent = RecentFiles::usualFile();
   VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open), options));
   app->clipboard().use([&] { return window->clipboard(); },
-                        [&](const std::string& text) { window->setClipboard(text); });
+                       [&](const std::string& text) { window->setClipboard(text); });
   if (!start.path.empty())
     app->open(start.path, start.time);
   app->onNews([] { glfwPostEmptyEvent(); });

@@ -41,8 +41,8 @@ void WorkNotes::update(const Seen& seen, const std::string& message) {
     work_.text = seen.stage.empty() ? "loading" : seen.stage;
     work_.share = seen.loaded;
   } else if (seen.draws) {
-    work_.text =
-        fmt::format("drawing, {:.0f} %{}", 100 * seen.drawn.share, timeLeft(seen.drawn.secondsLeft));
+    work_.text = fmt::format("drawing, {:.0f} %{}", 100 * seen.drawn.share,
+                             timeLeft(seen.drawn.secondsLeft));
     work_.share = seen.drawn.share;
     work_.stops = seen.shown;
   }

@@ -23,12 +23,12 @@ class WorkNotes {
  public:
   struct Seen {
     bool loads = false;
-    std::string stage{};      ///< of loading
-    double loaded = 0;        ///< share, 0..1; negative when nobody knows
+    std::string stage{};  ///< of loading
+    double loaded = 0;    ///< share, 0..1; negative when nobody knows
     bool draws = false;
     CpuProgress drawn{};
-    bool shown = false;       ///< there is a picture
-    bool late = false;        ///< and it is of something else
+    bool shown = false;  ///< there is a picture
+    bool late = false;   ///< and it is of something else
   };
 
   /// To be called in every frame.

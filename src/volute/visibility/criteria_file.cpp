@@ -12,8 +12,8 @@
 namespace volute {
 namespace {
 
-constexpr std::array<std::string_view, 10> kMembers{"name",     "kind",   "model",  "limit",  "activity",
-                                                    "clothing", "burns", "C", "falling", "source"};
+constexpr std::array<std::string_view, 10> kMembers{
+    "name", "kind", "model", "limit", "activity", "clothing", "burns", "C", "falling", "source"};
 
 class CriterionReader {
  public:
@@ -27,8 +27,9 @@ class CriterionReader {
       if (std::ranges::find(kMembers, key) != kMembers.end())
         continue;
       const auto near = nearest(key, kMembers);
-      return wrong(key, near.empty() ? "this name is unknown"
-                                     : fmt::format("this name is unknown; did you mean '{}'?", near));
+      return wrong(key, near.empty()
+                            ? "this name is unknown"
+                            : fmt::format("this name is unknown; did you mean '{}'?", near));
     }
     Criterion criterion;
     VOLUTE_ASSIGN(const auto kind, text("kind", ""));

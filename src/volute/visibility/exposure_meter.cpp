@@ -164,9 +164,9 @@ Status ExposureMeter::sample(double time, const Places& places,
           // Of rates at both ends; where one is not known, the other one.
           const double before = rates_[c][i];
           const double rate = !there || (!known && std::isnan(before)) ? 0
-                              : !known                                ? before
-                              : std::isnan(before)                    ? value
-                                                                      : 0.5 * (before + value);
+                              : !known                                 ? before
+                              : std::isnan(before)                     ? value
+                                                                       : 0.5 * (before + value);
           values_[c][i] += rate * passed;
           compared[i] = values_[c][i];
         } else {

@@ -29,8 +29,9 @@ class Formula final : public PointField {
     const double t = std::clamp(time, times_.front(), times_.back());
     const double first = 10 * std::floor(t / 10), share = (t - first) / 10;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      out[i] = points[i][0] < 0 ? std::nan("") : (1 - share) * value_(first, points[i]) +
-                                                      share * value_(first + 10, points[i]);
+      out[i] = points[i][0] < 0
+                   ? std::nan("")
+                   : (1 - share) * value_(first, points[i]) + share * value_(first + 10, points[i]);
     }
     return {};
   }
@@ -115,7 +116,8 @@ TEST(ExposureMeter, ReachesADoseWhenTheClosedFormDoes) {
 
 TEST(ExposureMeter, SaysWhatIsMissingAssumedOrUnknown) {
   BurningRoom room;
-  Criterion irritants{.name = "fec", .law = DoseLaw::kIsoIrritants, .person = {}, .limit = 0.3, .source = "test"};
+  Criterion irritants{
+      .name = "fec", .law = DoseLaw::kIsoIrritants, .person = {}, .limit = 0.3, .source = "test"};
   const std::vector criteria{fdsDose(1), irritants};
   ExposureMeter meter(AirField::open(room, criteria), criteria, 2);
   ASSERT_EQ(meter.criteria().size(), 1U);
@@ -166,8 +168,11 @@ TEST(SightEngine, SeesBetweenStoredTimesWhatTheClosedFormDoes) {
 
 TEST(SightEngine, DosesGoOnWithThePerson) {
   auto room = std::make_shared<BurningRoom>();
-  std::vector<SafetySign> signs{{.name = "east", .position = Vec3(30, 2, 2), .normal = Vec3(-1, 0, 0),
-                                 .law = visibilityLaw("jin-reflecting").value(), .angle = {}}};
+  std::vector<SafetySign> signs{{.name = "east",
+                                 .position = Vec3(30, 2, 2),
+                                 .normal = Vec3(-1, 0, 0),
+                                 .law = visibilityLaw("jin-reflecting").value(),
+                                 .angle = {}}};
   Progress quiet;
   auto engine = SightEngine::open(room, signs, std::vector{fdsDose(1)}, quiet).value();
   ASSERT_EQ(engine.criteria().size(), 1U);

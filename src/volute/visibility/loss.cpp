@@ -105,8 +105,7 @@ void SignLoss::updateEye(std::size_t eye, double now, std::span<const Sighting> 
       const double cosine = std::cos(sighting.angle * (std::numbers::pi / 180));
       limits_[at] = sign.law.c * sign.angle.factor(cosine);
     }
-    fresh[s] = {sighting.depth, sighting.low, sighting.high,
-                !sighting.blocked && limits_[at] > 0};
+    fresh[s] = {sighting.depth, sighting.low, sighting.high, !sighting.blocked && limits_[at] > 0};
   }
   const double last = begun_ ? before_ : now;
   const auto follow = [&](std::size_t set, LossTimes& loss, double Line::* depth) {

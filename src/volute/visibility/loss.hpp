@@ -25,8 +25,8 @@ enum class RoundTime {
 [[nodiscard]] Result<RoundTime> roundTime(std::string_view name);
 std::string_view nameOf(RoundTime round);
 
-/// The first loss at each of many places [s]; infinite where there is none. What is never so is lost
-/// at the first time. down <= none <= up.
+/// The first loss at each of many places [s]; infinite where there is none. What is never so is
+/// lost at the first time. down <= none <= up.
 struct LossTimes {
   std::vector<double> down, none, up;
 

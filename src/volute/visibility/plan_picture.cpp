@@ -21,8 +21,8 @@ namespace {
 
 constexpr double kLeft = 92, kTop = 62, kBottom = 108, kBar = 160, kPlain = 40, kRow = 26;
 constexpr std::size_t kMaxLevels = 24;  ///< that a key shows one by one
-constexpr double kMinLine = 0.2;  ///< of an underlay that is drawn [pixels]
-constexpr double kMinWall = 2.5;       ///< pixels across a thin wall
+constexpr double kMinLine = 0.2;        ///< of an underlay that is drawn [pixels]
+constexpr double kMinWall = 2.5;        ///< pixels across a thin wall
 
 /// A colour as displays show it, as linear light.
 Rgb linear(const Rgb& display) {
@@ -122,8 +122,8 @@ std::vector<double> levelsOf(const PlanPicture& picture) {
 /// One map on one canvas.
 class PlanDrawing {
  public:
-  PlanDrawing(const FloorPlan& plan, const PlanPicture& picture,
-              std::span<const SightTarget> signs, std::span<const Route> routes)
+  PlanDrawing(const FloorPlan& plan, const PlanPicture& picture, std::span<const SightTarget> signs,
+              std::span<const Route> routes)
       : picture_(picture), signs_(signs), routes_(routes), frame_{plan, scaleOf(plan)} {
     levels_ = levelsOf(picture);
     bar_ = !picture.barLabel.empty() && picture.kinds.empty() &&
@@ -141,6 +141,7 @@ class PlanDrawing {
   }
 
   double width() const { return std::ceil(width_); }
+
   double height() const { return std::ceil(height_); }
 
   void draw(Canvas& canvas) const {
@@ -187,7 +188,8 @@ class PlanDrawing {
 
   void findRows() {
     for (const auto& [color, words] : picture_.kinds)
-      rows_.push_back({[color = linear(color)](Canvas& c, double y) { square(c, y, color); }, words});
+      rows_.push_back(
+          {[color = linear(color)](Canvas& c, double y) { square(c, y, color); }, words});
     for (const auto& [mark, words] : picture_.words) {
       if (std::ranges::find(picture_.marks, mark) == picture_.marks.end() ||
           (mark == PlanMark::kSolid && has(PlanShape::Kind::kSolid)))
@@ -211,10 +213,9 @@ class PlanDrawing {
     if (has(PlanShape::Kind::kOpening))
       line(kOpenColor, 2.5, true, "open to the outside");
     if (!signs_.empty()) {
-      rows_.push_back({[](Canvas& c, double y) {
-                         drawSign(c, Vec2(kLeft + 6, y + 8), Vec2(1, 0), 7);
-                       },
-                       "sign, and where it faces"});
+      rows_.push_back(
+          {[](Canvas& c, double y) { drawSign(c, Vec2(kLeft + 6, y + 8), Vec2(1, 0), 7); },
+           "sign, and where it faces"});
     }
     if (!routes_.empty())
       line(kRouteColor, 3, false, "route, from its square");
@@ -277,7 +278,8 @@ class PlanDrawing {
     const auto inWall = [&](std::size_t i) {
       const Vec3 at = frame_.plan.at(i);
       return std::ranges::any_of(picture_.shapes, [&](const PlanShape& shape) {
-        return shape.kind == PlanShape::Kind::kSolid && (at.head<2>() - shape.min).minCoeff() >= 0 &&
+        return shape.kind == PlanShape::Kind::kSolid &&
+               (at.head<2>() - shape.min).minCoeff() >= 0 &&
                (shape.max - at.head<2>()).minCoeff() >= 0;
       });
     };
@@ -333,7 +335,8 @@ class PlanDrawing {
       drawInk(canvas, underlay);
     const Vec2 low(kLeft, kTop), high = low + Vec2(frame_.width(), frame_.height());
     for (const auto& [from, to] : underlay.lines) {
-      const auto part = lineWithin(frame_.at(from.x(), from.y()), frame_.at(to.x(), to.y()), low, high);
+      const auto part =
+          lineWithin(frame_.at(from.x(), from.y()), frame_.at(to.x(), to.y()), low, high);
       if (part && (part->second - part->first).norm() > kMinLine)
         canvas.line(part->first, part->second, 1.2, grey(0.25));
     }
@@ -375,7 +378,8 @@ class PlanDrawing {
 
   /// A rectangle as lines around it; a flat one as one line.
   void outline(Canvas& canvas, const PlanShape& shape, double width, const Rgb& color) const {
-    const Vec2 a = frame_.at(shape.min.x(), shape.min.y()), c = frame_.at(shape.max.x(), shape.max.y());
+    const Vec2 a = frame_.at(shape.min.x(), shape.min.y()),
+               c = frame_.at(shape.max.x(), shape.max.y());
     const Vec2 b(c.x(), a.y()), d(a.x(), c.y());
     if (std::abs(a.x() - c.x()) < 1 || std::abs(a.y() - c.y()) < 1) {
       canvas.line(a, c, width, color, true);
@@ -490,14 +494,13 @@ class PlanDrawing {
       const double each = std::min(room / static_cast<double>(levels_.size()), 36.0);
       canvas.text(picture_.barLabel, left,
                   bottom - each * static_cast<double>(levels_.size()) - kCanvasTextHeight - 6, ink);
-      const auto every =
-          static_cast<std::size_t>(std::ceil((kCanvasTextHeight + 2) / each));
+      const auto every = static_cast<std::size_t>(std::ceil((kCanvasTextHeight + 2) / each));
       for (std::size_t i = 0; i < levels_.size(); ++i) {
         const double y = bottom - each * static_cast<double>(i + 1);
-        canvas.rect(left, y, left + kWidth, y + each - (each > 6 ? 2 : 0),
-                    valueColor(levels_[i]));
+        canvas.rect(left, y, left + kWidth, y + each - (each > 6 ? 2 : 0), valueColor(levels_[i]));
         if (i % every == 0)
-          canvas.text(fmt::format("{:.4g}", levels_[i]), left + kWidth + 10, y + 0.5 * each - 8, ink);
+          canvas.text(fmt::format("{:.4g}", levels_[i]), left + kWidth + 10, y + 0.5 * each - 8,
+                      ink);
       }
       return;
     }
@@ -505,8 +508,7 @@ class PlanDrawing {
     for (int i = 0; i < kSteps; ++i) {
       const double share = (i + 0.5) / kSteps;
       canvas.rect(left, bottom - height * (i + 1) / kSteps, left + kWidth,
-                  bottom - height * i / kSteps,
-                  linear(displayColor(ColorMap::kViridis, share)));
+                  bottom - height * i / kSteps, linear(displayColor(ColorMap::kViridis, share)));
     }
     const double range = picture_.high - picture_.low;
     const double step = niceStep(range, std::max(2, static_cast<int>(height / 50)));
@@ -550,7 +552,8 @@ class PlanDrawing {
       Vec2 place = at + 24 * facing + Vec2(facing.x() >= 0 ? 2 : -wide - 2, -8);
       if (std::abs(facing.y()) > 0.7)
         place = at + Vec2(-0.5 * wide, facing.y() > 0 ? 24 : -40);
-      place.x() = std::clamp(place.x(), kLeft + 2, std::max(kLeft + 2, kLeft + frame_.width() - wide - 4));
+      place.x() =
+          std::clamp(place.x(), kLeft + 2, std::max(kLeft + 2, kLeft + frame_.width() - wide - 4));
       place.y() = std::clamp(place.y(), kTop + 2,
                              std::max(kTop + 2, kTop + frame_.height() - kCanvasTextHeight - 2));
       canvas.rect(place.x() - 3, place.y() - 3, place.x() + wide + 3,
@@ -572,7 +575,7 @@ class PlanDrawing {
   std::span<const Route> routes_;
   Frame frame_;
   std::vector<double> levels_;
-  std::vector<std::size_t> looks_;  // of each square
+  std::vector<std::size_t> looks_;                      // of each square
   double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  // of what is known, in pixels
   bool bar_ = false;
   std::vector<Row> rows_;

@@ -20,12 +20,12 @@ namespace volute {
 /// What a point of a plan shows. Each has a look of its own, in grey or hatched, so that it is no
 /// value's colour and no two are alike to the colour-blind.
 enum class PlanMark : unsigned char {
-  kValue,  ///< its value's colour
-  kSolid,  ///< nobody stands here: dark grey
-  kHidden, ///< nearly white
-  kLost,   ///< grey
-  kKept,   ///< blue hatches on white
-  kFloor,  ///< nothing to say
+  kValue,    ///< its value's colour
+  kSolid,    ///< nobody stands here: dark grey
+  kHidden,   ///< nearly white
+  kLost,     ///< grey
+  kKept,     ///< blue hatches on white
+  kFloor,    ///< nothing to say
   kUnknown,  ///< no data: grey lines both ways on white
 };
 
@@ -40,10 +40,10 @@ inline constexpr const char* kSolidWords = "solid: nobody stands there";
 /// scale, a legend.
 struct PlanPicture {
   std::string title, subtitle;
-  std::string barLabel;         ///< empty: no colour bar
-  double low = 0, high = 1;     ///< the bar's ends
-  bool highIsMore = false;      ///< what is above `high` has its colour: "30+"
-  bool stored = false;          ///< values are some of few, as stored times: few get a colour each
+  std::string barLabel;      ///< empty: no colour bar
+  double low = 0, high = 1;  ///< the bar's ends
+  bool highIsMore = false;   ///< what is above `high` has its colour: "30+"
+  bool stored = false;       ///< values are some of few, as stored times: few get a colour each
   /// Where there are some, a value is the place of its colour (as displays show it) and its words
   /// here, and there is no bar.
   std::vector<std::pair<Rgb, std::string>> kinds{};
@@ -51,12 +51,13 @@ struct PlanPicture {
   std::vector<PlanMark> marks;  ///< the same
   /// What a mark stands for, in the legend under the map; marks without words are left out.
   std::vector<std::pair<PlanMark, std::string>> words;
-  std::vector<PlanShape> shapes{};                        ///< at the eyes' height
+  std::vector<PlanShape> shapes{};                         ///< at the eyes' height
   std::shared_ptr<const PlanUnderlay> underlay = nullptr;  ///< may be null
   std::optional<double> north{};  ///< [degrees], from +y clockwise: an arrow; nothing: none
 };
 
-/// The signs that a plan at a height [m] shows: those of its storey, not those with a floor between.
+/// The signs that a plan at a height [m] shows: those of its storey, not those with a floor
+/// between.
 std::vector<SightTarget> signsOfStorey(const SightInstant& instant,
                                        std::span<const SightTarget> signs, double height);
 

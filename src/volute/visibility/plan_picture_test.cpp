@@ -88,9 +88,7 @@ TEST(PlanPicture, neverLostIsNotNobody) {
 TEST(PlanPicture, noDataIsHatchedAndHasItsKey) {
   PlanOfRoom room;
   for (std::size_t i = 0; i < room.plan.size(); ++i) {
-    room.plan.places[i] = i % 40 < 10   ? Place::kSolid
-                          : i % 40 < 20 ? Place::kOutside
-                                        : Place::kGas;
+    room.plan.places[i] = i % 40 < 10 ? Place::kSolid : i % 40 < 20 ? Place::kOutside : Place::kGas;
   }
   const std::vector<PlanMark> empty = emptyMarks(room.plan);
   EXPECT_EQ(empty[0], PlanMark::kSolid);
@@ -123,7 +121,8 @@ TEST(PlanPicture, storedTimesHaveOneColourEach) {
   EXPECT_THAT(planSvg(room.plan, room.picture, {}), HasSubstr(">60<")) << "a bar";
   room.picture.stored = true;
   const std::string svg = planSvg(room.plan, room.picture, {});
-  for (const char* time : {">0<", ">10<", ">20<", ">30<", ">40<"}) EXPECT_THAT(svg, HasSubstr(time));
+  for (const char* time : {">0<", ">10<", ">20<", ">30<", ">40<"})
+    EXPECT_THAT(svg, HasSubstr(time));
   EXPECT_EQ(svg.find(">50<"), std::string::npos) << "no time that there is not";
   const Image image = drawPlan(room.plan, room.picture, {});
   std::set<std::array<double, 3>> colours;
@@ -203,8 +202,9 @@ TEST(PlanPicture, northHasANeedleWhereItIsKnown) {
   EXPECT_EQ(planSvg(room.plan, room.picture, {}).find(">N<"), std::string::npos);
   // The needle is 40 pixels long and its middle 30 from the map's right end, 66 below it.
   const double x = 92 + 40 * 22 - 30, y = 62 + 24 * 22 + 66;
-  for (const auto& [degrees, dx, dy] : {std::tuple(0.0, 0.0, -20.0), std::tuple(90.0, 20.0, 0.0),
-                                        std::tuple(-90.0, -20.0, 0.0), std::tuple(180.0, 0.0, 20.0)}) {
+  for (const auto& [degrees, dx, dy] :
+       {std::tuple(0.0, 0.0, -20.0), std::tuple(90.0, 20.0, 0.0), std::tuple(-90.0, -20.0, 0.0),
+        std::tuple(180.0, 0.0, 20.0)}) {
     room.picture.north = degrees;
     const std::string svg = planSvg(room.plan, room.picture, {});
     EXPECT_THAT(svg, HasSubstr(">N<"));

@@ -19,8 +19,7 @@ constexpr const char* kSight = "sight of signs";
 
 std::string listOf(const std::vector<Air>& all) {
   std::string text;
-  for (const Air one : all)
-    text += (text.empty() ? "" : ", ") + std::string(quantityOf(one).name);
+  for (const Air one : all) text += (text.empty() ? "" : ", ") + std::string(quantityOf(one).name);
   return text;
 }
 
@@ -28,7 +27,7 @@ std::string listOf(const std::vector<Air>& all) {
 /// show them.
 Rgb kindColor(std::size_t i) {
   static const std::array<Rgb, 8> colors{
-      Rgb(0.34, 0.71, 0.91), Rgb(0.90, 0.62, 0.0), Rgb(0.0, 0.62, 0.45), Rgb(0.94, 0.89, 0.26),
+      Rgb(0.34, 0.71, 0.91), Rgb(0.90, 0.62, 0.0), Rgb(0.0, 0.62, 0.45),  Rgb(0.94, 0.89, 0.26),
       Rgb(0.0, 0.45, 0.70),  Rgb(0.84, 0.37, 0.0), Rgb(0.80, 0.47, 0.65), Rgb(0.35, 0.35, 0.35)};
   return colors[i % colors.size()];
 }
@@ -47,7 +46,8 @@ Json criteriaJson(const ExposureMeter& meter) {
                  {"source_checked", criterion.checked}};
     if (criterion.law) {
       const DoseLawInfo& info = infoOf(*criterion.law);
-      json["model"] = {{"name", info.name}, {"source", info.source}, {"compared_with", info.checked}};
+      json["model"] = {
+          {"name", info.name}, {"source", info.source}, {"compared_with", info.checked}};
     }
     json["from"] = Json::array();
     for (const Air one : criterion.needed()) {
@@ -153,13 +153,14 @@ Json PlanTenability::sentence(std::size_t c) const {
   const FirstLoss first = firstLoss(meter_.times(c), survey_->round);
   std::size_t unknown = 0;
   for (std::size_t i = 0; i < eyes_.size(); ++i) unknown += meter_.unknown(c, i);
-  std::string text =
-      first.any ? fmt::format("{} is first reached at {}, at {}; by {:g} s at {:.0f} % of the "
-                              "floor.",
-                              criterion.words(), timeWords(first), placeWords(eyes_[first.place]),
-                              survey_->times.back(), 100 * first.share)
-                : fmt::format("{} is not reached anywhere until {:g} s.", criterion.words(),
-                              survey_->times.back());
+  std::string text = first.any
+                         ? fmt::format(
+                               "{} is first reached at {}, at {}; by {:g} s at {:.0f} % of the "
+                               "floor.",
+                               criterion.words(), timeWords(first), placeWords(eyes_[first.place]),
+                               survey_->times.back(), 100 * first.share)
+                         : fmt::format("{} is not reached anywhere until {:g} s.",
+                                       criterion.words(), survey_->times.back());
   if (unknown > 0) {
     text += fmt::format(" At {:.0f} % of the floor the case stores no data for it.",
                         100 * static_cast<double>(unknown) / static_cast<double>(eyes_.size()));
@@ -194,7 +195,8 @@ Status PlanTenability::writeTimes(const std::string& name, const std::string& ti
   }
   picture.words = {
       {PlanMark::kKept, fmt::format("not reached at {:g} s, the last time", survey_->times.back())},
-      {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
+      {PlanMark::kUnknown, kNoData},
+      {PlanMark::kSolid, kSolidWords}};
   return writePlan(survey_->folder / name, *values_.plan, picture, signs_);
 }
 
@@ -214,9 +216,9 @@ Status PlanTenability::writeFirst() const {
   }
   picture.words = {
       {PlanMark::kKept, fmt::format("none until {:g} s, the last time", survey_->times.back())},
-      {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
-  return writePlan(survey_->folder / "tenability_first.png", *values_.plan, picture,
-                   signs_);
+      {PlanMark::kUnknown, kNoData},
+      {PlanMark::kSolid, kSolidWords}};
+  return writePlan(survey_->folder / "tenability_first.png", *values_.plan, picture, signs_);
 }
 
 Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>& arrays,
@@ -237,29 +239,35 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
       worst = i;
   }
   report["rset"] = {{"from", survey_->rset->description()}, {"rows", values_.rows(rset)}};
-  report["margin"] = {{"rows", values_.rows(margin)}, {"points_needed", needed},
-                      {"points_too_late", tooLate}};
+  report["margin"] = {
+      {"rows", values_.rows(margin)}, {"points_needed", needed}, {"points_too_late", tooLate}};
   arrays.push_back({"rset", values_.cells(rset)});
   arrays.push_back({"margin", values_.cells(margin)});
   std::string text;
   if (worst == rset.size()) {
     text = "RSET: no point of this plan is in use.";
   } else if (std::isinf(margin[worst])) {
-    text = fmt::format("ASET - RSET: no criterion is reached until {:g} s where people are (RSET: {}).",
-                       survey_->times.back(), survey_->rset->description());
+    text = fmt::format(
+        "ASET - RSET: no criterion is reached until {:g} s where people are (RSET: {}).",
+        survey_->times.back(), survey_->rset->description());
     if (rset[worst] > survey_->times.back())
-      text += " But RSET is later than the last time of the case, so the result is unknown until "
-              "then.";
+      text +=
+          " But RSET is later than the last time of the case, so the result is unknown until "
+          "then.";
   } else {
     const double least = all_.down[worst] - rset[worst], most = all_.up[worst] - rset[worst];
-    text = fmt::format("ASET - RSET: the smallest margin is {:.4g} s (by stored times {:.4g} to "
-                       "{:.4g} s) at {}; at {:.0f} % of the points in use, people leave too late "
-                       "(RSET: {}).",
-                       margin[worst], least, most, placeWords(eyes_[worst]),
-                       100.0 * static_cast<double>(tooLate) / static_cast<double>(needed),
-                       survey_->rset->description());
-    report["margin"]["least"] = Json{{"value", margin[worst]}, {"down", least}, {"up", most},
-                                 {"position", {eyes_[worst][0], eyes_[worst][1], eyes_[worst][2]}}};
+    text = fmt::format(
+        "ASET - RSET: the smallest margin is {:.4g} s (by stored times {:.4g} to "
+        "{:.4g} s) at {}; at {:.0f} % of the points in use, people leave too late "
+        "(RSET: {}).",
+        margin[worst], least, most, placeWords(eyes_[worst]),
+        100.0 * static_cast<double>(tooLate) / static_cast<double>(needed),
+        survey_->rset->description());
+    report["margin"]["least"] =
+        Json{{"value", margin[worst]},
+             {"down", least},
+             {"up", most},
+             {"position", {eyes_[worst][0], eyes_[worst][1], eyes_[worst][2]}}};
   }
   verdict.push_back(Json{{"criterion", "margin"}, {"sentence", text}});
   std::vector<double> finite;
@@ -283,10 +291,12 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
   }
   picture.words = {{PlanMark::kKept, "no criterion is reached"},
                    {PlanMark::kHidden, "nobody comes here"},
-                   {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
+                   {PlanMark::kUnknown, kNoData},
+                   {PlanMark::kSolid, kSolidWords}};
   VOLUTE_TRY(writePlan(survey_->folder / "margin.png", *values_.plan, picture, signs_));
-  return htmlFigure(survey_->folder / "margin.png", "Margin: available minus required safe egress "
-                                                    "time.");
+  return htmlFigure(survey_->folder / "margin.png",
+                    "Margin: available minus required safe egress "
+                    "time.");
 }
 
 Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::vector<bool>& inSight,
@@ -308,10 +318,9 @@ Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::ve
     if (std::ranges::all_of(times, [](double time) { return std::isinf(time); }))
       continue;
     const std::string file = "tenability_" + name + ".png";
-    VOLUTE_TRY(writeTimes(file,
-                          fmt::format("When {} at z = {:g} m", criterion.words(),
-                                      values_.plan->origin[2]),
-                          times, [&](std::size_t i) { return meter_.unknown(c, i); }));
+    VOLUTE_TRY(writeTimes(
+        file, fmt::format("When {} at z = {:g} m", criterion.words(), values_.plan->origin[2]),
+        times, [&](std::size_t i) { return meter_.unknown(c, i); }));
     VOLUTE_ASSIGN(const auto figure, htmlFigure(survey_->folder / file, criterion.words()));
     figures += figure;
   }
@@ -319,7 +328,8 @@ Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::ve
   std::vector<std::string> names(eyes_.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (which_[i] >= 0)
-      names[i] = which_[i] == 0 ? kSight : meter_.criteria()[static_cast<std::size_t>(which_[i]) - 1].name;
+      names[i] =
+          which_[i] == 0 ? kSight : meter_.criteria()[static_cast<std::size_t>(which_[i]) - 1].name;
   }
   json["aset"] = {{"rows", values_.rows(all)},
                   {"rows_interpolated", values_.rows(all_.none)},
@@ -329,22 +339,23 @@ Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::ve
   arrays.push_back({"aset_all", values_.cells(all)});
   const FirstLoss first = firstLoss(all_, survey_->round);
   const std::string by = first.any ? names[first.place] : "";
-  verdict.insert(verdict.begin(),
-                 verdictJson("all", first.any ? fmt::format("ASET of all criteria: {}, by {}, at {}.",
-                                                            timeWords(first), by,
-                                                            placeWords(eyes_[first.place]))
-                                              : fmt::format("ASET of all criteria: none is reached "
-                                                            "until {:g} s.",
-                                                            survey_->times.back()),
-                             first, survey_->round, eyes_));
+  verdict.insert(
+      verdict.begin(),
+      verdictJson("all",
+                  first.any ? fmt::format("ASET of all criteria: {}, by {}, at {}.",
+                                          timeWords(first), by, placeWords(eyes_[first.place]))
+                            : fmt::format("ASET of all criteria: none is reached "
+                                          "until {:g} s.",
+                                          survey_->times.back()),
+                  first, survey_->round, eyes_));
   VOLUTE_TRY(writeTimes("aset_all.png",
                         fmt::format("ASET of all criteria at z = {:g} m", values_.plan->origin[2]),
                         all, [](std::size_t) { return false; }));
   VOLUTE_TRY(writeFirst());
   VOLUTE_ASSIGN(const auto times, htmlFigure(survey_->folder / "aset_all.png",
-                                           "When the first of all criteria is reached."));
+                                             "When the first of all criteria is reached."));
   VOLUTE_ASSIGN(const auto kinds, htmlFigure(survey_->folder / "tenability_first.png",
-                                           "Which criterion is reached first."));
+                                             "Which criterion is reached first."));
   VOLUTE_ASSIGN(const auto left, margin(json, arrays, verdict));
   report["tenability"] = std::move(json);
   return page + "<h2>Tenability</h2>\n" + times + kinds + left + figures;

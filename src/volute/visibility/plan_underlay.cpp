@@ -33,7 +33,9 @@ Unit unitBySize(const Vec2& size, const Vec2& ofCase) {
   return *std::ranges::min_element(kUnits, {}, apart);
 }
 
-std::string sizeText(const Vec2& size) { return fmt::format("{:.4g} x {:.4g}", size.x(), size.y()); }
+std::string sizeText(const Vec2& size) {
+  return fmt::format("{:.4g} x {:.4g}", size.x(), size.y());
+}
 
 Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const UnderlayOptions& options,
                                  std::vector<std::string>& remarks) {
@@ -89,7 +91,8 @@ Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const Underl
 }
 
 /// A picture over the whole case, or where its place is stated.
-Result<PlanUnderlay> readPicture(const std::filesystem::path& file, const UnderlayOptions& options) {
+Result<PlanUnderlay> readPicture(const std::filesystem::path& file,
+                                 const UnderlayOptions& options) {
   PlanUnderlay underlay;
   const ImageReadOptions reading{.maxMemory = options.maxMemory};
   VOLUTE_ASSIGN(underlay.picture, readImage(file, reading));
@@ -106,10 +109,11 @@ Result<PlanUnderlay> readSvg(const std::filesystem::path& file, const UnderlayOp
   VOLUTE_TRY(InputFile::open(file));
   const std::string converter = findProgram({"rsvg-convert"});
   if (converter.empty()) {
-    return fail(ErrorCode::kUnsupported,
-                "{}: a drawing in SVG needs rsvg-convert (Debian's librsvg2-bin), which is not in the "
-                "PATH; a .png or .dxf file needs nothing",
-                file.string());
+    return fail(
+        ErrorCode::kUnsupported,
+        "{}: a drawing in SVG needs rsvg-convert (Debian's librsvg2-bin), which is not in the "
+        "PATH; a .png or .dxf file needs nothing",
+        file.string());
   }
   const ScratchFolder folder;
   if (folder.path().empty())
@@ -118,15 +122,10 @@ Result<PlanUnderlay> readSvg(const std::filesystem::path& file, const UnderlayOp
   constexpr double kLongest = 60;          // [s]
   const auto picture = folder.path() / "drawing.png";
   std::error_code error;
-  std::vector<std::string> words{converter,
-                                 "--width",
-                                 kPixels,
-                                 "--height",
-                                 kPixels,
-                                 "--keep-aspect-ratio",
-                                 "--output",
-                                 picture.string(),
-                                 std::filesystem::absolute(file, error).string()};
+  std::vector<std::string> words{
+      converter,  "--width",        kPixels,
+      "--height", kPixels,          "--keep-aspect-ratio",
+      "--output", picture.string(), std::filesystem::absolute(file, error).string()};
   if (const std::string limiter = findProgram({"prlimit"}); !limiter.empty()) {
     constexpr std::uint64_t kLibraries = std::uint64_t{512} << 20;
     words.insert(words.begin(), {limiter, fmt::format("--as={}", options.maxMemory + kLibraries),
@@ -153,7 +152,8 @@ Result<PlanUnderlay> readUnderlay(const std::filesystem::path& file, const Under
     return readSvg(file, options);
   if (extension == ".pdf" || extension == ".dwg") {
     return fail(ErrorCode::kUnsupported,
-                "{}: a drawing is a .png, .svg or .dxf file; save it as one of these", file.string());
+                "{}: a drawing is a .png, .svg or .dxf file; save it as one of these",
+                file.string());
   }
   return readPicture(file, options);
 }

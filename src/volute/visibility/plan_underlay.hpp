@@ -23,15 +23,15 @@ struct PlanUnderlay {
 };
 
 struct UnderlayOptions {
-  Vec2 min = Vec2::Zero(), max = Vec2::Zero();          ///< where the case ends [m]
-  std::optional<std::pair<Vec2, Vec2>> place = {};      ///< the drawing's own ends, where stated [m]
+  Vec2 min = Vec2::Zero(), max = Vec2::Zero();      ///< where the case ends [m]
+  std::optional<std::pair<Vec2, Vec2>> place = {};  ///< the drawing's own ends, where stated [m]
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
 };
 
-/// A picture (.svg too, by rsvg-convert where it is installed) lies over the whole case; a .dxf file where its coordinates say, in its unit or, where
-/// it states none, in that of m, mm, cm, inches and feet which makes it as large as the case. A .dxf
-/// that touches the case nowhere is moved to its lower left corner. What was chosen, and what is not
-/// drawn, is added to `remarks`.
+/// A picture (.svg too, by rsvg-convert where it is installed) lies over the whole case; a .dxf
+/// file where its coordinates say, in its unit or, where it states none, in that of m, mm, cm,
+/// inches and feet which makes it as large as the case. A .dxf that touches the case nowhere is
+/// moved to its lower left corner. What was chosen, and what is not drawn, is added to `remarks`.
 [[nodiscard]] Result<PlanUnderlay> readUnderlay(const std::filesystem::path& file,
                                                 const UnderlayOptions& options,
                                                 std::vector<std::string>& remarks);

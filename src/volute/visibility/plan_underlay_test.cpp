@@ -75,7 +75,8 @@ TEST_F(Underlay, aDrawingInSvgIsAPicture) {
   const ScratchFolder folder;
   const auto file = folder.path() / "plan.svg", cut = folder.path() / "cut.svg";
   const std::string text =
-      "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 20 10'><rect x='5' y='0' width='1' height='5'/></svg>\n";
+      "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 20 10'><rect x='5' y='0' width='1' "
+      "height='5'/></svg>\n";
   ASSERT_TRUE(writeFile(file, text));
   ASSERT_TRUE(writeFile(cut, text.substr(0, 60)));
   options_.maxMemory = std::uint64_t{1} << 30;
@@ -89,7 +90,8 @@ TEST_F(Underlay, aDrawingInSvgIsAPicture) {
   const Image& picture = underlay->picture;
   EXPECT_EQ(picture.width, 2 * picture.height);
   const auto at = [&](double x, double y) {
-    return picture.at(static_cast<int>(x / 20 * picture.width), static_cast<int>(y / 10 * picture.height), 0);
+    return picture.at(static_cast<int>(x / 20 * picture.width),
+                      static_cast<int>(y / 10 * picture.height), 0);
   };
   EXPECT_EQ(at(5.5, 2.5), 0) << "the wall is black";
   EXPECT_EQ(at(5.5, 7.5), 1) << "what is transparent is white";

@@ -20,8 +20,8 @@ struct PlanArray {
 [[nodiscard]] Status writePlanVti(const std::filesystem::path& path, const FloorPlan& plan,
                                   const std::vector<PlanArray>& arrays);
 
-/// Writes a table: x, y, z of each point [m] where `places` has gas, and a column for each array; empty
-/// where nothing is known, inf where an array is.
+/// Writes a table: x, y, z of each point [m] where `places` has gas, and a column for each array;
+/// empty where nothing is known, inf where an array is.
 [[nodiscard]] Status writePlanCsv(const std::filesystem::path& path, const FloorPlan& plan,
                                   const std::vector<PlanArray>& arrays);
 

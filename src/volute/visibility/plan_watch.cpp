@@ -32,11 +32,12 @@ struct Variation {
 /// Jin's experiments give C of 2 to 4 for reflecting signs and 5 to 10 for emitting ones; FDS's
 /// User's Guide 8700 +- 1100 m2/kg for the mass extinction. Losses that were missed because they
 /// were over before the next stored time came within 2 % of the limit at stored times (measured).
-constexpr Variation kVariations[] = {{"a depth within 2 % of its limit counts as lost (brief losses between stored times)", 0.98},
-                                     {"C 33 % lower", 0.67},
-                                     {"C 33 % higher", 1.33},
-                                     {"mass extinction 9800 of 8700 m2/kg", 8700.0 / 9800},
-                                     {"mass extinction 7600 of 8700 m2/kg", 8700.0 / 7600}};
+constexpr Variation kVariations[] = {
+    {"a depth within 2 % of its limit counts as lost (brief losses between stored times)", 0.98},
+    {"C 33 % lower", 0.67},
+    {"C 33 % higher", 1.33},
+    {"mass extinction 9800 of 8700 m2/kg", 8700.0 / 9800},
+    {"mass extinction 7600 of 8700 m2/kg", 8700.0 / 7600}};
 
 class PlanWatch final : public Watch {
  public:
@@ -60,11 +61,13 @@ class PlanWatch final : public Watch {
           survey.height, survey.bounds.min[2], survey.bounds.max[2]);
     }
     if (survey.maps == Survey::Maps::kSome && survey.times.size() > Survey::kPicturedTimes) {
-      progress.remark(fmt::format(
-          "maps are drawn at {} of the {} stored times, and written as values (.vti) at all; --maps "
-          "all draws all, --maps aset leaves both out",
-          Survey::kPicturedTimes, survey.times.size()));
-    } else if (survey.maps == Survey::Maps::kAll && survey.signs.size() * survey.times.size() > 2000) {
+      progress.remark(
+          fmt::format("maps are drawn at {} of the {} stored times, and written as values (.vti) "
+                      "at all; --maps "
+                      "all draws all, --maps aset leaves both out",
+                      Survey::kPicturedTimes, survey.times.size()));
+    } else if (survey.maps == Survey::Maps::kAll &&
+               survey.signs.size() * survey.times.size() > 2000) {
       progress.remark(fmt::format(
           "{} maps are drawn; --maps some draws {} times of each sign, --frames takes fewer times",
           survey.signs.size() * survey.times.size(), Survey::kPicturedTimes));
@@ -137,7 +140,7 @@ class PlanWatch final : public Watch {
         continue;
       VOLUTE_ASSIGN(const auto figure,
                     htmlFigure(survey_->folder / asetName(set),
-                             fmt::format("When {} seen any more.", setWords(set))));
+                               fmt::format("When {} seen any more.", setWords(set))));
       page += figure;
     }
     if (survey_->extinctionLimit > 0) {
@@ -148,7 +151,7 @@ class PlanWatch final : public Watch {
       VOLUTE_TRY(writeLocal());
       VOLUTE_ASSIGN(const auto figure,
                     htmlFigure(survey_->folder / "aset_local.png",
-                             "Time at which the local extinction reaches the limit."));
+                               "Time at which the local extinction reaches the limit."));
       page += figure;
     }
     Json verdict = Json::array();
@@ -158,8 +161,8 @@ class PlanWatch final : public Watch {
     if (tenability_) {
       std::vector<bool> inSight(hidden_[0]);
       inSight.flip();
-      VOLUTE_ASSIGN(tenability, tenability_->finish(losses_->earliest(0), inSight, report, arrays,
-                                                    verdict));
+      VOLUTE_ASSIGN(tenability,
+                    tenability_->finish(losses_->earliest(0), inSight, report, arrays, verdict));
     }
     report["verdict"] = std::move(verdict);
     VOLUTE_TRY(writePlanVti(survey_->folder / "aset.vti", plan_, arrays));
@@ -219,13 +222,15 @@ class PlanWatch final : public Watch {
   void noteInView(const SurveyTime& at) {
     for (std::size_t s = 0; s < inView_.size(); ++s) {
       if (!inView_[s])
-        inView_[s] = std::ranges::any_of(at.sightings.subspan(s * eyes_.size(), eyes_.size()), inSight);
+        inView_[s] =
+            std::ranges::any_of(at.sightings.subspan(s * eyes_.size(), eyes_.size()), inSight);
     }
   }
 
   /// Whether a map of a set could show anything.
   bool showsAnything(std::size_t set) const {
-    return std::ranges::any_of(survey_->sets[set].members, [&](std::size_t s) { return inView_[s]; });
+    return std::ranges::any_of(survey_->sets[set].members,
+                               [&](std::size_t s) { return inView_[s]; });
   }
 
   /// Those of some signs that are on the plan's storey, for maps.
@@ -242,9 +247,7 @@ class PlanWatch final : public Watch {
     return !sighting.blocked && sighting.covered && sighting.visibility > 0;
   }
 
-  void updateLocal(const SurveyTime& at) {
-    local_->update(at.time, at.extinction);
-  }
+  void updateLocal(const SurveyTime& at) { local_->update(at.time, at.extinction); }
 
   std::vector<float> overPlan(std::span<const double> values) const {
     return planValues().cells(values);
@@ -262,8 +265,8 @@ class PlanWatch final : public Watch {
                             std::vector<PlanShape> shapes) const {
     const SafetySign& sign = survey_->signs[s].sign;
     PlanPicture picture;
-    picture.title = fmt::format("{} at {:.4g} s, seen from z = {:g} m", sign.name, at.time,
-                                plan_.origin[2]);
+    picture.title =
+        fmt::format("{} at {:.4g} s, seen from z = {:g} m", sign.name, at.time, plan_.origin[2]);
     picture.subtitle = fmt::format("S = C / mean K, {} C = {:.4g}, angle {}", sign.law.name,
                                    sign.law.c, nameOf(sign.angle));
     picture.barLabel = "visibility S [m]";
@@ -283,7 +286,8 @@ class PlanWatch final : public Watch {
     }
     picture.words = {{PlanMark::kLost, "lost in the smoke"},
                      {PlanMark::kHidden, "sign not in sight: wall, or seen from behind"},
-                     {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
+                     {PlanMark::kUnknown, kNoData},
+                     {PlanMark::kSolid, kSolidWords}};
     return picture;
   }
 
@@ -306,8 +310,8 @@ class PlanWatch final : public Watch {
                         of("visible", [](const Sighting& x) { return x.visible ? 1 : 0; })});
       if (done[s] && survey_->pictured(at.index)) {
         const std::span one(&survey_->signs[s], shown_[s] ? 1 : 0);
-        done[s] =
-            writeImage(folder / (name + ".png"), drawPlan(plan_, visibilityMap(at, s, shapes), one));
+        done[s] = writeImage(folder / (name + ".png"),
+                             drawPlan(plan_, visibilityMap(at, s, shapes), one));
       }
     });
     for (Status& status : done) VOLUTE_TRY(std::move(status));
@@ -337,10 +341,14 @@ class PlanWatch final : public Watch {
       names.push_back(survey_->signs[s].sign.name);
     const auto kept = std::ranges::count_if(loss.up, [](double t) { return std::isinf(t); });
     const auto out = std::ranges::count(hidden_[set], true);
-    return {{"set", survey_->sets[set].name},    {"signs", names},
-            {"kept_to_the_end", kept},           {"never_in_sight", out},
-            {"rows", rowsOf(rounded(loss))},     {"rows_interpolated", rowsOf(loss.none)},
-            {"rows_down", rowsOf(loss.down)},    {"rows_up", rowsOf(loss.up)},
+    return {{"set", survey_->sets[set].name},
+            {"signs", names},
+            {"kept_to_the_end", kept},
+            {"never_in_sight", out},
+            {"rows", rowsOf(rounded(loss))},
+            {"rows_interpolated", rowsOf(loss.none)},
+            {"rows_down", rowsOf(loss.down)},
+            {"rows_up", rowsOf(loss.up)},
             {"rows_earliest", rowsOf(rounded(losses_->earliest(set)))},
             {"rows_latest", rowsOf(rounded(losses_->latest(set)))}};
   }
@@ -380,11 +388,12 @@ class PlanWatch final : public Watch {
     }
     picture.title = fmt::format("{}, from z = {:g} m", lossWords(set), plan_.origin[2]);
     picture.subtitle = lawsOf(set);
-    picture.words = {{PlanMark::kKept,
-                      fmt::format("never lost: still seen at {:g} s, the last time",
-                                  survey_->times.back())},
-                     {PlanMark::kHidden, "no sign in sight, smoke or not"},
-                     {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
+    picture.words = {
+        {PlanMark::kKept,
+         fmt::format("never lost: still seen at {:g} s, the last time", survey_->times.back())},
+        {PlanMark::kHidden, "no sign in sight, smoke or not"},
+        {PlanMark::kUnknown, kNoData},
+        {PlanMark::kSolid, kSolidWords}};
     return writePlan(survey_->folder / asetName(set), plan_, picture,
                      shownSigns(survey_->sets[set].members));
   }
@@ -406,7 +415,8 @@ class PlanWatch final : public Watch {
                       fmt::format("{:.1f} %", 100 * loss.share)});
     };
     add("as computed", losses_->times(0));
-    add("at the largest depths that the files' rounding allows (the verdict)", losses_->earliest(0));
+    add("at the largest depths that the files' rounding allows (the verdict)",
+        losses_->earliest(0));
     add("at the smallest", losses_->latest(0));
     for (std::size_t i = 0; i < std::size(kVariations); ++i)
       add(std::string(kVariations[i].name), losses_->times(survey_->sets.size() + i));
@@ -430,7 +440,8 @@ class PlanWatch final : public Watch {
     FirstLoss soonestLoss = lossOf(single);
     for (std::size_t set = single + 1; set < single + singles; ++set) {
       const FirstLoss loss = lossOf(set);
-      if (loss.any && (!soonestLoss.any || loss.by(survey_->round) < soonestLoss.by(survey_->round))) {
+      if (loss.any &&
+          (!soonestLoss.any || loss.by(survey_->round) < soonestLoss.by(survey_->round))) {
         soonest = set;
         soonestLoss = loss;
       }
@@ -473,14 +484,15 @@ class PlanWatch final : public Watch {
 
   Status writeLocal() const {
     PlanPicture picture = lossPicture(rounded(local_->times()));
-    picture.title = fmt::format("{} {:g} 1/m at z = {:g} m",
-                                survey_->round == RoundTime::kDown ? "Last stored time with K <"
-                                                                   : "First time with K >=",
-                                survey_->extinctionLimit, plan_.origin[2]);
+    picture.title = fmt::format(
+        "{} {:g} 1/m at z = {:g} m",
+        survey_->round == RoundTime::kDown ? "Last stored time with K <" : "First time with K >=",
+        survey_->extinctionLimit, plan_.origin[2]);
     picture.subtitle = "smoke where one stands, signs aside";
     picture.words = {
         {PlanMark::kKept, fmt::format("below it at {:g} s, the last time", survey_->times.back())},
-        {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
+        {PlanMark::kUnknown, kNoData},
+        {PlanMark::kSolid, kSolidWords}};
     return writePlan(survey_->folder / "aset_local.png", plan_, picture,
                      shownSigns(survey_->sets[0].members));
   }
@@ -512,7 +524,7 @@ class PlanWatch final : public Watch {
         const auto file = survey_->folder / "maps" / fmt::format("{}_{:04d}.png", mapName(s), i);
         VOLUTE_ASSIGN(const auto figure,
                       htmlFigure(file, fmt::format("{} at {:g} s", survey_->signs[s].sign.name,
-                                                 survey_->times[static_cast<std::size_t>(i)])));
+                                                   survey_->times[static_cast<std::size_t>(i)])));
         page += figure;
       }
     }

@@ -92,8 +92,8 @@ class RouteWatch final : public Watch {
     report["eyes"] = {{"kind", "routes"}, {"step", survey_->step}, {"count", eyes_.size()}};
     report["walk"] = {{"speed", walking_.speed}, {"start", walking_.start}};
     const SpeedLawInfo& law = speedLaws()[static_cast<std::size_t>(walking_.slowed)];
-    report["walk"]["slowed_by_smoke"] = {{"law", law.name}, {"source", law.source},
-                                         {"source_checked", law.checked}};
+    report["walk"]["slowed_by_smoke"] = {
+        {"law", law.name}, {"source", law.source}, {"source_checked", law.checked}};
     if (meter_)
       report["tenability"]["criteria"] = criteriaJson(*meter_);
     report["routes"] = Json::array();
@@ -120,10 +120,10 @@ class RouteWatch final : public Watch {
     for (std::size_t i = 0; i < along.size(); ++i) {
       const double before = i > 0 ? along[i - 1] : along[i];
       const double after = i + 1 < along.size() ? along[i + 1] : along[i];
-      stations_.push_back(
-          {r, along[i], 0.5 * (after - before) / length,
-           walking_.slowed == SpeedLaw::kNone ? walking_.start + along[i] / walking_.speed
-                                              : (i == 0 ? walking_.start : kNotYet)});
+      stations_.push_back({r, along[i], 0.5 * (after - before) / length,
+                           walking_.slowed == SpeedLaw::kNone
+                               ? walking_.start + along[i] / walking_.speed
+                               : (i == 0 ? walking_.start : kNotYet)});
       eyes_.push_back(routes_[r].at(along[i]));
     }
   }
@@ -144,8 +144,8 @@ class RouteWatch final : public Watch {
       const auto wall = std::ranges::find(sights, true, &Sight::blocked);
       if (wall != sights.end()) {
         progress.remark(fmt::format(
-            "route '{}' leads through something solid, first about {:.3g} m from its start", routes_[r].name,
-            from[static_cast<std::size_t>(wall - sights.begin())]));
+            "route '{}' leads through something solid, first about {:.3g} m from its start",
+            routes_[r].name, from[static_cast<std::size_t>(wall - sights.begin())]));
       }
     }
   }
@@ -198,10 +198,9 @@ class RouteWatch final : public Watch {
     while (next < end && stations_[next].arrival < kNotYet) ++next;
     while (track.back().time < until && track.back().along < length && next < end) {
       const TrackPoint here = track.back();
-      const double share =
-          extinction_.empty() || !(passed > 0)
-              ? 1
-              : std::clamp((here.time - smokeTime_) / passed, 0.0, 1.0);
+      const double share = extinction_.empty() || !(passed > 0)
+                               ? 1
+                               : std::clamp((here.time - smokeTime_) / passed, 0.0, 1.0);
       const auto smokeAt = [&](std::size_t i) {
         return extinction_[i] + share * (extinction[i] - extinction_[i]);
       };
@@ -235,7 +234,8 @@ class RouteWatch final : public Watch {
       if (from.route != to.route || !(along >= from.along && along <= to.along))
         continue;
       const double share = (along - from.along) / (to.along - from.along);
-      extinction[to.route] = at.extinction[i - 1] + share * (at.extinction[i] - at.extinction[i - 1]);
+      extinction[to.route] =
+          at.extinction[i - 1] + share * (at.extinction[i] - at.extinction[i - 1]);
     }
     constexpr double kStep = 0.25;  // [s]
     return meter_->advance(at.time, places, extinction, kStep);
@@ -308,8 +308,8 @@ class RouteWatch final : public Watch {
   }
 
   /// What walkers see who arrive between the last time and this one: optical depths are linear in
-  /// between, as the smoke is; what is opaque is that of the last time, which is given anew whenever
-  /// something opaque comes or goes.
+  /// between, as the smoke is; what is opaque is that of the last time, which is given anew
+  /// whenever something opaque comes or goes.
   void noteWalk(const SurveyTime& at) {
     for (std::size_t i = 0; i < stations_.size(); ++i) {
       const double when = stations_[i].arrival;
@@ -411,8 +411,7 @@ class RouteWatch final : public Watch {
       const double known = route["walk_share_known"].get<double>();
       const double length = route["length"].get<double>();
       rows.push_back(
-          {htmlOf(route["name"]), fmt::format("{:.1f}", length),
-           htmlOf(route["arrival"], "{:.0f}"),
+          {htmlOf(route["name"]), fmt::format("{:.1f}", length), htmlOf(route["arrival"], "{:.0f}"),
            htmlOf(100 * route["walk_share_with_a_sign"].get<double>(), "{:.0f} %") +
                (known < 0.999 ? fmt::format(" (smoke is known for {:.0f} % of it)", 100 * known)
                               : "")});

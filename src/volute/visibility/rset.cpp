@@ -36,7 +36,8 @@ Result<Rset> Rset::parse(std::string_view text, std::string_view file) {
   if (people)
     return Rset(std::move(*people));
   const std::string named = withTimeAsZ(text);
-  const auto points = parsePoints(named.empty() ? text : std::string_view(named), file, std::nullopt);
+  const auto points =
+      parsePoints(named.empty() ? text : std::string_view(named), file, std::nullopt);
   if (!points) {
     return fail(ErrorCode::kInvalidData,
                 "{}: expected lines x,y,rset in metres and seconds, or people who walk (JuPedSim's "
@@ -69,9 +70,8 @@ std::vector<double> Rset::at(std::span<const Vec3> points, double radius) const 
   std::vector<double> out(points.size());
   parallelRanges(points.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const auto nearest = std::ranges::min_element(map, {}, [&](const Vec3& place) {
-        return (place - points[i]).head<2>().squaredNorm();
-      });
+      const auto nearest = std::ranges::min_element(
+          map, {}, [&](const Vec3& place) { return (place - points[i]).head<2>().squaredNorm(); });
       out[i] = (*nearest)[2];
     }
   });

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "volute/optics/visibility.hpp"
 #include "volute/media/sight.hpp"
+#include "volute/optics/visibility.hpp"
 
 namespace volute {
 
@@ -67,9 +67,7 @@ struct Sighting {
   bool possibly = false;   ///< so at some depth from `low` up
 
   /// By the bounds of the depth.
-  Seen seen() const {
-    return certainly ? Seen::kYes : (possibly ? Seen::kCannotTell : Seen::kNo);
-  }
+  Seen seen() const { return certainly ? Seen::kYes : (possibly ? Seen::kCannotTell : Seen::kNo); }
 };
 
 /// Puts together where the eye is and what lies on the line.

@@ -59,8 +59,8 @@ Error zstdError(std::size_t code) {
   return {ErrorCode::kIo, fmt::format("sight.csv.zst: {}", ZSTD_getErrorName(code))};
 }
 
-// sight.csv.zst is one Zstandard frame (RFC 8878), as some readers, pandas among them, silently stop
-// after the first. Its blocks are compressed in pieces that do not depend on each other.
+// sight.csv.zst is one Zstandard frame (RFC 8878), as some readers, pandas among them, silently
+// stop after the first. Its blocks are compressed in pieces that do not depend on each other.
 constexpr int kWindowLog = 21;
 /// Magic number; neither size nor checksum of the content; window.
 constexpr std::string_view kFrameHead("\x28\xB5\x2F\xFD\x00\x58", 6);
@@ -104,6 +104,7 @@ class SightPacker {
   struct Free {
     void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
   };
+
   using Context = std::unique_ptr<ZSTD_CCtx, Free>;
 
   /// Compresses text as jobs of its own into `out`. @return bytes
@@ -142,9 +143,10 @@ class SightPacker {
           std::pair(ZSTD_c_jobSize, kJob)}) {
       if (const auto code = ZSTD_CCtx_setParameter(context.get(), parameter, value);
           ZSTD_isError(code) != 0) {
-        return fail(ErrorCode::kUnsupported,
-                    "sight.csv.zst: Zstandard was built here without threads ({}); choose --sight csv",
-                    ZSTD_getErrorName(code));
+        return fail(
+            ErrorCode::kUnsupported,
+            "sight.csv.zst: Zstandard was built here without threads ({}); choose --sight csv",
+            ZSTD_getErrorName(code));
       }
     }
     return context;
@@ -269,8 +271,8 @@ Result<SightCsv> SightCsv::create(const std::filesystem::path& folder, SightFile
 
 Status SightCsv::openFile(SightFile kind) {
   kind_ = kind;
-  VOLUTE_ASSIGN(auto file, OutputFile::create(
-                             folder_ / (kind == SightFile::kZst ? "sight.csv.zst" : "sight.csv")));
+  VOLUTE_ASSIGN(auto file, OutputFile::create(folder_ / (kind == SightFile::kZst ? "sight.csv.zst"
+                                                                                 : "sight.csv")));
   file_.emplace(std::move(file));
   if (kind != SightFile::kZst)
     return {};

@@ -38,8 +38,8 @@ struct SightRows {
 };
 
 /// Makes the rows of stored times on all threads, on any rank. The bytes depend on the time alone,
-/// not on threads or ranks: times with many rows are compressed in pieces of a fixed number of rows,
-/// unless plain text is requested.
+/// not on threads or ranks: times with many rows are compressed in pieces of a fixed number of
+/// rows, unless plain text is requested.
 class SightRowMaker {
  public:
   explicit SightRowMaker(SightFile kind);

@@ -23,7 +23,8 @@ class SightTable : public ::testing::Test {
   SightRows rowsOf(SightRowMaker& maker, double time, std::size_t eyes) const {
     std::vector<Vec3> places;
     for (std::size_t i = 0; i < eyes; ++i)
-      places.emplace_back(0.001 * static_cast<double>(i), 1 + 0.002 * static_cast<double>(i % 97), 1.6);
+      places.emplace_back(0.001 * static_cast<double>(i), 1 + 0.002 * static_cast<double>(i % 97),
+                          1.6);
     std::vector<Sighting> sightings(eyes * signs_.size());
     lookAround(Room(0.01 * (1 + time)), signs_, places, sightings);
     return maker.make(time, places, signs_, sightings).value();
@@ -45,7 +46,8 @@ class SightTable : public ::testing::Test {
   static std::string decompressed(const std::string& packed) {
     EXPECT_EQ(ZSTD_findFrameCompressedSize(packed.data(), packed.size()), packed.size());
     std::string text(200 * 40 * kMany + 100000, '\0');
-    const std::size_t size = ZSTD_decompress(text.data(), text.size(), packed.data(), packed.size());
+    const std::size_t size =
+        ZSTD_decompress(text.data(), text.size(), packed.data(), packed.size());
     EXPECT_FALSE(ZSTD_isError(size)) << ZSTD_getErrorName(size);
     text.resize(ZSTD_isError(size) != 0 ? 0 : size);
     return text;
@@ -54,8 +56,9 @@ class SightTable : public ::testing::Test {
   static constexpr std::size_t kMany = SightRowMaker::kManyRows / 2;
 
   testing::TempFolder folder_;
-  std::vector<SightTarget> signs_{{{"exit", Vec3(30, 5, 2), -Vec3::UnitX(), {}, {}, {}}, Vec3(30, 5, 2)},
-                                  {{"in, quotes", Vec3(0, 5, 2), Vec3::UnitX(), {}, {}, {}}, Vec3(0, 5, 2)}};
+  std::vector<SightTarget> signs_{
+      {{"exit", Vec3(30, 5, 2), -Vec3::UnitX(), {}, {}, {}}, Vec3(30, 5, 2)},
+      {{"in, quotes", Vec3(0, 5, 2), Vec3::UnitX(), {}, {}, {}}, Vec3(0, 5, 2)}};
 };
 
 TEST_F(SightTable, ManyRowsArePackedWhereTheyAreMade) {

@@ -48,7 +48,8 @@ Result<std::shared_ptr<const SightInstant>> SightEngine::stored(std::size_t inde
 
 /// Whether something opaque has come or gone since a stored time.
 bool SightEngine::changed(double stored, double now) const {
-  return std::ranges::any_of(changes_, [&](double change) { return change > stored && change <= now; });
+  return std::ranges::any_of(changes_,
+                             [&](double change) { return change > stored && change <= now; });
 }
 
 Result<SightEngine::Instants> SightEngine::instantsAt(double t) {
@@ -178,9 +179,8 @@ Status SightEngine::dose(std::span<const std::int64_t> ids, std::span<const Vec3
   VOLUTE_ASSERT(ids.size() == eyes.size() && out.size() == criteria_.size() * ids.size());
   std::vector<Exposure> air(eyes.size());
   VOLUTE_TRY(air_.at(t, eyes, air));
-  const bool ofSmoke = std::ranges::any_of(criteria_, [](const Criterion& one) {
-    return !one.law && one.quantity == Air::kExtinction;
-  });
+  const bool ofSmoke = std::ranges::any_of(
+      criteria_, [](const Criterion& one) { return !one.law && one.quantity == Air::kExtinction; });
   if (ofSmoke) {
     std::vector<double> k(eyes.size());
     VOLUTE_TRY(extinction(eyes, t, k));
@@ -202,7 +202,8 @@ Status SightEngine::dose(std::span<const std::int64_t> ids, std::span<const Vec3
         continue;
       }
       const double before = agent.rates[c];
-      const double rate = std::isnan(value) ? before : (std::isnan(before) ? value : 0.5 * (before + value));
+      const double rate =
+          std::isnan(value) ? before : (std::isnan(before) ? value : 0.5 * (before + value));
       if (passed > 0 && !std::isnan(rate))
         agent.doses[c] += rate * passed;
       agent.rates[c] = value;

@@ -11,7 +11,6 @@
 namespace volute {
 namespace {
 
-
 /// What a sign may say; "picture" is for scenes.
 constexpr std::array<std::string_view, 8> kNames{"name",     "position", "normal",    "size",
                                                  "emitting", "C",        "angle_law", "picture"};

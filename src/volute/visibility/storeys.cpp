@@ -14,7 +14,8 @@
 namespace volute {
 namespace {
 
-/// Of each criterion that has a time the verdict of the storey where it comes first, with the height.
+/// Of each criterion that has a time the verdict of the storey where it comes first, with the
+/// height.
 Json worstVerdicts(const Json& storeys) {
   Json worst = Json::array();
   const auto sooner = [](const Json& one, const Json& other) {
@@ -26,7 +27,8 @@ Json worstVerdicts(const Json& storeys) {
         continue;
       Json with = one;
       with["height"] = storey["height"];
-      const auto known = std::ranges::find(worst, one["criterion"], [](const Json& w) -> const Json& { return w["criterion"]; });
+      const auto known = std::ranges::find(
+          worst, one["criterion"], [](const Json& w) -> const Json& { return w["criterion"]; });
       if (known == worst.end())
         worst.push_back(std::move(with));
       else if (sooner(one.value("time", Json()), known->value("time", Json())))
@@ -39,8 +41,8 @@ Json worstVerdicts(const Json& storeys) {
 }  // namespace
 
 Result<SurveySummary> surveyStoreys(
-    std::span<const double> heights, const std::string& output, bool pdf, Progress& progress, Team& team,
-    const std::function<Result<SurveySummary>(double, const std::string&)>& survey) {
+    std::span<const double> heights, const std::string& output, bool pdf, Progress& progress,
+    Team& team, const std::function<Result<SurveySummary>(double, const std::string&)>& survey) {
   constexpr std::string_view kMark = "visibility.json";
   VOLUTE_TRY(checkFolderIsShared(output, team));
   std::optional<PendingFolder> pending;

@@ -25,8 +25,8 @@ constexpr std::size_t kMaxRuns = 100000;
 constexpr const char* kMinMargin = "least margin [s]";
 
 /// Options whose values are files.
-constexpr std::array<std::string_view, 6> kFiles{"signs", "route", "eyes",
-                                                 "trajectories", "rset", "criteria"};
+constexpr std::array<std::string_view, 6> kFiles{"signs",        "route", "eyes",
+                                                 "trajectories", "rset",  "criteria"};
 
 std::string plainName(const std::string& text) {
   std::string name;
@@ -183,7 +183,8 @@ class StudyReader {
         auto stem = files.size() > 1 ? below : std::filesystem::path(file).filename();
         title = (title.empty() ? "" : title + "_") + stem.replace_extension().generic_string();
       }
-      for (const Variant& variant : variants_) VOLUTE_TRY(addRun(title, file, own, variant, common, study));
+      for (const Variant& variant : variants_)
+        VOLUTE_TRY(addRun(title, file, own, variant, common, study));
     }
     return {};
   }
@@ -196,7 +197,8 @@ class StudyReader {
     const std::string wanted =
         plainName(title) + (variant.name.empty() ? "" : "_" + plainName(variant.name));
     run.name = wanted;
-    for (int n = 2; !names_.insert(run.name).second; ++n) run.name = fmt::format("{}_{}", wanted, n);
+    for (int n = 2; !names_.insert(run.name).second; ++n)
+      run.name = fmt::format("{}_{}", wanted, n);
     run.casePath = file;
     run.variant = variant.name;
     OptionSet all = variant.options;
@@ -205,14 +207,16 @@ class StudyReader {
     for (const auto& [key, values] : all) {
       if (values.empty())
         run.words.push_back("--" + key);
-      for (const std::string& value : values) run.words.push_back(fmt::format("--{}={}", key, value));
+      for (const std::string& value : values)
+        run.words.push_back(fmt::format("--{}={}", key, value));
     }
     study.runs.push_back(std::move(run));
     return {};
   }
 
   /// The file itself, or all cases in and below a folder, in order.
-  Result<std::vector<std::string>> filesOf(const std::string& path, const std::string& where) const {
+  Result<std::vector<std::string>> filesOf(const std::string& path,
+                                           const std::string& where) const {
     std::error_code error;
     if (!std::filesystem::is_directory(path, error))
       return std::vector{path};
@@ -292,8 +296,7 @@ Status StudyResults::add(const StudyRun& run, const std::filesystem::path& folde
 }
 
 /// @param storeys  the report of each plan; of a single one that is `json`
-void StudyResults::addResult(const StudyRun& run, const Json& json,
-                             std::span<const Json> storeys) {
+void StudyResults::addResult(const StudyRun& run, const Json& json, std::span<const Json> storeys) {
   std::map<std::string, std::string> row;
   put(row, "run", run.name);
   put(row, "case", run.casePath);
@@ -378,7 +381,8 @@ std::optional<StudyResults::Plan> StudyResults::planOf(const std::string& run, c
 
 std::string StudyResults::table() const {
   std::string text;
-  for (std::size_t c = 0; c < columns_.size(); ++c) text.append(c > 0 ? "," : "").append(csvCell(columns_[c]));
+  for (std::size_t c = 0; c < columns_.size(); ++c)
+    text.append(c > 0 ? "," : "").append(csvCell(columns_[c]));
   text += '\n';
   for (const auto& row : rows_) {
     for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -456,7 +460,8 @@ Status StudyResults::writeSpread(const Comparison& comparison,
                                  const std::filesystem::path& folder) {
   const std::size_t count = comparison.base->aset.size();
   const float none = std::numeric_limits<float>::quiet_NaN();
-  std::vector<float> least(count, none), mean(count, none), largest(count, none), spread(count, none);
+  std::vector<float> least(count, none), mean(count, none), largest(count, none),
+      spread(count, none);
   for (std::size_t i = 0; i < count; ++i) {
     double sum = 0, squares = 0, low = 0, high = 0;
     int n = 0;

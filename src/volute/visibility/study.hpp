@@ -20,16 +20,16 @@ namespace volute {
 struct StudyRun {
   std::string name;  ///< of its folder; of letters, digits, - and _ and .
   std::string casePath;
-  std::string variant;              ///< empty: the study has none
+  std::string variant;             ///< empty: the study has none
   std::vector<std::string> words;  ///< options of `volute visibility`, but for -o
 };
 
 /// STUDY.json: {"cases": ["a.smv", "folder"], "options": {"signs": "signs.json", "height": 2},
-/// "variants": [{"name": "C3", "options": {"criteria": "strict.json"}}], "baseline": NAME}. A folder
-/// stands for all .smv files in and below it. Each case is looked at with each variant; options of
-/// a variant go before those of a case ({"case": "a.smv", "name": "a", "options": {..}}) and those
-/// before the study's. Values are texts, numbers, true, or lists of them. Files are found from the
-/// study's folder.
+/// "variants": [{"name": "C3", "options": {"criteria": "strict.json"}}], "baseline": NAME}. A
+/// folder stands for all .smv files in and below it. Each case is looked at with each variant;
+/// options of a variant go before those of a case ({"case": "a.smv", "name": "a", "options": {..}})
+/// and those before the study's. Values are texts, numbers, true, or lists of them. Files are found
+/// from the study's folder.
 struct Study {
   std::vector<StudyRun> runs;
   std::string baseline;  ///< a run's name; empty: the first
@@ -43,8 +43,8 @@ class StudyResults {
  public:
   explicit StudyResults(std::string baseline) : baseline_(std::move(baseline)) {}
 
-  /// From the visibility.json in a run's folder, and those of its storeys; nothing is added where one
-  /// is damaged.
+  /// From the visibility.json in a run's folder, and those of its storeys; nothing is added where
+  /// one is damaged.
   [[nodiscard]] Status add(const StudyRun& run, const std::filesystem::path& folder);
   void addFailure(const StudyRun& run, const std::string& sentence);
 

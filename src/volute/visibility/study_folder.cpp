@@ -69,8 +69,7 @@ Status writeResults(const Study& study, const std::filesystem::path& folder, Pro
   std::filesystem::create_directories(folder / "compared", error);
   VOLUTE_ASSIGN(const auto remarks, results.compare(folder / "compared"));
   constexpr std::size_t kRemarks = 20;
-  for (std::size_t i = 0; i < std::min(remarks.size(), kRemarks); ++i)
-    progress.remark(remarks[i]);
+  for (std::size_t i = 0; i < std::min(remarks.size(), kRemarks); ++i) progress.remark(remarks[i]);
   return {};
 }
 
@@ -148,10 +147,9 @@ Result<StudyCounts> runStudy(
       runs.push_back(&study.runs[i]);
   }
   StudyPass pass(folder, survey);
-  const auto status = team.forUnits("runs", static_cast<std::int64_t>(runs.size()), progress,
-                                    [&](std::int64_t i) {
-                                      return pass.take(*runs[static_cast<std::size_t>(i)]);
-                                    });
+  const auto status =
+      team.forUnits("runs", static_cast<std::int64_t>(runs.size()), progress,
+                    [&](std::int64_t i) { return pass.take(*runs[static_cast<std::size_t>(i)]); });
   if (!status && status.error().code == ErrorCode::kCancelled)
     return fail(ErrorCode::kCancelled, "stopped; the same command goes on from here");
   VOLUTE_TRY(status);

@@ -46,11 +46,11 @@ struct StudyList {
 
 StudyList listOf(const Study& study, const std::optional<std::string>& folder);
 
-/// Does the runs of a study into a folder: one for each run, study.csv (a row a run) and compared/ with
-/// maps of the differences. What is done and unchanged is kept, so that the same call goes on where
-/// it was stopped; a run that fails has a sentence in the table, and the others go on.
-/// Ranks share the runs, each whole on one of them, and the folder; the table is the same for any
-/// number of ranks. Collective; the counts are of all ranks.
+/// Does the runs of a study into a folder: one for each run, study.csv (a row a run) and compared/
+/// with maps of the differences. What is done and unchanged is kept, so that the same call goes on
+/// where it was stopped; a run that fails has a sentence in the table, and the others go on. Ranks
+/// share the runs, each whole on one of them, and the folder; the table is the same for any number
+/// of ranks. Collective; the counts are of all ranks.
 /// @param survey  does one run into its folder
 [[nodiscard]] Result<StudyCounts> runStudy(
     const Study& study, const StudyChoice& choice, const std::filesystem::path& folder,

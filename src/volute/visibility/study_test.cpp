@@ -28,7 +28,13 @@ class StudyComparison : public ::testing::Test {
   /// A plan of 2 x 1 points at a height, whose signs are lost at these times; null: never.
   static Json plan(double height, const Json& times, std::size_t remarks = 0) {
     return {{"times", {0, 10, 60}},
-            {"eyes", {{"kind", "plan"}, {"origin", {0.5, 0.5}}, {"height", height}, {"step", 1}, {"nx", 2}, {"ny", 1}}},
+            {"eyes",
+             {{"kind", "plan"},
+              {"origin", {0.5, 0.5}},
+              {"height", height},
+              {"step", 1},
+              {"nx", 2},
+              {"ny", 1}}},
             {"plan", {"11"}},
             {"aset", {{{"rows", {times}}}}},
             {"remarks", std::vector<std::string>(remarks, "a remark")}};
@@ -42,7 +48,8 @@ class StudyComparison : public ::testing::Test {
   }
 
   /// A run with one plan for each height.
-  void add(StudyResults& results, const std::string& name, const std::vector<std::pair<double, Json>>& storeys) const {
+  void add(StudyResults& results, const std::string& name,
+           const std::vector<std::pair<double, Json>>& storeys) const {
     const auto folder = folder_ / name;
     Json list = Json::array();
     for (const auto& [height, times] : storeys) {
@@ -53,7 +60,11 @@ class StudyComparison : public ::testing::Test {
       list.push_back({{"height", height}, {"folder", storey}});
     }
     write(folder, {{"times", {0, 10, 60}},
-                   {"verdict", {{{"criterion", "sign lost first"}, {"time", 10}, {"time_interpolated", 9.5}, {"height", 4.8}}}},
+                   {"verdict",
+                    {{{"criterion", "sign lost first"},
+                      {"time", 10},
+                      {"time_interpolated", 9.5},
+                      {"height", 4.8}}}},
                    {"heights", list}});
     ASSERT_TRUE(results.add(run(name), folder));
   }
@@ -100,10 +111,10 @@ TEST_F(StudyComparison, EachStoreyIsComparedWithTheSameHeightOfOtherRuns) {
   add(results, "a", {{1.8, {20, 30}}, {4.8, {10, nullptr}}});
   add(results, "b", {{1.8, {20, 30}}, {4.8, {40, nullptr}}});
   add(results, "c", {{4.8, {10, 20}}, {9, {1, 2}}});
-  EXPECT_THAT(compared(results),
-              ElementsAre("b_z_1.8_difference", "b_z_4.8_difference", "c_z_4.8_difference",
-                          "spread_z_1.8", "spread_z_4.8"));
-  EXPECT_THAT(remarks_, ElementsAre("run 'c' has another plan at z = 9 m than 'a': it is not compared"));
+  EXPECT_THAT(compared(results), ElementsAre("b_z_1.8_difference", "b_z_4.8_difference",
+                                             "c_z_4.8_difference", "spread_z_1.8", "spread_z_4.8"));
+  EXPECT_THAT(remarks_,
+              ElementsAre("run 'c' has another plan at z = 9 m than 'a': it is not compared"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "compared" / "b_z_4.8_difference.png"));
   EXPECT_THAT(values("b_z_1.8_difference"), ElementsAre(0, 0));
   EXPECT_THAT(values("b_z_4.8_difference"), ElementsAre(30, 0));
@@ -127,7 +138,8 @@ TEST_F(StudyComparison, ARunWithOneStoreyIsComparedWithThatHeightOfTheBaseline) 
 
 TEST_F(StudyComparison, AStoreyThatIsMissingIsAnError) {
   StudyResults results("a");
-  write(folder_ / "a", {{"times", {0}}, {"heights", {{{"height", 1.8}, {"folder", "../../z_1.8"}}}}});
+  write(folder_ / "a",
+        {{"times", {0}}, {"heights", {{{"height", 1.8}, {"folder", "../../z_1.8"}}}}});
   const auto status = results.add(run("a"), folder_ / "a");
   ASSERT_FALSE(status);
   EXPECT_THAT(status.error().message, HasSubstr((folder_ / "a" / "z_1.8").string()));

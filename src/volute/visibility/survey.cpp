@@ -112,8 +112,8 @@ std::uint64_t Lookout::workOutSome(const SightInstant& instant, std::span<const 
   batches_.assign(signs.size() * ((eyes.size() + kBatch - 1) / kBatch), {});
   forEachBatch(signs.size(), eyes.size(),
                [&](std::size_t s, std::size_t first, std::size_t count, std::size_t b) {
-                 if (bytes > maxBytes_ || b % static_cast<std::size_t>(ranks) !=
-                                              static_cast<std::size_t>(rank))
+                 if (bytes > maxBytes_ ||
+                     b % static_cast<std::size_t>(ranks) != static_cast<std::size_t>(rank))
                    return;
                  Batch& batch = batches_[b];
                  for (std::size_t i = 0; i < count; ++i) {

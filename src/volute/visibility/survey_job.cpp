@@ -152,8 +152,8 @@ class Job {
  private:
   using Bytes = OrderedDelivery::Bytes;
 
-  /// What a rank sends of a time: this, the sightings, extinction at the eyes, and rows of the table,
-  /// each at a multiple of eight bytes.
+  /// What a rank sends of a time: this, the sightings, extinction at the eyes, and rows of the
+  /// table, each at a multiple of eight bytes.
   struct Lengths {
     double time = 0;
     bool stored = false, packed = false;
@@ -161,6 +161,7 @@ class Job {
   };
 
   static constexpr std::size_t paddedSize(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
+
   static_assert(sizeof(Lengths) % 8 == 0 && sizeof(Sighting) % 8 == 0);
 
   Status openFolder() {
@@ -264,13 +265,13 @@ class Job {
       VOLUTE_TRY(drawn);
       VOLUTE_ASSIGN(rows, std::move(made));
     }
-    const Lengths lengths{time, stored, rows.packed, sightings.size(), extinction.size(),
-                          rows.textSize, rows.bytes.size()};
+    const Lengths lengths{
+        time,          stored,           rows.packed, sightings.size(), extinction.size(),
+        rows.textSize, rows.bytes.size()};
     rows.bytes.resize(paddedSize(rows.bytes.size()));
-    const std::array parts{std::as_bytes(std::span(&lengths, 1)),
-                           std::as_bytes(std::span(sightings)),
-                           std::as_bytes(std::span(extinction)),
-                           std::as_bytes(std::span(rows.bytes))};
+    const std::array parts{
+        std::as_bytes(std::span(&lengths, 1)), std::as_bytes(std::span(sightings)),
+        std::as_bytes(std::span(extinction)), std::as_bytes(std::span(rows.bytes))};
     std::size_t size = bytes.size();
     for (const auto part : parts) size += part.size();
     bytes.reserve(size);
@@ -285,16 +286,16 @@ class Job {
       const auto& lengths = *reinterpret_cast<const Lengths*>(at);
       const std::span sightings(reinterpret_cast<const Sighting*>(at + sizeof lengths),
                                 lengths.sightings);
-      const std::span extinction(reinterpret_cast<const double*>(sightings.data() + sightings.size()),
-                                 lengths.extinction);
+      const std::span extinction(
+          reinterpret_cast<const double*>(sightings.data() + sightings.size()), lengths.extinction);
       const auto* text = reinterpret_cast<const char*>(extinction.data() + extinction.size());
       at = reinterpret_cast<const std::byte*>(text) + paddedSize(lengths.rows);
       const auto eyes = watch_.eyes(lengths.time);
-      const SurveyTime seen{static_cast<std::size_t>(i), lengths.time, eyes, sightings, extinction,
-                            lengths.stored};
+      const SurveyTime seen{
+          static_cast<std::size_t>(i), lengths.time, eyes, sightings, extinction, lengths.stored};
       if (lengths.stored) {
-        VOLUTE_TRY(csv_->write({lengths.sightings, lengths.packed, lengths.text,
-                                std::string(text, lengths.rows)}));
+        VOLUTE_TRY(csv_->write(
+            {lengths.sightings, lengths.packed, lengths.text, std::string(text, lengths.rows)}));
         summary_.push_back(summaryOf(seen, survey_));
       }
       VOLUTE_TRY(watch_.take(seen));
@@ -321,15 +322,16 @@ class Job {
     VOLUTE_ASSIGN(const auto sightFile, csv_->finish());
     remarkOnUncovered();
     page_.report = {{"format", "volute-visibility-1"},
-             {"case", request_.casePath},
-             {"smoke", field_.description()},
-             {"criterion",
-              "seen when nothing opaque stands between and the optical depth (integral "
-              "of K ds, natural logarithm) is at most C times the angle law's factor"},
-             {"sight_file", sightFile.empty() ? Json() : Json(sightFile)}};
+                    {"case", request_.casePath},
+                    {"smoke", field_.description()},
+                    {"criterion",
+                     "seen when nothing opaque stands between and the optical depth (integral "
+                     "of K ds, natural logarithm) is at most C times the angle law's factor"},
+                    {"sight_file", sightFile.empty() ? Json() : Json(sightFile)}};
     addFacts();
     page_.report["signs"] = Json::array();
-    for (const SightTarget& target : survey_.signs) page_.report["signs"].push_back(signJson(target));
+    for (const SightTarget& target : survey_.signs)
+      page_.report["signs"].push_back(signJson(target));
     page_.report["times"] = survey_.times;
     page_.report["round"] = nameOf(survey_.round);
     page_.report["summary"] = summary_;
@@ -398,7 +400,9 @@ class Job {
     const auto curves = [](const std::vector<FactCurve>& from) {
       Json list = Json::array();
       for (const FactCurve& curve : from)
-        list.push_back({{"name", curve.name}, {"unit", curve.unit}, {"times", curve.times},
+        list.push_back({{"name", curve.name},
+                        {"unit", curve.unit},
+                        {"times", curve.times},
                         {"values", curve.values}});
       return list;
     };
@@ -415,10 +419,10 @@ class Job {
   Lookout lookout_;
   SightRowMaker rowMaker_;
   Survey survey_;
-  std::vector<double> changes_;                 // of what is opaque
-  std::vector<int> chosen_;                     // stored times, of Survey::times
-  std::optional<PendingFolder> folder_;         // of rank 0
-  std::optional<SightCsv> csv_;                 // of rank 0
+  std::vector<double> changes_;                // of what is opaque
+  std::vector<int> chosen_;                    // stored times, of Survey::times
+  std::optional<PendingFolder> folder_;        // of rank 0
+  std::optional<SightCsv> csv_;                // of rank 0
   std::shared_ptr<const SightInstant> first_;  // until its turn
   Json summary_ = Json::array();
   SurveyPage page_;

@@ -17,10 +17,10 @@ struct SurveyRequest {
   std::vector<std::vector<std::string>> sets;  ///< names of signs
   FrameRange frames;                           ///< of stored times, by their numbers
   Survey survey;                               ///< the numbers of it
-  std::vector<std::string> remarks{};  ///< that the results begin with
+  std::vector<std::string> remarks{};          ///< that the results begin with
   std::string output;
   SightFile sightFile = SightFile::kAuto;
-  bool pdf = false;  ///< print report.html as report.pdf; a remark where that cannot be
+  bool pdf = false;              ///< print report.html as report.pdf; a remark where that cannot be
   std::string author{}, date{};  ///< of the report's title block; may be empty
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
 };
@@ -46,9 +46,9 @@ struct SurveySummary {
   SurveyPage page{};                   ///< empty where there is none
 };
 
-/// Goes through the stored times of a case and writes the folder of results. A stored time is a unit
-/// of work: ranks read it, look and write its maps; rank 0 puts together what all see. Collective;
-/// the summary is rank 0's, of the others only the times are there.
+/// Goes through the stored times of a case and writes the folder of results. A stored time is a
+/// unit of work: ranks read it, look and write its maps; rank 0 puts together what all see.
+/// Collective; the summary is rank 0's, of the others only the times are there.
 [[nodiscard]] Result<SurveySummary> runSurvey(SurveyRequest request, SightField& field,
                                               Watch& watch, SurveyPictures& pictures,
                                               Progress& progress, Team& team);

@@ -33,14 +33,16 @@ std::string storedTimes(const Json& list) {
   const auto times = list.get<std::vector<double>>();
   double apart = 0;
   for (std::size_t i = 1; i < times.size(); ++i) apart = std::max(apart, times[i] - times[i - 1]);
-  const std::string span = fmt::format("{}, {:g} to {:g} s", times.size(), times.front(), times.back());
+  const std::string span =
+      fmt::format("{}, {:g} to {:g} s", times.size(), times.front(), times.back());
   if (times.size() < 2)
     return span;
-  return span + fmt::format(
-                    ", up to {:.3g} s apart. <b>A sign that is lost and seen again within {:.3g} s "
-                    "may not count as lost</b>: what happens between two stored times is not in the "
-                    "files (FDS: DT_SLCF, DT_SMOKE3D)",
-                    apart, apart);
+  return span +
+         fmt::format(
+             ", up to {:.3g} s apart. <b>A sign that is lost and seen again within {:.3g} s "
+             "may not count as lost</b>: what happens between two stored times is not in the "
+             "files (FDS: DT_SLCF, DT_SMOKE3D)",
+             apart, apart);
 }
 
 std::string titlePart(const Json& report) {
@@ -106,20 +108,21 @@ std::string firePart(const Json& report) {
   }
   const std::size_t devices = report["devices"].size();
   if (devices > 0)
-    html += fmt::format("<p>{} devices in visibility.json; up to {} of a unit are drawn, none that goes below 0.</p>\n",
-                        devices, kLines);
+    html += fmt::format(
+        "<p>{} devices in visibility.json; up to {} of a unit are drawn, none that goes below "
+        "0.</p>\n",
+        devices, kLines);
   return html.empty() ? "" : "<h2>Fire</h2>\n" + html;
 }
 
 std::string signTable(const Json& signs) {
   std::vector<HtmlRow> rows;
   for (const Json& sign : signs) {
-    rows.push_back(
-        {htmlOf(sign["name"]), htmlOf(sign["position"]),
-         fmt::format("C = {} ({})", htmlOf(sign["C"]), htmlOf(sign["law"])),
-         htmlOf(sign["angle_law"]),
-         htmlOf(sign["source"]) +
-             (sign["source_checked"] == true ? "" : " <b>(source not checked)</b>")});
+    rows.push_back({htmlOf(sign["name"]), htmlOf(sign["position"]),
+                    fmt::format("C = {} ({})", htmlOf(sign["C"]), htmlOf(sign["law"])),
+                    htmlOf(sign["angle_law"]),
+                    htmlOf(sign["source"]) +
+                        (sign["source_checked"] == true ? "" : " <b>(source not checked)</b>")});
   }
   return "<h2>Signs and criteria of sight</h2>\n" +
          htmlTable({"sign", "position [m]", "seen while the optical depth is at most", "angle",
@@ -181,9 +184,11 @@ Status writeStoreysPage(const std::filesystem::path& file, std::span<const doubl
     const auto& [report, body] = storeys[i];
     const std::string boxes = verdictBoxes(report);
     if (!boxes.empty())
-      verdict += fmt::format("<h3><a href='#storey{}'>Eyes at z = {:g} m</a></h3>\n{}", i, heights[i], boxes);
-    parts += fmt::format("<section class='part' id='storey{}'><h1>Eyes at z = {:g} m</h1>\n{}{}{}</section>\n",
-                         i, heights[i], htmlWarnings(report["remarks"]), summaryPlot(report), body);
+      verdict += fmt::format("<h3><a href='#storey{}'>Eyes at z = {:g} m</a></h3>\n{}", i,
+                             heights[i], boxes);
+    parts += fmt::format(
+        "<section class='part' id='storey{}'><h1>Eyes at z = {:g} m</h1>\n{}{}{}</section>\n", i,
+        heights[i], htmlWarnings(report["remarks"]), summaryPlot(report), body);
   }
   const Json& first = storeys.front().report;
   return writePage(file, kTitle,

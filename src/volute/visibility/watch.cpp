@@ -32,11 +32,11 @@ Json exposureJson(const ExposureMeter& meter, RoundTime round) {
       if (meter.unknown(c, i))
         worst[i] = std::numeric_limits<double>::quiet_NaN();
     }
-    list[c].update(Json{{"times", timesOf(times.by(round))},
-                        {"times_interpolated", timesOf(times.none)},
-                        {"times_up", timesOf(times.up)},
-                        {meter.criteria()[c].isDose() ? "dose_at_the_end" : "worst_value",
-                         timesOf(worst)}});
+    list[c].update(
+        Json{{"times", timesOf(times.by(round))},
+             {"times_interpolated", timesOf(times.none)},
+             {"times_up", timesOf(times.up)},
+             {meter.criteria()[c].isDose() ? "dose_at_the_end" : "worst_value", timesOf(worst)}});
   }
   return list;
 }
@@ -74,11 +74,12 @@ class PointWatch : public Watch {
     if (!meter_ || !at.stored)
       return {};
     VOLUTE_TRY(meter_->advance(
-        at.time, [&](double, std::span<Vec3> places) { std::ranges::copy(points_, places.begin()); },
+        at.time,
+        [&](double, std::span<Vec3> places) { std::ranges::copy(points_, places.begin()); },
         at.extinction));
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      table_ += fmt::format("{:g},{:g},{:g},{:g}", at.time, points_[i][0], points_[i][1],
-                            points_[i][2]);
+      table_ +=
+          fmt::format("{:g},{:g},{:g},{:g}", at.time, points_[i][0], points_[i][1], points_[i][2]);
       for (std::size_t c = 0; c < meter_->criteria().size(); ++c)
         table_ += fmt::format(",{:.9g}", meter_->values(c)[i]);
       table_ += '\n';
@@ -102,7 +103,8 @@ class PointWatch : public Watch {
     if (meter_) {
       report["tenability"]["criteria"] = exposureJson(*meter_, survey_->round);
       std::string head = "time,x,y,z";
-      for (const Criterion& one : meter_->criteria()) head.append(",").append(Survey::fileName(one.name));
+      for (const Criterion& one : meter_->criteria())
+        head.append(",").append(Survey::fileName(one.name));
       VOLUTE_TRY(writeFile(survey_->folder / "tenability.csv", head + "\n" + table_));
     }
     return std::string();
@@ -146,6 +148,7 @@ class TrajectoryWatch final : public Watch {
   }
 
   bool wantsChanges() const override { return false; }
+
   bool wantsExtinction() const override { return true; }
 
   Status take(const SurveyTime& at) override {

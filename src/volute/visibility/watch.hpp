@@ -35,8 +35,8 @@ struct Survey {
   std::vector<SignSet> sets;  ///< the first has all signs
   std::vector<double> times;  ///< those that are looked at [s]
   Box3 bounds;
-  double step = 0.25;          ///< between points of a plan or a route [m]
-  double height = 2;           ///< of a plan's points [m]
+  double step = 0.25;  ///< between points of a plan or a route [m]
+  double height = 2;   ///< of a plan's points [m]
   /// A map for each sign and stored time: none, values at each time and pictures at no more times
   /// than kPicturedTimes, or both at each.
   enum class Maps { kNone, kSome, kAll };
@@ -44,17 +44,18 @@ struct Survey {
   static constexpr std::size_t kPicturedTimes = 25;
   Maps maps = Maps::kSome;
 
-  /// Whether maps of a stored time are drawn as pictures: of `kSome`, of times evenly spread over all.
+  /// Whether maps of a stored time are drawn as pictures: of `kSome`, of times evenly spread over
+  /// all.
   bool pictured(std::size_t time) const;
 
-  double extinctionLimit = 0;  ///< [1/m]; 0: none
+  double extinctionLimit = 0;                              ///< [1/m]; 0: none
   std::shared_ptr<const PlanUnderlay> underlay = nullptr;  ///< under maps; may be null
-  std::optional<double> north{};  ///< SightField::north()
+  std::optional<double> north{};                           ///< SightField::north()
   RoundTime round = RoundTime::kDown;  ///< how `rows` and verdicts give losses between times
 
-  SightField* field = nullptr;         ///< whose air criteria ask about
-  std::vector<Criterion> criteria;     ///< of tenability, besides the sight of signs; may be empty
-  std::optional<Rset> rset;            ///< what plans are compared with
+  SightField* field = nullptr;      ///< whose air criteria ask about
+  std::vector<Criterion> criteria;  ///< of tenability, besides the sight of signs; may be empty
+  std::optional<Rset> rset;         ///< what plans are compared with
 
   /// The name as part of a file's name.
   static std::string fileName(std::string_view name);
@@ -66,8 +67,8 @@ struct SurveyTime {
   double time = 0;        ///< [s]
   std::span<const Vec3> eyes;
   std::span<const Sighting> sightings;  ///< shape (sign, eye)
-  /// Where the eyes stand [1/m], where Survey or Watch ask for it; NaN as SightInstant::extinction()
-  /// says.
+  /// Where the eyes stand [1/m], where Survey or Watch ask for it; NaN as
+  /// SightInstant::extinction() says.
   std::span<const double> extinction{};
   /// False at the times at which something opaque comes or goes, which are given before and after.
   bool stored = true;
@@ -85,8 +86,8 @@ class Watch {
   /// The eyes at a time.
   virtual std::vector<Vec3> eyes(double time) const = 0;
 
-  /// Writes what files there are of a time alone. Each stored time once, in any order and on any rank,
-  /// after begin() on that rank.
+  /// Writes what files there are of a time alone. Each stored time once, in any order and on any
+  /// rank, after begin() on that rank.
   [[nodiscard]] virtual Status draw(const SurveyTime& at, const SightInstant& instant) const {
     (void)instant;
     (void)at;
@@ -114,6 +115,7 @@ class Watch {
 
 /// All points of a floor plan at a height: maps, and when signs are lost.
 std::unique_ptr<Watch> planWatch();
+
 /// How somebody walks along a route.
 struct Walk {
   double speed = 1.2;  ///< in clear air [m/s]

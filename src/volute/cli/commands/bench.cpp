@@ -9,7 +9,8 @@ namespace {
 
 /// The benchmarks, with what they are compared with, are a program of their own.
 Status runBench(const Arguments& /*arguments*/, Context& context) {
-  return becomeSibling("volute-bench", "./dev bench builds and runs it from Volute's sources", context);
+  return becomeSibling("volute-bench", "./dev bench builds and runs it from Volute's sources",
+                       context);
 }
 
 }  // namespace

@@ -59,11 +59,12 @@ Result<Report> comparePictures(const std::string& a, const std::string& b,
 Result<Report> compareVolumes(const std::string& a, const std::string& b,
                               const Arguments& arguments, Context& context) {
   const auto target = arguments.find<std::string>("difference");
-  const ComparisonRequest request{.fields = arguments.find<std::string>("field").value_or(""),
-                                  .frames = arguments.find<FrameRange>("frames").value_or(FrameRange{}),
-                                  .bounds = arguments.find<Box3>("bounds"),
-                                  .partial = arguments.flag("partial"),
-                                  .drawErrors = target.has_value()};
+  const ComparisonRequest request{
+      .fields = arguments.find<std::string>("field").value_or(""),
+      .frames = arguments.find<FrameRange>("frames").value_or(FrameRange{}),
+      .bounds = arguments.find<Box3>("bounds"),
+      .partial = arguments.flag("partial"),
+      .drawErrors = target.has_value()};
   VOLUTE_ASSIGN(const auto comparison, volute::compareVolumes(a, b, request, context));
   if (comparison.errors)
     VOLUTE_TRY(writeDifference(*target, *comparison.errors));

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/media/volume/grid_compression.hpp"
-
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/shared_options.hpp"
 #include "volute/cli/ranks.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/values.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/raw_volume.hpp"
+#include "volute/media/volume/grid_compression.hpp"
 
 namespace volute::cli {
 namespace {
@@ -59,8 +58,9 @@ Status runCompress(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(input.raw, rawLayout(arguments));
   GridCompression how;
   how.frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
-  VOLUTE_ASSIGN(how.rms,
-                ofOption("rms-of", parseGridRms(arguments.find<std::string>("rms-of").value_or(""))));
+  VOLUTE_ASSIGN(
+      how.rms,
+      ofOption("rms-of", parseGridRms(arguments.find<std::string>("rms-of").value_or(""))));
   CompressOptions& options = how.options;
   options.target = targetOf(arguments);
   options.wavelet = arguments.get<std::string>("wavelet");
@@ -73,8 +73,7 @@ Status runCompress(const Arguments& arguments, Context& context) {
     options.work = *work;
     VOLUTE_TRY(checkFolderIsShared(*work, context.team));
   }
-  VOLUTE_ASSIGN(const auto report,
-                compressVolume(path, target, how, input, context, context.team));
+  VOLUTE_ASSIGN(const auto report, compressVolume(path, target, how, input, context, context.team));
   VOLUTE_TRY(writeStats(arguments, context, report.json()));
   context.print(report);
   return {};
@@ -89,7 +88,8 @@ Command compressCommand() {
       .summary = "Compresses a sequence of volumes to a stated error or size",
       .examples =
           {"volute compress fire.npy", "volute compress fire.npy -o fire.volute --rms 0.001",
-           "volute compress smoke_%04d.vdb -o smoke.volute --field density --psnr 50 --frames 10:60",
+           "volute compress smoke_%04d.vdb -o smoke.volute --field density --psnr 50 --frames "
+           "10:60",
            "volute compress cache -o cache.volute --rms-of velocity=0.01",
            "volute compress run.raw --raw-size 1024,1024,512 --raw-type float64 --raw-offset 256",
            "volute compress fire.volute -o small.volute --ratio 200"},

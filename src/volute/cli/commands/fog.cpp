@@ -110,8 +110,8 @@ Status runFog(const Arguments& arguments, Context& context) {
   }
   if (pictures) {
     const auto target = arguments.get<std::string>("output");
-    const FogFrame names{0, arguments.get<std::string>("color"), arguments.get<std::string>("depth"),
-                         arguments.get<std::string>("camera")};
+    const FogFrame names{0, arguments.get<std::string>("color"),
+                         arguments.get<std::string>("depth"), arguments.get<std::string>("camera")};
     VOLUTE_ASSIGN(const auto frames,
                   namingOptions(fogFrames(names, arguments.find<FrameRange>("frames")), arguments));
     if (frames.size() > 1 && !isFilmPath(target) && !FramePattern::isPattern(target)) {

@@ -52,8 +52,7 @@ Status runInfo(const Arguments& arguments, Context& context) {
     context.print(
         dumpJson(paths.size() == 1 ? files[0] : nlohmann::ordered_json{{"files", files}}));
   if (damaged)
-    return fail(ErrorCode::kInvalidData,
-                "parts are damaged or cannot be used; the rest was shown");
+    return fail(ErrorCode::kInvalidData, "parts are damaged or cannot be used; the rest was shown");
   return {};
 }
 
@@ -75,10 +74,11 @@ Command infoCommand() {
           ".pvd, .case, .e, .foam): times, cells, the tetrahedra they are split into, and fields "
           "with their ranges. For a scene: its media. For a capture: its cameras and missing "
           "pictures.",
-      .positionals = {{.name = "FILE",
-                       .help = "a volume, a picture, smoke on a mesh, an FDS case, a scene or a capture",
-                       .several = true,
-                       .optional = true}},
+      .positionals =
+          {{.name = "FILE",
+            .help = "a volume, a picture, smoke on a mesh, an FDS case, a scene or a capture",
+            .several = true,
+            .optional = true}},
       .options = {fieldOption("grid or field of a file with several; source of an FDS case",
                               {"volume", kVoluteKind, "fds"}),
                   {.name = "blocks",

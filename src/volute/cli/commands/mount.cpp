@@ -8,7 +8,8 @@ namespace {
 
 /// A program of its own: no other command needs libfuse.
 Status runMount(const Arguments& /*arguments*/, Context& context) {
-  return becomeSibling("volute-mount", "./dev build builds it where libfuse3-dev is installed", context);
+  return becomeSibling("volute-mount", "./dev build builds it where libfuse3-dev is installed",
+                       context);
 }
 
 }  // namespace
@@ -17,7 +18,8 @@ Command mountCommand() {
   return {
       .name = "mount",
       .summary = "Shows a .volute file as a folder of .vdb files",
-      .examples = {"volute mount fire.volute /tmp/fire &", "volute mount fire.volute fire --max-memory 1G"},
+      .examples = {"volute mount fire.volute /tmp/fire &",
+                   "volute mount fire.volute fire --max-memory 1G"},
       .description =
           "The folder contains fire_0001.vdb and so on, one file per frame, with the same bytes "
           "as from 'volute extract', generated when a program reads them. Blender, Houdini and "
@@ -28,7 +30,8 @@ Command mountCommand() {
           "or until 'fusermount3 -u FOLDER'. It needs FUSE (the package fuse3, and /dev/fuse in "
           "containers). If it was killed and the folder is still mounted, 'fusermount3 -u FOLDER' "
           "unmounts it.",
-      .positionals = {{.name = "FILE", .help = "a .volute file"}, {.name = "FOLDER", .help = "an empty folder"}},
+      .positionals = {{.name = "FILE", .help = "a .volute file"},
+                      {.name = "FOLDER", .help = "an empty folder"}},
       .run = runMount};
 }
 

@@ -24,7 +24,7 @@ std::vector<int> numbersOf(const std::string& path, const VolumeInfo& info,
 }
 
 Result<ProjectedFrames> openSubject(const std::string& path, const Arguments& arguments,
-                            const Capture& capture, Context& context) {
+                                    const Capture& capture, Context& context) {
   InputOptions input;
   input.grid = arguments.find<std::string>("field").value_or("");
   input.usualGrid = "emission";  // light is projected, never what weakens it
@@ -48,9 +48,9 @@ Result<ProjectedFrames> openSubject(const std::string& path, const Arguments& ar
   if (const auto name = arguments.find<std::string>("basis"))
     subject.basis = *name == "box" ? Basis::kBox : Basis::kTrilinear;
   if (subject.basis == Basis::kCubic) {
-    return fail(ErrorCode::kUnsupported,
-                "{}: its values are cubic B-splines, which are not projected; use --basis trilinear",
-                path);
+    return fail(
+        ErrorCode::kUnsupported,
+        "{}: its values are cubic B-splines, which are not projected; use --basis trilinear", path);
   }
   subject.numbers = numbersOf(path, info, capture);
   VolumeInfo numbered = info;

@@ -279,8 +279,8 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
   if (arguments.flag("velocity")) {
     VOLUTE_ASSIGN(velocity, VelocityFrames::open(*frames, {}, target, context.progress));
   }
-  const Status status = context.team.agree(runFrames(*frames, velocity.get(), arguments, refinement,
-                                                     settings, rotation.get(), context));
+  const Status status = context.team.agree(
+      runFrames(*frames, velocity.get(), arguments, refinement, settings, rotation.get(), context));
   if (velocity)
     velocity->work().leave(status.has_value());
   if (frames->work().leave(status.has_value()) && context.team.leads()) {
@@ -440,7 +440,8 @@ Command reconstructCommand() {
           "backgrounds that moved, an empty hull. Doubtful cases give a warning.\n\nFinished "
           "frames are kept in OUT.work beside the output until it is complete; an interrupted run "
           "continues from there when it is started again.",
-      .positionals = {{.name = "CAPTURE", .help = "the cameras and their pictures, or a .csv of lines"}},
+      .positionals = {{.name = "CAPTURE",
+                       .help = "the cameras and their pictures, or a .csv of lines"}},
       .options = reconstructOptionTable(),
       .oneOf = {{{"warm-start", "no-warm-start"}, false}},
       .ranks = true,

@@ -7,16 +7,16 @@
 #include "volute/base/interrupt.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/film/picture_writer.hpp"
+#include "volute/cli/file_kind.hpp"
 #include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/ranks.hpp"
-#include "volute/film/film_job.hpp"
-#include "volute/film/write_film.hpp"
-#include "volute/cli/file_kind.hpp"
 #include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/values.hpp"
 #include "volute/cli/volume_output.hpp"
+#include "volute/film/film_job.hpp"
+#include "volute/film/picture_writer.hpp"
+#include "volute/film/write_film.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/media/volume/volume_input.hpp"
@@ -28,14 +28,14 @@ namespace {
 Result<PictureCamera> chooseCamera(const Arguments& arguments, const Scene& scene,
                                    Progress& progress) {
   VOLUTE_ASSIGN(auto asked, cameraOf(arguments));
-  VOLUTE_ASSIGN(auto found,
-                pictureCamera(scene, std::move(asked), arguments.find<Pixels>("size")));
+  VOLUTE_ASSIGN(auto found, pictureCamera(scene, std::move(asked), arguments.find<Pixels>("size")));
   if (const auto& seen = found.description; seen && !seen->reason.empty()) {
     const Vec3 &eye = seen->view.eye, &target = seen->view.target;
-    progress.remark(fmt::format("seen {} (--eye {:.2f},{:.2f},{:.2f} --target {:.2f},{:.2f},{:.2f} "
-                                "--fov {:g})",
-                                seen->reason, eye.x(), eye.y(), eye.z(), target.x(), target.y(),
-                                target.z(), seen->fov.value_or(0)));
+    progress.remark(
+        fmt::format("seen {} (--eye {:.2f},{:.2f},{:.2f} --target {:.2f},{:.2f},{:.2f} "
+                    "--fov {:g})",
+                    seen->reason, eye.x(), eye.y(), eye.z(), target.x(), target.y(), target.z(),
+                    seen->fov.value_or(0)));
   }
   return found;
 }
@@ -58,9 +58,10 @@ Result<std::vector<std::string>> layersOf(const Arguments& arguments, const std:
   const auto aov = arguments.find<std::string>("aov").value_or("");
   VOLUTE_ASSIGN(auto layers, ofOption("aov", parseLayers(aov)));
   if (!layers.empty() && extensionOf(target) != ".exr") {
-    return fail(ErrorCode::kInvalidArgument,
-                "--aov {}: only a .exr has room for it; {} shows optical-depth or transmittance alone",
-                aov, target);
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "--aov {}: only a .exr has room for it; {} shows optical-depth or transmittance alone", aov,
+        target);
   }
   return layers;
 }
@@ -96,8 +97,8 @@ Status takeLaw(const Arguments& arguments, Scene& scene, Progress& progress) {
       continue;
     if (!scene.isFile())
       return fail(ErrorCode::kInvalidArgument, "--C: {}", kIdleC);
-    progress.remark(fmt::format("{}: {}/C: {}", scene.path(), scene.description().media[i].path,
-                                kIdleC));
+    progress.remark(
+        fmt::format("{}: {}/C: {}", scene.path(), scene.description().media[i].path, kIdleC));
   }
   return {};
 }
@@ -119,8 +120,7 @@ Result<std::unique_ptr<SceneRenderer>> rendererOf(const Arguments& arguments, bo
     return fail(ErrorCode::kUnsupported,
                 "--renderer gl does not draw --{} yet; choose cpu or leave it out", beyond);
   }
-  const bool gl =
-      name == "gl" || (name == "auto" && beyond.empty() && !together && glIsLikely());
+  const bool gl = name == "gl" || (name == "auto" && beyond.empty() && !together && glIsLikely());
   if (gl) {
     VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, true));
     auto renderer = openGlRenderer(name == "auto", method);
@@ -168,14 +168,14 @@ Result<std::vector<FilmFrame>> framesOf(const Arguments& arguments, Scene& scene
   const FrameRequest request{target, arguments.find<double>("time"),
                              arguments.find<FrameRange>("frames"), arguments.get<double>("speed"),
                              arguments.find<double>("orbit")};
-  VOLUTE_ASSIGN(auto chosen,
-                namingOptions(chooseFrames(request, scene, progress), arguments));
+  VOLUTE_ASSIGN(auto chosen, namingOptions(chooseFrames(request, scene, progress), arguments));
   if (!chosen.reason.empty())
     progress.remark(chosen.reason + "; --time or --frames choose others");
   return std::move(chosen.frames);
 }
 
-/// --partial: for an interrupted picture, where it can be kept, and for the damage of .volute files.
+/// --partial: for an interrupted picture, where it can be kept, and for the damage of .volute
+/// files.
 Status takePartial(const Arguments& arguments, int ranks, FilmJob& job) {
   if (!arguments.flag("partial"))
     return {};
@@ -205,13 +205,13 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   VOLUTE_TRY(takeLaw(arguments, scene, context.progress));
   VOLUTE_ASSIGN(auto layers, layersOf(arguments, target));
   const bool together = arguments.flag("by-pieces") && context.team.size() > 1;
-  if (together && !scene.media().empty() &&
-      !scene.media().front()->info().sharesAll &&
+  if (together && !scene.media().empty() && !scene.media().front()->info().sharesAll &&
       scene.media().front()->info().times.size() > 1 && !arguments.given("time") &&
       !arguments.given("frames")) {
-    return fail(ErrorCode::kUnsupported,
-                "--by-pieces: ranks do not look for a time that has something to see; add --time or "
-                "--frames");
+    return fail(
+        ErrorCode::kUnsupported,
+        "--by-pieces: ranks do not look for a time that has something to see; add --time or "
+        "--frames");
   }
   VOLUTE_ASSIGN(auto frames, framesOf(arguments, scene, target, context.progress));
   VOLUTE_ASSIGN(auto seen, chooseCamera(arguments, scene, context.progress));
@@ -223,10 +223,16 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   const bool captioned = !scene.isFile() && scene.media().front()->info().captioned &&
                          options.aov == Aov::kNone && !arguments.flag("no-legend");
   const bool legend = arguments.flag("legend") || captioned;
-  FilmJob job{std::move(scene), seen.camera, options, std::move(renderer),
-                arguments.get<std::string>("renderer") == "auto", std::move(frames), rate,
-                std::move(contour), arguments.get<std::string>("volume-method") == "tree",
-                legend};
+  FilmJob job{std::move(scene),
+              seen.camera,
+              options,
+              std::move(renderer),
+              arguments.get<std::string>("renderer") == "auto",
+              std::move(frames),
+              rate,
+              std::move(contour),
+              arguments.get<std::string>("volume-method") == "tree",
+              legend};
   job.totals = std::move(totals);
   job.orbitCentre =
       seen.description ? seen.description->view.target : Vec3(job.scene.bounds().centre());
@@ -261,9 +267,9 @@ Status refuseInMeasured(const Arguments& arguments) {
     return {};
   const bool toned = arguments.given("tone") && arguments.get<std::string>("tone") != "none";
   const bool smooth = arguments.given("samples") && arguments.get<int>("samples") > 1;
-  for (const auto& [name, given] : {std::pair("tone", toned),
-                                    std::pair("bloom", arguments.given("bloom")),
-                                    std::pair("samples", smooth)}) {
+  for (const auto& [name, given] :
+       {std::pair("tone", toned), std::pair("bloom", arguments.given("bloom")),
+        std::pair("samples", smooth)}) {
     if (!given)
       continue;
     const char* measured = arguments.flag("measured") ? "--measured"
@@ -282,8 +288,8 @@ PictureStyle styleOf(const Arguments& arguments, const FilmJob& job) {
   style.dither = true;
   style.glow = arguments.find<double>("bloom").value_or(0);
   const auto tone = arguments.get<std::string>("tone");
-  const bool plain = measuresLight(job.scene) || job.contour ||
-                     job.scene.law().mode == PictureMode::kThreshold;
+  const bool plain =
+      measuresLight(job.scene) || job.contour || job.scene.law().mode == PictureMode::kThreshold;
   if (tone == "filmic" || (tone == "auto" && !plain))
     style.tone = ToneCurve::kFilmic;
   if (tone == "agx")
@@ -302,9 +308,10 @@ Result<Development> developmentOf(const Arguments& arguments, const FilmJob& job
     for (const auto& medium : job.scene.media()) {
       if (medium->info().channels == 1)
         continue;
-      return fail(ErrorCode::kInvalidArgument,
-                  "--colormap is for volumes with one channel and for --aov; {}",
-                  medium->info().measured ? "this shows " + medium->info().kind : "this one is RGB");
+      return fail(
+          ErrorCode::kInvalidArgument,
+          "--colormap is for volumes with one channel and for --aov; {}",
+          medium->info().measured ? "this shows " + medium->info().kind : "this one is RGB");
     }
     if (!job.scene.geometry().empty())
       return fail(ErrorCode::kInvalidArgument,
@@ -332,13 +339,14 @@ Status runRender(const Arguments& arguments, Context& context) {
     VOLUTE_TRY(checkFolderIsShared(target, context.team));
   VOLUTE_ASSIGN(auto job, makeJob(arguments, target, context));
   VOLUTE_ASSIGN(auto development, developmentOf(arguments, job));
-  VOLUTE_TRY(writeFilm(job, target, development, context.maxMemory, context.progress,
-                            context.team));
+  VOLUTE_TRY(
+      writeFilm(job, target, development, context.maxMemory, context.progress, context.team));
   VOLUTE_ASSIGN(const auto stats, sumOfFilmStats(job, context.team));
   VOLUTE_TRY(writeStats(arguments, context, stats));
   if (context.json) {
     Report report;
-    report.add("output", target).add("exposure", development.style.exposure)
+    report.add("output", target)
+        .add("exposure", development.style.exposure)
         .add("tone", std::string(nameOf(development.style.tone)));
     auto json = report.json();
     json.update(stats);
@@ -460,9 +468,7 @@ std::vector<Option> renderOptionTable() {
        .help = "seconds of smoke per second of film",
        .initial = "1",
        .positive = true},
-      {.name = "legend",
-       .help =
-           "draw mode, field, C, time and colour scale into .png and films"},
+      {.name = "legend", .help = "draw mode, field, C, time and colour scale into .png and films"},
       {.name = "no-legend", .help = "no legend in pictures of an FDS case alone"},
       statsOption(),
       {.name = "partial",

@@ -17,8 +17,8 @@ Result<StudyChoice> choiceOf(const Arguments& arguments, const Study& study) {
   StudyChoice choice;
   if (const auto only = arguments.find<int>("only")) {
     if (*only > static_cast<int>(study.runs.size())) {
-      return fail(ErrorCode::kInvalidArgument, "--only: {} of a study of {} runs; --list shows them",
-                  *only, study.runs.size());
+      return fail(ErrorCode::kInvalidArgument,
+                  "--only: {} of a study of {} runs; --list shows them", *only, study.runs.size());
     }
     choice.only = static_cast<std::size_t>(*only - 1);
   }
@@ -51,7 +51,8 @@ Status runSweep(const Arguments& arguments, Context& context) {
     return {};
   }
   if (!output)
-    return fail(ErrorCode::kInvalidArgument, "--output is missing: say into which folder the runs go");
+    return fail(ErrorCode::kInvalidArgument,
+                "--output is missing: say into which folder the runs go");
   const std::filesystem::path folder = *output;
   VOLUTE_TRY(checkFolderIsShared(*output, context.team));
   Context::watch(folder / "study.csv");
@@ -73,8 +74,8 @@ Status runSweep(const Arguments& arguments, Context& context) {
   if (found.failed > 0 && choice.only)
     return fail(ErrorCode::kInvalidData, "run {} could not be done", *choice.only + 1);
   if (found.failed > 0 && found.done + found.kept == 0)
-    return fail(ErrorCode::kInvalidData, "no run of {} could be done; {} says why", study.runs.size(),
-                (folder / "study.csv").string());
+    return fail(ErrorCode::kInvalidData, "no run of {} could be done; {} says why",
+                study.runs.size(), (folder / "study.csv").string());
   return {};
 }
 
@@ -84,9 +85,11 @@ Command sweepCommand() {
   using enum ValueKind;
   return {
       .name = "sweep",
-      .summary = "Runs many surveys of visibility and tenability: parameter studies, folders of "
-                 "cases",
-      .examples = {"volute sweep STUDY.json -o study", "volute sweep STUDY.json -o study --part 2/4",
+      .summary =
+          "Runs many surveys of visibility and tenability: parameter studies, folders of "
+          "cases",
+      .examples = {"volute sweep STUDY.json -o study",
+                   "volute sweep STUDY.json -o study --part 2/4",
                    "mpirun -n 8 volute sweep STUDY.json -o study"},
       .description =
           "Runs `volute visibility` for each case with each variant of STUDY.json and collects "

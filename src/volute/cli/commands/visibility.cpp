@@ -53,8 +53,8 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
     VOLUTE_ASSIGN(auto routes, routesOf(points, *file));
     VOLUTE_ASSIGN(const auto slowed, speedLaw(arguments.get<std::string>("slowed")));
-    return routeWatch(std::move(routes), {arguments.get<double>("speed"),
-                                          arguments.get<double>("start"), slowed});
+    return routeWatch(std::move(routes),
+                      {arguments.get<double>("speed"), arguments.get<double>("start"), slowed});
   }
   if (const auto file = arguments.find<std::string>("eyes")) {
     VOLUTE_ASSIGN(const auto text, textOf(*file, context));
@@ -145,7 +145,9 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   request.survey.step = arguments.get<double>("step");
   request.survey.height = height;
   const auto maps = arguments.get<std::string>("maps");
-  request.survey.maps = maps == "all" ? Survey::Maps::kAll : maps == "some" ? Survey::Maps::kSome : Survey::Maps::kNone;
+  request.survey.maps = maps == "all"    ? Survey::Maps::kAll
+                        : maps == "some" ? Survey::Maps::kSome
+                                         : Survey::Maps::kNone;
   VOLUTE_ASSIGN(request.survey.extinctionLimit, extinctionLimit(arguments));
   VOLUTE_ASSIGN(request.sightFile, sightFile(arguments.get<std::string>("sight")));
   request.pdf = pdf;
@@ -195,7 +197,8 @@ Status runVisibility(const Arguments& arguments, Context& context) {
       .add("seen_last", found.seenLast,
            fmt::format("{:.1f} % at {:g} s", 100 * found.seenLast, found.times.back()));
   if (!found.verdict.empty())
-    report.add("verdict", found.verdict, fmt::format("{}", fmt::join(found.verdict, "\n             ")));
+    report.add("verdict", found.verdict,
+               fmt::format("{}", fmt::join(found.verdict, "\n             ")));
   context.print(report);
   return {};
 }
@@ -355,7 +358,8 @@ Command visibilityCommand() {
           "sign is visible any more. docs/visibility.md explains what is computed, and what the "
           "rules leave out.",
       .positionals = {{.name = "CASE",
-                       .help = "smoke on a mesh (.vtu, .pvd), an FDS case (.smv), a scene (.json) or any other medium"}},
+                       .help = "smoke on a mesh (.vtu, .pvd), an FDS case (.smv), a scene (.json) "
+                               "or any other medium"}},
       .options = visibilityOptionTable(),
       .oneOf = {{.names = {"route", "eyes", "trajectories"}},
                 {.names = {"extinction-limit", "sight-limit"}}},

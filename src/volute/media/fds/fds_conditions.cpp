@@ -95,7 +95,8 @@ class FdsPoints final : public PointField {
     if (held(frame) != nullptr)
       return {};
     VOLUTE_ASSIGN(auto field, case_.field(case_.times()[frame]));
-    auto& place = !held_[0] || (held_[1] && held_[0]->first < held_[1]->first) ? held_[0] : held_[1];
+    auto& place =
+        !held_[0] || (held_[1] && held_[0]->first < held_[1]->first) ? held_[0] : held_[1];
     place.emplace(frame, std::move(field));
     return {};
   }
@@ -209,9 +210,10 @@ class FdsDevicePoints final : public PointField {
           nearest = &device;
         }
       }
-      out[i] = nearest == nullptr
-                   ? std::numeric_limits<double>::quiet_NaN()
-                   : factor_ * ((1 - share) * nearest->values[first] + share * nearest->values[second]);
+      out[i] =
+          nearest == nullptr
+              ? std::numeric_limits<double>::quiet_NaN()
+              : factor_ * ((1 - share) * nearest->values[first] + share * nearest->values[second]);
     }
     return {};
   }
@@ -271,8 +273,9 @@ std::string cellsText(const SmvIndex& index) {
       }
     }
   }
-  const std::string size = most - least < 1e-4 * most ? fmt::format("{:.4g} m", most)
-                                                      : fmt::format("{:.3g} to {:.3g} m", least, most);
+  const std::string size = most - least < 1e-4 * most
+                               ? fmt::format("{:.4g} m", most)
+                               : fmt::format("{:.3g} to {:.3g} m", least, most);
   return fmt::format("{:.0f} in {} mesh{}, edges {}", count, index.meshes.size(),
                      index.meshes.size() == 1 ? "" : "es", size);
 }
@@ -311,11 +314,12 @@ CaseFacts fdsFacts(const SmvIndex& index) {
   facts.title = {{"case", index.path.filename().string()}};
   if (!index.title.empty())
     facts.title.emplace_back("title", index.title);
-  facts.title.emplace_back("computed by", index.version.empty() ? "FDS, version not stated"
-                                                                : index.version);
+  facts.title.emplace_back("computed by",
+                           index.version.empty() ? "FDS, version not stated" : index.version);
   facts.title.emplace_back("cells", cellsText(index));
-  facts.title.emplace_back("state", index.ended ? "FDS has ended" : "FDS has not ended, or was "
-                                                                    "stopped");
+  facts.title.emplace_back("state", index.ended ? "FDS has ended"
+                                                : "FDS has not ended, or was "
+                                                  "stopped");
   const auto beside = [&](const char* end) { return besideCase(index, end); };
   const auto take = [&](const std::filesystem::path& path, std::vector<FactCurve>& curves,
                         auto&& wanted) {
@@ -330,9 +334,8 @@ CaseFacts fdsFacts(const SmvIndex& index) {
        [](const std::string& name, const std::string&) { return name == "HRR"; });
   if (!index.devices.empty()) {
     constexpr std::size_t kMax = 400;
-    take(beside("_devc.csv"), facts.devices, [n = kMax](const auto&, const auto&) mutable {
-      return n > 0 && n-- > 0;
-    });
+    take(beside("_devc.csv"), facts.devices,
+         [n = kMax](const auto&, const auto&) mutable { return n > 0 && n-- > 0; });
   }
   return facts;
 }

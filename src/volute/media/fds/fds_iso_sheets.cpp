@@ -28,8 +28,9 @@ bool isLevel(double a, double b) {
 std::string storedIn(const SmvIndex& index) {
   std::set<std::string> names;
   for (const FdsIsoEntry& iso : index.isosurfaces) names.insert(iso.labels.quantity);
-  return names.empty() ? ""
-                       : fmt::format("; the case has isosurface files of {}", fmt::join(names, ", "));
+  return names.empty()
+             ? ""
+             : fmt::format("; the case has isosurface files of {}", fmt::join(names, ", "));
 }
 
 Result<std::vector<double>> levelsIn(const std::string& text, const std::string& numbers,
@@ -38,8 +39,7 @@ Result<std::vector<double>> levelsIn(const std::string& text, const std::string&
   for (std::size_t begin = 0; begin <= numbers.size();) {
     const std::size_t end = std::min(numbers.find(',', begin), numbers.size());
     double level = 0;
-    const auto [rest, error] =
-        std::from_chars(numbers.data() + begin, numbers.data() + end, level);
+    const auto [rest, error] = std::from_chars(numbers.data() + begin, numbers.data() + end, level);
     if (error != std::errc() || rest != numbers.data() + end || !std::isfinite(level) ||
         levels.size() == kMaxLevels) {
       return fail(ErrorCode::kInvalidArgument,
@@ -141,8 +141,9 @@ Status FdsIsoSheets::openFiles(const SmvIndex& index, bool all, Reading& reading
 std::vector<Rgb> FdsIsoSheets::colours() const {
   std::vector<Rgb> colours;
   for (std::size_t i = 0; i < levels_.size(); ++i) {
-    const double share =
-        levels_.size() < 2 ? 0.45 : static_cast<double>(i) / static_cast<double>(levels_.size() - 1);
+    const double share = levels_.size() < 2
+                             ? 0.45
+                             : static_cast<double>(i) / static_cast<double>(levels_.size() - 1);
     colours.push_back(displayColor(ColorMap::kViridis, share).unaryExpr(&srgbDecode));
   }
   return colours;
@@ -155,7 +156,8 @@ Result<std::vector<AnyMedium>> FdsIsoSheets::at(double time) const {
   std::vector<AnyMedium> sheets;
   const std::vector<Rgb> colours = this->colours();
   for (std::size_t i = 0; i < levels_.size(); ++i)
-    sheets.emplace_back(FdsIso(field, IsoLook{levels_[i], colours[i], FdsTriangleSheets::kOpacity}));
+    sheets.emplace_back(
+        FdsIso(field, IsoLook{levels_[i], colours[i], FdsTriangleSheets::kOpacity}));
   return sheets;
 }
 
@@ -201,7 +203,8 @@ std::string FdsIsoSheets::words() const {
   if (case_)
     return text;
   std::set<double> times;
-  for (const auto& file : files_) times.insert(file->frames().times.begin(), file->frames().times.end());
+  for (const auto& file : files_)
+    times.insert(file->frames().times.begin(), file->frames().times.end());
   return text + fmt::format(", the nearest of {} stored times", times.size());
 }
 

@@ -34,8 +34,8 @@ constexpr double kHighStoreys = 17;   // the same where rooms are above each oth
 constexpr double kPlain = 0.68;       // reflected by what has no colour of its own
 constexpr double kAlongX = 0.72, kAlongY = 0.86, kDown = 0.6;  // of faces' colours
 constexpr double kCutShare = 0.25, kCutLight = 0.02;
-constexpr double kLine = 0.0011;      // of the building's diagonal: half the width of outlines
-constexpr double kEdge = 0.0004;       // likewise of edges of faces
+constexpr double kLine = 0.0011;  // of the building's diagonal: half the width of outlines
+constexpr double kEdge = 0.0004;  // likewise of edges of faces
 constexpr double kEdgeLight = 0.12;
 constexpr std::size_t kMaxOutlined = 2500;  // faces; with more, edges are a grey haze
 constexpr int kTimesLookedAt = 9;
@@ -160,8 +160,8 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
                                       layer.case_->source().name, layer.source()));
   VOLUTE_TRY(layer.openFire(reading));
   if (holders) {
-    VOLUTE_TRY(checkShares(description, layer.case_->index(), holders->size(),
-                           layer.heat_ != nullptr));
+    VOLUTE_TRY(
+        checkShares(description, layer.case_->index(), holders->size(), layer.heat_ != nullptr));
   }
   if (!description.fds.slice.empty()) {
     VOLUTE_ASSIGN(layer.slice_, FdsSliceSheet::open(layer.case_->index(), description.fds.slice,
@@ -172,8 +172,8 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
                   FdsIsoSheets::open(layer.case_->index(), description.fds.iso, reading));
   }
   if (!description.fds.particles.empty()) {
-    VOLUTE_ASSIGN(layer.particles_, FdsParticleCloud::open(layer.case_->index(),
-                                                           description.fds.particles, reading));
+    VOLUTE_ASSIGN(layer.particles_,
+                  FdsParticleCloud::open(layer.case_->index(), description.fds.particles, reading));
   }
   return layer;
 }
@@ -181,8 +181,7 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
 bool FdsLayer::readsTheSame(const SmokeDescription& a, const SmokeDescription& b) {
   const auto sameFire = [](const FdsLook& x, const FdsLook& y) {
     return x.fire == y.fire && x.flame.temperature == y.flame.temperature &&
-           x.emission == y.emission && x.flame.cutoff == y.flame.cutoff &&
-           x.cutoff == y.cutoff;
+           x.emission == y.emission && x.flame.cutoff == y.flame.cutoff && x.cutoff == y.cutoff;
   };
   return a.file == b.file && a.field == b.field &&
          a.model.massExtinction == b.model.massExtinction && a.model.c == b.model.c &&
@@ -347,7 +346,8 @@ std::uint64_t FdsLayer::surfacesAt(double time, const std::optional<Vec3>& eye) 
     key = std::bit_cast<std::uint64_t>(local);
   if (particles_)
     key = key * 1000003 + particles_->frameAt(local);
-  if (eye && (description_.fds.building == FdsBuildingView::kOpen || !description_.fds.cuts.empty()))
+  if (eye &&
+      (description_.fds.building == FdsBuildingView::kOpen || !description_.fds.cuts.empty()))
     key = key * 64 + shell_->sidesTowards(*eye) + 1;
   for (const FdsCut& cut : description_.fds.cuts)
     key = key * 2 + (eye && (*eye)[cut.axis] < cut.place ? 1 : 0);
@@ -429,7 +429,10 @@ std::optional<CameraDescription> FdsLayer::insideCamera() const {
   Vec3 eye = room->centre(), target = room->centre();
   eye.z() = target.z() = room->min.z() + standing;
   eye[along] = room->min[along] + std::min(kFromWall, 0.1 * size[along]);
-  return CameraDescription{{eye, target, Vec3::UnitZ()}, kIndoorFov, std::nullopt, std::nullopt,
+  return CameraDescription{{eye, target, Vec3::UnitZ()},
+                           kIndoorFov,
+                           std::nullopt,
+                           std::nullopt,
                            "from within the largest room, at the height of the eyes"};
 }
 
@@ -451,10 +454,10 @@ View3 viewOf(const Box3& box, const Vec3& towardsEye) {
     const Camera camera = Camera::pinhole(view, kOutdoorFov, 1, 1);
     double distance = 1e-3;
     for (int i = 0; i < 8; ++i) {
-      const Vec3 at = Vec3((i & 1) != 0 ? box.max.x() : box.min.x(),
-                           (i & 2) != 0 ? box.max.y() : box.min.y(),
-                           (i & 4) != 0 ? box.max.z() : box.min.z()) -
-                      view.target;
+      const Vec3 at =
+          Vec3((i & 1) != 0 ? box.max.x() : box.min.x(), (i & 2) != 0 ? box.max.y() : box.min.y(),
+               (i & 4) != 0 ? box.max.z() : box.min.z()) -
+          view.target;
       const double deep = at.dot(camera.forward());
       distance = std::max({distance, std::abs(at.dot(camera.right())) / wide - deep,
                            std::abs(at.dot(camera.down())) / tall - deep});
@@ -463,10 +466,10 @@ View3 viewOf(const Box3& box, const Vec3& towardsEye) {
     // What is seen is centred.
     Vec2 least = Vec2::Constant(1e300), most = -least;
     for (int i = 0; i < 8; ++i) {
-      const Vec3 at = Vec3((i & 1) != 0 ? box.max.x() : box.min.x(),
-                           (i & 2) != 0 ? box.max.y() : box.min.y(),
-                           (i & 4) != 0 ? box.max.z() : box.min.z()) -
-                      view.eye;
+      const Vec3 at =
+          Vec3((i & 1) != 0 ? box.max.x() : box.min.x(), (i & 2) != 0 ? box.max.y() : box.min.y(),
+               (i & 4) != 0 ? box.max.z() : box.min.z()) -
+          view.eye;
       const double deep = at.dot(camera.forward());
       const Vec2 seen(at.dot(camera.right()) / deep, at.dot(camera.down()) / deep);
       least = least.cwiseMin(seen);
@@ -516,8 +519,8 @@ CameraDescription FdsLayer::outsideCamera() const {
   double most = -1;
   // A broad side and the front are preferred where about as much is seen.
   constexpr double kBetter = 0.04;
-  for (const double side : wide ? std::array{0.0, 180.0, 90.0, 270.0}
-                                : std::array{90.0, 270.0, 0.0, 180.0}) {
+  for (const double side :
+       wide ? std::array{0.0, 180.0, 90.0, 270.0} : std::array{90.0, 270.0, 0.0, 180.0}) {
     for (const double aside : {kAside, -kAside}) {
       const View3 view = viewOf(building.bounds(), directionTo(side + aside, height));
       const double share = shareSeen(building, view.eye);
@@ -527,10 +530,11 @@ CameraDescription FdsLayer::outsideCamera() const {
       }
     }
   }
-  return {best, kOutdoorFov, std::nullopt, std::nullopt,
-          fmt::format("from outside; the outer walls towards the eye and the roof are left out, and "
-                      "{:.0f} % of what is indoors is in view",
-                      100 * most)};
+  return {
+      best, kOutdoorFov, std::nullopt, std::nullopt,
+      fmt::format("from outside; the outer walls towards the eye and the roof are left out, and "
+                  "{:.0f} % of what is indoors is in view",
+                  100 * most)};
 }
 
 Result<std::optional<FirstTime>> FdsLayer::firstTime(Progress& progress) {
@@ -614,7 +618,8 @@ void FdsLayer::addEdges(std::span<const FdsQuad> quads, const Box3& bounds,
   const auto outer = [&](const FdsQuad& quad) {
     for (int axis = 0; axis < 3; ++axis) {
       for (const double place : {meshes.min[axis], meshes.max[axis]}) {
-        if (std::ranges::all_of(quad.corners, [&](const Vec3& corner) { return corner[axis] == place; }))
+        if (std::ranges::all_of(quad.corners,
+                                [&](const Vec3& corner) { return corner[axis] == place; }))
           return true;
       }
     }

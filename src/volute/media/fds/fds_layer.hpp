@@ -13,15 +13,15 @@
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_flame.hpp"
 #include "volute/geometry/triangle_scene.hpp"
-#include "volute/medium/any_medium.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/media/fds/fds_iso_sheets.hpp"
 #include "volute/media/fds/fds_particle_cloud.hpp"
 #include "volute/media/fds/fds_slice.hpp"
 #include "volute/media/reading.hpp"
-#include "volute/media/scene_medium.hpp"
 #include "volute/media/scene_lights.hpp"
+#include "volute/media/scene_medium.hpp"
 #include "volute/media/smoke/scene_smoke.hpp"
+#include "volute/medium/any_medium.hpp"
 
 namespace volute {
 
@@ -67,8 +67,8 @@ class FdsLayer {
   /// When a stored frame is shown as it is, in the scene's time [s].
   double timeOf(int step) const;
 
-  /// The smoke at a time of the scene [s], linear between stored frames, in its light, still without
-  /// the description's scale. Slow with lamps.
+  /// The smoke at a time of the scene [s], linear between stored frames, in its light, still
+  /// without the description's scale. Slow with lamps.
   [[nodiscard]] Result<FdsField> fieldAt(double time, bool lit = true) const;
 
   /// The fire at a time of the scene [s], which shines and hides nothing; nothing where the case
@@ -87,13 +87,14 @@ class FdsLayer {
                                    TriangleMesh& to) const;
 
   /// Adds the obstructions, vents and walls of that time, coloured as the case says; what has no
-  /// colour of its own is light grey. Ambient light alone would show no edges, so faces reflect less
-  /// of their colour the less they face up. An open building stands in its meshes' outline, with a
-  /// ruler along the two lower edges before it, and a needle to the north where the case says it.
+  /// colour of its own is light grey. Ambient light alone would show no edges, so faces reflect
+  /// less of their colour the less they face up. An open building stands in its meshes' outline,
+  /// with a ruler along the two lower edges before it, and a needle to the north where the case
+  /// says it.
   void addBuilding(double time, const std::optional<Vec3>& eye, TriangleMesh& to) const;
 
-  /// From where the case is seen where nobody says. An open building: from outside and above, so far
-  /// away that all of it is seen, from that of eight directions from which most of its rooms is
+  /// From where the case is seen where nobody says. An open building: from outside and above, so
+  /// far away that all of it is seen, from that of eight directions from which most of its rooms is
   /// seen. A building that is looked at inside: at the height of a standing person's eyes, from one
   /// end of its largest room at 0 s to the other.
   std::optional<CameraDescription> firstCamera() const;
@@ -127,10 +128,12 @@ class FdsLayer {
   CameraDescription outsideCamera() const;
   std::optional<CameraDescription> insideCamera() const;
   double ruler() const;
+
   /// Which points north, where the case says it.
   struct Needle {
     Vec3 tip, notch, left, right, letter;
   };
+
   Needle northNeedle(const Vec3& eye, FdsSides open) const;
   /// Where the ruler of x (0) or y (1) begins, `beside` the outline [m].
   static Vec3 rulerStart(const Box3& box, int axis, FdsSides open, double beside);

@@ -96,9 +96,10 @@ Result<std::vector<float>> sharesOf(const FdsField& field, const FdsObstructions
   std::vector<std::uint8_t> hidden(points.size(), 0);
   std::vector<std::uint8_t> others(points.size(), 0);
   if (lamps.holders) {
-    VOLUTE_TRY(sumAlong(*lamps.holders, ways, depths,
-                        [&](auto segments, auto out) { field.opticalDepth(segments, out); },
-                        heldBox(field.grid())));
+    VOLUTE_TRY(sumAlong(
+        *lamps.holders, ways, depths,
+        [&](auto segments, auto out) { field.opticalDepth(segments, out); },
+        heldBox(field.grid())));
   } else {
     field.opticalDepth(ways, depths);
   }

@@ -78,7 +78,8 @@ TEST(FdsLight, OtherThingsStopItAndAmbientComesEverywhere) {
                        .ambient = Rgb::Constant(0.1),
                        .albedo = Rgb::Constant(0.5),
                        .blocks = half};
-  const FdsField lit = room.field->withLight(fdsLight(*room.field, *room.obstructions, lamps).value());
+  const FdsField lit =
+      room.field->withLight(fdsLight(*room.field, *room.obstructions, lamps).value());
   EXPECT_NEAR(lit.emission({4, 1, 1})[0], kK * 0.5 * 0.1, 1e-7);
   const double above = 0.5 * (std::exp(-kK * 0.75) + std::exp(-kK * 1.25));  // of both layers
   EXPECT_NEAR(lit.emission({1, 1, 1})[0], kK * 0.5 * (0.1 + above / (4 * std::numbers::pi)), 1e-7);
@@ -94,8 +95,9 @@ TEST(FdsLight, OfManyCellsIsLitInPartsThatMeet) {
   const FdsLattice lattice{.mesh = 0, .planes = mesh.planes};
   auto values = std::make_shared<FdsValues>();
   values->value.assign(lattice.cellCount(), static_cast<float>(kK));
-  const FdsField field(*FdsGrid::create({lattice}), {values},
-                       {std::make_shared<std::vector<FdsCell>>(lattice.cellCount(), FdsCell::kGas)});
+  const FdsField field(
+      *FdsGrid::create({lattice}), {values},
+      {std::make_shared<std::vector<FdsCell>>(lattice.cellCount(), FdsCell::kGas)});
   Lamp sun;
   sun.kind = Lamp::Kind::kSun;
   sun.direction = Vec3(0, 0, -1);
@@ -104,7 +106,8 @@ TEST(FdsLight, OfManyCellsIsLitInPartsThatMeet) {
   for (int z = 1; z < kCells[2]; ++z) {
     for (int y = 1; y < kCells[1]; ++y) {
       const double above = 0.1 * (kCells[2] - z);
-      const double expected = kK / (4 * std::numbers::pi) * std::exp(-kK * above) * std::cosh(kK * 0.05);
+      const double expected =
+          kK / (4 * std::numbers::pi) * std::exp(-kK * above) * std::cosh(kK * 0.05);
       ASSERT_NEAR(lit.emission({3, 0.1 * y, 0.1 * z})[0], expected, 1e-6) << y << " " << z;
     }
   }
@@ -128,8 +131,7 @@ FdsField threeMeshes(int share, int shares) {
     FdsValues own;
     for (std::size_t i = 0; held[m] && i < lattices[m].cellCount(); ++i)
       own.value.push_back(0.1F * static_cast<float>((7 * i + m) % 5));
-    cells.push_back(
-        std::make_shared<const std::vector<FdsCell>>(own.value.size(), FdsCell::kGas));
+    cells.push_back(std::make_shared<const std::vector<FdsCell>>(own.value.size(), FdsCell::kGas));
     values.push_back(std::make_shared<const FdsValues>(std::move(own)));
   }
   const auto grid = FdsGrid::create(std::move(lattices), held).value();
@@ -145,7 +147,8 @@ TEST(FdsLight, RanksThatHoldAShareEachFindTheLightOfTheWhole) {
   sun.intensity = Rgb(1, 1, 1);
   const Lamp both[] = {lamp, sun};
   const FdsObstructions none(std::vector<FdsBox>{});
-  const auto whole = fdsLight(threeMeshes(0, 1), none, {.lamps = both, .albedo = Rgb::Ones()}).value();
+  const auto whole =
+      fdsLight(threeMeshes(0, 1), none, {.lamps = both, .albedo = Rgb::Ones()}).value();
   for (const int ranks : {2, 3}) {
     onRanks(ranks, [&](Team& team) {
       const FdsField own = threeMeshes(team.rank(), ranks);

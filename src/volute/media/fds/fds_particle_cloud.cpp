@@ -53,7 +53,8 @@ Result<FdsParticleCloud> FdsParticleCloud::open(const SmvIndex& index, const std
     for (const std::string& remark : file.frames().remarks) reading.progress.remark(remark);
     Part part;
     for (std::size_t i = 0; i < entry.classes.size(); ++i) {
-      const std::string& name = index.particleClasses[static_cast<std::size_t>(entry.classes[i])].name;
+      const std::string& name =
+          index.particleClasses[static_cast<std::size_t>(entry.classes[i])].name;
       classes.insert(name);
       const auto& stored = file.quantitiesOf(i);
       for (const FdsLabels& one : stored) quantities.insert(one.quantity);
@@ -76,10 +77,11 @@ Result<FdsParticleCloud> FdsParticleCloud::open(const SmvIndex& index, const std
     cloud.parts_.push_back(std::move(part));
   }
   if (cloud.parts_.empty()) {
-    return fail(ErrorCode::kNotFound, "{}: no particles of '{}'; the case has {}{}{}",
-                index.path.string(), which,
-                classes.empty() ? "none" : fmt::format("all, or those of {}", fmt::join(classes, ", ")),
-                quantities.empty() ? "" : ", coloured by ", fmt::join(quantities, ", "));
+    return fail(
+        ErrorCode::kNotFound, "{}: no particles of '{}'; the case has {}{}{}", index.path.string(),
+        which,
+        classes.empty() ? "none" : fmt::format("all, or those of {}", fmt::join(classes, ", ")),
+        quantities.empty() ? "" : ", coloured by ", fmt::join(quantities, ", "));
   }
   cloud.names_.assign(shown.begin(), shown.end());
   if (!cloud.quantity_.empty())
@@ -108,7 +110,7 @@ Status FdsParticleCloud::findRange(Reading& reading) {
       }
     }
   }
-  range_ = least < most        ? std::array{least, most}
+  range_ = least < most           ? std::array{least, most}
            : std::isfinite(least) ? std::array{least, least + 1}
                                   : std::array{0.0, 1.0};
   return {};

@@ -18,8 +18,8 @@ class FdsParticleCloud {
  public:
   /// @param which  "all", a class as the case names it, or a quantity that is stored of particles,
   ///               whose values are their colours (viridis). kNotFound with what there is.
-  [[nodiscard]] static Result<FdsParticleCloud> open(const SmvIndex& index, const std::string& which,
-                                                     Reading& reading);
+  [[nodiscard]] static Result<FdsParticleCloud> open(const SmvIndex& index,
+                                                     const std::string& which, Reading& reading);
 
   /// Adds an octahedron for each, at the stored time that is nearest to `time` [s]. Of more than
   /// 100,000 every second, third ... is shown.
@@ -37,9 +37,9 @@ class FdsParticleCloud {
  private:
   struct Part {
     std::shared_ptr<const FdsParticleFile> file;
-    std::vector<int> classes;      // of the file's, which are shown; places in colours_
-    std::vector<int> inFile;       // the same, their places in the file
-    std::vector<int> quantity;     // of each of these, the place of quantity_
+    std::vector<int> classes;   // of the file's, which are shown; places in colours_
+    std::vector<int> inFile;    // the same, their places in the file
+    std::vector<int> quantity;  // of each of these, the place of quantity_
   };
 
   FdsParticleCloud() = default;
@@ -48,7 +48,7 @@ class FdsParticleCloud {
   std::uint64_t countAt(double time) const;
 
   std::vector<Part> parts_;
-  std::vector<Rgb> colours_;  // of the case's classes, linear
+  std::vector<Rgb> colours_;        // of the case's classes, linear
   std::vector<std::string> names_;  // of the classes that are shown
   std::string quantity_, unit_;     // of the colours; empty: each class has its own
   std::array<double, 2> range_{};

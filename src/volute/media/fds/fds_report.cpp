@@ -95,8 +95,9 @@ void addSlices(Report& report, const SmvIndex& index) {
     list[name] = count;
     text += fmt::format("\n  {}{}", name, count > 1 ? fmt::format(" ({} meshes)", count) : "");
   }
-  report.add("slices", list,
-             planes.empty() ? "none in a plane" : fmt::format("in {} planes{}", planes.size(), text));
+  report.add(
+      "slices", list,
+      planes.empty() ? "none in a plane" : fmt::format("in {} planes{}", planes.size(), text));
 }
 
 void addContents(Report& report, const SmvIndex& index) {
@@ -146,10 +147,10 @@ void addFiles(Report& report, const SmvIndex& index) {
   const auto checks = checkFiles(index);
   for (const FdsFileCheck& check : checks) {
     OrderedJson one{{"file", check.path.filename().string()},
-             {"kind", check.kind},
-             {"mesh", check.mesh + 1},
-             {"state", nameOf(check.state)},
-             {"frames", check.times.size()}};
+                    {"kind", check.kind},
+                    {"mesh", check.mesh + 1},
+                    {"state", nameOf(check.state)},
+                    {"frames", check.times.size()}};
     if (!check.times.empty())
       one["times"] = {check.times.front(), check.times.back()};
     if (!check.reason.empty())
@@ -173,8 +174,9 @@ void addFiles(Report& report, const SmvIndex& index) {
       continue;
     text += fmt::format("\n  {}: {} files", name, kind.files);
     if (kind.most > 0)
-      text += fmt::format(", {}{} frames",
-                          kind.least == kind.most ? "" : fmt::format("{} to ", kind.least), kind.most);
+      text +=
+          fmt::format(", {}{} frames",
+                      kind.least == kind.most ? "" : fmt::format("{} to ", kind.least), kind.most);
     for (const std::string& fault : kind.faults) {
       if (++shown <= kShown)
         text += "\n    " + fault;
@@ -259,9 +261,10 @@ Result<Report> describeFdsCase(const std::string& path, const DescribeRequest& r
   addSources(report, *opened);
   std::string text;
   for (const std::string& remark : opened->remarks()) text += "\n  " + remark;
-  report.add("remarks",
-             OrderedJson(std::vector<std::string>(opened->remarks().begin(), opened->remarks().end())),
-             text.empty() ? "none: all files are whole" : text);
+  report.add(
+      "remarks",
+      OrderedJson(std::vector<std::string>(opened->remarks().begin(), opened->remarks().end())),
+      text.empty() ? "none: all files are whole" : text);
   if (request.values)
     VOLUTE_TRY(addValues(report, *opened, reading));
   return report;

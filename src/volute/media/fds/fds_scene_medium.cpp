@@ -9,12 +9,12 @@
 #include "volute/base/remark_log.hpp"
 #include "volute/camera/pixel_ray.hpp"
 #include "volute/fds/smv_index.hpp"
+#include "volute/media/fds/fds_report.hpp"
 #include "volute/media/fds/fds_sight.hpp"
 #include "volute/media/light_blockers.hpp"
 #include "volute/media/smoke/shared_picture.hpp"
 #include "volute/media/smoke/smoke_scene_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
-#include "volute/media/fds/fds_report.hpp"
 
 namespace volute {
 namespace {
@@ -44,8 +44,7 @@ class FdsSharesPicture final : public MediumPicture {
     for (std::size_t i = 0; i < depth.size(); ++i) {
       const double taken = -std::expm1(-static_cast<double>(depth[i]));
       for (std::size_t c = 0; c < 3; ++c) {
-        rgbt[4 * i + c] =
-            static_cast<float>(taken * smoke_.source()[static_cast<Eigen::Index>(c)]);
+        rgbt[4 * i + c] = static_cast<float>(taken * smoke_.source()[static_cast<Eigen::Index>(c)]);
       }
       rgbt[4 * i + 3] = static_cast<float>(1 - taken);
     }
@@ -82,14 +81,17 @@ class FdsSharesPicture final : public MediumPicture {
   void lightOfPieces(const Camera& camera, std::span<const float> opaqueDepth,
                      std::span<float> rgbt) const {
     const auto width = static_cast<std::size_t>(camera.width());
-    composeRuns(*shares_.holders, [&](std::size_t pixel) {
-      const Segment ray = pixelRay(camera, static_cast<int>(pixel % width),
-                                   static_cast<int>(pixel / width), opaqueDepth);
-      std::vector<std::vector<Piece>> pieces(media_.size());
-      for (std::size_t m = 0; ray.begin < ray.end && m < media_.size(); ++m)
-        media_[m].pieces(std::span(&ray, 1), std::span(&pieces[m], 1));
-      return heldRuns(pieces);
-    }, rgbt);
+    composeRuns(
+        *shares_.holders,
+        [&](std::size_t pixel) {
+          const Segment ray = pixelRay(camera, static_cast<int>(pixel % width),
+                                       static_cast<int>(pixel / width), opaqueDepth);
+          std::vector<std::vector<Piece>> pieces(media_.size());
+          for (std::size_t m = 0; ray.begin < ray.end && m < media_.size(); ++m)
+            media_[m].pieces(std::span(&ray, 1), std::span(&pieces[m], 1));
+          return heldRuns(pieces);
+        },
+        rgbt);
   }
 
   FdsField smoke_;
@@ -109,16 +111,14 @@ class FdsKind final : public MediumKind {
       return FdsLayer::readsTheSame(other.layer().description(), smoke);
     });
     if (before) {
-      auto medium =
-          std::make_shared<FdsSceneMedium>(before->layer().with(smoke, context.lights));
+      auto medium = std::make_shared<FdsSceneMedium>(before->layer().with(smoke, context.lights));
       medium->remarks = before->remarks;
       return std::shared_ptr<SceneMedium>(std::move(medium));
     }
     RemarkLog heard(context.reading.progress);
     Reading reading{heard, context.reading.maxMemory};
-    VOLUTE_ASSIGN(auto layer,
-                  FdsLayer::open(smoke, context.lights, blocksOf(context.geometry), reading,
-                                 context.options.holders));
+    VOLUTE_ASSIGN(auto layer, FdsLayer::open(smoke, context.lights, blocksOf(context.geometry),
+                                             reading, context.options.holders));
     auto medium = std::make_shared<FdsSceneMedium>(std::move(layer));
     medium->remarks = heard.remarks();
     return std::shared_ptr<SceneMedium>(std::move(medium));
@@ -147,7 +147,9 @@ class FdsKind final : public MediumKind {
 
   Result<FileDescription> describe(const std::string& path, const DescribeRequest& request,
                                    Reading& reading) const override {
-    return describeFdsCase(path, request, reading).map([](Report report) { return FileDescription{std::move(report)}; });
+    return describeFdsCase(path, request, reading).map([](Report report) {
+      return FileDescription{std::move(report)};
+    });
   }
 
   /// An open building in even white light and before white. Thick smoke in such light is as dark as
@@ -158,9 +160,9 @@ class FdsKind final : public MediumKind {
             {"background", {1, 1, 1}},
             {"lights", OrderedJson::array({{{"kind", "ambient"}, {"radiance", {1, 1, 1}}}})},
             {"media", OrderedJson::array({{{"kind", "smoke"},
-                                               {"case", name},
-                                               {"building", "open"},
-                                               {"albedo", {0.09, 0.09, 0.09}}}})}};
+                                           {"case", name},
+                                           {"building", "open"},
+                                           {"albedo", {0.09, 0.09, 0.09}}}})}};
   }
 
   bool shares(const std::string& key) const override { return key == "mode" || key == "C"; }

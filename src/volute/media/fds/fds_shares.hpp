@@ -8,8 +8,8 @@
 namespace volute {
 
 /// kUnsupported for what ranks cannot draw that hold a share of a case's meshes each: iso-surfaces,
-/// and fire where meshes of two shares overlap, since the fire and the smoke of a place must be held
-/// together.
+/// and fire where meshes of two shares overlap, since the fire and the smoke of a place must be
+/// held together.
 [[nodiscard]] Status checkShares(const SmokeDescription& description, const SmvIndex& index,
                                  int shares, bool burns);
 

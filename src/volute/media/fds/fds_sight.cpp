@@ -90,9 +90,8 @@ FdsInstant::Blocks::OfLattice FdsInstant::Blocks::of(const FdsLattice& lattice,
     count[axis] = blocks.lattice.cells(axis);
     size[axis] = lattice.cells(axis) + (lattice.nodal ? 1 : 0);
   }
-  const std::size_t all =
-      static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) *
-      static_cast<std::size_t>(count[2]);
+  const std::size_t all = static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) *
+                          static_cast<std::size_t>(count[2]);
   constexpr float kMax = std::numeric_limits<float>::infinity();
   blocks.low.assign(all, kMax);
   blocks.high.assign(all, 0);
@@ -109,10 +108,12 @@ FdsInstant::Blocks::OfLattice FdsInstant::Blocks::of(const FdsLattice& lattice,
           };
           for (int z = block[2] * kEdge; z < end(2); ++z) {
             for (int y = block[1] * kEdge; y < end(1); ++y) {
-              const std::size_t row = (static_cast<std::size_t>(z) * static_cast<std::size_t>(sizes[1]) +
-                                       static_cast<std::size_t>(y)) *
-                                      static_cast<std::size_t>(sizes[0]);
-              for (int x = block[0] * kEdge; x < end(0); ++x) visit(row + static_cast<std::size_t>(x));
+              const std::size_t row =
+                  (static_cast<std::size_t>(z) * static_cast<std::size_t>(sizes[1]) +
+                   static_cast<std::size_t>(y)) *
+                  static_cast<std::size_t>(sizes[0]);
+              for (int x = block[0] * kEdge; x < end(0); ++x)
+                visit(row + static_cast<std::size_t>(x));
             }
           }
         };
@@ -174,9 +175,8 @@ void FdsInstant::bounds(std::span<const SightLine> lines, std::span<double> low,
   }
   for (std::size_t i = 0; i < lines.size(); ++i) {
     low[i] = std::max(0.0, low[i] * (1 - kRounding) - kRounding);
-    high[i] = segments[i].end - known[i] <= kTolerance
-                  ? high[i] * (1 + kRounding) + kRounding
-                  : std::numeric_limits<double>::infinity();
+    high[i] = segments[i].end - known[i] <= kTolerance ? high[i] * (1 + kRounding) + kRounding
+                                                       : std::numeric_limits<double>::infinity();
   }
 }
 

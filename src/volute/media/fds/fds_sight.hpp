@@ -77,7 +77,9 @@ class FdsSight final : public SightField {
   std::optional<double> north() const override { return case_.index().north; }
 
   std::vector<double> changes() const override;
+
   bool interpolates() const override { return true; }
+
   [[nodiscard]] Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override;
   [[nodiscard]] Result<CaseFacts> facts() override;
 

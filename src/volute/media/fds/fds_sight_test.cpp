@@ -13,7 +13,8 @@
 namespace volute {
 namespace {
 
-/// Two meshes of other cells beside each other, evenly spaced or wider along y, uneven smoke, an obstruction and an unknown corner.
+/// Two meshes of other cells beside each other, evenly spaced or wider along y, uneven smoke, an
+/// obstruction and an unknown corner.
 FdsInstant twoMeshes(bool nodal, bool even) {
   SmvIndex index;
   std::vector<FdsLattice> lattices;

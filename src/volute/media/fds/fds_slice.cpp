@@ -159,14 +159,13 @@ Result<FdsSliceSheet> FdsSliceSheet::open(const SmvIndex& index, const std::stri
         continue;
       if (!flat && (named.place < opened.bounds().min[named.axis] ||
                     named.place > opened.bounds().max[named.axis])) {
-        return fail(ErrorCode::kInvalidArgument, "{}: {} is outside of the case; expected {:g} to {:g} m",
-                    index.path.string(), quantity, opened.bounds().min[named.axis],
-                    opened.bounds().max[named.axis]);
+        return fail(ErrorCode::kInvalidArgument,
+                    "{}: {} is outside of the case; expected {:g} to {:g} m", index.path.string(),
+                    quantity, opened.bounds().min[named.axis], opened.bounds().max[named.axis]);
       }
       const FdsSourcePart& part = opened.source().parts.front();
-      sheet.unit_ = opened.source().kind == FdsFileKind::kSlice
-                        ? index.slices[part.entry].labels.unit
-                        : "";
+      sheet.unit_ =
+          opened.source().kind == FdsFileKind::kSlice ? index.slices[part.entry].labels.unit : "";
       if (opened.source().kind == FdsFileKind::kPlot)
         sheet.unit_ = index.plots[part.entry]
                           .labels[static_cast<std::size_t>(opened.source().plotVariable)]

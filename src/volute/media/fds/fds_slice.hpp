@@ -13,14 +13,14 @@
 
 namespace volute {
 
-/// 2D slices of one quantity of an FDS case, or a plane through it, as coloured sheets. Opaque: what
-/// lies behind is hidden.
+/// 2D slices of one quantity of an FDS case, or a plane through it, as coloured sheets. Opaque:
+/// what lies behind is hidden.
 class FdsSliceSheet {
  public:
   /// `quantity` as FDS names it: all 2D slices of it; or with a plane, as TEMPERATURE z=1.5: those
   /// within half a cell of it, else a cut through 3D slices or PLOT3D. `range` of the colours
-  /// (viridis); without one it is that of all values at all times, for which all are read. kNotFound
-  /// when the case has no such slice; the error names those that it has.
+  /// (viridis); without one it is that of all values at all times, for which all are read.
+  /// kNotFound when the case has no such slice; the error names those that it has.
   [[nodiscard]] static Result<FdsSliceSheet> open(const SmvIndex& index,
                                                   const std::string& quantity,
                                                   std::optional<std::array<double, 2>> range,

@@ -13,7 +13,7 @@ namespace volute {
 namespace {
 
 constexpr std::size_t kMaxSheets = 64;  // of which 0.6^64 = 6e-15 of the light passes
-constexpr double kBehind = 1e-5;         // [m] and of the distance: where to look for the next one
+constexpr double kBehind = 1e-5;        // [m] and of the distance: where to look for the next one
 
 Vec3 pointOf(const FdsIsoFrame& frame, std::int32_t vertex) {
   const auto& [x, y, z] = frame.vertices[static_cast<std::size_t>(vertex)];
@@ -111,8 +111,9 @@ void FdsTriangleSheets::pieces(std::span<const Segment> segments,
     const std::vector<Hit> hits = crossings(segments[i]);
     roots.clear();
     for (const Hit& hit : hits) roots.push_back(hit.distance);
-    sheetPieces(segments[i], roots, kOpacity,
-                [&](std::size_t root) { return shaded(segments[i], hits[root]); }, pieces[i]);
+    sheetPieces(
+        segments[i], roots, kOpacity,
+        [&](std::size_t root) { return shaded(segments[i], hits[root]); }, pieces[i]);
   }
 }
 

@@ -30,6 +30,7 @@ class FdsTriangleSheets {
 
   /// A sheet has no thickness that a point would find.
   double extinction(const Vec3&) const { return 0; }
+
   Rgb emission(const Vec3&) const { return Rgb::Zero(); }
 
   void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const;

@@ -25,7 +25,7 @@ struct FogFrame {
 
 /// What the files do not say.
 struct FogFrameOptions {
-  bool depthAlongRay = false;  ///< from the eye; else along the view axis
+  bool depthAlongRay = false;                            ///< from the eye; else along the view axis
   double sky = std::numeric_limits<double>::infinity();  ///< [m], depths from here on are sky
   std::optional<double> time{};  ///< [s] of the fog; else the frame's number / rate
   double rate = 25;              ///< frames a second, > 0
@@ -37,8 +37,8 @@ struct FogFrameOptions {
 [[nodiscard]] Result<std::vector<FogFrame>> fogFrames(const FogFrame& names,
                                                       const std::optional<FrameRange>& chosen);
 
-/// The frame behind the fog, linear RGB: out = T color + (1 - T) fog-color, T integrated exactly from
-/// the eye to the frame's depth. Errors name the file and, of depths, the pixel.
+/// The frame behind the fog, linear RGB: out = T color + (1 - T) fog-color, T integrated exactly
+/// from the eye to the frame's depth. Errors name the file and, of depths, the pixel.
 [[nodiscard]] Result<Image> fogOver(const FogFrame& frame, const FogLayer& layer,
                                     const FogFrameOptions& options, Reading& reading);
 

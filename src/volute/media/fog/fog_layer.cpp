@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fog/fog_layer.hpp"
-#include "volute/media/volume/volume_input.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/media/volume/volume_input.hpp"
 
 namespace volute {
 namespace {

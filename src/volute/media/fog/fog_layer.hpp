@@ -13,9 +13,9 @@
 #include "volute/fog/polar_table.hpp"
 #include "volute/fog/sunlit_fog.hpp"
 #include "volute/geometry/triangle_scene.hpp"
-#include "volute/medium/any_medium.hpp"
 #include "volute/media/fog/fog_file.hpp"
 #include "volute/media/reading.hpp"
+#include "volute/medium/any_medium.hpp"
 
 namespace volute {
 

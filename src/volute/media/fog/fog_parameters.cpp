@@ -37,9 +37,9 @@ void addLayers(ParameterGroup& group, const FogProfileDescription& profile) {
     return;
   for (std::size_t i = 0; i < profile.layers.size(); ++i) {
     const auto& at = profile.layers[i];
-    Parameter& made = group.point(fmt::format("layer {}", i + 1),
-                                  fmt::format("profile/layers/{}", i), {at[0], at[1], at[2]}, "",
-                                  0.02);
+    Parameter& made =
+        group.point(fmt::format("layer {}", i + 1), fmt::format("profile/layers/{}", i),
+                    {at[0], at[1], at[2]}, "", 0.02);
     made.entry = true, made.removable = profile.layers.size() > 1;
     made.help = "bottom and top above the map's origin [m]; share of the density, which adds";
   }
@@ -66,12 +66,13 @@ void takeProfile(OrderedJson& json, const FogProfile& before, std::string_view k
     json["profile"] = {{"kind", kind}, {"bottom", at.begin}, {"height", at.length()}};
   } else if (kind == "linear") {
     json["profile"] = {{"kind", kind}};
-    json["profile"]["knots"] = OrderedJson::array(
-        {OrderedJson::array({at.begin, 1.0}), OrderedJson::array({middle, 0.7}), OrderedJson::array({at.end, 0.0})});
+    json["profile"]["knots"] =
+        OrderedJson::array({OrderedJson::array({at.begin, 1.0}), OrderedJson::array({middle, 0.7}),
+                            OrderedJson::array({at.end, 0.0})});
   } else if (kind == "layers") {
     json["profile"] = {{"kind", kind}};
-    json["profile"]["layers"] =
-        OrderedJson::array({OrderedJson::array({at.begin, middle, 1.0}), OrderedJson::array({middle, at.end, 0.5})});
+    json["profile"]["layers"] = OrderedJson::array(
+        {OrderedJson::array({at.begin, middle, 1.0}), OrderedJson::array({middle, at.end, 0.5})});
   } else {
     json.erase("profile");
   }

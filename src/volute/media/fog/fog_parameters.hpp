@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "volute/media/fog/fog_file.hpp"
 #include "volute/media/field_sliders.hpp"
+#include "volute/media/fog/fog_file.hpp"
 
 namespace volute {
 

@@ -99,9 +99,9 @@ std::shared_ptr<const MediumAt> FogAt::litBy(const MediaLight& light) const {
     return nullptr;
   auto lit = std::make_shared<FogAt>(layer_, time_, factor_, sunlit_);
   const AnyMedium density(fog_);
-  lit->lampLit_.emplace(sunlit_ ? AnyMedium(*sunlit_) : density, density, light.lamps,
-                        LampScattering{scattering.albedo, scattering.asymmetry, light.between,
-                                       light.blocks});
+  lit->lampLit_.emplace(
+      sunlit_ ? AnyMedium(*sunlit_) : density, density, light.lamps,
+      LampScattering{scattering.albedo, scattering.asymmetry, light.between, light.blocks});
   return lit;
 }
 

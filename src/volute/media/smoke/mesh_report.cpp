@@ -86,8 +86,7 @@ void addMesh(Report& report, const Result<std::shared_ptr<const TetMesh>>& mesh,
   report.add("usable", true, "")
       .add("tetrahedra", (*mesh)->tets().size(),
            fmt::format("{}, with {} vertices", (*mesh)->tets().size(), (*mesh)->vertices().size()))
-      .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()},
-           boxText(b))
+      .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()}, boxText(b))
       .add("volume", jsonNumber(shape.volume), fmt::format("{:.6g} m3", shape.volume))
       .add("parts", shape.parts,
            fmt::format("{}{}", shape.parts, shape.parts > 1 ? " that share no face" : ""))

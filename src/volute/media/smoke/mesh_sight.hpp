@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "volute/io/mesh_source.hpp"
+#include "volute/media/sight.hpp"
 #include "volute/optics/extinction.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
-#include "volute/media/sight.hpp"
 
 namespace volute {
 

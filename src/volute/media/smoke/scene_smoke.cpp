@@ -8,13 +8,13 @@
 #include "volute/base/input_file.hpp"
 #include "volute/fds/smv_index.hpp"
 #include "volute/io/mesh_source.hpp"
-#include "volute/optics/smoke_potential.hpp"
 #include "volute/media/clock_fields.hpp"
-#include "volute/media/smoke/fds_look.hpp"
 #include "volute/media/law_field.hpp"
+#include "volute/media/smoke/fds_look.hpp"
 #include "volute/media/smoke/smoke_parameters.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
 #include "volute/media/volume/volume_input.hpp"
+#include "volute/optics/smoke_potential.hpp"
 
 namespace volute {
 namespace {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
+#include "volute/media/clock.hpp"
+#include "volute/media/field.hpp"
+#include "volute/media/smoke/fds_look.hpp"
 #include "volute/optics/extinction.hpp"
 #include "volute/optics/visibility.hpp"
-#include "volute/media/smoke/fds_look.hpp"
-#include "volute/media/field.hpp"
-#include "volute/media/clock.hpp"
 #include "volute/tetmesh/tet_field.hpp"
 
 namespace volute {

@@ -44,14 +44,17 @@ Result<std::vector<float>> sharedLampShares(Team& team, const TetLocator& own,
                                             const Box3& bounds) {
   const double near = 1e-6 * bounds.size().maxCoeff();
   const std::span<const Vec3> vertices = own.mesh().vertices();
+
   struct Holder {
     std::uint64_t vertices = 0;
     std::uint64_t hasLamp = 0;
   };
+
   const bool spot = lamp.kind == Lamp::Kind::kSpot;
   const Holder self{vertices.size(), spot && own.find(lamp.position) >= 0};
   VOLUTE_ASSIGN(const auto holders, gatherValues(team, std::span<const Holder>(&self, 1)));
-  const bool inside = std::ranges::any_of(holders, [](const Holder& one) { return one.hasLamp != 0; });
+  const bool inside =
+      std::ranges::any_of(holders, [](const Holder& one) { return one.hasLamp != 0; });
   std::vector<float> shares(vertices.size(), 0);
   // All ranks ask at once, so many vertices each.
   const std::size_t some =

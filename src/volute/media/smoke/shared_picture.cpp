@@ -17,8 +17,8 @@ namespace {
 /// Pixels that are exchanged together: bounds what ranks hold of each other's.
 constexpr std::size_t kStrip = std::size_t{1} << 16;
 
-/// Segments of all ranks whose depths are asked for together. A rank holds those of others that pass
-/// its box: all of them at worst, 8 MB.
+/// Segments of all ranks whose depths are asked for together. A rank holds those of others that
+/// pass its box: all of them at worst, 8 MB.
 constexpr std::size_t kWays = std::size_t{1} << 17;
 
 /// A gap between pieces that rounding makes, relative to where it is.
@@ -39,6 +39,7 @@ struct Bands {
 /// As it travels.
 struct SentRun {
   SentRun() = default;
+
   SentRun(std::size_t place, const HeldRun& run)
       : pixel(static_cast<std::uint32_t>(place)),
         transmittance(static_cast<float>(run.radiance.transmittance)),
@@ -160,8 +161,7 @@ void composeRuns(Team& team, const std::function<std::vector<HeldRun>(std::size_
     for (int rank = 0; rank < team.size(); ++rank) {
       auto& sent = toOwners.emplace_back();
       for (std::size_t i = bands.begin(rank); i < bands.begin(rank + 1); ++i) {
-        for (const HeldRun& run : own[i])
-          sent.emplace_back(i - bands.begin(rank), run);
+        for (const HeldRun& run : own[i]) sent.emplace_back(i - bands.begin(rank), run);
       }
     }
     const auto received = exchangeValues(team, std::span<const std::vector<SentRun>>(toOwners));
@@ -180,10 +180,12 @@ Status sumAlong(Team& team, std::span<const Segment> ways, std::span<double> dep
   const auto ranks = static_cast<std::size_t>(team.size());
   const auto self = static_cast<std::size_t>(team.rank());
   const std::size_t some = std::max<std::size_t>(1, kWays / ranks);
+
   struct Holder {
     std::uint64_t parts = 0;
     Box3 box;
   };
+
   const Holder holder{(ways.size() + some - 1) / some, held};
   VOLUTE_ASSIGN(const auto holders, gatherValues(team, std::span(&holder, 1)));
   std::ranges::fill(depths, 0.0);
@@ -208,8 +210,7 @@ Status sumAlong(Team& team, std::span<const Segment> ways, std::span<double> dep
     VOLUTE_ASSIGN(const auto asked,
                   exchangeValues(team, std::span<const std::vector<Segment>>(toEach)));
     std::vector<std::vector<double>> answers;
-    for (const auto& segments : asked)
-      own(segments, answers.emplace_back(segments.size()));
+    for (const auto& segments : asked) own(segments, answers.emplace_back(segments.size()));
     VOLUTE_ASSIGN(auto found, exchangeValues(team, std::span<const std::vector<double>>(answers)));
     found[self] = std::move(ofSelf);
     for (std::size_t rank = 0; rank < ranks; ++rank) {

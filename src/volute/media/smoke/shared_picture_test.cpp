@@ -55,9 +55,10 @@ TEST(SharedPicture, PiecesOfRanksComeToWhatAllOfThemDo) {
       }
       const auto runs = runsOf(own);
       std::vector<float> rgbt(4 * kPixels, -1);
-      composeRuns(team, [&](std::size_t pixel) {
-        return pixel % 1000 == 7 ? runs : std::vector<HeldRun>();
-      }, rgbt);
+      composeRuns(
+          team,
+          [&](std::size_t pixel) { return pixel % 1000 == 7 ? runs : std::vector<HeldRun>(); },
+          rgbt);
       for (const std::size_t pixel : {std::size_t{7}, std::size_t{69007}}) {
         for (int c = 0; c < 3; ++c)
           EXPECT_NEAR(rgbt[4 * pixel + static_cast<std::size_t>(c)], expected.emitted[c], 1e-5);
@@ -92,9 +93,9 @@ TEST(SharedPicture, RunsOfSeveralMediaAreTheirUnion) {
   EXPECT_EQ(runs[0].end, runsOf(smoke)[1].end);
   const Radiance expected = compositeMedia(both);
   for (int c = 0; c < 3; ++c) {
-    EXPECT_NEAR(runs[0].radiance.emitted[c] +
-                    runs[0].radiance.transmittance * runs[1].radiance.emitted[c],
-                expected.emitted[c], 1e-9);
+    EXPECT_NEAR(
+        runs[0].radiance.emitted[c] + runs[0].radiance.transmittance * runs[1].radiance.emitted[c],
+        expected.emitted[c], 1e-9);
   }
 }
 
@@ -119,8 +120,7 @@ TEST(SharedPicture, DepthsAlongWaysAreThoseOfAllRanks) {
 TEST(SharedPicture, OnlyRanksWhoseBoxesAWayPassesAreAsked) {
   onRanks(4, [](Team& team) {
     const double low = team.rank();
-    const Box3 held =
-        team.rank() == 3 ? Box3() : Box3{Vec3(low, 0, 0), Vec3(low + 1, 1, 1)};
+    const Box3 held = team.rank() == 3 ? Box3() : Box3{Vec3(low, 0, 0), Vec3(low + 1, 1, 1)};
     std::vector<Segment> ways;
     for (int i = 0; i < 50000; ++i) {
       const double begin = 0.5 * (i % 7), end = begin + 0.5 * (i % 5);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/media/contour.hpp"
-
 #include <gtest/gtest.h>
 
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/media/contour.hpp"
 #include "volute/media/smoke/smoke_scene_medium.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 

@@ -27,8 +27,8 @@ std::vector<float> between(const std::vector<float>& a, const std::vector<float>
 }  // namespace
 
 Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
-                                    std::shared_ptr<const SmokeLighting> lighting,
-                                    Reading& reading, Team* holders) {
+                                    std::shared_ptr<const SmokeLighting> lighting, Reading& reading,
+                                    Team* holders) {
   constexpr std::uint64_t kPerTet = 210;  // bytes, of light and of what finds tets, measured
   MeshOptions options{description.field, description.negatives, reading.maxMemory, kPerTet};
   if (holders)
@@ -116,12 +116,14 @@ Status SmokeLayer::checkShare(const Stored& stored) const {
   if (description_.walls)
     beyond = "its walls are between pieces as well: leave 'walls' out";
   else if (stored.frame.ofCells)
-    beyond = "points between pieces have the mean of cells on both sides: convert the field to "
-             "values of points";
+    beyond =
+        "points between pieces have the mean of cells on both sides: convert the field to "
+        "values of points";
   if (beyond.empty())
     return {};
-  return fail(ErrorCode::kUnsupported, "{}: cannot be held in shares: {}; or let each rank hold all",
-              description_.file, beyond);
+  return fail(ErrorCode::kUnsupported,
+              "{}: cannot be held in shares: {}; or let each rank hold all", description_.file,
+              beyond);
 }
 
 /// Of all shares. Collective where there are several.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/smoke/smoke_layer.hpp"
-#include "volute/media/smoke/smoke_parameters.hpp"
 
 #include <gtest/gtest.h>
 
 #include "volute/io/testing.hpp"
 #include "volute/io/vtu_writer.hpp"
+#include "volute/media/smoke/smoke_parameters.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 
 namespace volute {

@@ -6,8 +6,8 @@
 #include <cctype>
 #include <initializer_list>
 
-#include "volute/optics/smoke_potential.hpp"
 #include "volute/media/smoke/smoke_layer.hpp"
+#include "volute/optics/smoke_potential.hpp"
 
 namespace volute {
 namespace {
@@ -104,7 +104,8 @@ void addPotential(ParameterGroup& group, const void* smoke, const MediumFacts& /
 }
 
 std::string guessSmoke(nlohmann::ordered_json& smoke, const SmokeLayer& layer) {
-  const Doubt doubt = doubtOf(layer.description().model, {.largestExtinction = layer.largestExtinction()});
+  const Doubt doubt =
+      doubtOf(layer.description().model, {.largestExtinction = layer.largestExtinction()});
   if (doubt.text.empty())
     return "";
   std::string name = layer.fieldName();
@@ -117,17 +118,19 @@ std::string guessSmoke(nlohmann::ordered_json& smoke, const SmokeLayer& layer) {
   const bool optical = says({"ext", "kappa", "sigma", "1/m", "beta"});
   if (doubt.extinction && (optical || !mass)) {
     setSmoke(smoke, "quantity", "extinction");
-    return fmt::format("field '{}' is taken for extinction in 1/m, unless you say otherwise: as soot "
-                       "in kg/m3 it would be {}",
-                       layer.fieldName(), doubt.text);
+    return fmt::format(
+        "field '{}' is taken for extinction in 1/m, unless you say otherwise: as soot "
+        "in kg/m3 it would be {}",
+        layer.fieldName(), doubt.text);
   }
   if (doubt.units.empty())
     return "";
   const char* const unit = kUnitNames[doubt.units.front()];
   smoke["unit"] = unit;
-  return fmt::format("field '{}' is taken for soot in {}, unless you say otherwise: in kg/m3 it would "
-                     "be {}",
-                     layer.fieldName(), unit, doubt.text);
+  return fmt::format(
+      "field '{}' is taken for soot in {}, unless you say otherwise: in kg/m3 it would "
+      "be {}",
+      layer.fieldName(), unit, doubt.text);
 }
 
 bool setSmoke(nlohmann::ordered_json& smoke, const std::string& key,

@@ -8,9 +8,10 @@
 #include <cmath>
 
 #include "volute/base/remark_log.hpp"
+#include "volute/camera/pixel_ray.hpp"
 #include "volute/fds/smv_index.hpp"
 #include "volute/media/light_blockers.hpp"
-#include "volute/camera/pixel_ray.hpp"
+#include "volute/media/smoke/mesh_report.hpp"
 #include "volute/media/smoke/mesh_sight.hpp"
 #include "volute/media/smoke/shared_picture.hpp"
 #include "volute/media/smoke/smoke_contour.hpp"
@@ -20,7 +21,6 @@
 #include "volute/tetmesh/tet_marcher.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
 #include "volute/tetmesh/tet_splat.hpp"
-#include "volute/media/smoke/mesh_report.hpp"
 
 namespace volute {
 namespace {
@@ -86,14 +86,17 @@ class MeshPicture final : public MediumPicture {
                      std::span<float> rgbt) const {
     const TetMedium own(locator_, extinction_, source_);
     const auto width = static_cast<std::size_t>(camera.width());
-    composeRuns(*holders_, [&](std::size_t pixel) {
-      const Segment ray = pixelRay(camera, static_cast<int>(pixel % width),
-                                   static_cast<int>(pixel / width), opaqueDepth);
-      std::vector<Piece> pieces;
-      if (ray.begin < ray.end)
-        own.pieces(std::span(&ray, 1), std::span(&pieces, 1));
-      return heldRuns(std::span(&pieces, 1));
-    }, rgbt);
+    composeRuns(
+        *holders_,
+        [&](std::size_t pixel) {
+          const Segment ray = pixelRay(camera, static_cast<int>(pixel % width),
+                                       static_cast<int>(pixel / width), opaqueDepth);
+          std::vector<Piece> pieces;
+          if (ray.begin < ray.end)
+            own.pieces(std::span(&ray, 1), std::span(&pieces, 1));
+          return heldRuns(std::span(&pieces, 1));
+        },
+        rgbt);
   }
 
   std::shared_ptr<const TetLocator> locator_;
@@ -148,8 +151,8 @@ class SmokeKind final : public MediumKind {
       options.field = smoke.densityField;
       VOLUTE_ASSIGN(density, MeshSource::open(smoke.file, options));
     }
-    VOLUTE_ASSIGN(auto sight, MeshSight::open(std::move(source), std::move(density), smoke.model,
-                                              smoke.file));
+    VOLUTE_ASSIGN(auto sight,
+                  MeshSight::open(std::move(source), std::move(density), smoke.model, smoke.file));
     if (smoke.field.empty())
       sight->remarkOnOthers();
     return std::unique_ptr<SightField>(std::move(sight));

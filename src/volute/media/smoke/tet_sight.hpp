@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "volute/tetmesh/tet_locator.hpp"
 #include "volute/media/sight.hpp"
+#include "volute/tetmesh/tet_locator.hpp"
 
 namespace volute {
 

@@ -26,7 +26,7 @@ void addRatios(Report& report, std::uint64_t raw, std::uint64_t bytes,
 }  // namespace
 
 Report compressionReport(const std::string& target, const CompressedGrids& result, int frames,
-                   std::optional<std::uint64_t> inputBytes) {
+                         std::optional<std::uint64_t> inputBytes) {
   Report report;
   report.add("output", target)
       .add("frames", frames, fmt::format("{}", frames))
@@ -54,11 +54,12 @@ Report compressionReport(const std::string& target, const CompressedGrids& resul
                     {"maximum", one.valueMax}});
     text += fmt::format("\n  {:<16} ", grid.name);
     text += empty ? std::string("empty")
-                  : fmt::format("{} x {} x {}{}, {:.4g} to {:.4g}: {}, relative rms {:.3g}, max error "
-                                "{:.3g}",
-                                grid.info.x, grid.info.y, grid.info.z,
-                                grid.info.channels == 3 ? " x 3" : "", one.valueMin, one.valueMax,
-                                bytesText(one.fileBytes), one.relativeRms, one.maxError);
+                  : fmt::format(
+                        "{} x {} x {}{}, {:.4g} to {:.4g}: {}, relative rms {:.3g}, max error "
+                        "{:.3g}",
+                        grid.info.x, grid.info.y, grid.info.z,
+                        grid.info.channels == 3 ? " x 3" : "", one.valueMin, one.valueMax,
+                        bytesText(one.fileBytes), one.relativeRms, one.maxError);
   }
   const double speed =
       static_cast<double>(result.rawBytes()) / 1e6 / std::max(result.seconds, 1e-9);
@@ -70,7 +71,7 @@ Report compressionReport(const std::string& target, const CompressedGrids& resul
 }
 
 Report compressionReport(const std::string& target, const VolumeInfo& info,
-                      const CompressReport& result, std::optional<std::uint64_t> inputBytes) {
+                         const CompressReport& result, std::optional<std::uint64_t> inputBytes) {
   const double speed = static_cast<double>(result.rawBytes) / 1e6 / std::max(result.seconds, 1e-9);
   Report report;
   report.add("output", target);

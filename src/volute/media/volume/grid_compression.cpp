@@ -44,7 +44,12 @@ class GridFiles {
  public:
   GridFiles(const VolumeGrids& grids, const std::vector<std::size_t>& chosen,
             const std::string& target, const GridCompression& how, Reading& reading, Team& team)
-      : grids_(grids), chosen_(chosen), target_(target), how_(how), reading_(reading), team_(team) {}
+      : grids_(grids),
+        chosen_(chosen),
+        target_(target),
+        how_(how),
+        reading_(reading),
+        team_(team) {}
 
   /// Compresses all with these targets, in the order of `chosen`.
   Status compressAll(const std::vector<ErrorTarget>& targets);
@@ -56,7 +61,8 @@ class GridFiles {
 
  private:
   Status compressOne(std::size_t i, const ErrorTarget& target);
-  std::string errorIn(const VolumeGrid& grid, std::string message, const std::string& temporary) const;
+  std::string errorIn(const VolumeGrid& grid, std::string message,
+                      const std::string& temporary) const;
 
   const VolumeGrids& grids_;
   const std::vector<std::size_t>& chosen_;
@@ -145,8 +151,8 @@ Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
       return {};
     if (static_cast<double>(bytes) > *keep) {
       return fail(ErrorCode::kUnsupported,
-                  "{}: cannot be made as small as {:.0f} bytes; its {} grids take {}", target_, *keep,
-                  chosen_.size(), bytes);
+                  "{}: cannot be made as small as {:.0f} bytes; its {} grids take {}", target_,
+                  *keep, chosen_.size(), bytes);
     }
     return file.commit();
   };
@@ -164,7 +170,8 @@ bool wantsDescription(const VolumeGrid& grid) {
   const bool plainType = one.type == "float" || one.type == "vec3s";
   const bool plainClass = one.gridClass.empty() || one.gridClass == "fog volume";
   const bool plainMetadata = std::ranges::all_of(one.metadata.lists, [&](const MetadataList& list) {
-    return std::ranges::all_of(list, [&](const auto& entry) { return entry.name == kOwnTime || entry.name == kHalf; });
+    return std::ranges::all_of(
+        list, [&](const auto& entry) { return entry.name == kOwnTime || entry.name == kHalf; });
   });
   const bool inAllFrames =
       std::ranges::none_of(one.metadata.listOf, [](int list) { return list < 0; });
@@ -235,8 +242,7 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
   const ErrorTarget wanted = how.options.target;
   const bool sized = wanted.kind == Kind::kSize || wanted.kind == Kind::kRatio;
   GridFiles files(grids, chosen, target, how, reading, team);
-  std::vector<ErrorTarget> targets(chosen.size(),
-                                   sized ? ErrorTarget{Kind::kRms, 1e-2} : wanted);
+  std::vector<ErrorTarget> targets(chosen.size(), sized ? ErrorTarget{Kind::kRms, 1e-2} : wanted);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (const auto own = how.rms.find(grids.grids()[chosen[i]].name); own != how.rms.end())
       targets[i] = {Kind::kRms, own->second};
@@ -285,9 +291,9 @@ Result<std::map<std::string, double>> parseGridRms(const std::string& text) {
     const auto equals = one.rfind('=');
     double rms = 0;
     const char* const end = one.data() + one.size();
-    const bool number =
-        equals != std::string::npos && equals > 0 &&
-        std::from_chars(one.data() + equals + 1, end, rms).ptr == end && rms > 0 && rms <= 1;
+    const bool number = equals != std::string::npos && equals > 0 &&
+                        std::from_chars(one.data() + equals + 1, end, rms).ptr == end && rms > 0 &&
+                        rms <= 1;
     if (!number) {
       return fail(ErrorCode::kInvalidArgument,
                   "'{}' is no NAME=R; expected a grid's name and a relative RMS above 0, at "

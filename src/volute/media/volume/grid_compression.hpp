@@ -16,7 +16,7 @@ namespace volute {
 
 /// How the grids of a cache are compressed.
 struct GridCompression {
-  CompressOptions options;  ///< of each; a size or a ratio is that of the whole file
+  CompressOptions options;              ///< of each; a size or a ratio is that of the whole file
   std::map<std::string, double> rms{};  ///< relative RMS of single grids, by their names
   FrameRange frames{};
 };
@@ -41,7 +41,8 @@ struct CompressedGrids {
 [[nodiscard]] Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
                                                     const std::vector<std::size_t>& chosen,
                                                     const std::string& target,
-                                                    const GridCompression& how, Reading& reading, Team& team);
+                                                    const GridCompression& how, Reading& reading,
+                                                    Team& team);
 
 /// Compresses a volume of any format, or grids of a cache, as compressionReport() states it. Grids
 /// that hold no volume are left out with a remark; a single grid of which there is no more to say

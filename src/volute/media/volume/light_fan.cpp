@@ -24,9 +24,11 @@ struct Plane {
       : rows(rowCount),
         columns(columnCount),
         width(columnCount + 2 * kPad),
-        values(static_cast<std::size_t>(rowCount + 2 * kPad) * static_cast<std::size_t>(width), 0) {}
+        values(static_cast<std::size_t>(rowCount + 2 * kPad) * static_cast<std::size_t>(width), 0) {
+  }
 
   float* row(int b) { return &values[static_cast<std::size_t>((b + kPad) * width + kPad)]; }
+
   const float* row(int b) const {
     return &values[static_cast<std::size_t>((b + kPad) * width + kPad)];
   }
@@ -173,11 +175,12 @@ void LightFan::transmittances(const Lamp& lamp, std::span<float> out) const {
   if (lamp.kind == Lamp::Kind::kSun)
     fromSun((-lamp.direction).cwiseQuotient(voxel_), out);
   else
-    fromPoint((lamp.position - slice_.bounds().min).cwiseQuotient(voxel_) - Vec3::Constant(0.5), out);
+    fromPoint((lamp.position - slice_.bounds().min).cwiseQuotient(voxel_) - Vec3::Constant(0.5),
+              out);
 }
 
-/// All rays meet a plane at the same place between its values, so that a step from plane to plane is
-/// one weighted sum of them.
+/// All rays meet a plane at the same place between its values, so that a step from plane to plane
+/// is one weighted sum of them.
 void LightFan::fromSun(const Vec3& towards, std::span<float> out) const {
   Eigen::Index main = 0;
   towards.cwiseAbs().maxCoeff(&main);
@@ -338,18 +341,20 @@ void LightFan::inPyramid(const Vec3& lamp, std::size_t axis, int sign,
       row.dc = static_cast<float>(v * (far - near));
       row.dcStep = static_cast<float>((far - near) / perSlope);
       row.z = z0;
-      parallelRanges(static_cast<std::size_t>(count[0]), 4, [&](std::size_t first, std::size_t end) {
-        for (std::size_t i = first; i < end; ++i) {
-          FanRow one = row;
-          const double u = (begin[0] + static_cast<int>(i)) / perSlope;
-          one.b = static_cast<float>(lb + u * near), one.db = static_cast<float>(u * (far - near));
-          if (std::max(one.b, one.b + one.db) < -1 ||
-              std::min(one.b, one.b + one.db) > static_cast<float>(rows))
-            continue;
-          addFanRow(both, one, rays, static_cast<float>(far - near), perStep + i * rays,
-                    depths + i * rays);
-        }
-      });
+      parallelRanges(static_cast<std::size_t>(count[0]), 4,
+                     [&](std::size_t first, std::size_t end) {
+                       for (std::size_t i = first; i < end; ++i) {
+                         FanRow one = row;
+                         const double u = (begin[0] + static_cast<int>(i)) / perSlope;
+                         one.b = static_cast<float>(lb + u * near),
+                         one.db = static_cast<float>(u * (far - near));
+                         if (std::max(one.b, one.b + one.db) < -1 ||
+                             std::min(one.b, one.b + one.db) > static_cast<float>(rows))
+                           continue;
+                         addFanRow(both, one, rays, static_cast<float>(far - near),
+                                   perStep + i * rays, depths + i * rays);
+                       }
+                     });
     }
     const auto& points = planes.points[static_cast<std::size_t>(k - planes.first)];
     const double perFar = perSlope / far;

@@ -85,8 +85,8 @@ float smooth(const Vec3& p) {
   return static_cast<float>(4 * std::exp(-30 * from.squaredNorm()));
 }
 
-const Vec3 kWays[] = {Vec3(0, 0, 1),    Vec3(0, 0, -1),    Vec3(1, 0, 0),        Vec3(0, -1, 0),
-                      Vec3(1, 2, 3),    Vec3(-3, 0.2, 1),  Vec3(0.1, -2, -0.5),  Vec3(1, 1, 1),
+const Vec3 kWays[] = {Vec3(0, 0, 1),    Vec3(0, 0, -1),     Vec3(1, 0, 0),       Vec3(0, -1, 0),
+                      Vec3(1, 2, 3),    Vec3(-3, 0.2, 1),   Vec3(0.1, -2, -0.5), Vec3(1, 1, 1),
                       Vec3(-1, 1, 0.3), Vec3(0.5, -3, 2.9), Vec3(-0.2, -0.1, -4)};
 
 TEST(LightFan, RowsOfRaysHaveTheirExactMeans) {

@@ -104,8 +104,7 @@ Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, cons
     return of.description ? of.description->background : std::array<double, 3>{};
   };
   align(sourceA, outside(grid), sourceB, outside(other));
-  auto compared =
-      compareSources(std::move(sourceA), std::move(sourceB), request, progress, errors);
+  auto compared = compareSources(std::move(sourceA), std::move(sourceB), request, progress, errors);
   if (!compared)
     return fail(compared.error().code, "grid '{}': {}", grid.name, compared.error().message);
   compared->name = grid.name;

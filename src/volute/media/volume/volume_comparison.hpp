@@ -33,14 +33,15 @@ struct GridComparison {
   std::vector<int> frameNumbers{};  ///< of byFrame, in A
 
   double relativeRms() const { return empty ? 0 : whole.relativeRms(); }
+
   double psnr() const { return empty ? std::numeric_limits<double>::infinity() : whole.psnr(); }
 };
 
 struct VolumeComparison {
   std::vector<GridComparison> grids;  ///< one at least
   bool caches = false;  ///< one side or both has several grids, and they were compared by name
-  /// Of each grid the frame that differs most, its largest differences along y, seen from the front:
-  /// x to the right, z up. Of caches side by side, each divided by its range.
+  /// Of each grid the frame that differs most, its largest differences along y, seen from the
+  /// front: x to the right, z up. Of caches side by side, each divided by its range.
   std::optional<Image> errors{};
 
   /// The grid with the largest relative RMS.

@@ -22,8 +22,8 @@ namespace {
 
 /// Grids of a .volute that are taken out of it together.
 struct ExtractedGrids {
-  std::vector<GridTarget> targets;  ///< what becomes of each
-  std::vector<std::unique_ptr<FrameSource>> sources;  ///< of each; null: it is empty
+  std::vector<GridTarget> targets;                           ///< what becomes of each
+  std::vector<std::unique_ptr<FrameSource>> sources;         ///< of each; null: it is empty
   std::vector<std::shared_ptr<const VoluteReader>> readers;  ///< the same
   FrameMetadata fileMetadata;
   std::vector<int> positions;  ///< of the frames in the file, ascending
@@ -86,7 +86,8 @@ Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std:
       target.info.frames = static_cast<int>(extraction.positions.size());
       target.info.frameNumbers.clear(), target.info.times.clear();
       for (const int position : extraction.positions) {
-        target.info.frameNumbers.push_back(grid->info.frameNumbers[static_cast<std::size_t>(position)]);
+        target.info.frameNumbers.push_back(
+            grid->info.frameNumbers[static_cast<std::size_t>(position)]);
         target.info.times.push_back(grid->info.times[static_cast<std::size_t>(position)]);
       }
       all.sources.push_back(nullptr);
@@ -96,8 +97,9 @@ Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std:
     VOLUTE_ASSIGN(auto reader, openVolute(path, partial, reading, true, name));
     Extraction own = extraction;
     own.region = {{0, 0, 0}, {grid->info.x, grid->info.y, grid->info.z}};
-    own.maxMemory = static_cast<std::uint64_t>(static_cast<double>(extraction.maxMemory) *
-                                               static_cast<double>(grid->info.frameValues()) / voxels);
+    own.maxMemory =
+        static_cast<std::uint64_t>(static_cast<double>(extraction.maxMemory) *
+                                   static_cast<double>(grid->info.frameValues()) / voxels);
     VOLUTE_ASSIGN(auto source, ExtractSource::create(reader, std::move(own), reading.progress));
     target.info = source->info();
     all.sources.push_back(std::move(source));
@@ -111,8 +113,8 @@ Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std:
 /// @param sources  null ones give no values
 /// @param positions  of the frames in the file
 Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
-                     const std::vector<int>& positions, const MakeSink& makeSink,
-                     Reading& reading, Team& team) {
+                     const std::vector<int>& positions, const MakeSink& makeSink, Reading& reading,
+                     Team& team) {
   const auto frames = static_cast<std::int64_t>(positions.size());
   std::unique_ptr<CacheSink> sink;
   const auto make = [&]() -> Status {
@@ -127,7 +129,8 @@ Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
         return fail(ErrorCode::kCancelled, "stopped: extracting frame {} of {}", i + 1, frames);
       VOLUTE_TRY(readFrames(sources, static_cast<int>(i), values));
       VOLUTE_TRY(sink->writeFrame(values));
-      reading.progress.report("extracting", static_cast<double>(i + 1), static_cast<double>(frames));
+      reading.progress.report("extracting", static_cast<double>(i + 1),
+                              static_cast<double>(frames));
     }
     return sink->finish();
   }
@@ -138,21 +141,20 @@ Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
   }
   begins.push_back(positions.size());
   std::vector<std::size_t> counts;
-  for (const auto& source : sources)
-    counts.push_back(source ? source->info().frameValues() : 0);
+  for (const auto& source : sources) counts.push_back(source ? source->info().frameValues() : 0);
   GridValues taken;
-  OrderedDelivery delivery(
-      team, frames, reading.maxMemory / 8, [&](std::int64_t, const OrderedDelivery::Bytes& bytes) {
-        taken.resize(counts.size());
-        std::size_t at = 0;
-        for (std::size_t i = 0; i < counts.size(); ++i) {
-          taken[i].resize(counts[i]);
-          if (counts[i] > 0)
-            std::memcpy(taken[i].data(), bytes.data() + at, 4 * counts[i]);
-          at += 4 * counts[i];
-        }
-        return sink->writeFrame(taken);
-      });
+  OrderedDelivery delivery(team, frames, reading.maxMemory / 8,
+                           [&](std::int64_t, const OrderedDelivery::Bytes& bytes) {
+                             taken.resize(counts.size());
+                             std::size_t at = 0;
+                             for (std::size_t i = 0; i < counts.size(); ++i) {
+                               taken[i].resize(counts[i]);
+                               if (counts[i] > 0)
+                                 std::memcpy(taken[i].data(), bytes.data() + at, 4 * counts[i]);
+                               at += 4 * counts[i];
+                             }
+                             return sink->writeFrame(taken);
+                           });
   VOLUTE_TRY(team.forUnits(
       "extracting", static_cast<std::int64_t>(begins.size() - 1), reading.progress,
       [&](std::int64_t row) -> Status {
@@ -265,9 +267,7 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
                         const VolumeInfo& frames) {
   VOLUTE_ASSIGN(const auto extraction, extractionOf(frames));
   VOLUTE_ASSIGN(auto grids, openGrids(path_, names, extraction, request_.partial, reading_));
-  const MakeSink make = [&] {
-    return createCacheSink(target, grids.targets, grids.fileMetadata);
-  };
+  const MakeSink make = [&] { return createCacheSink(target, grids.targets, grids.fileMetadata); };
   VOLUTE_TRY(extractFrames(grids.sources, grids.positions, make, reading_, team_));
   std::array<std::uint64_t, 2> counts{};
   std::size_t blocks = 0;
@@ -286,11 +286,11 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
                     {"size", {info.x, info.y, info.z}},
                     {"channels", info.channels},
                     {"half", grid.description.half}});
-    text += fmt::format("\n  {:<16} {}", info.name,
-                        info.x == 0 ? std::string("empty")
-                                    : fmt::format("{} x {} x {}, {}{}", info.x, info.y, info.z,
-                                                  grid.description.type,
-                                                  grid.description.half ? " (half)" : ""));
+    text += fmt::format(
+        "\n  {:<16} {}", info.name,
+        info.x == 0 ? std::string("empty")
+                    : fmt::format("{} x {} x {}, {}{}", info.x, info.y, info.z,
+                                  grid.description.type, grid.description.half ? " (half)" : ""));
   }
   Report report;
   report.add("output", target)
@@ -345,15 +345,16 @@ Status extractVolute(const std::string& path, const std::string& target,
                 "with --field",
                 path, fmt::join(names, ", "));
   }
-  const bool asCache = extensionOf(target) == ".vdb" && !request.region &&
-                       (names.size() > 1 || described);
+  const bool asCache =
+      extensionOf(target) == ".vdb" && !request.region && (names.size() > 1 || described);
   if (asCache && !each)
     return extractor.cache(names, target, main->info());
   if (names.size() > 1 && !each) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{} has {} grids ({}), and '{}' holds one: choose one with --field, put {{grid}} into "
-                "the name, or write %04d.vdb files, which hold all",
-                path, names.size(), fmt::join(names, ", "), target);
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "{} has {} grids ({}), and '{}' holds one: choose one with --field, put {{grid}} into "
+        "the name, or write %04d.vdb files, which hold all",
+        path, names.size(), fmt::join(names, ", "), target);
   }
   for (const std::size_t i : chosen) {
     const std::string& name = grids->grids()[i].name;

@@ -71,7 +71,8 @@ const FieldTable& volumeFields() {
   static constexpr std::string_view kBases[] = {"box", "trilinear", "cubic"};
   static constexpr std::string_view kInterpolations[] = {"none", "auto", "linear", "velocity"};
   static constexpr std::string_view kLights[] = {"auto", "always", "never"};
-  static constexpr std::string_view kPresets[] = {"none", "auto", "fire", "smoke", "fire-and-smoke"};
+  static constexpr std::string_view kPresets[] = {"none", "auto", "fire", "smoke",
+                                                  "fire-and-smoke"};
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "file", .type = kFile, .access = member<&SceneVolume::file>(),

@@ -55,8 +55,7 @@ bool VolumeGrids::mayBe(const std::string& path) {
   if (isVolutePath(path) || extensionOf(path) == ".vdb")
     return true;
   std::error_code error;
-  return std::filesystem::is_directory(path, error) &&
-         listNumberedFiles(path, ".vdb").has_value();
+  return std::filesystem::is_directory(path, error) && listNumberedFiles(path, ".vdb").has_value();
 }
 
 Result<std::unique_ptr<VolumeGrids>> VolumeGrids::open(const std::string& path,
@@ -89,7 +88,11 @@ Result<std::vector<std::size_t>> VolumeGrids::choose(const std::string& list,
                                                      const std::string& path) const {
   std::vector<GridEntry> entries;
   for (const VolumeGrid& grid : grids_)
-    entries.push_back({grid.name, grid.empty ? "empty" : grid.description ? grid.description->type : "float", true});
+    entries.push_back({grid.name,
+                       grid.empty         ? "empty"
+                       : grid.description ? grid.description->type
+                                          : "float",
+                       true});
   std::vector<std::size_t> chosen;
   if (list.empty()) {
     for (std::size_t i = 0; i < grids_.size(); ++i) chosen.push_back(i);

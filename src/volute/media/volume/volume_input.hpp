@@ -23,8 +23,8 @@ struct InputOptions {
   bool partial = false;        ///< a damaged .volute is read as far as it is intact
   bool verify = true;          ///< with `partial`: looks through it first, and remarks on damage
   std::string usualGrid = "density";  ///< which of several, when none is named
-  bool byLayers = false;               ///< frames may be larger than memory; see SourceOptions
-  std::optional<RawLayout> raw{};      ///< of files without a header
+  bool byLayers = false;              ///< frames may be larger than memory; see SourceOptions
+  std::optional<RawLayout> raw{};     ///< of files without a header
 };
 
 /// An open volume of any format.

@@ -20,8 +20,7 @@ bool sameGrids(const Appearance& a, const Appearance& b) {
     return std::array<std::string, 3>{flames.field, flames.temperature,
                                       one.scatters() ? one.colors : ""};
   };
-  return of(a) == of(b) && a.interpolation == b.interpolation &&
-         a.velocityScale == b.velocityScale;
+  return of(a) == of(b) && a.interpolation == b.interpolation && a.velocityScale == b.velocityScale;
 }
 
 /// Lights of a picture that somebody takes: a sun from the left, and what is around.
@@ -100,8 +99,8 @@ class VolumeKind final : public MediumKind {
         !(lighting.surrounding.maxCoeff() > 0))
       addStudio(preset, lighting);
     if (appearance.extinction > 0 && !appearance.scatters() && !context.lights.suns.empty()) {
-      heard.remark(fmt::format("{}: {}: it scatters no light of the sun; say its albedo", context.file,
-                               context.path));
+      heard.remark(fmt::format("{}: {}: it scatters no light of the sun; say its albedo",
+                               context.file, context.path));
     }
     VOLUTE_ASSIGN(auto medium, volumeOf(volume.file, volume.input, appearance, context));
     medium->remarks.insert(medium->remarks.begin(), heard.remarks().begin(), heard.remarks().end());

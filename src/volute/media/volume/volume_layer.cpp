@@ -54,9 +54,9 @@ class BlackBodies {
     flame *= static_cast<float>(flames_.field.empty() ? 1 : flames_.scale);
     if (!(flame > 0))
       return;
-    const double kelvin = temperature ? flames_.zero + flames_.kelvin * *temperature
-                                      : flames_.coolest + (flames_.hottest - flames_.coolest) *
-                                                              std::min(flame, 1.0F);
+    const double kelvin =
+        temperature ? flames_.zero + flames_.kelvin * *temperature
+                    : flames_.coolest + (flames_.hottest - flames_.coolest) * std::min(flame, 1.0F);
     if (!(kelvin > kMin))
       return;
     const double place = std::min((kelvin - kMin) / (kMax - kMin), 1.0) * (kCount - 1);
@@ -226,23 +226,24 @@ Status VolumeLayer::openOthers(Reading& reading) {
       return tl::unexpected(std::move(found.error()));
     const VolumeInfo& info = found->source->info();
     if (info.frameNumbers != input_->source->info().frameNumbers) {
-      return fail(ErrorCode::kInvalidData,
-                  "{}: grid '{}' has {} frames, but '{}' has {}; grids that are shown together need "
-                  "the same",
-                  path_, name, info.frames, input_->source->info().name, info_.frames);
+      return fail(
+          ErrorCode::kInvalidData,
+          "{}: grid '{}' has {} frames, but '{}' has {}; grids that are shown together need "
+          "the same",
+          path_, name, info.frames, input_->source->info().name, info_.frames);
     }
     others_[name] = std::make_shared<VolumeInput>(std::move(*found));
     if (std::ranges::find(velocities_, name) != velocities_.end())
       continue;  // where nothing else is, it moves nothing
     reached.extend(info.bounds.min), reached.extend(info.bounds.max);
   }
-  const VolumeInfo wide =
-      widenedTo(input_->source->info(), options_.bounds ? box : reached);
+  const VolumeInfo wide = widenedTo(input_->source->info(), options_.bounds ? box : reached);
   if (8 * wide.frameValues() > reading.maxMemory) {
-    return fail(ErrorCode::kTooLarge,
-                "{}: all that its grids reach takes {} x {} x {} voxels of '{}', more than the {} MiB "
-                "allowed; raise --max-memory",
-                path_, wide.x, wide.y, wide.z, wide.name, reading.maxMemory >> 20);
+    return fail(
+        ErrorCode::kTooLarge,
+        "{}: all that its grids reach takes {} x {} x {} voxels of '{}', more than the {} MiB "
+        "allowed; raise --max-memory",
+        path_, wide.x, wide.y, wide.z, wide.name, reading.maxMemory >> 20);
   }
   const auto sameVoxels = [&](const VolumeInfo& info) {
     return info.x == wide.x && info.y == wide.y && info.z == wide.z && onOneLattice(info, wide);
@@ -251,8 +252,9 @@ Status VolumeLayer::openOthers(Reading& reading) {
     if (!input || sameVoxels(input->source->info()))
       continue;
     if (!onOneLattice(input->source->info(), wide)) {
-      reading.progress.remark(fmt::format(
-          "{}: '{}' has other voxels than '{}' and is interpolated on those", path_, name, wide.name));
+      reading.progress.remark(
+          fmt::format("{}: '{}' has other voxels than '{}' and is interpolated on those", path_,
+                      name, wide.name));
     }
     input->source = fitTo(std::move(input->source), wide);
     input->reader = nullptr;  // its blocks are of other voxels
@@ -283,8 +285,8 @@ Result<std::shared_ptr<const std::vector<float>>> VolumeLayer::frameOf(FrameSour
   }
   auto values = std::make_shared<std::vector<float>>();
   VOLUTE_TRY(readInto(source, position, *values));
-  std::erase_if(
-      kept_, [&](const KeptFrame& kept) { return std::abs(kept.position - position) > 1; });
+  std::erase_if(kept_,
+                [&](const KeptFrame& kept) { return std::abs(kept.position - position) > 1; });
   kept_.push_back({&source, position, values});
   return values;
 }
@@ -301,8 +303,8 @@ Result<std::vector<float>> VolumeLayer::velocitiesOf(int position) {
                   frameOf(main ? *input_->source : *others_.at(name)->source, position));
     const std::size_t channels = values->size() / info_.voxels();
     if (channels != (velocities_.size() == 1 ? 3U : 1U)) {
-      return fail(ErrorCode::kInvalidData, "{}: the grid of velocities '{}' has {} channel{}", path_,
-                  name, channels, channels == 1 ? "; expected 3" : "s; expected 1");
+      return fail(ErrorCode::kInvalidData, "{}: the grid of velocities '{}' has {} channel{}",
+                  path_, name, channels, channels == 1 ? "; expected 3" : "s; expected 1");
     }
     for (std::size_t i = 0; i < values->size(); ++i)
       all[channels == 3 ? i : 3 * i + part] = (*values)[i];
@@ -439,8 +441,8 @@ Result<std::vector<Rgb>> VolumeLayer::colorsAt(double moment, std::span<const Ve
     }
     Rgb color;
     for (std::size_t c = 0; c < 3; ++c) {
-      const float value = planes[1].empty() ? planes[0][at * stride + (stride == 3 ? c : 0)]
-                                            : planes[c][at];
+      const float value =
+          planes[1].empty() ? planes[0][at * stride + (stride == 3 ? c : 0)] : planes[c][at];
       color[static_cast<Eigen::Index>(c)] = std::max(value, 0.0F);
     }
     if (color.maxCoeff() > 0)

@@ -8,11 +8,11 @@
 
 #include "volute/grid/brick_slice.hpp"
 #include "volute/grid/voxel_medium.hpp"
-#include "volute/medium/any_medium.hpp"
 #include "volute/media/clock.hpp"
 #include "volute/media/placement.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/media/volume/volume_motion.hpp"
+#include "volute/medium/any_medium.hpp"
 #include "volute/tree4d/tree4d.hpp"
 
 namespace volute {
@@ -49,12 +49,13 @@ enum class LightsScene {
 
 /// How a volume looks, and where and when.
 struct Appearance {
-  double emission = 1;         ///< radiance per metre per unit
-  double extinction = 0;       ///< 1/m per unit
-  Rgb albedo = Rgb::Zero();    ///< share of the extinguished light that is scattered
-  double asymmetry = 0;        ///< g of Henyey and Greenstein, -1 < g < 1
+  double emission = 1;       ///< radiance per metre per unit
+  double extinction = 0;     ///< 1/m per unit
+  Rgb albedo = Rgb::Zero();  ///< share of the extinguished light that is scattered
+  double asymmetry = 0;      ///< g of Henyey and Greenstein, -1 < g < 1
   std::optional<Flames> flames{};
-  std::string colors{};  ///< the grid (three channels, or three grids _r, _g, _b) that colours albedo
+  std::string
+      colors{};  ///< the grid (three channels, or three grids _r, _g, _b) that colours albedo
   LightsScene lightsScene = LightsScene::kAuto;
   std::optional<Basis> basis;  ///< instead of the file's
   Placement placement;
@@ -194,7 +195,8 @@ class VolumeLayer {
   double moment_ = -1;
   bool fromTree_ = false;  ///< slice_ is
   std::shared_ptr<const BrickSlice> slice_;
-  std::map<std::string, std::shared_ptr<VolumeInput>> others_;  ///< grids by name; null: it is empty
+  std::map<std::string, std::shared_ptr<VolumeInput>>
+      others_;  ///< grids by name; null: it is empty
   double shadedMoment_ = -1;
   std::shared_ptr<const BrickSlice> shadedSlice_;
 
@@ -205,7 +207,7 @@ class VolumeLayer {
   };
 
   Interpolation interpolation_ = Interpolation::kNone;  ///< that is done
-  std::vector<std::string> velocities_;  ///< one grid of three channels, or three
+  std::vector<std::string> velocities_;                 ///< one grid of three channels, or three
   std::vector<KeptFrame> kept_;
   double pathsMoment_ = -1;
   std::shared_ptr<const VoxelPaths> paths_;

@@ -159,8 +159,7 @@ Glow glowOf(const BrickSlice& slice, int bx, int by, int bz, const Vec3& voxel) 
   const int step = channels == 1 ? 0 : BrickSlice::kVoxels;  // grey: one for all three
   const float* values = slice.brick(stored) + first * BrickSlice::kVoxels;
   for (int i = 0; i < BrickSlice::kVoxels; ++i) {
-    const Rgb sent =
-        Rgb(values[i], values[i + step], values[i + 2 * step]).max(0);
+    const Rgb sent = Rgb(values[i], values[i + step], values[i + 2 * step]).max(0);
     if (!(sent.sum() > 0))
       continue;
     const Vec3 place(bx * 8 + i % 8 + 0.5, by * 8 + i / 8 % 8 + 0.5, bz * 8 + i / 64 + 0.5);

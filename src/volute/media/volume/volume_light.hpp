@@ -26,9 +26,10 @@ struct VolumeLighting {
 /// Single scattering in a volume at one instant:
 ///   L(x, w) = albedo (sum over lamps of E(x) exp(-t(x, lamp)) V phase + A(x) + F(x))
 /// with E a lamp's irradiance where nothing is in the way, t the volume's own optical depth towards
-/// it at the centre of every voxel: exact, or by LightFan, exact on rays as close as voxels. A, the share of an even surrounding that arrives, is a
-/// mean over 14 directions, and F, what its own fire sends, a sum over the bricks that emit, each
-/// as a point; both are found at every fourth voxel, and are scattered evenly.
+/// it at the centre of every voxel: exact, or by LightFan, exact on rays as close as voxels. A, the
+/// share of an even surrounding that arrives, is a mean over 14 directions, and F, what its own
+/// fire sends, a sum over the bricks that emit, each as a point; both are found at every fourth
+/// voxel, and are scattered evenly.
 ///
 /// Threads may share it.
 class VolumeLight {
@@ -52,8 +53,8 @@ class VolumeLight {
   /// About what it takes, with its light and one view of it.
   std::uint64_t memoryBytes() const;
 
-  /// Where a volume's fire is, and how strong: lamps that shine everywhere, for whole bricks, or for
-  /// cubes of them where there would be more than `most`.
+  /// Where a volume's fire is, and how strong: lamps that shine everywhere, for whole bricks, or
+  /// for cubes of them where there would be more than `most`.
   /// @param slice  one channel or three of light, or four, of which the last three are
   /// @param scale  [radiance/m] of a unit
   static std::vector<Lamp> lampsOf(const BrickSlice& slice, double scale, std::size_t most);

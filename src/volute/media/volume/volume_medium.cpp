@@ -217,10 +217,11 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   }
   if (layer_.appearance().shaded()) {
     if (request.tree) {
-      return fail(ErrorCode::kUnsupported,
-                  "{}: what is lit or burns is not drawn from the tree; draw its bricks, or leave the "
-                  "preset out",
-                  layer_.path());
+      return fail(
+          ErrorCode::kUnsupported,
+          "{}: what is lit or burns is not drawn from the tree; draw its bricks, or leave the "
+          "preset out",
+          layer_.path());
     }
     VOLUTE_ASSIGN(auto light, lightAt(moment, request.lit));
     block_ = position / BlockGrid::kSide;
@@ -305,8 +306,7 @@ Result<std::optional<std::string>> VolumeMedium::check(Progress& progress) {
 
 Status BillboardAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
   Progress quiet;
-  VOLUTE_ASSIGN(auto drawn,
-                Billboard::draw(AnyMedium(volume_->medium()), camera, options_, quiet));
+  VOLUTE_ASSIGN(auto drawn, Billboard::draw(AnyMedium(volume_->medium()), camera, options_, quiet));
   media.emplace_back(std::move(drawn));
   return {};
 }

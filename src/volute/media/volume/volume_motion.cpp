@@ -59,7 +59,7 @@ void forVoxels(const VolumeInfo& info, Body&& body) {
     for (std::size_t row = begin; row < end; ++row) {
       for (int x = 0; x < info.x; ++x) {
         body(row * info.x + x, VoxelPlace{static_cast<float>(x), static_cast<float>(row % info.y),
-                                     static_cast<float>(row / info.y)});
+                                          static_cast<float>(row / info.y)});
       }
     }
   });

@@ -58,8 +58,7 @@ TEST(VolumeMotion, AMovedBlobIsBetweenItsPlaces) {
   for (std::size_t i = 0; i < info.voxels(); ++i) velocity[3 * i] = 2;
   std::vector<float> out(info.voxels());
   for (const double share : {0.25, 0.5, 0.9}) {
-    const VoxelPaths paths =
-        pathsBetween(info, velocity, velocity, Vec3(kMoved / 2, 1, 1), share);
+    const VoxelPaths paths = pathsBetween(info, velocity, velocity, Vec3(kMoved / 2, 1, 1), share);
     blendFrames(info, before, after, share, &paths, out);
     // Its frames are interpolated between voxels where it moves by parts of one.
     EXPECT_LT(furthest(out, blob(12 + share * kMoved)), share == 0.9 ? 0.06 : 1e-5) << share;
@@ -71,7 +70,8 @@ TEST(VolumeMotion, AMovedBlobIsBetweenItsPlaces) {
 }
 
 TEST(VolumeMotion, PathsFollowVelocitiesThatChange) {
-  // v = x / 10 [voxels a second]: d = -share (x + d) / 10 before, d = (1 - share) (x + d) / 10 after.
+  // v = x / 10 [voxels a second]: d = -share (x + d) / 10 before, d = (1 - share) (x + d) / 10
+  // after.
   const VolumeInfo info = longVolume(3);
   std::vector<float> velocity(3 * info.voxels(), 0);
   for (std::size_t i = 0; i < info.voxels(); ++i)

@@ -169,8 +169,8 @@ class Grids {
   /// A .npy has no names, and a .volute of one says "density" of whatever it holds.
   bool isNamed(const std::string& path) const {
     std::error_code error;
-    if (extensionOf(path) == ".npy" || (std::filesystem::is_directory(path, error) &&
-                                        volumesIn(path).value_or(".vdb") == ".npy"))
+    if (extensionOf(path) == ".npy" ||
+        (std::filesystem::is_directory(path, error) && volumesIn(path).value_or(".vdb") == ".npy"))
       return false;
     const std::string file = lower(std::filesystem::path(path).stem().string());
     return !(isVolutePath(path) && info().name == VolumeInfo().name && holdsWord(file, kFireWords));

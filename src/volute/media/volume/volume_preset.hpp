@@ -10,18 +10,18 @@ namespace volute {
 
 /// How a volume looks where nobody says it.
 enum class VolumePreset {
-  kNone,          ///< each value is light of its own, or what the entry says
-  kAuto,          ///< one of the others, by names and ranges of the grids; none where they say nothing
-  kFire,          ///< flames, as black bodies
-  kSmoke,         ///< what scatters light
+  kNone,   ///< each value is light of its own, or what the entry says
+  kAuto,   ///< one of the others, by names and ranges of the grids; none where they say nothing
+  kFire,   ///< flames, as black bodies
+  kSmoke,  ///< what scatters light
   kFireAndSmoke,  ///< both; the fire lights the smoke
 };
 
 /// Sets what the preset decides, from the grids of the volume and some of its frames. Says in a
 /// remark what was chosen.
 /// @param input  its grid becomes the one that absorbs or, of fire alone, that burns
-/// @return the preset, of kAuto the one it found. kInvalidArgument, with the names of its grids, where
-/// the volume lacks what the preset needs.
+/// @return the preset, of kAuto the one it found. kInvalidArgument, with the names of its grids,
+/// where the volume lacks what the preset needs.
 [[nodiscard]] Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path,
                                                InputOptions& input, Appearance& appearance,
                                                Reading& reading);

@@ -37,8 +37,7 @@ void addVolume(Report& report, const VolumeInfo& info) {
       .add("missing_frames", missingFrames(info), missingNumbers(info.frameNumbers))
       .add("times", {info.times.front(), info.times.back()},
            firstToLast(info.times.front(), info.times.back()) + " s")
-      .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()},
-           boxText(b))
+      .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()}, boxText(b))
       .add("basis", basisName(info.basis))
       .add("raw_bytes", info.rawBytes(), bytesText(info.rawBytes()));
 }
@@ -115,43 +114,44 @@ void addVoluteGrids(Report& report, const VoluteReader& reader) {
         GridDescription{.type = grid.info.channels == 3 ? "vec3s" : "float"});
     const VoluteHeader& header = grid.header;
     const VolumeInfo& info = grid.info;
-    const Vec3 voxel = grid.empty ? Vec3(own.voxelSize[0], own.voxelSize[1], own.voxelSize[2])
-                                  : info.voxelSize();
+    const Vec3 voxel =
+        grid.empty ? Vec3(own.voxelSize[0], own.voxelSize[1], own.voxelSize[2]) : info.voxelSize();
     const std::uint64_t memory =
         own.memory > 0 ? own.memory : 4 * static_cast<std::uint64_t>(info.frameValues());
     const double ratio = static_cast<double>(info.rawBytes()) /
                          static_cast<double>(std::max<std::uint64_t>(grid.bytes, 1));
-    list.push_back({{"name", info.name},
-                    {"type", own.type},
-                    {"class", own.gridClass},
-                    {"half", own.half},
-                    {"empty", grid.empty},
-                    {"size", {info.x, info.y, info.z}},
-                    {"voxel_size", {voxel.x(), voxel.y(), voxel.z()}},
-                    {"active_voxels", grid.description ? nlohmann::ordered_json(own.voxels) : nlohmann::ordered_json()},
-                    {"minimum", header.valueMin},
-                    {"maximum", header.valueMax},
-                    {"memory_bytes", memory},
-                    {"bytes", grid.bytes},
-                    {"raw_bytes", info.rawBytes()},
-                    {"asked",
-                     {{"kind", header.targetKind}, {"value", jsonNumber(header.targetValue)}}},
-                    {"relative_rms", header.reachedRms},
-                    {"max_error", header.reachedMaxError}});
+    list.push_back(
+        {{"name", info.name},
+         {"type", own.type},
+         {"class", own.gridClass},
+         {"half", own.half},
+         {"empty", grid.empty},
+         {"size", {info.x, info.y, info.z}},
+         {"voxel_size", {voxel.x(), voxel.y(), voxel.z()}},
+         {"active_voxels",
+          grid.description ? nlohmann::ordered_json(own.voxels) : nlohmann::ordered_json()},
+         {"minimum", header.valueMin},
+         {"maximum", header.valueMax},
+         {"memory_bytes", memory},
+         {"bytes", grid.bytes},
+         {"raw_bytes", info.rawBytes()},
+         {"asked", {{"kind", header.targetKind}, {"value", jsonNumber(header.targetValue)}}},
+         {"relative_rms", header.reachedRms},
+         {"max_error", header.reachedMaxError}});
     text += fmt::format("\n  {:<16} {}{}{}, ", info.name, own.type, own.half ? " (half)" : "",
                         own.gridClass.empty() ? "" : ", " + own.gridClass);
     if (grid.empty) {
       text += "empty";
       continue;
     }
-    text += fmt::format("{} x {} x {}, {:.4g} to {:.4g}, ", info.x, info.y, info.z,
-                        header.valueMin, header.valueMax);
+    text += fmt::format("{} x {} x {}, {:.4g} to {:.4g}, ", info.x, info.y, info.z, header.valueMin,
+                        header.valueMax);
     if (grid.description)
       text += fmt::format("{} voxels not empty, ", own.voxels);
-    text += fmt::format("{} in memory, {} in the file ({:.4g} of dense floats), relative rms {:.3g}, "
-                        "max error {:.3g}",
-                        bytesText(memory), bytesText(grid.bytes), ratio, header.reachedRms,
-                        header.reachedMaxError);
+    text += fmt::format(
+        "{} in memory, {} in the file ({:.4g} of dense floats), relative rms {:.3g}, "
+        "max error {:.3g}",
+        bytesText(memory), bytesText(grid.bytes), ratio, header.reachedRms, header.reachedMaxError);
   }
   report.add("grids", list, text);
 }
@@ -194,7 +194,8 @@ Result<FileDescription> describeVolute(const std::string& path, const DescribeRe
   report.add("file", path).add("kind", "volute").add("bytes", bytes, bytesText(bytes));
   addIntegrity(report, integrity, reader);
   addVolume(report, reader.info());
-  addHeader(report, reader, several ? reader.grid().bytes : std::max(bytes, integrity.expectedBytes));
+  addHeader(report, reader,
+            several ? reader.grid().bytes : std::max(bytes, integrity.expectedBytes));
   if (several || reader.grid().description)
     addVoluteGrids(report, reader);
   if (request.blocks)

@@ -10,10 +10,10 @@
 
 namespace volute {
 
-/// What is in a volume of any format: size, frames, times [s], bounds [m], grids of an OpenVDB file;
-/// of a .volute also which error was asked for and reached, and whether every byte is intact. With
-/// `values` the range over all frames, with `blocks` a line for each block of a .volute. A damaged
-/// .volute is described as far as it is intact. Errors: as openVolume().
+/// What is in a volume of any format: size, frames, times [s], bounds [m], grids of an OpenVDB
+/// file; of a .volute also which error was asked for and reached, and whether every byte is intact.
+/// With `values` the range over all frames, with `blocks` a line for each block of a .volute. A
+/// damaged .volute is described as far as it is intact. Errors: as openVolume().
 [[nodiscard]] Result<FileDescription> describeVolume(const std::string& path,
                                                      const DescribeRequest& request,
                                                      Reading& reading);

@@ -14,7 +14,7 @@ const Box3 TwoBoxes::kSecond{Vec3(2, 0.5, 0), Vec3(3.5, 2, 1)};
 namespace {
 
 const Rgb kBoxColour(3, 1, 0.25);  ///< emission [radiance/m] per extinction [1/m] in the first box
-const Rgb kGlow(0.5, 0.1, 2);   ///< emission [radiance/m] of the second, even
+const Rgb kGlow(0.5, 0.1, 2);      ///< emission [radiance/m] of the second, even
 
 struct Inside {
   int box;
