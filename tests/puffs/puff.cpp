@@ -100,8 +100,7 @@ double Puff::extinction(const Vec3& point) const {
   return inside > 0 ? density * inside * inside : 0;
 }
 
-void Puff::pieces(std::span<const Segment> segments,
-                  std::span<std::vector<Piece>> pieces) const {
+void Puff::pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const {
   for (std::size_t i = 0; i < segments.size(); ++i) {
     pieces[i].clear();
     const Segment& segment = segments[i];

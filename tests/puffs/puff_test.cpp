@@ -64,7 +64,8 @@ TEST(FifthMedium, IsInAScene) {
   EXPECT_NE(refused.error().message.find("puffs.json: /media/0/radios"), std::string::npos);
   wrong["media"][0] = {{"kind", "puf"}};
   EXPECT_NE(Scene::make(wrong, "puffs.json", {}, quiet).error().message.find("puff"),
-            std::string::npos) << "it is listed";
+            std::string::npos)
+      << "it is listed";
 }
 
 TEST(FifthMedium, IsRenderedByReferenceAndCpu) {
@@ -140,8 +141,11 @@ TEST(FifthMedium, IsCrossedBySightLines) {
   const auto field = sightOf(scene(), {}, quiet);
   ASSERT_TRUE(field) << field.error().message;
   EXPECT_EQ((*field)->times().size(), 3u);
-  const SafetySign sign{.name = "exit", .position = Vec3(3, 0, 0), .normal = -Vec3::UnitX(),
-                        .law = *visibilityLaw("jin-reflecting"), .angle = {}};
+  const SafetySign sign{.name = "exit",
+                        .position = Vec3(3, 0, 0),
+                        .normal = -Vec3::UnitX(),
+                        .law = *visibilityLaw("jin-reflecting"),
+                        .angle = {}};
   for (const std::size_t time : {0, 2}) {
     const auto instant = (*field)->read(time);
     ASSERT_TRUE(instant);
