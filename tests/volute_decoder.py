@@ -1,0 +1,437 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""A second decoder of .volute files, written from docs/format.md alone: small and slow, so that the page is known to suffice.
+
+    volute_decoder.py FILE.volute OUT.npy [GRID]     OUT: float32, (t, z, y, x[, c])
+
+Numbers in comments are sections of docs/format.md. It checks every checksum that it meets and refuses what it does not know.
+"""
+import ctypes
+import functools
+import itertools
+import math
+import struct
+import sys
+import zlib
+
+import numpy as np
+
+f32 = np.float32
+
+def check(condition, message):
+    if not condition:
+        raise SystemExit(message)
+
+class Reader:
+    """Numbers of a payload, from its first byte on."""
+    def __init__(self, data):
+        self.data, self.at = data, 0
+    def take(self, count):
+        check(self.at + count <= len(self.data), "a payload is too short")
+        self.at += count
+        return self.data[self.at - count:self.at]
+    def unpack(self, form):
+        values = struct.unpack("<" + form, self.take(struct.calcsize("<" + form)))
+        return values if len(values) > 1 else values[0]
+    def varint(self):
+        value = 0
+        for shift in range(0, 70, 7):
+            byte = self.take(1)[0]
+            value |= (byte & 127) << shift
+            if byte < 128:
+                return value
+        raise SystemExit("a varint is longer than ten bytes")
+    def zigzag(self):
+        value = self.varint()
+        return value // 2 if value % 2 == 0 else -(value + 1) // 2
+    def bytes(self):
+        return self.take(self.varint())
+    def string(self):
+        return self.bytes().decode()
+
+def unpacked(payload):
+    """A packed payload (3)."""
+    if payload[0] == 0:
+        return payload[1:]
+    check(payload[0] == 1, "a payload is packed in an unknown way")
+    zstd, frame = ctypes.CDLL("libzstd.so.1"), bytes(payload[1:])
+    zstd.ZSTD_getFrameContentSize.restype = ctypes.c_ulonglong
+    zstd.ZSTD_decompress.restype = ctypes.c_size_t
+    size = zstd.ZSTD_getFrameContentSize(frame, ctypes.c_size_t(len(frame)))
+    content = ctypes.create_string_buffer(max(size, 1))
+    got = zstd.ZSTD_decompress(content, ctypes.c_size_t(size), frame, ctypes.c_size_t(len(frame)))
+    check(got == size, "a zstd frame is damaged")
+    return content.raw[:size]
+
+# ---- 8.2, 8.3: bits and contexts ---------------------------------------------------------------
+
+LIMITS = {"S": [0, 1, 2, 4, 6, 9, 14, 22, 40], "Z": [0, 1, 2, 4, 9],
+          "W": [0, 1, 2, 4, 6, 9, 14, 22, 32, 46, 66, 94, 134, 190]}
+S, Z, W = ([sum(n > limit for limit in LIMITS[name]) for n in range(20000)] for name in "SZW")
+
+SHAPES = {"shaped": (1,), "wavelet": (2,), "time": (3,), "end": (1,), "line": (2,), "support": (4096,), "scaling": (32,),
+          "cell": (4, 10, 6, 4), "zero": (4, 5, 10, 6, 6), "size": (4, 5, 15, 16), "long": (15, 32), "corrected": (3,),
+          "correction": (32,)}
+FIRST = dict(zip(SHAPES, itertools.accumulate([0] + [math.prod(shape) for shape in SHAPES.values()])))
+CONTEXTS = sum(math.prod(shape) for shape in SHAPES.values())
+
+def context(name, *index):
+    place = 0
+    for size, i in zip(SHAPES[name], index):
+        place = place * size + i
+    return FIRST[name] + place
+
+def sum_class(number):
+    """S of a context of cell or zero; None for other ones."""
+    for name in ("cell", "zero"):
+        inner = math.prod(SHAPES[name][-2:])
+        if 0 <= number - FIRST[name] < math.prod(SHAPES[name]):
+            return (number - FIRST[name]) // inner % 10
+
+class Bits:
+    """The bits of a segment."""
+    def __init__(self, data, contexts):
+        self.data, self.contexts = data, contexts
+        self.range, self.code, self.at = 2**64 - 1, int.from_bytes(data[:8].ljust(8, b"\0"), "big"), 8
+        self.evens = 0
+    def bit(self, number):
+        state = self.contexts[number]
+        p, n = state
+        bound = (self.range >> 16) * p
+        if self.code < bound:
+            bit, self.range = 1, bound
+        else:
+            bit, self.range, self.code = 0, self.range - bound, self.code - bound
+        if self.range < 2**32:
+            self.range <<= 32
+            self.code = self.code << 32 | int.from_bytes(self.data[self.at:self.at + 4].ljust(4, b"\0"), "big")
+            self.at += 4
+        p += (65535 * bit - p) * (327680 // (10 * n + 16)) // 32768
+        state[0], state[1] = min(max(p, 64), 65472), min(n + 1, 250)
+        return bit
+    def even(self):
+        byte = self.data[-1 - self.evens // 8]
+        self.evens += 1
+        return byte >> ((self.evens - 1) % 8) & 1
+    def below_first(self, bits):
+        """A number of so many bits, whose first is 1."""
+        value = 1
+        for _ in range(bits - 1):
+            value = 2 * value + self.even()
+        return value
+    def signed(self, contexts):
+        """A number as the scaling coefficients have (8.6)."""
+        bits = 0
+        while bits < 30 and self.bit(contexts + bits):
+            bits += 1
+        if not bits:
+            return 0
+        value = self.below_first(bits)
+        return -value if self.even() else value
+
+def context_table(data):
+    """The contexts of the file (8.3)."""
+    if not data:
+        return [[2000 + 4500 * s, 2] if s is not None else [32768, 0] for s in map(sum_class, range(CONTEXTS))]
+    present, zero, negative, longer = 0, 2, 3, 4
+    bits = Bits(data, [[32768, 0] for _ in range(12)])
+    last, before, contexts = 32, 0, []
+    for _ in range(CONTEXTS):
+        before = bits.bit(present + before)
+        if before and not bits.bit(zero):
+            down, size = bits.bit(negative), 1
+            while size < 63 and bits.bit(longer + min(size, 8) - 1):
+                size += 1
+            last = min(max(last - size if down else last + size, 1), 63)
+        p = 32 * last**2 if last <= 32 else 65536 - 32 * (64 - last)**2
+        contexts.append([min(max(p, 64), 65472), 40 if before else 2])
+    return contexts
+
+# ---- 8.6: the transform ------------------------------------------------------------------------
+
+LIFTING = {"5/3": [-0.5, 0.25], "9/7": [-1.586134342059924, -0.052980118572961, 0.882911075530934, 0.443506852043971]}
+SCALE = {"5/3": math.sqrt(2), "9/7": 1.149604398860241}
+NORMS = {"5/3": ([1, .866025404, .829156198, .819679816, .817293552], [1, 1.198957881, .960143218, .890487928, .872205359]),
+         "9/7": ([1, .991440194, 1.015185928, 1.025715858, 1.028821294], [1, 1.020017629, .983471304, 1.019621394, 1.036880210]),
+         "haar": ([1] * 5, [1] * 5)}
+
+def unlift(x, mask, wavelet):
+    """Undoes one halving of the last axis, in place."""
+    n = x.shape[-1]
+    even = np.arange(n) % 2 == 0
+    if wavelet == "haar":
+        pairs = n // 2
+        a, b = x[..., 0:2 * pairs:2].copy(), x[..., 1:2 * pairs:2].copy()
+        in_a, in_b = mask[..., 0:2 * pairs:2], mask[..., 1:2 * pairs:2]
+        both, half = in_a & in_b, f32(math.sqrt(0.5))
+        x[..., 0:2 * pairs:2] = np.where(both, (a + b) * half, np.where(in_a, a * half, a))
+        x[..., 1:2 * pairs:2] = np.where(both, (a - b) * half, b)
+        if n % 2:
+            x[..., n - 1] = np.where(mask[..., n - 1], x[..., n - 1] * half, x[..., n - 1])
+        return
+    none = np.zeros_like(mask[..., :1])
+    left = np.concatenate([none, mask[..., :-1]], -1)
+    right = np.concatenate([mask[..., 1:], none], -1)
+    lone = ~left & ~right
+    k = SCALE[wavelet]
+    x[...] = np.where(mask, x * np.where(lone, np.where(even, f32(math.sqrt(0.5)), f32(1)), np.where(even, f32(1 / k), f32(k))), x)
+    for step, factor in reversed(list(enumerate(LIFTING[wavelet]))):
+        zero = np.zeros_like(x[..., :1])
+        before, after = np.concatenate([zero, x[..., :-1]], -1), np.concatenate([x[..., 1:], zero], -1)
+        total = np.where(left, before, after) + np.where(right, after, before)
+        place = (even if step % 2 else ~even) & mask & ~lone
+        x[...] = np.where(place, x - f32(factor) * total, x)
+
+def norms(shape, halved, wavelet):
+    """The synthesis norm of each coefficient of a block (t, z, y, x)."""
+    lows, highs = NORMS[wavelet]
+    norm = np.full(shape, math.prod(lows[h] for h in halved))
+    for j in reversed(range(max(halved))):
+        for k in range(1, 16):
+            if any(k & (8 >> a) and j >= halved[a] for a in range(4)):
+                continue
+            place, value = [], 1.0
+            for a, h in enumerate(halved):
+                high, after = bool(k & (8 >> a)), min(j + 1, h)
+                place.append(slice(2**j if high else 0, None, 2**after))
+                value *= highs[j + 1] if high else lows[after]
+            norm[tuple(place)] = value
+    return norm
+
+def inverse(values, mask, wavelet, halved):
+    """Undoes all halvings of a component (t, z, y, x); `halved`: how often each axis was."""
+    for j in reversed(range(max(halved))):
+        for axis in range(4):
+            if j >= halved[axis]:
+                continue
+            grid = tuple(slice(None, None, 2**min(j, h)) for h in halved)
+            unlift(np.moveaxis(values[grid], axis, -1), np.moveaxis(mask[grid], axis, -1), wavelet)
+
+# ---- 8.4 to 8.7: a block -----------------------------------------------------------------------
+
+class Codec:
+    """Parameters of the codec (8.1)."""
+    def __init__(self, data, channels):
+        r = Reader(data)
+        self.unit, self.step, self.max_error = f32(2.0**r.zigzag()), r.unpack("d"), r.unpack("d")
+        self.one, self.more = r.varint(), r.zigzag()
+        self.color = np.array(r.unpack("9f"), f32).reshape(3, 3) if channels == 3 else np.ones((1, 1), f32)
+        self.contexts = context_table(data[r.at:])
+
+def halvings(n):
+    return (n - 1).bit_length()
+
+def support(bits, shape):
+    """8.5, as booleans (t, z, y, x)."""
+    nt, nz, ny, nx = shape
+    # One line of nothing around, on both sides of z and y and before t; columns -1 and nx are nothing too.
+    s = np.zeros((nt + 1, nz + 2, ny + 2, nx + 2), np.int64)
+    for t, z, y in itertools.product(range(1, nt + 1), range(1, nz + 1), range(1, ny + 1)):
+        line = s[t, z, y]
+        y1, z1, t1 = s[t, z, y - 1], s[t, z - 1, y], s[t - 1, z, y]
+        zy, zy1, ty, tz = s[t, z - 1, y + 1], s[t, z - 1, y - 1], s[t - 1, z, y + 1], s[t - 1, z + 1, y]
+        if not any(other.any() for other in (y1, z1, t1, zy, zy1, ty, tz)):
+            if bits.bit(context("line", 0)):
+                continue
+        elif all(other[1:-1].all() for other in (y1, z1, t1)) and bits.bit(context("line", 1)):
+            line[1:-1] = 1
+            continue
+        for x in range(1, nx + 1):
+            near = (line[x - 1], y1[x], z1[x], t1[x], y1[x + 1], z1[x + 1], zy[x], t1[x + 1], ty[x], tz[x], y1[x - 1], zy1[x])
+            line[x] = bits.bit(context("support", sum(int(b) << i for i, b in enumerate(near))))
+    return s[1:, 1:-1, 1:-1, 1:-1].astype(bool)
+
+def cell_grid(j, halved, shape):
+    """Spacing and number of the cells of stride 2^j on each axis."""
+    spacing = [2**(j + 1) if j < h else 2**h for h in halved]
+    return spacing, [-(-n // s) for n, s in zip(shape, spacing)]
+
+BACK = [(2, tuple(-(i == a) for i in range(4))) for a in range(4)] + [
+    (1, tuple(-1 if i == a else d if i == b else 0 for i in range(4)))
+    for a in range(4) for b in range(a + 1, 4) for d in (-1, 1)]
+
+def decode_cells(bits, j, q, mags, coarse, mask, halved):
+    """One component of one stride: fills q (t, z, y, x) and mags (cells and 16)."""
+    shape = q.shape
+    spacing, count = cell_grid(j, halved, shape)
+    high = [k for k in range(1, 16) if all(j < halved[a] for a in range(4) if k & (8 >> a))]
+    for cell in itertools.product(*map(range, count)):
+        places = {}
+        for k in high:
+            place = tuple(c * s + (2**j if k & (8 >> a) else 0) for a, (c, s) in enumerate(zip(cell, spacing)))
+            if all(p < n for p, n in zip(place, shape)) and mask[place]:
+                places[k] = place
+        if not places:
+            continue
+        around = [0] * 16
+        for weight, offset in BACK:
+            other = tuple(c + o for c, o in zip(cell, offset))
+            if all(0 <= c < n for c, n in zip(other, count)):
+                for k, m in enumerate(mags[other]):
+                    around[k] += weight * int(m)
+        above = [0] * 16
+        if coarse is not None:
+            above = [int(m) for m in coarse[tuple(c // 2 if j + 1 < halved[a] else c for a, c in enumerate(cell))]]
+        total = len(places)
+        members = sum(total > limit for limit in (3, 7, 14))
+        if not bits.bit(context("cell", j, S[(sum(around) + 2) // 4], Z[(sum(above) + 1) // 2], members)):
+            continue
+        found = False
+        for at, k in enumerate(sorted(places)):
+            siblings = sum(int(mags[cell][k & ~b]) for b in (1, 2, 4, 8) if k & b and k & ~b)
+            highs, parent = bin(k).count("1"), 2 * above[k]
+            every = W[(around[k] + parent + 2 * siblings + 1) // 2]
+            if found or at + 1 < total:
+                if not bits.bit(context("zero", j, highs, S[(around[k] + 1) // 2], Z[parent], Z[siblings])):
+                    continue
+            found, m = True, 1
+            while m <= 15 and bits.bit(context("size", j, highs, every, m)):
+                m += 1
+            if m > 15:
+                more = 0
+                while more < 29 and bits.bit(context("long", every, more)):
+                    more += 1
+                m = 15 + bits.below_first(more + 1)
+            mags[cell][k] = min(m, 255)
+            q[places[k]] = -m if bits.even() else m
+
+def decode_block(codec, segments, shape, channels, low, high):
+    """A block (t, z, y, x, c) of `shape` from its three tiers."""
+    if not segments[0]:
+        return np.clip(np.zeros((*shape, channels), f32), low, high)
+    contexts = [list(c) for c in codec.contexts]
+    bits = Bits(segments[0], contexts)
+    shaped = bits.bit(context("shaped"))
+    wavelet = "9/7" if not bits.bit(context("wavelet", 0)) else "haar" if bits.bit(context("wavelet", 1)) else "5/3"
+    m = bits.bit(context("time", 0))
+    time = [[0, 1], [2, 4]][m][bits.bit(context("time", 1 + m))]
+    mask = support(bits, shape) if shaped else np.ones(shape, bool)
+    space = halvings(max(shape[1:]))
+    halved = [min(time, halvings(shape[0]))] + 3 * [space]
+    q = np.zeros((channels, *shape), np.int64)
+    for c in range(channels):
+        for place in itertools.product(*(range(0, n, 2**h) for n, h in zip(shape, halved))):
+            if mask[place]:
+                q[(c, *place)] = bits.signed(FIRST["scaling"])
+    levels = 1 + halvings(max(shape))
+    coarse = [None] * channels
+    for tier, tier_levels in enumerate([(1, 2), (3,), (4,)]):
+        if tier:
+            if not segments[tier]:
+                coarse = None
+                continue
+            bits = Bits(segments[tier], contexts)
+        for level in tier_levels:
+            j = levels - 1 - level
+            if not 0 <= j < max(halved):
+                continue
+            count = cell_grid(j, halved, shape)[1]
+            mags = [np.zeros((*count, 16), np.int64) for _ in range(channels)]
+            for c in range(channels):
+                decode_cells(bits, j, q[c], mags[c], coarse[c] if coarse else None, mask, halved)
+            coarse = mags
+    sized = np.where(abs(q) > 1, abs(q) + codec.more / 256, abs(q) * (codec.one / 256)) * np.sign(q)
+    coefficients = (sized * (codec.step / norms(shape, halved, wavelet))).astype(f32)
+    for c in range(channels):
+        inverse(coefficients[c], mask, wavelet, halved)
+    values = np.stack([np.where(mask, functools.reduce(np.add, codec.color[:, c, None, None, None, None] * coefficients) * codec.unit, f32(0))
+                       for c in range(channels)], -1).clip(low, high)
+    if codec.max_error and segments[2] and bits.bit(context("end")):
+        unit = 2 * (1 - 1 / 128) * codec.max_error
+        for place in itertools.product(*map(range, shape[:3])):
+            if not bits.bit(context("corrected", 0)):
+                continue
+            before, line = 0, values[place].reshape(-1)
+            for i in range(line.size):
+                before = bits.bit(context("corrected", 1 + before))
+                if before:
+                    number = bits.signed(FIRST["correction"])
+                    line[i] = np.clip(f32(float(line[i]) + (number if number > 0 else number + 1) * unit), low, high)
+    return values
+
+# ---- 2 to 6: the container ---------------------------------------------------------------------
+
+class Grid:
+    """INFO (4) and what follows it for one grid."""
+    def __init__(self, data):
+        r = Reader(data)
+        self.name = r.string()
+        [r.string() for _ in range(3)]
+        self.frames, *self.size, self.channels = [r.varint() for _ in range(5)]
+        r.unpack("6dB")
+        [r.zigzag() for _ in range(self.frames)]
+        r.unpack("2d" if r.unpack("B") == 0 else f"{self.frames}d")
+        r.unpack("Bd")
+        _, _, self.low, self.high = r.unpack("4d")
+        self.tiers = [r.varint() for _ in range(r.varint())]
+        self.parameters, self.parts = r.bytes(), []
+        check(self.tiers == [3, 1, 1], "tiers of another codec")
+        self.blocks = [-(-n // 16) for n in (self.frames, *self.size)]
+    def read_parts(self, data):
+        r, row = Reader(data), 0
+        for _ in range(r.varint()):
+            row += r.varint()
+            self.parts.append((row, *r.unpack("2f"), r.bytes()))
+    def read_index(self, data):
+        r, count = Reader(data), math.prod(self.blocks)
+        self.sizes = [[r.varint() for _ in range(count)] for _ in self.tiers]
+        self.crcs = [[r.unpack("I") if size else 0 for size in tier] for tier in self.sizes]
+        check(r.at == len(data), "INDX is too long")
+    def decode(self, data, offsets):
+        codec, low, high = Codec(self.parameters, self.channels) if not self.parts else None, self.low, self.high
+        values = np.empty((self.frames, *self.size, self.channels), f32)
+        ends = list(offsets)
+        for number, (t, z, y, x) in enumerate(itertools.product(*map(range, self.blocks))):
+            if self.parts and z == y == x == 0 and (here := [p for p in self.parts if p[0] == t]):
+                _, low, high, parameters = here[-1]
+                codec = Codec(parameters or self.parameters, self.channels)
+            segments = []
+            for tier in range(len(self.tiers)):
+                size = self.sizes[tier][number]
+                segment = data[ends[tier]:ends[tier] + size]
+                check(not size or zlib.crc32(segment) == self.crcs[tier][number], "a segment's checksum is wrong")
+                segments.append(segment)
+                ends[tier] += size
+            corner = [16 * i for i in (t, z, y, x)]
+            shape = tuple(min(16, n - c) for n, c in zip((self.frames, *self.size), corner))
+            place = tuple(slice(c, c + n) for c, n in zip(corner, shape))
+            values[place] = decode_block(codec, segments, shape, self.channels, f32(low), f32(high))
+        return values if self.channels > 1 else values[..., 0]
+
+def read(path, name=None):
+    """The values of a grid, of the first one with values without a name."""
+    with open(path, "rb") as file:
+        data = file.read()
+    check(data[:8] == b"\x89VLT\r\n\x1a\n", "no .volute file")
+    major, _, codec, head, total, crc = struct.unpack_from("<HHIQQI", data, 8)
+    check(major == 1 and codec == 2, "another version")
+    check(zlib.crc32(data[:32]) == crc and total == len(data), "the prologue is wrong, or the file was cut")
+    at, grids, table = 36, [], None
+    while at < head:
+        kind, flags, size, crc = struct.unpack_from("<4sIQI", data, at)
+        payload = data[at + 20:at + 20 + size]
+        check(zlib.crc32(data[at:at + 16]) == crc, "a chunk's checksum is wrong")
+        check(zlib.crc32(payload) == struct.unpack_from("<I", data, at + 20 + size)[0], "a payload's checksum is wrong")
+        at += 24 + size
+        if kind == b"INFO":
+            grids.append(Grid(unpacked(payload)))
+        elif kind == b"PART":
+            grids[-1].read_parts(unpacked(payload))
+        elif kind == b"INDX":
+            grids[-1].read_index(unpacked(payload))
+        else:
+            check(flags & 1 or kind == b"GRDS", "an unknown chunk")
+    check(at == head, "the last chunk does not end at headBytes")
+    offsets, end = {grid.name: [] for grid in grids}, head
+    for tier in range(3):
+        for grid in grids:
+            offsets[grid.name].append(end)
+            end += sum(grid.sizes[tier])
+    check(end == total, "the segments do not fill the file")
+    grid = next((g for g in grids if name in (None, g.name)), None)
+    check(grid, f"no grid with values has the name {name}")
+    return grid.decode(data, offsets[grid.name])
+
+if __name__ == "__main__":
+    decoded = read(sys.argv[1], *sys.argv[3:])
+    np.save(sys.argv[2], decoded)

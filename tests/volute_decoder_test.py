@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Files that earlier versions wrote decode to the same floats for ever, by the command and by a decoder written from docs/format.md
+alone: `volute_decoder_test.py VOLUTE DATA_DIR`."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+import numpy as np
+
+import volute_decoder
+
+# CRC-32 of the decoded floats: (file, grid), what it has that the others do not.
+FROZEN = {
+    ("version1_codec2.volute", None): 0x49A091AC,  # three colours, several modes, partly filled blocks
+    ("haar_corrected.volute", None): 0xABEA4FFE,  # a maximum error, Haar on a support
+    ("rgb_97.volute", None): 0x3074FF78,  # CDF 9/7 on a support
+    ("joined.volute", None): 0x61BBF2F2,  # parts with parameters and ranges of their own, values below 0
+    ("cache.volute", "density"): 0xD7E791C8,
+    ("cache.volute", "velocity"): 0x0873EC49,
+    ("cache.volute", "temperature"): 0xF1122D44,
+    ("cache.volute", "solid"): 0x417714C0,  # a level set
+}
+
+
+class Frozen(unittest.TestCase):
+    def test_second_decoder(self):
+        for (file, grid), crc in FROZEN.items():
+            with self.subTest(file=file, grid=grid):
+                self.assertEqual(zlib.crc32(volute_decoder.read(DATA / file, grid).tobytes()), crc)
+
+    def test_command(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for (file, grid), crc in FROZEN.items():
+                with self.subTest(file=file, grid=grid):
+                    out = pathlib.Path(folder) / f"{file}_{grid}.npy"
+                    field = ["--field", grid] if grid else []
+                    subprocess.run([VOLUTE, "extract", DATA / file, *field, "-o", out], check=True, stdout=subprocess.DEVNULL)
+                    self.assertEqual(zlib.crc32(np.load(out).tobytes()), crc)
+
+    def test_damage_is_found(self):
+        whole = (DATA / "haar_corrected.volute").read_bytes()
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "damaged.volute"
+            for place in (20, 40, len(whole) // 2, len(whole) - 1):
+                damaged = bytearray(whole)
+                damaged[place] ^= 4
+                path.write_bytes(damaged)
+                with self.subTest(place=place), self.assertRaises(SystemExit):
+                    volute_decoder.read(path)
+
+
+if __name__ == "__main__":
+    VOLUTE, DATA = sys.argv[1], pathlib.Path(sys.argv[2])
+    unittest.main(argv=sys.argv[:1])
