@@ -71,7 +71,7 @@ Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path,
   std::ranges::replace_if(stem, [](char c) { return c == '%' || c == '#'; }, '_');
   VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(stem + "_%04d.vdb"));
   for (const int number : files->info().frameNumbers)
-    files->names_.push_back(pattern.format(number).string());
+    files->names_.push_back(pattern.format(number, files->info().frameScale).string());
   files->writer_ = plugin->makeWriter({});
   files->sizes_.resize(files->names_.size());
   return files;

@@ -142,15 +142,24 @@ py::tuple tupleOf(const Vec3& v) {
   return py::make_tuple(v.x(), v.y(), v.z());
 }
 
+/// Whole numbers, or with decimals where the files' names have them.
+py::array frameNumbers(const VolumeInfo& info) {
+  if (info.frameScale.decimals == 0)
+    return py::array_t<int>(info.frameNumbers.size(), info.frameNumbers.data());
+  py::array_t<double> numbers(info.frameNumbers.size());
+  for (std::size_t i = 0; i < info.frameNumbers.size(); ++i)
+    numbers.mutable_at(static_cast<py::ssize_t>(i)) = info.frameScale.frame(info.frameNumbers[i]);
+  return numbers;
+}
+
 py::dict describe(const VolumeInfo& info) {
   using namespace py::literals;
-  return py::dict(
-      "name"_a = info.name, "unit"_a = info.unit,
-      "shape"_a = py::make_tuple(info.frames, info.z, info.y, info.x, info.channels),
-      "bounds"_a = py::make_tuple(tupleOf(info.bounds.min), tupleOf(info.bounds.max)),
-      "times"_a = py::array_t<double>(info.times.size(), info.times.data()),
-      "frame_numbers"_a = py::array_t<int>(info.frameNumbers.size(), info.frameNumbers.data()),
-      "basis"_a = std::string(basisName(info.basis)));
+  return py::dict("name"_a = info.name, "unit"_a = info.unit,
+                  "shape"_a = py::make_tuple(info.frames, info.z, info.y, info.x, info.channels),
+                  "bounds"_a = py::make_tuple(tupleOf(info.bounds.min), tupleOf(info.bounds.max)),
+                  "times"_a = py::array_t<double>(info.times.size(), info.times.data()),
+                  "frame_numbers"_a = frameNumbers(info),
+                  "basis"_a = std::string(basisName(info.basis)));
 }
 
 class File {

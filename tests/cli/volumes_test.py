@@ -45,6 +45,110 @@ class Volumes(support.TestCase):
         self.assertEqual(self.works("info", self.path("d.png"), "--json").json["size"], [8, 8])
         self.assertIn("worst in frame 2", self.works("compare", self.path("a.npy"), self.path("b.npy")).text)
 
+    def cache(self, names):
+        """Empty-named .vdb frames under these names, which are given back."""
+        shape, values = support.plume(len(names), 8)
+        write_npy(self.path("c.npy"), shape, values)
+        self.works("compress", self.path("c.npy"), "-o", self.path("c.volute"))
+        result = volute("extract", self.path("c.volute"), "-o", self.path("out_%04d.vdb"))
+        if "this build has no" in result.message:
+            self.skipTest(result.message)
+        for i, name in enumerate(names):
+            self.path(f"out_{i:04}.vdb").rename(self.path(name))
+        return names
+
+    def there_and_back(self, pattern, names, packed="p.volute"):
+        said = self.works("compress", self.path(pattern), "-o", self.path(packed), "--json").json
+        self.assertEqual(said["frames"], len(names))
+        back = self.path("back")
+        back.mkdir()
+        self.works("extract", self.path(packed), "-o", back / pattern)
+        self.assertEqual(sorted(file.name for file in back.iterdir()), sorted(names))
+        shutil.rmtree(back)
+        return self.works("info", self.path(packed), "--json").json
+
+    def test_negative_frames_are_frames(self):
+        names = self.cache(["s_-2.vdb", "s_-1.vdb", "s_0.vdb", "s_1.vdb"])
+        for pattern in ("s_%d.vdb", "s_$F.vdb", "s_<frame>.vdb"):
+            self.assertEqual(self.there_and_back(pattern, names)["frame_numbers"], [-2, 1])
+        self.assertEqual(self.works("info", self.folder, "--json").json["frames"], 4)
+        taken = self.works("compress", self.path("s_%d.vdb"), "-o", self.path("t.volute"), "--frames=-2:0", "--json").json
+        self.assertEqual(taken["frames"], 2)
+
+    def test_frames_between_whole_ones_are_frames(self):
+        names = self.cache(["s.0001.vdb", "s.0001.25.vdb", "s.0001.5.vdb", "s.0002.vdb"])
+        said = self.there_and_back("s.%04d.vdb", names)
+        self.assertEqual(said["frame_numbers"], [1, 2])
+        self.assertAlmostEqual(said["times"][1], 1 / 25)
+        taken = self.works("compress", self.path("s.####.vdb"), "-o", self.path("t.volute"), "--frames", "1.25:2", "--json").json
+        self.assertEqual(taken["frames"], 2)
+        self.works("render", self.path("s.%04d.vdb"), "-o", self.path("x.%04d.png"), "--size", "8x8")
+        self.assertTrue({"x.0001.png", "x.0001.25.png", "x.0001.5.png", "x.0002.png"} <= set(self.files()))
+        all_decimals = [f"f.{number}.vdb" for number in ("0001.00", "0001.25")]
+        for old, new in zip(names, all_decimals):
+            self.path(old).rename(self.path(new))
+        self.there_and_back("f.%04d.vdb", all_decimals, "q.volute")
+
+    def test_files_that_are_left_out_are_named(self):
+        self.cache(["s_1.vdb", "s_2.vdb", "s_03.vdb"])
+        said = self.works("compress", self.path("s_%d.vdb"), "-o", self.path("p.volute"))
+        self.assertIn("1 file is left out: s_03.vdb", said.message)
+
+    def test_percent_and_hash_signs_in_names_are_characters(self):
+        self.works("compress", self.make_npy(), "-o", self.path("take#2.volute"))
+        size = ("--size", "8x8", "--time", "0")
+        for name in ("out 50%.png", "50%%.png", "take#1.png"):
+            before = set(self.files())
+            self.works("render", self.path("take#2.volute"), "-o", self.path(name), *size)
+            self.assertEqual(set(self.files()) - before, {name})
+        folder = self.path("job#12 %20%04d")
+        folder.mkdir()
+        self.works("extract", self.path("take#2.volute"), "-o", folder / "x.npy", "--frames", "0:1")
+        shutil.copy(folder / "x.npy", folder / "x_0001.npy")
+        (folder / "x.npy").rename(folder / "x_0000.npy")
+        self.assertEqual(self.works("compress", folder / "x_####.npy", "-o", self.path("o.volute"), "--json").json["frames"], 2)
+        self.works("render", folder / "x_%04d.npy", "-o", folder / "y_%04d.png", "--size", "8x8")
+        self.assertTrue((folder / "y_0001.png").exists())
+
+    def test_what_points_upwards_is_said_and_kept(self):
+        column = lambda axis: [float(all(index[a] == 4 for a in range(3) if a != axis))
+                               for index in ((x, y, z) for z in range(8) for y in range(8) for x in range(8))]
+        for name, axis in (("y.npy", 1), ("z.npy", 2)):
+            write_npy(self.path(name), (1, 8, 8, 8), column(axis))
+        size = ("--size", "24x24", "--emission", "1")
+        picture = lambda *words: (self.works("render", *words, "-o", self.path("x.png"), *size), self.path("x.png").read_bytes())[1]
+        lying = picture(self.path("y.npy"))
+        stands = picture(self.path("y.npy"), "--up", "y")
+        self.assertNotEqual(lying, stands)
+        self.assertEqual(picture(self.path("y.npy"), "--file-up", "y"), stands)
+        self.works("compress", self.path("y.npy"), "-o", self.path("y.volute"), "--up", "y", "--rms", "1e-6")
+        self.assertEqual(self.works("info", self.path("y.volute"), "--json").json["up"], "y")
+        self.assertEqual(picture(self.path("y.volute")), stands)
+        self.assertEqual(picture(self.path("y.volute"), "--up", "z"), lying)
+        self.works("extract", self.path("y.volute"), "-o", self.path("back.npy"))
+        values = support.read_npy(self.path("back.npy").read_bytes())[1]
+        self.assertLess(max(abs(a - b) for a, b in zip(values, column(1))), 1e-4)
+        turned = picture(self.path("y.npy"), "--up", "0,1,0")
+        self.assertNotEqual(turned, lying)
+        self.assertIn("--up: 0,0,0 is no direction", self.fails(2, "render", self.path("y.npy"), "-o", self.path("u.png"), "--up", "0,0,0"))
+
+    def test_a_rate_that_is_given_is_kept(self):
+        shape, values = support.plume(5, 8)
+        write_npy(self.path("a.npy"), shape, values)
+        said = self.works("compress", self.path("a.npy"), "-o", self.path("a.volute"))
+        self.assertIn("no times are stated; 25 frames a second", said.message)
+        said = self.works("compress", self.path("a.npy"), "-o", self.path("b.volute"), "--fps", "24")
+        self.assertNotIn("25 frames", said.message)
+        end = lambda file: self.works("info", file, "--json").json["times"][1]
+        self.assertEqual((end(self.path("a.volute")), end(self.path("b.volute"))), (4 / 25, 4 / 24))
+        self.works("compress", self.path("b.volute"), "-o", self.path("c.volute"), "--ratio", "2")
+        self.assertEqual(end(self.path("c.volute")), 4 / 24)
+        self.works("compress", self.path("b.volute"), "-o", self.path("d.volute"), "--fps", "10")
+        self.assertEqual(end(self.path("d.volute")), 4 / 10)
+        result = volute("extract", self.path("b.volute"), "-o", self.path("v_%04d.vdb"))
+        if "this build has no" not in result.message:
+            self.assertEqual(end(self.path("v_%04d.vdb")), 4 / 24)
+
     def test_info_lists_the_grids_of_a_vdb(self):
         packed = self.make_volute()
         result = volute("extract", packed, "-o", self.path("out_%04d.vdb"), "--frames", "0:1")

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "volute/base/file_name.hpp"
+#include "volute/base/frame_name.hpp"
 
 namespace volute {
 
@@ -47,8 +48,9 @@ std::string derivedOutput(const std::string& input, std::string_view end) {
   if (path.filename().empty())
     path = path.parent_path();  // a folder with its slash
   std::string stem = path.stem().string();
-  if (const auto number = stem.find_first_of("%#"); number != stem.npos)
-    stem.resize(number);
+  if (const auto field = findFrameField(path.filename().string());
+      namesSeriesOfFiles(path) && field && *field)
+    stem.resize(std::min((*field)->begin, stem.size()));
   while (!stem.empty() && (stem.back() == '_' || stem.back() == '.' || stem.back() == '-'))
     stem.pop_back();
   if (stem.empty())

@@ -152,14 +152,16 @@ Camera Camera::orthographic(const View3& view, double extent, int width, int hei
   return camera;
 }
 
-Camera Camera::framing(const Box3& bounds, int width, int height) {
+Camera Camera::framing(const Box3& bounds, int width, int height, const Vec3& up) {
   constexpr double kFov = 40;
   constexpr double kMargin = 1.06;
   const bool usable = !bounds.empty() && bounds.min.allFinite() && bounds.max.allFinite();
   const Box3 box = usable ? bounds : Box3{Vec3::Constant(-0.5), Vec3::Constant(0.5)};
   View3 view;
   view.target = box.centre();
-  view.eye = view.target + Vec3(0.35, -1, 0.3);
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), up);
+  view.eye = view.target + turn * Vec3(0.35, -1, 0.3);
+  view.up = up;
   Camera camera = pinhole(view, kFov, width, height);
   // The nearest distance at which every corner lies inside the image.
   const double halfHeight = 0.5 * height * camera.pixelSize_ / kMargin;

@@ -180,7 +180,7 @@ class CameraReader {
     PictureSource& pictures = draft_.pictures;
     if (const auto image = value_.find("image")) {
       VOLUTE_ASSIGN(pictures.image, path(*image));
-      if (FramePattern::isPattern(pictures.image) && !FramePattern::parse(pictures.image)) {
+      if (namesSeries(pictures.image) && !FramePattern::parse(pictures.image)) {
         return image->fault("expected one frame number in the file's name, as %04d, %d or ####");
       }
     }

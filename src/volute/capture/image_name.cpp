@@ -15,24 +15,21 @@ std::string escaped(char c) {
   return kSpecial.find(c) == std::string_view::npos ? std::string(1, c) : std::string{'\\', c};
 }
 
-/// A component of a pattern as a regular expression: {camera} is a group, frame numbers are digits
-/// or stand open.
-std::string expressionOf(const std::string& component) {
-  static const std::regex kNumber(R"(^(%0?[0-9]*d|#+))");
+/// A component of a pattern as a regular expression: {camera} is a group, the frame number of the
+/// last component is digits or stands open.
+std::string expressionOf(const std::string& component, bool last) {
+  const auto found = last ? findFrameField(component) : std::optional<FrameField>();
+  const std::optional<FrameField> field = found ? *found : std::nullopt;
   std::string expression;
   for (std::size_t at = 0; at < component.size();) {
-    std::smatch number;
-    const std::string rest = component.substr(at);
-    if (rest.starts_with(kCamera)) {
+    if (component.compare(at, kCamera.size(), kCamera) == 0) {
       expression += "(.+)";
       at += kCamera.size();
-    } else if (rest.starts_with("%%")) {
-      expression += "%";
-      at += 2;
-    } else if (std::regex_search(rest, number, kNumber)) {
-      expression += "(?:[0-9]+|#+|%0?[0-9]*d)";
-      at += static_cast<std::size_t>(number.length());
+    } else if (field && at == field->begin) {
+      expression += "(?:-?[0-9]+|#+|%0?[0-9]*d)";
+      at = field->end;
     } else {
+      at += field && component.compare(at, 2, "%%") == 0 ? 1 : 0;
       expression += escaped(component[at++]);
     }
   }
@@ -65,7 +62,7 @@ Result<ImageName> ImageName::parse(const std::string& text) {
 }
 
 bool ImageName::hasFrame() const {
-  return FramePattern::isPattern(text_);
+  return namesSeries(text_);
 }
 
 std::string ImageName::ofCamera(std::string_view camera) const {
@@ -92,7 +89,7 @@ std::optional<std::string> ImageName::cameraIn(const std::string& pictureName) c
       break;
     std::smatch match;
     const std::string& part = given[given.size() - 1 - i];
-    if (!std::regex_match(part, match, std::regex(expressionOf(wanted))))
+    if (!std::regex_match(part, match, std::regex(expressionOf(wanted, i == 0))))
       return std::nullopt;
     if (match.size() > 1) {
       camera = match[1];
@@ -107,7 +104,7 @@ std::vector<int> ImageName::framesOf(std::string_view camera) const {
 }
 
 std::string frameFile(const std::string& pattern, int number) {
-  if (!FramePattern::isPattern(pattern))
+  if (!namesSeries(pattern))
     return pattern;
   const auto parsed = FramePattern::parse(pattern);
   return parsed ? parsed->format(number).string() : pattern;
@@ -115,7 +112,7 @@ std::string frameFile(const std::string& pattern, int number) {
 
 std::vector<int> framesThere(const std::string& pattern) {
   std::vector<int> frames;
-  if (!FramePattern::isPattern(pattern)) {
+  if (!namesSeries(pattern)) {
     std::error_code error;
     if (std::filesystem::exists(pattern, error))
       frames.push_back(0);

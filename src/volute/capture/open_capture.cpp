@@ -140,12 +140,8 @@ Status placePictures(CaptureDraft& draft, const std::optional<ImageName>& images
 }
 
 std::vector<int> framesInRange(const std::vector<int>& frames, const FrameRange& range) {
-  std::vector<int> chosen;
-  const int first = range.begin.value_or(frames.empty() ? 0 : frames.front());
-  for (const int frame : frames) {
-    if (frame >= first && (!range.end || frame < *range.end) && (frame - first) % range.step == 0)
-      chosen.push_back(frame);
-  }
+  std::vector<int> chosen = selectPositions(frames, {}, range);
+  for (int& position : chosen) position = frames[static_cast<std::size_t>(position)];
   return chosen;
 }
 
@@ -163,7 +159,9 @@ Result<std::vector<int>> findFrames(const std::filesystem::path& file, const Cap
   if (draft.frames) {
     frames = *draft.frames;
   } else if (frames.empty() && film && range.end) {
-    for (int frame = range.begin.value_or(0); frame < *range.end; ++frame) frames.push_back(frame);
+    for (int frame = static_cast<int>(std::ceil(range.begin.value_or(0))); frame < *range.end;
+         ++frame)
+      frames.push_back(frame);
   } else if (frames.empty()) {
     if (film)
       return framesOfFilms(draft, maxMemory);
@@ -190,7 +188,7 @@ Status checkNumbers(CaptureDraft& draft, const std::vector<int>& all,
                     const std::vector<int>& chosen) {
   for (const CameraDraft& camera : draft.cameras) {
     const std::string& image = camera.pictures.image;
-    if (image.empty() || FramePattern::isPattern(image) || all.size() < 2)
+    if (image.empty() || namesSeries(image) || all.size() < 2)
       continue;
     if (chosen.size() > 1) {
       return fail(
@@ -348,7 +346,8 @@ Result<bool> isCapture(const std::filesystem::path& path) {
     return false;
   VOLUTE_ASSIGN(const auto json, readJson(path));
   const auto format = json.is_object() ? json.value("format", nlohmann::json()) : nlohmann::json();
-  if (!json.is_object() || format == "volute-scene-1")
+  const bool scene = format.is_string() && format.get<std::string>().starts_with("volute-scene-");
+  if (!json.is_object() || scene)
     return false;
   return json.contains("cameras") || json.contains("frames") || json.contains("camera_matrix") ||
          format == "volute-capture-1";

@@ -46,6 +46,7 @@ struct Option {
   bool several = false;                        ///< may be repeated; texts only
   std::vector<std::string_view> aliases = {};  ///< other names, which the help does not show
   std::string_view beside = {};                ///< the option without which it says nothing
+  std::string_view instead = {};  ///< the option that is meant where a choice of that is given
   /// Of files that it is for, see file_kind.hpp; empty: all.
   std::vector<std::string_view> kinds = {};
 };

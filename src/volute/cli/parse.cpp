@@ -15,6 +15,7 @@ namespace {
 struct Entry {
   const Option* option;
   CLI::Option* handle;
+  const Option* instead;  ///< Option::instead; null: none
 };
 
 std::vector<std::string_view> namesOf(const Option& option) {
@@ -34,7 +35,8 @@ std::vector<Entry> addOptions(CLI::App& app, std::span<const Option> options) {
     CLI::Option* handle =
         option.kind == ValueKind::kFlag ? app.add_flag(names) : app.add_option(names);
     handle->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    entries.push_back({&option, handle});
+    const auto instead = std::ranges::find(options, option.instead, &Option::name);
+    entries.push_back({&option, handle, instead == options.end() ? nullptr : &*instead});
   }
   return entries;
 }
@@ -78,6 +80,15 @@ Status takeOption(const Entry& entry, Arguments& arguments) {
   const std::string text = given && option.kind != ValueKind::kFlag
                                ? entry.handle->results().front()
                                : std::string(option.initial);
+  if (given && entry.instead &&
+      std::ranges::find(entry.instead->choices, text) != entry.instead->choices.end()) {
+    if (arguments.given(entry.instead->name)) {
+      return fail(ErrorCode::kInvalidArgument, "--{} {} and --{} say the same; omit one",
+                  option.name, text, entry.instead->name);
+    }
+    arguments.set(entry.instead->name, text, true);
+    return {};
+  }
   auto value = parseValue(option, text);
   if (!value)
     return fail(ErrorCode::kInvalidArgument, "--{}: {}", option.name, value.error().message);

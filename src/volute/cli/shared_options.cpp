@@ -22,6 +22,17 @@ Option framesOption(std::string help, std::vector<std::string_view> kinds) {
           .kinds = std::move(kinds)};
 }
 
+Option rateOption(std::string help, std::string initial, std::vector<std::string_view> aliases) {
+  return {.name = "fps",
+          .kind = ValueKind::kNumber,
+          .value = "F",
+          .help = std::move(help),
+          .initial = std::move(initial),
+          .most = 1e6,
+          .positive = true,
+          .aliases = std::move(aliases)};
+}
+
 Option fieldOption(std::string help, std::vector<std::string_view> kinds) {
   return {.name = "field",
           .kind = ValueKind::kText,

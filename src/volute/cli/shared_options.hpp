@@ -16,6 +16,10 @@ Option outputOption(std::string_view value, std::string help, std::string_view d
 Option framesOption(std::string help = "frames with numbers A <= n < B, every S-th",
                     std::vector<std::string_view> kinds = {});
 
+/// --fps, of a sequence or a film.
+Option rateOption(std::string help, std::string initial = {},
+                  std::vector<std::string_view> aliases = {});
+
 /// --field of what has several.
 Option fieldOption(std::string help, std::vector<std::string_view> kinds = {});
 

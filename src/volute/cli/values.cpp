@@ -20,13 +20,12 @@ bool parseCount(std::string_view text, std::size_t count, std::vector<double>& n
 }
 
 /// An empty part stays empty; false when there is something that is no frame number.
-bool parseFrameNumber(std::string_view text, std::optional<int>& number) {
-  if (text.empty())
-    return true;
-  int value = 0;
-  if (!readNumber(text, value) || value < 0)
+bool parseFrameNumber(std::string_view text, std::optional<double>& number) {
+  double value = 0;
+  if (!text.empty() && (!readNumber(text, value) || !(std::abs(value) < 1e9)))
     return false;
-  number = value;
+  if (!text.empty())
+    number = value;
   return true;
 }
 
@@ -130,17 +129,15 @@ Result<FrameRange> parseFrames(std::string_view text) {
   if (parts.size() > 3 || text.empty())
     return wrong;
   FrameRange range;
-  std::optional<int> step;
   if (!parseFrameNumber(parts[0], range.begin))
     return wrong;
   if (parts.size() == 1)
-    range.end = *range.begin + 1;
+    range = FrameRange::only(*range.begin);
   if (parts.size() > 1 && !parseFrameNumber(parts[1], range.end))
     return wrong;
-  if (parts.size() > 2 && !parseFrameNumber(parts[2], step))
+  if (parts.size() > 2 && !parts[2].empty() && !readNumber(parts[2], range.step))
     return wrong;
-  range.step = step.value_or(1);
-  if (range.step < 1 || (range.end && range.begin.value_or(0) >= *range.end))
+  if (range.step < 1 || (range.begin && range.end && *range.begin >= *range.end))
     return wrong;
   return range;
 }

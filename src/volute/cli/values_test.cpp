@@ -35,11 +35,12 @@ TEST(Values, FramesAreHalfOpenRangesOfNumbers) {
   EXPECT_EQ(*parseFrames("3:"), (FrameRange{3, std::nullopt, 1}));
   EXPECT_EQ(*parseFrames("::4"), (FrameRange{std::nullopt, std::nullopt, 4}));
   EXPECT_EQ(*parseFrames("0:100:5"), (FrameRange{0, 100, 5}));
-  EXPECT_EQ(*parseFrames("37"), (FrameRange{37, 38, 1}));
+  EXPECT_EQ(*parseFrames("37"), FrameRange::only(37));
+  EXPECT_EQ(*parseFrames("-2:4"), (FrameRange{-2, 4, 1}));
+  EXPECT_EQ(*parseFrames("1.25:2"), (FrameRange{1.25, 2, 1}));
   for (const char* wrong :
-       {"", "a:b", "3:3", "7:3", "-2:4", "0:4:0", "0:4:-1", "1:2:3:4", "1.5:2"}) {
+       {"", "a:b", "3:3", "7:3", "0:4:0", "0:4:-1", "0:4:1.5", "1:2:3:4", "nan:2", "1e12:"})
     EXPECT_FALSE(parseFrames(wrong)) << wrong;
-  }
 }
 
 TEST(Values, RegionsAreHalfOpenAndOrdered) {

@@ -23,7 +23,7 @@ Status refuseValue(const VolumeInfo& info, int frame, std::size_t at, float valu
               "grid '{}', frame {}, voxel ({}, {}, {}) in x, y, z, channel {}: the value is {}; "
               "only finite values can be "
               "compressed, replace it in the input",
-              info.name, info.frameNumbers[frame], x, y, z, channel,
+              info.name, info.frameText(frame), x, y, z, channel,
               std::isnan(value) ? "not a number" : "infinite");
 }
 

@@ -61,8 +61,10 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
                   grid.file.string(), head.grids.size());
     }
     head.info.name = grid.name;
-    if (!heads.empty() && (head.info.frameNumbers != heads.front().info.frameNumbers ||
-                           head.info.times != heads.front().info.times)) {
+    if (!heads.empty() &&
+        (head.info.frameNumbers != heads.front().info.frameNumbers ||
+         head.info.frameScale != heads.front().info.frameScale ||
+         head.info.up != heads.front().info.up || head.info.times != heads.front().info.times)) {
       return fail(ErrorCode::kInvalidArgument, "{}: grid '{}' has other frames than '{}'",
                   target.string(), grid.name, heads.front().info.name);
     }

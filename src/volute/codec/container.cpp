@@ -27,6 +27,8 @@ constexpr std::array<std::string_view, 5> kTargets{"rms", "psnr", "ratio", "size
 
 // ---- writing
 
+constexpr int kAllDecimals = 0x80;  // of frame numbers, in names
+
 enum TimesMode : std::uint8_t { kRegularTimes = 0, kListedTimes = 1 };
 
 // The rate that gives exactly these times, or 0. Rounded ones first: most rates are whole.
@@ -89,6 +91,11 @@ std::vector<std::byte> writeInfoChunk(const FileHead& head) {
   for (const int levels : tiers) out.varint(static_cast<std::uint64_t>(levels));
   out.varint(head.parameters.size());
   out.bytes(head.parameters);
+  const FrameScale& scale = head.info.frameScale;
+  if (scale != FrameScale{} || head.info.up != 0)
+    out.u8(static_cast<std::uint8_t>(scale.decimals | (scale.allDecimals ? kAllDecimals : 0)));
+  if (head.info.up != 0)
+    out.u8(static_cast<std::uint8_t>(head.info.up - 'x' + 1));
   return pack({out.view()});
 }
 
@@ -340,6 +347,18 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
   if (!in.ok())
     return malformed("it ends early");
   head.parameters.assign(parameters.begin(), parameters.end());
+  if (in.remaining() > 0) {
+    const int scale = in.u8();
+    head.info.frameScale = {scale & ~kAllDecimals, (scale & kAllDecimals) != 0};
+    if (head.info.frameScale.decimals > FrameScale::kMaxDecimals)
+      return malformed("the decimals of frame numbers");
+  }
+  if (in.remaining() > 0) {
+    const int up = in.u8();
+    if (up > 3)
+      return malformed("the up axis");
+    head.info.up = up == 0 ? '\0' : static_cast<char>('x' + up - 1);
+  }
   auto decoder =
       openWaveletDecoder(parameters, {head.info.channels, static_cast<float>(header.valueMin),
                                       static_cast<float>(header.valueMax)});
@@ -569,6 +588,7 @@ Status readGrids(GridTable& table, const AllChunks& chunks, std::size_t wanted,
                   "raise --max-memory",
                   path, table.rows.size(), budget >> 23);
     }
+    one.info.levelSet = grid.description && grid.description->gridClass == "level set";
     if (one.info.name != row.name)
       return fail(ErrorCode::kInvalidData, "{}: grid '{}' calls itself '{}'", path, row.name,
                   one.info.name);
@@ -581,9 +601,10 @@ Status readGrids(GridTable& table, const AllChunks& chunks, std::size_t wanted,
     if (grid.empty) {
       grid.info.frames = head.info.frames;
       grid.info.frameNumbers = head.info.frameNumbers;
+      grid.info.frameScale = head.info.frameScale;
       grid.info.times = head.info.times;
     } else if (grid.info.frameNumbers != head.info.frameNumbers ||
-               grid.info.times != head.info.times) {
+               grid.info.frameScale != head.info.frameScale || grid.info.times != head.info.times) {
       return fail(ErrorCode::kInvalidData, "{}: grid '{}' has other frames than '{}'", path,
                   grid.info.name, head.info.name);
     }

@@ -80,9 +80,11 @@ double periodOf(const VolumeInfo& info) {
          (info.frameNumbers.back() - info.frameNumbers.front());
 }
 
+using Rate = std::optional<double>;  ///< frames per second; nothing: the times of the parts
+
 /// All frames of all parts; times of a part that begin before those of the one before end go on in
 /// the first part's steps.
-VolumeInfo joinedInfo(const std::vector<Part>& parts) {
+VolumeInfo joinedInfo(const std::vector<Part>& parts, const Rate& rate) {
   VolumeInfo joined = parts.front().info();
   const double period = periodOf(joined);
   for (std::size_t i = 1; i < parts.size(); ++i) {
@@ -98,6 +100,8 @@ VolumeInfo joinedInfo(const std::vector<Part>& parts) {
     for (const double time : info.times) joined.times.push_back(time + shift);
     joined.frames += info.frames;
   }
+  if (rate)
+    joined.setRate(*rate);
   return joined;
 }
 
@@ -222,16 +226,16 @@ class JoinedFrames final : public FrameSource {
   std::array<double, 3> background_;
 };
 
-JoinedFrames framesOf(const std::vector<Part>& parts) {
+JoinedFrames framesOf(const std::vector<Part>& parts, const Rate& rate) {
   std::vector<JoinedFrames::File> files;
   for (const Part& part : parts) files.push_back({part.info().frames, frameSource(part.reader)});
-  return {joinedInfo(parts), std::move(files)};
+  return {joinedInfo(parts, rate), std::move(files)};
 }
 
 /// The head of the joined file: tier by tier, and in each part after part.
-FileHead headOf(const std::vector<Part>& parts, const Errors& errors) {
+FileHead headOf(const std::vector<Part>& parts, const Errors& errors, const Rate& rate) {
   FileHead head = parts.front().head;
-  head.info = joinedInfo(parts);
+  head.info = joinedInfo(parts, rate);
   head.parts = partsOf(parts);
   head.header.valueMin = errors.low;
   head.header.valueMax = errors.high;
@@ -261,9 +265,9 @@ Status copySegment(const Part& part, const SegmentEntry& segment, OutputFile& ou
 }
 
 Result<JoinReport> copyBlocks(const std::vector<Part>& parts, const std::filesystem::path& target,
-                              Progress& progress) {
+                              const Rate& rate, Progress& progress) {
   const Errors errors = errorsOf(parts);
-  FileHead head = headOf(parts, errors);
+  FileHead head = headOf(parts, errors, rate);
   VOLUTE_ASSIGN(auto out, CheckedFile::create(target));
   const auto headBytes = writeHead(head);
   VOLUTE_TRY(out.bytes().write(headBytes));
@@ -346,7 +350,7 @@ class GridJoin {
   }
 
   Result<JoinReport> write(const std::filesystem::path& target, Progress& progress) {
-    frames_ = joinedInfo(files_);
+    frames_ = joinedInfo(files_, options_.framesPerSecond);
     VOLUTE_TRY(collect());
     std::vector<PendingFile> pending;
     std::vector<BundledGrid> bundled;
@@ -472,10 +476,10 @@ class GridJoin {
                         return sameGrid(grid.parts.front().info(), part.info());
                       });
     if (same && canCopy(grid.parts))
-      return copyBlocks(grid.parts, row.file, progress);
+      return copyBlocks(grid.parts, row.file, options_.framesPerSecond, progress);
     const bool halves = row.description && row.description->half;
     if (same) {
-      JoinedFrames frames = framesOf(grid.parts);
+      JoinedFrames frames = framesOf(grid.parts, options_.framesPerSecond);
       return encodeAgain(grid.parts, frames, row.file, options_, progress, halves);
     }
     const VolumeInfo& first = grid.parts.front().info();
@@ -507,12 +511,19 @@ bool isPlain(const Part& part) {
 }
 
 Status checkFrames(const Part& before, const Part& part) {
+  if (part.info().frameScale != before.info().frameScale) {
+    return fail(ErrorCode::kInvalidData,
+                "{} numbers its frames with {} decimals and {} with {}; expected the same",
+                before.name(), before.info().frameScale.decimals, part.name(),
+                part.info().frameScale.decimals);
+  }
   if (part.info().frameNumbers.front() > before.info().frameNumbers.back())
     return {};
   return fail(ErrorCode::kInvalidData,
               "{} has frames {} to {} and {} has {} to {}; expected parts that do not overlap",
-              before.name(), before.info().frameNumbers.front(), before.info().frameNumbers.back(),
-              part.name(), part.info().frameNumbers.front(), part.info().frameNumbers.back());
+              before.name(), before.info().frameText(0),
+              before.info().frameText(before.info().frames - 1), part.name(),
+              part.info().frameText(0), part.info().frameText(part.info().frames - 1));
 }
 
 }  // namespace
@@ -535,12 +546,12 @@ Result<JoinReport> join(const std::vector<std::filesystem::path>& paths,
       VOLUTE_TRY(checkPair(parts[i - 1], parts[i]));
     VOLUTE_TRY(checkFrames(parts[i - 1], parts[i]));
   }
-  VOLUTE_TRY(joinedInfo(parts).validate("the joined sequence"));
+  VOLUTE_TRY(joinedInfo(parts, options.framesPerSecond).validate("the joined sequence"));
   if (!plain)
     return GridJoin(std::move(parts), options).write(target, progress);
   if (canCopy(parts))
-    return copyBlocks(parts, target, progress);
-  JoinedFrames frames = framesOf(parts);
+    return copyBlocks(parts, target, options.framesPerSecond, progress);
+  JoinedFrames frames = framesOf(parts, options.framesPerSecond);
   return encodeAgain(parts, frames, target, options, progress);
 }
 

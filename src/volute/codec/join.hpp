@@ -17,6 +17,7 @@ struct JoinOptions {
   /// themselves.
   std::optional<double> rms;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes]
+  std::optional<double> framesPerSecond{};           ///< sets the times of frames, by their numbers
 };
 
 struct JoinReport {

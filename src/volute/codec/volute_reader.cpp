@@ -47,8 +47,8 @@ tl::unexpected<Error> VoluteReader::Impl::blame(std::size_t block, std::uint64_t
   const auto first = static_cast<std::size_t>(grid.origin(block)[0]);
   const auto last = first + static_cast<std::size_t>(grid.extents(block)[0]) - 1;
   return fail(code, "{}: block {} (frames {}-{}), byte {}: {}; --partial shows what is intact",
-              file.path().string(), block, head.info.frameNumbers[first],
-              head.info.frameNumbers[last], offset, what);
+              file.path().string(), block, head.info.frameText(first), head.info.frameText(last),
+              offset, what);
 }
 
 Status VoluteReader::Impl::readSegment(std::size_t block, std::size_t tier,

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "volute/base/frame_name.hpp"
 #include "volute/base/stopwatch.hpp"
 #include "volute/base/team.hpp"
 #include "volute/camera/camera.hpp"
@@ -39,6 +40,7 @@ struct FilmJob {
   bool mayFallBack = false;  ///< the CPU takes them, with a remark, where `renderer` cannot
   std::vector<FilmFrame> frames{};
   double framesPerSecond = kUsualRate;  ///< of a film
+  FrameScale frameScale{};              ///< of the frames' numbers
   std::optional<Contour> contour{};     ///< drawn instead of the media
   bool tree = false;                    ///< InstantRequest::tree
   bool legend = false;                  ///< drawn into visible pictures

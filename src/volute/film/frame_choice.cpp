@@ -15,7 +15,7 @@ namespace volute {
 namespace {
 
 bool takesSeveral(const std::string& target) {
-  return isFilmPath(target) || FramePattern::isPattern(target);
+  return isFilmPath(target) || namesSeries(target);
 }
 
 /// A lone picture has a plain name, several have numbers in theirs.
@@ -27,26 +27,29 @@ Result<std::vector<FilmFrame>> fitting(std::vector<FilmFrame> frames, const std:
               frames.size(), target);
 }
 
-/// Without stored frames that count: frame n is at n / 25 s, as many as the longest medium has.
+/// Without stored frames that count: frame n is at n / rate, as many as the longest medium has.
 Result<std::vector<FilmFrame>> steadyFrames(const FrameRequest& request, const Scene& scene) {
   if (!request.frames && !takesSeveral(request.target))
     return std::vector{FilmFrame{}};
   double last = 0;
   for (const auto& medium : scene.media()) last = std::max(last, medium->info().times.back());
   const FrameRange range = request.frames.value_or(FrameRange{});
-  const int begin = range.begin.value_or(0);
-  const int end = range.end.value_or(static_cast<int>(std::lround(last * kUsualRate)) + 1);
+  const auto begin = static_cast<int>(std::ceil(range.begin.value_or(0)));
+  const auto end =
+      static_cast<int>(std::ceil(range.end.value_or(std::round(last * request.rate) + 1)));
   std::vector<FilmFrame> frames;
-  for (int n = begin; n < end; n += range.step) frames.push_back({n, n / kUsualRate});
+  for (int n = begin; n < end; n += range.step) frames.push_back({n, n / request.rate});
   if (frames.empty())
     return fail(ErrorCode::kInvalidArgument, "frames: there is no frame from {} to {}", begin, end);
   return fitting(std::move(frames), request.target);
 }
 
-/// Pictures 25 times a second, of so many seconds each.
-Result<std::vector<FilmFrame>> framesOfFilm(double first, double last, double speed) {
+/// Pictures of so many seconds each.
+Result<std::vector<FilmFrame>> framesOfFilm(double first, double last,
+                                            const FrameRequest& request) {
+  const double speed = request.speed;
   constexpr double kMaximum = 1e6;
-  const double count = std::round((last - first) / speed * kUsualRate) + 1;
+  const double count = std::round((last - first) / speed * request.rate) + 1;
   if (count > kMaximum) {
     return fail(ErrorCode::kInvalidArgument,
                 "speed: a film of {:.0f} s at {:g} has {:.0f} pictures; choose a higher speed",
@@ -54,7 +57,7 @@ Result<std::vector<FilmFrame>> framesOfFilm(double first, double last, double sp
   }
   std::vector<FilmFrame> frames;
   for (int i = 0; i < static_cast<int>(count); ++i)
-    frames.push_back({i, std::min(first + i * speed / kUsualRate, last)});
+    frames.push_back({i, std::min(first + i * speed / request.rate, last)});
   return frames;
 }
 
@@ -62,6 +65,7 @@ Result<std::vector<int>> positionsOf(const MediumInfo& medium, const FrameRange&
   VolumeInfo info;
   info.frames = static_cast<int>(medium.numbers.size());
   info.frameNumbers = medium.numbers;
+  info.frameScale = medium.frameScale;
   auto chosen = selectPositions(info, range);
   if (chosen)
     return chosen;
@@ -79,12 +83,11 @@ ChosenFrames plainly(std::vector<FilmFrame> frames) {
   return {std::move(frames)};
 }
 
-/// 25 a second, from 0 s.
-std::vector<FilmFrame> framesUntil(double last) {
+/// So many a second, from 0 s.
+std::vector<FilmFrame> framesUntil(double last, double rate) {
   std::vector<FilmFrame> frames;
-  const int count =
-      static_cast<int>(std::min(std::floor(std::max(last, 0.0) * kUsualRate), 1e6)) + 1;
-  for (int n = 0; n < count; ++n) frames.push_back({n, n / kUsualRate});
+  const int count = static_cast<int>(std::min(std::floor(std::max(last, 0.0) * rate), 1e6)) + 1;
+  for (int n = 0; n < count; ++n) frames.push_back({n, n / rate});
   return frames;
 }
 
@@ -120,7 +123,7 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
   const auto camera = scene.camera();
   if (leader->info().times.size() < 2 && camera && !camera->keys.empty() && !request.frames &&
       takesSeveral(target))
-    return fitting(framesUntil(camera->keys.back().time), target).map(plainly);
+    return fitting(framesUntil(camera->keys.back().time, request.rate), target).map(plainly);
   const MediumInfo& info = leader->info();
   const bool film = isFilmPath(target);
   if (!request.frames && !takesSeveral(target)) {
@@ -132,11 +135,13 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
       VOLUTE_ASSIGN(const FirstSight first, firstSight(scene, progress));
       if (!first.reason.empty()) {
         const int number = numberAt(info, first.time);
-        return ChosenFrames{{FilmFrame{number, first.time}},
-                            fmt::format("showing {}: {}",
-                                        info.interpolates ? fmt::format("{:.4g} s", first.time)
-                                                          : fmt::format("frame {}", number),
-                                        first.reason)};
+        return ChosenFrames{
+            {FilmFrame{number, first.time}},
+            fmt::format("showing {}: {}",
+                        info.interpolates
+                            ? fmt::format("{:.4g} s", first.time)
+                            : fmt::format("frame {}", frameText(number, info.frameScale)),
+                        first.reason)};
       }
       chosen.reason = fmt::format("showing the first of {} {}", info.times.size(),
                                   info.interpolates ? "steps" : "frames");
@@ -147,14 +152,14 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
   VOLUTE_ASSIGN(const auto positions, positionsOf(info, range));
   if (film && info.interpolates && range.step > 1) {
     return fail(ErrorCode::kInvalidArgument,
-                "frames: a film of {} has 25 pictures a second between the first and the last "
+                "frames: a film of {} has {:g} pictures a second between the first and the last "
                 "chosen frame, whatever the step ({}); leave it out, or write single pictures",
-                info.kind, range.step);
+                info.kind, request.rate, range.step);
   }
   const auto at = [&](int position) { return static_cast<std::size_t>(position); };
   if (film && info.interpolates) {
     return framesOfFilm(info.times[at(positions.front())], info.times[at(positions.back())],
-                        request.speed)
+                        request)
         .map(plainly);
   }
   std::vector<FilmFrame> frames;
@@ -176,7 +181,8 @@ Result<ChosenFrames> chooseFrames(const FrameRequest& request, Scene& scene, Pro
   }
   if (frames.size() == 1) {
     constexpr double kSecondsOfATurn = 10;
-    const double count = std::round(std::abs(*request.orbit) / 360 * kSecondsOfATurn * kUsualRate);
+    const double count =
+        std::round(std::abs(*request.orbit) / 360 * kSecondsOfATurn * request.rate);
     frames.assign(static_cast<std::size_t>(std::clamp(count, 2.0, 1e6)), frames.front());
     for (std::size_t i = 0; i < frames.size(); ++i) frames[i].number = static_cast<int>(i);
   }
@@ -186,12 +192,15 @@ Result<ChosenFrames> chooseFrames(const FrameRequest& request, Scene& scene, Pro
   return chosen;
 }
 
-double framesPerSecond(const Scene& scene, const std::vector<FilmFrame>& frames) {
+double framesPerSecond(const Scene& scene, const FrameRequest& request,
+                       const std::vector<FilmFrame>& frames) {
   const SceneMedium* leader = leaderOf(scene);
   if (frames.size() < 2 || (leader && leader->info().interpolates) ||
       !(frames.back().time > frames.front().time))
-    return kUsualRate;
-  return static_cast<double>(frames.size() - 1) / (frames.back().time - frames.front().time);
+    return request.rate;
+  const double seconds = frames.back().time - frames.front().time;
+  const double speed = leader ? request.speed : 1;
+  return speed * static_cast<double>(frames.size() - 1) / seconds;
 }
 
 }  // namespace volute

@@ -28,6 +28,7 @@ struct FrameRequest {
   std::optional<FrameRange> frames{};  ///< these, by the numbers of the medium that leads
   double speed = 1;                    ///< seconds of the scene in a second of film, > 0
   std::optional<double> orbit{};       ///< [degrees], over all frames
+  double rate = kUsualRate;            ///< of what has no frames of its own [1/s]
 };
 
 /// What chooseFrames() found.
@@ -40,14 +41,15 @@ struct ChosenFrames {
 /// first with times of its own. Null: there is none.
 const SceneMedium* leaderOf(const Scene& scene);
 
-/// What a request chooses, or what is shown without one: all frames of a film or a pattern, 25 a
-/// second where the medium interpolates, one that shows something for a single picture.
+/// What a request chooses, or what is shown without one: all frames of a film or a pattern, `rate`
+/// a second where the medium interpolates, one that shows something for a single picture.
 /// kInvalidArgument, beginning with the member's name where it is one ("frames: ..."), for times
 /// past the end, frames that are not there, and several pictures for one name.
 [[nodiscard]] Result<ChosenFrames> chooseFrames(const FrameRequest& request, Scene& scene,
                                                 Progress& progress);
 
-/// Of a film of these [1/s].
-double framesPerSecond(const Scene& scene, const std::vector<FilmFrame>& frames);
+/// Of a film of these frames, which chooseFrames() chose for the request [1/s].
+double framesPerSecond(const Scene& scene, const FrameRequest& request,
+                       const std::vector<FilmFrame>& frames);
 
 }  // namespace volute

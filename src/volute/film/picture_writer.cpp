@@ -37,12 +37,16 @@ Image developed(const Image& image, const Development& development, const Pictur
 
 class ImageFileWriter final : public PictureWriter {
  public:
-  ImageFileWriter(std::optional<FramePattern> pattern, std::string target,
+  ImageFileWriter(std::optional<FramePattern> pattern, FrameScale scale, std::string target,
                   const Development& development)
-      : pattern_(std::move(pattern)), target_(std::move(target)), development_(development) {}
+      : pattern_(std::move(pattern)),
+        scale_(scale),
+        target_(std::move(target)),
+        development_(development) {}
 
   Status write(const Image& image, int frameNumber, const PictureText& text) override {
-    const auto path = pattern_ ? pattern_->format(frameNumber) : std::filesystem::path(target_);
+    const auto path =
+        pattern_ ? pattern_->format(frameNumber, scale_) : std::filesystem::path(target_);
     return writeImage(path,
                       extensionOf(target_) == ".exr" ? image : developed(image, development_, text),
                       text.notes);
@@ -50,7 +54,8 @@ class ImageFileWriter final : public PictureWriter {
 
   Status writeLayers(int width, int height, const std::vector<ImageChannel>& channels,
                      int frameNumber, const PictureText& text) override {
-    const auto path = pattern_ ? pattern_->format(frameNumber) : std::filesystem::path(target_);
+    const auto path =
+        pattern_ ? pattern_->format(frameNumber, scale_) : std::filesystem::path(target_);
     return writeChannels(path, width, height, channels, text.notes);
   }
 
@@ -58,6 +63,7 @@ class ImageFileWriter final : public PictureWriter {
 
  private:
   std::optional<FramePattern> pattern_;
+  FrameScale scale_;
   std::string target_;
   Development development_;
 };
@@ -90,12 +96,13 @@ bool isFilmPath(const std::string& target) {
 }
 
 Result<std::unique_ptr<PictureWriter>> imageFileWriter(const std::string& target,
-                                                       const Development& development) {
+                                                       const Development& development,
+                                                       FrameScale scale) {
   std::optional<FramePattern> pattern;
-  if (FramePattern::isPattern(target)) {
+  if (namesSeries(target)) {
     VOLUTE_ASSIGN(pattern, FramePattern::parse(target));
   }
-  return std::make_unique<ImageFileWriter>(std::move(pattern), target, development);
+  return std::make_unique<ImageFileWriter>(std::move(pattern), scale, target, development);
 }
 
 Result<std::unique_ptr<PictureWriter>> filmWriter(const std::string& target,

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/frame_name.hpp"
 #include "volute/base/result.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/image.hpp"
@@ -54,8 +55,10 @@ class PictureWriter {
 
 /// Files .png or .exr, one a picture: a pattern with the frame's number, or a plain name for a
 /// single one.
-[[nodiscard]] Result<std::unique_ptr<PictureWriter>> imageFileWriter(
-    const std::string& target, const Development& development);
+/// @param scale  what the frames' numbers mean
+[[nodiscard]] Result<std::unique_ptr<PictureWriter>> imageFileWriter(const std::string& target,
+                                                                     const Development& development,
+                                                                     FrameScale scale = {});
 
 /// A film .mp4 or .webm, and what it says about itself.
 /// @param framesPerSecond  > 0

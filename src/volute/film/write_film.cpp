@@ -19,7 +19,7 @@ namespace {
 Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, const FilmJob& job,
                                                  const Development& development) {
   if (!isFilmPath(target))
-    return imageFileWriter(target, development);
+    return imageFileWriter(target, development, job.frameScale);
   std::string comment;
   for (const auto& [name, text] : job.textOf(job.frames.front()).notes) {
     if (name != "volute.time")

@@ -10,7 +10,7 @@ Status copyFrames(FrameSource& source, FrameSink& sink, const std::string& stage
   std::vector<float> frame(info.frameValues());
   for (int i = 0; i < info.frames; ++i) {
     if (progress.cancelled())
-      return fail(ErrorCode::kCancelled, "stopped: {} frame {}", stage, info.frameNumbers[i]);
+      return fail(ErrorCode::kCancelled, "stopped: {} frame {}", stage, info.frameText(i));
     VOLUTE_TRY(source.readFrame(i, frame));
     VOLUTE_TRY(sink.writeFrame(frame));
     progress.report(stage, i + 1, info.frames);

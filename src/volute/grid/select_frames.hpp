@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,14 +13,21 @@
 namespace volute {
 
 /// Which frames of a sequence, by their numbers n (what the input calls them, not positions):
-/// begin <= n < end, every step-th from begin on, or from the first frame when no begin is given.
+/// begin <= n < end, and of those with a step above 1 each that lies a multiple of it after begin,
+/// or after the first frame when no begin is given.
 struct FrameRange {
-  std::optional<int> begin;
-  std::optional<int> end;
-  int step = 1;  ///< >= 1
+  std::optional<double> begin;
+  std::optional<double> end;
+  int step = 1;  ///< >= 1; 1: all, those between whole numbers too
 
   bool operator==(const FrameRange&) const = default;
+
+  static FrameRange only(double frame);  ///< this one
 };
+
+/// The positions of the numbers that `range` selects, ascending; none where there are none.
+std::vector<int> selectPositions(std::span<const int> numbers, FrameScale scale,
+                                 const FrameRange& range);
 
 /// The positions of the frames that `range` selects, ascending; kInvalidArgument when there are
 /// none.
@@ -30,7 +38,18 @@ struct FrameRange {
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> selectFrames(std::unique_ptr<FrameSource> source,
                                                                 const FrameRange& range);
 
-/// The range as a person writes it: "37:40", "0:100:5".
+/// What a user states of a sequence instead of its files.
+struct StatedInfo {
+  std::optional<double> framesPerSecond{};  ///< times by the frames' numbers
+  char up = 0;                              ///< VolumeInfo::up; 0: as it is
+
+  bool operator==(const StatedInfo&) const = default;
+};
+
+std::unique_ptr<FrameSource> asStated(std::unique_ptr<FrameSource> source,
+                                      const StatedInfo& stated);
+
+/// The range as a person writes it: "37", "37:40", "0:100:5".
 std::string toString(const FrameRange& range);
 
 }  // namespace volute

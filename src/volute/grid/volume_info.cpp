@@ -30,6 +30,15 @@ int VolumeInfo::frameAt(double time) const {
   return std::max(0, static_cast<int>(after - times.begin()) - 1);
 }
 
+void VolumeInfo::setRate(double framesPerSecond) {
+  times.clear();
+  for (const int number : frameNumbers) {
+    const double elapsed = static_cast<double>(number) - frameNumbers.front();
+    times.push_back(elapsed / (framesPerSecond * frameScale.unit()));
+  }
+  timesAssumed = false;
+}
+
 void VolumeInfo::fillDefaults() {
   constexpr double kFramesPerSecond = 25;
   if (frameNumbers.empty()) {
@@ -37,8 +46,8 @@ void VolumeInfo::fillDefaults() {
     std::iota(frameNumbers.begin(), frameNumbers.end(), 0);
   }
   if (times.empty()) {
-    for (int number : frameNumbers)
-      times.push_back((number - frameNumbers.front()) / kFramesPerSecond);
+    setRate(kFramesPerSecond);
+    timesAssumed = true;
   }
   if (bounds.empty()) {
     const Vec3 voxels(x, y, z);

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "volute/base/frame_name.hpp"
 #include "volute/base/result.hpp"
 #include "volute/math/box.hpp"
 
@@ -34,8 +35,12 @@ struct VolumeInfo {
   int channels = 1;               ///< 1, or 3 for linear RGB
   Box3 bounds;                    ///< outer voxel faces [m]
   std::vector<int> frameNumbers;  ///< one per frame, ascending: the numbers of the input
+  FrameScale frameScale{};        ///< what the frame numbers mean
   std::vector<double> times;      ///< [s], one per frame, ascending
+  bool timesAssumed = false;      ///< the input states none, nor a rate
   Basis basis = Basis::kBox;
+  bool levelSet = false;  ///< values are distances to a surface, negative inside
+  char up = 0;            ///< axis that points upwards: 'x', 'y' or 'z'; 0: nobody says, z is taken
 
   std::size_t voxels() const { return static_cast<std::size_t>(z) * y * x; }
 
@@ -47,12 +52,20 @@ struct VolumeInfo {
 
   Vec3 voxelSize() const { return bounds.size().cwiseQuotient(Vec3(x, y, z)); }
 
+  /// The number of the frame at a position, for people: "12", "1.25".
+  std::string frameText(std::size_t position) const {
+    return volute::frameText(frameNumbers[position], frameScale);
+  }
+
   /// The frame shown at `time` [s]: each until the next one; the first before all, the last after
   /// all.
   int frameAt(double time) const;
 
+  /// Sets the times from the frame numbers: the first frame is at 0 s.
+  void setRate(double framesPerSecond);
+
   /// Fills in what an input does not state: frame numbers 0.., times from the first at 0 s with 25
-  /// frames/s, and bounds with cubic voxels whose longest side is 1 m.
+  /// frames/s by their numbers, and bounds with cubic voxels whose longest side is 1 m.
   void fillDefaults();
 
   /// An error that names the field if sizes, bounds, numbers or times are inconsistent.

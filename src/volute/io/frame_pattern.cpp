@@ -3,24 +3,73 @@
 #include "volute/io/frame_pattern.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <cstdlib>
+#include <limits>
 #include <map>
 
 namespace volute {
 namespace {
 
 constexpr std::size_t kMaxDigits = 9;
+constexpr std::string_view kDigits = "0123456789";
 
-bool isDigit(char c) {
-  return c >= '0' && c <= '9';
+/// A frame number as it stands in a name: "-0001.25".
+struct WrittenNumber {
+  bool negative = false;
+  std::string_view whole, decimals;
+};
+
+/// Nothing unless `text` is all of a number.
+std::optional<WrittenNumber> writtenNumber(std::string_view text) {
+  WrittenNumber number;
+  number.negative = text.starts_with('-');
+  text.remove_prefix(number.negative ? 1 : 0);
+  const std::size_t end = std::min(text.find_first_not_of(kDigits), text.size());
+  number.whole = text.substr(0, end);
+  if (number.whole.empty() || number.whole.size() > kMaxDigits)
+    return std::nullopt;
+  if (end == text.size())
+    return number;
+  number.decimals = text.substr(end + 1);
+  const bool sound = text[end] == '.' && !number.decimals.empty() &&
+                     number.decimals.size() <= FrameScale::kMaxDecimals &&
+                     number.decimals.find_first_not_of(kDigits) == std::string_view::npos;
+  return sound ? std::optional(number) : std::nullopt;
 }
 
-std::optional<int> toNumber(std::string_view digits) {
-  if (digits.empty() || digits.size() > kMaxDigits || !std::ranges::all_of(digits, isDigit))
+/// In units of 10^-decimals of its own; nothing where that is beyond an int, and for "-0".
+std::optional<NumberedFile> numberedBy(const WrittenNumber& written, std::filesystem::path path) {
+  std::int64_t number = 0;
+  for (const std::string_view digits : {written.whole, written.decimals})
+    for (const char digit : digits) number = 10 * number + (digit - '0');
+  if (number > std::numeric_limits<int>::max() || (written.negative && number == 0))
     return std::nullopt;
-  int number = 0;
-  std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  return number;
+  return NumberedFile{static_cast<int>(written.negative ? -number : number),
+                      std::move(path),
+                      {static_cast<int>(written.decimals.size()), true}};
+}
+
+/// Brings all numbers to one scale.
+Status toOneScale(std::vector<NumberedFile>& files) {
+  FrameScale scale{0, true};
+  for (const NumberedFile& file : files)
+    scale.decimals = std::max(scale.decimals, file.scale.decimals);
+  for (const NumberedFile& file : files)
+    scale.allDecimals = scale.allDecimals && file.scale.decimals == scale.decimals;
+  if (scale.decimals == 0)
+    scale.allDecimals = false;
+  for (NumberedFile& file : files) {
+    const std::int64_t number = std::int64_t{file.number} * (scale.unit() / file.scale.unit());
+    if (std::abs(number) > std::numeric_limits<int>::max()) {
+      return fail(
+          ErrorCode::kTooLarge,
+          "{}: its frame number and {} decimals have more than 9 digits; expected at most 9",
+          file.path.string(), scale.decimals);
+    }
+    file.number = static_cast<int>(number);
+    file.scale = scale;
+  }
+  return {};
 }
 
 /// All regular files of a folder; errors of the system name it.
@@ -55,19 +104,58 @@ Status sortByNumber(std::vector<NumberedFile>& files) {
       (twice->path.parent_path() / ("name_%04d" + twice->path.extension().string())).string());
 }
 
-/// A file's name without its number.
-std::pair<std::string, std::string> aroundNumber(const std::filesystem::path& file) {
-  const std::string name = file.filename().string(), stem = file.stem().string();
-  const auto last = stem.find_last_of("0123456789");
-  const auto before = stem.find_last_not_of("0123456789", last);
-  return {name.substr(0, before == std::string::npos ? 0 : before + 1), name.substr(last + 1)};
+/// The last number in a file's stem: where it begins and ends in the name.
+struct NumberPlace {
+  std::size_t begin = 0, end = 0;
+};
+
+/// @param decimals  "1.25" is one number
+std::optional<NumberPlace> lastNumber(const std::string& stem, bool decimals) {
+  const auto groupBefore = [&](std::size_t last) {
+    const auto before = stem.find_last_not_of(kDigits, last);
+    return before == std::string::npos ? 0 : before + 1;
+  };
+  const auto last = stem.find_last_of(kDigits);
+  if (last == std::string::npos)
+    return std::nullopt;
+  NumberPlace place{groupBefore(last), last + 1};
+  const bool fraction = decimals && place.begin >= 2 && stem[place.begin - 1] == '.' &&
+                        kDigits.find(stem[place.begin - 2]) != std::string_view::npos;
+  if (fraction)
+    place.begin = groupBefore(place.begin - 2);
+  // "s_-2" has a sign, "s-2" a separator.
+  const auto isSeparator = [](char c) { return c == '_' || c == '.' || c == '-' || c == ' '; };
+  if (place.begin >= 1 && stem[place.begin - 1] == '-' &&
+      (place.begin == 1 || isSeparator(stem[place.begin - 2])))
+    --place.begin;
+  return place;
+}
+
+std::optional<NumberedFile> numberedFile(const std::filesystem::path& file, bool decimals) {
+  const std::string stem = file.stem().string();
+  const auto place = lastNumber(stem, decimals);
+  if (!place)
+    return std::nullopt;
+  const auto written =
+      writtenNumber(std::string_view(stem).substr(place->begin, place->end - place->begin));
+  return written ? numberedBy(*written, file) : std::nullopt;
+}
+
+/// Files' names without their numbers, and how many have each.
+using Sequences = std::map<std::pair<std::string, std::string>, int>;
+
+Sequences sequencesOf(const std::vector<NumberedFile>& files, bool decimals) {
+  Sequences sequences;
+  for (const NumberedFile& file : files) {
+    const std::string name = file.path.filename().string();
+    const auto place = *lastNumber(file.path.stem().string(), decimals);
+    ++sequences[{name.substr(0, place.begin), name.substr(place.end)}];
+  }
+  return sequences;
 }
 
 /// Files of two sequences would be shown in turn.
-Status checkOneSequence(const std::filesystem::path& folder,
-                        const std::vector<NumberedFile>& files) {
-  std::map<std::pair<std::string, std::string>, int> sequences;
-  for (const NumberedFile& file : files) ++sequences[aroundNumber(file.path)];
+Status checkOneSequence(const std::filesystem::path& folder, const Sequences& sequences) {
   if (sequences.size() < 2)
     return {};
   std::string found;
@@ -80,99 +168,111 @@ Status checkOneSequence(const std::filesystem::path& folder,
               sequences.size(), found);
 }
 
-}  // namespace
-
-bool FramePattern::isPattern(const std::filesystem::path& path) {
-  return path.filename().string().find_first_of("%#") != std::string::npos;
+bool isVisible(const std::filesystem::path& file, std::string_view extension) {
+  return file.extension() == extension && !file.filename().string().starts_with('.');
 }
 
+}  // namespace
+
 Result<FramePattern> FramePattern::parse(const std::filesystem::path& path) {
-  const auto refuse = [&](const char* reason) {
+  const std::string name = path.filename().string();
+  const auto field = findFrameField(name);
+  if (!field)
+    return fail(field.error().code, "{}: {}", path.string(), field.error().message);
+  if (!*field) {
     return fail(ErrorCode::kInvalidArgument,
-                "{}: {}; expected one frame number, as %04d, %d or ####", path.string(), reason);
-  };
-  if (path.parent_path().string().find_first_of("%#") != std::string::npos) {
-    return refuse("a frame number in the folder's name");
+                "{}: no frame number in the file's name; expected one, as %04d, %d, #### or $F4",
+                path.string());
   }
+  const auto text = [](std::string_view part) {
+    std::string plain;
+    for (std::size_t at = 0; at < part.size(); ++at) {
+      plain += part[at];
+      at += part.substr(at).starts_with("%%") ? 1 : 0;
+    }
+    return plain;
+  };
   FramePattern pattern;
   pattern.path_ = path;
-  bool found = false;
-  const std::string name = path.filename().string();
-  for (std::size_t at = 0; at < name.size();) {
-    std::string& text = found ? pattern.suffix_ : pattern.prefix_;
-    if (name.compare(at, 2, "%%") == 0) {
-      text += '%';
-      at += 2;
-      continue;
-    }
-    if (name[at] != '%' && name[at] != '#') {
-      text += name[at++];
-      continue;
-    }
-    if (found)
-      return refuse("more than one frame number");
-    found = true;
-    if (name[at] == '#') {
-      const std::size_t end = std::min(name.find_first_not_of('#', at), name.size());
-      pattern.width_ = static_cast<int>(end - at);
-      at = end;
-    } else {
-      const bool padded = at + 3 < name.size() && name[at + 1] == '0' && name[at + 2] >= '1' &&
-                          name[at + 2] <= '9' && name[at + 3] == 'd';
-      if (!padded && name.compare(at, 2, "%d") != 0)
-        return refuse("no frame number after '%'");
-      pattern.width_ = padded ? name[at + 2] - '0' : 1;
-      at += padded ? 4 : 2;
-    }
-    if (pattern.width_ > static_cast<int>(kMaxDigits))
-      return refuse("a frame number of more than 9 digits");
-  }
-  if (!found)
-    return refuse("no frame number");
+  pattern.field_ = **field;
+  pattern.prefix_ = text(std::string_view(name).substr(0, pattern.field_.begin));
+  pattern.suffix_ = text(std::string_view(name).substr(pattern.field_.end));
   return pattern;
 }
 
-std::filesystem::path FramePattern::format(int number) const {
-  return path_.parent_path() / fmt::format("{}{:0{}}{}", prefix_, number, width_, suffix_);
+std::filesystem::path FramePattern::format(int number, FrameScale scale) const {
+  return path_.parent_path() / (prefix_ + frameText(number, scale, field_.width) + suffix_);
 }
 
-std::optional<int> FramePattern::match(std::string_view fileName) const {
+std::optional<std::string_view> FramePattern::numberIn(std::string_view fileName) const {
   if (fileName.size() < prefix_.size() + suffix_.size() || !fileName.starts_with(prefix_) ||
       !fileName.ends_with(suffix_)) {
     return std::nullopt;
   }
   fileName.remove_prefix(prefix_.size());
   fileName.remove_suffix(suffix_.size());
-  const auto number = toNumber(fileName);
-  const bool canonical = fileName.size() == static_cast<std::size_t>(width_) ||
-                         (fileName.size() > static_cast<std::size_t>(width_) && fileName[0] != '0');
-  return canonical ? number : std::nullopt;
+  return fileName;
 }
 
-Result<std::vector<NumberedFile>> FramePattern::list() const {
+std::optional<NumberedFile> FramePattern::match(std::string_view fileName) const {
+  const auto text = numberIn(fileName);
+  const auto written = text ? writtenNumber(*text) : std::nullopt;
+  if (!written)
+    return std::nullopt;
+  // printf counts the sign: %04d of -2 is -002, while most programs write -0002.
+  const std::size_t digits = written->whole.size();
+  const auto width = static_cast<std::size_t>(field_.width);
+  const bool signedWidth = written->negative && width > 1 && digits + 1 == width;
+  const bool canonical = field_.anyWidth || digits == width || signedWidth ||
+                         (digits > width && written->whole[0] != '0');
+  return canonical ? numberedBy(*written, fileName) : std::nullopt;
+}
+
+Result<std::vector<NumberedFile>> FramePattern::list(SubFrames subFrames) const {
   VOLUTE_ASSIGN(const auto files, filesOf(path_.parent_path()));
   std::vector<NumberedFile> matching;
   for (const auto& file : files) {
-    if (const auto number = match(file.filename().string()))
-      matching.push_back({*number, file});
+    auto found = match(file.filename().string());
+    if (!found)
+      continue;
+    found->path = file;
+    matching.push_back(std::move(*found));
   }
   if (matching.empty()) {
     return fail(ErrorCode::kNotFound,
                 "{}: no file matches this pattern; the first was expected as {}", path_.string(),
                 format(1).string());
   }
+  VOLUTE_TRY(toOneScale(matching));
+  if (subFrames == SubFrames::kRefused && matching.front().scale.decimals > 0) {
+    const auto part = std::ranges::find_if(
+        matching, [](const NumberedFile& file) { return file.number % file.scale.unit() != 0; });
+    return fail(ErrorCode::kUnsupported,
+                "{}: a frame between whole ones, which only volumes have; move it elsewhere",
+                (part == matching.end() ? matching.front() : *part).path.string());
+  }
   VOLUTE_TRY(sortByNumber(matching));
   return matching;
 }
 
+std::vector<std::string> FramePattern::others() const {
+  std::vector<std::string> names;
+  const auto files = filesOf(path_.parent_path());
+  for (std::size_t i = 0; files && i < files->size(); ++i) {
+    const std::string name = (*files)[i].filename().string();
+    const auto text = numberIn(name);
+    const bool numeric = text && !text->empty() && kDigits.find(text->back()) != text->npos &&
+                         text->find_first_not_of("-.0123456789") == text->npos;
+    if (numeric && !match(name))
+      names.push_back(name);
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
 std::optional<int> frameNumberOf(const std::filesystem::path& file) {
-  const std::string stem = file.stem().string();
-  const auto last = stem.find_last_of("0123456789");
-  if (last == std::string::npos)
-    return std::nullopt;
-  const auto before = stem.find_last_not_of("0123456789", last);
-  const auto begin = before == std::string::npos ? 0 : before + 1;
-  return toNumber(std::string_view(stem).substr(begin, last + 1 - begin));
+  const auto numbered = numberedFile(file, false);
+  return numbered ? std::optional(numbered->number) : std::nullopt;
 }
 
 std::vector<FrameGap> gapsOf(std::span<const int> numbers) {
@@ -194,8 +294,9 @@ std::vector<FrameGap> gapsOf(std::span<const int> numbers) {
   return gaps;
 }
 
-std::string missingNumbers(std::span<const int> numbers) {
+std::string missingNumbers(std::span<const int> numbers, FrameScale scale) {
   constexpr std::size_t kShown = 8;
+  const auto text = [&](int number) { return frameText(number, scale); };
   const auto gaps = gapsOf(numbers);
   if (gaps.empty())
     return {};
@@ -206,33 +307,68 @@ std::string missingNumbers(std::span<const int> numbers) {
     if (i >= kShown)
       continue;
     ranges += ranges.empty() ? "" : ", ";
-    ranges += gaps[i].count == 1 ? fmt::format("{}", gaps[i].first)
-                                 : fmt::format("{} to {}", gaps[i].first, gaps[i].last);
+    ranges += gaps[i].count == 1 ? text(gaps[i].first)
+                                 : fmt::format("{} to {}", text(gaps[i].first), text(gaps[i].last));
   }
   return fmt::format(
-      "{} of the frames {} to {} {} missing: {}{}", missing, numbers.front(), numbers.back(),
-      missing == 1 ? "is" : "are", ranges,
+      "{} of the frames {} to {} {} missing: {}{}", missing, text(numbers.front()),
+      text(numbers.back()), missing == 1 ? "is" : "are", ranges,
       gaps.size() > kShown ? fmt::format(" and {} more gaps", gaps.size() - kShown) : "");
 }
 
 Result<std::vector<NumberedFile>> listNumberedFiles(const std::filesystem::path& folder,
                                                     std::string_view extension) {
   VOLUTE_ASSIGN(const auto files, filesOf(folder));
-  std::vector<NumberedFile> numbered;
-  for (const auto& file : files) {
-    const bool hidden = file.filename().string().starts_with('.');
-    if (hidden || file.extension() != extension)
-      continue;
-    if (const auto number = frameNumberOf(file))
-      numbered.push_back({*number, file});
-  }
-  if (numbered.empty()) {
+  const auto numbered = [&](bool decimals) {
+    std::vector<NumberedFile> found;
+    for (const auto& file : files) {
+      auto one = isVisible(file, extension) ? numberedFile(file, decimals) : std::nullopt;
+      if (one)
+        found.push_back(std::move(*one));
+    }
+    return found;
+  };
+  std::vector<NumberedFile> found = numbered(false);
+  if (found.empty()) {
     return fail(ErrorCode::kNotFound, "{}: no numbered {} files in this folder", folder.string(),
                 extension);
   }
-  VOLUTE_TRY(checkOneSequence(folder, numbered));
-  VOLUTE_TRY(sortByNumber(numbered));
-  return numbered;
+  // "s.1.25" is frame 1.25 where that makes one sequence of them, "v1.0025" is frame 25.
+  const Sequences sequences = sequencesOf(found, false);
+  if (sequences.size() > 1) {
+    std::vector<NumberedFile> fractions = numbered(true);
+    if (sequencesOf(fractions, true).size() == 1)
+      found = std::move(fractions);
+    else
+      VOLUTE_TRY(checkOneSequence(folder, sequences));
+  }
+  VOLUTE_TRY(toOneScale(found));
+  VOLUTE_TRY(sortByNumber(found));
+  return found;
+}
+
+std::string leftOutFiles(const std::filesystem::path& input, std::string_view extension) {
+  constexpr std::size_t kShown = 4;
+  std::vector<std::string> names;
+  std::error_code error;
+  if (std::filesystem::is_directory(input, error)) {
+    const auto files = filesOf(input);
+    for (std::size_t i = 0; files && i < files->size(); ++i) {
+      if (isVisible((*files)[i], extension) && !numberedFile((*files)[i], false))
+        names.push_back((*files)[i].filename().string());
+    }
+    std::ranges::sort(names);
+  } else if (namesSeriesOfFiles(input)) {
+    if (const auto pattern = FramePattern::parse(input))
+      names = pattern->others();
+  }
+  if (names.empty())
+    return {};
+  std::string text =
+      fmt::format("{} file{} left out: ", names.size(), names.size() == 1 ? " is" : "s are");
+  for (std::size_t i = 0; i < std::min(names.size(), kShown); ++i)
+    text += (i == 0 ? "" : ", ") + names[i];
+  return names.size() > kShown ? text + fmt::format(" and {} more", names.size() - kShown) : text;
 }
 
 }  // namespace volute

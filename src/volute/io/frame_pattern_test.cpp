@@ -21,13 +21,23 @@ TEST(FramePattern, FormatsAsPrintfDoes) {
   EXPECT_EQ(plain.format(42), "42.vti");
   ASSERT_VALUE(const auto hashes, FramePattern::parse("a_###_100%%.png"));
   EXPECT_EQ(hashes.format(5), "a_005_100%.png");
+  ASSERT_VALUE(const auto folder, FramePattern::parse("job#12/my%20files/%04d/x_%04d.png"));
+  EXPECT_EQ(folder.format(5), "job#12/my%20files/%04d/x_0005.png");
+  EXPECT_EQ(padded.format(-2), "out/flame_-0002.vdb");
+  EXPECT_EQ(padded.format(125, {2}), "out/flame_0001.25.vdb");
+  EXPECT_EQ(padded.format(150, {2}), "out/flame_0001.5.vdb");
+  EXPECT_EQ(padded.format(-150, {2, true}), "out/flame_-0001.50.vdb");
+  EXPECT_EQ(padded.format(200, {2}), "out/flame_0002.vdb");
 }
 
 RC_GTEST_PROP(FramePattern, MatchesWhatItFormats, ()) {
-  const int number = *rc::gen::inRange(0, 1000000000);
-  const auto pattern =
-      FramePattern::parse(*rc::gen::element("f_%04d.vdb", "%d", "x##y.vdb", "%09d.a"));
-  RC_ASSERT(pattern->match(pattern->format(number).filename().string()) == std::optional(number));
+  const int number = *rc::gen::inRange(-999999999, 1000000000);
+  const FrameScale scale{*rc::gen::inRange(0, 7), true};
+  const auto pattern = FramePattern::parse(
+      *rc::gen::element("f_%04d.vdb", "%d", "x##y.vdb", "%09d.a", "s.$F3.vdb", "s_<frame>.vdb"));
+  const auto match = pattern->match(pattern->format(number, scale).filename().string());
+  RC_ASSERT(match.has_value());
+  RC_ASSERT(match->number == number && match->scale.decimals == scale.decimals);
 }
 
 TEST(FramePattern, GapsAreNamed) {
@@ -53,8 +63,10 @@ TEST(FramePattern, GapsAreNamed) {
 
 TEST(FramePattern, DoesNotMatchOtherNames) {
   ASSERT_VALUE(const auto pattern, FramePattern::parse("f_%03d.vdb"));
-  for (const char* name : {"f_01.vdb", "f_0001.vdb", "f_abc.vdb", "f_.vdb", "f_-01.vdb", "f_001.vd",
-                           "g_001.vdb", "f_001.vdb.bak", "f_1234567890.vdb", ""}) {
+  for (const char* name :
+       {"f_01.vdb", "f_0001.vdb", "f_abc.vdb", "f_.vdb", "f_-1.vdb", "f_-000.vdb", "f_001.",
+        "f_001..5.vdb", "f_001.1234567.vdb", "f_--001.vdb", "f_001.vd", "g_001.vdb",
+        "f_001.vdb.bak", "f_1234567890.vdb", ""}) {
     EXPECT_FALSE(pattern.match(name)) << name;
   }
 }
@@ -62,7 +74,8 @@ TEST(FramePattern, DoesNotMatchOtherNames) {
 TEST(FramePattern, RefusesWhatIsNotOneFrameNumber) {
   for (const char* text :
        {"f_%s.vdb", "f_%4d.vdb", "f_%x", "f_%00d", "f_%", "f_%0", "%d_%d.vdb", "##_##.vdb",
-        "dir_%04d/f.vdb", "dir_%04d/f_%04d.vdb", "plain.vdb", "##########.vdb", "%012d"}) {
+        "dir_%04d/f.vdb", "plain.vdb", "take#1.png", "out 50%.png", "50%%.png", "f_$F4_%04d.vdb",
+        "$F12.vdb", "$Folder.vdb", "##########.vdb", "%012d"}) {
     const auto pattern = FramePattern::parse(text);
     ASSERT_FALSE(pattern) << text;
     EXPECT_EQ(pattern.error().code, ErrorCode::kInvalidArgument);
@@ -95,6 +108,59 @@ TEST(NumberedFiles, TakesTheLastDigitsOfTheStem) {
   EXPECT_EQ(frameNumberOf("flame12b.vdb"), 12);
   EXPECT_EQ(frameNumberOf("flame.vdb2"), std::nullopt);
   EXPECT_EQ(frameNumberOf("f_12345678901.vdb"), std::nullopt);
+  EXPECT_EQ(frameNumberOf("s_-0002.vdb"), -2);
+  EXPECT_EQ(frameNumberOf("-2.vdb"), -2);
+  EXPECT_EQ(frameNumberOf("shot-0002.vdb"), 2);
+  EXPECT_EQ(frameNumberOf("shot-010-0002.vdb"), 2);
+}
+
+TEST(NumberedFiles, NegativeFramesAndFramesBetweenWholeOnes) {
+  const auto numbers = [](const std::vector<NumberedFile>& files) {
+    std::vector<double> frames;
+    for (const NumberedFile& file : files) frames.push_back(file.frame());
+    return frames;
+  };
+  const TempFolder folder;
+  for (const char* name : {"s_0.vdb", "s_-1.vdb", "s_1.vdb", "s_-2.vdb"})
+    writeBytes(folder / name, "");
+  ASSERT_VALUE(const auto pattern, FramePattern::parse(folder / "s_%d.vdb"));
+  ASSERT_VALUE(const auto listed, pattern.list());
+  EXPECT_EQ(numbers(listed), (std::vector<double>{-2, -1, 0, 1}));
+  ASSERT_VALUE(const auto inFolder, listNumberedFiles(folder.path(), ".vdb"));
+  EXPECT_EQ(numbers(inFolder), (std::vector<double>{-2, -1, 0, 1}));
+
+  const TempFolder parts;
+  for (const char* name : {"s.0001.vdb", "s.0001.25.vdb", "s.0001.5.vdb", "s.0002.vdb"})
+    writeBytes(parts / name, "");
+  ASSERT_VALUE(const auto sub, FramePattern::parse(parts / "s.%04d.vdb"));
+  EXPECT_EQ(sub.list().error().code, ErrorCode::kUnsupported);
+  ASSERT_VALUE(const auto all, sub.list(SubFrames::kAllowed));
+  EXPECT_EQ(numbers(all), (std::vector<double>{1, 1.25, 1.5, 2}));
+  for (const NumberedFile& file : all) EXPECT_EQ(sub.format(file.number, file.scale), file.path);
+  ASSERT_VALUE(const auto same, listNumberedFiles(parts.path(), ".vdb"));
+  EXPECT_EQ(numbers(same), (std::vector<double>{1, 1.25, 1.5, 2}));
+
+  const TempFolder versions;  // no fractions of 1
+  for (const char* name : {"s.v1.0001.vdb", "s.v1.0002.vdb"}) writeBytes(versions / name, "");
+  ASSERT_VALUE(const auto whole, listNumberedFiles(versions.path(), ".vdb"));
+  EXPECT_EQ(numbers(whole), (std::vector<double>{1, 2}));
+}
+
+TEST(NumberedFiles, WhatIsLeftOutIsSaid) {
+  const TempFolder folder;
+  for (const char* name : {"s_01.vdb", "s_2.vdb", "s_3.vdb", "s_x.vdb", "s_4.txt", "s.vdb"})
+    writeBytes(folder / name, "");
+  EXPECT_EQ(leftOutFiles(folder / "s_%d.vdb", ".vdb"), "1 file is left out: s_01.vdb");
+  EXPECT_EQ(leftOutFiles(folder.path(), ".vdb"), "2 files are left out: s.vdb, s_x.vdb");
+  EXPECT_EQ(leftOutFiles(folder / "s_2.vdb", ".vdb"), "");
+}
+
+TEST(FramePattern, AnExistingFileIsNoPattern) {
+  const TempFolder folder;
+  writeBytes(folder / "take##.vdb", "");
+  EXPECT_TRUE(namesSeries(folder / "take##.vdb"));
+  EXPECT_FALSE(namesSeriesOfFiles(folder / "take##.vdb"));
+  EXPECT_TRUE(namesSeriesOfFiles(folder / "take_##.vdb"));
 }
 
 TEST(NumberedFiles, TwoSeriesInOneFolderAreAnError) {

@@ -71,7 +71,7 @@ class LatticeSink final : public FrameSink {
 /// A file for each frame.
 Result<std::vector<std::filesystem::path>> targetsOf(const std::filesystem::path& output,
                                                      const VolumeInfo& info) {
-  if (!FramePattern::isPattern(output)) {
+  if (!namesSeries(output)) {
     if (info.frames == 1)
       return std::vector{output};
     const auto example =
@@ -82,7 +82,7 @@ Result<std::vector<std::filesystem::path>> targetsOf(const std::filesystem::path
   }
   VOLUTE_ASSIGN(const FramePattern pattern, FramePattern::parse(output));
   std::vector<std::filesystem::path> targets;
-  for (int number : info.frameNumbers) targets.push_back(pattern.format(number));
+  for (int number : info.frameNumbers) targets.push_back(pattern.format(number, info.frameScale));
   return targets;
 }
 
@@ -144,7 +144,7 @@ Result<std::unique_ptr<FrameSink>> createLatticeSink(const std::filesystem::path
   const bool collection = output.extension() == ".pvd";
   std::filesystem::path files = output;
   if (collection) {
-    if (FramePattern::isPattern(output)) {
+    if (namesSeries(output)) {
       return fail(ErrorCode::kInvalidArgument,
                   "{}: a collection is one file; leave the frame number out of its name",
                   output.string());

@@ -110,21 +110,22 @@ Result<std::array<std::int64_t, 3>> latticeShift(const LatticeFrame& first,
   std::array<std::int64_t, 3> shift{};
   if (frame.channels != first.channels) {
     return fail(ErrorCode::kInvalidData, "{}: frame {} has {} channels, but the first frame has {}",
-                file.path.string(), file.number, frame.channels, first.channels);
+                file.path.string(), file.frameText(), frame.channels, first.channels);
   }
   for (int axis = 0; axis < 3; ++axis) {
     if (!(std::abs(frame.voxelSize[axis] - first.voxelSize[axis]) <=
           kSameSize * first.voxelSize[axis])) {
       return fail(ErrorCode::kInvalidData,
                   "{}: frame {} has voxels of {}, but the first frame's are {}; resample it",
-                  file.path.string(), file.number, text(frame.voxelSize), text(first.voxelSize));
+                  file.path.string(), file.frameText(), text(frame.voxelSize),
+                  text(first.voxelSize));
     }
     const double voxels = (frame.origin[axis] - first.origin[axis]) / first.voxelSize[axis];
     if (!(std::abs(voxels) < kFarthest) || std::abs(voxels - std::round(voxels)) > kSamePlace) {
       return fail(ErrorCode::kInvalidData,
                   "{}: the voxels of frame {} lie {:.4g} voxels off the first frame's along {}; "
                   "expected a whole number",
-                  file.path.string(), file.number, voxels, "xyz"[axis]);
+                  file.path.string(), file.frameText(), voxels, "xyz"[axis]);
     }
     shift[axis] = std::llround(voxels);
   }
@@ -388,6 +389,9 @@ class LatticeSource final : public FrameSource {
     info_.channels = frames.front().channels;
     info_.bounds = toBounds(frames.front(), box_);
     for (const auto& file : files_) info_.frameNumbers.push_back(file.number);
+    info_.frameScale = files_.front().scale;
+    info_.up = frames.front().up;
+    info_.levelSet = frames.front().levelSet;
     info_.times = statedTimes(files_, frames);
     info_.fillDefaults();
   }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "volute/base/frame_name.hpp"
 #include "volute/io/lattice.hpp"
 #include "volute/io/volume_source.hpp"
 
@@ -16,7 +17,10 @@ struct LatticeFile {
   int number = 0;
   std::filesystem::path path;
   std::optional<double>
-      time;  ///< [s]; when not stated the file may state it, else the numbers give it
+      time;            ///< [s]; when not stated the file may state it, else the numbers give it
+  FrameScale scale{};  ///< of the number
+
+  std::string frameText() const { return volute::frameText(number, scale); }
 };
 
 /// What is known of a grid that is read for a cache.

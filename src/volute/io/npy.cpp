@@ -161,6 +161,7 @@ Result<std::unique_ptr<FrameSource>> openNpySequence(const std::vector<NumberedF
   info.frames = static_cast<int>(files.size());
   info.frameNumbers.clear(), info.times.clear();
   for (const NumberedFile& file : files) info.frameNumbers.push_back(file.number);
+  info.frameScale = files.front().scale;
   info.fillDefaults();
   VOLUTE_TRY(info.validate(files.front().path.string()));
   auto sequence = std::make_unique<NpySequence>(files, options, info);

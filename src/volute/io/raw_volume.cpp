@@ -220,6 +220,7 @@ Result<std::unique_ptr<FrameSource>> openRawSequence(const std::vector<NumberedF
   }
   info.frames = static_cast<int>(files.size());
   info.frameNumbers = std::move(numbers);
+  info.frameScale = files.front().scale;
   info.times.clear();
   info.fillDefaults();
   VOLUTE_TRY(info.validate(files.front().path.string()));

@@ -16,7 +16,8 @@ namespace {
 
 std::vector<LatticeFile> toLatticeFiles(std::vector<NumberedFile> numbered) {
   std::vector<LatticeFile> files;
-  for (auto& file : numbered) files.push_back({file.number, std::move(file.path), std::nullopt});
+  for (auto& file : numbered)
+    files.push_back({file.number, std::move(file.path), std::nullopt, file.scale});
   return files;
 }
 
@@ -30,7 +31,7 @@ Result<std::vector<LatticeFile>> singleFile(const std::filesystem::path& path) {
 
 Result<std::vector<LatticeFile>> listPattern(const std::filesystem::path& path) {
   VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(path));
-  VOLUTE_ASSIGN(auto files, pattern.list());
+  VOLUTE_ASSIGN(auto files, pattern.list(SubFrames::kAllowed));
   return toLatticeFiles(std::move(files));
 }
 
@@ -71,7 +72,7 @@ Result<std::vector<LatticeFile>> listLatticeFiles(const std::filesystem::path& i
     return toLatticeFiles(std::move(files));
   }
   // A file whose name happens to look like a pattern is that file.
-  if (FramePattern::isPattern(input) && !std::filesystem::exists(input, error))
+  if (namesSeriesOfFiles(input))
     return listPattern(input);
   return input.extension() == ".pvd" ? listCollection(input) : singleFile(input);
 }
@@ -96,17 +97,17 @@ Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& inp
   const std::string extension = input.extension().string();
   std::error_code error;
   if (options.raw) {
-    if (!FramePattern::isPattern(input) || std::filesystem::exists(input, error))
+    if (!namesSeriesOfFiles(input))
       return openRaw(input, options);
     VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(input));
-    VOLUTE_ASSIGN(const auto files, pattern.list());
+    VOLUTE_ASSIGN(const auto files, pattern.list(SubFrames::kAllowed));
     return openRawSequence(files, options);
   }
   if (extension == ".npy") {
-    if (!FramePattern::isPattern(input) || std::filesystem::exists(input, error))
+    if (!namesSeriesOfFiles(input))
       return openNpy(input, options);
     VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(input));
-    VOLUTE_ASSIGN(const auto files, pattern.list());
+    VOLUTE_ASSIGN(const auto files, pattern.list(SubFrames::kAllowed));
     return openNpySequence(files, options);
   }
   const bool folder = std::filesystem::is_directory(input, error);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/frame_name.hpp"
 #include "volute/base/progress.hpp"
 #include "volute/image/color_scale.hpp"
 #include "volute/media/camera_file.hpp"
@@ -29,6 +30,7 @@ struct MediumInfo {
   /// When each stored frame is shown as it is, in the scene's time, ascending; one at least [s].
   std::vector<double> times{0.0};
   std::vector<int> numbers{0};  ///< what a person calls them
+  FrameScale frameScale{};      ///< what the numbers mean
   bool interpolates = false;    ///< between stored frames; else each holds until the next
   bool loops = false;           ///< begins again after its last frame
   bool endless = false;         ///< has no end in time, whatever is stored
@@ -42,6 +44,8 @@ struct MediumInfo {
       times.push_back(layer.timeOf(i));
       numbers.push_back(layer.numberOf(i));
     }
+    if constexpr (requires { layer.frameScale(); })
+      frameScale = layer.frameScale();
     loops = clock.loop;
   }
 

@@ -10,6 +10,10 @@ Json jsonNumber(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
+Json jsonFrame(int number, FrameScale scale) {
+  return scale.decimals == 0 ? Json(number) : Json(scale.frame(number));
+}
+
 std::string dumpJson(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -5,7 +5,7 @@
 namespace volute {
 
 Result<PictureCamera> pictureCamera(const Scene& scene, std::optional<CameraDescription> asked,
-                                    std::optional<Pixels> size) {
+                                    std::optional<Pixels> size, const Vec3& up) {
   if (!asked)
     asked = scene.camera();
   if (!size && asked)
@@ -17,7 +17,8 @@ Result<PictureCamera> pictureCamera(const Scene& scene, std::optional<CameraDesc
     return fail(ErrorCode::kInvalidData,
                 "{}: has nothing to frame; expected media or geometry, or a camera", scene.path());
   }
-  return PictureCamera{Camera::framing(scene.bounds(), pixels.width, pixels.height), std::nullopt};
+  return PictureCamera{Camera::framing(scene.bounds(), pixels.width, pixels.height, up),
+                       std::nullopt};
 }
 
 }  // namespace volute

@@ -18,8 +18,10 @@ struct PictureCamera {
 /// The camera `asked` for, else the scene's, else one that frames its bounds. Its picture has the
 /// `size` asked for, else the description's, else 800 x 600 pixels. kInvalidData where there is
 /// nothing to frame.
+/// @param up  of a camera that frames the bounds
 [[nodiscard]] Result<PictureCamera> pictureCamera(const Scene& scene,
                                                   std::optional<CameraDescription> asked,
-                                                  std::optional<Pixels> size);
+                                                  std::optional<Pixels> size,
+                                                  const Vec3& up = Vec3::UnitZ());
 
 }  // namespace volute

@@ -54,13 +54,15 @@ std::filesystem::path besideOf(const std::filesystem::path& file, const std::str
 
 std::vector<std::filesystem::path> filesOf(const std::string& name) {
   std::vector<std::filesystem::path> files;
-  if (FramePattern::isPattern(name)) {
+  if (namesSeriesOfFiles(name)) {
     const auto pattern = FramePattern::parse(name);
-    const auto there = pattern ? pattern->list() : Result<std::vector<NumberedFile>>();
+    const auto there =
+        pattern ? pattern->list(SubFrames::kAllowed) : Result<std::vector<NumberedFile>>();
     if (!pattern || !there || there->empty())
       return {name};
     for (const NumberedFile& file : *there) files.push_back(file.path);
-    files.push_back(pattern->format(there->back().number + 1));
+    files.push_back(
+        pattern->format(there->back().number + there->back().scale.unit(), there->back().scale));
     return files;
   }
   files.emplace_back(name);

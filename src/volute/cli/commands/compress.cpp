@@ -61,6 +61,8 @@ Status runCompress(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(
       how.rms,
       ofOption("rms-of", parseGridRms(arguments.find<std::string>("rms-of").value_or(""))));
+  how.stated.framesPerSecond = arguments.find<double>("fps");
+  how.stated.up = arguments.find<std::string>("up").value_or(std::string(1, '\0')).front();
   CompressOptions& options = how.options;
   options.target = targetOf(arguments);
   options.wavelet = arguments.get<std::string>("wavelet");
@@ -134,6 +136,16 @@ Command compressCommand() {
                   fieldsOption("grids of a file with several; if not given, all; or the source of "
                                "an FDS case"),
                   framesOption(),
+                  {.name = "up",
+                   .kind = kChoice,
+                   .value = "AXIS",
+                   .help =
+                       "up axis of the files, which the .volute records; values and axes stay as "
+                       "they are",
+                   .choices = {"x", "y", "z"},
+                   .aliases = {"file-up"}},
+                  rateOption("frames per second: frame n is at (n - first) / F; if not given, the "
+                             "times that the files state, else 25"),
                   {.name = "wavelet",
                    .kind = kChoice,
                    .value = "NAME",

@@ -24,7 +24,7 @@ FogFrameOptions frameOptions(const Arguments& arguments) {
   options.depthAlongRay = arguments.get<std::string>("depth-kind") == "ray";
   options.sky = arguments.find<double>("sky-depth").value_or(options.sky);
   options.time = arguments.find<double>("time");
-  options.rate = arguments.get<double>("rate");
+  options.rate = arguments.get<double>("fps");
   if (arguments.get<std::string>("renderer") == "reference")
     options.renderer = Renderer::kReference;
   return options;
@@ -40,7 +40,7 @@ Status fogPictures(const std::vector<FogFrame>& frames, const FogLayer& layer,
     VOLUTE_ASSIGN(const auto image, fogOver(frames[i], layer, options, context));
     if (!writer && isFilmPath(target)) {
       VOLUTE_ASSIGN(
-          writer, filmWriter(target, {}, image.width, image.height, arguments.get<double>("rate")));
+          writer, filmWriter(target, {}, image.width, image.height, arguments.get<double>("fps")));
     } else if (!writer) {
       VOLUTE_ASSIGN(writer, imageFileWriter(target, {}));
     }
@@ -114,7 +114,7 @@ Status runFog(const Arguments& arguments, Context& context) {
                          arguments.get<std::string>("depth"), arguments.get<std::string>("camera")};
     VOLUTE_ASSIGN(const auto frames,
                   namingOptions(fogFrames(names, arguments.find<FrameRange>("frames")), arguments));
-    if (frames.size() > 1 && !isFilmPath(target) && !FramePattern::isPattern(target)) {
+    if (frames.size() > 1 && !isFilmPath(target) && !namesSeries(target)) {
       return fail(ErrorCode::kInvalidArgument,
                   "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
                   frames.size(), target);
@@ -168,16 +168,11 @@ std::vector<Option> fogCommandOptions() {
   options.insert(options.end(), more.begin(), more.end());
   const std::vector<Option> last = {
       framesOption("for patterns with %04d: numbers A <= n < B, every S-th"),
-      {.name = "rate",
-       .kind = kNumber,
-       .value = "F",
-       .help = "frames per second, for films, wind and sequences of maps",
-       .initial = "25",
-       .positive = true},
+      rateOption("frames per second, for films, wind and sequences of maps", "25", {"rate"}),
       {.name = "time",
        .kind = kNumber,
        .value = "T",
-       .help = "time of the fog, instead of the frame's number / rate [s]"},
+       .help = "time of the fog, instead of the frame's number / fps [s]"},
       {.name = "geometry",
        .kind = kFile,
        .value = "FILE",

@@ -22,7 +22,8 @@ Status runJoin(const Arguments& arguments, Context& context) {
     return fail(ErrorCode::kInvalidArgument, "--output: '{}' does not end in .volute", target);
   }
   VOLUTE_TRY(checkTarget(target));
-  const JoinOptions options{arguments.find<double>("rms"), context.maxMemory};
+  const JoinOptions options{arguments.find<double>("rms"), context.maxMemory,
+                            arguments.find<double>("fps")};
   VOLUTE_ASSIGN(const auto result, join(parts, target, options, context.progress));
   Report report;
   report.add("output", target)
@@ -60,7 +61,10 @@ Command joinCommand() {
       .positionals = {{.name = "PART", .help = ".volute files", .several = true}},
       .options = {outputOption("OUT.volute", "the file to write"),
                   rmsOption("relative RMS error to the parts if they must be encoded again; if not "
-                            "given, as large as their own")},
+                            "given, as large as their own"),
+                  rateOption(
+                      "frames per second of the whole: frame n is at (n - first) / F; if not "
+                      "given, the times of the parts")},
       .run = runJoin};
 }
 

@@ -28,7 +28,11 @@ namespace {
 Result<PictureCamera> chooseCamera(const Arguments& arguments, const Scene& scene,
                                    Progress& progress) {
   VOLUTE_ASSIGN(auto asked, cameraOf(arguments));
-  VOLUTE_ASSIGN(auto found, pictureCamera(scene, std::move(asked), arguments.find<Pixels>("size")));
+  const Vec3 up = arguments.find<Vec3>("up").value_or(Vec3::UnitZ());
+  if (!(up.norm() > 0))
+    return fail(ErrorCode::kInvalidArgument, "--up: 0,0,0 is no direction");
+  VOLUTE_ASSIGN(auto found,
+                pictureCamera(scene, std::move(asked), arguments.find<Pixels>("size"), up));
   if (const auto& seen = found.description; seen && !seen->reason.empty()) {
     const Vec3 &eye = seen->view.eye, &target = seen->view.target;
     progress.remark(
@@ -162,12 +166,18 @@ bool isMeasured(const Arguments& arguments) {
          arguments.get<std::string>("renderer") == "reference";
 }
 
-/// --time, --frames, --speed and --orbit.
+/// --time, --frames, --speed, --orbit and --fps.
+FrameRequest requestOf(const Arguments& arguments, const std::string& target) {
+  return {target,
+          arguments.find<double>("time"),
+          arguments.find<FrameRange>("frames"),
+          arguments.get<double>("speed"),
+          arguments.find<double>("orbit"),
+          arguments.find<double>("fps").value_or(kUsualRate)};
+}
+
 Result<std::vector<FilmFrame>> framesOf(const Arguments& arguments, Scene& scene,
-                                        const std::string& target, Progress& progress) {
-  const FrameRequest request{target, arguments.find<double>("time"),
-                             arguments.find<FrameRange>("frames"), arguments.get<double>("speed"),
-                             arguments.find<double>("orbit")};
+                                        const FrameRequest& request, Progress& progress) {
   VOLUTE_ASSIGN(auto chosen, namingOptions(chooseFrames(request, scene, progress), arguments));
   if (!chosen.reason.empty())
     progress.remark(chosen.reason + "; --time or --frames choose others");
@@ -213,13 +223,16 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
         "--by-pieces: ranks do not look for a time that has something to see; add --time or "
         "--frames");
   }
-  VOLUTE_ASSIGN(auto frames, framesOf(arguments, scene, target, context.progress));
+  const FrameRequest request = requestOf(arguments, target);
+  VOLUTE_ASSIGN(auto frames, framesOf(arguments, scene, request, context.progress));
   VOLUTE_ASSIGN(auto seen, chooseCamera(arguments, scene, context.progress));
   VOLUTE_TRY(checkPictureMemory(seen.camera, context.maxMemory));
   VOLUTE_ASSIGN(auto renderer, rendererOf(arguments, together));
   VOLUTE_ASSIGN(auto contour, contourOf(arguments, scene));
   const RenderOptions options = renderOptions(arguments, scene);
-  const double rate = framesPerSecond(scene, frames);
+  const double rate = framesPerSecond(scene, request, frames);
+  const SceneMedium* leader = leaderOf(scene);
+  const FrameScale scale = leader ? leader->info().frameScale : FrameScale{};
   const bool captioned = !scene.isFile() && scene.media().front()->info().captioned &&
                          options.aov == Aov::kNone && !arguments.flag("no-legend");
   const bool legend = arguments.flag("legend") || captioned;
@@ -230,6 +243,7 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
               arguments.get<std::string>("renderer") == "auto",
               std::move(frames),
               rate,
+              scale,
               std::move(contour),
               arguments.get<std::string>("volume-method") == "tree",
               legend};
@@ -468,6 +482,8 @@ std::vector<Option> renderOptionTable() {
        .help = "seconds of smoke per second of film",
        .initial = "1",
        .positive = true},
+      rateOption("frames per second of a sequence, whose frame n is at (n - first) / F, and of a "
+                 "film; if not given, the times that the files state, else 25"),
       {.name = "legend", .help = "draw mode, field, C, time and colour scale into .png and films"},
       {.name = "no-legend", .help = "no legend in pictures of an FDS case alone"},
       statsOption(),
@@ -476,6 +492,7 @@ std::vector<Option> renderOptionTable() {
                "write what is drawn"}};
   auto camera = fieldOptions({&cameraFields()});
   for (Option& option : camera) option.kinds.clear();
+  std::ranges::find(camera, "up", &Option::name)->instead = "file-up";
   for (const auto& more : {camera, mediumOptions(), lightCacheOptions()})
     options.insert(options.end(), more.begin(), more.end());
   return options;

@@ -38,6 +38,8 @@ std::vector<Option> viewOptions() {
        .help = "renderer, overriding the scene's view; auto: OpenGL on a graphics card, else the "
                "CPU",
        .choices = {"auto", "gl", "cpu"}},
+      rateOption("frames per second of a sequence; if not given, the times that the files state, "
+                 "else 25"),
       smokeMethodOption(", as for render"),
       {.name = "no-panels", .help = "take the screenshot of the picture only, without panels"}};
   for (const auto& more : {mediumOptions(), lightCacheOptions()})

@@ -13,7 +13,7 @@ namespace volute {
 namespace {
 
 Result<std::string> nameOf(const std::string& name, int number) {
-  if (!FramePattern::isPattern(name))
+  if (!namesSeriesOfFiles(name))
     return name;
   VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(name));
   return pattern.format(number).string();
@@ -76,7 +76,7 @@ Result<Camera> cameraFor(const FogFrame& frame, const Image& color) {
 
 Result<std::vector<FogFrame>> fogFrames(const FogFrame& names,
                                         const std::optional<FrameRange>& chosen) {
-  if (!FramePattern::isPattern(names.color)) {
+  if (!namesSeriesOfFiles(names.color)) {
     if (chosen)
       return fail(ErrorCode::kInvalidArgument, "frames: is for pictures whose name has a %04d");
     return std::vector{names};
@@ -85,11 +85,10 @@ Result<std::vector<FogFrame>> fogFrames(const FogFrame& names,
   VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(names.color));
   VOLUTE_ASSIGN(const auto files, pattern.list());
   std::vector<FogFrame> frames;
-  for (const NumberedFile& file : files) {
-    const int first = range.begin.value_or(files.front().number);
-    if (file.number < first || (range.end && file.number >= *range.end) ||
-        (file.number - first) % range.step != 0)
-      continue;
+  std::vector<int> numbers;
+  for (const NumberedFile& file : files) numbers.push_back(file.number);
+  for (const int position : selectPositions(numbers, {}, range)) {
+    const NumberedFile& file = files[static_cast<std::size_t>(position)];
     VOLUTE_ASSIGN(auto depth, nameOf(names.depth, file.number));
     VOLUTE_ASSIGN(auto camera, nameOf(names.camera, file.number));
     frames.push_back({file.number, file.path.string(), std::move(depth), std::move(camera)});

@@ -34,7 +34,7 @@ Result<FogMap> readMap(const std::string& path, const FogPlacement& placement, F
   return map;
 }
 
-Result<Maps> readPictures(const std::vector<std::string>& paths, const std::vector<int>& numbers,
+Result<Maps> readPictures(const std::vector<std::string>& paths, const std::vector<double>& numbers,
                           const FogDescription& fog, const Reading& reading) {
   Maps maps;
   for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -48,12 +48,12 @@ Result<Maps> readPictures(const std::vector<std::string>& paths, const std::vect
 Result<Maps> readPattern(const std::string& path, const FogDescription& fog,
                          const Reading& reading) {
   VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(path));
-  VOLUTE_ASSIGN(const auto files, pattern.list());
+  VOLUTE_ASSIGN(const auto files, pattern.list(SubFrames::kAllowed));
   std::vector<std::string> paths;
-  std::vector<int> numbers;
+  std::vector<double> numbers;
   for (const NumberedFile& file : files) {
     paths.push_back(file.path.string());
-    numbers.push_back(file.number);
+    numbers.push_back(file.frame());
   }
   return readPictures(paths, numbers, fog, reading);
 }
@@ -88,10 +88,10 @@ Result<Maps> loadMaps(const FogDescription& fog, Reading& reading) {
   const std::string& first = fog.maps.front();
   if (fog.maps.size() == 1 && !isPicturePath(first))
     return readVolume(first, fog, reading);
-  if (fog.maps.size() == 1 && FramePattern::isPattern(first))
+  if (fog.maps.size() == 1 && namesSeriesOfFiles(first))
     return readPattern(first, fog, reading);
-  std::vector<int> numbers(fog.maps.size());
-  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<int>(i);
+  std::vector<double> numbers(fog.maps.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<double>(i);
   return readPictures(fog.maps, numbers, fog, reading);
 }
 

@@ -89,6 +89,7 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   if (grid.empty)
     return {};
   VOLUTE_ASSIGN(auto source, grids_.source(chosen_[i]));
+  source = asStated(std::move(source), how_.stated);
   VOLUTE_ASSIGN(auto positions, selectPositions(source->info(), how_.frames));
   VOLUTE_ASSIGN(source, selectFrames(std::move(source), how_.frames));
   positions_ = std::move(positions);
@@ -175,8 +176,17 @@ bool wantsDescription(const VolumeGrid& grid) {
   });
   const bool inAllFrames =
       std::ranges::none_of(one.metadata.listOf, [](int list) { return list < 0; });
-  return grid.empty || one.half || !plainType || !plainClass || !plainMetadata || !inAllFrames ||
-         one.background != std::array<double, 3>{};
+  // Where a volume alone is written: from index 0 on, its place in the transform.
+  const bool even = one.voxelSize[0] == one.voxelSize[1] && one.voxelSize[0] == one.voxelSize[2];
+  const bool plainPlace = one.begin == GridDescription::Index{} && one.shifts.empty() &&
+                          one.map == (even ? "UniformScaleTranslateMap" : "ScaleTranslateMap");
+  return grid.empty || grid.name.starts_with('[') || one.half || !plainPlace || !plainType ||
+         !plainClass || !plainMetadata || !inAllFrames || one.background != std::array<double, 3>{};
+}
+
+void remarkOnTimes(const std::string& path, const VolumeInfo& info, Reading& reading) {
+  if (info.frames > 1 && info.timesAssumed)
+    reading.progress.remark(fmt::format("{}: no times are stated; 25 frames a second", path));
 }
 
 /// The grids of a cache; nothing where one grid is to be compressed by itself.
@@ -210,6 +220,7 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
   if (!leftOut.empty()) {
     reading.progress.remark(fmt::format("{}: left out, as it holds no volume: {}", path, leftOut));
   }
+  remarkOnFiles(path, reading);
   for (const std::size_t i : chosen) {
     if (input.partial && isVolutePath(path) && !all[i].empty)
       VOLUTE_TRY(openVolute(path, true, reading, true, all[i].name));
@@ -218,8 +229,10 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
   const auto full =
       std::ranges::find_if(result.grids, [](const auto& grid) { return grid.info.x > 0; });
   const bool allFrames = how.frames == FrameRange{};
-  if (const auto gaps = missingNumbers(full->info.frameNumbers); !gaps.empty() && allFrames)
+  if (const auto gaps = missingNumbers(full->info.frameNumbers, full->info.frameScale);
+      !gaps.empty() && allFrames)
     reading.progress.remark(fmt::format("{}: {}", path, gaps));
+  remarkOnTimes(path, full->info, reading);
   const bool whole = allFrames && leftOut.empty() && chosen.size() == all.size();
   return compressionReport(target, result, full->info.frames,
                            whole ? bytesOnDisk(path) : std::nullopt);
@@ -277,6 +290,8 @@ Result<Report> compressVolume(const std::string& path, const std::string& target
   if (report)
     return *std::move(report);
   VOLUTE_ASSIGN(auto volume, openVolume(path, input, reading));
+  volume.source = asStated(std::move(volume.source), how.stated);
+  remarkOnTimes(path, volume.source->info(), reading);
   const bool whole =
       how.frames == FrameRange{} && !input.bounds && volume.source->otherGrids().empty();
   VOLUTE_ASSIGN(const auto source, selectFrames(std::move(volume.source), how.frames));

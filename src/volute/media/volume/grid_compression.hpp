@@ -19,6 +19,7 @@ struct GridCompression {
   CompressOptions options;              ///< of each; a size or a ratio is that of the whole file
   std::map<std::string, double> rms{};  ///< relative RMS of single grids, by their names
   FrameRange frames{};
+  StatedInfo stated{};
 };
 
 /// What came of one grid.

@@ -77,6 +77,7 @@ Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
   GridComparison grid{a->info().name};
   VOLUTE_ASSIGN(grid.whole, compare(*a, *b, progress, &grid.byFrame));
   grid.frameNumbers = a->info().frameNumbers;
+  grid.frameScale = a->info().frameScale;
   if (request.drawErrors) {
     VOLUTE_ASSIGN(auto image, errorsOfFrame(*a, *b, static_cast<int>(worstFrame(grid))));
     errors.push_back(std::move(image));
@@ -141,14 +142,15 @@ Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::stri
 
 std::string worstFrameText(const GridComparison& grid) {
   const std::size_t at = worstFrame(grid);
-  return fmt::format("worst in frame {}: rms {:.6g}, max error {:.6g}", grid.frameNumbers[at],
-                     grid.byFrame[at].rms(), grid.byFrame[at].maxError);
+  return fmt::format("worst in frame {}: rms {:.6g}, max error {:.6g}",
+                     frameText(grid.frameNumbers[at], grid.frameScale), grid.byFrame[at].rms(),
+                     grid.byFrame[at].maxError);
 }
 
 nlohmann::ordered_json framesJson(const GridComparison& grid) {
   auto frames = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < grid.byFrame.size(); ++i) {
-    frames.push_back({{"frame", grid.frameNumbers[i]},
+    frames.push_back({{"frame", jsonFrame(grid.frameNumbers[i], grid.frameScale)},
                       {"rms", jsonNumber(grid.byFrame[i].rms())},
                       {"max_error", jsonNumber(grid.byFrame[i].maxError)}});
   }

@@ -31,6 +31,7 @@ struct GridComparison {
   Difference whole{};
   std::vector<Difference> byFrame{};
   std::vector<int> frameNumbers{};  ///< of byFrame, in A
+  FrameScale frameScale{};
 
   double relativeRms() const { return empty ? 0 : whole.relativeRms(); }
 

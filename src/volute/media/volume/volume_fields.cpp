@@ -43,6 +43,26 @@ Status setBounds(SceneVolume& volume, const FieldValue& value) {
   return {};
 }
 
+FieldValue upOf(const SceneVolume& volume) {
+  const char up = volume.input.stated.up;
+  return up == 0 ? FieldValue() : FieldValue(std::string(1, up));
+}
+
+Status setUp(SceneVolume& volume, const FieldValue& value) {
+  volume.input.stated.up = value.get<std::string>().front();
+  return {};
+}
+
+FieldValue rateOf(const SceneVolume& volume) {
+  const auto& rate = volume.input.stated.framesPerSecond;
+  return rate ? FieldValue(*rate) : FieldValue();
+}
+
+Status setRate(SceneVolume& volume, const FieldValue& value) {
+  volume.input.stated.framesPerSecond = value.get<double>();
+  return {};
+}
+
 void addVolumePlacement(ParameterGroup& group, const void* volume, const MediumFacts& facts) {
   addPlacement(group, static_cast<const SceneVolume*>(volume)->appearance.placement, facts.bounds);
 }
@@ -70,6 +90,7 @@ const FieldTable& volumeFields() {
   using enum FieldType;
   static constexpr std::string_view kBases[] = {"box", "trilinear", "cubic"};
   static constexpr std::string_view kInterpolations[] = {"none", "auto", "linear", "velocity"};
+  static constexpr std::string_view kUps[] = {"x", "y", "z"};
   static constexpr std::string_view kLights[] = {"auto", "always", "never"};
   static constexpr std::string_view kPresets[] = {"none", "auto", "fire", "smoke",
                                                   "fire-and-smoke"};
@@ -110,7 +131,7 @@ const FieldTable& volumeFields() {
       {.name = "preset", .type = kChoice, .access = member<&SceneVolume::preset>(),
        .help = "default appearance, from the names and ranges of the grids: fire, smoke, or both",
        .choices = kPresets,
-       .option = {.value = "NAME", .more = "; auto for a file alone, except with --measured or "
+       .option = {.value = "NAME", .more = "; auto where it is not given, except with --measured or "
                                            "--emission", .picture = true}},
       {.name = "basis", .type = kChoice,
        .access = member<&SceneVolume::appearance, &Appearance::basis>(),
@@ -127,6 +148,13 @@ const FieldTable& volumeFields() {
       {.name = "velocity_scale",
        .access = member<&SceneVolume::appearance, &Appearance::velocityScale>(),
        .help = "velocity of one unit of the velocity grid", .unit = "m/s"},
+      {.name = "up", .type = kChoice, .access = customMember<SceneVolume, upOf, setUp>(),
+       .help = "up axis of the file, which is turned upwards before the transform; if not given, what "
+               "the file says, else z", .choices = kUps, .option = {.value = "AXIS", .name = "file-up"}},
+      {.name = "fps",
+       .access = customMember<SceneVolume, rateOf, setRate>(),
+       .help = "frames per second of a sequence, instead of the times that the file states; frame n "
+               "is at (n - first) / fps", .unit = "1/s", .least = 0, .above = true},
       {.name = "transform", .type = kNumbers,
        .access = customMember<SceneVolume, volumeTransform, setVolumeTransform>(),
        .help = "moves, turns, mirrors and scales along the volume's axes; row-major, last row 0, "

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "volute/grid/select_frames.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/media/volume/fds_input.hpp"
@@ -83,8 +84,10 @@ Result<std::shared_ptr<const VoluteReader>> openGrid(const std::string& path,
 
 }  // namespace
 
-Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
-                               Reading& reading) {
+namespace {
+
+Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& options,
+                                 Reading& reading) {
   VolumeInput input;
   if (!options.raw && isVolutePath(path)) {
     VOLUTE_TRY(refuseVolumeOptions(path, options));
@@ -111,9 +114,31 @@ Result<VolumeInput> openVolume(const std::string& path, const InputOptions& opti
   source.raw = options.raw;
   source.remark = [&](const std::string& text) { reading.progress.remark(text); };
   VOLUTE_ASSIGN(input.source, openSource(path, source));
-  if (const auto gaps = missingNumbers(input.source->info().frameNumbers); !gaps.empty())
+  remarkOnFiles(path, reading);
+  const VolumeInfo& info = input.source->info();
+  if (const auto gaps = missingNumbers(info.frameNumbers, info.frameScale); !gaps.empty())
     reading.progress.remark(fmt::format("{}: {}; volumes between are interpolated", path, gaps));
   return input;
+}
+
+}  // namespace
+
+Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
+                               Reading& reading) {
+  VOLUTE_ASSIGN(auto input, openAsStated(path, options, reading));
+  input.source = asStated(std::move(input.source), options.stated);
+  return input;
+}
+
+void remarkOnFiles(const std::string& path, Reading& reading) {
+  std::error_code error;
+  std::string extension = extensionOf(path);
+  if (std::filesystem::is_directory(path, error)) {
+    const auto kind = volumesIn(path);
+    extension = kind ? *kind : "";
+  }
+  if (const auto leftOut = leftOutFiles(path, extension); !leftOut.empty())
+    reading.progress.remark(fmt::format("{}: {}", path, leftOut));
 }
 
 std::optional<std::uint64_t> bytesOnDisk(const std::string& path) {
@@ -122,11 +147,11 @@ std::optional<std::uint64_t> bytesOnDisk(const std::string& path) {
   if (fs::is_regular_file(path, error))
     return fs::file_size(path, error);
   std::uint64_t bytes = 0;
-  if (FramePattern::isPattern(path)) {
+  if (namesSeries(path)) {
     const auto pattern = FramePattern::parse(path);
     if (!pattern)
       return std::nullopt;
-    const auto files = pattern->list();
+    const auto files = pattern->list(SubFrames::kAllowed);
     if (!files)
       return std::nullopt;
     for (const NumberedFile& file : *files) bytes += fs::file_size(file.path, error);

@@ -9,7 +9,7 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/codec/volute_reader.hpp"
-#include "volute/grid/frame_source.hpp"
+#include "volute/grid/select_frames.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/media/reading.hpp"
@@ -25,6 +25,7 @@ struct InputOptions {
   std::string usualGrid = "density";  ///< which of several, when none is named
   bool byLayers = false;              ///< frames may be larger than memory; see SourceOptions
   std::optional<RawLayout> raw{};     ///< of files without a header
+  StatedInfo stated{};
 };
 
 /// An open volume of any format.
@@ -49,6 +50,9 @@ std::string integrityText(const Integrity& integrity, const VoluteReader& reader
 
 /// By the name's end: .volute.
 bool isVolutePath(const std::string& path);
+
+/// Remarks on files beside the sequence that look like a part of it and are not.
+void remarkOnFiles(const std::string& path, Reading& reading);
 
 /// Size on disk of a file, or of the files of a pattern or a folder; nothing for what cannot be
 /// read.

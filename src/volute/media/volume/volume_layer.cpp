@@ -25,7 +25,7 @@ Status checkFinite(std::span<const float> frame, const VolumeInfo& info, const s
     const std::size_t voxel = i / info.channels;
     return fail(ErrorCode::kInvalidData,
                 "{}: frame {}: voxel x {}, y {}, z {} is {}; expected finite values", path,
-                info.frameNumbers[position], voxel % info.x, voxel / info.x % info.y,
+                info.frameText(position), voxel % info.x, voxel / info.x % info.y,
                 voxel / info.x / info.y, frame[i]);
   }
   return {};
@@ -80,7 +80,7 @@ VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
     : input_(std::make_shared<VolumeInput>(std::move(input))),
       appearance_(appearance),
       info_(input_->source->info()) {
-  const Placement& placement = appearance_.placement;
+  const Placement placement = placed(appearance_);
   if (placement.turns())
     placement_ = {Vec3::Ones(), placement.offset, placement.turn};
   const Vec3 offset = placement.turns() ? Vec3(Vec3::Zero()) : placement.offset;
@@ -89,13 +89,40 @@ VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
     info_.basis = *appearance_.basis;
 }
 
+/// From the file's axes to ones whose z points upwards.
+Mat3 VolumeLayer::upright() const {
+  Mat3 turn = Mat3::Identity();
+  const char up = input_->source->info().up;
+  if (up == 'x')
+    turn << 0, 0, -1, 0, 1, 0, 1, 0, 0;
+  else if (up == 'y')
+    turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // as geometry: (x, y, z) -> (x, -z, y)
+  return turn;
+}
+
+/// The appearance's placement of what stands upright, in the file's axes.
+Placement VolumeLayer::placed(const Appearance& appearance) const {
+  Placement placement = appearance.placement;
+  const Mat3 up = upright();
+  placement.turn = placement.turn * up;
+  placement.scale = (up.transpose() * placement.scale.asDiagonal() * up).diagonal();
+  return placement;
+}
+
+Box3 VolumeLayer::uprightBounds() const {
+  const Mat3 up = upright();
+  Box3 bounds;
+  bounds.extend(up * fileBounds().min), bounds.extend(up * fileBounds().max);
+  return bounds;
+}
+
 void VolumeLayer::setAppearance(const Appearance& appearance) {
   shadedMoment_ = -1;
-  const Placement before = std::exchange(appearance_, appearance).placement;
+  const Placement before = placed(std::exchange(appearance_, appearance));
   info_.basis = appearance_.basis.value_or(input_->source->info().basis);
   if (slice_ && slice_->basis() != info_.basis)
     slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, info_));
-  const Placement& now = appearance_.placement;
+  const Placement now = placed(appearance_);
   if (now.scale == before.scale && now.offset == before.offset && now.turn == before.turn)
     return;
   placement_ = {Vec3::Ones(), now.offset, now.turn};
@@ -133,6 +160,8 @@ Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOption
         "{}: a frame needs {} MiB of memory, more than the {} MiB allowed; raise --max-memory",
         path, (bytes >> 20) + 1, reading.maxMemory >> 20);
   }
+  if (const char up = input.source->info().up; up != 0 && up != 'z' && options.stated.up == 0)
+    reading.progress.remark(fmt::format("{}: its {} axis points upwards, as it says", path, up));
   VolumeLayer layer(std::move(input), appearance);
   layer.path_ = path;
   layer.options_ = options;
@@ -225,7 +254,8 @@ Status VolumeLayer::openOthers(Reading& reading) {
     if (!found)
       return tl::unexpected(std::move(found.error()));
     const VolumeInfo& info = found->source->info();
-    if (info.frameNumbers != input_->source->info().frameNumbers) {
+    if (info.frameNumbers != input_->source->info().frameNumbers ||
+        info.frameScale != input_->source->info().frameScale) {
       return fail(
           ErrorCode::kInvalidData,
           "{}: grid '{}' has {} frames, but '{}' has {}; grids that are shown together need "
@@ -263,7 +293,7 @@ Status VolumeLayer::openOthers(Reading& reading) {
     input_->source = fitTo(std::move(input_->source), wide);
     input_->reader = nullptr;
     info_.x = wide.x, info_.y = wide.y, info_.z = wide.z;
-    const Placement& placement = appearance_.placement;
+    const Placement placement = placed(appearance_);
     info_.bounds = scaled(wide.bounds, placement.scale,
                           placement.turns() ? Vec3(Vec3::Zero()) : placement.offset);
   }
@@ -274,7 +304,14 @@ Status VolumeLayer::openOthers(Reading& reading) {
 Status VolumeLayer::readInto(FrameSource& source, int position, std::vector<float>& values) {
   values.resize(source.info().frameValues());
   VOLUTE_TRY(source.readFrame(position, values));
-  return checkFinite(values, source.info(), path_, position);
+  VOLUTE_TRY(checkFinite(values, source.info(), path_, position));
+  // Of a level set what is inside, with an edge of one voxel.
+  if (source.info().levelSet) {
+    const double voxel = source.info().voxelSize().minCoeff();
+    for (float& value : values)
+      value = static_cast<float>(std::clamp(0.5 - value / voxel, 0.0, 1.0));
+  }
+  return {};
 }
 
 Result<std::shared_ptr<const std::vector<float>>> VolumeLayer::frameOf(FrameSource& source,
@@ -452,6 +489,11 @@ Result<std::vector<Rgb>> VolumeLayer::colorsAt(double moment, std::span<const Ve
 }
 
 Result<std::shared_ptr<const Tree4d>> VolumeLayer::treeAt(int position) {
+  if (input_->source->info().levelSet) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: '{}' is a level set, of which the tree holds distances; draw its bricks",
+                path_, input_->source->info().name);
+  }
   if (!input_->reader) {
     return fail(ErrorCode::kInvalidArgument,
                 "{} holds no tree; expected a .volute: volute compress makes one", path_);

@@ -100,6 +100,12 @@ class VolumeLayer {
   /// The file's, before the appearance's placement [m].
   const Box3& fileBounds() const { return input_->source->info().bounds; }
 
+  /// Whether its values are distances to a surface, of which the inside is drawn.
+  bool isLevelSet() const { return input_->source->info().levelSet; }
+
+  /// The same with its up axis upwards, as the placement finds it [m].
+  Box3 uprightBounds() const;
+
   /// What it takes in the scene [m].
   Box3 boundsInScene() const;
 
@@ -143,6 +149,8 @@ class VolumeLayer {
   /// What the file calls a frame.
   int numberOf(int position) const { return info_.frameNumbers[position]; }
 
+  FrameScale frameScale() const { return info_.frameScale; }
+
   /// When a frame begins in the scene's time [s].
   double timeOf(int position) const;
 
@@ -181,6 +189,9 @@ class VolumeLayer {
   /// A tree holds one row of blocks: a still reads no more, and a film of any length needs its
   /// memory.
   static constexpr int kTreeFrames = BlockGrid::kSide;
+
+  Mat3 upright() const;
+  Placement placed(const Appearance& appearance) const;
 
   std::string path_;
   InputOptions options_;

@@ -19,7 +19,7 @@ MediumInfo infoOf(const VolumeLayer& layer) {
   info.size = fmt::format("{} x {} x {} voxels, {} frame{}", volume.x, volume.y, volume.z,
                           volume.frames, volume.frames == 1 ? "" : "s");
   info.bounds = layer.boundsInScene();
-  info.fileBounds = layer.fileBounds();
+  info.fileBounds = layer.uprightBounds();
   info.takeFrames(layer, volume.frames, layer.appearance().clock);
   info.channels = volume.channels;
   info.interpolates = layer.interpolates();
@@ -227,7 +227,7 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
     block_ = position / BlockGrid::kSide;
     return std::make_shared<const VolumeAt>(layer_, std::move(light), request.factor);
   }
-  if (request.coarse && !inMemory(request.time)) {
+  if (request.coarse && !inMemory(request.time) && !layer_.isLevelSet()) {
     VOLUTE_ASSIGN(auto slice, coarseSlice(position, progress));
     return std::make_shared<const VolumeAt>(layer_, std::move(slice), request.factor);
   }

@@ -19,7 +19,9 @@ std::string firstToLast(auto first, auto last) {
 /// [first, last] of each gap.
 nlohmann::ordered_json missingFrames(const VolumeInfo& info) {
   auto gaps = nlohmann::ordered_json::array();
-  for (const FrameGap& gap : gapsOf(info.frameNumbers)) gaps.push_back({gap.first, gap.last});
+  for (const FrameGap& gap : gapsOf(info.frameNumbers)) {
+    gaps.push_back({jsonFrame(gap.first, info.frameScale), jsonFrame(gap.last, info.frameScale)});
+  }
   return gaps;
 }
 
@@ -32,12 +34,16 @@ void addVolume(Report& report, const VolumeInfo& info) {
       .add("channels", info.channels,
            info.channels == 1 ? "1" : fmt::format("{} (linear RGB)", info.channels))
       .add("frames", info.frames, fmt::format("{}", info.frames))
-      .add("frame_numbers", {info.frameNumbers.front(), info.frameNumbers.back()},
-           firstToLast(info.frameNumbers.front(), info.frameNumbers.back()))
-      .add("missing_frames", missingFrames(info), missingNumbers(info.frameNumbers))
+      .add("frame_numbers",
+           {jsonFrame(info.frameNumbers.front(), info.frameScale),
+            jsonFrame(info.frameNumbers.back(), info.frameScale)},
+           firstToLast(info.frameText(0), info.frameText(info.frameNumbers.size() - 1)))
+      .add("missing_frames", missingFrames(info),
+           missingNumbers(info.frameNumbers, info.frameScale))
       .add("times", {info.times.front(), info.times.back()},
            firstToLast(info.times.front(), info.times.back()) + " s")
       .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()}, boxText(b))
+      .add("up", info.up == 0 ? "" : std::string(1, info.up))
       .add("basis", basisName(info.basis))
       .add("raw_bytes", info.rawBytes(), bytesText(info.rawBytes()));
 }
@@ -74,6 +80,7 @@ void addIntegrity(Report& report, const Integrity& integrity, const VoluteReader
 // A line for each block: where it is, how it is coded, what it takes.
 void addBlocks(Report& report, const VoluteReader& reader) {
   const BlockGrid& grid = reader.blocks();
+  const VolumeInfo& info = reader.info();
   nlohmann::ordered_json blocks = nlohmann::ordered_json::array();
   std::map<std::string, int> modes;
   std::string text;
@@ -87,14 +94,13 @@ void addBlocks(Report& report, const VoluteReader& reader) {
                       {"origin", {origin[3], origin[2], origin[1]}},
                       {"size", {extents[3], extents[2], extents[1]}},
                       {"frames",
-                       {reader.info().frameNumbers[origin[0]],
-                        reader.info().frameNumbers[origin[0] + extents[0] - 1]}},
+                       {jsonFrame(info.frameNumbers[origin[0]], info.frameScale),
+                        jsonFrame(info.frameNumbers[origin[0] + extents[0] - 1], info.frameScale)}},
                       {"bytes", reader.storedBytes(i)},
                       {"mode", mode}});
     text += fmt::format("\n  {:>6}  frames {} to {}, voxels from {}, {}, {}: {} bytes, {}", i,
-                        reader.info().frameNumbers[origin[0]],
-                        reader.info().frameNumbers[origin[0] + extents[0] - 1], origin[3],
-                        origin[2], origin[1], reader.storedBytes(i), mode);
+                        info.frameText(origin[0]), info.frameText(origin[0] + extents[0] - 1),
+                        origin[3], origin[2], origin[1], reader.storedBytes(i), mode);
   }
   auto counts = nlohmann::ordered_json::object();
   std::string countsText;
@@ -212,11 +218,11 @@ std::optional<std::filesystem::path> firstVdb(const std::string& path) {
   }
   if (extensionOf(path) != ".vdb")
     return std::nullopt;
-  if (FramePattern::isPattern(path) && !std::filesystem::exists(path, error)) {
+  if (namesSeriesOfFiles(path)) {
     const auto pattern = FramePattern::parse(path);
     if (!pattern)
       return std::nullopt;
-    const auto files = pattern->list();
+    const auto files = pattern->list(SubFrames::kAllowed);
     return files ? std::optional(files->front().path) : std::nullopt;
   }
   return path;
@@ -240,13 +246,15 @@ Status addGrids(Report& report, const std::filesystem::path& file, Reading& read
                     {"minimum", jsonNumber(grid.least)},
                     {"maximum", jsonNumber(grid.most)},
                     {"memory_bytes", grid.memory},
-                    {"usable", grid.readable}});
+                    {"usable", grid.readable},
+                    {"problem", grid.problem}});
     text += fmt::format("\n  {:<16} {}{}{}, ", grid.name, grid.type, grid.half ? " (half)" : "",
                         grid.gridClass[0] != '\0' ? fmt::format(", {}", grid.gridClass) : "");
-    text += empty ? std::string("empty")
-                  : fmt::format("{} x {} x {}, {:.4g} to {:.4g}, {} voxels not empty, {}", size(0),
-                                size(1), size(2), grid.least, grid.most, grid.voxels,
-                                bytesText(grid.memory));
+    text += grid.problem[0] != '\0' ? fmt::format("not readable: {}", grid.problem)
+            : empty                 ? std::string("empty")
+                    : fmt::format("{} x {} x {}, {:.4g} to {:.4g}, {} voxels not empty, {}",
+                                  size(0), size(1), size(2), grid.least, grid.most, grid.voxels,
+                                  bytesText(grid.memory));
   }
   report.add("grids", list, text);
   return {};
@@ -288,7 +296,7 @@ Result<FileDescription> describeVolume(const std::string& path, const DescribeRe
   std::vector<float> frame(info.frameValues());
   for (int i = 0; i < info.frames; ++i) {
     if (reading.progress.cancelled())
-      return fail(ErrorCode::kCancelled, "stopped: reading frame {}", info.frameNumbers[i]);
+      return fail(ErrorCode::kCancelled, "stopped: reading frame {}", info.frameText(i));
     VOLUTE_TRY(input.source->readFrame(i, frame));
     range.add(frame);
     reading.progress.report("reading", i + 1, info.frames);
