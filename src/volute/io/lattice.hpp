@@ -43,11 +43,13 @@ struct LatticeFrame {
   std::array<double, 3> voxelSize{};                       ///< [m]
   std::array<double, 3> origin{};                          ///< centre of the voxel with index 0 [m]
   double time = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN when not stated
+  bool levelSet = false;
+  char up = 0;  ///< the axis that points upwards for what wrote the file; 0: unknown
 };
 
 /// What a file says of one of its grids, and what is in it. Trivially copyable, as LatticeFrame.
 struct GridFacts {
-  static constexpr std::size_t kMaxName = 127, kMaxType = 31;
+  static constexpr std::size_t kMaxName = 127, kMaxType = 31, kMaxProblem = 127;
 
   char name[kMaxName + 1] = {};
   char type[kMaxType + 1] = {};       ///< of a value: "float", "vec3s"
@@ -59,6 +61,8 @@ struct GridFacts {
   double least = 0, most = 0;  ///< of all values, of all channels; NaN where they are no numbers
   bool half = false;           ///< stored as 16-bit floats
   bool readable = false;       ///< LatticeReader::read() takes it
+  char problem[kMaxProblem + 1] =
+      {};  ///< why nothing is known of its voxels; empty: they were read
 };
 
 /// What a file of a cache says of one of its grids. Trivially copyable, as LatticeFrame.

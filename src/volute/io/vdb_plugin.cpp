@@ -24,6 +24,7 @@ namespace volute {
 namespace {
 
 constexpr const char* kTimeKey = "volute:time";
+constexpr std::string_view kLevelSet = "level set";
 
 /// An OpenVDB file over a stream that throws at every short read, which OpenVDB's own File does not
 /// notice.
@@ -39,19 +40,26 @@ class VdbFile final : public openvdb::io::Archive {
     setLibraryVersion(stream_);
     setDataCompression(stream_);
     fileMetadata_.readMeta(stream_);
-    if (!inputHasGridOffsets()) {
-      OPENVDB_THROW(openvdb::IoError, "it has no table of its grids (it was written as a stream)");
-    }
     const std::int32_t count = readGridCount(stream_);
+    whole_ = !inputHasGridOffsets();
     for (std::int32_t i = 0; i < count; ++i) {
       auto& entry = grids_.emplace_back();
       entry.grid = entry.descriptor.read(stream_);
+      if (whole_) {
+        readNext(entry);
+        continue;
+      }
       if (entry.descriptor.getEndPos() > size || entry.descriptor.getGridPos() < 0) {
         OPENVDB_THROW(openvdb::IoError, "it ends before its grids do");
       }
       entry.descriptor.seekToEnd(stream_);
     }
-    for (auto& entry : grids_) readDescription(entry);
+    for (auto& entry : grids_) {
+      if (!whole_)
+        readDescription(entry);
+      else if (entry.descriptor.isInstance())
+        entry.grid->setTree(parentOf(entry).grid->baseTreePtr());
+    }
   }
 
   std::size_t gridCount() const { return grids_.size(); }
@@ -68,7 +76,7 @@ class VdbFile final : public openvdb::io::Archive {
   /// Where its voxels are, without their values.
   openvdb::GridBase::Ptr readTopology(std::size_t index) {
     const auto& entry = grids_[index];
-    if (entry.descriptor.isInstance())
+    if (whole_ || entry.descriptor.isInstance())
       return readTree(index);
     auto grid = openvdb::GridBase::createGrid(entry.descriptor.gridType());
     entry.descriptor.seekToGrid(stream_);
@@ -82,14 +90,11 @@ class VdbFile final : public openvdb::io::Archive {
   /// @param box  [voxels] what lies outside of it is left in the file; null: nothing is
   openvdb::GridBase::Ptr readTree(std::size_t index, const openvdb::CoordBBox* box = nullptr) {
     const auto& entry = grids_[index];
+    if (whole_)
+      return entry.grid;
     if (entry.descriptor.isInstance()) {
-      const auto parent = std::ranges::find(grids_, entry.descriptor.instanceParentName(),
-                                            [](auto& e) { return e.descriptor.uniqueName(); });
-      if (parent == grids_.end() || parent->descriptor.isInstance()) {
-        OPENVDB_THROW(openvdb::IoError, "the grid that shares its voxels is missing");
-      }
       auto grid = entry.grid->copyGrid();
-      grid->setTree(readTree(parent - grids_.begin(), box)->baseTreePtr());
+      grid->setTree(readTree(&parentOf(entry) - grids_.data(), box)->baseTreePtr());
       return grid;
     }
     auto grid = openvdb::GridBase::createGrid(entry.descriptor.gridType());
@@ -111,6 +116,22 @@ class VdbFile final : public openvdb::io::Archive {
     openvdb::GridBase::Ptr grid;
   };
 
+  /// The grid whose voxels an instance shares.
+  const Entry& parentOf(const Entry& entry) const {
+    const auto parent = std::ranges::find(grids_, entry.descriptor.instanceParentName(),
+                                          [](auto& e) { return e.descriptor.uniqueName(); });
+    if (parent == grids_.end() || parent->descriptor.isInstance()) {
+      OPENVDB_THROW(openvdb::IoError, "the grid that shares its voxels is missing");
+    }
+    return *parent;
+  }
+
+  /// The grid that comes next in a file that does not say where its grids are.
+  void readNext(Entry& entry) {
+    metadata_->setSeekable(false);
+    readGrid(entry.grid, entry.descriptor, stream_);
+  }
+
   void readDescription(Entry& entry) {
     entry.descriptor.seekToGrid(stream_);
     readGridCompression(stream_);
@@ -123,6 +144,7 @@ class VdbFile final : public openvdb::io::Archive {
   std::ifstream stream_;
   openvdb::MetaMap fileMetadata_;
   std::vector<Entry> grids_;
+  bool whole_ = false;  ///< grids_ hold their trees
 };
 
 /// Writes to a stream of ours, so that a full disk shows.
@@ -164,14 +186,21 @@ GridEntry describeGrid(const std::string& name, const openvdb::GridBase& grid) {
   const bool scalar = grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
   const bool colour = grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>();
   const bool levelSet = scalar && grid.getGridClass() == openvdb::GRID_LEVEL_SET;
-  return {name, levelSet ? std::string("level set") : std::string(grid.valueType()),
-          (scalar || colour) && !levelSet};
+  return {name, levelSet ? std::string(kLevelSet) : std::string(grid.valueType()),
+          scalar || colour};
 }
 
-std::vector<GridEntry> entriesOf(const VdbFile& file) {
+/// Of volumes and level sets, the former are meant unless one is named.
+std::vector<GridEntry> entriesOf(const VdbFile& file, const std::string& wanted) {
   std::vector<GridEntry> entries;
   for (std::size_t i = 0; i < file.gridCount(); ++i)
     entries.push_back(describeGrid(file.name(i), file.grid(i)));
+  const bool volumes = std::ranges::any_of(
+      entries, [](const GridEntry& entry) { return entry.usable && entry.type != kLevelSet; });
+  for (GridEntry& entry : entries) {
+    if (volumes && wanted.empty() && entry.type == kLevelSet)
+      entry.usable = false;
+  }
   return entries;
 }
 
@@ -332,6 +361,17 @@ GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid) {
   return facts;
 }
 
+/// Of a grid whose voxels cannot be read.
+GridFacts unknownOf(const std::string& name, const openvdb::GridBase& grid,
+                    std::string_view problem) {
+  GridFacts facts;
+  name.copy(facts.name, GridFacts::kMaxName);
+  grid.valueType().copy(facts.type, GridFacts::kMaxType);
+  facts.least = facts.most = std::numeric_limits<double>::quiet_NaN();
+  problem.substr(0, GridFacts::kMaxProblem).copy(facts.problem, GridFacts::kMaxProblem);
+  return facts;
+}
+
 /// What OpenVDB writes of itself, and what we keep elsewhere.
 bool isKeptElsewhere(const std::string& name) {
   using openvdb::GridBase;
@@ -396,6 +436,16 @@ bool addBackground(const openvdb::GridBase& base, GridTraits& traits) {
   return true;
 }
 
+/// Programs whose up axis is y, by what they write into a file's metadata.
+char upAxisOf(const openvdb::MetaMap& map) {
+  for (const char* key : {"creator", "software", "application"}) {
+    const auto creator = map.getMetadata<openvdb::StringMetadata>(key);
+    if (creator && creator->value().find("Houdini") != std::string::npos)
+      return 'y';
+  }
+  return 0;
+}
+
 void putText(std::string_view text, char* to, std::size_t most) {
   text.substr(0, most).copy(to, most);
 }
@@ -428,6 +478,7 @@ LatticeGrid describeForCache(VdbFile& file, std::size_t index) {
   }
   if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
     result.frame.time = time->value();
+  result.frame.up = upAxisOf(file.metadata());
   const auto tree = file.readTopology(index);
   result.frame.box = toIndexBox(tree->evalActiveVoxelBoundingBox());
   (void)(addBackground<openvdb::FloatGrid>(*tree, traits) ||
@@ -451,7 +502,7 @@ class VdbReader final : public LatticeReader {
                                 const std::string& usual, bool needBox) override {
     return guarded(path, [&]() -> Result<LatticeFrame> {
       VdbFile file(path);
-      const auto entries = entriesOf(file);
+      const auto entries = entriesOf(file, wanted);
       VOLUTE_ASSIGN(const std::size_t index,
                     chooseGrid(entries, wanted, path.string(), {.usual = usual}));
       const openvdb::GridBase& grid = file.grid(index);
@@ -464,6 +515,8 @@ class VdbReader final : public LatticeReader {
       VOLUTE_TRY(readTransform(grid, fmt::format("{}, grid '{}'", path.string(), name), frame));
       if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
         frame.time = time->value();
+      frame.up = upAxisOf(file.metadata());
+      frame.levelSet = entries[index].type == kLevelSet;
       if (const auto noted = notedBox(grid)) {
         frame.box = *noted;
       } else if (needBox) {
@@ -478,9 +531,14 @@ class VdbReader final : public LatticeReader {
       VdbFile file(path);
       std::vector<GridFacts> grids;
       for (std::size_t i = 0; i < file.gridCount(); ++i) {
-        const auto grid = file.readTree(i);
-        grid->setSaveFloatAsHalf(file.grid(i).saveFloatAsHalf());
-        grids.push_back(factsOf(file.name(i), *grid));
+        // What OpenVDB does not know in one grid is no damage of the others.
+        try {
+          const auto grid = file.readTree(i);
+          grid->setSaveFloatAsHalf(file.grid(i).saveFloatAsHalf());
+          grids.push_back(factsOf(file.name(i), *grid));
+        } catch (const openvdb::LookupError& error) {
+          grids.push_back(unknownOf(file.name(i), file.grid(i), error.what()));
+        }
       }
       return grids;
     });
@@ -501,10 +559,7 @@ class VdbReader final : public LatticeReader {
               const IndexBox& box, bool crop, std::span<float> values) override {
     return guarded(path, [&]() -> Status {
       VdbFile file(path);
-      auto entries = entriesOf(file);
-      // Who reads a level set knows that it is one.
-      for (GridEntry& entry : entries)
-        entry.usable = entry.usable || (!wanted.empty() && entry.type == "level set");
+      const auto entries = entriesOf(file, wanted);
       VOLUTE_ASSIGN(const std::size_t index, chooseGrid(entries, wanted, path.string()));
       const auto toCoord = [](const std::array<std::int64_t, 3>& at, int less) {
         return openvdb::Coord(static_cast<int>(at[0] - less), static_cast<int>(at[1] - less),
@@ -691,12 +746,25 @@ Result<Index3> beginOf(const GridFrame& frame, const std::string& target) {
   return begin;
 }
 
-/// The same name again is told apart by OpenVDB itself.
+/// The same name again, and none at all ("[0]"), is told apart by OpenVDB itself.
 std::string nameInFile(const std::string& name) {
   const auto bracket = name.rfind('[');
-  const bool second = bracket != std::string::npos && bracket > 0 && name.back() == ']' &&
+  const bool second = bracket != std::string::npos && name.back() == ']' &&
                       name.find_first_not_of("0123456789", bracket + 1) == name.size() - 1;
   return second ? name.substr(0, bracket) : name;
+}
+
+/// Where frame numbers alone would give another time, or the file stated one.
+void putTime(const VolumeInfo& info, int frame, openvdb::GridBase& grid) {
+  VolumeInfo numbered = info;
+  numbered.times.clear();
+  numbered.fillDefaults();
+  const double time = info.times[static_cast<std::size_t>(frame)];
+  const bool stated = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey) != nullptr;
+  if (!stated && time == numbered.times[static_cast<std::size_t>(frame)])
+    return;
+  grid.removeMeta(kTimeKey);
+  grid.insertMeta(kTimeKey, openvdb::DoubleMetadata(time));
 }
 
 class VdbWriter final : public LatticeWriter {
@@ -738,6 +806,7 @@ class VdbWriter final : public LatticeWriter {
                                     : makeCacheGrid<openvdb::FloatGrid>(frame, begin);
         if (const MetadataList* own = description.metadata.at(frame.frame))
           putMetadata(*own, *grid);
+        putTime(*frame.info, frame.frame, *grid);
         grid->setName(nameInFile(frame.info->name));
         if (!description.gridClass.empty())
           grid->setGridClass(openvdb::GridBase::stringToGridClass(description.gridClass));

@@ -56,6 +56,42 @@ TEST(Vdb, RoundTripOfScalarAndRgb) {
   }
 }
 
+// As OpenVDB's io::Stream and many exporters write them.
+TEST(Vdb, FilesWithoutATableOfGridsAreRead) {
+  constexpr std::size_t kHasOffsets = 20;  // after magic number and versions
+  const TempFolder folder;
+  auto written = makeFullBlob(1, 5, 9, 17);
+  ASSERT_TRUE(ok(writeAll(folder / "f.vdb", written)));
+  std::string bytes = readBytes(folder / "f.vdb");
+  ASSERT_EQ(bytes[kHasOffsets], 1);
+  bytes[kHasOffsets] = 0;
+  writeBytes(folder / "stream.vdb", bytes);
+  ASSERT_VALUE(const auto read, readSequence(folder / "stream.vdb"));
+  EXPECT_EQ(read.values, written.values);
+  EXPECT_EQ(read.info.name, written.info.name);
+  for (const std::size_t size : {bytes.size() / 4, bytes.size() / 2, bytes.size() - 1}) {
+    writeBytes(folder / "cut.vdb", bytes.substr(0, size));
+    EXPECT_FALSE(readSequence(folder / "cut.vdb")) << size;
+  }
+}
+
+TEST(Vdb, NegativeFramesAndFramesBetweenWholeOnesKeepTheirNames) {
+  const TempFolder folder;
+  auto written = makeFullBlob(4, 5, 9, 17);
+  written.info.frameNumbers = {-200, -175, 100, 125};
+  written.info.frameScale = {2, false};
+  written.info.times = {0, 0.01, 0.12, 0.13};
+  ASSERT_TRUE(ok(writeAll(folder / "f.%04d.vdb", written)));
+  for (const char* name : {"f.-0002.vdb", "f.-0001.75.vdb", "f.0001.vdb", "f.0001.25.vdb"})
+    EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+  for (const auto& input : {folder / "f.%04d.vdb", folder / "f.$F4.vdb", folder.path()}) {
+    ASSERT_VALUE(const auto read, readSequence(input));
+    EXPECT_EQ(read.info.frameNumbers, written.info.frameNumbers);
+    EXPECT_EQ(read.info.frameScale, written.info.frameScale);
+    EXPECT_EQ(read.values, written.values);
+  }
+}
+
 // Leaves have 8 layers, so that these begin and end inside of some and leave others out.
 TEST(Vdb, LayersAreThoseOfTheFrame) {
   for (int channels : {1, 3}) {
