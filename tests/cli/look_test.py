@@ -90,6 +90,41 @@ class Look(support.TestCase):
         said = self.works("render", self.scene(extinction=5, lights=sun), "-o", self.path("x.png")).message
         self.assertIn("/media/0: it scatters no light of the sun; say its albedo", said)
 
+    def test_a_medium_looks_in_a_scene_as_its_file_does_alone(self):
+        size = ("--size", "24x24", "--renderer", "cpu")
+        self.works("render", self.npy("fire.npy"), "-o", self.path("alone.png"), *size)
+        self.works("render", self.path("fire.npy"), "-o", self.path("plain.png"), *size, "--preset", "none")
+
+        def picture(version, **members):
+            scene = {"format": f"volute-scene-{version}", "media": [{"kind": "volume", "file": "fire.npy"} | members]}
+            self.path("look.json").write_text(json.dumps(scene))
+            self.works("render", self.path("look.json"), "-o", self.path("x.png"), *size)
+            return read_png(self.path("x.png").read_bytes())[2]
+
+        alone, plain = (read_png(self.path(name).read_bytes())[2] for name in ("alone.png", "plain.png"))
+        self.assertNotEqual(alone, plain)
+        self.assertEqual(picture(2), alone)
+        self.assertEqual(picture(2, preset="none"), plain)
+        self.assertEqual(picture(1), plain)
+        self.assertEqual(picture(1, preset="auto"), alone)
+
+    def test_scenes_of_the_first_format_keep_their_pictures(self):
+        """Light of pixels as volutes of before drew it: values as emission, and a preset's own light."""
+        self.npy("fire.npy")
+        frozen = {"none": [0.2250299, 0.2250299, 0.2250299, 0.2522477, 0.2522477, 0.2522477],
+                  "fire": [9.9235954, 1.5163696, 0.0013069, 10.8460083, 1.7818799, 0.0063749],
+                  "smoke": [0.2554736, 0.2531321, 0.2515896, 0.1707234, 0.1735635, 0.1801187]}
+        for preset, expected in frozen.items():
+            members = {} if preset == "none" else {"preset": preset}
+            camera = {"eye": [0.5, -2, 0.5], "target": [0.5, 0.5, 0.5], "fov": 30, "size": [8, 8]}
+            scene = {"format": "volute-scene-1", "camera": camera, "media": [{"kind": "volume", "file": "fire.npy"} | members]}
+            self.path("first.json").write_text(json.dumps(scene))
+            self.works("render", self.path("first.json"), "-o", self.path("x.exr"), "--renderer", "cpu", measured=False)
+            values = pictures.read_exr(self.path("x.exr")).values
+            middle = values[3 * (3 * 8 + 3):3 * (3 * 8 + 5)]
+            for value, before in zip(middle, expected, strict=True):
+                self.assertAlmostEqual(value, before, delta=1e-4 * max(1, before))
+
     def test_contradictions_are_refused(self):
         said = self.fails(1, "render", self.scene(albedo=[0.5, 0.5, 0.5]), "-o", self.path("x.png"))
         self.assertIn("scene.json: /media/0/albedo", said)

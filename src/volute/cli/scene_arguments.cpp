@@ -28,6 +28,9 @@ Result<OrderedJson> mediumMembers(const std::string& path, const Arguments& argu
   if (kind.assumes())
     return OrderedJson::object();
   VOLUTE_ASSIGN(auto members, membersOf(kind.fields(), arguments));
+  const auto rate = arguments.find<double>("fps");
+  if (rate && kind.fields().find("fps"))
+    members["fps"] = *rate;
   return OrderedJson(std::move(members));
 }
 
@@ -70,17 +73,12 @@ Result<Scene> openScene(const std::string& path, const Arguments& arguments, Con
   VOLUTE_ASSIGN(options.files.lightCache, lightCache(arguments, context));
   if (arguments.flag("by-pieces") && context.team.size() > 1)
     options.files.holders = &context.team;
+  options.files.byTree = arguments.find<std::string>("volume-method") == "tree";
   const bool scene = isScenePath(path);
   // Fire does not absorb by default; an optical depth of nothing would say nothing.
   if (!scene && arguments.given("aov") && !options.members.contains("extinction") &&
       mediumKindOf(path, true)->fields().find("extinction"))
     options.members["extinction"] = 1;
-  // Who says what a value emits says how it looks; a tree is drawn as it is.
-  const bool plain = measured || options.members.contains("emission") ||
-                     arguments.find<std::string>("volume-method") == "tree";
-  if (!scene && !plain && !options.members.contains("preset") &&
-      mediumKindOf(path, true)->fields().find("preset"))
-    options.members["preset"] = "auto";
   auto opened = Scene::open(path, options, context.progress);
   if (!opened)
     return tl::unexpected(aboutOptions(std::move(opened.error()), path));
@@ -137,9 +135,9 @@ Result<std::optional<CameraDescription>> cameraOf(const Arguments& arguments) {
   const auto target = arguments.find<Vec3>("target");
   const auto fov = arguments.find<double>("fov");
   const auto ortho = arguments.find<double>("ortho");
-  const bool byHand = eye || target || arguments.given("up") || fov || ortho;
+  const bool byHand = eye || target || fov || ortho;  // "up" alone turns the usual view
   if (const auto file = arguments.find<std::string>("camera")) {
-    if (byHand)
+    if (byHand || arguments.given("up"))
       return fail(
           ErrorCode::kInvalidArgument,
           "--camera names a whole view; leave out --eye, --target, --up, --fov and --ortho");

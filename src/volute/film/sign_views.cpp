@@ -154,7 +154,7 @@ Status SignViews::begin(const Survey& survey, const SightInstant& first) {
     // In even light clear air is as bright as the light.
     const double air = lit_ ? 0 : kEvenLight;
     const Json background = {air, air, air};
-    const Json scene = {{"format", "volute-scene-1"},
+    const Json scene = {{"format", kSceneFormat},
                         {"camera",
                          {{"eye", vectorJson(eye)},
                           {"target", vectorJson(target)},

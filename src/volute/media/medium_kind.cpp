@@ -24,8 +24,16 @@ void addCounts(OrderedJson& sum, const OrderedJson& more) {
   }
 }
 
+std::optional<int> sceneVersionOf(const nlohmann::json& format) {
+  for (int version = 1; version <= kSceneVersion; ++version) {
+    if (format == fmt::format("volute-scene-{}", version))
+      return version;
+  }
+  return std::nullopt;
+}
+
 OrderedJson MediumKind::sceneOf(const std::string& name) const {
-  return {{"format", "volute-scene-1"},
+  return {{"format", kSceneFormat},
           {"media", OrderedJson::array({{{"kind", this->name()}, {"file", name}}})}};
 }
 

@@ -21,12 +21,21 @@
 
 namespace volute {
 
+/// The format of scenes that are written. Volutes of before wrote 1, whose scenes keep their
+/// meaning; from 2 on a medium looks in a scene as its file does alone.
+inline constexpr int kSceneVersion = 2;
+inline constexpr std::string_view kSceneFormat = "volute-scene-2";
+
+/// The version that a scene's "format" names; nothing when it is none that can be read.
+std::optional<int> sceneVersionOf(const nlohmann::json& format);
+
 /// How the files of a scene are read, for all kinds of media.
 struct OpenOptions {
   bool partial = false;  ///< read the intact part of damaged files
   bool verify = true;    ///< with `partial`: check them first, and report what is missing
   /// Defaults for measurements instead of appearance: the files' own basis.
   bool measured = true;
+  bool byTree = false;  ///< pictures are drawn from the tree, which holds values and no light
   std::optional<LightCache> lightCache{};      ///< cache on disk for the light of lamps
   std::shared_ptr<LightMemory> lightMemory{};  ///< consulted before it; may be null
   /// The team whose ranks each hold a share of a mesh in pieces and draw pictures together, with
@@ -42,6 +51,7 @@ struct MediumContext {
   const TriangleScene& geometry;  ///< the scene's own surfaces, which block light
   const std::string& file;        ///< of the scene; file names are relative to its folder
   std::string path;               ///< of the medium in it: "/media/0"
+  int version = kSceneVersion;    ///< of the scene's format
   /// The medium previously read for this entry of the scene; null: none.
   std::shared_ptr<SceneMedium> before{};
   /// All previously read media that have not been reused yet.

@@ -123,7 +123,7 @@ Result<Scene> Scene::make(OrderedJson json, const std::string& file, const Scene
 Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
     const SceneDescription& description, bool sameLights, Progress& progress) {
   const auto entries = std::span(description.media);
-  const bool same = entries.size() == media_.size();
+  const bool same = entries.size() == media_.size() && description.version == description_.version;
   std::vector<std::shared_ptr<SceneMedium>> earlier = media_, media(entries.size());
   for (std::size_t i = 0; same && sameLights && i < entries.size(); ++i) {
     const MediumEntry& before = description_.media[i];
@@ -142,8 +142,9 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
       if (entry.kind->fields().find(name))
         json[name] = value;
     }
-    MediumContext context{reading, options_.files, description.lights,         geometry_,
-                          path_,   entry.path,     same ? media_[i] : nullptr, &earlier};
+    MediumContext context{reading, options_.files, description.lights,  geometry_,
+                          path_,   entry.path,     description.version, same ? media_[i] : nullptr,
+                          &earlier};
     VOLUTE_ASSIGN(media[i], entry.kind->open(json, context));
   }
   return media;

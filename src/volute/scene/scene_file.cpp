@@ -44,11 +44,15 @@ Status checkMembers(const Json& json, const std::string& file) {
 }  // namespace
 
 Result<SceneDescription> parseScene(const Json& json, const std::string& file) {
-  if (!json.is_object() || !json.contains("format") || json["format"] != "volute-scene-1") {
-    return fail(ErrorCode::kInvalidData, "{}: /format: expected \"volute-scene-1\"", file);
+  const auto version =
+      json.is_object() && json.contains("format") ? sceneVersionOf(json["format"]) : std::nullopt;
+  if (!version) {
+    return fail(ErrorCode::kInvalidData, "{}: /format: expected \"{}\", or \"volute-scene-1\"",
+                file, kSceneFormat);
   }
   VOLUTE_TRY(checkMembers(json, file));
   SceneDescription scene;
+  scene.version = *version;
   const auto read = [&](const char* name, auto& out, auto parse) -> Status {
     if (json.contains(name)) {
       VOLUTE_ASSIGN(out, parse(json[name], FieldOrigin{file, fmt::format("/{}", name)}));

@@ -23,8 +23,9 @@ struct MediumEntry {
   nlohmann::json json;  ///< what is there
 };
 
-/// What a volute-scene-1 file says, but for what its media make of their entries.
+/// What a scene file says, but for what its media make of their entries.
 struct SceneDescription {
+  int version = kSceneVersion;  ///< of the format
   std::optional<CameraDescription> camera;
   Rgb background = Rgb::Zero();
   SceneLights lights;

@@ -122,8 +122,8 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
     return std::make_unique<SceneSight>(std::move(scene));
   const MediumEntry& entry = scene.description().media.front();
   Reading reading{progress, options.maxMemory};
-  MediumContext context{reading,      options.files, scene.description().lights, scene.geometry(),
-                        scene.path(), entry.path,    scene.media()[0],           nullptr};
+  MediumContext context{reading,      options.files, scene.description().lights,  scene.geometry(),
+                        scene.path(), entry.path,    scene.description().version, scene.media()[0]};
   VOLUTE_ASSIGN(auto only, entry.kind->openSight(entry.json, context));
   if (!scene.geometry().empty()) {
     only->wrap(

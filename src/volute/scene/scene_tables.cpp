@@ -28,7 +28,7 @@ std::vector<SceneList> sceneLists() {
 
 nlohmann::ordered_json sceneSchema() {
   using Json = nlohmann::ordered_json;
-  Json properties = {{"format", {{"const", "volute-scene-1"}}},
+  Json properties = {{"format", {{"enum", {kSceneFormat, "volute-scene-1"}}}},
                      {"camera", {{"$ref", "#/$defs/camera"}}},
                      {"background",
                       {{"description", "linear RGB radiance"},
@@ -52,7 +52,7 @@ nlohmann::ordered_json sceneSchema() {
   properties["view"] = {{"$ref", "#/$defs/view"}};
   defs["camera"]["oneOf"] = Json::array({{{"required", {"fov"}}}, {{"required", {"ortho"}}}});
   return {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-          {"title", "A scene of Volute, volute-scene-1"},
+          {"title", fmt::format("A scene of Volute, {}", kSceneFormat)},
           {"description",
            "A scene for `volute render`, described in docs/scene.md. Written by `volute man "
            "--schema`."},

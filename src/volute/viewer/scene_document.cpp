@@ -66,6 +66,7 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
   scene.maxMemory = options.maxMemory;
   scene.files = {.partial = true,
                  .verify = false,
+                 .measured = false,
                  .lightCache = options.lightCache,
                  .lightMemory = std::make_shared<LightMemory>(kLightBytes)};
   if (path == options.file)

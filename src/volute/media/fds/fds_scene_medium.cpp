@@ -156,7 +156,7 @@ class FdsKind final : public MediumKind {
   /// what an endless layer of it sends back: of isotropic scattering with FDS's albedo w = 0.3, by
   /// the two-stream approximation, (1 - g) / (1 + g) = 0.09 with g = sqrt(1 - w).
   OrderedJson sceneOf(const std::string& name) const override {
-    return {{"format", "volute-scene-1"},
+    return {{"format", kSceneFormat},
             {"background", {1, 1, 1}},
             {"lights", OrderedJson::array({{{"kind", "ambient"}, {"radiance", {1, 1, 1}}}})},
             {"media", OrderedJson::array({{{"kind", "smoke"},

@@ -53,7 +53,7 @@ class FogKind final : public MediumKind {
   bool assumes() const override { return true; }
 
   OrderedJson sceneOf(const std::string& name) const override {
-    return {{"format", "volute-scene-1"},
+    return {{"format", kSceneFormat},
             {"media", OrderedJson::array({{{"kind", "fog"}, {"map", name}, {"convert", "luma"}}})}};
   }
 
@@ -169,7 +169,7 @@ FogLayer FogSceneMedium::shown() const {
 bool FogSceneMedium::paintable() const {
   const FogDescription& fog = description();
   return fog.maps.size() == 1 && isPicturePath(fog.maps.front()) &&
-         !FramePattern::isPattern(fog.maps.front()) && fog.placement.sigmaMax > 0;
+         !namesSeriesOfFiles(fog.maps.front()) && fog.placement.sigmaMax > 0;
 }
 
 Status FogSceneMedium::paint(std::vector<double> coefficients, bool unsaved) {

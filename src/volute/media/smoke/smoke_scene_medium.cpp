@@ -167,7 +167,7 @@ class SmokeKind final : public MediumKind {
 
   /// Black or lit before white: the picture is what passes of the light.
   OrderedJson sceneOf(const std::string& name) const override {
-    return {{"format", "volute-scene-1"},
+    return {{"format", kSceneFormat},
             {"background", {1, 1, 1}},
             {"media", OrderedJson::array({{{"kind", "smoke"}, {"case", name}}})}};
   }

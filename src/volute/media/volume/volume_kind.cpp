@@ -14,6 +14,8 @@ namespace {
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
+constexpr double kDusk = 0.6;
+
 bool sameGrids(const Appearance& a, const Appearance& b) {
   const auto of = [](const Appearance& one) {
     const Flames flames = one.flames.value_or(Flames());
@@ -23,9 +25,10 @@ bool sameGrids(const Appearance& a, const Appearance& b) {
   return of(a) == of(b) && a.interpolation == b.interpolation && a.velocityScale == b.velocityScale;
 }
 
-/// Lights of a picture that somebody takes: a sun from the left, and what is around.
-void addStudio(VolumePreset preset, VolumeLighting& lighting) {
-  const double strength = preset == VolumePreset::kFireAndSmoke ? 0.15 : 1;
+/// Lights of a picture that somebody takes: a sun from the left, and what is around. Beside fire,
+/// for which a picture is exposed, smoke is as bright as at dusk.
+void addStudio(VolumePreset preset, int version, VolumeLighting& lighting) {
+  const double strength = preset != VolumePreset::kFireAndSmoke ? 1 : version < 2 ? 0.15 : kDusk;
   Lamp sun;
   sun.kind = Lamp::Kind::kSun;
   sun.direction = Vec3(0.85, 0.08, -0.62).normalized();
@@ -45,7 +48,7 @@ Result<std::shared_ptr<VolumeMedium>> volumeOf(const std::string& file, InputOpt
                             (!input.bounds || (options.bounds->min == input.bounds->min &&
                                                options.bounds->max == input.bounds->max));
     return volume.layer().path() == file && options.grid == input.grid && sameBounds &&
-           sameGrids(volume.layer().appearance(), appearance);
+           options.stated == input.stated && sameGrids(volume.layer().appearance(), appearance);
   });
   if (before)
     return before->with(appearance);
@@ -74,8 +77,11 @@ class VolumeKind final : public MediumKind {
     Reading reading{heard, context.reading.maxMemory};
     InputOptions input = volume.input;
     input.partial = context.options.partial, input.verify = context.options.verify;
-    VOLUTE_ASSIGN(const auto preset,
-                  applyPreset(volume.preset, volume.file, input, volume.appearance, reading));
+    const bool said = entry.contains("preset") || entry.contains("emission");
+    const bool looks =
+        context.version >= 2 && !said && !context.options.measured && !context.options.byTree;
+    VOLUTE_ASSIGN(const auto preset, applyPreset(looks ? VolumePreset::kAuto : volume.preset,
+                                                 volume.file, input, volume.appearance, reading));
     volume.input.grid = input.grid;
     VOLUTE_TRY(readFields(volumeFields(), entry, origin, &volume));  // what is said stands
     Appearance& appearance = volume.appearance;
@@ -97,7 +103,7 @@ class VolumeKind final : public MediumKind {
     lighting.blocks = blocksOf(context.geometry);
     if (preset != VolumePreset::kNone && lighting.lamps.empty() &&
         !(lighting.surrounding.maxCoeff() > 0))
-      addStudio(preset, lighting);
+      addStudio(preset, context.version, lighting);
     if (appearance.extinction > 0 && !appearance.scatters() && !context.lights.suns.empty()) {
       heard.remark(fmt::format("{}: {}: it scatters no light of the sun; say its albedo",
                                context.file, context.path));
@@ -114,14 +120,6 @@ class VolumeKind final : public MediumKind {
   Result<FileDescription> describe(const std::string& path, const DescribeRequest& request,
                                    Reading& reading) const override {
     return describeVolume(path, request, reading);
-  }
-
-  /// It looks as the names and ranges of its grids say.
-  std::string assume(OrderedJson& scene) const override {
-    OrderedJson& volume = scene["media"][0];
-    if (!volume.contains("preset") && !volume.contains("emission"))
-      volume["preset"] = "auto";
-    return "";
   }
 
   /// Of what a preset has chosen, too.

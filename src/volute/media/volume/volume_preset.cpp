@@ -10,6 +10,7 @@
 #include <set>
 
 #include "volute/io/volume_source.hpp"
+#include "volute/media/volume/volume_grids.hpp"
 
 namespace volute {
 namespace {
@@ -43,6 +44,49 @@ std::string lower(std::string text) {
 bool holdsWord(const std::string& text, Names words) {
   return std::ranges::any_of(
       words, [&](std::string_view word) { return text.find(word) != std::string::npos; });
+}
+
+/// The words of a grid's name, in lower case: "voxelFog_density[1]" is voxel, fog, density and 1.
+std::vector<std::string> wordsOf(const std::string& name) {
+  std::vector<std::string> words(1);
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const auto c = static_cast<unsigned char>(name[i]);
+    const auto before = static_cast<unsigned char>(i > 0 ? name[i - 1] : '_');
+    const bool begins = (std::isupper(c) && std::islower(before)) ||
+                        (std::isdigit(c) != 0) != (std::isdigit(before) != 0);
+    if ((begins || !std::isalnum(c)) && !words.back().empty())
+      words.emplace_back();
+    if (std::isalnum(c))
+      words.back() += static_cast<char>(std::tolower(c));
+  }
+  return words;
+}
+
+/// Words that make something else of a density or a temperature.
+constexpr std::string_view kOtherWords[] = {"gradient", "grad",   "velocity", "vel",
+                                            "rate",     "mask",   "shadow",   "difference",
+                                            "diff",     "source", "rest"};
+
+/// The name that is one of these or, where none is, has one of them among its words; empty: there
+/// is none.
+std::string nameAmong(const std::vector<std::string>& names, Names wanted) {
+  for (const std::string_view one : wanted) {
+    for (const std::string& name : names) {
+      if (lower(name) == lower(std::string(one)))
+        return name;
+    }
+  }
+  for (const std::string_view one : wanted) {
+    for (const std::string& name : names) {
+      const auto words = wordsOf(name);
+      const auto has = [&](std::string_view word) {
+        return std::ranges::find(words, lower(std::string(word))) != words.end();
+      };
+      if (has(one) && std::ranges::none_of(kOtherWords, has))
+        return name;
+    }
+  }
+  return "";
 }
 
 /// What is known of one grid from some of its frames.
@@ -89,12 +133,28 @@ class Grids {
     Progress quiet;
     Reading silent{quiet, reading.maxMemory};
     auto found = openVolume(path, first, silent);
+    const auto unclear = [&] {
+      return !found && input.grid.empty() &&
+             (found.error().code == ErrorCode::kInvalidArgument ||
+              found.error().code == ErrorCode::kInvalidData);
+    };
     // Nothing is called as expected, or nothing is in it: what a preset could show instead.
+    std::vector<std::string> there;
+    if (unclear() && VolumeGrids::mayBe(path)) {
+      if (const auto cache = VolumeGrids::open(path, input, silent)) {
+        for (const VolumeGrid& grid : (*cache)->grids()) {
+          if (!grid.empty)
+            there.push_back(grid.name);
+        }
+      }
+    }
     for (const Names names : {Names(kDensityNames), Names(kFlameNames), Names(kHeatNames)}) {
-      for (const std::string_view name : names) {
-        if (found || !input.grid.empty() ||
-            (found.error().code != ErrorCode::kInvalidArgument &&
-             found.error().code != ErrorCode::kInvalidData))
+      const std::string matching = nameAmong(there, names);
+      std::vector<std::string> tried(names.begin(), names.end());
+      if (!matching.empty())
+        tried.insert(tried.begin(), matching);
+      for (const std::string& name : tried) {
+        if (!unclear())
           break;
         first.grid = name;
         auto other = openVolume(path, first, silent);
@@ -121,16 +181,8 @@ class Grids {
 
   const std::vector<std::string>& names() const { return names_; }
 
-  /// The name of the grid that is called one of these; empty: there is none.
-  std::string find(Names wanted) const {
-    for (const std::string_view one : wanted) {
-      for (const std::string& name : names_) {
-        if (lower(name) == lower(std::string(one)))
-          return name;
-      }
-    }
-    return "";
-  }
+  /// As nameAmong().
+  std::string find(Names wanted) const { return nameAmong(names_, wanted); }
 
   /// A grid with colours; as find(), or the first part of three grids' names.
   std::string findColors() const {
@@ -225,7 +277,8 @@ Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path
     if (name->empty())
       continue;
     VOLUTE_ASSIGN(*range, grids.range(*name));
-    if (!range->any())
+    // What is below zero as far as above it is no amount of anything, whatever its name.
+    if (!range->any() || range->least < -0.5 * range->most)
       name->clear();
   }
   const bool kelvins = choice.heatRange.most >= kKelvins;
@@ -274,6 +327,18 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
           fmt::format("{}: shown by the light of '{}' (--field chooses)", path, light));
     }
     return VolumePreset::kNone;
+  }
+  if (grids.info().levelSet && (preset == VolumePreset::kAuto || preset == VolumePreset::kSmoke)) {
+    constexpr double kDepthOfAVoxel = 4;
+    appearance.emission = 0;
+    appearance.extinction = rounded(kDepthOfAVoxel / grids.info().voxelSize().minCoeff());
+    appearance.albedo = Rgb::Constant(kSmokeAlbedo);
+    reading.progress.remark(fmt::format(
+        "{}: '{}' is a level set; its inside is shown as dense matter of extinction {:.3g}, not as "
+        "a surface",
+        path, grids.mainName(), appearance.extinction));
+    input.grid = grids.named() ? grids.mainName() : input.grid;
+    return VolumePreset::kSmoke;
   }
   VOLUTE_ASSIGN(const Choice choice, choose(preset, grids, path));
   if (choice.preset == VolumePreset::kNone)
