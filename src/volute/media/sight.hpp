@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -124,6 +125,15 @@ class SightInstant {
   /// K at each point [1/m]; NaN where the field does not reach or something solid stands.
   virtual void extinction(std::span<const Vec3> points, std::span<double> extinction) const = 0;
 
+  /// What K at each point is within [1/m], as far as the field's data are rounded; as extinction()
+  /// where they are not.
+  virtual void extinctionBounds(std::span<const Vec3> points, std::span<double> low,
+                                std::span<double> high) const = 0;
+
+  /// The z of the highest surface below each point that carries people, at most `drop` below it
+  /// [m]; the field's lower border is one. NaN: there is none, as in a shaft or a void.
+  virtual void floors(std::span<const Vec3> points, double drop, std::span<double> z) const = 0;
+
   /// Optical depths are linear in the stored values. Instants of one field with the same geometry()
   /// have the same weights: lines are worked out once and then summed at each time. 0: this field
   /// has none.
@@ -154,11 +164,57 @@ class BasicSightInstant : public SightInstant {
 
   std::vector<PlanShape> shapes(double) const override { return {}; }
 
+  void extinctionBounds(std::span<const Vec3> points, std::span<double> low,
+                        std::span<double> high) const override {
+    extinction(points, low);
+    std::ranges::copy(low, high.begin());
+  }
+
+  /// In steps, by places().
+  void floors(std::span<const Vec3> points, double drop, std::span<double> z) const override {
+    constexpr double kStride = 0.1;  // [m]
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      z[i] = std::numeric_limits<double>::quiet_NaN();
+      for (double below = kStride; below <= drop + 1e-9 && std::isnan(z[i]); below += kStride) {
+        const Vec3 point = points[i] - Vec3(0, 0, below);
+        Place place{};
+        places({&point, 1}, {&place, 1});
+        if (place != Place::kGas)
+          z[i] = point.z();
+      }
+    }
+  }
+
   std::uint64_t geometry() const override { return 0; }
 
   void weigh(const SightLine&, std::vector<SightWeight>&, Sight&) const override {}
 
   SightData data() const override { return {}; }
+};
+
+/// Stored times around another one [s].
+struct StoredSpan {
+  double from = 0, until = 0;
+};
+
+/// Where a time stands among stored ones.
+struct StoredPlace {
+  std::size_t first = 0, second = 0;  ///< of the values to mix; the same at a stored time
+  double share = 0;                   ///< of the second
+  StoredSpan span;
+};
+
+/// Nothing where the stored times do not reach. Files of one output differ by a time step, so that
+/// up to a twentieth of the first or last interval beyond the ends is taken as the end; of a single
+/// time there is no such interval.
+[[nodiscard]] std::optional<StoredPlace> storedPlace(std::span<const double> times, double time);
+
+/// A source of a quantity, and what it has served.
+struct ServedSource {
+  std::string description;
+  std::size_t times = 0;             ///< that it stores; 0: it could not be read, as described
+  StoredSpan stored{};               ///< the first and the last of them [s]
+  std::optional<StoredSpan> served;  ///< the first and the last time for which it was taken
 };
 
 /// One quantity of the air, at points, over time.
@@ -172,11 +228,51 @@ class PointField {
   /// When it is stored [s], ascending, one at least.
   virtual std::span<const double> times() const = 0;
 
-  /// Its values at points: linear between stored times, held before the first and after the last.
-  /// NaN where it is not known, or something solid stands. Times ascend from call to call, or cost
-  /// a second reading.
+  /// Its values at points, linear between stored times. NaN where and when it is not known
+  /// (storedPlace() says which times are), or something solid stands. Times ascend from call to
+  /// call, or cost a second reading.
   [[nodiscard]] virtual Status at(double time, std::span<const Vec3> points,
                                   std::span<double> out) = 0;
+
+  /// The same, with the stored times around `time` of what served each point; as they are where
+  /// nothing did.
+  [[nodiscard]] virtual Status at(double time, std::span<const Vec3> points, std::span<double> out,
+                                  std::span<StoredSpan> spans);
+
+  /// What it is put together from, best first.
+  virtual std::vector<ServedSource> sources() const;
+};
+
+/// The best of several sources of a quantity at each place and time: of those that know it there
+/// and then, one whose stored times around are closest together, where it is by a factor of two;
+/// else the first. One source at least.
+class BestPoints final : public PointField {
+ public:
+  /// @param unread  sentences about further sources that could not be read.
+  explicit BestPoints(std::vector<std::unique_ptr<PointField>> sources,
+                      std::vector<std::string> unread = {});
+
+  std::string description() const override;
+
+  std::span<const double> times() const override { return times_; }
+
+  [[nodiscard]] Status at(double time, std::span<const Vec3> points,
+                          std::span<double> out) override;
+  [[nodiscard]] Status at(double time, std::span<const Vec3> points, std::span<double> out,
+                          std::span<StoredSpan> spans) override;
+  std::vector<ServedSource> sources() const override;
+
+ private:
+  std::vector<std::unique_ptr<PointField>> sources_;
+  std::vector<std::string> unread_;
+  std::vector<std::optional<StoredSpan>> served_;  // of each
+  std::vector<double> times_;                      // of all
+};
+
+/// Where it burns, or people cannot stand because of a burner [m].
+struct FirePlace {
+  Box3 bounds;
+  std::string from;  ///< how that is known, for people
 };
 
 /// A curve over time of a report.
@@ -229,6 +325,14 @@ class SightField {
   /// When it is stored [s], ascending.
   virtual std::span<const double> times() const = 0;
 
+  /// When the case begins [s], as far as it says so: what is not stored since then is not known.
+  [[nodiscard]] virtual double begin() { return times().front(); }
+
+  /// Whether the case begins before the first stored time, by more than storedPlace() allows.
+  [[nodiscard]] bool beginsBefore() {
+    return !storedPlace(times(), std::min(begin(), times().front()));
+  }
+
   /// What a person calls a stored time.
   virtual int numberOf(std::size_t time) const { return static_cast<int>(time); }
 
@@ -264,6 +368,9 @@ class SightField {
   [[nodiscard]] virtual Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) {
     return fail(ErrorCode::kNotFound, "the medium stores no {}", quantity);
   }
+
+  /// Where it burns at some time, as far as the case says so; empty: it does not.
+  [[nodiscard]] virtual Result<std::vector<FirePlace>> fires() { return std::vector<FirePlace>(); }
 
   /// What a report says about the case, apart from its smoke.
   [[nodiscard]] virtual Result<CaseFacts> facts() { return CaseFacts{}; }

@@ -43,6 +43,24 @@ class BehindSurfaces final : public SightInstant {
     media_->extinction(points, extinction);
   }
 
+  void extinctionBounds(std::span<const Vec3> points, std::span<double> low,
+                        std::span<double> high) const override {
+    media_->extinctionBounds(points, low, high);
+  }
+
+  void floors(std::span<const Vec3> points, double drop, std::span<double> z) const override {
+    media_->floors(points, drop, z);
+    // Or a surface, if it is higher.
+    std::vector<Segment> down;
+    for (const Vec3& point : points) down.push_back({point, Vec3(0, 0, -1), 0, drop});
+    std::vector<Hit> hits(points.size());
+    surfaces_.nearest(down, hits);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (hits[i].found() && !(points[i].z() - hits[i].distance < z[i]))
+        z[i] = points[i].z() - hits[i].distance;
+    }
+  }
+
   std::vector<PlanShape> shapes(double z) const override { return media_->shapes(z); }
 
   std::uint64_t geometry() const override { return media_->geometry(); }

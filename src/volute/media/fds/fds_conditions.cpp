@@ -55,19 +55,17 @@ class FdsPoints final : public PointField {
   std::span<const double> times() const override { return case_.times(); }
 
   Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
-    const auto times = case_.times();
-    const auto after = std::ranges::upper_bound(times, time);
-    const std::size_t first =
-        after == times.begin() ? 0 : static_cast<std::size_t>(after - times.begin()) - 1;
-    const std::size_t second = std::min(first + 1, times.size() - 1);
-    const double length = times[second] - times[first];
-    const double share = length > 0 ? std::clamp((time - times[first]) / length, 0.0, 1.0) : 0;
+    const auto place = storedPlace(times(), time);
+    std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
+    if (!place)
+      return {};
+    const auto [first, second, share, span] = *place;
     VOLUTE_TRY(hold(first));
     if (share > 0)
       VOLUTE_TRY(hold(second));
     const FdsField& a = *held(first);
     const FdsField* b = share > 0 ? held(second) : nullptr;
-    parallelRanges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+    parallelRanges(points.size(), 256, [&, share = share](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const double now = valueAt(a, points[i]);
         out[i] = b == nullptr ? now : (1 - share) * now + share * valueAt(*b, points[i]);
@@ -285,28 +283,104 @@ std::string cellsText(const SmvIndex& index) {
 Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::string_view quantity,
                                                   std::uint64_t maxMemory) {
   std::string names;
+  std::vector<std::unique_ptr<PointField>> sources;
+  std::optional<Error> error;
   for (const Stored& stored : kStored) {
     if (stored.name != quantity)
       continue;
     names += (names.empty() ? "" : " or ") + std::string(stored.fds);
-    if (findSources(index, stored.fds).empty())
-      continue;
-    FdsOptions options;
-    options.quantity = stored.fds;
-    options.maxMemory = maxMemory;
-    VOLUTE_ASSIGN(auto fds, FdsCase::open(index, options));
-    return std::make_unique<FdsPoints>(std::move(fds), stored.factor, quantity);
+    for (const FdsSource& source : findSources(index, stored.fds)) {
+      FdsOptions options;
+      options.quantity = stored.fds;
+      options.source = source.name;
+      options.maxMemory = maxMemory;
+      auto fds = FdsCase::open(index, options);
+      if (fds)
+        sources.push_back(std::make_unique<FdsPoints>(std::move(*fds), stored.factor, quantity));
+      else if (!error)
+        error = fds.error();
+    }
   }
   for (const Stored& stored : kStored) {
     if (stored.name != quantity)
       continue;
     VOLUTE_ASSIGN(auto points, devicePoints(index, stored));
     if (points)
-      return points;
+      sources.push_back(std::move(points));
   }
+  if (sources.empty() && error)
+    return tl::unexpected(std::move(*error));
   // For a list of such reasons: the case is named above it.
-  return fail(ErrorCode::kNotFound, "no slice, PLOT3D file or device has {}",
-              names.empty() ? quantity : names);
+  if (sources.empty()) {
+    return fail(ErrorCode::kNotFound, "no slice, PLOT3D file or device has {}",
+                names.empty() ? quantity : names);
+  }
+  return std::make_unique<BestPoints>(
+      std::move(sources), error ? std::vector{error->message} : std::vector<std::string>());
+}
+
+Result<std::vector<FirePlace>> fdsFires(const SmvIndex& index, std::uint64_t maxMemory) {
+  constexpr double kFlame = 200;  // [kW/m3]: what Smokeview draws as flames
+  constexpr std::size_t kTimes = 50;
+  std::vector<FirePlace> fires;
+  if (findSources(index, kFdsHeatRelease).empty())
+    return fires;
+  FdsOptions options;
+  options.quantity = kFdsHeatRelease;
+  options.volume = true;
+  options.maxMemory = maxMemory;
+  auto fds = FdsCase::open(index, options);
+  if (!fds) {
+    if (fds.error().code == ErrorCode::kNotFound)
+      return fires;  // in layers alone
+    return tl::unexpected(std::move(fds.error()));
+  }
+  const std::span<const FdsLattice> lattices = fds->grid().lattices();
+  // Of each column of cells, the heights between which it burns at some time.
+  std::vector<std::vector<std::pair<double, double>>> columns;
+  for (const FdsLattice& lattice : lattices) {
+    columns.emplace_back(static_cast<std::size_t>(lattice.cells(0)) * lattice.cells(1),
+                         std::pair(std::numeric_limits<double>::infinity(),
+                                   -std::numeric_limits<double>::infinity()));
+  }
+  const std::size_t times = fds->times().size(), taken = std::min(times, kTimes);
+  for (std::size_t n = 0; n < taken; ++n) {
+    const double time = fds->times()[taken > 1 ? n * (times - 1) / (taken - 1) : 0];
+    VOLUTE_ASSIGN(const FdsField field, fds->field(time));
+    parallelFor(lattices.size(), [&](std::size_t l) {
+      const FdsPlanes& planes = lattices[l].planes;
+      if (!fds->grid().holds(l))
+        return;
+      const auto middle = [&](int axis, std::size_t i) {
+        return 0.5 * (planes[axis][i] + planes[axis][i + 1]);
+      };
+      for (std::size_t k = 0; k + 1 < planes[2].size(); ++k) {
+        for (std::size_t j = 0; j + 1 < planes[1].size(); ++j) {
+          for (std::size_t i = 0; i + 1 < planes[0].size(); ++i) {
+            if (field.extinction({middle(0, i), middle(1, j), middle(2, k)}) < kFlame)
+              continue;
+            auto& [low, high] = columns[l][j * (planes[0].size() - 1) + i];
+            low = std::min(low, planes[2][k]);
+            high = std::max(high, planes[2][k + 1]);
+          }
+        }
+      }
+    });
+  }
+  for (std::size_t l = 0; l < lattices.size(); ++l) {
+    const FdsPlanes& planes = lattices[l].planes;
+    for (std::size_t j = 0; j + 1 < planes[1].size(); ++j) {
+      for (std::size_t i = 0; i + 1 < planes[0].size(); ++i) {
+        const auto [low, high] = columns[l][j * (planes[0].size() - 1) + i];
+        if (low < high) {
+          fires.push_back({{Vec3(planes[0][i], planes[1][j], low),
+                            Vec3(planes[0][i + 1], planes[1][j + 1], high)},
+                           fmt::format("flames of {:g} kW/m3 ({})", kFlame, fds->source().name)});
+        }
+      }
+    }
+  }
+  return fires;
 }
 
 CaseFacts fdsFacts(const SmvIndex& index) {

@@ -10,13 +10,19 @@
 
 namespace volute {
 
-/// What people breathe and stand in, from slices and PLOT3D files of a case: "temperature" [degrees
+/// What people breathe and stand in, from slices, PLOT3D files and devices of a case, the best of
+/// them at each place and time: "temperature" [degrees
 /// C], "radiant-flux" [kW/m2], gases by their names [mol/mol]. The radiant flux is a quarter of the
 /// integrated intensity: the mean over the surface of a small body. kNotFound names what FDS would
 /// have to write.
 [[nodiscard]] Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index,
                                                                 std::string_view quantity,
                                                                 std::uint64_t maxMemory);
+
+/// Where the case stores a heat release of flames, by its .s3d or PLOT3D files of HRRPUV, at up to
+/// fifty of its times: in columns of cells. Empty where it stores none.
+[[nodiscard]] Result<std::vector<FirePlace>> fdsFires(const SmvIndex& index,
+                                                      std::uint64_t maxMemory);
 
 /// FDS version, cells, heat release and devices: CHID_hrr.csv and CHID_devc.csv beside the index. A
 /// file that is missing or cut off is a remark.

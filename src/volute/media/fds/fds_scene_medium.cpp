@@ -140,7 +140,12 @@ class FdsKind final : public MediumKind {
     options.maxMemory = context.reading.maxMemory;
     options.visibilityFactor = smoke.model.c;
     VOLUTE_ASSIGN(auto fds, FdsCase::open(smoke.file, options));
-    return std::make_unique<FdsSight>(std::move(fds), smoke.file, options.maxMemory);
+    // Somebody who names a source is asking for that alone.
+    std::vector<FdsCase> others;
+    if (smoke.field.empty())
+      others = fillingSources(fds, options);
+    return std::make_unique<FdsSight>(std::move(fds), smoke.file, options.maxMemory,
+                                      std::move(others));
   }
 
   bool opens(const std::string& path) const override { return isSmvPath(path); }

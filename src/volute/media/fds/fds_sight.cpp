@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <mutex>
 
 #include "volute/base/parallel.hpp"
 #include "volute/fds/fds_march.hpp"
 #include "volute/media/fds/fds_conditions.hpp"
+#include "volute/media/fds/fds_devices.hpp"
 
 namespace volute {
 namespace {
@@ -54,6 +56,34 @@ std::size_t cornerPlace(const FdsLattice& lattice, const std::array<int, 3>& cel
     return static_cast<std::size_t>(cell[axis] + (corner >> axis & 1));
   };
   return (at(2) * ny + at(1)) * nx + at(0);
+}
+
+/// What a lattice's values say of a point in it; NaN where one that counts is not there.
+SmokeBand bandAt(const FdsLattice& lattice, const FdsValues& values, const Vec3& point) {
+  constexpr double kNothing = 1e-6;  // of a cell: the point is on a plane
+  std::array<int, 3> cell{};
+  std::array<double, 3> share{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& planes = lattice.planes[axis];
+    cell[axis] = cellBetween(planes, point[axis]);
+    const double from = planes[cell[axis]];
+    share[axis] = std::clamp((point[axis] - from) / (planes[cell[axis] + 1] - from), 0.0, 1.0);
+  }
+  std::array<double, 3> sum{};
+  const auto add = [&](std::size_t place, double weight) {
+    const float value = values.value[place];
+    sum[0] += weight * value;
+    sum[1] += weight * (values.low.empty() ? value : values.low[place]);
+    sum[2] += weight * (values.high.empty() ? value : values.high[place]);
+  };
+  for (int corner = 0; corner < (lattice.nodal ? 8 : 1); ++corner) {
+    double weight = 1;
+    for (int axis = 0; lattice.nodal && axis < 3; ++axis)
+      weight *= (corner >> axis & 1) != 0 ? share[axis] : 1 - share[axis];
+    if (weight > kNothing)
+      add(lattice.nodal ? cornerPlace(lattice, cell, corner) : lattice.cellAt(cell), weight);
+  }
+  return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
 }
 
 }  // namespace
@@ -273,6 +303,7 @@ void FdsInstant::look(std::span<const SightLine> lines, std::span<Sight> sights)
 
 void FdsInstant::addBorders(const SmvIndex& index, double time) {
   for (const FdsMesh& mesh : index.meshes) {
+    meshes_.push_back(mesh.bounds());
     for (const FdsObstruction& one : mesh.obstructions) {
       if (!one.shownAt(time))
         borders_.emplace_back(boxOf(mesh, one.nodes), PlanShape::Kind::kDoor);
@@ -284,6 +315,61 @@ void FdsInstant::addBorders(const SmvIndex& index, double time) {
                               opens ? PlanShape::Kind::kOpening : PlanShape::Kind::kBorder);
     }
   }
+}
+
+void FdsInstant::extinctionBounds(std::span<const Vec3> points, std::span<double> low,
+                                  std::span<double> high) const {
+  extinction(points, low);
+  std::ranges::copy(low, high.begin());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const int lattice = std::isnan(low[i]) ? -1 : field_.grid().latticeAt(points[i]);
+    if (lattice < 0 || field_.values(static_cast<std::size_t>(lattice)).low.empty())
+      continue;
+    const auto l = static_cast<std::size_t>(lattice);
+    const SmokeBand band = bandAt(field_.grid().lattices()[l], field_.values(l), points[i]);
+    low[i] = std::min<double>(low[i], band.low);
+    high[i] = std::max<double>(high[i], band.high);
+  }
+}
+
+/// From obstructions and meshes, because the field itself may be a layer of smoke.
+void FdsInstant::floors(std::span<const Vec3> points, double drop, std::span<double> z) const {
+  constexpr double kThin = 1e-3;  // [m]
+  const auto above = [](const Box3& box, const Vec3& point) {
+    return box.min.x() <= point.x() && point.x() < box.max.x() && box.min.y() <= point.y() &&
+           point.y() < box.max.y();
+  };
+  std::vector<Box3> surfaces;  // their tops carry people
+  for (const FdsBox& box : obstructions_.boxes()) surfaces.push_back(box.bounds);
+  const auto isOpen = [&](const Vec3& point) {
+    const auto within = [&](const Box3& mesh) {
+      return above(mesh, point) && mesh.min.z() < point.z() - kThin && point.z() <= mesh.max.z();
+    };
+    const auto opens = [&](const std::pair<Box3, PlanShape::Kind>& border) {
+      return border.second == PlanShape::Kind::kOpening && above(border.first, point) &&
+             std::abs(border.first.min.z() - point.z()) < kThin &&
+             std::abs(border.first.max.z() - point.z()) < kThin;
+    };
+    return std::ranges::any_of(meshes_, within) || std::ranges::any_of(borders_, opens);
+  };
+  parallelRanges(points.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3& point = points[i];
+      z[i] = std::numeric_limits<double>::quiet_NaN();
+      const auto offer = [&](double top) {
+        if (top <= point.z() && top >= point.z() - drop && !(top <= z[i]))
+          z[i] = top;
+      };
+      for (const Box3& box : surfaces) {
+        if (above(box, point))
+          offer(box.max.z());
+      }
+      for (const Box3& mesh : meshes_) {
+        if (above(mesh, point) && !isOpen({point.x(), point.y(), mesh.min.z()}))
+          offer(mesh.min.z());
+      }
+    }
+  });
 }
 
 std::vector<PlanShape> FdsInstant::shapes(double z) const {
@@ -319,9 +405,159 @@ void FdsInstant::extinction(std::span<const Vec3> points, std::span<double> exti
   }
 }
 
+namespace {
+
+/// What another field of the same mesh says of a point, from the values that it has there.
+std::optional<SmokeBand> bandAt(const FdsField& field, int mesh, const Vec3& point) {
+  for (std::size_t l = 0; l < field.grid().lattices().size(); ++l) {
+    const FdsLattice& lattice = field.grid().lattices()[l];
+    if (lattice.mesh != mesh || !field.grid().holds(l) || !lattice.bounds().contains(point))
+      continue;
+    const SmokeBand band = bandAt(lattice, field.values(l), point);
+    if (!std::isnan(band.value))
+      return band;
+  }
+  return std::nullopt;
+}
+
+/// Where a value of a lattice lies.
+Vec3 placeOfValue(const FdsLattice& lattice, std::size_t value) {
+  Vec3 point;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& planes = lattice.planes[axis];
+    const std::size_t count = planes.size() - (lattice.nodal ? 0 : 1);
+    const std::size_t i = value % count;
+    value /= count;
+    point[axis] = lattice.thinAxis == axis ? lattice.place
+                  : lattice.nodal          ? planes[i]
+                                           : 0.5 * (planes[i] + planes[i + 1]);
+  }
+  return point;
+}
+
+/// Whether a case stores a time before or after those of others.
+bool isBeyond(std::span<const double> times, std::span<const double> known) {
+  return (times.front() < known.front() && !storedPlace(known, times.front())) ||
+         (times.back() > known.back() && !storedPlace(known, times.back()));
+}
+
+}  // namespace
+
+std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& options) {
+  std::vector<FdsCase> others;
+  const bool cut = first.source().quantity == SmokeQuantity::kVisibility;
+  std::vector<double> known(first.times().begin(), first.times().end());
+  for (const FdsSource& source : first.sources()) {
+    if (source.name == first.source().name)
+      continue;
+    FdsOptions other = options;
+    other.source = source.name;
+    auto opened = FdsCase::open(first.index(), other);
+    if (!opened)
+      continue;
+    const bool beyond = isBeyond(opened->times(), known);
+    const bool precise = cut && source.quantity != SmokeQuantity::kVisibility;
+    if (!beyond && !precise)
+      continue;
+    known.insert(known.end(), opened->times().begin(), opened->times().end());
+    std::ranges::sort(known);
+    others.push_back(std::move(*opened));
+  }
+  return others;
+}
+
+FdsSight::FdsSight(FdsCase fds, std::string name, std::uint64_t maxMemory,
+                   std::vector<FdsCase> others)
+    : case_(std::move(fds)),
+      others_(std::move(others)),
+      times_(case_.times().begin(), case_.times().end()),
+      name_(std::move(name)),
+      maxMemory_(maxMemory) {
+  // Of each of the others the times that none before it knows.
+  for (const FdsCase& other : others_) {
+    std::vector<double> more;
+    for (const double time : other.times()) {
+      if ((time < times_.front() || time > times_.back()) && !storedPlace(times_, time))
+        more.push_back(time);
+    }
+    times_.insert(times_.end(), more.begin(), more.end());
+    std::ranges::sort(times_);
+  }
+}
+
+std::string FdsSight::description() const {
+  std::string text =
+      fmt::format("{}: {} ({})", name_, case_.source().name, case_.source().description);
+  for (const FdsCase& other : others_)
+    text += fmt::format(", else {} ({})", other.source().name, other.source().description);
+  return text;
+}
+
+std::vector<std::string> FdsSight::remarks() const {
+  std::vector<std::string> remarks(case_.remarks().begin(), case_.remarks().end());
+  for (const FdsCase& other : others_) {
+    if (isBeyond(other.times(), case_.times())) {
+      remarks.push_back(fmt::format(
+          "{}: {} is stored from {:g} to {:g} s; {} serves at other times", name_,
+          case_.source().name, case_.times().front(), case_.times().back(), other.source().name));
+    }
+  }
+  if (case_.source().quantity == SmokeQuantity::kVisibility && !others_.empty()) {
+    remarks.push_back(fmt::format("{}: where {} is cut, the extinction is that of {}", name_,
+                                  case_.source().name, others_.front().source().name));
+  }
+  return remarks;
+}
+
+/// The best that knows a time, and the time to read of it: between what two of them store, the next
+/// one that is stored.
+std::pair<FdsCase*, double> FdsSight::caseAt(double time) {
+  std::pair<FdsCase*, double> next{&case_, std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i <= others_.size(); ++i) {
+    FdsCase& one = i == 0 ? case_ : others_[i - 1];
+    if (storedPlace(one.times(), time))
+      return {&one, time};
+    const auto after = std::ranges::upper_bound(one.times(), time);
+    if (after != one.times().end() && *after < next.second)
+      next = {&one, *after};
+  }
+  return std::isinf(next.second) ? std::pair(&case_, time) : next;
+}
+
+/// Where a visibility is cut, by what the others know.
+Result<FdsField> FdsSight::refined(FdsField field, double time) {
+  std::vector<std::shared_ptr<const FdsValues>> values;
+  for (std::size_t l = 0; l < field.grid().lattices().size(); ++l)
+    values.push_back(std::make_shared<const FdsValues>(field.values(l)));
+  for (FdsCase& other : others_) {
+    if (other.source().quantity == SmokeQuantity::kVisibility || !storedPlace(other.times(), time))
+      continue;
+    VOLUTE_ASSIGN(const FdsField more, other.field(time));
+    parallelFor(values.size(), [&](std::size_t l) {
+      const FdsLattice& lattice = field.grid().lattices()[l];
+      if (!field.grid().holds(l) || values[l]->low.empty())
+        return;
+      auto better = std::make_shared<FdsValues>(*values[l]);
+      for (std::size_t i = 0; i < better->value.size(); ++i) {
+        const float low = better->low[i], high = better->high[i];
+        if (!(low < high * 0.999F))
+          continue;
+        const auto band = bandAt(more, lattice.mesh, placeOfValue(lattice, i));
+        if (!band || band->high - band->low >= high - low)
+          continue;
+        better->low[i] = std::clamp(band->low, low, high);
+        better->high[i] = std::clamp(band->high, low, high);
+        better->value[i] = std::clamp(band->value, better->low[i], better->high[i]);
+      }
+      values[l] = std::move(better);
+    });
+  }
+  return field.withValues(std::move(values));
+}
+
 /// Whether cells and obstructions are those of the last time.
 bool FdsSight::sameGeometry(const FdsField& field, double time) const {
-  if (!last_)
+  if (!last_ || &field.grid() != &last_->grid())
     return false;
   for (const double event : obstructionEvents(case_.index())) {
     if (event > lastTime_ && event <= time)
@@ -352,19 +588,38 @@ std::vector<double> FdsSight::changes() const {
 }
 
 Result<std::shared_ptr<const SightInstant>> FdsSight::readOwnAt(double when) {
-  VOLUTE_ASSIGN(auto field, case_.field(when));
+  const auto [best, stored] = caseAt(when);
+  VOLUTE_ASSIGN(auto field, best->field(stored));
+  if (best->source().quantity == SmokeQuantity::kVisibility && !others_.empty()) {
+    VOLUTE_ASSIGN(field, refined(std::move(field), stored));
+  }
   if (!sameGeometry(field, when))
     ++geometry_;
   lastTime_ = when;
   last_ = field;
   auto instant =
-      std::make_shared<FdsInstant>(std::move(field), case_.obstructions(when), geometry_);
+      std::make_shared<FdsInstant>(std::move(field), best->obstructions(when), geometry_);
   instant->addBorders(case_.index(), when);
   return std::shared_ptr<const SightInstant>(std::move(instant));
 }
 
 Result<std::unique_ptr<PointField>> FdsSight::conditions(std::string_view quantity) {
   return fdsConditions(case_.index(), quantity, maxMemory_);
+}
+
+double FdsSight::begin() {
+  if (!begin_) {
+    begin_ = times_.front();
+    const auto fire = readCurves(besideCase(case_.index(), "_hrr.csv"),
+                                 [](const auto& name, const auto&) { return name == "HRR"; });
+    if (fire && !fire->empty())
+      begin_ = std::min(*begin_, fire->front().times.front());
+  }
+  return *begin_;
+}
+
+Result<std::vector<FirePlace>> FdsSight::fires() {
+  return fdsFires(case_.index(), maxMemory_);
 }
 
 Result<CaseFacts> FdsSight::facts() {

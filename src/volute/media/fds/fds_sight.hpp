@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "volute/fds/fds_case.hpp"
@@ -23,6 +24,9 @@ class FdsInstant final : public BasicSightInstant {
   void blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const override;
   void places(std::span<const Vec3> points, std::span<Place> places) const override;
   void extinction(std::span<const Vec3> points, std::span<double> extinction) const override;
+  void extinctionBounds(std::span<const Vec3> points, std::span<double> low,
+                        std::span<double> high) const override;
+  void floors(std::span<const Vec3> points, double drop, std::span<double> z) const override;
   std::vector<PlanShape> shapes(double z) const override;
 
   std::uint64_t geometry() const override { return geometry_; }
@@ -32,7 +36,8 @@ class FdsInstant final : public BasicSightInstant {
 
   const FdsField& field() const { return field_; }
 
-  /// Adds what plans draw besides obstructions: doors that are open, and the meshes' borders.
+  /// Adds what plans draw besides obstructions: doors that are open, and the meshes' borders, which
+  /// are floors where nothing lies below.
   void addBorders(const SmvIndex& index, double time);
 
  private:
@@ -45,22 +50,28 @@ class FdsInstant final : public BasicSightInstant {
   FdsObstructions obstructions_;
   std::uint64_t geometry_;
   std::vector<std::pair<Box3, PlanShape::Kind>> borders_;
+  std::vector<Box3> meshes_;
   std::vector<std::uint32_t> firsts_;      // of each lattice's values among all
   std::vector<float> value_, low_, high_;  // of several lattices, one after the other
   std::shared_ptr<Blocks> blocks_;         // made when they are first asked for
 };
 
+/// Sources of the same smoke that know what another one does not: of a visibility that is cut, the
+/// extinction where it is; of any, times at which it stores nothing. Best first. What cannot be
+/// read is left out.
+/// @param options  those of `first`
+std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& options);
+
 /// An FDS case over time: obstructions come and go.
 class FdsSight final : public SightField {
  public:
   /// `name` is the case's, for people; `maxMemory` of the frames of each of its other quantities.
+  /// @param others  serve where and when `fds` does not know, see fillingSources()
   explicit FdsSight(FdsCase fds, std::string name = "",
-                    std::uint64_t maxMemory = std::uint64_t{4} << 30)
-      : case_(std::move(fds)), name_(std::move(name)), maxMemory_(maxMemory) {}
+                    std::uint64_t maxMemory = std::uint64_t{4} << 30,
+                    std::vector<FdsCase> others = {});
 
-  std::string description() const override {
-    return fmt::format("{}: {} ({})", name_, case_.source().name, case_.source().description);
-  }
+  std::string description() const override;
 
   std::string fillingSource() const override {
     return case_.source().volume ? case_.source().name : "";
@@ -68,11 +79,12 @@ class FdsSight final : public SightField {
 
   std::string tallerSource() const override;
 
-  std::vector<std::string> remarks() const override {
-    return {case_.remarks().begin(), case_.remarks().end()};
-  }
+  std::vector<std::string> remarks() const override;
 
-  std::span<const double> times() const override { return case_.times(); }
+  std::span<const double> times() const override { return times_; }
+
+  /// By its heat release, which FDS writes from the beginning on.
+  double begin() override;
 
   std::optional<double> north() const override { return case_.index().north; }
 
@@ -81,6 +93,7 @@ class FdsSight final : public SightField {
   bool interpolates() const override { return true; }
 
   [[nodiscard]] Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override;
+  [[nodiscard]] Result<std::vector<FirePlace>> fires() override;
   [[nodiscard]] Result<CaseFacts> facts() override;
 
  protected:
@@ -94,8 +107,13 @@ class FdsSight final : public SightField {
 
  private:
   bool sameGeometry(const FdsField& field, double time) const;
+  std::pair<FdsCase*, double> caseAt(double time);
+  Result<FdsField> refined(FdsField field, double time);
 
   FdsCase case_;
+  std::vector<FdsCase> others_;
+  std::vector<double> times_;
+  std::optional<double> begin_;  // when it was asked for
   std::string name_;
   std::uint64_t maxMemory_;
   std::uint64_t geometry_ = 0;
