@@ -27,6 +27,14 @@ void MeshSight::remarkOnOthers() {
   }
 }
 
+Result<std::unique_ptr<PointField>> MeshSight::conditions(std::string_view quantity) {
+  if (!fields_) {
+    VOLUTE_ASSIGN(auto described, source_.describe(0));
+    fields_ = std::move(described.fields);
+  }
+  return meshConditions(name_, maxMemory_, quantity, air_, *fields_);
+}
+
 Result<std::shared_ptr<const SightInstant>> MeshSight::readOwn(std::size_t time) {
   if (time == 0 && first_)
     return std::exchange(first_, nullptr);

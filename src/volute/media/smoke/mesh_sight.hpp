@@ -6,6 +6,7 @@
 
 #include "volute/io/mesh_source.hpp"
 #include "volute/media/sight.hpp"
+#include "volute/media/smoke/mesh_air.hpp"
 #include "volute/optics/extinction.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 
@@ -19,6 +20,14 @@ class MeshSight final : public SightField {
                                                                std::optional<MeshSource> density,
                                                                const SmokeModel& model,
                                                                const std::string& name);
+
+  /// Which fields hold quantities of the air, besides those with usual names.
+  void nameAir(std::vector<MeshAirField> fields, std::uint64_t maxMemory) {
+    air_ = std::move(fields);
+    maxMemory_ = maxMemory;
+  }
+
+  [[nodiscard]] Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override;
 
   std::string description() const override {
     return fmt::format("{}: field '{}' as {} on tetrahedra", name_, fieldName_,
@@ -52,6 +61,9 @@ class MeshSight final : public SightField {
   SmokeModel model_;
   std::string name_, fieldName_, otherFields_;
   std::vector<std::string> remarks_;
+  std::vector<MeshAirField> air_;
+  std::uint64_t maxMemory_ = std::uint64_t{4} << 30;
+  std::optional<std::vector<MeshFieldSummary>> fields_;  // when they were asked for
   Box3 bounds_;
   std::shared_ptr<const TetLocator> locator_;  // of the last mesh
   std::uint64_t meshes_ = 0;                   // how many there were

@@ -11,6 +11,7 @@
 #include "volute/media/clock_fields.hpp"
 #include "volute/media/law_field.hpp"
 #include "volute/media/smoke/fds_look.hpp"
+#include "volute/media/smoke/mesh_air.hpp"
 #include "volute/media/smoke/smoke_parameters.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
 #include "volute/media/volume/volume_input.hpp"
@@ -206,6 +207,10 @@ const FieldTable& smokeFields() {
       {.name = "density_field", .type = kText, .access = member<&Smoke::densityField>(),
        .help = "field with the density of the gas, for mass-fraction", .unit = "kg/m3",
        .option = {"NAME"}},
+      {.name = "air_fields", .type = kText, .access = member<&Smoke::airFields>(),
+       .help = "fields with what people breathe and stand in, and their units: "
+               "temperature=T:K,oxygen=O2:%; fields with usual names (T, O2, CO2, CO) are found "
+               "without it", .option = {"LIST"}},
       {.name = "mass_extinction", .access = member<&Smoke::model, &SmokeModel::massExtinction>(),
        .help = "extinction of 1 kg/m3 of soot (natural logarithm)", .unit = "m2/kg", .least = 0,
        .above = true, .option = {"KM"},
@@ -251,6 +256,8 @@ Result<SmokeDescription> parseSmoke(const Json& json, const FieldOrigin& origin)
   if (fds)
     return smoke;
   VOLUTE_TRY(takeMaterial(json, origin, smoke.model));
+  if (const auto air = parseMeshAir(smoke.airFields); !air)
+    return origin.wrong(smokeFields().at("air_fields"), air.error().message);
   const SmokeObjection idle = idleMember(smoke, json);
   if (idle.about)
     return origin.wrong(smokeFields().at(idle.about), idle.message);

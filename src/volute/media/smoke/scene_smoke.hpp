@@ -20,6 +20,7 @@ struct SmokeDescription {
   std::string file;          ///< the case
   std::string field;         ///< empty: the only scalar
   std::string densityField;  ///< of mass-fraction
+  std::string airFields;     ///< of the air's temperature and gases, as parseMeshAir() takes them
   SmokeModel model;
   PictureLaw law;
   bool givesC = false;              ///< `law.c` was said, not assumed

@@ -153,6 +153,8 @@ class SmokeKind final : public MediumKind {
     }
     VOLUTE_ASSIGN(auto sight,
                   MeshSight::open(std::move(source), std::move(density), smoke.model, smoke.file));
+    VOLUTE_ASSIGN(auto air, parseMeshAir(smoke.airFields));
+    sight->nameAir(std::move(air), context.reading.maxMemory);
     if (smoke.field.empty())
       sight->remarkOnOthers();
     return std::unique_ptr<SightField>(std::move(sight));

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/smoke/mesh_air.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "volute/base/suggest.hpp"
+#include "volute/media/smoke/tet_sight.hpp"
+
+namespace volute {
+namespace {
+
+/// A quantity of the air, what fields of it are usually called, and its molar mass [g/mol].
+struct UsualField {
+  std::string_view quantity;
+  std::array<std::string_view, 3> names;
+  double molarMass = 0;
+};
+
+constexpr UsualField kUsual[] = {{"temperature", {"t", "temperature", "temp"}},
+                                 {"radiant-flux", {"radiant_flux", "", ""}},
+                                 {"carbon-monoxide", {"co", "x_co", ""}, 28.01},
+                                 {"carbon-dioxide", {"co2", "x_co2", ""}, 44.01},
+                                 {"oxygen", {"o2", "x_o2", ""}, 32.0},
+                                 {"hydrogen-cyanide", {"hcn", "x_hcn", ""}, 27.03},
+                                 {"nitric-oxide", {"no", "x_no", ""}, 30.01},
+                                 {"nitrogen-dioxide", {"no2", "x_no2", ""}, 46.01},
+                                 {"hydrogen-chloride", {"hcl", "x_hcl", ""}, 36.46},
+                                 {"hydrogen-bromide", {"hbr", "x_hbr", ""}, 80.91},
+                                 {"hydrogen-fluoride", {"hf", "x_hf", ""}, 20.01},
+                                 {"sulfur-dioxide", {"so2", "x_so2", ""}, 64.06},
+                                 {"acrolein", {"c3h4o", "acrolein", ""}, 56.06},
+                                 {"formaldehyde", {"ch2o", "formaldehyde", ""}, 30.03}};
+
+constexpr double kAir = 28.96;  // [g/mol]
+
+const UsualField* usualField(std::string_view quantity) {
+  const auto* found = std::ranges::find(kUsual, quantity, &UsualField::quantity);
+  return found == std::end(kUsual) ? nullptr : found;
+}
+
+std::string small(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
+/// What a field's values are multiplied with, and then added to, for the quantity's own unit.
+struct Conversion {
+  double factor = 1, added = 0;
+};
+
+std::optional<Conversion> conversionOf(const UsualField& usual, std::string_view unit) {
+  if (usual.quantity == "temperature") {
+    if (unit == "K")
+      return Conversion{1, -273.15};
+    return unit == "C" ? std::optional(Conversion{}) : std::nullopt;
+  }
+  if (usual.quantity == "radiant-flux") {
+    if (unit == "W/m2")
+      return Conversion{1e-3, 0};
+    return unit == "kW/m2" ? std::optional(Conversion{}) : std::nullopt;
+  }
+  if (unit == "mol/mol")
+    return Conversion{};
+  if (unit == "%")
+    return Conversion{1e-2, 0};
+  if (unit == "ppm")
+    return Conversion{1e-6, 0};
+  return unit == "kg/kg" ? std::optional(Conversion{kAir / usual.molarMass, 0}) : std::nullopt;
+}
+
+std::string_view unitsOf(const UsualField& usual) {
+  return usual.quantity == "temperature"    ? "K or C"
+         : usual.quantity == "radiant-flux" ? "kW/m2 or W/m2"
+                                            : "mol/mol, %, ppm or kg/kg";
+}
+
+/// A field of a mesh as a quantity of the air.
+class MeshPoints final : public PointField {
+ public:
+  MeshPoints(MeshSource source, MeshAirField named, Conversion conversion)
+      : source_(std::move(source)), named_(std::move(named)), conversion_(conversion) {}
+
+  std::string description() const override {
+    return fmt::format("{} (field '{}' in {})", named_.quantity, named_.field, named_.unit);
+  }
+
+  std::span<const double> times() const override { return source_.times(); }
+
+  Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
+    std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
+    const auto place = storedPlace(times(), time);
+    if (!place)
+      return {};
+    VOLUTE_ASSIGN(const auto first, frame(place->first));
+    first->extinction(points, out);
+    if (place->share > 0) {
+      VOLUTE_ASSIGN(const auto second, frame(place->second));
+      std::vector<double> later(points.size());
+      second->extinction(points, later);
+      for (std::size_t i = 0; i < later.size(); ++i) out[i] += place->share * (later[i] - out[i]);
+    }
+    for (double& value : out) value = conversion_.factor * value + conversion_.added;
+    return {};
+  }
+
+ private:
+  /// The values of a stored time; TetInstant interpolates whatever they are.
+  Result<std::shared_ptr<const TetInstant>> frame(std::size_t number) {
+    if (const auto kept = kept_.find(number); kept != kept_.end())
+      return kept->second;
+    VOLUTE_ASSIGN(auto read, source_.read(number));
+    if (!locator_ || &locator_->mesh() != read.mesh.get())
+      locator_ = std::make_shared<const TetLocator>(read.mesh);
+    if (kept_.size() == 2)
+      kept_.erase(kept_.begin()->first < number ? kept_.begin() : std::prev(kept_.end()));
+    return kept_[number] = std::make_shared<const TetInstant>(locator_, std::move(read.values));
+  }
+
+  MeshSource source_;
+  MeshAirField named_;
+  Conversion conversion_;
+  std::shared_ptr<const TetLocator> locator_;                      // of the last mesh
+  std::map<std::size_t, std::shared_ptr<const TetInstant>> kept_;  // two at most
+};
+
+}  // namespace
+
+Result<std::vector<MeshAirField>> parseMeshAir(std::string_view text) {
+  std::vector<MeshAirField> all;
+  while (!text.empty()) {
+    const std::string_view one = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(one.size() + 1, text.size()));
+    const auto equals = one.find('='), colon = one.rfind(':');
+    MeshAirField field;
+    field.quantity = one.substr(0, equals);
+    if (equals != one.npos) {
+      const bool unit = colon != one.npos && colon > equals;
+      field.field = one.substr(equals + 1, unit ? colon - equals - 1 : one.npos);
+      field.unit = unit ? one.substr(colon + 1) : "";
+    }
+    if (field.field.empty()) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "'{}': expected QUANTITY=FIELD:UNIT, such as temperature=T:K,oxygen=O2:%", one);
+    }
+    const UsualField* usual = usualField(field.quantity);
+    if (usual == nullptr) {
+      std::vector<std::string_view> names;
+      for (const UsualField& known : kUsual) names.push_back(known.quantity);
+      const auto near = nearest(field.quantity, names);
+      return fail(ErrorCode::kInvalidArgument, "quantity '{}' is unknown{}; expected one of {}",
+                  field.quantity, near.empty() ? "" : fmt::format("; did you mean '{}'?", near),
+                  fmt::join(names, ", "));
+    }
+    if (!field.unit.empty() && !conversionOf(*usual, field.unit)) {
+      return fail(ErrorCode::kInvalidArgument, "{}: unit '{}' is unknown; expected {}",
+                  field.quantity, field.unit, unitsOf(*usual));
+    }
+    if (std::ranges::find(all, field.quantity, &MeshAirField::quantity) != all.end())
+      return fail(ErrorCode::kInvalidArgument, "{} is there twice", field.quantity);
+    all.push_back(std::move(field));
+  }
+  return all;
+}
+
+Result<std::unique_ptr<PointField>> meshConditions(const std::string& file, std::uint64_t maxMemory,
+                                                   std::string_view quantity,
+                                                   std::span<const MeshAirField> named,
+                                                   std::span<const MeshFieldSummary> fields) {
+  const UsualField* usual = usualField(quantity);
+  const auto said = std::ranges::find(named, quantity, &MeshAirField::quantity);
+  MeshAirField one{std::string(quantity), "", ""};
+  const MeshFieldSummary* summary = nullptr;
+  for (const MeshFieldSummary& field : fields) {
+    if (usual == nullptr || field.components != 1)
+      continue;
+    const bool wanted = said != named.end() ? field.name == said->field
+                                            : std::ranges::find(usual->names, small(field.name)) !=
+                                                  usual->names.end();
+    if (wanted && summary == nullptr)
+      summary = &field;
+  }
+  if (summary == nullptr) {
+    if (said != named.end())
+      return fail(ErrorCode::kNotFound, "the mesh has no scalar field '{}'", said->field);
+    return fail(ErrorCode::kNotFound, "the mesh has no field with a usual name of {}", quantity);
+  }
+  one.field = summary->name;
+  one.unit = said != named.end() ? said->unit : "";
+  if (one.unit.empty()) {
+    constexpr double kKelvin = 150;  // no air is as cold, nor as hot everywhere
+    const bool foam = std::filesystem::path(file).extension() == ".foam";
+    one.unit = quantity == "temperature"    ? (summary->least >= kKelvin ? "K" : "C")
+               : quantity == "radiant-flux" ? "kW/m2"
+               : foam                       ? "kg/kg"
+                                            : "mol/mol";
+  }
+  MeshOptions options{one.field, Negatives::kClamp, maxMemory};
+  VOLUTE_ASSIGN(auto source, MeshSource::open(file, options));
+  return std::make_unique<MeshPoints>(std::move(source), std::move(one),
+                                      *conversionOf(*usual, one.unit));
+}
+
+}  // namespace volute

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "volute/io/mesh_source.hpp"
+#include "volute/media/sight.hpp"
+
+namespace volute {
+
+/// Which field of a mesh holds a quantity of the air.
+struct MeshAirField {
+  std::string quantity;  ///< "temperature", "carbon-monoxide", as SightField::conditions() names it
+  std::string field;
+  std::string unit;  ///< "K", "C", "mol/mol", "%", "ppm", "kg/kg", "kW/m2", "W/m2"; empty: not said
+};
+
+/// "temperature=T:K,oxygen=O2:%": a unit may be left out where the field's is clear. The error says
+/// what was expected.
+[[nodiscard]] Result<std::vector<MeshAirField>> parseMeshAir(std::string_view text);
+
+/// A quantity of the air at the points of a case, linear in tetrahedra and between stored times:
+/// the field that `named` says, else one with a usual name (T, O2, CO2, CO and so on). A
+/// temperature without a unit is in K where all of its values are at least 150, else in degrees C;
+/// gases are in mol/mol, those of OpenFOAM in kg/kg, which counts as in air of 28.96 g/mol.
+/// kNotFound where there is none.
+/// @param fields  the case's, at its first time
+[[nodiscard]] Result<std::unique_ptr<PointField>> meshConditions(
+    const std::string& file, std::uint64_t maxMemory, std::string_view quantity,
+    std::span<const MeshAirField> named, std::span<const MeshFieldSummary> fields);
+
+}  // namespace volute
