@@ -47,8 +47,8 @@ class FdsCase(fds_case.FdsCase):
         return depth, blocked
 
 
-def write_vtu(path, size, cells, value, field="smoke"):
-    """A box of hexahedra with the values of a function at its points, as text."""
+def write_vtu(path, size, cells, value, field="smoke", more=()):
+    """A box of hexahedra with the values of a function at its points, as text; `more` are names and functions of other fields."""
     nx, ny, nz = cells
     points = [(size[0] * i / nx, size[1] * j / ny, size[2] * k / nz)
               for k in range(nz + 1) for j in range(ny + 1) for i in range(nx + 1)]
@@ -67,7 +67,8 @@ def write_vtu(path, size, cells, value, field="smoke"):
     path.write_text(
         '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian">\n'
         f'<UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(hexahedra)}">\n'
-        '<PointData Scalars="smoke">\n' + data("Float32", field, [value(*p) for p in points]) + "</PointData>\n<Points>\n"
+        '<PointData Scalars="smoke">\n' + data("Float32", field, [value(*p) for p in points])
+        + "".join(data("Float32", name, [other(*p) for p in points]) for name, other in more) + "</PointData>\n<Points>\n"
         + data("Float64", "Points", [x for p in points for x in p], 3) + "</Points>\n<Cells>\n"
         + data("Int64", "connectivity", [v for h in hexahedra for v in h])
         + data("Int64", "offsets", [8 * (i + 1) for i in range(len(hexahedra))])

@@ -6,7 +6,7 @@ import json
 import math
 
 import support
-from sight_cases import FdsCase, Mesh
+from sight_cases import FdsCase, Mesh, write_pvd, write_vtu
 
 TIMES = [10.0 * i for i in range(13)]
 # pyFDS-Evac's worked example reaches FED 1 at 981.7 s in this air.
@@ -161,7 +161,139 @@ class Tenability(Cases):
                    "-o", self.path("out"))
         report = self.report("out")
         self.assertEqual(report["tenability"]["criteria"][0]["points_without_data"], report["eyes"]["walkable"])
-        self.assertIn("At 100 % of the floor the case stores no data", json.dumps(report["verdict"]))
+        self.assertIn("is not known at 100 % of the floor", json.dumps(report["verdict"]))
+        self.assertIs(report["verdict"][0]["known"], False)
+
+    def cut(self, case, number, frames):
+        """Leaves the first frames of one of a case's slices: three labels, a box of indices, then records of time and values."""
+        path = case.with_name(f"{case.stem}_1_{number}.sf")
+        data, header = path.read_bytes(), 3 * 38 + 32
+        path.write_bytes(data[:header + frames * (len(data) - header) // len(TIMES)])
+
+    def test_what_ends_earlier_than_the_smoke_is_not_known_after(self):
+        case, signs, criteria = self.case(), self.signs(), self.criteria(self.HOT, self.FED)
+        self.cut(case, 2, 4)  # the temperature: 0 to 30 s
+        result = self.works("visibility", case, "--signs", signs, "--criteria", criteria, "--height", 1.5, "--step", 1, "--rset", 45,
+                            "-o", self.path("out"))
+        self.assertIn("ASET of all criteria: not reached by 30 s, and not known after that", result.text)
+        report = self.report("out")
+        first = report["verdict"][0]
+        self.assertEqual((first["time"], first["known"]), (None, 30))
+        hot, fed = report["tenability"]["criteria"]
+        for x in range(20):
+            self.assertEqual((hot["rows"][1][x], hot["rows_up"][1][x], hot["rows_known"][1][x]), (None, None, 30))
+        self.assertIsNone(hot["worst_value"][1][3])
+        self.assertIs(fed["rows_known"][1][3], True)
+        self.assertIn("temperature is stored from 0 to 30 s", json.dumps(report["verdict"]))
+        margin = report["tenability"]["margin"]
+        self.assertFalse(margin["known"])
+        self.assertNotIn("least", margin)
+        self.assertEqual(margin["points_not_known"], margin["points_needed"])
+        source = next(one for one in report["sources"] if one["quantity"] == "temperature")
+        self.assertEqual((source["stored_until"], source["served_until"]), (30, 30))
+        with open(self.path("out") / "maps.csv", newline="") as file:
+            row = next(csv.DictReader(file))
+        self.assertEqual((row["aset_hot"], row["known_until_hot"], row["known_until_fed"]), ("", "30", "inf"))
+        self.path("eyes.csv").write_text("x,y,z\n0.5,2,1.5\n")
+        self.works("visibility", case, "--signs", signs, "--criteria", criteria, "--eyes", self.path("eyes.csv"), "-o",
+                   self.path("points"))
+        with open(self.path("points") / "tenability.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertAlmostEqual(float(rows[3]["hot"]), 20 + 30 * 19.5 / 20, 3)
+        self.assertEqual(rows[4]["hot"], "")
+        # A gas that is stored, but not any more, does not count as in clean air.
+        self.cut(case, 4, 7)
+        self.works("visibility", case, "--signs", signs, "--criteria", criteria, "--eyes", self.path("eyes.csv"), "-o",
+                   self.path("points"))
+        hot, fed = self.report("points")["tenability"]["criteria"]
+        self.assertEqual(fed["times_known"], [60])
+        self.assertEqual((fed["times"], fed["dose_at_the_end"]), ([None], [None]))
+
+    def test_people_have_no_dose_where_the_smoke_has_ended(self):
+        case, signs, criteria = self.case(), self.signs(), self.criteria(self.HOT, self.FED)
+        self.path("walk.csv").write_text("id,time,x,y\n4,0,1,1\n4,60,19,1\n7,30,5,1\n7,410,5,1\n")
+        result = self.works("visibility", case, "--signs", signs, "--criteria", criteria, "--trajectories", self.path("walk.csv"),
+                            "--height", 1.5, "-o", self.path("walk"))
+        self.assertIn("1 of 2 people are on their way before 0 s or after 120 s", result.message)
+        fed = self.report("walk")["tenability"]["criteria"][1]
+        self.assertEqual(fed["times_known"], [True, True])  # reached before
+        self.assertIsNotNone(fed["dose_at_the_end"][0])
+        self.assertIsNone(fed["dose_at_the_end"][1])
+        self.path("route.csv").write_text("x,y\n2,2\n17,2\n")
+        self.works("visibility", case, "--signs", signs, "--criteria", criteria, "--route", self.path("route.csv"), "--height", 1.5,
+                   "--speed", 1, "--start", 110, "-o", self.path("route"))
+        report = self.report("route")
+        hot, fed = report["routes"][0]["exposure"]
+        self.assertEqual((fed["dose"], fed["time"], fed["known"]), (None, None, 120))
+        self.assertIn("not known on the whole way: fed (not after 120 s)", report["verdict"][0]["sentence"])
+
+    def test_nothing_is_reached_before_the_walk_starts(self):
+        case = self.case(smoke=lambda *_: 1.0)
+        self.path("route.csv").write_text("x,y\n2,2\n17,2\n")
+        for start in (30, 33):
+            self.works("visibility", case, "--signs", self.signs(), "--route", self.path("route.csv"), "--height", 1.5, "--start", start,
+                       "-o", self.path("out"))
+            (route,) = self.report("out")["routes"]
+            times = {one["name"]: one["time"] for one in route["exposure"]}
+            self.assertGreaterEqual(times["visibility"], start)
+            self.assertLess(times["visibility"], start + 0.3)
+
+    def test_the_verdict_is_of_places_where_people_are(self):
+        """On the hot side nothing is below the eyes but the floor of a lower storey."""
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 8), (20, 4, 8), [(10, 20, 0, 4, 0, 4)])
+        case = FdsCase([mesh], TIMES, lambda *_: 0.0, more=[("TEMPERATURE", "C", lambda t, x, *_: 20 + t * (20 - x) / 20)]).write(self.folder)
+        options = ("--signs", self.signs(), "--criteria", self.criteria(self.HOT), "--height", 5.5, "--step", 1, "-o", self.path("out"))
+
+        def first(*more):
+            self.works("visibility", case, *options, *more)
+            report = self.report("out")
+            return report, report["verdict"][0]
+
+        report, verdict = first("--everywhere")
+        self.assertEqual(verdict["position"][0], 0.5)
+        report, verdict = first()
+        self.assertEqual(verdict["position"][0], 10.5)
+        self.assertEqual(report["plan_use"][1], "v" * 10 + "p" * 10)
+        self.assertIn("50 % of the points, which have no floor within 2.5 m", json.dumps(report["verdict"]))
+        report, verdict = first("--fire", "10.5,1.5,1.2")
+        self.assertEqual(report["plan_use"][1], "v" * 10 + "ff" + "p" * 8)
+        self.assertIn("The fire's own place (as stated) is not counted", json.dumps(report["verdict"]))
+        self.assertEqual(verdict["share"], sum(1 for row in report["plan_use"] for x, c in enumerate(row) if c == "p" and 800 / (19.5 - x) <= 120)
+                         / sum(row.count("p") for row in report["plan_use"]))
+        self.assertIn("--fire: '3,4'", self.fails(1, "visibility", case, *options, "--fire", "3,4"))
+
+    def test_meshes_have_air_too(self):
+        def room(name, *fields):
+            for i, t in enumerate((0, 10, 20)):
+                write_vtu(self.path(f"{name}_{i}.vtu"), (4, 4, 3), (4, 4, 3), lambda *_: 0.01,
+                          more=[(field, lambda *p, value=value, t=t: value(t)) for field, value in fields])
+            write_pvd(self.path(name + ".pvd"), [(10 * i, f"{name}_{i}.vtu") for i in range(3)])
+            return self.path(name + ".pvd")
+
+        hot = {"name": "hot", "kind": "temperature", "limit": 60}
+        fed = {"name": "fed", "kind": "fed-gas", "model": "fds", "limit": 0.001}
+        self.path("eyes.csv").write_text("x,y,z\n1.5,2,1.5\n")
+
+        def answers(case, *more):
+            self.path("one.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [4, 2, 2], "normal": [-1, 0, 0]}]}))
+            self.works("visibility", case, "--field", "smoke", "--quantity", "extinction", "--signs", self.path("one.json"),
+                       "--criteria", self.criteria(hot, fed), "--eyes", self.path("eyes.csv"), "-o", self.path("out"), *more)
+            return self.report("out")["tenability"]["criteria"]
+
+        usual = room("usual", ("T", lambda t: 293.15 + 5 * t), ("CO", lambda t: 0.001), ("CO2", lambda t: 0.02), ("O2", lambda t: 0.15))
+        found, dose = answers(usual)
+        self.assertEqual(found["from"], ["temperature (field 'T' in K)"])
+        self.assertAlmostEqual(found["times_interpolated"][0], 8, 4)
+        self.assertAlmostEqual(dose["dose_at_the_end"][0], 20 / 981.690, 5)
+        named = room("named", ("gas", lambda t: 20 + 5 * t), ("ppmco", lambda t: 1000), ("dioxide", lambda t: 2), ("left", lambda t: 15))
+        found, dose = answers(named, "--air-fields", "temperature=gas:C,carbon-monoxide=ppmco:ppm,carbon-dioxide=dioxide:%,oxygen=left:%")
+        self.assertAlmostEqual(found["times_interpolated"][0], 8, 4)
+        self.assertAlmostEqual(dose["dose_at_the_end"][0], 20 / 981.690, 5)
+        self.assertIn("no field with a usual name of temperature", answers(named)[0]["not_assessed"])
+        for bad, word in (("temprature=gas", "did you mean 'temperature'"), ("temperature=gas:F", "expected K or C"),
+                          ("temperature", "QUANTITY=FIELD:UNIT")):
+            self.assertIn(word, self.fails(1, "visibility", named, "--field", "smoke", "--quantity", "extinction", "--signs",
+                                           self.path("one.json"), "--air-fields", bad, "-o", self.path("x")))
 
     def test_people_and_routes_outside_are_said(self):
         case, signs = self.case(), self.signs()
@@ -260,6 +392,17 @@ class Sweep(Cases):
         self.assertEqual(float(rows["a_up"]["sign lost first [s]"]), 20)
         self.assertTrue((self.path("study") / "compared/b_plain_difference.png").exists())
         self.assertTrue((self.path("study") / "compared/spread.vti").exists())
+
+    def test_what_is_not_known_counts_as_unsafe(self):
+        study = self.study(variants=[{"name": "plain"}])
+        path = self.path("cases") / "a_1_2.sf"
+        path.write_bytes(path.read_bytes()[:3 * 38 + 32 + 4 * (len(path.read_bytes()) - 3 * 38 - 32) // len(TIMES)])
+        self.sweep(study)
+        rows = self.rows()
+        self.assertEqual((rows["a_plain"]["all [s]"], rows["a_plain"]["all, known"], rows["a_plain"]["all, not before [s]"]),
+                         ("", "until 30.0", "30.0"))
+        self.assertEqual(rows["b_plain"]["all, known"], "yes")
+        self.assertEqual(rows["b_plain"]["all, not before [s]"], rows["b_plain"]["all [s]"])
 
     def test_each_storey_is_compared_with_its_own(self):
         """A run of two heights is what two runs of one height are."""

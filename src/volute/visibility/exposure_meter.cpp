@@ -40,11 +40,21 @@ AirField AirField::open(SightField& field, std::span<const Criterion> criteria) 
       air.gaps_[index(one.quantity)] = opened.error().message;
     }
   }
+  air.begin_ = std::min(field.begin(), field.times().front());
+  for (const auto& one : air.fields_) {
+    if (one)
+      air.begin_ = std::min(air.begin_, one->times().front());
+  }
+  air.smokeIsLate_ = !storedPlace(field.times(), air.begin_);
   return air;
 }
 
 std::string AirField::description(Air air) const {
   return fields_[index(air)] ? fields_[index(air)]->description() : "";
+}
+
+std::vector<ServedSource> AirField::sources(Air air) const {
+  return fields_[index(air)] ? fields_[index(air)]->sources() : std::vector<ServedSource>();
 }
 
 std::vector<double> AirField::timesBetween(double from, double to) const {
@@ -62,25 +72,21 @@ std::vector<double> AirField::timesBetween(double from, double to) const {
   return times;
 }
 
-double AirField::begin() const {
-  double begin = std::numeric_limits<double>::infinity();
-  for (const auto& field : fields_) {
-    if (field)
-      begin = std::min(begin, field->times().front());
-  }
-  return begin;
-}
-
-Status AirField::at(double time, std::span<const Vec3> points, std::span<Exposure> out) {
+Status AirField::at(double time, std::span<const Vec3> points, std::span<Exposure> out,
+                    std::span<Spans> spans) {
   std::vector<double> values(points.size());
+  std::vector<StoredSpan> own(points.size());
   for (const AirQuantity& one : airQuantities()) {
     PointField* field = fields_[index(one.quantity)].get();
-    if (field != nullptr) {
-      VOLUTE_TRY(field->at(time, points, values));
-    } else {
-      std::ranges::fill(values, kNotKnown);
+    std::ranges::fill(values, kNotKnown);
+    std::ranges::fill(own, StoredSpan{time, time});
+    if (field != nullptr)
+      VOLUTE_TRY(field->at(time, points, values, own));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      out[i][one.quantity] = values[i];
+      if (!spans.empty())
+        spans[i][index(one.quantity)] = own[i];
     }
-    for (std::size_t i = 0; i < points.size(); ++i) out[i][one.quantity] = values[i];
   }
   return {};
 }
@@ -99,6 +105,14 @@ ExposureMeter::ExposureMeter(AirField air, std::span<const Criterion> criteria, 
   worst_.assign(criteria_.size(), std::vector<double>(people, kNotKnown));
   rates_.assign(criteria_.size(), std::vector<double>(people, kNotKnown));
   unknown_.assign(criteria_.size(), std::vector<char>(people, 0));
+  there_.assign(people, 0);
+}
+
+void ExposureMeter::lose(std::size_t person) {
+  for (std::size_t c = 0; c < criteria_.size(); ++c) {
+    unknown_[c][person] = 1;
+    watches_[c].lose(person);
+  }
 }
 
 std::vector<Air> ExposureMeter::assumed(std::size_t criterion) const {
@@ -114,13 +128,21 @@ std::vector<Air> ExposureMeter::assumed(std::size_t criterion) const {
 }
 
 Status ExposureMeter::advance(double time, const Places& places, std::span<const double> extinction,
-                              double step) {
+                              double step, const SmokeBetween& between) {
   if (criteria_.empty())
     return {};
   if (!begun_) {
     last_ = std::min(time, air_.begin());
     if (last_ < time)
       VOLUTE_TRY(sample(last_, places, {}));
+    if (air_.smokeIsLate()) {
+      for (std::size_t c = 0; c < criteria_.size(); ++c) {
+        if (criteria_[c].law || criteria_[c].quantity != Air::kExtinction)
+          continue;
+        std::ranges::fill(unknown_[c], 1);
+        for (std::size_t i = 0; i < people_; ++i) watches_[c].lose(i);
+      }
+    }
   }
   auto times = air_.timesBetween(last_, time);
   if (std::isfinite(step)) {
@@ -128,7 +150,15 @@ Status ExposureMeter::advance(double time, const Places& places, std::span<const
     for (int i = 1; from + i * step < time; ++i) times.push_back(from + i * step);
     std::ranges::sort(times);
   }
-  for (const double between : times) VOLUTE_TRY(sample(between, places, {}));
+  smokeSpan_ = {begunSmoke_ ? smokeSpan_.until : time, time};
+  std::vector<double> smoke(between ? people_ : 0);
+  for (const double early : times) {
+    if (between && begun_ && begunSmoke_)
+      between(early, smoke);
+    VOLUTE_TRY(sample(early, places,
+                      begunSmoke_ ? std::span<const double>(smoke) : std::span<const double>()));
+  }
+  begunSmoke_ = true;
   return sample(time, places, extinction);
 }
 
@@ -141,48 +171,78 @@ Status ExposureMeter::sample(double time, const Places& places,
       present.push_back(point);
   }
   std::vector<Exposure> air(present.size());
-  VOLUTE_TRY(air_.at(time, present, air));
+  std::vector<AirField::Spans> spans(present.size());
+  VOLUTE_TRY(air_.at(time, present, air, spans));
   std::vector<std::size_t> place(people_);  // in `air`
   for (std::size_t i = 0, n = 0; i < people_; ++i) place[i] = std::isnan(points[i][0]) ? 0 : n++;
   const double passed = begun_ ? time - last_ : 0;
-  std::vector<double> compared(people_);
   for (std::size_t c = 0; c < criteria_.size(); ++c) {
     const Criterion& criterion = criteria_[c];
     const bool ofSmoke = !criterion.law && criterion.quantity == Air::kExtinction;
-    if (ofSmoke && extinction.empty())
-      continue;
+    const std::vector<Air> needed = criterion.needed(), taken = criterion.taken();
     parallelRanges(people_, 512, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const bool there = !std::isnan(points[i][0]);
-        const double value = !there    ? kNotKnown
-                             : ofSmoke ? extinction[i]
-                                       : criterion.value(air[place[i]]);
-        const bool known = !std::isnan(value);
-        if (there && !known && std::isnan(rates_[c][i]))
-          unknown_[c][i] = 1;
-        if (criterion.isDose()) {
-          // Of rates at both ends; where one is not known, the other one.
-          const double before = rates_[c][i];
-          const double rate = !there || (!known && std::isnan(before)) ? 0
-                              : !known                                 ? before
-                              : std::isnan(before)                     ? value
-                                                                       : 0.5 * (before + value);
-          values_[c][i] += rate * passed;
-          compared[i] = values_[c][i];
-        } else {
-          values_[c][i] = compared[i] = value;
+        double& rateBefore = rates_[c][i];
+        if (std::isnan(points[i][0])) {
+          rateBefore = kNotKnown;
+          if (!criterion.isDose())
+            values_[c][i] = kNotKnown;
+          // Somebody who came and went between two times at which the smoke is known.
+          if (there_[i] != 0 && !watches_[c].hasBegun(i)) {
+            unknown_[c][i] = 1;
+            watches_[c].lose(i);
+          }
+          continue;
         }
-        rates_[c][i] = value;
+        if (there_[i] == 0 && begun_)
+          watches_[c].begin(i, time);
+        if (ofSmoke && extinction.empty())
+          continue;
+        const double value = ofSmoke ? extinction[i] : criterion.value(air[place[i]]);
+        const bool known = !std::isnan(value);
+        // What is stored, but not here and now, does not count as in clean air.
+        const auto isHere = [&](Air one) {
+          return !air_.has(one) || !std::isnan(air[place[i]][one]);
+        };
+        const bool whole = known && (ofSmoke || (std::ranges::all_of(needed, isHere) &&
+                                                 std::ranges::all_of(taken, isHere)));
+        StoredSpan span{time, time};
+        if (ofSmoke && time < smokeSpan_.until)
+          span = smokeSpan_;
+        const auto widen = [&](Air one) {
+          const StoredSpan& own = spans[place[i]][static_cast<std::size_t>(one)];
+          span = {std::min(span.from, own.from), std::max(span.until, own.until)};
+        };
+        if (!ofSmoke) {
+          std::ranges::for_each(needed, widen);
+          std::ranges::for_each(taken, widen);
+        }
+        if (!whole) {
+          unknown_[c][i] = 1;
+          watches_[c].lose(i);
+        }
+        double compared = value;
+        if (criterion.isDose()) {
+          // Of rates at both ends; while one is not known it does not grow.
+          if (known && !std::isnan(rateBefore) && there_[i] != 0)
+            values_[c][i] += 0.5 * (rateBefore + value) * passed;
+          compared = values_[c][i];
+        } else {
+          values_[c][i] = value;
+        }
+        rateBefore = value;
+        if (known)
+          watches_[c].note(i, time, compared, span);
         double& worst = worst_[c][i];
         if (std::isnan(worst)) {
-          worst = compared[i];
-        } else if (!std::isnan(compared[i])) {
-          worst = criterion.falling ? std::min(worst, compared[i]) : std::max(worst, compared[i]);
+          worst = compared;
+        } else if (!std::isnan(compared)) {
+          worst = criterion.falling ? std::min(worst, compared) : std::max(worst, compared);
         }
       }
     });
-    watches_[c].update(time, compared);
   }
+  for (std::size_t i = 0; i < people_; ++i) there_[i] = std::isnan(points[i][0]) ? 0 : 1;
   last_ = time;
   begun_ = true;
   return {};

@@ -31,24 +31,39 @@ class AirField {
   /// Where a quantity comes from; empty for those that are not there.
   std::string description(Air air) const;
 
+  /// The sources of a quantity, and what they have served.
+  std::vector<ServedSource> sources(Air air) const;
+
   /// Stored times of any quantity after `from` and before `to` [s], ascending.
   std::vector<double> timesBetween(double from, double to) const;
 
-  /// The first stored time of all; infinite when nothing is stored.
-  double begin() const;
+  /// When the case begins [s], by all that is known of it.
+  double begin() const { return begin_; }
 
-  /// The air at points. Quantities that are not stored, and the extinction, are NaN.
-  [[nodiscard]] Status at(double time, std::span<const Vec3> points, std::span<Exposure> out);
+  /// Whether the case begins before the smoke is stored.
+  bool smokeIsLate() const { return smokeIsLate_; }
+
+  /// The stored times around another one, of each quantity.
+  using Spans = std::array<StoredSpan, kAirQuantities>;
+
+  /// The air at points. Quantities that are not stored there and then, and the extinction, are NaN.
+  /// @param spans  from which times each value comes; empty: not asked for
+  [[nodiscard]] Status at(double time, std::span<const Vec3> points, std::span<Exposure> out,
+                          std::span<Spans> spans = {});
 
  private:
   static std::size_t index(Air air) { return static_cast<std::size_t>(air); }
 
   std::array<std::unique_ptr<PointField>, kAirQuantities> fields_;
   std::array<std::string, kAirQuantities> gaps_;
+  double begin_ = std::numeric_limits<double>::infinity();
+  bool smokeIsLate_ = false;
 };
 
 /// What people take in, who stay or move: doses that grow, levels, and when each reaches its limit.
-/// Between two times at which the air is known, rates of dose are linear.
+/// Between two times at which the air is known, rates of dose are linear. While it is not known a
+/// dose does not grow, and is a lower bound from then on; so it is where something that a law takes
+/// in besides what it needs is stored, but not there and then.
 class ExposureMeter {
  public:
   /// Criteria that the air cannot answer are left out; missing() names them.
@@ -71,13 +86,22 @@ class ExposureMeter {
   /// Where people are at a time; NaN: not there.
   using Places = std::function<void(double time, std::span<Vec3> places)>;
 
+  /// Nothing is known of somebody who is there before the first time, or stays beyond the last one.
+  void lose(std::size_t person);
+
+  /// The extinction where people are, at a time between two at which it is given.
+  using SmokeBetween = std::function<void(double time, std::span<double> extinction)>;
+
   /// Goes on to `time` [s], through the stored times between and in steps of at most `step`.
   /// @param extinction  at the places at `time`; empty: not known, those criteria wait.
+  /// @param between  null: criteria of the smoke wait for `time`
   [[nodiscard]] Status advance(double time, const Places& places,
                                std::span<const double> extinction = {},
-                               double step = std::numeric_limits<double>::infinity());
+                               double step = std::numeric_limits<double>::infinity(),
+                               const SmokeBetween& between = nullptr);
 
-  /// Doses so far, or levels at the last time; NaN where nothing is known.
+  /// Doses so far, or levels at the last time; NaN where nothing is known. Of doses that are not
+  /// known(), lower bounds.
   std::span<const double> values(std::size_t criterion) const { return values_[criterion]; }
 
   /// The largest value so far.
@@ -85,7 +109,8 @@ class ExposureMeter {
 
   const LossTimes& times(std::size_t criterion) const { return watches_[criterion].times(); }
 
-  /// Whether somebody's criterion could not be followed: the air was not known there.
+  /// Whether somebody's criterion could not be followed all along: the air was not known there at
+  /// some time.
   bool unknown(std::size_t criterion, std::size_t person) const {
     return unknown_[criterion][person];
   }
@@ -98,9 +123,12 @@ class ExposureMeter {
   std::vector<Missing> missing_;
   std::size_t people_;
   bool begun_ = false;
+  bool begunSmoke_ = false;  // advance() was there
+  StoredSpan smokeSpan_;     // of the last two times at which the smoke is known
   double last_ = 0;
   std::vector<std::vector<double>> values_, worst_, rates_;  // of each criterion, person
   std::vector<std::vector<char>> unknown_;
+  std::vector<char> there_;  // at the last time
   std::vector<LevelWatch> watches_;
 };
 

@@ -19,17 +19,21 @@ class Formula final : public PointField {
  public:
   using Value = double (*)(double, const Vec3&);
 
-  explicit Formula(Value value) : value_(value) {}
+  /// @param end  the last stored time [s]
+  explicit Formula(Value value, double end = 2000) : value_(value) {
+    for (int i = 0; 10.0 * i <= end; ++i) times_.push_back(10.0 * i);
+  }
 
   std::string description() const override { return "a formula"; }
 
   std::span<const double> times() const override { return times_; }
 
   Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
+    const auto known = storedPlace(times_, time);
     const double t = std::clamp(time, times_.front(), times_.back());
     const double first = 10 * std::floor(t / 10), share = (t - first) / 10;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      out[i] = points[i][0] < 0
+      out[i] = points[i][0] < 0 || !known
                    ? std::nan("")
                    : (1 - share) * value_(first, points[i]) + share * value_(first + 10, points[i]);
     }
@@ -38,16 +42,15 @@ class Formula final : public PointField {
 
  private:
   Value value_;
-  std::vector<double> times_ = [] {
-    std::vector<double> times;
-    for (int i = 0; i <= 200; ++i) times.push_back(10.0 * i);
-    return times;
-  }();
+  std::vector<double> times_;
 };
 
 /// A room whose smoke grows by 0.01 1/m each second, with gases.
 class BurningRoom final : public SightField {
  public:
+  /// @param end  of what is stored of carbon dioxide and of the temperature [s]
+  explicit BurningRoom(double end = 2000) : end_(end) {}
+
   std::string description() const override { return "a room"; }
 
   std::span<const double> times() const override { return times_; }
@@ -56,11 +59,12 @@ class BurningRoom final : public SightField {
     if (quantity == "carbon-monoxide")
       return std::make_unique<Formula>([](double, const Vec3&) { return 0.001; });
     if (quantity == "carbon-dioxide")
-      return std::make_unique<Formula>([](double, const Vec3&) { return 0.02; });
+      return std::make_unique<Formula>([](double, const Vec3&) { return 0.02; }, end_);
     if (quantity == "oxygen")
       return std::make_unique<Formula>([](double, const Vec3&) { return 0.15; });
     if (quantity == "temperature")
-      return std::make_unique<Formula>([](double t, const Vec3& p) { return 20 + t * p[0] / 100; });
+      return std::make_unique<Formula>([](double t, const Vec3& p) { return 20 + t * p[0] / 100; },
+                                       end_);
     return fail(ErrorCode::kNotFound, "no {} here", quantity);
   }
 
@@ -72,6 +76,7 @@ class BurningRoom final : public SightField {
   }
 
  private:
+  double end_;
   std::vector<double> times_{0, 10, 20, 30, 40};
 };
 
@@ -130,6 +135,34 @@ TEST(ExposureMeter, SaysWhatIsMissingAssumedOrUnknown) {
   EXPECT_TRUE(meter.unknown(0, 1));
 }
 
+TEST(ExposureMeter, NothingIsExtendedBeyondItsData) {
+  BurningRoom room(300);
+  const std::vector criteria{fdsDose(1), hot(60)};
+  ExposureMeter meter(AirField::open(room, criteria), criteria, 2);
+  const auto places = standing({Vec3(10, 1, 1), Vec3(20, 1, 1)});
+  for (int t = 0; t <= 2000; t += 400) ASSERT_TRUE(meter.advance(t, places));
+  // 20 + t x / 100 = 60 at 400 s, which is not stored, and at 200 s, which is.
+  EXPECT_EQ(meter.times(1).known[0], 300);
+  EXPECT_EQ(meter.times(1).none[0], std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(meter.times(1).complete(1));
+  EXPECT_NEAR(meter.times(1).none[1], 200, 1e-9);
+  // Without carbon dioxide, which is stored, but not any more, the dose is a lower bound.
+  EXPECT_TRUE(meter.unknown(0, 0));
+  EXPECT_EQ(meter.times(0).known[0], 300);
+  EXPECT_GT(meter.times(0).up[0], 981.7);  // at the latest
+}
+
+TEST(ExposureMeter, ALossIsBetweenTheStoredTimesAroundIt) {
+  BurningRoom room;
+  const std::vector criteria{hot(60)};
+  ExposureMeter meter(AirField::open(room, criteria), criteria, 1);
+  for (double t = 0; t <= 500; t += 2.5)
+    ASSERT_TRUE(meter.advance(t, standing({Vec3(10.1, 1, 1)})));
+  EXPECT_NEAR(meter.times(0).none[0], 4000 / 10.1, 1e-6);  // 396.04
+  EXPECT_EQ(meter.times(0).down[0], 390);
+  EXPECT_EQ(meter.times(0).up[0], 400);
+}
+
 /// Temperature along a way: 1 m/s from x = 0 on, T = 20 + t x / 100.
 TEST(ExposureMeter, FollowsPeopleWhoWalk) {
   BurningRoom room;
@@ -156,7 +189,14 @@ TEST(SightEngine, SeesBetweenStoredTimesWhatTheClosedFormDoes) {
   // Depths of 0.8 to 1.2 times K d; C = 3.
   for (const double t : {0.0, 5.0, 12.4, 12.6, 15.0, 18.6, 18.9, 25.0, 100.0}) {
     ASSERT_TRUE(engine.sees(eyes, t, seen));
-    const double depth = 0.01 * std::min(t, 40.0) * 20;
+    const double depth = 0.01 * t * 20;
+    if (t > 41) {  // nothing is stored any more
+      EXPECT_THAT(seen, ::testing::Each(Seen::kCannotTell));
+      std::vector<double> k(3);
+      ASSERT_TRUE(engine.extinction(eyes, t, k));
+      EXPECT_TRUE(std::isnan(k[0]));
+      continue;
+    }
     EXPECT_EQ(seen[0], 1.2 * depth <= 3   ? Seen::kYes
                        : 0.8 * depth <= 3 ? Seen::kCannotTell
                                           : Seen::kNo)
@@ -200,6 +240,15 @@ TEST(Rset, IsANumberAMapOrPeople) {
   const auto last = people.at(points, 0.5);
   EXPECT_EQ(last[0], 7);
   EXPECT_TRUE(std::isnan(last[1]));
+  // People of another storey are not here.
+  const auto storeys =
+      Rset::parse("id,time,x,y,z\n1,0,0,0,0\n1,10,0,0,0\n2,0,0,0,4.8\n2,60,0,0,4.8\n", "w.csv")
+          .value();
+  const std::vector<Vec3> heights{Vec3(0, 0, 1.8), Vec3(0, 0, 4.8)};
+  EXPECT_EQ(storeys.at(heights, 1), (std::vector<double>{10, 60}));
+  // Somebody who passes between two lines of the table.
+  const auto passing = Rset::parse("id,time,x,y\n1,0,-10,0\n1,20,10,0\n", "w.csv").value();
+  EXPECT_NEAR(passing.at(std::vector{Vec3(0, 0, 2)}, 0.5)[0], 10.5, 0.1);
   EXPECT_THAT(Rset::parse("what\n", "bad.csv").error().message, HasSubstr("x,y,rset"));
   EXPECT_EQ(Rset::read("45.5", 100).value().at(points, 1)[0], 45.5);
   EXPECT_THAT(Rset::read("-1", 100).error().message, HasSubstr("rset: -1: expected seconds >= 0"));

@@ -382,7 +382,15 @@ Result<Trajectories> Trajectories::parseTable(std::string_view text, std::string
   return result;
 }
 
+std::vector<std::pair<int, StoredSpan>> Trajectories::spans() const {
+  std::vector<std::pair<int, StoredSpan>> spans;
+  for (std::size_t i = 0; i < ids_.size(); ++i)
+    spans.emplace_back(ids_[i], StoredSpan{steps_[i].front().time, steps_[i].back().time});
+  return spans;
+}
+
 std::vector<double> Trajectories::lastTimes(std::span<const Vec3> points, double radius) const {
+  constexpr double kBelow = -0.6, kAbove = 2.5;  // [m], of points to a person's z
   std::vector<double> last(points.size(), std::numeric_limits<double>::quiet_NaN());
   // Points in squares of the radius.
   const auto square = [&](const Vec3& place) {
@@ -391,19 +399,34 @@ std::vector<double> Trajectories::lastTimes(std::span<const Vec3> points, double
   };
   std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::size_t>> squares;
   for (std::size_t i = 0; i < points.size(); ++i) squares[square(points[i])].push_back(i);
-  for (const auto& steps : steps_) {
-    for (const Step& step : steps) {
-      const auto [x, y] = square(step.eye);
-      for (std::int64_t dy = -1; dy <= 1; ++dy) {
-        for (std::int64_t dx = -1; dx <= 1; ++dx) {
-          const auto found = squares.find({x + dx, y + dy});
-          if (found == squares.end())
-            continue;
-          for (const std::size_t i : found->second) {
-            if ((points[i] - step.eye).head<2>().norm() <= radius && !(step.time <= last[i]))
-              last[i] = step.time;
-          }
+  const auto pass = [&](double time, const Vec3& place) {
+    const auto [x, y] = square(place);
+    for (std::int64_t dy = -1; dy <= 1; ++dy) {
+      for (std::int64_t dx = -1; dx <= 1; ++dx) {
+        const auto found = squares.find({x + dx, y + dy});
+        if (found == squares.end())
+          continue;
+        for (const std::size_t i : found->second) {
+          const double above = points[i].z() - place.z();
+          if ((points[i] - place).head<2>().norm() <= radius && !(time <= last[i]) &&
+              !(above < kBelow || above > kAbove))
+            last[i] = time;
         }
+      }
+    }
+  };
+  constexpr double kSteps = 8;  // a radius
+  for (const auto& steps : steps_) {
+    for (std::size_t n = 0; n < steps.size(); ++n) {
+      pass(steps[n].time, steps[n].eye);
+      if (n + 1 == steps.size())
+        continue;
+      const Vec3 way = steps[n + 1].eye - steps[n].eye;
+      const auto pieces = static_cast<int>(std::min(kSteps * way.head<2>().norm() / radius, 1e5));
+      for (int i = 1; i <= pieces; ++i) {
+        const double share = i / (pieces + 1.0);
+        pass(steps[n].time + share * (steps[n + 1].time - steps[n].time),
+             steps[n].eye + share * way);
       }
     }
   }

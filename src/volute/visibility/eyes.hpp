@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "volute/visibility/floor_plan.hpp"
@@ -72,11 +73,15 @@ class Trajectories {
   /// frames of a person.
   std::vector<Person> at(double time) const;
 
-  /// The last time [s] at which a person is within `radius` [m] of a point, seen from above; NaN if
-  /// nobody comes near it.
+  /// The last time [s] at which a person is within `radius` [m] of a point, seen from above, and on
+  /// its storey: a person whose z is known is on that of points up to 2.5 m above it and .6 m below
+  /// it, so that it may be the floor's or the eyes'. NaN if nobody comes near it.
   std::vector<double> lastTimes(std::span<const Vec3> points, double radius) const;
 
   std::span<const int> ids() const { return ids_; }  ///< ascending
+
+  /// When each is there, by id: the first and the last time [s].
+  std::vector<std::pair<int, StoredSpan>> spans() const;
 
   int people() const { return static_cast<int>(ids_.size()); }
 

@@ -47,30 +47,73 @@ std::string_view nameOf(RoundTime round) {
   return round == RoundTime::kDown ? "down" : (round == RoundTime::kUp ? "up" : "none");
 }
 
-LossTimes::LossTimes(std::size_t places) : down(places, kNever), none(down), up(down) {}
+LossTimes::LossTimes(std::size_t places)
+    : down(places, kNever), none(down), up(down), known(down) {}
 
 const std::vector<double>& LossTimes::by(RoundTime round) const {
   return round == RoundTime::kDown ? down : (round == RoundTime::kUp ? up : none);
 }
 
+std::vector<double> LossTimes::answers(RoundTime round) const {
+  std::vector<double> times = by(round);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (!complete(i))
+      times[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+  return times;
+}
+
 LevelWatch::LevelWatch(std::size_t places, double limit, bool falling)
-    : limit_(limit), sign_(falling ? -1 : 1), loss_(places) {}
+    : limit_(limit), sign_(falling ? -1 : 1), loss_(places), before_(places) {}
 
 void LevelWatch::update(double now, std::span<const double> values) {
-  VOLUTE_ASSERT(values.size() == loss_.up.size());
-  const bool begun = !values_.empty();
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double limit = sign_ * limit_, value = sign_ * values[i];
-    if (!(value >= limit))
-      continue;
-    const double old = begun ? sign_ * values_[i] : kNever;
-    const double last = begun ? before_ : now;
-    const double between =
-        old < limit ? last + (limit - old) / (value - old) * (now - last) : (begun ? last : now);
-    loss_.note(i, last, std::min(between, now), now);
+  VOLUTE_ASSERT(values.size() == before_.size());
+  for (std::size_t i = 0; i < values.size(); ++i) note(i, now, values[i], {now, now});
+}
+
+void LevelWatch::begin(std::size_t place, double since) {
+  Before& before = before_[place];
+  before = {.since = since, .lost = before.lost};
+}
+
+void LevelWatch::lose(std::size_t place) {
+  Before& before = before_[place];
+  if (before.lost)
+    return;
+  before.gap = true;
+  loss_.lose(place, before.known ? before.time : -kNever);
+}
+
+void LevelWatch::note(std::size_t place, double now, double value, const StoredSpan& span) {
+  Before& before = before_[place];
+  if (before.lost)
+    return;
+  if (std::isnan(value))
+    return lose(place);
+  const double level = sign_ * value, limit = sign_ * limit_;
+  if (level >= limit) {
+    if (before.gap) {
+      loss_.note(place, now, now, now);
+    } else if (before.known) {
+      const double old = sign_ * before.value;
+      const double between = before.time + (limit - old) / (level - old) * (now - before.time);
+      loss_.note(place, std::max(before.from, before.since), std::min(between, now),
+                 std::max(now, span.until));
+    } else {
+      const double since = std::isinf(before.since) ? now : before.since;
+      loss_.note(place, since, since, now);
+    }
+    before.lost = true;
+    return;
   }
-  values_.assign(values.begin(), values.end());
-  before_ = now;
+  // A value that is taken as that of the last stored time is known until then.
+  before = {std::min(now, span.until),
+            std::min(now, span.from),
+            value,
+            before.since,
+            true,
+            before.gap,
+            false};
 }
 
 SignLoss::SignLoss(std::span<const SightTarget> signs, std::vector<std::vector<std::size_t>> sets,
@@ -95,6 +138,13 @@ void SignLoss::update(double now, std::span<const Sighting> sightings) {
   begun_ = true;
 }
 
+void SignLoss::loseAll() {
+  for (Bounds& one : loss_) {
+    for (LossTimes* times : {&one.middle, &one.worst, &one.best})
+      std::ranges::fill(times->known, -kNever);
+  }
+}
+
 void SignLoss::updateEye(std::size_t eye, double now, std::span<const Sighting> sightings) {
   std::vector<Line> fresh(signs_.size());
   for (std::size_t s = 0; s < signs_.size(); ++s) {
@@ -105,20 +155,27 @@ void SignLoss::updateEye(std::size_t eye, double now, std::span<const Sighting> 
       const double cosine = std::cos(sighting.angle * (std::numbers::pi / 180));
       limits_[at] = sign.law.c * sign.angle.factor(cosine);
     }
-    fresh[s] = {sighting.depth, sighting.low, sighting.high, !sighting.blocked && limits_[at] > 0};
+    fresh[s] = {sighting.depth, sighting.low, sighting.high, !sighting.blocked && limits_[at] > 0,
+                sighting.covered};
   }
   const double last = begun_ ? before_ : now;
   const auto follow = [&](std::size_t set, LossTimes& loss, double Line::* depth) {
     // How far from the time before on some sign is seen without a gap.
     double reach = begun_ ? 0 : 1;
     bool seen = false, begins = false;
+    bool perhaps = false;  // on lines that are not known everywhere
     std::vector<Span> spans;
     for (const std::size_t s : sets_[set]) {
       const std::size_t at = s * eyes_ + eye;
       const double limit = factors_[set] * limits_[at];
-      seen |= fresh[s].open && fresh[s].*depth <= limit;
-      if (begun_ && lines_[at].open)
+      seen |= fresh[s].open && fresh[s].covered && fresh[s].*depth <= limit;
+      perhaps |= fresh[s].open && !fresh[s].covered && fresh[s].low <= limit;
+      if (!begun_ || !lines_[at].open)
+        continue;
+      if (lines_[at].covered && fresh[s].covered)
         spans.push_back(atMost(limit, lines_[at].*depth, fresh[s].*depth));
+      else
+        perhaps |= std::min(lines_[at].low, fresh[s].low) <= limit;
     }
     std::ranges::sort(spans, {}, &Span::begin);
     for (const Span& span : spans) {
@@ -129,7 +186,13 @@ void SignLoss::updateEye(std::size_t eye, double now, std::span<const Sighting> 
     }
     if (begun_ && !begins)
       reach = 0;
-    if (reach < 1 || !seen)
+    if (reach >= 1 && seen)
+      return;
+    if (perhaps)
+      loss.lose(eye, begun_ ? last : -kNever);
+    else if (!loss.complete(eye) && !seen)
+      loss.note(eye, now, now, now);
+    else if (loss.complete(eye))
       loss.note(eye, last, last + reach * (now - last), now);
   };
   for (std::size_t set = 0; set < sets_.size(); ++set) {

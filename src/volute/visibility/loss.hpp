@@ -2,7 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -27,12 +30,23 @@ std::string_view nameOf(RoundTime round);
 
 /// The first loss at each of many places [s]; infinite where there is none. What is never so is
 /// lost at the first time. down <= none <= up.
+///
+/// A place whose air is not known all along has an answer until known[place] alone: nothing is lost
+/// there until then. A loss that is noted for it is one that is seen later: it comes at the latest
+/// then.
 struct LossTimes {
   std::vector<double> down, none, up;
+  std::vector<double> known;  ///< [s]; infinite: all along; -infinite: never
 
   explicit LossTimes(std::size_t places = 0);
 
   const std::vector<double>& by(RoundTime round) const;
+
+  /// Whether the loss, or that there is none, is certain.
+  bool complete(std::size_t place) const { return known[place] > 0 && std::isinf(known[place]); }
+
+  /// The times of places that are complete; NaN of others.
+  std::vector<double> answers(RoundTime round) const;
 
   /// Keeps the first loss of a place.
   void note(std::size_t place, double last, double between, double first) {
@@ -42,6 +56,9 @@ struct LossTimes {
       up[place] = first;
     }
   }
+
+  /// From `time` on nothing is known of a place; -infinite: nothing ever was.
+  void lose(std::size_t place, double time) { known[place] = std::min(known[place], time); }
 };
 
 /// A level that is reached, at each of many places: linear between the times at which it is known.
@@ -50,24 +67,47 @@ class LevelWatch {
   /// Lost when the value reaches `limit` from below, or, of falling ones, from above.
   LevelWatch(std::size_t places, double limit, bool falling = false);
 
-  /// Times ascend. NaN: not known at that time, nothing is lost.
+  /// Times ascend. NaN: not known at that time.
   void update(double now, std::span<const double> values);
+
+  /// Of one place. Places may be noted in parallel.
+  /// @param span  the stored times around `now` from which the value comes: a loss is between them
+  void note(std::size_t place, double now, double value, const StoredSpan& span);
+
+  /// Somebody is at a place from `since` on, to whom nothing from before matters.
+  void begin(std::size_t place, double since);
+
+  /// Whether anything is known of a place since then.
+  bool hasBegun(std::size_t place) const {
+    return before_[place].known || before_[place].gap || before_[place].lost;
+  }
+
+  /// Nothing is known of a place, since it was known last.
+  void lose(std::size_t place);
 
   const LossTimes& times() const { return loss_; }
 
   double limit() const { return limit_; }
 
  private:
+  struct Before {
+    double time = 0, from = 0, value = 0;
+    double since = -std::numeric_limits<double>::infinity();  // nobody was there before
+    bool known = false;                                       // time, from and value are
+    bool gap = false;  // since then, or from the beginning on
+    bool lost = false;
+  };
+
   double limit_, sign_;
   LossTimes loss_;
-  double before_ = 0;
-  std::vector<double> values_;  // of the time before; empty at first
+  std::vector<Before> before_;
 };
 
 /// When no sign of a set is seen any more from eyes that stay where they are: the ASET map
 /// (available safe egress time) by visibility. Between two times the optical depth of each line is
 /// linear, as the smoke is, and what is opaque is as at the first of them; times at which something
-/// opaque comes or goes are given twice, with what was and with what is.
+/// opaque comes or goes are given twice, with what was and with what is. Where a sign may be seen
+/// on lines alone on which the smoke is not known everywhere, nothing is known.
 class SignLoss {
  public:
   /// @param sets  positions in `signs`, any number of sets.
@@ -77,6 +117,9 @@ class SignLoss {
 
   /// @param sightings  as lookAround gives them at `now`, the same eyes each time; `now` ascends.
   void update(double now, std::span<const Sighting> sightings);
+
+  /// Nothing is known of what was before the first time.
+  void loseAll();
 
   /// At the field's depths.
   const LossTimes& times(std::size_t set) const { return loss_[set].middle; }
@@ -95,7 +138,8 @@ class SignLoss {
   /// What of a sighting is needed at the next time.
   struct Line {
     double depth = 0, low = 0, high = 0;
-    bool open = false;  ///< nothing opaque, not averted
+    bool open = false;     ///< nothing opaque, not averted
+    bool covered = false;  ///< the smoke is known on all of it
   };
 
   void updateEye(std::size_t eye, double now, std::span<const Sighting> sightings);

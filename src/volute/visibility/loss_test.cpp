@@ -9,6 +9,7 @@
 
 #include "volute/visibility/eyes.hpp"
 #include "volute/visibility/testing.hpp"
+#include "volute/visibility/verdict.hpp"
 
 namespace volute {
 namespace {
@@ -128,7 +129,22 @@ TEST(SignLoss, WhatIsNeverSeenIsLostAtOnce) {
   Sighting outside = judge(signs[0].sign, Vec3(20, 2, 2), {.covered = false});
   unknown.update(0, std::vector{at(1)});
   unknown.update(10, std::vector{outside});
-  EXPECT_EQ(unknown.times(0).none[0], 0);
+  EXPECT_FALSE(unknown.times(0).complete(0));
+  EXPECT_EQ(unknown.times(0).known[0], 0);
+  EXPECT_EQ(unknown.times(0).none[0], kNeverLost);
+  EXPECT_TRUE(std::isnan(unknown.times(0).answers(RoundTime::kDown)[0]));
+  unknown.update(20, std::vector{at(1)});
+  EXPECT_EQ(unknown.times(0).none[0], kNeverLost);
+  unknown.update(30, std::vector{at(9)});  // at the latest then
+  EXPECT_EQ(unknown.times(0).none[0], 30);
+  EXPECT_EQ(unknown.times(0).known[0], 0);
+  // What is lost before the data end is lost.
+  SignLoss before = oneLoss(signs);
+  before.update(0, std::vector{at(1)});
+  before.update(10, std::vector{at(9)});
+  before.update(20, std::vector{outside});
+  EXPECT_TRUE(before.times(0).complete(0));
+  EXPECT_DOUBLE_EQ(before.times(0).none[0], 2.5);
 }
 
 TEST(LevelWatch, InterpolatesAndKeepsTheFirst) {
@@ -140,11 +156,47 @@ TEST(LevelWatch, InterpolatesAndKeepsTheFirst) {
   EXPECT_DOUBLE_EQ(rising.times().none[0], 5);
   EXPECT_EQ(rising.times().down[0], 0);
   EXPECT_EQ(rising.times().up[0], 10);
-  EXPECT_EQ(rising.times().none[1], 10);  // not known since when
+  EXPECT_EQ(rising.times().none[1], 20);  // at the latest: not known since when
+  EXPECT_EQ(rising.times().known[1], 0);
   EXPECT_EQ(rising.times().none[2], 0);
+  EXPECT_TRUE(rising.times().complete(0) && rising.times().complete(2));
   falling.update(0, std::vector{0.2});
   falling.update(10, std::vector{0.1});
   EXPECT_DOUBLE_EQ(falling.times().none[0], 5);
+}
+
+TEST(LevelWatch, SaysUntilWhenItIsKnown) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  LevelWatch watch(4, 60);
+  watch.update(0, std::vector{20.0, nan, 20.0, 20.0});
+  watch.update(10, std::vector{30.0, nan, 80.0, 20.0});
+  watch.update(20, std::vector{nan, nan, nan, 20.0});
+  EXPECT_EQ(watch.times().known[0], 10);
+  EXPECT_EQ(watch.times().known[1], -kNeverLost);
+  EXPECT_TRUE(watch.times().complete(2));  // reached before
+  EXPECT_TRUE(watch.times().complete(3));
+  EXPECT_EQ(knownJson(watch.times().known[0]), Json(10.0));
+  EXPECT_EQ(knownJson(watch.times().known[1]), Json(false));
+  EXPECT_EQ(knownJson(watch.times().known[2]), Json(true));
+}
+
+TEST(LevelWatch, NothingIsReachedBeforeSomebodyIsThere) {
+  LevelWatch watch(2, 60);
+  watch.update(0, std::vector{90.0, 20.0});
+  LevelWatch late(1, 60);
+  late.begin(0, 30);
+  late.note(0, 40, 90, {40, 40});
+  EXPECT_EQ(late.times().down[0], 30);
+  EXPECT_EQ(late.times().none[0], 30);
+  EXPECT_EQ(late.times().up[0], 40);
+  // Nor is the stored time before that of a value in between.
+  LevelWatch between(1, 60);
+  between.begin(0, 30);
+  between.note(0, 32, 50, {20, 40});
+  between.note(0, 34, 70, {20, 40});
+  EXPECT_EQ(between.times().down[0], 30);
+  EXPECT_EQ(between.times().none[0], 33);
+  EXPECT_EQ(between.times().up[0], 40);
 }
 
 TEST(RoundTime, HasNames) {

@@ -34,6 +34,7 @@ std::vector<PlanMark> emptyMarks(const FloorPlan& plan);
 
 /// What the legend says of marks on every map.
 inline constexpr const char* kNoData = "no data";
+inline constexpr const char* kNotKnownWords = "not known, or not known all along";
 inline constexpr const char* kSolidWords = "solid: nobody stands there";
 
 /// A map over a floor plan as a picture: axes in metres, a key, walls at their places, signs, a

@@ -13,7 +13,6 @@
 namespace volute {
 namespace {
 
-constexpr double kNotReached = std::numeric_limits<double>::infinity();
 constexpr double kNoTime = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kSight = "sight of signs";
 
@@ -21,6 +20,13 @@ std::string listOf(const std::vector<Air>& all) {
   std::string text;
   for (const Air one : all) text += (text.empty() ? "" : ", ") + std::string(quantityOf(one).name);
   return text;
+}
+
+/// Until when each place is known, as arrays have it: infinite all along, NaN never.
+std::vector<double> knownUntil(const LossTimes& times) {
+  std::vector<double> until = times.known;
+  for (double& one : until) one = std::isinf(one) && one < 0 ? kNoTime : one;
+  return until;
 }
 
 /// Colours that people with defects of colour vision tell apart (Okabe and Ito 2008), as displays
@@ -33,6 +39,74 @@ Rgb kindColor(std::size_t i) {
 }
 
 }  // namespace
+
+void addTimes(Json& json, const std::string& key, const LossTimes& times, RoundTime round,
+              const std::function<Json(std::span<const Json>)>& list) {
+  const std::size_t places = times.up.size();
+  const auto answers = times.answers(round);
+  std::vector<Json> time, known, latest;
+  bool any = false;
+  for (std::size_t i = 0; i < places; ++i) {
+    time.push_back(jsonNumber(answers[i]));
+    known.push_back(knownJson(times.known[i]));
+    const bool late = !times.complete(i) && !std::isinf(times.up[i]);
+    latest.push_back(late ? jsonNumber(times.up[i]) : Json());
+    any |= late;
+  }
+  json[key] = list(time);
+  json[key + "_known"] = list(known);
+  if (any)
+    json[key + "_at_the_latest"] = list(latest);
+}
+
+Json sourcesJson(const Survey& survey, const ExposureMeter* meter) {
+  Json list = Json::array();
+  const auto stored = survey.field->times();
+  list.push_back({{"quantity", "smoke"},
+                  {"source", survey.field->description()},
+                  {"stored_times", stored.size()},
+                  {"stored_from", stored.front()},
+                  {"stored_until", stored.back()},
+                  {"served_from", survey.times.front()},
+                  {"served_until", survey.times.back()}});
+  if (meter == nullptr)
+    return list;
+  for (const AirQuantity& one : airQuantities()) {
+    for (const ServedSource& source : meter->air().sources(one.quantity)) {
+      Json json = {{"quantity", one.name},         {"source", source.description},
+                   {"stored_times", source.times}, {"stored_from", nullptr},
+                   {"stored_until", nullptr},      {"served_from", nullptr},
+                   {"served_until", nullptr}};
+      if (source.times > 0) {
+        json["stored_from"] = source.stored.from;
+        json["stored_until"] = source.stored.until;
+      }
+      if (source.served) {
+        json["served_from"] = source.served->from;
+        json["served_until"] = source.served->until;
+      }
+      list.push_back(std::move(json));
+    }
+  }
+  return list;
+}
+
+std::string sourcesTable(const Json& sources) {
+  std::vector<HtmlRow> rows;
+  for (const Json& one : sources) {
+    const auto span = [&](const char* from, const char* until) {
+      return one[from].is_null()
+                 ? std::string("\u2013")
+                 : htmlOf(one[from], "{:.4g}") + " to " + htmlOf(one[until], "{:.4g}");
+    };
+    const bool read = one["stored_times"] != 0;
+    rows.push_back({htmlOf(one["quantity"]), htmlOf(one["source"]),
+                    read ? htmlOf(one["stored_times"]) : "<b>not read</b>",
+                    span("stored_from", "stored_until"), span("served_from", "served_until")});
+  }
+  return "<h2>Sources</h2>\n<p>Beyond the stored times nothing is known.</p>\n" +
+         htmlTable({"quantity", "source", "stored times", "stored [s]", "used [s]"}, rows);
+}
 
 Json criteriaJson(const ExposureMeter& meter) {
   Json list = Json::array();
@@ -92,10 +166,13 @@ std::string criteriaTable(const ExposureMeter& meter) {
          htmlTable({"name", "untenable when", "from", "source"}, rows);
 }
 
-PlanTenability::PlanTenability(const Survey& survey, std::span<const Vec3> eyes, PlanValues values,
-                               std::vector<PlanShape> shapes, std::vector<SightTarget> signs)
+PlanTenability::PlanTenability(const Survey& survey, std::span<const Vec3> eyes, const PlanUse& use,
+                               PlanValues values, std::vector<PlanShape> shapes,
+                               std::vector<SightTarget> signs)
     : survey_(&survey),
       eyes_(eyes),
+      use_(use),
+      people_(use.are(PlanUse::Kind::kPeople)),
       values_(values),
       shapes_(std::move(shapes)),
       signs_(std::move(signs)),
@@ -106,27 +183,42 @@ Status PlanTenability::take(const SurveyTime& at) {
     return {};
   return meter_.advance(
       at.time, [&](double, std::span<Vec3> places) { std::ranges::copy(eyes_, places.begin()); },
-      at.extinction);
+      at.extinctionHigh);
 }
 
 /// The first of all criteria at each point.
 void PlanTenability::combine(const LossTimes& signs, const std::vector<bool>& inSight) {
   all_ = LossTimes(eyes_.size());
   which_.assign(eyes_.size(), -1);
-  const auto add = [&](const LossTimes& times, std::size_t i, int which) {
-    // Criteria are compared by what is the best guess of each; the first is rounded then.
-    const bool sooner = times.none[i] < all_.none[i];
-    all_.down[i] = std::min(all_.down[i], times.down[i]);
-    all_.none[i] = std::min(all_.none[i], times.none[i]);
-    all_.up[i] = std::min(all_.up[i], times.up[i]);
-    if (sooner)
-      which_[i] = which;
-  };
+  std::vector<std::pair<const LossTimes*, int>> all{{&signs, 0}};
+  for (std::size_t c = 0; c < meter_.criteria().size(); ++c)
+    all.emplace_back(&meter_.times(c), static_cast<int>(c) + 1);
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
-    if (inSight[i])
-      add(signs, i, 0);
-    for (std::size_t c = 0; c < meter_.criteria().size(); ++c)
-      add(meter_.times(c), i, static_cast<int>(c) + 1);
+    const auto add = [&](const LossTimes& times, int which) {
+      // Criteria are compared by what is the best guess of each; the first is rounded then.
+      const bool sooner = times.none[i] < all_.none[i];
+      all_.down[i] = std::min(all_.down[i], times.down[i]);
+      all_.none[i] = std::min(all_.none[i], times.none[i]);
+      all_.up[i] = std::min(all_.up[i], times.up[i]);
+      if (sooner)
+        which_[i] = which;
+    };
+    const auto counts = [&](int which) { return which > 0 || inSight[i]; };
+    for (const auto& [times, which] : all) {
+      if (counts(which) && times->complete(i))
+        add(*times, which);
+    }
+    // What is not known matters unless another criterion is reached before.
+    for (const auto& [times, which] : all) {
+      if (counts(which) && !times->complete(i) && times->known[i] < all_.by(survey_->round)[i])
+        all_.lose(i, times->known[i]);
+    }
+    if (all_.complete(i))
+      continue;
+    for (const auto& [times, which] : all) {
+      if (counts(which) && !times->complete(i))
+        add(*times, which);
+    }
   }
 }
 
@@ -140,32 +232,121 @@ Json PlanTenability::criterionJson(std::size_t c) const {
       worst[i] = kNoTime;
     }
   }
-  return {{"points_without_data", unknown},
-          {"rows", values_.rows(times.by(survey_->round))},
-          {"rows_interpolated", values_.rows(times.none)},
-          {"rows_down", values_.rows(times.down)},
-          {"rows_up", values_.rows(times.up)},
-          {meter_.criteria()[c].isDose() ? "dose_at_the_end" : "worst_value", values_.rows(worst)}};
+  Json json = {{"points_without_data", unknown}};
+  addTimes(json, "rows", times, survey_->round,
+           [&](std::span<const Json> values) { return values_.rowsOfJson(values); });
+  json["rows_interpolated"] = values_.rows(times.answers(RoundTime::kNone));
+  json["rows_down"] = values_.rows(times.answers(RoundTime::kDown));
+  json["rows_up"] = values_.rows(times.answers(RoundTime::kUp));
+  json[meter_.criteria()[c].isDose() ? "dose_at_the_end" : "worst_value"] = values_.rows(worst);
+  return json;
+}
+
+/// Where and when what a criterion takes in is stored.
+std::string PlanTenability::storedWords(std::size_t c) const {
+  const Criterion& criterion = meter_.criteria()[c];
+  std::string words;
+  auto all = criterion.needed();
+  const auto taken = criterion.taken();
+  all.insert(all.end(), taken.begin(), taken.end());
+  for (const Air one : all) {
+    std::string spans;
+    for (const ServedSource& source : meter_.air().sources(one)) {
+      if (source.times > 0)
+        spans += fmt::format("{}{:.4g} to {:.4g} s", spans.empty() ? "" : ", ", source.stored.from,
+                             source.stored.until);
+    }
+    if (!spans.empty())
+      words += fmt::format("{}{} is stored from {}", words.empty() ? "" : "; ",
+                           quantityOf(one).name, spans);
+  }
+  return words.empty() ? words : " (" + words + ")";
 }
 
 Json PlanTenability::sentence(std::size_t c) const {
   const Criterion& criterion = meter_.criteria()[c];
-  const FirstLoss first = firstLoss(meter_.times(c), survey_->round);
-  std::size_t unknown = 0;
-  for (std::size_t i = 0; i < eyes_.size(); ++i) unknown += meter_.unknown(c, i);
-  std::string text = first.any
-                         ? fmt::format(
-                               "{} is first reached at {}, at {}; by {:g} s at {:.0f} % of the "
-                               "floor.",
-                               criterion.words(), timeWords(first), placeWords(eyes_[first.place]),
-                               survey_->times.back(), 100 * first.share)
-                         : fmt::format("{} is not reached anywhere until {:g} s.",
-                                       criterion.words(), survey_->times.back());
-  if (unknown > 0) {
-    text += fmt::format(" At {:.0f} % of the floor the case stores no data for it.",
-                        100 * static_cast<double>(unknown) / static_cast<double>(eyes_.size()));
+  const FirstLoss first = firstLoss(meter_.times(c), survey_->round, people_);
+  const double end = survey_->times.back();
+  std::string text;
+  if (!first.certain()) {
+    text = fmt::format("{} is {}{}", criterion.words(), unknownWords(first, "reached", "the floor"),
+                       storedWords(c));
+    text += first.any ? fmt::format("; reached at the latest at {:.4g} s, at {}.", first.up,
+                                    placeWords(eyes_[first.place]))
+                      : ".";
+  } else {
+    text =
+        first.any
+            ? fmt::format("{} is first reached at {}, at {}; by {:g} s at {:.0f} % of the floor.",
+                          criterion.words(), timeWords(first), placeWords(eyes_[first.place]), end,
+                          100 * first.share)
+            : fmt::format("{} is not reached anywhere until {:g} s.", criterion.words(), end);
+    if (first.unknown > 0)
+      text += fmt::format(" It is not known all along at {} of the floor{}.",
+                          percentWords(first.unknown), storedWords(c));
   }
+  const std::string assumed = listOf(meter_.assumed(c));
+  if (!assumed.empty())
+    text += fmt::format(" Not stored, counted as in clean air: {}.", assumed);
   return verdictJson(criterion.name, text, first, survey_->round, eyes_);
+}
+
+/// Criteria that leave the first of all open.
+std::string PlanTenability::unknownReasons() const {
+  std::string names;
+  for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
+    const FirstLoss one = firstLoss(meter_.times(c), survey_->round, people_);
+    if (!one.certain())
+      names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", meter_.criteria()[c].name,
+                           std::isinf(one.known)
+                               ? fmt::format("{} of the floor", percentWords(one.unknown))
+                               : fmt::format("after {:.4g} s", one.known));
+  }
+  return names.empty() ? std::string(kSight) : names;
+}
+
+Json PlanTenability::headline(const std::vector<std::string>& names) const {
+  const FirstLoss first = firstLoss(all_, survey_->round, people_);
+  const double end = survey_->times.back();
+  std::string text;
+  if (!first.certain()) {
+    text = fmt::format("ASET of all criteria: {}, because of {}",
+                       unknownWords(first, "reached", "the floor"), unknownReasons());
+    text += first.any ? fmt::format("; it is at the latest {:.4g} s, by {}, at {}.", first.up,
+                                    names[first.place], placeWords(eyes_[first.place]))
+                      : ".";
+  } else if (first.any) {
+    text = fmt::format("ASET of all criteria: {}, by {}, at {}.", timeWords(first),
+                       names[first.place], placeWords(eyes_[first.place]));
+  } else {
+    text = fmt::format("ASET of all criteria: none is reached until {:g} s.", end);
+  }
+  std::string missing;
+  for (const ExposureMeter::Missing& one : meter_.missing())
+    missing += (missing.empty() ? "" : ", ") + one.criterion.name;
+  if (!missing.empty())
+    text += fmt::format(" Not assessed: {}.", missing);
+  Json json = verdictJson("all", text, first, survey_->round, eyes_);
+  if (first.any)
+    json["by"] = names[first.place];
+  json["not_assessed"] = Json::array();
+  for (const ExposureMeter::Missing& one : meter_.missing())
+    json["not_assessed"].push_back(one.criterion.name);
+  return json;
+}
+
+/// What is said of the points that do not count.
+Json PlanTenability::ofTheFire(const std::vector<std::string>& names) const {
+  const auto burning = use_.are(PlanUse::Kind::kFire);
+  const FirstLoss first = firstLoss(all_, survey_->round, burning);
+  std::string text = fmt::format("The fire's own place ({}) is not counted", use_.firesFrom);
+  text += first.any
+              ? fmt::format("; there the first criterion, {}, is reached at {}{:.4g} s, at {}.",
+                            names[first.place], first.certain() ? "" : "the latest at ",
+                            first.certain() ? first.by(survey_->round) : first.up,
+                            placeWords(eyes_[first.place]))
+              : ".";
+  return verdictJson("the fire's own place", text, first, survey_->round, eyes_);
 }
 
 PlanPicture PlanTenability::emptyPicture(std::string title) const {
@@ -180,22 +361,22 @@ PlanPicture PlanTenability::emptyPicture(std::string title) const {
 }
 
 Status PlanTenability::writeTimes(const std::string& name, const std::string& title,
-                                  std::span<const double> times,
-                                  const std::function<bool(std::size_t)>& unknown) const {
+                                  const LossTimes& times) const {
   PlanPicture picture = emptyPicture(title);
   picture.barLabel = "time [s]";
   picture.stored = true;
   picture.low = survey_->times.front();
   picture.high = std::max(survey_->times.back(), picture.low + 1e-9);
+  const std::vector<double>& by = times.by(survey_->round);
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
-    picture.values[values_.places[i]] = times[i];
-    picture.marks[values_.places[i]] = !std::isinf(times[i]) ? PlanMark::kValue
-                                       : unknown(i)          ? PlanMark::kUnknown
-                                                             : PlanMark::kKept;
+    picture.values[values_.places[i]] = by[i];
+    picture.marks[values_.places[i]] = !times.complete(i)  ? PlanMark::kUnknown
+                                       : std::isinf(by[i]) ? PlanMark::kKept
+                                                           : PlanMark::kValue;
   }
   picture.words = {
       {PlanMark::kKept, fmt::format("not reached at {:g} s, the last time", survey_->times.back())},
-      {PlanMark::kUnknown, kNoData},
+      {PlanMark::kUnknown, kNotKnownWords},
       {PlanMark::kSolid, kSolidWords}};
   return writePlan(survey_->folder / name, *values_.plan, picture, signs_);
 }
@@ -208,15 +389,13 @@ Status PlanTenability::writeFirst() const {
     picture.kinds.emplace_back(kindColor(c + 1), meter_.criteria()[c].name);
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
     picture.values[values_.places[i]] = std::max(which_[i], 0);
-    bool unknown = false;
-    for (std::size_t c = 0; c < meter_.criteria().size(); ++c) unknown |= meter_.unknown(c, i);
-    picture.marks[values_.places[i]] = which_[i] >= 0 ? PlanMark::kValue
-                                       : unknown      ? PlanMark::kUnknown
-                                                      : PlanMark::kKept;
+    picture.marks[values_.places[i]] = !all_.complete(i) ? PlanMark::kUnknown
+                                       : which_[i] >= 0  ? PlanMark::kValue
+                                                         : PlanMark::kKept;
   }
   picture.words = {
       {PlanMark::kKept, fmt::format("none until {:g} s, the last time", survey_->times.back())},
-      {PlanMark::kUnknown, kNoData},
+      {PlanMark::kUnknown, kNotKnownWords},
       {PlanMark::kSolid, kSolidWords}};
   return writePlan(survey_->folder / "tenability_first.png", *values_.plan, picture, signs_);
 }
@@ -225,51 +404,77 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
                                            Json& verdict) {
   if (!survey_->rset)
     return std::string();
-  const std::vector<double> rset = survey_->rset->at(eyes_, std::max(survey_->step, 0.5));
-  std::vector<double> margin(rset.size());
+  std::vector<double> rset = survey_->rset->at(eyes_, std::max(survey_->step, 0.5));
+  const double end = survey_->times.back();
+  // What is sure of each point: of a point that is not known, or not reached, until when it is not.
+  std::vector<double> margin(rset.size(), kNoTime), least(rset.size(), kNoTime);
   const std::vector<double>& aset = all_.by(survey_->round);
-  std::size_t worst = rset.size(), needed = 0, tooLate = 0;
+  std::size_t worst = rset.size(), open = rset.size();
+  std::size_t needed = 0, tooLate = 0, unknown = 0;
   for (std::size_t i = 0; i < rset.size(); ++i) {
-    margin[i] = aset[i] - rset[i];
+    if (!people_[i] && !survey_->rset->isOfPeople())
+      rset[i] = kNoTime;
     if (std::isnan(rset[i]))
       continue;
     ++needed;
+    const bool reached = all_.complete(i) && !std::isinf(aset[i]);
+    const double until = std::min(all_.known[i], end);
+    least[i] = (reached ? aset[i] : until) - rset[i];
+    if (all_.complete(i))
+      margin[i] = aset[i] - rset[i];
+    if (!reached && least[i] < 0) {
+      ++unknown;
+      margin[i] = kNoTime;
+      if (open == rset.size() || least[i] < least[open])
+        open = i;
+    }
     tooLate += margin[i] < 0;
-    if (worst == rset.size() || margin[i] < margin[worst])
+    if (!std::isnan(margin[i]) && (worst == rset.size() || margin[i] < margin[worst]))
       worst = i;
   }
   report["rset"] = {{"from", survey_->rset->description()}, {"rows", values_.rows(rset)}};
-  report["margin"] = {
-      {"rows", values_.rows(margin)}, {"points_needed", needed}, {"points_too_late", tooLate}};
+  report["margin"] = {{"rows", values_.rows(margin)},
+                      {"points_needed", needed},
+                      {"points_too_late", tooLate},
+                      {"points_not_known", unknown}};
   arrays.push_back({"rset", values_.cells(rset)});
   arrays.push_back({"margin", values_.cells(margin)});
+  const auto share = [&](std::size_t points) {
+    return percentWords(static_cast<double>(points) / static_cast<double>(needed));
+  };
+  const std::string from = survey_->rset->description();
   std::string text;
-  if (worst == rset.size()) {
-    text = "RSET: no point of this plan is in use.";
-  } else if (std::isinf(margin[worst])) {
+  if (needed == 0) {
+    text = fmt::format("RSET: no point of this plan is in use (RSET: {}).", from);
+  } else if (unknown > 0) {
     text = fmt::format(
-        "ASET - RSET: no criterion is reached until {:g} s where people are (RSET: {}).",
-        survey_->times.back(), survey_->rset->description());
-    if (rset[worst] > survey_->times.back())
-      text +=
-          " But RSET is later than the last time of the case, so the result is unknown until "
-          "then.";
+        "ASET - RSET: not known at {} of the points in use, where people are still there after "
+        "the time until which the air is known, by up to {:.4g} s, at {}{} (RSET: {}).",
+        share(unknown), -least[open], placeWords(eyes_[open]),
+        tooLate > 0 ? fmt::format("; at {} of them people leave too late, by up to {:.4g} s",
+                                  share(tooLate), -margin[worst])
+                    : "",
+        from);
+  } else if (worst == rset.size() || std::isinf(margin[worst])) {
+    text = fmt::format(
+        "ASET - RSET: no criterion is reached until {:g} s where people are (RSET: {}).", end,
+        from);
   } else {
-    const double least = all_.down[worst] - rset[worst], most = all_.up[worst] - rset[worst];
+    const double low = all_.down[worst] - rset[worst], high = all_.up[worst] - rset[worst];
     text = fmt::format(
         "ASET - RSET: the smallest margin is {:.4g} s (by stored times {:.4g} to "
         "{:.4g} s) at {}; at {:.0f} % of the points in use, people leave too late "
         "(RSET: {}).",
-        margin[worst], least, most, placeWords(eyes_[worst]),
-        100.0 * static_cast<double>(tooLate) / static_cast<double>(needed),
-        survey_->rset->description());
+        margin[worst], low, high, placeWords(eyes_[worst]),
+        100.0 * static_cast<double>(tooLate) / static_cast<double>(needed), from);
     report["margin"]["least"] =
         Json{{"value", margin[worst]},
-             {"down", least},
-             {"up", most},
+             {"down", low},
+             {"up", high},
              {"position", {eyes_[worst][0], eyes_[worst][1], eyes_[worst][2]}}};
   }
-  verdict.push_back(Json{{"criterion", "margin"}, {"sentence", text}});
+  report["margin"]["known"] = unknown == 0;
+  verdict.push_back(Json{{"criterion", "margin"}, {"sentence", text}, {"known", unknown == 0}});
   std::vector<double> finite;
   for (const double one : margin) {
     if (std::isfinite(one))
@@ -285,13 +490,14 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
   picture.high = std::max(*std::ranges::max_element(finite), picture.low + 1e-9);
   for (std::size_t i = 0; i < margin.size(); ++i) {
     picture.values[values_.places[i]] = margin[i];
-    picture.marks[values_.places[i]] = std::isnan(margin[i])   ? PlanMark::kHidden
+    picture.marks[values_.places[i]] = std::isnan(rset[i])     ? PlanMark::kHidden
+                                       : std::isnan(margin[i]) ? PlanMark::kUnknown
                                        : std::isinf(margin[i]) ? PlanMark::kKept
                                                                : PlanMark::kValue;
   }
   picture.words = {{PlanMark::kKept, "no criterion is reached"},
                    {PlanMark::kHidden, "nobody comes here"},
-                   {PlanMark::kUnknown, kNoData},
+                   {PlanMark::kUnknown, kNotKnownWords},
                    {PlanMark::kSolid, kSolidWords}};
   VOLUTE_TRY(writePlan(survey_->folder / "margin.png", *values_.plan, picture, signs_));
   return htmlFigure(survey_->folder / "margin.png",
@@ -305,52 +511,54 @@ Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::ve
   combine(signs, inSight);
   Json json = Json::object();
   json["criteria"] = criteriaJson(meter_);
-  std::string page = volute::criteriaTable(meter_);
+  report["sources"] = sourcesJson(*survey_, &meter_);
+  std::string page = volute::criteriaTable(meter_) + sourcesTable(report["sources"]);
   std::string figures;
+  const auto asRows = [&](std::span<const Json> values) { return values_.rowsOfJson(values); };
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
     const Criterion& criterion = meter_.criteria()[c];
+    const LossTimes& times = meter_.times(c);
     json["criteria"][c].update(criterionJson(c));
     verdict.push_back(sentence(c));
     const std::string name = Survey::fileName(criterion.name);
-    arrays.push_back({"aset_" + name, values_.cells(meter_.times(c).by(survey_->round))});
-    arrays.push_back({"worst_" + name, values_.cells(meter_.worst(c))});
-    const auto& times = meter_.times(c).by(survey_->round);
-    if (std::ranges::all_of(times, [](double time) { return std::isinf(time); }))
+    std::vector<double> worst(meter_.worst(c).begin(), meter_.worst(c).end());
+    for (std::size_t i = 0; i < worst.size(); ++i) {
+      if (meter_.unknown(c, i))
+        worst[i] = kNoTime;
+    }
+    arrays.push_back({"aset_" + name, values_.cells(times.answers(survey_->round))});
+    arrays.push_back({"known_until_" + name, values_.cells(knownUntil(times))});
+    arrays.push_back({"worst_" + name, values_.cells(worst)});
+    if (firstLoss(times, survey_->round).certain() &&
+        std::ranges::all_of(times.up, [](double time) { return std::isinf(time); }))
       continue;
     const std::string file = "tenability_" + name + ".png";
     VOLUTE_TRY(writeTimes(
         file, fmt::format("When {} at z = {:g} m", criterion.words(), values_.plan->origin[2]),
-        times, [&](std::size_t i) { return meter_.unknown(c, i); }));
+        times));
     VOLUTE_ASSIGN(const auto figure, htmlFigure(survey_->folder / file, criterion.words()));
     figures += figure;
   }
-  const std::vector<double>& all = all_.by(survey_->round);
   std::vector<std::string> names(eyes_.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (which_[i] >= 0)
       names[i] =
           which_[i] == 0 ? kSight : meter_.criteria()[static_cast<std::size_t>(which_[i]) - 1].name;
   }
-  json["aset"] = {{"rows", values_.rows(all)},
-                  {"rows_interpolated", values_.rows(all_.none)},
-                  {"rows_down", values_.rows(all_.down)},
-                  {"rows_up", values_.rows(all_.up)},
-                  {"rows_of_the_first_criterion", values_.rowsOfText(names)}};
-  arrays.push_back({"aset_all", values_.cells(all)});
-  const FirstLoss first = firstLoss(all_, survey_->round);
-  const std::string by = first.any ? names[first.place] : "";
-  verdict.insert(
-      verdict.begin(),
-      verdictJson("all",
-                  first.any ? fmt::format("ASET of all criteria: {}, by {}, at {}.",
-                                          timeWords(first), by, placeWords(eyes_[first.place]))
-                            : fmt::format("ASET of all criteria: none is reached "
-                                          "until {:g} s.",
-                                          survey_->times.back()),
-                  first, survey_->round, eyes_));
+  json["aset"] = Json::object();
+  addTimes(json["aset"], "rows", all_, survey_->round, asRows);
+  json["aset"]["rows_interpolated"] = values_.rows(all_.answers(RoundTime::kNone));
+  json["aset"]["rows_down"] = values_.rows(all_.answers(RoundTime::kDown));
+  json["aset"]["rows_up"] = values_.rows(all_.answers(RoundTime::kUp));
+  json["aset"]["rows_of_the_first_criterion"] = values_.rowsOfText(names);
+  arrays.push_back({"aset_all", values_.cells(all_.answers(survey_->round))});
+  arrays.push_back({"known_until_all", values_.cells(knownUntil(all_))});
+  verdict.insert(verdict.begin(), headline(names));
+  if (use_.count(PlanUse::Kind::kFire) > 0)
+    verdict.push_back(ofTheFire(names));
   VOLUTE_TRY(writeTimes("aset_all.png",
                         fmt::format("ASET of all criteria at z = {:g} m", values_.plan->origin[2]),
-                        all, [](std::size_t) { return false; }));
+                        all_));
   VOLUTE_TRY(writeFirst());
   VOLUTE_ASSIGN(const auto times, htmlFigure(survey_->folder / "aset_all.png",
                                              "When the first of all criteria is reached."));

@@ -7,6 +7,7 @@
 
 #include "volute/visibility/exposure_meter.hpp"
 #include "volute/visibility/plan_picture.hpp"
+#include "volute/visibility/plan_use.hpp"
 #include "volute/visibility/plan_values.hpp"
 #include "volute/visibility/plan_vti.hpp"
 #include "volute/visibility/watch.hpp"
@@ -18,10 +19,14 @@ namespace volute {
 class PlanTenability {
  public:
   /// With the survey's criteria and its field.
+  /// @param use     which eyes verdicts are of
   /// @param shapes  what maps draw at its place, at the eyes' height
   /// @param signs   that maps draw
-  PlanTenability(const Survey& survey, std::span<const Vec3> eyes, PlanValues values,
-                 std::vector<PlanShape> shapes, std::vector<SightTarget> signs);
+  PlanTenability(const Survey& survey, std::span<const Vec3> eyes, const PlanUse& use,
+                 PlanValues values, std::vector<PlanShape> shapes, std::vector<SightTarget> signs);
+
+  /// Whether the case begins before the smoke is stored.
+  bool smokeIsLate() const { return meter_.air().smokeIsLate(); }
 
   /// Each time; those between stored ones are passed over.
   [[nodiscard]] Status take(const SurveyTime& at);
@@ -39,16 +44,20 @@ class PlanTenability {
   PlanPicture emptyPicture(std::string title) const;
   Json criterionJson(std::size_t c) const;
   void combine(const LossTimes& signs, const std::vector<bool>& inSight);
-  /// @param unknown  whether a criterion, or any of them, has no data at an eye
   Status writeTimes(const std::string& name, const std::string& title,
-                    std::span<const double> times,
-                    const std::function<bool(std::size_t eye)>& unknown) const;
+                    const LossTimes& times) const;
   Status writeFirst() const;
   Result<std::string> margin(Json& report, std::vector<PlanArray>& arrays, Json& verdict);
   Json sentence(std::size_t c) const;
+  Json headline(const std::vector<std::string>& names) const;
+  Json ofTheFire(const std::vector<std::string>& names) const;
+  std::string unknownReasons() const;
+  std::string storedWords(std::size_t c) const;
 
   const Survey* survey_;
   std::span<const Vec3> eyes_;
+  PlanUse use_;
+  std::vector<bool> people_;  // which eyes count
   PlanValues values_;
   std::vector<PlanShape> shapes_;
   std::vector<SightTarget> signs_;
@@ -56,6 +65,19 @@ class PlanTenability {
   LossTimes all_;           // of all criteria together
   std::vector<int> which_;  // the first: -1 none, 0 sight of signs, else criterion + 1
 };
+
+/// Adds a time of each place to a report: `key`, null where it is not known, and `key`_known. Also
+/// `key`_at_the_latest, where there is such a time.
+/// @param times  of the rounding that is asked for
+/// @param list   makes a list or rows of one value for each place
+void addTimes(Json& json, const std::string& key, const LossTimes& times, RoundTime round,
+              const std::function<Json(std::span<const Json>)>& list);
+
+/// Which source served which quantity, from when to when: of the smoke and of what a meter took in.
+Json sourcesJson(const Survey& survey, const ExposureMeter* meter);
+
+/// The same as a table of the page.
+std::string sourcesTable(const Json& sources);
 
 /// The criteria of a survey as a report's list, with what was missing and assumed.
 Json criteriaJson(const ExposureMeter& meter);

@@ -35,6 +35,10 @@ Json PlanValues::rows(std::span<const double> values) const {
   return rowsBy(*this, [&](std::size_t i) { return jsonNumber(values[i]); });
 }
 
+Json PlanValues::rowsOfJson(std::span<const Json> values) const {
+  return rowsBy(*this, [&](std::size_t i) { return values[i]; });
+}
+
 Json PlanValues::rowsOfText(std::span<const std::string> texts) const {
   return rowsBy(*this, [&](std::size_t i) { return texts[i].empty() ? Json() : Json(texts[i]); });
 }

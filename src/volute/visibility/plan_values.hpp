@@ -21,6 +21,9 @@ struct PlanValues {
   /// Rows from the smallest y; null where there is no eye, or no finite value.
   Json rows(std::span<const double> values) const;
 
+  /// The same of any values of the eyes; null where there is no eye.
+  Json rowsOfJson(std::span<const Json> values) const;
+
   /// The same of texts; null where there is no eye, or no text.
   Json rowsOfText(std::span<const std::string> texts) const;
 };

@@ -11,6 +11,7 @@
 #include "volute/report/page.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/plan_tenability.hpp"
+#include "volute/visibility/plan_use.hpp"
 #include "volute/visibility/plan_values.hpp"
 #include "volute/visibility/plan_vti.hpp"
 #include "volute/visibility/verdict.hpp"
@@ -60,6 +61,7 @@ class PlanWatch final : public Watch {
           "and {:g} m; expected a height where there is gas",
           survey.height, survey.bounds.min[2], survey.bounds.max[2]);
     }
+    use_ = planUse(survey, first, eyes_, progress);
     if (survey.maps == Survey::Maps::kSome && survey.times.size() > Survey::kPicturedTimes) {
       progress.remark(
           fmt::format("maps are drawn at {} of the {} stored times, and written as values (.vti) "
@@ -83,7 +85,15 @@ class PlanWatch final : public Watch {
     if (survey.extinctionLimit > 0)
       local_.emplace(eyes_.size(), survey.extinctionLimit);
     if (!survey.criteria.empty())
-      tenability_.emplace(survey, eyes_, planValues(), shapes_, shownSigns(survey.sets[0].members));
+      tenability_.emplace(survey, eyes_, use_, planValues(), shapes_,
+                          shownSigns(survey.sets[0].members));
+    if (tenability_ ? tenability_->smokeIsLate() : survey.field->beginsBefore()) {
+      losses_->loseAll();
+      progress.remark(fmt::format(
+          "the smoke is stored from {:g} s on, and the case begins before: what is lost until then "
+          "is not known",
+          survey.field->times().front()));
+    }
     hidden_.assign(survey.sets.size(), std::vector<bool>(eyes_.size(), true));
     inView_.assign(survey.signs.size(), false);
     std::error_code error;
@@ -120,11 +130,12 @@ class PlanWatch final : public Watch {
   }
 
   Result<std::string> finish(Json& report) override {
-    report["eyes"] = {{"kind", "plan"},          {"height", plan_.origin[2]},
-                      {"step", plan_.step},      {"origin", {plan_.origin[0], plan_.origin[1]}},
-                      {"nx", plan_.nx},          {"ny", plan_.ny},
-                      {"walkable", eyes_.size()}};
+    report["eyes"] = {{"kind", "plan"},           {"height", plan_.origin[2]},
+                      {"step", plan_.step},       {"origin", {plan_.origin[0], plan_.origin[1]}},
+                      {"nx", plan_.nx},           {"ny", plan_.ny},
+                      {"walkable", eyes_.size()}, {"people", use_.count(PlanUse::Kind::kPeople)}};
     report["plan"] = walkable();
+    report["plan_use"] = useRows();
     for (std::size_t s = 0; s < series_.size(); ++s) {
       if (!series_[s].empty())
         VOLUTE_TRY(writePvd(survey_->folder / "maps" / (mapName(s) + ".pvd"), series_[s]));
@@ -144,9 +155,10 @@ class PlanWatch final : public Watch {
       page += figure;
     }
     if (survey_->extinctionLimit > 0) {
-      report["aset_local"] = {{"extinction", survey_->extinctionLimit},
-                              {"rows", rowsOf(rounded(local_->times()))},
-                              {"rows_interpolated", rowsOf(local_->times().none)}};
+      report["aset_local"] = {
+          {"extinction", survey_->extinctionLimit},
+          {"rows_interpolated", rowsOf(local_->times().answers(RoundTime::kNone))}};
+      addTimes(report["aset_local"], "rows", local_->times(), survey_->round, asRows());
       arrays.push_back({"aset_local", overPlan(rounded(local_->times()))});
       VOLUTE_TRY(writeLocal());
       VOLUTE_ASSIGN(const auto figure,
@@ -163,6 +175,13 @@ class PlanWatch final : public Watch {
       inSight.flip();
       VOLUTE_ASSIGN(tenability,
                     tenability_->finish(losses_->earliest(0), inSight, report, arrays, verdict));
+    } else {
+      report["sources"] = sourcesJson(*survey_, nullptr);
+    }
+    if (const std::string words = use_.words(); !words.empty()) {
+      verdict.push_back(
+          Json{{"criterion", "places"},
+               {"sentence", fmt::format("Verdicts are of places where people are; {}.", words)}});
     }
     report["verdict"] = std::move(verdict);
     VOLUTE_TRY(writePlanVti(survey_->folder / "aset.vti", plan_, arrays));
@@ -173,8 +192,11 @@ class PlanWatch final : public Watch {
   }
 
  private:
-  const std::vector<double>& rounded(const LossTimes& loss) const {
-    return loss.by(survey_->round);
+  /// Of places that are known; NaN of others.
+  std::vector<double> rounded(const LossTimes& loss) const { return loss.answers(survey_->round); }
+
+  std::function<Json(std::span<const Json>)> asRows() const {
+    return [this](std::span<const Json> values) { return planValues().rowsOfJson(values); };
   }
 
   std::string mapName(std::size_t sign) const {
@@ -334,35 +356,59 @@ class PlanWatch final : public Watch {
     return rows;
   }
 
+  /// Rows of p (people are there), v (nothing below), f (the fire's own place) and - (solid).
+  Json useRows() const {
+    std::string all(plan_.size(), '-');
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      all[places_[i]] = "pvf"[static_cast<std::size_t>(use_.kinds[i])];
+    Json rows = Json::array();
+    for (int y = 0; y < plan_.ny; ++y) {
+      rows.push_back(all.substr(static_cast<std::size_t>(y) * static_cast<std::size_t>(plan_.nx),
+                                static_cast<std::size_t>(plan_.nx)));
+    }
+    return rows;
+  }
+
+  /// Where people are and see a sign of a set before there is smoke.
+  std::vector<bool> countsOf(std::size_t set) const {
+    std::vector<bool> counts = use_.are(PlanUse::Kind::kPeople);
+    for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = counts[i] && !hidden_[set][i];
+    return counts;
+  }
+
   Json asetJson(std::size_t set) const {
     const LossTimes& loss = losses_->times(set);
     Json names = Json::array();
     for (const std::size_t s : survey_->sets[set].members)
       names.push_back(survey_->signs[s].sign.name);
-    const auto kept = std::ranges::count_if(loss.up, [](double t) { return std::isinf(t); });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < loss.up.size(); ++i)
+      kept += loss.complete(i) && std::isinf(loss.up[i]) ? 1 : 0;
     const auto out = std::ranges::count(hidden_[set], true);
-    return {{"set", survey_->sets[set].name},
-            {"signs", names},
-            {"kept_to_the_end", kept},
-            {"never_in_sight", out},
-            {"rows", rowsOf(rounded(loss))},
-            {"rows_interpolated", rowsOf(loss.none)},
-            {"rows_down", rowsOf(loss.down)},
-            {"rows_up", rowsOf(loss.up)},
-            {"rows_earliest", rowsOf(rounded(losses_->earliest(set)))},
-            {"rows_latest", rowsOf(rounded(losses_->latest(set)))}};
+    Json json = {{"set", survey_->sets[set].name},
+                 {"signs", names},
+                 {"kept_to_the_end", kept},
+                 {"never_in_sight", out},
+                 {"rows_interpolated", rowsOf(loss.answers(RoundTime::kNone))},
+                 {"rows_down", rowsOf(loss.answers(RoundTime::kDown))},
+                 {"rows_up", rowsOf(loss.answers(RoundTime::kUp))},
+                 {"rows_earliest", rowsOf(rounded(losses_->earliest(set)))},
+                 {"rows_latest", rowsOf(rounded(losses_->latest(set)))}};
+    addTimes(json, "rows", loss, survey_->round, asRows());
+    return json;
   }
 
   void addArrays(std::size_t set, std::vector<PlanArray>& arrays) const {
     const std::string name =
         set == 0 ? "" : fmt::format("_{}_{}", set, Survey::fileName(survey_->sets[set].name));
     arrays.push_back({"aset" + name, overPlan(rounded(losses_->times(set)))});
-    arrays.push_back({"aset_interpolated" + name, overPlan(losses_->times(set).none)});
+    arrays.push_back(
+        {"aset_interpolated" + name, overPlan(losses_->times(set).answers(RoundTime::kNone))});
     arrays.push_back({"aset_earliest" + name, overPlan(rounded(losses_->earliest(set)))});
     arrays.push_back({"aset_latest" + name, overPlan(rounded(losses_->latest(set)))});
   }
 
-  PlanPicture lossPicture(std::span<const double> times) const {
+  PlanPicture lossPicture(const LossTimes& times) const {
     PlanPicture picture;
     picture.barLabel = "time [s]";
     picture.stored = true;
@@ -374,14 +420,17 @@ class PlanWatch final : public Watch {
     picture.values.assign(plan_.size(), 0);
     picture.marks = emptyMarks(plan_);
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      picture.values[places_[i]] = times[i];
-      picture.marks[places_[i]] = std::isinf(times[i]) ? PlanMark::kKept : PlanMark::kValue;
+      const double time = times.by(survey_->round)[i];
+      picture.values[places_[i]] = time;
+      picture.marks[places_[i]] = !times.complete(i) ? PlanMark::kUnknown
+                                  : std::isinf(time) ? PlanMark::kKept
+                                                     : PlanMark::kValue;
     }
     return picture;
   }
 
   Status writeAset(std::size_t set) const {
-    PlanPicture picture = lossPicture(rounded(losses_->times(set)));
+    PlanPicture picture = lossPicture(losses_->times(set));
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (hidden_[set][i])
         picture.marks[places_[i]] = PlanMark::kHidden;
@@ -392,7 +441,7 @@ class PlanWatch final : public Watch {
         {PlanMark::kKept,
          fmt::format("never lost: still seen at {:g} s, the last time", survey_->times.back())},
         {PlanMark::kHidden, "no sign in sight, smoke or not"},
-        {PlanMark::kUnknown, kNoData},
+        {PlanMark::kUnknown, kNotKnownWords},
         {PlanMark::kSolid, kSolidWords}};
     return writePlan(survey_->folder / asetName(set), plan_, picture,
                      shownSigns(survey_->sets[set].members));
@@ -400,18 +449,20 @@ class PlanWatch final : public Watch {
 
   /// How the first loss of all signs depends on what is not known well.
   std::string addSensitivity(Json& report) const {
-    std::vector<bool> counts(hidden_[0]);
-    counts.flip();
+    const std::vector<bool> counts = countsOf(0);
     std::vector<HtmlRow> rows;
     Json list = Json::array();
     const auto add = [&](const std::string& name, const LossTimes& times) {
       const FirstLoss loss = firstLoss(times, survey_->round, counts);
+      const bool any = loss.any && loss.certain();
+      const char* none = loss.certain() ? "\u2013" : "not known";
       list.push_back({{"variation", name},
-                      {"first_loss", loss.any ? Json(loss.by(survey_->round)) : Json()},
-                      {"first_loss_interpolated", loss.any ? Json(loss.none) : Json()},
+                      {"first_loss", any ? Json(loss.by(survey_->round)) : Json()},
+                      {"first_loss_interpolated", any ? Json(loss.none) : Json()},
+                      {"known", knownJson(loss.known)},
                       {"share_lost", loss.share}});
-      rows.push_back({name, loss.any ? fmt::format("{:.4g}", loss.by(survey_->round)) : "\u2013",
-                      loss.any ? fmt::format("{:.4g}", loss.none) : "\u2013",
+      rows.push_back({name, any ? fmt::format("{:.4g}", loss.by(survey_->round)) : none,
+                      any ? fmt::format("{:.4g}", loss.none) : none,
                       fmt::format("{:.1f} %", 100 * loss.share)});
     };
     add("as computed", losses_->times(0));
@@ -432,41 +483,57 @@ class PlanWatch final : public Watch {
     const std::size_t single = survey_->sets.size() > 1 ? 1 : 0;
     const std::size_t singles = survey_->sets.size() > 1 ? survey_->signs.size() : 1;
     const auto lossOf = [&](std::size_t set) {
-      std::vector<bool> counts(hidden_[set]);
-      counts.flip();
-      return firstLoss(losses_->earliest(set), survey_->round, counts);
+      return firstLoss(losses_->earliest(set), survey_->round, countsOf(set));
+    };
+    // What may be lost sooner is worse, whether it is certain or not.
+    const auto sooner = [&](const FirstLoss& one, const FirstLoss& other) {
+      const auto time = [&](const FirstLoss& loss) {
+        return !loss.certain() ? loss.known
+               : loss.any      ? loss.by(survey_->round)
+                               : std::numeric_limits<double>::infinity();
+      };
+      return time(one) < time(other);
     };
     std::size_t soonest = single;
     FirstLoss soonestLoss = lossOf(single);
     for (std::size_t set = single + 1; set < single + singles; ++set) {
       const FirstLoss loss = lossOf(set);
-      if (loss.any &&
-          (!soonestLoss.any || loss.by(survey_->round) < soonestLoss.by(survey_->round))) {
+      if (sooner(loss, soonestLoss)) {
         soonest = set;
         soonestLoss = loss;
       }
     }
     const double end = survey_->times.back();
     const std::string name = survey_->signs[survey_->sets[soonest].members[0]].sign.name;
+    constexpr const char* kSeeing = "the points that see it without smoke";
+    const auto uncertain = [&](const std::string& what, const FirstLoss& loss) {
+      return fmt::format("{}: {}{}.", what, unknownWords(loss, "lost", kSeeing),
+                         loss.any ? fmt::format("; lost at the latest at {:.4g} s, from {}",
+                                                loss.up, placeWords(eyes_[loss.place]))
+                                  : "");
+    };
     verdict.push_back(verdictJson(
         "sign lost first",
-        soonestLoss.any
+        !soonestLoss.certain() ? uncertain(fmt::format("Sight of sign '{}'", name), soonestLoss)
+        : soonestLoss.any
             ? fmt::format("Sign '{}' is lost first: at {}, from {}; by {:g} s it is lost from "
                           "{:.0f} % of the points that see it without smoke.",
                           name, timeWords(soonestLoss), placeWords(eyes_[soonestLoss.place]), end,
                           100 * soonestLoss.share)
             : fmt::format("No sign is lost from anywhere until {:g} s.", end),
         soonestLoss, survey_->round, eyes_));
-    verdict.back()["sign"] = soonestLoss.any ? Json(name) : Json();
+    verdict.back()["sign"] = soonestLoss.any || !soonestLoss.certain() ? Json(name) : Json();
     if (survey_->sets.size() > 1) {
       const FirstLoss all = lossOf(0);
       verdict.push_back(verdictJson(
           "sight of signs",
-          all.any ? fmt::format("From {} no sign is visible from {} on; by {:g} s this holds for "
-                                "{:.0f} % of the points that see a sign without smoke.",
-                                placeWords(eyes_[all.place]), timeWords(all), end, 100 * all.share)
-                  : fmt::format("Every point that sees a sign without smoke sees one until {:g} s.",
-                                end),
+          !all.certain() ? uncertain("Sight of any sign", all)
+          : all.any
+              ? fmt::format("From {} no sign is visible from {} on; by {:g} s this holds for "
+                            "{:.0f} % of the points that see a sign without smoke.",
+                            placeWords(eyes_[all.place]), timeWords(all), end, 100 * all.share)
+              : fmt::format("Every point that sees a sign without smoke sees one until {:g} s.",
+                            end),
           all, survey_->round, eyes_));
     }
   }
@@ -483,7 +550,7 @@ class PlanWatch final : public Watch {
   }
 
   Status writeLocal() const {
-    PlanPicture picture = lossPicture(rounded(local_->times()));
+    PlanPicture picture = lossPicture(local_->times());
     picture.title = fmt::format(
         "{} {:g} 1/m at z = {:g} m",
         survey_->round == RoundTime::kDown ? "Last stored time with K <" : "First time with K >=",
@@ -491,7 +558,7 @@ class PlanWatch final : public Watch {
     picture.subtitle = "smoke where one stands, signs aside";
     picture.words = {
         {PlanMark::kKept, fmt::format("below it at {:g} s, the last time", survey_->times.back())},
-        {PlanMark::kUnknown, kNoData},
+        {PlanMark::kUnknown, kNotKnownWords},
         {PlanMark::kSolid, kSolidWords}};
     return writePlan(survey_->folder / "aset_local.png", plan_, picture,
                      shownSigns(survey_->sets[0].members));
@@ -540,6 +607,7 @@ class PlanWatch final : public Watch {
   std::vector<std::size_t> places_;  // of each eye in the plan
   std::vector<Vec3> eyes_;
   std::optional<SignLoss> losses_;
+  PlanUse use_;
   std::vector<std::vector<bool>> hidden_;  // of each set
   std::vector<bool> inView_;               // of each sign
   std::optional<LevelWatch> local_;

@@ -11,6 +11,7 @@
 #include "volute/visibility/exposure_meter.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/plan_tenability.hpp"
+#include "volute/visibility/verdict.hpp"
 #include "volute/visibility/watch.hpp"
 
 namespace volute {
@@ -67,6 +68,13 @@ class RouteWatch final : public Watch {
     if (!survey.criteria.empty()) {
       meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
                      routes_.size());
+      if (walking_.start < survey.times.front() && !storedPlace(survey.times, walking_.start)) {
+        progress.remark(fmt::format(
+            "the walk starts at {:g} s, before the first stored time, {:g} s: what walkers take in "
+            "is not known",
+            walking_.start, survey.times.front()));
+        for (std::size_t r = 0; r < routes_.size(); ++r) meter_->lose(r);
+      }
     }
     return {};
   }
@@ -89,6 +97,7 @@ class RouteWatch final : public Watch {
   }
 
   Result<std::string> finish(Json& report) override {
+    noteEnds();
     report["eyes"] = {{"kind", "routes"}, {"step", survey_->step}, {"count", eyes_.size()}};
     report["walk"] = {{"speed", walking_.speed}, {"start", walking_.start}};
     const SpeedLawInfo& law = speedLaws()[static_cast<std::size_t>(walking_.slowed)];
@@ -96,6 +105,7 @@ class RouteWatch final : public Watch {
         {"law", law.name}, {"source", law.source}, {"source_checked", law.checked}};
     if (meter_)
       report["tenability"]["criteria"] = criteriaJson(*meter_);
+    report["sources"] = sourcesJson(*survey_, meter_ ? &*meter_ : nullptr);
     report["routes"] = Json::array();
     std::string page = "<h2>Routes</h2>\n";
     if (plan_.size() > 0) {
@@ -110,7 +120,9 @@ class RouteWatch final : public Watch {
     }
     addVerdict(report);
     page += walkTable(report["routes"]);
-    return meter_ ? page + criteriaTable(*meter_) : page;
+    if (meter_)
+      page += criteriaTable(*meter_);
+    return page + sourcesTable(report["sources"]);
   }
 
  private:
@@ -218,6 +230,21 @@ class RouteWatch final : public Watch {
     }
   }
 
+  /// Of walkers who are still on their way after the last time, nothing more is known.
+  void noteEnds() {
+    if (!meter_)
+      return;
+    for (std::size_t r = 0; r < routes_.size(); ++r) {
+      double arrival = kNotYet;
+      for (const Station& station : stations_) {
+        if (station.route == r)
+          arrival = station.arrival;
+      }
+      if (arrival > survey_->times.back() && !storedPlace(survey_->times, arrival))
+        meter_->lose(r);
+    }
+  }
+
   /// What walkers take in.
   Status expose(const SurveyTime& at) {
     const auto places = [&](double time, std::span<Vec3> out) {
@@ -226,19 +253,36 @@ class RouteWatch final : public Watch {
         out[r] = std::isnan(along) ? Vec3::Constant(along) : routes_[r].at(along);
       }
     };
-    // Between stations the smoke is linear.
-    std::vector<double> extinction(routes_.size(), std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t i = 1; i < stations_.size(); ++i) {
-      const Station &from = stations_[i - 1], &to = stations_[i];
-      const double along = alongAt(to.route, at.time);
-      if (from.route != to.route || !(along >= from.along && along <= to.along))
-        continue;
-      const double share = (along - from.along) / (to.along - from.along);
-      extinction[to.route] =
-          at.extinction[i - 1] + share * (at.extinction[i] - at.extinction[i - 1]);
-    }
+    // Between stations, and between the two times, the smoke is linear.
+    const auto smokeAt = [&](double time, std::span<double> out) {
+      const double passed = at.time - smokeBefore_.first;
+      const double late =
+          passed > 0 && !smokeBefore_.second.empty() ? (time - smokeBefore_.first) / passed : 1;
+      const auto mix = [](double one, double other, double share) {
+        return share <= 0   ? one
+               : share >= 1 ? other
+                            : (1 - share) * one + share * other;  // one may be infinite
+      };
+      const auto stationAt = [&](std::size_t i) {
+        return late < 1 ? mix(smokeBefore_.second[i], at.extinctionHigh[i], late)
+                        : at.extinctionHigh[i];
+      };
+      std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
+      for (std::size_t i = 1; i < stations_.size(); ++i) {
+        const Station &from = stations_[i - 1], &to = stations_[i];
+        const double along = alongAt(to.route, time);
+        if (from.route != to.route || !(along >= from.along && along <= to.along))
+          continue;
+        const double share = (along - from.along) / (to.along - from.along);
+        out[to.route] = mix(stationAt(i - 1), stationAt(i), share);
+      }
+    };
+    std::vector<double> extinction(routes_.size());
+    smokeAt(at.time, extinction);
     constexpr double kStep = 0.25;  // [s]
-    return meter_->advance(at.time, places, extinction, kStep);
+    VOLUTE_TRY(meter_->advance(at.time, places, extinction, kStep, smokeAt));
+    smokeBefore_ = {at.time, {at.extinctionHigh.begin(), at.extinctionHigh.end()}};
+    return {};
   }
 
   void addVerdict(Json& report) const {
@@ -255,16 +299,32 @@ class RouteWatch final : public Watch {
                           100 * route["walk_share_with_a_sign"].get<double>());
       Json json = {{"criterion", "route " + routes_[r].name}, {"time", nullptr}};
       if (meter_) {
-        std::string reached;
+        std::string reached, unknown;
         for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
-          const double time = meter_->times(c).by(survey_->round)[r];
+          const LossTimes& times = meter_->times(c);
+          const double time = times.by(survey_->round)[r];
+          if (!times.complete(r)) {
+            unknown += fmt::format(
+                "{}{} ({}{})", unknown.empty() ? "" : ", ", meter_->criteria()[c].name,
+                std::isinf(times.known[r]) ? std::string("at no time")
+                                           : fmt::format("not after {:.4g} s", times.known[r]),
+                std::isinf(time) ? std::string()
+                                 : fmt::format("; reached at the latest at {:.4g} s", times.up[r]));
+            continue;
+          }
           if (std::isinf(time))
             continue;
           reached += fmt::format("{}{} at {:.4g} s", reached.empty() ? "" : ", ",
                                  meter_->criteria()[c].name, time);
         }
-        text += reached.empty() ? "; no criterion of tenability is reached on the way"
-                                : "; reached on the way: " + reached;
+        if (!unknown.empty())
+          text += "; not known on the whole way: " + unknown;
+        if (!reached.empty())
+          text += "; reached on the way: " + reached;
+        else
+          text += unknown.empty() ? "; no criterion of tenability is reached on the way"
+                                  : "; none of the others is reached on the way";
+        json["known"] = unknown.empty();
       }
       json["sentence"] = text + ".";
       verdict.push_back(std::move(json));
@@ -375,12 +435,16 @@ class RouteWatch final : public Watch {
       json["exposure"] = Json::array();
       for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
         const LossTimes& times = meter_->times(c);
+        const bool known = times.complete(r);
         json["exposure"].push_back(
             {{"name", meter_->criteria()[c].name},
              {meter_->criteria()[c].isDose() ? "dose" : "worst_value",
               meter_->unknown(c, r) ? Json() : jsonNumber(meter_->worst(c)[r])},
-             {"time", jsonNumber(times.by(survey_->round)[r])},
-             {"time_interpolated", jsonNumber(times.none[r])}});
+             {"time", known ? jsonNumber(times.by(survey_->round)[r]) : Json()},
+             {"known", knownJson(times.known[r])},
+             {"time_interpolated", known ? jsonNumber(times.none[r]) : Json()}});
+        if (!known && !std::isinf(times.up[r]))
+          json["exposure"].back()["at_the_latest"] = times.up[r];
       }
     }
     json["walk_share_known"] = std::min(known, 1.0);
@@ -441,8 +505,9 @@ class RouteWatch final : public Watch {
   const Survey* survey_ = nullptr;
   std::vector<Route> routes_;
   Walk walking_;
-  std::vector<std::vector<TrackPoint>> tracks_;  // of each walker whom smoke slows down
-  std::vector<double> extinction_;               // at the stations, at the last time
+  std::vector<std::vector<TrackPoint>> tracks_;         // of each walker whom smoke slows down
+  std::vector<double> extinction_;                      // at the stations, at the last time
+  std::pair<double, std::vector<double>> smokeBefore_;  // the same, at the last stored one
   double smokeTime_ = 0;
   std::optional<ExposureMeter> meter_;
   std::vector<Station> stations_;

@@ -32,7 +32,10 @@ std::string withTimeAsZ(std::string_view text) {
 }  // namespace
 
 Result<Rset> Rset::parse(std::string_view text, std::string_view file) {
-  auto people = Trajectories::parse(text, file, 0.0);
+  // With their heights, else on every storey.
+  auto people = Trajectories::parse(text, file, std::nullopt);
+  if (!people)
+    people = Trajectories::parse(text, file, std::numeric_limits<double>::quiet_NaN());
   if (people)
     return Rset(std::move(*people));
   const std::string named = withTimeAsZ(text);

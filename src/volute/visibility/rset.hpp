@@ -30,6 +30,9 @@ class Rset {
   /// its nearest point.
   std::vector<double> at(std::span<const Vec3> points, double radius) const;
 
+  /// Whether it is of people who walk, and so has times alone where somebody is.
+  bool isOfPeople() const { return std::holds_alternative<Trajectories>(what_); }
+
   std::string description() const;
 
  private:

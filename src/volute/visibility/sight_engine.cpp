@@ -52,6 +52,10 @@ bool SightEngine::changed(double stored, double now) const {
                              [&](double change) { return change > stored && change <= now; });
 }
 
+bool SightEngine::knows(double t) const {
+  return storedPlace(field_->times(), t).has_value();
+}
+
 Result<SightEngine::Instants> SightEngine::instantsAt(double t) {
   if (t == time_)
     return instants_;
@@ -76,6 +80,10 @@ Result<SightEngine::Instants> SightEngine::instantsAt(double t) {
 
 Status SightEngine::sees(std::span<const Vec3> eyes, double t, std::span<Seen> out) {
   VOLUTE_ASSERT(out.size() == signs_.size() * eyes.size());
+  if (!knows(t)) {
+    std::ranges::fill(out, Seen::kCannotTell);
+    return {};
+  }
   VOLUTE_ASSIGN(const Instants now, instantsAt(t));
   // What instants make once is made here: in the loop a thread might wait for itself.
   for (const auto& instant : {now.before, now.after}) {
@@ -161,6 +169,10 @@ void SightEngine::lookExactly(const Instants& now, const Lines& lines, std::span
 
 Status SightEngine::extinction(std::span<const Vec3> eyes, double t, std::span<double> out) {
   VOLUTE_ASSERT(out.size() == eyes.size());
+  if (!knows(t)) {
+    std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
+    return {};
+  }
   VOLUTE_ASSIGN(const Instants now, instantsAt(t));
   parallelRanges(eyes.size(), 256, [&](std::size_t begin, std::size_t end) {
     const auto part = out.subspan(begin, end - begin);
@@ -201,13 +213,13 @@ Status SightEngine::dose(std::span<const std::int64_t> ids, std::span<const Vec3
         result = value;
         continue;
       }
-      const double before = agent.rates[c];
-      const double rate =
-          std::isnan(value) ? before : (std::isnan(before) ? value : 0.5 * (before + value));
-      if (passed > 0 && !std::isnan(rate))
-        agent.doses[c] += rate * passed;
+      const auto isHere = [&](Air one) { return !air_.has(one) || !std::isnan(air[i][one]); };
+      if (std::isnan(value) || !std::ranges::all_of(criteria_[c].taken(), isHere))
+        agent.doses[c] = std::numeric_limits<double>::quiet_NaN();  // from now on
+      if (passed > 0)
+        agent.doses[c] += 0.5 * (agent.rates[c] + value) * passed;
       agent.rates[c] = value;
-      result = std::isnan(rate) && agent.doses[c] == 0 ? rate : agent.doses[c];
+      result = agent.doses[c];
     }
     agent.time = t;
   }

@@ -27,8 +27,8 @@ class SightEngine {
                                                 Progress& progress);
 
   /// Whether each agent sees each sign at a time [s]: optical depths are linear between stored
-  /// times, obstructions as of `t`; before the first and after the last stored time the smoke is
-  /// constant. Times may be in any order; ascending ones are read once.
+  /// times, obstructions as of `t`; before the first and after the last stored time nobody can
+  /// tell. Times may be in any order; ascending ones are read once.
   /// @param eyes  [m].
   /// @param out  shape (sign, agent), agent fastest.
   [[nodiscard]] Status sees(std::span<const Vec3> eyes, double t, std::span<Seen> out);
@@ -38,7 +38,8 @@ class SightEngine {
   /// call continues with its earlier dose, without the time in between.
   /// @param ids  of the agents, each once.
   /// @param eyes  position of each [m].
-  /// @param out  shape (criterion, agent): doses so far, or levels; NaN without data in the case.
+  /// @param out  shape (criterion, agent): doses so far, or levels; NaN where the case does not
+  /// say, for doses from then on.
   [[nodiscard]] Status dose(std::span<const std::int64_t> ids, std::span<const Vec3> eyes, double t,
                             std::span<double> out);
 
@@ -88,6 +89,7 @@ class SightEngine {
   static std::pair<std::vector<double>, std::vector<double>> boundsOf(
       const Instants& now, std::span<const SightLine> lines);
   static void lookExactly(const Instants& now, const Lines& lines, std::span<Seen> out);
+  bool knows(double t) const;
   bool changed(double stored, double now) const;
   Result<Instants> instantsAt(double t);
   Result<std::shared_ptr<const SightInstant>> stored(std::size_t index);

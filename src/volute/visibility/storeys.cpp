@@ -3,6 +3,7 @@
 #include "volute/visibility/storeys.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "volute/base/output_folder.hpp"
@@ -14,13 +15,21 @@
 namespace volute {
 namespace {
 
+/// From when on a verdict is not sure that nothing is lost [s].
+double sureUntil(const Json& verdict) {
+  constexpr double kAlways = std::numeric_limits<double>::infinity();
+  const Json known = verdict.value("known", Json(true)), time = verdict.value("time", Json());
+  if (known.is_number())
+    return known.get<double>();
+  if (known == false)
+    return -kAlways;
+  return time.is_number() ? time.get<double>() : kAlways;
+}
+
 /// Of each criterion that has a time the verdict of the storey where it comes first, with the
-/// height.
+/// height. One that is not known comes first from when on it is not.
 Json worstVerdicts(const Json& storeys) {
   Json worst = Json::array();
-  const auto sooner = [](const Json& one, const Json& other) {
-    return one.is_number() && (!other.is_number() || one.get<double>() < other.get<double>());
-  };
   for (const Json& storey : storeys) {
     for (const Json& one : storey["verdict"]) {
       if (!one.contains("time"))
@@ -31,7 +40,7 @@ Json worstVerdicts(const Json& storeys) {
           worst, one["criterion"], [](const Json& w) -> const Json& { return w["criterion"]; });
       if (known == worst.end())
         worst.push_back(std::move(with));
-      else if (sooner(one.value("time", Json()), known->value("time", Json())))
+      else if (sureUntil(one) < sureUntil(*known))
         *known = std::move(with);
     }
   }

@@ -314,6 +314,16 @@ void StudyResults::addResult(const StudyRun& run, const Json& json, std::span<co
     if (one.contains("time")) {
       const bool reached = one["time"].is_number();
       put(row, criterion + " [s]", reached ? one["time"].dump() : "");
+      const Json known = one.value("known", Json(true));
+      put(row, criterion + ", known",
+          known.is_boolean() ? (known == true ? "yes" : "no") : "until " + known.dump());
+      // To sort by: what is not known may be reached as soon as its data end.
+      put(row, criterion + ", not before [s]",
+          known.is_number() ? known.dump()
+          : times.empty()   ? ""
+          : known == false  ? times.front().dump()
+          : reached         ? one["time"].dump()
+                            : times.back().dump());
       put(row, criterion + ", interpolated [s]",
           reached ? one.value("time_interpolated", Json()).dump() : "");
       if (one.contains("height"))
@@ -324,6 +334,7 @@ void StudyResults::addResult(const StudyRun& run, const Json& json, std::span<co
       put(row, "first sign lost", one["sign"].is_string() ? one["sign"].get<std::string>() : "");
   }
   Json margin;  // the smallest
+  bool marginKnown = true;
   std::size_t remarks = 0;
   std::vector<Plan> plans;
   for (const Json& storey : storeys) {
@@ -331,6 +342,7 @@ void StudyResults::addResult(const StudyRun& run, const Json& json, std::span<co
       const Json& own = storey["tenability"]["margin"];
       if (!row.contains(kMinMargin))
         put(row, kMinMargin, "");
+      marginKnown = marginKnown && own.value("known", true);
       if (own.contains("least") && (margin.is_null() || own["least"].at("value") < margin))
         margin = own["least"].at("value");
     }
@@ -338,8 +350,10 @@ void StudyResults::addResult(const StudyRun& run, const Json& json, std::span<co
     if (auto plan = planOf(run.name, storey))
       plans.push_back(std::move(*plan));
   }
-  if (!margin.is_null())
+  if (!margin.is_null() && marginKnown)
     put(row, kMinMargin, margin.dump());
+  if (row.contains(kMinMargin))
+    put(row, "least margin, known", marginKnown ? "yes" : "no");
   put(row, "remarks", std::to_string(remarks));
   std::ranges::move(plans, std::back_inserter(plans_));
   rows_.push_back(std::move(row));
@@ -360,9 +374,11 @@ std::optional<StudyResults::Plan> StudyResults::planOf(const std::string& run, c
   if (json.at("times").empty())
     return std::nullopt;
   plan.end = json.at("times").back();
-  const Json& rows = json.contains("tenability") && json["tenability"].contains("aset")
-                         ? json["tenability"]["aset"].at("rows")
-                         : json.at("aset").at(0).at("rows");
+  const Json& aset = json.contains("tenability") && json["tenability"].contains("aset")
+                         ? json["tenability"]["aset"]
+                         : json.at("aset").at(0);
+  const Json& rows = aset.at("rows");
+  const Json knowns = aset.value("rows_known", Json());  // of older results: none
   for (int y = 0; y < plan.plan.ny; ++y) {
     const auto line = static_cast<std::size_t>(y);
     const std::string walkable = json.at("plan").at(line);
@@ -371,7 +387,8 @@ std::optional<StudyResults::Plan> StudyResults::planOf(const std::string& run, c
       const bool gas = column < walkable.size() && walkable[column] == '1';
       const Json& value = rows.at(line).at(column);
       plan.plan.places.push_back(gas ? Place::kGas : Place::kSolid);
-      plan.aset.push_back(!gas                ? std::numeric_limits<float>::quiet_NaN()
+      const bool known = knowns.is_null() || knowns.at(line).at(column) == true;
+      plan.aset.push_back(!gas || !known      ? std::numeric_limits<float>::quiet_NaN()
                           : value.is_number() ? value.get<float>()
                                               : std::numeric_limits<float>::infinity());
     }

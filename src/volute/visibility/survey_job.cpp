@@ -152,8 +152,8 @@ class Job {
  private:
   using Bytes = OrderedDelivery::Bytes;
 
-  /// What a rank sends of a time: this, the sightings, extinction at the eyes, and rows of the
-  /// table, each at a multiple of eight bytes.
+  /// What a rank sends of a time: this, the sightings, extinction at the eyes and its upper
+  /// bounds, and rows of the table, each at a multiple of eight bytes.
   struct Lengths {
     double time = 0;
     bool stored = false, packed = false;
@@ -247,9 +247,12 @@ class Job {
     const bool smoke =
         survey_.extinctionLimit > 0 || !survey_.criteria.empty() || watch_.wantsExtinction();
     std::vector<double> extinction(smoke ? eyes.size() : 0);
+    std::vector<double> high(extinction.size());
     parallelRanges(extinction.size(), 512, [&](std::size_t begin, std::size_t end) {
-      instant.extinction(std::span(eyes).subspan(begin, end - begin),
-                         std::span(extinction).subspan(begin, end - begin));
+      const auto part = [&](auto& all) { return std::span(all).subspan(begin, end - begin); };
+      std::vector<double> low(end - begin);
+      instant.extinction(part(eyes), part(extinction));
+      instant.extinctionBounds(part(eyes), low, part(high));
     });
     SightRows rows;
     if (stored) {
@@ -258,7 +261,7 @@ class Job {
       Result<SightRows> made;
       parallelFor(2, [&](std::size_t what) {
         if (what == 0)
-          drawn = watch_.draw({index, time, eyes, sightings, extinction}, instant);
+          drawn = watch_.draw({index, time, eyes, sightings, extinction, high}, instant);
         else
           made = rowMaker_.make(time, eyes, survey_.signs, sightings);
       });
@@ -269,9 +272,10 @@ class Job {
         time,          stored,           rows.packed, sightings.size(), extinction.size(),
         rows.textSize, rows.bytes.size()};
     rows.bytes.resize(paddedSize(rows.bytes.size()));
-    const std::array parts{
-        std::as_bytes(std::span(&lengths, 1)), std::as_bytes(std::span(sightings)),
-        std::as_bytes(std::span(extinction)), std::as_bytes(std::span(rows.bytes))};
+    const std::array parts{std::as_bytes(std::span(&lengths, 1)),
+                           std::as_bytes(std::span(sightings)),
+                           std::as_bytes(std::span(extinction)), std::as_bytes(std::span(high)),
+                           std::as_bytes(std::span(rows.bytes))};
     std::size_t size = bytes.size();
     for (const auto part : parts) size += part.size();
     bytes.reserve(size);
@@ -288,11 +292,17 @@ class Job {
                                 lengths.sightings);
       const std::span extinction(
           reinterpret_cast<const double*>(sightings.data() + sightings.size()), lengths.extinction);
-      const auto* text = reinterpret_cast<const char*>(extinction.data() + extinction.size());
+      const std::span high(extinction.data() + extinction.size(), lengths.extinction);
+      const auto* text = reinterpret_cast<const char*>(high.data() + high.size());
       at = reinterpret_cast<const std::byte*>(text) + paddedSize(lengths.rows);
       const auto eyes = watch_.eyes(lengths.time);
-      const SurveyTime seen{
-          static_cast<std::size_t>(i), lengths.time, eyes, sightings, extinction, lengths.stored};
+      const SurveyTime seen{static_cast<std::size_t>(i),
+                            lengths.time,
+                            eyes,
+                            sightings,
+                            extinction,
+                            high,
+                            lengths.stored};
       if (lengths.stored) {
         VOLUTE_TRY(csv_->write(
             {lengths.sightings, lengths.packed, lengths.text, std::string(text, lengths.rows)}));

@@ -5,33 +5,67 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 namespace volute {
 
+Json knownJson(double known) {
+  return std::isinf(known) ? Json(known > 0) : Json(known);
+}
+
 FirstLoss firstLoss(const LossTimes& times, RoundTime round, const std::vector<bool>& counts) {
-  FirstLoss first;
-  std::size_t considered = 0, lost = 0;
+  constexpr double kAlways = std::numeric_limits<double>::infinity();
+  FirstLoss first, latest;  // among places that are known, and of the others
+  std::size_t considered = 0, lost = 0, unknown = 0;
+  double known = kAlways;
   const std::vector<double>& by = times.by(round);
   for (std::size_t i = 0; i < by.size(); ++i) {
     if (!counts.empty() && !counts[i])
       continue;
     ++considered;
+    const bool complete = times.complete(i);
+    unknown += !complete;
+    if (!complete)
+      known = std::min(known, times.known[i]);
     if (std::isinf(times.up[i]))
       continue;
     ++lost;
-    const bool sooner = by[i] < by[first.place] ||
-                        (by[i] == by[first.place] && times.none[i] < times.none[first.place]);
-    if (!first.any || sooner)
-      first.place = i;
-    first.any = true;
+    FirstLoss& one = complete ? first : latest;
+    const bool sooner =
+        by[i] < by[one.place] || (by[i] == by[one.place] && times.none[i] < times.none[one.place]);
+    if (!one.any || sooner)
+      one.place = i;
+    one.any = true;
   }
+  const bool certain = known == kAlways || (first.any && by[first.place] <= known);
+  if (!certain && latest.any && (!first.any || by[latest.place] < by[first.place]))
+    first = latest;
+  first.known = certain ? kAlways : known;
   if (first.any) {
     first.down = times.down[first.place];
     first.none = times.none[first.place];
     first.up = times.up[first.place];
   }
-  first.share = considered > 0 ? static_cast<double>(lost) / static_cast<double>(considered) : 0;
+  if (considered > 0) {
+    first.share = static_cast<double>(lost) / static_cast<double>(considered);
+    first.unknown = static_cast<double>(unknown) / static_cast<double>(considered);
+  }
   return first;
+}
+
+std::string percentWords(double share) {
+  const double percent = 100 * share;
+  return share > 0 && percent < 0.5    ? "less than 1 %"
+         : share < 1 && percent > 99.5 ? "more than 99 %"
+                                       : fmt::format("{:.0f} %", percent);
+}
+
+std::string unknownWords(const FirstLoss& loss, std::string_view reached, std::string_view places) {
+  const std::string where = fmt::format("{} of {}", percentWords(loss.unknown), places);
+  if (std::isinf(loss.known))
+    return fmt::format("not known at {}", where);
+  return fmt::format("not {} by {:.4g} s, and not known after that at {}", reached, loss.known,
+                     where);
 }
 
 std::string timeWords(const FirstLoss& loss) {
@@ -47,14 +81,23 @@ std::string placeWords(const Vec3& place) {
 
 Json verdictJson(const std::string& criterion, const std::string& sentence, const FirstLoss& loss,
                  RoundTime round, std::span<const Vec3> places) {
-  Json json = {{"criterion", criterion}, {"sentence", sentence}, {"time", nullptr}};
+  Json json = {{"criterion", criterion},
+               {"sentence", sentence},
+               {"time", nullptr},
+               {"known", knownJson(loss.known)}};
+  if (loss.unknown > 0)
+    json["share_not_known"] = loss.unknown;
   if (!loss.any)
     return json;
   const Vec3& place = places[loss.place];
-  json["time"] = jsonNumber(loss.by(round));
-  json["time_down"] = jsonNumber(loss.down);
-  json["time_interpolated"] = jsonNumber(loss.none);
-  json["time_up"] = jsonNumber(loss.up);
+  if (loss.certain()) {
+    json["time"] = jsonNumber(loss.by(round));
+    json["time_down"] = jsonNumber(loss.down);
+    json["time_interpolated"] = jsonNumber(loss.none);
+    json["time_up"] = jsonNumber(loss.up);
+  } else {
+    json["at_the_latest"] = jsonNumber(loss.up);
+  }
   json["position"] = {place[0], place[1], place[2]};
   json["share"] = loss.share;
   return json;

@@ -21,10 +21,21 @@ struct FirstLoss {
   double down = 0, none = 0, up = 0;  ///< [s]
   double share = 0;                   ///< of the places that lose it until the end
 
+  /// Until when it is certain that nothing is lost anywhere [s], where the first loss is not:
+  /// some place is not known from then on. Infinite: the answer is certain; -infinite: some place
+  /// is never known. A loss that is there is one that comes at the latest then.
+  double known = std::numeric_limits<double>::infinity();
+  double unknown = 0;  ///< share of the places that are not known all along
+
+  bool certain() const { return known > 0 && std::isinf(known); }
+
   double by(RoundTime round) const {
     return round == RoundTime::kDown ? down : (round == RoundTime::kUp ? up : none);
   }
 };
+
+/// LossTimes::known as results state it: true (known all along), false (never), or until when [s].
+Json knownJson(double known);
 
 /// Among the places for which `counts` is true; empty: all.
 FirstLoss firstLoss(const LossTimes& times, RoundTime round, const std::vector<bool>& counts = {});
@@ -32,8 +43,14 @@ FirstLoss firstLoss(const LossTimes& times, RoundTime round, const std::vector<b
 /// "12.6 s (between 12 and 24 s) at x, y, z".
 std::string timeWords(const FirstLoss& loss);
 std::string placeWords(const Vec3& place);
+std::string percentWords(double share);  ///< "12 %", "less than 1 %"
 
-/// {criterion, sentence, time, time_interpolated, time_down, time_up, position, share}.
+/// "it is not known anywhere", "not reached by 14 s, not known after at 12 % of the floor": of a
+/// loss that is not certain. `reached` is "reached" or "lost".
+std::string unknownWords(const FirstLoss& loss, std::string_view reached, std::string_view places);
+
+/// {criterion, sentence, time, known, time_interpolated, time_down, time_up, at_the_latest,
+/// position, share, share_not_known}: `time` is null where it is not certain.
 Json verdictJson(const std::string& criterion, const std::string& sentence, const FirstLoss& loss,
                  RoundTime round, std::span<const Vec3> places);
 

@@ -15,11 +15,15 @@
 namespace volute {
 namespace {
 
-/// One for each; null: not until the end.
+/// One for each; null: not until the end, or not known.
 Json timesOf(std::span<const double> times) {
   Json list = Json::array();
   for (const double time : times) list.push_back(jsonNumber(time));
   return list;
+}
+
+Json asList(std::span<const Json> values) {
+  return Json(std::vector<Json>(values.begin(), values.end()));
 }
 
 /// Criteria, with when each of the exposed reaches them and what they have taken in.
@@ -32,10 +36,10 @@ Json exposureJson(const ExposureMeter& meter, RoundTime round) {
       if (meter.unknown(c, i))
         worst[i] = std::numeric_limits<double>::quiet_NaN();
     }
+    addTimes(list[c], "times", times, round, asList);
     list[c].update(
-        Json{{"times", timesOf(times.by(round))},
-             {"times_interpolated", timesOf(times.none)},
-             {"times_up", timesOf(times.up)},
+        Json{{"times_interpolated", timesOf(times.answers(RoundTime::kNone))},
+             {"times_up", timesOf(times.answers(RoundTime::kUp))},
              {meter.criteria()[c].isDose() ? "dose_at_the_end" : "worst_value", timesOf(worst)}});
   }
   return list;
@@ -64,6 +68,8 @@ class PointWatch : public Watch {
     if (!survey.criteria.empty())
       meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
                      points_.size());
+    if (meter_ ? meter_->air().smokeIsLate() : survey.field->beginsBefore())
+      losses_->loseAll();
     return {};
   }
 
@@ -76,12 +82,16 @@ class PointWatch : public Watch {
     VOLUTE_TRY(meter_->advance(
         at.time,
         [&](double, std::span<Vec3> places) { std::ranges::copy(points_, places.begin()); },
-        at.extinction));
+        at.extinctionHigh));
     for (std::size_t i = 0; i < points_.size(); ++i) {
       table_ +=
           fmt::format("{:g},{:g},{:g},{:g}", at.time, points_[i][0], points_[i][1], points_[i][2]);
-      for (std::size_t c = 0; c < meter_->criteria().size(); ++c)
-        table_ += fmt::format(",{:.9g}", meter_->values(c)[i]);
+      for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
+        const double value = meter_->values(c)[i];
+        const bool lacks =
+            std::isnan(value) || (meter_->criteria()[c].isDose() && meter_->unknown(c, i));
+        table_ += lacks ? "," : fmt::format(",{:.9g}", value);
+      }
       table_ += '\n';
     }
     return {};
@@ -92,14 +102,15 @@ class PointWatch : public Watch {
     report["aset"] = Json::array();
     for (std::size_t set = 0; set < survey_->sets.size(); ++set) {
       const LossTimes& loss = losses_->times(set);
-      report["aset"].push_back(
-          {{"set", survey_->sets[set].name},
-           {"times", timesOf(loss.by(survey_->round))},
-           {"times_interpolated", timesOf(loss.none)},
-           {"times_up", timesOf(loss.up)},
-           {"times_earliest", timesOf(losses_->earliest(set).by(survey_->round))},
-           {"times_latest", timesOf(losses_->latest(set).by(survey_->round))}});
+      Json json = {{"set", survey_->sets[set].name},
+                   {"times_interpolated", timesOf(loss.answers(RoundTime::kNone))},
+                   {"times_up", timesOf(loss.answers(RoundTime::kUp))},
+                   {"times_earliest", timesOf(losses_->earliest(set).answers(survey_->round))},
+                   {"times_latest", timesOf(losses_->latest(set).answers(survey_->round))}};
+      addTimes(json, "times", loss, survey_->round, asList);
+      report["aset"].push_back(std::move(json));
     }
+    report["sources"] = sourcesJson(*survey_, meter_ ? &*meter_ : nullptr);
     if (meter_) {
       report["tenability"]["criteria"] = exposureJson(*meter_, survey_->round);
       std::string head = "time,x,y,z";
@@ -137,6 +148,11 @@ class TrajectoryWatch final : public Watch {
     if (!survey.criteria.empty()) {
       meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
                      people_.ids().size());
+      const double start = survey.times.front();
+      for (const auto& [id, span] : people_.spans()) {
+        if (span.from < start && !isAt(start, span.from))
+          meter_->lose(placeOf(id));
+      }
     }
     return {};
   }
@@ -177,11 +193,38 @@ class TrajectoryWatch final : public Watch {
     std::vector<double> extinction(people_.ids().size(), std::numeric_limits<double>::quiet_NaN());
     const auto people = people_.at(at.time);
     for (std::size_t i = 0; i < people.size(); ++i)
-      extinction[placeOf(people[i].id)] = at.extinction[i];
+      extinction[placeOf(people[i].id)] = at.extinctionHigh[i];
     constexpr double kStep = 0.5;  // [s], some steps of somebody who runs
     return meter_->advance(
         at.time, [&](double time, std::span<Vec3> places) { placesAt(time, places); }, extinction,
         kStep);
+  }
+
+  /// Those who are there before the first time, or after the last one.
+  void noteEnds() {
+    if (!meter_)
+      return;
+    const double first = survey_->times.front(), last = survey_->times.back();
+    std::size_t longer = 0;
+    for (const auto& [id, span] : people_.spans()) {
+      const bool before = span.from < first && !isAt(first, span.from);
+      const bool after = span.until > last && !isAt(last, span.until);
+      longer += before || after ? 1 : 0;
+      if (after)
+        meter_->lose(placeOf(id));
+    }
+    if (longer > 0) {
+      progress_->remark(fmt::format(
+          "{} of {} people are on their way before {:g} s or after {:g} s, where the smoke is not "
+          "known: what they take in is not known",
+          longer, people_.people(), first, last));
+    }
+  }
+
+  /// Whether a time is one of the stored ones, rounding aside.
+  bool isAt(double stored, double time) const {
+    const auto place = storedPlace(survey_->times, time);
+    return place && place->span.from == stored && place->span.until == stored;
   }
 
   /// NaN for those who are not there.
@@ -196,6 +239,8 @@ class TrajectoryWatch final : public Watch {
   }
 
   Result<std::string> finish(Json& report) override {
+    noteEnds();
+    report["sources"] = sourcesJson(*survey_, meter_ ? &*meter_ : nullptr);
     if (!outside_.empty()) {
       progress_->remark(fmt::format(
           "{} of {} people are at some stored time inside something solid or where the case has no "

@@ -57,6 +57,9 @@ struct Survey {
   std::vector<Criterion> criteria;  ///< of tenability, besides the sight of signs; may be empty
   std::optional<Rset> rset;         ///< what plans are compared with
 
+  std::vector<Vec3> fires;  ///< besides what the case says: x, y and radius [m] of where it burns
+  bool everywhere = false;  ///< verdicts of plans are of all points, not of those for people alone
+
   /// The name as part of a file's name.
   static std::string fileName(std::string_view name);
 };
@@ -70,6 +73,8 @@ struct SurveyTime {
   /// Where the eyes stand [1/m], where Survey or Watch ask for it; NaN as
   /// SightInstant::extinction() says.
   std::span<const double> extinction{};
+  /// The largest that the data's rounding allows there, for criteria.
+  std::span<const double> extinctionHigh{};
   /// False at the times at which something opaque comes or goes, which are given before and after.
   bool stored = true;
 };

@@ -91,6 +91,21 @@ Result<std::vector<Vec3>> viewsOf(const Arguments& arguments) {
   return eyes;
 }
 
+/// "24,6,1.5": where it burns, and how far around.
+Result<std::vector<Vec3>> firesOf(const Arguments& arguments) {
+  std::vector<Vec3> fires;
+  for (const std::string& text : arguments.all("fire")) {
+    const auto numbers = parseNumbers(text).value_or(std::vector<double>());
+    if (numbers.size() != 3 || !(numbers[2] > 0)) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--fire: '{}' is not a place; expected X,Y,RADIUS in metres, the radius above 0",
+                  text);
+    }
+    fires.emplace_back(numbers[0], numbers[1], numbers[2]);
+  }
+  return fires;
+}
+
 /// A drawing of the building over maps.
 Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& arguments,
                                                        const Box3& bounds, std::uint64_t maxMemory,
@@ -158,6 +173,8 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
     VOLUTE_ASSIGN(request.survey.rset,
                   namingOptions(Rset::read(*rset, context.maxMemory / 16), arguments));
   }
+  request.survey.everywhere = arguments.flag("everywhere");
+  VOLUTE_ASSIGN(request.survey.fires, firesOf(arguments));
   VOLUTE_ASSIGN(request.survey.round, roundTime(arguments.get<std::string>("round")));
   VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context));
   VOLUTE_ASSIGN(auto views, viewsOf(arguments));
@@ -270,6 +287,15 @@ std::vector<Option> visibilityOptionTable() {
        .value = "T|FILE",
        .help = "required safe egress time, compared with the ASET of a plan: seconds, a table "
                "x,y,rset, or trajectories"},
+      {.name = "everywhere",
+       .help = "verdicts of a plan are of all its points; otherwise of those where people are: a "
+               "floor at most 2.5 m below the eyes, not in the fire's own place"},
+      {.name = "fire",
+       .kind = kText,
+       .value = "X,Y,RADIUS",
+       .help = "where it burns, for verdicts of places where people are; FDS cases say it "
+               "themselves, by their heat release [m]",
+       .several = true},
       framesOption("stored times, counted from 0: A <= n < B, every S-th"),
       {.name = "round",
        .kind = kChoice,
