@@ -4,7 +4,9 @@
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkDataArraySelection.h>
+#include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
+#include <vtkFieldData.h>
 #include <vtkFloatArray.h>
 #include <vtkImageData.h>
 #include <vtkInformation.h>
@@ -19,6 +21,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice.hpp"
@@ -139,6 +142,16 @@ void copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
   }
 }
 
+/// [s], as programs of VTK note it in the field data (TimeValue); NaN where it is not stated.
+double timeOf(vtkXMLImageDataReader* reader) {
+  vtkInformation* information = reader->GetOutputInformation(0);
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const auto key = vtkStreamingDemandDrivenPipeline::TIME_STEPS();
+  if (!information->Has(key) || information->Length(key) != 1)
+    return kUnknown;
+  return information->Get(key)[0];
+}
+
 class VtkReader final : public LatticeReader {
  public:
   Result<LatticeFrame> describe(const std::filesystem::path& path, const std::string& wanted,
@@ -150,7 +163,14 @@ class VtkReader final : public LatticeReader {
     reader->UpdateInformation();
     VOLUTE_TRY(watch.status(path.string()));
     ArrayEntry entry;
-    return describeImage(reader, wanted, path.string(), entry, usual);
+    auto frame = describeImage(reader, wanted, path.string(), entry, usual);
+    if (!frame && frame.error().code == ErrorCode::kNotFound) {
+      // Unlike grids of OpenVDB, arrays are never left out where they are empty.
+      frame.error().code = ErrorCode::kInvalidData;
+    }
+    if (frame)
+      frame->time = timeOf(reader);
+    return frame;
   }
 
   Status read(const std::filesystem::path& path, const std::string& wanted, const IndexBox&,
@@ -203,7 +223,7 @@ class VtkReader final : public LatticeReader {
 class VtkWriter final : public LatticeWriter {
  public:
   Status write(const std::filesystem::path& temporary, const std::filesystem::path& target,
-               const VolumeInfo& info, int, std::span<const float> values) override {
+               const VolumeInfo& info, int frame, std::span<const float> values) override {
     vtkNew<vtkFloatArray> array;
     array->SetName(escapedXml(info.name).c_str());  // VTK writes it as it is
     array->SetNumberOfComponents(info.channels);
@@ -215,6 +235,10 @@ class VtkWriter final : public LatticeWriter {
     image->SetOrigin(info.bounds.min.data());
     image->SetSpacing(size.data());
     image->GetCellData()->SetScalars(array);
+    vtkNew<vtkDoubleArray> time;
+    time->SetName("TimeValue");
+    time->InsertNextValue(info.times[static_cast<std::size_t>(frame)]);
+    image->GetFieldData()->AddArray(time);
     vtkNew<vtkXMLImageDataWriter> writer;
     const ErrorWatch watch;
     writer->SetFileName(temporary.c_str());

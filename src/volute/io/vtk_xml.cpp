@@ -264,36 +264,44 @@ class XmlCheck {
                  whole ? "whole " : "", rule.count > 1 ? "s with spaces between them" : "");
   }
 
-  /// First and last point along x, y and z.
-  static std::array<double, 6> extentOf(vtkXMLDataElement* element, const char* name) {
-    std::array<double, 6> extent{};
+  /// Cells [begin, end) along x, y and z; a flat image has one layer of them.
+  using Cells = std::array<std::int64_t, 6>;
+
+  static Cells extentOf(vtkXMLDataElement* element, const char* name) {
+    Cells extent{};
     const char* text = element->GetAttribute(name);
     const auto words = wordsOf(text ? text : "");
-    for (std::size_t i = 0; i < std::min(words.size(), extent.size()); ++i) {
-      std::int64_t place = 0;
-      readNumber(words[i], place);
-      extent[i] = static_cast<double>(place);
-    }
+    for (std::size_t i = 0; i < std::min(words.size(), extent.size()); ++i)
+      readNumber(words[i], extent[i]);
     return extent;
   }
 
-  /// VTK leaves what no piece fills as it finds it in memory.
+  /// Every cell is in one piece: VTK leaves what no piece fills as it finds it in memory, and of
+  /// pieces that overlap the last one counts.
   Status checkExtents(vtkXMLDataElement* image) const {
-    const auto whole = extentOf(image, "WholeExtent");
-    const auto cells = [&](const std::array<double, 6>& extent) {
-      double count = 1;
+    const Cells whole = extentOf(image, "WholeExtent");
+    // How the number of pieces that a cell is in changes at corners, in the order of z, y and x:
+    // it is 1 throughout where the changes are those of the whole extent.
+    std::map<std::array<std::int64_t, 3>, int> changes;
+    const auto add = [&](Cells cells, int by) {
       for (std::size_t axis = 0; axis < 6; axis += 2) {
         const bool flat = whole[axis] == whole[axis + 1];
-        count *= flat ? 1 : std::max(extent[axis + 1] - extent[axis], 0.0);
+        if (cells[axis + 1] < cells[axis] + (flat ? 0 : 1))
+          return;
+        if (flat)
+          cells[axis] = 0, cells[axis + 1] = 1;
       }
-      return count;
+      for (unsigned corner = 0; corner < 8; ++corner) {
+        const unsigned x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+        changes[{cells[4 + z], cells[2 + y], cells[x]}] += (x + y + z) % 2 == 0 ? by : -by;
+      }
     };
-    double filled = 0;
+    add(whole, -1);
     for (int i = 0; i < image->GetNumberOfNestedElements(); ++i) {
       vtkXMLDataElement* const piece = image->GetNestedElement(i);
       if (piece->GetName() != std::string_view("Piece"))
         continue;
-      const auto extent = extentOf(piece, "Extent");
+      const Cells extent = extentOf(piece, "Extent");
       for (std::size_t axis = 0; axis < 6; axis += 2) {
         if (extent[axis] < whole[axis] || extent[axis + 1] > whole[axis + 1])
           return wrong(
@@ -301,11 +309,17 @@ class XmlCheck {
               "its Extent along {} is {} to {}; expected it within the WholeExtent, {} to {}",
               "xyz"[axis / 2], extent[axis], extent[axis + 1], whole[axis], whole[axis + 1]);
       }
-      filled += cells(extent);
+      add(extent, 1);
     }
-    if (filled < cells(whole))
-      return wrong(image, "its pieces have {} of the {} cells of its WholeExtent", filled,
-                   cells(whole));
+    for (const auto& [place, change] : changes) {
+      if (change == 0)
+        continue;
+      return wrong(image,
+                   "the cell {},{},{} (x,y,z) is in {}; expected pieces that fill the "
+                   "WholeExtent and do not overlap; write the file anew",
+                   place[2], place[1], place[0],
+                   change < 0 ? "none of its pieces" : fmt::format("{} of its pieces", 1 + change));
+    }
     return {};
   }
 
