@@ -35,13 +35,14 @@ struct PictureSource {
   double frameShift = 0;        ///< the picture of frame n is that of n + frameShift: its clock is
                                 ///< wrong by so many frames
   double rate = 1;              ///< pictures for each frame of the capture
-  std::filesystem::path background;      ///< a picture without the medium; empty: none
-  std::filesystem::path mask;            ///< 0 = ignore the pixel (obstructors); empty: none
-  double gain = 1;                       ///< a factor on its linear values; of kAbsorption, where
-                                         ///< that cancels out, on its optical depths
-  double exponent = 1;                   ///< a power of the linear values, 1 = white, before white
-                                         ///< and gain: mends a response that is nearly right
-  Response response = Response::srgb();  ///< of .png files and films; .exr files are linear
+  std::filesystem::path background;  ///< a picture without the medium; empty: none
+  std::filesystem::path mask;        ///< 0 = ignore the pixel (obstructors); empty: none
+  double gain = 1;                   ///< a factor on its linear values; of kAbsorption, where
+                                     ///< that cancels out, on its optical depths
+  double exponent = 1;               ///< a power of the linear values, 1 = white, before white
+                                     ///< and gain: mends a response that is nearly right
+  /// Of .png files and films; .exr files are linear. Without it what each .png states, else sRGB.
+  std::optional<Response> response;
   /// A channel that reads this or more is saturated: a stored value, 1 = white. Without it 1 for
   /// .png files, 250/255 for films, and nothing for .exr files.
   std::optional<double> saturation;

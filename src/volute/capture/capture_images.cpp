@@ -149,6 +149,16 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
                 "expected opaque pictures, of the medium over its background",
                 name, 100 * stored.transparentShare, path.string());
   }
+  if (pictures.response) {
+    stored.response = *pictures.response;
+  } else if (!stored.linear) {
+    auto curve = readStoredCurve(path);
+    if (!curve)
+      return fail(curve.error().code, "{}: {}", name, curve.error().message);
+    if (*curve) {
+      VOLUTE_ASSIGN(stored.response, Response::table(std::move(**curve)));
+    }
+  }
   constexpr double kNever = std::numeric_limits<double>::infinity();
   stored.saturation = pictures.saturation.value_or(stored.linear ? kNever : 1);
   return stored;
@@ -182,6 +192,7 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
   Stored stored;
   stored.image = std::move(*image);
   for (float& value : stored.image.pixels) value = static_cast<float>(srgbEncode(value));
+  stored.response = pictures.response.value_or(Response::srgb());
   constexpr double kFilmWhite = 250.0 / 255;  // lossy coding scatters saturated values
   stored.saturation = pictures.saturation.value_or(kFilmWhite);
   return stored;
@@ -197,7 +208,7 @@ Image CaptureImages::linearised(std::size_t camera, const Stored& stored) const 
     for (float& value : image.pixels)
       value = static_cast<float>(factor * powered(value, pictures.exponent));
   } else {
-    const auto table = lightTable(pictures.response, pictures.exponent, factor);
+    const auto table = lightTable(stored.response, pictures.exponent, factor);
     const float top = static_cast<float>(table.size() - 1);
     for (float& value : image.pixels)
       value = table[static_cast<std::size_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * top))];

@@ -57,8 +57,9 @@ class CaptureImages {
   /// A picture as it is stored, 1 = white, before anything is made of it.
   struct Stored {
     Image image;
-    double saturation = 0;  // a channel that reads this or more is saturated
-    bool linear = false;    // .exr
+    double saturation = 0;                 // a channel that reads this or more is saturated
+    bool linear = false;                   // .exr
+    Response response = Response::srgb();  // of others
     double transparentShare = 0;
   };
 

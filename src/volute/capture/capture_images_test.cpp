@@ -89,6 +89,21 @@ TEST_F(CaptureImagesTest, PngValuesBecomeLight) {
   EXPECT_EQ(all.saturatedShare, 1);
 }
 
+TEST_F(CaptureImagesTest, PngFilesMayStateHowTheyStoreLight) {
+  json["cameras"][0]["image"] = "p_%04d.png";
+  json.erase("color");
+  const Image light = picture(0.25f);
+  write("p_0004.png", light);  // states sRGB
+  ASSERT_VALUE(const auto srgb, readPicture(0, 4));
+  EXPECT_NEAR(srgb.radiance.at(2, 2, 1), 0.25, 2e-3);
+  ASSERT_TRUE(testing::ok(writeMap(folder / "p_0004.png", light)));  // states that it is linear
+  ASSERT_VALUE(const auto linear, readPicture(0, 4));
+  EXPECT_NEAR(linear.radiance.at(2, 2, 1), 0.25, 1e-4);
+  json["color"] = "srgb";  // what the capture states counts
+  ASSERT_VALUE(const auto stated, readPicture(0, 4));
+  EXPECT_NEAR(stated.radiance.at(2, 2, 1), 0.0508, 1e-3);
+}
+
 TEST_F(CaptureImagesTest, BackgroundsAreSubtractedAndNegativesKept) {
   json["cameras"][0]["background"] = "back.exr";
   write("back.exr", picture(0.75f));

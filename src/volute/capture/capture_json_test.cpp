@@ -44,10 +44,10 @@ TEST(CaptureJson, IsReadWhole) {
   EXPECT_EQ(b.pictures.image, (folder / "f_%04d_b.exr").string());
   EXPECT_EQ(b.pictures.background, folder / "back.exr");
   EXPECT_EQ(b.pictures.gain, 1.5);
-  EXPECT_EQ(b.pictures.response.name(), "table of 3 values");
+  EXPECT_EQ(b.pictures.response->name(), "table of 3 values");
   EXPECT_EQ(b.camera.distortion(), (Distortion{0.1, 0.01, 0.001, -0.001, 0}));
   EXPECT_NEAR((b.camera.intrinsics() - ringCalibration(1, 3).K).norm(), 0, 1e-12);
-  EXPECT_EQ(capture.cameras[0].pictures.response.name(), "gamma:2.2");
+  EXPECT_EQ(capture.cameras[0].pictures.response->name(), "gamma:2.2");
   EXPECT_THAT(capture.remarks, Contains(HasSubstr("pixel centres at 0.5")));
 }
 

@@ -47,8 +47,9 @@ Json cameraJson(const CaptureCamera& known, double framesPerSecond,
   const PictureSource& pictures = known.pictures;
   const auto path = [&](const std::filesystem::path& file) {
     std::error_code error;
-    const auto near = std::filesystem::proximate(file, folder, error);
-    return (error ? file : near).string();
+    // Absolute first: proximate() keeps a relative path whose first part is no file, as patterns.
+    const auto near = std::filesystem::proximate(std::filesystem::absolute(file), folder, error);
+    return (error ? std::filesystem::absolute(file) : near).string();
   };
   Json json{{"name", known.name}};
   if (pictures.video.empty()) {
@@ -80,7 +81,8 @@ Json cameraJson(const CaptureCamera& known, double framesPerSecond,
     json["gain"] = pictures.gain;
   if (pictures.exponent != 1)
     json["exponent"] = pictures.exponent;
-  json["color"] = jsonOf(pictures.response);
+  if (pictures.response)
+    json["color"] = jsonOf(*pictures.response);
   if (pictures.saturation)
     json["saturation"] = *pictures.saturation;
   return json;

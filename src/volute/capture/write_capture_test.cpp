@@ -84,6 +84,24 @@ TEST(WriteCapture, ReadsAsItWas) {
             std::filesystem::weakly_canonical(files.mask));
 }
 
+TEST(WriteCapture, PathsAreRightFromWhereTheFileStands) {
+  const testing::TempFolder folder;
+  std::filesystem::create_directory(folder / "sub");
+  Capture capture;
+  capture.frames = {0};
+  capture.volume = {{Vec3(-1, -1, -1), Vec3(1, 1, 1)}, {4, 4, 4}};
+  PictureSource files;
+  files.image = "no_such_%04d.png";  // from the working folder
+  const Camera camera = Camera::pinhole({Vec3(1, -6, 2), Vec3(0, 0, 1)}, 30, 64, 48);
+  capture.cameras = {{"a", camera, files}, {"b", camera, files}};
+  const auto file = folder / "sub" / "refined.json";
+  ASSERT_TRUE(writeCapture(file, capture));
+  const auto read = openCalibration(file, {});
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(std::filesystem::weakly_canonical(read->cameras[0].pictures.image),
+            std::filesystem::weakly_canonical(std::filesystem::absolute(files.image)));
+}
+
 TEST(WriteCapture, RefusesOrthographicCameras) {
   const testing::TempFolder folder;
   Capture capture;

@@ -68,6 +68,12 @@ Result<std::optional<Image>> readAlpha(const std::filesystem::path& path,
   return std::nullopt;
 }
 
+Result<std::optional<std::vector<double>>> readStoredCurve(const std::filesystem::path& path) {
+  if (path.extension() == ".png")
+    return readPngCurve(path);
+  return std::nullopt;
+}
+
 Result<ImageNotes> readImageNotes(const std::filesystem::path& path) {
   if (path.extension() == ".png")
     return readPngNotes(path);

@@ -22,11 +22,12 @@ inline bool isPicturePath(const std::filesystem::path& path) {
 
 /// How to read a picture.
 struct ImageReadOptions {
-  bool raw = false;  ///< PNG: stored value / maximum, without decoding sRGB; for maps and masks
+  bool raw = false;  ///< PNG: stored value / maximum, without decoding; for maps and masks
   std::uint64_t maxMemory = std::uint64_t{1} << 30;  ///< [bytes] that the pixels may take
 };
 
-/// Reads a .png (8 or 16 bits, grey, RGB or palette; alpha is dropped; sRGB becomes linear light)
+/// Reads a .png (8 or 16 bits, grey, RGB or palette; alpha is dropped; its values become linear
+/// light of sRGB's primaries, by what it states: cICP, iCCP, sRGB, or gAMA and cHRM; else by sRGB)
 /// or a .exr (R, G, B, or Y, or a single channel of any name; half or float). Damaged or truncated
 /// files are errors.
 [[nodiscard]] Result<Image> readImage(const std::filesystem::path& path,
@@ -36,6 +37,11 @@ struct ImageReadOptions {
 /// picture has none.
 [[nodiscard]] Result<std::optional<Image>> readAlpha(const std::filesystem::path& path,
                                                      const ImageReadOptions& options = {});
+
+/// The linear light of evenly spaced stored values, 0 to 1, where a picture states another curve
+/// than sRGB's; nothing where it states that or none. The primaries that it states do not enter.
+[[nodiscard]] Result<std::optional<std::vector<double>>> readStoredCurve(
+    const std::filesystem::path& path);
 
 /// Metadata of a picture, as names and texts in Latin letters: tEXt chunks of a .png, attributes
 /// of a .exr.

@@ -11,6 +11,8 @@ namespace volute {
                                     const ImageReadOptions& options);
 [[nodiscard]] Result<std::optional<Image>> readPngAlpha(const std::filesystem::path& path,
                                                         const ImageReadOptions& options);
+[[nodiscard]] Result<std::optional<std::vector<double>>> readPngCurve(
+    const std::filesystem::path& path);
 [[nodiscard]] Status writePng(const std::filesystem::path& path, const Image& image,
                               const ImageNotes& notes);
 [[nodiscard]] Status writePngMap(const std::filesystem::path& path, const Image& map);

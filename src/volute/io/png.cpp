@@ -2,10 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <png.h>
 
+#include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csetjmp>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +16,7 @@
 #include "volute/base/output_file.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/image_formats.hpp"
+#include "volute/io/stored_color.hpp"
 
 namespace volute {
 namespace {
@@ -26,9 +30,16 @@ struct PngState {
   std::string message;
   png_uint_32 width = 0, height = 0;
   int channels = 0, bits = 0;
+  bool headerOnly = false;
   bool keepAlpha = false;  // as the last channel, if there is one
   bool hasAlpha = false;
   ImageNotes notes;
+  // What it states of its colors.
+  bool srgb = false;
+  double gamma = 0;  // of gAMA; 0: not there
+  std::optional<std::array<double, 8>> primaries;
+  std::vector<std::byte> profile;
+  std::optional<std::array<int, 2>> codePoints;  // primaries and curve of cICP
   std::vector<png_byte> pixels;
   std::vector<png_bytep> rows;
 };
@@ -55,6 +66,60 @@ void onWrite(png_structp png, png_bytep from, size_t count) {
   state->written.insert(state->written.end(), bytes.begin(), bytes.end());
 }
 
+/// Runs below libpng's error handling.
+void readColor(png_structp png, png_infop info, PngState& state) {
+  png_unknown_chunkp chunks = nullptr;
+  for (int i = 0, n = png_get_unknown_chunks(png, info, &chunks); i < n; ++i) {
+    if (std::memcmp(chunks[i].name, "cICP", 4) == 0 && chunks[i].size == 4)
+      state.codePoints = {chunks[i].data[0], chunks[i].data[1]};
+  }
+  png_charp name = nullptr;
+  png_bytep profile = nullptr;
+  png_uint_32 length = 0;
+  int packing = 0, intent = 0;
+  if (png_get_iCCP(png, info, &name, &packing, &profile, &length) != 0) {
+    const auto bytes = std::as_bytes(std::span(profile, length));
+    state.profile.assign(bytes.begin(), bytes.end());
+  }
+  state.srgb = png_get_sRGB(png, info, &intent) != 0;
+  png_get_gAMA(png, info, &state.gamma);
+  std::array<double, 8> p{};
+  if (png_get_cHRM(png, info, &p[0], &p[1], &p[2], &p[3], &p[4], &p[5], &p[6], &p[7]) != 0)
+    state.primaries = p;
+}
+
+/// The first of cICP, iCCP, sRGB, and gAMA with cHRM that is there counts (PNG, third
+/// edition, 4.3). Nothing where none is.
+Result<std::optional<StoredColor>> colorOf(const PngState& state, const std::string& name) {
+  const auto settled = [&]() -> Result<std::optional<StoredColor>> {
+    if (state.codePoints) {
+      VOLUTE_ASSIGN(auto color, colorOfCodePoints((*state.codePoints)[0], (*state.codePoints)[1]));
+      return color;
+    }
+    if (state.srgb)  // or libpng knows the profile as sRGB's
+      return StoredColor();
+    if (!state.profile.empty()) {
+      VOLUTE_ASSIGN(auto color, colorOfProfile(state.profile, state.channels < 3));
+      return color;
+    }
+    if (state.gamma <= 0 && !state.primaries)
+      return std::nullopt;
+    StoredColor color = state.gamma > 0 ? colorOfGamma(state.gamma) : StoredColor();
+    if (state.primaries && state.channels >= 3) {
+      VOLUTE_ASSIGN(color.toSrgb, srgbFromPrimaries(*state.primaries));
+    }
+    return color;
+  };
+  auto color = settled();
+  if (!color) {
+    return fail(color.error().code,
+                "{}: {}; expected a picture in sRGB, or one that states gAMA; "
+                "convert it to sRGB",
+                name, color.error().message);
+  }
+  return color;
+}
+
 /// Reads up to the first pixel and settles on 1 or 3 channels of 8 or 16 bits. False on an error.
 bool readPngHeader(png_structp png, png_infop info, PngState& state) {
   if (setjmp(png_jmpbuf(png)))
@@ -63,7 +128,10 @@ bool readPngHeader(png_structp png, png_infop info, PngState& state) {
   png_set_chunk_malloc_max(png, 8 << 20);
   png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
   png_set_read_fn(png, &state, onRead);
+  png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_ALWAYS,
+                              reinterpret_cast<png_const_bytep>("cICP"), 1);
   png_read_info(png, info);
+  readColor(png, info, state);
   const int type = png_get_color_type(png, info);
   png_set_palette_to_rgb(png);
   if (type == PNG_COLOR_TYPE_GRAY)
@@ -105,14 +173,22 @@ ImageNotes notesOf(png_structp png, png_infop info) {
   return notes;
 }
 
-Image toImage(const PngState& state, bool raw) {
+/// @param color  null: stored values as they are
+Image toImage(const PngState& state, const StoredColor* color) {
   Image image(static_cast<int>(state.width), static_cast<int>(state.height), state.channels);
   const int levels = 1 << state.bits;
-  std::vector<float> table(levels);
-  for (int i = 0; i < levels; ++i) {
-    const float value = static_cast<float>(i) / static_cast<float>(levels - 1);
-    table[i] = raw ? value : static_cast<float>(srgbDecode(value));
+  std::array<std::vector<float>, 3> tables;
+  for (std::size_t c = 0; c < (color && !color->sameCurves ? 3 : 1); ++c) {
+    tables[c].resize(static_cast<std::size_t>(levels));
+    for (int i = 0; i < levels; ++i) {
+      const double value = static_cast<double>(i) / (levels - 1);
+      const auto stored = static_cast<float>(value);
+      tables[c][i] = !color             ? stored
+                     : color->curves[c] ? static_cast<float>(color->curves[c](value))
+                                        : static_cast<float>(srgbDecode(stored));
+    }
   }
+  const auto channels = static_cast<std::size_t>(state.channels);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     std::uint16_t value = 0;
     if (state.bits == 16) {
@@ -120,7 +196,15 @@ Image toImage(const PngState& state, bool raw) {
     } else {
       value = state.pixels[i];
     }
-    image.pixels[i] = table[value];
+    const auto& table = tables[i % channels % 3];
+    image.pixels[i] = (table.empty() ? tables[0] : table)[value];
+  }
+  if (!color || !color->toSrgb || channels != 3)
+    return image;
+  const Eigen::Matrix3f toSrgb = color->toSrgb->cast<float>();
+  for (std::size_t i = 0; i < image.pixels.size(); i += 3) {
+    Eigen::Map<Eigen::Vector3f> pixel(&image.pixels[i]);
+    pixel = (toSrgb * pixel).cwiseMax(0.0f).eval();  // colors beyond sRGB's have negative shares
   }
   return image;
 }
@@ -185,8 +269,8 @@ Status readPngFile(const std::filesystem::path& path, const ImageReadOptions& op
   const auto readAll = [&]() -> Status {
     if (!info || !readPngHeader(png, info, state))
       return fail(ErrorCode::kInvalidData, "");
-    if (state.keepAlpha && !state.hasAlpha)
-      return {};  // nothing to read
+    if (state.headerOnly || (state.keepAlpha && !state.hasAlpha))
+      return {};  // nothing more to read
     VOLUTE_TRY(checkImageSize(path, state.width, state.height, state.channels, options.maxMemory));
     layOutRows(state, std::size_t{state.width} * state.channels * (state.bits / 8));
     if (!readPngPixels(png, info, state))
@@ -209,7 +293,33 @@ Status readPngFile(const std::filesystem::path& path, const ImageReadOptions& op
 Result<Image> readPng(const std::filesystem::path& path, const ImageReadOptions& options) {
   PngState state;
   VOLUTE_TRY(readPngFile(path, options, state));
-  return toImage(state, options.raw);
+  if (options.raw)
+    return toImage(state, nullptr);
+  VOLUTE_ASSIGN(const auto stated, colorOf(state, path.string()));
+  const StoredColor color = stated.value_or(StoredColor());
+  return toImage(state, &color);
+}
+
+Result<std::optional<std::vector<double>>> readPngCurve(const std::filesystem::path& path) {
+  PngState state;
+  state.headerOnly = true;
+  VOLUTE_TRY(readPngFile(path, {}, state));
+  VOLUTE_ASSIGN(const auto color, colorOf(state, path.string()));
+  if (!color || !color->curves[0])
+    return std::nullopt;
+  if (!color->sameCurves) {
+    return fail(
+        ErrorCode::kUnsupported,
+        "{}: its color profile has another curve for each channel; expected one for all, as "
+        "of sRGB; convert it to sRGB",
+        path.string());
+  }
+  constexpr int kSteps = 4096;
+  std::vector<double> linear;
+  for (int i = 0; i <= kSteps; ++i)
+    linear.push_back(std::max({color->curves[0](static_cast<double>(i) / kSteps), 0.0,
+                               linear.empty() ? 0.0 : linear.back()}));
+  return linear;
 }
 
 Result<std::optional<Image>> readPngAlpha(const std::filesystem::path& path,
@@ -219,7 +329,7 @@ Result<std::optional<Image>> readPngAlpha(const std::filesystem::path& path,
   VOLUTE_TRY(readPngFile(path, options, state));
   if (!state.hasAlpha)
     return std::optional<Image>();
-  const Image all = toImage(state, true);
+  const Image all = toImage(state, nullptr);
   Image alpha(all.width, all.height, 1);
   for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
     alpha.pixels[i] = all.pixels[(i + 1) * all.channels - 1];

@@ -29,15 +29,17 @@ std::string describe(const CaptureCamera& known) {
   const Camera& camera = known.camera;
   const PictureSource& pictures = known.pictures;
   const Distortion& lens = camera.distortion();
-  std::string text = fmt::format(
-      "{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}\n", known.name, camera.width(),
-      camera.height(), digits(camera.intrinsics()), digits(camera.rotation()), digits(camera.eye()),
-      lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, pictures.gain, pictures.videoStart,
-      pictures.frameShift, pictures.saturation.value_or(-1), pictures.response.name());
+  std::string text =
+      fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}\n", known.name, camera.width(),
+                  camera.height(), digits(camera.intrinsics()), digits(camera.rotation()),
+                  digits(camera.eye()), lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, pictures.gain,
+                  pictures.videoStart, pictures.frameShift, pictures.saturation.value_or(-1),
+                  pictures.response ? pictures.response->name() : "as the pictures state");
   text += fmt::format("{} pictures a frame, exponent {}, error {}\n", pictures.rate,
                       pictures.exponent, known.reprojectionError);
   // A table's name does not tell its values.
-  for (int i = 0; i <= 64; ++i) text += fmt::format("{} ", pictures.response.linear(i / 64.0));
+  for (int i = 0; pictures.response && i <= 64; ++i)
+    text += fmt::format("{} ", pictures.response->linear(i / 64.0));
   for (const auto& file : {pictures.background, pictures.mask, pictures.video}) {
     if (!file.empty())
       text += stateOf(file);
