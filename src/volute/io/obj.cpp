@@ -12,6 +12,7 @@
 
 #include "volute/base/read_text.hpp"
 #include "volute/base/suggest.hpp"
+#include "volute/geometry/polygon.hpp"
 #include "volute/io/below_folder.hpp"
 #include "volute/io/number_word.hpp"
 
@@ -159,7 +160,7 @@ class ObjReader {
   }
 
   Status addFace(std::string_view rest, int line) {
-    std::vector<std::size_t> corners;
+    std::vector<Vec3> corners;
     for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) {
       const std::string_view digits = word.substr(0, word.find('/'));
       std::int64_t number = 0;
@@ -169,7 +170,7 @@ class ObjReader {
       const std::int64_t index = number > 0 ? number - 1 : count + number;
       if (number == 0 || index < 0 || index >= count)
         return fault(line, "vertex {} of {} is not there", number, count);
-      corners.push_back(static_cast<std::size_t>(index));
+      corners.push_back(vertices_[static_cast<std::size_t>(index)]);
     }
     if (corners.size() < 3)
       return fault(line, "a face of {} corners; expected at least 3", corners.size());
@@ -177,10 +178,13 @@ class ObjReader {
       return fail(ErrorCode::kTooLarge,
                   "{}: line {}: the triangles need more than the {} MiB of memory allowed",
                   path_.string(), line, maxMemory_ >> 20);
-    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
-      mesh_.triangles.push_back(
-          {{vertices_[corners[0]], vertices_[corners[i]], vertices_[corners[i + 1]]}, material_});
+    const auto triangles = trianglesOf(corners);
+    if (!triangles) {
+      return fault(line, "a face of {} corners: {}; split it into triangles when exporting",
+                   corners.size(), triangles.error().message);
     }
+    for (const auto& [a, b, c] : *triangles)
+      mesh_.triangles.push_back({{corners[a], corners[b], corners[c]}, material_});
     return {};
   }
 
