@@ -11,6 +11,8 @@ import sys
 
 SUFFIXES = {".cpp", ".hpp", ".h", ".glsl", ".py", ".md", ".txt", ".in"}
 EVERYWHERE = r"."
+# OpenFOAM calls the folders of a decomposed case processor0, ...
+NOT_OF_OPENFOAM = r"(?!src/volute/io/(foam_files|mesh_cases_test)\.cpp|docs/meshes\.md)"
 # Where a time is the only thing that the word could mean.
 OF_TIMES = r"(src/volute/(cli|film|scene|render|report|image|synth|capture|fds|visibility|media/fds|cluster|capi)|bench|apps|tools|docs|README|python|examples)"
 
@@ -19,7 +21,7 @@ PAGES = r"(docs/|README|CHANGELOG|SECURITY|CONTRIBUTING)"
 
 # (what, where, instead)
 RULES = [
-    (r"(?<![-\w])[Pp]rocessors?(?![a-z])|[a-z]Processors?(?![a-z])", EVERYWHERE, "CPU"),
+    (r"(?<![-\w])[Pp]rocessors?(?![a-z])|[a-z]Processors?(?![a-z])", NOT_OF_OPENFOAM, "CPU"),
     (r"\b[Ww]ish(es)?(?![a-z])|[a-z]Wish(es)?(?![a-z])", EVERYWHERE, "request"),
     (r"\b[Mm]oments?\b|[a-z]Moment|\bMOMENTS?\b", OF_TIMES, "time, frame (a stored one) or snapshot (the scene at a time)"),
     (r"\btakeWords\b|\bobjection\b", EVERYWHERE, "parse, error"),

@@ -217,6 +217,34 @@ Result<std::string> contentOf(const std::filesystem::path& path) {
               path.string());
 }
 
+/// The first bytes of a file, unpacked.
+std::string beginOf(const std::filesystem::path& path) {
+  constexpr unsigned kEnough = 64 << 10;
+  const gzFile file = ::gzopen(path.c_str(), "rb");  // reads what is not packed as it is
+  if (!file)
+    return "";
+  std::string text(kEnough, ' ');
+  text.resize(static_cast<std::size_t>(std::max(::gzread(file, text.data(), kEnough), 0)));
+  ::gzclose(file);
+  return text;
+}
+
+/// Without comments.
+std::string withoutComments(std::string_view text) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const bool line = text.substr(at).starts_with("//"), block = text.substr(at).starts_with("/*");
+    if (!line && !block) {
+      out += text[at++];
+      continue;
+    }
+    const auto end = text.find(line ? "\n" : "*/", at);
+    at = end == text.npos ? text.size() : end + (line ? 0 : 2);
+    out += ' ';
+  }
+  return out;
+}
+
 /// The file or its packed form; nothing when there is neither.
 std::optional<std::filesystem::path> present(const std::filesystem::path& path) {
   std::error_code error;
@@ -259,7 +287,83 @@ Status checkKinds(const std::filesystem::path& folder, int below) {
   return {};
 }
 
+/// The folder of a time, which programs write in several ways ("10", "1e1").
+std::optional<std::filesystem::path> folderAt(const std::filesystem::path& casePath, double time) {
+  const auto folder = casePath.parent_path().empty() ? "." : casePath.parent_path();
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const auto named = numberOf<double>(entry.path().filename().string());
+    if (named && entry.is_directory(error) &&
+        std::abs(*named - time) <= 1e-9 * std::max(1.0, std::abs(time)))
+      return entry.path();
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::optional<FoamDimensions> foamDimensions(const std::filesystem::path& casePath,
+                                             const std::string& field, double time) {
+  const auto folder = folderAt(casePath, time);
+  const auto file = folder ? present(*folder / field) : std::nullopt;
+  if (!file)
+    return std::nullopt;
+  const std::string text = withoutComments(beginOf(*file));
+  constexpr std::string_view kKey = "dimensions";
+  const std::size_t field0 = std::min(text.find("internalField"), text.size());
+  for (std::size_t at = text.find(kKey); at < field0; at = text.find(kKey, at + 1)) {
+    const std::size_t open = text.find_first_not_of(" \t\r\n", at + kKey.size());
+    const bool own = at == 0 || std::string_view(" \t\r\n;}").find(text[at - 1]) != text.npos;
+    if (!own || open == text.npos || text[open] != '[')
+      continue;
+    const std::string_view list =
+        std::string_view(text).substr(open + 1, text.find(']', open) - open - 1);
+    FoamDimensions dimensions{};
+    std::size_t count = 0;
+    for (std::size_t begin = list.find_first_not_of(" \t\r\n"); begin < list.size();) {
+      const std::size_t end = std::min(list.find_first_of(" \t\r\n", begin), list.size());
+      const auto power = numberOf<double>(list.substr(begin, end - begin));
+      if (!power || count == dimensions.size())
+        return std::nullopt;
+      dimensions[count++] = *power;
+      begin = list.find_first_not_of(" \t\r\n", end);
+    }
+    if (count == 5 || count == 7)
+      return dimensions;
+    return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+bool hasFoamField(const std::filesystem::path& casePath, const std::string& field, double time) {
+  const auto folder = folderAt(casePath, time);
+  return folder && present(*folder / field);
+}
+
+Status checkFoamDecomposed(const std::filesystem::path& casePath) {
+  const auto folder = casePath.parent_path().empty() ? "." : casePath.parent_path();
+  std::error_code error;
+  if (std::filesystem::exists(folder / "constant" / "polyMesh", error))
+    return {};
+  int processors = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    constexpr std::string_view kPrefix = "processor";
+    processors += name.starts_with(kPrefix) && name.size() > kPrefix.size() &&
+                          name.find_first_not_of("0123456789", kPrefix.size()) == name.npos
+                      ? 1
+                      : 0;
+    constexpr std::string_view kCollated = "processors";
+    if (name.starts_with(kCollated))
+      processors += numberOf<int>(name.substr(kCollated.size())).value_or(0);
+  }
+  if (processors == 0)
+    return {};
+  return fail(ErrorCode::kUnsupported,
+              "{}: the case is decomposed into {} processors; expected it in one: run "
+              "reconstructPar (reconstructParMesh first where the mesh changes) in its folder",
+              casePath.string(), processors);
+}
 
 Status checkFoamKinds(const std::filesystem::path& casePath) {
   const auto folder = casePath.parent_path().empty() ? "." : casePath.parent_path();
@@ -281,17 +385,11 @@ Status checkFoamText(std::string_view bytes, std::string_view kind) {
 Status checkFoam(const std::filesystem::path& casePath, const std::string& field, double time) {
   const auto folder = casePath.parent_path().empty() ? "." : casePath.parent_path();
   VOLUTE_TRY(checkMesh(folder / "constant"));
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const auto named = numberOf<double>(entry.path().filename().string());
-    if (!named || !entry.is_directory(error) ||
-        std::abs(*named - time) > 1e-9 * std::max(1.0, std::abs(time)))
-      continue;
-    VOLUTE_TRY(checkMesh(entry.path()));
-    if (!field.empty())
-      VOLUTE_TRY(checkFile(entry.path() / field, "internalField"));
-  }
-  return {};
+  const auto at = folderAt(casePath, time);
+  if (!at)
+    return {};
+  VOLUTE_TRY(checkMesh(*at));
+  return field.empty() ? Status() : checkFile(*at / field, "internalField");
 }
 
 }  // namespace volute

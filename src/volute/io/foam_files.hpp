@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,6 +16,21 @@ namespace volute {
 /// empty, at a time [s] are whole, in text or binary, packed by gzip (`.gz`) or not.
 [[nodiscard]] Status checkFoam(const std::filesystem::path& casePath, const std::string& field,
                                double time);
+
+/// Powers of kg, m, s, K, mol, A and cd.
+using FoamDimensions = std::array<double, 7>;
+
+/// Those that a field's file states at a time [s]; nothing where it is not found, or states none in
+/// numbers.
+[[nodiscard]] std::optional<FoamDimensions> foamDimensions(const std::filesystem::path& casePath,
+                                                           const std::string& field, double time);
+
+/// Whether a file of this name, packed or not, is in the folder of a time [s].
+[[nodiscard]] bool hasFoamField(const std::filesystem::path& casePath, const std::string& field,
+                                double time);
+
+/// Refuses a case that is decomposed, and says how to put it together.
+[[nodiscard]] Status checkFoamDecomposed(const std::filesystem::path& casePath);
 
 /// The same of the bytes of one file, unpacked; `kind` is what must be in it: "internalField", or
 /// a list for anything else. Half a sentence says what is missing.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +35,9 @@ struct MeshSize {
   std::uint64_t cells = 0;  ///< those with a volume
   std::uint64_t indices = 0;
   bool bare = false;  ///< without a field
+  /// Powers of kg, m, s, K, mol, A and cd, where the file states them (OpenFOAM).
+  bool hasDimensions = false;
+  std::array<double, 7> dimensions{};
 
   std::uint64_t values() const { return bare ? 0 : ofCells ? cells : points; }
 
@@ -70,7 +74,8 @@ struct MeshData {
   std::vector<float> values;
   bool ofCells = false;
   std::string field;
-  std::string others;  ///< fields that were not chosen
+  std::string others;                               ///< fields that were not chosen
+  std::optional<std::array<double, 7>> dimensions;  ///< as in MeshSize
 };
 
 /// What a library that knows a mesh format does with one file. Used inside a child process
@@ -88,6 +93,11 @@ class MeshReader {
   [[nodiscard]] virtual Result<MeshSize> load(const std::filesystem::path& file,
                                               std::size_t instant, const std::string& field,
                                               const MeshShare& share) = 0;
+
+  /// The fields that a file of one instant has, without their values, and without reading more than
+  /// what says so.
+  [[nodiscard]] virtual Result<std::vector<MeshFieldSummary>> fields(
+      const std::filesystem::path& file) = 0;
 
   /// Reads one instant without values; take() gives its cells.
   [[nodiscard]] virtual Result<std::pair<MeshContents, std::vector<MeshFieldSummary>>> describe(

@@ -71,6 +71,44 @@ TEST(MeshCases, ReadsExodus) {
   }
 }
 
+/// Values of the box at its second instant, as an Exodus file holds them.
+std::string smokeBytes(bool fill) {
+  std::string bytes;
+  for (const Vec3& point : boxPoints())
+    putBigEndian(bytes, fill ? 9.9692099683868690e+36 : smokeAt(point, 1));
+  return bytes;
+}
+
+TEST(MeshCases, RecordsThatWereNeverWrittenAreNoData) {
+  const TempFolder folder;
+  writeExodus(folder.path());
+  std::string bytes = readBytes(folder / "box.e");
+  const auto at = bytes.find(smokeBytes(false));
+  ASSERT_NE(at, bytes.npos);
+  std::string some = bytes;
+  some.replace(at, 16, smokeBytes(true).substr(0, 16));
+  writeBytes(folder / "some.e", some);
+  ASSERT_VALUE(auto partly, MeshSource::open(folder / "some.e", {.field = "smoke"}));
+  EXPECT_THAT(partly.read(1).error().message,
+              HasSubstr("at 20 s 2 of 12 values of the field 'smoke' were never written"));
+  bytes.replace(at, smokeBytes(true).size(), smokeBytes(true));
+  writeBytes(folder / "box.e", bytes);
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "box.e", {.field = "smoke"}));
+  EXPECT_THAT(source.times(), ElementsAre(10));
+  EXPECT_THAT(source.absentText(), HasSubstr("never written (netCDF's fill value) at 1 of 2"));
+  std::string times;
+  putBigEndian(times, 20.0);
+  std::string fill;
+  putBigEndian(fill, 9.9692099683868690e+36);
+  const auto time = bytes.rfind(times, at);
+  ASSERT_NE(time, bytes.npos);
+  bytes.replace(time, fill.size(), fill);
+  writeBytes(folder / "box.e", bytes);
+  ASSERT_VALUE(auto open, MeshSource::open(folder / "box.e", {.field = "smoke"}));
+  EXPECT_THAT(open.times(), ElementsAre(10));
+  EXPECT_THAT(open.absentText(), HasSubstr("left out: unknown"));
+}
+
 TEST(MeshCases, ReadsLegacyVtk) {
   const TempFolder folder;
   writeLegacy(folder.path());
@@ -80,6 +118,38 @@ TEST(MeshCases, ReadsLegacyVtk) {
   expectSmoke(frame, 0);
   ASSERT_VALUE(auto other, MeshSource::open(folder / "box.vtk", {.field = "soot"}));
   EXPECT_THAT(other.read(0).error().message, HasSubstr("smoke"));
+}
+
+TEST(MeshCases, DimensionsOfOpenFoamAreReadAndStayTheSame) {
+  const TempFolder folder;
+  writeFoam(folder.path());
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "box.foam"));
+  ASSERT_VALUE(const auto frame, source.read(0));
+  EXPECT_EQ(frame.dimensions, (std::array<double, 7>{1, -3, 0, 0, 0, 0, 0}));
+  std::string text = readBytes(folder / "20" / "soot");
+  writeBytes(folder / "20" / "soot", text.replace(text.find("[1 -3"), 5, "[0 -1"));
+  const auto other = source.read(1);
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().message,
+              HasSubstr("at 20 s the field 'soot' states the dimensions [0 -1 0 0 0 0 0], before "
+                        "[1 -3 0 0 0 0 0]"));
+  std::filesystem::remove(folder / "20" / "soot");
+  ASSERT_VALUE(auto shorter, MeshSource::open(folder / "box.foam", {.field = "soot"}));
+  EXPECT_THAT(shorter.times(), ElementsAre(10));
+  EXPECT_THAT(shorter.absent(), ElementsAre(20));
+}
+
+TEST(MeshCases, DecomposedOpenFoamSaysHowToReadIt) {
+  const TempFolder folder;
+  writeFoam(folder.path());
+  for (const char* name : {"processor0", "processor1"})
+    std::filesystem::create_directories(folder / name / "constant" / "polyMesh");
+  EXPECT_TRUE(MeshSource::open(folder / "box.foam")) << "reconstructed as well";
+  std::filesystem::remove_all(folder / "constant");
+  const auto source = MeshSource::open(folder / "box.foam");
+  ASSERT_FALSE(source);
+  EXPECT_THAT(source.error().message,
+              HasSubstr("box.foam: the case is decomposed into 2 processors"));
 }
 
 TEST(MeshCases, ReadsOpenFoam) {

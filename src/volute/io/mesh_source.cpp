@@ -3,16 +3,20 @@
 #include "volute/io/mesh_source.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <span>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/io/foam_files.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice_source.hpp"
 #include "volute/io/mesh.hpp"
 #include "volute/io/netcdf_length.hpp"
@@ -48,7 +52,16 @@ std::size_t floatsFor(const MeshSize& size) {
 }
 
 // Requests; others are instants, to be described where they begin with kDescribe.
-constexpr std::string_view kTimes = "times", kTake = "take", kDescribe = "describe";
+constexpr std::string_view kTimes = "times", kTake = "take", kDescribe = "describe",
+                           kFields = "fields";
+
+/// What netCDF's libraries fill variables with before they are written (NC_FILL_DOUBLE and
+/// NC_FILL_FLOAT, which are the same number).
+constexpr double kNetcdfFill = 9.9692099683868690e+36;
+
+bool isNetcdfFill(double value) {
+  return static_cast<float>(value) == static_cast<float>(kNetcdfFill);
+}
 
 /// The child's side: it is asked for the instants, or for one of them: how much it is or what it
 /// has, then the thing itself.
@@ -67,6 +80,15 @@ Result<ReaderProcess::Serve> serveMesh(std::string_view parameters) {
       VOLUTE_ASSIGN(const std::vector<double> times, reader->times(file));
       return std::string(reinterpret_cast<const char*>(times.data()),
                          times.size() * sizeof(double));
+    }
+    if (request == kFields) {
+      VOLUTE_ASSIGN(const auto fields, reader->fields(file));
+      std::string reply;
+      for (const MeshFieldSummary& summary : fields) {
+        if (reply.size() + sizeof summary < ReaderProcess::kMaxMessage)
+          reply += toMessage(summary);
+      }
+      return reply;
     }
     if (request.starts_with(kDescribe)) {
       request.remove_prefix(kDescribe.size());
@@ -141,12 +163,14 @@ Result<std::uint64_t> readableSize(const std::filesystem::path& path) {
   return file.size();
 }
 
+bool isExodus(const std::filesystem::path& path) {
+  static constexpr std::string_view kExodus[] = {".e", ".ex2", ".exo", ".exii"};
+  return std::ranges::find(kExodus, path.extension().string()) != std::end(kExodus);
+}
+
 /// What VTK's reader of Exodus does not see.
 Status checkLength(const std::filesystem::path& path) {
-  static constexpr std::string_view kExodus[] = {".e", ".ex2", ".exo", ".exii"};
-  if (std::ranges::find(kExodus, path.extension().string()) == std::end(kExodus))
-    return {};
-  return checkNetcdfLength(path);
+  return isExodus(path) ? checkNetcdfLength(path) : Status();
 }
 
 /// What reading a file that looks whole may take.
@@ -171,6 +195,8 @@ Result<std::vector<double>> readTimes(const std::filesystem::path& path,
   if (!times.empty())
     std::memcpy(times.data(), reply.data(), times.size() * sizeof(double));
   for (std::size_t i = 0; i < times.size(); ++i) {
+    if (i > 0 && isNetcdfFill(times[i]))
+      continue;  // left out later, and told
     if (!std::isfinite(times[i]) || (i > 0 && times[i] <= times[i - 1])) {
       return fail(ErrorCode::kInvalidData, "{}: instant {} is at {} s; expected ascending times",
                   file, i, times[i]);
@@ -185,6 +211,7 @@ Result<std::vector<double>> readTimes(const std::filesystem::path& path,
 bool settle(MeshSize& size) {
   settleFlag(size.ofCells);
   settleFlag(size.bare);
+  settleFlag(size.hasDimensions);
   return size.sound();
 }
 
@@ -217,6 +244,8 @@ Result<MeshData> takeMesh(ReaderProcess& process, const MeshSize& size, const st
   data.ofCells = size.ofCells;
   data.field = size.field;
   data.others.assign(size.others, ::strnlen(size.others, MeshSize::kMaxName));
+  if (size.hasDimensions)
+    data.dimensions = size.dimensions;
   // Copied out of memory that is shared read-write; nothing is written through it here.
   Bytes bytes{reinterpret_cast<std::byte*>(const_cast<float*>(process.values().data()))};
   bytes.get(data.soup.vertices, size.points);
@@ -244,6 +273,28 @@ Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant
   return takeMesh(process, size, file, limits);
 }
 
+/// The fields that the head of a file names.
+Result<std::vector<MeshFieldSummary>> readFields(const std::filesystem::path& path,
+                                                 const MeshOptions& options) {
+  const std::string file = path.string();
+  VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(path, options.maxMemory));
+  ReaderProcess process(meshReader(path, ""));
+  VOLUTE_ASSIGN(const std::string reply, process.call(file, kFields, 0, limits));
+  std::vector<MeshFieldSummary> fields;
+  for (std::size_t at = 0; at < reply.size(); at += sizeof(MeshFieldSummary)) {
+    VOLUTE_ASSIGN(auto summary, fromMessage<MeshFieldSummary>(
+                                    std::string_view(reply).substr(at, sizeof(MeshFieldSummary))));
+    summary.name[MeshSize::kMaxName] = '\0';
+    settleFlag(summary.ofCells);
+    fields.push_back(summary);
+  }
+  return fields;
+}
+
+std::string dimensionsText(const std::optional<std::array<double, 7>>& dimensions) {
+  return dimensions ? fmt::format("[{}]", fmt::join(*dimensions, " ")) : "none";
+}
+
 /// Errors count vertices and tets as they come out of the file.
 Result<std::shared_ptr<const TetMesh>> buildInSpace(const CellSoup& soup, const SplitCells& split,
                                                     MeshOrder& order, const std::string& file) {
@@ -264,6 +315,7 @@ bool isMeshCase(const std::filesystem::path& path) {
 
 Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const MeshOptions& options) {
   VOLUTE_ASSIGN(MeshSource source, list(path, options));
+  VOLUTE_TRY(source.leaveOutAbsent(path));
   bool ascending = path.extension() == ".pvd";
   for (const Instant& instant : source.instants_) {
     const auto number = frameNumberOf(instant.file);
@@ -332,12 +384,169 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
   return source;
 }
 
+template <class Absent>
+void MeshSource::leaveOut(const Absent& isAbsent) {
+  std::vector<Instant> instants;
+  std::vector<double> times;
+  for (std::size_t i = 0; i < instants_.size(); ++i) {
+    if (isAbsent(i)) {
+      absent_.push_back(times_[i]);
+      continue;
+    }
+    instants.push_back(instants_[i]);
+    times.push_back(times_[i]);
+  }
+  instants_ = std::move(instants);
+  times_ = std::move(times);
+}
+
+Status MeshSource::listFields() {
+  for (const Instant& instant : instants_) {
+    auto fields = readFields(instant.file, options_);
+    if (!fields) {
+      fieldLists_.clear();
+      return {};  // reading the frame says what is wrong with the file
+    }
+    fieldLists_.push_back(std::move(*fields));
+  }
+  return {};
+}
+
+Status MeshSource::leaveOutAbsent(const std::filesystem::path& path) {
+  if (instants_.size() < 2)
+    return {};
+  if (isExodus(path))
+    return leaveOutUnwritten();
+  std::string field = options_.field;
+  const std::string& also = options_.alsoField;
+  const auto has = [&](std::size_t i, const std::string& name) {
+    return name.empty() ||
+           std::ranges::any_of(fieldLists_[i], [&](const MeshFieldSummary& summary) {
+             return name == summary.name;
+           });
+  };
+  std::vector<bool> there(instants_.size(), true);
+  if (path.extension() == ".pvd") {
+    VOLUTE_TRY(listFields());
+    if (fieldLists_.empty())
+      return {};
+    if (field.empty()) {
+      std::vector<GridEntry> entries;
+      for (const MeshFieldSummary& summary : fieldLists_.front())
+        entries.push_back({summary.name, "", summary.components == 1});
+      const auto chosen = chooseGrid(entries, "", path.string(), {.noun = "field"});
+      if (!chosen)
+        return {};  // reading the first frame says it better
+      field = entries[*chosen].name;
+    }
+    for (std::size_t i = 0; i < there.size(); ++i) there[i] = has(i, field) && has(i, also);
+  } else if (path.extension() == ".foam" && !field.empty()) {
+    for (std::size_t i = 0; i < there.size(); ++i)
+      there[i] = hasFoamField(path, field, times_[i]) &&
+                 (also.empty() || hasFoamField(path, also, times_[i]));
+  } else {
+    return {};
+  }
+  if (std::ranges::none_of(there, std::identity()))
+    return {};  // reading the first frame lists what there is
+  options_.field = field;
+  absentWhat_ = also.empty() ? fmt::format("there is no field '{}'", field)
+                             : fmt::format("there is no field '{}', or no '{}',", field, also);
+  leaveOut([&](std::size_t i) { return !there[i]; });
+  return {};
+}
+
+/// Records at the end of an Exodus file that its writer made and did not write.
+Status MeshSource::leaveOutUnwritten() {
+  absentWhat_ = "the record was never written (netCDF's fill value)";
+  std::size_t whole = times_.size();
+  while (whole > 1 && isNetcdfFill(times_[whole - 1])) --whole;
+  for (std::size_t i = 0; i < whole; ++i) {
+    if (isNetcdfFill(times_[i])) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: the time of instant {} was never written (netCDF's fill value); expected "
+                  "ascending times",
+                  instants_[i].file.string(), i);
+    }
+  }
+  for (; whole > 1; --whole) {
+    const Instant& last = instants_[whole - 1];
+    const auto unwritten = [&](const std::string& field) {
+      MeshOptions options = options_;
+      options.field = field;
+      const auto data = readMesh(last.file, last.index, options);
+      return data && !data->values.empty() && std::ranges::all_of(data->values, isNetcdfFill);
+    };
+    const bool also = !options_.alsoField.empty() && unwritten(options_.alsoField);
+    if (!also && !unwritten(options_.field))
+      break;
+  }
+  leaveOut([&](std::size_t i) { return i >= whole; });
+  return {};
+}
+
+std::string MeshSource::absentText() const {
+  if (absent_.empty())
+    return "";
+  constexpr std::size_t kShown = 5;
+  std::string times;
+  for (std::size_t i = 0; i < std::min(kShown, absent_.size()); ++i)
+    times += fmt::format(
+        "{}{}", i == 0 ? "" : ", ",
+        isNetcdfFill(absent_[i]) ? std::string("unknown") : fmt::format("{:g} s", absent_[i]));
+  return fmt::format("{} at {} of {} times, which are left out: {}{}", absentWhat_, absent_.size(),
+                     absent_.size() + times_.size(), times, absent_.size() > kShown ? " ..." : "");
+}
+
+/// The first frame that is read says what the field is in all.
+Status MeshSource::settleSeries(const MeshData& data, std::size_t frame) {
+  const std::string file = instants_[frame].file.string();
+  if (settledField_.empty()) {
+    settledField_ = data.field;
+    settledOfCells_ = data.ofCells;
+    settledDimensions_ = data.dimensions;
+    return {};
+  }
+  if (settledOfCells_ != data.ofCells) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: at {} s the field '{}' is of {}, before of {}; expected the same at all times",
+                file, times_[frame], data.field, data.ofCells ? "cells" : "points",
+                settledOfCells_ ? "cells" : "points");
+  }
+  if (settledDimensions_ != data.dimensions) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: at {} s the field '{}' states the dimensions {}, before {}; expected the same "
+                "at all times",
+                file, times_[frame], data.field, dimensionsText(data.dimensions),
+                dimensionsText(settledDimensions_));
+  }
+  return {};
+}
+
 Result<MeshFrame> MeshSource::read(std::size_t frame) {
   VOLUTE_ASSERT(frame < instants_.size());
   const Instant& instant = instants_[frame];
   const std::string file = instant.file.string();
-  VOLUTE_ASSIGN(MeshData data, readMesh(instant.file, instant.index, options_));
+  MeshOptions options = options_;
+  if (options.field.empty())
+    options.field = settledField_;
+  auto read = readMesh(instant.file, instant.index, options);
+  if (!read && read.error().code == ErrorCode::kNotFound && !settledField_.empty()) {
+    return fail(ErrorCode::kInvalidData, "{} (at {} s; the first time has '{}')",
+                read.error().message, times_[frame], settledField_);
+  }
+  VOLUTE_TRY(read);
+  MeshData& data = *read;
+  VOLUTE_TRY(settleSeries(data, frame));
+  const auto unwritten = std::ranges::count_if(data.values, isNetcdfFill);
+  if (unwritten > 0) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: at {} s {} of {} values of the field '{}' were never written (netCDF's fill "
+                "value); leave that time out, or run the simulation to its end",
+                file, times_[frame], unwritten, data.values.size(), data.field);
+  }
   MeshFrame out;
+  out.dimensions = data.dimensions;
   out.field = data.field;
   out.others = data.others;
   out.ofCells = data.ofCells;

@@ -2,8 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +27,8 @@ struct MeshFrame {
   std::string others;       ///< other available fields, as readable text
   std::size_t clamped = 0;  ///< negative values that were set to 0
   bool ofCells = false;     ///< the file has cell values, which were converted to point values
+  /// Powers of kg, m, s, K, mol, A and cd, where the file states them (OpenFOAM).
+  std::optional<std::array<double, 7>> dimensions{};
 };
 
 struct MeshOptions {
@@ -32,6 +36,7 @@ struct MeshOptions {
   Negatives negatives = Negatives::kRefuse;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes], for reading one frame
   std::uint64_t perTet = 0;  ///< additional bytes of maxMemory that the caller needs per tet
+  std::string alsoField{};   ///< one that is read from the same times; frames without it are absent
   MeshShare share{};         ///< of the pieces of a .pvtu; shared points are in each piece
 };
 
@@ -69,6 +74,18 @@ class MeshSource {
   /// part of the description.
   [[nodiscard]] Result<MeshDescription> describe(std::size_t frame) const;
 
+  /// Times [s] at which the field is not there, in ascending order, and why: they are left out of
+  /// times(). Found on opening where the head of a file says which fields it has (.vtu and .pvtu in
+  /// a .pvd, OpenFOAM where the field is named), and where an Exodus file ends in records that were
+  /// never written; elsewhere reading such a frame is an error.
+  std::span<const double> absent() const { return absent_; }
+
+  /// What absent() comes to, as a sentence; empty: nothing is absent.
+  std::string absentText() const;
+
+  /// The fields of each file of a .pvd, of absent ones too; empty of other files.
+  const std::vector<std::vector<MeshFieldSummary>>& fieldLists() const { return fieldLists_; }
+
   /// The file of a frame.
   const std::filesystem::path& file(std::size_t frame) const { return instants_[frame].file; }
 
@@ -82,7 +99,21 @@ class MeshSource {
     std::size_t index = 0;
   };
 
+  [[nodiscard]] Status leaveOutAbsent(const std::filesystem::path& path);
+  [[nodiscard]] Status listFields();
+  [[nodiscard]] Status leaveOutUnwritten();
+  template <class Absent>
+  void leaveOut(const Absent& isAbsent);
+  [[nodiscard]] Status settleSeries(const MeshData& data, std::size_t frame);
+
   std::vector<Instant> instants_;
+  std::vector<double> absent_;
+  std::string absentWhat_;  // what is absent then
+  std::vector<std::vector<MeshFieldSummary>> fieldLists_;
+  // What the first frame that was read settled for all.
+  std::string settledField_;
+  bool settledOfCells_ = false;
+  std::optional<std::array<double, 7>> settledDimensions_;
   std::vector<double> times_;
   std::vector<int> numbers_;
   MeshOptions options_;

@@ -76,6 +76,56 @@ TEST(VtuWriter, IsReadBackExactly) {
   EXPECT_EQ(read, written);
 }
 
+std::string renamed(std::string text, const std::string& from, const std::string& to) {
+  for (auto at = text.find(from); at != text.npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+TEST(MeshSource, AFieldThatIsAbsentAtATimeIsLeftOutThere) {
+  const TempFolder folder;
+  const std::string text = vtu("1 2 3 4 5 6");
+  write(folder / "a.vtu", text);
+  write(folder / "b.vtu", renamed(text, "\"smoke\"", "\"temperature\""));
+  const SeriesFile files[] = {{"a.vtu", 0}, {"b.vtu", 1}, {"a.vtu", 2}};
+  ASSERT_TRUE(testing::ok(writePvd(folder / "s.pvd", files)));
+  for (const char* field : {"", "smoke"}) {
+    ASSERT_VALUE(auto source, MeshSource::open(folder / "s.pvd", {.field = field}));
+    EXPECT_THAT(source.times(), ElementsAre(0, 2));
+    EXPECT_THAT(source.absent(), ElementsAre(1));
+    EXPECT_EQ(source.absentText(),
+              "there is no field 'smoke' at 1 of 3 times, which are left out: 1 s");
+    for (std::size_t i = 0; i < 2; ++i) {
+      ASSERT_VALUE(const auto frame, source.read(i));
+      EXPECT_EQ(frame.field, "smoke");
+      EXPECT_EQ(*std::ranges::max_element(frame.values), 6);
+    }
+  }
+  ASSERT_VALUE(auto later, MeshSource::open(folder / "s.pvd", {.field = "temperature"}));
+  EXPECT_THAT(later.times(), ElementsAre(1));
+  ASSERT_VALUE(auto both, MeshSource::open(folder / "s.pvd", {.field = "smoke", .alsoField = "U"}));
+  EXPECT_THAT(both.times(), ElementsAre(0, 2));
+  ASSERT_VALUE(const auto neither, MeshSource::open(folder / "s.pvd", {.field = "smok"}));
+  EXPECT_EQ(neither.times().size(), 3U) << "reading says what there is";
+}
+
+TEST(MeshSource, AFieldOfCellsIsNotOneOfPoints) {
+  const TempFolder folder;
+  write(folder / "a.vtu", vtu("1 2 3 4 5 6"));
+  write(folder / "b.vtu",
+        renamed(vtu("1 2 3 4 5 6",
+                    "<DataArray type=\"Float32\" Name=\"heat\" format=\"ascii\">1 2 3</DataArray>"),
+                "\"smoke\"", "\"other\""));
+  write(folder / "b.vtu", renamed(testing::readBytes(folder / "b.vtu"), "\"heat\"", "\"smoke\""));
+  const SeriesFile files[] = {{"a.vtu", 0}, {"b.vtu", 1.5}};
+  ASSERT_TRUE(testing::ok(writePvd(folder / "s.pvd", files)));
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "s.pvd"));
+  ASSERT_VALUE(const auto first, source.read(0));
+  const auto second = source.read(1);
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().message, HasSubstr("b.vtu: at 1.5 s the field 'smoke' is of cells"));
+}
+
 TEST(MeshSource, ReadsPointsAndCells) {
   const TempFolder folder;
   write(folder / "a.vtu",

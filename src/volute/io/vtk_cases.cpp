@@ -9,6 +9,7 @@
 #include <vtkExodusIIReader.h>
 #include <vtkGenericEnSightReader.h>
 #include <vtkInformation.h>
+#include <vtkInformationVector.h>
 #include <vtkNew.h>
 #include <vtkOpenFOAMReader.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
@@ -235,13 +236,39 @@ Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
     return std::vector<double>{0};
   if (path.extension() == ".case")
     VOLUTE_TRY(checkEnsightCase(path));
-  if (path.extension() == ".foam")
+  if (path.extension() == ".foam") {
+    VOLUTE_TRY(checkFoamDecomposed(path));
     VOLUTE_TRY(checkFoamKinds(path));
+  }
   const ErrorWatch watch;
   const auto reader = readerOf(path);
   auto times = timesOf(*reader);
   VOLUTE_TRY(watch.status(path.string()));
   return times;
+}
+
+Result<std::vector<VtkFieldName>> listVtkFields(const std::filesystem::path& path) {
+  const ErrorWatch watch;
+  std::filesystem::path file = path;
+  if (path.extension() == ".pvtu") {
+    VOLUTE_ASSIGN(const auto pieces, piecesOf(path, watch));
+    file = pieces.front();
+  }
+  vtkNew<vtkXMLUnstructuredGridReader> reader;
+  reader->SetFileName(file.c_str());
+  reader->UpdateInformation();
+  VOLUTE_TRY(watch.status(file.string()));
+  std::vector<VtkFieldName> fields;
+  for (const bool cells : {false, true}) {
+    auto* list = reader->GetOutputInformation(0)->Get(cells ? vtkDataObject::CELL_DATA_VECTOR()
+                                                            : vtkDataObject::POINT_DATA_VECTOR());
+    for (int i = 0; list && i < list->GetNumberOfInformationObjects(); ++i) {
+      vtkInformation* field = list->GetInformationObject(i);
+      if (const char* name = field->Get(vtkDataObject::FIELD_NAME()))
+        fields.push_back({name, cells, field->Get(vtkDataObject::FIELD_NUMBER_OF_COMPONENTS())});
+    }
+  }
+  return fields;
 }
 
 Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t instant,

@@ -19,6 +19,16 @@ namespace volute {
 /// The instants of a .vtu file or a case.
 [[nodiscard]] Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path);
 
+/// A field that the head of a file names.
+struct VtkFieldName {
+  std::string name;
+  bool ofCells = false;
+  int components = 1;
+};
+
+/// Of a .vtu, or of the first piece of a .pvtu.
+[[nodiscard]] Result<std::vector<VtkFieldName>> listVtkFields(const std::filesystem::path& path);
+
 /// What a file has at one instant.
 struct VtkVolume {
   vtkSmartPointer<vtkUnstructuredGrid> grid;  ///< all blocks as one

@@ -15,6 +15,7 @@
 #include <optional>
 #include <string_view>
 
+#include "volute/io/foam_files.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/mesh.hpp"
 #include "volute/io/vtk_cases.hpp"
@@ -152,8 +153,24 @@ class VtkMeshReader final : public MeshReader {
     data_.ofCells = fields[chosen].ofCells;
     if (wanted.empty())
       VOLUTE_TRY(checkVtkCase(path, data_.field, volume.time));
+    if (path.extension() == ".foam")
+      data_.dimensions = foamDimensions(path, data_.field, volume.time);
     VOLUTE_TRY(copyCells(grid, fields[chosen], file));
     return sizeOfData();
+  }
+
+  Result<std::vector<MeshFieldSummary>> fields(const std::filesystem::path& path) override {
+    VOLUTE_ASSIGN(const auto names, listVtkFields(path));
+    std::vector<MeshFieldSummary> fields;
+    for (const VtkFieldName& field : names) {
+      if (field.name.starts_with("vtkGhost"))
+        continue;
+      MeshFieldSummary& summary = fields.emplace_back();
+      field.name.copy(summary.name, MeshSize::kMaxName);
+      summary.ofCells = field.ofCells;
+      summary.components = field.components;
+    }
+    return fields;
   }
 
   Result<std::pair<MeshContents, std::vector<MeshFieldSummary>>> describe(
@@ -189,6 +206,8 @@ class VtkMeshReader final : public MeshReader {
     size.points = data_.soup.vertices.size();
     size.cells = data_.soup.shapes.size();
     size.indices = data_.soup.connectivity.size();
+    size.hasDimensions = data_.dimensions.has_value();
+    size.dimensions = data_.dimensions.value_or(size.dimensions);
     return size;
   }
 

@@ -131,6 +131,34 @@ void addFields(Report& report, const std::vector<MeshFieldSummary>& fields,
   report.add("fields", list, text);
 }
 
+/// What is not there at all times.
+void addPartial(Report& report, const MeshSource& source) {
+  OrderedJson list = OrderedJson::array();
+  std::string text = source.absentText();
+  std::vector<std::pair<std::string, std::size_t>> counts;
+  for (const auto& fields : source.fieldLists()) {
+    for (const MeshFieldSummary& field : fields) {
+      const auto known =
+          std::ranges::find(counts, field.name, &decltype(counts)::value_type::first);
+      if (known == counts.end())
+        counts.emplace_back(field.name, 1);
+      else
+        ++known->second;
+    }
+  }
+  for (const auto& [name, count] : counts) {
+    if (count == source.fieldLists().size())
+      continue;
+    list.push_back({{"name", name}, {"times", count}});
+    text += fmt::format("{}{} is there at {} of {} times", text.empty() ? "" : "; ", name, count,
+                        source.fieldLists().size());
+  }
+  report
+      .add("absent_times",
+           OrderedJson(std::vector<double>(source.absent().begin(), source.absent().end())), "")
+      .add("partial_fields", list, text);
+}
+
 }  // namespace
 
 Result<FileDescription> describeMeshCase(const std::string& path, bool values, Reading& reading) {
@@ -163,6 +191,7 @@ Result<FileDescription> describeMeshCase(const std::string& path, bool values, R
     }
     reading.progress.report("reading", static_cast<double>(i + 1), static_cast<double>(count));
   }
+  addPartial(report, source);
   addFields(report, fields,
             count > 1 ? "over all instants" : fmt::format("at {} s", source.times().front()));
   return described;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "volute/media/smoke/smoke_words.hpp"
 #include "volute/media/smoke/tet_sight.hpp"
 
 namespace volute {
@@ -15,6 +16,8 @@ Result<std::unique_ptr<MeshSight>> MeshSight::open(MeshSource source,
                                                    const std::string& name) {
   std::unique_ptr<MeshSight> sight(
       new MeshSight(std::move(source), std::move(density), model, name));
+  if (const std::string absent = sight->source_.absentText(); !absent.empty())
+    sight->remarks_.push_back(fmt::format("{}: {}", name, absent));
   VOLUTE_ASSIGN(sight->first_, sight->read(0));
   sight->bounds_ = sight->locator_->mesh().bounds();
   return sight;
@@ -39,6 +42,13 @@ Result<std::shared_ptr<const SightInstant>> MeshSight::readOwn(std::size_t time)
   if (time == 0 && first_)
     return std::exchange(first_, nullptr);
   VOLUTE_ASSIGN(const auto frame, source_.read(time));
+  if (fieldName_.empty() && frame.dimensions) {
+    VOLUTE_ASSIGN(const std::string unit,
+                  compareDimensions(*frame.dimensions, model_,
+                                    fmt::format("{}: field '{}'", name_, frame.field)));
+    if (!unit.empty())
+      remarks_.push_back(unit);
+  }
   fieldName_ = frame.field;
   otherFields_ = frame.others;
   std::vector<float> density;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "volute/media/smoke/smoke_words.hpp"
 
 namespace volute {
@@ -109,6 +111,31 @@ TEST(SmokeWords, ConcentrationHasTheUnitOfTheField) {
   model.quantity = SmokeQuantity::kOpticalDensity;
   EXPECT_EQ(unitOfConcentration(model), "");
   EXPECT_EQ(extinctionOfConcentration(model), 0);
+}
+
+TEST(SmokeWords, DimensionsOfAFileAreThoseOfTheQuantity) {
+  using Dimensions = std::array<double, 7>;
+  constexpr Dimensions kDensity{1, -3}, kPerLength{0, -1}, kLength{0, 1}, kNone{};
+  const auto said = [](const Dimensions& stated, SmokeQuantity quantity, double unit = 1) {
+    SmokeModel model;
+    model.quantity = quantity;
+    model.unit = unit;
+    const auto remark = compareDimensions(stated, model, "c.foam: field 'soot'");
+    return remark ? *remark : "refused: " + remark.error().message;
+  };
+  EXPECT_EQ(said(kDensity, SmokeQuantity::kSootDensity), "");
+  EXPECT_EQ(said(kPerLength, SmokeQuantity::kExtinction), "");
+  EXPECT_EQ(said(kLength, SmokeQuantity::kVisibility), "");
+  EXPECT_EQ(said(kNone, SmokeQuantity::kMassFraction), "");
+  EXPECT_EQ(said(kDensity, SmokeQuantity::kExtinction),
+            "refused: c.foam: field 'soot': the file states kg m^-3, and extinction has m^-1; "
+            "choose the quantity that the field holds");
+  EXPECT_EQ(said(kDensity, SmokeQuantity::kMassFraction).substr(0, 8), "refused:");
+  EXPECT_EQ(said(kNone, SmokeQuantity::kSootDensity),
+            "c.foam: field 'soot': the file states a number without dimensions; it is read as "
+            "soot-density [kg/m3]");
+  EXPECT_EQ(said(kDensity, SmokeQuantity::kSootDensity, 1e-3),
+            "c.foam: field 'soot': the file states kg m^-3 (SI), and its values are read as g/m3");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/gather_values.hpp"
@@ -31,14 +32,17 @@ Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
                                     Team* holders) {
   constexpr std::uint64_t kPerTet = 210;  // bytes, of light and of what finds tets, measured
   MeshOptions options{description.field, description.negatives, reading.maxMemory, kPerTet};
+  options.alsoField = description.densityField;
   if (holders)
     options.share = {holders->rank(), holders->size()};
   VOLUTE_ASSIGN(auto source, MeshSource::open(description.file, options));
   auto files = std::make_shared<Files>(Files{std::move(source)});
   if (!description.densityField.empty()) {
-    options.field = description.densityField;
+    options.alsoField = std::exchange(options.field, description.densityField);
     VOLUTE_ASSIGN(files->densitySource, MeshSource::open(description.file, options));
   }
+  if (const std::string absent = files->source.absentText(); !absent.empty())
+    reading.progress.remark(fmt::format("{}: {}", description.file, absent));
   SmokeLayer layer(description, std::move(files));
   layer.lighting_ = std::move(lighting);
   layer.progress_ = &reading.progress;
@@ -57,6 +61,13 @@ Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
   VOLUTE_ASSIGN(const auto first, layer.step(0));
   const MeshFrame& frame = first->stored->frame;
   layer.files_->field = frame.field;
+  if (frame.dimensions) {
+    VOLUTE_ASSIGN(const std::string unit,
+                  compareDimensions(*frame.dimensions, description.model,
+                                    fmt::format("{}: field '{}'", description.file, frame.field)));
+    if (!unit.empty())
+      reading.progress.remark(unit);
+  }
   if (description.field.empty() && !frame.others.empty()) {
     reading.progress.remark(
         fmt::format("{}: the field '{}' is read; it also has {} (--field chooses)",

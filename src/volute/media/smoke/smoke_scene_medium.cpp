@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "volute/base/remark_log.hpp"
 #include "volute/camera/pixel_ray.hpp"
@@ -145,10 +146,12 @@ class SmokeKind final : public MediumKind {
                   smoke.where, nameOf(smoke.model.quantity));
     }
     MeshOptions options{smoke.field, smoke.negatives, context.reading.maxMemory};
+    if (smoke.model.quantity == SmokeQuantity::kMassFraction)
+      options.alsoField = smoke.densityField;
     VOLUTE_ASSIGN(auto source, MeshSource::open(smoke.file, options));
     std::optional<MeshSource> density;
     if (smoke.model.quantity == SmokeQuantity::kMassFraction) {
-      options.field = smoke.densityField;
+      options.alsoField = std::exchange(options.field, smoke.densityField);
       VOLUTE_ASSIGN(density, MeshSource::open(smoke.file, options));
     }
     VOLUTE_ASSIGN(auto sight,

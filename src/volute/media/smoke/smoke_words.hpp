@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,5 +29,12 @@ double extinctionOfConcentration(const SmokeModel& model);
 /// What the values are and how they become extinction, without what plays no part in it:
 /// "soot-density [g/m3]", "scale 2", "Km = 8700 m2/kg", "ys = 0.1".
 std::vector<std::string> wordsOf(const SmokeModel& model);
+
+/// Compares the dimensions that a file states, powers of kg, m, s, K, mol, A and cd, with those of
+/// a field's quantity. An error where they are another quantity's, half a sentence where they say
+/// nothing (a number without dimensions) or the unit differs by a factor, empty where all is well.
+[[nodiscard]] Result<std::string> compareDimensions(const std::array<double, 7>& stated,
+                                                    const SmokeModel& model,
+                                                    const std::string& where);
 
 }  // namespace volute
