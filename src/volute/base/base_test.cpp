@@ -26,6 +26,7 @@
 #include "volute/base/output_file.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/base/read_text.hpp"
+#include "volute/base/suggest.hpp"
 #include "volute/base/thread_priority.hpp"
 #include "volute/base/view.hpp"
 
@@ -57,6 +58,19 @@ TEST(View, SubViewSharesTheDataAtItsOrigin) {
 
 TEST(Crc32, AgreesWithThePublishedCheckValue) {
   EXPECT_EQ(crc32(bytesOf("123456789")), 0xCBF43926u);
+}
+
+TEST(Suggest, HugeNamesAreLikeNone) {
+  const std::string_view names[] = {"extinction", "emission"};
+  EXPECT_EQ(nearest("extinctoin", names), "extinction");
+  EXPECT_EQ(nearest("emi", names), "emission");
+  EXPECT_EQ(nearest("zebra", names), "");
+  EXPECT_EQ(editDistance("kitten", "sitting"), 3U);
+  EXPECT_EQ(editDistance("ab", "ba"), 1U);
+  EXPECT_EQ(editDistance("", "abc"), 3U);
+  const std::string huge(15 << 20, 'e');  // a table of these would take more memory than there is
+  EXPECT_EQ(nearest(huge, names), "");
+  EXPECT_EQ(editDistance(huge, huge), huge.size());
 }
 
 TEST(Half, EveryFiniteHalfMatchesItsDefinition) {

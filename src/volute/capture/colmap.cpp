@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <set>
 #include <span>
 
 #include "volute/capture/colmap_files.hpp"
@@ -78,8 +79,10 @@ Result<CaptureDraft> readColmap(const std::filesystem::path& folder) {
   }
   draft.remarks = model.remarks;
   std::vector<std::uint32_t> idle;
+  std::set<std::uint32_t> used;
+  for (const ColmapImage& image : model.images) used.insert(image.camera);
   for (const auto& [id, camera] : model.cameras) {
-    if (std::ranges::find(model.images, id, &ColmapImage::camera) == model.images.end())
+    if (!used.contains(id))
       idle.push_back(id);
   }
   if (!idle.empty()) {

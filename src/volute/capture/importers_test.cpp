@@ -358,6 +358,21 @@ TEST_F(Importers, OpenCvFaults) {
   EXPECT_TRUE(failsWith(with("fisheye_model: 1\n" + K + R), "fisheye lenses are not read"));
 }
 
+TEST_F(Importers, OpenCvMatricesAreThereOnceAndWrittenOut) {
+  const Calibration c = ringCalibration(0, kCameras);
+  const auto all = openCvMatrix("K_a", c.K, false) + openCvMatrix("R_a", c.R, false) +
+                   openCvMatrix("T_a", c.t, false);
+  writeText(folder / "a.yml", "%YAML:1.0\n---\n" + all + openCvMatrix("K_a", 2 * c.K, false));
+  EXPECT_TRUE(failsWith(openCapture(folder / "a.yml", options), "K_a is there twice"));
+  std::string aliases = "%YAML:1.0\n---\nbase: &base [";
+  for (int i = 0; i < 1000; ++i) aliases += "0,";
+  aliases += "0]\n";
+  for (int i = 0; i < 100; ++i)
+    aliases += fmt::format("K_{}: {{rows: 1, cols: 1001, data: *base}}\n", i);
+  writeText(folder / "a.yml", aliases);
+  EXPECT_TRUE(failsWith(openCapture(folder / "a.yml", options), "its matrices repeat others"));
+}
+
 TEST_F(Importers, ColmapTextsThatAreCutBetweenLinesAreTold) {
   writeColmapText(folder, "\n");
   const auto path = folder / "text" / "images.txt";

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <unordered_map>
 
 #include "volute/capture/clocks.hpp"
 #include "volute/capture/image_name.hpp"
@@ -79,18 +80,21 @@ std::string plainName(const std::string& pictureName) {
 /// Gives each camera a name, and drops further pictures of a camera that stands still.
 Status nameCameras(CaptureDraft& draft, const std::optional<ImageName>& images) {
   std::vector<CameraDraft> cameras;
+  std::unordered_map<std::string, std::size_t> placeOf;
   for (CameraDraft& camera : draft.cameras) {
     if (camera.name.empty() && images)
       camera.name = images->cameraIn(camera.pictureName).value_or("");
     if (camera.name.empty())
       camera.name = plainName(camera.pictureName);
-    const auto before = std::ranges::find(cameras, camera.name, &CameraDraft::name);
-    if (before == cameras.end()) {
+    const auto [place, isNew] = placeOf.emplace(camera.name, cameras.size());
+    if (isNew) {
       cameras.push_back(std::move(camera));
-    } else if (!camera.pictureName.empty() &&
-               sameCalibration(before->calibration, camera.calibration)) {
       continue;
-    } else {
+    }
+    const CameraDraft* before = &cameras[place->second];
+    const bool same =
+        !camera.pictureName.empty() && sameCalibration(before->calibration, camera.calibration);
+    if (!same) {
       return fail(
           ErrorCode::kInvalidData,
           "{}: a second camera '{}', other than {}; expected cameras that stand still, each "

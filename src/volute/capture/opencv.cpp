@@ -7,6 +7,8 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <unordered_map>
+#include <unordered_set>
 
 #include "volute/base/read_text.hpp"
 #include "volute/capture/importers.hpp"
@@ -22,11 +24,32 @@ struct Entry {
 };
 
 /// In the order of the file.
-using Entries = std::vector<std::pair<std::string, Entry>>;
+class Entries {
+ public:
+  /// False: there is one of this name.
+  bool add(const std::string& name, Entry entry) {
+    if (!places_.emplace(name, list_.size()).second)
+      return false;
+    list_.emplace_back(name, std::move(entry));
+    return true;
+  }
+
+  const Entry* find(const std::string& name) const {
+    const auto found = places_.find(name);
+    return found == places_.end() ? nullptr : &list_[found->second].second;
+  }
+
+  auto begin() const { return list_.begin(); }
+
+  auto end() const { return list_.end(); }
+
+ private:
+  std::vector<std::pair<std::string, Entry>> list_;
+  std::unordered_map<std::string, std::size_t> places_;
+};
 
 const Entry* findEntry(const Entries& entries, const std::string& name) {
-  const auto found = std::ranges::find(entries, name, &Entries::value_type::first);
-  return found == entries.end() ? nullptr : &found->second;
+  return entries.find(name);
 }
 
 std::optional<Entry> entryOf(const YAML::Node& node) {
@@ -96,13 +119,14 @@ Status checkPoses(const Entries& entries, const std::string& file) {
 /// What no camera uses: another calibration's matrices, or a name with a slip in it.
 std::vector<std::string> unused(const Entries& entries, std::span<const CameraDraft> cameras) {
   std::vector<std::string> names;
+  std::unordered_set<std::string> cameraNames;
+  for (const CameraDraft& camera : cameras) cameraNames.insert(camera.name);
   for (const auto& [name, entry] : entries) {
     const bool used = std::ranges::any_of(kPrefixes, [&](std::string_view prefix) {
       if (!name.starts_with(prefix))
         return false;
       const std::string rest = name.substr(prefix.size());
-      return (rest.empty() && prefix.back() != '_') ||
-             std::ranges::find(cameras, rest, &CameraDraft::name) != cameras.end();
+      return (rest.empty() && prefix.back() != '_') || cameraNames.contains(rest);
     });
     if (!used)
       names.push_back(name);
@@ -126,15 +150,27 @@ Result<Entries> readEntries(const std::filesystem::path& file) {
       return fail(ErrorCode::kInvalidData,
                   "{}: holds no named matrices; expected OpenCV's FileStorage", file.string());
     Entries entries;
+    std::size_t values = 0;
     for (const auto& item : root) {
       const auto name = item.first.as<std::string>();
-      if (auto entry = entryOf(item.second))
-        entries.emplace_back(name, std::move(*entry));
-      else if (item.second.Tag().ends_with("opencv-matrix") || isOurs(name))
+      if (auto entry = entryOf(item.second)) {
+        values += entry->values.size();
+        if (values > text.size()) {
+          return fail(ErrorCode::kTooLarge,
+                      "{}: line {}: its matrices repeat others (as aliases, *name) more often than "
+                      "the file has characters; expected each matrix written out",
+                      file.string(), item.first.Mark().line + 1);
+        }
+        if (!entries.add(name, std::move(*entry))) {
+          return fail(ErrorCode::kInvalidData, "{}: line {}: {} is there twice; expected it once",
+                      file.string(), item.first.Mark().line + 1, name);
+        }
+      } else if (item.second.Tag().ends_with("opencv-matrix") || isOurs(name)) {
         return fail(ErrorCode::kInvalidData,
                     "{}: line {}: {} is no whole matrix; expected rows, cols and data: the file is "
                     "cut off or damaged",
                     file.string(), item.first.Mark().line + 1, name);
+      }
     }
     return entries;
   } catch (const YAML::Exception& error) {

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -9,8 +10,10 @@
 
 namespace volute {
 
-/// A whole JSON file of at most 16 MiB and not too deep (json_depth.hpp); errors name the file and
-/// the line.
-[[nodiscard]] Result<nlohmann::json> readJson(const std::filesystem::path& file);
+/// A whole JSON file of at most 16 MiB and not too deep (json_depth.hpp), no member of which is in
+/// its object twice; errors name the file and the line.
+/// @param mostMembers  of one object
+[[nodiscard]] Result<nlohmann::json> readJson(const std::filesystem::path& file,
+                                              std::size_t mostMembers = SIZE_MAX);
 
 }  // namespace volute

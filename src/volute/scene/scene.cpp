@@ -41,7 +41,10 @@ void extend(Box3& box, const Box3& by) {
 
 /// As it is written, with its members in their order.
 Result<OrderedJson> readScene(const std::string& path) {
-  VOLUTE_TRY(readJson(path));  // whatever is wrong with it is said there
+  // Whatever is wrong with it is said there. A member of an ordered object is found by looking
+  // through the others, and no object of ours has more than some tens.
+  constexpr std::size_t kMaxMembers = 2000;
+  VOLUTE_TRY(readJson(path, kMaxMembers));
   VOLUTE_ASSIGN(const auto text, readText(path));
   VOLUTE_TRY(checkJsonDepth(text, path));
   return OrderedJson::parse(text, nullptr, false);

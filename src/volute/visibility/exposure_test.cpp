@@ -250,6 +250,9 @@ TEST(Rset, IsANumberAMapOrPeople) {
   const auto passing = Rset::parse("id,time,x,y\n1,0,-10,0\n1,20,10,0\n", "w.csv").value();
   EXPECT_NEAR(passing.at(std::vector{Vec3(0, 0, 2)}, 0.5)[0], 10.5, 0.1);
   EXPECT_THAT(Rset::parse("what\n", "bad.csv").error().message, HasSubstr("x,y,rset"));
+  EXPECT_THAT(Rset::parse("x,y,rset\n0,1,30\n9,0,50\n0,1,60\n", "map.csv").error().message,
+              HasSubstr("map.csv: two times at the place 0, 1: 30 s and 60 s"));
+  EXPECT_TRUE(Rset::parse("x,y,rset\n0,1,30\n0,1,30\n", "map.csv"));
   EXPECT_EQ(Rset::read("45.5", 100).value().at(points, 1)[0], 45.5);
   EXPECT_THAT(Rset::read("-1", 100).error().message, HasSubstr("rset: -1: expected seconds >= 0"));
   EXPECT_EQ(Rset::read("none.csv", 100).error().code, ErrorCode::kNotFound);

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <unordered_map>
 
 #include "volute/base/parallel.hpp"
 #include "volute/io/table_row.hpp"
@@ -270,11 +271,12 @@ Result<std::vector<NamedPoint>> parsePoints(std::string_view text, std::string_v
 
 Result<std::vector<Route>> routesOf(const std::vector<NamedPoint>& points, std::string_view file) {
   std::vector<Route> routes;
+  std::unordered_map<std::string, std::size_t> placeOf;
   for (const NamedPoint& point : points) {
-    auto route = std::ranges::find(routes, point.name, &Route::name);
-    if (route == routes.end())
-      route = routes.insert(routes.end(), Route{point.name, {}});
-    route->points.push_back(point.position);
+    const auto [place, isNew] = placeOf.emplace(point.name, routes.size());
+    if (isNew)
+      routes.push_back(Route{point.name, {}});
+    routes[place->second].points.push_back(point.position);
   }
   for (Route& route : routes) {
     if (!(route.length() > 0)) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "volute/base/parallel.hpp"
 #include "volute/base/read_text.hpp"
@@ -48,7 +50,17 @@ Result<Rset> Rset::parse(std::string_view text, std::string_view file) {
                 file, points.error().message);
   }
   std::vector<Vec3> map;
-  for (const NamedPoint& point : *points) map.push_back(point.position);
+  std::map<std::pair<double, double>, double> timeAt;
+  for (const NamedPoint& point : *points) {
+    const Vec3& p = point.position;
+    const auto [before, isNew] = timeAt.emplace(std::pair(p[0], p[1]), p[2]);
+    if (!isNew && before->second != p[2]) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: two times at the place {}, {}: {} s and {} s; expected one for each place",
+                  file, p[0], p[1], before->second, p[2]);
+    }
+    map.push_back(p);
+  }
   return Rset(std::move(map));
 }
 
