@@ -379,7 +379,9 @@ class Sweep(Cases):
         return result.json, result.message
 
     def test_each_case_with_each_variant_is_a_row(self):
-        self.assertEqual(self.sweep(self.study())[0]["done"], 4)
+        study = self.study()
+        self.assertEqual(self.works("sweep", study, "--list").out, b"1 a_plain\n2 a_up\n3 b_plain\n4 b_up\n")
+        self.assertEqual(self.sweep(study)[0]["done"], 4)
         rows = self.rows()
         self.assertEqual(sorted(rows), ["a_plain", "a_up", "b_plain", "b_up"])
         for row in rows.values():

@@ -128,6 +128,42 @@ class Untrusted(support.TestCase):
         self.assertNotIn("outside", result.message)
 
 
+class Outputs(support.TestCase):
+    def test_no_two_have_one_name(self):
+        volume = self.make_volute()
+        self.path("sub").mkdir()
+        for stats in ("x.npy", "./x.npy", "sub/../x.npy"):
+            said = self.fails(2, "extract", volume, "-o", self.path("x.npy"), "--stats", f"{self.folder}/{stats}")
+            self.assertIn("two outputs have the name", said)
+        self.fails(2, "extract", volume, "-o", self.path("x_%04d.vti"), "--stats", self.path("x_0001.vti"))
+        self.works("extract", volume, "-o", self.path("x.npy"), "--stats", self.path("x.json"))
+
+    def test_names_of_grids_lead_nowhere(self):
+        self.path("res/x").mkdir(parents=True)
+        self.path("victim").mkdir()
+        self.path("victim/data.npy").write_text("precious")
+        self.path("a.vti").write_text(
+            '<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian"><ImageData WholeExtent="0 1 0 1 0 1" Origin="0 0 0" '
+            'Spacing="1 1 1"><Piece Extent="0 1 0 1 0 1"><CellData><DataArray type="Float32" Name="../victim/data" format="ascii">3'
+            '</DataArray></CellData></Piece></ImageData></VTKFile>\n')
+        self.works("compress", self.path("a.vti"), "-o", self.path("a.volute"))
+        said = self.fails(1, "extract", self.path("a.volute"), "-o", self.path("res/{grid}.npy"))
+        self.assertIn("a grid is called '../victim/data'", said)
+        self.assertEqual(self.path("victim/data.npy").read_text(), "precious")
+        self.works("extract", self.path("a.volute"), "-o", self.path("res/x.npy"))
+
+    def test_a_study_names_no_files_to_write(self):
+        sight_cases.write_vtu(self.path("a.vtu"), (4, 4, 3), (2, 2, 2), lambda x, y, z: 0.1)
+        self.path("signs.json").write_text('{"signs": [{"name": "s", "position": [2, 0.1, 2], "normal": [0, 1, 0]}]}')
+        self.path("notes.txt").write_text("mine")
+        options = {"signs": "signs.json", "height": 1.5, "step": 1, "quantity": "extinction"}
+        study = {"cases": [{"case": "a.vtu", "options": {"stats": str(self.path("notes.txt"))}}], "options": options}
+        self.path("study.json").write_text(json.dumps(study))
+        said = self.fails(1, "sweep", self.path("study.json"), "-o", self.path("out"))
+        self.assertIn("the option 'stats' writes a file", said)
+        self.assertEqual(self.path("notes.txt").read_text(), "mine")
+
+
 class Targets(support.TestCase):
     def test_modes_and_links_stay(self):
         volume = self.make_volute()

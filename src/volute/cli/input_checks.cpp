@@ -7,6 +7,7 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/leftovers.hpp"
 #include "volute/io/named_files.hpp"
+#include "volute/io/output_names.hpp"
 
 namespace volute::cli {
 namespace {
@@ -38,6 +39,13 @@ Status checkNothingOverwritten(const Command& command, const Arguments& argument
   }
   if (outputs.empty())
     return {};
+  OutputNames names;
+  for (const auto& [option, output] : outputs) {
+    VOLUTE_TRY(names.add(output, fmt::format("--{}", option)));
+    if (option == "report")  // its page
+      VOLUTE_TRY(names.add(std::filesystem::path(output).replace_extension(".html").string(),
+                           "the page of --report"));
+  }
   for (const std::string& input : inputs) {
     for (const auto& [option, output] : outputs) VOLUTE_TRY(checkOne(option, output, input, ""));
     for (const std::string& named : filesNamedIn(input)) {
@@ -48,8 +56,15 @@ Status checkNothingOverwritten(const Command& command, const Arguments& argument
   return {};
 }
 
-Status checkNamedFiles(const Arguments& arguments, Context& context) {
-  for (const std::string& input : arguments.positionals()) {
+Status checkNamedFiles(const Command& command, const Arguments& arguments, Context& context) {
+  std::vector<std::string> inputs = arguments.positionals();
+  for (const Option& option : command.options) {
+    if (option.kind != ValueKind::kFile || option.several)
+      continue;
+    if (const auto file = arguments.findGiven<std::string>(option.name))
+      inputs.push_back(*file);
+  }
+  for (const std::string& input : inputs) {
     const auto outside = namesOutside(input);
     if (outside.empty())
       continue;

@@ -67,7 +67,7 @@ Status flushResults() {
 Status runGuarded(const Command& command, const Arguments& arguments, Context& context) {
   try {
     VOLUTE_TRY(checkNothingOverwritten(command, arguments));
-    VOLUTE_TRY(checkNamedFiles(arguments, context));
+    VOLUTE_TRY(checkNamedFiles(command, arguments, context));
     remarkOnLeftovers(command, arguments, context);
     return command.run(arguments, context);
   } catch (const std::bad_alloc&) {
@@ -107,6 +107,8 @@ int runCommand(const Command& command, Arguments arguments, const std::vector<st
   }
   const ThreadLimit threads(arguments.find<int>("threads").value_or(0));
   Console console(std::string(command.name), volumeOf(arguments));
+  if ((*team)->size() > 1)
+    Interrupt::keepExitCode();
   Context context{{console, arguments.get<Bytes>("max-memory").count}, **team, &console};
   context.json = arguments.flag("json");
   context.words = words;
@@ -185,18 +187,25 @@ static int sayingWhy(Run&& run) {
   return kCouldNot;
 }
 
+/// A run that was stopped ends by the signal.
+static int endedBy(int code) {
+  if (code == kCouldNot)
+    Interrupt::endBySignal();
+  return code;
+}
+
 int runProgram(int argc, char** argv) {
-  return sayingWhy([&] { return chooseAndRun(argc, argv); });
+  return endedBy(sayingWhy([&] { return chooseAndRun(argc, argv); }));
 }
 
 int runProgram(const Command& command, int argc, char** argv) {
-  return sayingWhy([&] {
+  return endedBy(sayingWhy([&] {
     silenceOtherRanks();
     ignoreSignalsOfWriting();
     const ReaderHelper helper(Interrupt::requested);
     const Interrupt interrupt;
     return parseAndRun(command, {argv + 1, argv + argc});
-  });
+  }));
 }
 
 }  // namespace volute::cli

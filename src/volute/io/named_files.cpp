@@ -3,9 +3,12 @@
 #include "volute/io/named_files.hpp"
 
 #include <filesystem>
+#include <set>
+#include <utility>
 
 #include "volute/base/file_name.hpp"
 #include "volute/io/below_folder.hpp"
+#include "volute/io/frame_pattern.hpp"
 #include "volute/io/json_file.hpp"
 
 namespace volute {
@@ -13,19 +16,69 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Texts of a scene or a capture that lead out of its folder. Most texts are names of something
-/// else, and all of these lie below the folder if taken as files.
-void findOutside(const nlohmann::json& json, const fs::path& folder,
-                 std::vector<std::string>& found) {
-  if (json.is_structured()) {
-    for (const auto& member : json) findOutside(member, folder, found);
-  } else if (json.is_string()) {
-    const auto& text = json.get_ref<const std::string&>();
-    if (!text.empty() && text.find('\0') == text.npos && !isBelowFolder(folder / text, folder) &&
-        !fs::path(text).lexically_normal().filename().empty())
-      found.push_back(text);
+/// Finds texts of a scene or a capture that lead out of its folder, and of the .json files that
+/// these name. Most texts are names of something else, and all of these lie below the folder if
+/// taken as files.
+class OutsideFinder {
+ public:
+  void addFile(const fs::path& file) {
+    std::error_code error;
+    constexpr std::size_t kMaxFiles = 1000;
+    if (seen_.size() == kMaxFiles || !seen_.insert(fs::weakly_canonical(file, error)).second)
+      return;
+    if (const auto json = readJson(file))
+      add(*json, folderOf(file));
   }
-}
+
+  std::vector<std::string> found() && { return std::move(found_); }
+
+ private:
+  void add(const nlohmann::json& json, const fs::path& folder) {
+    if (json.is_structured()) {
+      for (const auto& member : json) add(member, folder);
+    } else if (json.is_string()) {
+      addText(json.get_ref<const std::string&>(), folder);
+    }
+  }
+
+  void addText(const std::string& text, const fs::path& folder) {
+    if (text.empty() || text.find('\0') != text.npos)
+      return;
+    std::error_code error;
+    const fs::path path = folder / text;
+    if (!isBelowFolder(path, folder)) {
+      // "/" is a text, too.
+      if (!fs::path(text).lexically_normal().filename().empty() || fs::exists(path, error))
+        found_.push_back(text);
+      return;
+    }
+    if (leadsOut(path, folder))
+      found_.push_back(text);
+    else if (extensionOf(path) == ".json" && fs::is_regular_file(path, error))
+      addFile(path);
+  }
+
+  /// Whether one of the frames of a pattern, or one of the files of a folder, is a link to
+  /// elsewhere.
+  static bool leadsOut(const fs::path& path, const fs::path& folder) {
+    std::error_code error;
+    const bool whole = fs::is_directory(path, error);
+    Result<FramePattern> pattern = fail(ErrorCode::kInvalidArgument, "no pattern");
+    if (!whole && FramePattern::isPattern(path))
+      pattern = FramePattern::parse(path);
+    if (!whole && !pattern)
+      return false;
+    for (const auto& entry : fs::directory_iterator(whole ? path : folderOf(path), error)) {
+      const bool counts = whole || pattern->match(entry.path().filename().string()).has_value();
+      if (counts && entry.is_symlink(error) && !isBelowFolder(entry.path(), folder))
+        return true;
+    }
+    return false;
+  }
+
+  std::set<fs::path> seen_;
+  std::vector<std::string> found_;
+};
 
 void addTexts(const nlohmann::json& json, const fs::path& folder, std::vector<std::string>& names) {
   if (json.is_string()) {
@@ -43,7 +96,7 @@ void addTexts(const nlohmann::json& json, const fs::path& folder, std::vector<st
 
 std::vector<std::string> filesNamedIn(const std::string& file) {
   std::vector<std::string> names;
-  if (fs::path(file).extension() != ".json")
+  if (extensionOf(file) != ".json")
     return names;
   if (const auto json = readJson(file))
     addTexts(*json, fs::path(file).parent_path(), names);
@@ -51,12 +104,11 @@ std::vector<std::string> filesNamedIn(const std::string& file) {
 }
 
 std::vector<std::string> namesOutside(const std::string& file) {
-  std::vector<std::string> found;
-  if (fs::path(file).extension() != ".json")
-    return found;
-  if (const auto json = readJson(file))
-    findOutside(*json, folderOf(file), found);
-  return found;
+  if (extensionOf(file) != ".json")
+    return {};
+  OutsideFinder finder;
+  finder.addFile(file);
+  return std::move(finder).found();
 }
 
 }  // namespace volute

@@ -180,13 +180,14 @@ StudyList listOf(const Study& study, const std::optional<std::string>& folder) {
   for (std::size_t i = 0; i < study.runs.size(); ++i) {
     const StudyRun& run = study.runs[i];
     runs.push_back({{"number", i + 1}, {"name", run.name}, {"case", run.casePath}});
-    list.text += fmt::format("{}{} {}", i == 0 ? "" : "\n", i + 1, run.name);
-    if (!folder)
-      continue;
-    runs.back()["done"] = states[i].done;
-    if (!states[i].done)
-      runs.back()["why"] = states[i].why;
-    list.text += ": " + (states[i].done ? "done" : states[i].why);
+    list.text += fmt::format("{} {}", i + 1, run.name);
+    if (folder) {
+      runs.back()["done"] = states[i].done;
+      if (!states[i].done)
+        runs.back()["why"] = states[i].why;
+      list.text += ": " + (states[i].done ? "done" : states[i].why);
+    }
+    list.text += '\n';
   }
   list.json = {{"runs", runs}};
   return list;

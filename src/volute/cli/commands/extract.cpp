@@ -29,12 +29,14 @@ Status runExtract(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
   VOLUTE_TRY(refuseIdle(arguments, {readKind(path)}));
   VOLUTE_TRY(checkExtraction(path, target, context));
+  const auto stats = arguments.find<std::string>("stats");
   const ExtractionRequest request{
       .fields = arguments.find<std::string>("field").value_or(""),
       .frames = arguments.find<FrameRange>("frames").value_or(FrameRange{}),
       .region = arguments.find<Region>("region"),
       .level = arguments.get<int>("level"),
-      .partial = arguments.flag("partial")};
+      .partial = arguments.flag("partial"),
+      .taken = stats ? std::vector{*stats} : std::vector<std::string>()};
   const bool several = isSmvPath(path) ? namesEachMesh(target) : namesEachGrid(target);
   auto outputs = Json::array();  // of several
   const Extracted extracted = [&](const Report& report) -> Status {

@@ -41,8 +41,31 @@ Status surveyOf(const StudyRun& run, const std::filesystem::path& folder, Contex
   return command.run(arguments, own);
 }
 
+/// A study says what is computed, and whoever starts it where that goes.
+Status checkWritesNothing(const Study& study, const std::string& file) {
+  const Command command = visibilityCommand();
+  for (const StudyRun& run : study.runs) {
+    std::vector<std::string> words{run.casePath, "--output=x"};
+    words.insert(words.end(), run.words.begin(), run.words.end());
+    const auto arguments = parseArguments(command, words);
+    if (!arguments)
+      continue;  // the run says what is wrong
+    for (const Option& option : command.options) {
+      if (option.kind == ValueKind::kOutput && option.name != "output" &&
+          arguments->given(option.name)) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: run '{}': the option '{}' writes a file, and a study names none: leave it "
+                    "out; each run has a folder of its own",
+                    file, run.name, option.name);
+      }
+    }
+  }
+  return {};
+}
+
 Status runSweep(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto study, Study::read(arguments.positional(0)));
+  VOLUTE_TRY(checkWritesNothing(study, arguments.positional(0)));
   VOLUTE_ASSIGN(const auto choice, choiceOf(arguments, study));
   const auto output = arguments.find<std::string>("output");
   if (arguments.flag("list")) {

@@ -11,6 +11,7 @@
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/codec/extract_source.hpp"
 #include "volute/grid/copy_frames.hpp"
+#include "volute/io/output_names.hpp"
 #include "volute/io/volume_sink.hpp"
 #include "volute/media/volume/fds_input.hpp"
 #include "volute/media/volume/volume_grids.hpp"
@@ -311,6 +312,17 @@ Status Extractor::fds(const std::string& target, std::optional<int> mesh) {
   return extracted_(report);
 }
 
+/// The names of the outputs of all meshes are checked first.
+Status checkMeshNames(const std::string& target, const ExtractionRequest& request, int meshes) {
+  OutputNames outputs;
+  for (const std::string& taken : request.taken) VOLUTE_TRY(outputs.add(taken, "another output"));
+  for (int mesh = 0; !request.taken.empty() && mesh < meshes; ++mesh) {
+    VOLUTE_TRY(outputs.add(filledIn(target, kMeshWord, fmt::format("{:04}", mesh + 1)),
+                           fmt::format("mesh {}", mesh + 1)));
+  }
+  return {};
+}
+
 }  // namespace
 
 bool namesEachGrid(const std::string& target) {
@@ -356,6 +368,14 @@ Status extractVolute(const std::string& path, const std::string& target,
         "the name, or write %04d.vdb files, which hold all",
         path, names.size(), fmt::join(names, ", "), target);
   }
+  OutputNames outputs;
+  for (const std::string& taken : request.taken) VOLUTE_TRY(outputs.add(taken, "another output"));
+  for (const std::string& name : names) {
+    if (!each)
+      break;
+    VOLUTE_TRY(checkNamePart(name, fmt::format("{}: a grid", path)));
+    VOLUTE_TRY(outputs.add(nameOfGrid(target, name), fmt::format("grid '{}'", name)));
+  }
   for (const std::size_t i : chosen) {
     const std::string& name = grids->grids()[i].name;
     if (grids->grids()[i].empty && names.size() > 1) {
@@ -375,6 +395,7 @@ Status extractFds(const std::string& path, const std::string& target,
   if (!namesEachMesh(target))
     return extractor.fds(target, std::nullopt);
   VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path));
+  VOLUTE_TRY(checkMeshNames(target, request, static_cast<int>(index.meshes.size())));
   for (int mesh = 0; mesh < static_cast<int>(index.meshes.size()); ++mesh) {
     const Status status =
         extractor.fds(filledIn(target, kMeshWord, fmt::format("{:04}", mesh + 1)), mesh);

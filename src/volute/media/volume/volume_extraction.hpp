@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "volute/base/team.hpp"
 #include "volute/grid/copy_frames.hpp"
@@ -20,9 +21,10 @@ namespace volute {
 struct ExtractionRequest {
   std::string fields{};  ///< grids of a .volute, "density,flame", or the source of an FDS case
   FrameRange frames{};
-  std::optional<Region> region{};  ///< of a .volute
-  int level = 0;                   ///< of a .volute: the resolution is divided by 2^level
-  bool partial = false;            ///< a damaged .volute is read as far as it is intact
+  std::optional<Region> region{};    ///< of a .volute
+  int level = 0;                     ///< of a .volute: the resolution is divided by 2^level
+  bool partial = false;              ///< a damaged .volute is read as far as it is intact
+  std::vector<std::string> taken{};  ///< names of other outputs, which none may have
 };
 
 /// Receives what was written, after each output. Collective.

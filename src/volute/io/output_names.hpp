@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "volute/base/result.hpp"
+
+namespace volute {
+
+/// The outputs of one run, no two of which may have one name, however it is spelt.
+class OutputNames {
+ public:
+  /// @param name  a file, or a pattern with the number of a frame
+  /// @param what  how the output is called: "--stats", "grid 'a'"
+  /// kInvalidArgument where another one has the name, or one of a pattern's.
+  [[nodiscard]] Status add(const std::string& name, std::string_view what);
+
+ private:
+  std::vector<std::pair<std::filesystem::path, std::string>> names_;
+};
+
+/// Whether a name that a file gives may be part of an output's name: no slash, which would lead to
+/// another folder, no control character, and neither "." nor "..". Else kInvalidData.
+[[nodiscard]] Status checkNamePart(std::string_view name, const std::string& what);
+
+}  // namespace volute

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/output_names.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "volute/io/named_files.hpp"
+#include "volute/io/testing.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::TempFolder;
+using testing::writeBytes;
+
+TEST(OutputNames, NoTwoHaveOneNameHoweverItIsSpelt) {
+  const TempFolder folder;
+  std::filesystem::create_directory(folder / "sub");
+  std::filesystem::create_directory_symlink("sub", folder / "link");
+  const std::string base = folder.path().string();
+  OutputNames names;
+  ASSERT_TRUE(names.add(base + "/sub/x.npy", "the volume"));
+  for (const char* same : {"/sub/x.npy", "/sub/../sub/./x.npy", "/link/x.npy"}) {
+    const Status status = names.add(base + same, "statistics");
+    ASSERT_FALSE(status) << same;
+    EXPECT_THAT(status.error().message, HasSubstr("the volume and statistics"));
+  }
+  EXPECT_TRUE(names.add(base + "/x.npy", "another"));
+  ASSERT_TRUE(names.add(base + "/f_%04d.png", "pictures"));
+  EXPECT_FALSE(names.add(base + "/f_0012.png", "statistics"));
+  EXPECT_TRUE(names.add(base + "/f_12.json", "statistics"));
+  EXPECT_TRUE(names.add(base + "/sub/f_0012.png", "statistics"));
+}
+
+TEST(OutputNames, NamesOfFilesStayInTheFolder) {
+  for (const char* good : {"density", "a b", "v.x", "Rauch µ"})
+    EXPECT_TRUE(checkNamePart(good, "it"));
+  for (const char* bad : {"../victim/data", "/etc/x", "", "..", "a\nb"})
+    EXPECT_FALSE(checkNamePart(bad, "it")) << bad;
+}
+
+TEST(NamedFiles, NoDisguiseLeadsOutOfTheFolder) {
+  const TempFolder folder;
+  for (const char* name : {"in", "in/links", "in/own", "secret"})
+    std::filesystem::create_directory(folder / name);
+  writeBytes(folder / "secret" / "s_0001.npy", "x");
+  writeBytes(folder / "in" / "own" / "s_0001.npy", "x");
+  std::filesystem::create_symlink("../secret/s_0001.npy", folder / "in" / "p_0001.npy");
+  std::filesystem::create_symlink("../../secret/s_0001.npy", folder / "in" / "links" / "a_1.npy");
+  std::filesystem::create_symlink("own", folder / "in" / "same");
+  const auto outside = [&](const std::string& file, const std::string& text) {
+    writeBytes(folder / "in" / file, "{\"media\": [{\"file\": \"" + text + "\"}]}");
+    return namesOutside((folder / "in" / file).string());
+  };
+  for (const char* bad : {"../secret/", "../secret/s_0001.npy", "p_%04d.npy", "p_####.npy",
+                          "p_0001.npy", "links", "links/", "../no_such_%04d.npy"})
+    EXPECT_THAT(outside("a.json", bad), ElementsAre(bad));
+  EXPECT_THAT(outside("b.JSON", "../secret/s_0001.npy"), ElementsAre("../secret/s_0001.npy"));
+  for (const char* good : {"own/s_0001.npy", "own", "same/s_%04d.npy", "1/m", "/", "kg/m3"})
+    EXPECT_TRUE(outside("a.json", good).empty()) << good;
+  outside("inner.json", "../secret/");
+  EXPECT_THAT(outside("a.json", "inner.json"), ElementsAre("../secret/"));
+}
+
+}  // namespace
+}  // namespace volute
