@@ -29,7 +29,7 @@ class Interrupt(support.TestCase):
         for number in signals:
             process.send_signal(number)
         _, message = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 1, message)
+        self.assertEqual(process.returncode, -signals[0], message)
         return message.decode()
 
     def noise(self):
@@ -62,8 +62,31 @@ class Interrupt(support.TestCase):
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
         process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 1)
+        self.assertEqual(process.returncode, -signal.SIGINT)
         self.assertEqual(self.files(), [])
+
+    def test_a_shells_loop_ends(self):
+        """As a terminal sends it: to the shell and its child. bash asks whether the child died of it."""
+        noise = self.noise()
+        command = f"'{support.PROGRAM}' compress '{noise}' -o '{self.path('x.volute')}' --rms 0.0001"
+        loop = subprocess.Popen(["bash", "-c", f"for i in 1 2 3; do {command}; echo $i: $?; done"], stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, start_new_session=True)
+        time.sleep(0.6)
+        os.killpg(loop.pid, signal.SIGINT)
+        said, message = loop.communicate(timeout=60)
+        self.assertEqual((loop.returncode, said), (-signal.SIGINT, b""), message)
+        self.assertIn(b"stopped", message)
+        self.assertEqual(self.files(), ["noise.npy"])
+
+    def test_what_was_ignored_stays_ignored(self):
+        packed = self.make_volute()
+        process = subprocess.Popen(["bash", "-c", f"trap '' INT; exec '{support.PROGRAM}' render '{packed}' -o '{self.path('x.png')}' "
+                                    "--size 900x900 --renderer reference"], stderr=subprocess.PIPE)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        message = process.communicate(timeout=120)[1]
+        self.assertEqual(process.returncode, 0, message)
+        self.assertEqual(self.files(), ["in.volute", "x.png"])
 
     def test_render_stops(self):
         packed = self.make_volute()
@@ -127,7 +150,7 @@ class EveryVerb(support.TestCase):
         took = time.monotonic() - at
         message = process.stderr.read().decode()
         process.stderr.close()
-        self.assertEqual(process.returncode, 1, message)
+        self.assertEqual(process.returncode, -signal.SIGINT, message)
         self.assertIn("stopped", message.lower())
         self.assertLess(took, LONGEST)
         self.assertEqual(set(self.files()) - set(may), before)

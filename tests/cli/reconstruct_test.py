@@ -158,7 +158,7 @@ class Interrupted(ring.TestCase):
             time.sleep(0.002)
         process.send_signal(signal.SIGINT)
         message = process.communicate(timeout=60)[1].decode()
-        self.assertEqual(process.returncode, 1, message)
+        self.assertEqual(process.returncode, -signal.SIGINT, message)
         self.assertIn("finished frames are kept in", message)
         self.assertFalse(self.path("out.npy").exists())
 

@@ -222,11 +222,10 @@ class Soak:
         code, message, peak, late = ended
         left = {path.name for path in self.work.iterdir()} - given
         spare = {name for name in left if not any(pathlib.PurePath(name).match(pattern) for pattern in may)}
-        # Before the program is ready for it, a signal ends it.
-        early = stops_after is not None and code == -signal.SIGINT and not left
+        stopped = stops_after is not None and code == -signal.SIGINT
         if late:
             return f"took more than {LONGEST} s"
-        if code not in (0, 1, 2) and not early:
+        if code not in (0, 1, 2) and not stopped:
             return f"ended with {code}"
         if code in (1, 2) and "volute" not in message:
             return "said nothing"

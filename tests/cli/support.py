@@ -6,6 +6,7 @@ import ast
 import json
 import os
 import pathlib
+import signal
 import struct
 import subprocess
 import sys
@@ -15,6 +16,8 @@ import unittest
 import schema
 
 PROGRAM = os.environ["VOLUTE"]
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # of scripts' `&`: the programs that are started would ignore it, too
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class Result:

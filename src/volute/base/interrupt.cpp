@@ -21,6 +21,8 @@ namespace volute {
 namespace {
 
 std::atomic<bool> stopRequested{false};
+std::atomic<int> stopSignal{0};
+std::atomic<bool> keepsExitCode{false};
 std::atomic<bool> finished{false};
 std::atomic<bool> writes{false};
 std::atomic<bool> memoryWasMissing{false};
@@ -28,12 +30,37 @@ std::mutex foldersMutex;
 std::set<std::filesystem::path> folders;
 std::string commandName;  // after a blank
 
+bool isIgnored(int signal) {
+  struct sigaction action{};
+  return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
+/// But for those that whoever started the program ignores.
 sigset_t stopSignals() {
   sigset_t set;
   sigemptyset(&set);
-  sigaddset(&set, SIGINT);
-  sigaddset(&set, SIGTERM);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    if (!isIgnored(signal))
+      sigaddset(&set, signal);
+  }
   return set;
+}
+
+/// One of stopSignals(); 0: both are ignored.
+int anyStopSignal() {
+  return !isIgnored(SIGTERM) ? SIGTERM : !isIgnored(SIGINT) ? SIGINT : 0;
+}
+
+void dieBy(int signal) {
+  struct sigaction usual{};
+  usual.sa_handler = SIG_DFL;
+  ::sigaction(signal, &usual, nullptr);
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, signal);
+  ::pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
+  ::kill(::getpid(), signal);
+  ::raise(signal);
 }
 
 /// PendingFile names its files ".STEM.PID.COUNT.partEXTENSION", PendingFolder its folders alike.
@@ -61,6 +88,8 @@ void removePendingFiles() {
     note = fmt::format("{}volute{}: stopped\n", ::isatty(STDERR_FILENO) ? "\n" : "", commandName);
   }
   (void)!::write(STDERR_FILENO, note.data(), note.size());
+  if (!keepsExitCode)
+    dieBy(stopSignal);
   ::_exit(1);
 }
 
@@ -98,6 +127,7 @@ void waitForSignals() {
   int signal = 0;
   if (sigwait(&set, &signal) != 0 || finished)
     return;
+  stopSignal = signal;
   stopRequested = true;
   const timespec patience =
       writes ? timespec{Interrupt::kWriting.count(), 0}
@@ -117,13 +147,27 @@ void Interrupt::explainMissingMemory() {
 Interrupt::Interrupt() {
   const sigset_t set = stopSignals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  waiter_ = std::thread(waitForSignals);
+  if (anyStopSignal() != 0)
+    waiter_ = std::thread(waitForSignals);
 }
 
 Interrupt::~Interrupt() {
   finished = true;
-  pthread_kill(waiter_.native_handle(), SIGTERM);
+  if (!waiter_.joinable())
+    return;
+  pthread_kill(waiter_.native_handle(), anyStopSignal());
   waiter_.join();
+}
+
+void Interrupt::endBySignal() {
+  if (!stopRequested || keepsExitCode)
+    return;
+  std::fflush(nullptr);
+  dieBy(stopSignal);
+}
+
+void Interrupt::keepExitCode() {
+  keepsExitCode = true;
 }
 
 bool Interrupt::requested() {

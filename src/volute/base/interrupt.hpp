@@ -11,9 +11,10 @@ namespace volute {
 
 /// While it lives, SIGINT (Ctrl-C) and SIGTERM ask the running command to stop. A second one, or a
 /// command that has not stopped after kPatience (or kWriting), removes the half-written outputs
-/// beside the targets that were named to watch(), and ends the program with exit code 1. Make it
-/// before any other thread: they inherit the signal mask, and a thread of its own waits for the
-/// signals, so that the answer to them is free of what signal handlers may not do.
+/// beside the targets that were named to watch(), and ends the program by the signal. A signal that
+/// was ignored when the program began (nohup, a script's `&`) stays ignored. Make it before any
+/// other thread: they inherit the signal mask, and a thread of its own waits for the signals, so
+/// that the answer to them is free of what signal handlers may not do.
 class Interrupt {
  public:
   Interrupt();
@@ -27,6 +28,16 @@ class Interrupt {
 
   /// Whether somebody asked to stop.
   static bool requested();
+
+  /// Ends the program by the signal that asked to stop, as if it had never been caught: shells then
+  /// end their loops, and make and batch systems see an interruption and no failure. Call it when
+  /// everything is cleaned up and no Interrupt lives; returns where nobody asked, and after
+  /// keepExitCode().
+  static void endBySignal();
+
+  /// For one of several ranks, whose launcher takes a death by a signal for a crash: stopped runs
+  /// end with exit code 1.
+  static void keepExitCode();
 
   /// The parent folder of `target` is searched for half-written files when the program is ended.
   static void watch(const std::filesystem::path& target);

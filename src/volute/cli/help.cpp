@@ -126,7 +126,9 @@ std::string overviewText() {
          "  volute compress fire.npy -o fire.volute --rms 0.003\n"
          "  volute render fire.volute -o fire.mp4\n" +
          table("Commands", rows) + table("Options of every command", optionRows(commonOptions())) +
-         "\n'volute help COMMAND' has details. Exit codes: 0 success, 1 failure, 2 wrong usage.\n";
+         "\n'volute help COMMAND' has details. Exit codes: 0 success, 1 failure, 2 wrong usage; a "
+         "run that is stopped "
+         "ends by its signal (130 or 143 in a shell).\n";
 }
 
 std::string helpText(const Command& command) {
