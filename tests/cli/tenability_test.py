@@ -360,6 +360,14 @@ class Tenability(Cases):
         self.assertEqual(self.report("out")["sight_file"], "sight.csv.zst")
 
 
+class Memory(Cases):
+    def test_is_refused_before_it_is_taken(self):
+        signs, case = self.signs(), self.case("a", smoke=lambda t, *_: 0.01 * t)
+        said = self.fails(1, "visibility", case, "--signs", signs, "--height", 1.5, "--step", 0.005, "--maps", "aset", "--max-memory", "256M",
+                          "-o", self.path("out"))
+        self.assertIn("more than the 256 MiB allowed", said)
+
+
 class Sweep(Cases):
     def study(self, **more):
         self.signs()

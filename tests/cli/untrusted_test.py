@@ -164,6 +164,43 @@ class Outputs(support.TestCase):
         self.assertEqual(self.path("notes.txt").read_text(), "mine")
 
 
+class Streams(support.TestCase):
+    def scene(self):
+        sight_cases.write_vtu(self.path("a.vtu"), (4, 4, 3), (2, 2, 2), lambda x, y, z: 0.1)
+        self.path("eyes.csv").write_text("x,y,z\n2,3,2\n")
+        return '{"signs": [{"name": "s", "position": [2, 0.1, 2], "normal": [0, 1, 0]}]}'
+
+    def test_pipes_are_read_where_a_file_is(self):
+        signs = self.scene()
+        command = [support.PROGRAM, "visibility", self.path("a.vtu"), "--quantity", "extinction", "--eyes", self.path("eyes.csv"), "-o"]
+        for i, name in enumerate(("-", "/dev/stdin", "/dev/fd/0")):
+            done = subprocess.run([*command, self.path(f"out{i}"), "--signs", name], input=signs.encode(), stderr=subprocess.PIPE)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        shell = " ".join(f"'{word}'" for word in command)
+        done = subprocess.run(["bash", "-c", f"{shell} '{self.path('out9')}' --signs <(echo '{signs}')"], stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_closed_streams(self):
+        volume = self.make_volute()
+        render = f"'{support.PROGRAM}' render '{volume}' -o '{self.path('x.png')}' --size 8x8"
+        self.assertEqual(subprocess.run(["bash", "-c", f"{render} 2>&-"]).returncode, 0)
+        self.assertTrue(self.path("x.png").exists())
+        done = subprocess.run(["bash", "-c", f"'{support.PROGRAM}' info '{volume}' >&-"], stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(b"standard output: cannot write", done.stderr)
+
+    def test_help_into_head(self):
+        done = subprocess.run(["bash", "-c", f"set -o pipefail; '{support.PROGRAM}' help render | (exec <&-; sleep 0.3)"],
+                              stderr=subprocess.PIPE)
+        self.assertEqual((done.returncode, done.stderr), (141, b""))
+
+    def test_few_descriptors(self):
+        self.scene()
+        info = f"'{support.PROGRAM}' info '{self.path('a.vtu')}'"
+        done = subprocess.run(["bash", "-c", f"ulimit -n 64; {info}"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+
 class Targets(support.TestCase):
     def test_modes_and_links_stay(self):
         volume = self.make_volute()

@@ -3,12 +3,18 @@
 #include "volute/base/input_file.hpp"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
+#include <cstdlib>
 #include <cstring>
+#include <optional>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace volute {
 
@@ -22,6 +28,20 @@ tl::unexpected<Error> notRegular(const std::filesystem::path& path, mode_t mode)
                                                       : "something else";
   return fail(ErrorCode::kIo, "{}: not a regular file: it is {}; give a file that lies on a disk",
               path.string(), what);
+}
+
+/// The descriptor that a name stands for; nothing of other names.
+std::optional<int> descriptorOf(const std::string& path) {
+  if (path == "/dev/stdin")
+    return STDIN_FILENO;
+  for (const std::string_view prefix : {"/dev/fd/", "/proc/self/fd/"}) {
+    int number = 0;
+    const char* const end = path.data() + path.size();
+    if (path.starts_with(prefix) && path.size() > prefix.size() &&
+        std::from_chars(path.data() + prefix.size(), end, number).ptr == end)
+      return number;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -43,6 +63,49 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path) {
     return notRegular(path, status.st_mode);
   }
   return InputFile(descriptor, static_cast<std::uint64_t>(status.st_size), path);
+}
+
+Status InputFile::spool(const std::string& path) {
+  const auto number = descriptorOf(path);
+  struct stat of{};
+  if (!number || ::fstat(*number, &of) != 0 || (!S_ISFIFO(of.st_mode) && !S_ISSOCK(of.st_mode)))
+    return {};
+  const int pipe = *number;
+  const char* folder = std::getenv("TMPDIR");
+  int file = ::open(folder && *folder ? folder : "/tmp", O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (file < 0)  // not all file systems have files without names
+    file = ::memfd_create("volute-input", MFD_CLOEXEC);
+  const auto failed = [&](const char* what) {
+    const int reason = errno;
+    if (file >= 0)
+      ::close(file);
+    return fail(ErrorCode::kIo, "{}: {}: {}", path, what, std::strerror(reason));
+  };
+  if (file < 0)
+    return failed("no place for what comes out of the pipe");
+  std::vector<char> block(1 << 16);
+  for (;;) {
+    const ssize_t count = ::read(pipe, block.data(), block.size());
+    if (count < 0 && errno == EINTR)
+      continue;
+    if (count < 0)
+      return failed("cannot read");
+    if (count == 0)
+      break;
+    for (ssize_t done = 0; done < count;) {
+      const ssize_t written =
+          ::write(file, block.data() + done, static_cast<std::size_t>(count - done));
+      if (written < 0 && errno == EINTR)
+        continue;
+      if (written < 0)
+        return failed("no place for what comes out of the pipe");
+      done += written;
+    }
+  }
+  if (::dup2(file, pipe) < 0)
+    return failed("cannot read");
+  ::close(file);
+  return {};
 }
 
 Status InputFile::check(const std::filesystem::path& path) {

@@ -30,6 +30,11 @@ class InputFile {
   /// Fails as open() does, for a file that somebody else will open.
   [[nodiscard]] static Status check(const std::filesystem::path& path);
 
+  /// Where `path` is /dev/stdin or /dev/fd/N (as shells name <(...)) and a pipe: reads it to its
+  /// end into a file without a name, which takes the pipe's place, so that it is opened, and opened
+  /// again, as other files are. Only for names that the user gave: it waits for the other end.
+  [[nodiscard]] static Status spool(const std::string& path);
+
   std::uint64_t size() const { return size_; }
 
   const std::filesystem::path& path() const { return path_; }

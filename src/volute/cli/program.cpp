@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/program.hpp"
 
+#include <fcntl.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -64,8 +66,9 @@ Status flushResults() {
 }
 
 /// Exceptions that a library let through end the command, not the program without a word.
-Status runGuarded(const Command& command, const Arguments& arguments, Context& context) {
+Status runGuarded(const Command& command, Arguments& arguments, Context& context) {
   try {
+    VOLUTE_TRY(takePipes(command, arguments));
     VOLUTE_TRY(checkNothingOverwritten(command, arguments));
     VOLUTE_TRY(checkNamedFiles(command, arguments, context));
     remarkOnLeftovers(command, arguments, context);
@@ -82,6 +85,10 @@ Status runGuarded(const Command& command, const Arguments& arguments, Context& c
 int show(const std::string& text) {
   std::fwrite(text.data(), 1, text.size(), stdout);
   const Status status = flushResults();
+  if (!status && errno == EPIPE) {  // `help | head -1`: ends as other programs do
+    ::signal(SIGPIPE, SIG_DFL);
+    ::raise(SIGPIPE);
+  }
   if (!status)
     fmt::print(stderr, "volute: {}\n", status.error().message);
   return status ? kDone : kCouldNot;
@@ -152,7 +159,17 @@ void ignoreSignalsOfWriting() {
 
 }  // namespace
 
+/// Streams that were closed must not become the first files that are opened. Writing to standard
+/// output stays an error; messages get lost.
+static void openClosedStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF)
+      (void)::open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
 static int chooseAndRun(int argc, char** argv) {
+  openClosedStreams();
   silenceOtherRanks();
   ignoreSignalsOfWriting();
   const ReaderHelper helper(Interrupt::requested);
@@ -200,6 +217,7 @@ int runProgram(int argc, char** argv) {
 
 int runProgram(const Command& command, int argc, char** argv) {
   return endedBy(sayingWhy([&] {
+    openClosedStreams();
     silenceOtherRanks();
     ignoreSignalsOfWriting();
     const ReaderHelper helper(Interrupt::requested);

@@ -76,6 +76,16 @@ Status VolumeInfo::validate(const std::string& where) const {
     return fail(ErrorCode::kInvalidData,
                 "{}: the bounds are empty or not finite; expected min < max on every axis", where);
   }
+  constexpr double kFarthest = 1e15;  // [m]; lengths, volumes and depths stay far from overflow
+  if (bounds.min.cwiseAbs().maxCoeff() > kFarthest ||
+      bounds.max.cwiseAbs().maxCoeff() > kFarthest) {
+    return fail(
+        ErrorCode::kInvalidData,
+        "{}: the bounds reach to {:g} m; expected at most {:g} m: is the file damaged, or of "
+        "another unit?",
+        where, std::max(bounds.min.cwiseAbs().maxCoeff(), bounds.max.cwiseAbs().maxCoeff()),
+        kFarthest);
+  }
   if (static_cast<int>(frameNumbers.size()) != frames || static_cast<int>(times.size()) != frames) {
     return fail(ErrorCode::kInvalidData, "{}: {} frames, but {} frame numbers and {} times", where,
                 frames, frameNumbers.size(), times.size());

@@ -45,6 +45,11 @@ Status checkImageSize(const std::filesystem::path& path, std::int64_t width, std
   }
   if (width <= kLongestSide && height <= kLongestSide && bytes <= static_cast<double>(maxMemory))
     return {};
+  if (width > kLongestSide || height > kLongestSide) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: a picture of {} x {} pixels; expected sides of at most {}", path.string(),
+                width, height, kLongestSide);
+  }
   return fail(ErrorCode::kTooLarge,
               "{}: a picture of {} x {} pixels needs {:.0f} MiB, more than the {} MiB allowed",
               path.string(), width, height, bytes / (1 << 20), maxMemory >> 20);

@@ -190,15 +190,31 @@ Status checkSize(const IndexBox& box, int channels, std::uint64_t maxMemory,
               static_cast<double>(maxMemory) / (1 << 20));
 }
 
-/// Stated times when all frames have one and they ascend; else none.
+/// Stated times when all frames have one and they ascend; else none, and `remark` says why where
+/// some are stated and differ.
 std::vector<double> statedTimes(const std::vector<LatticeFile>& files,
-                                const std::vector<LatticeFrame>& frames) {
+                                const std::vector<LatticeFrame>& frames, std::string& remark) {
+  const auto timeOf = [&](std::size_t i) { return files[i].time.value_or(frames[i].time); };
   std::vector<double> times;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const double time = files[i].time.value_or(frames[i].time);
-    if (!std::isfinite(time) || (!times.empty() && time <= times.back()))
-      return {};
-    times.push_back(time);
+    const double time = timeOf(i);
+    if (std::isfinite(time) && (times.empty() || time > times.back())) {
+      times.push_back(time);
+      continue;
+    }
+    bool differ = false;
+    for (std::size_t k = 1; k < files.size(); ++k) differ = differ || timeOf(k) != timeOf(0);
+    if (differ &&
+        std::ranges::any_of(frames, [](const auto& f) { return std::isfinite(f.time); })) {
+      remark = fmt::format(
+          "{}: {}, so that the times that the files state are not used: frames follow each other "
+          "by their numbers",
+          files[i].path.string(),
+          std::isfinite(time)
+              ? fmt::format("states {:g} s, which is not after the file before it", time)
+              : std::string("states no time"));
+    }
+    return {};
   }
   return times;
 }
@@ -392,7 +408,10 @@ class LatticeSource final : public FrameSource {
     info_.frameScale = files_.front().scale;
     info_.up = frames.front().up;
     info_.levelSet = frames.front().levelSet;
-    info_.times = statedTimes(files_, frames);
+    std::string remark;
+    info_.times = statedTimes(files_, frames, remark);
+    if (!remark.empty() && options_.remark)
+      options_.remark(remark);
     info_.fillDefaults();
   }
 

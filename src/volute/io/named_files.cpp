@@ -47,8 +47,9 @@ class OutsideFinder {
     std::error_code error;
     const fs::path path = folder / text;
     if (!isBelowFolder(path, folder)) {
-      // "/" is a text, too.
-      if (!fs::path(text).lexically_normal().filename().empty() || fs::exists(path, error))
+      // "/" is more likely a text than the root of all folders.
+      const fs::path normal = fs::path(text).lexically_normal();
+      if (!normal.filename().empty() || (normal.has_relative_path() && fs::exists(path, error)))
         found_.push_back(text);
       return;
     }

@@ -26,6 +26,8 @@ std::filesystem::path namedFolder() {
 std::filesystem::path folderBesideProgram() {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error)  // without /proc it is not known where that is: not "lib/volute", of wherever we are
+    return {};
   return program.parent_path().parent_path() / "lib" / "volute";
 }
 

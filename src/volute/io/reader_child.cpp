@@ -36,9 +36,13 @@ constexpr int kSocket = 3, kLifeline = 4, kShared = 5, kParameters = 6;
 
 /// Moves what the child was given to where it is expected, and closes all else that it inherited.
 void takeDescriptors(const ReaderLine& line) {
-  constexpr int kAbove = 64;  // out of the way of the four places
+  constexpr int kAbove = kParameters + 1;  // out of the way of the four places
   int from[] = {line.socket, line.lifeline, line.shared, line.parameters};
-  for (int& descriptor : from) descriptor = ::fcntl(descriptor, F_DUPFD, kAbove);
+  for (int& descriptor : from) {
+    descriptor = ::fcntl(descriptor, F_DUPFD, kAbove);
+    if (descriptor < 0)
+      ::_exit(kNoDescriptors);
+  }
   for (int i = 0; i < 4; ++i) ::dup2(from[i], kSocket + i);
   ::close_range(kParameters + 1, ~0U, 0);
   // Libraries' chatter would only confuse.

@@ -8,6 +8,9 @@
 
 namespace volute::detail {
 
+/// The exit code of a reader's process that had too few descriptors to begin.
+inline constexpr int kNoDescriptors = 97;
+
 /// What the child is given: descriptors, and how much memory it may take beyond what it has.
 struct ReaderLine {
   int socket = -1;      ///< requests come and replies go

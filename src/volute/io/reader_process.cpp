@@ -7,6 +7,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -111,19 +112,40 @@ Wait waitFor(int socket, pid_t child, const ReaderProcess::Limits& limits) {
   }
 }
 
+/// Limits of the session that may be why a library fails; empty: they are wide.
+std::string lowLimits() {
+  struct Rule {
+    int which;
+    rlim_t low;
+    const char* option;
+  };
+
+  std::string text;
+  for (const Rule& rule : {Rule{RLIMIT_NOFILE, 256, "-n"}, Rule{RLIMIT_NPROC, 256, "-u"},
+                           Rule{RLIMIT_AS, RLIM_INFINITY - 1, "-v"}}) {
+    rlimit limit{};
+    if (::getrlimit(static_cast<__rlimit_resource_t>(rule.which), &limit) == 0 &&
+        limit.rlim_cur < rule.low) {
+      text += fmt::format("{}ulimit {} {}", text.empty() ? "" : ", ", rule.option,
+                          rule.which == RLIMIT_AS ? limit.rlim_cur >> 10 : limit.rlim_cur);
+    }
+  }
+  return text.empty() ? "" : fmt::format("; or this session's limits are too low ({})", text);
+}
+
 /// Why a child gave no answer.
 Error noAnswer(Wait wait, int signal, const std::string& file) {
   if (wait == Wait::kCancelled)
     return {ErrorCode::kCancelled, fmt::format("{}: stopped while reading it", file)};
   if (wait != Wait::kGone || signal == SIGXCPU || signal == SIGKILL) {
-    return {
-        ErrorCode::kInvalidData,
-        fmt::format("{}: reading it takes too long or too much memory; the file is damaged", file)};
+    return {ErrorCode::kInvalidData,
+            fmt::format("{}: reading it takes too long or too much memory; the file is damaged{}",
+                        file, lowLimits())};
   }
-  return {
-      ErrorCode::kInvalidData,
-      fmt::format("{}: the file is damaged: its library {} while reading it", file,
-                  signal ? fmt::format("crashed (signal {})", signal) : std::string("gave up"))};
+  return {ErrorCode::kInvalidData,
+          fmt::format("{}: the file is damaged: its library {} while reading it{}", file,
+                      signal ? fmt::format("crashed (signal {})", signal) : std::string("gave up"),
+                      lowLimits())};
 }
 
 /// A code as it came from the other process.
@@ -221,7 +243,7 @@ Status ReaderProcess::start(const std::string& file, std::uint64_t memory) {
   return status;
 }
 
-/// The signal that ended the child, 0 when it ended by itself.
+/// The signal that ended the child, 0 when it ended by itself, -1 when it could not begin.
 int ReaderProcess::stop() {
   ::close(std::exchange(socket_, -1));
   int status = 0;
@@ -231,6 +253,8 @@ int ReaderProcess::stop() {
   }
   ::close(std::exchange(lifeline_, -1));
   child_ = -1;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == detail::kNoDescriptors)
+    return -1;
   return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
 }
 
@@ -252,6 +276,11 @@ Result<std::string> ReaderProcess::call(const std::string& file, std::string_vie
       wait = Wait::kGone;
     }
     const int signal = stop();
+    if (signal < 0) {
+      return fail(ErrorCode::kIo,
+                  "{}: the process that reads it has too few descriptors{}; raise the limit", file,
+                  lowLimits());
+    }
     if (wait != Wait::kForever || fork == forks)
       return tl::unexpected<Error>(noAnswer(wait, signal, file));
   }

@@ -68,6 +68,13 @@ Result<std::vector<LatticeFile>> listCollection(const std::filesystem::path& pat
 Result<std::vector<LatticeFile>> listLatticeFiles(const std::filesystem::path& input) {
   std::error_code error;
   if (std::filesystem::is_directory(input, error)) {
+    if (std::filesystem::exists(input / "system" / "controlDict", error)) {
+      return fail(
+          ErrorCode::kUnsupported,
+          "{}: is an OpenFOAM case; give the name of a file in it that ends in .foam, which "
+          "may be empty (touch case.foam)",
+          input.string());
+    }
     VOLUTE_ASSIGN(auto files, listNumberedFiles(input, ".vdb"));
     return toLatticeFiles(std::move(files));
   }

@@ -233,6 +233,14 @@ TEST(Vtk, TheTimeThatAFileStatesIsItsTime) {
   }
   ASSERT_VALUE(const auto read, readSequence(folder / "a_%d.vti"));
   EXPECT_EQ(read.info.times, (std::vector<double>{0, 2.5, 10}));
+  std::filesystem::rename(folder / "a_0.vti", folder / "a_3.vti");  // 2.5, 10, 0
+  std::vector<std::string> remarks;
+  SourceOptions options;
+  options.remark = [&](const std::string& remark) { remarks.push_back(remark); };
+  ASSERT_VALUE(const auto other, readSequence(folder / "a_%d.vti", options));
+  EXPECT_EQ(other.info.times.size(), 3U);
+  ASSERT_EQ(remarks.size(), 1U);
+  EXPECT_THAT(remarks[0], HasSubstr("a_3.vti: states 0 s, which is not after"));
 }
 
 TEST(Vtk, MisspeltAttributesAreRefused) {

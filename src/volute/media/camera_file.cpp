@@ -105,6 +105,8 @@ Result<CameraDescription> parseCamera(const nlohmann::json& json, const FieldOri
                                     origin.options() ? "--" : ""));
   if (camera.view.eye == camera.view.target)
     return origin.wrong("eye and target are the same point");
+  if (camera.view.up == Vec3::Zero())
+    return origin.wrong("up is 0, 0, 0; expected a direction, such as 0, 0, 1");
   return camera;
 }
 
