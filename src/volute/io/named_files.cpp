@@ -65,7 +65,7 @@ class OutsideFinder {
     std::error_code error;
     const bool whole = fs::is_directory(path, error);
     Result<FramePattern> pattern = fail(ErrorCode::kInvalidArgument, "no pattern");
-    if (!whole && FramePattern::isPattern(path))
+    if (!whole)
       pattern = FramePattern::parse(path);
     if (!whole && !pattern)
       return false;

@@ -22,7 +22,7 @@ fs::path placeOf(const std::string& name) {
 
 /// Whether `file` is one of the pattern's.
 bool isOneOf(const fs::path& file, const fs::path& pattern) {
-  if (!FramePattern::isPattern(pattern) || file.parent_path() != pattern.parent_path())
+  if (file.parent_path() != pattern.parent_path())
     return false;
   const auto parsed = FramePattern::parse(pattern);
   return parsed && parsed->match(file.filename().string()).has_value();
