@@ -18,6 +18,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 COUNTS = ("refused", "remarked", "same", "silent", "crash", "hang", "left")
@@ -47,6 +48,12 @@ class Samples:
     def npy(self, folder, name="a.npy"):
         import support
         support.write_npy(folder / name, *support.plume(2, 12))
+
+    def npz(self, folder):
+        self.npy(folder, "density.npy")
+        with zipfile.ZipFile(folder / "a.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.write(folder / "density.npy", "density.npy")
+        (folder / "density.npy").unlink()
 
     def converted(self, name):
         def make(folder):
@@ -194,6 +201,7 @@ def formats(samples):
     return [
         Format(".volute", "a.volute", 300, lattice, samples.converted("a.volute")),
         Format(".npy", "a.npy", 128, lattice, samples.npy),
+        Format(".npz", "a.npz", 60, lattice, samples.npz),
         Format(".vdb", "a_0000.vdb", 2000, lattice, samples.converted("a_%04d.vdb"), ["vdb_print", "-l", "FILE"]),
         Format(".vti", "a_0000.vti", 700, lattice, samples.converted("a_%04d.vti")),
         Format(".vtu, text", "0.vtu", 300, mesh("0.vtu"), samples.looking(samples.series)),

@@ -9,7 +9,7 @@
 
 #include "volute/base/result.hpp"
 #include "volute/codec/block_grid.hpp"
-#include "volute/grid/frame_source.hpp"
+#include "volute/grid/rounding_source.hpp"
 
 namespace volute {
 
@@ -39,6 +39,9 @@ class BlockRow {
   float minimum() const { return minimum_; }
 
   float maximum() const { return maximum_; }
+
+  /// roundingOf() the source, of all that was loaded.
+  double rounding() const { return roundingOf(source_); }
 
   /// Block `block` of what is loaded, shape extents x channels; `values` has room for
   /// exactly that. Thread-safe.

@@ -176,6 +176,7 @@ class Compressor {
   std::uint64_t fileBytes_ = 0;     // as far as it was asked for
   CodingError error_;
   double relativeRms_ = 0;  // of the last way through all blocks
+  double rounding_ = 0;     // of the values, roundingOf() the source
   int tries_ = 0;
 };
 
@@ -255,8 +256,8 @@ Status Compressor::survey() {
         return {};
       }));
   VOLUTE_TRY(team_.sum(model_.counts()));
-  const std::array<float, 2> own{row_.minimum(), row_.maximum()};
-  VOLUTE_ASSIGN(const auto limits, gatherValues(team_, std::span<const float>(own)));
+  const std::array<float, 2> range{row_.minimum(), row_.maximum()};
+  VOLUTE_ASSIGN(const auto limits, gatherValues(team_, std::span<const float>(range)));
   float least = limits[0], most = limits[1];
   for (std::size_t i = 0; i < limits.size(); i += 2) {
     least = std::min(least, limits[i]);
@@ -271,6 +272,9 @@ Status Compressor::survey() {
   if (info_.channels == 3) {
     VOLUTE_ASSIGN(parameters_.color, team_.broadcast(ColorTransform::of(all)));
   }
+  const double own[] = {row_.rounding()};
+  VOLUTE_ASSIGN(const auto roundings, gatherValues(team_, std::span<const double>(own)));
+  rounding_ = *std::ranges::max_element(roundings);
   head_.header.valueMin = least;
   head_.header.valueMax = most;
   const float greatest = std::max(std::abs(least), std::abs(most));
@@ -518,8 +522,8 @@ Status Compressor::encodeAll(double proposed, Way way) {
   chosenBefore_ = chosenBefore_ || way == Way::kChoose;
   VOLUTE_TRY(shareErrors());
   relativeRms_ = goal_.relative(std::sqrt(error_.squared / static_cast<double>(info_.values())));
-  head_.header.reachedRms = relativeRms_ + goal_.relative(options_.sourceRms);
-  head_.header.reachedMaxError = error_.maximum + options_.sourceMaxError;
+  head_.header.reachedRms = relativeRms_ + goal_.relative(options_.sourceRms + rounding_);
+  head_.header.reachedMaxError = error_.maximum + options_.sourceMaxError + rounding_;
   if (way == Way::kChoose)
     VOLUTE_TRY(shareModes());
   if (way != Way::kEncode)
@@ -551,8 +555,8 @@ tl::unexpected<Error> Compressor::unreachable() const {
   return fail(ErrorCode::kUnsupported,
               "{}: {} = {} cannot be reached: the rounding of float32 leaves a relative RMS of "
               "{:.3g} and a maximum error of {:.3g}; ask for more",
-              target_.string(), nameOf(options_.target.kind), options_.target.value, relativeRms_,
-              error_.maximum);
+              target_.string(), nameOf(options_.target.kind), options_.target.value,
+              relativeRms_ + goal_.relative(rounding_), error_.maximum + rounding_);
 }
 
 // What an earlier run kept may lack the bytes: a disk lost them.
@@ -582,8 +586,8 @@ Result<CompressReport> Compressor::write() {
   CompressReport report;
   report.rawBytes = info_.rawBytes();
   report.fileBytes = fileBytes_;
-  report.relativeRms = relativeRms_;
-  report.maxError = error_.maximum;
+  report.relativeRms = relativeRms_ + goal_.relative(rounding_);
+  report.maxError = error_.maximum + rounding_;
   report.valueMin = head_.header.valueMin;
   report.valueMax = head_.header.valueMax;
   report.blocks = row_.grid().count();
@@ -636,8 +640,10 @@ Result<CompressReport> Compressor::run() {
   goal_.setRange(head_.header.valueMin, head_.header.valueMax);
   if (options_.halves)
     goal_.leaveRoomForHalves();
+  VOLUTE_TRY(goal_.leaveRoomFor(rounding_));
   if (goal_.isMaxError())
-    parameters_.maxError = goal_.value();
+    // What is decoded is rounded to a float as well.
+    parameters_.maxError = std::max(goal_.value() - rounding_, 0.5 * goal_.value());
   VOLUTE_TRY(team_.agree(openStore()));
   double step = goal_.firstStep(model_);
   VOLUTE_TRY(encodeAll(step, Way::kLearn));

@@ -10,6 +10,7 @@
 #include "volute/base/parallel.hpp"
 #include "volute/base/team_testing.hpp"
 #include "volute/codec/codec_testing.hpp"
+#include "volute/grid/rounding_source.hpp"
 
 namespace volute {
 namespace {
@@ -77,6 +78,69 @@ RC_GTEST_PROP(Compress, AnySizeOfVolumeComesBackWithinItsError, ()) {
   RC_ASSERT(decoded.has_value());
   RC_ASSERT(differenceOf(sequence, *decoded).relativeRms <= 5e-3);
   RC_ASSERT(decoded->info.x == sequence.info.x && decoded->info.frames == sequence.info.frames);
+}
+
+/// Doubles, rounded as they are read.
+class Doubles final : public RoundingSource {
+ public:
+  Doubles(VolumeInfo info, std::vector<double> numbers)
+      : info_(std::move(info)), numbers_(std::move(numbers)) {}
+
+  const VolumeInfo& info() const override { return info_; }
+
+  Status readFrame(int index, std::span<float> values) override {
+    const double* from = &numbers_[static_cast<std::size_t>(index) * values.size()];
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] = static_cast<float>(from[i]);
+      rounding_ = std::max(rounding_, std::abs(from[i] - static_cast<double>(values[i])));
+    }
+    return {};
+  }
+
+  double rounding() const override { return rounding_; }
+
+ private:
+  VolumeInfo info_;
+  std::vector<double> numbers_;
+  double rounding_ = 0;
+};
+
+RC_GTEST_PROP(Compress, ErrorsAreThoseOfTheDoublesOrTheTargetIsRefused, ()) {
+  Sequence sequence = plumes(3, 8, 8, 20);
+  const double offset = std::pow(10, *rc::gen::inRange(0, 8));
+  std::vector<double> numbers;
+  for (const float value : sequence.values) numbers.push_back(offset + 0.1 + value);
+  Doubles source(sequence.info, numbers);
+  CompressOptions options;
+  const ErrorTarget& target = options.target;
+  options.target =
+      *rc::gen::element(ErrorTarget{Kind::kMaxError, 3e-3}, ErrorTarget{Kind::kRms, 3e-3},
+                        ErrorTarget{Kind::kRatio, 4}, ErrorTarget{Kind::kPsnr, 50});
+  const ScratchFile file;
+  Progress quiet;
+  const auto report = compress(source, file.path(), options, quiet);
+  if (!report) {
+    RC_ASSERT(target.kind != Kind::kRatio && offset >= 1e4);
+    RC_ASSERT(report.error().code == ErrorCode::kUnsupported);
+    return;
+  }
+  const auto decoded = readBack(file.path());
+  RC_ASSERT(decoded.has_value());
+  double most = 0, squared = 0;
+  const auto [low, high] = std::ranges::minmax(numbers);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const double error = std::abs(decoded->values[i] - numbers[i]);
+    most = std::max(most, error), squared += error * error;
+  }
+  const double rms = std::sqrt(squared / static_cast<double>(numbers.size())) / (high - low);
+  RC_ASSERT(most <= report->maxError);
+  RC_ASSERT(rms <= report->relativeRms * (1 + 1e-6));
+  if (target.kind == Kind::kMaxError)
+    RC_ASSERT(report->maxError <= 3e-3);
+  if (target.kind == Kind::kRms)
+    RC_ASSERT(report->relativeRms <= 3e-3);
+  if (target.kind == Kind::kPsnr)
+    RC_ASSERT(report->relativeRms <= std::pow(10, -2.5));
 }
 
 // Found by the property above: with few values the error goes up and down with the step just above

@@ -50,6 +50,27 @@ void CompressionGoal::leaveRoomForHalves() {
     goal_ = std::max(goal_ / 2, goal_ - rounding);
 }
 
+Status CompressionGoal::leaveRoomFor(double rounding) {
+  if (rounding == 0 || isSize())
+    return {};
+  const bool decibels = target_.kind == Kind::kPsnr;
+  const double asked = decibels ? std::pow(10, -goal_ / 20) : goal_;
+  const double taken = isMaxError() ? rounding : relative(rounding);
+  const double left = std::nextafter(asked - taken, 0.0);
+  if (!(left > 0)) {
+    // A value that comes back as the float beside its own is two such roundings away from it.
+    const double possible = 3.1 * taken;
+    return fail(ErrorCode::kUnsupported,
+                "a target of {} = {} cannot be met: the values lie up to {:.3g} from the nearest "
+                "float32, in which they are kept; ask for {} = {:.2g}, or subtract what all have "
+                "in common first",
+                nameOf(target_.kind), target_.value, rounding, nameOf(target_.kind),
+                decibels ? std::floor(-20 * std::log10(possible)) : possible);
+  }
+  goal_ = decibels ? -20 * std::log10(left) : left;
+  return {};
+}
+
 StepSearch::Problem CompressionGoal::problem() const {
   const double greatest = std::max(std::abs(valueMin_), std::abs(valueMax_));
   StepSearch::Problem problem;

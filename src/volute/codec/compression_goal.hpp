@@ -26,6 +26,11 @@ class CompressionGoal {
   /// Asks for so much more that the goal is met after rounding to 16-bit floats.
   void leaveRoomForHalves();
 
+  /// Asks for so much more that the goal is met by the numbers that were rounded to the values, at
+  /// most that far. kUnsupported, with the target that can be met, where the rounding alone misses
+  /// it.
+  [[nodiscard]] Status leaveRoomFor(double rounding);
+
   const ErrorTarget& target() const { return target_; }
 
   /// A ratio or a size of the file, not an error.
@@ -33,7 +38,7 @@ class CompressionGoal {
 
   bool isMaxError() const { return target_.kind == ErrorTarget::Kind::kMaxError; }
 
-  /// As `target`, after leaveRoomForHalves().
+  /// As `target`, after room was left.
   double value() const { return goal_; }
 
   /// An RMS over the range, which is that RMS itself where there is none.

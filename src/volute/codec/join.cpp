@@ -17,6 +17,7 @@
 #include "volute/codec/volute_reader.hpp"
 #include "volute/codec/written_file.hpp"
 #include "volute/grid/fitted_source.hpp"
+#include "volute/grid/rounding_source.hpp"
 
 namespace volute {
 namespace {
@@ -195,7 +196,7 @@ void joinTargets(const std::vector<Part>& parts, VoluteHeader& header) {
 }
 
 /// The frames of all files, one file after another.
-class JoinedFrames final : public FrameSource {
+class JoinedFrames final : public RoundingSource {
  public:
   struct File {
     int frames = 0;
@@ -218,6 +219,13 @@ class JoinedFrames final : public FrameSource {
     for (std::size_t i = 0; i < values.size(); ++i)
       values[i] = static_cast<float>(background_[i % channels]);
     return {};
+  }
+
+  double rounding() const override {
+    double most = 0;
+    for (const File& file : files_)
+      most = std::max(most, file.source ? roundingOf(*file.source) : 0);
+    return most;
   }
 
  private:

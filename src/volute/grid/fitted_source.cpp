@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "volute/base/parallel.hpp"
+#include "volute/grid/rounding_source.hpp"
 
 namespace volute {
 namespace {
@@ -60,7 +61,7 @@ std::vector<AxisWeights> weightsAlong(int axis, const VolumeInfo& from, const Vo
   return all;
 }
 
-class FittedSource final : public FrameSource {
+class FittedSource final : public RoundingSource {
  public:
   FittedSource(std::unique_ptr<FrameSource> source, const VolumeInfo& lattice,
                const std::array<double, 3>& outside)
@@ -105,6 +106,8 @@ class FittedSource final : public FrameSource {
     });
     return {};
   }
+
+  double rounding() const override { return roundingOf(*source_); }
 
  private:
   void addRow(const float* row, float weight, float* out) const {

@@ -7,10 +7,12 @@
 #include <numeric>
 #include <utility>
 
+#include "volute/grid/rounding_source.hpp"
+
 namespace volute {
 namespace {
 
-class SelectedFrames final : public FrameSource {
+class SelectedFrames final : public RoundingSource {
  public:
   SelectedFrames(std::unique_ptr<FrameSource> source, std::vector<int> positions,
                  const StatedInfo& stated = {})
@@ -42,6 +44,8 @@ class SelectedFrames final : public FrameSource {
   [[nodiscard]] Status readLayers(int index, int first, int end, std::span<float> values) override {
     return source_->readLayers(positions_[index], first, end, values);
   }
+
+  double rounding() const override { return roundingOf(*source_); }
 
  private:
   std::unique_ptr<FrameSource> source_;

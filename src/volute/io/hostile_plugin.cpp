@@ -119,7 +119,7 @@ class HostileReader final : public LatticeReader {
   }
 
   Status read(const std::filesystem::path&, const std::string&, const IndexBox&, const IndexBox&,
-              bool, std::span<float>) override {
+              bool, std::span<float>, double&) override {
     return fail(ErrorCode::kUnsupported, "nothing to read");
   }
 

@@ -118,9 +118,10 @@ class LatticeReader {
   /// Fills `values`, shape (z, y, x, c) over `box`, some layers of `whole`, and touches little more
   /// than that; voxels that the file does not have get its background value. Values outside `whole`
   /// are cut off when `crop` is true, else they are an error where its first layers are read.
+  /// @param rounding  set to the largest difference between a number of the file and its float
   [[nodiscard]] virtual Status read(const std::filesystem::path& file, const std::string& grid,
                                     const IndexBox& whole, const IndexBox& box, bool crop,
-                                    std::span<float> values) = 0;
+                                    std::span<float> values, double& rounding) = 0;
 };
 
 /// How a frame is written.

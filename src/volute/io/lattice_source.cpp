@@ -8,6 +8,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/grid/rounding_source.hpp"
 #include "volute/io/lattice_message.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
@@ -52,8 +53,10 @@ Result<std::string> serve(LatticeReader& reader, const std::filesystem::path& pa
                   reader.describe(path, request.grid, request.usual, request.flag));
     return toMessage(frame);
   }
-  VOLUTE_TRY(reader.read(path, request.grid, request.whole, request.box, request.flag, values));
-  return std::string();
+  double rounding = 0;
+  VOLUTE_TRY(
+      reader.read(path, request.grid, request.whole, request.box, request.flag, values, rounding));
+  return toMessage(rounding);
 }
 
 using LoadLatticePlugin = Result<const LatticePlugin*> (*)();
@@ -230,7 +233,7 @@ std::vector<std::string> namesIn(std::string_view list) {
   return names;
 }
 
-class LatticeSource final : public FrameSource {
+class LatticeSource final : public RoundingSource {
  public:
   LatticeSource(std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
                 const SourceOptions& options, std::optional<KnownGrid> known)
@@ -301,11 +304,16 @@ class LatticeSource final : public FrameSource {
     request.box.end[2] = request.whole.begin[2] + end;
     grid_.copy(request.grid, LatticeFrame::kMaxName);
     const auto& path = files_[index].path;
-    VOLUTE_TRY(process_.call(path.string(), toMessage(request) + path.string(), values.size(),
-                             limitsFor(path, values.size(), options_.maxMemory)));
+    VOLUTE_ASSIGN(const std::string reply,
+                  process_.call(path.string(), toMessage(request) + path.string(), values.size(),
+                                limitsFor(path, values.size(), options_.maxMemory)));
+    VOLUTE_ASSIGN(const double rounding, fromMessage<double>(reply));
+    rounding_ = std::max(rounding_, rounding);
     std::ranges::copy(process_.values(), values.begin());
     return {};
   }
+
+  double rounding() const override { return rounding_; }
 
  private:
   Result<LatticeFrame> describe(std::size_t index, const std::string& grid) {
@@ -425,6 +433,7 @@ class LatticeSource final : public FrameSource {
   IndexBox box_;          // on the first frame's lattice
   std::vector<std::array<std::int64_t, 3>> shifts_;
   VolumeInfo info_;
+  double rounding_ = 0;
 };
 
 /// Answers a collection's name with the files that it names.

@@ -2,23 +2,25 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/npy.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
-#include <cstring>
+#include <array>
 #include <limits>
 #include <vector>
 
 #include "volute/base/assert.hpp"
-#include "volute/base/half.hpp"
-#include "volute/base/input_file.hpp"
+#include "volute/grid/rounding_source.hpp"
 #include "volute/io/npy_header.hpp"
+#include "volute/io/npz.hpp"
+#include "volute/io/number_file.hpp"
 
 namespace volute {
 namespace {
 
 /// Extents to axes, and whether the file is as long as they say.
-Result<VolumeInfo> toInfo(const NpyHeader& header, const InputFile& file,
+Result<VolumeInfo> toInfo(const NpyHeader& header, const NumberFile& file, const std::string& where,
                           const SourceOptions& options) {
-  const std::string where = file.path().string();
   std::vector<std::uint64_t> shape = header.shape;
   if (shape.size() < 3 || shape.size() > 5) {
     return fail(ErrorCode::kInvalidData,
@@ -30,7 +32,7 @@ Result<VolumeInfo> toInfo(const NpyHeader& header, const InputFile& file,
   if (shape.size() == 4)
     shape.push_back(1);
   constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max();
-  std::uint64_t bytes = header.half ? 2 : 4;
+  std::uint64_t bytes = header.type.size();
   bool possible = true;
   for (std::uint64_t extent : shape) {
     possible = possible && extent <= kMax && !__builtin_mul_overflow(bytes, extent, &bytes);
@@ -49,11 +51,12 @@ Result<VolumeInfo> toInfo(const NpyHeader& header, const InputFile& file,
   info.x = static_cast<int>(shape[3]);
   info.channels = static_cast<int>(shape[4]);
   constexpr std::uint64_t kPerFrame = sizeof(int) + sizeof(double);
-  if ((!options.byLayers && 4 * info.frameValues() > options.maxMemory) ||
+  const bool byLayers = options.byLayers && !header.fortranOrder;
+  if ((!byLayers && 4 * info.frameValues() > options.maxMemory) ||
       info.frames * kPerFrame > options.maxMemory) {
     return fail(
         ErrorCode::kTooLarge,
-        "{}: a frame of {} x {} x {} voxels needs more than the {} MiB allowed; raise --max-memory",
+        "{}: a frame of {} x {} x {} voxels needs more than the {} MiB allowed; allow more memory",
         where, info.x, info.y, info.z, options.maxMemory >> 20);
   }
   if (options.bounds)
@@ -67,12 +70,18 @@ Result<VolumeInfo> toInfo(const NpyHeader& header, const InputFile& file,
   return info;
 }
 
-class NpySource final : public FrameSource {
+class NpySource final : public RoundingSource {
  public:
-  NpySource(InputFile file, const NpyHeader& header, VolumeInfo info)
-      : file_(std::move(file)), header_(header), info_(std::move(info)) {}
+  NpySource(NumberFile file, const NpyHeader& header, VolumeInfo info,
+            std::vector<std::string> others)
+      : file_(std::move(file)),
+        header_(header),
+        info_(std::move(info)),
+        others_(std::move(others)) {}
 
   const VolumeInfo& info() const override { return info_; }
+
+  std::vector<std::string> otherGrids() const override { return others_; }
 
   Status readFrame(int index, std::span<float> values) override {
     return readLayers(index, 0, info_.z, values);
@@ -84,33 +93,114 @@ class NpySource final : public FrameSource {
                     std::span<float> values) override {
     const std::uint64_t layer = info_.frameValues() / static_cast<std::uint64_t>(info_.z);
     VOLUTE_ASSERT(values.size() == layer * static_cast<std::uint64_t>(end - first));
-    const std::uint64_t size = header_.half ? sizeof(Half) : sizeof(float);
-    const std::uint64_t bytes = values.size() * size;
-    const std::uint64_t offset =
-        header_.dataOffset +
-        size * (info_.frameValues() * static_cast<std::uint64_t>(index) + layer * first);
-    if (!header_.half)
-      return file_.read(offset, std::as_writable_bytes(values));
-    // The halves go into the upper part of the floats' own memory; each is read before its place is
-    // overwritten.
-    auto* halves = reinterpret_cast<std::byte*>(values.data()) + bytes;
-    VOLUTE_TRY(file_.read(offset, {halves, bytes}));
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      Half half;
-      std::memcpy(&half, halves + i * sizeof half, sizeof half);
-      values[i] = toFloat(half);
-    }
+    const std::uint64_t before = info_.frameValues() * static_cast<std::uint64_t>(index) +
+                                 layer * static_cast<std::uint64_t>(first);
+    return file_.read(header_.type, header_.dataOffset + header_.type.size() * before, values);
+  }
+
+  double rounding() const override { return file_.rounding(); }
+
+ private:
+  NumberFile file_;
+  NpyHeader header_;
+  VolumeInfo info_;
+  std::vector<std::string> others_;
+};
+
+/// An array whose first axis, time, is the fastest: the file is read for as many frames together as
+/// there is room for.
+class FortranNpySource final : public RoundingSource {
+ public:
+  FortranNpySource(NumberFile file, const NpyHeader& header, VolumeInfo info,
+                   std::vector<std::string> others, std::uint64_t maxMemory)
+      : file_(std::move(file)),
+        header_(header),
+        info_(std::move(info)),
+        others_(std::move(others)),
+        together_(static_cast<int>(std::clamp<std::uint64_t>(
+            maxMemory / 4 / sizeof(float) / info_.frameValues(), 1, info_.frames))) {}
+
+  const VolumeInfo& info() const override { return info_; }
+
+  std::vector<std::string> otherGrids() const override { return others_; }
+
+  Status readFrame(int index, std::span<float> values) override {
+    VOLUTE_ASSERT(values.size() == info_.frameValues());
+    const int first = index / together_ * together_;
+    if (first != first_)
+      VOLUTE_TRY(load(first));
+    const auto begin = static_cast<std::size_t>(index - first) * values.size();
+    std::copy_n(frames_.begin() + static_cast<std::ptrdiff_t>(begin), values.size(),
+                values.begin());
     return {};
   }
 
+  double rounding() const override { return file_.rounding(); }
+
  private:
-  InputFile file_;
+  // Lines along time, then along z, y, x and c.
+  Status load(int first) {
+    first_ = -1;
+    const auto all = static_cast<std::size_t>(info_.frames);
+    const std::size_t count = std::min<std::size_t>(together_, all - first);
+    frames_.resize(count * info_.frameValues());
+    const std::size_t lines = info_.frameValues();
+    const std::size_t linesAPiece = std::max<std::size_t>(1, (std::size_t{1} << 20) / all);
+    std::vector<float> piece;
+    std::array<std::size_t, 4> at{};  // c, x, y, z
+    const auto sides = sidesOf(info_);
+    for (std::size_t line = 0; line < lines; line += linesAPiece) {
+      piece.resize(std::min(linesAPiece, lines - line) * all);
+      VOLUTE_TRY(
+          file_.read(header_.type, header_.dataOffset + header_.type.size() * line * all, piece));
+      for (const float* times = piece.data() + first; times < piece.data() + piece.size();
+           times += all) {
+        const std::size_t voxel =
+            ((at[3] * sides[2] + at[2]) * sides[1] + at[1]) * sides[0] + at[0];
+        for (std::size_t t = 0; t < count; ++t) frames_[t * lines + voxel] = times[t];
+        for (std::size_t axis = 4; axis-- > 0 && ++at[axis] == sides[axis];) at[axis] = 0;
+      }
+    }
+    first_ = first;
+    return {};
+  }
+
+  static std::array<std::size_t, 4> sidesOf(const VolumeInfo& info) {
+    return {static_cast<std::size_t>(info.channels), static_cast<std::size_t>(info.x),
+            static_cast<std::size_t>(info.y), static_cast<std::size_t>(info.z)};
+  }
+
+  NumberFile file_;
   NpyHeader header_;
   VolumeInfo info_;
+  std::vector<std::string> others_;
+  int together_ = 1;
+  int first_ = -1;             // of the frames that are loaded
+  std::vector<float> frames_;  // shape (t, z, y, x, c)
 };
 
+Result<std::unique_ptr<FrameSource>> openArray(NumberFile file, const std::string& name,
+                                               std::vector<std::string> others,
+                                               const SourceOptions& options) {
+  const std::string path = file.path().string();
+  const std::string where = name.empty() ? path : fmt::format("{}: {}", path, name);
+  std::vector<std::byte> front(std::min<std::uint64_t>(file.size(), kLongestNpyHeader));
+  VOLUTE_TRY(file.read(0, front));
+  VOLUTE_ASSIGN(const NpyHeader header, readNpyHeader(front, file.size(), where));
+  VOLUTE_ASSIGN(VolumeInfo info, toInfo(header, file, where, options));
+  constexpr std::string_view kNameless = "arr_";  // numpy.savez's names of what has none
+  if (!name.empty() && !name.starts_with(kNameless))
+    info.name = name;
+  VOLUTE_TRY(info.validate(where));
+  if (header.fortranOrder) {
+    return std::make_unique<FortranNpySource>(std::move(file), header, std::move(info),
+                                              std::move(others), options.maxMemory);
+  }
+  return std::make_unique<NpySource>(std::move(file), header, std::move(info), std::move(others));
+}
+
 /// A file is open while its frame is read.
-class NpySequence final : public FrameSource {
+class NpySequence final : public RoundingSource {
  public:
   NpySequence(std::vector<NumberedFile> files, SourceOptions options, VolumeInfo info)
       : files_(std::move(files)), options_(std::move(options)), info_(std::move(info)) {}
@@ -128,8 +218,12 @@ class NpySequence final : public FrameSource {
     const auto& path = files_[static_cast<std::size_t>(index)].path;
     VOLUTE_ASSIGN(const auto file, openNpy(path, options_));
     VOLUTE_TRY(checkSame(file->info(), path));
-    return file->readLayers(0, first, end, values);
+    VOLUTE_TRY(file->readLayers(0, first, end, values));
+    rounding_ = std::max(rounding_, roundingOf(*file));
+    return {};
   }
+
+  double rounding() const override { return rounding_; }
 
   /// One frame, and as large as the first file's.
   Status checkSame(const VolumeInfo& one, const std::filesystem::path& path) const {
@@ -149,6 +243,7 @@ class NpySequence final : public FrameSource {
   std::vector<NumberedFile> files_;
   SourceOptions options_;
   VolumeInfo info_;
+  double rounding_ = 0;
 };
 
 }  // namespace
@@ -174,15 +269,21 @@ Result<std::unique_ptr<FrameSource>> openNpySequence(const std::vector<NumberedF
 
 Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
                                              const SourceOptions& options) {
+  if (path.extension() == ".npz") {
+    VOLUTE_ASSIGN(auto array, openNpzArray(path, options));
+    if (options.grid.empty() && !array.others.empty() && options.remark) {
+      options.remark(fmt::format("{}: the array '{}' is read; it also has {}", path.string(),
+                                 array.name, fmt::join(array.others, ", ")));
+    }
+    return openArray(std::move(array.file), array.name, std::move(array.others), options);
+  }
   if (!options.grid.empty()) {
     return fail(ErrorCode::kInvalidArgument,
-                "{}: a .npy file has no named grids; leave out --field {}", path.string(),
+                "{}: a .npy file has no named grids; leave out the field '{}'", path.string(),
                 options.grid);
   }
   VOLUTE_ASSIGN(auto file, InputFile::open(path));
-  VOLUTE_ASSIGN(const NpyHeader header, readNpyHeader(file));
-  VOLUTE_ASSIGN(VolumeInfo info, toInfo(header, file, options));
-  return std::make_unique<NpySource>(std::move(file), header, std::move(info));
+  return openArray(NumberFile(std::move(file)), "", {}, options);
 }
 
 Result<std::unique_ptr<NpySink>> NpySink::create(const std::filesystem::path& path,

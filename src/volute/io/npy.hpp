@@ -11,9 +11,9 @@
 
 namespace volute {
 
-/// A NumPy array as a sequence: axes (z, y, x), (t, z, y, x) or (t, z, y, x, c) with c = 1 or 3, C
-/// order, little-endian float32 or float16, versions 1 to 3 of the format. The file's size must be
-/// what its header says.
+/// A NumPy array as a sequence: axes (z, y, x), (t, z, y, x) or (t, z, y, x, c) with c = 1 or 3, of
+/// floats, integers or bool, in either order of bytes and of axes, versions 1 to 3 of the format. A
+/// .npz has several, options.grid names one. The file's size must be what its header says.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
                                                            const SourceOptions& options);
 

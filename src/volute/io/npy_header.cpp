@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <limits>
+#include <utility>
 
 namespace volute {
 namespace {
@@ -84,31 +86,34 @@ class DictionaryParser {
   Status parseType() {
     skipSpaces();
     if (peek() == '[')
-      return fail(ErrorCode::kUnsupported, "{}: a structured array; expected float32 or float16",
-                  where_);
-    VOLUTE_ASSIGN(const std::string_view type, parseString());
-    if (type != "<f4" && type != "<f2") {
-      const bool bigEndian = type == ">f4" || type == ">f2";
       return fail(ErrorCode::kUnsupported,
-                  "{}: values of type '{}'{}; expected float32 ('<f4') or float16 ('<f2')", where_,
-                  type, bigEndian ? " (big endian)" : "");
+                  "{}: a structured array; expected real numbers, save one of its fields", where_);
+    VOLUTE_ASSIGN(const std::string_view type, parseString());
+    const auto numbers = numberTypeOf(type);
+    if (!numbers || type[0] == '=') {  // the order of whose machine?
+      const char kind = type.size() > 1 ? type[1] : '\0';
+      return fail(ErrorCode::kUnsupported,
+                  "{}: values of type '{}'{}; expected real numbers: floats of up to 64 bits, "
+                  "integers or bool",
+                  where_, type,
+                  kind == 'c'   ? ", which are complex: save their magnitude or real part"
+                  : kind == 'f' ? ": save array.astype('float64') instead"
+                                : "");
     }
-    header_.half = type == "<f2";
+    header_.type = *numbers;
     return {};
   }
 
   Status parseOrder() {
     skipSpaces();
-    if (text_.substr(at_).starts_with("True")) {
-      return fail(ErrorCode::kUnsupported,
-                  "{}: the array is in Fortran order; save numpy.ascontiguousarray(array) instead",
-                  where_);
+    for (const auto& [word, value] : {std::pair("False", false), std::pair("True", true)}) {
+      if (!text_.substr(at_).starts_with(word))
+        continue;
+      at_ += std::string_view(word).size();
+      header_.fortranOrder = value;
+      return {};
     }
-    constexpr std::string_view kFalse = "False";
-    if (!text_.substr(at_).starts_with(kFalse))
-      return malformed();
-    at_ += kFalse.size();
-    return {};
+    return malformed();
   }
 
   Status parseShape() {
@@ -153,11 +158,12 @@ class DictionaryParser {
 
 }  // namespace
 
-Result<NpyHeader> readNpyHeader(const InputFile& file) {
-  const std::string where = file.path().string();
+Result<NpyHeader> readNpyHeader(std::span<const std::byte> bytes, std::uint64_t size,
+                                const std::string& where) {
   std::array<unsigned char, 12> front{};
-  const std::size_t present = std::min<std::uint64_t>(file.size(), front.size());
-  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(front).first(present))));
+  const std::size_t present = std::min(bytes.size(), front.size());
+  if (present > 0)
+    std::memcpy(front.data(), bytes.data(), present);
   const std::string_view magic(reinterpret_cast<const char*>(front.data()),
                                std::min(present, kMagic.size()));
   if (magic != kMagic)
@@ -174,16 +180,12 @@ Result<NpyHeader> readNpyHeader(const InputFile& file) {
   const std::uint64_t length =
       version == 1 ? front[8] | front[9] << 8
                    : front[8] | front[9] << 8 | front[10] << 16 | std::uint64_t{front[11]} << 24;
-  constexpr std::uint64_t kLongest = 65535;
-  if (length > kLongest)
+  if (offset + length > kLongestNpyHeader)
     return fail(ErrorCode::kInvalidData, "{}: a header of {} bytes; the file is damaged", where,
                 length);
-  if (offset + length > file.size()) {
-    return fail(ErrorCode::kTruncated, "{}: ends within its header, at byte {}", where,
-                file.size());
-  }
-  std::string text(length, '\0');
-  VOLUTE_TRY(file.read(offset, std::as_writable_bytes(std::span(text))));
+  if (offset + length > bytes.size())
+    return fail(ErrorCode::kTruncated, "{}: ends within its header, at byte {}", where, size);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()) + offset, length);
   VOLUTE_ASSIGN(NpyHeader header, DictionaryParser(text, where).parse());
   header.dataOffset = offset + length;
   return header;

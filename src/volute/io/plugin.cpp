@@ -23,6 +23,15 @@ std::filesystem::path namedFolder() {
   return folder ? folder : "";
 }
 
+/// The Debian package of a plug-in: volute-vdb has volute_io_vdb.so.
+std::string packageOf(std::string_view name) {
+  constexpr std::string_view kReader = "volute_io_", kOther = "volute_";
+  if (name == "volute_io_gltf")
+    return "volute";
+  name.remove_prefix((name.starts_with(kReader) ? kReader : kOther).size());
+  return fmt::format("volute-{}", name);
+}
+
 std::filesystem::path folderBesideProgram() {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -87,8 +96,9 @@ Result<const void*> findPlugin(const char* name, const char* function, const cha
       return plugin;
   }
   if (reason.empty())
-    reason = fmt::format("no {}.so in {}, which VOLUTE_PLUGIN_FOLDER can name", name,
-                         (namedFolder().empty() ? folderBesideProgram() : namedFolder()).string());
+    reason = fmt::format(
+        "no {}.so in {}, which VOLUTE_PLUGIN_FOLDER can name; it is in the package {}", name,
+        (namedFolder().empty() ? folderBesideProgram() : namedFolder()).string(), packageOf(name));
   return fail(ErrorCode::kUnsupported, "the part of Volute that uses {} cannot be loaded: {}",
               library, reason);
 }

@@ -3,77 +3,22 @@
 #include "volute/io/raw_volume.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
-#include <cstring>
 #include <limits>
 
 #include "volute/base/assert.hpp"
-#include "volute/base/half.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/grid/rounding_source.hpp"
+#include "volute/io/number_file.hpp"
 
 namespace volute {
 namespace {
 
-using Type = RawLayout::Type;
-
-std::uint64_t sizeOf(Type type) {
-  switch (type) {
-    case Type::kUint8:
-    case Type::kInt8:
-      return 1;
-    case Type::kUint16:
-    case Type::kInt16:
-    case Type::kFloat16:
-      return 2;
-    case Type::kUint32:
-    case Type::kInt32:
-    case Type::kFloat32:
-      return 4;
-    case Type::kFloat64:
-      return 8;
-  }
-  return 4;
-}
-
-template <class Value>
-void convert(std::span<std::byte> bytes, bool swap, float* to) {
-  if (swap) {
-    for (std::size_t at = 0; at < bytes.size(); at += sizeof(Value))
-      std::ranges::reverse(bytes.subspan(at, sizeof(Value)));
-  }
-  for (std::size_t at = 0; at < bytes.size(); at += sizeof(Value)) {
-    Value value;
-    std::memcpy(&value, bytes.data() + at, sizeof value);
-    if constexpr (std::is_same_v<Value, Half>) {
-      *to++ = toFloat(value);
-    } else {
-      *to++ = static_cast<float>(value);
-    }
-  }
-}
-
-void convert(Type type, std::span<std::byte> bytes, bool swap, float* to) {
-  switch (type) {
-    case Type::kUint8:
-      return convert<std::uint8_t>(bytes, false, to);
-    case Type::kInt8:
-      return convert<std::int8_t>(bytes, false, to);
-    case Type::kUint16:
-      return convert<std::uint16_t>(bytes, swap, to);
-    case Type::kInt16:
-      return convert<std::int16_t>(bytes, swap, to);
-    case Type::kFloat16:
-      return convert<Half>(bytes, swap, to);
-    case Type::kUint32:
-      return convert<std::uint32_t>(bytes, swap, to);
-    case Type::kInt32:
-      return convert<std::int32_t>(bytes, swap, to);
-    case Type::kFloat32:
-      return convert<float>(bytes, swap, to);
-    case Type::kFloat64:
-      return convert<double>(bytes, swap, to);
-  }
+NumberType numbersOf(const RawLayout& raw) {
+  static_assert(static_cast<int>(RawLayout::Type::kUint8) == static_cast<int>(NumberKind::kUint8) &&
+                static_cast<int>(RawLayout::Type::kFloat64) ==
+                    static_cast<int>(NumberKind::kFloat64));
+  return {static_cast<NumberKind>(raw.type), raw.bigEndian};
 }
 
 /// What one file of so many frames must be; none: it says how many it has.
@@ -86,7 +31,7 @@ Result<VolumeInfo> infoOf(const InputFile& file, const SourceOptions& options,
   info.y = raw.size[1];
   info.z = raw.size[2];
   info.channels = raw.channels;
-  std::uint64_t bytes = sizeOf(raw.type);
+  std::uint64_t bytes = numbersOf(raw).size();
   bool possible = info.channels == 1 || info.channels == 3;
   for (const int extent : {info.x, info.y, info.z, info.channels})
     possible =
@@ -107,7 +52,7 @@ Result<VolumeInfo> infoOf(const InputFile& file, const SourceOptions& options,
                 "{}: has {} bytes after the first {}, and a frame of {} x {} x {} voxels with {} "
                 "channel{} of {} bytes takes {}; expected {} of them and nothing else",
                 where, present, raw.offset, info.x, info.y, info.z, info.channels,
-                info.channels == 1 ? "" : "s", sizeOf(raw.type), bytes,
+                info.channels == 1 ? "" : "s", numbersOf(raw).size(), bytes,
                 frames ? "one" : "a whole number");
   }
   info.frames = static_cast<int>(count);
@@ -131,9 +76,9 @@ Result<VolumeInfo> infoOf(const InputFile& file, const SourceOptions& options,
 }
 
 /// Files of numbered frames are open while they are read.
-class RawSource final : public FrameSource {
+class RawSource final : public RoundingSource {
  public:
-  RawSource(std::vector<std::filesystem::path> files, std::optional<InputFile> single,
+  RawSource(std::vector<std::filesystem::path> files, std::optional<NumberFile> single,
             RawLayout layout, VolumeInfo info)
       : files_(std::move(files)),
         single_(std::move(single)),
@@ -154,35 +99,31 @@ class RawSource final : public FrameSource {
     VOLUTE_ASSERT(values.size() == layer * static_cast<std::uint64_t>(end - first));
     const auto frame = static_cast<std::uint64_t>(single_ ? index : 0);
     const std::uint64_t offset =
-        layout_.offset + sizeOf(layout_.type) * (info_.frameValues() * frame +
-                                                 layer * static_cast<std::uint64_t>(first));
-    if (single_)
-      return read(*single_, offset, values);
-    VOLUTE_ASSIGN(const auto file, InputFile::open(files_[static_cast<std::size_t>(index)]));
-    return read(file, offset, values);
+        layout_.offset + numbersOf(layout_).size() * (info_.frameValues() * frame +
+                                                      layer * static_cast<std::uint64_t>(first));
+    if (!single_)
+      return readNumbered(index, offset, values);
+    VOLUTE_TRY(single_->read(numbersOf(layout_), offset, values));
+    rounding_ = single_->rounding();
+    return {};
   }
 
+  double rounding() const override { return rounding_; }
+
  private:
-  Status read(const InputFile& file, std::uint64_t offset, std::span<float> values) {
-    const bool swap = layout_.bigEndian != (std::endian::native == std::endian::big);
-    if (layout_.type == Type::kFloat32 && !swap)
-      return file.read(offset, std::as_writable_bytes(values));
-    constexpr std::size_t kPiece = std::size_t{1} << 18;  // values
-    const std::uint64_t size = sizeOf(layout_.type);
-    bytes_.resize(std::min(kPiece, values.size()) * size);
-    for (std::size_t at = 0; at < values.size(); at += kPiece) {
-      const auto piece = std::span(bytes_).first(std::min(kPiece, values.size() - at) * size);
-      VOLUTE_TRY(file.read(offset + at * size, piece));
-      convert(layout_.type, piece, swap, values.data() + at);
-    }
+  Status readNumbered(int index, std::uint64_t offset, std::span<float> values) {
+    VOLUTE_ASSIGN(auto opened, InputFile::open(files_[static_cast<std::size_t>(index)]));
+    NumberFile file(std::move(opened));
+    VOLUTE_TRY(file.read(numbersOf(layout_), offset, values));
+    rounding_ = std::max(rounding_, file.rounding());
     return {};
   }
 
   std::vector<std::filesystem::path> files_;
-  std::optional<InputFile> single_;
+  std::optional<NumberFile> single_;
   RawLayout layout_;
   VolumeInfo info_;
-  std::vector<std::byte> bytes_;
+  double rounding_ = 0;
 };
 
 Status checkNoGrid(const std::filesystem::path& path, const SourceOptions& options) {
@@ -201,8 +142,8 @@ Result<std::unique_ptr<FrameSource>> openRaw(const std::filesystem::path& path,
   VOLUTE_TRY(checkNoGrid(path, options));
   VOLUTE_ASSIGN(auto file, InputFile::open(path));
   VOLUTE_ASSIGN(auto info, infoOf(file, options, std::nullopt));
-  return std::make_unique<RawSource>(std::vector<std::filesystem::path>(), std::move(file),
-                                     *options.raw, std::move(info));
+  return std::make_unique<RawSource>(std::vector<std::filesystem::path>(),
+                                     NumberFile(std::move(file)), *options.raw, std::move(info));
 }
 
 Result<std::unique_ptr<FrameSource>> openRawSequence(const std::vector<NumberedFile>& files,

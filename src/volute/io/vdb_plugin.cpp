@@ -263,11 +263,20 @@ std::optional<IndexBox> notedBox(const openvdb::GridBase& grid) {
   return box;
 }
 
+/// Of a number and its float.
+template <class Scalar>
+double roundingOf(const Scalar& number, float value) {
+  const double error = std::abs(static_cast<double>(number) - static_cast<double>(value));
+  return std::isfinite(error) ? error : 0;
+}
+
 template <class Value>
 struct Channels {
   static constexpr int kCount = 1;
 
   static void store(const Value& value, float* to) { *to = static_cast<float>(value); }
+
+  static double rounding(const Value& value, const float* to) { return roundingOf(value, *to); }
 };
 
 template <class Scalar>
@@ -277,12 +286,19 @@ struct Channels<openvdb::math::Vec3<Scalar>> {
   static void store(const openvdb::math::Vec3<Scalar>& value, float* to) {
     for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(value[c]);
   }
+
+  static double rounding(const openvdb::math::Vec3<Scalar>& value, const float* to) {
+    double most = 0;
+    for (int c = 0; c < 3; ++c) most = std::max(most, roundingOf(value[c], to[c]));
+    return most;
+  }
 };
 
 /// Active voxels and tiles of the grid into the dense array over `box`; the background everywhere
 /// else. Of a level set all of them: what is not active in it says which side it is on.
 template <class Grid>
-void fillDense(const Grid& grid, const openvdb::CoordBBox& box, std::span<float> values) {
+void fillDense(const Grid& grid, const openvdb::CoordBBox& box, std::span<float> values,
+               double& rounding) {
   using Traits = Channels<typename Grid::ValueType>;
   constexpr int kCount = Traits::kCount;
   float background[kCount];
@@ -299,6 +315,7 @@ void fillDense(const Grid& grid, const openvdb::CoordBBox& box, std::span<float>
       return;
     float value[kCount];
     Traits::store(*it, value);
+    rounding = std::max(rounding, Traits::rounding(*it, value));
     for (int z = part.min().z(); z <= part.max().z(); ++z) {
       for (int y = part.min().y(); y <= part.max().y(); ++y) {
         const std::size_t row = std::size_t(z - box.min().z()) * size.y() + (y - box.min().y());
@@ -316,10 +333,10 @@ void fillDense(const Grid& grid, const openvdb::CoordBBox& box, std::span<float>
 
 template <class Grid>
 bool fillIfType(const openvdb::GridBase& grid, const openvdb::CoordBBox& box,
-                std::span<float> values) {
+                std::span<float> values, double& rounding) {
   if (!grid.isType<Grid>())
     return false;
-  fillDense(static_cast<const Grid&>(grid), box, values);
+  fillDense(static_cast<const Grid&>(grid), box, values, rounding);
   return true;
 }
 
@@ -556,7 +573,7 @@ class VdbReader final : public LatticeReader {
   }
 
   Status read(const std::filesystem::path& path, const std::string& wanted, const IndexBox& whole,
-              const IndexBox& box, bool crop, std::span<float> values) override {
+              const IndexBox& box, bool crop, std::span<float> values, double& rounding) override {
     return guarded(path, [&]() -> Status {
       VdbFile file(path);
       const auto entries = entriesOf(file, wanted);
@@ -578,10 +595,10 @@ class VdbReader final : public LatticeReader {
                     "damaged, or give --bounds",
                     path.string(), wanted);
       }
-      const bool filled = fillIfType<openvdb::FloatGrid>(*grid, dense, values) ||
-                          fillIfType<openvdb::DoubleGrid>(*grid, dense, values) ||
-                          fillIfType<openvdb::Vec3SGrid>(*grid, dense, values) ||
-                          fillIfType<openvdb::Vec3DGrid>(*grid, dense, values);
+      const bool filled = fillIfType<openvdb::FloatGrid>(*grid, dense, values, rounding) ||
+                          fillIfType<openvdb::DoubleGrid>(*grid, dense, values, rounding) ||
+                          fillIfType<openvdb::Vec3SGrid>(*grid, dense, values, rounding) ||
+                          fillIfType<openvdb::Vec3DGrid>(*grid, dense, values, rounding);
       if (!filled)
         return fail(ErrorCode::kUnsupported, "{}: grid '{}' changed its type", path.string(),
                     wanted);

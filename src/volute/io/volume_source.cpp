@@ -110,7 +110,7 @@ Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& inp
     VOLUTE_ASSIGN(const auto files, pattern.list(SubFrames::kAllowed));
     return openRawSequence(files, options);
   }
-  if (extension == ".npy") {
+  if (extension == ".npy" || extension == ".npz") {
     if (!namesSeriesOfFiles(input))
       return openNpy(input, options);
     VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(input));
@@ -129,8 +129,8 @@ Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& inp
   const bool vtk = extension == ".vti" || extension == ".pvd";
   if (!vdb && !vtk) {
     return fail(ErrorCode::kUnsupported,
-                "{}: not a known kind of volume; expected .npy or .vdb (a file, a pattern or a "
-                "folder of them), .vti or .pvd",
+                "{}: not a known kind of volume; expected .npy, .npz or .vdb (a file, a pattern or "
+                "a folder of them), .vti or .pvd",
                 input.string());
   }
   VOLUTE_ASSIGN(auto files, listLatticeFiles(input));

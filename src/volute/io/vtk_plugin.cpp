@@ -20,9 +20,11 @@
 #include <vtkXMLImageDataWriter.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
+#include "volute/base/number_type.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice.hpp"
 #include "volute/io/vtk_errors.hpp"
@@ -108,12 +110,39 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
   return frame;
 }
 
+/// How VTK has the numbers of an array in memory; nothing: only it knows.
+std::optional<NumberType> numbersOf(vtkDataArray* array) {
+  if (!array->HasStandardMemoryLayout())
+    return std::nullopt;
+  using enum NumberKind;
+  static constexpr NumberKind kSigned[] = {kInt8, kInt16, kInt32, kInt64},
+                              kUnsigned[] = {kUint8, kUint16, kUint32, kUint64};
+  constexpr bool kBig = std::endian::native == std::endian::big;
+  switch (array->GetDataType()) {
+    case VTK_BIT:
+    case VTK_STRING:
+    case VTK_VARIANT:
+      return std::nullopt;
+    case VTK_FLOAT:
+      return NumberType{kFloat32, kBig};
+    case VTK_DOUBLE:
+      return NumberType{kFloat64, kBig};
+    default:
+      break;
+  }
+  const auto size = static_cast<unsigned>(array->GetDataTypeSize());
+  const auto& kinds = array->GetDataTypeMin() < 0 ? kSigned : kUnsigned;
+  if (!std::has_single_bit(size) || size > 8)
+    return std::nullopt;
+  return NumberType{kinds[std::countr_zero(size)], kBig};
+}
+
 /// The part of the file's `values` over `from` that lies in `to`, into the dense array; 0
 /// elsewhere.
-void copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
-              std::span<float> values) {
+Status copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
+                std::span<float> values, double& rounding, const std::string& file) {
   const int channels = array->GetNumberOfComponents();
-  auto* floats = vtkFloatArray::SafeDownCast(array);
+  const auto numbers = numbersOf(array);
   IndexBox part;
   for (int axis = 0; axis < 3; ++axis) {
     part.begin[axis] = std::max(from.begin[axis], to.begin[axis]);
@@ -121,7 +150,7 @@ void copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
   }
   std::ranges::fill(values, 0.0f);
   if (part.empty())
-    return;
+    return {};
   const auto offset = [](const IndexBox& box, std::int64_t x, std::int64_t y, std::int64_t z) {
     return ((z - box.begin[2]) * box.size(1) + (y - box.begin[1])) * box.size(0) +
            (x - box.begin[0]);
@@ -129,17 +158,27 @@ void copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
   for (auto z = part.begin[2]; z < part.end[2]; ++z) {
     for (auto y = part.begin[1]; y < part.end[1]; ++y) {
       const std::int64_t source = offset(from, part.begin[0], y, z);
-      float* target = &values[offset(to, part.begin[0], y, z) * channels];
-      if (floats) {
-        std::copy_n(floats->GetPointer(source * channels), part.size(0) * channels, target);
-        continue;
+      const auto row =
+          values.subspan(static_cast<std::size_t>(offset(to, part.begin[0], y, z) * channels),
+                         static_cast<std::size_t>(part.size(0) * channels));
+      std::vector<double> doubles;
+      for (std::int64_t i = 0; !numbers && i < part.size(0); ++i) {
+        for (int c = 0; c < channels; ++c) doubles.push_back(array->GetComponent(source + i, c));
       }
-      for (std::int64_t i = 0; i < part.size(0); ++i) {
-        for (int c = 0; c < channels; ++c)
-          *target++ = static_cast<float>(array->GetComponent(source + i, c));
+      const NumberType type = numbers.value_or(
+          NumberType{NumberKind::kFloat64, std::endian::native == std::endian::big});
+      const void* begin = numbers ? array->GetVoidPointer(source * channels) : doubles.data();
+      const auto beyond = toFloats(type, static_cast<const std::byte*>(begin),
+                                   static_cast<std::ptrdiff_t>(type.size()), row, rounding);
+      if (beyond) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: the value {:g} is beyond float32, in which values are kept; expected at "
+                    "most 3.4e38: scale them",
+                    file, *beyond);
       }
     }
   }
+  return {};
 }
 
 /// [s], as programs of VTK note it in the field data (TimeValue); NaN where it is not stated.
@@ -174,7 +213,7 @@ class VtkReader final : public LatticeReader {
   }
 
   Status read(const std::filesystem::path& path, const std::string& wanted, const IndexBox&,
-              const IndexBox& box, bool, std::span<float> values) override {
+              const IndexBox& box, bool, std::span<float> values, double& rounding) override {
     const std::string file = path.string();
     VOLUTE_TRY(checkEnd(path));
     const ErrorWatch watch;
@@ -215,8 +254,7 @@ class VtkReader final : public LatticeReader {
                   "{}: array '{}' does not have a value for each voxel; the file is damaged", file,
                   frame.grid);
     }
-    copyPart(array, part, box, values);
-    return {};
+    return copyPart(array, part, box, values, rounding, file);
   }
 };
 

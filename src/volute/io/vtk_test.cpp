@@ -7,6 +7,7 @@
 #include <array>
 #include <random>
 
+#include "volute/grid/rounding_source.hpp"
 #include "volute/io/sequence_testing.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/io/volume_sink.hpp"
@@ -118,6 +119,26 @@ TEST(Vtk, PointDataAreVoxelCentres) {
   EXPECT_EQ(read.info.bounds.min, Vec3(10.75, -0.5, -0.5));
   EXPECT_EQ(read.info.bounds.max, Vec3(12.25, 1.5, 1.5));
   EXPECT_EQ(read.values[11], 11);
+}
+
+TEST(Vtk, CountsTheRoundingOfDoublesAndLargeIntegers) {
+  const TempFolder folder;
+  const auto roundingOfType = [&](const std::string& type, const std::string& numbers) {
+    writeBytes(folder / "p.vti",
+               asciiFile("",
+                         "<DataArray type=\"" + type + "\" Name=\"t\" format=\"ascii\">" + numbers +
+                             "</DataArray>",
+                         ""));
+    const auto source = openSource(folder / "p.vti", {});
+    EXPECT_TRUE(ok(source));
+    std::vector<float> values(12);
+    EXPECT_TRUE(ok((*source)->readFrame(0, values)));
+    return roundingOf(**source);
+  };
+  EXPECT_NEAR(roundingOfType("Float64", "1000000.01 1 2 3 4 5 6 7 8 9 10 11"), 0.01, 1e-9);
+  EXPECT_EQ(roundingOfType("Int64", "16777217 1 2 3 4 5 6 7 8 9 10 11"), 1);
+  EXPECT_EQ(roundingOfType("UInt8", "255 1 2 3 4 5 6 7 8 9 10 11"), 0);
+  EXPECT_EQ(roundingOfType("Float32", "0.1 1 2 3 4 5 6 7 8 9 10 11"), 0);
 }
 
 TEST(Vtk, CellsAreVoxelsAndArraysAreChosenByName) {

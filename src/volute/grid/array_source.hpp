@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+
+#include "volute/base/number_type.hpp"
+#include "volute/grid/rounding_source.hpp"
+
+namespace volute {
+
+/// Numbers of any type in memory, of shape (t, z, y, x, c) in any order.
+struct NumberArray {
+  const std::byte* data = nullptr;          ///< of (0, 0, 0, 0, 0)
+  NumberType type{};                        ///< aligned anyhow
+  std::array<std::ptrdiff_t, 5> strides{};  ///< from one number to the next on each axis [bytes]
+  std::shared_ptr<const void> owner{};      ///< keeps them alive; may be null
+};
+
+/// C order: c is the fastest.
+std::array<std::ptrdiff_t, 5> denseStrides(const VolumeInfo& info, const NumberType& type);
+
+/// Such numbers as frames, without a copy of them. They must not change while they are read.
+class ArraySource final : public RoundingSource {
+ public:
+  /// @param info  validated
+  ArraySource(VolumeInfo info, NumberArray array)
+      : info_(std::move(info)), array_(std::move(array)) {}
+
+  const VolumeInfo& info() const override { return info_; }
+
+  [[nodiscard]] Status readFrame(int index, std::span<float> values) override {
+    return readLayers(index, 0, info_.z, values);
+  }
+
+  bool readsLayers() const override { return true; }
+
+  /// kInvalidData for finite numbers beyond all floats.
+  [[nodiscard]] Status readLayers(int index, int first, int end, std::span<float> values) override;
+
+  double rounding() const override { return rounding_; }
+
+ private:
+  VolumeInfo info_;
+  NumberArray array_;
+  double rounding_ = 0;
+};
+
+}  // namespace volute
