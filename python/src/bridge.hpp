@@ -7,6 +7,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -17,6 +18,7 @@
 
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
+#include "volute/grid/array_source.hpp"
 
 // What both extension modules need: errors become exceptions, long calls run without the
 // interpreter's lock, report to Python, and stop at Ctrl-C.
@@ -100,7 +102,7 @@ class PythonProgress final : public Progress {
           throw py::error_already_set();
       });
     }
-    return stopped_.has_value();
+    return stopped_.has_value() || endsWithInterpreter();
   }
 
   /// The library is to stop, and Python to see this exception. With the interpreter's lock.
@@ -116,6 +118,8 @@ class PythonProgress final : public Progress {
   }
 
  private:
+  static bool endsWithInterpreter();
+
   using Clock = std::chrono::steady_clock;
 
   static bool due(Clock::time_point& last) {
@@ -145,16 +149,88 @@ class PythonProgress final : public Progress {
   std::optional<py::error_already_set> stopped_;
 };
 
+/// Calls that work without the interpreter's lock. A thread that asks for the lock when the
+/// interpreter has ended is ended where it stands, and with it the program: at the end, calls of
+/// other threads (daemons) are stopped and waited for, and these threads never go on.
+class CallInProgress {
+ public:
+  /// With the interpreter's lock.
+  CallInProgress() {
+    if (ending_ && std::this_thread::get_id() == ender_)
+      throw Failure{Error{ErrorCode::kCancelled, "the interpreter ends"}};
+    if (ending_) {
+      const py::gil_scoped_release release;
+      rest();
+    }
+    ++count_;
+  }
+
+  ~CallInProgress() { --count_; }
+
+  CallInProgress(const CallInProgress&) = delete;
+  CallInProgress& operator=(const CallInProgress&) = delete;
+
+  static bool stops() { return ending_; }
+
+  /// Without the lock, when the call is done.
+  void restAtTheEnd() {
+    if (!ending_)
+      return;
+    --count_;
+    rest();
+  }
+
+  /// Has the interpreter stop all calls when it ends.
+  static void watchEnd() {
+    py::module_::import("atexit").attr("register")(py::cpp_function(endAll));
+    const py::module_ os = py::module_::import("os");
+    if (py::hasattr(os, "register_at_fork"))
+      os.attr("register_at_fork")(py::arg("after_in_child") = py::cpp_function([] { count_ = 0; }));
+  }
+
+ private:
+  static void endAll() {
+    ender_ = std::this_thread::get_id();
+    ending_ = true;
+    const py::gil_scoped_release release;
+    while (count_ > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+
+  [[noreturn]] static void rest() {
+    for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+  }
+
+  static inline std::atomic<int> count_ = 0;
+  static inline std::atomic<bool> ending_ = false;
+  static inline std::thread::id ender_;
+};
+
+inline bool PythonProgress::endsWithInterpreter() {
+  return CallInProgress::stops();
+}
+
+/// call() without the interpreter's lock.
+template <class Call>
+auto unlocked(Call&& call) {
+  CallInProgress here;
+  const py::gil_scoped_release release;
+  auto result = call();
+  here.restAtTheEnd();
+  return result;
+}
+
 /// call(progress), which returns a Result, without the interpreter's lock.
+template <class Call>
+auto run(PythonProgress& progress, Call&& call) {
+  auto result = unlocked([&] { return call(progress); });
+  progress.rethrow();
+  return take(std::move(result));
+}
+
 template <class Call>
 auto run(const py::object& listener, Call&& call) {
   PythonProgress progress(listener);
-  auto result = [&] {
-    const py::gil_scoped_release release;
-    return call(progress);
-  }();
-  progress.rethrow();
-  return take(std::move(result));
+  return run(progress, std::forward<Call>(call));
 }
 
 /// An array that owns what `values` held.
@@ -164,6 +240,54 @@ py::array_t<T> owned(std::vector<T>&& values, std::vector<py::ssize_t> shape) {
   const py::capsule owner(kept,
                           [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); });
   return py::array_t<T>(std::move(shape), kept->data(), owner);
+}
+
+/// An array of NumPy's as it lies in memory, without a copy. Its shape must be (t, z, y, x, c).
+inline NumberArray numbersOf(const py::array& array) {
+  const auto code = array.dtype().attr("str").cast<std::string>();
+  const auto type = numberTypeOf(code);
+  if (!type)
+    throw py::type_error(fmt::format("values of type {}; expected real numbers", code));
+  if (array.ndim() != 5)
+    throw py::value_error(fmt::format("{} axes; expected (t, z, y, x, c)", array.ndim()));
+  NumberArray numbers{static_cast<const std::byte*>(array.data()), *type};
+  for (int axis = 0; axis < 5; ++axis)
+    numbers.strides[static_cast<std::size_t>(axis)] = array.strides(axis);
+  // Whoever lets go of it last may not have the interpreter's lock.
+  numbers.owner = std::shared_ptr<const void>(new py::array(array), [](const void* kept) {
+    const py::gil_scoped_acquire lock;
+    delete static_cast<const py::array*>(kept);
+  });
+  return numbers;
+}
+
+using Shape = std::array<int, 5>;
+using Bounds = std::array<std::array<double, 3>, 2>;
+
+inline Box3 boxOf(const Bounds& bounds) {
+  return {Vec3(bounds[0][0], bounds[0][1], bounds[0][2]),
+          Vec3(bounds[1][0], bounds[1][1], bounds[1][2])};
+}
+
+/// What Python's own part says of a sequence of volumes, in a dict.
+inline VolumeInfo infoOf(const Shape& shape, const py::dict& said) {
+  const auto given = [&](const char* key) { return said.contains(key) && !said[key].is_none(); };
+  VolumeInfo info;
+  std::tie(info.frames, info.z, info.y, info.x, info.channels) = std::tuple_cat(shape);
+  if (given("name") && py::len(said["name"]) > 0)
+    info.name = said["name"].cast<std::string>();
+  if (given("unit"))
+    info.unit = said["unit"].cast<std::string>();
+  if (given("basis"))
+    info.basis = basisNamed(said["basis"].cast<std::string>()).value_or(Basis::kBox);
+  if (given("times"))
+    info.times = said["times"].cast<std::vector<double>>();
+  if (given("frame_numbers"))
+    info.frameNumbers = said["frame_numbers"].cast<std::vector<int>>();
+  info.fillDefaults();
+  if (given("bounds"))
+    info.bounds = boxOf(said["bounds"].cast<Bounds>());
+  return info;
 }
 
 }  // namespace volute::python

@@ -166,11 +166,10 @@ class File {
  public:
   File(const std::filesystem::path& path, bool partial, std::uint64_t maxMemory,
        const std::string& grid)
-      : reader_(take([&] {
-          const py::gil_scoped_release release;
+      : reader_(take(unlocked([&] {
           return VoluteReader::open(path,
                                     {.partial = partial, .maxMemory = maxMemory, .grid = grid});
-        }())) {}
+        }))) {}
 
   py::dict info() const { return describe(reader_.info()); }
 
@@ -252,7 +251,31 @@ class File {
   VoluteReader reader_;
 };
 
-/// Frames that a Python function gives: frame(index) -> array of shape (z, y, x[, c]).
+/// Frames that were rounded before.
+class RoundedFrames final : public RoundingSource {
+ public:
+  RoundedFrames(FrameSource& source, double before) : source_(source), before_(before) {}
+
+  const VolumeInfo& info() const override { return source_.info(); }
+
+  Status readFrame(int index, std::span<float> values) override {
+    return source_.readFrame(index, values);
+  }
+
+  bool readsLayers() const override { return source_.readsLayers(); }
+
+  Status readLayers(int index, int first, int end, std::span<float> values) override {
+    return source_.readLayers(index, first, end, values);
+  }
+
+  double rounding() const override { return roundingOf(source_) + before_; }
+
+ private:
+  FrameSource& source_;
+  double before_;
+};
+
+/// Frames that a Python function gives: frame(index) -> float32 of shape (z, y, x[, c]).
 class PythonFrames final : public FrameSource {
  public:
   PythonFrames(VolumeInfo info, py::function frame, PythonProgress& progress)
@@ -282,39 +305,14 @@ class PythonFrames final : public FrameSource {
   PythonProgress& progress_;
 };
 
-using Shape = std::array<int, 5>;
-using Bounds = std::array<std::array<double, 3>, 2>;
-
-VolumeInfo infoOf(const Shape& shape, const std::optional<Bounds>& bounds,
-                  const std::optional<std::vector<double>>& times,
-                  const std::optional<std::vector<int>>& frameNumbers, const std::string& name,
-                  const std::string& unit, const std::string& basis) {
-  VolumeInfo info;
-  if (!name.empty())
-    info.name = name;
-  info.unit = unit;
-  std::tie(info.frames, info.z, info.y, info.x, info.channels) = std::tuple_cat(shape);
-  info.basis = basisNamed(basis).value_or(Basis::kBox);
-  if (times)
-    info.times = *times;
-  if (frameNumbers)
-    info.frameNumbers = *frameNumbers;
-  info.fillDefaults();
-  if (bounds) {
-    info.bounds = {Vec3((*bounds)[0][0], (*bounds)[0][1], (*bounds)[0][2]),
-                   Vec3((*bounds)[1][0], (*bounds)[1][1], (*bounds)[1][2])};
-  }
-  return info;
-}
-
-py::dict compressFrames(py::function frame, const Shape& shape, const std::filesystem::path& path,
-                        const std::string& target, double value,
-                        const std::optional<Bounds>& bounds,
-                        const std::optional<std::vector<double>>& times,
-                        const std::optional<std::vector<int>>& frameNumbers,
-                        const std::string& name, const std::string& unit, const std::string& basis,
-                        const std::string& wavelet, bool fast, const std::string& provenance,
-                        std::uint64_t maxMemory, const py::object& listener) {
+/// @param frames  an array of shape (t, z, y, x, c), or a function as PythonFrames has it
+/// @param said  of the volume, as infoOf() takes it
+/// @param rounding  of the values of `frames` before they came here
+py::dict compressFrames(const py::object& frames, const Shape& shape,
+                        const std::filesystem::path& path, const std::string& target, double value,
+                        const py::dict& said, double rounding, const std::string& wavelet,
+                        bool fast, const std::string& provenance, std::uint64_t maxMemory,
+                        const py::object& listener) {
   using namespace py::literals;
   using Kind = ErrorTarget::Kind;
   constexpr std::array<std::pair<std::string_view, Kind>, 5> kKinds{
@@ -332,20 +330,44 @@ py::dict compressFrames(py::function frame, const Shape& shape, const std::files
   options.fast = fast;
   options.provenance = provenance;
   options.maxMemory = maxMemory;
-  VolumeInfo info = infoOf(shape, bounds, times, frameNumbers, name, unit, basis);
+  VolumeInfo info = infoOf(shape, said);
   take(info.validate(path.string()));
   PythonProgress progress(listener);
-  PythonFrames frames(std::move(info), std::move(frame), progress);
-  auto result = [&] {
-    const py::gil_scoped_release release;
-    return compress(frames, path, options, progress);
-  }();
-  progress.rethrow();
-  const CompressReport report = take(std::move(result));
+  std::unique_ptr<FrameSource> source;
+  if (py::isinstance<py::array>(frames))
+    source = std::make_unique<ArraySource>(std::move(info), numbersOf(frames));
+  else
+    source = std::make_unique<PythonFrames>(std::move(info), frames, progress);
+  RoundedFrames rounded(*source, rounding);
+  const CompressReport report =
+      run(progress, [&](Progress& heard) { return compress(rounded, path, options, heard); });
   return py::dict("raw_bytes"_a = report.rawBytes, "file_bytes"_a = report.fileBytes,
                   "rms"_a = report.relativeRms, "max_error"_a = report.maxError,
                   "value_range"_a = py::make_tuple(report.valueMin, report.valueMax),
                   "seconds"_a = report.seconds);
+}
+
+/// An array of any real numbers as float32 in C order, and how far these are at most from them.
+py::tuple toFloat32(const py::array& array) {
+  const auto code = array.dtype().attr("str").cast<std::string>();
+  const auto type = numberTypeOf(code);
+  if (!type)
+    throw py::type_error(fmt::format("values of type {}; expected real numbers", code));
+  const py::array dense = py::array::ensure(array, py::array::c_style);
+  py::array_t<float> values(std::vector<py::ssize_t>(dense.shape(), dense.shape() + dense.ndim()));
+  const std::span<float> to(values.mutable_data(), static_cast<std::size_t>(values.size()));
+  const auto* from = static_cast<const std::byte*>(dense.data());
+  double rounding = 0;
+  const auto beyond = unlocked([&] {
+    return toFloats(*type, from, static_cast<std::ptrdiff_t>(type->size()), to, rounding);
+  });
+  if (beyond) {
+    throw Failure{Error{ErrorCode::kInvalidData,
+                        fmt::format("the value {:g} is beyond float32, in which values are kept; "
+                                    "expected at most 3.4e38: scale them",
+                                    *beyond)}};
+  }
+  return py::make_tuple(values, rounding);
 }
 
 /// An FDS case as voxels. One thread at a time reads.
@@ -354,20 +376,17 @@ class Fds {
   Fds(const std::filesystem::path& path, const std::string& quantity, const std::string& source,
       double massExtinction, std::optional<int> mesh, const std::optional<Bounds>& bounds,
       std::uint64_t maxMemory)
-      : volume_(take([&] {
-          const py::gil_scoped_release release;
+      : volume_(take(unlocked([&] {
           FdsVolume::Options options;
           options.read.quantity = quantity;
           options.read.source = source;
           options.read.massExtinction = massExtinction;
           options.read.maxMemory = maxMemory;
           options.mesh = mesh;
-          if (bounds) {
-            options.bounds = {Vec3((*bounds)[0][0], (*bounds)[0][1], (*bounds)[0][2]),
-                              Vec3((*bounds)[1][0], (*bounds)[1][1], (*bounds)[1][2])};
-          }
+          if (bounds)
+            options.bounds = boxOf(*bounds);
           return FdsVolume::open(path, options);
-        }())) {}
+        }))) {}
 
   py::dict info() const { return describe(volume_->info()); }
 
@@ -410,6 +429,7 @@ PYBIND11_MODULE(_core, m) {
   using namespace volute::python;
   using namespace py::literals;
   translateFailures();
+  CallInProgress::watchEnd();
   m.doc() = "What of Volute reads and writes volumes; use the package `volute`.";
   m.attr("version") = VOLUTE_VERSION;
   m.attr("block") = volute::BlockGrid::kSide;
@@ -427,9 +447,20 @@ PYBIND11_MODULE(_core, m) {
       .def("read", &File::read, "t"_a, "z"_a, "y"_a, "x"_a, "levels"_a = 99)
       .def("verify", &File::verify, "listener"_a);
 
-  m.def("compress", &compressFrames, "frame"_a, "shape"_a, "path"_a, "target"_a, "value"_a,
-        "bounds"_a, "times"_a, "frame_numbers"_a, "name"_a, "unit"_a, "basis"_a, "wavelet"_a,
-        "fast"_a, "provenance"_a, "max_memory"_a, "listener"_a);
+  m.def("compress", &compressFrames, "frames"_a, "shape"_a, "path"_a, "target"_a, "value"_a,
+        "said"_a, "rounding"_a, "wavelet"_a, "fast"_a, "provenance"_a, "max_memory"_a,
+        "listener"_a);
+  m.def("to_float32", &toFloat32, "array"_a);
+  m.def(
+      "set_threads",
+      [](int threads) {
+        static std::unique_ptr<volute::ThreadLimit> limit;
+        const int before = volute::threadCount();
+        limit.reset();  // a lower one would hold
+        limit = std::make_unique<volute::ThreadLimit>(threads);
+        return before;
+      },
+      "threads"_a);
 
   py::class_<Fds>(m, "Fds")
       .def(py::init<const std::filesystem::path&, const std::string&, const std::string&, double,

@@ -17,10 +17,12 @@
 #include "volute/capture/geometry_check.hpp"
 #include "volute/capture/open_capture.hpp"
 #include "volute/codec/compress.hpp"
+#include "volute/film/render_request.hpp"
+#include "volute/film/write_film.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/camera_file.hpp"
-#include "volute/scene/picture_camera.hpp"
+#include "volute/media/volume/memory_volumes.hpp"
 #include "volute/scene/scene_renderer.hpp"
 #include "volute/scene/scene_sight.hpp"
 #include "volute/tomography/capture_refinement.hpp"
@@ -67,6 +69,15 @@ SceneOptions sceneOptions(const std::string& members, std::uint64_t maxMemory) {
   return options;
 }
 
+/// (name, array, shape, what is said of it) of each volume in memory.
+using Volumes = std::vector<std::tuple<std::string, py::array, Shape, py::dict>>;
+
+/// The arrays are borrowed, and kept.
+void addVolumes(MemoryVolumes& to, const Volumes& volumes) {
+  for (const auto& [name, array, shape, said] : volumes)
+    take(to.add(name, infoOf(shape, said), numbersOf(array)));
+}
+
 py::array_t<float> arrayOf(Image&& image) {
   std::vector<py::ssize_t> shape{image.height, image.width};
   if (image.channels != 1)
@@ -83,91 +94,164 @@ Image imageOf(const py::array_t<float, py::array::c_style | py::array::forcecast
   return image;
 }
 
+/// What Python's own part asks of a picture.
+RenderRequest requestOf(const py::dict& said) {
+  RenderRequest request;
+  const auto given = [&](const char* key) { return said.contains(key) && !said[key].is_none(); };
+  if (given("target"))
+    request.frames.target = said["target"].cast<std::string>();
+  if (given("time"))
+    request.frames.time = said["time"].cast<double>();
+  if (given("frames")) {
+    const auto frames = said["frames"].cast<std::array<int, 2>>();
+    request.frames.frames = FrameRange{frames[0], frames[1]};
+  }
+  if (given("speed"))
+    request.frames.speed = said["speed"].cast<double>();
+  if (given("orbit"))
+    request.frames.orbit = said["orbit"].cast<double>();
+  if (given("camera"))
+    request.camera = take(parseCamera(jsonOf(said["camera"].cast<std::string>()), {"camera"}));
+  if (given("size")) {
+    const auto size = said["size"].cast<std::array<int, 2>>();
+    constexpr int kLargest = 32768;
+    if (std::ranges::any_of(size, [](int side) { return side < 1 || side > kLargest; })) {
+      throw Failure{Error{ErrorCode::kInvalidArgument,
+                          fmt::format("size: {} x {} pixels; expected 1 to {} on each side",
+                                      size[0], size[1], kLargest)}};
+    }
+    request.size = Pixels{size[0], size[1]};
+  }
+  if (given("background")) {
+    const auto light = said["background"].cast<std::array<double, 3>>();
+    request.background = Rgb(light[0], light[1], light[2]);
+  }
+  const auto choice = [&](const char* key) {
+    return given(key) ? said[key].cast<std::string>() : std::string();
+  };
+  const std::string aov = choice("aov"), tone = choice("tone"), colors = choice("colormap");
+  request.aov = aov == "optical-depth"   ? Aov::kOpticalDepth
+                : aov == "transmittance" ? Aov::kTransmittance
+                                         : Aov::kNone;
+  if (!tone.empty()) {
+    request.tone = tone == "filmic" ? ToneCurve::kFilmic
+                   : tone == "agx"  ? ToneCurve::kAgx
+                                    : ToneCurve::kNone;
+  }
+  if (!colors.empty())
+    request.colors = colors == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;
+  if (given("measured"))
+    request.measured = said["measured"].cast<bool>();
+  if (given("exposure"))
+    request.exposure = said["exposure"].cast<double>();
+  if (given("bloom"))
+    request.bloom = said["bloom"].cast<double>();
+  if (given("samples"))
+    request.samples = said["samples"].cast<int>();
+  if (given("legend"))
+    request.legend = said["legend"].cast<bool>();
+  return request;
+}
+
 /// A scene that is open. Calls from several threads wait for each other.
 class PythonScene {
  public:
-  explicit PythonScene(Scene scene) : scene_(std::move(scene)) {}
+  PythonScene(Scene scene, std::shared_ptr<MemoryVolumes> volumes, std::uint64_t maxMemory)
+      : job_{std::move(scene), Camera::framing({}, 1, 1), {}, std::make_unique<CpuRenderer>()},
+        volumes_(std::move(volumes)),
+        maxMemory_(maxMemory) {}
 
-  std::string json() const { return scene_.json().dump(); }
+  std::string json() const { return job_.scene.json().dump(); }
 
-  std::string path() const { return scene_.path(); }
+  std::string path() const { return job_.scene.path(); }
 
-  py::tuple bounds() const { return boundsTuple(scene_.bounds()); }
+  py::tuple bounds() const { return boundsTuple(job_.scene.bounds()); }
 
-  std::vector<double> times() const { return scene_.times(); }
+  std::vector<double> times() const { return job_.scene.times(); }
 
   std::vector<std::tuple<std::string, std::string, std::string>> media() const {
     std::vector<std::tuple<std::string, std::string, std::string>> result;
-    for (const auto& medium : scene_.media()) {
+    for (const auto& medium : job_.scene.media()) {
       const MediumInfo& info = medium->info();
       result.emplace_back(info.what, info.file, info.size);
     }
     return result;
   }
 
-  void change(const std::string& json, const py::object& listener) {
+  void change(const std::string& json, const Volumes& volumes, const py::object& listener) {
+    MemoryVolumes more;
+    addVolumes(more, volumes);
     run(listener, [&](Progress& progress) {
       const std::lock_guard lock(mutex_);
-      return scene_.change(jsonOf(json), progress);
+      volumes_->add(more);
+      return job_.scene.change(jsonOf(json), progress);
     });
   }
 
-  py::array_t<float> render(double time, const std::string& camera,
-                            std::optional<std::array<int, 2>> size, const std::string& renderer,
-                            const std::string& aov, std::optional<std::array<double, 3>> background,
-                            const py::object& listener) {
+  /// Light, as a .exr has it.
+  py::array_t<float> render(const py::dict& said, bool reference, const py::object& listener) {
+    const RenderRequest request = requestOf(said);
     return arrayOf(run(listener, [&](Progress& progress) -> Result<Image> {
       const std::lock_guard lock(mutex_);
-      std::optional<CameraDescription> asked;
-      if (!camera.empty()) {
-        VOLUTE_ASSIGN(asked, parseCamera(jsonOf(camera), {"camera"}));
-      }
-      std::optional<Pixels> pixels;
-      if (size) {
-        VOLUTE_ASSIGN(pixels, pixelsOf(*size));
-      }
-      VOLUTE_ASSIGN(const auto from, pictureCamera(scene_, std::move(asked), pixels));
-      RenderOptions options;
-      options.background = scene_.description().background;
-      if (background)
-        options.background = Rgb((*background)[0], (*background)[1], (*background)[2]);
-      options.aov = aov == "optical-depth"   ? Aov::kOpticalDepth
-                    : aov == "transmittance" ? Aov::kTransmittance
-                                             : Aov::kNone;
-      VOLUTE_ASSIGN(Snapshot snapshot, scene_.at({.time = time}, progress));
-      snapshot.background = options.background;
-      auto& with = renderer == "reference" ? reference_ : cpu_;
-      return with.render(snapshot, from.camera, options, progress);
+      if (reference)
+        std::swap(job_.renderer, reference_);
+      auto image = [&]() -> Result<Image> {
+        VOLUTE_TRY(prepare(job_, request, maxMemory_, progress));
+        VOLUTE_ASSIGN(const auto development, developmentOf(request, job_));
+        return linearPicture(job_, development, progress);
+      }();
+      if (reference)
+        std::swap(job_.renderer, reference_);
+      return image;
     }));
   }
 
- private:
-  static Result<Pixels> pixelsOf(const std::array<int, 2>& size) {
-    constexpr int kLargest = 32768;
-    const Pixels pixels{size[0], size[1]};
-    if (pixels.width < 1 || pixels.height < 1 || pixels.width > kLargest ||
-        pixels.height > kLargest) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "size: {} x {} pixels; expected 1 to {} on each side", pixels.width,
-                  pixels.height, kLargest);
-    }
-    return pixels;
+  /// Bytes, as a .png has them.
+  py::array_t<std::uint8_t> picture(const py::dict& said, const py::object& listener) {
+    const RenderRequest request = requestOf(said);
+    const Image image = run(listener, [&](Progress& progress) -> Result<Image> {
+      const std::lock_guard lock(mutex_);
+      VOLUTE_TRY(prepare(job_, request, maxMemory_, progress));
+      VOLUTE_ASSIGN(auto development, developmentOf(request, job_));
+      return visiblePicture(job_, development, progress);
+    });
+    std::vector<py::ssize_t> shape{image.height, image.width};
+    if (image.channels != 1)
+      shape.push_back(image.channels);
+    return owned(toSrgb8(image), std::move(shape));
   }
 
-  Scene scene_;
-  CpuRenderer cpu_;
-  CpuRenderer reference_{Renderer::kReference};
+  void film(const py::dict& said, const py::object& listener) {
+    const RenderRequest request = requestOf(said);
+    run(listener, [&](Progress& progress) -> Status {
+      const std::lock_guard lock(mutex_);
+      VOLUTE_TRY(prepare(job_, request, maxMemory_, progress));
+      VOLUTE_ASSIGN(auto development, developmentOf(request, job_));
+      Team alone;
+      return writeFilm(job_, request.frames.target, development, maxMemory_, progress, alone);
+    });
+  }
+
+ private:
+  FilmJob job_;
+  std::unique_ptr<SceneRenderer> reference_ = std::make_unique<CpuRenderer>(Renderer::kReference);
+  std::shared_ptr<MemoryVolumes> volumes_;  // that job_.scene finds by name
+  std::uint64_t maxMemory_;
   std::mutex mutex_;
 };
 
 /// As scenes and their files are opened by the command: one that sees.
 class Sight {
  public:
-  Sight(std::string path, std::string members, std::uint64_t maxMemory)
+  Sight(std::string path, std::string members, const Volumes& volumes, std::uint64_t maxMemory)
       : path_(std::move(path)), options_(sceneOptions(members, maxMemory)) {
-    const py::gil_scoped_release release;
-    const std::lock_guard lock(mutex_);
-    take(open());
+    const auto own = std::make_shared<MemoryVolumes>();
+    addVolumes(*own, volumes);
+    options_.files.volumes = own;
+    take(unlocked([&] {
+      const std::lock_guard lock(mutex_);
+      return open();
+    }));
   }
 
   std::vector<double> times() const { return times_; }
@@ -294,10 +378,14 @@ class Engine {
  public:
   using Ids = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 
-  Engine(const std::string& path, const std::string& members, const std::string& signsFile,
-         const std::string& criteriaFile, std::uint64_t maxMemory, const py::object& listener) {
+  Engine(const std::string& path, const std::string& members, const Volumes& volumes,
+         const std::string& signsFile, const std::string& criteriaFile, std::uint64_t maxMemory,
+         const py::object& listener) {
+    SceneOptions options = sceneOptions(members, maxMemory);
+    const auto own = std::make_shared<MemoryVolumes>();
+    addVolumes(*own, volumes);
+    options.files.volumes = own;
     run(listener, [&](Progress& progress) -> Status {
-      const SceneOptions options = sceneOptions(members, maxMemory);
       VOLUTE_ASSIGN(const auto signs, readSigns(signsFile));
       VOLUTE_ASSIGN(const auto criteria, criteriaOf(criteriaFile.empty() ? "usual" : criteriaFile));
       VOLUTE_ASSIGN(auto field, openSight(path, options, progress));
@@ -542,6 +630,7 @@ PYBIND11_MODULE(_scene, m) {
   using namespace volute;
   using namespace py::literals;
   translateFailures();
+  CallInProgress::watchEnd();
   m.doc() = "What of Volute shows and looks through scenes; use the package `volute`.";
   PYBIND11_NUMPY_DTYPE(volute::python::Sight::LineSight, depth, low, high, covered, blocked);
   PYBIND11_NUMPY_DTYPE(volute::python::Sight::SignSight, distance, angle, depth, low, high,
@@ -550,34 +639,47 @@ PYBIND11_MODULE(_scene, m) {
   py::class_<PythonScene>(m, "Scene")
       .def_static(
           "open",
-          [](const std::string& path, const std::string& members, std::uint64_t maxMemory,
-             const py::object& listener) {
-            return std::make_unique<PythonScene>(run(listener, [&](Progress& progress) {
-              return Scene::open(path, sceneOptions(members, maxMemory), progress);
-            }));
+          [](const std::string& path, const std::string& members, const Volumes& volumes,
+             bool measured, std::uint64_t maxMemory, const py::object& listener) {
+            const auto own = std::make_shared<MemoryVolumes>();
+            addVolumes(*own, volumes);
+            Scene scene = run(listener, [&](Progress& progress) {
+              SceneOptions options = sceneOptions(members, maxMemory);
+              options.files.volumes = own;
+              addUsualMembers(path, {.measured = measured}, options);
+              return Scene::open(path, options, progress);
+            });
+            return std::make_unique<PythonScene>(std::move(scene), own, maxMemory);
           },
-          "path"_a, "members"_a, "max_memory"_a, "listener"_a)
+          "path"_a, "members"_a, "volumes"_a, "measured"_a, "max_memory"_a, "listener"_a)
       .def_static(
           "make",
-          [](const std::string& json, const std::string& file, std::uint64_t maxMemory,
-             const py::object& listener) {
-            return std::make_unique<PythonScene>(run(listener, [&](Progress& progress) {
-              return Scene::make(jsonOf(json), file, sceneOptions("{}", maxMemory), progress);
-            }));
+          [](const std::string& json, const std::string& file, const Volumes& volumes,
+             bool measured, std::uint64_t maxMemory, const py::object& listener) {
+            const auto own = std::make_shared<MemoryVolumes>();
+            addVolumes(*own, volumes);
+            Scene scene = run(listener, [&](Progress& progress) {
+              SceneOptions options = sceneOptions("{}", maxMemory);
+              options.files.volumes = own;
+              options.files.measured = measured;
+              return Scene::make(jsonOf(json), file, options, progress);
+            });
+            return std::make_unique<PythonScene>(std::move(scene), own, maxMemory);
           },
-          "json"_a, "file"_a, "max_memory"_a, "listener"_a)
+          "json"_a, "file"_a, "volumes"_a, "measured"_a, "max_memory"_a, "listener"_a)
       .def_property_readonly("json", &PythonScene::json)
       .def_property_readonly("path", &PythonScene::path)
       .def_property_readonly("bounds", &PythonScene::bounds)
       .def_property_readonly("times", &PythonScene::times)
       .def_property_readonly("media", &PythonScene::media)
-      .def("change", &PythonScene::change, "json"_a, "listener"_a)
-      .def("render", &PythonScene::render, "time"_a, "camera"_a, "size"_a, "renderer"_a, "aov"_a,
-           "background"_a, "listener"_a);
+      .def("change", &PythonScene::change, "json"_a, "volumes"_a, "listener"_a)
+      .def("render", &PythonScene::render, "said"_a, "reference"_a, "listener"_a)
+      .def("picture", &PythonScene::picture, "said"_a, "listener"_a)
+      .def("film", &PythonScene::film, "said"_a, "listener"_a);
 
   py::class_<volute::python::Sight>(m, "Sight")
-      .def(py::init<std::string, std::string, std::uint64_t>(), "path"_a, "members"_a,
-           "max_memory"_a)
+      .def(py::init<std::string, std::string, const Volumes&, std::uint64_t>(), "path"_a,
+           "members"_a, "volumes"_a, "max_memory"_a)
       .def_property_readonly("times", &volute::python::Sight::times)
       .def_property_readonly("bounds", &volute::python::Sight::bounds)
       .def_property_readonly("description", &volute::python::Sight::description)
@@ -588,9 +690,10 @@ PYBIND11_MODULE(_scene, m) {
       .def("sign_names", &volute::python::Sight::signNames, "file"_a);
 
   py::class_<Engine>(m, "Engine")
-      .def(py::init<const std::string&, const std::string&, const std::string&, const std::string&,
-                    std::uint64_t, const py::object&>(),
-           "path"_a, "members"_a, "signs_file"_a, "criteria_file"_a, "max_memory"_a, "listener"_a)
+      .def(py::init<const std::string&, const std::string&, const Volumes&, const std::string&,
+                    const std::string&, std::uint64_t, const py::object&>(),
+           "path"_a, "members"_a, "volumes"_a, "signs_file"_a, "criteria_file"_a, "max_memory"_a,
+           "listener"_a)
       .def_property_readonly("times", &Engine::times)
       .def_property_readonly("signs", &Engine::signs)
       .def_property_readonly("sign_places", &Engine::signPlaces)

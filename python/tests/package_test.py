@@ -181,6 +181,210 @@ class Package(unittest.TestCase):
                 volute.compress(frames, self.path / "py.volute", psnr=50, provenance=name)
                 self.assertEqual((self.path / "py.volute").read_bytes(), (self.path / "cli.volute").read_bytes(), name)
 
+    def test_every_type_and_layout_gives_the_same_file(self):
+        whole = np.round(100 * self.values[:3])
+        volute.compress(whole, self.path / "expected.volute", rms=1e-3)
+        expected = (self.path / "expected.volute").read_bytes()
+        gaps = np.zeros((3, 24, 40, 18), np.int16)
+        gaps[:, :, ::2] = whole
+        unaligned = np.frombuffer(b"x" + whole.astype("<f8").tobytes(), np.uint8)[1:].view("<f8").reshape(whole.shape)
+        self.assertFalse(unaligned.flags.aligned)
+        layouts = [np.asfortranarray(whole), whole[:, ::-1].copy()[:, ::-1], np.moveaxis(np.moveaxis(whole, 0, 2).copy(), 2, 0), gaps[:, :, ::2], unaligned,
+                   np.ma.masked_array(whole), memoryview(np.ascontiguousarray(whole)), whole.astype(np.longdouble), list(whole)]
+        for given in [whole.astype(code) for code in ("u1", "i1", ">i2", "<u4", ">i8", "u8", "f2", ">f4", "<f8", ">f8")] + layouts:
+            volute.compress(given, self.path / "other.volute", rms=1e-3)
+            self.assertEqual((self.path / "other.volute").read_bytes(), expected, getattr(given, "dtype", type(given)))
+        flags = whole > 50
+        volute.compress(flags, self.path / "flags.volute", max_error=0.1)
+        np.testing.assert_allclose(np.asarray(volute.open(self.path / "flags.volute")), flags, atol=0.1)
+
+    def test_numpys_files_are_the_same_for_the_command(self):
+        whole = np.round(100 * self.values[:3])
+        for code in ("|u1", ">i2", "<i8", ">f4", "<f8"):
+            for order in "CF":
+                array = np.array(whole, code, order=order)
+                np.save(self.path / "a.npy", array)
+                np.savez(self.path / "b.npz", array)
+                np.savez_compressed(self.path / "c.npz", times=np.arange(3.0), heat=array)
+                volute.compress(array, self.path / "py.volute", rms=1e-3, provenance="a")
+                for name in ("a.npy", "b.npz", "c.npz"):
+                    subprocess.run([COMMAND, "compress", self.path / name, "-o", self.path / "cli.volute", "--rms", "1e-3", "--quiet"], check=True,
+                                   stdout=subprocess.DEVNULL)
+                    mine, its = volute.open(self.path / "py.volute"), volute.open(self.path / "cli.volute")
+                    np.testing.assert_array_equal(np.asarray(mine), np.asarray(its))
+                    self.assertEqual((its.max_error, its.name), (mine.max_error, "heat" if name == "c.npz" else "density"))
+
+    def test_the_stated_error_holds_for_doubles_or_they_are_refused(self):
+        rng = np.random.default_rng(1)
+        for scale in (1.0, 1e3, 1e5, 1e6, 1e9):
+            doubles = scale + rng.random((2, 12, 12, 12))
+            np.save(self.path / "doubles.npy", doubles)
+            for target, value in (("max_error", 1e-3), ("rms", 3e-3), ("ratio", 3)):
+                file = self.path / "doubles.volute"
+                command = subprocess.run([COMMAND, "compress", self.path / "doubles.npy", "-o", self.path / "cli.volute", f"--{target.replace('_', '-')}",
+                                          str(value), "--quiet"], capture_output=True, text=True)
+                try:
+                    report = volute.compress(doubles, file, provenance="doubles.npy", **{target: value})
+                except volute.Unsupported as error:
+                    self.assertGreater(scale, 1e3)
+                    self.assertRegex(str(error), "up to .* from the nearest float32|rounding of float32")
+                    self.assertEqual(command.returncode, 1)
+                    continue
+                self.assertEqual(command.returncode, 0, command.stderr)
+                for made in (file, self.path / "cli.volute"):
+                    v = volute.open(made)
+                    error = abs(np.asarray(v, np.float64) - doubles)
+                    self.assertLessEqual(error.max(), v.max_error)
+                    self.assertLessEqual(np.sqrt((error ** 2).mean()) / np.ptp(doubles), v.rms * (1 + 1e-9))
+                    self.assertEqual((v.max_error, v.rms), (report.max_error, report.rms))
+                    if target == "max_error":
+                        self.assertLessEqual(v.max_error, value)
+        # The largest error that is possible is named, and can be asked for.
+        million = 1e6 + rng.random((2, 12, 12, 12))
+        with self.assertRaises(volute.Unsupported) as raised:
+            volute.compress(million, self.path / "doubles.volute", max_error=1e-3)
+        possible = float(re.search(r"ask for max-error = ([0-9.e-]+)", str(raised.exception))[1])
+        self.assertLessEqual(volute.compress(million, self.path / "doubles.volute", max_error=possible).max_error, possible)
+        with self.assertRaisesRegex(volute.InvalidData, "1e.300 is beyond float32"):
+            volute.compress(np.full((1, 2, 2, 2), 1e300), self.path / "doubles.volute")
+
+    def test_masked_values_never_become_data(self):
+        mask = self.values[:3] > 0.5
+        masked = np.ma.masked_array(np.where(mask, 1e20, self.values[:3]).astype(np.float32), mask=mask)
+
+        class Wrapper:  # as netCDF libraries give arrays
+            shape = masked.shape
+
+            def __getitem__(self, key):
+                return masked[key]
+        for given in (masked, masked[1], iter(masked), Wrapper()):
+            with self.assertRaisesRegex(ValueError, r"\d+ of \d+ values are masked.*array.filled\(0\)"):
+                volute.compress(given, self.path / "masked.volute")
+            self.assertFalse((self.path / "masked.volute").exists())
+        filled = volute.compress(masked.filled(0), self.path / "filled.volute", rms=3e-3).open()
+        self.assertLess(abs(np.asarray(filled) - masked.filled(0)).max(), 0.5)
+        scene = {"format": "volute-scene-1", "media": [{"kind": "volume", "file": masked}]}
+        for call in (lambda: volute.Scene(masked), lambda: volute.Scene(scene), lambda: volute.write_image("a.png", masked[0, 0]),
+                     lambda: volute.Sight(self.file).look(np.ma.masked_array([[1, 1, 1.0]], [[0, 0, 1]]), [2, 1, 1])):
+            with self.assertRaisesRegex(ValueError, "masked"):
+                call()
+
+    def test_labels_of_an_array(self):
+        class Coordinate:
+            def __init__(self, values, units=""):
+                self.values, self.attrs = np.asarray(values), {"units": units}
+
+        class Labelled:  # what of an xarray.DataArray is used
+            def __init__(self, data, dims, coords, name=None, units=None):
+                self.data, self.dims, self.coords, self.name = data, dims, coords, name
+                self.attrs = {"units": units} if units else {}
+
+            def transpose(self, *dims):
+                return Labelled(self.data.transpose([self.dims.index(one) for one in dims]), dims, self.coords)
+        values = self.values[:3]
+        x, y, z = (np.arange(18) + 0.5) * 0.1, (np.arange(20) + 0.5) * 0.1, (np.arange(24) + 0.5) * 0.1 + 5
+        coords = {"x": Coordinate(x), "y": Coordinate(y), "z": Coordinate(z), "time": Coordinate([1.0, 2.0, 4.0], "s")}
+        plain = volute.compress(values, self.path / "plain.volute", bounds=((0, 0, 5), (1.8, 2, 7.4)), times=[1, 2, 4], name="soot", unit="g/m3")
+        backwards = {**coords, "z": Coordinate(z[::-1] * 100, "cm"),
+                     "time": Coordinate(np.datetime64("2026-01-01") + np.array([1, 2, 4]) * np.timedelta64(1, "s"))}
+        for array in (Labelled(values.transpose(3, 0, 2, 1), ("x", "time", "y", "z"), coords, "soot", "g/m3"),
+                      Labelled(values[:, ::-1], ("time", "z", "y", "x"), backwards, "soot", "g/m3")):
+            labelled = volute.compress(array, self.path / "labelled.volute").open()
+            np.testing.assert_array_equal(np.asarray(labelled), np.asarray(plain.open()))
+            np.testing.assert_allclose(labelled.bounds, plain.open().bounds)
+            self.assertEqual((labelled.name, labelled.unit), ("soot", "g/m3"))
+            np.testing.assert_allclose(np.diff(labelled.times), [1, 2])
+        one = volute.compress(Labelled(values[1], ("z", "y", "x"), {**coords, "time": Coordinate(2.0)}), self.path / "labelled.volute").open()
+        self.assertEqual(list(one.times), [2])
+        for dims, more, said in [(("time", "lev", "y", "x"), {}, "rename them"), (("time", "y", "z", "x"), {"z": Coordinate(z[:20] ** 2)}, "not evenly spaced"),
+                                 (("time", "z", "y", "x"), {"x": Coordinate(x, "degrees_east")}, "expected metres, or give bounds"),
+                                 (("time", "z", "y", "x"), {"time": Coordinate([1, 2, 3], "weeks")}, "expected seconds, or give times")]:
+            with self.assertRaisesRegex(ValueError, said):
+                volute.compress(Labelled(values, dims, {**coords, **more}), self.path / "labelled.volute")
+        given = volute.compress(Labelled(values, ("time", "z", "y", "x"), {"x": Coordinate(x, "degrees_east")}), self.path / "labelled.volute",
+                                bounds=((0, 0, 0), (1, 1, 1))).open()
+        self.assertEqual(given.bounds, ((0, 0, 0), (1, 1, 1)))
+
+    def test_lazy_arrays_are_computed_once(self):
+        values = self.values
+
+        class Lazy:
+            def __init__(self, chunks=None):
+                self.shape, self.asked = values.shape, []
+                if chunks:
+                    self.chunks = chunks
+
+            def __getitem__(self, key):
+                self.asked += list(range(20))[key] if isinstance(key, slice) else [key]
+                return values[key]
+        volute.compress(values, self.path / "expected.volute", rms=1e-3)
+        for lazy in (Lazy(), Lazy(chunks=((7, 7, 6), (24,), (20,), (18,))), Lazy(chunks=(8, 24, 20, 18))):
+            with self.assertLogs("volute", "INFO") as log:
+                volute.compress(lazy, self.path / "lazy.volute", rms=1e-3)
+            self.assertEqual(lazy.asked, list(range(20)))
+            self.assertIn("frames are kept in a file without a name", log.output[0])
+            self.assertEqual((self.path / "lazy.volute").read_bytes(), (self.path / "expected.volute").read_bytes())
+
+    def test_what_is_no_number_or_array(self):
+        for options, said in [({"size": "500K"}, "size='500K': expected a number of bytes"), ({"rms": None, "psnr": [1]}, "psnr=.*expected a number"),
+                              ({"max_memory": "4G"}, "max_memory='4G': expected a number")]:
+            with self.assertRaisesRegex(TypeError, said):
+                volute.compress(self.values, self.path / "refused.volute", **options)
+        for values, said in [(5, "5: expected an array"), (self.values.astype(complex), "magnitude"), (self.values.astype(object), "astype"),
+                             (self.values.astype("M8[s]"), "real numbers")]:
+            with self.assertRaisesRegex(TypeError, said):
+                volute.compress(values, self.path / "refused.volute")
+        with self.assertRaisesRegex(ValueError, "bounds=.*expected"):
+            volute.compress(self.values, self.path / "refused.volute", bounds=(1, 2))
+        with self.assertRaisesRegex(ValueError, "none of them empty"):
+            volute.compress(np.zeros((2, 0, 3, 4)), self.path / "refused.volute")
+        report = volute.compress(self.values, self.path / "numbers.volute", size=np.float32(30000), max_memory=np.int64(1 << 30))
+        self.assertLessEqual(report.file_bytes, 30000)
+
+    def test_files_can_be_closed_and_sent(self):
+        with volute.open(self.file) as v:
+            first = v[0]
+        np.testing.assert_array_equal(first, self.decoded[0])
+        with self.assertRaisesRegex(ValueError, "puff.volute is closed"):
+            v[1]
+        v.close()
+        cut = self.path / "cut_to_two_thirds.volute"
+        data = pathlib.Path(self.file).read_bytes()
+        cut.write_bytes(data[:2 * len(data) // 3])
+        partial = volute.open(cut, partial=True, max_memory=1 << 28, cache=0)
+        copy = pickle.loads(pickle.dumps(partial))
+        np.testing.assert_array_equal(copy[3], partial[3])
+        self.assertEqual(copy._options, {"partial": True, "max_memory": 1 << 28, "cache": 0})
+        with volute.Scene(self.file, emission=1.0) as scene:
+            scene.render(size=(8, 6))
+        for call in (scene.render, scene.picture, lambda: scene.times):
+            with self.assertRaisesRegex(ValueError, "closed"):
+                call()
+
+    def test_threads_can_be_limited(self):
+        all_of_them = volute.set_threads(1)
+        self.assertEqual(volute.set_threads(), 1)
+        self.assertEqual(volute.set_threads(0), all_of_them)
+        with self.assertRaisesRegex(ValueError, "0 or more"):
+            volute.set_threads(-1)
+
+    def test_the_interpreter_ends_while_threads_work(self):
+        program = """
+import threading, time, sys
+import numpy as np, volute
+values = np.random.default_rng(1).random((32, 48, 48, 48), np.float32)
+def work(i):
+    while True:
+        volute.compress(values, f"{sys.argv[1]}/end{i}.volute", rms=1e-4)
+for i in range(2):
+    threading.Thread(target=work, args=(i,), daemon=True).start()
+time.sleep(float(sys.argv[2]))
+"""
+        for wait in ("0", "0.1", "0.3", "0.6", "0.9"):
+            ended = subprocess.run([sys.executable, "-c", program, self.path, wait], capture_output=True, text=True, timeout=60)
+            self.assertEqual((ended.returncode, ended.stderr), (0, ""))
+        self.assertEqual([name for name in os.listdir(self.path) if name.startswith("end")], [])
+
     def test_compressing_a_file_again_keeps_what_it_says(self):
         again = volute.compress(volute.open(self.file), self.path / "again.volute", ratio=200).open()
         first = volute.open(self.file)
@@ -345,6 +549,96 @@ class Package(unittest.TestCase):
         volute.write_image(self.path / "white.png", white)
         np.testing.assert_array_equal(volute.read_image(self.path / "white.png"), white)
         self.assertEqual(volute.to_srgb([0.0, 0.5, 9.0]).tolist(), [0, 188, 255])
+
+    def command(self, *arguments):
+        subprocess.run([COMMAND, *map(str, arguments), "--quiet"], check=True, stdout=subprocess.DEVNULL)
+
+    def png(self, file):
+        """The bytes of a .png's pixels."""
+        return volute.to_srgb(volute.read_image(file))
+
+    def test_a_picture_of_values_is_that_of_the_command(self):
+        np.save(self.path / "values.npy", self.values)
+        view = ["--size", "60x48", "--renderer", "cpu"]
+        self.command("render", self.path / "values.npy", "-o", self.path / "values.png", *view)
+        self.command("render", self.path / "values.npy", "-o", self.path / "values.exr", *view, "--time", "0.2")
+        self.command("render", self.path / "values.npy", "-o", self.path / "shown.png", *view, "--emission", "0.4", "--exposure", "2", "--tone", "agx",
+                     "--samples", "4", "--bloom", "0.1", "--time", "0.2", "--background", "0.1,0.2,0.3")
+        for source in (self.values, self.path / "values.npy", self.values.astype(np.float64), np.asfortranarray(self.values), list(self.values)):
+            picture = volute.picture(source, size=(60, 48))
+            self.assertEqual((picture.shape, picture.dtype), ((48, 60, 3), np.uint8))
+            np.testing.assert_array_equal(picture, self.png(self.path / "values.png"))
+            np.testing.assert_array_equal(volute.render(source, 0.2, size=(60, 48), measured=False), volute.read_image(self.path / "values.exr"))
+            shown = volute.picture(source, 0.2, size=(60, 48), exposure=2, tone="agx", samples=4, bloom=0.1, background=np.float32([0.1, 0.2, 0.3]),
+                                   emission=np.float64(0.4))
+            np.testing.assert_array_equal(shown, self.png(self.path / "shown.png"))
+        self.command("render", self.file, "-o", self.path / "puff.png", *view, "--colormap", "inferno")
+        for source in (self.file, volute.open(self.file)):
+            np.testing.assert_array_equal(volute.picture(source, size=(60, 48), colormap="inferno"), self.png(self.path / "puff.png"))
+
+    def test_values_are_a_medium(self):
+        bounds = ((0, 0, 0), (1.8, 2, 2.4))
+        times = np.arange(20) * 0.5
+        camera = {"eye": np.array([-3, 1, 1.2]), "target": np.float32([1, 1, 1.2]), "ortho": np.float64(2.4)}
+        np.save(self.path / "decoded.npy", self.decoded)
+        scene = volute.Scene(self.decoded, bounds=bounds, times=times, extinction=np.float32(1))
+        self.assertEqual(scene.bounds, bounds)
+        np.testing.assert_array_equal(scene.times, times)
+        depth = scene.render(3.0, camera=camera, size=(40, 48), aov="optical-depth")
+        np.testing.assert_allclose(depth[1::2, 1::2][::-1, ::-1], 0.1 * self.decoded[6].sum(axis=2), atol=1e-4)
+        sight = volute.Sight(self.decoded, bounds=bounds, times=times, extinction=1.0)
+        np.testing.assert_array_equal(sight.look([-1, 1, 1.2], [3, 1, 1.2], time=6), volute.Sight(self.file, extinction=1.0).look([-1, 1, 1.2], [3, 1, 1.2], time=6))
+        # Beside a file, in one scene; what is given again is read again.
+        values = self.decoded.copy()
+        said = {"format": "volute-scene-1", "camera": camera, "media": [
+            {"kind": "volume", "file": values, "bounds": bounds, "times": times, "extinction": 1.0},
+            {"kind": "volume", "file": self.file, "extinction": 1.0}]}
+        both = volute.Scene(said)
+        np.testing.assert_allclose(both.render(3.0, size=(40, 48), aov="optical-depth"), 2 * depth, rtol=1e-4, atol=1e-4)
+        values *= 3
+        both.change(said)
+        np.testing.assert_allclose(both.render(3.0, size=(40, 48), aov="optical-depth"), 4 * depth, rtol=1e-4, atol=1e-4)
+        with self.assertRaisesRegex(ValueError, "expected \\(z, y, x\\)"):
+            volute.Scene(np.zeros((3, 4)))
+        with self.assertRaisesRegex(ValueError, "not finite"):
+            volute.Scene(self.decoded, extinction=np.nan)
+        with self.assertRaisesRegex(TypeError, "Ellipsis"):
+            volute.Scene(self.decoded, extinction=...)
+        self.assertIn(b"PNG", scene._repr_png_()[:8])
+
+    def test_arrays_are_not_copied_for_a_picture(self):
+        program = """
+import resource, sys
+import numpy as np, volute
+values = np.zeros((40, 64, 64, 64), np.float32)
+values[:, 20:40, 20:40, 20:40] = 1
+volute.picture(values[:1], size=(40, 30), emission=1.0)
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+scene = volute.Scene(values, emission=1.0)
+for time in range(3):
+    scene.picture(time / 25, size=(40, 30))
+print(1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before), values.nbytes)
+"""
+        more, own = map(int, subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split())
+        self.assertLess(more, 0.5 * own)
+
+    def test_films(self):
+        try:
+            volute.film(self.file, self.path / "puff.mp4", size=(64, 48), frames=(0, 4), emission=1.0)
+        except volute.Unsupported as error:
+            self.skipTest(str(error))
+        self.assertIn(b"ftyp", (self.path / "puff.mp4").read_bytes()[:12])
+        volute.film(self.values, self.path / "puff_%04d.png", size=(60, 48), frames=(2, 4), emission=1.0)
+        np.save(self.path / "values.npy", self.values)
+        self.command("render", self.path / "values.npy", "-o", self.path / "cli_%04d.png", "--size", "60x48", "--renderer", "cpu", "--frames", "2:4", "--emission", "1")
+        for number in ("0002", "0003"):
+            np.testing.assert_array_equal(self.png(self.path / f"puff_{number}.png"), self.png(self.path / f"cli_{number}.png"))
+
+        def stop(stage, done, total):
+            raise RuntimeError("that will do")
+        with self.assertRaisesRegex(RuntimeError, "that will do"):
+            volute.film(self.file, self.path / "stopped.mp4", size=(64, 48), emission=1.0, progress=stop)
+        self.assertFalse((self.path / "stopped.mp4").exists())
 
     def test_scenes_from_dicts(self):
         said = {"format": "volute-scene-1", "camera": {"eye": [-3, 1, 1.2], "target": [1, 1, 1.2], "fov": 40},
@@ -532,7 +826,7 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
 
     def test_code_on_the_page(self):
         blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "docs/python.md").read_text(), re.S | re.M)
-        self.assertEqual(len(blocks), 6)
+        self.assertEqual(len(blocks), 7)
         folder = self.path / "page"
         folder.mkdir()
         np.save(folder / "frames.npy", puff(24, 20, 20, 20))
@@ -540,7 +834,7 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         self.assertEqual(said.returncode, 0, said.stderr)
         self.assertIn("(24, 20, 20, 20)", said.stdout)
         self.assertIn("(24, 1, 2)", said.stdout)
-        self.assertTrue((folder / "smoke.png").exists())
+        self.assertTrue((folder / "smoke.exr").exists())
 
     def test_the_module_is_the_command(self):
         said = subprocess.run([sys.executable, "-m", "volute", "--version"], capture_output=True, text=True, check=True)

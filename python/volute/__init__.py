@@ -6,7 +6,9 @@
     v = volute.open("fire.volute")                       # a lazy array (t, z, y, x[, 3])
     v[10, 32], v.times, v.bounds                         # decodes only the blocks needed
     volute.compress(array, "smoke.volute", rms=3e-3)     # array (t, z, y, x[, 3]), or an iterator of frames
-    volute.render("scene.json", time=0.8)                # linear RGB (height, width, 3)
+    volute.picture(array, emission=2.0)                  # bytes (height, width, 3) of a file, a scene or an array, as the command draws it
+    volute.film("smoke.volute", "smoke.mp4")
+    volute.render("scene.json", time=0.8)                # linear RGB (height, width, 3), for measurements
     volute.visibility("case.smv", signs, eyes).lost()    # [s] until each sign is lost
     volute.Engine("case.smv", signs).sees(eyes, time)    # asked by a program that moves people, as is .dose(ids, eyes, time)
     volute.reconstruct("capture.json").values            # radiance per metre from pictures
@@ -21,13 +23,22 @@ from ._compress import Compressed, compress
 from ._errors import (Cancelled, Error, InvalidArgument, InvalidData, IoError, NotFound, TooLarge, Truncated,
                       Unsupported)
 from ._volume import Frames, Volume, open
-from ._scene_api import (Engine, Reconstruction, Scene, Sight, Survey, Trajectories, read_image, reconstruct, render, to_srgb, visibility,
-                         write_image)
+from ._scene_api import (Engine, Reconstruction, Scene, Sight, Survey, Trajectories, film, picture, read_image, reconstruct, render, to_srgb,
+                         visibility, write_image)
 
 __version__ = _core.version
 __all__ = ["Cancelled", "Compressed", "Engine", "Error", "Frames", "InvalidArgument", "InvalidData", "IoError", "NotFound", "Reconstruction",
-           "Scene", "Sight", "Survey", "TooLarge", "Trajectories", "Truncated", "Unsupported", "Volume", "compress", "fds", "open", "read_image",
-           "reconstruct", "render", "to_srgb", "visibility", "write_image"]
+           "Scene", "Sight", "Survey", "TooLarge", "Trajectories", "Truncated", "Unsupported", "Volume", "compress", "fds", "film", "open",
+           "picture", "read_image", "reconstruct", "render", "set_threads", "to_srgb", "visibility", "write_image"]
+
+
+def set_threads(count=0):
+    """Limits the threads of all calls from now on, 0: as many as the machine has; returns how many there were."""
+    from ._arrays import whole
+    count = whole("count", count)
+    if count < 0:
+        raise ValueError(f"count={count}: expected 0 or more")
+    return _core.set_threads(count)
 
 
 def _find_plugins():

@@ -10,8 +10,12 @@ import tempfile
 
 import numpy as np
 
+from ._arrays import corners, number, plain, unmasked, volume, whole
 from ._progress import Listener
-from ._volume import _png, open as _open
+from ._volume import Frames, _png, open as _open
+
+#: what a call says of a volume in memory, and not of its appearance
+_OF_VALUES = ("bounds", "times", "frame_numbers", "name", "unit")
 
 
 def _part():
@@ -23,33 +27,156 @@ def _part():
     return _scene
 
 
+def _text(said):
+    """JSON. NumPy's numbers and arrays are numbers."""
+    try:
+        return json.dumps(said, default=plain, allow_nan=False)
+    except ValueError as error:
+        if "JSON compliant" not in str(error):
+            raise
+        raise ValueError("a number is not finite; scenes have finite numbers") from None
+
+
 def _points(points):
-    points = np.asarray(points, float)
+    points = np.asarray(unmasked(points, "points"), float)
     return points.reshape(1, 3) if points.shape == (3,) else points
+
+
+def _is_values(source):
+    """Whether it is a volume in memory, or one that comes from a program, and not a file's name."""
+    return not isinstance(source, (str, bytes, os.PathLike, dict, Frames))
+
+
+class _Volumes:
+    """Volumes in memory, under the names by which a scene's entries have them as files."""
+
+    def __init__(self):
+        self._count = 0
+        self._kept = []
+
+    def add(self, values, given):
+        """The name of a volume. What is computed is kept in a file without a name."""
+        frames, shape, said, _ = volume(values, given, tempfile.gettempdir())
+        name = str(self._count)
+        self._count += 1
+        self._kept.append((name, frames, shape, said))
+        return "memory:" + name
+
+    def take(self):
+        """Those that were added since the last call."""
+        kept, self._kept = self._kept, []
+        return kept
+
+    def source(self, source, members):
+        """(file, members of its entry) of anything that Scene() takes but dicts."""
+        if isinstance(source, Frames):
+            if getattr(source, "name", None) and len(getattr(source, "grids", ())) > 1:
+                members = {"field": source.name, **members}
+            return source.path, members
+        if not _is_values(source):
+            return os.fspath(source), members
+        given = {key: members.get(key) for key in _OF_VALUES}
+        return self.add(source, given), {key: value for key, value in members.items() if key not in _OF_VALUES}
+
+    def scene(self, said):
+        """A scene whose volumes may have values in place of a file's name."""
+        if not isinstance(said, dict) or not isinstance(said.get("media"), (list, tuple)):
+            return said
+        media = []
+        for entry in said["media"]:
+            if isinstance(entry, dict) and "file" in entry and not isinstance(entry["file"], (str, bytes, os.PathLike)):
+                file, members = self.source(entry["file"], {key: value for key, value in entry.items() if key not in ("file", "kind")})
+                entry = {"kind": entry.get("kind", "volume"), "file": file, **members}
+            media.append(entry)
+        return {**said, "media": media}
+
+
+def _choice(what, value, choices, hint=""):
+    if value is not None and value not in choices:
+        raise ValueError(f"{what}={value!r}: expected {' or '.join(map(repr, choices))}{hint}")
+    return value
+
+
+def _view(camera, size, background):
+    """What all pictures take."""
+    if size is not None:
+        width, height = size
+        size = (whole("size", width), whole("size", height))
+    if background is not None:
+        background = tuple(number("background", one) for one in background)
+    return {"camera": None if camera is None else _text(camera), "size": size, "background": background}
+
+
+def _look(exposure, tone, samples, bloom, colormap, legend):
+    """How light becomes a picture."""
+    exposure = None if exposure in (None, "auto") else number("exposure", exposure)
+    if exposure is not None and not (0 < exposure < float("inf")):
+        raise ValueError(f"exposure={exposure!r}: expected a number above 0, or 'auto'")
+    samples = whole("samples", samples)
+    if not 1 <= samples <= 256:
+        raise ValueError(f"samples={samples}: expected 1 to 256")
+    bloom = number("bloom", bloom)
+    if not 0 <= bloom <= 1:
+        raise ValueError(f"bloom={bloom}: expected 0 to 1")
+    return {"exposure": exposure, "tone": _choice("tone", None if tone == "auto" else tone, ("none", "filmic", "agx")), "samples": samples,
+            "bloom": bloom, "colormap": _choice("colormap", None if colormap == "grey" else colormap, ("viridis", "inferno")), "legend": legend}
 
 
 class Scene:
     """A scene: media, surfaces, lights, signs and a camera.
 
-    Made from a scene file (.json), from a dict of the same form (docs/scene.md), or from any other file that Volute shows
-    (.volute, .npy, .vdb, .vti, .pvd, .vtu, .smv, a map of fog), with the members of a scene's entry as arguments:
-    Scene("fire.volute", emission=2.0). Threads may share one; pictures are rendered one at a time."""
+    Made from
+    - a scene file (.json), or any other file that Volute shows (.volute, .npy, .npz, .vdb, .vti, .pvd, .vtu, .smv, a map of fog);
+    - a volute.Volume or an FDS case that is open;
+    - an array of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c), or anything else that compress() takes as `frames`, with bounds, times, name
+      and unit as arguments as there. Arrays in memory are not copied, and must not change while the scene is in use;
+    with the members of a scene's entry as arguments: Scene(array, bounds=((0, 0, 0), (2, 2, 2)), emission=2.0); or from
+    - a dict of the form of a scene file (docs/scene.md), where "file" of a volume may be such an array, too.
+    Threads may share one; pictures are rendered one at a time."""
 
     def __init__(self, source, *, folder=".", max_memory=4 << 30, progress=None, **members):
         """folder: where a dict's file names are found."""
-        part = _part()
+        self._volumes = _Volumes()
+        self._max_memory = whole("max_memory", max_memory)
+        self._shown = None
+        if isinstance(source, dict):
+            if members:
+                raise TypeError(f"{', '.join(members)}: members are for a single file; write them into the scene")
+            said = _text(self._volumes.scene(source)), os.path.join(os.fspath(folder), "scene.json")
+            self._maker = "make", said
+        else:
+            file, members = self._volumes.source(source, members)
+            self._maker = "open", (file, _text(members))
+        self._added = self._volumes.take()
+        self._scene = self._opened(True, progress)
+
+    def _opened(self, measured, progress):
+        """For measurements, or as it is shown."""
+        name, said = self._maker
         with Listener(progress) as listener:
-            if isinstance(source, dict):
-                if members:
-                    raise TypeError(f"{', '.join(members)}: members are for a single file; write them into the scene")
-                self._scene = part.Scene.make(json.dumps(source), os.path.join(folder, "scene.json"), max_memory, listener)
-            else:
-                self._scene = part.Scene.open(os.fspath(source), json.dumps(members), max_memory, listener)
+            return getattr(_part().Scene, name)(*said, self._added, measured, self._max_memory, listener)
+
+    def _pictured(self, progress=None):
+        """The same as it is shown, opened when it is first asked for."""
+        if self._shown is None:
+            self._scene.path  # says that it is closed
+            self._shown = self._opened(False, progress)
+        return self._shown
 
     @classmethod
     def open(cls, path, **options):
         """As Scene(path, ..)."""
         return cls(path, **options)
+
+    def close(self):
+        """Closes its files and lets go of its arrays; what is asked of it then is a ValueError. `with` calls it."""
+        self._scene, self._shown, self._added = _ClosedScene(), None, []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *what):
+        self.close()
 
     @property
     def path(self):
@@ -57,7 +184,7 @@ class Scene:
 
     @property
     def json(self):
-        """The scene as a dict; change() accepts another."""
+        """The scene as a dict; change() accepts another. Arrays have names there, as "memory:0"."""
         return json.loads(self._scene.json)
 
     @property
@@ -76,24 +203,58 @@ class Scene:
         return self._scene.media
 
     def change(self, new, progress=None):
-        """Changes the scene to the dict; data already read are reused where entries do not change. An error leaves the scene unchanged."""
+        """Changes the scene to the dict; data already read are reused where entries do not change. An array in it is read anew, so that
+        one whose values have changed is given again. An error leaves the scene unchanged."""
+        new = _text(self._volumes.scene(new))
+        more = self._volumes.take()
         with Listener(progress) as listener:
-            self._scene.change(json.dumps(new), listener)
+            self._scene.change(new, more, listener)
+        self._added += more
+        self._maker, self._shown = ("make", (new, self._scene.path)), None
 
-    def render(self, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None, background=None, progress=None):
-        """A picture at `time` [s]: linear RGB, float32, shape (height, width, 3), row 0 at the top.
+    def render(self, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None, background=None, measured=True, progress=None):
+        """Light at `time` [s]: linear RGB, float32, shape (height, width, 3), row 0 at the top.
 
         camera: a dict as in scenes: {"eye": [x,y,z], "target": [x,y,z], "fov": degrees} or "ortho": height [m], "up", "size";
             default the scene's, else one that frames the scene. size: (width, height) [pixels], default the camera's or 800 x 600.
         renderer: "cpu", or "reference" in double. aov: "optical-depth" or "transmittance" instead of light, shape (height, width).
-        background: (r, g, b) instead of the scene's. progress: a function (stage, done, total), or True for a bar."""
-        if renderer not in ("cpu", "reference"):
-            raise ValueError(f"renderer={renderer!r}: expected 'cpu' or 'reference'; the command's --renderer gl draws by OpenGL")
-        if aov not in (None, "optical-depth", "transmittance"):
-            raise ValueError(f"aov={aov!r}: expected 'optical-depth' or 'transmittance'")
+        background: (r, g, b) instead of the scene's. progress: a function (stage, done, total), or True for a bar.
+        measured: one ray through each pixel's centre, the file's own basis, as `volute render --measured`; False: as a picture is made,
+            with the appearance that a file alone has, and smooth edges: the .exr of `volute render`. time=None: as in picture()."""
+        _choice("renderer", renderer, ("cpu", "reference"), "; the command's --renderer gl draws by OpenGL")
+        _choice("aov", aov, ("optical-depth", "transmittance"))
+        said = {"time": None if time is None else number("time", time), "aov": aov, "measured": bool(measured), **_view(camera, size, background)}
         with Listener(progress) as listener:
-            return self._scene.render(float(time), "" if camera is None else json.dumps(camera), size, renderer, aov or "", background,
-                                      listener)
+            return (self._scene if measured else self._pictured(progress)).render(said, renderer == "reference", listener)
+
+    def picture(self, time=None, *, camera=None, size=None, background=None, exposure=None, tone=None, samples=8, bloom=0.0, colormap=None,
+                legend=None, progress=None):
+        """A picture for a display: sRGB, uint8, shape (height, width, 3), or (height, width) where light has no colour: the pixels of the
+        .png that `volute render` writes of the same file or values.
+
+        time: [s]; default one that has something to see. camera, size, background, progress: as for render().
+        exposure: a factor of light; default: brightest parts near white. tone: "filmic", "agx" or "none"; default filmic, except where
+            pictures show measured transmittance. samples: rays per pixel at edges. bloom: share of light that glows, 0 to 1.
+        colormap: "viridis" or "inferno", for volumes with one channel. legend: draw mode, field, time and colour scale into it."""
+        said = {"time": None if time is None else number("time", time), **_view(camera, size, background),
+                **_look(exposure, tone, samples, bloom, colormap, legend)}
+        with Listener(progress) as listener:
+            return self._pictured(progress).picture(said, listener)
+
+    def film(self, path, *, frames=None, speed=1.0, orbit=None, camera=None, size=None, background=None, exposure=None, tone=None, samples=8,
+             bloom=0.0, colormap=None, legend=None, progress=None):
+        """Writes a film (.mp4, .webm), or numbered pictures (fire_%04d.png), as `volute render` does: with one exposure for all.
+
+        frames: (first, end), numbers of frames; default all. speed: seconds of the scene in one of the film. orbit: turns the camera
+        around its target by so many degrees over the film. The rest as for picture(). What is stopped leaves no file."""
+        path = os.fspath(path)
+        said = {"target": path, "frames": None if frames is None else (whole("frames", frames[0]), whole("frames", frames[1])),
+                "speed": number("speed", speed), "orbit": None if orbit is None else number("orbit", orbit),
+                **_view(camera, size, background), **_look(exposure, tone, samples, bloom, colormap, legend)}
+        if not said["speed"] > 0:
+            raise ValueError(f"speed={speed!r}: expected a number above 0")
+        with Listener(progress) as listener:
+            self._pictured(progress).film(said, listener)
 
     def __repr__(self):
         what = ", ".join(f"{what}{' (' + size + ')' if size else ''}" for what, _, size in self.media) or "no media"
@@ -101,18 +262,51 @@ class Scene:
         low, high = (", ".join(f"{v:.4g}" for v in point) for point in self.bounds)
         return f"<volute.Scene {os.path.basename(self.path)}: {what}; {times[0]:g} to {times[-1]:g} s, ({low}) to ({high}) m>"
 
+    def _repr_png_(self):
+        return _png(self.picture(size=(400, 300)))
+
     def _repr_html_(self):
-        times = self.times
-        picture = to_srgb(self.render(times[len(times) // 2], size=(240, 180)))
-        data = base64.b64encode(_png(picture)).decode()
+        data = base64.b64encode(_png(self.picture(size=(240, 180)))).decode()
         return (f"<div style='display:flex;gap:1em;align-items:center'><img alt='' src='data:image/png;base64,{data}'>"
                 f"<div>{html.escape(repr(self)[1:-1])}</div></div>")
 
 
-def render(source, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None, background=None, progress=None, **members):
-    """A picture of a scene, a dict, or any file that Volute shows; see Scene and Scene.render(). Shape (height, width, 3)."""
-    scene = source if isinstance(source, Scene) else Scene(source, progress=progress, **members)
-    return scene.render(time, camera=camera, size=size, renderer=renderer, aov=aov, background=background, progress=progress)
+class _ClosedScene:
+    """In the place of what was closed."""
+
+    def __getattr__(self, name):
+        raise ValueError("the scene is closed")
+
+
+def _scene_of(source, progress, members):
+    if not isinstance(source, Scene):
+        return Scene(source, progress=progress, **members)
+    if members:
+        raise TypeError(f"{', '.join(members)}: members are for what a scene is made of; this one is made")
+    return source
+
+
+def render(source, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None, background=None, measured=True, progress=None, **members):
+    """Light of a scene, a dict, any file that Volute shows, or an array: linear RGB, shape (height, width, 3). See Scene and
+    Scene.render()."""
+    return _scene_of(source, progress, members).render(time, camera=camera, size=size, renderer=renderer, aov=aov, background=background,
+                                                       measured=measured, progress=progress)
+
+
+def picture(source, time=None, *, camera=None, size=None, background=None, exposure=None, tone=None, samples=8, bloom=0.0, colormap=None,
+            legend=None, progress=None, **members):
+    """A picture of a scene, a dict, any file that Volute shows, or an array: sRGB, uint8, shape (height, width, 3), as `volute render`
+    writes it. See Scene and Scene.picture()."""
+    return _scene_of(source, progress, members).picture(time, camera=camera, size=size, background=background, exposure=exposure, tone=tone,
+                                                        samples=samples, bloom=bloom, colormap=colormap, legend=legend, progress=progress)
+
+
+def film(source, path, *, frames=None, speed=1.0, orbit=None, camera=None, size=None, background=None, exposure=None, tone=None, samples=8,
+         bloom=0.0, colormap=None, legend=None, progress=None, **members):
+    """A film of a scene, a dict, any file that Volute shows, or an array. See Scene and Scene.film()."""
+    _scene_of(source, progress, members).film(path, frames=frames, speed=speed, orbit=orbit, camera=camera, size=size, background=background,
+                                              exposure=exposure, tone=tone, samples=samples, bloom=bloom, colormap=colormap, legend=legend,
+                                              progress=progress)
 
 
 def to_srgb(image):
@@ -128,17 +322,18 @@ def read_image(path):
 
 def write_image(path, image):
     """Writes linear values, shape (height, width[, 3]): a .png (8 bits, sRGB, clamped to 0..1) or a .exr (float32)."""
-    _part().write_image(os.fspath(path), np.asarray(image, np.float32))
+    _part().write_image(os.fspath(path), np.asarray(unmasked(image, "the picture"), np.float32))
 
 
 class Sight:
-    """Lines of sight through a scene, or any file that Volute shows: an FDS case, a mesh, a volume.
+    """Lines of sight through a scene, any file that Volute shows (an FDS case, a mesh, a volume), or an array as Scene() takes it.
 
     Fields are read forward in time; going back opens them again."""
 
     def __init__(self, source, *, max_memory=4 << 30, **members):
-        self._sight = _part().Sight(os.fspath(source), json.dumps(members), max_memory)
-        self.path = os.fspath(source)
+        volumes = _Volumes()
+        self.path, members = volumes.source(source, members)
+        self._sight = _part().Sight(self.path, _text(members), volumes.take(), whole("max_memory", max_memory))
 
     @property
     def times(self):
@@ -195,7 +390,7 @@ def _list_file(folder, key, said):
         return os.fspath(said)
     name = os.path.join(folder, key + ".json")
     with open(name, "w") as file:
-        json.dump({key: list(said)}, file)
+        file.write(_text({key: list(said)}))
     return name
 
 
@@ -210,10 +405,12 @@ class Engine:
     NOT_SEEN, SEEN, CANNOT_TELL = 0, 1, 2
 
     def __init__(self, source, signs, *, criteria=None, max_memory=4 << 30, progress=None, **members):
-        self.path = os.fspath(source)
+        volumes = _Volumes()
+        self.path, members = volumes.source(source, members)
         with tempfile.TemporaryDirectory() as folder, Listener(progress) as listener:
             said = "" if criteria is None else _list_file(folder, "criteria", criteria)
-            self._engine = _part().Engine(self.path, json.dumps(members), _list_file(folder, "signs", signs), said, max_memory, listener)
+            self._engine = _part().Engine(self.path, _text(members), volumes.take(), _list_file(folder, "signs", signs), said,
+                                          whole("max_memory", max_memory), listener)
 
     @property
     def times(self):
@@ -249,7 +446,7 @@ class Engine:
         """What each agent has taken in until `time` [s] since the calls before, by trapezoids: steps of a second or less are small
         enough for people who walk. A structured array, shape (agent,), with a field a criterion: a dose so far or a level (see
         criteria); NaN where nothing is known. ids: shape (agent,), whole numbers, each once."""
-        ids = np.atleast_1d(np.asarray(ids, np.int64))
+        ids = np.atleast_1d(np.asarray(unmasked(ids, "ids"), np.int64))
         return _fields(self.criteria, float, self._engine.dose(float(time), ids, _points(eyes)))
 
     def extinction(self, eyes, time):
@@ -342,13 +539,13 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
     if resolution is not None:
         said["resolution"] = [int(n) for n in resolution] if np.ndim(resolution) else [int(resolution), 0, 0]
     if bounds is not None:
-        said["bounds"] = np.asarray(bounds, float).reshape(2, 3).tolist()
+        said["bounds"] = corners(bounds)
     if images is not None:
         said["images"] = os.fspath(images)
     if output is not None and not os.fspath(output).endswith(".volute"):
         raise ValueError(f"'{os.fspath(output)}' does not end in .volute")
     with Listener(progress) as listener:
         values, place, report = part.reconstruct(os.fspath(capture), "" if output is None else os.fspath(output), float(rms),
-                                                 json.dumps(said), int(max_memory), listener)
+                                                 _text(said), whole("max_memory", max_memory), listener)
     return Reconstruction(values if output is None else _open(output), place["bounds"], np.asarray(place["times"]),
                           np.asarray(place["frame_numbers"]), json.loads(report))

@@ -177,6 +177,7 @@ class Volume(Frames):
     def __init__(self, path, *, grid=None, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):
         """grid: the name of one of several; without it "density", else the first that is not empty.
         partial: of a damaged file the intact, coarser part is shown."""
+        max_memory, cache = int(max_memory), int(cache)
         self._file = _core.File(os.fspath(path), partial, max_memory, grid or "")
         self._options = {"partial": partial, "max_memory": max_memory, "cache": cache}
         super().__init__(path, self._file.info)
@@ -234,6 +235,17 @@ class Volume(Frames):
         coarse._read = lambda t, z, y, x: self._file.read(t, z, y, x, levels)
         return coarse[key]
 
+    def close(self):
+        """Closes the file, and forgets decoded frames. What was read stays; to read more is a ValueError. `with` calls it."""
+        with self._lock:
+            self._file, self._row = _Closed(self.path), (-1, None)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *what):
+        self.close()
+
     def verify(self, progress=None):
         """Reads the whole file; raises an error if a checksum is wrong. `progress`: as for compress()."""
         from ._errors import InvalidData
@@ -281,7 +293,7 @@ class Volume(Frames):
         return self._file.read(frames, *(np.arange(side) for side in self.shape[1:4]))
 
     def __reduce__(self):
-        return _open, (os.path.abspath(self.path), self.name)
+        return _open, (os.path.abspath(self.path), self.name, self._options)
 
     def _says(self):
         ratio = self.nbytes / self.file_bytes
@@ -318,8 +330,18 @@ class Volume(Frames):
                 f"<table>{cells}</table></div></div>")
 
 
-def _open(path, grid=None):
-    return Volume(path, grid=grid)
+def _open(path, grid=None, options=None):
+    return Volume(path, grid=grid, **(options or {}))
+
+
+class _Closed:
+    """In the place of what was closed."""
+
+    def __init__(self, path):
+        self._path = path
+
+    def __getattr__(self, name):
+        raise ValueError(f"{self._path} is closed")
 
 
 def open(path, *, grid=None, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):

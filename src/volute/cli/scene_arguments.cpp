@@ -3,6 +3,7 @@
 #include "volute/cli/scene_arguments.hpp"
 
 #include "volute/cli/file_kind.hpp"
+#include "volute/film/render_request.hpp"
 #include "volute/scene/kinds.hpp"
 
 namespace volute::cli {
@@ -69,16 +70,14 @@ Result<SceneOptions> sceneOptions(const std::string& path, const Arguments& argu
 Result<Scene> openScene(const std::string& path, const Arguments& arguments, Context& context,
                         bool measured) {
   VOLUTE_ASSIGN(auto options, sceneOptions(path, arguments, context));
-  options.files.measured = measured;
   VOLUTE_ASSIGN(options.files.lightCache, lightCache(arguments, context));
   if (arguments.flag("by-pieces") && context.team.size() > 1)
     options.files.holders = &context.team;
-  options.files.byTree = arguments.find<std::string>("volume-method") == "tree";
-  const bool scene = isScenePath(path);
-  // Fire does not absorb by default; an optical depth of nothing would say nothing.
-  if (!scene && arguments.given("aov") && !options.members.contains("extinction") &&
-      mediumKindOf(path, true)->fields().find("extinction"))
-    options.members["extinction"] = 1;
+  addUsualMembers(path,
+                  {.measured = measured,
+                   .depth = arguments.given("aov"),
+                   .tree = arguments.find<std::string>("volume-method") == "tree"},
+                  options);
   auto opened = Scene::open(path, options, context.progress);
   if (!opened)
     return tl::unexpected(aboutOptions(std::move(opened.error()), path));

@@ -56,6 +56,7 @@ struct FilmJob {
   bool partial = false;   ///< a picture that is stopped is returned as far as it was drawn
   double drawnShare = 1;  ///< of the pixels of the last such picture
   FilmTotals totals{};
+  std::string reason{};  ///< why this frame, where the request left it open
 
   /// All `layers` of a frame, by the names of their channels: R, G, B, A, Z, transmittance.Y,
   /// optical-depth.Y.

@@ -23,6 +23,8 @@ Image developed(Image image, const Development& development) {
   return colorMapped(quantity, *development.colorMap, 0, 1 / development.style.exposure);
 }
 
+}  // namespace
+
 Image developed(const Image& image, const Development& development, const PictureText& text) {
   Image out = developed(image, development);
   if (text.legend.empty())
@@ -34,6 +36,8 @@ Image developed(const Image& image, const Development& development, const Pictur
   drawLegend(out, text.legend, scale);
   return out;
 }
+
+namespace {
 
 class ImageFileWriter final : public PictureWriter {
  public:

@@ -91,6 +91,12 @@ Result<double> exposureFor(FilmJob& job, ToneCurve tone, Progress& progress) {
   return exposure;
 }
 
+/// Whether 1 is white in a job's pictures.
+bool hasScale(const FilmJob& job) {
+  return job.contour || job.options.aov == Aov::kTransmittance ||
+         (measuresLight(job.scene) && job.options.aov == Aov::kNone);
+}
+
 std::vector<std::byte> bytesOf(const Image& image) {
   const std::int32_t sizes[] = {image.width, image.height, image.channels};
   std::vector<std::byte> bytes(sizeof sizes + image.pixels.size() * sizeof(float));
@@ -199,14 +205,11 @@ class FilmPass {
   /// Rank 0 finds it.
   Status settleExposure() {
     double& exposure = development_.style.exposure;
-    const bool fixed = job_.contour || job_.options.aov == Aov::kTransmittance ||
-                       extensionOf(target_) == ".exr" ||
-                       (measuresLight(job_.scene) && job_.options.aov == Aov::kNone);
-    if (exposure == 0 && fixed) {
+    if (exposure == 0 && (hasScale(job_) || extensionOf(target_) == ".exr")) {
       exposure = 1;
     } else if (exposure == 0) {
       if (team_.leads() || job_.together) {
-        VOLUTE_ASSIGN(exposure, exposureFor(job_, development_.style.tone, each()));
+        VOLUTE_ASSIGN(exposure, usualExposure(job_, development_.style.tone, each()));
       }
       VOLUTE_ASSIGN(exposure, team_.broadcast(exposure));
     }
@@ -281,6 +284,12 @@ void addStats(nlohmann::ordered_json& sum, const nlohmann::ordered_json& other) 
 }
 
 }  // namespace
+
+Result<double> usualExposure(FilmJob& job, ToneCurve tone, Progress& progress) {
+  if (hasScale(job))
+    return 1;
+  return exposureFor(job, tone, progress);
+}
 
 Status writeFilm(FilmJob& job, const std::string& target, Development& development,
                  std::uint64_t maxMemory, Progress& progress, Team& team) {

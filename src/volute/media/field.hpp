@@ -10,7 +10,6 @@
 #include <string>
 #include <string_view>
 #include <tuple>
-#include <typeinfo>
 #include <vector>
 
 #include "volute/base/assert.hpp"
@@ -47,10 +46,16 @@ struct FieldTable;
 struct MediumFacts;
 class ParameterGroup;
 
+/// Tells types apart, in programs without RTTI, too.
+template <class T>
+constexpr std::string_view typeName() {
+  return __PRETTY_FUNCTION__;
+}
+
 /// Connects a row with the struct that it describes. member() and part() make one for a plain
 /// member, customMember() one from two functions.
 struct FieldAccess {
-  const std::type_info* owner = nullptr;  ///< of the struct
+  std::string_view owner = {};  ///< the name of the struct, by typeName()
   FieldValue (*get)(const FieldRow& field, const void* object) = nullptr;
   /// Sets a value allowed by the row. Its error message does not name the place.
   Status (*set)(const FieldRow& field, void* object, const FieldValue& value) = nullptr;
@@ -145,7 +150,7 @@ struct FieldTable {
   const FieldTable& (*sibling)() = nullptr;
   const void* usual = nullptr;                ///< the struct with its defaults
   std::shared_ptr<void> (*make)() = nullptr;  ///< another one
-  const std::type_info* owner = nullptr;
+  std::string_view owner = {};                ///< its name, by typeName()
 
   /// Null if there is none; also found by its other name.
   const FieldRow* find(std::string_view name) const;
@@ -179,7 +184,7 @@ struct FieldOrigin {
 
 template <class T>
 Result<T> readAs(const FieldTable& table, const FieldValue& json, const FieldOrigin& origin) {
-  VOLUTE_ASSERT(*table.owner == typeid(T));
+  VOLUTE_ASSERT(table.owner == typeName<T>());
   T object{};
   VOLUTE_TRY(readFields(table, json, origin, &object));
   return object;
@@ -216,10 +221,10 @@ template <class T>
 FieldTable fieldTable(FieldTable table) {
   static const T kUsual{};
   for ([[maybe_unused]] const FieldRow& field : table.fields)
-    VOLUTE_ASSERT(*field.access.owner == typeid(T));
+    VOLUTE_ASSERT(field.access.owner == typeName<T>());
   table.usual = &kUsual;
   table.make = [] { return std::shared_ptr<void>(std::make_shared<T>()); };
-  table.owner = &typeid(T);
+  table.owner = typeName<T>();
   return table;
 }
 
@@ -326,7 +331,7 @@ template <auto... path>
 FieldAccess member() {
   using Path = fields::Path<path...>;
   using Owner = typename Path::Owner;
-  return {.owner = &typeid(Owner),
+  return {.owner = typeName<Owner>(),
           .get =
               [](const FieldRow& field, const void* object) {
                 return fields::valueOf(field, Path::of(*static_cast<const Owner*>(object)));
@@ -342,7 +347,7 @@ template <auto... path>
 FieldAccess memberPair() {
   using Pair = fields::PairPath<path...>;
   using Owner = typename Pair::Owner;
-  return {.owner = &typeid(Owner),
+  return {.owner = typeName<Owner>(),
           .get = [](const FieldRow&, const void* object) -> FieldValue {
             const auto& [a, b] = Pair::of(*static_cast<const Owner*>(object));
             return {a, b};
@@ -359,7 +364,7 @@ template <auto... path>
 FieldAccess part() {
   using Path = fields::Path<path...>;
   using Owner = typename Path::Owner;
-  return {.owner = &typeid(Owner),
+  return {.owner = typeName<Owner>(),
           .make = [](void* object) -> void* { return &Path::of(*static_cast<Owner*>(object)); },
           .find = [](const void* object) -> const void* {
             return &Path::of(*static_cast<const Owner*>(object));
@@ -371,7 +376,7 @@ template <auto... path>
 FieldAccess optionalPart() {
   using Path = fields::Path<path...>;
   using Owner = typename Path::Owner;
-  return {.owner = &typeid(Owner),
+  return {.owner = typeName<Owner>(),
           .make = [](void* object) -> void* {
             auto& found = Path::of(*static_cast<Owner*>(object));
             return found ? &*found : &found.emplace();
@@ -385,7 +390,7 @@ FieldAccess optionalPart() {
 /// get(const Owner&) gives a FieldValue, set(Owner&, const FieldValue&) a Status.
 template <class Owner, auto getter, auto setter>
 FieldAccess customMember() {
-  return {.owner = &typeid(Owner),
+  return {.owner = typeName<Owner>(),
           .get = [](const FieldRow&, const void* object) -> FieldValue {
             return getter(*static_cast<const Owner*>(object));
           },

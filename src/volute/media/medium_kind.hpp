@@ -41,6 +41,7 @@ struct OpenOptions {
   /// The team whose ranks each hold a share of a mesh in pieces and draw pictures together, with
   /// the same calls in the same order; null: this process holds everything.
   Team* holders = nullptr;
+  std::shared_ptr<const MemoryVolumes> volumes{};  ///< in memory, as Reading::volumes; may be null
 };
 
 /// The context in which a medium is opened.
@@ -57,6 +58,7 @@ struct MediumContext {
   /// All previously read media that have not been reused yet.
   std::vector<std::shared_ptr<SceneMedium>>* earlier = nullptr;
 
+#ifdef __cpp_rtti
   /// One of `earlier` of a type for which `serves` is true, preferably `before`. It is then removed
   /// from the list.
   template <class M, class Serves>
@@ -72,6 +74,7 @@ struct MediumContext {
     std::erase(*earlier, found);
     return found;
   }
+#endif
 };
 
 struct FileDescription;

@@ -112,7 +112,7 @@ Result<Scene> Scene::make(OrderedJson json, const std::string& file, const Scene
   scene.options_ = options;
   const nlohmann::json plain = json;
   VOLUTE_ASSIGN(scene.description_, parseScene(plain, file));
-  Reading reading{progress, options.maxMemory};
+  Reading reading{progress, options.maxMemory, options.files.volumes.get()};
   VOLUTE_ASSIGN(scene.geometry_, loadGeometry(scene.description_.geometry, reading));
   scene.surfaces_ = scene.geometry_;
   VOLUTE_ASSIGN(scene.media_, scene.openMedia(scene.description_, false, progress));
@@ -139,7 +139,7 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
     if (media[i])
       continue;
     const MediumEntry& entry = entries[i];
-    Reading reading{progress, options_.maxMemory};
+    Reading reading{progress, options_.maxMemory, options_.files.volumes.get()};
     nlohmann::json json = entry.json;
     for (const auto& [name, value] : options_.overrides.items()) {
       if (entry.kind->fields().find(name))

@@ -139,7 +139,7 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
   if (scene.media().size() != 1)
     return std::make_unique<SceneSight>(std::move(scene));
   const MediumEntry& entry = scene.description().media.front();
-  Reading reading{progress, options.maxMemory};
+  Reading reading{progress, options.maxMemory, options.files.volumes.get()};
   MediumContext context{reading,      options.files, scene.description().lights,  scene.geometry(),
                         scene.path(), entry.path,    scene.description().version, scene.media()[0]};
   VOLUTE_ASSIGN(auto only, entry.kind->openSight(entry.json, context));
@@ -163,7 +163,7 @@ Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Sce
   const MediumKind& kind = *mediumKindOf(path, false);
   auto entry = kind.sceneOf(std::filesystem::path(path).filename().string())["media"][0];
   entry.update(options.members);
-  Reading reading{progress, options.maxMemory};
+  Reading reading{progress, options.maxMemory, options.files.volumes.get()};
   const SceneLights lights;
   const TriangleScene geometry;
   MediumContext context{reading, options.files, lights, geometry, path, "/media/0"};

@@ -17,7 +17,7 @@ namespace {
 /// A .npy has no frame numbers; when it has as many frames as the capture states it has those.
 std::vector<int> numbersOf(const std::string& path, const VolumeInfo& info,
                            const Capture& capture) {
-  const bool counted = extensionOf(path) == ".npy";
+  const bool counted = isNumpyPath(path);
   if (counted && capture.frames.size() == static_cast<std::size_t>(info.frames))
     return capture.frames;
   return info.frameNumbers;
@@ -30,7 +30,7 @@ Result<ProjectedFrames> openSubject(const std::string& path, const Arguments& ar
   input.usualGrid = "emission";  // light is projected, never what weakens it
   input.bounds = arguments.find<Box3>("bounds");
   input.partial = arguments.flag("partial");
-  if (extensionOf(path) == ".npy" && !input.bounds) {
+  if (isNumpyPath(path) && !input.bounds) {
     if (capture.volume.bounds.empty()) {
       return fail(ErrorCode::kInvalidArgument,
                   "{}: a .npy has no bounds, and the capture states no volume; state them with "
@@ -79,7 +79,7 @@ Status runProject(const Arguments& arguments, Context& context) {
   VOLUTE_TRY(projectFrames(subject, capture, name, rays, context.maxMemory, context.progress));
   Report report;
   report.add("output", name.text());
-  if (extensionOf(arguments.positional(0)) != ".npy")
+  if (!isNumpyPath(arguments.positional(0)))
     report.add("grid", info.name);
   report.add("cameras", capture.cameras.size(), fmt::format("{}", capture.cameras.size()))
       .add("frames", subject.positions.size(), fmt::format("{}", subject.positions.size()))
@@ -130,9 +130,10 @@ Command projectCommand() {
           "capture.json, a NeRF transforms.json, the folder of a COLMAP model or an OpenCV .yml. "
           "A .npy with as many frames as the capture gets the capture's frame numbers. In a file "
           "with several grids, `emission` is used unless --field names another.",
-      .positionals = {{.name = "VOLUME",
-                       .help = "a volume: .volute, .npy, .vdb, .vti, .pvd, a pattern or a folder"},
-                      {.name = "CAPTURE", .help = "the cameras"}},
+      .positionals =
+          {{.name = "VOLUME",
+            .help = "a volume: .volute, .npy, .npz, .vdb, .vti, .pvd, a pattern or a folder"},
+           {.name = "CAPTURE", .help = "the cameras"}},
       .options = std::move(options),
       .run = runProject};
 }

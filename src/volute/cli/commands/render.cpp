@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
 #include "volute/base/interrupt.hpp"
@@ -16,45 +15,25 @@
 #include "volute/cli/volume_output.hpp"
 #include "volute/film/film_job.hpp"
 #include "volute/film/picture_writer.hpp"
+#include "volute/film/render_request.hpp"
 #include "volute/film/write_film.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/media/volume/volume_input.hpp"
-#include "volute/scene/picture_camera.hpp"
 
 namespace volute::cli {
 namespace {
 
-Result<PictureCamera> chooseCamera(const Arguments& arguments, const Scene& scene,
-                                   Progress& progress) {
-  VOLUTE_ASSIGN(auto asked, cameraOf(arguments));
-  const Vec3 up = arguments.find<Vec3>("up").value_or(Vec3::UnitZ());
-  if (!(up.norm() > 0))
-    return fail(ErrorCode::kInvalidArgument, "--up: 0,0,0 is no direction");
-  VOLUTE_ASSIGN(auto found,
-                pictureCamera(scene, std::move(asked), arguments.find<Pixels>("size"), up));
-  if (const auto& seen = found.description; seen && !seen->reason.empty()) {
-    const Vec3 &eye = seen->view.eye, &target = seen->view.target;
-    progress.remark(
-        fmt::format("seen {} (--eye {:.2f},{:.2f},{:.2f} --target {:.2f},{:.2f},{:.2f} "
-                    "--fov {:g})",
-                    seen->reason, eye.x(), eye.y(), eye.z(), target.x(), target.y(), target.z(),
-                    seen->fov.value_or(0)));
-  }
-  return found;
-}
-
-RenderOptions renderOptions(const Arguments& arguments, const Scene& scene) {
-  RenderOptions options;
-  options.background = arguments.given("background")
-                           ? Rgb(arguments.get<Vec3>("background").array())
-                           : scene.description().background;
-  if (const auto aov = arguments.find<std::string>("aov")) {
-    options.aov = *aov == "transmittance"   ? Aov::kTransmittance
-                  : *aov == "optical-depth" ? Aov::kOpticalDepth
-                                            : Aov::kNone;
-  }
-  return options;
+/// Where a picture is seen from, where the scene chose it.
+void remarkOnCamera(const FilmJob& job, Progress& progress) {
+  if (!job.way || job.way->reason.empty())
+    return;
+  const Vec3 &eye = job.way->view.eye, &target = job.way->view.target;
+  progress.remark(
+      fmt::format("seen {} (--eye {:.2f},{:.2f},{:.2f} --target {:.2f},{:.2f},{:.2f} "
+                  "--fov {:g})",
+                  job.way->reason, eye.x(), eye.y(), eye.z(), target.x(), target.y(), target.z(),
+                  job.way->fov.value_or(0)));
 }
 
 /// What --aov names, where it takes a .exr with named channels; empty: it is one picture.
@@ -166,22 +145,53 @@ bool isMeasured(const Arguments& arguments) {
          arguments.get<std::string>("renderer") == "reference";
 }
 
-/// --time, --frames, --speed, --orbit and --fps.
-FrameRequest requestOf(const Arguments& arguments, const std::string& target) {
-  return {target,
-          arguments.find<double>("time"),
-          arguments.find<FrameRange>("frames"),
-          arguments.get<double>("speed"),
-          arguments.find<double>("orbit"),
-          arguments.find<double>("fps").value_or(kUsualRate)};
+/// 0 stands for auto.
+Result<double> exposureOf(const Arguments& arguments) {
+  const auto text = arguments.get<std::string>("exposure");
+  if (text == "auto")
+    return 0;
+  const auto number = parseNumber(text);
+  if (number && *number > 0)
+    return *number;
+  return fail(ErrorCode::kInvalidArgument,
+              "--exposure: '{}' is neither auto nor a number greater than 0", text);
 }
 
-Result<std::vector<FilmFrame>> framesOf(const Arguments& arguments, Scene& scene,
-                                        const FrameRequest& request, Progress& progress) {
-  VOLUTE_ASSIGN(auto chosen, namingOptions(chooseFrames(request, scene, progress), arguments));
-  if (!chosen.reason.empty())
-    progress.remark(chosen.reason + "; --time or --frames choose others");
-  return std::move(chosen.frames);
+Result<RenderRequest> requestOf(const Arguments& arguments, const std::string& target) {
+  RenderRequest request;
+  request.frames = {target,
+                    arguments.find<double>("time"),
+                    arguments.find<FrameRange>("frames"),
+                    arguments.get<double>("speed"),
+                    arguments.find<double>("orbit"),
+                    arguments.find<double>("fps").value_or(kUsualRate)};
+  VOLUTE_ASSIGN(request.camera, cameraOf(arguments));
+  request.up = arguments.find<Vec3>("up").value_or(Vec3::UnitZ());
+  if (!(request.up.norm() > 0))
+    return fail(ErrorCode::kInvalidArgument, "--up: 0,0,0 is no direction");
+  request.size = arguments.find<Pixels>("size");
+  if (arguments.given("background"))
+    request.background = Rgb(arguments.get<Vec3>("background").array());
+  const auto aov = arguments.find<std::string>("aov");
+  request.aov = aov == "transmittance"   ? Aov::kTransmittance
+                : aov == "optical-depth" ? Aov::kOpticalDepth
+                                         : Aov::kNone;
+  request.measured = isMeasured(arguments);
+  VOLUTE_ASSIGN(request.exposure, exposureOf(arguments));
+  const auto tone = arguments.get<std::string>("tone");
+  if (tone != "auto") {
+    request.tone = tone == "filmic" ? ToneCurve::kFilmic
+                   : tone == "agx"  ? ToneCurve::kAgx
+                                    : ToneCurve::kNone;
+  }
+  request.bloom = arguments.find<double>("bloom").value_or(0);
+  request.samples = arguments.get<int>("samples");
+  const auto map = arguments.get<std::string>("colormap");
+  if (map != "grey")
+    request.colors = map == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;
+  if (arguments.flag("legend") || arguments.flag("no-legend"))
+    request.legend = arguments.flag("legend");
+  return request;
 }
 
 /// --partial: for an interrupted picture, where it can be kept, and for the damage of .volute
@@ -204,18 +214,21 @@ Status takePartial(const Arguments& arguments, int ranks, FilmJob& job) {
               "intact part of a damaged .volute");
 }
 
-Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
+Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target,
+                        const RenderRequest& request, Context& context) {
   FilmTotals totals;
   auto opened = [&] {
     const Stopwatch watch(totals.open);
-    return openScene(arguments.positional(0), arguments, context, isMeasured(arguments));
+    return openScene(arguments.positional(0), arguments, context, request.measured);
   }();
   VOLUTE_TRY(opened);
-  Scene scene = std::move(*opened);
+  FilmJob job{std::move(*opened), Camera::framing({}, 1, 1), {}, nullptr};
+  job.totals = std::move(totals);
+  Scene& scene = job.scene;
   VOLUTE_TRY(takeLaw(arguments, scene, context.progress));
-  VOLUTE_ASSIGN(auto layers, layersOf(arguments, target));
-  const bool together = arguments.flag("by-pieces") && context.team.size() > 1;
-  if (together && !scene.media().empty() && !scene.media().front()->info().sharesAll &&
+  VOLUTE_ASSIGN(job.layers, layersOf(arguments, target));
+  job.together = arguments.flag("by-pieces") && context.team.size() > 1;
+  if (job.together && !scene.media().empty() && !scene.media().front()->info().sharesAll &&
       scene.media().front()->info().times.size() > 1 && !arguments.given("time") &&
       !arguments.given("frames")) {
     return fail(
@@ -223,56 +236,18 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
         "--by-pieces: ranks do not look for a time that has something to see; add --time or "
         "--frames");
   }
-  const FrameRequest request = requestOf(arguments, target);
-  VOLUTE_ASSIGN(auto frames, framesOf(arguments, scene, request, context.progress));
-  VOLUTE_ASSIGN(auto seen, chooseCamera(arguments, scene, context.progress));
-  VOLUTE_TRY(checkPictureMemory(seen.camera, context.maxMemory));
-  VOLUTE_ASSIGN(auto renderer, rendererOf(arguments, together));
-  VOLUTE_ASSIGN(auto contour, contourOf(arguments, scene));
-  const RenderOptions options = renderOptions(arguments, scene);
-  const double rate = framesPerSecond(scene, request, frames);
-  const SceneMedium* leader = leaderOf(scene);
-  const FrameScale scale = leader ? leader->info().frameScale : FrameScale{};
-  const bool captioned = !scene.isFile() && scene.media().front()->info().captioned &&
-                         options.aov == Aov::kNone && !arguments.flag("no-legend");
-  const bool legend = arguments.flag("legend") || captioned;
-  FilmJob job{std::move(scene),
-              seen.camera,
-              options,
-              std::move(renderer),
-              arguments.get<std::string>("renderer") == "auto",
-              std::move(frames),
-              rate,
-              scale,
-              std::move(contour),
-              arguments.get<std::string>("volume-method") == "tree",
-              legend};
-  job.totals = std::move(totals);
-  job.orbitCentre =
-      seen.description ? seen.description->view.target : Vec3(job.scene.bounds().centre());
-  job.way = std::move(seen.description);
-  job.layers = std::move(layers);
-  job.together = together;
+  VOLUTE_ASSIGN(job.contour, contourOf(arguments, scene));
+  VOLUTE_TRY(namingOptions(prepare(job, request, context.maxMemory, context.progress), arguments));
+  if (!job.reason.empty())
+    context.progress.remark(job.reason + "; --time or --frames choose others");
+  remarkOnCamera(job, context.progress);
+  VOLUTE_ASSIGN(job.renderer, rendererOf(arguments, job.together));
+  job.mayFallBack = arguments.get<std::string>("renderer") == "auto";
+  job.tree = arguments.get<std::string>("volume-method") == "tree";
   VOLUTE_TRY(ofOption("by-pieces", checkTogether(job)));
-  job.orbit = arguments.find<double>("orbit").value_or(0) * std::numbers::pi / 180;
-  job.measured = isMeasured(arguments);
   VOLUTE_TRY(takePartial(arguments, context.team.size(), job));
-  if (!job.measured && !job.contour)
-    job.samples = arguments.get<int>("samples");
   VOLUTE_TRY(scaleContour(job, context.progress, context.team));
   return job;
-}
-
-/// 0 stands for auto.
-Result<double> exposureOf(const Arguments& arguments) {
-  const auto text = arguments.get<std::string>("exposure");
-  if (text == "auto")
-    return 0;
-  const auto number = parseNumber(text);
-  if (number && *number > 0)
-    return *number;
-  return fail(ErrorCode::kInvalidArgument,
-              "--exposure: '{}' is neither auto nor a number greater than 0", text);
 }
 
 /// What makes light visible, and nothing else, is for pictures that measure nothing.
@@ -295,46 +270,6 @@ Status refuseInMeasured(const Arguments& arguments) {
   return {};
 }
 
-PictureStyle styleOf(const Arguments& arguments, const FilmJob& job) {
-  PictureStyle style;
-  if (isMeasured(arguments))
-    return style;
-  style.dither = true;
-  style.glow = arguments.find<double>("bloom").value_or(0);
-  const auto tone = arguments.get<std::string>("tone");
-  const bool plain =
-      measuresLight(job.scene) || job.contour || job.scene.law().mode == PictureMode::kThreshold;
-  if (tone == "filmic" || (tone == "auto" && !plain))
-    style.tone = ToneCurve::kFilmic;
-  if (tone == "agx")
-    style.tone = ToneCurve::kAgx;
-  return style;
-}
-
-Result<Development> developmentOf(const Arguments& arguments, const FilmJob& job) {
-  Development development;
-  development.style = styleOf(arguments, job);
-  VOLUTE_ASSIGN(development.style.exposure, exposureOf(arguments));
-  const auto map = arguments.get<std::string>("colormap");
-  if (map == "grey")
-    return development;
-  if (job.options.aov == Aov::kNone) {
-    for (const auto& medium : job.scene.media()) {
-      if (medium->info().channels == 1)
-        continue;
-      return fail(
-          ErrorCode::kInvalidArgument,
-          "--colormap is for volumes with one channel and for --aov; {}",
-          medium->info().measured ? "this shows " + medium->info().kind : "this one is RGB");
-    }
-    if (!job.scene.geometry().empty())
-      return fail(ErrorCode::kInvalidArgument,
-                  "--colormap is for volumes with one channel and for --aov; this shows surfaces");
-  }
-  development.colorMap = map == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;
-  return development;
-}
-
 Status checkRenderTargets(const Arguments& arguments, const std::string& target) {
   if (!isPicturePath(target) && !isFilmPath(target)) {
     return fail(ErrorCode::kInvalidArgument,
@@ -351,8 +286,9 @@ Status runRender(const Arguments& arguments, Context& context) {
   VOLUTE_TRY(refuseInMeasured(arguments));
   if (!isFilmPath(target))
     VOLUTE_TRY(checkFolderIsShared(target, context.team));
-  VOLUTE_ASSIGN(auto job, makeJob(arguments, target, context));
-  VOLUTE_ASSIGN(auto development, developmentOf(arguments, job));
+  VOLUTE_ASSIGN(const auto request, requestOf(arguments, target));
+  VOLUTE_ASSIGN(auto job, makeJob(arguments, target, request, context));
+  VOLUTE_ASSIGN(auto development, namingOptions(developmentOf(request, job), arguments));
   VOLUTE_TRY(
       writeFilm(job, target, development, context.maxMemory, context.progress, context.team));
   VOLUTE_ASSIGN(const auto stats, sumOfFilmStats(job, context.team));
@@ -518,7 +454,7 @@ Command renderCommand() {
           "--frames, a film or a pattern shows all frames; a single still shows the first frame "
           "with visible content, for an FDS case a time with smoke in its rooms, for a scene 0 s.",
       .positionals = {{.name = "FILE",
-                       .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh "
+                       .help = "a volume (.volute, .npy, .npz, .vdb, .vti, .pvd), smoke on a mesh "
                                "(.vtu, .vtk, .pvd, .case, .e, "
                                ".foam), an FDS case (.smv) or a scene (.json)"}},
       .options = renderOptionTable(),

@@ -72,7 +72,7 @@ Command viewCommand() {
           "frame without a display, once everything is loaded.",
       .positionals =
           {{.name = "FILE",
-            .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh (.vtu, "
+            .help = "a volume (.volute, .npy, .npz, .vdb, .vti, .pvd), smoke on a mesh (.vtu, "
                     ".vtk, .pvd, .case, .e, .foam), an FDS case (.smv), a map of fog (.png, "
                     ".exr), a capture or a scene (.json); without one, drop it on the window",
             .optional = true}},

@@ -116,7 +116,7 @@ class FdsKind final : public MediumKind {
       return std::shared_ptr<SceneMedium>(std::move(medium));
     }
     RemarkLog heard(context.reading.progress);
-    Reading reading{heard, context.reading.maxMemory};
+    Reading reading = context.reading.with(heard);
     VOLUTE_ASSIGN(auto layer, FdsLayer::open(smoke, context.lights, blocksOf(context.geometry),
                                              reading, context.options.holders));
     auto medium = std::make_shared<FdsSceneMedium>(std::move(layer));

@@ -38,7 +38,7 @@ class FogKind final : public MediumKind {
       medium->remarks = before->remarks;
     } else {
       RemarkLog heard(context.reading.progress);
-      Reading reading{heard, context.reading.maxMemory};
+      Reading reading = context.reading.with(heard);
       VOLUTE_ASSIGN(auto layer, FogLayer::open(fog, suns, reading));
       medium = std::make_shared<FogSceneMedium>(std::move(layer));
       medium->remarks = heard.remarks();

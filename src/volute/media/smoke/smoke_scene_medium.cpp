@@ -124,7 +124,7 @@ class SmokeKind final : public MediumKind {
     VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, {context.file, context.path}));
     const auto lighting = lightingOf(context);
     RemarkLog heard(context.reading.progress);
-    Reading reading{heard, context.reading.maxMemory};
+    Reading reading = context.reading.with(heard);
     const auto before = context.take<SmokeSceneMedium>([&](const SmokeSceneMedium& other) {
       return SmokeLayer::readsTheSame(other.layer().description(), smoke);
     });

@@ -186,7 +186,7 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
   VOLUTE_ASSIGN(auto second, openVolume(b, optionsFor(b), reading));
   const VolumeInfo& infoA = first.source->info();
   const VolumeInfo& infoB = second.source->info();
-  const bool placed = extensionOf(a) != ".npy" && extensionOf(b) != ".npy" && !options.bounds;
+  const bool placed = !isNumpyPath(a) && !isNumpyPath(b) && !options.bounds;
   if (placed && (infoA.x != infoB.x || infoA.y != infoB.y || infoA.z != infoB.z))
     align(first.source, {}, second.source, {});
   VolumeComparison comparison;

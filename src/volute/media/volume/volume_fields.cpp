@@ -97,13 +97,13 @@ const FieldTable& volumeFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "file", .type = kFile, .access = member<&SceneVolume::file>(),
-       .help = "a volume: .volute, .npy, .vdb, .vti, .pvd or .smv, or a pattern or folder of "
+       .help = "a volume: .volute, .npy, .npz, .vdb, .vti, .pvd or .smv, or a pattern or folder of "
        "numbered files", .required = true},
       {.name = "field", .type = kText,
        .access = member<&SceneVolume::input, &InputOptions::grid>(),
        .help = "grid or field of a file with several", .otherName = "grid", .option = {"NAME"}},
       {.name = "bounds", .type = kRows, .access = customMember<SceneVolume, boundsOf, setBounds>(),
-       .help = "two corners, the minimum first: states the extent of a .npy, crops or pads others",
+       .help = "two corners, the minimum first: states the extent of a .npy or .npz, crops or pads others",
        .unit = "m",
        .option = {"X0,Y0,Z0,X1,Y1,Z1"}},
       emissionField<&SceneVolume::appearance>(),

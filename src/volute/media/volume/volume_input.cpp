@@ -8,6 +8,7 @@
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/media/volume/fds_input.hpp"
+#include "volute/media/volume/memory_volumes.hpp"
 
 namespace volute {
 namespace {
@@ -24,6 +25,11 @@ Status refuseVolumeOptions(const std::string& path, const InputOptions& options)
 
 bool isVolutePath(const std::string& path) {
   return extensionOf(path) == ".volute";
+}
+
+bool isNumpyPath(const std::string& path) {
+  const std::string extension = extensionOf(path);
+  return extension == ".npy" || extension == ".npz";
 }
 
 std::string integrityText(const Integrity& integrity, const VoluteReader& reader) {
@@ -89,6 +95,21 @@ namespace {
 Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& options,
                                  Reading& reading) {
   VolumeInput input;
+  if (reading.volumes)
+    input.source = reading.volumes->open(path);
+  if (input.source) {
+    const std::string& name = input.source->info().name;
+    if (!options.grid.empty() && options.grid != name) {
+      return fail(ErrorCode::kNotFound, "{}: holds '{}' alone, and no '{}'", path, name,
+                  options.grid);
+    }
+    if (options.bounds) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: a volume in memory has its bounds from who made it; leave them out here",
+                  path);
+    }
+    return input;
+  }
   if (!options.raw && isVolutePath(path)) {
     VOLUTE_TRY(refuseVolumeOptions(path, options));
     VOLUTE_ASSIGN(input.reader, openGrid(path, options, reading));
@@ -102,7 +123,8 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
   }
   if (!options.raw && isPicturePath(path)) {
     return fail(ErrorCode::kUnsupported,
-                "{}: this is a picture; expected a volume: .volute, .npy, .vdb, .vti, .pvd or .smv",
+                "{}: this is a picture; expected a volume: .volute, .npy, .npz, .vdb, .vti, "
+                ".pvd or .smv",
                 path);
   }
   SourceOptions source;

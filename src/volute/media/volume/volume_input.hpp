@@ -51,6 +51,9 @@ std::string integrityText(const Integrity& integrity, const VoluteReader& reader
 /// By the name's end: .volute.
 bool isVolutePath(const std::string& path);
 
+/// By the name's end: .npy or .npz, which state no bounds.
+bool isNumpyPath(const std::string& path);
+
 /// Remarks on files beside the sequence that look like a part of it and are not.
 void remarkOnFiles(const std::string& path, Reading& reading);
 

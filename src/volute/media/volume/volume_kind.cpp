@@ -53,7 +53,7 @@ Result<std::shared_ptr<VolumeMedium>> volumeOf(const std::string& file, InputOpt
   if (before)
     return before->with(appearance);
   RemarkLog heard(context.reading.progress);
-  Reading reading{heard, context.reading.maxMemory};
+  Reading reading = context.reading.with(heard);
   VOLUTE_ASSIGN(auto layer, VolumeLayer::open(file, input, appearance, reading));
   auto medium = std::make_shared<VolumeMedium>(std::move(layer));
   medium->remarks = heard.remarks();
@@ -74,7 +74,7 @@ class VolumeKind final : public MediumKind {
                   readAs<SceneVolume>(volumeFields(), entry, {context.file, context.path}));
     const FieldOrigin origin{context.file, context.path};
     RemarkLog heard(context.reading.progress);
-    Reading reading{heard, context.reading.maxMemory};
+    Reading reading = context.reading.with(heard);
     InputOptions input = volume.input;
     input.partial = context.options.partial, input.verify = context.options.verify;
     const bool said = entry.contains("preset") || entry.contains("emission");

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "volute/io/volume_source.hpp"
+#include "volute/media/volume/memory_volumes.hpp"
 #include "volute/media/volume/volume_grids.hpp"
 
 namespace volute {
@@ -131,7 +132,7 @@ class Grids {
     Grids grids(path, input, reading);
     InputOptions first = input;
     Progress quiet;
-    Reading silent{quiet, reading.maxMemory};
+    Reading silent = reading.with(quiet);
     auto found = openVolume(path, first, silent);
     const auto unclear = [&] {
       return !found && input.grid.empty() &&
@@ -205,7 +206,7 @@ class Grids {
     InputOptions one = input_;
     one.grid = name;
     Progress quiet;
-    Reading silent{quiet, reading_.maxMemory};
+    Reading silent = reading_.with(quiet);
     auto other = openVolume(path_, one, silent);
     if (!other && other.error().code == ErrorCode::kInvalidData)
       return GridRange();  // nothing is active in it
@@ -218,10 +219,12 @@ class Grids {
   Grids(const std::string& path, const InputOptions& input, Reading& reading)
       : path_(path), input_(input), reading_(reading) {}
 
-  /// A .npy has no names, and a .volute of one says "density" of whatever it holds.
+  /// A .npy has no names, nor has an array without one in a .npz or in memory, and a .volute of one
+  /// says "density" of whatever it holds.
   bool isNamed(const std::string& path) const {
     std::error_code error;
-    if (extensionOf(path) == ".npy" ||
+    const bool nameless = isNumpyPath(path) || MemoryVolumes::isName(path);
+    if ((nameless && info().name == VolumeInfo().name) ||
         (std::filesystem::is_directory(path, error) && volumesIn(path).value_or(".vdb") == ".npy"))
       return false;
     const std::string file = lower(std::filesystem::path(path).stem().string());

@@ -3,6 +3,7 @@
 #include "volute/media/volume/volume_writer.hpp"
 
 #include "volute/grid/copy_frames.hpp"
+#include "volute/grid/rounding_source.hpp"
 #include "volute/media/volume/grid_compression.hpp"
 #include "volute/media/volume/volume_extraction.hpp"
 
@@ -10,7 +11,7 @@ namespace volute {
 namespace {
 
 /// A source that somebody else owns.
-class BorrowedSource final : public FrameSource {
+class BorrowedSource final : public RoundingSource {
  public:
   explicit BorrowedSource(FrameSource& source) : source_(source) {}
 
@@ -19,6 +20,8 @@ class BorrowedSource final : public FrameSource {
   Status readFrame(int index, std::span<float> values) override {
     return source_.readFrame(index, values);
   }
+
+  double rounding() const override { return roundingOf(source_); }
 
  private:
   FrameSource& source_;

@@ -1,0 +1,285 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""What callers give: numbers, and volumes as arrays of any kind."""
+import logging
+import os
+import tempfile
+
+import numpy as np
+
+from . import _core
+from ._volume import Frames, _bytes
+
+_log = logging.getLogger("volute")
+_METRES = {"m": 1, "metre": 1, "metres": 1, "meter": 1, "meters": 1, "km": 1e3, "cm": 1e-2, "mm": 1e-3}
+_SECONDS = {"s": 1, "sec": 1, "second": 1, "seconds": 1, "ms": 1e-3, "min": 60, "minutes": 60, "h": 3600, "hours": 3600}
+#: names of dimensions, in the order of an array's axes
+_AXES = {"t": ("t", "time"), "z": ("z", "height", "altitude"), "y": ("y",), "x": ("x",), "c": ("c", "channel", "rgb", "component")}
+
+
+def number(what, value, hint=""):
+    """A real number, of Python or NumPy."""
+    try:
+        if isinstance(value, (str, bytes, bool, np.bool_)):
+            raise TypeError
+        return float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{what}={value!r}: expected a number{hint}") from None
+
+
+def whole(what, value):
+    """A whole number, of Python or NumPy."""
+    if isinstance(value, (bool, np.bool_)) or number(what, value) != int(value):
+        raise TypeError(f"{what}={value!r}: expected a whole number")
+    return int(value)
+
+
+def corners(bounds):
+    """((x0, y0, z0), (x1, y1, z1)) as lists; None stays."""
+    if bounds is None:
+        return None
+    try:
+        return np.asarray(unmasked(bounds, "bounds"), float).reshape(2, 3).tolist()
+    except (TypeError, ValueError):
+        raise ValueError(f"bounds={bounds!r}: expected ((x0, y0, z0), (x1, y1, z1))") from None
+
+
+def unmasked(values, what):
+    """The values as an array. Masked ones have no meaning here, and what is stored in their place must not become data."""
+    values = np.asanyarray(values)
+    if isinstance(values, np.ma.MaskedArray):
+        masked = int(np.ma.count_masked(values))
+        if masked:
+            raise ValueError(f"{what}: {masked} of {values.size} values are masked, and files have no masks; fill them with a value that "
+                             "stands for them first: array.filled(0)")
+    return np.asarray(values)
+
+
+def reals(values, what="the array"):
+    """(array, rounding): the values as real numbers of up to 64 bits, and how far these are at most from them."""
+    values = unmasked(values, what)
+    if values.dtype.kind not in "fiub":
+        hint = {"c": "; take their magnitude (abs) or real part", "O": "; convert them: array.astype(float)", "V": "; take one of the fields"}
+        raise TypeError(f"{what}: values of type {values.dtype}; expected real numbers{hint.get(values.dtype.kind, '')}")
+    if values.dtype.itemsize <= 8:
+        return values, 0.0
+    doubles = values.astype(np.float64)
+    finite = np.isfinite(doubles)
+    return doubles, float(np.max(np.abs(values - doubles)[finite], initial=0))
+
+
+def five_axes(shape):
+    """(t, z, y, x, c) of what an array has: (z,y,x), (t,z,y,x) or (t,z,y,x,c)."""
+    shape = tuple(int(n) for n in shape)
+    if len(shape) == 3:
+        shape = (1,) + shape
+    if len(shape) == 4:
+        shape += (1,)
+    if len(shape) != 5 or shape[4] not in (1, 3) or 0 in shape:
+        raise ValueError(f"the array has shape {tuple(shape)}; expected (z, y, x), (t, z, y, x) or (t, z, y, x, c) with 1 or 3 channels, "
+                         "none of them empty")
+    return shape
+
+
+def _coordinate(array, dimension):
+    """(numbers, unit) of a dimension's coordinate; None: it has none."""
+    if dimension not in array.coords:
+        return None
+    coordinate = array.coords[dimension]
+    return np.asarray(getattr(coordinate, "values", coordinate)), getattr(coordinate, "attrs", {}).get("units", "")
+
+
+def _edges(dimension, places, unit):
+    """The outer faces of voxels with these centres [m], and how far they are apart; None: unknown."""
+    if places.dtype.kind not in "fiu" or places.ndim != 1:
+        raise ValueError(f"coordinate '{dimension}' is of type {places.dtype}; expected numbers in metres, or give bounds")
+    if unit and unit not in _METRES:
+        raise ValueError(f"coordinate '{dimension}' is in '{unit}'; expected metres, or give bounds")
+    places = places.astype(float) * _METRES.get(unit, 1)
+    if len(places) == 1:
+        return places[0], places[0], None
+    steps = np.diff(places)
+    step = (places[-1] - places[0]) / (len(places) - 1)
+    rounding = 1e-3 * abs(step) + 1e-6 * np.abs(places).max()
+    if not np.all(np.abs(steps - step) <= rounding) or step == 0:
+        raise ValueError(f"coordinate '{dimension}' is not evenly spaced ({np.abs(steps).min():.4g} to {np.abs(steps).max():.4g} m apart); "
+                         "interpolate the array to even voxels, or give bounds")
+    low, high = sorted((places[0], places[-1]))
+    return low, high, abs(step)
+
+
+def _bounds(array, names):
+    edges = {}
+    for axis in "xyz":
+        coordinate = _coordinate(array, names[axis])
+        if coordinate is not None:
+            edges[axis] = _edges(names[axis], *coordinate)
+    if not edges:
+        return None
+    missing = [names[axis] for axis in "xyz" if axis not in edges]
+    if missing:
+        raise ValueError(f"there are coordinates, but none of {' and '.join(missing)}; add them, or give bounds")
+    steps = [step for _, _, step in edges.values() if step]
+    halves = [(edges[axis][2] or min(steps, default=1.0)) / 2 for axis in "xyz"]
+    digits = 12 - int(np.floor(np.log10(min(halves))))  # those beyond are of sums
+    return [[round(float(edges[axis][side] + sign * half), digits) for axis, half in zip("xyz", halves)] for side, sign in ((0, -1), (1, 1))]
+
+
+def _times(array, names):
+    """[s] of each frame; None: unknown."""
+    name = names.get("t") or next((name for name in array.coords if str(name).lower() in _AXES["t"]), None)
+    coordinate = _coordinate(array, name) if name is not None else None
+    if coordinate is None:
+        return None
+    times, unit = np.atleast_1d(coordinate[0]), coordinate[1]
+    if times.dtype.kind == "M":
+        times = times - times[0]
+    if times.dtype.kind == "m":
+        return times / np.timedelta64(1, "s")
+    scale = _SECONDS.get(str(unit).split(" since ")[0], 0 if unit else 1)
+    if times.dtype.kind not in "fiu" or not scale:
+        raise ValueError(f"coordinate '{name}' is of type {times.dtype}{' in ' + repr(unit) if unit else ''}; expected seconds, or give times")
+    return times * float(scale)
+
+
+def labelled(array, given):
+    """(array of axes (t, z, y, x, c), what its labels say) of an xarray.DataArray. `given`: what the caller says in place of labels."""
+    names = {}
+    for dimension in array.dims:
+        axis = next((axis for axis, known in _AXES.items() if str(dimension).lower() in known), None)
+        if axis is None or axis in names:
+            raise ValueError(f"the array has the dimensions {tuple(array.dims)}; expected z, y, x, with t (or time) and c (or channel) if there "
+                             f"are any: rename them, as array.rename({dimension}='x')")
+        names[axis] = dimension
+    missing = [axis for axis in "zyx" if axis not in names]
+    if missing:
+        raise ValueError(f"the array has the dimensions {tuple(array.dims)}, and no {' and '.join(missing)}; add them: "
+                         f"array.expand_dims('{missing[0]}')")
+    ordered = [axis for axis in _AXES if axis in names]
+    data = array.transpose(*(names[axis] for axis in ordered)).data
+    for place, axis in enumerate(ordered):
+        coordinate = _coordinate(array, names[axis]) if axis in "xyz" else None
+        if coordinate is not None and len(coordinate[0]) > 1 and coordinate[0].dtype.kind in "fiu" and coordinate[0][0] > coordinate[0][-1]:
+            data = data[(slice(None),) * place + (slice(None, None, -1),)]
+    if "t" not in names and "c" in names:
+        data = data[np.newaxis]
+    said = {"name": getattr(array, "name", None), "unit": getattr(array, "attrs", {}).get("units")}
+    said["bounds"] = _bounds(array, names) if given.get("bounds") is None else None
+    said["times"] = _times(array, names) if given.get("times") is None else None
+    return data, {key: value for key, value in said.items() if value is not None}
+
+
+def _in_memory(values):
+    """The array behind it, where that is in memory or in a file that is mapped; None: its values are to be computed or fetched."""
+    if isinstance(values, np.ndarray):
+        return values
+    try:
+        return np.asarray(memoryview(values))
+    except TypeError:
+        return None
+
+
+def _slabs(array):
+    """Numbers of frames that come at once at little more cost than one."""
+    count = array.shape[0]
+    chunks = getattr(array, "chunks", None)
+    first = chunks[0] if chunks else 1
+    if isinstance(first, (int, np.integer)):
+        first = [int(first)] * -(-count // int(first))
+    begin = 0
+    for size in first:
+        yield begin, min(begin + int(size), count)
+        begin += int(size)
+
+
+def _pieces(values):
+    """What is computed, fetched or handed over one after the other, as frames of axes (z, y, x[, c])."""
+    if not hasattr(values, "shape") or not hasattr(values, "__getitem__"):
+        try:
+            yield from values
+        except TypeError as error:
+            if "not iterable" not in str(error):
+                raise
+            raise TypeError(f"{values!r}: expected an array of shape (t, z, y, x), or frames") from None
+    elif len(values.shape) == 3:
+        yield _computed(values)
+    else:
+        for begin, end in _slabs(values):
+            yield from _computed(values[begin:end]) if end - begin > 1 else [_computed(values[begin])]
+
+
+def _computed(values):
+    return values.compute() if hasattr(values, "compute") else values
+
+
+def _spool(values, folder):
+    """(array, rounding) of frames that come once, in a file without a name: compression asks for them more than once."""
+    count, shape, rounding = 0, None, 0.0
+    with tempfile.TemporaryFile(dir=folder) as file:
+        for frame in _pieces(values):
+            frame, before = reals(frame, f"frame {count}")
+            if frame.ndim not in (3, 4):
+                raise ValueError(f"frame {count} has shape {frame.shape}; expected (z, y, x) or (z, y, x, c)")
+            if shape is None:
+                shape = frame.shape
+                _log.info("frames are kept in a file without a name in %s, %s each, until the compressed one is written", folder,
+                          _bytes(4 * frame.size))
+            if frame.shape != shape:
+                raise ValueError(f"frame {count} has shape {frame.shape}; those before it have {shape}")
+            floats, after = _core.to_float32(frame)
+            rounding = max(rounding, before + after)
+            floats.tofile(file)
+            count += 1
+        if not count:
+            raise ValueError("there are no frames")
+        file.flush()
+        if 0 in shape:
+            five_axes((count,) + shape)  # says what is wrong
+        return np.memmap(file, np.float32, "r", shape=(count,) + shape), rounding
+
+
+def volume(values, given, folder):
+    """(frames, shape, said, rounding): what _core takes of any volume. `frames`: an array (t, z, y, x, c), or a function that gives
+    each frame; `said`: what the volume says of itself, and `given` in place of it; `rounding` of what _core is given."""
+    said = {}
+    if isinstance(values, Frames):
+        said = {key: getattr(values, key) for key in ("bounds", "times", "frame_numbers", "name", "unit", "basis")}
+        frames, shape, rounding = values.__getitem__, five_axes(values.shape), 0.0
+    else:
+        if hasattr(values, "data_vars"):
+            raise TypeError(f"a Dataset has several arrays; give one of {', '.join(map(repr, values.data_vars))}: dataset[name]")
+        if hasattr(values, "dims") and hasattr(values, "coords"):
+            values, said = labelled(values, given)
+        array = _in_memory(values)
+        if array is None:
+            array, rounding = _spool(values, folder)
+            shape = five_axes(array.shape)
+        else:
+            shape = five_axes(array.shape)
+            array, rounding = reals(array)
+        frames = array[np.newaxis] if array.ndim == 3 else array
+        frames = frames[..., np.newaxis] if frames.ndim == 4 else frames
+    said.update((key, value) for key, value in given.items() if value is not None)
+    for key, convert in (("times", float), ("frame_numbers", int)):
+        if key not in said:
+            continue
+        said[key] = [convert(one) for one in unmasked(said[key], key)]
+        if len(said[key]) != shape[0]:
+            raise ValueError(f"{key}: {len(said[key])} of them for {shape[0]} frames")
+    for key in ("name", "unit"):
+        said[key] = str(said.get(key) or "")
+    said["bounds"] = corners(said.get("bounds"))
+    if said.get("basis") not in (None, "box", "trilinear", "cubic"):
+        raise ValueError(f"basis={said['basis']!r}: expected 'box', 'trilinear' or 'cubic'")
+    return frames, shape, said, rounding
+
+
+def plain(value):
+    """A default of json.dumps: NumPy's numbers and arrays as the numbers that they are, paths as text."""
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray):
+        return unmasked(value, "an array in a scene").tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise TypeError(f"{value!r} is of type {type(value).__name__}; scenes have numbers, texts, lists and dicts")

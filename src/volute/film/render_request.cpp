@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/film/render_request.hpp"
+
+#include <numbers>
+#include <utility>
+
+#include "volute/film/write_film.hpp"
+#include "volute/media/medium_kind.hpp"
+#include "volute/scene/kinds.hpp"
+#include "volute/scene/picture_camera.hpp"
+
+namespace volute {
+namespace {
+
+PictureStyle styleOf(const RenderRequest& request, const FilmJob& job) {
+  PictureStyle style;
+  style.exposure = request.exposure;
+  if (job.measured)
+    return style;
+  style.dither = true;
+  style.glow = request.bloom;
+  const bool plain =
+      measuresLight(job.scene) || job.contour || job.scene.law().mode == PictureMode::kThreshold;
+  style.tone = request.tone.value_or(plain ? ToneCurve::kNone : ToneCurve::kFilmic);
+  return style;
+}
+
+}  // namespace
+
+void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions& options) {
+  options.files.measured = use.measured;
+  options.files.byTree = use.tree;
+  if (!use.depth || isScenePath(path) || options.members.contains("extinction"))
+    return;
+  registerUsualMedia();
+  // Fire does not absorb by default; an optical depth of nothing would say nothing.
+  if (mediumKindOf(path, true)->fields().find("extinction"))
+    options.members["extinction"] = 1;
+}
+
+Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemory,
+               Progress& progress) {
+  VOLUTE_ASSIGN(auto chosen, chooseFrames(request.frames, job.scene, progress));
+  job.frames = std::move(chosen.frames);
+  job.reason = std::move(chosen.reason);
+  VOLUTE_ASSIGN(auto seen, pictureCamera(job.scene, request.camera, request.size, request.up));
+  VOLUTE_TRY(checkPictureMemory(seen.camera, maxMemory));
+  job.camera = seen.camera;
+  job.options = {};
+  job.options.background = request.background.value_or(job.scene.description().background);
+  job.options.aov = request.aov;
+  job.framesPerSecond = framesPerSecond(job.scene, request.frames, job.frames);
+  const SceneMedium* leader = leaderOf(job.scene);
+  job.frameScale = leader ? leader->info().frameScale : FrameScale{};
+  const auto media = job.scene.media();
+  const bool captioned = !job.scene.isFile() && !media.empty() && media.front()->info().captioned &&
+                         request.aov == Aov::kNone;
+  job.legend = request.legend.value_or(captioned);
+  job.orbit = request.frames.orbit.value_or(0) * std::numbers::pi / 180;
+  job.orbitCentre =
+      seen.description ? seen.description->view.target : Vec3(job.scene.bounds().centre());
+  job.way = std::move(seen.description);
+  job.measured = request.measured || request.aov != Aov::kNone;
+  job.samples = job.measured || job.contour ? 1 : request.samples;
+  return {};
+}
+
+Result<Development> developmentOf(const RenderRequest& request, const FilmJob& job) {
+  Development development;
+  development.style = styleOf(request, job);
+  development.colorMap = request.colors;
+  if (!request.colors || job.options.aov != Aov::kNone)
+    return development;
+  for (const auto& medium : job.scene.media()) {
+    if (medium->info().channels == 1)
+      continue;
+    return fail(ErrorCode::kInvalidArgument,
+                "colormap: is for volumes with one channel and for optical depths; {}",
+                medium->info().measured ? "this shows " + medium->info().kind : "this one is RGB");
+  }
+  if (!job.scene.geometry().empty()) {
+    return fail(ErrorCode::kInvalidArgument,
+                "colormap: is for volumes with one channel and for optical depths; this shows "
+                "surfaces");
+  }
+  return development;
+}
+
+Result<Image> linearPicture(FilmJob& job, const Development& development, Progress& progress) {
+  job.style = development.style;
+  if (job.style.exposure == 0)
+    job.style.exposure = 1;
+  return job.picture(job.frames.front(), progress);
+}
+
+Result<Image> visiblePicture(FilmJob& job, Development& development, Progress& progress) {
+  if (development.style.exposure == 0) {
+    VOLUTE_ASSIGN(development.style.exposure, usualExposure(job, development.style.tone, progress));
+  }
+  VOLUTE_ASSIGN(const Image image, linearPicture(job, development, progress));
+  return developed(image, development, job.textOf(job.frames.front()));
+}
+
+}  // namespace volute
