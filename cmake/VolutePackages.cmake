@@ -64,12 +64,14 @@ macro(volute_deb name section summary text)
           DESTINATION share/doc/${name} COMPONENT ${first})
 endmacro()
 
+# What is loaded when it is first needed, and so seen by no dpkg-shlibdeps: libepoxy looks for these, which look for a driver.
+set(openGl libegl1 libgl1 libgl1-mesa-dri)
 set(idea "Volute measures, compresses, renders and looks through semi-transparent media:\nfire and smoke from cameras or simulations, and painted fog.")
 volute_deb(libvolute-core0 libs "volumes in .volute files: library without pictures"
   "${idea}\nThis library reads and writes .volute files, holds volumes of voxels in memory,\nand reads results of the Fire Dynamics Simulator."
   COMPONENTS core LIBRARIES libvolute-core)
 volute_deb(libvolute0 libs "fire, smoke and fog: library" "${idea}\nThis is all of the library, for C++ and for C."
-  COMPONENTS shared c LIBRARIES libvolute libvolute_c RECOMMENDS fonts-dejavu-core "volute-vdb (= ${full})")
+  COMPONENTS shared c LIBRARIES libvolute libvolute_c RECOMMENDS fonts-dejavu-core ${openGl} "volute-vdb (= ${full})")
 volute_deb(libvolute-dev libdevel "fire, smoke and fog: headers and static libraries"
   "${idea}\nThis package has what C++ and C programs are built with."
   COMPONENTS headers library shared-dev
@@ -78,10 +80,10 @@ volute_deb(libvolute-dev libdevel "fire, smoke and fog: headers and static libra
   SUGGESTS volute-doc)
 volute_deb(volute graphics "fire, smoke and fog: the command"
   "${idea}\nThe command compresses volumes, reconstructs them from pictures, renders\nscenes and says from where exit signs are still seen."
-  COMPONENTS command gltf RECOMMENDS fonts-dejavu-core fuse3 "volute-view (= ${full})" "volute-vdb (= ${full})" "volute-video (= ${full})"
+  COMPONENTS command gltf RECOMMENDS fonts-dejavu-core fuse3 ${openGl} "volute-view (= ${full})" "volute-vdb (= ${full})" "volute-video (= ${full})"
   SUGGESTS "volute-vtk (= ${full})" volute-doc)
 volute_deb(volute-view graphics "fire, smoke and fog: the viewer" "${idea}\nThis is the window that volute view opens."
-  COMPONENTS viewer DEPENDS "volute (= ${full})")
+  COMPONENTS viewer DEPENDS "volute (= ${full})" ${openGl})
 volute_deb(volute-vdb graphics "fire, smoke and fog: OpenVDB files" "${idea}\nThis plug-in reads and writes OpenVDB files; volute mount shows .volute files\nas a folder of them."
   COMPONENTS vdb mount DEPENDS "volute (= ${full})" RECOMMENDS fuse3)
 volute_deb(volute-vtk graphics "fire, smoke and fog: VTK, EnSight, Exodus, OpenFOAM" "${idea}\nThis plug-in reads meshes and lattices of CFD programs."
@@ -90,7 +92,7 @@ volute_deb(volute-video graphics "fire, smoke and fog: films" "${idea}\nThis plu
   COMPONENTS video DEPENDS "volute (= ${full})")
 if(TARGET volute_mpi)
   volute_deb(volute-mpi graphics "fire, smoke and fog: many machines" "${idea}\nThis plug-in lets mpirun share a command's work between machines."
-    COMPONENTS mpi DEPENDS "volute (= ${full})")
+    COMPONENTS mpi DEPENDS "volute (= ${full})" RECOMMENDS openmpi-bin)
 endif()
 if(TARGET volute-python)
   string(REGEX MATCH "[0-9]+$" minor ${VOLUTE_PYTHON_VERSION})

@@ -32,6 +32,30 @@ int main() {
 """
 
 
+# What a program sees of types that hold Eigen's, and what the library has written into them.
+LAYOUT = """
+#include <cstdio>
+
+#include <volute/volute.hpp>
+
+int main() {
+  const auto camera = volute::Camera::framing({volute::Vec3::Zero(), volute::Vec3::Ones()}, 64, 48);
+  std::printf("%zu %zu %zu %zu: %g %g\\n", sizeof(volute::Camera), sizeof(volute::SceneGeometry), alignof(volute::SceneGeometry),
+              sizeof(volute::SightField), camera.principalPoint().x(), camera.principalPoint().y());
+  const char* json = R"({"format": "volute-scene-1", "geometry": [{"file": "a.obj", "transform": [1,0,0,2, 0,1,0,3, 0,0,1,4, 0,0,0,1]}],
+                         "media": [], "camera": {"eye": [0, -5, 1], "target": [0, 0, 1], "fov": 40}})";
+  volute::Progress quiet;
+  double sum = 0;
+  for (int i = 0; i < 50; ++i) {  // on a heap whose blocks are not aligned to 32 bytes
+    const auto scene = volute::Scene::make(nlohmann::ordered_json::parse(json, nullptr, false), "scene.json", {}, quiet);
+    if (!scene) return std::puts(scene.error().message.c_str());
+    for (const auto& geometry : scene->description().geometry) sum += geometry.transform.sum();
+  }
+  std::printf("%g\\n", sum);
+}
+"""
+
+
 def run(*command, **more):
     return subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                           **({"cwd": FOLDER} | more))
@@ -171,6 +195,19 @@ class Install(unittest.TestCase):
                 outer = re.search(r"volute::((?:detail::)?\w+)", name)[1].split("::")[-1]
                 self.assertTrue(outer in words, f"{library} shows {name}, and no installed header has {outer}")
 
+    def test_as_a_folder_of_another_project(self):
+        folder = project("outer", f"""enable_language(C)
+add_subdirectory({SOURCE} volute EXCLUDE_FROM_ALL)
+add_executable(mine main.cpp)
+target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
+        result = configure(folder, FOLDER / "outer_build", "-DVOLUTE_TESTS=OFF", "-DVOLUTE_BENCH=OFF", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON",
+                           "-DVOLUTE_WITH_PYTHON=OFF")
+        self.assertEqual(result.returncode, 0, result.stdout)
+        commands = (FOLDER / "outer_build/compile_commands.json").read_text()
+        self.assertIn(f"-I{SOURCE}/include", commands)
+        links = self.works("ninja", "-C", FOLDER / "outer_build", "-t", "query", "mine")
+        self.assertIn("libvolute_scene.a", links)
+
     def test_a_part_looks_for_what_it_needs_alone(self):
         folder = project("part", "find_package(volute 0.2 REQUIRED COMPONENTS codec)\n"
                          "if(TARGET PNG::PNG OR TARGET nlohmann_json::nlohmann_json OR TARGET embree OR NOT TARGET volute::codec)\n"
@@ -198,6 +235,31 @@ class Install(unittest.TestCase):
             library = next(PREFIX.rglob("libvolute.so.0")).parent
             self.assertIn("4 of 24 blocks were decoded", self.works(f"./{name}", env=os.environ | {"LD_LIBRARY_PATH": str(library)}))
 
+    def test_programs_with_other_flags_of_the_compiler(self):
+        """Types of the headers are laid out as in the library whatever a program is compiled with, or the compiler refuses."""
+        library = next(PREFIX.rglob("libvolute.so.0")).parent
+        environment = os.environ | {"PKG_CONFIG_PATH": str(next(PREFIX.rglob("volute.pc")).parent), "LD_LIBRARY_PATH": str(library)}
+        flags = self.works("pkg-config", "--cflags", "volute", env=environment).split()
+        libraries = self.works("pkg-config", "--libs", "volute", env=environment).split()
+        (self.work / "layout.cpp").write_text(LAYOUT)
+        (self.work / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        cpu = pathlib.Path("/proc/cpuinfo").read_text()
+        ways = [("g++", [], True), ("g++", ["-march=native"], True), ("g++", ["-mavx"], " avx " in cpu), ("g++", ["-mavx512f", "-DEIGEN_DONT_VECTORIZE"], " avx512f " in cpu),
+                ("g++", ["-fno-rtti", "-fno-exceptions"], True), ("clang++-19", ["-march=native", "-std=c++23"], True)]
+        said = {}
+        for compiler, more, runs in ways:
+            if shutil.which(compiler):
+                self.works(compiler, *flags, *more, "layout.cpp", *libraries, "-o", "layout")
+                if runs:
+                    said[compiler, *more] = self.works("./layout", env=environment)
+        self.assertEqual(set(said.values()), {said["g++",]}, said)
+        self.assertIn(": 32 24\n", said["g++",])
+        self.assertIn(f"\n{50 * (4 + 2 + 3 + 4)}\n", said["g++",])
+        for macro, refusal in [("EIGEN_DONT_ALIGN", "EIGEN_DONT_ALIGN are both defined"), ("EIGEN_DEFAULT_TO_ROW_MAJOR", "column-major")]:
+            result = run("g++", *flags, f"-D{macro}", "-fsyntax-only", "layout.cpp", cwd=self.work)
+            self.assertNotEqual(result.returncode, 0)
+            self.assertIn(refusal, result.stdout)
+
     def test_in_c_alone(self):
         """By compilers that know no C++, from the shared library, which shows what its header says and nothing else."""
         library = next(PREFIX.rglob("libvolute_c.so.0"))
@@ -217,6 +279,11 @@ class Install(unittest.TestCase):
             said = self.works(build / "example_c", env=environment)
             self.assertIn("there is no frame 3; there are 3", said)
             self.assertIn("20 s: optical depth 6.00 in the smoke, 0.00 above it", said)
+            self.assertRegex(self.works(build / "example_c_picture", env=environment), r"^[1-9]\d* reports; then: .*stopped|cancel")
+            picture = (self.work / "picture.ppm").read_bytes()
+            self.assertGreater(len(set(picture[-3 * 320 * 240:])), 20)
+            self.works(build / "example_c_picture", "smoke.volute", env=environment)
+            self.assertNotEqual((self.work / "picture.ppm").read_bytes(), picture)
 
     def test_threads_of_c(self):
         self.example(2)

@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fails when what is installed of the headers is not docs/public_headers.txt: `check_headers.py ROOT [--update]`.
 
-Public are the headers that include/volute/volute.hpp names, and OpenGL's renderer; with them goes what they include. A header that
-users have not seen before is a line of a commit (`--update` writes it), not something that an `#include` brought along."""
+Public are the headers that include/volute/volute.hpp names, OpenGL's renderer, and what joins processes; with them goes what they
+include. A header that users have not seen before is a line of a commit (`--update` writes it), not something that an `#include`
+brought along. Pages for users name no other headers."""
 import pathlib
 import re
 import sys
 
-BESIDES = ["volute/gl/gl_scene_renderer.hpp"]  # as cmake/VoluteInstall.cmake has it
+BESIDES = ["volute/gl/gl_scene_renderer.hpp", "volute/cluster/cluster.hpp"]  # as cmake/VoluteInstall.cmake has it
 INCLUDE = re.compile(r'^#include "(volute/[^"]+)"', re.M)
 
 
@@ -27,7 +28,7 @@ def headers(root):
 def page(root):
     named, parts = headers(root)
     return "\n".join(["# What is installed of the headers; tools/check_headers.py --update writes this list.", "",
-                      f"# Public ({len(named)}): in <volute/volute.hpp>, or the renderer of OpenGL.", *named, "",
+                      f"# Public ({len(named)}): in <volute/volute.hpp>, the renderer of OpenGL, and teams of processes.", *named, "",
                       f"# What these include ({len(parts)}): may change without a word.", *parts, ""])
 
 
@@ -45,9 +46,13 @@ def main():
               "tools/check_headers.py . --update; else do not include it in a public header")
     for header in sorted(before - after):
         print(f"{header} is in docs/public_headers.txt and would not be installed; tools/check_headers.py . --update")
-    if before == after:
+    missing = {(path, header) for path in sorted(root.glob("docs/*.md")) + sorted(root.glob("docs/tutorials/*.md")) + [root / "README.md"]
+               for header in re.findall(r"(?<!src/)\bvolute/[a-z0-9_/]+\.hpp", path.read_text()) if header != "volute/volute.hpp" and header not in after}
+    for path, header in sorted(missing):
+        print(f"{path.relative_to(root)} names {header}, which is not installed: make it public (volute.hpp, or BESIDES here), or do not name it")
+    if before == after and not missing:
         print("headers: ok")
-    return int(before != after)
+    return int(before != after or bool(missing))
 
 
 if __name__ == "__main__":

@@ -97,9 +97,15 @@ class Site:
         text = LINK.sub(lambda match: self.link(path, match), text.replace("\\", "\\\\").replace("@", "\\@"))
         return re.sub(r"(?<![-\w])--(?=\w)", r"\\--", text.replace("](\\@ref", "](@ref"))
 
+    def quoted(self, path, text):
+        """A code span as Doxygen 1.9 reads it: `..' is a quotation to it, and the rest of the line is text."""
+        if re.match(r"`[^`]*'(?![\w])[^`]*`\Z", text):
+            self.faults.append(f"{path.relative_to(ROOT)}: Doxygen ends {text} at its quote; use double ones")
+        return text
+
     def page(self, path):
         parts = FENCE.split(re.sub(r"\A(<!--.*?-->\s*)+", "", path.read_text(), flags=re.S))
-        text = "".join(part if i % 2 else self.plain(path, part) for i, part in enumerate(parts))
+        text = "".join(self.quoted(path, part) if i % 2 else self.plain(path, part) for i, part in enumerate(parts))
         text = re.sub(r"^# (.+)$", lambda match: f"# {match[1].strip()} {{#{identifier(path)}}}", text, count=1, flags=re.M)
         if path.name == "README.md":
             text = re.sub(r"^# .*$", "", text, count=1, flags=re.M)
@@ -145,7 +151,7 @@ def python_reference(package):
 
 
 def public_headers():
-    wanted = re.findall(r'#include "(volute/.*?)"', (ROOT / "include/volute/volute.hpp").read_text()) + ["volute/gl/gl_scene_renderer.hpp"]
+    wanted = re.findall(r'#include "(volute/.*?)"', (ROOT / "include/volute/volute.hpp").read_text()) + ["volute/gl/gl_scene_renderer.hpp", "volute/cluster/cluster.hpp"]
     return [ROOT / "include/volute/volute.h"] + [ROOT / "src" / name for name in wanted]
 
 

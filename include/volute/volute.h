@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * SPDX-FileCopyrightText: The Volute authors
  *
- * Volute for C, and for languages that call C: files of volumes, and lines of sight through scenes.
+ * Volute for C, and for languages that call C: files of volumes, pictures, and lines of sight
+ * through scenes.
  *
  * Functions that can fail return a volute_status; volute_error() then returns a message. Handles
  * are created by functions that end in _open and released by functions that end in _close, which
@@ -35,6 +36,10 @@ const char* volute_version(void);
 
 /* Message of the last failed call in this thread; "" if none. Valid until the next failure. */
 const char* volute_error(void);
+
+/* Limits the threads of all calls from now on; 0: as many as the machine has. Returns how many
+ * there were. */
+int32_t volute_set_threads(int32_t count);
 
 /* ---- files ---- */
 
@@ -101,6 +106,69 @@ typedef int (*volute_frame_function)(void* user, int32_t frame, float* values, s
  * ascending, or NULL for 25 frames per second. VOLUTE_CANCELLED if `fill` stopped. */
 volute_status volute_compress(const char* path, const volute_info* info, const double* times,
                               volute_frame_function fill, void* user, int target, double value);
+
+/* Numbers in memory, of axes t, z, y, x, c in any order. */
+typedef struct volute_array {
+  size_t size;        /* set it to sizeof(volute_array) */
+  const void* data;   /* the number (0, 0, 0, 0, 0) */
+  const char* type;   /* as NumPy has it: "<f4", "<f8", ">i2", "|u1", "|b1", ..; NULL: float */
+  int64_t strides[5]; /* from one to the next along t, z, y, x, c [bytes]; all 0: in this order,
+                         dense, with c the fastest */
+} volute_array;
+
+/* As volute_compress(), from an array. Values become float: the rounding of doubles and of large
+ * integers counts in max_error, and a target that it alone misses is VOLUTE_UNSUPPORTED. */
+volute_status volute_compress_array(const char* path, const volute_info* info, const double* times,
+                                    const volute_array* array, int target, double value);
+
+/* ---- pictures ---- */
+
+/* A scene that is drawn: from a scene file, from any other file that Volute shows, or from an
+ * array, as `volute render` shows it. Calls with one drawing wait for each other. */
+typedef struct volute_drawing volute_drawing;
+
+/* `members`: those of a scene's entry for a file alone, as a JSON object ("{\"emission\": 2}"), or
+ * NULL. */
+volute_status volute_drawing_open(const char* path, const char* members, volute_drawing** drawing);
+
+/* The array is not copied: it must stay as it is until the drawing is closed. */
+volute_status volute_drawing_open_array(const volute_info* info, const double* times,
+                                        const volute_array* array, const char* members,
+                                        volute_drawing** drawing);
+void volute_drawing_close(volute_drawing* drawing);
+
+/* Number of stored times, and times[0 .. count - 1] [s]. */
+size_t volute_drawing_time_count(const volute_drawing* drawing);
+volute_status volute_drawing_times(const volute_drawing* drawing, double* times, size_t count);
+
+/* Called now and then, from one thread at a time. Returns 0, or else to stop. */
+typedef int (*volute_progress_function)(void* user, const char* stage, double done, double total);
+
+enum { VOLUTE_TONE_AUTO = 0, VOLUTE_TONE_NONE = 1, VOLUTE_TONE_FILMIC = 2, VOLUTE_TONE_AGX = 3 };
+
+/* What a picture shows, and how. Zeros stand for what `volute render` does without its options. */
+typedef struct volute_view {
+  size_t size;        /* set it to sizeof(volute_view): later versions may add members */
+  const double* time; /* [s]; NULL: one that has something to see */
+  const char* camera; /* as a scene's, a JSON object: "{\"eye\": [0, -4, 1], \"target\": [0, 0, 1],
+                         \"fov\": 40}"; NULL: the scene's, else one that frames it */
+  int32_t width, height;             /* pixels; 0: as the camera says, else 800 x 600 */
+  double exposure;                   /* a factor of light; 0: brightest parts near white */
+  int32_t tone;                      /* VOLUTE_TONE_AUTO .. */
+  int32_t samples;                   /* rays per pixel at edges; 0: 8 */
+  volute_progress_function progress; /* or NULL */
+  void* user;                        /* for it */
+} volute_view;
+
+/* Draws a picture for a display, the pixels of the .png of `volute render`: sRGB, row 0 at the top,
+ * 3 bytes a pixel. `bytes` must be 3 width height. VOLUTE_CANCELLED if `progress` stopped. */
+volute_status volute_drawing_draw(volute_drawing* drawing, const volute_view* view,
+                                  unsigned char* rgb, size_t bytes);
+
+/* The same before exposure and tone, those of the .exr: linear light. `count` must be 3 width
+ * height. */
+volute_status volute_drawing_light(volute_drawing* drawing, const volute_view* view, float* rgb,
+                                   size_t count);
 
 /* ---- lines of sight ---- */
 

@@ -19,6 +19,7 @@
 // Volumes of voxels, and .volute files.
 #include "volute/codec/compress.hpp"
 #include "volute/codec/volute_reader.hpp"
+#include "volute/grid/array_source.hpp"
 #include "volute/grid/brick_slice.hpp"
 #include "volute/grid/frame_source.hpp"
 #include "volute/grid/sequence.hpp"
@@ -38,6 +39,7 @@
 // Scenes, and kinds of media of one's own.
 #include "volute/media/field.hpp"
 #include "volute/media/medium_kind.hpp"
+#include "volute/media/volume/memory_volumes.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_renderer.hpp"
 #include "volute/scene/scene_sight.hpp"
@@ -59,3 +61,10 @@
 #include "volute/io/reader_helper.hpp"
 #include "volute/io/volume_sink.hpp"
 #include "volute/io/volume_source.hpp"
+
+// The installed targets and pkg-config say how Eigen aligns; with other macros of Eigen's, types of
+// the library would be laid out in another way than they are in it.
+static_assert(
+    !volute::Mat3::IsRowMajor && !volute::Mat4::IsRowMajor,
+    "Volute's matrices are column-major; leave EIGEN_DEFAULT_TO_ROW_MAJOR out where its headers "
+    "are included");

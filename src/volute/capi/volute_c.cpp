@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <mutex>
@@ -13,6 +14,11 @@
 #include "volute/base/version.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/codec/volute_reader.hpp"
+#include "volute/film/render_request.hpp"
+#include "volute/grid/array_source.hpp"
+#include "volute/image/srgb.hpp"
+#include "volute/media/camera_file.hpp"
+#include "volute/media/volume/memory_volumes.hpp"
 #include "volute/scene/scene_sight.hpp"
 #include "volute/visibility/sight_engine.hpp"
 #include "volute/visibility/sign_file.hpp"
@@ -20,6 +26,11 @@
 
 struct volute_file {
   volute::VoluteReader reader;
+};
+
+struct volute_drawing {
+  volute::FilmJob job;
+  std::mutex mutex{};  // of it
 };
 
 struct volute_scene {
@@ -142,33 +153,27 @@ class CallerFrames final : public FrameSource {
 };
 
 /// Structures of programs that were compiled against an older header are shorter.
-Status checkSize(const char* function, std::size_t size) {
-  if (size != sizeof(volute_info)) {
+template <class Struct>
+Status checkSize(const char* function, const char* name, const Struct& given) {
+  if (given.size != sizeof(Struct)) {
     return fail(ErrorCode::kInvalidArgument,
-                "{}: info.size is {}; set it to sizeof(volute_info), which is {}", function, size,
-                sizeof(volute_info));
+                "{}: {}.size is {}; set it to sizeof(volute_{}), which is {}", function, name,
+                given.size, name, sizeof(Struct));
   }
   return {};
 }
 
-Status compressFrames(const char* path, const volute_info& said, const double* times,
-                      volute_frame_function fill, void* user, int target, double value) {
-  VOLUTE_TRY(checkSize("volute_compress", said.size));
-  if (target < VOLUTE_RMS || target > VOLUTE_MAX_ERROR || !(value > 0) || !std::isfinite(value)) {
-    return fail(ErrorCode::kInvalidArgument,
-                "volute_compress: target {} of {}; expected VOLUTE_RMS, _PSNR, _RATIO, _SIZE or "
-                "_MAX_ERROR, and a number above 0",
-                target, value);
-  }
+/// What a caller says of a volume.
+Result<VolumeInfo> volumeOf(const char* function, const volute_info& said, const double* times) {
+  VOLUTE_TRY(checkSize(function, "info", said));
   VolumeInfo info;
   info.frames = said.frames;
   info.z = said.z, info.y = said.y, info.x = said.x;
   info.channels = said.channels;
   if (said.trilinear < 0 || said.trilinear > 2) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "volute_compress: info.trilinear is {}; expected 0 (box), 1 (trilinear) or 2 (cubic)",
-        said.trilinear);
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: info.trilinear is {}; expected 0 (box), 1 (trilinear) or 2 (cubic)", function,
+                said.trilinear);
   }
   info.basis = static_cast<Basis>(said.trilinear);
   const Vec3 low(said.bounds_min[0], said.bounds_min[1], said.bounds_min[2]);
@@ -179,16 +184,138 @@ Status compressFrames(const char* path, const volute_info& said, const double* t
     info.fillDefaults();
   if (!low.isZero(0) || !high.isZero(0))
     info.bounds = {low, high};  // wrong ones are refused below
-  VOLUTE_TRY(info.validate("volute_compress"));
+  VOLUTE_TRY(info.validate(function));
+  return info;
+}
 
+Status compressFrames(const char* function, const char* path, FrameSource& frames, int target,
+                      double value) {
+  if (target < VOLUTE_RMS || target > VOLUTE_MAX_ERROR || !(value > 0) || !std::isfinite(value)) {
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "{}: target {} of {}; expected VOLUTE_RMS, _PSNR, _RATIO, _SIZE or _MAX_ERROR, and a "
+        "number above 0",
+        function, target, value);
+  }
   using Kind = ErrorTarget::Kind;
   constexpr Kind kKinds[] = {Kind::kRms, Kind::kPsnr, Kind::kRatio, Kind::kSize, Kind::kMaxError};
-  CallerFrames frames(std::move(info), fill, user);
   CompressOptions options;
   options.target = {kKinds[target], value};
   Progress quiet;
   VOLUTE_TRY(compress(frames, path, options, quiet));
   return {};
+}
+
+/// The caller's numbers, where they are.
+Result<NumberArray> numbersOf(const char* function, const VolumeInfo& info,
+                              const volute_array& array) {
+  VOLUTE_TRY(checkSize(function, "array", array));
+  VOLUTE_TRY(given(function, array.data));
+  const auto type = numberTypeOf(array.type ? array.type : "=f4");
+  if (!type) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: array.type is '{}'; expected real numbers as \"<f4\", \"<f8\" or \"|u1\"",
+                function, array.type);
+  }
+  NumberArray numbers{static_cast<const std::byte*>(array.data), *type, denseStrides(info, *type)};
+  if (std::ranges::any_of(array.strides, [](std::int64_t stride) { return stride != 0; }))
+    std::ranges::copy(array.strides, numbers.strides.begin());
+  return numbers;
+}
+
+/// Asks the caller now and then.
+class CallerProgress final : public Progress {
+ public:
+  explicit CallerProgress(const volute_view& view) : call_(view.progress), user_(view.user) {}
+
+  void report(std::string_view stage, double done, double total) override {
+    if (!call_)
+      return;
+    const std::lock_guard lock(mutex_);
+    if (!stopped_ && call_(user_, std::string(stage).c_str(), done, total) != 0)
+      stopped_ = true;
+  }
+
+  bool cancelled() const override { return stopped_; }
+
+ private:
+  volute_progress_function call_;
+  void* user_;
+  std::mutex mutex_;
+  std::atomic<bool> stopped_ = false;
+};
+
+Result<volute_drawing*> openDrawing(const std::string& path, const char* members,
+                                    std::shared_ptr<const MemoryVolumes> volumes) {
+  SceneOptions options;
+  if (members) {
+    options.members = nlohmann::ordered_json::parse(members, nullptr, /*allow_exceptions=*/false);
+    if (!options.members.is_object()) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "volute_drawing_open: members are no JSON object; expected {{\"name\": value}}");
+    }
+  }
+  options.files.volumes = std::move(volumes);
+  addUsualMembers(path, {}, options);
+  Progress quiet;
+  VOLUTE_ASSIGN(auto scene, Scene::open(path, options, quiet));
+  FilmJob job{std::move(scene), Camera::framing({}, 1, 1), {}, std::make_unique<CpuRenderer>()};
+  return new volute_drawing{std::move(job)};
+}
+
+Result<RenderRequest> requestOf(const volute_view& view) {
+  VOLUTE_TRY(checkSize("volute_drawing_draw", "view", view));
+  RenderRequest request;
+  if (view.time)
+    request.frames.time = *view.time;
+  if (view.camera) {
+    const auto camera =
+        nlohmann::ordered_json::parse(view.camera, nullptr, /*allow_exceptions=*/false);
+    VOLUTE_ASSIGN(request.camera, parseCamera(camera, {"view.camera"}));
+  }
+  constexpr int kLargest = 32768;
+  if (view.width != 0 || view.height != 0) {
+    if (std::min(view.width, view.height) < 1 || std::max(view.width, view.height) > kLargest) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "view: {} x {} pixels; expected 1 to {} on each side", view.width, view.height,
+                  kLargest);
+    }
+    request.size = Pixels{view.width, view.height};
+  }
+  if (!(view.exposure >= 0) || !std::isfinite(view.exposure) || view.samples < 0 ||
+      view.samples > 256 || view.tone < VOLUTE_TONE_AUTO || view.tone > VOLUTE_TONE_AGX) {
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "view: an exposure of {}, {} samples and tone {}; expected 0 or more, 0 to 256, and "
+        "VOLUTE_TONE_AUTO to _AGX",
+        view.exposure, view.samples, view.tone);
+  }
+  request.exposure = view.exposure;
+  if (view.samples > 0)
+    request.samples = view.samples;
+  if (view.tone != VOLUTE_TONE_AUTO)
+    request.tone = static_cast<ToneCurve>(view.tone - VOLUTE_TONE_NONE);
+  return request;
+}
+
+/// @param draw  draw(job, development, progress) gives the picture
+template <class Draw>
+Result<Image> drawn(volute_drawing& drawing, const volute_view& view, std::size_t room,
+                    const Draw& draw) {
+  VOLUTE_ASSIGN(const auto request, requestOf(view));
+  const std::lock_guard lock(drawing.mutex);
+  CallerProgress progress(view);
+  VOLUTE_TRY(prepare(drawing.job, request, SceneOptions().maxMemory, progress));
+  const Camera& camera = drawing.job.camera;
+  const std::size_t needed =
+      std::size_t{3} * static_cast<std::size_t>(camera.width() * camera.height());
+  if (room != needed) {
+    return fail(ErrorCode::kInvalidArgument,
+                "volute_drawing_draw: room for {} values; a picture of {} x {} pixels has {}", room,
+                camera.width(), camera.height(), needed);
+  }
+  VOLUTE_ASSIGN(auto development, developmentOf(request, drawing.job));
+  return draw(drawing.job, development, progress);
 }
 
 /// The scene at a stored time. It is read once; lines are looked along without the lock.
@@ -313,7 +440,7 @@ void volute_file_close(volute_file* file) {
 volute_status volute_file_info(const volute_file* file, volute_info* info) {
   return guarded([&]() -> Status {
     VOLUTE_TRY(volute::given("volute_file_info", file, info));
-    VOLUTE_TRY(volute::checkSize("volute_file_info", info->size));
+    VOLUTE_TRY(volute::checkSize("volute_file_info", "info", *info));
     const volute::VolumeInfo& from = file->reader.info();
     info->frames = from.frames;
     info->z = from.z, info->y = from.y, info->x = from.x;
@@ -355,7 +482,97 @@ volute_status volute_compress(const char* path, const volute_info* info, const d
                               volute_frame_function fill, void* user, int target, double value) {
   return guarded([&]() -> Status {
     VOLUTE_TRY(volute::given("volute_compress", path, info, fill));
-    return volute::compressFrames(path, *info, times, fill, user, target, value);
+    VOLUTE_ASSIGN(auto volume, volute::volumeOf("volute_compress", *info, times));
+    volute::CallerFrames frames(std::move(volume), fill, user);
+    return volute::compressFrames("volute_compress", path, frames, target, value);
+  });
+}
+
+volute_status volute_compress_array(const char* path, const volute_info* info, const double* times,
+                                    const volute_array* array, int target, double value) {
+  constexpr const char* kName = "volute_compress_array";
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given(kName, path, info, array));
+    VOLUTE_ASSIGN(auto volume, volute::volumeOf(kName, *info, times));
+    VOLUTE_ASSIGN(auto numbers, volute::numbersOf(kName, volume, *array));
+    volute::ArraySource source(std::move(volume), std::move(numbers));
+    return volute::compressFrames(kName, path, source, target, value);
+  });
+}
+
+int32_t volute_set_threads(int32_t count) {
+  static std::mutex mutex;
+  static auto* limit = new std::unique_ptr<volute::ThreadLimit>;  // no order at the end matters
+  const std::lock_guard lock(mutex);
+  const int before = volute::threadCount();
+  limit->reset();  // a lower one would hold
+  *limit = std::make_unique<volute::ThreadLimit>(count);
+  return before;
+}
+
+volute_status volute_drawing_open(const char* path, const char* members, volute_drawing** drawing) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_drawing_open", path, drawing));
+    *drawing = nullptr;
+    VOLUTE_ASSIGN(*drawing, volute::openDrawing(path, members, nullptr));
+    return {};
+  });
+}
+
+volute_status volute_drawing_open_array(const volute_info* info, const double* times,
+                                        const volute_array* array, const char* members,
+                                        volute_drawing** drawing) {
+  constexpr const char* kName = "volute_drawing_open_array";
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given(kName, info, array, drawing));
+    *drawing = nullptr;
+    VOLUTE_ASSIGN(auto volume, volute::volumeOf(kName, *info, times));
+    VOLUTE_ASSIGN(auto numbers, volute::numbersOf(kName, volume, *array));
+    auto volumes = std::make_shared<volute::MemoryVolumes>();
+    VOLUTE_TRY(volumes->add("array", std::move(volume), std::move(numbers)));
+    VOLUTE_ASSIGN(*drawing, volute::openDrawing("memory:array", members, std::move(volumes)));
+    return {};
+  });
+}
+
+void volute_drawing_close(volute_drawing* drawing) {
+  delete drawing;
+}
+
+size_t volute_drawing_time_count(const volute_drawing* drawing) {
+  return drawing ? drawing->job.scene.times().size() : 0;
+}
+
+volute_status volute_drawing_times(const volute_drawing* drawing, double* times, size_t count) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_drawing_times", drawing, times));
+    return volute::copyTimes(drawing->job.scene.times(), times, count);
+  });
+}
+
+volute_status volute_drawing_draw(volute_drawing* drawing, const volute_view* view,
+                                  unsigned char* rgb, size_t bytes) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_drawing_draw", drawing, view, rgb));
+    VOLUTE_ASSIGN(const auto image,
+                  volute::drawn(*drawing, *view, bytes, [](auto& job, auto& how, auto& progress) {
+                    return volute::visiblePicture(job, how, progress);
+                  }));
+    std::ranges::copy(volute::toSrgb8(image), rgb);
+    return {};
+  });
+}
+
+volute_status volute_drawing_light(volute_drawing* drawing, const volute_view* view, float* rgb,
+                                   size_t count) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_drawing_light", drawing, view, rgb));
+    VOLUTE_ASSIGN(const auto image,
+                  volute::drawn(*drawing, *view, count, [](auto& job, auto& how, auto& progress) {
+                    return volute::linearPicture(job, how, progress);
+                  }));
+    std::ranges::copy(image.pixels, rgb);
+    return {};
   });
 }
 
