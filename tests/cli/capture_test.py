@@ -252,9 +252,17 @@ class Geometry(ring.TestCase):
 class Pictures(ring.TestCase):
     def test_missing_pictures(self):
         self.path("c2_0011.exr").unlink()
+        result = self.reconstruct("--report", self.path("report.json"))
+        self.assertIn("warning: camera c2: 1 of 4 pictures is missing, of frame 11; there it does not count", result.message)
+        frames = json.loads(self.path("report.json").read_text())["frames"]
+        missing = [frame["cameras"][2]["residual"] is None for frame in frames]
+        self.assertEqual(missing, [False, True, False, False])
+        self.assertLess(frames[1]["cameras"][1]["residual"], 1.2 * frames[0]["cameras"][1]["residual"] + 0.02)
         self.path("c2_0012.exr").unlink()
+        self.path("c2_0013.exr").unlink()
         message = self.refused()
-        self.assertRegex(message, r"camera c2, frame 11: there is no picture .*c2_0011.exr; 2 of 20 pictures are missing")
+        self.assertRegex(message, r"camera c2, frame 11: there is no picture .*c2_0011.exr; 3 of 20 pictures are missing")
+        self.assertIn("camera c2: 3 of 4 pictures are missing", self.reconstruct("--force", "--iterations", "3").message)
 
     def test_values_that_are_not_finite(self):
         self.change("c1", 12, lambda picture: picture.set(7, 9, math.nan))

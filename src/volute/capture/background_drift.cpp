@@ -146,4 +146,50 @@ std::optional<BackgroundDrift> findBackgroundDrift(const Image& picture, const I
   return pays ? std::optional(drift) : std::nullopt;
 }
 
+std::optional<Rgb> findPedestal(const Image& picture, std::span<const std::uint8_t> pixels) {
+  VOLUTE_ASSERT(picture.channels == 3 && 3 * pixels.size() == picture.pixels.size());
+  constexpr std::size_t kFewest = 100, kFewestOfAHalf = 30;
+  constexpr double kNormal = 1.4826, kSigmas = 2.5, kEven = 0.25, kOfBrightest = 3e-3;
+  constexpr double kWithin = 6 * kNormal, kMax = 0.85;
+  const float brightest = *std::ranges::max_element(picture.pixels);
+  const auto valuesWhere = [&](std::size_t channel, auto&& where) {
+    std::vector<float> values;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      if (pixels[i] != 0 && where(i) && std::isfinite(picture.pixels[3 * i + channel]))
+        values.push_back(picture.pixels[3 * i + channel]);
+    }
+    return values;
+  };
+  const auto width = static_cast<std::size_t>(picture.width);
+  const auto height = static_cast<std::size_t>(picture.height);
+  Rgb pedestal = Rgb::Zero();
+  for (std::size_t c = 0; c < 3; ++c) {
+    auto values = valuesWhere(c, [](std::size_t) { return true; });
+    if (values.size() < kFewest)
+      return std::nullopt;
+    const double middle = middleOf(values);
+    for (float& value : values) value = static_cast<float>(std::abs(value - middle));
+    const double spread = kNormal * middleOf(values);
+    // Noise that is cut off at 0 stands above it by less than its spread.
+    if (!(middle > kOfBrightest * brightest) || !(middle > kSigmas * spread))
+      continue;
+    // Noise has no side, a background that is not even has one.
+    const double floor = std::max(spread, 1e-3 * middle);
+    const auto within =
+        std::ranges::count_if(values, [&](float off) { return off <= kWithin * floor; });
+    if (static_cast<double>(within) < kMax * static_cast<double>(values.size()))
+      return std::nullopt;
+    for (int half = 0; half < 4; ++half) {
+      auto part = valuesWhere(c, [&](std::size_t i) {
+        const bool first = half < 2 ? 2 * (i % width) < width : 2 * (i / width) < height;
+        return first == (half % 2 == 0);
+      });
+      if (part.size() >= kFewestOfAHalf && std::abs(middleOf(part) - middle) > kEven * middle)
+        return std::nullopt;
+    }
+    pedestal[static_cast<Eigen::Index>(c)] = middle;
+  }
+  return pedestal.maxCoeff() > 0 ? std::optional(pedestal) : std::nullopt;
+}
+
 }  // namespace volute

@@ -38,4 +38,10 @@ std::vector<std::uint8_t> pixelsBeside(const Camera& camera, const Box3& bounds)
 std::optional<BackgroundDrift> findBackgroundDrift(const Image& picture, const Image& background,
                                                    std::span<const std::uint8_t> pixels);
 
+/// What all pixels show evenly where there is nothing to see: a black level, or light that is all
+/// around. Nothing where they are dark but for noise, or not even, and for fewer than 100 pixels.
+/// @param picture  RGB, linear.
+/// @param pixels  (height, width), 1 for those to look at.
+std::optional<Rgb> findPedestal(const Image& picture, std::span<const std::uint8_t> pixels);
+
 }  // namespace volute

@@ -43,9 +43,12 @@ struct PictureSource {
                                      ///< and gain: mends a response that is nearly right
   /// Of .png files and films; .exr files are linear. Without it what each .png states, else sRGB.
   std::optional<Response> response;
-  /// A channel that reads this or more is saturated: a stored value, 1 = white. Without it 1 for
-  /// .png files, 250/255 for films, and nothing for .exr files.
+  /// A channel that reads this or more is saturated: a stored value, 1 = white. Without it 250/255
+  /// for films, nothing for .exr files, and for .png files 1, or less where many pixels read one
+  /// largest value.
   std::optional<double> saturation;
+  int bits = 0;      ///< of the values in .png files of 16 bits: white is 2^bits - 1; 0: 2^16 - 1
+  double black = 0;  ///< the stored value of darkness in .png files and films, 1 = white
 
   /// What shows frame `n`: a whole picture where one was taken within a hundredth of the time
   /// between pictures, else two.

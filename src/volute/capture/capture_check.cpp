@@ -28,7 +28,9 @@ Status checkCapture(const Capture& capture, const std::vector<std::string>& held
   for (const auto& fault : faults) progress.remark("warning: " + fault);
   if (fitted == 0)
     return fail(ErrorCode::kInvalidArgument, "no camera is left to reconstruct from");
-  return checkPicturesThere(capture, maxMemory);
+  VOLUTE_ASSIGN(const auto missing, checkPicturesThere(capture, force, maxMemory));
+  for (const auto& text : missing) progress.remark("warning: " + text);
+  return {};
 }
 
 }  // namespace volute

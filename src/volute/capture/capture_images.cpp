@@ -31,6 +31,39 @@ std::vector<float> lightTable(const Response& response, double exponent, double 
   return table;
 }
 
+/// The stored value of a linear one, 0..1, for people.
+double storedOf(const Response& response, double linear) {
+  double low = 0, high = 1;
+  for (int step = 0; step < 40; ++step) {
+    const double middle = 0.5 * (low + high);
+    (response.linear(middle) < linear ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// White becomes 1 where values have fewer bits than their file.
+Status scaleBits(Image& image, int bits, const std::string& name) {
+  if (bits == 0)
+    return {};
+  const float factor = 65535.0F / static_cast<float>((1 << bits) - 1);
+  for (float& value : image.pixels) value *= factor;
+  const float largest = *std::ranges::max_element(image.pixels);
+  if (largest <= 1.0001F)
+    return {};
+  return fail(
+      ErrorCode::kInvalidData,
+      "{}: has values up to {:.0f} of 65535, more than the {} of its \"bits\": {}; expected a "
+      "file of 16 bits with values from 0, or a larger number of bits",
+      name, largest * ((1 << bits) - 1), (1 << bits) - 1, bits);
+}
+
+/// 0 = black, 1 = white; below black there is noise.
+void subtractBlack(Image& image, double black) {
+  if (black == 0)
+    return;
+  for (float& value : image.pixels) value = static_cast<float>((value - black) / (1 - black));
+}
+
 double shareBelowOne(const Image& alpha) {
   const auto count = std::ranges::count_if(alpha.pixels, [](float a) { return a < 1; });
   return static_cast<double>(count) / static_cast<double>(alpha.pixels.size());
@@ -161,6 +194,16 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   }
   constexpr double kNever = std::numeric_limits<double>::infinity();
   stored.saturation = pictures.saturation.value_or(stored.linear ? kNever : 1);
+  stored.mosaic = isMosaic(stored.image);
+  if (stored.linear)
+    return stored;
+  VOLUTE_TRY(scaleBits(stored.image, pictures.bits, name));
+  if (!pictures.saturation && pictures.bits == 0)
+    stored.plateau = plateauOf(stored.image);
+  if (stored.plateau)
+    stored.saturation = stored.plateau->value;
+  subtractBlack(stored.image, pictures.black);
+  stored.saturation = (stored.saturation - pictures.black) / (1 - pictures.black);
   return stored;
 }
 
@@ -172,6 +215,9 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
     std::error_code error;
     if (!std::filesystem::exists(path, error))
       return fail(ErrorCode::kNotFound, "{}: there is no picture {}", name, path.string());
+    if (std::filesystem::file_size(path, error) == 0 && !error)
+      return fail(ErrorCode::kNotFound, "{}: the picture {} is empty, 0 bytes", name,
+                  path.string());
     return readFile(camera, path, name);
   }
   auto film = films_.find(camera);
@@ -195,6 +241,8 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
   stored.response = pictures.response.value_or(Response::srgb());
   constexpr double kFilmWhite = 250.0 / 255;  // lossy coding scatters saturated values
   stored.saturation = pictures.saturation.value_or(kFilmWhite);
+  subtractBlack(stored.image, pictures.black);
+  stored.saturation = (stored.saturation - pictures.black) / (1 - pictures.black);
   return stored;
 }
 
@@ -210,8 +258,11 @@ Image CaptureImages::linearised(std::size_t camera, const Stored& stored) const 
   } else {
     const auto table = lightTable(stored.response, pictures.exponent, factor);
     const float top = static_cast<float>(table.size() - 1);
-    for (float& value : image.pixels)
-      value = table[static_cast<std::size_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * top))];
+    for (float& value : image.pixels) {
+      const float size = table[static_cast<std::size_t>(
+          std::lround(std::clamp(std::abs(value), 0.0f, 1.0f) * top))];
+      value = value < 0 ? -size : size;
+    }
   }
   return inColour(std::move(image));
 }
@@ -293,8 +344,14 @@ Result<CaptureImages> CaptureImages::open(const Capture& capture, std::uint64_t 
 
 Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int number, int frame) {
   VOLUTE_ASSIGN(const Stored stored, readStored(camera, number, frame));
-  Seen seen{
-      number, linearised(camera, stored), {}, stored.transparentShare, stored.image.channels == 1};
+  Seen seen{number,
+            linearised(camera, stored),
+            {},
+            stored.transparentShare,
+            stored.image.channels == 1,
+            stored.mosaic,
+            stored.plateau,
+            stored.response};
   const auto channels = static_cast<std::size_t>(stored.image.channels);
   seen.atLeast.assign(stored.image.pixels.size() / channels, 0);
   for (std::size_t i = 0; i < seen.atLeast.size(); ++i) {
@@ -332,6 +389,8 @@ Result<CaptureImages::Seen> CaptureImages::readAt(std::size_t camera, int frame)
     seen.light.pixels[i] += late * (next.light.pixels[i] - seen.light.pixels[i]);
   for (std::size_t i = 0; i < seen.atLeast.size(); ++i) seen.atLeast[i] |= next.atLeast[i];
   seen.transparentShare = std::max(seen.transparentShare, next.transparentShare);
+  if (!seen.plateau)
+    seen.plateau = next.plateau;
   return seen;
 }
 
@@ -342,6 +401,8 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
   picture.radiance = std::move(seen.light);
   picture.transparentShare = seen.transparentShare;
   picture.grey = seen.grey;
+  picture.mosaic = seen.mosaic;
+  picture.plateau = seen.plateau;
   const std::size_t pixels = seen.atLeast.size();
   picture.weight.assign(pixels, 1);
   picture.atLeast.assign(pixels, 0);
@@ -374,7 +435,39 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
                            static_cast<double>(std::max<std::size_t>(1, pixels - masked));
   if (!backgrounds_[camera].pixels.empty())
     subtractBackground(camera, picture);
+  else
+    subtractPedestal(camera, seen.response, picture);
   return picture;
+}
+
+/// Without a background, what all pixels beside the volume show evenly is none of its light.
+void CaptureImages::subtractPedestal(std::size_t camera, const Response& response,
+                                     CameraPicture& picture) {
+  const CaptureCamera& known = capture_->cameras[camera];
+  if (capture_->volume.bounds.empty() || capture_->measured != Measured::kEmission)
+    return;
+  std::vector<std::uint8_t>& beside = beside_[camera];
+  if (beside.empty())
+    beside = pixelsBeside(known.camera, capture_->volume.bounds);
+  std::vector<std::uint8_t> pixels = beside;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (picture.weight[i] == 0)
+      pixels[i] = 0;
+  }
+  const auto pedestal = findPedestal(picture.radiance, pixels);
+  if (!pedestal)
+    return;
+  picture.pedestal = *pedestal;
+  const PictureSource& source = known.pictures;
+  const double linear = pedestal->mean() / (capture_->white * source.gain);
+  picture.storedPedestal =
+      source.black + (1 - source.black) * storedOf(response, std::pow(linear, 1 / source.exponent));
+  for (std::size_t i = 0; i < picture.radiance.pixels.size(); ++i) {
+    const bool masked = picture.weight[i / 3] == 0 && picture.atLeast[i / 3] == 0;
+    if (!masked)
+      picture.radiance.pixels[i] -=
+          static_cast<float>((*pedestal)[static_cast<Eigen::Index>(i % 3)]);
+  }
 }
 
 void CaptureImages::subtractBackground(std::size_t camera, CameraPicture& picture) const {
@@ -408,7 +501,71 @@ void CaptureImages::subtractBackground(std::size_t camera, CameraPicture& pictur
   for (float& depth : picture.radiance.pixels) depth *= gain;
 }
 
-Status checkPicturesThere(const Capture& capture, std::uint64_t maxMemory) {
+namespace {
+
+/// Which pictures of frames are there, and which are not.
+struct PicturesThere {
+  std::string first;  // the first that is not
+  std::size_t missing = 0, empty = 0, all = 0;
+  std::vector<std::size_t> there, wanted;  // one a camera
+  std::vector<std::vector<int>> gone;      // one a camera: frames
+  std::optional<int> thin;                 // a frame that too few cameras see
+};
+
+PicturesThere lookForPictures(const Capture& capture) {
+  constexpr std::size_t kFewestCameras = 3;
+  std::error_code error;
+  const std::size_t cameras = capture.cameras.size();
+  PicturesThere found;
+  found.there.resize(cameras);
+  found.wanted.resize(cameras);
+  found.gone.resize(cameras);
+  for (const int frame : capture.frames) {
+    std::size_t seeing = cameras;
+    bool incomplete = false;
+    for (std::size_t i = 0; i < cameras; ++i) {
+      const CaptureCamera& camera = capture.cameras[i];
+      if (camera.pictures.image.empty())
+        continue;
+      const double shifted = frame + camera.pictures.frameShift;
+      const bool beyond = shifted < capture.frames.front() || shifted > capture.frames.back();
+      const PicturePlace place = camera.pictures.placeOf(frame);
+      const int next = place.number + (place.share > 0 ? 1 : 0);
+      const bool second = !std::filesystem::exists(frameFile(camera.pictures.image, next), error);
+      const int number = second ? next : place.number;
+      const auto path = frameFile(camera.pictures.image, number);
+      const bool exists = std::filesystem::exists(path, error);
+      const bool is = exists && std::filesystem::file_size(path, error) != 0;
+      if (beyond && !is) {
+        --seeing;
+        continue;
+      }
+      ++found.all;
+      ++found.wanted[i];
+      if (is) {
+        ++found.there[i];
+        continue;
+      }
+      ++(exists ? found.empty : found.missing);
+      --seeing;
+      incomplete = true;
+      found.gone[i].push_back(frame);
+      if (found.first.empty()) {
+        found.first = fmt::format("camera {}, frame {}: {}", camera.name, frame,
+                                  exists ? fmt::format("the picture {} is empty, 0 bytes", path)
+                                         : fmt::format("there is no picture {}", path));
+      }
+    }
+    if (incomplete && seeing < kFewestCameras && !found.thin)
+      found.thin = frame;
+  }
+  return found;
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> checkPicturesThere(const Capture& capture, bool force,
+                                                    std::uint64_t maxMemory) {
   std::error_code error;
   for (const CaptureCamera& camera : capture.cameras) {
     const PictureSource& pictures = camera.pictures;
@@ -422,41 +579,41 @@ Status checkPicturesThere(const Capture& capture, std::uint64_t maxMemory) {
       }
     }
   }
-  std::string first;
-  std::size_t missing = 0, empty = 0, all = 0;
-  std::vector<std::size_t> there(capture.cameras.size());
-  for (const int frame : capture.frames) {
-    for (std::size_t i = 0; i < capture.cameras.size(); ++i) {
-      const CaptureCamera& camera = capture.cameras[i];
-      if (camera.pictures.image.empty())
-        continue;
-      const double shifted = frame + camera.pictures.frameShift;
-      if (shifted < capture.frames.front() || shifted > capture.frames.back())
-        continue;
-      const PicturePlace place = camera.pictures.placeOf(frame);
-      const int next = place.number + (place.share > 0 ? 1 : 0);
-      const bool second = !std::filesystem::exists(frameFile(camera.pictures.image, next), error);
-      const int number = second ? next : place.number;
-      const auto path = frameFile(camera.pictures.image, number);
-      ++all;
-      const bool exists = std::filesystem::exists(path, error);
-      if (exists && std::filesystem::file_size(path, error) != 0) {
-        ++there[i];
-        continue;
-      }
-      ++(exists ? empty : missing);
-      if (first.empty()) {
-        first = fmt::format("camera {}, frame {}: {}", camera.name, frame,
-                            exists ? fmt::format("the picture {} is empty, 0 bytes", path)
-                                   : fmt::format("there is no picture {}", path));
-      }
+  const PicturesThere found = lookForPictures(capture);
+  std::vector<std::string> remarks;
+  bool many = found.thin.has_value();
+  for (std::size_t i = 0; i < capture.cameras.size(); ++i) {
+    const CaptureCamera& camera = capture.cameras[i];
+    const bool none = !camera.pictures.image.empty() && found.there[i] == 0;
+    if (none && found.wanted[i] == 0) {  // its shift takes it beyond all frames
+      return fail(
+          ErrorCode::kNotFound,
+          "camera {}: has no picture of frames {} to {}: of the first it would be {}; check "
+          "its frame_shift, video_start or start_time",
+          camera.name, capture.frames.front(), capture.frames.back(),
+          frameFile(camera.pictures.image, camera.pictures.placeOf(capture.frames.front()).number));
     }
+    if (found.gone[i].empty())
+      continue;
+    many = many || 2 * found.there[i] < found.wanted[i];
+    constexpr std::size_t kNamed = 5;
+    std::vector<int> named(found.gone[i].begin(),
+                           found.gone[i].begin() +
+                               static_cast<std::ptrdiff_t>(std::min(kNamed, found.gone[i].size())));
+    remarks.push_back(fmt::format(
+        "camera {}: {} of {} pictures {} missing, of frame{} {}{}; there it does not count",
+        camera.name, found.gone[i].size(), found.wanted[i],
+        found.gone[i].size() == 1 ? "is" : "are", found.gone[i].size() == 1 ? "" : "s",
+        fmt::join(named, ", "), named.size() < found.gone[i].size() ? " and more" : ""));
   }
-  if (missing + empty == 0)
-    return {};
-  const char* what = empty == 0 ? "missing" : missing == 0 ? "empty" : "missing or empty";
-  return fail(ErrorCode::kNotFound, "{}; {} of {} pictures are {}{}", first, missing + empty, all,
-              what, countsText(capture, there));
+  if (found.missing + found.empty == 0 || (force && found.missing + found.empty < found.all) ||
+      (!many && !force))
+    return remarks;
+  const char* what = found.empty == 0     ? "missing"
+                     : found.missing == 0 ? "empty"
+                                          : "missing or empty";
+  return fail(ErrorCode::kNotFound, "{}; {} of {} pictures are {}{}", found.first,
+              found.missing + found.empty, found.all, what, countsText(capture, found.there));
 }
 
 }  // namespace volute

@@ -10,6 +10,7 @@
 #include "volute/base/progress.hpp"
 #include "volute/capture/background_drift.hpp"
 #include "volute/capture/capture.hpp"
+#include "volute/capture/stored_values.hpp"
 #include "volute/image/image.hpp"
 #include "volute/io/film_frames.hpp"
 
@@ -32,6 +33,12 @@ struct CameraPicture {
   double maskedShare = 0;       ///< of all pixels
   double transparentShare = 0;  ///< of all pixels of an .exr, those with alpha < 1
   bool grey = false;            ///< one channel in the file
+  bool mosaic = false;          ///< brightness goes by the place in blocks of 2 x 2 pixels
+  std::optional<StoredPlateau> plateau;  ///< that was taken as saturation, for none is stated
+  /// What all pixels beside the volume show, and was subtracted: a black level; 0: nothing. Each
+  /// channel's linear radiance, and a stored value that stands for it.
+  Rgb pedestal = Rgb::Zero();
+  double storedPedestal = 0;
 };
 
 /// Reads the pictures of a capture: makes them linear, applies gain and white, subtracts the
@@ -61,6 +68,8 @@ class CaptureImages {
     bool linear = false;                   // .exr
     Response response = Response::srgb();  // of others
     double transparentShare = 0;
+    std::optional<StoredPlateau> plateau;
+    bool mosaic = false;
   };
 
   CaptureImages(const Capture& capture, std::uint64_t maxMemory)
@@ -73,6 +82,9 @@ class CaptureImages {
     std::vector<std::uint8_t> atLeast;  // (height, width), bit c: channel c is saturated
     double transparentShare = 0;
     bool grey = false;
+    bool mosaic = false;
+    std::optional<StoredPlateau> plateau;
+    Response response;  // by which it became light
   };
 
   // `number` is the picture's, `frame` that which it is for: messages name it.
@@ -86,6 +98,7 @@ class CaptureImages {
   [[nodiscard]] Status checkSize(std::size_t camera, const Image& image,
                                  const std::string& name) const;
   void subtractBackground(std::size_t camera, CameraPicture& picture) const;
+  void subtractPedestal(std::size_t camera, const Response& response, CameraPicture& picture);
   Image linearised(std::size_t camera, const Stored& stored) const;
   [[nodiscard]] Status openMask(std::size_t camera);
   [[nodiscard]] Status openBackground(std::size_t camera, Progress& progress);
@@ -100,13 +113,16 @@ class CaptureImages {
   std::map<std::size_t, std::array<Seen, 2>> kept_;
 };
 
-/// Before any picture is read: kNotFound when one of a frame, a mask or a background is missing, or
-/// a frame's has 0 bytes; those that a camera's shift of frames takes beyond the first and the last
-/// frame may be missing;
-/// names the first, and how many the cameras have. Films are opened, for they may not be there, be
-/// of another size, begin later or end earlier; their frames are counted and not decoded.
+/// Before any picture is read: kNotFound when a mask or a background is missing, or more than half
+/// of a camera's pictures, or so many of a frame's that fewer than three cameras see it; a picture
+/// of 0 bytes is missing. Names the first, and how many the cameras have. Those that a camera's
+/// shift of frames takes beyond the first and the last frame do not count. Films are opened, for
+/// they may not be there, be of another size, begin later or end earlier; their frames are counted
+/// and not decoded.
+/// @param force  go on without the pictures of frames
 /// @param maxMemory  [bytes] that decoding a film may take.
-[[nodiscard]] Status checkPicturesThere(const Capture& capture,
-                                        std::uint64_t maxMemory = std::uint64_t{4} << 30);
+/// @return sentences on those that are missing here and there: the other cameras tell alone.
+[[nodiscard]] Result<std::vector<std::string>> checkPicturesThere(
+    const Capture& capture, bool force = false, std::uint64_t maxMemory = std::uint64_t{4} << 30);
 
 }  // namespace volute

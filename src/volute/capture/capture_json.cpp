@@ -89,6 +89,42 @@ Result<double> readWithin(const JsonValue& value, double most, const char* unit)
   return number;
 }
 
+/// Bits of the values in files of 16 bits.
+Result<int> readBits(const JsonValue& value) {
+  constexpr int kMin = 8, kMax = 16;
+  VOLUTE_ASSIGN(const int bits, value.integer());
+  if (bits < kMin || bits > kMax)
+    return value.fault(fmt::format("is {}; expected {} to {} bits", bits, kMin, kMax));
+  return bits;
+}
+
+/// A stored value of darkness.
+Result<double> readBlack(const JsonValue& value) {
+  constexpr double kMax = 0.9;
+  VOLUTE_ASSIGN(const double black, value.number());
+  if (!(black >= 0 && black <= kMax))
+    return value.fault(
+        fmt::format("is {:g}; expected 0 to {}: a stored value, 1 = white", black, kMax));
+  return black;
+}
+
+/// How values are stored, of all cameras or of one.
+Status readStoring(const JsonValue& value, PictureSource& pictures) {
+  if (const auto color = value.find("color")) {
+    VOLUTE_ASSIGN(pictures.response, readResponse(*color));
+  }
+  if (const auto saturation = value.find("saturation")) {
+    VOLUTE_ASSIGN(pictures.saturation, readPositive(*saturation));
+  }
+  if (const auto bits = value.find("bits")) {
+    VOLUTE_ASSIGN(pictures.bits, readBits(*bits));
+  }
+  if (const auto black = value.find("black")) {
+    VOLUTE_ASSIGN(pictures.black, readBlack(*black));
+  }
+  return {};
+}
+
 Result<double> readRate(const JsonValue& value) {
   constexpr double kMin = 1e-3, kMax = 1e6;
   VOLUTE_ASSIGN(const double rate, value.number());
@@ -225,13 +261,7 @@ class CameraReader {
         return exponent->fault(
             fmt::format("is {}; expected {} to {}", pictures.exponent, kMin, kMax));
     }
-    if (const auto color = value_.find("color")) {
-      VOLUTE_ASSIGN(pictures.response, readResponse(*color));
-    }
-    if (const auto saturation = value_.find("saturation")) {
-      VOLUTE_ASSIGN(pictures.saturation, readPositive(*saturation));
-    }
-    return {};
+    return readStoring(value_, pictures);
   }
 
   const JsonValue& value_;
@@ -280,12 +310,7 @@ Status readHead(const JsonValue& root, CaptureDraft& draft, CameraDraft& default
   if (const auto kind = root.find("kind")) {
     VOLUTE_ASSIGN(draft.measured, readMeasured(*kind));
   }
-  if (const auto color = root.find("color")) {
-    VOLUTE_ASSIGN(defaults.pictures.response, readResponse(*color));
-  }
-  if (const auto saturation = root.find("saturation")) {
-    VOLUTE_ASSIGN(defaults.pictures.saturation, readPositive(*saturation));
-  }
+  VOLUTE_TRY(readStoring(root, defaults.pictures));
   if (const auto white = root.find("white")) {
     VOLUTE_ASSIGN(draft.white, readPositive(*white));
   }
@@ -334,11 +359,11 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
   draft.kind = "capture.json";
   CameraDraft defaults;
   VOLUTE_TRY(readHead(root, draft, defaults));
-  remarkUnknown(
-      root,
-      {"format", "kind", "color", "white", "pixel_centre", "frames", "volume", "noise_sigma",
-       "cameras", "empty_frames", "saturation", "frames_per_second", "lamps", "albedo"},
-      draft);
+  remarkUnknown(root,
+                {"format", "kind", "color", "white", "pixel_centre", "frames", "volume",
+                 "noise_sigma", "cameras", "empty_frames", "saturation", "bits", "black",
+                 "frames_per_second", "lamps", "albedo"},
+                draft);
   VOLUTE_ASSIGN(const auto list, root.at("cameras"));
   VOLUTE_ASSIGN(const auto cameras, list.items());
   const auto folder = file.parent_path();
@@ -365,7 +390,9 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
                    "frames_per_second",
                    "frame_shift",
                    "color",
-                   "saturation"},
+                   "saturation",
+                   "bits",
+                   "black"},
                   draft);
   }
   return draft;

@@ -77,8 +77,30 @@ std::optional<std::string> otherResolution(const Camera& camera) {
       camera.width(), camera.height());
 }
 
+/// A principal point in the corner of the picture: not filled in, or counted from the middle. Each
+/// coordinate by itself only where it is 0 to the digit.
+std::optional<std::string> inTheCorner(const Camera& camera) {
+  constexpr double kNear = 0.05, kRounding = 1e-6;
+  const Vec2 point = camera.principalPoint();
+  const auto isZero = [](double value) {  // in either convention of pixel centres
+    return std::abs(value) < kRounding || std::abs(value - 0.5) < kRounding;
+  };
+  const bool corner =
+      std::abs(point.x()) < kNear * camera.width() && std::abs(point.y()) < kNear * camera.height();
+  if (!corner && !isZero(point.x()) && !isZero(point.y()))
+    return std::nullopt;
+  return fmt::format(
+      "the principal point ({:.1f}, {:.1f}) lies at the {} of the picture of {} x {} pixels; it is "
+      "about the middle, ({:.1f}, {:.1f}), for most cameras: was it left out, or counted from the "
+      "middle?",
+      point.x(), point.y(), corner ? "corner" : "border", camera.width(), camera.height(),
+      0.5 * camera.width(), 0.5 * camera.height());
+}
+
 std::optional<std::string> faultOf(const Camera& camera, const Box3& bounds) {
   constexpr double kTiny = 0.05;
+  if (auto corner = inTheCorner(camera))
+    return corner;
   if (auto swapped = swappedSides(camera))
     return swapped;
   if (auto other = otherResolution(camera))

@@ -54,6 +54,22 @@ TEST(GeometryCheck, CentimetresForMetres) {
             std::string::npos);
 }
 
+TEST(GeometryCheck, PrincipalPointsInTheCorner) {
+  const auto at = [](double x, double y) {
+    return [=](auto& json) {
+      json["cameras"][1]["K"][0][2] = x;
+      json["cameras"][1]["K"][1][2] = y;
+    };
+  };
+  expectFault(
+      at(0, 0), "b",
+      "the principal point (0.0, 0.0) lies at the corner of the picture of 24 x 16 pixels; it "
+      "is about the middle, (12.0, 8.0)");
+  expectFault(at(0.9, -0.5), "b", "at the corner");
+  expectFault(at(12, 0), "b", "the principal point (12.0, 0.0) lies at the border");
+  EXPECT_TRUE(faultsWith(at(11, 9.5)).empty());
+}
+
 TEST(GeometryCheck, CalibrationsOfAnotherResolution) {
   for (const auto& [factor, size] : {std::pair(2.0, "48 x 32"), std::pair(0.5, "12 x 8")}) {
     expectFault(

@@ -25,6 +25,7 @@ struct CameraDraft {
   std::optional<double> framesPerSecond{};  ///< of its pictures
   double reprojectionError = 0;             ///< [pixels]; 0: not stated
   std::optional<double> startTime{};  ///< of its first picture [s], frame 0 of the capture at 0
+  std::optional<double> time{};       ///< of its one picture, in any unit, where each has an entry
 };
 
 /// A capture whose cameras are not made yet.
@@ -52,6 +53,18 @@ struct CaptureDraft {
 /// centres at 0.5; intrinsics in each frame, or once for all.
 [[nodiscard]] Result<CaptureDraft> readNerfTransforms(const std::filesystem::path& file,
                                                       const nlohmann::json& json);
+
+/// info.json of filmed fluids (HyFluid, PINF): "train_videos" and "test_videos", each with a film,
+/// its angle of view and its pose as in transforms.json; voxel_matrix and voxel_scale are the
+/// bounds.
+[[nodiscard]] Result<CaptureDraft> readFilmedFluid(const std::filesystem::path& file,
+                                                   const nlohmann::json& json);
+
+/// Makes one camera of the entries that have one pose and one lens, each with a picture of its own:
+/// their names may differ by one number, which tells the frame. Where entries have times, these say
+/// which pictures belong together. kInvalidData where cameras move, or names do not tell. Nothing
+/// for entries that are cameras already.
+[[nodiscard]] Status groupEntries(CaptureDraft& draft);
 
 /// A COLMAP model: the folder with cameras and images as .txt or .bin. Pixel centres at 0.5.
 [[nodiscard]] Result<CaptureDraft> readColmap(const std::filesystem::path& folder);

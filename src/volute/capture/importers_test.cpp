@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 
 #include "volute/capture/testing.hpp"
 #include "volute/io/json_file.hpp"
@@ -246,6 +247,164 @@ TEST_F(Importers, NerfKeysThatAreNotKnownAreRemarkedOn) {
   EXPECT_THAT(capture.remarks,
               ElementsAre(HasSubstr("NeRF transforms"), "distortion is not known and ignored",
                           "frames[0].mask_path is not known and ignored, as in 2 more entries"));
+}
+
+/// An entry for each camera and frame of writeNerf(), as D-NeRF and nerfstudio list them.
+nlohmann::json entriesOf(
+    const TempFolder& folder,
+    const std::function<void(nlohmann::json&, int camera, int frame)>& change) {
+  writeNerf(folder, true);
+  auto json = readJson(folder / "transforms.json").value();
+  auto entries = nlohmann::json::array();
+  for (int i = 0; i < kCameras; ++i) {
+    for (int f = 0; f < 2; ++f) {
+      nlohmann::json entry = json["frames"][static_cast<std::size_t>(i)];
+      entry["file_path"] = fmt::format("f_{:04d}_{}.exr", 4 + f, nameOf(i));
+      entry["time"] = 0.1 * f;
+      change(entry, i, f);
+      entries.push_back(entry);
+    }
+  }
+  json["frames"] = entries;
+  return json;
+}
+
+TEST_F(Importers, NerfEntriesOfOnePoseAreFramesOfOneCamera) {
+  options.images.reset();
+  const auto opened = [&](const auto& change) {
+    writeText(folder / "transforms.json", entriesOf(folder, change).dump());
+    return openCapture(folder / "transforms.json", options);
+  };
+  for (const bool timed : {true, false}) {
+    ASSERT_VALUE(const auto capture, opened([&](nlohmann::json& entry, int, int) {
+                   if (!timed)
+                     entry.erase("time");
+                 }));
+    ASSERT_EQ(capture.cameras.size(), std::size_t{kCameras});
+    EXPECT_EQ(capture.frames, (std::vector<int>{4, 5}));
+    EXPECT_EQ(capture.cameras[1].name, "f_b");
+    EXPECT_EQ(capture.cameras[1].pictures.image, (folder / "f_%04d_b.exr").string());
+    EXPECT_THAT(capture.remarks,
+                Contains(HasSubstr("6 entries are 3 cameras that stand still, with "
+                                   "2 frames")));
+  }
+  // Pictures that are numbered through, by times: 0 to 5 in the order of the list, or by frames.
+  for (const bool byCamera : {true, false}) {
+    ASSERT_VALUE(const auto capture, opened([&](nlohmann::json& entry, int camera, int frame) {
+                   const int number = byCamera ? 2 * camera + frame : camera + kCameras * frame;
+                   entry["file_path"] = fmt::format("r_{}", number);
+                   entry["time"] = 3 - frame == 3 ? -1 : 7;
+                 }));
+    EXPECT_EQ(capture.frames, (std::vector<int>{0, 1}));
+    EXPECT_EQ(capture.cameras[2].name, "camera2");
+    for (int camera = 0; camera < kCameras; ++camera) {
+      for (int frame = 0; frame < 2; ++frame) {
+        const auto& pictures = capture.cameras[static_cast<std::size_t>(camera)].pictures;
+        const PicturePlace place = pictures.placeOf(frame);
+        EXPECT_EQ(place.number, byCamera ? 2 * camera + frame : camera + kCameras * frame);
+        EXPECT_EQ(place.share, 0);
+      }
+    }
+  }
+}
+
+TEST_F(Importers, NerfEntriesThatTellNoCamerasApartAreRefused) {
+  options.images.reset();
+  const auto opened = [&](const auto& change) {
+    writeText(folder / "transforms.json", entriesOf(folder, change).dump());
+    return openCapture(folder / "transforms.json", options);
+  };
+  EXPECT_TRUE(failsWith(opened([](nlohmann::json& entry, int camera, int frame) {
+                          entry["transform_matrix"][0][3] = 3 + camera + 0.1 * frame;
+                        }),
+                        "entries are of 2 times (\"time\"), and each has a pose of its own"));
+  EXPECT_TRUE(failsWith(opened([](nlohmann::json& entry, int camera, int frame) {
+                          entry["file_path"] =
+                              fmt::format("{}_{}.exr", nameOf(camera), frame ? "b" : "a");
+                        }),
+                        "names do not differ by one number"));
+  EXPECT_TRUE(failsWith(opened([](nlohmann::json& entry, int camera, int frame) {
+                          entry["file_path"] = fmt::format("r_{}.exr", 2 * camera + frame);
+                          entry.erase("time");
+                        }),
+                        "no entry has a \"time\""));
+  EXPECT_TRUE(failsWith(opened([](nlohmann::json& entry, int camera, int frame) {
+                          entry["file_path"] =
+                              fmt::format("r_{}.exr", camera == 1 ? 9 - frame : frame);
+                        }),
+                        "do not rise together"));
+}
+
+TEST_F(Importers, NerfPositionsThatToolsMovedAreRemarkedOn) {
+  writeNerf(folder, true);
+  auto json = readJson(folder / "transforms.json").value();
+  json["applied_scale"] = 1.0;
+  json["applied_transform"] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+  writeText(folder / "transforms.json", json.dump());
+  ASSERT_VALUE(const auto as, openCapture(folder / "transforms.json", options));
+  EXPECT_EQ(as.remarks.size(), 1U);
+  json["applied_scale"] = 0.25;
+  json["applied_transform"] = {{0, 1, 0, 0}, {1, 0, 0, 0}, {0, 0, -1, 0}};
+  json["scale"] = 0.33;
+  writeText(folder / "transforms.json", json.dump());
+  ASSERT_VALUE(const auto moved, openCapture(folder / "transforms.json", options));
+  EXPECT_THAT(moved.remarks,
+              ElementsAre(HasSubstr("NeRF"), HasSubstr("scaled by 0.25 from what was measured"),
+                          HasSubstr("turned or moved"), HasSubstr("are not applied")));
+  json["applied_scale"] = 0;
+  writeText(folder / "transforms.json", json.dump());
+  EXPECT_TRUE(failsWith(openCapture(folder / "transforms.json", options), "applied_scale: is 0"));
+}
+
+TEST_F(Importers, FilmedFluids) {
+  writeNerf(folder, true);
+  const auto json = readJson(folder / "transforms.json").value();
+  nlohmann::json info = {
+      {"train_videos", nlohmann::json::array()},
+      {"test_videos", nlohmann::json::array()},
+      {"frame_bkg_color", {0, 0, 0}},
+      {"voxel_scale", {1, 2, 3}},
+      {"voxel_matrix", {{0, 0, 1, 0.5}, {0, 1, 0, 0}, {-1, 0, 0, 4}, {0, 0, 0, 1}}}};
+  for (int i = 0; i < kCameras; ++i) {
+    info[i < 2 ? "train_videos" : "test_videos"].push_back(
+        {{"file_name", fmt::format("train{:02d}.mp4", i)},
+         {"frame_rate", 30},
+         {"camera_angle_x", 0.4},
+         {"camera_hw", {48, 32}},
+         {"transform_matrix", json["frames"][static_cast<std::size_t>(i)]["transform_matrix"]}});
+  }
+  writeText(folder / "info.json", info.dump());
+  EXPECT_TRUE(isCapture(folder / "info.json").value());
+  CaptureOptions cubes;
+  cubes.resolution = {16, 0, 0};
+  ASSERT_VALUE(const auto read, openCalibration(folder / "info.json", cubes));
+  ASSERT_EQ(read.cameras.size(), std::size_t{kCameras});
+  EXPECT_EQ(read.cameras[2].name, "train02");
+  EXPECT_EQ(read.cameras[2].pictures.video, folder / "train02.mp4");
+  EXPECT_EQ(read.framesPerSecond, 30);
+  const Camera& camera = read.cameras[1].camera;
+  EXPECT_EQ(camera.width(), 32);
+  EXPECT_EQ(camera.height(), 48);
+  EXPECT_NEAR(camera.intrinsics()(0, 0), 16 / std::tan(0.2), 1e-9);
+  EXPECT_NEAR(camera.intrinsics()(1, 2), 24, 1e-9);
+  const Calibration ours = ringCalibration(1, kCameras);
+  EXPECT_LT((camera.eye() + ours.R.transpose() * ours.t).norm(), 1e-9);
+  EXPECT_LT((read.volume.bounds.min - Vec3(0.5, 0, 3)).norm(), 1e-9);
+  EXPECT_LT((read.volume.bounds.max - Vec3(3.5, 2, 4)).norm(), 1e-9);
+  EXPECT_THAT(read.remarks, Contains(HasSubstr("camera train02 is there to be compared with")));
+  info["train_videos"][0].erase("camera_hw");
+  writeText(folder / "info.json", info.dump());
+  EXPECT_TRUE(failsWith(openCalibration(folder / "info.json", {}), "train_videos[0]: "));
+}
+
+TEST_F(Importers, NerfAnglesInDegreesAreRefused) {
+  writeNerf(folder, true);
+  auto json = readJson(folder / "transforms.json").value();
+  json["camera_angle_x"] = 45.8;
+  writeText(folder / "transforms.json", json.dump());
+  EXPECT_TRUE(failsWith(openCapture(folder / "transforms.json", options),
+                        "camera_angle_x: is 45.8; expected an angle of view in radians, from 0 to "
+                        "below 3.1416: 45.8 degrees are 0.799361"));
 }
 
 TEST_F(Importers, NerfAnglesOfBothSides) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <span>
 
 #include "volute/capture/importers.hpp"
@@ -25,6 +26,23 @@ Result<double> numberIn(const JsonValue& frame, const JsonValue& root, std::stri
   if (!value)
     return initial;
   return value->number();
+}
+
+/// An angle of view [radians]; 0 where it is not stated.
+Result<double> angleIn(const JsonValue& frame, const JsonValue& root, std::string_view key) {
+  const auto value = findIn(frame, root, key);
+  if (!value)
+    return 0.0;
+  VOLUTE_ASSIGN(const double angle, value->number());
+  if (angle >= 0 && angle < std::numbers::pi)
+    return angle;
+  constexpr double kHalfTurn = 180;
+  return value->fault(fmt::format(
+      "is {:g}; expected an angle of view in radians, from 0 to below {:.4f}{}", angle,
+      std::numbers::pi,
+      angle > 0 && angle < kHalfTurn
+          ? fmt::format(": {:g} degrees are {:.6g}", angle, angle * std::numbers::pi / kHalfTurn)
+          : std::string()));
 }
 
 /// Other lenses than ours, as the tools mark them.
@@ -73,8 +91,8 @@ Status readIntrinsics(const JsonValue& frame, const JsonValue& root, Calibration
     }
   }
   const double width = calibration.width, height = calibration.height;
-  VOLUTE_ASSIGN(const double angleX, numberIn(frame, root, "camera_angle_x", 0));
-  VOLUTE_ASSIGN(const double angleY, numberIn(frame, root, "camera_angle_y", 0));
+  VOLUTE_ASSIGN(const double angleX, angleIn(frame, root, "camera_angle_x"));
+  VOLUTE_ASSIGN(const double angleY, angleIn(frame, root, "camera_angle_y"));
   const double byAngle = angleX > 0 ? 0.5 * width / std::tan(0.5 * angleX) : 0;
   auto& K = calibration.K;
   VOLUTE_ASSIGN(K(0, 0), numberIn(frame, root, "fl_x", byAngle));
@@ -112,12 +130,12 @@ Status readPose(const JsonValue& frame, Calibration& calibration) {
 const std::initializer_list<std::string_view> kKnown{
     "frames", "camera_model", "camera_angle_x", "camera_angle_y", "fl_x", "fl_y", "cx", "cy", "w",
     "h", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "is_fisheye", "latlong", "equirectangular",
-    "orthographic", "file_path", "transform_matrix",
+    "orthographic", "file_path", "transform_matrix", "time", "applied_transform", "applied_scale",
+    "scale", "offset",
     // of the tools that write them: names, where to train and what to show
-    "aabb_scale", "aabb", "render_aabb", "scale", "offset", "up", "from_na", "sharpness",
-    "rotation", "colmap_im_id", "applied_transform", "applied_scale", "orientation_override",
-    "train_filenames", "val_filenames", "test_filenames", "ply_file_path", "depth_file_path",
-    "enable_depth_loading", "integer_depth_scale", "depth_unit_scale_factor",
+    "aabb_scale", "aabb", "render_aabb", "up", "from_na", "sharpness", "rotation", "colmap_im_id",
+    "orientation_override", "train_filenames", "val_filenames", "test_filenames", "ply_file_path",
+    "depth_file_path", "enable_depth_loading", "integer_depth_scale", "depth_unit_scale_factor",
     "n_extra_learnable_dims", "auxiliary_data"};
 
 /// A remark for each key that is not known, however many entries have it.
@@ -137,6 +155,40 @@ void remarkUnknown(const JsonValue& root, std::span<const JsonValue> frames, Cap
         "{} is not known and ignored{}", place.first,
         place.second > 1 ? fmt::format(", as in {} more entries", place.second - 1) : ""));
   }
+}
+
+/// What tools did to the positions, or would have a reader do: lengths are then not metres, and the
+/// axes not those that were measured.
+Status remarkFrameOfReference(const JsonValue& root, CaptureDraft& draft) {
+  if (const auto applied = root.find("applied_scale")) {
+    VOLUTE_ASSIGN(const double scale, applied->number());
+    if (!(scale > 0))
+      return applied->fault(fmt::format("is {:g}; expected a factor above 0", scale));
+    if (scale != 1) {
+      draft.remarks.push_back(fmt::format(
+          "positions were scaled by {:g} from what was measured (\"applied_scale\"); lengths are "
+          "not "
+          "metres: bounds are in these units, and values per unit of length are {:g} times those "
+          "per unit that was measured",
+          scale, 1 / scale));
+    }
+  }
+  if (const auto applied = root.find("applied_transform")) {
+    const int rows = applied->json().is_array() && applied->json().size() == 4 ? 4 : 3;
+    VOLUTE_ASSIGN(const auto moved, applied->matrix(rows, 4));
+    if (!moved.topRows(3).isApprox(Eigen::MatrixXd::Identity(3, 4)))
+      draft.remarks.emplace_back(
+          "positions were turned or moved from what was measured (\"applied_transform\"); bounds "
+          "are "
+          "in the turned axes");
+  }
+  if (root.find("scale") || root.find("offset")) {
+    draft.remarks.emplace_back(
+        "\"scale\" and \"offset\" place the cameras in a viewer's cube and are not applied; bounds "
+        "are "
+        "in the units of transform_matrix");
+  }
+  return {};
 }
 
 /// "train/r_0" means train/r_0.png.
@@ -163,9 +215,99 @@ Result<CaptureDraft> readNerfTransforms(const std::filesystem::path& file,
     VOLUTE_ASSIGN(camera.pictureName, path.text());
     camera.pictures.image =
         withExtension((file.parent_path() / camera.pictureName).lexically_normal());
+    if (const auto time = frame.find("time")) {
+      VOLUTE_ASSIGN(camera.time, time->number());
+    }
     draft.cameras.push_back(std::move(camera));
   }
+  VOLUTE_TRY(remarkFrameOfReference(root, draft));
   remarkUnknown(root, frames, draft);
+  return draft;
+}
+
+namespace {
+
+/// The box of a unit cube, scaled and placed; remarked on where it does not lie along the axes.
+Status readVoxelBox(const JsonValue& root, CaptureDraft& draft) {
+  const auto matrix = root.find("voxel_matrix"), scale = root.find("voxel_scale");
+  if (!matrix || !scale)
+    return {};
+  VOLUTE_ASSIGN(const auto placed, matrix->matrix(4, 4));
+  VOLUTE_ASSIGN(const Vec3 sides, scale->vector());
+  if (!(sides.minCoeff() > 0))
+    return scale->fault("expected three lengths above 0");
+  Box3 bounds;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 at(corner & 1 ? sides.x() : 0, corner & 2 ? sides.y() : 0,
+                  corner & 4 ? sides.z() : 0);
+    bounds.extend(Vec3(placed.topLeftCorner(3, 3) * at + placed.topRightCorner(3, 1)));
+  }
+  constexpr double kGrown = 1.01;
+  if (bounds.size().prod() > kGrown * sides.prod())
+    draft.remarks.emplace_back(
+        "voxel_matrix turns the volume: its bounds are those of the box around it, along the axes");
+  draft.bounds = bounds;
+  return {};
+}
+
+Result<CameraDraft> readFilmedCamera(const JsonValue& value, const std::filesystem::path& folder) {
+  CameraDraft camera;
+  camera.where = value.where();
+  VOLUTE_ASSIGN(const auto name, value.at("file_name"));
+  VOLUTE_ASSIGN(const std::string film, name.text());
+  camera.name = std::filesystem::path(film).stem().string();
+  camera.pictures.video = (folder / film).lexically_normal();
+  VOLUTE_ASSIGN(const auto size, value.at("camera_hw"));
+  VOLUTE_ASSIGN(const auto sides, size.numbers(2));
+  if (!(sides[0] >= 1 && sides[1] >= 1 && sides[0] <= 65536 && sides[1] <= 65536))
+    return size.fault("expected height and width in pixels");
+  Calibration& calibration = camera.calibration;
+  calibration.height = static_cast<int>(sides[0]);
+  calibration.width = static_cast<int>(sides[1]);
+  VOLUTE_ASSIGN(const double angle, angleIn(value, value, "camera_angle_x"));
+  if (!(angle > 0))
+    return value.fault("has no camera_angle_x; expected the angle of view over its width");
+  const double focal = 0.5 * calibration.width / std::tan(0.5 * angle);
+  calibration.K << focal, 0, 0.5 * calibration.width, 0, focal, 0.5 * calibration.height, 0, 0, 1;
+  VOLUTE_TRY(readPose(value, calibration));
+  if (const auto rate = value.find("frame_rate")) {
+    VOLUTE_ASSIGN(camera.framesPerSecond, rate->number());
+    if (!(*camera.framesPerSecond > 0))
+      return rate->fault("expected pictures in a second, more than 0");
+  }
+  return camera;
+}
+
+}  // namespace
+
+Result<CaptureDraft> readFilmedFluid(const std::filesystem::path& file,
+                                     const nlohmann::json& json) {
+  const JsonValue root(json, file.string());
+  CaptureDraft draft;
+  draft.kind = "filmed fluid";
+  for (const char* list : {"train_videos", "test_videos"}) {
+    const auto videos = root.find(list);
+    if (!videos)
+      continue;
+    VOLUTE_ASSIGN(const auto items, videos->items());
+    for (const JsonValue& item : items) {
+      VOLUTE_ASSIGN(auto camera, readFilmedCamera(item, file.parent_path()));
+      if (!draft.framesPerSecond)
+        draft.framesPerSecond = camera.framesPerSecond;
+      if (std::string_view(list) == "test_videos")
+        draft.remarks.push_back(fmt::format(
+            "camera {} is there to be compared with (test_videos): hold it out for that",
+            camera.name));
+      draft.cameras.push_back(std::move(camera));
+    }
+  }
+  VOLUTE_TRY(readVoxelBox(root, draft));
+  if (const auto colour = root.find("frame_bkg_color")) {
+    VOLUTE_ASSIGN(const Vec3 background, colour->vector());
+    if (background.maxCoeff() > 0)
+      draft.remarks.emplace_back(
+          "frame_bkg_color is not black and not subtracted; state a background in a capture.json");
+  }
   return draft;
 }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <regex>
 #include <set>
 #include <unordered_map>
 
@@ -29,11 +31,13 @@ Result<CaptureDraft> readJsonCapture(const std::filesystem::path& file) {
     return readCaptureJson(file, json);
   if (isOpenCvJson(json))
     return readOpenCv(file);
+  if (json.is_object() && json.contains("train_videos"))
+    return readFilmedFluid(file, json);
   if (json.is_object() && json.contains("frames"))
     return readNerfTransforms(file, json);
   return fail(ErrorCode::kInvalidData,
               "{}: no capture; expected \"format\": \"volute-capture-1\", a NeRF transforms.json "
-              "with \"frames\", or OpenCV's matrices",
+              "with \"frames\", an info.json with \"train_videos\", or OpenCV's matrices",
               file.string());
 }
 
@@ -69,12 +73,20 @@ bool sameCalibration(const Calibration& a, const Calibration& b) {
          (a.t - b.t).norm() <= kRounding * (1 + a.t.norm());
 }
 
-/// "images/frame_####_c0.exr" is camera frame_c0 when no pattern says where its name is.
+/// "images/frame_####_c0.exr" is camera frame_c0 when no pattern says where its name is, and
+/// "c0/%04d.png" camera c0.
 std::string plainName(const std::string& pictureName) {
-  std::string name = std::filesystem::path(pictureName).stem().string();
-  std::erase(name, '#');
+  const std::filesystem::path path(pictureName);
+  static const std::regex kNumber("%0?[0-9]*d|#+");
+  const std::string stem = path.stem().string();
+  std::string name = std::regex_replace(stem, kNumber, "");
+  if (name == stem)
+    return name;
   for (auto at = name.find("__"); at != std::string::npos; at = name.find("__")) name.erase(at, 1);
-  return name;
+  const auto isJoint = [](char c) { return c == '_' || c == '-' || c == '.'; };
+  while (!name.empty() && isJoint(name.back())) name.pop_back();
+  while (!name.empty() && isJoint(name.front())) name.erase(0, 1);
+  return name.empty() ? path.parent_path().filename().string() : name;
 }
 
 /// Gives each camera a name, and drops further pictures of a camera that stands still.
@@ -149,20 +161,73 @@ std::vector<int> framesInRange(const std::vector<int>& frames, const FrameRange&
   return chosen;
 }
 
+/// The frames that a camera's picture of a number shows.
+std::vector<int> framesShown(const PictureSource& pictures, const std::set<int>& numbers) {
+  std::vector<int> frames;
+  for (const int number : numbers) {
+    const double place = number / pictures.rate + pictures.videoStart - pictures.frameShift;
+    if (!(std::abs(place) < 1e9))
+      continue;
+    constexpr double kMax = 1000;  // frames that one picture may be of
+    const int from = static_cast<int>(std::floor(place)),
+              to = static_cast<int>(std::ceil(place + std::min(1 / pictures.rate, kMax)));
+    for (int frame = std::max(from, 0); frame <= to; ++frame) {
+      const PicturePlace shown = pictures.placeOf(frame);
+      if (shown.number == number && (shown.share == 0 || numbers.contains(number + 1)))
+        frames.push_back(frame);
+    }
+  }
+  return frames;
+}
+
+/// The frames of which any camera has a picture, by their clocks. kInvalidData for a camera whose
+/// numbers are those of no other: it counts from elsewhere.
+Result<std::vector<int>> framesOfFiles(const std::filesystem::path& file,
+                                       const CaptureDraft& draft) {
+  std::map<int, int> seen;  // how many cameras see a frame
+  std::vector<std::vector<int>> own;
+  for (const CameraDraft& camera : draft.cameras) {
+    const auto numbers = framesThere(camera.pictures.image);
+    const bool one = !namesSeries(camera.pictures.image);
+    own.push_back(
+        one ? numbers
+            : framesShown(camera.pictures, std::set<int>(numbers.begin(), numbers.end())));
+    for (const int frame : own.back()) ++seen[frame];
+  }
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const bool alone =
+        !own[i].empty() && std::ranges::all_of(own[i], [&](int frame) { return seen[frame] == 1; });
+    const auto other = std::ranges::find_if(
+        own, [&](const std::vector<int>& frames) { return !frames.empty() && frames != own[i]; });
+    if (!alone || other == own.end())
+      continue;
+    const CameraDraft& camera = draft.cameras[i];
+    const int by = own[i].front() - other->front();
+    return fail(
+        ErrorCode::kInvalidData,
+        "{}: camera {} has pictures of frames {} to {}, of which no other camera has any ({}: {} "
+        "to "
+        "{}); if its first picture is that of frame {}, state \"frame_shift\": {} for it, or "
+        "\"frames\" for all",
+        file.string(), camera.name, own[i].front(), own[i].back(),
+        draft.cameras[static_cast<std::size_t>(other - own.begin())].name, other->front(),
+        other->back(), other->front(), camera.pictures.frameShift + by);
+  }
+  std::vector<int> frames;
+  for (const auto& [frame, cameras] : seen) frames.push_back(frame);
+  return frames;
+}
+
 /// All frames of the capture: those that are stated, else those of which there are pictures; of
 /// films those that the range names, else those that all of them have.
 Result<std::vector<int>> findFrames(const std::filesystem::path& file, const CaptureDraft& draft,
                                     const FrameRange& range, std::uint64_t maxMemory) {
-  std::set<int> there;
-  bool film = false;
-  for (const CameraDraft& camera : draft.cameras) {
-    film = film || !camera.pictures.video.empty();
-    for (const int frame : framesThere(camera.pictures.image)) there.insert(frame);
-  }
-  std::vector<int> frames(there.begin(), there.end());
-  if (draft.frames) {
-    frames = *draft.frames;
-  } else if (frames.empty() && film && range.end) {
+  if (draft.frames)
+    return *draft.frames;
+  const bool film = std::ranges::any_of(
+      draft.cameras, [](const CameraDraft& camera) { return !camera.pictures.video.empty(); });
+  VOLUTE_ASSIGN(std::vector<int> frames, framesOfFiles(file, draft));
+  if (frames.empty() && film && range.end) {
     for (int frame = static_cast<int>(std::ceil(range.begin.value_or(0))); frame < *range.end;
          ++frame)
       frames.push_back(frame);
@@ -274,7 +339,7 @@ Result<CaptureVolume> chooseVolume(const std::filesystem::path& file, const Capt
 std::string conventionText(const CaptureDraft& draft) {
   std::string text = fmt::format("{}: {} cameras, pixel centres at {}", draft.kind,
                                  draft.cameras.size(), draft.pixelCentre);
-  if (draft.kind == "NeRF transforms")
+  if (draft.kind == "NeRF transforms" || draft.kind == "filmed fluid")
     text += ", OpenGL's camera axes turned to x right, y down, z forward";
   return text;
 }
@@ -288,6 +353,8 @@ Result<CaptureDraft> openDraft(const std::filesystem::path& file, const CaptureO
   VOLUTE_ASSIGN(auto draft, readDraft(file));
   if (draft.cameras.empty())
     return fail(ErrorCode::kInvalidData, "{}: has no cameras", file.string());
+  if (!images)
+    VOLUTE_TRY(groupEntries(draft));
   VOLUTE_TRY(nameCameras(draft, images));
   VOLUTE_TRY(checkNames(draft));
   VOLUTE_TRY(placePictures(draft, images));
@@ -354,7 +421,7 @@ Result<bool> isCapture(const std::filesystem::path& path) {
   if (!json.is_object() || scene)
     return false;
   return json.contains("cameras") || json.contains("frames") || json.contains("camera_matrix") ||
-         format == "volute-capture-1";
+         json.contains("train_videos") || format == "volute-capture-1";
 }
 
 std::optional<std::size_t> findCamera(const Capture& capture, const std::string& name) {

@@ -85,6 +85,10 @@ Json cameraJson(const CaptureCamera& known, double framesPerSecond,
     json["color"] = jsonOf(*pictures.response);
   if (pictures.saturation)
     json["saturation"] = *pictures.saturation;
+  if (pictures.bits != 0)
+    json["bits"] = pictures.bits;
+  if (pictures.black != 0)
+    json["black"] = pictures.black;
   return json;
 }
 

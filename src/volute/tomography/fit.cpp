@@ -13,8 +13,9 @@
 namespace volute {
 namespace {
 
-constexpr unsigned kHeldOutOf = 20;  // one row in so many
-constexpr double kBright = 0.7;      // of the typical value
+constexpr unsigned kHeldOutOf = 20;   // one row in so many
+constexpr double kBright = 0.7;       // of the typical value
+constexpr std::size_t kMinViews = 4;  // of which one can be held out
 
 std::unique_ptr<Prior> makeSpatialPrior(const FitSetup& setup, const PriorStrength& prior) {
   const TomographyOptions& options = setup.options;
@@ -176,6 +177,11 @@ int solve(const FitSetup& setup, const LeastSquares& data, Prior& prior, int ite
 
 }  // namespace
 
+double usualSparsity(std::size_t views) {
+  constexpr double kUsual = 2.5;
+  return views < kMinViews ? 0 : kUsual;
+}
+
 double typicalValue(const LeastSquares& data, double largest) {
   std::vector<float> gradient(4 * data.unknowns());
   data.gradient(std::vector<float>(4 * data.rows()), gradient);
@@ -208,7 +214,7 @@ double heldOutError(const LeastSquares& data, std::span<const std::uint8_t> held
       continue;
     for (std::size_t c = 0; c < 3; ++c) {
       const double measured = data.measured[4 * row + c];
-      const double difference = data.misfit(4 * row + c, projected[4 * row + c]);
+      const double difference = data.misfit(4 * row + c, &projected[4 * row]);
       error += data.squaredWeight[row] * difference * difference;
       light += data.squaredWeight[row] * measured * measured;
     }
@@ -243,7 +249,7 @@ struct Fold {
 
 /// Whole cameras, those whose nearest neighbour is as far as is usual first; or pixels.
 std::vector<Fold> foldsOf(const FitSetup& setup) {
-  constexpr std::size_t kMinViews = 4, kFew = 5;
+  constexpr std::size_t kFew = 5;
   const FrameProblem& problem = setup.problem;
   const auto& views = setup.views;
   std::vector<Fold> folds;
@@ -373,7 +379,6 @@ class PriorSearch {
 
 Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
   constexpr int kFinalIterations = 600;
-  constexpr double kUsualSparsity = 2.5;
   const TomographyOptions& options = setup.options;
   const int most = options.iterations.value_or(kFinalIterations);
   TomographyChoice choice;
@@ -383,8 +388,9 @@ Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
     choice = *options.choice;
   } else {
     PriorSearch search(setup, start, most);
-    VOLUTE_TRY(search.tryTotalVariation(options.sparsity.value_or(kUsualSparsity)));
-    if (!options.sparsity)
+    const double sparsity = options.sparsity.value_or(usualSparsity(setup.views.size()));
+    VOLUTE_TRY(search.tryTotalVariation(sparsity));
+    if (!options.sparsity && sparsity > 0)
       VOLUTE_TRY(search.tryTotalVariation(0));
     if (options.regularization == Regularization::kAuto && !options.iterations)
       VOLUTE_TRY(search.tryPlainIterations());

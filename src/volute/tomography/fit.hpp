@@ -47,6 +47,10 @@ struct FitSetup {
 /// count in it.
 double typicalValue(const LeastSquares& data, double largest);
 
+/// Of total variation where nobody says. 0 for fewer than four views: of them none can be held out,
+/// and pixels of the same views do not tell whether dark voxels are dark.
+double usualSparsity(std::size_t views);
+
 /// A random share of the rows, chosen by `seed`: 1 for those held out of a fit.
 std::vector<std::uint8_t> heldOutRows(std::size_t rows, std::uint32_t seed);
 

@@ -156,6 +156,9 @@ void fillRows(std::span<const TomographyView> views, const TomographyOptions& op
   data.measured.resize(4 * rows.size());
   data.squaredWeight.resize(rows.size());
   data.atLeast.assign(rows.size(), 0);
+  const bool someGrey =
+      weighs && std::ranges::any_of(views, [](const TomographyView& view) { return view.grey; });
+  data.grey.assign(someGrey ? rows.size() : 0, 0);
   double sum = 0;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const TomographyView& view = views[rows[row].view];
@@ -165,6 +168,8 @@ void fillRows(std::span<const TomographyView> views, const TomographyOptions& op
     const bool whole = saturated || view.weight.empty() || view.opticalDepth;
     const float own = whole && (saturated || view.counts(pixel)) ? 1 : view.weight[pixel];
     data.atLeast[row] = saturated ? view.atLeast[pixel] : 0;
+    if (someGrey)
+      data.grey[row] = view.grey ? 1 : 0;
     const float uncertain = variance[rows[row].view][pixel];
     data.squaredWeight[row] = uncertain > 0 ? own * own / uncertain : 0;
     sum += data.squaredWeight[row];
@@ -279,7 +284,7 @@ std::vector<double> residualOfViews(const FrameProblem& problem, std::size_t vie
     if (data.atLeast[i / 4] != 0)
       continue;
     const double measured = data.measured[i];
-    const double difference = projected[i] - measured;
+    const double difference = data.misfit(i, &projected[i - i % 4]);
     error[rows[i / 4].view] += difference * difference;
     light[rows[i / 4].view] += measured * measured;
   }

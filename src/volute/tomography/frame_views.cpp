@@ -58,13 +58,16 @@ Result<FrameViews> ViewReader::read(int frame) {
   result.frame = frame;
   result.heldOut = heldOut_;
   result.opticalDepth = capture_->measured == Measured::kAbsorption;
+  std::optional<Error> first;
   for (std::size_t camera = 0; camera < capture_->cameras.size(); ++camera) {
     const CaptureCamera& known = capture_->cameras[camera];
     auto picture = images_.read(camera, frame);
     PictureFacts facts;
-    if (!picture && picture.error().code == ErrorCode::kNotFound &&
-        known.pictures.frameShift != 0) {
+    const bool mayBeMissing = known.pictures.frameShift != 0 || known.pictures.video.empty();
+    if (!picture && picture.error().code == ErrorCode::kNotFound && mayBeMissing) {
       // The others tell what they saw; this one has seen nothing, not even darkness.
+      if (!first)
+        first = picture.error();
       picture.emplace();
       picture->radiance = Image(known.camera.width(), known.camera.height());
       picture->weight.assign(picture->radiance.pixels.size() / 3, 0);
@@ -81,10 +84,21 @@ Result<FrameViews> ViewReader::read(int frame) {
                picture->opaqueShare,
                picture->grey,
                false,
-               picture->drift};
+               picture->drift,
+               picture->mosaic,
+               picture->plateau,
+               picture->storedPedestal};
     }
     result.facts.push_back(facts);
     result.views.push_back(viewOf(camera, std::move(*picture)));
+  }
+  if (first && std::ranges::all_of(result.facts, &PictureFacts::missing))
+    return tl::unexpected<Error>(*first);
+  // Of cameras that all are grey the channels are one.
+  const bool allGrey = result.grey();
+  for (std::size_t i = 0; i < result.views.size(); ++i) {
+    greyAmongColours_[i] = !allGrey && result.facts[i].grey ? 1 : 0;
+    result.views[i].grey = greyAmongColours_[i] != 0;
   }
   if (std::ranges::find(heldOut_, 1) != heldOut_.end())
     result.chosen = result.fittedWithout(result.views.size());
@@ -95,7 +109,9 @@ std::optional<TomographyView> ViewReader::neighbour(std::size_t camera, int fram
   auto picture = images_.read(camera, frame);
   if (!picture)
     return std::nullopt;
-  return viewOf(camera, std::move(*picture));
+  TomographyView view = viewOf(camera, std::move(*picture));
+  view.grey = greyAmongColours_[camera] != 0;
+  return view;
 }
 
 }  // namespace volute

@@ -19,8 +19,11 @@ struct PictureFacts {
   double transparentShare = 0;
   double opaqueShare = 0;  ///< of absorption: lets no light through
   bool grey = false;
-  bool missing = false;  ///< no picture: the camera's clock takes it beyond the first or the last
+  bool missing = false;                    ///< there is no picture
   std::optional<BackgroundDrift> drift{};  ///< of the background, undone
+  bool mosaic = false;                     ///< see CameraPicture
+  std::optional<StoredPlateau> plateau{};
+  double pedestal = 0;  ///< a stored value
 };
 
 /// All cameras at one frame, in the order of the capture.
@@ -64,13 +67,17 @@ class ViewReader {
 
  private:
   ViewReader(const Capture& capture, CaptureImages images, std::vector<char> heldOut)
-      : capture_(&capture), images_(std::move(images)), heldOut_(std::move(heldOut)) {}
+      : capture_(&capture),
+        images_(std::move(images)),
+        heldOut_(std::move(heldOut)),
+        greyAmongColours_(heldOut_.size()) {}
 
   TomographyView viewOf(std::size_t camera, CameraPicture picture) const;
 
   const Capture* capture_;
   CaptureImages images_;
   std::vector<char> heldOut_;
+  std::vector<char> greyAmongColours_;  // one a camera, by the frames that were read
   bool keepsBackgrounds_ = false;
 };
 

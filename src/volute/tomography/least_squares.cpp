@@ -10,8 +10,9 @@ namespace volute {
 
 void LeastSquares::gradient(std::span<const float> projected, std::span<float> gradient) const {
   std::vector<float> residual(projected.size());
-  forElements(residual.size(),
-              [&](std::size_t i) { residual[i] = squaredWeight[i / 4] * misfit(i, projected[i]); });
+  forElements(residual.size(), [&](std::size_t i) {
+    residual[i] = squaredWeight[i / 4] * misfit(i, &projected[i - i % 4]);
+  });
   projector->adjoint(residual, gradient);
 }
 
@@ -20,15 +21,14 @@ void LeastSquares::projectAndGradient(std::span<const float> a, std::span<float>
   projector->thereAndBack(
       a,
       [this](std::size_t row, const float* sum, float* back) {
-        for (std::size_t c = 0; c < 4; ++c)
-          back[c] = squaredWeight[row] * misfit(4 * row + c, sum[c]);
+        for (std::size_t c = 0; c < 4; ++c) back[c] = squaredWeight[row] * misfit(4 * row + c, sum);
       },
       projected, gradient);
 }
 
 double LeastSquares::squaredResidual(std::span<const float> projected) const {
   return sumElements(projected.size(), [&](std::size_t i) {
-    const double r = misfit(i, projected[i]);
+    const double r = misfit(i, &projected[i - i % 4]);
     return squaredWeight[i / 4] * r * r;
   });
 }

@@ -19,13 +19,19 @@ struct LeastSquares {
   /// none. For solvers that go by gradient() alone.
   std::vector<std::uint8_t> atLeast{};
 
+  /// One for each row, 1: what was measured is the mean of the three channels. Empty: none. For
+  /// solvers that go by gradient() alone.
+  std::vector<std::uint8_t> grey{};
+
   std::size_t unknowns() const { return projector->unknowns(); }
 
   std::size_t rows() const { return projector->rows(); }
 
   /// projected - measured of element i, 4 for each row; 0 for what is above a bound.
-  float misfit(std::size_t i, float projected) const {
-    const float difference = projected - measured[i];
+  /// @param row  the row's four values of what is projected
+  float misfit(std::size_t i, const float* row) const {
+    const bool mean = !grey.empty() && grey[i / 4] != 0 && i % 4 < 3;
+    const float difference = (mean ? (row[0] + row[1] + row[2]) / 3 : row[i % 4]) - measured[i];
     const bool bound = !atLeast.empty() && (atLeast[i / 4] >> (i % 4) & 1) != 0;
     return bound && difference > 0 ? 0 : difference;
   }

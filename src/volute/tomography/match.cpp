@@ -7,6 +7,7 @@
 
 #include "volute/tomography/box_blur.hpp"
 #include "volute/tomography/hull.hpp"
+#include "volute/tomography/project.hpp"
 #include "volute/tomography/reduced_view.hpp"
 
 namespace volute {
@@ -57,15 +58,20 @@ void findMisfit(const TomographyView& view, const Image& projected, const Volume
   const double light = std::max(all - noise, 1e-6 * all);
   if (!(light > 0))
     return;
+  const double pixelNoise = sigma * sigma * 3 * static_cast<double>(std::ranges::count(is, 1));
+  const double whole = squaredSum(given);
+  match.fine = std::sqrt(std::max(squaredSum(fine) - pixelNoise, 0.0) /
+                         std::max(whole - pixelNoise, 1e-6 * whole));
   match.misfit = std::sqrt(std::max(squaredSum(boxBlurred(off, width)) - noise, 0.0) / light);
   match.unresolved = std::sqrt(squaredSum(boxBlurred(fine, width)) / light);
 }
 
 }  // namespace
 
-ViewMatch matchOf(const TomographyView& view, const Image& projected,
-                  const VolumeGeometry& geometry, std::optional<double> noiseSigma) {
+ViewMatch matchOf(const TomographyView& view, const Image& inColour, const VolumeGeometry& geometry,
+                  std::optional<double> noiseSigma) {
   ViewMatch match;
+  const Image projected = asSeenBy(view, inColour);
   double difference = 0, light = 0, both = 0, shown = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < projected.pixels.size(); ++i) {

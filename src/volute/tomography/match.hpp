@@ -17,10 +17,12 @@ struct ViewMatch {
                           ///< volume
   double unresolved = 0;  ///< what a box of 1.5 voxels takes from that part of the picture: about
                           ///< the misfit that the size of the voxels explains
+  double fine = 0;  ///< what the same box takes from the whole picture: about the residual that
+                    ///< the size of the voxels explains
 };
 
-/// @param projected  the volume as the view's camera sees it, radiance without a background.
-ViewMatch matchOf(const TomographyView& view, const Image& projected,
-                  const VolumeGeometry& geometry, std::optional<double> noiseSigma);
+/// @param inColour  the volume as the view's camera sees it, radiance without a background.
+ViewMatch matchOf(const TomographyView& view, const Image& inColour, const VolumeGeometry& geometry,
+                  std::optional<double> noiseSigma);
 
 }  // namespace volute

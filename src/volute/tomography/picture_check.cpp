@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/picture_check.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -58,6 +60,69 @@ Counts countPixels(const TomographyView& view, const PictureFacts& facts, const 
   }
   counts.lit += counts.saturated;
   return counts;
+}
+
+/// What several cameras have in common is said once.
+class SharedSentences {
+ public:
+  void add(const std::string& text, const std::string& camera) {
+    const auto found = std::ranges::find(sentences_, text, &Sentence::text);
+    (found == sentences_.end() ? sentences_.emplace_back(Sentence{text, {}}) : *found)
+        .cameras.push_back(camera);
+  }
+
+  void moveTo(std::vector<std::string>& warnings, int frame) const {
+    for (const Sentence& one : sentences_) {
+      warnings.push_back(fmt::format("camera{} {}, frame {}: {}", one.cameras.size() > 1 ? "s" : "",
+                                     fmt::join(one.cameras, ", "), frame, one.text));
+    }
+  }
+
+ private:
+  struct Sentence {
+    std::string text;
+    std::vector<std::string> cameras;
+  };
+
+  std::vector<Sentence> sentences_;
+};
+
+/// How a camera stores values, as far as that is not what its file seems to say.
+void checkStoring(const PictureFacts& facts, const std::string& camera, bool grey,
+                  SharedSentences& warnings, SharedSentences& faults) {
+  constexpr double kLargestOfAFile = 65535;
+  if (facts.mosaic)
+    faults.add(
+        "neighbouring pixels differ by their place in blocks of 2 x 2: the mosaic of a colour "
+        "camera? Make it into colours first",
+        camera);
+  if (facts.plateau) {
+    const double value = facts.plateau->value;
+    const auto bits = bitsOf(value);
+    warnings.add(
+        fmt::format("many pixels read {:.0f} of {:.0f}, the most in the picture, and are taken as "
+                    "saturated: {}",
+                    value * kLargestOfAFile, kLargestOfAFile,
+                    bits
+                        ? fmt::format("are these {} bits? Then state \"bits\": {}; else state "
+                                      "\"saturation\": {:.5g}",
+                                      *bits, *bits, value)
+                        : fmt::format("state \"saturation\": {:.5g}, or 1 if they are not", value)),
+        camera);
+  }
+  if (facts.pedestal > 0) {
+    warnings.add(
+        fmt::format("all pixels beside the volume show about {:.2g} (stored, 1 = white): a black "
+                    "level? It was subtracted; state it as \"black\", or a \"background\"",
+                    facts.pedestal),
+        camera);
+  }
+  if (grey) {
+    warnings.add(
+        "one channel, while others have three: it is taken as the mean of theirs; state its "
+        "\"gain\" where it sees colours otherwise",
+        camera);
+  }
 }
 
 double shareOf(std::size_t part, std::size_t whole) {
@@ -253,11 +318,16 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
       std::ranges::count_if(counts, [](const Counts& count) { return count.lit >= kFew; });
   findings.dark = seeing == 0;
   const bool maxSee = 2 * static_cast<std::size_t>(seeing) > counts.size();
+  SharedSentences storing, wrong;
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    checkStoring(views.facts[i], views.views[i].name, views.views[i].grey, storing, wrong);
+  storing.moveTo(findings.warnings, views.frame);
+  wrong.moveTo(findings.faults, views.frame);
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const std::string name = fmt::format("camera {}, frame {}", views.views[i].name, views.frame);
     if (views.facts[i].missing) {
-      findings.warnings.push_back(fmt::format(
-          "{}: there is no picture, for its clock differs by frames; the others tell alone", name));
+      findings.warnings.push_back(
+          fmt::format("{}: there is no picture; the other cameras tell alone", name));
       continue;
     }
     checkHotPixels(views.views[i], counts[i], name, findings);

@@ -31,4 +31,12 @@ Image projectVolume(std::span<const float> volume, const VolumeGeometry& geometr
   return image;
 }
 
+Image asSeenBy(const TomographyView& view, Image inColour) {
+  for (std::size_t i = 0; view.grey && i + 2 < inColour.pixels.size(); i += 3) {
+    float* light = &inColour.pixels[i];
+    std::fill_n(light, 3, (light[0] + light[1] + light[2]) / 3);
+  }
+  return inColour;
+}
+
 }  // namespace volute

@@ -16,4 +16,8 @@ namespace volute {
 Image projectVolume(std::span<const float> volume, const VolumeGeometry& geometry, Basis basis,
                     const Camera& camera, int raysPerPixel);
 
+/// The same as a view's camera measures it: the mean of the channels in all three for one that is
+/// grey.
+Image asSeenBy(const TomographyView& view, Image inColour);
+
 }  // namespace volute

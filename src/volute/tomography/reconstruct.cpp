@@ -47,9 +47,8 @@ Result<Fit> fixedFit(const FitSetup& setup, std::vector<float> start) {
                               : apg      ? Regularization::kTv
                                          : Regularization::kNone;
   const bool penalised = regularization != Regularization::kNone;
-  constexpr double kUsualSparsity = 2.5;
   const PriorStrength prior{regularization, penalised ? options.lambda.value_or(kUsualLambda) : 0,
-                            options.sparsity.value_or(kUsualSparsity)};
+                            options.sparsity.value_or(usualSparsity(setup.views.size()))};
   if (options.iterations)
     return runFit(setup, data, prior, std::move(start), {*options.iterations, 0, {}, 0});
   if (penalised)

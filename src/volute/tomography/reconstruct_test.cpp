@@ -345,5 +345,34 @@ TEST(Names, RoundTrip) {
   EXPECT_FALSE(regularizationByName(""));
 }
 
+TEST(Reconstruct, AGreyCameraTellsTheMeanOfTheChannels) {
+  TestScene scene(6);
+  TomographyOptions options;
+  options.regularization = Regularization::kNone;
+  options.iterations = 60;
+  const double colours = scene.error(solved(scene, options).volume);
+  TomographyView& grey = scene.views[2];
+  for (std::size_t i = 0; i < grey.radiance.pixels.size(); i += 3) {
+    float* light = &grey.radiance.pixels[i];
+    std::fill_n(light, 3, (light[0] + light[1] + light[2]) / 3);
+  }
+  const auto taken = solved(scene, options);
+  const double asColours = scene.error(taken.volume);
+  grey.grey = true;
+  const auto right = solved(scene, options);
+  EXPECT_LT(scene.error(right.volume), 1.15 * colours);
+  EXPECT_GT(asColours, 1.5 * colours);
+  EXPECT_LT(right.residual[2], 0.3 * taken.residual[2]);
+}
+
+TEST(Reconstruct, OfThreeViewsSparsityIsNotJudged) {
+  TestScene scene(3, 0.02);
+  TomographyOptions options;
+  const auto byItself = solved(scene, options);
+  EXPECT_EQ(byItself.sparsity, 0);
+  options.sparsity = 1;
+  EXPECT_EQ(solved(scene, options).sparsity, 1);
+}
+
 }  // namespace
 }  // namespace volute

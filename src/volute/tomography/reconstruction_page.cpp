@@ -95,8 +95,9 @@ Result<std::string> pictures(const Json& report, ReconstructedFrames& frames, Pr
     html += fmt::format("<h3>Frame {}</h3>\n", views.frame);
     for (std::size_t i = 0; i < views.views.size(); ++i) {
       const Image seen =
-          projectVolume(volume, frames.geometry(), frames.info().basis, views.views[i].camera,
-                        report["options"]["rays_per_pixel"].get<int>());
+          asSeenBy(views.views[i], projectVolume(volume, frames.geometry(), frames.info().basis,
+                                                 views.views[i].camera,
+                                                 report["options"]["rays_per_pixel"].get<int>()));
       VOLUTE_ASSIGN(const auto row,
                     pictureRow(views.views[i], seen, record["cameras"][i], frames.work().path()));
       html += row;

@@ -36,6 +36,7 @@ TomographyView reducedView(const TomographyView& view, int factor) {
     return view;
   TomographyView reduced{view.name, reducedCamera(view.camera, factor), {}};
   reduced.opticalDepth = view.opticalDepth;
+  reduced.grey = view.grey;
   reduced.sightError = view.sightError / factor;
   const Image& image = view.radiance;
   const int width = reduced.camera.width(), height = reduced.camera.height();

@@ -8,11 +8,13 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/tomography/hull.hpp"
+#include "volute/tomography/project.hpp"
 
 namespace volute {
 
-ViewResidual residualOf(const TomographyView& view, const Image& projected,
+ViewResidual residualOf(const TomographyView& view, const Image& inColour,
                         std::optional<double> noiseSigma) {
+  const Image projected = asSeenBy(view, inColour);
   const auto& given = view.radiance.pixels;
   VOLUTE_ASSERT(given.size() == projected.pixels.size());
   const auto lit = dilatedSilhouette(view, noiseSigma);

@@ -17,8 +17,9 @@ struct ViewResidual {
   double psnr = 0;
 };
 
+/// @param inColour  the volume as the view's camera sees it.
 /// @param noiseSigma  as TomographyOptions has it: says which pixels show light.
-ViewResidual residualOf(const TomographyView& view, const Image& projected,
+ViewResidual residualOf(const TomographyView& view, const Image& inColour,
                         std::optional<double> noiseSigma);
 
 }  // namespace volute

@@ -35,8 +35,9 @@ std::string describe(const CaptureCamera& known) {
                   digits(camera.eye()), lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, pictures.gain,
                   pictures.videoStart, pictures.frameShift, pictures.saturation.value_or(-1),
                   pictures.response ? pictures.response->name() : "as the pictures state");
-  text += fmt::format("{} pictures a frame, exponent {}, error {}\n", pictures.rate,
-                      pictures.exponent, known.reprojectionError);
+  text +=
+      fmt::format("{} pictures a frame, exponent {}, error {}, {} bits, black {}\n", pictures.rate,
+                  pictures.exponent, known.reprojectionError, pictures.bits, pictures.black);
   // A table's name does not tell its values.
   for (int i = 0; pictures.response && i <= 64; ++i)
     text += fmt::format("{} ", pictures.response->linear(i / 64.0));

@@ -34,6 +34,8 @@ struct TomographyView {
   double sightError = 0;  ///< how far off its sights are, root mean square [pixels]: silhouettes
                           ///< are wider by twice as much
   Image background{};     ///< what was subtracted, RGB; empty: nothing, or it was not asked for
+  bool grey = false;  ///< `radiance` is the mean of the channels, for its camera knows no colours,
+                      ///< and others do
 
   bool counts(std::size_t pixel) const { return weight.empty() || weight[pixel] != 0; }
 

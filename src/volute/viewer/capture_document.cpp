@@ -74,8 +74,11 @@ Result<std::unique_ptr<Document>> CaptureDocument::open(const std::string& path,
 void CaptureDocument::remarkOnFaults(std::uint64_t maxMemory) {
   auto& remarks = capture_.remarks;
   for (const GeometryFault& fault : checkGeometry(capture_)) remarks.push_back(fault.message);
-  if (const Status there = checkPicturesThere(capture_, maxMemory); !there)
+  const auto there = checkPicturesThere(capture_, false, maxMemory);
+  if (!there)
     remarks.push_back(there.error().message);
+  else
+    remarks.insert(remarks.end(), there->begin(), there->end());
 }
 
 std::string CaptureDocument::title() const {

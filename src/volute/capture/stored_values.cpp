@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/capture/stored_values.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace volute {
+namespace {
+
+constexpr int kLargest = 65535;  // of 16 bits
+
+}  // namespace
+
+std::optional<StoredPlateau> plateauOf(const Image& image) {
+  constexpr std::size_t kFewest = 12, kTimes = 8, kFewestValues = 8;
+  constexpr double kShare = 0.01, kLit = 0.05;
+  if (image.pixels.empty())
+    return std::nullopt;
+  const float largest = *std::ranges::max_element(image.pixels);
+  if (!(largest > 0) || !(largest < 1 - 0.5F / kLargest))
+    return std::nullopt;
+  const auto channels = static_cast<std::size_t>(image.channels);
+  std::vector<std::uint32_t> counts(kLargest + 1);
+  std::size_t lit = 0, full = 0;
+  for (std::size_t i = 0; i < image.pixels.size(); i += channels) {
+    const float most = *std::max_element(&image.pixels[i], &image.pixels[i] + channels);
+    lit += most > kLit * largest ? 1 : 0;
+    full += most == largest ? 1 : 0;
+    if (most < largest && most > 0.5F * largest)
+      ++counts[static_cast<std::size_t>(std::lround(most * kLargest))];
+  }
+  // Of 8 bits only what is near white is likely to be a limit: 235 of 255 of films.
+  constexpr float kNearWhite = 0.85F;
+  const bool bytes = std::ranges::all_of(
+      image.pixels, [](float value) { return std::lround(value * kLargest) % 257 == 0; });
+  if (bytes && largest < kNearWhite)
+    return std::nullopt;
+  const auto values = static_cast<std::size_t>(
+      std::ranges::count_if(counts, [](std::uint32_t count) { return count > 0; }));
+  std::size_t others = 0;
+  for (const std::uint32_t count : counts) others += count;
+  if (values < kFewestValues || full < kFewest || full * values < kTimes * others ||
+      static_cast<double>(full) < kShare * static_cast<double>(lit))
+    return std::nullopt;
+  return StoredPlateau{largest, static_cast<double>(full) / static_cast<double>(lit)};
+}
+
+std::optional<int> bitsOf(double value) {
+  const auto stored = std::lround(value * kLargest);
+  for (const int bits : {9, 10, 11, 12, 13, 14, 15}) {
+    if (stored == (1L << bits) - 1)
+      return bits;
+  }
+  return std::nullopt;
+}
+
+bool isMosaic(const Image& image) {
+  constexpr double kLit = 0.1, kApart = 1.2;
+  constexpr std::size_t kFewest = 25;
+  if (image.pixels.empty() || image.channels != 1)
+    return false;
+  const float largest = *std::ranges::max_element(image.pixels);
+  std::array<double, 4> sum{};
+  std::size_t blocks = 0;
+  for (int y = 0; y + 1 < image.height; y += 2) {
+    for (int x = 0; x + 1 < image.width; x += 2) {
+      const std::array<float, 4> block{image.at(x, y), image.at(x + 1, y), image.at(x, y + 1),
+                                       image.at(x + 1, y + 1)};
+      const float most = std::ranges::max(block);
+      if (!(most > kLit * largest) || most == largest)
+        continue;
+      ++blocks;
+      for (std::size_t i = 0; i < block.size(); ++i) sum[i] += block[i];
+    }
+  }
+  const auto [least, most] = std::ranges::minmax(sum);
+  return blocks >= kFewest && most > kApart * least;
+}
+
+}  // namespace volute

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <optional>
+
+#include "volute/image/image.hpp"
+
+// What the values of a file tell of the camera that took it.
+
+namespace volute {
+
+/// Many pixels that read one largest value, which is less than a file can hold.
+struct StoredPlateau {
+  double value = 0;  ///< of 1 = the most that a file can hold
+  double share = 0;  ///< of the lit pixels, those that read it in any channel
+};
+
+/// Where a sensor or a converter stops counting, though the file could hold more: at least a
+/// hundredth of the lit pixels and a dozen read the largest value, eight times as many as other
+/// values above its half do on average. Nothing for a largest value of 1, and for pictures of few
+/// values.
+/// @param image  values as stored, whole numbers / 65535.
+std::optional<StoredPlateau> plateauOf(const Image& image);
+
+/// The bits that make a value the largest: 12 for 4095 / 65535; nothing for other values.
+std::optional<int> bitsOf(double value);
+
+/// Whether the brightness of a grey picture goes by the place in blocks of 2 x 2 pixels: the mosaic
+/// of a colour camera that was not made into colours.
+bool isMosaic(const Image& image);
+
+}  // namespace volute
