@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "volute/image/srgb.hpp"
+#include "volute/tomography/hull.hpp"
 #include "volute/tomography/match.hpp"
 #include "volute/tomography/project.hpp"
 #include "volute/tomography/reconstruct.hpp"
@@ -23,21 +24,27 @@ using FaultKind = CaptureFault::Kind;
 using Views = std::vector<TomographyView>;
 
 constexpr std::size_t kFewestToTell = 4;
-constexpr int kCoarse = 16;               // voxels on the longest side, about
 constexpr double kMinUnexplained = 0.12;  // of a view; below, nothing is looked for
 constexpr double kTimesResolved = 1.3;
 
-/// The mean of the channels, reduced so that a voxel of `coarse` is two pixels wide.
+/// Reduced so that a voxel of `coarse` is two pixels wide.
 TomographyView coarseView(const TomographyView& view, const VolumeGeometry& coarse) {
   const int most = std::max(1, std::min(view.camera.width(), view.camera.height()) / 8);
   const auto factor = static_cast<int>(voxelInPixels(view.camera, coarse) / 2);
   TomographyView reduced = reducedView(view, std::clamp(factor, 1, most));
   reduced.atLeast.clear();
-  for (std::size_t i = 0; i + 2 < reduced.radiance.pixels.size(); i += 3) {
-    float* p = &reduced.radiance.pixels[i];
-    std::fill_n(p, 3, (p[0] + p[1] + p[2]) / 3);
-  }
   return reduced;
+}
+
+/// The mean of the channels in each.
+Views greyed(Views views) {
+  for (TomographyView& view : views) {
+    for (std::size_t i = 0; i + 2 < view.radiance.pixels.size(); i += 3) {
+      float* p = &view.radiance.pixels[i];
+      std::fill_n(p, 3, (p[0] + p[1] + p[2]) / 3);
+    }
+  }
+  return views;
 }
 
 /// The picture with columns, rows or both in the other order.
@@ -68,13 +75,26 @@ void respond(TomographyView& view, bool decode, double white) {
   }
 }
 
+/// With another focal length.
+Camera zoomed(const Camera& camera, double factor) {
+  Calibration calibration;
+  calibration.width = camera.width();
+  calibration.height = camera.height();
+  calibration.K = camera.intrinsics();
+  calibration.K.topLeftCorner(2, 2) *= factor;
+  calibration.R = camera.rotation();
+  calibration.t = -calibration.R * camera.eye();
+  calibration.distortion = camera.distortion();
+  return Camera::calibrated(calibration).value_or(camera);
+}
+
 bool sameSize(const TomographyView& a, const TomographyView& b) {
   return a.camera.width() == b.camera.width() && a.camera.height() == b.camera.height();
 }
 
 /// The views without the mistake.
 Views without(const Views& views, std::span<const double> white, FaultKind kind,
-              const std::vector<std::size_t>& cameras) {
+              const std::vector<std::size_t>& cameras, double value) {
   Views mended = views;
   std::vector<std::size_t> all(views.size());
   std::iota(all.begin(), all.end(), 0);
@@ -93,39 +113,122 @@ Views without(const Views& views, std::span<const double> white, FaultKind kind,
       case FaultKind::kUpsideDown:
         turnPicture(mended[v], true, true);
         break;
-      default:
+      case FaultKind::kGain:
+        for (float& light : mended[v].radiance.pixels) light *= static_cast<float>(value);
+        break;
+      case FaultKind::kZoom:
+        mended[v].camera = zoomed(mended[v].camera, value);
+        break;
+      case FaultKind::kEncoded:
+      case FaultKind::kDecoded:
         respond(mended[v], kind == FaultKind::kEncoded, white[v]);
+        break;
+      case FaultKind::kExchanged:
+      case FaultKind::kBox:
+        break;
     }
   }
   return mended;
 }
 
-/// How one coarse volume explains all views.
-struct Explanation {
-  std::vector<double> misfit;  // of each view
-  double all = 0;              // root mean square
-  bool bad = false;            // some view is not explained
+/// A mistake that may be it.
+struct Hypothesis {
+  FaultKind kind = FaultKind::kMirrored;
+  std::vector<std::size_t> cameras;  // empty: all
+  double value = 1;
+  double left = 0;  // of the pictures without it, root mean square
 };
 
-class FaultSearch {
+bool isResponse(FaultKind kind) {
+  return kind == FaultKind::kEncoded || kind == FaultKind::kDecoded;
+}
+
+/// How one coarse volume explains all views.
+struct Explanation {
+  double all = 0;    // misfit, root mean square
+  bool bad = false;  // some view is not explained
+};
+
+/// The bounds grown by half of their size on each side, and voxels of the same size.
+VolumeGeometry grownGeometry(const VolumeGeometry& geometry) {
+  constexpr double kShare = 0.5;
+  VolumeGeometry grown = geometry;
+  const Vec3 more = kShare * geometry.bounds.size();
+  grown.bounds.min -= more;
+  grown.bounds.max += more;
+  for (int& n : grown.resolution) n *= 2;
+  return grown;
+}
+
+/// Views and a volume as fine as a comparison wants them.
+class Level {
  public:
-  FaultSearch(const VolumeGeometry& coarse, std::span<const double> white, Progress& progress)
-      : coarse_(coarse), white_(white), progress_(progress) {
+  /// @param longest  voxels on the longest side, about
+  /// @param hull  whether silhouettes tell where nothing is: a mistake carves its own hull
+  Level(const Views& views, const VolumeGeometry& geometry, int longest, int iterations, bool hull)
+      : geometry_(coarserGeometry(
+            geometry, std::max(1, (hull ? std::ranges::max(geometry.resolution) + longest - 1
+                                        : std::ranges::max(geometry.resolution)) /
+                                      longest))) {
+    for (const TomographyView& view : views) coloured_.push_back(coarseView(view, geometry_));
+    views_ = greyed(coloured_);
     options_.regularization = Regularization::kNone;
-    options_.iterations = 20;
+    options_.iterations = iterations;
     options_.raysPerPixel = 1;
-    options_.hull = false;  // what is wrong would carve all of it away
+    options_.hull = hull;
   }
 
-  Result<Explanation> explain(const Views& views) {
-    if (progress_.cancelled())
+  /// Grey: a mistake shows in all colours.
+  const Views& views() const { return views_; }
+
+  Views without(const Hypothesis& fault, std::span<const double> white) const {
+    if (!isResponse(fault.kind))
+      return volute::without(views_, white, fault.kind, fault.cameras, fault.value);
+    return greyed(volute::without(coloured_, white, fault.kind, fault.cameras, fault.value));
+  }
+
+  const VolumeGeometry& geometry() const { return geometry_; }
+
+  void mend(std::span<const double> white, const Hypothesis& fault) {
+    coloured_ = volute::without(coloured_, white, fault.kind, fault.cameras, fault.value);
+    views_ = greyed(coloured_);
+  }
+
+  /// Empty where the views have no hull in common.
+  Result<std::vector<float>> fitted(const Views& views, const VolumeGeometry& geometry,
+                                    const Progress& progress) const {
+    if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "Stopped");
-    VOLUTE_ASSIGN(const auto volume, fitted(views));
+    Progress quiet;
+    auto fit = reconstruct(views, geometry, options_, {}, quiet);
+    if (!fit && fit.error().code == ErrorCode::kNotFound)
+      return std::vector<float>{};
+    if (!fit)
+      return tl::unexpected<Error>(fit.error());
+    return std::move(fit->volume);
+  }
+
+  /// @param volume  of `geometry`, which may be larger than the level's; empty: no volume explains
+  /// it
+  ViewMatch matched(const TomographyView& view, const std::vector<float>& volume,
+                    const VolumeGeometry& geometry) const {
+    if (volume.empty())
+      return {.residual = 1, .gain = 1, .misfit = 1, .unresolved = 0};
+    return matchOf(view, projectVolume(volume, geometry, options_.basis, view.camera, 1), geometry_,
+                   {});
+  }
+
+  ViewMatch matched(const TomographyView& view, const std::vector<float>& volume) const {
+    return matched(view, volume, geometry_);
+  }
+
+  Result<Explanation> explain(const Views& views, const VolumeGeometry& geometry,
+                              const Progress& progress) const {
+    VOLUTE_ASSIGN(const auto volume, fitted(views, geometry, progress));
     Explanation found;
     double squares = 0;
     for (const TomographyView& view : views) {
-      const ViewMatch match = matched(view, volume);
-      found.misfit.push_back(match.misfit);
+      const ViewMatch match = matched(view, volume, geometry);
       found.bad |= match.misfit > std::max(kMinUnexplained, kTimesResolved * match.unresolved);
       squares += match.misfit * match.misfit;
     }
@@ -133,114 +236,185 @@ class FaultSearch {
     return found;
   }
 
-  /// Light that is taken as linear and is not makes pictures flat and so easy to explain that they
-  /// need not stand out, but as it was they are explained better still.
-  Result<std::optional<CaptureFault>> findEncoded(const Views& views, const Explanation& now) {
-    VOLUTE_ASSIGN(const auto mended, explain(without(views, white_, FaultKind::kEncoded, {})));
-    CaptureFault fault{FaultKind::kEncoded, {}, now.all, mended.all, {}};
-    return isClear(fault) ? std::optional(std::move(fault)) : std::nullopt;
+  Result<Explanation> explain(const Views& views, const Progress& progress) const {
+    return explain(views, geometry_, progress);
   }
 
-  /// The mistake without which the views agree best, if it is clearly it.
-  Result<std::optional<CaptureFault>> find(const Views& views, const Explanation& now) {
-    constexpr double kSecond = 0.95;
-    CaptureFault best;
-    best.after = now.all;
-    double second = now.all;
-    const auto attempt = [&](FaultKind kind, std::vector<std::size_t> cameras) -> Status {
-      VOLUTE_ASSIGN(const auto mended, explain(without(views, white_, kind, cameras)));
-      if (mended.all < best.after) {
-        second = best.after;
-        best = {kind, std::move(cameras), now.all, mended.all, {}};
-      } else {
-        second = std::min(second, mended.all);
+  /// How far each of some cameras is from what the others predict, root mean square.
+  Result<double> heldOut(const Views& views, const std::vector<std::size_t>& cameras, bool together,
+                         const Progress& progress) const {
+    double squares = 0;
+    std::vector<float> volume;
+    for (const std::size_t v : cameras) {
+      if (volume.empty() || !together) {
+        Views others;
+        for (std::size_t i = 0; i < views.size(); ++i) {
+          const bool left = together ? std::ranges::find(cameras, i) != cameras.end() : i == v;
+          if (!left)
+            others.push_back(views[i]);
+        }
+        VOLUTE_ASSIGN(volume, fitted(others, geometry_, progress));
       }
+      squares += std::pow(matched(views[v], volume).misfit, 2);
+    }
+    return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, cameras.size())));
+  }
+
+ private:
+  VolumeGeometry geometry_;
+  Views coloured_, views_;
+  TomographyOptions options_;
+};
+
+class FaultSearch {
+ public:
+  FaultSearch(const Views& views, std::span<const double> white, const VolumeGeometry& geometry,
+              Progress& progress)
+      : coarse_(views, geometry, kCoarse, kCoarseIterations,
+                false),  // what is wrong carves all away
+        fine_(views, geometry, kFine, kFineIterations, true),
+        white_(white),
+        progress_(progress) {}
+
+  /// The next mistake, if there is one that is clearly it.
+  Result<std::optional<CaptureFault>> next(bool first) {
+    VOLUTE_ASSIGN(const Explanation now, coarse_.explain(coarse_.views(), progress_));
+    std::vector<Hypothesis> candidates;
+    if (now.bad) {
+      if (first) {
+        VOLUTE_ASSIGN(const auto cut, cutByTheBounds(now));
+        if (cut)
+          return std::optional(*cut);
+      }
+      VOLUTE_ASSIGN(candidates, likely(now));
+    }
+    // Flat pictures are easily explained, so that those of another response need not stand out.
+    const auto addResponse = [&](FaultKind kind) {
+      const bool known = std::ranges::any_of(candidates, [&](const Hypothesis& one) {
+        return one.kind == kind && one.cameras.empty();
+      });
+      if (!known && !white_.empty())
+        candidates.push_back({kind, {}, 1, 0});
+    };
+    if (first)
+      addResponse(FaultKind::kEncoded);
+    if (candidates.empty())
+      return std::optional<CaptureFault>();
+    return judged(std::move(candidates));
+  }
+
+  /// The pictures as they would be without a mistake that was named.
+  void mend(const CaptureFault& fault) {
+    const Hypothesis one{fault.kind, fault.cameras, fault.value, 0};
+    coarse_.mend(white_, one);
+    fine_.mend(white_, one);
+  }
+
+ private:
+  static constexpr int kCoarse = 16, kFine = 40;  // voxels on the longest side, about
+  static constexpr int kCoarseIterations = 20, kFineIterations = 40;
+
+  Views mended(const Level& level, const Hypothesis& one) const {
+    return level.without(one, white_);
+  }
+
+  /// Much light outside of the bounds, and a volume in larger ones that explains the pictures.
+  Result<std::optional<CaptureFault>> cutByTheBounds(const Explanation& now) const {
+    constexpr double kMuch = 0.1, kMuchBetter = 0.5;
+    double most = 0;
+    for (const TomographyView& view : coarse_.views())
+      most = std::max(most, lightOutside(view, coarse_.geometry().bounds));
+    if (most < kMuch)
+      return std::optional<CaptureFault>();
+    VOLUTE_ASSIGN(const auto grown,
+                  coarse_.explain(coarse_.views(), grownGeometry(coarse_.geometry()), progress_));
+    if (!(grown.all < kMuchBetter * now.all))
+      return std::optional<CaptureFault>();
+    return std::optional(CaptureFault{FaultKind::kBox, {}, most, now.all, grown.all, {}});
+  }
+
+  /// The share of a view's light whose sights miss the bounds.
+  static double lightOutside(const TomographyView& view, const Box3& bounds) {
+    const double threshold = 2 * silhouetteThreshold(view, {});
+    double all = 0, outside = 0;
+    for (std::size_t i = 0; i < view.radiance.pixels.size() / 3; ++i) {
+      const double light = view.radiance.pixels[3 * i];
+      if (!view.counts(i) || !(light > threshold))
+        continue;
+      const Segment ray = view.camera.ray(static_cast<double>(i % view.radiance.width) + 0.5,
+                                          static_cast<double>(i / view.radiance.width) + 0.5);
+      all += light;
+      if (bounds.intersect(ray.origin, ray.direction).intersect({ray.begin, ray.end}).empty())
+        outside += light;
+    }
+    return all > 0 ? outside / all : 0;
+  }
+
+  /// Mistakes without which a coarse volume explains more, the best first.
+  Result<std::vector<Hypothesis>> likely(const Explanation& now) const {
+    constexpr std::size_t kMax = 4;
+    constexpr double kWorthALook = 0.85;
+    std::vector<Hypothesis> found;
+    const auto attempt = [&](FaultKind kind, std::vector<std::size_t> cameras,
+                             double value = 1) -> Status {
+      Hypothesis one{kind, std::move(cameras), value, 0};
+      VOLUTE_ASSIGN(const auto explained, coarse_.explain(mended(coarse_, one), progress_));
+      one.left = explained.all;
+      if (one.left < kWorthALook * now.all)
+        found.push_back(std::move(one));
       return {};
     };
+    constexpr std::array kTurned{FaultKind::kMirrored, FaultKind::kFlipped, FaultKind::kUpsideDown};
     constexpr std::array kResponses{FaultKind::kEncoded, FaultKind::kDecoded};
-    for (const FaultKind kind : kResponses) {
-      if (!white_.empty())
-        VOLUTE_TRY(attempt(kind, {}));
-    }
-    VOLUTE_TRY(attempt(FaultKind::kMirrored, {}));
-    VOLUTE_TRY(attempt(FaultKind::kUpsideDown, {}));
-    VOLUTE_ASSIGN(const auto suspects, maxSuspicious(views));
-    for (const std::size_t v : suspects) {
-      for (const FaultKind kind :
-           {FaultKind::kMirrored, FaultKind::kFlipped, FaultKind::kUpsideDown})
-        VOLUTE_TRY(attempt(kind, {v}));
+    constexpr std::array kZooms{0.8, 1.25};
+    VOLUTE_ASSIGN(const auto suspects, maxSuspicious());
+    std::vector<std::vector<std::size_t>> who{{}};
+    for (const std::size_t v : suspects) who.push_back({v});
+    for (const auto& cameras : who) {
+      for (const FaultKind kind : kTurned) VOLUTE_TRY(attempt(kind, cameras));
       for (const FaultKind kind : kResponses) {
         if (!white_.empty())
-          VOLUTE_TRY(attempt(kind, {v}));
+          VOLUTE_TRY(attempt(kind, cameras));
       }
+      for (const double zoom : kZooms) VOLUTE_TRY(attempt(FaultKind::kZoom, cameras, zoom));
+      if (cameras.empty())
+        continue;
+      VOLUTE_ASSIGN(const double gain, gainOf(cameras[0]));
+      constexpr double kMin = 1.1;  // less is for the refinement alone
+      if (gain > kMin || gain < 1 / kMin)
+        VOLUTE_TRY(attempt(FaultKind::kGain, cameras, gain));
     }
     for (std::size_t a = 0; a < suspects.size(); ++a) {
       for (std::size_t b = a + 1; b < suspects.size(); ++b) {
         const auto [low, high] = std::minmax(suspects[a], suspects[b]);
-        if (sameSize(views[low], views[high]))
+        if (sameSize(coarse_.views()[low], coarse_.views()[high]))
           VOLUTE_TRY(attempt(FaultKind::kExchanged, {low, high}));
       }
     }
-    if (!isClear(best) || best.after > kSecond * second)
-      return std::nullopt;
-    VOLUTE_ASSIGN(const bool predicted, othersPredict(views, best));
-    return predicted ? std::optional(std::move(best)) : std::nullopt;
+    std::ranges::stable_sort(found, {}, &Hypothesis::left);
+    found.resize(std::min(found.size(), kMax));
+    return found;
   }
 
- private:
-  Result<std::vector<float>> fitted(const Views& views) const {
-    if (progress_.cancelled())
-      return fail(ErrorCode::kCancelled, "Stopped");
-    Progress quiet;
-    VOLUTE_ASSIGN(Reconstruction fit, reconstruct(views, coarse_, options_, {}, quiet));
-    return std::move(fit.volume);
-  }
-
-  ViewMatch matched(const TomographyView& view, const std::vector<float>& volume) const {
-    return matchOf(view, projectVolume(volume, coarse_, options_.basis, view.camera, 1), coarse_,
-                   {});
-  }
-
-  /// Whether the other cameras predict those that are said to be wrong much better without the
-  /// mistake: what fits a little better by chance is none.
-  Result<bool> othersPredict(const Views& views, const CaptureFault& fault) const {
-    constexpr double kMuchBetter = 0.6;
-    constexpr std::size_t kFewestOthers = 3;
-    Views others;
-    for (std::size_t v = 0; v < views.size(); ++v) {
-      if (std::ranges::find(fault.cameras, v) == fault.cameras.end())
-        others.push_back(views[v]);
-    }
-    if (fault.cameras.empty() || others.size() < kFewestOthers)
-      return true;
-    VOLUTE_ASSIGN(const auto volume, fitted(others));
-    const Views mended = without(views, white_, fault.kind, fault.cameras);
-    double before = 0, after = 0;
-    for (const std::size_t v : fault.cameras) {
-      before += std::pow(matched(views[v], volume).misfit, 2);
-      after += std::pow(matched(mended[v], volume).misfit, 2);
-    }
-    return std::sqrt(after) < kMuchBetter * std::sqrt(before);
-  }
-
-  /// Flatter pictures are always easier to explain.
-  static bool isClear(const CaptureFault& fault) {
-    constexpr double kClearly = 0.75, kClearlyFlatter = 0.55;
-    const bool flatter = fault.kind == FaultKind::kDecoded && fault.cameras.empty();
-    return fault.after < (flatter ? kClearlyFlatter : kClearly) * fault.before;
+  /// The factor on a camera's light that fits what the others predict.
+  Result<double> gainOf(std::size_t camera) const {
+    Views others = coarse_.views();
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(camera));
+    VOLUTE_ASSIGN(const auto volume, coarse_.fitted(others, coarse_.geometry(), progress_));
+    return coarse_.matched(coarse_.views()[camera], volume).gain;
   }
 
   /// Those without which the others agree best, the worst first. A wrong view spoils the others'
   /// fits more than its own where it is brighter.
-  Result<std::vector<std::size_t>> maxSuspicious(const Views& views) {
+  Result<std::vector<std::size_t>> maxSuspicious() const {
     constexpr std::size_t kMax = 4;
     std::vector<double> left;
-    std::vector<std::size_t> order(views.size());
+    std::vector<std::size_t> order(coarse_.views().size());
     std::iota(order.begin(), order.end(), 0);
     for (const std::size_t v : order) {
-      Views others = views;
+      Views others = coarse_.views();
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(v));
-      VOLUTE_ASSIGN(const auto found, explain(others));
+      VOLUTE_ASSIGN(const auto found, coarse_.explain(others, progress_));
       left.push_back(found.all);
     }
     std::ranges::stable_sort(order, {}, [&](std::size_t v) { return left[v]; });
@@ -248,9 +422,67 @@ class FaultSearch {
     return order;
   }
 
-  VolumeGeometry coarse_;
+  /// What a hypothesis must leave of what is left without it: of pictures that it was fitted to,
+  /// and of those that others predict.
+  struct Bar {
+    double fitted, heldOut;
+  };
+
+  /// Flatter pictures are always easier to explain and to predict.
+  static Bar barOf(const Hypothesis& one) {
+    if (one.kind == FaultKind::kDecoded && one.cameras.empty())
+      return {0.6, 0.7};
+    if (one.kind == FaultKind::kEncoded && one.cameras.empty())
+      return {0.78, 1};
+    return {0.75, one.cameras.empty() ? 0.75 : 0.6};
+  }
+
+  /// Those that are asked what the others predict of them: those that are said to be wrong, or some
+  /// of all.
+  std::vector<std::size_t> judgesOf(const Hypothesis& one) const {
+    constexpr std::size_t kMax = 4, kFewestOthers = 3;
+    const std::size_t views = fine_.views().size();
+    if (!one.cameras.empty() && views - one.cameras.size() >= kFewestOthers)
+      return one.cameras;
+    std::vector<std::size_t> some;
+    for (std::size_t i = 0; i < std::min(kMax, views); ++i)
+      some.push_back(i * views / std::min(kMax, views));
+    return some;
+  }
+
+  /// The best of the candidates on the finer volume, if it is better than without it in all that is
+  /// asked, and clearly better than the second.
+  Result<std::optional<CaptureFault>> judged(std::vector<Hypothesis> candidates) const {
+    constexpr double kSecond = 0.95;
+    VOLUTE_ASSIGN(const Explanation now, fine_.explain(fine_.views(), progress_));
+    // By what each leaves over what it must, so that flat pictures have no advantage.
+    std::vector<double> over;
+    for (Hypothesis& one : candidates) {
+      VOLUTE_ASSIGN(const auto found, fine_.explain(mended(fine_, one), progress_));
+      one.left = found.all;
+      over.push_back(found.all / barOf(one).fitted);
+    }
+    const auto best = static_cast<std::size_t>(std::ranges::min_element(over) - over.begin());
+    const Hypothesis& one = candidates[best];
+    over.erase(over.begin() + static_cast<std::ptrdiff_t>(best));
+    const bool alone =
+        over.empty() || one.left / barOf(one).fitted < kSecond * std::ranges::min(over);
+    if (!alone || !(one.left < barOf(one).fitted * now.all))
+      return std::optional<CaptureFault>();
+    const auto judges = judgesOf(one);
+    const bool together = judges == one.cameras;
+    VOLUTE_ASSIGN(const double before, fine_.heldOut(fine_.views(), judges, together, progress_));
+    VOLUTE_ASSIGN(const double after,
+                  fine_.heldOut(mended(fine_, one), judges, together, progress_));
+    // Few cameras predict little, also of what is right.
+    const bool obvious = one.left < 0.5 * barOf(one).fitted * now.all;
+    if (!(after < (obvious ? 1 : barOf(one).heldOut) * before))
+      return std::optional<CaptureFault>();
+    return std::optional(CaptureFault{one.kind, one.cameras, one.value, now.all, one.left, {}});
+  }
+
+  Level coarse_, fine_;
   std::span<const double> white_;
-  TomographyOptions options_;
   Progress& progress_;
 };
 
@@ -292,38 +524,55 @@ std::string describe(const CaptureFault& fault, const Views& views) {
           "{}: the pictures are stored linearly and taken as sRGB {}; set \"color\": "
           "\"linear\"",
           who, evidence);
+    case FaultKind::kGain:
+      return fmt::format(
+          "{}: {:.0f} % too {}: its radiance times {:.3g} fits the others {}; set its \"gain\"",
+          who, 100 * std::abs(1 / fault.value - 1), fault.value < 1 ? "bright" : "dark",
+          fault.value, evidence);
+    case FaultKind::kZoom:
+      return fmt::format(
+          "{}: another focal length, about {:.2g} times as long, fits {}; calibrate with the lens "
+          "and the size of these pictures",
+          who, fault.value, evidence);
+    case FaultKind::kBox:
+      return fmt::format(
+          "the volume's bounds cut what the cameras see: up to {:.0f} % of a camera's light lies "
+          "outside, and bounds half as large again on each side explain the pictures {}; enlarge "
+          "them",
+          100 * fault.value, evidence);
   }
   return {};
 }
 
 }  // namespace
 
-Result<std::vector<CaptureFault>> findCaptureFaults(std::vector<TomographyView> views,
+Result<std::vector<CaptureFault>> findCaptureFaults(const std::vector<TomographyView>& views,
                                                     std::span<const double> white,
                                                     const VolumeGeometry& geometry,
                                                     Progress& progress) {
   std::vector<CaptureFault> faults;
   if (views.size() < kFewestToTell)
     return faults;
-  const int longest = std::ranges::max(geometry.resolution);
-  const VolumeGeometry coarse = coarserGeometry(geometry, std::max(1, longest / kCoarse));
-  for (TomographyView& view : views) view = coarseView(view, coarse);
-  FaultSearch search(coarse, white, progress);
-  VOLUTE_ASSIGN(Explanation now, search.explain(views));
+  FaultSearch search(views, white, geometry, progress);
   // More mistakes than half the cameras make are not told from one another.
   while (2 * faults.size() < views.size()) {
-    std::optional<CaptureFault> fault;
-    if (now.bad) {
-      VOLUTE_ASSIGN(fault, search.find(views, now));
-    } else if (faults.empty() && !white.empty()) {
-      VOLUTE_ASSIGN(fault, search.findEncoded(views, now));
-    }
+    VOLUTE_ASSIGN(auto fault, search.next(faults.empty()));
     if (!fault)
       break;
+    // What was mended shows up again where it was something else.
+    const bool again = std::ranges::any_of(faults, [&](const CaptureFault& before) {
+      return before.cameras == fault->cameras &&
+             (before.kind == fault->kind || (isResponse(before.kind) && isResponse(fault->kind)));
+    });
+    if (again)
+      break;
     fault->text = describe(*fault, views);
-    views = without(views, white, fault->kind, fault->cameras);
+    const bool last = fault->kind == FaultKind::kBox;
+    if (!last)
+      search.mend(*fault);
     faults.push_back(std::move(*fault));
-    VOLUTE_ASSIGN(now, search.explain(views));
+    if (last)
+      break;
   }
   return faults;
 }

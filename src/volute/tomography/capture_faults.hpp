@@ -21,23 +21,30 @@ struct CaptureFault {
     kExchanged,   ///< two cameras' pictures, or calibrations
     kEncoded,     ///< stored as sRGB and taken as linear
     kDecoded,     ///< stored linearly and taken as sRGB
+    kGain,        ///< brighter or darker than the others by a factor
+    kZoom,        ///< of another focal length by much
+    kBox,         ///< the volume's bounds cut what is seen
   };
 
   Kind kind = Kind::kMirrored;
   std::vector<std::size_t> cameras;  ///< positions among the views; empty: all of them
+  double value = 1;                  ///< kGain, kZoom: the factor that mends it
   double before = 0, after = 0;      ///< misfit of the views, as matchOf() has it, root mean square
   std::string text;                  ///< for people: what it is, the evidence, what to do
 };
 
-/// Where no coarse volume explains the pictures: tries each mistake by a fit of a coarse volume to
-/// the pictures without it, and names those that explain it, one after the other. Nothing for
-/// pictures that agree, for fewer than four views, and where nothing that is tried explains them.
-/// Only cameras that stand out most are tried; exchanges need pictures of one size.
+/// Each mistake is one hypothesis among all. Where no coarse volume explains the pictures, all are
+/// tried by fits of such a volume to the pictures without the mistake; the best, and the responses
+/// of all cameras in any case, are then compared on a finer volume: by what is left of the
+/// pictures, and by how the other cameras predict those that are held out. One that is better in
+/// both, and clearly better than the others, is named; then the next is looked for. While the
+/// bounds cut much of the light nothing else is told. Nothing for pictures that agree, for fewer
+/// than four views, and where nothing that is tried explains them. Only cameras that stand out most
+/// are tried; exchanges need pictures of one size.
 /// @param white  one a view: the radiance of a stored value of 1; empty where views do not hold
 ///   light: responses are then not tried.
-[[nodiscard]] Result<std::vector<CaptureFault>> findCaptureFaults(std::vector<TomographyView> views,
-                                                                  std::span<const double> white,
-                                                                  const VolumeGeometry& geometry,
-                                                                  Progress& progress);
+[[nodiscard]] Result<std::vector<CaptureFault>> findCaptureFaults(
+    const std::vector<TomographyView>& views, std::span<const double> white,
+    const VolumeGeometry& geometry, Progress& progress);
 
 }  // namespace volute

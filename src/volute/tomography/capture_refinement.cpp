@@ -86,6 +86,9 @@ class Refiner {
   /// front of one camera does not count.
   Status read() {
     reader_.keepBackgrounds();
+    frames_.clear();
+    numbers_.clear();
+    occlusions_.clear();
     // Trying other clocks copies them, and looking for mistakes reduces them.
     const std::uint64_t most = maxMemory_ / 6 / std::max<std::uint64_t>(1, frameBytes());
     for (const int number : framesToLookAt(capture_.frames)) {
@@ -132,17 +135,14 @@ class Refiner {
 
   const std::vector<int>& shifts() const { return shifts_; }
 
-  Result<std::vector<std::string>> faults() const {
+  Result<std::vector<CaptureFault>> faults() const {
     const auto& views = frames_[frames_.size() / 2];
     std::vector<double> white;  // none: depths follow no response
     for (const TomographyView& view : views) {
       if (!view.opticalDepth)
         white.push_back(capture_.white * known(view.name).pictures.gain);
     }
-    VOLUTE_ASSIGN(const auto faults, findCaptureFaults(views, white, geometry(), progress_));
-    std::vector<std::string> texts;
-    for (const CaptureFault& fault : faults) texts.push_back(fault.text);
-    return texts;
+    return findCaptureFaults(views, white, geometry(), progress_);
   }
 
   /// @param extended  lenses and responses, too
@@ -315,11 +315,10 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
       capture.cameras, [](const CaptureCamera& known) { return known.camera.isOrthographic(); });
   if (flat)
     return leave("orthographic cameras are taken as they are");
-  VOLUTE_ASSIGN(auto reader, ViewReader::open(capture, heldOut, maxMemory, progress));
+  VOLUTE_ASSIGN(auto reader, ViewReader::open(result.capture, heldOut, maxMemory, progress));
   progress.report("looking at the calibration", 0, 0);
-  Refiner refiner(capture, reader, maxMemory, progress);
-  if (const Status read = refiner.read(); !read)
-    return tl::unexpected<Error>(read.error());
+  Refiner refiner(result.capture, reader, maxMemory, progress);
+  VOLUTE_TRY(refiner.read());
   if (refiner.frames().empty())
     return leave("no frame that was looked at shows light in all cameras");
   const std::size_t views = refiner.frames()[0].size();
@@ -331,14 +330,30 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
       return tl::unexpected<Error>(error);
     if (error.code == ErrorCode::kTooLarge && refine == Refine::kAuto)
       progress.remark(fmt::format("calibration not refined: {}", error.message));
+    result.capture = capture;
+    result.gainsTaken = false;
     return leave(error.message);
   };
-  auto faults = refiner.faults();
+  const auto faults = refiner.faults();
   if (!faults)
     return failed(faults.error());
-  result.faults = std::move(*faults);
-  if (refine == Refine::kNever || (refine == Refine::kAuto && !result.faults.empty()))
+  bool mends = true;  // the refinement, what was found
+  for (const CaptureFault& fault : *faults) {
+    result.faults.push_back(fault.text);
+    mends = mends && fault.kind == CaptureFault::Kind::kGain;
+  }
+  if (refine == Refine::kNever || (refine == Refine::kAuto && !mends))
     return result;
+  const bool otherGains = mends && !faults->empty();
+  if (otherGains) {
+    // Far off it would not find them from where they are.
+    for (const CaptureFault& fault : *faults)
+      result.capture.cameras[*findCamera(capture, refiner.frames()[0][fault.cameras[0]].name)]
+          .pictures.gain *= fault.value;
+    result.gainsTaken = true;
+    VOLUTE_ASSIGN(reader, ViewReader::open(result.capture, heldOut, maxMemory, progress));
+    VOLUTE_TRY(refiner.read());
+  }
   progress.report("refining the calibration", 0, 0);
   auto given = refiner.fit(false, true);
   if (!given)
@@ -388,8 +403,9 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
                                         const std::vector<std::string>& heldOut, Refine refine,
                                         std::uint64_t maxMemory, Progress& progress) {
   VOLUTE_ASSIGN(auto result, refined(capture, heldOut, refine, maxMemory, progress));
-  for (const std::string& text : result.faults) progress.remark("warning: " + text);
-  if (!result.faults.empty() && !result.used)
+  for (const std::string& text : result.faults)
+    progress.remark("warning: " + text + (result.gainsTaken ? "; that was taken" : ""));
+  if (!result.faults.empty() && !result.used && !result.gainsTaken)
     progress.remark("the calibration is not refined before that is mended");
   if (!result.used)
     return result;

@@ -21,6 +21,7 @@ enum class Refine {
 /// A capture's calibration as refined.
 struct CaptureRefinement {
   bool used = false;               ///< whether `capture` has the corrections
+  bool gainsTaken = false;         ///< whether it has those that are among `faults`
   Capture capture;                 ///< held-out cameras as they were
   std::vector<int> frames;         ///< that were looked at
   std::vector<std::string> names;  ///< of the refined cameras
@@ -34,8 +35,9 @@ struct CaptureRefinement {
                               ///< its picture, root mean square [pixels]
 };
 
-/// Looks at one to three frames of the capture. First for mistakes that no refinement mends, see
-/// findCaptureFaults(): where there are any, the calibration is left as it is. Then refines it,
+/// Looks at one to three frames of the capture. First for mistakes, see findCaptureFaults(): where
+/// there are any that no refinement mends, the calibration is left as it is; gains are taken. Then
+/// refines it,
 /// and, where a camera is left that does not fit, its clock by whole frames. Orthographic cameras,
 /// fewer than four cameras, and frames without light are left as they are, with the reason as a
 /// remark if `refine` is kAlways. Pixels in which something dark stands in front of one camera, see

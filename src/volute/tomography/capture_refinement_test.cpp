@@ -105,6 +105,22 @@ TEST_F(CaptureRefinementTest, FindsCalibrationAndClockTogether) {
   }));
 }
 
+TEST_F(CaptureRefinementTest, AHalfExposureIsToldAndTaken) {
+  capture.frames = {1};
+  capture.cameras[2].pictures.gain = 0.5;
+  const CaptureRefinement result = refined();
+  ASSERT_TRUE(result.gainsTaken);
+  ASSERT_EQ(result.faults.size(), 1U);
+  EXPECT_NE(result.faults[0].find(" % too dark: its radiance"), std::string::npos)
+      << result.faults[0];
+  EXPECT_NEAR(result.capture.cameras[2].pictures.gain, 1, 0.03);
+  EXPECT_NEAR(result.capture.cameras[3].pictures.gain, 1, 0.02);
+  const CaptureRefinement never = refined(Refine::kNever);
+  EXPECT_FALSE(never.used || never.gainsTaken);
+  EXPECT_EQ(never.faults.size(), 1U);
+  EXPECT_EQ(never.capture.cameras[2].pictures.gain, 0.5);
+}
+
 TEST_F(CaptureRefinementTest, APoleBeforeOneCameraPullsNoCamera) {
   constexpr std::size_t kCovered = 2;
   capture.frames = {1};
@@ -158,7 +174,7 @@ TEST_F(CaptureRefinementTest, ACameraWithoutAPictureOfAFrameDoesNotCountThere) {
   EXPECT_TRUE(views->facts[kLate].missing);
   EXPECT_FALSE(views->views[kLate].counts(0));
   EXPECT_FALSE(views->facts[0].missing);
-  // Without a shift a missing picture is an error.
+  // A frame of which no camera has a picture is an error.
   capture.cameras[kLate].pictures.frameShift = 0;
   capture.frames = {4};
   auto plain = ViewReader::open(capture, {}, std::uint64_t{1} << 30, progress);

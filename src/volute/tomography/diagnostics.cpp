@@ -51,8 +51,10 @@ class Consistency {
   Result<TomographyDiagnosis> diagnosis() {
     TomographyDiagnosis found;
     found.cameras.resize(views_.size());
-    for (std::size_t v = 0; v < views_.size(); ++v)
+    for (std::size_t v = 0; v < views_.size(); ++v) {
       found.cameras[v].residual = matches_[v].residual;
+      found.cameras[v].explained = matches_[v].fine;
+    }
     while (const auto worst = maxOutstanding()) {
       compare(*worst, found.cameras[*worst]);
       VOLUTE_TRY(judge(*worst, found.cameras[*worst]));

@@ -14,6 +14,7 @@ namespace volute {
 /// What the consistency of the views says about one camera.
 struct CameraDiagnosis {
   double residual = 0;       ///< relative L2 of S a - (p - b), without what noise explains
+  double explained = 0;      ///< of the residual, what the size of the voxels does, ViewMatch::fine
   double residualRatio = 1;  ///< of its misfit, ViewMatch, to the median of the other cameras,
                              ///< after worse ones were left out
   double gain = 1;  ///< the factor on its measured radiance that fits best, next to the median of

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 
+#include "volute/base/assert.hpp"
 #include "volute/report/json.hpp"
 #include "volute/tomography/common_shift.hpp"
 #include "volute/tomography/diagnostics.hpp"
@@ -237,6 +238,26 @@ Result<FrameViews> ReconstructedFrames::views(int index) {
   return views;
 }
 
+Result<double> ReconstructedFrames::residualOf(int index, std::span<const float> values) {
+  VOLUTE_ASSERT(values.size() == info_.voxels() * static_cast<std::size_t>(info_.channels));
+  std::vector<float> colour(colourValues());
+  const std::size_t step = grey_ ? 3 : 1;
+  for (std::size_t i = 0; i < colour.size(); ++i) colour[i] = values[i / step];
+  VOLUTE_ASSIGN(const FrameViews views, views_.read(numberOf(index)));
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < views.views.size(); ++i) {
+    if (views.heldOut[i] || views.facts[i].missing)
+      continue;
+    const TomographyOptions& options = settings_.tomography;
+    const Image seen = projectVolume(colour, geometry(), options.basis, views.views[i].camera,
+                                     options.raysPerPixel);
+    sum += volute::residualOf(views.views[i], seen, options.noiseSigma).relative;
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
 Result<nlohmann::ordered_json> ReconstructedFrames::record(int index) const {
   return work_.record(numberOf(index), keys_[static_cast<std::size_t>(index)]);
 }
@@ -386,7 +407,7 @@ std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
     return std::nullopt;
   const Image seen = projectVolume(fit->volume, geometry(), options.basis,
                                    views.views[camera].camera, options.raysPerPixel);
-  const double own = residualOf(views.views[camera], seen, options.noiseSigma).relative;
+  const double own = volute::residualOf(views.views[camera], seen, options.noiseSigma).relative;
   double best = own;
   int shift = 0;
   for (const int by : {-2, -1, 1, 2}) {
@@ -394,7 +415,7 @@ std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
         views.frame + by < 0 ? std::nullopt : views_.neighbour(camera, views.frame + by);
     if (!view)
       continue;
-    const double residual = residualOf(*view, seen, options.noiseSigma).relative;
+    const double residual = volute::residualOf(*view, seen, options.noiseSigma).relative;
     if (residual < best) {
       best = residual;
       shift = by;
@@ -453,6 +474,43 @@ Result<std::optional<std::string>> ReconstructedFrames::commonShift(const FrameV
       shift->pixels, cause);
 }
 
+namespace {
+
+/// What is left of the pictures, where it is much more than noise and the size of the voxels
+/// explain and nothing else was said: some cause is there, known or not.
+std::optional<std::string> unexplained(const FrameViews& views,
+                                       const TomographyDiagnosis& diagnosis,
+                                       const Reconstruction& result) {
+  constexpr double kMuch = 0.15, kTimes = 2;
+  std::vector<double> residuals, explained;
+  for (std::size_t v = 0; v < diagnosis.cameras.size(); ++v) {
+    residuals.push_back(diagnosis.cameras[v].residual);
+    explained.push_back(diagnosis.cameras[v].explained);
+  }
+  const auto medianOf = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return *middle;
+  };
+  if (residuals.empty())
+    return std::nullopt;
+  const double left = medianOf(residuals), voxels = medianOf(explained);
+  if (left < std::max(kMuch, kTimes * voxels))
+    return std::nullopt;
+  return fmt::format(
+      "frame {}: {:.0f} % of the pictures are not explained (relative L2 without noise, median), "
+      "of "
+      "which the size of the voxels explains {:.0f} %{}; check calibration, bounds and how values "
+      "are "
+      "stored, and do not trust the volume",
+      views.frame, 100 * left, 100 * std::min(voxels, left),
+      result.stoppedBy == "limit" || result.stoppedBy == "iterations"
+          ? fmt::format("; the solver stopped after {} iterations", result.iterations)
+          : std::string());
+}
+
+}  // namespace
+
 Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews& views,
                                                                 const Reconstruction& result,
                                                                 nlohmann::ordered_json& cameras) {
@@ -481,6 +539,10 @@ Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews
       warnings.insert(warnings.begin(), *warning);  // what else was said may come of it
   }
   shiftJudged_ = true;
+  if (warnings.empty() && !settings_.causeNamed) {
+    if (const auto warning = unexplained(views, diagnosis, result))
+      warnings.push_back(*warning);
+  }
   return warnings;
 }
 
@@ -491,10 +553,10 @@ nlohmann::ordered_json ReconstructedFrames::measured(const FrameViews& views,
   for (std::size_t i = 0; i < views.views.size(); ++i) {
     const TomographyView& view = views.views[i];
     const auto residual =
-        residualOf(view,
-                   projectVolume(result.volume, geometry(), settings_.tomography.basis, view.camera,
-                                 settings_.tomography.raysPerPixel),
-                   settings_.tomography.noiseSigma);
+        volute::residualOf(view,
+                           projectVolume(result.volume, geometry(), settings_.tomography.basis,
+                                         view.camera, settings_.tomography.raysPerPixel),
+                           settings_.tomography.noiseSigma);
     const bool missing = views.facts[i].missing;
     cameras.push_back({{"name", view.name},
                        {"held_out", views.heldOut[i] != 0},

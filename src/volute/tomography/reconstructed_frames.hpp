@@ -81,6 +81,12 @@ class ReconstructedFrames final : public FrameSource {
   /// The pictures that emission() is to explain.
   [[nodiscard]] Result<FrameViews> views(int index);
 
+  /// What a volume of the frame leaves of the fitted cameras' pictures: the mean of their
+  /// residuals, as record() has them. For volumes that were written and read again; not with single
+  /// scattering.
+  /// @param values  shape (z, y, x, channels of info()).
+  [[nodiscard]] Result<double> residualOf(int index, std::span<const float> values);
+
   VolumeGeometry geometry() const;
 
   const WorkFolder& work() const { return work_; }

@@ -149,6 +149,36 @@ Result<Json> reconstructionReport(const CaptureRefinement& refinement,
   return json;
 }
 
+Status addResidualOfFile(ReconstructedFrames& frames, FrameSource& written, Json& json,
+                         Progress& progress) {
+  constexpr int kMax = 8;
+  constexpr double kClearly = 1.1, kAtLeast = 2e-3;
+  const int count = frames.info().frames, looked = std::min(count, kMax);
+  std::vector<float> values(frames.info().frameValues());
+  double before = 0, after = 0;
+  for (int i = 0; i < looked; ++i) {
+    if (progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped: comparing the file with the pictures");
+    const int index = i * count / looked;
+    VOLUTE_TRY(frames.readFrame(index, values));
+    VOLUTE_ASSIGN(const double solved, frames.residualOf(index, values));
+    VOLUTE_TRY(written.readFrame(index, values));
+    VOLUTE_ASSIGN(const double stored, frames.residualOf(index, values));
+    before += solved / looked;
+    after += stored / looked;
+  }
+  json["file_residual"] = jsonNumber(after);
+  if (after > kClearly * before && after > before + kAtLeast) {
+    const auto text = fmt::format(
+        "the compressed file leaves {:.1f} % of the pictures unexplained, the volumes before "
+        "compression {:.1f} %; a smaller error of the file keeps more",
+        100 * after, 100 * before);
+    json["warnings"].push_back(text);
+    progress.remark("warning: " + text);
+  }
+  return {};
+}
+
 void addSummary(const nlohmann::ordered_json& json, Report& report) {
   const auto number = [&](const char* key, const char* format) {
     if (json[key].is_number())
@@ -156,6 +186,8 @@ void addSummary(const nlohmann::ordered_json& json, Report& report) {
   };
   number("held_out_psnr", "{:.2f} dB");
   number("residual", "{:.4g} (relative L2 of the fitted cameras: how well they are repeated)");
+  if (json.contains("file_residual"))
+    number("file_residual", "{:.4g} (the same of the file as it was compressed)");
   number("iterations", "{:.1f} a frame");
   number("hull_share", "{:.4g} of the volume");
   number("seconds_per_frame", "{:.2f} s");

@@ -19,6 +19,13 @@ namespace volute {
     const CaptureRefinement& refinement, const ReconstructionSettings& settings,
     const ReconstructedFrames& frames, const VelocityFrames* velocity = nullptr);
 
+/// What a file of the volumes leaves of the pictures, `file_residual`, beside what the volumes left
+/// before they were compressed; the mean over at most eight frames. A warning, also to `progress`,
+/// where the file is clearly worse.
+/// @param written  as many frames as `frames`, of the same size
+[[nodiscard]] Status addResidualOfFile(ReconstructedFrames& frames, FrameSource& written,
+                                       nlohmann::ordered_json& json, Progress& progress);
+
 /// The means of `json`, as reconstructionReport() has them, as rows for people.
 void addSummary(const nlohmann::ordered_json& json, Report& report);
 

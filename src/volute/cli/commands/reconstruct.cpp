@@ -151,6 +151,18 @@ Status addRotation(HoldOutRotation& rotation, const Arguments& arguments, const 
   return copyFrames(rotation.errorBars(), *sink, "writing error bars", context.progress);
 }
 
+/// What compression cost in the pictures.
+Status addFile(ReconstructedFrames& frames, const std::string& target,
+               const ReconstructionSettings& settings, nlohmann::ordered_json& json,
+               Context& context) {
+  if (!isVolutePath(target) || settings.singleScattering || !context.team.leads())
+    return {};
+  InputOptions input;
+  input.grid = frames.info().name;
+  VOLUTE_ASSIGN(const auto written, openVolume(target, input, context));
+  return addResidualOfFile(frames, *written.source, json, context.progress);
+}
+
 Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Arguments& arguments,
                  const CaptureRefinement& refinement, const ReconstructionSettings& settings,
                  HoldOutRotation* rotation, Context& context) {
@@ -175,6 +187,7 @@ Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Ar
   if (rotation)
     VOLUTE_TRY(addRotation(*rotation, arguments, capture, json, report, context));
   VOLUTE_TRY(writer.write(report));
+  VOLUTE_TRY(addFile(frames, target, settings, json, context));
   if (velocity)
     report.add("mean_speed", json["velocity"]["mean_speed"],
                fmt::format("{:.3g} m/s", json["velocity"].value("mean_speed", 0.0)));
@@ -267,7 +280,7 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
                                                      context.maxMemory, context.progress));
   if (const auto file = arguments.find<std::string>("refined"))
     VOLUTE_TRY(writeCapture(*file, refinement.capture));
-  settings.causeNamed = !refinement.faults.empty() && !refinement.used;
+  settings.causeNamed = !refinement.faults.empty() && !refinement.used && !refinement.gainsTaken;
   std::unique_ptr<HoldOutRotation> rotation;
   if (inTurn) {
     VOLUTE_ASSIGN(rotation, HoldOutRotation::run(capture, settings, refineOf(arguments), target,
