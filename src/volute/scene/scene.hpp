@@ -104,6 +104,11 @@ class Scene {
   /// Names of all files it is read from, whether they exist or not.
   std::vector<std::string> files() const;
 
+  /// Puts another medium of the same entry in the place of one, which stays as it is.
+  void replace(std::size_t i, std::shared_ptr<SceneMedium> medium) {
+    media_[i] = std::move(medium);
+  }
+
   /// Changes only the name of a map in the JSON.
   void note(nlohmann::ordered_json json);
 

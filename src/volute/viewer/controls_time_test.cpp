@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // The viewer's clock and its films.
+#include <functional>
+
 #include "volute/io/film.hpp"
 #include "volute/viewer/controls_testing.hpp"
 
@@ -127,6 +129,66 @@ TEST_F(TimeControls, AFilmIsMadeBesideTheWindowOrNotAtAll) {
   const Film film = filmOf("film.mp4");
   EXPECT_EQ(film.frames, 6) << "0 to 0.2 s, 25 a second";
   EXPECT_TRUE(film.changes);
+}
+
+/// Whatever a person does to the scene while a film of it is made.
+TEST_F(TimeControls, AFilmShowsTheSceneAsItWasWhenItWasAskedFor) {
+  using Act = std::function<void()>;
+  const Act setFog = [&] { app().setParameter(parameterAt("/media/0/sigma_max"), {0.01}); };
+  const std::pair<const char*, Act> kActs[] = {
+      {"nothing", [] {}},
+      {"a slider", setFog},
+      {"the exposure", [&] { app().settings().look.stops = 4; }},
+      {"another renderer", [&] { app().settings().look.renderer = 2; }},
+      {"the view", [&] { app().lookFromAxis(Vec3::UnitZ()); }},
+      {"the time", [&] { app().timeline().seek(app().timeline().first()); }},
+      {"a light is added", [&] { app().add(SceneEdit::Kind::kAddSpot); }},
+      {"a change is taken back",
+       [&] {
+         setFog();
+         load();
+         app().undoChange();
+         app().redoChange();
+       }},
+      {"fog is painted",
+       [&] {
+         app().paint().painter().fill(0.3);
+         app().sendMap();
+       }},
+      {"another file", [&] { app().open(folder_.path("smoke.json")); }},
+  };
+  std::ofstream(folder_.path("windy.json")) << R"({"format": "volute-scene-1",
+    "camera": {"eye": [-9, -12, 11], "target": [7, 5, 0], "fov": 45}, "background": [0.2, 0.1, 0.05],
+    "media": [{"kind": "fog", "map": "map.png", "cell": 1, "sigma_max": 0.4, "degree": 1,
+               "wind": [1, 0.5], "profile": {"kind": "slab", "bottom": 0, "top": 4}}]})";
+  std::vector<Image> still;
+  for (const auto& [what, act] : kActs) {
+    SCOPED_TRACE(what);
+    open("windy.json");
+    ASSERT_NO_FATAL_FAILURE(openMore());
+    app().timeline().setSpeed(40);
+    app().settings().look.stops = 0;
+    app().settings().look.renderer = 0;
+    app().settings().filmSize = 0;
+    app().settings().filmName = folder_.path(fmt::format("{}.mp4", still.empty() ? "still" : what));
+    ASSERT_TRUE(script_->settle());
+    app().beginFilm(script_->input());
+    if (!app().film() && !app().message().empty())
+      GTEST_SKIP() << app().message();
+    act();
+    waitForFilm();
+    auto reader = FilmReader::open(app().settings().filmName);
+    ASSERT_TRUE(reader) << reader.error().message;
+    std::vector<Image> film;
+    for (auto next = reader->next(); next && *next; next = reader->next())
+      film.push_back(std::move(**next));
+    if (still.empty())
+      still = film;
+    ASSERT_EQ(film.size(), still.size());
+    ASSERT_GT(film.size(), 5U);
+    for (std::size_t i = 0; i < film.size(); ++i)
+      EXPECT_LT(difference(film[i], still[i]), 0.02) << "picture " << i;
+  }
 }
 
 TEST_F(TimeControls, AFilmHasItsSizeAndSpeed) {

@@ -50,7 +50,7 @@ Result<Display> Display::create() {
 
 bool Display::isKept(GLuint picture, int version, const DisplayLook& look) const {
   return picture_ == picture && version_ == version && look_.exposure == look.exposure &&
-         look_.filmic == look.filmic && look_.map == look.map && look_.surfaces == look.surfaces &&
+         look_.tone == look.tone && look_.map == look.map && look_.surfaces == look.surfaces &&
          (look_.background == look.background).all();
 }
 
@@ -116,7 +116,7 @@ void Display::keep(GLuint picture, const DisplayLook& look) {
   program_.set("background", Vec3(look.background));
   program_.set("exposure", static_cast<float>(look.exposure));
   program_.set("mapped", look.map ? 1 : 0);
-  program_.set("tone", look.filmic ? 1 : 0);
+  program_.set("tone", static_cast<int>(look.tone));
   program_.set("surfaces", kSurfacesUnit);
   program_.set("opaque", look.surfaces ? 1 : 0);
   // Not smoothed: its power has edges. Some texture in any case, or a rasteriser on the CPU

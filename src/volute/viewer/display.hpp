@@ -7,14 +7,15 @@
 #include "volute/gl/gl_object.hpp"
 #include "volute/gl/gl_program.hpp"
 #include "volute/image/colormap.hpp"
+#include "volute/image/picture_style.hpp"
 
 namespace volute {
 
 /// How light becomes what a display shows.
 struct DisplayLook {
   double exposure = 1;
-  bool filmic = false;          ///< ToneCurve::kFilmic; else light is clipped
-  std::optional<ColorMap> map;  ///< of the first channel, 0..1 after the exposure
+  ToneCurve tone = ToneCurve::kNone;  ///< not kAgx
+  std::optional<ColorMap> map;        ///< of the first channel, 0..1 after the exposure
   Rgb background = Rgb::Zero();
   GLuint surfaces = 0;  ///< SurfaceDrawer's; 0: there are none
 };

@@ -84,6 +84,9 @@ class Document {
   /// What is seen is as bright as it says: no exposure is looked for.
   virtual bool measured() const { return false; }
 
+  /// What burns may be brighter than white.
+  virtual bool burns() const { return false; }
+
   virtual std::optional<StartView> startView() const { return std::nullopt; }
 
   virtual std::optional<ViewLook> look() const { return std::nullopt; }
@@ -119,6 +122,10 @@ class Document {
 
   [[nodiscard]] virtual Result<ViewScene> sceneAt(const SceneRequest& request,
                                                   Progress& progress) = 0;
+
+  /// The document as it is now, which later changes leave alone: for jobs that take long. The same
+  /// thread calls both. Null where no change alters pictures.
+  virtual std::shared_ptr<Document> frozen() const { return nullptr; }
 
   /// Changes one of parameters(). An error leaves all as it was.
   [[nodiscard]] virtual Status set(const std::string& path, const std::vector<double>& value,

@@ -79,7 +79,16 @@ double FilmExport::share() const {
   return static_cast<double>(encoded_) / order_.frames();
 }
 
-Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene, DisplayLook look) {
+std::optional<double> FilmExport::secondsLeft() const {
+  constexpr double kLittle = 0.02;
+  const double done = share();
+  if (done < kLittle)
+    return std::nullopt;
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun_;
+  return spent.count() * (1 - done) / done;
+}
+
+Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene) {
   VOLUTE_TRY(failure());
   if (!scene || next_ >= order_.frames())
     return {};
@@ -106,7 +115,7 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene, DisplayLo
   if (!picture_.remark().empty())
     remark_ = picture_.remark();
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
-  picture_.show(look, order_.width, order_.height);
+  picture_.show(order_.look, order_.width, order_.height);
   Image image = shownPicture(order_.width, order_.height);
   ++next_;
   {

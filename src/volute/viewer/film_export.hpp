@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <memory>
@@ -24,6 +25,7 @@ struct FilmOrder {
   ViewCamera camera;
   ViewRenderer renderer = ViewRenderer::kAuto;
   bool surfaces = true;
+  DisplayLook look{};  ///< whatever the window's becomes
 
   int frames() const;
   double timeOf(int frame) const;  ///< [s] of the document
@@ -44,14 +46,16 @@ class FilmExport {
   /// The scene of which time [s] it waits for; nothing once all pictures are drawn.
   std::optional<double> wantedTime() const;
 
-  /// Goes on as far as it can without waiting. `scene` is that of wantedTime(), or null; `look` as
-  /// in the window.
-  [[nodiscard]] Status step(const std::shared_ptr<const ViewScene>& scene, DisplayLook look);
+  /// Goes on as far as it can without waiting. `scene` is that of wantedTime(), or null.
+  [[nodiscard]] Status step(const std::shared_ptr<const ViewScene>& scene);
 
   /// Whether the file is there.
   bool finished() const;
 
   double share() const;  ///< 0..1
+
+  /// By what it took so far [s]; nothing where that says little yet.
+  std::optional<double> secondsLeft() const;
 
   /// What a picture lacked, if one did.
   const std::string& remark() const { return remark_; }
@@ -69,6 +73,7 @@ class FilmExport {
   GlTexture colors_;
   GlFramebuffer frame_;
   int next_ = 0;
+  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
   std::string remark_;
   bool drawing_ = false;
 

@@ -16,6 +16,7 @@ namespace {
 struct Canvas {
   std::shared_ptr<FogSceneMedium> fog;
   std::string path;  ///< "/media/0"
+  std::size_t medium = 0;
 };
 
 std::vector<Canvas> canvasesOf(const Scene& scene) {
@@ -23,7 +24,7 @@ std::vector<Canvas> canvasesOf(const Scene& scene) {
   for (std::size_t i = 0; i < scene.media().size(); ++i) {
     auto fog = std::dynamic_pointer_cast<FogSceneMedium>(scene.media()[i]);
     if (fog && fog->paintable())
-      canvases.push_back({std::move(fog), scene.description().media[i].path});
+      canvases.push_back({std::move(fog), scene.description().media[i].path, i});
   }
   return canvases;
 }
@@ -44,7 +45,7 @@ std::vector<FogCanvas> SceneDocument::canvases() const {
     const FogDescription& fog = canvas.fog->description();
     const std::string& file = fog.maps.front();
     canvases.push_back({std::filesystem::path(file).filename().string(), file,
-                        fog.placement.sigmaMax, canvas.fog->shown().fogAt(0), fog.wind,
+                        fog.placement.sigmaMax, canvas.fog->shown().mapAt(0), fog.wind,
                         canvas.fog->unsaved()});
   }
   return canvases;
@@ -53,7 +54,10 @@ std::vector<FogCanvas> SceneDocument::canvases() const {
 Status SceneDocument::setFogMap(std::size_t canvas, std::vector<double> coefficients,
                                 bool unsaved) {
   VOLUTE_ASSIGN(const Canvas found, canvasAt(scene_, canvas));
-  return found.fog->paint(std::move(coefficients), unsaved);
+  auto painted = std::make_shared<FogSceneMedium>(*found.fog);  // jobs may hold the one before
+  VOLUTE_TRY(painted->paint(std::move(coefficients), unsaved));
+  scene_.replace(found.medium, std::move(painted));
+  return {};
 }
 
 Status SceneDocument::saveFogMap(std::size_t canvas, const std::string& target, const Image& map) {

@@ -32,7 +32,7 @@ void HeadlessViewer::resize(int width, int height) {
 
 Status HeadlessViewer::frame(const ViewerInput& input) {
   if (whole_)
-    resize(input.width, input.height);
+    resize(input.pixelsAcross(), input.pixelsDown());
   else if (!pixel_.colors.name())
     pixel_ = Target(1, 1);
   glBindFramebuffer(GL_FRAMEBUFFER, (whole_ ? frame_ : pixel_).framebuffer.name());
@@ -97,7 +97,10 @@ Result<Image> viewerScreenshot(OpenDocument open, const ViewerStart& start, bool
   app.settings().panels = panels;
   app.open(start.path, start.time);
   ViewerInput input;
-  input.width = start.width, input.height = start.height;
+  input.scale = start.options.scale;
+  input.width = static_cast<int>(start.width / input.scale);
+  input.height = static_cast<int>(start.height / input.scale);
+  input.columns = start.width, input.rows = start.height;
   VOLUTE_TRY(viewer->settle(input, progress));
   if (!app.error().empty())
     return fail(ErrorCode::kInvalidData, "{}", app.error());

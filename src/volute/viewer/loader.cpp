@@ -45,12 +45,27 @@ class Loader::Reporter final : public Progress {
   const std::atomic<bool>& stops_;
 };
 
+namespace {
+
+/// Of work that nobody waits for.
+class QuietUntil final : public Progress {
+ public:
+  explicit QuietUntil(const std::atomic<bool>& stops) : stops_(stops) {}
+
+  bool cancelled() const override { return stops_; }
+
+ private:
+  const std::atomic<bool>& stops_;
+};
+
+}  // namespace
+
 Loader::Loader(OpenDocument open) : open_(std::move(open)), thread_([this] { work(); }) {}
 
 Loader::~Loader() {
   {
     const std::lock_guard lock(mutex_);
-    ends_ = true;
+    ends_ = frozenStops_ = true;
     noteRequests();
   }
   thread_.join();
@@ -110,9 +125,36 @@ void Loader::setOpenGl(bool draws) {
 
 void Loader::change(const std::string& key, DocumentChange what) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(wantedChanges_, [&](const auto& waiting) { return waiting.first == key; });
+  const auto frozen = std::ranges::find_if(wantedChanges_.rbegin(), wantedChanges_.rend(),
+                                           [](const auto& waiting) { return !waiting.second; });
+  const auto [gone, end] = std::ranges::remove(frozen.base(), wantedChanges_.end(), key,
+                                               &std::pair<std::string, DocumentChange>::first);
+  wantedChanges_.erase(gone, end);
   wantedChanges_.emplace_back(key, std::move(what));
   noteRequests();
+}
+
+void Loader::freeze() {
+  const std::lock_guard lock(mutex_);
+  wantedChanges_.emplace_back("", DocumentChange());
+  noteRequests();
+}
+
+void Loader::requestFrozen(const SceneRequest& request) {
+  const std::lock_guard lock(mutex_);
+  wantedFrozen_ = request;
+  frozenStops_ = false;
+  wake_.notify_all();
+}
+
+void Loader::thaw() {
+  const std::lock_guard lock(mutex_);
+  if (loadedFrozen_ && *loadedFrozen_)
+    discarded_.push_back(std::move((*loadedFrozen_)->scene));
+  loadedFrozen_.reset();
+  wantedFrozen_.reset();
+  frozenStops_ = thaws_ = true;
+  wake_.notify_all();
 }
 
 std::optional<LoaderNews> Loader::news() {
@@ -120,7 +162,8 @@ std::optional<LoaderNews> Loader::news() {
   if (!lock)
     return std::nullopt;
   return LoaderNews{state_, idleNow(), std::exchange(opened_, std::nullopt),
-                    std::exchange(loaded_, std::nullopt)};
+                    std::exchange(loaded_, std::nullopt),
+                    std::exchange(loadedFrozen_, std::nullopt)};
 }
 
 bool Loader::idle() const {
@@ -146,6 +189,11 @@ bool Loader::wanted() const {
   return wantedPath_ || wantedTime_ || !wantedChanges_.empty();
 }
 
+/// With the lock held.
+bool Loader::freezes() const {
+  return std::ranges::any_of(wantedChanges_, [](const auto& waiting) { return !waiting.second; });
+}
+
 /// What is wanted comes first; a document is looked through for damage when there is time.
 void Loader::work() {
   lowerThreadPriority();
@@ -153,14 +201,22 @@ void Loader::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
     wake_.wait_until(lock, nextLook, [&] {
-      return ends_ || wanted() || unchecked_ || !discarded_.empty() || ring_.missing(ahead_);
+      return ends_ || wanted() || wantedFrozen_ || thaws_ || unchecked_ || !discarded_.empty() ||
+             ring_.missing(ahead_);
     });
     if (ends_)
       return;
     if (!discarded_.empty())
       freeDiscarded(lock);
-    if (wanted())
+    if (thaws_)
+      freeThawed(lock);
+    const bool asked = wanted();
+    if (asked)
       serve(lock);
+    if (wantedFrozen_ && !freezes() && !ends_)
+      loadFrozen(lock);  // by turns: neither waits for ever
+    else if (asked)
+      continue;
     else if (ring_.missing(ahead_))
       loadAhead(lock);
     else if (unchecked_)
@@ -183,22 +239,26 @@ void Loader::work() {
 void Loader::serve(std::unique_lock<std::mutex>& lock) {
   const auto path = std::exchange(wantedPath_, std::nullopt);
   auto time = std::exchange(wantedTime_, std::nullopt);
-  if (path)
-    wantedChanges_.clear();  // they were meant for what was open
-  const auto changes = std::exchange(wantedChanges_, {});
-  changing_ = path || !changes.empty();
+  auto changes = std::exchange(wantedChanges_, {});
+  const auto isFreeze = [](const auto& change) { return !change.second; };
+  if (path) {  // they were meant for what is open still
+    const auto last = std::find_if(changes.rbegin(), changes.rend(), isFreeze);
+    changes.erase(last.base(), changes.end());
+  }
+  const bool changed = !std::ranges::all_of(changes, isFreeze);
+  changing_ = path || changed;
   working_ = true;  // before the lock is given up
   state_.busy = true;
   if (changing_)
     forgetSnapshots(lock);
-  if (!changes.empty() && !time)
+  if (changed && !path && !time)
     time = time_;
   noteRequests();
   lock.unlock();
+  for (const auto& [key, what] : changes) changeNow(what);
   const bool opened = !path || openNow(*path);
   if (path && opened && document_ && !time)
     time = document_->firstTime();
-  for (const auto& [key, what] : changes) changeNow(what);
   if (opened && time && document_ && !overtaken_)
     loadNow(*time);
   const bool checked = !document_ || document_->checked();
@@ -256,6 +316,37 @@ void Loader::loadAhead(std::unique_lock<std::mutex>& lock) {
   lock.lock();
 }
 
+/// The lock is held before and after.
+void Loader::loadFrozen(std::unique_lock<std::mutex>& lock) {
+  const SceneRequest request = *std::exchange(wantedFrozen_, std::nullopt);
+  lock.unlock();
+  QuietUntil progress(frozenStops_);
+  auto scene = frozen_ ? frozen_->sceneAt(request, progress)
+                       : fail(ErrorCode::kNotFound, "the file was closed before this began");
+  auto loaded = scene ? Result<LoadedScene>(LoadedScene{
+                            std::make_shared<const ViewScene>(std::move(*scene)), request.time})
+                      : tl::unexpected<Error>(scene.error());
+  std::optional<Result<LoadedScene>> gone;
+  lock.lock();
+  if (wantedFrozen_ || thaws_) {
+    gone = std::move(loaded);
+  } else {
+    gone = std::exchange(loadedFrozen_, std::move(loaded));
+    ++changes_;
+  }
+  lock.unlock();
+  gone.reset();
+  lock.lock();
+}
+
+/// The lock is held before and after.
+void Loader::freeThawed(std::unique_lock<std::mutex>& lock) {
+  thaws_ = false;
+  lock.unlock();
+  frozen_.reset();
+  lock.lock();
+}
+
 void Loader::freeDiscarded(std::unique_lock<std::mutex>& lock) {
   auto discarded = std::exchange(discarded_, {});
   lock.unlock();
@@ -301,7 +392,8 @@ DocumentInfo Loader::describe() const {
           document_->changed(),
           path_,
           document_->content(),
-          document_->firstTime()};
+          document_->firstTime(),
+          document_->burns()};
 }
 
 /// False, with the error noted, when it stays with what was open.
@@ -344,6 +436,12 @@ bool Loader::openNow(const std::string& path) {
 void Loader::changeNow(const DocumentChange& what) {
   if (!document_)
     return;
+  if (!what) {
+    frozen_ = document_->frozen();
+    if (!frozen_)
+      frozen_ = document_;
+    return;
+  }
   Reporter reporter(*this);
   std::vector<Watched> news;  // that others wrote, to be read again after this
   std::ranges::copy_if(watched_, std::back_inserter(news),

@@ -52,6 +52,7 @@ struct DocumentInfo {
   std::string path{};
   Box3 content{};
   double firstTime = 0;
+  bool burns = false;
 };
 
 /// What has come since the viewer last looked.
@@ -60,6 +61,7 @@ struct LoaderNews {
   bool idle = false;  ///< nothing is left to be done: `opened` and `loaded` are the last for now
   std::optional<DocumentInfo> opened{};  ///< a document, or one that has changed
   std::optional<LoadedScene> loaded{};
+  std::optional<Result<LoadedScene>> frozen{};  ///< of requestFrozen()
 };
 
 /// Something to be done with the document that is open. Says in a sentence what was done, or
@@ -100,6 +102,15 @@ class Loader {
   /// not begun is replaced by a newer one of the same key.
   void change(const std::string& key, DocumentChange what);
 
+  /// Keeps the document as it is after the changes asked for so far, whatever is changed or opened
+  /// later, until thaw(): for jobs that take long. There is one at a time.
+  void freeze();
+
+  /// Loads a time of what freeze() keeps, in turn with everything else; news() has it.
+  void requestFrozen(const SceneRequest& request);
+
+  void thaw();
+
   /// Nothing where the thread is just writing its own down: the window does not wait for a thread
   /// that lets others first (base/thread_priority.hpp), but asks again in its next frame.
   std::optional<LoaderNews> news();
@@ -125,6 +136,8 @@ class Loader {
   void changeNow(const DocumentChange& what);
   void checkNow(std::unique_lock<std::mutex>& lock);
   void loadAhead(std::unique_lock<std::mutex>& lock);
+  void loadFrozen(std::unique_lock<std::mutex>& lock);
+  void freeThawed(std::unique_lock<std::mutex>& lock);
   void forgetSnapshots(std::unique_lock<std::mutex>& lock);
   DocumentInfo describe() const;
   static std::vector<Watched> look(const std::vector<std::filesystem::path>& files);
@@ -132,11 +145,13 @@ class Loader {
   bool changedOnDisk();
   void freeDiscarded(std::unique_lock<std::mutex>& lock);
   bool wanted() const;
+  bool freezes() const;
   bool idleNow() const;
   void noteRequests();
 
   OpenDocument open_;
-  std::unique_ptr<Document> document_;  // the thread's, as the next two
+  std::shared_ptr<Document> document_;  // the thread's, as the next three
+  std::shared_ptr<Document> frozen_;
   std::vector<Watched> watched_;
   std::size_t nextLook_ = 0;  ///< at which of them
 
@@ -157,7 +172,12 @@ class Loader {
   bool unchecked_ = false;  ///< the document has still to look for damage
   std::optional<std::string> wantedPath_;
   std::optional<double> wantedTime_;
+  /// By their keys; one without a function is a freeze().
   std::vector<std::pair<std::string, DocumentChange>> wantedChanges_;
+  std::optional<SceneRequest> wantedFrozen_;
+  bool thaws_ = false;
+  std::atomic<bool> frozenStops_ = false;  ///< what is loaded of it is no longer wanted
+  std::optional<Result<LoadedScene>> loadedFrozen_;
   int openedCount_ = 0;
   bool working_ = false;
   LoaderState state_;

@@ -16,7 +16,7 @@
 namespace volute {
 
 void useFont(double scale) {
-  constexpr float kPixels = 14;
+  constexpr float kPoints = 14;
   // Latin with all its accents, Greek, Cyrillic, dashes and quotes, arrows, mathematics.
   static const ImWchar kLetters[] = {0x20,   0x24F,  0x2B0,  0x3FF,  0x400,  0x52F,  0x1E00,
                                      0x1EFF, 0x2010, 0x205E, 0x2070, 0x209F, 0x20A0, 0x20BF,
@@ -26,15 +26,16 @@ void useFont(double scale) {
   fonts->FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();
   fonts->FontBuilderFlags = ImGuiFreeTypeBuilderFlags_LightHinting;
 #endif
-  const float size = std::round(kPixels * static_cast<float>(scale));
+  fonts->Clear();
+  const float size = std::round(kPoints * static_cast<float>(scale));
   const auto file = fontFile(Typeface::kSans);
-  if (file && fonts->AddFontFromFileTTF(file->c_str(), size, nullptr, kLetters))
-    return;
-  fonts->AddFontDefault();
-  ImGui::GetIO().FontGlobalScale = static_cast<float>(scale);
+  const bool found = file && fonts->AddFontFromFileTTF(file->c_str(), size, nullptr, kLetters);
+  if (!found)
+    fonts->AddFontDefault();
+  ImGui::GetIO().FontGlobalScale = found ? kPoints / size : 1;
 }
 
-void styleControls(double scale) {
+void styleControls() {
   ImGui::StyleColorsDark();
   ImGuiStyle& style = ImGui::GetStyle();
   style.WindowRounding = 6;
@@ -60,8 +61,6 @@ void styleControls(double scale) {
   colors[ImGuiCol_SliderGrab] = {0.16F, 0.50F, 0.50F, 1};  // numbers are read on them
   colors[ImGuiCol_SliderGrabActive] = {0.55F, 0.45F, 0.05F, 1};
   colors[ImGuiCol_PlotLines] = colors[ImGuiCol_PlotHistogram] = {0.36F, 0.78F, 0.70F, 1};
-  if (scale != 1)
-    style.ScaleAllSizes(static_cast<float>(scale));
 }
 
 void wrappedText(const std::string& text, bool faint) {

@@ -297,11 +297,33 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
                                        {"Escape", "stop painting or placing, close this"},
                                        {"F1", "open and close this"},
                                        {"drop a file", "open it"}};
-  for (const auto& [keys, meaning] : kLines) {
-    ImGui::TextDisabled("%s", keys);
-    ImGui::SameLine(165);
-    ImGui::TextUnformatted(meaning);
+  // In two columns where one is too high.
+  const std::size_t lines = std::size(kLines);
+  const float margins = 2 * (kPanelMargin + ImGui::GetStyle().WindowPadding.x);
+  const float high = static_cast<float>(lines) * ImGui::GetTextLineHeightWithSpacing();
+  const bool whole = high + ImGui::GetFrameHeight() + margins <= window.y;
+  const float keysWide = whole ? 165 : 135, wide = whole ? 0 : 0.5F * (window.x - margins);
+  const std::size_t column = whole ? lines : (lines + 1) / 2;
+  for (std::size_t i = 0; i < lines; ++i) {
+    if (i % column == 0) {
+      if (i > 0) {
+        ImGui::EndGroup();
+        ImGui::SameLine(ImGui::GetStyle().WindowPadding.x + wide);
+      }
+      ImGui::BeginGroup();
+    }
+    const float left = ImGui::GetCursorPosX();
+    ImGui::TextDisabled("%s", kLines[i][0]);
+    ImGui::SameLine(left + keysWide);
+    ImGui::PushTextWrapPos(whole ? -1 : left + wide - ImGui::GetStyle().ItemSpacing.x);
+    ImGui::TextUnformatted(kLines[i][1]);
+    ImGui::PopTextWrapPos();
   }
+  ImGui::EndGroup();
+  const ImVec2 corner = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  app.markPlace("help", {corner.x, corner.y, corner.x + size.x, corner.y + size.y});
+  if (ImGui::GetScrollMaxY() > 0)
+    app.markPlace("help is cut", {corner.x, corner.y, corner.x + size.x, corner.y + size.y});
   ImGui::End();
   ImGui::PopStyleVar(2);
 }

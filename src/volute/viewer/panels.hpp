@@ -9,8 +9,8 @@
 
 namespace volute {
 
-/// Dear ImGui's colours and distances, times a scale.
-void styleControls(double scale);
+/// Dear ImGui's colours and distances [points].
+void styleControls();
 
 /// DejaVu Sans where it is installed, with the letters of most languages; else Dear ImGui's own.
 void useFont(double scale);

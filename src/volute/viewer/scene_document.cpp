@@ -169,6 +169,12 @@ bool SceneDocument::measured() const {
                              [](const auto& medium) { return medium->info().measured; });
 }
 
+bool SceneDocument::burns() const {
+  return scene_.law().mode != PictureMode::kThreshold &&
+         std::ranges::any_of(scene_.media(),
+                             [](const auto& medium) { return medium->info().burns; });
+}
+
 std::vector<std::filesystem::path> SceneDocument::files() const {
   std::vector<std::filesystem::path> files;
   for (const std::string& name : scene_.files()) {
@@ -176,6 +182,14 @@ std::vector<std::filesystem::path> SceneDocument::files() const {
     files.insert(files.end(), some.begin(), some.end());
   }
   return files;
+}
+
+/// Media are shared: a change makes others in their place. The renderer is not, so that the window
+/// does not wait for pictures of a long job.
+std::shared_ptr<Document> SceneDocument::frozen() const {
+  std::shared_ptr<SceneDocument> copy(new SceneDocument(*this));
+  copy->drawer_ = std::make_shared<Drawer>();
+  return copy;
 }
 
 Status SceneDocument::set(const std::string& path, const std::vector<double>& value,

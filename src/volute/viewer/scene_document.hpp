@@ -42,6 +42,7 @@ class SceneDocument final : public Document {
   std::uint64_t snapshotMemory() const override { return options_.maxMemory / 4; }
 
   bool measured() const override;
+  bool burns() const override;
 
   std::optional<StartView> startView() const override { return start_; }
 
@@ -62,6 +63,7 @@ class SceneDocument final : public Document {
 
   bool coarseHelps(double time) const override;
   Result<ViewScene> sceneAt(const SceneRequest& request, Progress& progress) override;
+  std::shared_ptr<Document> frozen() const override;
   Status set(const std::string& path, const std::vector<double>& value,
              Progress& progress) override;
 

@@ -154,7 +154,7 @@ void drawGizmo(ViewerApp& app, const FreeArea& free) {
                                   {"z", "axis +z", Vec3::UnitZ(), IM_COL32(92, 151, 240, 255)},
                                   {"", "axis -z", -Vec3::UnitZ(), IM_COL32(56, 88, 140, 255)}};
   const bool covered = app.settings().layout.isOpen(SidePanel::kScene) &&
-                       free.right > static_cast<float>(app.size().first) - 2 * kPanelMargin;
+                       free.right > ImGui::GetIO().DisplaySize.x - 2 * kPanelMargin;
   const bool small = free.right - free.left < 6 * kRadius || free.bottom - free.top < 10 * kRadius;
   if (!app.document() || small || covered || !app.settings().layout.roomy())
     return;

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <imgui.h>
 
+#include <cmath>
+
 #include "volute/viewer/panels.hpp"
 
 namespace volute {
@@ -25,9 +27,10 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
     }
     app.mark("Cancel film");
     ImGui::SameLine();
-    ImGui::ProgressBar(
-        static_cast<float>(film->share()), {-1, 0},
-        fmt::format("{}: {:.0f} %", film->order().target, 100 * film->share()).c_str());
+    std::string text = fmt::format("{}: {:.0f} %", film->order().target, 100 * film->share());
+    if (const auto left = film->secondsLeft())
+      text += fmt::format(", {:.0f} s left", std::ceil(*left));
+    ImGui::ProgressBar(static_cast<float>(film->share()), {-1, 0}, text.c_str());
     return;
   }
   if (ImGui::Button("Make film"))

@@ -19,7 +19,7 @@ constexpr double kPoor = 0.3;         ///< below that a preview says more
 constexpr double kCoarse = 0.375;     ///< below that a picture may take
 constexpr double kSlowest = 0.1;      ///< [s], whatever the budget is
 constexpr std::size_t kHistory = 90;
-constexpr double kSamples = 65536;  ///< of the light that is shown
+constexpr double kLightSamples = 65536;  ///< of the light that is shown
 
 double scaleOf(Quality quality) {
   switch (quality) {
@@ -391,7 +391,7 @@ Image ViewPicture::sampledLight(const Rgb& background) const {
   const bool opaque = opaque_ && !fromCpu_ && scene_ && scene_->cpu;
   const Texels behind = opaque ? texelsOf(surfaces_.texture()) : Texels{light.width, light.height};
   const double pixels = static_cast<double>(behind.width) * behind.height;
-  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kSamples))));
+  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kLightSamples))));
   Image image((behind.width + step - 1) / step, (behind.height + step - 1) / step);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {

@@ -56,8 +56,8 @@ ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice d
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   for (const auto& [key, theirs] : kTextKeys) io.KeyMap[theirs] = static_cast<int>(key);
-  useFont(options_.scale);
-  styleControls(options_.scale);
+  useFont(fontScale_);
+  styleControls();
   clipboard_.serve(io);
   loader_.setOpenGl(picture_.mayUseGl(static_cast<ViewRenderer>(settings_.look.renderer)));
   ImGui_ImplOpenGL3_Init("#version 450");
@@ -79,7 +79,6 @@ Result<std::unique_ptr<ViewerApp>> ViewerApp::create(OpenDocument open,
 /// Until the file is open, what is shown stays as it is.
 void ViewerApp::open(const std::string& path, std::optional<double> time) {
   opening_.emplace(time);
-  film_.reset();
   message_.clear();
   loader_.open(path, time);
 }
@@ -264,6 +263,8 @@ void ViewerApp::takeLoaded(const ViewerInput& input) {
   }
   if (idle)
     savedVersion_.reset();  // it could not be saved
+  if (news->frozen && film_)
+    filmScene_ = std::move(news->frozen);
   goOnLeaving(idle);
 }
 
@@ -392,7 +393,7 @@ void ViewerApp::beginFilm(const ViewerInput& input) {
   constexpr int kSizes[][2] = {{640, 360}, {1280, 720}, {1920, 1080}};
   FilmOrder order;
   order.target = settings_.filmName;
-  order.width = input.width, order.height = input.height;
+  order.width = input.pixelsAcross(), order.height = input.pixelsDown();
   if (settings_.filmSize < 3)
     order.width = kSizes[settings_.filmSize][0], order.height = kSizes[settings_.filmSize][1];
   order.begin = timeline_.first(), order.end = timeline_.last();
@@ -400,35 +401,45 @@ void ViewerApp::beginFilm(const ViewerInput& input) {
   order.camera = camera_;
   order.renderer = static_cast<ViewRenderer>(settings_.look.renderer);
   order.surfaces = settings_.look.surfaces;
+  order.look = displayLook();
   timeline_.play(false);
   auto film = FilmExport::begin(order, picture_.makers());
-  if (film)
-    film_ = std::move(*film);
-  else
+  if (!film) {
     message_ = film.error().message;
+    return;
+  }
+  film_ = std::move(*film);
+  loader_.freeze();
 }
 
-/// The film's time is the timeline's while it is made.
+void ViewerApp::endFilm(std::string message) {
+  message_ = std::move(message);
+  film_.reset();
+  filmAsked_.reset();
+  if (filmScene_ && *filmScene_)
+    loader_.discard(std::move((*filmScene_)->scene));
+  filmScene_.reset();
+  loader_.thaw();
+}
+
+/// Of the scene as it was when the film was asked for: the window's may change meanwhile.
 void ViewerApp::goOnWithFilm() {
   if (!film_)
     return;
   if (film_->finished()) {
-    message_ = film_->order().target + " is written";
-    if (!film_->remark().empty())
-      message_ += "; " + film_->remark();
-    film_.reset();
-    return;
+    const std::string lacked = film_->remark().empty() ? "" : "; " + film_->remark();
+    return endFilm(film_->order().target + " is written" + lacked);
   }
   const auto wanted = film_->wantedTime();
-  if (wanted)
-    timeline_.seek(*wanted);
-  const bool there =
-      wanted && scene_ && !scene_->coarse && std::abs(scene_->time - *wanted) < kHeldTime;
-  const Status done = film_->step(there ? scene_->scene : nullptr, displayLook());
-  if (done)
-    return;
-  message_ = done.error().message;
-  film_.reset();
+  if (wanted && wanted != filmAsked_) {
+    filmAsked_ = wanted;
+    loader_.requestFrozen({.time = *wanted, .openGl = picture_.mayUseGl(film_->order().renderer)});
+  }
+  if (filmScene_ && !*filmScene_)
+    return endFilm(fmt::format("{}: {}", film_->order().target, filmScene_->error().message));
+  const bool there = wanted && filmScene_ && (*filmScene_)->time == *wanted;
+  if (const Status done = film_->step(there ? (*filmScene_)->scene : nullptr); !done)
+    endFilm(done.error().message);
 }
 
 /// [s] for a picture while it plays: its share of the time until the next one.
@@ -440,8 +451,8 @@ double ViewerApp::playingBudget() const {
 PictureRequest ViewerApp::request(const ViewerInput& input) const {
   const bool changes = loading_.busy || !pending_.empty() || film_;
   return {.camera = camera_,
-          .width = input.width,
-          .height = input.height,
+          .width = input.pixelsAcross(),
+          .height = input.pixelsDown(),
           .quality = static_cast<Quality>(settings_.look.quality),
           .renderer = static_cast<ViewRenderer>(settings_.look.renderer),
           .surfaces = settings_.look.surfaces,
@@ -453,7 +464,10 @@ PictureRequest ViewerApp::request(const ViewerInput& input) const {
 DisplayLook ViewerApp::displayLook() const {
   DisplayLook look;
   look.exposure = exposure_.value * std::exp2(settings_.look.stops);
-  look.filmic = document_ && !document_->measured;
+  look.tone = !document_             ? ToneCurve::kNone
+              : !document_->measured ? ToneCurve::kFilmic
+              : document_->burns     ? ToneCurve::kShoulder
+                                     : ToneCurve::kNone;
   look.background = document_ ? document_->background : Rgb(Rgb::Zero());
   if (document_ && document_->grey && settings_.look.colors > 0)
     look.map = settings_.look.colors == 1 ? ColorMap::kViridis : ColorMap::kInferno;
@@ -463,7 +477,7 @@ DisplayLook ViewerApp::displayLook() const {
 Rgb ViewerApp::backgroundShown() const {
   const DisplayLook look = displayLook();
   const Rgb light = look.exposure * look.background;
-  const Rgb toned = toneMapped(look.filmic ? ToneCurve::kFilmic : ToneCurve::kNone, light);
+  const Rgb toned = toneMapped(look.tone, light);
   return toned.unaryExpr([](double v) { return srgbEncode(std::clamp(v, 0.0, 1.0)); });
 }
 
@@ -492,6 +506,11 @@ Status ViewerApp::drawPicture(const ViewerInput& input) {
 
 void ViewerApp::usePanels(const ViewerInput& input) {
   const Stopwatch watch(costs_.panels);
+  if (std::exchange(fontScale_, input.scale) != input.scale) {
+    useFont(fontScale_);
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+  }
   feed(input);
   controls_.clear();
   ImGui_ImplOpenGL3_NewFrame();
@@ -499,8 +518,7 @@ void ViewerApp::usePanels(const ViewerInput& input) {
   moving_ = timeline_.playing();
   keys(input);
   control(input);
-  if (!film_)
-    timeline_.advance(input.seconds);
+  timeline_.advance(input.seconds);
   drawPanels(*this, input);
   ImGui::Render();
   goOnWithFilm();
@@ -519,11 +537,12 @@ void ViewerApp::show(const DisplayLook& look, bool panels) {
   const Stopwatch watch(costs_.shown);
   if (!picture_.shown() && opening_)
     picture_.prepareShow();
-  glViewport(0, 0, seen_.width, seen_.height);
+  const auto [width, height] = size();
+  glViewport(0, 0, width, height);
   glClearColor(0.05F, 0.05F, 0.06F, 1);
   glClear(GL_COLOR_BUFFER_BIT);
   if (picture_.shown())
-    picture_.show(look, seen_.width, seen_.height);
+    picture_.show(look, width, height);
   if (panels)
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
@@ -564,7 +583,8 @@ bool ViewerApp::due(const ViewerInput& input) {
   const bool acts = !input.pressed.empty() || !input.typed.empty() || !input.dropped.empty() ||
                     !input.held.empty() || input.closes || input.wheel != 0 ||
                     input.mouseX != seen_.mouseX || input.mouseY != seen_.mouseY ||
-                    input.width != seen_.width || input.height != seen_.height ||
+                    input.pixelsAcross() != seen_.pixelsAcross() ||
+                    input.pixelsDown() != seen_.pixelsDown() || input.scale != seen_.scale ||
                     std::ranges::count(input.buttons, true) > 0 ||
                     !std::ranges::equal(input.buttons, seen_.buttons);
   if (acts || film_ || picture_.refining() || leaving_)

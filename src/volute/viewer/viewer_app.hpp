@@ -72,7 +72,7 @@ struct ViewerOptions {
   /// Else what only the CPU could draw is an error: tests see so that OpenGL draws all.
   bool cpu = true;
   bool desktop = false;            ///< the desktop's dialogs are used, where it has some
-  double scale = 1;                ///< of letters and controls: the display's
+  double scale = 1;                ///< of letters and controls, times the display's
   std::filesystem::path recent{};  ///< names of files that were opened; empty: nothing is kept
 };
 
@@ -100,9 +100,10 @@ struct FirstExposure {
   bool tried = false;  ///< from a picture that was not fine
 };
 
-/// Where a control was drawn in the last frame [pixels]. Scripts find the controls by their names.
+/// Where a control was drawn in the last frame [points]. Scripts find the controls by their names.
 struct ControlPlace {
   float left = 0, top = 0, right = 0, bottom = 0;
+  bool cut = false;  ///< a part is beside the panel's border
 };
 
 /// The viewer without its window: given what a person did, draws a frame into the framebuffer that
@@ -198,7 +199,7 @@ class ViewerApp {
   void showAgain(bool panels = true) { show(shownLook_, panels); }
 
   /// Of the last frame [pixels].
-  std::pair<int, int> size() const { return {seen_.width, seen_.height}; }
+  std::pair<int, int> size() const { return {seen_.pixelsAcross(), seen_.pixelsDown()}; }
 
   /// Whether all that was asked of documents is done.
   bool idle() const {
@@ -293,7 +294,7 @@ class ViewerApp {
 
   void beginFilm(const ViewerInput& input);
 
-  void cancelFilm() { film_.reset(); }
+  void cancelFilm() { endFilm(""); }
 
   const FilmExport* film() const { return film_.get(); }
 
@@ -317,6 +318,7 @@ class ViewerApp {
   void redo();
   void goOnLeaving(bool idle);
   void goOnWithFilm();
+  void endFilm(std::string message);
   void usePanels(const ViewerInput& input);
   Status drawPicture(const ViewerInput& input);
   void show(const DisplayLook& look, bool panels = true);
@@ -342,6 +344,8 @@ class ViewerApp {
   PaintTool paint_;
   FogPlan plan_;
   std::unique_ptr<FilmExport> film_;
+  std::optional<double> filmAsked_;                 ///< the time that the loader was asked for it
+  std::optional<Result<LoadedScene>> filmScene_{};  ///< the last that came for it
   std::optional<DocumentInfo> document_;
   std::optional<LoadedScene> scene_;
   std::map<std::string, std::vector<double>> pending_;  ///< parameters on their way
@@ -377,6 +381,7 @@ class ViewerApp {
   DisplayLook shownLook_;
   PointerState pointer_;
   bool screenshotRequested_ = false;
+  double fontScale_ = 1;
 };
 
 }  // namespace volute

@@ -14,6 +14,9 @@ namespace volute {
 void ViewerApp::feed(const ViewerInput& input) {
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = {static_cast<float>(input.width), static_cast<float>(input.height)};
+  io.DisplayFramebufferScale = {
+      static_cast<float>(input.pixelsAcross()) / static_cast<float>(std::max(input.width, 1)),
+      static_cast<float>(input.pixelsDown()) / static_cast<float>(std::max(input.height, 1))};
   io.DeltaTime = static_cast<float>(std::max(input.seconds, 1e-4));
   io.MousePos = {static_cast<float>(input.mouseX), static_cast<float>(input.mouseY)};
   for (int i = 0; i < 3; ++i) io.MouseDown[i] = input.buttons[i];
@@ -33,7 +36,7 @@ void ViewerApp::mark(const std::string& name) {
   const ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 low = list->GetClipRectMin(), high = list->GetClipRectMax();
   const ControlPlace seen{std::max(from.x, low.x), std::max(from.y, low.y), std::min(to.x, high.x),
-                          std::min(to.y, high.y)};
+                          std::min(to.y, high.y), from.x < low.x - 1 || to.x > high.x + 1};
   if (seen.left < seen.right && seen.top < seen.bottom)
     controls_[name] = seen;
 }

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cmath>
 #include <set>
 #include <string>
 #include <vector>
@@ -47,11 +48,14 @@ enum class Key {
   kEnter,
 };
 
-/// What a person did between two frames. The window fills it from its events, tests by hand.
+/// What a person did between two frames. The window fills it from its events, tests by hand. Panels
+/// and the mouse are in points, so that they are as large on every display; pictures have pixels.
 struct ViewerInput {
-  int width = 960, height = 640;    ///< of the picture [pixels]
+  int width = 960, height = 640;    ///< of the window [points]
+  double scale = 1;                 ///< pixels of a point, in both directions, about
+  int columns = 0, rows = 0;        ///< of the window [pixels]; 0: by the scale
   double seconds = 1.0 / 60;        ///< since the last frame
-  double mouseX = -1, mouseY = -1;  ///< [pixels] from the top left
+  double mouseX = -1, mouseY = -1;  ///< [points] from the top left
   bool buttons[3]{};                ///< left, right, middle are held
   double wheel = 0;                 ///< clicks, away from the person is positive
   std::vector<Key> pressed{};       ///< went down since the last frame
@@ -61,6 +65,12 @@ struct ViewerInput {
   std::string dropped{};  ///< a file that was dropped on the window; empty: none
   bool closes = false;    ///< the window is asked to close
   bool twice = false;  ///< the left button was pressed twice in a row, quickly, the last time now
+
+  int pixelsAcross() const {
+    return columns > 0 ? columns : static_cast<int>(std::lround(width * scale));
+  }
+
+  int pixelsDown() const { return rows > 0 ? rows : static_cast<int>(std::lround(height * scale)); }
 };
 
 }  // namespace volute

@@ -69,7 +69,7 @@ ViewCamera::Insets ViewerApp::insets(int width, int height) const {
     insets.left = insets.right = 0;  // a panel over the picture, for a while
   constexpr double kTimePanel = 84;  // two rows, about; it may not have been drawn yet
   if (timeline_.moves())
-    insets.bottom = kTimePanel * options_.scale;
+    insets.bottom = kTimePanel;
   return insets;
 }
 

@@ -10,13 +10,23 @@
 #include <optional>
 
 #include "volute/io/image_file.hpp"
+#include "volute/viewer/input_queue.hpp"
 #include "volute/viewer/shown_picture.hpp"
 #include "volute/viewer/viewer_app.hpp"
 
 namespace volute {
 namespace {
 
-std::optional<Key> keyOf(int key) {
+/// Letters and signs are those of the layout; where that has others (Greek, Cyrillic), and for all
+/// other keys, the place counts.
+std::optional<Key> keyOf(int key, int scancode) {
+  const bool sign =
+      key > GLFW_KEY_SPACE && key <= GLFW_KEY_WORLD_2 && !(key >= GLFW_KEY_0 && key <= GLFW_KEY_9);
+  const char* const label = sign ? glfwGetKeyName(key, scancode) : nullptr;
+  if (label && static_cast<unsigned char>(label[0]) < 0x80)
+    return keyNamed(label);
+  if (label && (key < GLFW_KEY_A || key > GLFW_KEY_Z))
+    return std::nullopt;
   switch (key) {
     case GLFW_KEY_SPACE:
       return Key::kSpace;
@@ -187,102 +197,89 @@ class Window {
       glfwRestoreWindow(window_);
   }
 
-  /// What happened since the last call. If that is nothing, waits so long for something [s]: a
+  /// Of the next frame. If nothing happened since the last call, waits so long for something [s]: a
   /// frame that shows nothing new takes time from those who load and draw.
-  ViewerInput input(double patience) {
-    heard_.pressed.clear();
-    heard_.dropped.clear();
-    heard_.typed.clear();
-    heard_.closes = heard_.twice = false;
-    heard_.wheel = 0;
-    const ViewerInput before = heard_;
+  /// @param scale  of letters and controls, times the display's
+  ViewerInput input(double patience, double scale) {
     constexpr double kFrame = 1.0 / 60;
     const double wait = last_ + (busy() ? kFrame : patience) - glfwGetTime();
-    if (wait > 0)
+    if (wait > 0 && !queue_.waits())
       glfwWaitEventsTimeout(wait);
     else
       glfwPollEvents();
-    glfwGetFramebufferSize(window_, &heard_.width, &heard_.height);
-    int width = 1, height = 1;
-    glfwGetWindowSize(window_, &width, &height);
-    glfwGetCursorPos(window_, &heard_.mouseX, &heard_.mouseY);
-    heard_.mouseX *= static_cast<double>(heard_.width) / std::max(width, 1);
-    heard_.mouseY *= static_cast<double>(heard_.height) / std::max(height, 1);
-    constexpr int kButtons[] = {GLFW_MOUSE_BUTTON_LEFT, GLFW_MOUSE_BUTTON_RIGHT,
-                                GLFW_MOUSE_BUTTON_MIDDLE};
-    for (int i = 0; i < 3; ++i)
-      heard_.buttons[i] = glfwGetMouseButton(window_, kButtons[i]) == GLFW_PRESS;
+    if (glfwWindowShouldClose(window_)) {
+      queue_.close();
+      glfwSetWindowShouldClose(window_, GLFW_FALSE);  // the viewer may have to ask
+    }
     constexpr int kFramesAfter = 6;  // panels answer an event in the frames after it
-    lively_ = same(before, heard_) ? std::max(lively_ - 1, 0) : kFramesAfter;
-    heard_.closes = glfwWindowShouldClose(window_);
-    glfwSetWindowShouldClose(window_, GLFW_FALSE);  // the viewer may have to ask
+    lively_ = queue_.waits() ? kFramesAfter : std::max(lively_ - 1, 0);
+    ViewerInput input = queue_.next();
+    glfwGetFramebufferSize(window_, &input.columns, &input.rows);
+    input.scale = scale * this->scale();
+    input.width = static_cast<int>(input.columns / input.scale);
+    input.height = static_cast<int>(input.rows / input.scale);
+    input.mouseX /= input.scale, input.mouseY /= input.scale;
     const double now = glfwGetTime();
-    heard_.seconds = wait > kFrame ? kFrame : now - last_;  // nothing moved while it rested
+    input.seconds = wait > kFrame ? kFrame : now - last_;  // nothing moved while it rested
     last_ = now;
-    return heard_;
+    held_ = !input.held.empty() || std::ranges::count(input.buttons, true) > 0;
+    return input;
   }
 
  private:
   Window() = default;
 
-  static ViewerInput& heardBy(GLFWwindow* window) {
-    return static_cast<Window*>(glfwGetWindowUserPointer(window))->heard_;
+  static Window& of(GLFWwindow* window) {
+    return *static_cast<Window*>(glfwGetWindowUserPointer(window));
   }
 
   void listen() {
-    glfwSetKeyCallback(window_, [](GLFWwindow* window, int code, int, int action, int mods) {
-      ViewerInput& heard = heardBy(window);
-      heard.shift = mods & GLFW_MOD_SHIFT;
-      heard.control = mods & GLFW_MOD_CONTROL;
-      const auto key = keyOf(code);
-      if (!key)
-        return;
-      if (action == GLFW_RELEASE) {
-        heard.held.erase(*key);
-        return;
-      }
-      heard.held.insert(*key);
-      heard.pressed.push_back(*key);
-    });
+    glfwSetKeyCallback(
+        window_, [](GLFWwindow* window, int code, int scancode, int action, int mods) {
+          const bool shift = mods & GLFW_MOD_SHIFT, control = mods & GLFW_MOD_CONTROL;
+          if (const auto key = keyOf(code, scancode))
+            of(window).queue_.key(*key, action != GLFW_RELEASE, shift, control);
+          else
+            of(window).queue_.modifiers(shift, control);
+        });
     glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned code) {
-      appendUtf8(heardBy(window).typed, code);
+      std::string text;
+      appendUtf8(text, code);
+      of(window).queue_.type(std::move(text));
+    });
+    // In pixels: the scale of a frame is known when it is asked for.
+    glfwSetCursorPosCallback(window_, [](GLFWwindow* window, double x, double y) {
+      int width = 1, height = 1, columns = 1, rows = 1;
+      glfwGetWindowSize(window, &width, &height);
+      glfwGetFramebufferSize(window, &columns, &rows);
+      of(window).queue_.moveTo(x * columns / std::max(width, 1), y * rows / std::max(height, 1));
     });
     glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int) {
-      if (button != GLFW_MOUSE_BUTTON_LEFT || action != GLFW_PRESS)
-        return;
-      constexpr double kTwice = 0.35;  // [s]
-      auto& own = *static_cast<Window*>(glfwGetWindowUserPointer(window));
-      const double now = glfwGetTime();
-      own.heard_.twice = now - std::exchange(own.pressed_, now) < kTwice;
+      constexpr int kButtons[] = {GLFW_MOUSE_BUTTON_LEFT, GLFW_MOUSE_BUTTON_RIGHT,
+                                  GLFW_MOUSE_BUTTON_MIDDLE};
+      const auto found = std::ranges::find(kButtons, button);
+      if (found != std::end(kButtons))
+        of(window).queue_.button(static_cast<int>(found - kButtons), action == GLFW_PRESS,
+                                 glfwGetTime());
     });
     glfwSetScrollCallback(window_,
-                          [](GLFWwindow* window, double, double y) { heardBy(window).wheel += y; });
+                          [](GLFWwindow* window, double, double y) { of(window).queue_.turn(y); });
     glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
       if (count > 0)
-        heardBy(window).dropped = paths[0];
+        of(window).queue_.drop(paths[0]);
     });
-  }
-
-  /// Whether nothing happened from one to the other.
-  static bool same(const ViewerInput& a, const ViewerInput& b) {
-    return b.pressed.empty() && b.typed.empty() && b.dropped.empty() && b.wheel == 0 &&
-           a.mouseX == b.mouseX && a.mouseY == b.mouseY && a.width == b.width &&
-           a.height == b.height && std::ranges::equal(a.buttons, b.buttons);
   }
 
   /// Whether a person holds something, or has just done something.
-  bool busy() const {
-    return lively_ > 0 || !heard_.held.empty() || heard_.buttons[0] || heard_.buttons[1] ||
-           heard_.buttons[2];
-  }
+  bool busy() const { return lively_ > 0 || held_; }
 
   bool started_ = false;
   GLFWwindow* window_ = nullptr;
-  int lively_ = 0;  ///< frames that follow soon
-  ViewerInput heard_;
+  int lively_ = 0;    ///< frames that follow soon
+  InputQueue queue_;  ///< places in pixels
+  bool held_ = false;
   double last_ = 0;
-  double pressed_ = -1;  ///< when the left button was [s]
-  int place_[4]{};       ///< of the window before it filled the screen
+  int place_[4]{};  ///< of the window before it filled the screen
   std::string title_{};
 };
 
@@ -301,7 +298,6 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
   VOLUTE_ASSIGN(const auto window, Window::create(start.width, start.height));
   ViewerOptions options = start.options;
   options.desktop = true;
-  options.scale *= window->scale();
   options.recent = RecentFiles::usualFile();
   VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open), options));
   app->clipboard().use([&] { return window->clipboard(); },
@@ -311,7 +307,7 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
   app->onNews([] { glfwPostEmptyEvent(); });
   double skipped = 0;  // [s] since the last frame
   while (!app->ends() && !progress.cancelled()) {
-    ViewerInput input = window->input(app->patience());
+    ViewerInput input = window->input(app->patience(), options.scale);
     input.seconds += skipped;
     if (!app->due(input)) {
       skipped = input.seconds;
@@ -330,7 +326,7 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
     if (app->takeScreenshotRequest()) {
       const std::string name = screenshotName();
       app->showAgain(false);
-      const Status written = writeImage(name, shownPicture(input.width, input.height));
+      const Status written = writeImage(name, shownPicture(input.columns, input.rows));
       app->showAgain();
       app->say(written ? name + " is written" : written.error().message);
     }

@@ -28,6 +28,14 @@ vec3 filmic(vec3 v) {
               dot(y, vec3(-0.00327, -0.07276, 1.07602)));
 }
 
+// The brightest channel ends below 1, and the others keep their share of it.
+vec3 shoulder(vec3 v) {
+  const float knee = 0.7;
+  float most = max(v.r, max(v.g, v.b));
+  float beyond = (most - knee) / (1.0 - knee);
+  return most > knee ? v * ((knee + (1.0 - knee) * beyond / (1.0 + beyond)) / most) : v;
+}
+
 // Each channel becomes one of the two levels around it, by a fixed pattern.
 vec3 dithered(vec3 v) {
   vec3 level = 255.0 * v;
@@ -45,7 +53,9 @@ void main() {
   seen += surface.a > 0.0 ? exp(-surface.a * light.a) * surface.rgb : exp(-light.a) * background;
   seen *= exposure;
   if (mapped == 0) {
-    shown = vec4(dithered(encoded(tone == 0 ? seen : filmic(min(max(seen, 0.0), 1e4)))), 1.0);
+    shown = vec4(dithered(encoded(tone == 0   ? seen
+                                 : tone == 3 ? shoulder(min(max(seen, 0.0), 1e4))
+                                             : filmic(min(max(seen, 0.0), 1e4)))), 1.0);
   } else {
     float t = clamp(seen.r, 0.0, 1.0);
     shown = vec4(texture(colors, vec2((t * 255.0 + 0.5) / 256.0, 0.5)).rgb, 1.0);
