@@ -142,8 +142,20 @@ std::vector<float> blurredWide(const std::vector<float>& plane, int width, int h
 
 }  // namespace
 
+namespace {
+
+constexpr double kKnee = 0.7;
+
+/// From the knee on with the slope that it had there, and below 1 for ever.
+double shoulder(double light) {
+  const double beyond = (light - kKnee) / (1 - kKnee);
+  return kKnee + (1 - kKnee) * beyond / (1 + beyond);
+}
+
+}  // namespace
+
 std::string_view nameOf(ToneCurve tone) {
-  constexpr std::string_view kNames[] = {"none", "filmic", "agx"};
+  constexpr std::string_view kNames[] = {"none", "filmic", "agx", "shoulder"};
   return kNames[static_cast<std::size_t>(tone)];
 }
 
@@ -153,6 +165,10 @@ Rgb toneMapped(ToneCurve tone, const Rgb& light) {
   constexpr double kMax = 1e12;  // beyond it curves are level
   Eigen::Vector3d v;
   for (int c = 0; c < 3; ++c) v[c] = light[c] > 0 ? std::min(light[c], kMax) : 0;
+  if (tone == ToneCurve::kShoulder) {
+    const double most = v.maxCoeff();
+    return most > kKnee ? Rgb(v * (shoulder(most) / most)) : Rgb(v);
+  }
   if (tone == ToneCurve::kFilmic) {
     const Eigen::Vector3d in = hillIn() * v;
     return unitClamped(hillOut() * in.unaryExpr(&hillCurve));

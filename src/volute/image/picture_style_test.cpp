@@ -40,6 +40,22 @@ TEST(Tone, AgxShowsMiddleGreyAndItsEnds) {
   EXPECT_NEAR(toneMapped(ToneCurve::kAgx, Rgb::Constant(1e4))[2], 1, 5e-3);
 }
 
+TEST(ToneCurve, AShoulderKeepsHuesAndWhatIsDark) {
+  const Rgb flame(1, 0.6, 0.2);
+  double last = 0;
+  for (const double light : {0.1, 0.5, 0.7, 0.9, 1.5, 4.0, 30.0}) {
+    const Rgb shown = toneMapped(ToneCurve::kShoulder, light * flame);
+    EXPECT_GT(shown[0], last) << light;
+    EXPECT_LT(shown[0], 1) << light;
+    EXPECT_NEAR(shown[1] / shown[0], 0.6, 1e-12);
+    EXPECT_NEAR(shown[2] / shown[0], 0.2, 1e-12);
+    if (light <= 0.7)
+      EXPECT_NEAR(shown[0], light, 1e-12);
+    last = shown[0];
+  }
+  EXPECT_NEAR(toneMapped(ToneCurve::kShoulder, Rgb::Constant(0.701))[0], 0.701, 1e-5);
+}
+
 TEST(Tone, BrightLightGrowsAndLosesItsColour) {
   const Rgb fire(1, 0.3, 0.02);
   for (const ToneCurve tone : {ToneCurve::kFilmic, ToneCurve::kAgx}) {

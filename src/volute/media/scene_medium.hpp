@@ -51,6 +51,7 @@ struct MediumInfo {
 
   int channels = 3;                 ///< 1: its light is grey, and colour maps apply
   bool measured = false;            ///< is seen as it is: no exposure is looked for
+  bool burns = false;               ///< somewhere it may be brighter than white
   std::optional<PictureLaw> law{};  ///< that it wants to be seen through
   bool lawByC = false;  ///< C was said, not assumed, and nothing but the law depends on it
   bool shared = false;  ///< this process holds a share of it, see OpenOptions::holders

@@ -51,6 +51,9 @@ class FdsLayer {
 
   Team* holders() const { return holders_; }
 
+  /// Whether flames are shown.
+  bool burns() const { return heat_ != nullptr; }
+
   /// Whether what smoke sends is not the same everywhere, or it burns somewhere at some time.
   bool shines() const { return heat_ != nullptr || !lights_.lamps.empty(); }
 

@@ -195,6 +195,7 @@ FdsSceneMedium::FdsSceneMedium(FdsLayer layer) : layer_(std::move(layer)) {
   info_.takeFrames(layer_, layer_.steps(), smoke.clock);
   info_.interpolates = true;
   info_.measured = true;
+  info_.burns = layer_.burns();
   info_.shared = info_.sharesAll = layer_.holders() != nullptr;
   info_.captioned = smoke.fds.building != FdsBuildingView::kWhole;
   info_.law = smoke.law;
