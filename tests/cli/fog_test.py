@@ -5,7 +5,7 @@ import json
 import math
 
 import support
-from pictures import write_planes, write_rows
+from pictures import read_exr, write_planes, write_rows
 from support import write_npy
 
 INFINITY = float("inf")
@@ -116,6 +116,65 @@ class Scenes(FogCase):
         self.fog |= {"origin": [3, -1, 0], "wind": [0, 0]}
         self.render("moved.exr")
         self.assertLess(self.difference("blown.exr", "moved.exr"), 2e-6)
+
+    def centre(self, **more):
+        """Where the fog of one white pixel is [m], seen from above: its centre of mass in x and y."""
+        write_rows(self.path("map.png"), [[255 if x == 4 and y == 4 else 0 for x in range(9)] for y in range(9)])
+        self.scene |= {"camera": {"eye": [45, 45, 30], "target": [45, 45, 0], "up": [0, 1, 0], "ortho": 160, "size": [80, 80]}}
+        self.scene["media"] = [self.fog | {"cell": 10, "sigma_max": 1e-3} | more]
+        picture = read_exr(self.path(self.render("x.exr", "--aov", "optical-depth")))
+        total = sum(picture.values)
+        return [sum((2 * (i % 80) - 34) * v for i, v in enumerate(picture.values)) / total,
+                sum((124 - 2 * (i // 80)) * v for i, v in enumerate(picture.values)) / total]
+
+    def assertNear(self, point, expected):
+        for a, b in zip(point, expected):
+            self.assertAlmostEqual(a, b, delta=0.05)
+
+    def test_a_pixel_is_where_it_is_painted_for_every_degree(self):
+        self.scene["format"] = "volute-scene-2"
+        for degree in range(4):
+            self.assertNear(self.centre(degree=degree), (45, 45))
+            self.assertNear(self.centre(degree=degree, registration="coefficient"), (45 + 5 * degree,) * 2)
+            self.assertNear(self.centre(degree=degree, origin=[7, -3, 0], wind=[1, 0], border="zero"), (52, 42))
+
+    def test_older_scenes_keep_their_pictures(self):
+        for degree in range(4):
+            self.assertNear(self.centre(degree=degree), (45 + 5 * degree,) * 2)
+        self.assertNear(self.centre(degree=1, registration="pixel"), (45, 45))
+        self.white(size=4)
+        self.scene["media"] = [self.fog | {"wind": [1, 0], "sigma_max": 1}]
+        self.render("x.exr", "--time", "100")
+        self.assertEqual(self.works("info", self.path("x.exr"), "--json").json["maximum"], 0)  # blown away
+
+    def test_a_top_is_where_it_is_painted(self):
+        self.scene["format"] = "volute-scene-2"
+        write_rows(self.path("dot.png"), [[255 if x == 4 and y == 4 else 0 for x in range(9)] for y in range(9)])
+        self.white("white.png", 30)
+        top = {"map": "dot.png", "cell": 10, "height": 5, "origin": [0, 0, 0]}
+        for degree in (0, 1, 2):
+            self.assertNear(self.centre(map="white.png", degree=degree, top=top, origin=[-90, -90, 0]), (45, 45))
+
+    def test_wind_keeps_the_map_s_rectangle_filled(self):
+        self.scene["format"] = "volute-scene-2"
+        self.scene["camera"] = {"eye": [8, 8, 30], "target": [8, 8, 0], "up": [0, 1, 0], "ortho": 16, "size": [32, 32]}
+        # Stripes that repeat after 8 cells, twice in the map: an endless map of them is moved.
+        write_rows(self.path("map.png"), [[(37 * (x % 8)) % 256 for x in range(16)]] * 16)
+        for degree in range(4):
+            self.fog |= {"degree": degree, "wind": [1, 0]}
+            begun = self.render("begun.exr")
+            self.assertLess(self.difference(begun, self.render("later.exr", "--time", "8")), 2e-6)
+            self.assertLess(self.difference(begun, self.render("later.exr", "--time", "800")), 2e-6)
+            half = self.render("half.exr", "--time", "2.5")
+            self.assertLess(self.difference(half, self.render("later.exr", "--time", "10.5")), 2e-6)
+            self.assertGreater(self.difference(begun, half), 0.01)
+        self.fog["border"] = "clamp"
+        write_rows(self.path("map.png"), [[51] + [255] * 15] * 16)
+        self.assertAlmostEqual(self.value(self.render("x.exr", "--time", "99")), 1 - math.exp(-0.2), delta=2e-6)
+        self.fog["border"] = "zero"
+        self.assertEqual(self.value(self.render("x.exr", "--time", "99")), 0)
+        self.fog |= {"border": "repeat", "top": {"map": "map.png"}}
+        self.assertIn("/media/0/border", self.fails(1, "render", self.write(), "-o", self.path("x.png")))
 
     def test_sequences_of_maps_mix(self):
         write_rows(self.path("fog_0000.png"), [[0] * 16] * 16)
@@ -263,9 +322,6 @@ class Frames(FogCase):
     def test_nothing_in_the_air_changes_nothing(self):
         self.works(*self.words(sigma=0))
         self.assertEqual(self.difference("color.exr", "x.exr"), 0)
-        self.depth([0] * 48)
-        self.works(*self.words())
-        self.assertEqual(self.difference("color.exr", "x.exr"), 0)
 
     def test_display_pictures_in_and_out(self):
         write_rows(self.path("color.png"), [[10, 120, 250] * 8] * 6, channels=3)
@@ -281,7 +337,7 @@ class Frames(FogCase):
         self.assertLess(self.difference("x.exr", "reference.exr"), 1e-5)
         self.depth([INFINITY] * 48)
         self.works(*self.words(*more))
-        scene = {"format": "volute-scene-1", "background": [0.5] * 3,
+        scene = {"format": "volute-scene-2", "background": [0.5] * 3,
                  "camera": json.loads(self.path("camera.json").read_text()) | {"size": [8, 6]},
                  "media": [{"kind": "fog", "map": "map.png", "sigma_max": 0.1, "degree": 3, "levels": 2, "mu": 0.5,
                             "color": [0.8, 0.85, 0.9], "profile": {"kind": "exponential", "bottom": 0, "height": 8}}]}
@@ -324,12 +380,21 @@ class Frames(FogCase):
             for name in ("color", "depth"):
                 self.path(f"{name}_{number}.exr").write_bytes(self.path(f"{name}.exr").read_bytes())
         words = ["fog", self.path("map.png"), "--color", self.path("color_%d.exr"), "--depth", self.path("depth_%d.exr"),
-                 "--camera", self.path("camera.json"), "--wind", "100,0,0"]
+                 "--camera", self.path("camera.json"), "--wind", "100,0,0", "--border", "zero"]
         self.works(*words, "-o", self.path("out_%d.exr"))
         self.assertGreater(self.difference("out_3.exr", "out_4.exr"), 1e-4)
         self.works(*words, "-o", self.path("out.mp4"), "--frames", "3:5")
         self.assertIn("%04d", self.fails(2, *words, "-o", self.path("out.exr")))
         self.fails(2, *words, "-o", self.path("out.exr"), "--frames", "7:9")
+        self.assertIn("the pattern says how long", self.fails(2, *words, "-o", self.path("out.mp4"), "--duration", "1"))
+
+    def test_a_film_of_one_still(self):
+        words = self.words("--wind", "100,0,0", "--border", "zero", out="out.mp4")
+        self.assertIn("a film of one picture: --duration", self.works(*words).message)
+        self.assertEqual(self.works(*words, "--duration", "0.2", "--json").json["pictures"], 5)
+        self.assertEqual(self.works(*words, "--frames", "10:14", "--json").json["pictures"], 4)
+        self.works(*self.words("--wind", "100,0,0", "--border", "zero", "--frames", "3:5", out="out_%d.exr"))
+        self.assertGreater(self.difference("out_3.exr", "out_4.exr"), 1e-4)
 
     def test_depths_that_are_none(self):
         values = [10.0] * 48
@@ -340,8 +405,8 @@ class Frames(FogCase):
         values[2 * 8 + 5] = -1
         self.depth(values)
         self.assertIn("pixel 5, 2 is -1", self.fails(1, *self.words()))
-        write_planes(self.path("depth.exr"), 8, 6, {name: [1] * 48 for name in "RGB"})
-        self.assertIn("3 channels", self.fails(1, *self.words()))
+        write_planes(self.path("depth.exr"), 8, 6, {name: [i + 1] * 48 for i, name in enumerate("RGB")})
+        self.assertIn("R, G and B are not the same", self.fails(1, *self.words()))
 
     def test_sizes_must_agree(self):
         self.depth([1] * 40, 8, 5)
@@ -372,7 +437,7 @@ class Frames(FogCase):
     def test_wrong_usage(self):
         for more in (("--degree", "4"), ("--cell", "0"), ("--mu", "2"), ("--profile", "round:1"),
                      ("--profile", "slab:3,1"), ("--profile", "slab:3,x"), ("--sun", "0,0,1"), ("--levels", "99"),
-                     ("--fog-color=-1,0,0",), ("--frames", "1:2"), ("--depth-kind", "w")):
+                     ("--fog-color=-1,0,0",), ("--frames", "2:1"), ("--depth-kind", "w"), ("--depth-scale", "0"), ("--geometry-up", "y")):
             self.fails(2, *self.words(*more))
         self.assertIn("at least 0", self.fails(2, *self.words(sigma=-1)))
         self.fails(2, "fog", self.path("map.png"))

@@ -6,7 +6,7 @@ import math
 import struct
 
 import support
-from pictures import Picture, read_exr, write_png
+from pictures import Picture, read_exr, write_planes, write_png
 from support import write_npy
 
 
@@ -101,6 +101,36 @@ class Geometry(support.TestCase):
         picture = self.render()
         self.assertEqual(picture.at(4, 4, 0), 0)
         self.assertEqual(picture.at(4, 0, 0), 9)
+
+    def test_gltf_has_y_upwards(self):
+        self.path("tri.glb").write_bytes(glb([(-2, 0, 0), (2, 0, 0), (0, 4, 0)]))
+        self.scene["camera"] = {"eye": [0, -9, 2], "target": [0, 0, 2], "ortho": 8, "size": [8, 8]}
+        for version, upright in ((2, True), (1, False)):
+            self.scene["format"] = f"volute-scene-{version}"
+            for up, seen in ((None, upright), ("y", True), ("z", False), ("format", True)):
+                self.scene["geometry"] = [{"file": "tri.glb"} | ({"up": up} if up else {})]
+                self.assertEqual(self.render().at(4, 4, 0), 0 if seen else 9, (version, up))
+
+    def test_geometry_that_shadows_no_fog_is_remarked_upon(self):
+        write_png(self.path("map.png"), Picture(60, 60, 1, [1.0] * 3600))
+        write_planes(self.path("color.exr"), 8, 6, {name: [0.2] * 48 for name in "RGB"})
+        write_planes(self.path("depth.exr"), 8, 6, {"Z": [1e10] * 48})
+        self.path("camera.json").write_text(json.dumps({"eye": [0, -80, 5], "target": [0, 0, 5], "fov": 40}))
+        self.path("wall.glb").write_bytes(glb([(-20, 0, 0), (20, 0, 0), (0, 40, 0)]))
+        words = ("fog", self.path("map.png"), "--color", self.path("color.exr"), "--depth", self.path("depth.exr"), "--camera",
+                 self.path("camera.json"), "--origin=-30,-30,0", "--profile", "slab:0,20", "--sun=-0.5,0.5,-0.7", "--depth-kind", "z",
+                 "-o", self.path("x.exr"), "--geometry", self.path("wall.glb"))
+        self.assertNotIn("shadows none", self.works(*words).message)
+        upright = read_exr(self.path("x.exr")).values
+        self.assertNotIn("shadows none", self.works(*words, "--geometry-up", "y").message)
+        self.assertEqual(read_exr(self.path("x.exr")).values, upright)
+        self.assertIn("wall.glb: shadows none of the fog", self.works(*words, "--geometry-up", "z").message)
+        self.assertNotEqual(read_exr(self.path("x.exr")).values, upright)
+        self.scene["media"] = [self.fog(0.1, 20)]
+        self.scene["lights"] = [{"kind": "sun", "direction": [0, 0, -1], "radiance": [1, 1, 1]}]
+        self.path("scene.json").write_text(json.dumps(self.scene))
+        said = self.works("render", self.path("scene.json"), "-o", self.path("x.exr")).message
+        self.assertIn("geometry shadows none of this fog", said)  # it lies on the ground
 
     def test_media_end_at_surfaces_and_take_from_the_light(self):
         self.scene["media"] = [self.fog(0.1, 4)]

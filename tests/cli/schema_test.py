@@ -17,7 +17,7 @@ class Schema(support.TestCase):
         scenes = 0
         for page in sorted((schema.ROOT / "docs").glob("*.md")) + [schema.ROOT / "README.md"]:
             for block in re.findall(r"(?:^    .*\n)+", page.read_text(), re.M):
-                if '"format": "volute-scene-1"' not in block:
+                if '"format": "volute-scene-' not in block:
                     continue
                 scenes += 1
                 self.assertEqual(schema.faults(json.loads(block)), [], page)
@@ -27,7 +27,7 @@ class Schema(support.TestCase):
         camera = {"eye": [0, 0, 1], "target": [0, 0, 0], "fov": 50}
         good = {"format": "volute-scene-1", "camera": camera}
         self.assertEqual(schema.faults(good), [])
-        for change in ({"format": "volute-scene-2"}, {"camera": camera | {"ortho": 1}}, {"camera": {"eye": [0, 0, 0]}},
+        for change in ({"format": "volute-scene-3"}, {"camera": camera | {"ortho": 1}}, {"camera": {"eye": [0, 0, 0]}},
                        {"medium": []}, {"media": [{"kind": "volume"}]}, {"media": [{"kind": "water", "file": "x"}]},
                        {"lights": [{"kind": "sun", "direction": [0, 0]}]}, {"background": [0, 0, True]},
                        {"media": [{"kind": "fog", "map": "x.png", "degree": 4}]},

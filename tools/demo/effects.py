@@ -135,10 +135,9 @@ def smoke_section(scale):
 
 
 def put_fog(out, *more, folder="effects/valley", cell=8, degree=2, frames="", makes=None, reads=()):
-    """A step that adds the fog of a painted map to frames of the valley; splines of every degree peak at the centres of the map's pixels."""
-    origin = f"{-degree * cell / 2:g}"
+    """A step that adds the fog of a painted map to frames of the valley."""
     words = (f"volute fog {folder}/fogmap.png --color {folder}/color{frames}.{'png' if frames else 'exr'} --depth {folder}/depth{frames}.exr "
-             f"--camera {folder}/camera{frames}.json -o {out} --degree {degree} --origin={origin},{origin},0 --cell {cell} --sigma-max {SIGMA} "
+             f"--camera {folder}/camera{frames}.json -o {out} --degree {degree} --cell {cell} --sigma-max {SIGMA} "
              f"--profile {PROFILE}")
     return Step((out,), " ".join((words, *more)), reads=(f"{folder}/", *reads))
 

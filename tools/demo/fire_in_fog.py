@@ -41,7 +41,7 @@ def write_scene(folder, valley, fire, out, pixels, sigma):
     x, y, z = place
     base = "../" * out.count("/")
     scene = {
-        "format": "volute-scene-1",
+        "format": "volute-scene-2",
         "camera": {**camera, "size": list(pixels)},
         "background": [0.05, 0.07, 0.11],
         "geometry": [{"file": f"{base}{valley}valley.glb"}],
@@ -50,6 +50,6 @@ def write_scene(folder, valley, fire, out, pixels, sigma):
                    {"kind": "spot", "position": [x, y, z + 0.5 * FIRE_METRES], "target": [x, y, z], "angle": 360, "intensity": [900, 380, 90], "radius": 4}],
         "media": [
             {"kind": "volume", "file": f"{base}{fire}", "emission": 0.5, "transform": [scale, 0, 0, x, 0, scale, 0, y, 0, 0, scale, z - 0.5, 0, 0, 0, 1]},
-            {"kind": "fog", "map": f"{base}{valley}fogmap.png", "origin": [-8, -8, 0], "cell": 8, "degree": 2, "sigma_max": sigma,
+            {"kind": "fog", "map": f"{base}{valley}fogmap.png", "cell": 8, "degree": 2, "sigma_max": sigma,
              "profile": {"kind": "exponential", "bottom": 2, "height": 9}, "color": [0.07, 0.09, 0.13], "asymmetry": 0.6}]}
     (folder / out).write_text(json.dumps(scene, indent=1) + "\n", encoding="utf-8")

@@ -62,7 +62,8 @@ Json document(const TriangleMesh& mesh, std::vector<float>& binary) {
           {"extensionsUsed", {"KHR_materials_emissive_strength"}},
           {"scene", 0},
           {"scenes", {{{"nodes", {0}}}}},
-          {"nodes", {{{"mesh", 0}}}},
+          // Its y is upwards, the mesh's z.
+          {"nodes", {{{"mesh", 0}, {"matrix", {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1}}}}},
           {"meshes", {{{"primitives", primitives}}}},
           {"materials", materials},
           {"accessors", accessors},

@@ -10,7 +10,8 @@
 namespace volute {
 
 /// Writes triangles as a binary glTF file, whole or not at all: one primitive for each material
-/// that is used, coordinates as floats and as they are.
+/// that is used, coordinates as floats. z is upwards in the mesh, y in the file, as
+/// glTF has it.
 [[nodiscard]] Status writeGlb(const std::filesystem::path& path, const TriangleMesh& mesh);
 
 }  // namespace volute

@@ -173,8 +173,8 @@ TEST(Gltf, WhatIsWrittenIsRead) {
   ASSERT_TRUE(writeGlb(folder / "w.glb", mesh));
   ASSERT_VALUE(const auto read, readSurfaces(folder / "w.glb"));
   ASSERT_EQ(read.triangles.size(), 5u);
-  EXPECT_EQ(read.triangles[1].corners[0], Vec3(2, 0, 0.5));  // by material
-  EXPECT_EQ(read.triangles[4].corners[2], Vec3(1, 2, 3));
+  EXPECT_EQ(read.triangles[1].corners[0], Vec3(2, 0.5, 0));  // by material, y upwards
+  EXPECT_EQ(read.triangles[4].corners[2], Vec3(1, 3, -2));
   EXPECT_EQ(read.materials[read.triangles[0].material].baseColor[1], 0.25);
   EXPECT_NEAR(read.materials[read.triangles[4].material].emission[0], 4, 1e-12);
 }

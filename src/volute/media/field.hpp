@@ -112,7 +112,8 @@ struct FieldRow {
   bool several = false;  ///< kFile: a list is allowed, too
   bool flagToo = false;  ///< true or false is allowed, too
   bool required = false;
-  bool inherited = false;  ///< its default is the value of the enclosing object
+  bool inherited = false;       ///< its default is the value of the enclosing object
+  std::string_view older = {};  ///< what volute-scene-1 means where it is not given
   std::string_view otherName = {};
   std::string_view pattern = {};      ///< kFile: that names match, for the schema
   const FieldTable* table = nullptr;  ///< of a kObject

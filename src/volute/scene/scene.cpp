@@ -208,8 +208,9 @@ Status Scene::reconsider(Progress& progress) {
 
 void Scene::note(OrderedJson json) {
   json_ = std::move(json);
+  const nlohmann::json meant = upgradedScene(json_);
   for (MediumEntry& entry : description_.media)
-    entry.json = json_.at(OrderedJson::json_pointer(entry.path));
+    entry.json = meant.at(nlohmann::json::json_pointer(entry.path));
 }
 
 Box3 Scene::bounds() const {

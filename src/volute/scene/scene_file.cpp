@@ -27,6 +27,14 @@ Status parseMedia(const Json& json, std::string_view list, const std::string& fi
   return {};
 }
 
+/// Says what an entry of an older scene leaves to defaults that have changed.
+void addOlder(Json& entry, const FieldTable& table) {
+  for (const FieldRow& field : table.fields) {
+    if (!field.older.empty() && entry.is_object() && !entry.contains(field.name))
+      entry[std::string(field.name)] = field.older;
+  }
+}
+
 /// Those of the file itself.
 Status checkMembers(const Json& json, const std::string& file) {
   constexpr std::string_view kNames[] = {"format", "camera", "background", "lights", "geometry",
@@ -43,13 +51,33 @@ Status checkMembers(const Json& json, const std::string& file) {
 
 }  // namespace
 
-Result<SceneDescription> parseScene(const Json& json, const std::string& file) {
+Json upgradedScene(Json json) {
+  if (!json.is_object() || sceneVersionOf(json.value("format", Json())) != 1)
+    return json;
+  const auto each = [&](std::string_view list, const auto& add) {
+    const auto found = json.find(list);
+    if (found == json.end() || !found->is_array())
+      return;
+    for (Json& entry : *found) add(entry);
+  };
+  each("geometry", [](Json& entry) { addOlder(entry, geometryFields()); });
+  for (const MediumKind* kind : mediumKinds()) {
+    each(kind->list(), [&](Json& entry) {
+      if (entry.is_object() && entry.value("kind", Json()) == kind->name())
+        addOlder(entry, kind->fields());
+    });
+  }
+  return json;
+}
+
+Result<SceneDescription> parseScene(const Json& given, const std::string& file) {
   const auto version =
-      json.is_object() && json.contains("format") ? sceneVersionOf(json["format"]) : std::nullopt;
+      given.is_object() && given.contains("format") ? sceneVersionOf(given["format"]) : std::nullopt;
   if (!version) {
     return fail(ErrorCode::kInvalidData, "{}: /format: expected \"{}\", or \"volute-scene-1\"",
                 file, kSceneFormat);
   }
+  const Json json = upgradedScene(given);
   VOLUTE_TRY(checkMembers(json, file));
   SceneDescription scene;
   scene.version = *version;

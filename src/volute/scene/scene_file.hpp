@@ -35,6 +35,9 @@ struct SceneDescription {
   std::optional<SceneLook> look;  ///< for the viewer
 };
 
+/// What is meant: volute-scene-1 with all members of fields that have other defaults since.
+nlohmann::json upgradedScene(nlohmann::json json);
+
 /// From what such a file holds, or would hold. Errors name the file and the path inside it, names
 /// that are unknown included.
 [[nodiscard]] Result<SceneDescription> parseScene(const nlohmann::json& json,

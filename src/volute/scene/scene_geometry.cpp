@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "volute/base/file_name.hpp"
 #include "volute/io/surface_file.hpp"
 #include "volute/media/placement.hpp"
 
@@ -27,15 +28,10 @@ Status setGeometryTransform(SceneGeometry& entry, const FieldValue& value) {
   return {};
 }
 
-/// Part of the transform, once that is read.
-FieldValue upOf(const SceneGeometry& /*entry*/) {
-  return "z";
-}
-
-Status setUp(SceneGeometry& entry, const FieldValue& value) {
-  if (value == "y")
-    entry.transform = entry.transform * yUpwards();
-  return {};
+bool isYUp(const SceneGeometry& entry) {
+  const std::string extension = extensionOf(entry.file);
+  const bool gltf = extension == ".glb" || extension == ".gltf";
+  return entry.up == UpAxis::kY || (entry.up == UpAxis::kFormat && gltf);
 }
 
 FieldValue geometryFile(const SceneGeometry& entry) {
@@ -55,7 +51,7 @@ Status setGeometryFile(SceneGeometry& entry, const FieldValue& value) {
 
 const FieldTable& geometryFields() {
   using enum FieldType;
-  static constexpr std::string_view kUps[] = {"y", "z"};
+  static constexpr std::string_view kUps[] = {"format", "y", "z"};
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "file", .type = kFile,
@@ -64,9 +60,10 @@ const FieldTable& geometryFields() {
       {.name = "transform", .type = kNumbers,
        .access = customMember<SceneGeometry, geometryTransform, setGeometryTransform>(),
        .help = "affine, row-major, last row 0, 0, 0, 1", .count = 16},
-      {.name = "up", .type = kChoice, .access = customMember<SceneGeometry, upOf, setUp>(),
-       .help = "up axis of the file; y turns its +y upwards before the transform",
-       .choices = kUps}};
+      {.name = "up", .type = kChoice, .access = member<&SceneGeometry::up>(),
+       .help = "up axis of the file; y turns its +y upwards before the transform; format: y of .glb "
+               "and .gltf, as glTF has it, z of the others",
+       .choices = kUps, .older = "z"}};
   // clang-format on
   static const FieldTable kTable = fieldTable<SceneGeometry>(
       {.name = "geometry", .sentence = "opaque surfaces", .fields = kFields});
@@ -79,8 +76,9 @@ Result<TriangleScene> loadGeometry(const std::vector<SceneGeometry>& entries,
   for (const SceneGeometry& entry : entries) {
     VOLUTE_ASSIGN(auto mesh, readSurfaces(entry.file, reading.maxMemory));
     // A million triangles are 80 MB, and each copy of them costs as much as reading them.
-    if (entry.transform != Mat4::Identity())
-      mesh.triangles = transformed(mesh.triangles, entry.transform);
+    const Mat4 placed = isYUp(entry) ? Mat4(entry.transform * yUpwards()) : entry.transform;
+    if (placed != Mat4::Identity())
+      mesh.triangles = transformed(mesh.triangles, placed);
     if (all.triangles.empty() && all.materials.empty()) {
       all = std::move(mesh);
       continue;

@@ -11,10 +11,18 @@
 
 namespace volute {
 
+/// The axis of a file that is upwards.
+enum class UpAxis {
+  kFormat,  ///< y of .glb and .gltf, as glTF says; z of the others
+  kY,
+  kZ,
+};
+
 /// An entry of a scene's "geometry".
 struct SceneGeometry {
-  std::string file;  ///< found from the scene file's folder
-  Mat4 transform = Mat4::Identity();
+  std::string file;                   ///< found from the scene file's folder
+  Mat4 transform = Mat4::Identity();  ///< of the file with z upwards
+  UpAxis up = UpAxis::kFormat;
 };
 
 const FieldTable& geometryFields();

@@ -56,7 +56,8 @@ Status writeValley(const ValleyFiles& files, const std::filesystem::path& folder
     const Camera camera = Camera::pinhole(view, kFov, files.size.width, files.size.height);
     const Valley::Frame frame = valley.look(camera);
     VOLUTE_TRY(writeImage(folder / ("color" + end + (flight ? ".png" : ".exr")), frame.color));
-    VOLUTE_TRY(writeImage(folder / ("depth" + end + ".exr"), frame.depth));
+    VOLUTE_TRY(writeChannels(folder / ("depth" + end + ".exr"), files.size.width, files.size.height,
+                             {{"Z", frame.depth.pixels}}, {{"Software", "Volute"}}));
     VOLUTE_TRY(writeCamera(view, files.size, folder / ("camera" + end + ".json")));
     progress.report("synthesizing", i + 1, files.frames);
   }

@@ -169,6 +169,8 @@ const FieldTable& fogFields() {
   using Fog = FogDescription;
   static constexpr std::string_view kConversions[] = {"luma"};
   static constexpr std::string_view kPaths[] = {"walk", "polar"};
+  static constexpr std::string_view kRegistrations[] = {"pixel", "coefficient"};
+  static constexpr std::string_view kBorders[] = {"zero", "repeat", "clamp"};
   static const FieldAccess kTop = [] {
     FieldAccess access = optionalPart<&Fog::top>();
     access.make = makeTop;
@@ -244,6 +246,14 @@ const FieldTable& fogFields() {
        .help = "side of a pixel of the map", .unit = "m", .least = 1e-9, .option = {"M"},
        .slider = {.label = "cell", .least = 0.1, .most = 10, .logarithmic = true,
                   .section = "placement"}},
+      {.name = "registration", .type = kChoice, .access = member<&Fog::registration>(),
+       .help = "pixel: a pixel's fog is in the middle of its cell, whatever the degree; "
+               "coefficient: it moves by half a cell with each degree, as in volute-scene-1",
+       .choices = kRegistrations, .older = "coefficient", .option = {"HOW"}},
+      {.name = "border", .type = kChoice, .access = member<&Fog::border>(),
+       .help = "what wind brings into the map's rectangle: repeat: what leaves on the other side; "
+               "clamp: the pixels at the border; zero: clear air; if not given, repeat in wind",
+       .choices = kBorders, .older = "zero", .option = {"WHAT"}},
       {.name = "top", .type = kObject, .access = kTop,
        .help = "upper limit of the fog, as a height map",
        .table = &topFields(), .slider = {.section = "upper end"}},
@@ -261,6 +271,10 @@ const FieldTable& fogFields() {
 Result<FogDescription> parseFog(const nlohmann::json& json, const FieldOrigin& origin) {
   VOLUTE_ASSIGN(auto fog, readAs<FogDescription>(fogFields(), json, origin));
   fog.where = origin.options() ? "the fog" : fmt::format("{}: {}", origin.file, origin.path);
+  if (fog.top && fog.borderInWind() != FogBorder::kZero) {
+    return origin.wrong(fogFields().at("border"),
+                        "fog with a top ends where its map does; expected zero");
+  }
   if (!fog.described)
     return fog;
   const FieldRow& row = fogFields().at("profile");

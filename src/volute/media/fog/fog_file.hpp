@@ -14,6 +14,19 @@
 
 namespace volute {
 
+/// Where a pixel of a map is.
+enum class FogRegistration {
+  kPixel,  ///< where it is painted: its fog is densest in the middle of its cell, for every degree
+  kCoefficient,  ///< (degree + 1) / 2 cells from the corner of its cell that is nearest the origin
+};
+
+/// What is beyond the border of a map, which wind brings in.
+enum class FogBorder {
+  kZero,    ///< clear air
+  kRepeat,  ///< what leaves on one side comes in on the other
+  kClamp,   ///< the pixels at the border
+};
+
 /// No fog above a map of heights.
 struct FogTopDescription {
   std::string file;
@@ -38,6 +51,8 @@ struct FogDescription {
   std::vector<std::string> maps;
   std::vector<double> times;  ///< [s], of each map; empty: the volume's own, else 25 a second
   FogPlacement placement;
+  FogRegistration registration = FogRegistration::kPixel;
+  std::optional<FogBorder> border{};  ///< nothing: kRepeat in wind, where there is no top
   FogColour colour = FogColour::kRefuse;
   FogOptions options;
   FogProfile profile;
@@ -49,6 +64,10 @@ struct FogDescription {
   /// Pictures by a table of polar prefix sums where it serves (degree 1 to 3, no dropped details,
   /// no top, no exponential profile, no suns): |dT| < 1/512. Else every ray is walked, exactly.
   bool polar = false;
+
+  FogBorder borderInWind() const {
+    return border.value_or(wind.head<2>().isZero(0) || top ? FogBorder::kZero : FogBorder::kRepeat);
+  }
 };
 
 const FieldTable& fogFields();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
@@ -122,12 +123,49 @@ std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> fogShad
   };
 }
 
-Result<FogLayer> FogLayer::open(const FogDescription& description, std::vector<Sun> suns,
+bool shadowsFog(const TriangleScene& geometry, const std::vector<Sun>& suns, const FogMedium& fog) {
+  constexpr std::size_t kTriangles = 4096;
+  const auto triangles = geometry.triangles();
+  const std::size_t step = std::max<std::size_t>(1, triangles.size() / kTriangles);
+  std::vector<Segment> behind;
+  for (std::size_t i = 0; i < triangles.size(); i += step) {
+    const auto& corners = triangles[i].corners;
+    const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3;
+    for (const Sun& sun : suns)
+      behind.push_back({middle, -sun.towards, 0, std::numeric_limits<double>::infinity()});
+  }
+  std::vector<double> depths(behind.size());
+  fog.opticalDepth(behind, depths);
+  return std::ranges::any_of(depths, [](double depth) { return depth > 0; });
+}
+
+namespace {
+
+/// Degree and cell decide where a coefficient peaks.
+Vec3 registered(const Vec3& origin, double cell, int degree, FogRegistration registration) {
+  const double shift = registration == FogRegistration::kPixel ? -0.5 * degree * cell : 0;
+  return origin + Vec3(shift, shift, 0);
+}
+
+FogDescription registered(FogDescription fog) {
+  FogPlacement& map = fog.placement;
+  map.origin = registered(map.origin, map.cell, fog.options.degree, fog.registration);
+  if (fog.top) {
+    FogPlacement& top = fog.top->placement;
+    top.origin = registered(top.origin, top.cell, 1, fog.registration);
+  }
+  return fog;
+}
+
+}  // namespace
+
+Result<FogLayer> FogLayer::open(const FogDescription& said, std::vector<Sun> suns,
                                 Reading& reading) {
   FogLayer layer;
-  layer.description_ = description;
+  layer.description_ = said;
   layer.suns_ = std::move(suns);
-  layer.readAt_ = description.placement.origin;
+  layer.readAt_ = said.placement.origin;
+  const FogDescription description = registered(said);
   VOLUTE_ASSIGN(auto maps, loadMaps(description, reading));
   if (!description.times.empty() && description.times.size() != maps.maps.size()) {
     return fail(ErrorCode::kInvalidData, "{}/times: {} times for {} maps; expected one for each",
@@ -154,6 +192,10 @@ Result<FogLayer> FogLayer::open(const FogDescription& description, std::vector<S
   if (!sequence)
     return at(description.where, sequence.error());
   layer.sequence_ = std::make_shared<const FogSequence>(std::move(*sequence));
+  if (said.borderInWind() != FogBorder::kZero) {
+    if (const auto filled = layer.bordered(layer.stored(0), Vec3::Zero()); !filled)
+      return at(description.where, filled.error());
+  }
   return layer;
 }
 
@@ -170,9 +212,10 @@ bool FogLayer::readsTheSame(const FogDescription& a, const FogDescription& b) {
     if (!same)
       return false;
   }
-  return a.maps == b.maps && a.times == b.times && placed(a.placement, b.placement) &&
-         a.colour == b.colour && a.options.degree == b.options.degree &&
-         a.options.levels == b.options.levels && a.options.detail.mu == b.options.detail.mu &&
+  return a.maps == b.maps && a.times == b.times && a.registration == b.registration &&
+         placed(a.placement, b.placement) && a.colour == b.colour &&
+         a.options.degree == b.options.degree && a.options.levels == b.options.levels &&
+         a.options.detail.mu == b.options.detail.mu &&
          a.options.detail.cellAngle == b.options.detail.cellAngle &&
          (a.options.color == b.options.color).all();
 }
@@ -201,12 +244,55 @@ FogLayer FogLayer::withMap(std::span<const double> coefficients) const {
   return layer;
 }
 
+FogMedium FogLayer::stored(double time) const {
+  return still_ ? *still_ : sequence_->at(description_.clock.at(time, times_));
+}
+
+/// The wind is the scene's: it blows on where a loop begins again.
+FogMedium FogLayer::mapAt(double time) const {
+  return stored(time).shifted(time * description_.wind + (description_.placement.origin - readAt_));
+}
+
 FogMedium FogLayer::fogAt(double time) const {
-  // The wind is the scene's: it blows on where a loop begins again.
-  const Vec3 blown = time * description_.wind + (description_.placement.origin - readAt_);
-  if (still_)
-    return still_->shifted(blown);
-  return sequence_->at(description_.clock.at(time, times_)).shifted(blown);
+  if (description_.borderInWind() == FogBorder::kZero)
+    return mapAt(time);
+  const Vec3 placed = description_.placement.origin - readAt_;
+  auto filled = bordered(stored(time), time * description_.wind);
+  return filled ? filled->shifted(placed) : mapAt(time);  // too large: open() says so
+}
+
+/// Whole cells of the way move the coefficients within the map's rectangle, the rest moves the map:
+/// what the rectangle shows is that of an endless map.
+Result<FogMedium> FogLayer::bordered(const FogMedium& map, const Vec3& blown) const {
+  const bool repeats = description_.borderInWind() == FogBorder::kRepeat;
+  const double cell = map.cell();
+  const int columns = map.levels().columns(), rows = map.levels().rows();
+  const int margin = map.options().degree + 1;
+  const double cellsX = std::floor(blown.x() / cell), cellsY = std::floor(blown.y() / cell);
+  // A multiple of the map's size changes nothing, or all of it is its border by now.
+  const auto whole = [&](double cells, int count) {
+    return static_cast<int>(repeats ? std::fmod(cells, count)
+                                    : std::clamp<double>(cells, -2.0 * count, 2.0 * count));
+  };
+  const int wholeX = whole(cellsX, columns), wholeY = whole(cellsY, rows);
+  const auto from = [&](int i, int count) {
+    return repeats ? ((i % count) + count) % count : std::clamp(i, 0, count - 1);
+  };
+  const std::vector<double> coefficients = map.coefficients();
+  SplineGrid grid(columns + 2 * margin, rows + 2 * margin);
+  for (int j = 0; j < grid.rows; ++j) {
+    const int row = from(j - margin - wholeY, rows);
+    for (int i = 0; i < grid.columns; ++i) {
+      const int column = from(i - margin - wholeX, columns);
+      grid.at(i, j) = coefficients[static_cast<std::size_t>(row) * columns + column];
+    }
+  }
+  FogPlacement placement = registered(description_).placement;
+  placement.origin += readAt_ - description_.placement.origin;
+  placement.origin +=
+      Vec3(blown.x() - (cellsX + margin) * cell, blown.y() - (cellsY + margin) * cell, blown.z());
+  VOLUTE_ASSIGN(auto filled, FogMap::fromCoefficients(std::move(grid), placement));
+  return FogMedium::make(filled, map.profile(), map.options());
 }
 
 Result<SunlitFog> FogLayer::sunlitAt(double time) const {

@@ -23,6 +23,9 @@ namespace volute {
 std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> fogShadows(
     const TriangleScene& geometry, const std::vector<Sun>& suns);
 
+/// Whether any of its surfaces takes sunlight from the fog.
+bool shadowsFog(const TriangleScene& geometry, const std::vector<Sun>& suns, const FogMedium& fog);
+
 /// Fog whose maps are in memory: gives the medium at any time.
 class FogLayer {
  public:
@@ -42,6 +45,9 @@ class FogLayer {
 
   /// At a time of the scene [s]: the maps at its clock's time, blown by the wind.
   FogMedium fogAt(double time) const;
+
+  /// The same as if there were clear air beyond its border: its coefficients are the map's.
+  FogMedium mapAt(double time) const;
 
   /// Fog that suns light, as it is seen by any camera.
   [[nodiscard]] Result<SunlitFog> sunlitAt(double time) const;
@@ -69,6 +75,9 @@ class FogLayer {
 
  private:
   FogLayer() = default;
+
+  FogMedium stored(double time) const;
+  Result<FogMedium> bordered(const FogMedium& map, const Vec3& blown) const;
 
   FogDescription description_;
   Vec3 readAt_ = Vec3::Zero();  ///< the origin of the maps as they are held [m]

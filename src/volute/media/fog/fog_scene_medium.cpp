@@ -15,7 +15,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 std::size_t valuesOf(const FogLayer& layer) {
-  const FogLevels& levels = layer.fogAt(0).levels();
+  const FogLevels& levels = layer.mapAt(0).levels();
   return static_cast<std::size_t>(levels.columns()) * levels.rows();
 }
 
@@ -40,6 +40,9 @@ class FogKind final : public MediumKind {
       RemarkLog heard(context.reading.progress);
       Reading reading = context.reading.with(heard);
       VOLUTE_ASSIGN(auto layer, FogLayer::open(fog, suns, reading));
+      if (!context.geometry.empty() && !suns.empty() &&
+          !shadowsFog(context.geometry, suns, layer.fogAt(0)))
+        heard.remark(fmt::format("{}: the scene's geometry shadows none of this fog", fog.where));
       medium = std::make_shared<FogSceneMedium>(std::move(layer));
       medium->remarks = heard.remarks();
     }
