@@ -82,29 +82,55 @@ def split_channels(data):
         at = end + 17
 
 
+def exr_attribute(name, kind, data):
+    return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(data)) + data
+
+
+class Part:
+    """Channels {"Y": values} of one size, row 0 at the top, with the header of an OpenEXR part. Windows are left, top, right and bottom,
+    all of them inside."""
+
+    def __init__(self, width, height, planes, name="", half=(), data=None, display=None, aspect=1.0, more=b""):
+        self.width, self.height, self.planes, self.name, self.half = width, height, planes, name, half
+        self.data = data or (0, 0, width - 1, height - 1)
+        self.display, self.aspect, self.more = display or self.data, aspect, more
+        self.names = sorted(planes)
+
+    def header(self, several):
+        listed = b"".join(name.encode() + b"\0" + struct.pack("<iIii", 1 if name in self.half else 2, 0, 1, 1) for name in self.names)
+        header = exr_attribute("channels", "chlist", listed + b"\0") + exr_attribute("compression", "compression", b"\0")
+        header += exr_attribute("dataWindow", "box2i", struct.pack("<4i", *self.data))
+        header += exr_attribute("displayWindow", "box2i", struct.pack("<4i", *self.display))
+        header += exr_attribute("lineOrder", "lineOrder", b"\0")
+        header += exr_attribute("pixelAspectRatio", "float", struct.pack("<f", self.aspect))
+        header += exr_attribute("screenWindowCenter", "v2f", bytes(8)) + exr_attribute("screenWindowWidth", "float", struct.pack("<f", 1))
+        if several:
+            header += exr_attribute("name", "string", self.name.encode()) + exr_attribute("type", "string", b"scanlineimage")
+            header += exr_attribute("chunkCount", "int", struct.pack("<i", self.height))
+        return header + self.more + b"\0"
+
+    def rows(self):
+        for y in range(self.height):
+            row = b"".join(struct.pack(f"<{self.width}{'e' if name in self.half else 'f'}",
+                                       *self.planes[name][y * self.width:(y + 1) * self.width]) for name in self.names)
+            yield struct.pack("<ii", self.data[1] + y, len(row)) + row
+
+
+def write_parts(path, parts):
+    """OpenEXR without compression, of one part or several."""
+    several = len(parts) > 1
+    header = MAGIC[:5] + bytes([0x10 if several else 0, 0, 0]) + b"".join(part.header(several) for part in parts) + several * b"\0"
+    chunks = [(struct.pack("<i", i) if several else b"") + row for i, part in enumerate(parts) for row in part.rows()]
+    at, table = len(header) + 8 * len(chunks), []
+    for chunk in chunks:
+        table.append(struct.pack("<Q", at))
+        at += len(chunk)
+    pathlib.Path(path).write_bytes(header + b"".join(table) + b"".join(chunks))
+
+
 def write_planes(path, width, height, planes):
     """OpenEXR without compression; planes: {"Y": values} or {"R": .., "G": .., "B": ..}, row 0 at the top."""
-    names = sorted(planes)
-
-    def attribute(name, kind, data):
-        return name + b"\0" + kind + b"\0" + struct.pack("<i", len(data)) + data
-
-    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
-    listed = b"".join(name.encode() + b"\0" + struct.pack("<iIii", 2, 0, 1, 1) for name in names) + b"\0"
-    header = MAGIC + attribute(b"channels", b"chlist", listed) + attribute(b"compression", b"compression", b"\0")
-    header += attribute(b"dataWindow", b"box2i", window) + attribute(b"displayWindow", b"box2i", window)
-    header += attribute(b"lineOrder", b"lineOrder", b"\0")
-    header += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
-    header += attribute(b"screenWindowCenter", b"v2f", bytes(8))
-    header += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
-    size = 4 * width * len(names)
-    first = len(header) + 8 * height
-    table = b"".join(struct.pack("<Q", first + y * (size + 8)) for y in range(height))
-    body = []
-    for y in range(height):
-        row = b"".join(array.array("f", planes[name][y * width:(y + 1) * width]).tobytes() for name in names)
-        body.append(struct.pack("<ii", y, size) + row)
-    pathlib.Path(path).write_bytes(header + table + b"".join(body))
+    write_parts(path, [Part(width, height, planes)])
 
 
 def write_exr(path, picture, alpha=None):

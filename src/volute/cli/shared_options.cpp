@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/shared_options.hpp"
 
+#include "volute/film/picture_writer.hpp"
+
 namespace volute::cli {
 
 Option outputOption(std::string_view value, std::string help, std::string_view derived) {
@@ -71,6 +73,35 @@ Option raysOption() {
           .help = "1: through the pixel's centre; 4: mean of four rays at its quarter points",
           .initial = "4",
           .choices = {"1", "4"}};
+}
+
+std::vector<Option> filmStyleOptions() {
+  return {{.name = "film-bits",
+           .kind = ValueKind::kChoice,
+           .value = "N",
+           .help = "bits of each channel of a film: 10 have smooth dark gradients, and not every "
+                   "player shows them",
+           .initial = "8",
+           .choices = {"8", "10"}},
+          {.name = "film-quality",
+           .kind = ValueKind::kNumber,
+           .value = "CRF",
+           .help = "constant rate factor of a film's encoder, 0 (best, large) to 51; if not given, "
+                   "16 for .mp4, 20 for .webm",
+           .least = 0,
+           .most = 51}};
+}
+
+Result<FilmStyle> filmStyleOf(const Arguments& arguments, const std::string& target) {
+  for (const char* name : {"film-bits", "film-quality"}) {
+    if (arguments.given(name) && !isFilmPath(target))
+      return fail(ErrorCode::kInvalidArgument, "--{} is for .mp4 and .webm; '{}' is none", name,
+                  target);
+  }
+  FilmStyle style;
+  style.bits = arguments.get<std::string>("film-bits") == "10" ? 10 : 8;
+  style.rateFactor = arguments.find<double>("film-quality");
+  return style;
 }
 
 Option smokeMethodOption(std::string help, std::vector<std::string_view> kinds) {

@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include "volute/cli/arguments.hpp"
 #include "volute/cli/option.hpp"
+#include "volute/io/film.hpp"
 
 // Options that several commands have. `kinds` as in Option, empty: all.
 
@@ -34,6 +36,12 @@ Option rmsOption(std::string help, std::string initial = "");
 
 /// --rays-per-pixel of pictures that are projected.
 Option raysOption();
+
+/// --film-bits and --film-quality.
+std::vector<Option> filmStyleOptions();
+
+/// What they say; kInvalidArgument where they are given and the target is no film.
+[[nodiscard]] Result<FilmStyle> filmStyleOf(const Arguments& arguments, const std::string& target);
 
 /// --smoke-method of OpenGL.
 Option smokeMethodOption(std::string help, std::vector<std::string_view> kinds = {});

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/film/picture_writer.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "volute/image/legend.hpp"
@@ -39,6 +40,33 @@ Image developed(const Image& image, const Development& development, const Pictur
 
 namespace {
 
+/// Of a picture over a data window, what the display window shows.
+Image displayed(const Image& data, const FramePart& part) {
+  if (part.data == part.display)
+    return data;
+  Image image(part.display.width(), part.display.height(), data.channels);
+  for (int y = std::max(part.data.top, part.display.top);
+       y < std::min(part.data.bottom, part.display.bottom); ++y) {
+    for (int x = std::max(part.data.left, part.display.left);
+         x < std::min(part.data.right, part.display.right); ++x) {
+      for (int c = 0; c < data.channels; ++c) {
+        image.at(x - part.display.left, y - part.display.top, c) =
+            data.at(x - part.data.left, y - part.data.top, c);
+      }
+    }
+  }
+  return image;
+}
+
+/// The colour that alpha multiplies.
+Image straight(Image color, const Image& alpha) {
+  for (std::size_t i = 0; i < color.pixels.size(); ++i) {
+    const float share = alpha.pixels[i / 3];
+    color.pixels[i] = share > 0 ? color.pixels[i] / share : 0;
+  }
+  return color;
+}
+
 class ImageFileWriter final : public PictureWriter {
  public:
   ImageFileWriter(std::optional<FramePattern> pattern, FrameScale scale, std::string target,
@@ -63,6 +91,19 @@ class ImageFileWriter final : public PictureWriter {
     return writeChannels(path, width, height, channels, text.notes);
   }
 
+  Status writeFrame(const FramePixels& frame, int frameNumber) override {
+    const auto path =
+        pattern_ ? pattern_->format(frameNumber, scale_) : std::filesystem::path(target_);
+    if (extensionOf(target_) == ".exr")
+      return volute::writeFrame(path, frame);
+    Image color = displayed(frame.color, frame.part);
+    if (!frame.alpha)
+      return writeImage(path, developed(std::move(color), development_));
+    const Image alpha = displayed(*frame.alpha, frame.part);
+    return writePngWithAlpha(path, developed(straight(std::move(color), alpha), development_),
+                             alpha);
+  }
+
   Status finish() override { return {}; }
 
  private:
@@ -75,7 +116,10 @@ class ImageFileWriter final : public PictureWriter {
 class FilmPictures final : public PictureWriter {
  public:
   FilmPictures(std::unique_ptr<FilmWriter> film, const Development& development)
-      : film_(std::move(film)), development_(development) {}
+      : film_(std::move(film)), development_(development) {
+    if (development_.film.bits > 8)
+      development_.style.dither = false;  // that is to 8 bits
+  }
 
   Status write(const Image& image, int, const PictureText& text) override {
     return film_->addFrame(developed(image, development_, text));
@@ -83,6 +127,10 @@ class FilmPictures final : public PictureWriter {
 
   Status writeLayers(int, int, const std::vector<ImageChannel>&, int, const PictureText&) override {
     return fail(ErrorCode::kUnsupported, "a film has no layers");
+  }
+
+  Status writeFrame(const FramePixels& frame, int frameNumber) override {
+    return write(displayed(frame.color, frame.part), frameNumber, {});
   }
 
   Status finish() override { return film_->finish(); }
@@ -113,7 +161,8 @@ Result<std::unique_ptr<PictureWriter>> filmWriter(const std::string& target,
                                                   const Development& development, int width,
                                                   int height, double framesPerSecond,
                                                   const std::string& comment) {
-  VOLUTE_ASSIGN(auto film, FilmWriter::create(target, width, height, framesPerSecond, comment));
+  VOLUTE_ASSIGN(auto film, FilmWriter::create(target, width, height, framesPerSecond, comment,
+                                              development.film));
   return std::make_unique<FilmPictures>(std::move(film), development);
 }
 

@@ -13,6 +13,8 @@
 #include "volute/image/image.hpp"
 #include "volute/image/legend.hpp"
 #include "volute/image/picture_style.hpp"
+#include "volute/io/film.hpp"
+#include "volute/io/frame_file.hpp"
 #include "volute/io/image_file.hpp"
 
 namespace volute {
@@ -21,6 +23,7 @@ namespace volute {
 struct Development {
   PictureStyle style;
   std::optional<ColorMap> colorMap{};  ///< of the first channel, from 0 to 1 after the exposure
+  FilmStyle film{};                    ///< of films
 };
 
 /// Letters around a pixel.
@@ -52,6 +55,10 @@ class PictureWriter {
   [[nodiscard]] virtual Status writeLayers(int width, int height,
                                            const std::vector<ImageChannel>& channels,
                                            int frameNumber, const PictureText& text) = 0;
+  /// A frame of another renderer. A .exr keeps its windows, alpha, pixel aspect and attributes; the
+  /// others show the display window, black where it has no pixels: a .png with straight alpha, a
+  /// film over black.
+  [[nodiscard]] virtual Status writeFrame(const FramePixels& frame, int frameNumber) = 0;
   /// After the last picture.
   [[nodiscard]] virtual Status finish() = 0;
 };

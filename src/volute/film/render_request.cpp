@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/film/render_request.hpp"
 
+#include <algorithm>
 #include <numbers>
 #include <utility>
 
@@ -22,7 +23,13 @@ PictureStyle styleOf(const RenderRequest& request, const FilmJob& job) {
   style.glow = request.bloom;
   const bool plain =
       measuresLight(job.scene) || job.contour || job.scene.law().mode == PictureMode::kThreshold;
-  style.tone = request.tone.value_or(plain ? ToneCurve::kNone : ToneCurve::kFilmic);
+  const bool burns = std::ranges::any_of(job.scene.media(),
+                                         [](const auto& medium) { return medium->info().burns; });
+  const bool flames = burns && measuresLight(job.scene) && !job.contour &&
+                      job.scene.law().mode != PictureMode::kThreshold;
+  style.tone = request.tone.value_or(flames  ? ToneCurve::kShoulder
+                                     : plain ? ToneCurve::kNone
+                                             : ToneCurve::kFilmic);
   return style;
 }
 

@@ -21,8 +21,9 @@ struct RenderRequest {
   Aov aov = Aov::kNone;
   /// Light as it is: one ray through each pixel's centre, no tone curve, bloom or dithering.
   bool measured = false;
-  double exposure = 0;               ///< a factor of light; 0: brightest parts near white
-  std::optional<ToneCurve> tone{};   ///< else filmic, but for what shows measured transmittance
+  double exposure = 0;  ///< a factor of light; 0: brightest parts near white
+  /// Else filmic; for what shows measured transmittance none, or a shoulder where flames are in it.
+  std::optional<ToneCurve> tone{};
   double bloom = 0;                  ///< PictureStyle::glow
   int samples = 8;                   ///< rays in a pixel where there are edges
   std::optional<ColorMap> colors{};  ///< of what has one channel

@@ -5,7 +5,10 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
 
 #include <algorithm>
@@ -14,9 +17,15 @@
 
 #include "volute/base/input_file.hpp"
 #include "volute/base/output_file.hpp"
+#include "volute/io/frame_file.hpp"
 #include "volute/io/image_formats.hpp"
 
 namespace volute {
+
+struct FrameAttributes {
+  Imf::Header header;
+};
+
 namespace {
 
 /// Lets OpenEXR read through our file, which reports short reads.
@@ -155,20 +164,124 @@ Result<ImageNotes> readNotes(const InputFile&, Imf::InputFile& exr, const ImageR
 }
 
 /// Opens a picture and lets `read` read of it; OpenEXR's exceptions become errors.
-template <class Read>
+template <class Exr = Imf::InputFile, class Read>
 auto readWith(const std::filesystem::path& path, const ImageReadOptions& options, Read&& read)
-    -> decltype(read(std::declval<const InputFile&>(), std::declval<Imf::InputFile&>(), options)) {
+    -> decltype(read(std::declval<const InputFile&>(), std::declval<Exr&>(), options)) {
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
   constexpr int kLongestSide = 1 << 20;
   Imf::Header::setMaxImageSize(kLongestSide, kLongestSide);
   try {
     ExrInput stream(file);
-    Imf::InputFile exr(stream);
+    Exr exr(stream);
     return read(file, exr, options);
   } catch (const std::exception& error) {
     return fail(ErrorCode::kInvalidData, "{}: not a whole OpenEXR picture: {}", path.string(),
                 error.what());
   }
+}
+
+PixelWindow windowOf(const Imath::Box2i& box) {
+  return {box.min.x, box.min.y, box.max.x + 1, box.max.y + 1};
+}
+
+Imath::Box2i boxOf(const PixelWindow& window) {
+  return {{window.left, window.top}, {window.right - 1, window.bottom - 1}};
+}
+
+/// "depth.Z" of a part "depth" is that, "Z" of it too.
+std::string nameIn(const std::string& part, const std::string& channel) {
+  return part.empty() || channel.starts_with(part + ".") ? channel : part + "." + channel;
+}
+
+Result<FrameInfo> infoOf(const InputFile& file, Imf::MultiPartInputFile& exr,
+                         const ImageReadOptions&) {
+  FrameInfo info;
+  for (int part = 0; part < exr.parts(); ++part) {
+    const Imf::Header& header = exr.header(part);
+    if (header.hasType() && Imf::isDeepData(header.type())) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: a deep picture, with several depths a pixel; expected a flat one, and for "
+                  "soft edges a depth of several times its size",
+                  file.path().string());
+    }
+    info.parts.push_back({windowOf(header.dataWindow()), windowOf(header.displayWindow()),
+                          header.pixelAspectRatio(),
+                          std::make_shared<const FrameAttributes>(FrameAttributes{header})});
+    if (const auto* text = header.findTypedAttribute<Imf::StringAttribute>("Software"))
+      info.software = text->value();
+    if (header.find("BlenderMultiChannel") != header.end())
+      info.software = "Blender";
+    const std::string name = exr.parts() > 1 && header.hasName() ? header.name() : "";
+    for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+      const Imf::Channel& channel = it.channel();
+      if (channel.type != Imf::UINT && channel.xSampling == 1 && channel.ySampling == 1)
+        info.channels.push_back({nameIn(name, it.name()), it.name(), part});
+    }
+  }
+  return info;
+}
+
+Result<Image> readPart(const InputFile& file, Imf::MultiPartInputFile& exr,
+                       std::span<const FrameChannel> channels, std::uint64_t maxMemory) {
+  const int number = channels.front().part, count = static_cast<int>(channels.size());
+  const Imath::Box2i window = exr.header(number).dataWindow();
+  VOLUTE_TRY(checkImageSize(file.path(), std::int64_t{window.max.x} - window.min.x + 1,
+                            std::int64_t{window.max.y} - window.min.y + 1, count, maxMemory));
+  if (!exr.partComplete(number))
+    return fail(ErrorCode::kTruncated, "{}: some lines of the picture are missing",
+                file.path().string());
+  Image image(window.max.x - window.min.x + 1, window.max.y - window.min.y + 1, count);
+  Imf::FrameBuffer buffer;
+  for (int c = 0; c < count; ++c) {
+    buffer.insert(channels[static_cast<std::size_t>(c)].own,
+                  Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + c, window,
+                                   sizeof(float) * count, sizeof(float) * count * image.width));
+  }
+  Imf::InputPart part(exr, number);
+  part.setFrameBuffer(buffer);
+  part.readPixels(window.min.y, window.max.y);
+  return image;
+}
+
+/// Of a frame with other channels: all that still holds.
+Imf::Header headerFor(const FramePart& part) {
+  Imf::Header header = part.attributes ? part.attributes->header : Imf::Header();
+  for (const char* gone :
+       {"tiles", "type", "name", "version", "chunkCount", "maxSamplesPerPixel", "preview", "view",
+        "multiView", "BlenderMultiChannel", "dwaCompressionLevel"})
+    header.erase(gone);
+  std::vector<std::string> mattes;
+  for (auto it = header.begin(); it != header.end(); ++it) {
+    if (std::string_view(it.name()).starts_with("cryptomatte/"))
+      mattes.emplace_back(it.name());
+  }
+  for (const std::string& matte : mattes) header.erase(matte);
+  header.channels() = Imf::ChannelList();
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.lineOrder() = Imf::INCREASING_Y;
+  header.dataWindow() = boxOf(part.data);
+  header.displayWindow() = boxOf(part.display);
+  header.pixelAspectRatio() = static_cast<float>(part.pixelAspect);
+  return header;
+}
+
+/// Writes what `add` lays out.
+template <class Add>
+Status encode(const std::filesystem::path& path, Imf::Header header, Add&& add) {
+  ExrOutput stream;
+  try {
+    Imf::FrameBuffer buffer;
+    add(header, buffer);
+    Imf::OutputFile exr(stream, header);
+    exr.setFrameBuffer(buffer);
+    const Imath::Box2i window = header.dataWindow();
+    exr.writePixels(window.max.y - window.min.y + 1);
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::kIo, "{}: cannot encode the picture: {}", path.string(), error.what());
+  }
+  VOLUTE_ASSIGN(auto file, OutputFile::create(path));
+  VOLUTE_TRY(file.write(stream.bytes));
+  return file.commit();
 }
 
 }  // namespace
@@ -186,29 +299,45 @@ Result<ImageNotes> readExrNotes(const std::filesystem::path& path) {
   return readWith(path, {}, readNotes);
 }
 
+Result<FrameInfo> readFrameInfo(const std::filesystem::path& path) {
+  return readWith<Imf::MultiPartInputFile>(path, {}, infoOf);
+}
+
+Result<Image> readFrameChannels(const std::filesystem::path& path,
+                                std::span<const FrameChannel> channels, std::uint64_t maxMemory) {
+  return readWith<Imf::MultiPartInputFile>(
+      path, {}, [&](const InputFile& file, Imf::MultiPartInputFile& exr, const ImageReadOptions&) {
+        return readPart(file, exr, channels, maxMemory);
+      });
+}
+
+Status writeFrame(const std::filesystem::path& path, const FramePixels& pixels) {
+  return encode(path, headerFor(pixels.part), [&](Imf::Header& header, Imf::FrameBuffer& buffer) {
+    const auto add = [&](const char* name, const Image& image, int channel) {
+      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+      buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + channel,
+                                           boxOf(pixels.part.data), sizeof(float) * image.channels,
+                                           sizeof(float) * image.channels * image.width));
+    };
+    for (int c = 0; c < 3; ++c) add(&"R\0G\0B"[2 * c], pixels.color, c);
+    if (pixels.alpha)
+      add("A", *pixels.alpha, 0);
+  });
+}
+
 Status writeChannels(const std::filesystem::path& path, int width, int height,
                      const std::vector<ImageChannel>& channels, const ImageNotes& notes) {
-  ExrOutput stream;
-  try {
-    Imf::Header header(width, height);
-    header.compression() = Imf::ZIP_COMPRESSION;
-    for (const auto& [name, text] : notes) header.insert(name, Imf::StringAttribute(text));
-    Imf::FrameBuffer buffer;
-    for (const ImageChannel& channel : channels) {
-      header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
-      char* base = reinterpret_cast<char*>(const_cast<float*>(channel.values.data()));
-      buffer.insert(channel.name, Imf::Slice(Imf::FLOAT, base, sizeof(float),
-                                             sizeof(float) * static_cast<std::size_t>(width)));
-    }
-    Imf::OutputFile exr(stream, header);
-    exr.setFrameBuffer(buffer);
-    exr.writePixels(height);
-  } catch (const std::exception& error) {
-    return fail(ErrorCode::kIo, "{}: cannot encode the picture: {}", path.string(), error.what());
-  }
-  VOLUTE_ASSIGN(auto file, OutputFile::create(path));
-  VOLUTE_TRY(file.write(stream.bytes));
-  return file.commit();
+  return encode(
+      path, Imf::Header(width, height), [&](Imf::Header& header, Imf::FrameBuffer& buffer) {
+        header.compression() = Imf::ZIP_COMPRESSION;
+        for (const auto& [name, text] : notes) header.insert(name, Imf::StringAttribute(text));
+        for (const ImageChannel& channel : channels) {
+          header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+          char* base = reinterpret_cast<char*>(const_cast<float*>(channel.values.data()));
+          buffer.insert(channel.name, Imf::Slice(Imf::FLOAT, base, sizeof(float),
+                                                 sizeof(float) * static_cast<std::size_t>(width)));
+        }
+      });
 }
 
 Status writeExr(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {

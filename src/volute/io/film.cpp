@@ -16,7 +16,8 @@ namespace volute {
 
 Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::path& path, int width,
                                                        int height, double framesPerSecond,
-                                                       const std::string& comment) {
+                                                       const std::string& comment,
+                                                       const FilmStyle& style) {
   constexpr int kLongestSide = 16384;
   if (width < 1 || height < 1 || width > kLongestSide || height > kLongestSide) {
     return fail(ErrorCode::kInvalidArgument,
@@ -27,8 +28,15 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::pa
     return fail(ErrorCode::kInvalidArgument, "{}: {} frames per second; expected 0.01 to 1000",
                 path.string(), framesPerSecond);
   }
+  if (style.bits != 8 && style.bits != 10)
+    return fail(ErrorCode::kInvalidArgument, "{}: {} bits a channel; expected 8 or 10",
+                path.string(), style.bits);
+  const double factor = style.rateFactor.value_or(0);
+  if (!(factor >= 0 && factor <= 51))
+    return fail(ErrorCode::kInvalidArgument, "{}: a rate factor of {}; expected 0 to 51",
+                path.string(), factor);
   VOLUTE_ASSIGN(const FilmPlugin* plugin, loadFilmPlugin());
-  return plugin->makeWriter(path, width, height, framesPerSecond, comment);
+  return plugin->makeWriter(path, width, height, framesPerSecond, comment, style);
 }
 
 /// Few enough to be passed over within the time that a call may take.

@@ -123,6 +123,62 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Films, ::testing::Values("film.mp4", "film.webm"
                            return std::string(parameter.param).substr(5);
                          });
 
+/// The longest run of equal pixels in a row of a dark gradient, as a film shows it.
+int longestRun(const std::filesystem::path& path, const FilmStyle& style) {
+  constexpr int kWidth = 640, kHeight = 48;
+  Image ramp(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      for (int c = 0; c < 3; ++c)
+        ramp.at(x, y, c) = static_cast<float>(srgbDecode((14 + 6.0 * x / kWidth) / 255));
+    }
+  }
+  auto film = FilmWriter::create(path, kWidth, kHeight, 25, "", style);
+  EXPECT_TRUE(film) << film.error().message;
+  if (!film)
+    return 0;
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE((*film)->addFrame(ramp));
+  EXPECT_TRUE((*film)->finish());
+  auto reader = FilmReader::open(path);
+  auto shown = reader->next();
+  EXPECT_TRUE(shown && *shown);
+  int longest = 0, run = 1;
+  for (int x = 1; x < kWidth; ++x) {
+    run = (*shown)->at(x, kHeight / 2, 1) == (*shown)->at(x - 1, kHeight / 2, 1) ? run + 1 : 1;
+    longest = std::max(longest, run);
+    EXPECT_NEAR((*shown)->at(x, kHeight / 2, 1), ramp.at(x, kHeight / 2, 1), 5e-4);
+  }
+  return longest;
+}
+
+TEST(Film, TenBitsHaveNarrowerBands) {
+  const TempFolder folder;
+  for (const char* name : {"a.mp4", "a.webm"}) {
+    SCOPED_TRACE(name);
+    const int coarse = longestRun(folder / name, {}),
+              fine = longestRun(folder / name, {.bits = 10});
+    EXPECT_GT(coarse, 80);
+    EXPECT_LT(fine, 50);
+  }
+}
+
+TEST(Film, ALowerRateFactorIsCloser) {
+  const TempFolder folder;
+  const auto bytes = [&](double factor) {
+    auto film = FilmWriter::create(folder / "q.mp4", 64, 48, 25, "", {.rateFactor = factor});
+    EXPECT_TRUE(film);
+    EXPECT_TRUE((*film)->addFrame(makeFrame(64, 48, 0)));
+    EXPECT_TRUE((*film)->finish());
+    return std::filesystem::file_size(folder / "q.mp4");
+  };
+  EXPECT_GT(bytes(1), bytes(40));
+  EXPECT_THAT(FilmWriter::create(folder / "a.mp4", 64, 48, 25, "", {.bits = 12}).error().message,
+              HasSubstr("12 bits a channel; expected 8 or 10"));
+  EXPECT_THAT(
+      FilmWriter::create(folder / "a.mp4", 64, 48, 25, "", {.rateFactor = 60}).error().message,
+      HasSubstr("a rate factor of 60; expected 0 to 51"));
+}
+
 TEST(Film, WrongUseIsNamed) {
   const TempFolder folder;
   EXPECT_EQ(FilmWriter::create(folder / "a.avi", 64, 48, 25).error().code, ErrorCode::kUnsupported);

@@ -3,6 +3,7 @@
 #include "volute/io/image_file.hpp"
 
 #include "volute/base/assert.hpp"
+#include "volute/io/frame_file.hpp"
 #include "volute/io/image_formats.hpp"
 
 namespace volute {
@@ -22,6 +23,20 @@ Result<std::optional<Image>> readExrAlpha(const std::filesystem::path& path,
 Result<ImageNotes> readExrNotes(const std::filesystem::path& path) {
   VOLUTE_TRY(readExr(path, {}));
   return ImageNotes();
+}
+
+Result<FrameInfo> readFrameInfo(const std::filesystem::path& path) {
+  VOLUTE_TRY(readExr(path, {}));
+  return FrameInfo();
+}
+
+Result<Image> readFrameChannels(const std::filesystem::path& path, std::span<const FrameChannel>,
+                                std::uint64_t) {
+  return readExr(path, {});
+}
+
+Status writeFrame(const std::filesystem::path& path, const FramePixels&) {
+  return writeExr(path, {}, {});
 }
 
 Status writeChannels(const std::filesystem::path& path, int, int, const std::vector<ImageChannel>&,

@@ -15,6 +15,7 @@
 #include "volute/base/input_file.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/io/frame_file.hpp"
 #include "volute/io/image_formats.hpp"
 #include "volute/io/stored_color.hpp"
 
@@ -232,8 +233,10 @@ bool encodePng(png_structp png, png_infop info, std::vector<png_text>& texts, Pn
     return false;
   png_set_write_fn(png, &state, onWrite, nullptr);
   png_set_IHDR(png, info, state.width, state.height, state.bits,
-               state.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+               state.channels == 4   ? PNG_COLOR_TYPE_RGB_ALPHA
+               : state.channels == 3 ? PNG_COLOR_TYPE_RGB
+                                     : PNG_COLOR_TYPE_GRAY,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   if (state.bits == 8)
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   else
@@ -322,6 +325,15 @@ Result<std::optional<std::vector<double>>> readPngCurve(const std::filesystem::p
   return linear;
 }
 
+Result<StoredPng> readStoredPng(const std::filesystem::path& path, std::uint64_t maxMemory) {
+  PngState state;
+  VOLUTE_TRY(readPngFile(path, {.maxMemory = maxMemory}, state));
+  StoredPng stored{toImage(state, nullptr), (1 << state.bits) - 1};
+  for (float& value : stored.image.pixels)
+    value = std::round(value * static_cast<float>(stored.largest));
+  return stored;
+}
+
 Result<std::optional<Image>> readPngAlpha(const std::filesystem::path& path,
                                           const ImageReadOptions& options) {
   PngState state;
@@ -382,6 +394,20 @@ Status writePng(const std::filesystem::path& path, const Image& image, const Ima
   state.pixels = toSrgb8(image);
   layOutRows(state, std::size_t{state.width} * image.channels);
   return writePngState(path, state, notes);
+}
+
+Status writePngWithAlpha(const std::filesystem::path& path, const Image& color,
+                         const Image& alpha) {
+  PngState state = stateOf(color, 8);
+  state.channels = 4;
+  const std::vector<std::uint8_t> shown = toSrgb8(color);
+  for (std::size_t i = 0; i < alpha.pixels.size(); ++i) {
+    state.pixels.insert(state.pixels.end(), &shown[3 * i], &shown[3 * i] + 3);
+    state.pixels.push_back(
+        static_cast<png_byte>(std::lround(255 * std::clamp(alpha.pixels[i], 0.0F, 1.0F))));
+  }
+  layOutRows(state, std::size_t{4} * state.width);
+  return writePngState(path, state, {});
 }
 
 Status writePngMap(const std::filesystem::path& path, const Image& map) {

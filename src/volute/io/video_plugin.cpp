@@ -4,6 +4,7 @@ extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
 #include <libavutil/opt.h>
+#include <libavutil/pixdesc.h>
 #include <libswscale/swscale.h>
 }
 
@@ -90,8 +91,8 @@ const std::array<Encoding, 2>& encodings() {
 
 class AvFilmWriter final : public FilmWriter {
  public:
-  AvFilmWriter(PendingFile file, int width, int height)
-      : file_(std::move(file)), width_(width), height_(height) {}
+  AvFilmWriter(PendingFile file, int width, int height, const FilmStyle& style)
+      : file_(std::move(file)), width_(width), height_(height), style_(style) {}
 
   Status open(const Encoding& encoding, double framesPerSecond, const std::string& comment) {
     const AVCodec* codec = avcodec_find_encoder_by_name(encoding.encoder);
@@ -165,19 +166,23 @@ class AvFilmWriter final : public FilmWriter {
     codec_->height = (height_ + 1) / 2 * 2;
     codec_->framerate = av_d2q(framesPerSecond, kLargest);
     codec_->time_base = av_inv_q(codec_->framerate);
-    codec_->pix_fmt = AV_PIX_FMT_YUV420P;
+    codec_->pix_fmt = deep() ? AV_PIX_FMT_YUV420P10LE : AV_PIX_FMT_YUV420P;
+    if (deep() && encoding.extension == std::string_view(".webm"))
+      codec_->profile = FF_PROFILE_VP9_2;
     codec_->bit_rate = 0;
     codec_->thread_count = kThreads;
     codec_->color_range = AVCOL_RANGE_MPEG;
     codec_->colorspace = AVCOL_SPC_BT709;
     codec_->color_primaries = AVCOL_PRI_BT709;
-    codec_->color_trc = AVCOL_TRC_BT709;
+    codec_->color_trc = AVCOL_TRC_IEC61966_2_1;  // sRGB
     codec_->chroma_sample_location = AVCHROMA_LOC_LEFT;
     codec_->flags |= AV_CODEC_FLAG_BITEXACT;
     if (output_->oformat->flags & AVFMT_GLOBALHEADER)
       codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
     AVDictionary* options = nullptr;
     for (const auto& [key, value] : encoding.options) av_dict_set(&options, key, value, 0);
+    if (style_.rateFactor)
+      av_dict_set(&options, "crf", fmt::format("{:g}", *style_.rateFactor).c_str(), 0);
     const int opened = avcodec_open2(codec_.get(), codec, &options);
     av_dict_free(&options);
     VOLUTE_TRY(check(opened));
@@ -188,27 +193,46 @@ class AvFilmWriter final : public FilmWriter {
 
   Status openScaler() {
     const int width = codec_->width, height = codec_->height;
-    scaler_.reset(sws_getContext(width, height, AV_PIX_FMT_RGB24, width, height, codec_->pix_fmt,
-                                 kExact, nullptr, nullptr, nullptr));
+    const AVPixelFormat rgb = deep() ? AV_PIX_FMT_RGB48 : AV_PIX_FMT_RGB24;
+    scaler_.reset(sws_getContext(width, height, rgb, width, height, codec_->pix_fmt, kExact,
+                                 nullptr, nullptr, nullptr));
     if (!scaler_)
       return check(AVERROR(ENOMEM));
     const int* matrix = sws_getCoefficients(SWS_CS_ITU709);
     sws_setColorspaceDetails(scaler_.get(), matrix, 1, matrix, 0, 0, 1 << 16, 1 << 16);
     frame_ = makeFrame(codec_->pix_fmt, width, height);
-    rgb_ = makeFrame(AV_PIX_FMT_RGB24, width, height);
+    rgb_ = makeFrame(rgb, width, height);
     return check(frame_ && rgb_ ? 0 : AVERROR(ENOMEM));
   }
 
-  /// 8-bit sRGB in the codec's even size: the last column and row are repeated.
+  bool deep() const { return style_.bits > 8; }
+
+  /// sRGB in the codec's even size: the last column and row are repeated.
   void fillRgb(const Image& linear) {
-    const std::vector<std::uint8_t> bytes = toSrgb8(linear);
-    const auto channels = static_cast<std::size_t>(linear.channels);
-    const std::size_t rowBytes = static_cast<std::size_t>(width_) * channels;
+    if (deep())
+      fillRows(toSrgb16(linear), linear.channels);
+    else
+      fillRows(toSrgb8(linear), linear.channels);
+  }
+
+  static std::vector<std::uint16_t> toSrgb16(const Image& linear) {
+    std::vector<std::uint16_t> values(linear.pixels.size());
+    std::ranges::transform(linear.pixels, values.begin(), [](float value) {
+      const double shown = value > 0 ? srgbEncode(std::min<double>(value, 1)) : 0;
+      return static_cast<std::uint16_t>(std::lround(65535 * shown));
+    });
+    return values;
+  }
+
+  template <class Value>
+  void fillRows(const std::vector<Value>& values, int imageChannels) {
+    const auto channels = static_cast<std::size_t>(imageChannels);
+    const std::size_t row = static_cast<std::size_t>(width_) * channels;
     for (int y = 0; y < codec_->height; ++y) {
-      const std::uint8_t* from = &bytes[std::size_t(std::min(y, height_ - 1)) * rowBytes];
-      std::uint8_t* to = rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0];
+      const Value* from = &values[std::size_t(std::min(y, height_ - 1)) * row];
+      auto* to = reinterpret_cast<Value*>(rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0]);
       if (channels == 3) {
-        to = std::copy_n(from, rowBytes, to);
+        to = std::copy_n(from, row, to);
       } else {
         for (int x = 0; x < width_; ++x) to = std::fill_n(to, 3, from[std::size_t(x) * channels]);
       }
@@ -232,6 +256,7 @@ class AvFilmWriter final : public FilmWriter {
 
   PendingFile file_;
   int width_, height_;
+  FilmStyle style_;
   std::int64_t count_ = 0;
   OutputPtr output_;
   AVStream* stream_ = nullptr;
@@ -244,13 +269,13 @@ class AvFilmWriter final : public FilmWriter {
 
 Result<std::unique_ptr<FilmWriter>> makeWriter(const std::filesystem::path& path, int width,
                                                int height, double framesPerSecond,
-                                               const std::string& comment) {
+                                               const std::string& comment, const FilmStyle& style) {
   av_log_set_level(AV_LOG_QUIET);
   for (const auto& encoding : encodings()) {
     if (path.extension() != encoding.extension)
       continue;
     VOLUTE_ASSIGN(auto file, PendingFile::create(path));
-    auto writer = std::make_unique<AvFilmWriter>(std::move(file), width, height);
+    auto writer = std::make_unique<AvFilmWriter>(std::move(file), width, height, style);
     VOLUTE_TRY(writer->open(encoding, framesPerSecond, comment));
     return writer;
   }
@@ -280,8 +305,6 @@ class AvFilmDecoder final : public FilmDecoder {
     VOLUTE_TRY(check(avcodec_open2(codec_.get(), codec, nullptr)));
     const AVRational rate = av_guess_frame_rate(input, input->streams[stream_], nullptr);
     info_ = {codec_->width, codec_->height, rate.den > 0 ? av_q2d(rate) : 0};
-    for (std::size_t i = 0; i < linear_.size(); ++i)
-      linear_[i] = static_cast<float>(srgbDecode(static_cast<double>(i) / 255));
     return info_;
   }
 
@@ -342,9 +365,12 @@ class AvFilmDecoder final : public FilmDecoder {
       return fail(ErrorCode::kUnsupported, "{}: the size of the frames changes within the film",
                   name_);
     }
-    scaler_.reset(sws_getCachedContext(scaler_.release(), frame_->width, frame_->height,
-                                       static_cast<AVPixelFormat>(frame_->format), frame_->width,
-                                       frame_->height, AV_PIX_FMT_RGB24, kExact, nullptr, nullptr,
+    const auto format = static_cast<AVPixelFormat>(frame_->format);
+    const AVPixFmtDescriptor* described = av_pix_fmt_desc_get(format);
+    const bool deep = described && described->comp[0].depth > 8;
+    const AVPixelFormat rgb = deep ? AV_PIX_FMT_RGB48 : AV_PIX_FMT_RGB24;
+    scaler_.reset(sws_getCachedContext(scaler_.release(), frame_->width, frame_->height, format,
+                                       frame_->width, frame_->height, rgb, kExact, nullptr, nullptr,
                                        nullptr));
     if (!scaler_)
       return fail(ErrorCode::kUnsupported, "{}: an unknown pixel format", name_);
@@ -353,18 +379,29 @@ class AvFilmDecoder final : public FilmDecoder {
     const int* matrix = sws_getCoefficients(hd ? SWS_CS_ITU709 : SWS_CS_ITU601);
     sws_setColorspaceDetails(scaler_.get(), matrix, frame_->color_range == AVCOL_RANGE_JPEG, matrix,
                              1, 0, 1 << 16, 1 << 16);
-    if (!rgb_)
-      rgb_ = makeFrame(AV_PIX_FMT_RGB24, info_.width, info_.height);
+    if (!rgb_ || rgb_->format != rgb) {
+      rgb_ = makeFrame(rgb, info_.width, info_.height);
+      const std::size_t levels = deep ? 65536 : 256;
+      linear_.resize(levels);
+      for (std::size_t i = 0; i < levels; ++i)
+        linear_[i] = static_cast<float>(srgbDecode(static_cast<double>(i) / (levels - 1)));
+    }
     if (!rgb_)
       return fail(ErrorCode::kTooLarge, "{}: no memory to decode it", name_);
     VOLUTE_TRY(check(sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, info_.height,
                                rgb_->data, rgb_->linesize)));
+    deep ? lightOf<std::uint16_t>(pixels) : lightOf<std::uint8_t>(pixels);
+    return {};
+  }
+
+  template <class Value>
+  void lightOf(std::span<float> pixels) const {
     for (int y = 0; y < info_.height; ++y) {
-      const std::uint8_t* from = rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0];
+      const auto* from =
+          reinterpret_cast<const Value*>(rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0]);
       float* to = &pixels[std::size_t{3} * info_.width * y];
       for (int i = 0; i < 3 * info_.width; ++i) to[i] = linear_[from[i]];
     }
-    return {};
   }
 
   std::string name_;
@@ -376,7 +413,7 @@ class AvFilmDecoder final : public FilmDecoder {
   FramePtr rgb_;
   PacketPtr packet_;
   ScalerPtr scaler_;
-  std::array<float, 256> linear_{};
+  std::vector<float> linear_;  ///< of each level
 };
 
 }  // namespace

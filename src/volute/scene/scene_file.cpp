@@ -71,8 +71,9 @@ Json upgradedScene(Json json) {
 }
 
 Result<SceneDescription> parseScene(const Json& given, const std::string& file) {
-  const auto version =
-      given.is_object() && given.contains("format") ? sceneVersionOf(given["format"]) : std::nullopt;
+  const auto version = given.is_object() && given.contains("format")
+                           ? sceneVersionOf(given["format"])
+                           : std::nullopt;
   if (!version) {
     return fail(ErrorCode::kInvalidData, "{}: /format: expected \"{}\", or \"volute-scene-1\"",
                 file, kSceneFormat);

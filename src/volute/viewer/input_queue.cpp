@@ -152,9 +152,9 @@ ViewerInput InputQueue::next() {
 
 std::optional<Key> keyNamed(std::string_view label) {
   constexpr std::pair<char, Key> kKeys[] = {
-      {'a', Key::kA}, {'c', Key::kC}, {'d', Key::kD}, {'e', Key::kE}, {'f', Key::kF},
-      {'h', Key::kH}, {'m', Key::kM}, {'o', Key::kO}, {'p', Key::kP}, {'q', Key::kQ},
-      {'s', Key::kS}, {'v', Key::kV}, {'w', Key::kW}, {'x', Key::kX}, {'y', Key::kY},
+      {'a', Key::kA}, {'c', Key::kC},    {'d', Key::kD},    {'e', Key::kE},    {'f', Key::kF},
+      {'h', Key::kH}, {'m', Key::kM},    {'o', Key::kO},    {'p', Key::kP},    {'q', Key::kQ},
+      {'s', Key::kS}, {'v', Key::kV},    {'w', Key::kW},    {'x', Key::kX},    {'y', Key::kY},
       {'z', Key::kZ}, {'+', Key::kPlus}, {'=', Key::kPlus}, {'-', Key::kMinus}};
   if (label.size() != 1)
     return std::nullopt;

@@ -52,7 +52,8 @@ TEST(InputQueue, AButtonGoesDownWhereTheMouseWas) {
 
 TEST(InputQueue, TwiceIsTwoPressesWithinATime) {
   InputQueue queue;
-  for (const double time : {1.0, 1.2, 2.0}) queue.button(0, true, time), queue.button(0, false, time);
+  for (const double time : {1.0, 1.2, 2.0})
+    queue.button(0, true, time), queue.button(0, false, time);
   std::vector<bool> twice;
   for (const ViewerInput& frame : framesOf(queue)) {
     if (frame.buttons[0])

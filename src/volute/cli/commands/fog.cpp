@@ -21,8 +21,16 @@ namespace {
 
 FogFrameOptions frameOptions(const Arguments& arguments) {
   FogFrameOptions options;
-  options.depthAlongRay = arguments.get<std::string>("depth-kind") == "ray";
+  options.colorLayer = arguments.find<std::string>("color-layer").value_or("");
+  options.depthChannel = arguments.find<std::string>("depth-channel").value_or("");
+  const auto kind = arguments.get<std::string>("depth-kind");
+  options.depthKind = kind == "z"     ? DepthKind::kAlongAxis
+                      : kind == "ray" ? DepthKind::kAlongRay
+                                      : DepthKind::kUnknown;
+  options.depthScale = arguments.find<double>("depth-scale");
   options.sky = arguments.find<double>("sky-depth").value_or(options.sky);
+  options.softEdges = arguments.get<std::string>("edges") == "soft";
+  options.onlyFog = arguments.flag("fog-only");
   options.time = arguments.find<double>("time");
   options.rate = arguments.get<double>("fps");
   if (arguments.get<std::string>("renderer") == "reference")
@@ -30,21 +38,51 @@ FogFrameOptions frameOptions(const Arguments& arguments) {
   return options;
 }
 
+/// What a target does not keep of a frame.
+std::vector<std::string> lostIn(const std::string& target, const FramePixels& frame) {
+  std::vector<std::string> lost;
+  const FramePart& part = frame.part;
+  if (extensionOf(target) == ".exr")
+    return lost;
+  if (!(part.data == part.display))
+    lost.push_back("pixels outside the display window");
+  if (part.pixelAspect != 1)
+    lost.push_back(fmt::format("that pixels are {:g} times as wide as high", part.pixelAspect));
+  if (frame.alpha && isFilmPath(target))
+    lost.push_back("alpha (it is over black)");
+  return lost;
+}
+
+void tell(const FoggedFrame& frame, const std::string& target, Progress& progress) {
+  progress.remark(frame.depth);
+  for (const std::string& remark : frame.remarks) progress.remark(remark);
+  const auto lost = lostIn(target, frame.pixels);
+  if (!lost.empty()) {
+    progress.remark(
+        fmt::format("{}: does not keep {}; a .exr does", target, fmt::join(lost, ", ")));
+  }
+}
+
 Status fogPictures(const std::vector<FogFrame>& frames, const FogLayer& layer,
                    const std::string& target, const Arguments& arguments, Context& context) {
   const FogFrameOptions options = frameOptions(arguments);
+  Development development{.style = {.dither = true}};
+  VOLUTE_ASSIGN(development.film, filmStyleOf(arguments, target));
   std::unique_ptr<PictureWriter> writer;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (context.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before frame {}", frames[i].number);
-    VOLUTE_ASSIGN(const auto image, fogOver(frames[i], layer, options, context));
+    VOLUTE_ASSIGN(const auto fogged, fogOver(frames[i], layer, options, context));
     if (!writer && isFilmPath(target)) {
-      VOLUTE_ASSIGN(
-          writer, filmWriter(target, {}, image.width, image.height, arguments.get<double>("fps")));
+      const PixelWindow& display = fogged.pixels.part.display;
+      VOLUTE_ASSIGN(writer, filmWriter(target, development, display.width(), display.height(),
+                                       arguments.get<double>("fps")));
     } else if (!writer) {
-      VOLUTE_ASSIGN(writer, imageFileWriter(target, {}));
+      VOLUTE_ASSIGN(writer, imageFileWriter(target, development));
     }
-    VOLUTE_TRY(writer->write(image, frames[i].number));
+    if (i == 0)
+      tell(fogged, target, context.progress);
+    VOLUTE_TRY(writer->writeFrame(fogged.pixels, frames[i].number));
     context.progress.report("fog", static_cast<double>(i + 1), static_cast<double>(frames.size()));
   }
   return writer->finish();
@@ -67,14 +105,71 @@ Result<std::vector<Sun>> sunsOf(const Arguments& arguments) {
 }
 
 /// What shadows the sun in the fog.
-Status addGeometry(const Arguments& arguments, FogDescription& description,
-                   const std::vector<Sun>& suns, const Context& context) {
+Result<TriangleScene> addGeometry(const Arguments& arguments, FogDescription& description,
+                                  const std::vector<Sun>& suns, const Context& context) {
   const auto file = arguments.find<std::string>("geometry");
   if (!file)
-    return {};
-  VOLUTE_ASSIGN(const auto geometry, loadGeometry({{*file, Mat4::Identity()}}, context));
+    return TriangleScene();
+  const auto up = arguments.get<std::string>("geometry-up");
+  const SceneGeometry entry{*file, Mat4::Identity(),
+                            up == "y"   ? UpAxis::kY
+                            : up == "z" ? UpAxis::kZ
+                                        : UpAxis::kFormat};
+  VOLUTE_ASSIGN(auto geometry, loadGeometry({entry}, context));
   description.scattering.shadows = fogShadows(geometry, suns);
-  return {};
+  return geometry;
+}
+
+/// Geometry that is elsewhere costs time and changes nothing.
+void tellOfShadows(const Arguments& arguments, const TriangleScene& geometry,
+                   const std::vector<Sun>& suns, const FogMedium& fog, Progress& progress) {
+  if (!arguments.given("geometry") || shadowsFog(geometry, suns, fog))
+    return;
+  const auto text = [](const Vec3& p) {
+    return fmt::format("{:g},{:g},{:g}", p.x(), p.y(), p.z());
+  };
+  const Box3 box = geometry.bounds(), air = fog.bounds();
+  progress.remark(fmt::format(
+      "--geometry {}: shadows none of the fog: it is at {} to {} m, the fog at {} to {} m; its "
+      "upward axis is an option (--geometry-up)",
+      arguments.get<std::string>("geometry"), text(box.min), text(box.max), text(air.min),
+      text(air.max)));
+}
+
+/// The numbers that --frames or --duration chooses.
+Result<std::optional<FrameRange>> rangeOf(const Arguments& arguments, const std::string& color) {
+  const auto seconds = arguments.find<double>("duration");
+  if (!seconds)
+    return arguments.find<FrameRange>("frames");
+  if (arguments.given("frames") || namesSeriesOfFiles(color)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--duration is of a film of one still; {} says how long this one is",
+                arguments.given("frames") ? "--frames" : "the pattern");
+  }
+  const double frames = std::round(*seconds * arguments.get<double>("fps"));
+  if (!(frames >= 1 && frames < 1e6))
+    return fail(ErrorCode::kInvalidArgument,
+                "--duration {:g} s: {:.0f} frames; expected 1 to 999999", *seconds, frames);
+  FrameRange range;
+  range.begin = 0, range.end = static_cast<int>(frames);
+  return range;
+}
+
+/// Of a film whose fog moves or not.
+void tellOfFilm(const std::vector<FogFrame>& frames, const FogDescription& fog,
+                const Arguments& arguments, Progress& progress) {
+  const bool wind = fog.wind != Vec3::Zero();
+  if (frames.size() == 1 && isFilmPath(arguments.get<std::string>("output"))) {
+    progress.remark(fmt::format("a film of one picture: --duration S makes a longer one{}",
+                                wind ? ", in which the wind moves the fog" : ""));
+  }
+  if (frames.size() == 1 && wind && !arguments.given("time"))
+    progress.remark("the wind has not moved the fog at 0 s: --time S is later");
+  if (fog.borderInWind() == FogBorder::kRepeat && !fog.border) {
+    progress.remark(
+        "what the wind blows out of the map comes in on its other side: --border repeat; others "
+        "are clamp and zero");
+  }
 }
 
 Status checkUse(const Arguments& arguments) {
@@ -101,8 +196,9 @@ Status runFog(const Arguments& arguments, Context& context) {
     VOLUTE_TRY(checkUse(arguments));
   VOLUTE_ASSIGN(auto description, fogOf(arguments, arguments.positional(0)));
   VOLUTE_ASSIGN(const auto suns, sunsOf(arguments));
-  VOLUTE_TRY(addGeometry(arguments, description, suns, context));
+  VOLUTE_ASSIGN(const auto geometry, addGeometry(arguments, description, suns, context));
   VOLUTE_ASSIGN(const auto layer, FogLayer::open(description, suns, context));
+  tellOfShadows(arguments, geometry, suns, layer.fogAt(0), context.progress);
   Report report;
   if (folder) {
     VOLUTE_TRY(exportFogShader(layer.fogAt(arguments.find<double>("time").value_or(0)), *folder));
@@ -112,13 +208,14 @@ Status runFog(const Arguments& arguments, Context& context) {
     const auto target = arguments.get<std::string>("output");
     const FogFrame names{0, arguments.get<std::string>("color"),
                          arguments.get<std::string>("depth"), arguments.get<std::string>("camera")};
-    VOLUTE_ASSIGN(const auto frames,
-                  namingOptions(fogFrames(names, arguments.find<FrameRange>("frames")), arguments));
+    VOLUTE_ASSIGN(const auto range, rangeOf(arguments, names.color));
+    VOLUTE_ASSIGN(const auto frames, namingOptions(fogFrames(names, range), arguments));
     if (frames.size() > 1 && !isFilmPath(target) && !namesSeries(target)) {
       return fail(ErrorCode::kInvalidArgument,
                   "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
                   frames.size(), target);
     }
+    tellOfFilm(frames, description, arguments, context.progress);
     double milliseconds = 0;
     {
       const Stopwatch watch(milliseconds);
@@ -140,10 +237,27 @@ std::vector<Option> fogCommandOptions() {
        .value = "IMAGE",
        .help = "the frame without fog: .exr (linear) or .png (sRGB); a pattern with %04d for "
                "several"},
+      {.name = "color-layer",
+       .kind = kText,
+       .value = "NAME",
+       .help = "layer of a .exr that is the frame, such as ViewLayer.Combined; if not given, the "
+               "unnamed one, or one called Combined, rgba or beauty"},
       {.name = "depth",
        .kind = kFile,
        .value = "DEPTH.exr",
-       .help = "its depth: one channel [m], inf for the sky, same size as the frame"},
+       .help = "its depth as renderers write it, of the same size, or of N times that for the "
+               "softest edges; 0, inf, 65504, and 1e10 or more are sky; a .png needs "
+               "--depth-scale"},
+      {.name = "depth-channel",
+       .kind = kText,
+       .value = "NAME",
+       .help = "channel of the depth; if not given, as renderers call it: Z, Depth.V, "
+               "ViewLayer.Depth.Z, depth.Z, or R = G = B"},
+      {.name = "depth-scale",
+       .kind = kNumber,
+       .value = "M",
+       .help = "length of a stored unit: 0.01 for centimetres; of a .png, of a step of its "
+               "integers [m]"},
       {.name = "camera",
        .kind = kFile,
        .value = "CAMERA.json",
@@ -156,18 +270,35 @@ std::vector<Option> fogCommandOptions() {
       {.name = "depth-kind",
        .kind = kChoice,
        .value = "KIND",
-       .help = "z: along the view axis; ray: distance from the eye",
-       .initial = "z",
-       .choices = {"z", "ray"}},
+       .help = "z: along the view axis; ray: distance from the eye; auto: as the file says, "
+               "else z",
+       .initial = "auto",
+       .choices = {"auto", "z", "ray"}},
       {.name = "sky-depth",
        .kind = kNumber,
        .value = "M",
-       .help = "treat larger depths as sky, for renderers that write 1e10 [m]",
-       .positive = true}};
+       .help = "treat depths from here on as sky [m]",
+       .positive = true},
+      {.name = "edges",
+       .kind = kChoice,
+       .value = "HOW",
+       .help = "soft: pixels between a near and a far surface are taken apart, so that smooth "
+               "edges stay smooth; hard: each pixel is at its own depth",
+       .initial = "soft",
+       .choices = {"soft", "hard"}}};
   const auto more = fieldOptions({&fogFields(), &sunFields()});
   options.insert(options.end(), more.begin(), more.end());
   const std::vector<Option> last = {
-      framesOption("for patterns with %04d: numbers A <= n < B, every S-th"),
+      {.name = "fog-only",
+       .help =
+           "the fog without the frame, with alpha (multiplied in for .exr, straight for .png), to "
+           "be put over it"},
+      framesOption("numbers A <= n < B, every S-th, of patterns with %04d, or of a still's fog"),
+      {.name = "duration",
+       .kind = kNumber,
+       .value = "S",
+       .help = "of a film of one still, in which the wind or a sequence moves the fog [s]",
+       .positive = true},
       rateOption("frames per second, for films, wind and sequences of maps", "25", {"rate"}),
       {.name = "time",
        .kind = kNumber,
@@ -178,6 +309,13 @@ std::vector<Option> fogCommandOptions() {
        .value = "FILE",
        .help = "surfaces that shadow the sun in the fog: .glb, .gltf, .obj or .vtp [m]",
        .beside = "sun"},
+      {.name = "geometry-up",
+       .kind = kChoice,
+       .value = "AXIS",
+       .help = "its upward axis; auto: y of .glb and .gltf, as glTF has it, z of the others",
+       .initial = "auto",
+       .choices = {"auto", "y", "z"},
+       .beside = "geometry"},
       {.name = "renderer",
        .kind = kChoice,
        .value = "NAME",
@@ -190,6 +328,8 @@ std::vector<Option> fogCommandOptions() {
        .help = "write the fog as shader functions (OpenGL 4.5, OpenGL ES 3.0), with its texture "
                "and instructions"}};
   options.insert(options.end(), last.begin(), last.end());
+  const auto film = filmStyleOptions();
+  options.insert(options.end(), film.begin(), film.end());
   return options;
 }
 

@@ -180,9 +180,10 @@ Result<RenderRequest> requestOf(const Arguments& arguments, const std::string& t
   VOLUTE_ASSIGN(request.exposure, exposureOf(arguments));
   const auto tone = arguments.get<std::string>("tone");
   if (tone != "auto") {
-    request.tone = tone == "filmic" ? ToneCurve::kFilmic
-                   : tone == "agx"  ? ToneCurve::kAgx
-                                    : ToneCurve::kNone;
+    request.tone = tone == "filmic"     ? ToneCurve::kFilmic
+                   : tone == "agx"      ? ToneCurve::kAgx
+                   : tone == "shoulder" ? ToneCurve::kShoulder
+                                        : ToneCurve::kNone;
   }
   request.bloom = arguments.find<double>("bloom").value_or(0);
   request.samples = arguments.get<int>("samples");
@@ -289,6 +290,7 @@ Status runRender(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto request, requestOf(arguments, target));
   VOLUTE_ASSIGN(auto job, makeJob(arguments, target, request, context));
   VOLUTE_ASSIGN(auto development, namingOptions(developmentOf(request, job), arguments));
+  VOLUTE_ASSIGN(development.film, filmStyleOf(arguments, target));
   VOLUTE_TRY(
       writeFilm(job, target, development, context.maxMemory, context.progress, context.team));
   VOLUTE_ASSIGN(const auto stats, sumOfFilmStats(job, context.team));
@@ -377,10 +379,12 @@ std::vector<Option> renderOptionTable() {
       {.name = "tone",
        .kind = kChoice,
        .value = "NAME",
-       .help = "tone curve for .png and films: filmic and agx desaturate bright light, none clips "
-               "it; auto: filmic, except where pictures show measured transmittance",
+       .help =
+           "tone curve for .png and films: filmic and agx desaturate bright light, shoulder "
+           "dims what is above 0.7 and keeps its hue, none clips it; auto: filmic; for measured "
+           "transmittance none, with flames shoulder",
        .initial = "auto",
-       .choices = {"auto", "none", "filmic", "agx"}},
+       .choices = {"auto", "none", "filmic", "agx", "shoulder"}},
       {.name = "bloom",
        .kind = kNumber,
        .value = "S",
@@ -429,7 +433,7 @@ std::vector<Option> renderOptionTable() {
   auto camera = fieldOptions({&cameraFields()});
   for (Option& option : camera) option.kinds.clear();
   std::ranges::find(camera, "up", &Option::name)->instead = "file-up";
-  for (const auto& more : {camera, mediumOptions(), lightCacheOptions()})
+  for (const auto& more : {camera, mediumOptions(), lightCacheOptions(), filmStyleOptions()})
     options.insert(options.end(), more.begin(), more.end());
   return options;
 }

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "volute/grid/select_frames.hpp"
+#include "volute/io/frame_file.hpp"
 #include "volute/media/fog/fog_layer.hpp"
+#include "volute/media/fog/frame_layers.hpp"
 #include "volute/render/render.hpp"
 
 // Fog over frames that another renderer made: colour, depth and camera of each are files.
@@ -18,18 +20,30 @@ namespace volute {
 /// The files of one frame, or of many as patterns with the frame's number.
 struct FogFrame {
   int number = 0;
-  std::string color;   ///< .exr (linear) or .png (sRGB), one channel or three
-  std::string depth;   ///< one channel [m], inf for the sky, of the colour's size
+  std::string color;   ///< .exr (linear, alpha multiplied in) or .png (sRGB, alpha straight)
+  std::string depth;   ///< .exr, or .png with a scale; of the colour's size, or N times that
   std::string camera;  ///< a scene's camera object, .json
 };
 
 /// What the files do not say.
 struct FogFrameOptions {
-  bool depthAlongRay = false;                            ///< from the eye; else along the view axis
+  std::string colorLayer{};                   ///< empty: the one of the whole picture
+  std::string depthChannel{};                 ///< empty: by the names that renderers give it
+  DepthKind depthKind = DepthKind::kUnknown;  ///< kUnknown: what the file says, else z
+  std::optional<double> depthScale{};         ///< [m] of a stored unit; needed for a .png
   double sky = std::numeric_limits<double>::infinity();  ///< [m], depths from here on are sky
+  bool onlyFog = false;   ///< without the frame: light and alpha of the fog, to be put over it
+  bool softEdges = true;  ///< pixels between surfaces are taken apart: frame_edges.hpp
   std::optional<double> time{};  ///< [s] of the fog; else the frame's number / rate
   double rate = 25;              ///< frames a second, > 0
   Renderer renderer = Renderer::kCpu;
+};
+
+/// A frame with fog over it.
+struct FoggedFrame {
+  FramePixels pixels;
+  std::string depth{};                 ///< how far what it shows is, in a sentence
+  std::vector<std::string> remarks{};  ///< what was assumed, or is lost
 };
 
 /// All frames that there are of the colour's pattern, or those chosen by their numbers; a name that
@@ -38,8 +52,11 @@ struct FogFrameOptions {
                                                       const std::optional<FrameRange>& chosen);
 
 /// The frame behind the fog, linear RGB: out = T color + (1 - T) fog-color, T integrated exactly
-/// from the eye to the frame's depth. Errors name the file and, of depths, the pixel.
-[[nodiscard]] Result<Image> fogOver(const FogFrame& frame, const FogLayer& layer,
-                                    const FogFrameOptions& options, Reading& reading);
+/// from the eye to the frame's depth. Alpha becomes 1 - T (1 - alpha). The frame's data and display
+/// windows, pixel aspect (whose rays are the pixels') and attributes stay. Depths of 0, infinity,
+/// 1e10 and more, and 65504 (the largest half) are where there is nothing: sky. Errors name the
+/// file and, of depths, the pixel.
+[[nodiscard]] Result<FoggedFrame> fogOver(const FogFrame& frame, const FogLayer& layer,
+                                          const FogFrameOptions& options, Reading& reading);
 
 }  // namespace volute

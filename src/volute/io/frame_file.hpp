@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/io/image_file.hpp"
+
+// Frames of other renderers: .exr files with layers, parts, windows and attributes.
+
+namespace volute {
+
+/// Columns left <= x < right and rows top <= y < bottom of a picture, inside its borders or not.
+struct PixelWindow {
+  int left = 0, top = 0, right = 0, bottom = 0;
+
+  int width() const { return right - left; }
+
+  int height() const { return bottom - top; }
+
+  bool contains(int x, int y) const { return x >= left && x < right && y >= top && y < bottom; }
+
+  bool operator==(const PixelWindow&) const = default;
+};
+
+/// A channel of half or float with a value for each pixel.
+struct FrameChannel {
+  /// Unique in the file: "R", "ViewLayer.Depth.Z"; in a file of several parts it begins with the
+  /// part's name.
+  std::string name;
+  std::string own;  ///< as its part has it
+  int part = 0;
+};
+
+/// Everything else that a file says about a picture: time code, chromaticities, owner.
+struct FrameAttributes;
+
+/// A part of a file.
+struct FramePart {
+  PixelWindow data;        ///< where there are pixels,
+  PixelWindow display;     ///< of what a camera shows
+  double pixelAspect = 1;  ///< width of a pixel / its height
+  std::shared_ptr<const FrameAttributes> attributes{};
+};
+
+/// What is in a .exr, before its pixels are read.
+struct FrameInfo {
+  std::vector<FramePart> parts;
+  std::vector<FrameChannel> channels;  ///< integers (object numbers) and subsampled ones left out
+  std::string software{};              ///< that wrote it, where it says so
+};
+
+/// kUnsupported for deep pictures.
+[[nodiscard]] Result<FrameInfo> readFrameInfo(const std::filesystem::path& path);
+
+/// Channels of one part over its data window, interleaved.
+[[nodiscard]] Result<Image> readFrameChannels(const std::filesystem::path& path,
+                                              std::span<const FrameChannel> channels,
+                                              std::uint64_t maxMemory);
+
+/// A picture in its windows: linear RGB over `data`, and where there is alpha the colour is
+/// multiplied by it.
+struct FramePixels {
+  Image color{};
+  std::optional<Image> alpha{};
+  FramePart part{};
+};
+
+/// Writes a .exr: scan lines, float32, ZIP, with all attributes that still hold.
+[[nodiscard]] Status writeFrame(const std::filesystem::path& path, const FramePixels& pixels);
+
+/// The integers of a .png as they are stored, 0 to 255 or 65535, and how many a channel can be.
+struct StoredPng {
+  Image image{};
+  int largest = 255;
+};
+
+[[nodiscard]] Result<StoredPng> readStoredPng(const std::filesystem::path& path,
+                                              std::uint64_t maxMemory);
+
+/// Writes a .png of 8 bits with alpha, which does not multiply the colour (straight).
+/// @param color  linear RGB
+/// @param alpha  0..1, one channel
+[[nodiscard]] Status writePngWithAlpha(const std::filesystem::path& path, const Image& color,
+                                       const Image& alpha);
+
+}  // namespace volute

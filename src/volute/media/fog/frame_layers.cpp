@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/fog/frame_layers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <vector>
+
+namespace volute {
+namespace {
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// "ViewLayer.Depth" of "ViewLayer.Depth.Z".
+std::string before(const std::string& name) {
+  const auto dot = name.rfind('.');
+  return dot == std::string::npos ? "" : name.substr(0, dot);
+}
+
+std::string after(const std::string& name) {
+  const auto dot = name.rfind('.');
+  return dot == std::string::npos ? name : name.substr(dot + 1);
+}
+
+const FrameChannel* find(std::span<const FrameChannel> channels, const std::string& name) {
+  const auto found = std::ranges::find(
+      channels, lower(name), [](const FrameChannel& channel) { return lower(channel.name); });
+  return found == channels.end() ? nullptr : &*found;
+}
+
+const FrameChannel* in(std::span<const FrameChannel> channels, const std::string& layer,
+                       const char* name) {
+  return find(channels, layer.empty() ? name : layer + "." + name);
+}
+
+std::string namesOf(std::span<const FrameChannel> channels) {
+  std::vector<std::string> names;
+  for (const FrameChannel& channel : channels) names.push_back(channel.name);
+  return names.empty() ? "none of half or float" : fmt::to_string(fmt::join(names, ", "));
+}
+
+/// Layers of the whole picture, the surest first. Blender's compositor gives "Composite.Combined".
+constexpr std::string_view kWhole[] = {"combined", "rgba",       "beauty",    "rgb",
+                                       "c",        "ci",         "color",     "colour",
+                                       "main",     "finalimage", "composite", "rgba_main"};
+
+std::size_t rankOf(const std::string& layer) {
+  if (layer.empty())
+    return 0;
+  const std::string name = lower(layer);
+  if (name == "composite.combined")
+    return 1;
+  const auto known = std::ranges::find(kWhole, after(name));
+  return 2 + static_cast<std::size_t>(known - std::begin(kWhole));
+}
+
+/// Three numbers of one thing: a normal, a position, a motion; their Z is no depth.
+bool isVector(std::span<const FrameChannel> channels, const std::string& layer) {
+  return in(channels, layer, "X") && in(channels, layer, "Y");
+}
+
+struct DepthName {
+  std::string_view name;
+  DepthKind kind = DepthKind::kUnknown;
+};
+
+/// What renderers call it: a layer with one channel, or a channel. Blender's mist and the depth for
+/// its denoiser are others.
+constexpr DepthName kDepths[] = {{"depth"},
+                                 {"z"},
+                                 {"zdepth"},
+                                 {"depthz"},
+                                 {"depth_z"},
+                                 {"z_depth"},
+                                 {"__depth"},
+                                 {"pz", DepthKind::kAlongAxis},
+                                 {"hitpz", DepthKind::kAlongAxis},
+                                 {"ray:hitpz", DepthKind::kAlongAxis},
+                                 {"worlddepth", DepthKind::kAlongAxis},
+                                 {"scenedepth", DepthKind::kAlongAxis},
+                                 {"distance", DepthKind::kAlongRay},
+                                 {"raylength", DepthKind::kAlongRay},
+                                 {"ray:hitdist", DepthKind::kAlongRay},
+                                 {"hitdist", DepthKind::kAlongRay}};
+
+/// "FinalImageMovieRenderQueue_WorldDepth" is one.
+const DepthName* depthOf(const std::string& name) {
+  const std::string own = lower(name);
+  const auto known = std::ranges::find_if(kDepths, [&](const DepthName& depth) {
+    return own == depth.name || (depth.name.ends_with("depth") && depth.name.size() > 6 &&
+                                 own.ends_with("_" + std::string(depth.name)));
+  });
+  return known == std::end(kDepths) ? nullptr : &*known;
+}
+
+/// The one channel of a layer of that name, or a channel of that name.
+const DepthName* depthOf(std::span<const FrameChannel> channels, const FrameChannel& channel) {
+  constexpr std::string_view kOnly[] = {"z", "v", "y", "r", "x", "depth"};
+  const std::string layer = before(channel.name), own = lower(after(channel.name));
+  if (isVector(channels, layer))
+    return nullptr;
+  if (!layer.empty() && std::ranges::find(kOnly, own) != std::end(kOnly)) {
+    if (const DepthName* depth = depthOf(after(layer)))
+      return depth;
+  }
+  // "ViewLayer.Mist.Z" is none: a channel is one by its own name where no other name says more.
+  return layer.empty() || own != "z" ? depthOf(own) : nullptr;
+}
+
+DepthChannel makeDepth(const FrameInfo& info, const FrameChannel& channel, const DepthName* name) {
+  DepthChannel depth{channel};
+  if (name)
+    depth.kind = name->kind;
+  const std::string own = lower(channel.name);
+  if (depth.kind == DepthKind::kUnknown &&
+      (info.software.find("Blender") != std::string::npos || info.software.starts_with("Volute") ||
+       own.ends_with(".depth.z") || own == "depth.v" || own.ends_with(".depth.v")))
+    depth.kind = DepthKind::kAlongAxis;
+  if (own.find("worlddepth") != std::string::npos || own.find("scenedepth") != std::string::npos)
+    depth.unit = "Unreal writes centimetres, 0.01";
+  const std::string layer = before(channel.name);
+  const FrameChannel *green = in(info.channels, layer, "G"), *blue = in(info.channels, layer, "B");
+  if (lower(after(channel.name)) == "r" && green && blue)
+    depth.same[0] = *green, depth.same[1] = *blue;
+  return depth;
+}
+
+}  // namespace
+
+Result<ColorChannels> colorChannels(std::span<const FrameChannel> channels,
+                                    const std::string& layer) {
+  std::vector<std::string> layers;
+  for (const FrameChannel& channel : channels) {
+    const std::string name = before(channel.name);
+    if (lower(after(channel.name)) == "r" && in(channels, name, "G") && in(channels, name, "B"))
+      layers.push_back(name);
+  }
+  std::ranges::stable_sort(layers, {}, rankOf);
+  const auto make = [&](const std::string& name) {
+    ColorChannels color{
+        name, {*in(channels, name, "R"), *in(channels, name, "G"), *in(channels, name, "B")}};
+    if (const FrameChannel* alpha = in(channels, name, "A"))
+      color.alpha = *alpha;
+    return color;
+  };
+  if (!layer.empty()) {
+    const auto named = std::ranges::find(layers, lower(layer), lower);
+    if (named != layers.end())
+      return make(*named);
+    return fail(ErrorCode::kInvalidData, "has no layer '{}' with R, G and B; its channels are {}",
+                layer, namesOf(channels));
+  }
+  if (!layers.empty()) {
+    if (layers.size() == 1 || rankOf(layers[0]) < rankOf(layers[1]))
+      return make(layers[0]);
+    return fail(
+        ErrorCode::kInvalidData,
+        "has the layers {}; expected one, or one called Combined, rgba or beauty: say which "
+        "layer is the picture",
+        fmt::join(layers, ", "));
+  }
+  const FrameChannel* grey = find(channels, "Y");
+  if (!grey && channels.size() == 1)
+    grey = &channels.front();
+  if (!grey) {
+    return fail(ErrorCode::kInvalidData,
+                "has the channels {}; expected R, G, B, or Y, as half or float", namesOf(channels));
+  }
+  ColorChannels color{"", {*grey, *grey, *grey}};
+  if (const FrameChannel* alpha = find(channels, "A"))
+    color.alpha = *alpha;
+  return color;
+}
+
+Result<DepthChannel> depthChannel(const FrameInfo& info, const std::string& wanted,
+                                  const std::string& layer) {
+  const std::span<const FrameChannel> channels = info.channels;
+  if (!wanted.empty()) {
+    const FrameChannel* channel = find(channels, wanted);
+    if (!channel)
+      return fail(ErrorCode::kInvalidData, "has no channel '{}'; its channels are {}", wanted,
+                  namesOf(channels));
+    DepthChannel depth = makeDepth(info, *channel, depthOf(channels, *channel));
+    depth.same[0].reset(), depth.same[1].reset();
+    return depth;
+  }
+  std::vector<DepthChannel> found;
+  for (const FrameChannel& channel : channels) {
+    if (const DepthName* name = depthOf(channels, channel))
+      found.push_back(makeDepth(info, channel, name));
+  }
+  if (found.size() > 1) {  // that of the colour's view, or of the file itself
+    const std::string view = lower(layer.substr(0, layer.find('.')));
+    const auto others = [&](const DepthChannel& depth) {
+      const std::string name = lower(depth.channel.name);
+      return layer.find('.') == std::string::npos ? name.find('.') != name.rfind('.') || name != "z"
+                                                  : !name.starts_with(view + ".");
+    };
+    if (std::ranges::count_if(found, others) == std::ssize(found) - 1)
+      std::erase_if(found, others);
+  }
+  if (found.size() == 1)
+    return found.front();
+  if (found.size() > 1) {
+    std::vector<std::string> names;
+    for (const DepthChannel& depth : found) names.push_back(depth.channel.name);
+    return fail(ErrorCode::kInvalidData, "has the depths {}; expected one: say which channel it is",
+                fmt::join(names, ", "));
+  }
+  if (channels.size() == 1)
+    return makeDepth(info, channels.front(), nullptr);
+  const FrameChannel* red = find(channels, "R");
+  const bool grey = red && find(channels, "G") && find(channels, "B") &&
+                    channels.size() == (find(channels, "A") ? 4U : 3U);
+  if (grey)
+    return makeDepth(info, *red, nullptr);
+  const FrameChannel* only = find(channels, "Y");
+  if (only && channels.size() == (find(channels, "A") ? 2U : 1U))
+    return makeDepth(info, *only, nullptr);
+  return fail(ErrorCode::kInvalidData,
+              "has the channels {}; expected a depth as renderers call it (Z, Depth.V, "
+              "ViewLayer.Depth.Z, depth.Z), or R = G = B: say which channel it is",
+              namesOf(channels));
+}
+
+}  // namespace volute

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Fog over frames as other renderers write them: names, units and infinities of depth, layers, parts, windows, alpha, soft edges."""
+import json
+import math
+import struct
+
+import support
+from pictures import Part, exr_attribute, read_exr, write_parts, write_planes, write_png, write_rows, Picture
+
+WIDTH, HEIGHT = 16, 12
+INFINITY = float("inf")
+
+
+def string(name, text):
+    return exr_attribute(name, "string", text.encode())
+
+
+class Frames(support.TestCase):
+    """A white map under a camera inside it: T = exp(-sigma distance)."""
+
+    def setUp(self):
+        super().setUp()
+        write_rows(self.path("map.png"), [[255] * 40] * 40)
+        self.path("camera.json").write_text(json.dumps({"eye": [-100, 0, 5], "target": [0, 0, 5], "fov": 40}))
+        self.depths = [5 + 3 * (i % WIDTH) + i // WIDTH for i in range(WIDTH * HEIGHT)]
+        self.depths[7] = self.depths[40] = INFINITY
+        self.color = {name: [0.1 * (c + 1) + 0.002 * i for i in range(WIDTH * HEIGHT)] for c, name in enumerate("RGB")}
+        write_planes(self.path("color.exr"), WIDTH, HEIGHT, self.color)
+
+    def words(self, *more, color="color.exr", depth="depth.exr", out="x.exr"):
+        return ("fog", self.path("map.png"), "--color", self.path(color), "--depth", self.path(depth), "--camera",
+                self.path("camera.json"), "--origin=-200,-200,0", "--cell", "10", "--sigma-max", "0.02", "--fog-color",
+                "0.5,0.6,0.7", "-o", self.path(out), *more)
+
+    def plain(self, *more):
+        """The picture with the same depth as one float channel, whose kind is said."""
+        write_planes(self.path("plain.exr"), WIDTH, HEIGHT, {"Z": self.depths})
+        self.works(*self.words("--depth-kind", "z", *more, depth="plain.exr", out="plain_out.exr"))
+
+    def difference(self, a="x.exr", b="plain_out.exr"):
+        return self.works("compare", self.path(a), self.path(b), "--json").json["max_error"]
+
+    def assertAsPlain(self, *more, within=1e-6, **files):
+        done = self.works(*self.words(*more, **files))
+        self.assertLess(self.difference(), within)
+        return done.message
+
+    def sky(self, value):
+        return [value if math.isinf(depth) else depth for depth in self.depths]
+
+    def depth(self, planes, **more):
+        write_parts(self.path("depth.exr"), [Part(WIDTH, HEIGHT, planes, **more)])
+
+    def test_names_that_renderers_give_depth(self):
+        self.plain()
+        zero = [0.5] * (WIDTH * HEIGHT)
+        rgb = {name: zero for name in "RGB"}
+        vector = {f"ViewLayer.Normal.{axis}": zero for axis in "XYZ"}
+        blender = {f"ViewLayer.Combined.{c}": zero for c in "RGBA"}
+        for planes, more in (
+                ({"Z": self.depths}, {}),
+                ({"V": self.depths}, {}),
+                ({"Depth.V": self.sky(1e10)}, {}),
+                ({name: self.sky(1e10) for name in "RGB"}, {"more": string("Software", "Blender 4.2")}),
+                (blender | vector | {"ViewLayer.Depth.Z": self.sky(1e10), "ViewLayer.Mist.Z": zero, "ViewLayer.Denoising Depth.Z": zero},
+                 {"more": string("BlenderMultiChannel", "Blender V2.55.1 and newer")}),
+                (rgb | {"A": zero, "Z": self.sky(1e30)}, {}),  # Arnold, V-Ray, RenderMan
+                (rgb | {"A": zero, "depth.Z": self.sky(0)}, {}),  # Nuke
+                (rgb | {"C.R": zero, "C.G": zero, "C.B": zero, "Pz": self.sky(0), "P.X": zero, "P.Y": zero, "P.Z": zero}, {}),  # Karma
+                (rgb | {f"CryptoObject00.{c}": zero for c in "RGBA"} | {"Depth.Z": self.sky(3.4e38)}, {})):
+            with self.subTest(sorted(planes)):
+                self.depth(planes, **more)
+                message = self.assertAsPlain()
+                self.assertIn("5 to 61 m along the view axis", message)
+                self.assertIn("1.04 % sky", message)
+
+    def test_what_cannot_be_known_is_asked_for(self):
+        zero = [1.0] * (WIDTH * HEIGHT)
+        self.depth({"Z": self.depths})
+        self.assertIn("does not say whether depths are along the view axis", self.works(*self.words()).message)
+        self.assertNotIn("does not say", self.works(*self.words("--depth-kind", "ray")).message)
+        self.depth({"A.Depth.Z": self.depths, "B.Depth.Z": zero})
+        self.assertIn("A.Depth.Z, B.Depth.Z", self.fails(1, *self.words()))
+        self.plain()
+        self.assertAsPlain("--depth-channel", "A.Depth.Z")
+        self.assertIn("has no channel 'C'", self.fails(1, *self.words("--depth-channel", "C")))
+        self.depth({"N.X": zero, "N.Y": zero, "N.Z": zero})
+        self.assertIn("N.X, N.Y, N.Z", self.fails(1, *self.words()))
+        self.depth({"R": self.depths, "G": zero, "B": self.depths})
+        self.assertIn("R, G and B are not the same", self.fails(1, *self.words()))
+
+    def test_units(self):
+        self.plain()
+        centimetres = [100 * depth for depth in self.depths]
+        self.depth({"FinalImageMovieRenderQueue_WorldDepth.R": centimetres})
+        self.assertIn("centimetres, 0.01", self.fails(1, *self.words()))
+        self.assertAsPlain("--depth-scale", "0.01")
+        self.depth({"Z": [depth / 1000 for depth in self.depths]})
+        self.assertIn("within 0.061 m of the eye", self.works(*self.words()).message)
+        self.assertAsPlain("--depth-scale", "1000", within=1e-5)
+
+    def test_half_floats_within_their_rounding(self):
+        self.plain()
+        for sky in (INFINITY, 65504.0):
+            self.depth({"Z": self.sky(sky)}, half=("Z",))
+            self.assertAsPlain(within=0.02 * 61 * 2 ** -11)
+
+    def test_distances_from_the_eye(self):
+        pixel = 2 * math.tan(math.radians(20)) / HEIGHT
+        along = [depth * math.hypot(1, (i % WIDTH + 0.5 - WIDTH / 2) * pixel, (i // WIDTH + 0.5 - HEIGHT / 2) * pixel)
+                 for i, depth in enumerate(self.depths)]
+        self.plain()
+        self.depth({"distance.Y": along})
+        self.assertAsPlain()
+        self.depth({"Z": along})
+        self.assertAsPlain("--depth-kind", "ray")
+
+    def test_pictures_of_depth_need_a_scale(self):
+        self.plain()
+        rows = [[round(10 * self.depths[y * WIDTH + x]) if self.depths[y * WIDTH + x] < 1e9 else 0 for x in range(WIDTH)] for y in range(HEIGHT)]
+        write_rows(self.path("depth.png"), rows, 16)
+        message = self.fails(1, *self.words(depth="depth.png"))
+        self.assertIn("a .png has no metres", message)
+        self.assertAsPlain("--depth-scale", "0.1", depth="depth.png")
+        write_rows(self.path("depth.png"), [sum(([x, x, 9] for x in row), []) for row in rows], 16, channels=3)
+        self.assertIn("in colours", self.fails(1, *self.words("--depth-scale", "1", depth="depth.png")))
+
+    def test_layers_and_parts(self):
+        self.plain()
+        other = [9.0] * (WIDTH * HEIGHT)
+        layers = {f"ViewLayer.Combined.{c}": self.color[c] for c in "RGB"} | {f"ViewLayer.DiffCol.{c}": other for c in "RGB"}
+        self.depth(layers | {"ViewLayer.Depth.Z": self.sky(1e10)})
+        self.assertAsPlain(color="depth.exr")
+        self.depth(layers | {f"Composite.Combined.{c}": other for c in "RGB"} | {"ViewLayer.Depth.Z": self.sky(1e10)})
+        self.assertAsPlain("--color-layer", "ViewLayer.Combined", color="depth.exr")
+        write_parts(self.path("depth.exr"), [Part(WIDTH, HEIGHT, {"R": other, "G": other, "B": other}, "albedo"),
+                                             Part(WIDTH, HEIGHT, self.color, "rgba"),
+                                             Part(WIDTH, HEIGHT, {"Z": self.depths}, "depth")])
+        self.assertAsPlain(color="depth.exr")
+        self.depth({f"{name}.{c}": other for name in ("left", "right") for c in "RGB"})
+        self.assertIn("has the layers left, right", self.fails(1, *self.words(color="depth.exr")))
+        self.assertIn("no layer 'x'", self.fails(1, *self.words("--color-layer", "x", color="depth.exr")))
+
+    def test_depth_outside_its_data_window_is_sky(self):
+        self.depths = [INFINITY if y < 2 or x > 12 else self.depths[y * WIDTH + x] for y in range(HEIGHT) for x in range(WIDTH)]
+        self.plain()
+        some = [self.depths[y * WIDTH + x] for y in range(2, HEIGHT) for x in range(13)]
+        write_parts(self.path("depth.exr"), [Part(13, HEIGHT - 2, {"Z": some}, data=(0, 2, 12, HEIGHT - 1), display=(0, 0, WIDTH - 1, HEIGHT - 1))])
+        self.assertIn("% sky", self.assertAsPlain())
+
+    def header(self, name):
+        data = self.path(name).read_bytes()
+        found, at = {}, 8
+        while data[at]:
+            key, _, rest = data[at:].partition(b"\0")
+            kind, _, rest = rest.partition(b"\0")
+            (size,) = struct.unpack_from("<i", rest)
+            found[key.decode()] = rest[4:4 + size]
+            at += len(key) + len(kind) + 6 + size
+        return found
+
+    def test_alpha_windows_aspect_and_attributes_stay(self):
+        wide, high = WIDTH + 8, HEIGHT + 8
+        window, display = (-4, -4, WIDTH + 3, HEIGHT + 3), (0, 0, WIDTH - 1, HEIGHT - 1)
+        planes = {name: [0.2] * (wide * high) for name in "RGB"} | {"A": [0.5] * (wide * high)}
+        depth = [20.0] * (wide * high)
+        write_parts(self.path("color.exr"), [Part(wide, high, planes, data=window, display=display, aspect=2.0, more=string("owner", "me"))])
+        write_parts(self.path("depth.exr"), [Part(wide, high, {"Z": depth}, data=window, display=display, aspect=2.0)])
+        self.works(*self.words("--depth-kind", "z"))
+        header = self.header("x.exr")
+        self.assertEqual(struct.unpack("<4i", header["dataWindow"]), window)
+        self.assertEqual(struct.unpack("<4i", header["displayWindow"]), display)
+        self.assertEqual(struct.unpack("<f", header["pixelAspectRatio"]), (2.0,))
+        self.assertEqual(header["owner"], b"me")
+        self.assertIn(b"A\0", header["channels"])
+        # A pixel is 2 wide: the corner's ray, and fog over a half transparent frame.
+        pixel = 2 * math.tan(math.radians(20)) / HEIGHT
+        stretch = math.hypot(1, 2 * (0.5 - WIDTH / 2) * pixel, (0.5 - HEIGHT / 2) * pixel)
+        passed = math.exp(-0.02 * 20 * stretch)
+        write_parts(self.path("flat.exr"), [Part(wide, high, {name: planes[name] for name in "RGB"}, data=window, display=display, aspect=2.0)])
+        self.works(*self.words("--depth-kind", "z", "--fog-color", "0,0,0", color="flat.exr", out="dark.exr"))
+        self.assertAlmostEqual(read_exr(self.path("dark.exr")).at(4, 4), 0.2 * passed, delta=2e-6)
+        self.assertIn("does not keep pixels outside the display window", self.works(*self.words(out="x.png")).message)
+        self.depth({"Z": [20.0] * (WIDTH * HEIGHT)})
+        self.assertIn("cut off", self.works(*self.words()).message)
+        self.assertEqual(struct.unpack("<4i", self.header("x.exr")["dataWindow"]), display)
+
+    def test_the_fog_alone_is_a_layer(self):
+        self.depth({"Z": self.depths})
+        self.works(*self.words("--edges", "hard"))
+        foggy = read_exr(self.path("x.exr"))
+        self.works(*self.words("--edges", "hard", "--fog-only", out="layer.png"))
+        self.works(*self.words("--edges", "hard", "--fog-color", "1,1,1", "--fog-only"))
+        self.assertIn(b"A\0", self.header("x.exr")["channels"])
+        write_planes(self.path("color.exr"), WIDTH, HEIGHT, {name: [0.0] * (WIDTH * HEIGHT) for name in "RGB"})
+        self.works(*self.words("--edges", "hard", out="dark.exr"))
+        dark = read_exr(self.path("dark.exr"))
+        for i in range(WIDTH * HEIGHT):
+            for c, fog in enumerate((0.5, 0.6, 0.7)):  # the layer's alpha is its light / the colour of thick fog
+                alpha = dark.values[3 * i + c] / fog
+                self.assertAlmostEqual(self.color["RGB"[c]][i] * (1 - alpha) + dark.values[3 * i + c], foggy.values[3 * i + c], delta=3e-6)
+
+    def test_edges_stay_soft(self):
+        """A near dark surface before a far bright one, whose slanted border is antialiased."""
+        across, n = 8, 4
+
+        def covered(x, y, side):  # the near surface's share of a pixel
+            inside = sum((x + (i + 0.5) / side) + 0.37 * (y + (j + 0.5) / side) < 9.3 for i in range(side) for j in range(side))
+            return inside / side ** 2
+
+        self.path("camera.json").write_text(json.dumps({"eye": [-100, 0, 5], "target": [0, 0, 5], "ortho": 2}))
+        near, far, sigma, fog = 10.0, 80.0, 0.02, 0.6
+        shares = [covered(x, y, across) for y in range(HEIGHT) for x in range(WIDTH)]
+        shades = [0.1 * share + 0.9 * (1 - share) for share in shares]
+        write_planes(self.path("color.exr"), WIDTH, HEIGHT, {name: shades for name in "RGB"})
+        self.depth({"Z": [near if covered(x, y, 1) else far for y in range(HEIGHT) for x in range(WIDTH)]})
+        fine = [near if (x + 0.5) / n + 0.37 * (y + 0.5) / n < 9.3 else far for y in range(n * HEIGHT) for x in range(n * WIDTH)]
+        write_planes(self.path("fine.exr"), n * WIDTH, n * HEIGHT, {"Z": fine})
+        seen = lambda light, distance: light * math.exp(-sigma * distance) + fog * (1 - math.exp(-sigma * distance))
+        ends = seen(0.1, near), seen(0.9, far)
+        truth = [share * ends[0] + (1 - share) * ends[1] for share in shares]
+
+        def off(*more, depth):
+            """How far the border is from where it is, in pixels, at most: of a row's sum."""
+            self.works(*self.words("--fog-color", f"{fog},{fog},{fog}", *more, depth=depth))
+            picture = read_exr(self.path("x.exr"))
+            rows = [sum(picture.at(x, y) - truth[y * WIDTH + x] for x in range(WIDTH)) / (ends[0] - ends[1]) for y in range(2, HEIGHT - 2)]
+            return max(abs(row) for row in rows)
+
+        self.assertGreater(off("--edges", "hard", depth="depth.exr"), 0.1)
+        self.assertLess(off(depth="depth.exr"), 0.05)
+        self.assertLess(off(depth="fine.exr"), 0.05)
+
+    def test_visible_pictures_are_dithered(self):
+        wide = 480
+        self.path("camera.json").write_text(json.dumps({"eye": [-100, 0, 5], "target": [0, 0, 5], "ortho": 2}))
+        write_planes(self.path("color.exr"), wide, 8, {name: [0.0] * (wide * 8) for name in "RGB"})
+        write_planes(self.path("depth.exr"), wide, 8, {"Z": [0.1 + 40 * x / wide for y in range(8) for x in range(wide)]})
+        self.works(*self.words("--fog-color", "0.012,0.012,0.012", out="x.png"))
+        self.works(*self.words("--fog-color", "0.012,0.012,0.012", out="x.exr"))
+        smooth = read_exr(self.path("x.exr"))
+        write_png(self.path("rounded.png"), Picture(wide, 8, 3, smooth.values))
+        self.assertGreater(self.difference("x.png", "rounded.png"), 0)
+
+
+if __name__ == "__main__":
+    support.main()
