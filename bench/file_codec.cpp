@@ -16,7 +16,7 @@ class VoluteCodec final : public FileCodec {
                        const std::filesystem::path& folder) const override {
     SequenceSource source(sequence);
     CompressOptions options;
-    options.target = {ErrorTarget::Kind::kRms, setting};
+    options.target = {ErrorTarget::Kind::kRmsOverAll, setting};
     Progress quiet;
     VOLUTE_TRY(compress(source, file(folder), options, quiet));
     return 1.0f;

@@ -95,11 +95,12 @@ volute_status volute_file_read(const volute_file* file, int32_t frame, const int
  * Called from one thread at a time, more than once per frame, and in any order. */
 typedef int (*volute_frame_function)(void* user, int32_t frame, float* values, size_t count);
 
-#define VOLUTE_RMS 0       /* relative RMS error, of (max - min), at most this */
-#define VOLUTE_PSNR 1      /* [dB], at least this */
-#define VOLUTE_RATIO 2     /* raw float32 bytes / file bytes, at least this */
-#define VOLUTE_SIZE 3      /* [bytes], at most this */
-#define VOLUTE_MAX_ERROR 4 /* absolute error of every value, at most this */
+#define VOLUTE_RMS 0          /* RMS error of voxels that are not 0, of their range, at most this */
+#define VOLUTE_PSNR 1         /* [dB] over all voxels, at least this */
+#define VOLUTE_RATIO 2        /* raw float32 bytes / file bytes, at least this */
+#define VOLUTE_SIZE 3         /* [bytes], at most this */
+#define VOLUTE_MAX_ERROR 4    /* absolute error of every value, at most this */
+#define VOLUTE_RMS_OVER_ALL 5 /* RMS error of all voxels, of (max - min), at most this */
 
 /* Writes a .volute file, which appears only when complete. `info` describes the data (max_error is
  * ignored; if all bounds are 0, voxels are cubic, with 1 m for the longest side). `times` [s],

@@ -315,8 +315,9 @@ py::dict compressFrames(const py::object& frames, const Shape& shape,
                         const py::object& listener) {
   using namespace py::literals;
   using Kind = ErrorTarget::Kind;
-  constexpr std::array<std::pair<std::string_view, Kind>, 5> kKinds{
+  constexpr std::array<std::pair<std::string_view, Kind>, 6> kKinds{
       {{"rms", Kind::kRms},
+       {"rms_over_all", Kind::kRmsOverAll},
        {"psnr", Kind::kPsnr},
        {"ratio", Kind::kRatio},
        {"size", Kind::kSize},
@@ -342,7 +343,8 @@ py::dict compressFrames(const py::object& frames, const Shape& shape,
   const CompressReport report =
       run(progress, [&](Progress& heard) { return compress(rounded, path, options, heard); });
   return py::dict("raw_bytes"_a = report.rawBytes, "file_bytes"_a = report.fileBytes,
-                  "rms"_a = report.relativeRms, "max_error"_a = report.maxError,
+                  "rms"_a = report.relativeRms, "support_rms"_a = report.support.rms,
+                  "support_share"_a = report.support.share, "max_error"_a = report.maxError,
                   "value_range"_a = py::make_tuple(report.valueMin, report.valueMax),
                   "seconds"_a = report.seconds);
 }

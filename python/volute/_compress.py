@@ -18,7 +18,9 @@ class Compressed:
     path: str
     raw_bytes: int  #: of the values as float32
     file_bytes: int
-    rms: float  #: relative RMS error that was reached, measured on what was written
+    rms: float  #: relative RMS error over all voxels that was reached, measured on what was written
+    support_rms: float  #: the same over voxels that are not 0, of their range
+    support_share: float  #: of such voxels in all
     max_error: float  #: no value differs more
     value_range: tuple  #: (minimum, maximum) of the original
     seconds: float
@@ -36,7 +38,7 @@ class Compressed:
                 f"at most {self.max_error:.3g}; {self.seconds:.2f} s>")
 
 
-def compress(frames, path, *, rms=None, psnr=None, ratio=None, size=None, max_error=None, bounds=None, times=None,
+def compress(frames, path, *, rms=None, rms_over="support", psnr=None, ratio=None, size=None, max_error=None, bounds=None, times=None,
              frame_numbers=None, name=None, unit=None, basis=None, wavelet="auto", fast=False, provenance="",
              max_memory=4 << 30, progress=None):
     """Compresses a sequence of volumes into the .volute file `path`, which appears only when complete.
@@ -48,8 +50,9 @@ def compress(frames, path, *, rms=None, psnr=None, ratio=None, size=None, max_er
         Values become float32. The rounding of float64 and of large integers counts in the errors; a target that it alone misses is
         refused. NaN, infinities and masked values are refused.
     One of:
-        rms: relative RMS error at most this, of (max - min) of the whole [default 0.003]
-        psnr: at least [dB]; ratio: float32 bytes / file bytes at least; size: at most [bytes];
+        rms: relative RMS error at most this [default 0.003], over voxels that are not 0 and of their range (rms_over="support"),
+            or over all voxels and of (max - min) of the whole (rms_over="all")
+        psnr: over all voxels, at least [dB]; ratio: float32 bytes / file bytes at least; size: at most [bytes];
         max_error: absolute error of every value at most [unit of the values]
     bounds: ((x0, y0, z0), (x1, y1, z1)), the outer voxel faces [m]; default: cubic voxels, the longest side 1 m
     times: when each frame is shown [s], ascending; default: 25 per second from 0
@@ -68,6 +71,10 @@ def compress(frames, path, *, rms=None, psnr=None, ratio=None, size=None, max_er
     if len(targets) > 1:
         raise ValueError(f"{' and '.join(targets)} exclude each other; give one of them")
     (target, value), = (targets or {"rms": 3e-3}).items()
+    if rms_over not in ("support", "all"):
+        raise ValueError(f"rms_over={rms_over!r}: expected 'support' or 'all'")
+    if target == "rms" and rms_over == "all":
+        target = "rms_over_all"
     value = number(target, value, " of bytes, as 500_000" if target == "size" else "")
     if not (value > 0 and np.isfinite(value)):
         raise ValueError(f"{target}={value!r}: expected a number above 0")

@@ -190,7 +190,8 @@ Result<VolumeInfo> volumeOf(const char* function, const volute_info& said, const
 
 Status compressFrames(const char* function, const char* path, FrameSource& frames, int target,
                       double value) {
-  if (target < VOLUTE_RMS || target > VOLUTE_MAX_ERROR || !(value > 0) || !std::isfinite(value)) {
+  if (target < VOLUTE_RMS || target > VOLUTE_RMS_OVER_ALL || !(value > 0) ||
+      !std::isfinite(value)) {
     return fail(
         ErrorCode::kInvalidArgument,
         "{}: target {} of {}; expected VOLUTE_RMS, _PSNR, _RATIO, _SIZE or _MAX_ERROR, and a "
@@ -198,7 +199,8 @@ Status compressFrames(const char* function, const char* path, FrameSource& frame
         function, target, value);
   }
   using Kind = ErrorTarget::Kind;
-  constexpr Kind kKinds[] = {Kind::kRms, Kind::kPsnr, Kind::kRatio, Kind::kSize, Kind::kMaxError};
+  constexpr Kind kKinds[] = {Kind::kRms,  Kind::kPsnr,     Kind::kRatio,
+                             Kind::kSize, Kind::kMaxError, Kind::kRmsOverAll};
   CompressOptions options;
   options.target = {kKinds[target], value};
   Progress quiet;

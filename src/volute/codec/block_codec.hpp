@@ -29,6 +29,16 @@ struct BlockShape {
   int levels() const;
 };
 
+/// What a voxel of a block is beside its value.
+enum class VoxelState : std::uint8_t {
+  kEmpty,   ///< the background, or in a tile
+  kActive,  ///< as the source says
+  kValued,  ///< not active, and not equal to the background
+};
+
+/// Of all voxels of a block, shape (t, z, y, x).
+using BlockStates = std::vector<VoxelState>;
+
 /// What a file says of its values beside the parameters of its codec.
 struct StreamInfo {
   int channels = 1;
@@ -53,19 +63,27 @@ class BlockDecoder {
   /// Fills `values` from the first tiers of a block; tiers that are not given, and levels from
   /// `levels` on, count as zero, and the values may then leave the range of the original. Safe on
   /// any bytes: kInvalidData, in a message that wants a subject, or finite values.
+  /// @param states  filled with what the voxels are, where it is not null; of a codec without
+  /// topology all are active, but for those of a block without bytes
   [[nodiscard]] virtual Status decode(Tiers tiers, int levels, const BlockShape& shape,
-                                      std::span<float> values) const = 0;
+                                      std::span<float> values,
+                                      BlockStates* states = nullptr) const = 0;
+
+  /// What voxels are that no block says anything of.
+  virtual std::array<float, 3> background() const = 0;
 
   /// How the block is coded, in a few words: "empty", "shaped cdf53, 4 time levels".
   [[nodiscard]] virtual Result<std::string> describe(Tiers tiers,
                                                      const BlockShape& shape) const = 0;
 };
 
-inline constexpr std::uint32_t kWaveletCodec = 2;  ///< its number in files; 1 was never released
+// Numbers of codecs in files; 1 was never released.
+inline constexpr std::uint32_t kWaveletCodec = 2;
+inline constexpr std::uint32_t kSparseCodec = 3;  ///< the same with topology
 
 /// Wavelets on a support and context modelling (docs/format.md, section 8).
 /// @param parameters  as the file keeps them; impossible ones are kInvalidData.
 [[nodiscard]] Result<std::shared_ptr<const BlockDecoder>> openWaveletDecoder(
-    std::span<const std::byte> parameters, const StreamInfo& stream);
+    std::uint32_t codec, std::span<const std::byte> parameters, const StreamInfo& stream);
 
 }  // namespace volute

@@ -191,22 +191,65 @@ std::vector<std::uint8_t> supportOf(std::span<const float> values, const BlockSh
   return support;
 }
 
+/// What of a block is coded by coefficients.
+struct CodedPart {
+  std::vector<float> values;          ///< without outliers
+  std::vector<std::uint8_t> support;  ///< voxels that coefficients are needed for
+  bool full = false;                  ///< all of them
+  std::vector<Outlier> outliers;
+};
+
+/// @param states  empty for codec 2, whose support is what is not zero
+CodedPart codedPart(std::span<const float> values, const BlockShape& shape,
+                    std::span<const VoxelState> states, const WaveletParameters& parameters) {
+  CodedPart part;
+  part.values.assign(values.begin(), values.end());
+  const auto channels = static_cast<std::size_t>(shape.channels);
+  if (states.empty()) {
+    part.support = supportOf(values, shape);
+  } else {
+    part.support.resize(states.size());
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (!isCoded(states[i], parameters))
+        continue;
+      part.support[i] = 1;
+      bool apart = false;
+      for (std::size_t c = 0; c < channels; ++c) {
+        float& value = part.values[i * channels + c];
+        const float kept = std::clamp(value, parameters.outlierLow, parameters.outlierHigh);
+        apart = apart || kept != value;
+        value = kept;
+      }
+      if (!apart)
+        continue;
+      Outlier& outlier = part.outliers.emplace_back(Outlier{static_cast<std::uint32_t>(i)});
+      std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i * channels), channels,
+                  outlier.value.begin());
+    }
+  }
+  part.full = std::ranges::find(part.support, 0) == part.support.end();
+  return part;
+}
+
 /// A block in one mode: its coefficients, and the way they are put into bits.
 class BlockWriting {
  public:
   /// @param keeps  whether planes() will be asked for what was quantised.
   BlockWriting(const WaveletParameters& parameters, std::span<const float> components,
-               std::span<const std::uint8_t> support, const BlockShape& shape,
-               const BlockMode& mode, bool keeps)
+               const CodedPart& part, const BlockShape& shape, const BlockMode& mode, bool keeps)
       : parameters_(parameters),
         keeps_(keeps),
+        full_(part.full),
         quantiser_(parameters),
         shape_(shape),
         mode_(mode),
         planes_(components.begin(), components.end()),
         contexts_(parameters.contexts) {
-    if (mode.shaped)
-      support_.assign(support.begin(), support.end());
+    if (mode.shaped) {
+      support_ = part.support;
+      if (parameters.sparse)
+        clearOutside();
+    }
     const AxisLevels levels = blockLevels(shape.extents, mode.timeLevels);
     for (int c = 0; c < shape.channels; ++c)
       shapeForward(plane(c), support_, shape.extents, mode.wavelet, levels);
@@ -242,6 +285,13 @@ class BlockWriting {
     return std::span(planes_).subspan(c * shape_.voxels(), shape_.voxels());
   }
 
+  void clearOutside() {
+    for (std::size_t i = 0; i < planes_.size(); ++i) {
+      if (support_[i % support_.size()] == 0)
+        planes_[i] = 0;
+    }
+  }
+
   bool hasAny(const CellLevel& level, const float* plane) const;
 
   template <class Bits>
@@ -263,6 +313,7 @@ class BlockWriting {
 
   const WaveletParameters& parameters_;
   bool keeps_;
+  bool full_;
   int inStepsOf_ = -1;
   std::array<double, 16> inSteps_{};
   CellQuantiser quantiser_;
@@ -335,8 +386,8 @@ inline void BlockWriting::settle(float& coefficient, double norm, double size, s
 
 template <class Bits>
 void BlockWriting::codeHead(Bits& bits) {
-  codeMode(bits, mode_);
-  if (mode_.shaped)
+  codeMode(bits, mode_, parameters_.sparse && full_);
+  if (mode_.shaped && !parameters_.sparse)
     codeSupport(bits, shape_.extents, support_);
   walk_->scaling([&](int c, std::ptrdiff_t position, double norm) {
     float& value = plane(c)[position];
@@ -447,9 +498,12 @@ std::vector<std::int32_t> correctionsOf(std::span<const float> values, std::span
 // Codes what the coefficients left too far from the values; says whether there was anything.
 bool codeCorrectionsOf(WriteBits& bits, BlockWriting& block, const BlockShape& shape,
                        const BlockMode& mode, std::span<const float> values,
+                       std::span<const VoxelState> states, std::span<const Outlier> outliers,
                        const WaveletParameters& parameters, const StreamInfo& stream) {
   std::vector<float> shown(values.size());
   reconstruct(block.planes(), block.support(), mode, shape, parameters, stream, false, shown);
+  if (parameters.sparse)
+    applyStates(states, outliers, parameters, stream, shown);
   auto corrections = correctionsOf(values, shown, parameters);
   const bool any = std::ranges::any_of(corrections, [](std::int32_t c) { return c != 0; });
   bits.bit(context::kEnd, any);
@@ -483,18 +537,22 @@ void Training::apply(WaveletParameters& parameters) const {
 
 std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
                                               const BlockShape& shape,
+                                              std::span<const VoxelState> states,
                                               std::span<const BlockMode> candidates,
                                               std::span<const BlockMode> starts) const {
-  VOLUTE_ASSERT(!candidates.empty());
+  VOLUTE_ASSERT(!candidates.empty() && parameters_.sparse == !states.empty());
   // What leaving it out costs.
   const double nothing = std::min(stream_.valueMax, std::max(stream_.valueMin, 0.0f));
   const double step = parameters_.step * parameters_.unit();
   double leftOut = 0;
   double greatest = 0;
-  for (float value : values) {
-    const double error = (value - nothing) / step;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (parameters_.sparse &&
+        !isCoded(states[i / static_cast<std::size_t>(shape.channels)], parameters_))
+      continue;
+    const double error = (values[i] - nothing) / step;
     leftOut += error * error;
-    greatest = std::max(greatest, std::abs(value - nothing));
+    greatest = std::max(greatest, std::abs(values[i] - nothing));
   }
   if (parameters_.maxError > 0 && greatest > parameters_.maxError)
     leftOut = std::numeric_limits<double>::infinity();
@@ -502,11 +560,10 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
     return std::nullopt;  // left out, the block is exact
   if (candidates.size() == 1)
     return candidates.front();
-  const auto components = parameters_.color.split(values, shape.channels, parameters_.unit());
-  const auto support = supportOf(values, shape);
-  const bool full = std::ranges::find(support, 0) == support.end();
+  const CodedPart part = codedPart(values, shape, states, parameters_);
+  const auto components = parameters_.color.split(part.values, shape.channels, parameters_.unit());
   const auto costOf = [&](const BlockMode& mode) {
-    BlockWriting block(parameters_, components, support, shape, mode, false);
+    BlockWriting block(parameters_, components, part, shape, mode, false);
     PriceBits bits{block.contexts()};
     for (std::size_t tier = 0; tier < kWaveletTiers.size(); ++tier) {
       if (block.hasAny(tier))
@@ -517,7 +574,7 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
     return block.squaredError() + kLambda / kUnit * static_cast<double>(bits.price);
   };
   ModeSearch search(
-      candidates, [&](const BlockMode& mode) { return simplest(mode, shape, full); }, costOf);
+      candidates, [&](const BlockMode& mode) { return simplest(mode, shape, part.full); }, costOf);
   for (const BlockMode& mode : starts) search.tryMode(mode);
   if (starts.empty())
     search.tryAll();
@@ -527,24 +584,45 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
 
 std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> values,
                                                          const BlockShape& shape,
+                                                         std::span<const VoxelState> states,
                                                          const std::optional<BlockMode>& mode,
                                                          Training& training) const {
-  VOLUTE_ASSERT(values.size() == shape.values());
+  VOLUTE_ASSERT(values.size() == shape.values() && parameters_.sparse == !states.empty());
   std::vector<std::vector<std::byte>> tiers(kWaveletTiers.size());
-  if (!mode)
+  BlockStates topology(states.begin(), states.end());
+  std::vector<std::uint8_t> room;
+  if (!mode) {
+    if (!parameters_.sparse)
+      return tiers;
+    Contexts contexts(parameters_.contexts);
+    WriteBits bits{contexts, training};
+    codeStates(bits, shape.extents, std::span(topology), room);
+    bits.bit(context::kCoded, false);
+    tiers[0] = bits.out.finish();
+    if (tiers[0].empty())
+      tiers[0].push_back(std::byte{0});
     return tiers;
-  const auto components = parameters_.color.split(values, shape.channels, parameters_.unit());
-  BlockWriting block(parameters_, components, supportOf(values, shape), shape, *mode,
+  }
+  CodedPart part = codedPart(values, shape, states, parameters_);
+  const auto components = parameters_.color.split(part.values, shape.channels, parameters_.unit());
+  const BlockMode simple = simplest(*mode, shape, part.full && parameters_.sparse);
+  BlockWriting block(parameters_, components, part, shape, parameters_.sparse ? simple : *mode,
                      parameters_.maxError > 0);
   for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
     const bool last = tier + 1 == tiers.size();
     const bool corrects = last && parameters_.maxError > 0;
     WriteBits bits{block.contexts(), training};
+    if (tier == 0 && parameters_.sparse) {
+      codeStates(bits, shape.extents, std::span(topology), room);
+      bits.bit(context::kCoded, true);
+      codeOutliers(bits, shape, part.outliers);
+    }
     bool any = block.hasAny(tier);
     if (any || corrects)
       block.code(bits, tier, &training);
     if (corrects)
-      any |= codeCorrectionsOf(bits, block, shape, *mode, values, parameters_, stream_);
+      any |= codeCorrectionsOf(bits, block, shape, parameters_.sparse ? simple : *mode, values,
+                               states, part.outliers, parameters_, stream_);
     if (!any) {
       if (!last)
         block.skip(tier);

@@ -35,12 +35,16 @@ class BlockEncoder {
   /// a bit is worth at this quantisation step; none when leaving the block out costs less still.
   /// @param starts  the first ones to be tried; from the best of them on only what is beside it,
   ///                as ModeSearch::descend() does. Without any, all candidates are.
+  /// @param states  what its voxels are; of codec 3 alone, and not empty there
   std::optional<BlockMode> choose(std::span<const float> values, const BlockShape& shape,
+                                  std::span<const VoxelState> states,
                                   std::span<const BlockMode> candidates,
                                   std::span<const BlockMode> starts = {}) const;
 
-  /// The tiers of a block; all empty without a mode. Adds to `training` what is in them.
+  /// The tiers of a block; all empty without a mode, but for the topology. Adds to `training` what
+  /// is in them.
   std::vector<std::vector<std::byte>> encode(std::span<const float> values, const BlockShape& shape,
+                                             std::span<const VoxelState> states,
                                              const std::optional<BlockMode>& mode,
                                              Training& training) const;
 

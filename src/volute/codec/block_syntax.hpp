@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -15,9 +17,10 @@
 
 namespace volute {
 
+/// @param full  all voxels are coded, so that none can be left out of a support
 template <class Bits>
-void codeMode(Bits& bits, BlockMode& mode) {
-  mode.shaped = bits.bit(context::kShaped, mode.shaped);
+void codeMode(Bits& bits, BlockMode& mode, bool full = false) {
+  mode.shaped = !full && bits.bit(context::kShaped, mode.shaped);
   if (!bits.bit(context::kWavelet, mode.wavelet != Wavelet::kCdf97)) {
     mode.wavelet = Wavelet::kCdf97;
   } else {
@@ -103,6 +106,82 @@ class SupportCoder {
 template <class Bits>
 void codeSupport(Bits& bits, const BlockGrid::Index4& extents, std::span<std::uint8_t> support) {
   SupportCoder<Bits>(bits, extents, support).run();
+}
+
+/// Codes what the voxels of a block are: which are active, and which of the others hold something.
+template <class Bits>
+void codeStates(Bits& bits, const BlockGrid::Index4& extents, std::span<VoxelState> states,
+                std::vector<std::uint8_t>& room) {
+  const bool full =
+      std::ranges::all_of(states, [](VoxelState state) { return state == VoxelState::kActive; });
+  if (bits.bit(context::kFull, full)) {
+    std::ranges::fill(states, VoxelState::kActive);
+    return;
+  }
+  room.resize(states.size());
+  bool any = false;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    room[i] = states[i] == VoxelState::kActive ? 1 : 0;
+    any = any || states[i] == VoxelState::kValued;
+  }
+  codeSupport(bits, extents, std::span(room));
+  any = bits.bit(context::kOther, any);
+  const std::array<std::size_t, 4> step{
+      static_cast<std::size_t>(extents[1]) * extents[2] * extents[3],
+      static_cast<std::size_t>(extents[2]) * extents[3], static_cast<std::size_t>(extents[3]), 1};
+  std::size_t at = 0;
+  BlockGrid::Index4 i{};
+  for (i[0] = 0; i[0] < extents[0]; ++i[0])
+    for (i[1] = 0; i[1] < extents[1]; ++i[1])
+      for (i[2] = 0; i[2] < extents[2]; ++i[2])
+        for (i[3] = 0; i[3] < extents[3]; ++i[3], ++at) {
+          if (room[at] != 0 || !any) {
+            states[at] = room[at] != 0 ? VoxelState::kActive : VoxelState::kEmpty;
+            continue;
+          }
+          unsigned neighbours = 0;
+          for (std::size_t axis = 0; axis < 4; ++axis)
+            neighbours =
+                3 * neighbours + (i[axis] > 0 ? static_cast<unsigned>(states[at - step[axis]]) : 0);
+          states[at] =
+              bits.bit(context::kOtherVoxel + neighbours, states[at] == VoxelState::kValued)
+                  ? VoxelState::kValued
+                  : VoxelState::kEmpty;
+        }
+}
+
+/// Codes them in the order of voxels, by lines of x.
+template <class Bits>
+void codeOutliers(Bits& bits, const BlockShape& shape, std::vector<Outlier>& outliers) {
+  if (!bits.bit(context::kOutliers, !outliers.empty()))
+    return;
+  const auto line = static_cast<std::uint32_t>(shape.extents[3]);
+  const auto voxels = static_cast<std::uint32_t>(shape.voxels());
+  std::vector<Outlier> all;
+  auto next = outliers.begin();
+  for (std::uint32_t begin = 0; begin < voxels; begin += line) {
+    const bool any = next != outliers.end() && next->voxel < begin + line;
+    if (!bits.bit(context::kOutliers + 1, any))
+      continue;
+    bool before = false;
+    for (std::uint32_t voxel = begin; voxel < begin + line; ++voxel) {
+      const bool is = next != outliers.end() && next->voxel == voxel;
+      before = bits.bit(context::kOutliers + (before ? 3u : 2u), is);
+      if (!before)
+        continue;
+      Outlier& one = all.emplace_back(Outlier{voxel});
+      for (int c = 0; c < shape.channels; ++c) {
+        const auto wanted =
+            is ? std::bit_cast<std::uint32_t>(next->value[static_cast<std::size_t>(c)]) : 0u;
+        std::uint32_t word = 0;
+        for (int i = 32; i-- > 0;) word = word << 1 | (bits.even((wanted >> i & 1) != 0) ? 1u : 0u);
+        one.value[static_cast<std::size_t>(c)] = std::bit_cast<float>(word);
+      }
+      if (is)
+        ++next;
+    }
+  }
+  outliers = std::move(all);
 }
 
 /// Whole numbers of corrections for the values of a block, most of them 0; by lines of x.

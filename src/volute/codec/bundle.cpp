@@ -68,6 +68,12 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
       return fail(ErrorCode::kInvalidArgument, "{}: grid '{}' has other frames than '{}'",
                   target.string(), grid.name, heads.front().info.name);
     }
+    if (!heads.empty() && head.header.codec != heads.front().header.codec) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: grid '{}' is of codec {} and '{}' of codec {}; expected one",
+                  target.string(), grid.name, head.header.codec, heads.front().info.name,
+                  heads.front().header.codec);
+    }
     parts.push_back({std::move(file), head.segments});
     heads.push_back(std::move(head));
   }
@@ -84,7 +90,7 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
       if (progress.cancelled())
         return fail(ErrorCode::kCancelled, "stopped: {} was not written", target.string());
       const std::size_t own = heads[i].decoder->tierLevels().size();
-      const std::size_t blocks = heads[i].segments.size() / own;
+      const std::size_t blocks = heads[i].blocks.size();
       if (tier < own)
         VOLUTE_TRY(copyTier(parts[i], tier * blocks, (tier + 1) * blocks, out.bytes()));
     }

@@ -14,6 +14,7 @@
 
 #include "volute/codec/compress.hpp"
 #include "volute/codec/volute_reader.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/sequence.hpp"
 
 namespace volute::testing {
@@ -84,6 +85,45 @@ inline Sequence plumes(int frames, int z, int y, int x, int channels = 1, float 
           }
   return sequence;
 }
+
+/// Frames with a topology of their own.
+class BrickFrames final : public FrameSource {
+ public:
+  BrickFrames(VolumeInfo info, std::vector<Bricks> frames)
+      : info_(std::move(info)), frames_(std::move(frames)) {
+    for (Bricks& frame : frames_) frame.sort();
+    info_.frames = static_cast<int>(frames_.size());
+    info_.frameNumbers.clear();
+    info_.times.clear();
+    info_.bounds = {};
+    info_.fillDefaults();
+  }
+
+  const VolumeInfo& info() const override { return info_; }
+
+  Status readFrame(int index, std::span<float> values) override {
+    frames_[static_cast<std::size_t>(index)].toDense({{0, 0, 0}, {info_.x, info_.y, info_.z}},
+                                                     values);
+    return {};
+  }
+
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    bricks = frames_[static_cast<std::size_t>(index)];
+    if (first > 0 || end < info_.z)
+      bricks.crop({{0, 0, first}, {info_.x, info_.y, end}});
+    return {};
+  }
+
+  std::uint64_t brickBytes() const override {
+    std::uint64_t most = 0;
+    for (const Bricks& frame : frames_) most = std::max(most, frame.bytes());
+    return most;
+  }
+
+ private:
+  VolumeInfo info_;
+  std::vector<Bricks> frames_;
+};
 
 inline Result<CompressReport> compressTo(const std::filesystem::path& path,
                                          const Sequence& sequence, ErrorTarget target,

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <mutex>
 #include <numeric>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "volute/base/checksum.hpp"
@@ -37,6 +40,10 @@ constexpr std::size_t kBatch = 64;
 constexpr std::uint64_t kBatchBytesAValue = 32;
 // A step this much finer than the one that modes were chosen for asks again about blocks left out.
 constexpr double kFinerStep = 0.75;
+
+// The first 16 bits of a value tell it to 1/128.
+constexpr unsigned kHistogramShift = 16;
+constexpr std::size_t kHistogramBins = std::size_t{1} << (32 - kHistogramShift);
 
 using Kind = ErrorTarget::Kind;
 
@@ -73,10 +80,25 @@ std::vector<BlockMode> modesToTry(const CompressOptions& options) {
   return modes;
 }
 
+// A block with less in it than this share of its voxels has a support in any mode worth having.
+constexpr double kSparseBlock = 0.5;
+// Steps less apart than this leave the modes of such blocks as they are.
+constexpr double kSameModes = 1.5;
+
+// Of a grid with more blocks than this to a row a part of them tells what all are like, and modes
+// are chosen once.
+constexpr std::size_t kManyBlocks = 2048;
+constexpr std::uint64_t kOneOf = 4;
+
+double shareOf(std::span<const VoxelState> states) {
+  const auto empty = std::ranges::count(states, VoxelState::kEmpty);
+  return 1 - static_cast<double>(empty) / static_cast<double>(states.size());
+}
+
 // Where the search among many modes begins: none, where all of few are tried. `before`: the mode
 // that the block had at another step.
 std::vector<BlockMode> modesToBeginWith(const CompressOptions& options,
-                                        const std::optional<BlockMode>& before) {
+                                        const std::optional<BlockMode>& before, bool sparse) {
   if (options.mode || options.fast)
     return {};
   const auto only = waveletByName(options.wavelet);
@@ -84,6 +106,8 @@ std::vector<BlockMode> modesToBeginWith(const CompressOptions& options,
     return BlockMode{shaped, only.value_or(wavelet), timeLevels};
   };
   // With both, fine steps and coarse ones are served, that lead to other modes.
+  if (sparse)
+    return {before.value_or(mode(true, Wavelet::kCdf53, 0)), mode(true, Wavelet::kCdf53, 2)};
   if (before)
     return {*before, mode(true, Wavelet::kCdf97, 0)};
   return {mode(false, Wavelet::kCdf53, 4), mode(false, Wavelet::kCdf53, 0),
@@ -107,9 +131,13 @@ class Compressor {
         row_(source),
         plan_(row_.grid(), layersAUnit),
         goal_(options.target, info_),
-        units_(plan_, row_.grid().count(), team) {
+        modes_(static_cast<std::size_t>(plan_.count())),
+        histogram_(kHistogramBins),
+        sampled_(row_.grid().rowCount() > kManyBlocks),
+        units_(plan_, team) {
     head_.info = info_;
-    head_.header.codec = kWaveletCodec;
+    parameters_.sparse = true;
+    head_.header.codec = kSparseCodec;
     head_.header.writtenBy = "volute " VOLUTE_VERSION;
     head_.header.provenance = options.provenance;
     head_.header.targetKind = nameOf(options.target.kind);
@@ -119,15 +147,25 @@ class Compressor {
   Result<CompressReport> run();
 
  private:
+  struct LayerMoments {
+    std::uint64_t layer = 0;
+    ColorMoments moments;
+  };
+
   // One way through all rows of blocks, or some of them.
   enum class Way { kLearn, kChoose, kEncode };
 
   Status survey();
+  Status surveyUnit(std::int64_t number);
+  Status shareSurvey();
+  Status shareTiles();
+  void settleRange();
+  std::vector<std::uint64_t> sampleOf(std::span<const std::uint64_t> blocks) const;
   Status encodeAll(double step, Way way);
   Status openStore();
   Status doUnit(std::int64_t number, Way way);
   Status encodeUnit(Way way, EncodedUnits::Unit& done, EncodedUnitRecord& record);
-  std::span<std::optional<BlockMode>> modesOf(std::int64_t unit);
+  std::vector<std::optional<BlockMode>>& modesOf(std::int64_t unit, std::size_t blocks);
   Status keep(const EncodedUnits::Unit& done, EncodedUnitRecord& record);
   Result<std::optional<EncodedUnitRecord>> recall(EncodedUnits::Unit& done);
   Status shareErrors();
@@ -135,12 +173,26 @@ class Compressor {
   Status shareModes();
   Status shareSegments();
   std::optional<BlockMode> chooseMode(std::size_t block, std::span<const float> values,
-                                      const BlockEncoder& encoder, bool near) const;
-  Result<EncodedBlock> encodeBlock(std::size_t block, Way way, Training& training);
+                                      std::span<const VoxelState> states,
+                                      const BlockEncoder& encoder,
+                                      const std::optional<BlockMode>& before) const;
+  Result<EncodedBlock> encodeBlock(std::size_t block, std::optional<BlockMode>& mode, Way way,
+                                   Training& training);
   Status checkCancelled() const;
   Status searchStep(double first);
   Status searchSmallest();
 
+  /// An RMS as a part of the range of all voxels, and of the support's.
+  double overAll(double rms) const {
+    return CompressionGoal::relative(rms, head_.header.valueMin, head_.header.valueMax);
+  }
+
+  double overSupport(double rms) const {
+    return CompressionGoal::relative(rms, support_.low, support_.high);
+  }
+
+  void noteErrors();
+  std::vector<FaintFrame> faintFrames() const;
   double betterStep() const;
   double outcomeOfTry() const;
   tl::unexpected<Error> unreachable() const;
@@ -163,10 +215,19 @@ class Compressor {
   FileHead head_;
   std::vector<std::byte> headBytes_;
   WaveletParameters parameters_;
-  Training training_;  // of the last way through
-  std::vector<std::optional<BlockMode>> modes_;
+  Training training_;                                         // of the last way through
+  std::vector<std::vector<std::optional<BlockMode>>> modes_;  // of each unit, of its blocks
+  BlockMode usualMode_;
+  std::vector<SupportFacts> facts_;       // of each frame
+  std::vector<std::uint64_t> histogram_;  // of the support's values, by their first bits
+  std::vector<LayerMoments> moments_;     // of the units that this rank surveyed
+  BlockRow::InactiveValue inactive_;
+  SupportError support_;
+  double supportVoxels_ = 0;   // of all frames
+  bool sampled_ = false;       // a part of the blocks tells what all are like
   bool chosenBefore_ = false;  // modes_ are those of another step, else a guess
   double chosenStep_ = 0;      // at which modes_ were chosen
+  bool stepsAlike_ = false;    // the same and that before
   QuantisationModel model_;
   std::optional<UnitStore> store_;  // of finished units, where that is asked for
   std::uint64_t content_ = 0;       // a digest of all values, for it
@@ -175,8 +236,9 @@ class Compressor {
   std::vector<LayerError> layers_;  // the same, of this rank
   std::uint64_t fileBytes_ = 0;     // as far as it was asked for
   CodingError error_;
-  double relativeRms_ = 0;  // of the last way through all blocks
-  double rounding_ = 0;     // of the values, roundingOf() the source
+  std::vector<double> frameSquares_;  // the squares of it, frame by frame
+  double relativeRms_ = 0;            // of the last way through all blocks
+  double rounding_ = 0;               // of the values, roundingOf() the source
   int tries_ = 0;
 };
 
@@ -187,18 +249,28 @@ Status Compressor::checkCancelled() const {
 }
 
 // Adds the coefficients of a block in a middling transform, each at the size it has in the values.
-void addCoefficients(std::span<const float> values, const BlockShape& shape,
-                     QuantisationModel& model) {
+void addCoefficients(std::span<const float> values, std::span<const VoxelState> states,
+                     const BlockShape& shape, QuantisationModel& model) {
   const AxisLevels levels = blockLevels(shape.extents, 4);
   std::vector<float> plane(shape.voxels());
+  std::vector<std::uint8_t> support(shape.voxels());
+  for (std::size_t i = 0; i < support.size(); ++i)
+    support[i] = states[i] == VoxelState::kEmpty ? 0 : 1;
+  if (std::ranges::find(support, 0) == support.end())
+    support.clear();
   for (int c = 0; c < shape.channels; ++c) {
-    for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = values[i * shape.channels + c];
-    shapeForward(plane, {}, shape.extents, Wavelet::kCdf53, levels);
+    for (std::size_t i = 0; i < plane.size(); ++i) {
+      plane[i] =
+          states[i] == VoxelState::kEmpty
+              ? 0
+              : values[i * static_cast<std::size_t>(shape.channels) + static_cast<std::size_t>(c)];
+    }
+    shapeForward(plane, support, shape.extents, Wavelet::kCdf53, levels);
     for (int stride = 0; stride < deepest(levels); ++stride) {
       const CellLevel level(shape.extents, levels, stride, Wavelet::kCdf53);
       CellMemory memory;
       codeLevel(
-          level, {}, nullptr, nullptr, memory,
+          level, support, nullptr, nullptr, memory,
           [&](std::ptrdiff_t position, std::uint16_t existing, const CellContext&, const auto&,
               const std::int32_t*) {
             for (unsigned left = existing; left != 0; left &= left - 1) {
@@ -211,139 +283,321 @@ void addCoefficients(std::span<const float> values, const BlockShape& shape,
   }
 }
 
-Status Compressor::survey() {
+// Floats in their order as numbers, of which the histogram takes the first bits.
+std::uint32_t binOf(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return ((bits >> 31) != 0 ? ~bits : bits | 0x80000000u) >> kHistogramShift;
+}
+
+// The least value of a bin.
+float leastOf(std::uint32_t bin) {
+  const std::uint32_t bits = bin << kHistogramShift;
+  return std::bit_cast<float>((bits >> 31) != 0 ? bits & 0x7FFFFFFFu : ~bits);
+}
+
+// The bin of the value that so many others are below.
+std::uint32_t binAt(std::span<const std::uint64_t> histogram, std::uint64_t rank) {
+  std::uint32_t bin = 0;
+  while (bin + 1 < histogram.size() && rank >= histogram[bin]) rank -= histogram[bin++];
+  return bin;
+}
+
+// The blocks that tell what all of them are like: the first of each layer, and some others. Which,
+// depends on their numbers alone.
+std::vector<std::uint64_t> Compressor::sampleOf(std::span<const std::uint64_t> blocks) const {
+  std::vector<std::uint64_t> sample;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const std::uint64_t layer = blocks[i] / plan_.blocksALayer();
+    const bool first = i == 0 || layer != blocks[i - 1] / plan_.blocksALayer();
+    const std::uint64_t mixed = (blocks[i] * 0x9E3779B97F4A7C15ull) >> 32;
+    if (!sampled_ || first || mixed % kOneOf == 0)
+      sample.push_back(blocks[i]);
+  }
+  return sample;
+}
+
+Status Compressor::surveyUnit(std::int64_t number) {
+  VOLUTE_TRY(checkCancelled());
   const BlockGrid& grid = row_.grid();
-  const auto width = static_cast<std::size_t>(grid.counts()[3]);
-
-  struct LayerMoments {
-    std::uint64_t layer = 0;
-    ColorMoments moments;
-  };
-
-  std::vector<LayerMoments> layers;
-  VOLUTE_TRY(
-      team_.forUnits("analysing", plan_.count(), progress_, [&](std::int64_t number) -> Status {
-        VOLUTE_TRY(checkCancelled());
-        const UnitPlan::Unit unit = plan_.unit(number);
-        VOLUTE_TRY(row_.load(unit.row, unit.firstLayer, unit.endLayer));
-        // A line of blocks is a task; sums go line by line, so that they come out the same.
-        const std::size_t lines = plan_.blocks(unit) / width;
-        std::vector<ColorMoments> moments(lines);
-        std::mutex mutex;
-        parallelFor(lines, [&](std::size_t line) {
-          std::vector<float> values;
-          QuantisationModel model;
-          std::uint64_t content = 0;
-          for (std::size_t i = line * width; i < (line + 1) * width; ++i) {
-            const std::size_t block = plan_.firstBlock(unit) + i;
-            values.resize(grid.values(block));
-            row_.cut(block, values);
-            moments[line].add(values, info_.channels);
-            addCoefficients(values, shapeOf(grid, block), model);
-            if (!options_.work.empty())
-              content += (2 * block + 1) * crc32(std::as_bytes(std::span(values)));
-          }
-          const std::lock_guard lock(mutex);
-          model_.merge(model);
-          content_ += content;
-        });
-        const std::size_t linesALayer = plan_.blocksALayer() / width;
-        for (std::size_t line = 0; line < lines; ++line) {
-          if (line % linesALayer == 0)
-            layers.push_back({plan_.firstLayer(unit) + line / linesALayer, {}});
-          layers.back().moments.add(moments[line]);
-        }
-        return {};
-      }));
-  VOLUTE_TRY(team_.sum(model_.counts()));
-  const std::array<float, 2> range{row_.minimum(), row_.maximum()};
-  VOLUTE_ASSIGN(const auto limits, gatherValues(team_, std::span<const float>(range)));
-  float least = limits[0], most = limits[1];
-  for (std::size_t i = 0; i < limits.size(); i += 2) {
-    least = std::min(least, limits[i]);
-    most = std::max(most, limits[i + 1]);
+  const UnitPlan::Unit unit = plan_.unit(number);
+  VOLUTE_TRY(row_.load(unit.row, unit.firstLayer, unit.endLayer));
+  const auto firstFrame = static_cast<std::size_t>(unit.row * BlockGrid::kSide);
+  for (std::size_t i = 0; i < row_.facts().size(); ++i) facts_[firstFrame + i].add(row_.facts()[i]);
+  row_.visitValues([&](float value, std::uint64_t count) { histogram_[binOf(value)] += count; });
+  inactive_.add(row_.inactiveValue());
+  for (std::size_t i = 0; i < row_.facts().size(); ++i) {
+    const auto tiles = row_.tilesOf(static_cast<int>(i));
+    head_.tiles[firstFrame + i].insert(head_.tiles[firstFrame + i].end(), tiles.begin(),
+                                       tiles.end());
   }
-  if (info_.channels == 3) {
-    VOLUTE_ASSIGN(layers, gatherValues(team_, std::span<const LayerMoments>(layers)));
-    std::ranges::sort(layers, {}, &LayerMoments::layer);
+  // Moments are added up block by block, so that they come out the same.
+  const std::vector<std::uint64_t> sample = sampleOf(row_.occupied());
+  // A digest is of all of them.
+  const auto occupied =
+      options_.work.empty() ? std::span<const std::uint64_t>(sample) : row_.occupied();
+  std::vector<ColorMoments> moments(occupied.size());
+  std::mutex mutex;
+  parallelRanges(occupied.size(), 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> values;
+    BlockStates states;
+    QuantisationModel model;
+    std::uint64_t content = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint64_t block = occupied[i];
+      values.resize(grid.values(block));
+      row_.cut(block, values, states);
+      if (std::ranges::binary_search(sample, block)) {
+        moments[i].add(values, info_.channels);
+        addCoefficients(values, states, shapeOf(grid, block), model);
+      }
+      if (!options_.work.empty())
+        content += (2 * block + 1) * (crc32(std::as_bytes(std::span(values))) +
+                                      3 * std::uint64_t{crc32(std::as_bytes(std::span(states)))});
+    }
+    const std::lock_guard lock(mutex);
+    for (std::uint64_t i = 0; i < (sampled_ ? kOneOf : 1); ++i) model_.merge(model);
+    content_ += content;
+  });
+  for (std::size_t i = 0; i < occupied.size(); ++i) {
+    const std::uint64_t layer = occupied[i] / plan_.blocksALayer();
+    if (moments_.empty() || moments_.back().layer != layer)
+      moments_.push_back({layer, {}});
+    moments_.back().moments.add(moments[i]);
   }
-  ColorMoments all;
-  for (const LayerMoments& part : layers) all.add(part.moments);
-  if (info_.channels == 3) {
-    VOLUTE_ASSIGN(parameters_.color, team_.broadcast(ColorTransform::of(all)));
-  }
-  const double own[] = {row_.rounding()};
-  VOLUTE_ASSIGN(const auto roundings, gatherValues(team_, std::span<const double>(own)));
-  rounding_ = *std::ranges::max_element(roundings);
-  head_.header.valueMin = least;
-  head_.header.valueMax = most;
-  const float greatest = std::max(std::abs(least), std::abs(most));
-  if (greatest > 0)
-    parameters_.exponent = std::clamp(std::ilogb(greatest) + 1, -126, 127);
-  const std::vector<BlockMode> modes = modesToTry(options_);
-  const BlockMode usual{false, Wavelet::kCdf53, 4};
-  const bool tried = std::ranges::find(modes, usual) != modes.end();
-  modes_.assign(grid.count(), tried ? usual : modes.front());
   return {};
 }
 
-// The mode of a block at this step; `near`: not far from the one that it has, if it has one.
+Status Compressor::shareSurvey() {
+  VOLUTE_TRY(team_.sum(model_.counts()));
+  VOLUTE_TRY(team_.sum(histogram_));
+  VOLUTE_ASSIGN(const auto facts, gatherValues(team_, std::span<const SupportFacts>(facts_)));
+  const std::size_t frames = facts_.size();
+  for (std::size_t i = 0; i < frames; ++i) facts_[i] = {};
+  for (std::size_t i = 0; i < facts.size(); ++i) facts_[i % frames].add(facts[i]);
+
+  struct Known {
+    BlockRow::InactiveValue inactive;
+    std::array<float, 3> background{};
+    bool loaded = false;
+    double rounding = 0;
+  };
+
+  const Known own{inactive_, row_.background(), !row_.facts().empty(), row_.rounding()};
+  VOLUTE_ASSIGN(const auto known, gatherValues(team_, std::span<const Known>(&own, 1)));
+  inactive_ = {};
+  for (const Known& one : known) {
+    inactive_.add(one.inactive);
+    rounding_ = std::max(rounding_, one.rounding);
+    if (one.loaded)
+      parameters_.background = one.background;
+  }
+  if (inactive_.any && !inactive_.several)
+    parameters_.inactive = inactive_.value;
+  if (info_.channels == 3) {
+    VOLUTE_ASSIGN(moments_, gatherValues(team_, std::span<const LayerMoments>(moments_)));
+    std::ranges::sort(moments_, {}, &LayerMoments::layer);
+    ColorMoments all;
+    for (const LayerMoments& part : moments_) all.add(part.moments);
+    VOLUTE_ASSIGN(parameters_.color, team_.broadcast(ColorTransform::of(all)));
+  }
+  return shareTiles();
+}
+
+// All ranks get the tiles of all.
+Status Compressor::shareTiles() {
+  if (team_.size() > 1) {
+    struct FrameTile {
+      std::uint64_t frame = 0;
+      Bricks::Tile tile;
+    };
+
+    std::vector<FrameTile> own;
+    for (std::size_t frame = 0; frame < head_.tiles.size(); ++frame)
+      for (const Bricks::Tile& tile : head_.tiles[frame]) own.push_back({frame, tile});
+    VOLUTE_ASSIGN(const auto all, gatherValues(team_, std::span<const FrameTile>(own)));
+    for (auto& frame : head_.tiles) frame.clear();
+    for (const FrameTile& one : all) head_.tiles[one.frame].push_back(one.tile);
+  }
+  const auto order = [](const Bricks::Tile& a, const Bricks::Tile& b) {
+    return std::tie(a.origin[2], a.origin[1], a.origin[0]) <
+           std::tie(b.origin[2], b.origin[1], b.origin[0]);
+  };
+  for (auto& frame : head_.tiles) std::ranges::sort(frame, order);
+  return {};
+}
+
+// The range of all values, and that of the support, which outliers do not rule.
+void Compressor::settleRange() {
+  SupportFacts all;
+  for (const SupportFacts& frame : facts_) all.add(frame);
+  supportVoxels_ = static_cast<double>(all.voxels);
+  const double voxels = static_cast<double>(info_.voxels()) * info_.frames;
+  support_.share = supportVoxels_ / voxels;
+  double least = all.least, most = all.most;
+  if (supportVoxels_ < voxels) {
+    for (int c = 0; c < info_.channels; ++c) {
+      const double background = parameters_.background[static_cast<std::size_t>(c)];
+      least = std::min(least, background), most = std::max(most, background);
+    }
+  }
+  head_.header.valueMin = least;
+  head_.header.valueMax = most;
+  support_.low = all.voxels > 0 ? all.least : least;
+  support_.high = all.voxels > 0 ? all.most : least;
+  double greatest = std::max(std::abs(least), std::abs(most));
+  const std::uint64_t count =
+      std::accumulate(histogram_.begin(), histogram_.end(), std::uint64_t{0});
+  constexpr double kTail = 1e-4;
+  constexpr std::uint64_t kFewValues = 1000;
+  // One value at least, so that a single one does not rule a small grid either.
+  const auto tail =
+      std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kTail * static_cast<double>(count)));
+  if (count >= kFewValues) {
+    const std::uint32_t lowBin = binAt(histogram_, tail);
+    const std::uint32_t highBin = binAt(histogram_, count - 1 - tail);
+    const double low = std::max<double>(leastOf(lowBin), support_.low);
+    const double high = std::min<double>(leastOf(highBin + 1), support_.high);
+    // Where nearly all are 0, the others are what there is.
+    const bool zeros = lowBin == binOf(0) && highBin == binOf(0);
+    if (!zeros && std::isfinite(high) && high > low &&
+        2 * (high - low) < support_.high - support_.low) {
+      support_.robust = true;
+      support_.low = low;
+      support_.high = high;
+      parameters_.outlierLow = static_cast<float>(low - (high - low));
+      parameters_.outlierHigh = static_cast<float>(high + (high - low));
+      greatest = std::max(std::abs(parameters_.outlierLow), std::abs(parameters_.outlierHigh));
+      for (const float background : parameters_.background)
+        greatest = std::max(greatest, static_cast<double>(std::abs(background)));
+    }
+  }
+  if (greatest > 0)
+    parameters_.exponent = std::clamp(std::ilogb(greatest) + 1, -126, 127);
+  const bool overSupport = options_.target.kind == Kind::kRms;
+  const double spread = overSupport ? supportVoxels_ : voxels;
+  goal_.setRange(overSupport ? support_.low : least, overSupport ? support_.high : most, greatest,
+                 spread * info_.channels, least == most);
+}
+
+Status Compressor::survey() {
+  facts_.resize(static_cast<std::size_t>(info_.frames));
+  head_.tiles.resize(facts_.size());
+  VOLUTE_TRY(team_.forUnits("analysing", plan_.count(), progress_,
+                            [&](std::int64_t number) { return surveyUnit(number); }));
+  VOLUTE_TRY(shareSurvey());
+  settleRange();
+  const std::vector<BlockMode> modes = modesToTry(options_);
+  const BlockMode usual{false, Wavelet::kCdf53, 4};
+  const bool tried = std::ranges::find(modes, usual) != modes.end();
+  usualMode_ = tried ? usual : modes.front();
+  return {};
+}
+
+// The mode of a block at this step.
+// @param before  one that it had not far from this step, if there is one
 std::optional<BlockMode> Compressor::chooseMode(std::size_t block, std::span<const float> values,
-                                                const BlockEncoder& encoder, bool near) const {
-  const auto starts = modesToBeginWith(options_, near ? modes_[block] : std::nullopt);
-  return encoder.choose(values, shapeOf(row_.grid(), block), modesToTry(options_), starts);
+                                                std::span<const VoxelState> states,
+                                                const BlockEncoder& encoder,
+                                                const std::optional<BlockMode>& before) const {
+  const bool sparse = shareOf(states) < kSparseBlock;
+  if (sparse && before && stepsAlike_)
+    return before;
+  std::vector<BlockMode> modes = modesToTry(options_);
+  if (sparse && !options_.mode)
+    std::erase_if(modes, [](const BlockMode& mode) { return !mode.shaped; });
+  // Of many blocks 99 in 100 take one of these.
+  const auto usual = [](const BlockMode& mode) {
+    return mode.timeLevels == 0 || (mode.timeLevels == 4 && mode.wavelet == Wavelet::kCdf53);
+  };
+  if (sparse && sampled_ && !options_.mode && options_.wavelet == "auto") {
+    std::erase_if(modes, [&](const BlockMode& mode) {
+      return !usual(mode) || mode.wavelet == Wavelet::kHaar;
+    });
+    return encoder.choose(values, shapeOf(row_.grid(), block), states, modes);
+  }
+  const auto starts = modesToBeginWith(options_, before, sparse);
+  return encoder.choose(values, shapeOf(row_.grid(), block), states, modes, starts);
 }
 
 // Encodes a block and decodes it as the reader will.
-Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, Way way, Training& training) {
-  const BlockShape shape = shapeOf(row_.grid(), block);
+// @param chosen  its mode, which is replaced where modes are chosen
+Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<BlockMode>& chosen,
+                                             Way way, Training& training) {
+  const BlockGrid& grid = row_.grid();
+  const BlockShape shape = shapeOf(grid, block);
   std::vector<float> values(shape.values());
   std::vector<float> decoded(values.size());
-  row_.cut(block, values);
+  BlockStates states;
+  row_.cut(block, values, states);
   const BlockEncoder encoder(parameters_, stream());
   if (way == Way::kChoose)
-    modes_[block] = chooseMode(block, values, encoder, chosenBefore_);
-  std::optional<BlockMode> mode = modes_[block];
+    chosen = chooseMode(block, values, states, encoder, chosenBefore_ ? chosen : std::nullopt);
+  std::optional<BlockMode> mode = chosen;
+  if (way == Way::kLearn && mode && !options_.mode)
+    mode->shaped = mode->shaped || shareOf(states) < kSparseBlock;
   // A block that was not worth its bits at the step its mode was chosen for may be at a finer one.
   // What is chosen here depends on the step alone, so that a try can be had again.
   if (way == Way::kEncode && !mode && parameters_.step < kFinerStep * chosenStep_)
-    mode = chooseMode(block, values, encoder, false);
+    mode = chooseMode(block, values, states, encoder, std::nullopt);
   EncodedBlock result;
-  result.tiers = encoder.encode(values, shape, mode, training);
-  VOLUTE_TRY(head_.decoder->decode(result.tiers, shape.levels(), shape, decoded));
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double error = std::abs(static_cast<double>(decoded[i]) - values[i]);
-    result.error.squared += error * error;
-    result.error.maximum = std::max(result.error.maximum, error);
+  result.tiers = encoder.encode(values, shape, states, mode, training);
+  BlockStates decodedStates;
+  VOLUTE_TRY(head_.decoder->decode(result.tiers, shape.levels(), shape, decoded, &decodedStates));
+  const auto channels = static_cast<std::size_t>(shape.channels);
+  const std::size_t frameVoxels = states.size() / static_cast<std::size_t>(shape.extents[0]);
+  const BlockGrid::Index4 origin = grid.origin(block);
+  std::size_t worst = 0;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (states[i] == VoxelState::kEmpty)
+      continue;
+    for (std::size_t c = 0; c < channels; ++c) {
+      const double error =
+          std::abs(static_cast<double>(decoded[i * channels + c]) - values[i * channels + c]);
+      result.error.squaredOf[i / frameVoxels] += error * error;
+      if (error > result.error.maximum)
+        result.error.maximum = error, worst = i;
+    }
   }
-  if (!std::isfinite(result.error.squared)) {
+  if (!std::isfinite(result.error.squared()) || states != decodedStates) {
     return fail(ErrorCode::kInvalidData, "grid '{}': the input changed while it was read",
                 info_.name);
   }
+  std::uint64_t place = 0;
+  for (std::size_t axis = 0, rest = worst; axis < 4; ++axis) {
+    std::size_t inner = 1;
+    for (std::size_t a = axis + 1; a < 4; ++a) inner *= static_cast<std::size_t>(shape.extents[a]);
+    const std::array<int, 4> size{info_.frames, info_.z, info_.y, info_.x};
+    place = place * static_cast<std::uint64_t>(size[axis]) +
+            static_cast<std::uint64_t>(origin[axis]) + rest / inner;
+    rest %= inner;
+  }
+  result.error.place = result.error.maximum > 0 ? place : 0;
   return result;
 }
 
 Status Compressor::encodeUnit(Way way, EncodedUnits::Unit& done, EncodedUnitRecord& record) {
   const UnitPlan::Unit unit = plan_.unit(done.number);
   VOLUTE_TRY(row_.load(unit.row, unit.firstLayer, unit.endLayer));
-  const std::size_t blocks = plan_.blocks(unit);
+  const std::vector<std::uint64_t> blocks =
+      way == Way::kLearn ? sampleOf(row_.occupied())
+                         : std::vector(row_.occupied().begin(), row_.occupied().end());
+  auto& modes = modesOf(done.number, blocks.size());
   std::vector<EncodedBlock> batch;
   std::mutex mutex;
-  for (std::size_t begin = 0; begin < blocks; begin += kBatch) {
+  for (std::size_t begin = 0; begin < blocks.size(); begin += kBatch) {
     VOLUTE_TRY(checkCancelled());
     batch.clear();
-    batch.resize(std::min(kBatch, blocks - begin));
-    const std::size_t first = plan_.firstBlock(unit) + begin;
+    batch.resize(std::min(kBatch, blocks.size() - begin));
     VOLUTE_TRY(parallelTry(batch.size(), [&](std::size_t i) -> Status {
       Training ofBlock;
-      VOLUTE_ASSIGN(batch[i], encodeBlock(first + i, way, ofBlock));
+      VOLUTE_ASSIGN(batch[i], encodeBlock(blocks[begin + i], modes[begin + i], way, ofBlock));
       const std::lock_guard lock(mutex);
       record.training.add(ofBlock);
       return {};
     }));
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      VOLUTE_TRY(units_.append(batch[i], done));
-      const std::uint64_t layer = (first + i) / plan_.blocksALayer();
+      VOLUTE_TRY(units_.append(blocks[begin + i], batch[i], done));
+      const std::uint64_t layer = blocks[begin + i] / plan_.blocksALayer();
       if (record.layers.empty() || record.layers.back().layer != layer)
         record.layers.push_back({layer, {}});
       record.layers.back().error.add(batch[i].error);
@@ -372,14 +626,20 @@ Status Compressor::doUnit(std::int64_t number, Way way) {
   return {};
 }
 
-std::span<std::optional<BlockMode>> Compressor::modesOf(std::int64_t number) {
-  const UnitPlan::Unit unit = plan_.unit(number);
-  return std::span(modes_).subspan(plan_.firstBlock(unit), plan_.blocks(unit));
+// Those of a unit that has so many blocks with something in them.
+std::vector<std::optional<BlockMode>>& Compressor::modesOf(std::int64_t number,
+                                                           std::size_t blocks) {
+  auto& modes = modes_[static_cast<std::size_t>(number)];
+  if (modes.size() < blocks)
+    modes.resize(blocks, usualMode_);
+  return modes;
 }
 
 Status Compressor::keep(const EncodedUnits::Unit& done, EncodedUnitRecord& record) {
-  const auto modes = modesOf(done.number);
-  record.modes.assign(modes.begin(), modes.end());
+  const auto& modes = modesOf(done.number, done.blocks.size());
+  record.modes.assign(modes.begin(),
+                      modes.begin() + static_cast<std::ptrdiff_t>(done.blocks.size()));
+  record.blocks = done.blocks;
   record.segments = done.segments;
   VOLUTE_ASSIGN(const auto bytes, units_.bytesOf(done));
   return store_->store(way_, done.number, record.toBytes(), bytes);
@@ -394,21 +654,25 @@ Result<std::optional<EncodedUnitRecord>> Compressor::recall(EncodedUnits::Unit& 
     return none;
   const auto bytes = store_->bytes(way_, done.number).value_or(std::vector<std::byte>());
   const UnitPlan::Unit unit = plan_.unit(done.number);
-  auto record = EncodedUnitRecord::fromBytes(
-      *kept, plan_.blocks(unit), static_cast<std::size_t>(unit.endLayer - unit.firstLayer));
-  if (!record)
+  auto record = EncodedUnitRecord::fromBytes(*kept);
+  const std::uint64_t first = plan_.firstBlock(unit);
+  const bool own = record && std::ranges::is_sorted(record->blocks) &&
+                   (record->blocks.empty() || (record->blocks.front() >= first &&
+                                               record->blocks.back() - first < plan_.blocks(unit)));
+  if (!own)
     return none;
   const auto sizes = record->tierSizes();
   const std::uint64_t total = std::accumulate(sizes.begin(), sizes.end(), std::uint64_t{0});
   done.hasBytes = bytes.size() == total;
   if (!done.hasBytes && !bytes.empty())
     return none;
+  done.blocks = record->blocks;
   done.segments = record->segments;
   if (done.hasBytes) {
     done.sizes = sizes;
     VOLUTE_TRY(units_.appendBytes(done, bytes));
   }
-  std::ranges::copy(record->modes, modesOf(done.number).begin());
+  std::ranges::copy(record->modes, modesOf(done.number, record->modes.size()).begin());
   return record;
 }
 
@@ -438,7 +702,16 @@ Status Compressor::shareErrors() {
   VOLUTE_ASSIGN(auto all, gatherValues(team_, std::span<const LayerError>(layers_)));
   std::ranges::sort(all, {}, &LayerError::layer);
   error_ = {};
-  for (const LayerError& layer : all) error_.add(layer.error);
+  frameSquares_.assign(facts_.size(), 0);
+  for (const LayerError& layer : all) {
+    error_.add(layer.error);
+    const std::size_t row = layer.layer / (plan_.layers() / static_cast<std::size_t>(row_.rows()));
+    for (std::size_t t = 0; t < layer.error.squaredOf.size(); ++t) {
+      const std::size_t frame = row * BlockGrid::kSide + t;
+      if (frame < frameSquares_.size())
+        frameSquares_[frame] += layer.error.squaredOf[t];
+    }
+  }
   return {};
 }
 
@@ -466,12 +739,17 @@ Status Compressor::shareModes() {
   ByteWriter own;
   for (const EncodedUnits::Unit& done : units_.units()) {
     own.u64(static_cast<std::uint64_t>(done.number));
-    for (const auto& mode : modesOf(done.number)) own.u8(byteOfMode(mode));
+    own.u64(done.blocks.size());
+    const auto& modes = modesOf(done.number, done.blocks.size());
+    for (std::size_t i = 0; i < done.blocks.size(); ++i) own.u8(byteOfMode(modes[i]));
   }
   VOLUTE_ASSIGN(const auto ranks, team_.gatherAll(own.view()));
   for (const auto& bytes : ranks) {
     for (ByteReader in(bytes); in.remaining() > 0;) {
-      for (auto& mode : modesOf(static_cast<std::int64_t>(in.u64()))) modeOfByte(in.u8(), mode);
+      const auto unit = static_cast<std::int64_t>(in.u64());
+      const auto blocks = static_cast<std::size_t>(in.u64());
+      auto& modes = modesOf(unit, blocks);
+      for (std::size_t i = 0; i < blocks; ++i) modeOfByte(in.u8(), modes[i]);
     }
   }
   return {};
@@ -495,11 +773,14 @@ Status Compressor::encodeAll(double proposed, Way way) {
   // From the first try on the parameters stay, so that what a step gives can be had again.
   if (way == Way::kChoose || (way == Way::kEncode && tries_ == 0))
     training_.apply(parameters_);
-  if (way == Way::kChoose)
+  if (way == Way::kChoose) {
+    const double ratio = chosenStep_ > 0 ? parameters_.step / chosenStep_ : 0;
+    stepsAlike_ = ratio < kSameModes && ratio > 1 / kSameModes;
     chosenStep_ = parameters_.step;
+  }
   training_ = {};
   head_.parameters = writeParameters(parameters_, info_.channels);
-  VOLUTE_ASSIGN(head_.decoder, openWaveletDecoder(head_.parameters, stream()));
+  VOLUTE_ASSIGN(head_.decoder, openWaveletDecoder(kSparseCodec, head_.parameters, stream()));
   if (store_) {
     for (const EncodedUnits::Unit& done : units_.units()) store_->dropBytes(way_, done.number);
   }
@@ -521,9 +802,7 @@ Status Compressor::encodeAll(double proposed, Way way) {
   }));
   chosenBefore_ = chosenBefore_ || way == Way::kChoose;
   VOLUTE_TRY(shareErrors());
-  relativeRms_ = goal_.relative(std::sqrt(error_.squared / static_cast<double>(info_.values())));
-  head_.header.reachedRms = relativeRms_ + goal_.relative(options_.sourceRms + rounding_);
-  head_.header.reachedMaxError = error_.maximum + options_.sourceMaxError + rounding_;
+  noteErrors();
   if (way == Way::kChoose)
     VOLUTE_TRY(shareModes());
   if (way != Way::kEncode)
@@ -533,6 +812,30 @@ Status Compressor::encodeAll(double proposed, Way way) {
   return {};
 }
 
+// What the last way through all blocks came to.
+void Compressor::noteErrors() {
+  const double channels = info_.channels;
+  const double squared = error_.squared();
+  const double voxels = static_cast<double>(info_.voxels()) * info_.frames;
+  relativeRms_ = overAll(std::sqrt(squared / (voxels * channels)));
+  const double support = std::max(supportVoxels_, 1.0) * channels;
+  support_.rms = overSupport(std::sqrt(squared / support));
+  std::uint64_t place = error_.place;
+  for (const auto& [number, size] :
+       {std::pair{&support_.worstVoxel[0], info_.x}, std::pair{&support_.worstVoxel[1], info_.y},
+        std::pair{&support_.worstVoxel[2], info_.z}}) {
+    *number = static_cast<int>(place % static_cast<std::uint64_t>(size));
+    place /= static_cast<std::uint64_t>(size);
+  }
+  support_.worstFrame = static_cast<int>(place);
+  head_.header.reachedRms = relativeRms_ + overAll(options_.sourceRms + rounding_);
+  head_.header.reachedMaxError = error_.maximum + options_.sourceMaxError + rounding_;
+  head_.header.support = support_;
+  // What the source is off is spread over its support, at worst.
+  head_.header.support->rms += overSupport(
+      rounding_ + options_.sourceRms * std::sqrt(voxels / std::max(supportVoxels_, 1.0)));
+}
+
 double Compressor::outcomeOfTry() const {
   switch (options_.target.kind) {
     case Kind::kRatio:
@@ -540,6 +843,8 @@ double Compressor::outcomeOfTry() const {
       return static_cast<double>(fileBytes_);
     case Kind::kMaxError:
       return error_.maximum;
+    case Kind::kRms:
+      return support_.rms;
     default:
       return relativeRms_;
   }
@@ -556,7 +861,9 @@ tl::unexpected<Error> Compressor::unreachable() const {
               "{}: {} = {} cannot be reached: the rounding of float32 leaves a relative RMS of "
               "{:.3g} and a maximum error of {:.3g}; ask for more",
               target_.string(), nameOf(options_.target.kind), options_.target.value,
-              relativeRms_ + goal_.relative(rounding_), error_.maximum + rounding_);
+              options_.target.kind == Kind::kRms ? support_.rms + overSupport(rounding_)
+                                                 : relativeRms_ + overAll(rounding_),
+              error_.maximum + rounding_);
 }
 
 // What an earlier run kept may lack the bytes: a disk lost them.
@@ -570,6 +877,22 @@ Status Compressor::completeUnits() {
     units_.replace(i, std::move(again));
   }
   return {};
+}
+
+std::vector<FaintFrame> Compressor::faintFrames() const {
+  constexpr double kFaint = 0.1;
+  std::vector<FaintFrame> all;
+  for (std::size_t i = 0; i < facts_.size(); ++i) {
+    const SupportFacts& frame = facts_[i];
+    const double range = static_cast<double>(frame.most) - frame.least;
+    if (frame.voxels == 0 || !(range < kFaint * (support_.high - support_.low)))
+      continue;
+    const double rms =
+        std::sqrt(frameSquares_[i] / (static_cast<double>(frame.voxels) * info_.channels));
+    all.push_back(
+        {static_cast<int>(i), range, CompressionGoal::relative(rms, frame.least, frame.most)});
+  }
+  return all;
 }
 
 Result<CompressReport> Compressor::write() {
@@ -586,11 +909,14 @@ Result<CompressReport> Compressor::write() {
   CompressReport report;
   report.rawBytes = info_.rawBytes();
   report.fileBytes = fileBytes_;
-  report.relativeRms = relativeRms_ + goal_.relative(rounding_);
+  report.relativeRms = relativeRms_ + overAll(rounding_);
   report.maxError = error_.maximum + rounding_;
+  report.support = support_;
+  report.support.rms += overSupport(rounding_);
+  report.faintFrames = faintFrames();
   report.valueMin = head_.header.valueMin;
   report.valueMax = head_.header.valueMax;
-  report.blocks = row_.grid().count();
+  report.blocks = head_.blocks.size();
   return report;
 }
 
@@ -637,7 +963,6 @@ double Compressor::betterStep() const {
 Result<CompressReport> Compressor::run() {
   VOLUTE_TRY(units_.open(target_));
   VOLUTE_TRY(survey());
-  goal_.setRange(head_.header.valueMin, head_.header.valueMax);
   if (options_.halves)
     goal_.leaveRoomForHalves();
   VOLUTE_TRY(goal_.leaveRoomFor(rounding_));
@@ -655,7 +980,8 @@ Result<CompressReport> Compressor::run() {
   // Modes depend on the step, and on what blocks in other modes have taught.
   VOLUTE_ASSIGN(const double better, team_.broadcast(betterStep()));
   VOLUTE_ASSIGN(step, team_.broadcast(step));
-  if (!options_.fast || std::max(better / step, step / better) > 1.5) {
+  const bool once = options_.fast || sampled_;
+  if (!once || std::max(better / step, step / better) > 1.5) {
     VOLUTE_TRY(encodeAll(better, Way::kChoose));
   }
   VOLUTE_TRY(searchStep(betterStep()));
@@ -683,7 +1009,7 @@ Result<int> layersAUnit(const FrameSource& source, const CompressOptions& option
   const auto needed = [&](int layers) {
     const std::uint64_t blocks =
         static_cast<std::uint64_t>(layers) * grid.counts()[2] * grid.counts()[3];
-    return BlockRow::bytesNeeded(info, layers) +
+    return BlockRow::bytesNeeded(source, layers) +
            std::min<std::uint64_t>(kBatch, blocks) * kBatchBytesAValue * grid.values(0);
   };
   int layers = all;

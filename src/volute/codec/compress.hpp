@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
 #include "volute/base/team.hpp"
+#include "volute/codec/volute_reader.hpp"
 #include "volute/codec/wavelet_codec.hpp"
 #include "volute/grid/frame_source.hpp"
 
@@ -18,12 +20,15 @@ namespace volute {
 /// The target of a compression.
 struct ErrorTarget {
   enum class Kind {
-    kRms,    ///< relative RMS <= value: RMS over all voxels and channels / (max - min of the whole
-             ///< original)
-    kPsnr,   ///< [dB]; relative RMS <= 10^(-value / 20)
-    kRatio,  ///< raw float32 bytes / file bytes >= value
-    kSize,   ///< file bytes <= value
-    kMaxError,  ///< |decoded - original| <= value at every voxel
+    /// RMS over the support / its range <= value. The support is what the source has active or not
+    /// equal to its background; its range is that of all frames, of the .0001 and .9999 quantiles
+    /// where these span less than half of it.
+    kRms,
+    kRmsOverAll,  ///< RMS over all voxels and channels / (max - min of the whole original) <= value
+    kPsnr,        ///< [dB]; relative RMS over all voxels <= 10^(-value / 20)
+    kRatio,       ///< raw float32 bytes / file bytes >= value
+    kSize,        ///< file bytes <= value
+    kMaxError,    ///< |decoded - original| <= value at every voxel
   };
   Kind kind = Kind::kRms;
   double value = 3e-3;
@@ -48,11 +53,20 @@ struct CompressOptions {
   std::filesystem::path work{};
 };
 
+/// A frame whose own values span less than a tenth of the range that errors are relative to.
+struct FaintFrame {
+  int position = 0;
+  double range = 0;        ///< of its support
+  double relativeRms = 0;  ///< RMS over its support / that range
+};
+
 struct CompressReport {
   std::uint64_t rawBytes = 0;
   std::uint64_t fileBytes = 0;
-  double relativeRms = 0;  ///< measured on the written data
+  double relativeRms = 0;  ///< over all voxels; measured on the written data
   double maxError = 0;     ///< absolute
+  SupportError support{};
+  std::vector<FaintFrame> faintFrames{};
   double valueMin = 0, valueMax = 0;
   std::size_t blocks = 0;
   double seconds = 0;

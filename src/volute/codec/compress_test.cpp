@@ -47,8 +47,11 @@ TEST(Compress, EveryKindOfTargetIsMetAndNotWasted) {
   const double raw = static_cast<double>(sequence.info.rawBytes());
   for (const double rms : {2e-2, 3e-3, 3e-4}) {
     const auto report = checkedRoundTrip(sequence, {Kind::kRms, rms});
-    EXPECT_LE(report.relativeRms, rms);
-    EXPECT_GT(report.relativeRms, 0.75 * rms);
+    EXPECT_LE(report.support.rms, rms);
+    EXPECT_GT(report.support.rms, 0.75 * rms);
+    const auto overAll = checkedRoundTrip(sequence, {Kind::kRmsOverAll, rms});
+    EXPECT_LE(overAll.relativeRms, rms);
+    EXPECT_GT(overAll.relativeRms, 0.75 * rms);
   }
   EXPECT_LE(checkedRoundTrip(sequence, {Kind::kPsnr, 50}).relativeRms, std::pow(10, -2.5));
   for (const double ratio : {20.0, 40.0}) {
@@ -215,7 +218,8 @@ TEST(Compress, BlocksLeftOutAtACoarseStepAreWrittenAtAFineOne) {
 TEST(Compress, OddSizesOfManyBlocks) {
   const auto report = checkedRoundTrip(plumes(34, 21, 35, 19), {Kind::kRms, 3e-3});
   EXPECT_LE(report.relativeRms, 3e-3);
-  EXPECT_EQ(report.blocks, 3u * 2 * 3 * 2);
+  EXPECT_GT(report.blocks, 0u);
+  EXPECT_LT(report.blocks, 3u * 2 * 3 * 2);  // those of empty space are not there
 }
 
 TEST(Compress, TheSmallestVolumes) {

@@ -15,6 +15,8 @@ using Kind = ErrorTarget::Kind;
 std::string_view nameOf(ErrorTarget::Kind kind) {
   switch (kind) {
     case Kind::kRms:
+      return "support-rms";
+    case Kind::kRmsOverAll:
       return "rms";
     case Kind::kPsnr:
       return "psnr";
@@ -35,14 +37,12 @@ bool CompressionGoal::isSize() const {
 // Values that are rounded to 16-bit floats are off by 2^-11 of themselves at most. Where they were
 // such floats, that is no further than they were off before: one half of the goal will always do.
 void CompressionGoal::leaveRoomForHalves() {
-  const double greatest = std::max(std::abs(valueMin_), std::abs(valueMax_));
-  const double range = valueMax_ - valueMin_;
-  const double rounding = std::ldexp(greatest, -11);
+  const double rounding = std::ldexp(greatest_, -11);
   const auto left = [&](double rms) {
-    const double relative = range > 0 ? rounding / range : 0;
+    const double relative = this->relative(rounding);
     return std::sqrt(std::max(rms * rms / 4, rms * rms - relative * relative));
   };
-  if (target_.kind == Kind::kRms)
+  if (target_.kind == Kind::kRms || target_.kind == Kind::kRmsOverAll)
     goal_ = left(goal_);
   else if (target_.kind == Kind::kPsnr)
     goal_ = -20 * std::log10(left(std::pow(10, -goal_ / 20)));
@@ -72,19 +72,17 @@ Status CompressionGoal::leaveRoomFor(double rounding) {
 }
 
 StepSearch::Problem CompressionGoal::problem() const {
-  const double greatest = std::max(std::abs(valueMin_), std::abs(valueMax_));
   StepSearch::Problem problem;
   // Coarser than the greatest orthonormal coefficient of a block, 4^4 times the greatest value,
   // gives nothing but zeros; finer than a float's rounding gains nothing.
-  problem.coarsest = std::ldexp(greatest, 10);
-  problem.finest = std::ldexp(greatest, -21);
-  if (valueMin_ == valueMax_) {
-    // Clamping makes a constant exact whatever the step.
-    problem.finest = problem.coarsest = greatest > 0 ? std::ldexp(greatest, -12) : 1;
-  }
+  problem.coarsest = greatest_ > 0 ? std::ldexp(greatest_, 10) : 1;
+  problem.finest = std::ldexp(problem.coarsest, -31);
+  if (constant_)
+    problem.finest = problem.coarsest = greatest_ > 0 ? std::ldexp(greatest_, -12) : 1;
   const double value = goal_;
   switch (target_.kind) {
     case Kind::kRms:
+    case Kind::kRmsOverAll:
       problem.target = value;
       break;
     case Kind::kPsnr:
@@ -109,10 +107,9 @@ double CompressionGoal::firstStep(const QuantisationModel& model) const {
   constexpr double kMaxErrorSteps = 1.5;
   if (target_.kind == Kind::kMaxError)
     return within(kMaxErrorSteps * goal_);
-  const double range = valueMax_ - valueMin_;
   if (!isSize()) {
-    const double squared = problem.target * problem.target * range * range;
-    return within(model.stepFor(squared * static_cast<double>(values_)));
+    const double absolute = problem.target / relative(1);
+    return within(model.stepFor(absolute * absolute * values_));
   }
   // A coefficient that is left costs about a byte.
   double fine = problem.finest;

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string_view>
 
@@ -11,17 +12,22 @@
 
 namespace volute {
 
-/// "rms", "psnr", "ratio", "size", "max-error".
+/// "support-rms", "rms", "psnr", "ratio", "size", "max-error".
 std::string_view nameOf(ErrorTarget::Kind kind);
 
 /// What is asked of a compression, and the quantisation steps that should give it.
 class CompressionGoal {
  public:
   CompressionGoal(const ErrorTarget& target, const VolumeInfo& info)
-      : target_(target), rawBytes_(info.rawBytes()), values_(info.values()), goal_(target.value) {}
+      : target_(target), rawBytes_(info.rawBytes()), goal_(target.value) {}
 
-  /// The least and the greatest value of the input; before all that follows.
-  void setRange(double valueMin, double valueMax) { valueMin_ = valueMin, valueMax_ = valueMax; }
+  /// What errors are relative to, before all that follows: the range, and how many values they are
+  /// spread over.
+  /// @param greatest  of the magnitudes that are coded by coefficients
+  /// @param constant  all voxels are equal: clamping makes them exact whatever the step
+  void setRange(double low, double high, double greatest, double values, bool constant) {
+    low_ = low, high_ = high, greatest_ = greatest, values_ = values, constant_ = constant;
+  }
 
   /// Asks for so much more that the goal is met after rounding to 16-bit floats.
   void leaveRoomForHalves();
@@ -41,10 +47,13 @@ class CompressionGoal {
   /// As `target`, after room was left.
   double value() const { return goal_; }
 
-  /// An RMS over the range, which is that RMS itself where there is none.
-  double relative(double rms) const {
-    return valueMax_ > valueMin_ ? rms / (valueMax_ - valueMin_) : rms;
+  /// An RMS over a range; where there is none over the values themselves.
+  static double relative(double rms, double low, double high) {
+    const double one = std::abs(high) > 0 ? std::abs(high) : 1;
+    return rms / (high > low ? high - low : one);
   }
+
+  double relative(double rms) const { return relative(rms, low_, high_); }
 
   /// The search for a step by its outcome: a relative RMS, or the bytes of the file. Not for a
   /// maximum error, which is kept whatever the step.
@@ -60,9 +69,10 @@ class CompressionGoal {
   double within(double step) const;
 
   ErrorTarget target_;
-  std::uint64_t rawBytes_ = 0, values_ = 0;
+  std::uint64_t rawBytes_ = 0;
   double goal_ = 0;
-  double valueMin_ = 0, valueMax_ = 0;
+  double low_ = 0, high_ = 0, greatest_ = 0, values_ = 0;
+  bool constant_ = false;
 };
 
 }  // namespace volute

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -23,7 +24,8 @@ constexpr std::uint16_t kMinor = 0;
 constexpr std::size_t kPrologueBytes = 36;
 constexpr std::size_t kChunkFrameBytes = 24;  // type, flags, size and two checksums
 constexpr std::uint32_t kSkippable = 1;
-constexpr std::array<std::string_view, 5> kTargets{"rms", "psnr", "ratio", "size", "max-error"};
+constexpr std::array<std::string_view, 6> kTargets{"rms",  "psnr",      "ratio",
+                                                   "size", "max-error", "support-rms"};
 
 // ---- writing
 
@@ -91,11 +93,42 @@ std::vector<std::byte> writeInfoChunk(const FileHead& head) {
   for (const int levels : tiers) out.varint(static_cast<std::uint64_t>(levels));
   out.varint(head.parameters.size());
   out.bytes(head.parameters);
+  if (header.support) {
+    const SupportError& support = *header.support;
+    for (const double value : {support.rms, support.share, support.low, support.high})
+      out.f64(value);
+    out.u8(support.robust ? 1 : 0);
+    out.varint(static_cast<std::uint64_t>(support.worstFrame));
+    for (const int place : support.worstVoxel) out.varint(static_cast<std::uint64_t>(place));
+  }
   const FrameScale& scale = head.info.frameScale;
   if (scale != FrameScale{} || head.info.up != 0)
     out.u8(static_cast<std::uint8_t>(scale.decimals | (scale.allDecimals ? kAllDecimals : 0)));
   if (head.info.up != 0)
     out.u8(static_cast<std::uint8_t>(head.info.up - 'x' + 1));
+  return pack({out.view()});
+}
+
+// Of each frame; a tile's place from the one before, and its value where that is another.
+std::vector<std::byte> writeTilesChunk(const FileHead& head) {
+  ByteWriter out;
+  const auto channels = static_cast<std::size_t>(head.info.channels);
+  for (const auto& frame : head.tiles) {
+    out.varint(frame.size());
+    Bricks::Tile before;
+    for (const Bricks::Tile& tile : frame) {
+      const bool same =
+          std::equal(tile.value.begin(), tile.value.begin() + static_cast<std::ptrdiff_t>(channels),
+                     before.value.begin());
+      const auto size =
+          static_cast<unsigned>(std::countr_zero(static_cast<std::uint64_t>(tile.side)));
+      out.u8(static_cast<std::uint8_t>(size << 2 | (tile.active ? 2u : 0u) | (same ? 1u : 0u)));
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        out.zigzag(tile.origin[axis] - before.origin[axis]);
+      for (std::size_t c = 0; !same && c < channels; ++c) out.f32(tile.value[c]);
+      before = tile;
+    }
+  }
   return pack({out.view()});
 }
 
@@ -120,6 +153,14 @@ std::vector<std::byte> writePartsChunk(const FileHead& head) {
 std::vector<std::byte> writeIndexChunk(const FileHead& head) {
   ByteWriter sizes;
   ByteWriter checksums;
+  if (head.header.codec == static_cast<int>(kSparseCodec)) {
+    sizes.varint(head.blocks.size());
+    std::uint64_t before = 0;
+    for (const std::uint64_t block : head.blocks) {
+      sizes.varint(block - before);
+      before = block;
+    }
+  }
   for (const SegmentEntry& segment : head.segments) {
     sizes.varint(segment.size);
     if (segment.size != 0)
@@ -175,7 +216,7 @@ Status readPrologue(const InputFile& file, FileHead& head) {
                 "{}: has format version {}.{}; this program reads {}.x, a newer one may read it",
                 path, head.header.versionMajor, head.header.versionMinor, kMajor);
   }
-  if (codec != kWaveletCodec) {
+  if (codec != kWaveletCodec && codec != kSparseCodec) {
     return fail(ErrorCode::kUnsupported,
                 "{}: uses codec {}, which this program does not know; a newer one may read it",
                 path, codec);
@@ -209,7 +250,7 @@ Status checkSizes(const InputFile& file, const FileHead& head, std::uint64_t bud
 
 // Those of one grid.
 struct Chunks {
-  std::span<const std::byte> info, parts, index;  // parts may be empty
+  std::span<const std::byte> info, parts, tiles, index;  // parts and tiles may be empty
 };
 
 struct AllChunks {
@@ -240,7 +281,8 @@ Result<AllChunks> readChunks(std::span<const std::byte> bytes, const std::string
                   "{}: is damaged: the checksum of the chunk at byte {} is wrong", path, at);
     }
     const bool table = name == "GRDS";
-    const bool known = table || name == "INFO" || name == "PART" || name == "INDX";
+    const bool known =
+        table || name == "INFO" || name == "PART" || name == "TILE" || name == "INDX";
     if (!known && flags != kSkippable) {
       return fail(ErrorCode::kUnsupported,
                   "{}: has a part at byte {} that this program does not know and may not skip; a "
@@ -257,6 +299,7 @@ Result<AllChunks> readChunks(std::span<const std::byte> bytes, const std::string
     std::span<const std::byte>& place = table            ? all.table
                                         : name == "INFO" ? grid.info
                                         : name == "PART" ? grid.parts
+                                        : name == "TILE" ? grid.tiles
                                                          : grid.index;
     const bool late = table ? !all.grids.empty() : all.grids.empty();
     if ((flags != 0 && !(table && flags == kSkippable)) || !place.empty() || payload.empty() ||
@@ -315,6 +358,27 @@ bool readVolumeInfo(ByteReader& in, VolumeInfo& info) {
   return in.ok();
 }
 
+bool readSupport(ByteReader& in, const VolumeInfo& info, VoluteHeader& header) {
+  SupportError& support = header.support.emplace();
+  for (double* value : {&support.rms, &support.share, &support.low, &support.high}) {
+    *value = in.f64();
+    if (std::isnan(*value))
+      return false;
+  }
+  const int flags = in.u8();
+  support.robust = flags == 1;
+  const std::uint64_t frame = in.varint();
+  bool inside = flags <= 1 && frame < static_cast<std::uint64_t>(info.frames);
+  support.worstFrame = inside ? static_cast<int>(frame) : 0;
+  const std::array<int, 3> size{info.x, info.y, info.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::uint64_t place = in.varint();
+    inside = inside && place < static_cast<std::uint64_t>(size[axis]);
+    support.worstVoxel[axis] = inside ? static_cast<int>(place) : 0;
+  }
+  return in.ok() && inside;
+}
+
 Status readInfoChunk(std::span<const std::byte> content, const std::string& path, FileHead& head) {
   const auto malformed = [&path](std::string_view what) {
     return fail(ErrorCode::kInvalidData, "{}: the INFO chunk is malformed: {}", path, what);
@@ -347,6 +411,8 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
   if (!in.ok())
     return malformed("it ends early");
   head.parameters.assign(parameters.begin(), parameters.end());
+  if (header.codec == static_cast<int>(kSparseCodec) && !readSupport(in, head.info, header))
+    return malformed("the error over the support");
   if (in.remaining() > 0) {
     const int scale = in.u8();
     head.info.frameScale = {scale & ~kAllDecimals, (scale & kAllDecimals) != 0};
@@ -359,9 +425,9 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
       return malformed("the up axis");
     head.info.up = up == 0 ? '\0' : static_cast<char>('x' + up - 1);
   }
-  auto decoder =
-      openWaveletDecoder(parameters, {head.info.channels, static_cast<float>(header.valueMin),
-                                      static_cast<float>(header.valueMax)});
+  auto decoder = openWaveletDecoder(static_cast<std::uint32_t>(header.codec), parameters,
+                                    {head.info.channels, static_cast<float>(header.valueMin),
+                                     static_cast<float>(header.valueMax)});
   if (!decoder)
     return malformed(decoder.error().message);
   head.decoder = std::move(*decoder);
@@ -369,6 +435,52 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
                           [](int levels) { return static_cast<std::uint64_t>(levels); })) {
     return malformed("tiers that the codec does not have");
   }
+  return {};
+}
+
+Status readTilesChunk(std::span<const std::byte> content, const std::string& path,
+                      std::uint64_t budget, FileHead& head) {
+  const auto malformed = [&path](std::string_view what) {
+    return fail(ErrorCode::kInvalidData, "{}: the TILE chunk is malformed: {}", path, what);
+  };
+  constexpr std::int64_t kFarthest = std::int64_t{1} << 40;
+  const auto channels = static_cast<std::size_t>(head.info.channels);
+  std::uint64_t held = 0;
+  ByteReader in(content);
+  for (int frame = 0; frame < head.info.frames; ++frame) {
+    const std::uint64_t count = in.varint();
+    if (!in.ok() || count > in.remaining())
+      return malformed("the number of tiles");
+    if ((held += count * sizeof(Bricks::Tile)) > budget) {
+      return fail(ErrorCode::kTooLarge, "{}: its tiles take more than the {} MiB allowed", path,
+                  budget >> 20);
+    }
+    auto& tiles = head.tiles.emplace_back();
+    Bricks::Tile tile;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const unsigned what = in.u8();
+      if ((what >> 2) < 3 || (what >> 2) > 30)
+        return malformed("the size of a tile");
+      tile.side = std::int64_t{1} << (what >> 2);
+      tile.active = (what & 2) != 0;
+      for (std::int64_t& place : tile.origin) {
+        const std::int64_t step = in.zigzag();
+        if (step < -kFarthest || step > kFarthest || (place += step) < -kFarthest ||
+            place > kFarthest)
+          return malformed("the place of a tile");
+      }
+      for (std::size_t c = 0; (what & 1) == 0 && c < channels; ++c) {
+        tile.value[c] = in.f32();
+        if (!std::isfinite(tile.value[c]))
+          return malformed("the value of a tile");
+      }
+      if (!in.ok())
+        return malformed("it ends early");
+      tiles.push_back(tile);
+    }
+  }
+  if (in.remaining() != 0)
+    return malformed("it goes on after its last frame");
   return {};
 }
 
@@ -402,8 +514,8 @@ Status readPartsChunk(std::span<const std::byte> content, const std::string& pat
           part.valueMax <= static_cast<float>(head.header.valueMax)))
       return malformed("the range of a part's values");
     part.parameters.assign(parameters.begin(), parameters.end());
-    auto decoder =
-        openWaveletDecoder(parameters, {head.info.channels, part.valueMin, part.valueMax});
+    auto decoder = openWaveletDecoder(static_cast<std::uint32_t>(head.header.codec), parameters,
+                                      {head.info.channels, part.valueMin, part.valueMax});
     if (!decoder)
       return malformed(decoder.error().message);
     part.decoder = std::move(*decoder);
@@ -439,17 +551,35 @@ std::vector<std::vector<TierPlace>> placesOf(const GridTable& table, std::uint64
 Status readIndexChunk(std::span<const std::byte> content, const std::string& path,
                       const BlockGrid& grid, std::span<const TierPlace> places, FileHead& head) {
   const std::size_t tiers = head.decoder->tierLevels().size();
-  const std::size_t blocks = grid.count();
   ByteReader in(content);
+  if (head.header.codec == static_cast<int>(kSparseCodec)) {
+    const std::uint64_t count = in.varint();
+    if (!in.ok() || count > in.remaining() / (1 + tiers) || count > grid.count())
+      return fail(ErrorCode::kInvalidData, "{}: the index gives an impossible number of blocks",
+                  path);
+    head.blocks.reserve(static_cast<std::size_t>(count));
+    std::uint64_t block = 0;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const std::uint64_t step = in.varint();
+      if (!in.ok() || step >= grid.count() - block || (i > 0 && step == 0))
+        return fail(ErrorCode::kInvalidData, "{}: the index names a block that cannot be", path);
+      head.blocks.push_back(block += step);
+    }
+  } else {
+    head.blocks.resize(grid.count());
+    std::iota(head.blocks.begin(), head.blocks.end(), std::uint64_t{0});
+  }
+  const std::size_t blocks = head.blocks.size();
   head.segments.resize(blocks * tiers);
   std::uint64_t offset = head.headBytes;
   bool accounted = places.empty() || places.size() == tiers;
   for (std::size_t tier = 0; accounted && tier < tiers; ++tier) {
     if (!places.empty())
       offset = places[tier].begin;
-    for (std::size_t block = 0; block < blocks; ++block) {
-      SegmentEntry& segment = head.segments[tier * blocks + block];
+    for (std::size_t place = 0; place < blocks; ++place) {
+      SegmentEntry& segment = head.segments[tier * blocks + place];
       const std::uint64_t size = in.varint();
+      const auto block = static_cast<std::size_t>(head.blocks[place]);
       if (!in.ok() || size > head.decoder->maxSegmentBytes(shapeOf(grid, block), tier)) {
         return fail(ErrorCode::kInvalidData,
                     "{}: the index gives block {} an impossible size in tier {}", path, block,
@@ -473,9 +603,14 @@ Status readIndexChunk(std::span<const std::byte> content, const std::string& pat
   return {};
 }
 
-// The number of segments that an INDX chunk must have; kTooLarge when a table of them does not fit.
-Result<std::uint64_t> countSegments(const FileHead& head, const std::string& path,
-                                    std::uint64_t budget) {
+// The bytes that the content of an INDX chunk has at most; kTooLarge when a table of what codec 2
+// has in it does not fit.
+Result<std::uint64_t> indexLimit(const FileHead& head, const std::string& path,
+                                 std::uint64_t budget) {
+  constexpr std::uint64_t kMaxEntryBytes = 5 + 4;
+  // Four bytes, a number and three sizes, become an entry of 56.
+  if (head.header.codec == static_cast<int>(kSparseCodec))
+    return budget / 16;
   const VolumeInfo& info = head.info;
   double blocks = static_cast<double>(head.decoder->tierLevels().size());
   for (const int side : {info.frames, info.z, info.y, info.x}) blocks *= (side + 15) / 16;
@@ -486,7 +621,7 @@ Result<std::uint64_t> countSegments(const FileHead& head, const std::string& pat
         "{}: needs {:.0f} MiB for its index, more than the {} MiB allowed; raise --max-memory",
         path, bytes / (1 << 20), budget >> 21);
   }
-  return static_cast<std::uint64_t>(blocks);
+  return static_cast<std::uint64_t>(blocks) * kMaxEntryBytes;
 }
 
 Result<std::vector<std::byte>> unpackChunk(std::span<const std::byte> payload, std::uint64_t limit,
@@ -648,10 +783,9 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
       if (grid.empty)
         continue;
       const std::size_t tiers = head->decoder->tierLevels().size();
-      const std::size_t blocks = head->segments.size() / tiers;
       row.tierBytes.assign(tiers, 0);
       for (std::size_t i = 0; i < head->segments.size(); ++i)
-        row.tierBytes[i / blocks] += head->segments[i].size;
+        row.tierBytes[i / head->blocks.size()] += head->segments[i].size;
       ++head;
     }
     // Who knows no tables finds the values of a single grid where they are without one.
@@ -661,6 +795,8 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
     writeChunk(chunks, "INFO", writeInfoChunk(head));
     if (!head.parts.empty())
       writeChunk(chunks, "PART", writePartsChunk(head));
+    if (std::ranges::any_of(head.tiles, [](const auto& frame) { return !frame.empty(); }))
+      writeChunk(chunks, "TILE", writeTilesChunk(head));
     writeChunk(chunks, "INDX", writeIndexChunk(head));
   }
   const std::uint64_t headBytes = kPrologueBytes + chunks.size();
@@ -670,7 +806,7 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
   for (const FileHead& head : heads) tiers = std::max(tiers, tiersOf(head));
   for (std::size_t tier = 0; tier < tiers; ++tier) {
     for (FileHead& head : heads) {
-      const std::size_t blocks = head.segments.size() / tiersOf(head);
+      const std::size_t blocks = head.blocks.size();
       for (std::size_t i = 0; tier < tiersOf(head) && i < blocks; ++i) {
         SegmentEntry& segment = head.segments[tier * blocks + i];
         segment.offset = fileBytes;
@@ -734,13 +870,17 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
     VOLUTE_ASSIGN(const auto content, unpackChunk(own.parts, budget / 32, path, "PART"));
     VOLUTE_TRY(readPartsChunk(content, path, BlockGrid(head.info).counts()[0], head));
   }
-  VOLUTE_ASSIGN(const std::uint64_t segments, countSegments(head, path, budget));
+  if (!own.tiles.empty()) {
+    VOLUTE_ASSIGN(const auto content, unpackChunk(own.tiles, budget / 16, path, "TILE"));
+    VOLUTE_TRY(readTilesChunk(content, path, budget / 4, head));
+  }
+  VOLUTE_ASSIGN(const std::uint64_t limit, indexLimit(head, path, budget));
+  VOLUTE_ASSIGN(const auto content, unpackChunk(own.index, limit, path, "INDX"));
   constexpr std::uint64_t kMaxEntryBytes = 5 + 4;
-  VOLUTE_ASSIGN(const auto content,
-                unpackChunk(own.index, segments * kMaxEntryBytes, path, "INDX"));
-  if (content.size() < segments) {
+  if (head.header.codec == static_cast<int>(kWaveletCodec) &&
+      content.size() < limit / kMaxEntryBytes) {
     return fail(ErrorCode::kInvalidData, "{}: the index has {} bytes for {} segments", path,
-                content.size(), segments);
+                content.size(), limit / kMaxEntryBytes);
   }
   VOLUTE_TRY(readIndexChunk(content, path, BlockGrid(head.info), places, head));
   return head;

@@ -15,6 +15,7 @@
 #include "volute/codec/block_codec.hpp"
 #include "volute/codec/block_grid.hpp"
 #include "volute/codec/volute_reader.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/volume_info.hpp"
 
 namespace volute {
@@ -34,6 +35,9 @@ struct FilePart {
   std::shared_ptr<const BlockDecoder> decoder{};
 };
 
+/// The tiles of each frame.
+using FrameTiles = std::vector<std::vector<Bricks::Tile>>;
+
 /// All that stands before the values of a .volute file: docs/format.md, sections 2 to 6.
 struct FileHead {
   VolumeInfo info;
@@ -42,8 +46,11 @@ struct FileHead {
   std::shared_ptr<const BlockDecoder> decoder;
   /// Of a file that was joined, in the order of rows; else empty.
   std::vector<FilePart> parts;
-  /// Tier by tier, block by block, as in the file.
+  /// Numbers of the blocks that are in the file, ascending: all of codec 2.
+  std::vector<std::uint64_t> blocks;
+  /// Tier by tier, block by block of `blocks`, as in the file.
   std::vector<SegmentEntry> segments;
+  FrameTiles tiles{};  ///< empty, or of each frame
   std::uint64_t headBytes = 0;
   std::uint64_t fileBytes = 0;
   /// All grids of the file; what is above is of grids[grid].
@@ -57,8 +64,18 @@ struct FileHead {
     return next == parts.begin() ? *decoder : *std::prev(next)->decoder;
   }
 
-  const SegmentEntry& segment(std::size_t tier, std::size_t block, std::size_t blocks) const {
-    return segments[tier * blocks + block];
+  /// Where a block is in `blocks`; blocks.size() where it is not.
+  std::size_t placeOf(std::uint64_t block) const {
+    if (block < blocks.size() && blocks[block] == block)
+      return block;  // as all of them are there
+    const auto at = std::ranges::lower_bound(blocks, block);
+    return static_cast<std::size_t>((at != blocks.end() && *at == block ? at : blocks.end()) -
+                                    blocks.begin());
+  }
+
+  /// @param place  of a block, placeOf()
+  const SegmentEntry& segment(std::size_t tier, std::size_t place) const {
+    return segments[tier * blocks.size() + place];
   }
 };
 

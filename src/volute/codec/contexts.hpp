@@ -9,7 +9,7 @@
 #include "volute/base/result.hpp"
 #include "volute/codec/arithmetic_coder.hpp"
 
-// What the probability of each bit of codec 2 depends on (docs/format.md, section 8).
+// What the probability of each bit of codecs 2 and 3 depends on (docs/format.md, section 8).
 
 namespace volute {
 
@@ -44,7 +44,14 @@ inline constexpr unsigned kLong =
 inline constexpr unsigned kCorrected =
     kLong + kWideClasses * 32;                           ///< line; voxel by the one before
 inline constexpr unsigned kCorrection = kCorrected + 3;  ///< size of a correction
-inline constexpr unsigned kCount = kCorrection + 32;
+// Codec 3 alone; a table of codec 2 ends before them.
+inline constexpr unsigned kFull = kCorrection + 32;  ///< all voxels of a block are active
+inline constexpr unsigned kCoded = kFull + 1;        ///< a block has coefficients
+inline constexpr unsigned kOther = kCoded + 1;       ///< a block has inactive voxels with values
+inline constexpr unsigned kOtherVoxel = kOther + 1;  ///< whether one is; by 4 neighbours
+inline constexpr unsigned kOutliers =
+    kOtherVoxel + 81;  ///< a block has outliers; its lines; voxels
+inline constexpr unsigned kCount = kOutliers + 4;
 
 }  // namespace context
 

@@ -11,8 +11,11 @@
 namespace volute {
 
 void CodingError::add(const CodingError& other) {
-  squared += other.squared;
-  maximum = std::max(maximum, other.maximum);
+  for (std::size_t i = 0; i < squaredOf.size(); ++i) squaredOf[i] += other.squaredOf[i];
+  if (other.maximum > maximum || (other.maximum == maximum && other.place < place)) {
+    maximum = other.maximum;
+    place = other.place;
+  }
 }
 
 std::uint8_t byteOfMode(const std::optional<BlockMode>& mode) {
@@ -31,11 +34,15 @@ bool modeOfByte(unsigned byte, std::optional<BlockMode>& mode) {
 // Contexts that saw nothing are left out.
 std::vector<std::byte> EncodedUnitRecord::toBytes() const {
   ByteWriter record;
+  record.varint(blocks.size());
+  for (const std::uint64_t block : blocks) record.varint(block);
   for (const auto& mode : modes) record.u8(byteOfMode(mode));
+  record.varint(layers.size());
   for (const LayerError& layer : layers) {
     record.u64(layer.layer);
-    record.f64(layer.error.squared);
+    for (const double squared : layer.error.squaredOf) record.f64(squared);
     record.f64(layer.error.maximum);
+    record.u64(layer.error.place);
   }
   for (const auto& [size, crc] : segments) {
     record.u32(size);
@@ -56,21 +63,27 @@ std::vector<std::byte> EncodedUnitRecord::toBytes() const {
   return record.take();
 }
 
-std::optional<EncodedUnitRecord> EncodedUnitRecord::fromBytes(std::span<const std::byte> bytes,
-                                                              std::size_t blocks,
-                                                              std::size_t layers) {
+std::optional<EncodedUnitRecord> EncodedUnitRecord::fromBytes(std::span<const std::byte> bytes) {
   EncodedUnitRecord record;
-  record.modes.resize(blocks);
-  record.layers.resize(layers);
   ByteReader in(bytes);
+  const std::uint64_t blocks = in.varint();
+  if (!in.ok() || blocks > in.remaining())
+    return std::nullopt;
+  for (std::uint64_t i = 0; i < blocks; ++i) record.blocks.push_back(in.varint());
+  record.modes.resize(static_cast<std::size_t>(blocks));
   for (auto& mode : record.modes) {
     if (!modeOfByte(in.u8(), mode))
       return std::nullopt;
   }
+  const std::uint64_t layers = in.varint();
+  if (!in.ok() || layers > in.remaining())
+    return std::nullopt;
+  record.layers.resize(static_cast<std::size_t>(layers));
   for (LayerError& layer : record.layers) {
     layer.layer = in.u64();
-    layer.error.squared = in.f64();
+    for (double& squared : layer.error.squaredOf) squared = in.f64();
     layer.error.maximum = in.f64();
+    layer.error.place = in.u64();
   }
   for (std::size_t i = 0; i < blocks * kWaveletTiers.size(); ++i) {
     const std::uint32_t size = in.u32();
@@ -128,7 +141,8 @@ EncodedUnits::Unit EncodedUnits::begin(std::int64_t number) const {
   return unit;
 }
 
-Status EncodedUnits::append(const EncodedBlock& block, Unit& unit) {
+Status EncodedUnits::append(std::uint64_t number, const EncodedBlock& block, Unit& unit) {
+  unit.blocks.push_back(number);
   for (std::size_t tier = 0; tier < spools_.size(); ++tier) {
     const auto& bytes = block.tiers[tier];
     unit.segments.emplace_back(static_cast<std::uint32_t>(bytes.size()), crc32(bytes));
@@ -156,21 +170,13 @@ Status EncodedUnits::appendBytes(const Unit& unit, std::span<const std::byte> by
   return {};
 }
 
-void EncodedUnits::put(const Unit& unit, FileHead& head) const {
-  const std::size_t first = plan_.firstBlock(plan_.unit(unit.number));
-  const std::size_t tiers = kWaveletTiers.size();
-  for (std::size_t i = 0; i < unit.segments.size(); ++i) {
-    const auto [size, crc] = unit.segments[i];
-    head.segments[i % tiers * blocks_ + first + i / tiers] = {0, size, crc};
-  }
-}
-
 Status EncodedUnits::shareSegments(FileHead& head) {
   if (!team_.leads()) {
     ByteWriter out;
     for (const Unit& unit : units_) {
       out.u64(static_cast<std::uint64_t>(unit.number));
-      out.u64(unit.segments.size());
+      out.u64(unit.blocks.size());
+      for (const std::uint64_t block : unit.blocks) out.u64(block);
       for (const auto& [size, crc] : unit.segments) {
         out.u32(size);
         out.u32(crc);
@@ -178,20 +184,35 @@ Status EncodedUnits::shareSegments(FileHead& head) {
     }
     return team_.post(team_.rank(), out.take(), std::numeric_limits<std::uint64_t>::max());
   }
-  head.segments.assign(blocks_ * kWaveletTiers.size(), SegmentEntry{});
+  constexpr std::size_t kTiers = kWaveletTiers.size();
   ranks_.assign(static_cast<std::size_t>(plan_.count()), 0);
-  for (const Unit& unit : units_) put(unit, head);
+  std::vector<Unit> all = units_;
   for (int rank = 1; rank < team_.size(); ++rank) {
     VOLUTE_ASSIGN(const auto bytes, team_.collect(rank));
     for (ByteReader in(bytes); in.remaining() > 0;) {
       Unit unit{static_cast<std::int64_t>(in.u64())};
       ranks_[static_cast<std::size_t>(unit.number)] = rank;
-      for (std::uint64_t left = in.u64(); left > 0; --left) {
+      unit.blocks.resize(static_cast<std::size_t>(in.u64()));
+      for (std::uint64_t& block : unit.blocks) block = in.u64();
+      for (std::size_t left = kTiers * unit.blocks.size(); left > 0; --left) {
         const std::uint32_t size = in.u32();
         unit.segments.emplace_back(size, in.u32());
       }
-      put(unit, head);
+      all.push_back(std::move(unit));
     }
+  }
+  std::ranges::sort(all, {}, &Unit::number);
+  head.blocks.clear();
+  for (const Unit& unit : all)
+    head.blocks.insert(head.blocks.end(), unit.blocks.begin(), unit.blocks.end());
+  head.segments.resize(kTiers * head.blocks.size());
+  std::size_t first = 0;
+  for (const Unit& unit : all) {
+    for (std::size_t i = 0; i < unit.segments.size(); ++i) {
+      const auto [size, crc] = unit.segments[i];
+      head.segments[i % kTiers * head.blocks.size() + first + i / kTiers] = {0, size, crc};
+    }
+    first += unit.blocks.size();
   }
   return {};
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -20,12 +21,16 @@
 
 namespace volute {
 
-/// How far decoded blocks are from what was encoded.
+/// How far decoded blocks are from what was encoded. What is empty is exact, so the squares of the
+/// support are those of all voxels.
 struct CodingError {
-  double squared = 0;  ///< a sum
+  std::array<double, BlockGrid::kSide> squaredOf{};  ///< sums, of each frame of a row
   double maximum = 0;
+  std::uint64_t place = 0;  ///< of the maximum: the voxel's number in C order (t, z, y, x)
 
   void add(const CodingError& other);
+
+  double squared() const { return std::accumulate(squaredOf.begin(), squaredOf.end(), 0.0); }
 };
 
 /// That of one layer of blocks. Sums of layers in their order are the same for any number of ranks.
@@ -44,7 +49,8 @@ using SegmentSize = std::pair<std::uint32_t, std::uint32_t>;
 
 /// All that is known of a unit besides its bytes, for an earlier run to leave to a later one.
 struct EncodedUnitRecord {
-  std::vector<std::optional<BlockMode>> modes;  ///< of its blocks
+  std::vector<std::uint64_t> blocks;            ///< that hold something, ascending
+  std::vector<std::optional<BlockMode>> modes;  ///< of each
   std::vector<LayerError> layers;
   std::vector<SegmentSize> segments;  ///< block by block, tier by tier
   Training training;
@@ -52,8 +58,7 @@ struct EncodedUnitRecord {
   std::vector<std::byte> toBytes() const;
 
   /// Nothing when the bytes are of no such record.
-  static std::optional<EncodedUnitRecord> fromBytes(std::span<const std::byte> bytes,
-                                                    std::size_t blocks, std::size_t layers);
+  static std::optional<EncodedUnitRecord> fromBytes(std::span<const std::byte> bytes);
 
   /// Of each tier, of all blocks.
   std::array<std::uint64_t, kWaveletTiers.size()> tierSizes() const;
@@ -72,13 +77,13 @@ class EncodedUnits {
   /// What a rank has of a unit, and where each tier's bytes begin in its spools.
   struct Unit {
     std::int64_t number = 0;
-    std::vector<SegmentSize> segments{};
+    std::vector<std::uint64_t> blocks{};  ///< that hold something, ascending
+    std::vector<SegmentSize> segments{};  ///< block by block, tier by tier
     std::array<std::uint64_t, kWaveletTiers.size()> begins{}, sizes{};
     bool hasBytes = true;
   };
 
-  EncodedUnits(const UnitPlan& plan, std::size_t blocks, Team& team)
-      : plan_(plan), blocks_(blocks), team_(team) {}
+  EncodedUnits(const UnitPlan& plan, Team& team) : plan_(plan), team_(team) {}
 
   /// Makes the files beside the target.
   [[nodiscard]] Status open(const std::filesystem::path& target);
@@ -89,8 +94,8 @@ class EncodedUnits {
   /// A unit whose bytes follow.
   Unit begin(std::int64_t number) const;
 
-  /// The next block of a unit that was begun.
-  [[nodiscard]] Status append(const EncodedBlock& block, Unit& unit);
+  /// The next block of a unit that was begun, and its number.
+  [[nodiscard]] Status append(std::uint64_t number, const EncodedBlock& block, Unit& unit);
 
   void finish(Unit unit) { units_.push_back(std::move(unit)); }
 
@@ -116,10 +121,7 @@ class EncodedUnits {
   [[nodiscard]] Status sendSegments();
 
  private:
-  void put(const Unit& unit, FileHead& head) const;
-
   const UnitPlan& plan_;
-  std::size_t blocks_;
   Team& team_;
   std::vector<Spool> spools_;  // one a tier
   std::vector<Unit> units_;

@@ -8,6 +8,7 @@
 
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/copy_frames.hpp"
 
 namespace volute {
@@ -88,6 +89,8 @@ Result<std::unique_ptr<ExtractSource>> ExtractSource::create(
       new ExtractSource(std::move(reader), std::move(extraction), progress));
   // The frames of a row, or as many of them as there is room for; and one that is made of them.
   const std::uint64_t frame = 4ull * source->frameValues();
+  if (source->keepsTopology() && source->extraction_.bricks)
+    return source;
   if (2 * frame > source->extraction_.maxMemory) {
     return fail(ErrorCode::kTooLarge,
                 "the region needs {} MiB of memory, more than the {} MiB allowed; take a smaller "
@@ -171,6 +174,33 @@ Status ExtractSource::loadBlock(std::size_t block) {
       }
     }
   }
+  return {};
+}
+
+bool ExtractSource::keepsTopology() const {
+  return reader_->hasTopology() && extraction_.level == 0;
+}
+
+Status ExtractSource::readBricks(int index, int first, int end, Bricks& bricks) {
+  if (progress_.cancelled()) {
+    return fail(ErrorCode::kCancelled, "stopped: reading frame {}",
+                extraction_.positions[static_cast<std::size_t>(index)]);
+  }
+  if (!keepsTopology()) {
+    std::vector<float> values(info_.frameValues());
+    VOLUTE_TRY(readFrame(index, values));
+    bricks = Bricks::fromDense(info_, values, reader_->background());
+    return {};
+  }
+  if (!whole_)
+    whole_ = frameSource(reader_);
+  const Region& r = extraction_.region;
+  const int position = extraction_.positions[static_cast<std::size_t>(index)];
+  VOLUTE_TRY(whole_->readBricks(position, r.begin[2] + first, r.begin[2] + end, bricks));
+  const VolumeInfo& all = reader_->info();
+  if (r != Region{{0, 0, 0}, {all.x, all.y, all.z}})
+    bricks.crop({{r.begin[0], r.begin[1], r.begin[2]}, {r.end[0], r.end[1], r.end[2]}});
+  bricks.shift({-r.begin[0], -r.begin[1], -r.begin[2]});
   return {};
 }
 

@@ -18,6 +18,7 @@ struct Extraction {
   Region region;               ///< inside the volume
   int level = 0;               ///< the resolution is divided by 2^level in space
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
+  bool bricks = false;  ///< frames are read by readBricks() alone, so that none needs its box
 };
 
 /// Frames of a region of a .volute file, each block decoded once while the frames are read in
@@ -39,12 +40,16 @@ class ExtractSource final : public FrameSource {
 
   [[nodiscard]] Status readFrame(int index, std::span<float> values) override;
 
+  /// With the file's topology at level 0.
+  [[nodiscard]] Status readBricks(int index, int first, int end, Bricks& bricks) override;
+
   /// Of its frames in the file.
   const std::vector<int>& positions() const { return extraction_.positions; }
 
  private:
   ExtractSource(std::shared_ptr<const VoluteReader> reader, Extraction extraction,
                 Progress& progress);
+  bool keepsTopology() const;
   Status load(std::size_t index);
   Status loadBlock(std::size_t block);
   std::vector<std::size_t> blocksOfRow(int row) const;
@@ -55,6 +60,7 @@ class ExtractSource final : public FrameSource {
   Extraction extraction_;
   Progress& progress_;
   VolumeInfo info_;
+  std::unique_ptr<FrameSource> whole_;  // the file's frames, for bricks
   std::size_t framesAtOnce_ = 1;
   std::size_t firstLoaded_ = 0, loaded_ = 0;  // which of the selected frames are in row_
   std::vector<float> row_;                    // shape (t, z, y, x, c) of the region

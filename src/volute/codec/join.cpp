@@ -13,9 +13,11 @@
 #include "volute/base/output_file.hpp"
 #include "volute/codec/bundle.hpp"
 #include "volute/codec/compress.hpp"
+#include "volute/codec/compression_goal.hpp"
 #include "volute/codec/container.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/codec/written_file.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
 #include "volute/grid/rounding_source.hpp"
 
@@ -106,11 +108,14 @@ VolumeInfo joinedInfo(const std::vector<Part>& parts, const Rate& rate) {
   return joined;
 }
 
-/// Blocks of 16 frames keep their places in the joined file.
+/// Blocks of 16 frames keep their places in the joined file, and all are of one codec.
 bool canCopy(const std::vector<Part>& parts) {
-  return std::ranges::all_of(parts.begin(), parts.end() - 1, [](const Part& part) {
-    return part.head.info.frames % BlockGrid::kSide == 0;
-  });
+  const int codec = parts.front().head.header.codec;
+  return std::ranges::all_of(
+             parts.begin(), parts.end() - 1,
+             [](const Part& part) { return part.head.info.frames % BlockGrid::kSide == 0; }) &&
+         std::ranges::all_of(parts,
+                             [&](const Part& part) { return part.head.header.codec == codec; });
 }
 
 /// The parts of all, as the file lists them; none where all blocks are read alike.
@@ -163,6 +168,35 @@ Errors errorsOf(const std::vector<Part>& parts) {
   return errors;
 }
 
+/// The same over the support of all parts, whose range is the widest of theirs.
+std::optional<SupportError> supportOf(const std::vector<Part>& parts, double reachedMaxError) {
+  SupportError all;
+  double squares = 0, voxels = 0, frames = 0;
+  int first = 0;
+  for (const Part& part : parts) {
+    const auto& own = part.head.header.support;
+    if (!own)
+      return std::nullopt;
+    const double rms = own->rms / CompressionGoal::relative(1, own->low, own->high);
+    const double of = own->share * part.info().frames;
+    squares += rms * rms * of;
+    voxels += of;
+    frames += part.info().frames;
+    all.low = first == 0 ? own->low : std::min(all.low, own->low);
+    all.high = first == 0 ? own->high : std::max(all.high, own->high);
+    all.robust = all.robust || own->robust;
+    if (part.head.header.reachedMaxError == reachedMaxError) {
+      all.worstFrame = first + own->worstFrame;
+      all.worstVoxel = own->worstVoxel;
+    }
+    first += part.info().frames;
+  }
+  all.share = voxels / frames;
+  all.rms =
+      CompressionGoal::relative(std::sqrt(squares / std::max(voxels, 1e-300)), all.low, all.high);
+  return all;
+}
+
 /// "a; b", each once.
 std::string joinedProvenance(const std::vector<Part>& parts) {
   std::string text;
@@ -181,6 +215,11 @@ void joinTargets(const std::vector<Part>& parts, VoluteHeader& header) {
   const std::string kind = header.targetKind;
   const bool same = std::ranges::all_of(
       parts, [&](const Part& part) { return part.head.header.targetKind == kind; });
+  if (!same && header.support) {
+    header.targetKind = "support-rms";
+    header.targetValue = header.support->rms;
+    return;
+  }
   if (!same) {
     header.targetKind = "rms";
     header.targetValue = header.reachedRms;
@@ -228,6 +267,26 @@ class JoinedFrames final : public RoundingSource {
     return most;
   }
 
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    std::size_t file = 0;
+    while (index >= files_[file].frames) index -= files_[file++].frames;
+    if (files_[file].source)
+      return files_[file].source->readBricks(index, first, end, bricks);
+    bricks = Bricks(info_.channels,
+                    {static_cast<float>(background_[0]), static_cast<float>(background_[1]),
+                     static_cast<float>(background_[2])});
+    return {};
+  }
+
+  std::uint64_t brickBytes() const override {
+    std::uint64_t most = 0;
+    for (const File& file : files_) {
+      if (file.source)
+        most = std::max(most, file.source->brickBytes());
+    }
+    return most;
+  }
+
  private:
   VolumeInfo info_;
   std::vector<File> files_;
@@ -250,11 +309,22 @@ FileHead headOf(const std::vector<Part>& parts, const Errors& errors, const Rate
   head.header.provenance = joinedProvenance(parts);
   head.header.reachedRms = errors.relative(errors.rms);
   head.header.reachedMaxError = errors.most;
+  head.header.support = supportOf(parts, errors.most);
   joinTargets(parts, head.header);
   head.segments.clear();
+  head.blocks.clear();
+  head.tiles.clear();
+  std::uint64_t before = 0;  // blocks
+  for (const Part& part : parts) {
+    for (const std::uint64_t block : part.head.blocks) head.blocks.push_back(before + block);
+    before += BlockGrid(part.info()).count();
+    FrameTiles tiles = part.head.tiles;
+    tiles.resize(static_cast<std::size_t>(part.info().frames));
+    head.tiles.insert(head.tiles.end(), tiles.begin(), tiles.end());
+  }
   for (std::size_t tier = 0; tier < head.decoder->tierLevels().size(); ++tier) {
     for (const Part& part : parts) {
-      const auto blocks = static_cast<std::ptrdiff_t>(BlockGrid(part.info()).count());
+      const auto blocks = static_cast<std::ptrdiff_t>(part.head.blocks.size());
       const auto begin = part.head.segments.begin() + static_cast<std::ptrdiff_t>(tier) * blocks;
       head.segments.insert(head.segments.end(), begin, begin + blocks);
     }
@@ -285,9 +355,8 @@ Result<JoinReport> copyBlocks(const std::vector<Part>& parts, const std::filesys
     for (const Part& part : parts) {
       if (progress.cancelled())
         return fail(ErrorCode::kCancelled, "stopped: {} was not written", target.string());
-      const std::size_t blocks = BlockGrid(part.info()).count();
-      for (std::size_t block = 0; block < blocks; ++block)
-        VOLUTE_TRY(copySegment(part, part.head.segment(tier, block, blocks), out.bytes()));
+      for (std::size_t place = 0; place < part.head.blocks.size(); ++place)
+        VOLUTE_TRY(copySegment(part, part.head.segment(tier, place), out.bytes()));
       progress.report("copying", ++done, static_cast<double>(tiers * parts.size()));
     }
   }
@@ -303,8 +372,10 @@ Result<JoinReport> encodeAgain(const std::vector<Part>& parts, FrameSource& fram
   constexpr double kFinest = 1e-6;
   const Errors errors = errorsOf(parts);
   CompressOptions how;
-  how.target = {ErrorTarget::Kind::kRms,
-                options.rms.value_or(std::max(kFinest, errors.relative(errors.rms)))};
+  const auto support = supportOf(parts, errors.most);
+  const double reached = support ? support->rms : errors.relative(errors.rms);
+  how.target = {support ? ErrorTarget::Kind::kRms : ErrorTarget::Kind::kRmsOverAll,
+                options.rms.value_or(std::max(kFinest, reached))};
   how.provenance = joinedProvenance(parts);
   how.maxMemory = options.maxMemory;
   how.sourceRms = errors.rms;
@@ -360,6 +431,7 @@ class GridJoin {
   Result<JoinReport> write(const std::filesystem::path& target, Progress& progress) {
     frames_ = joinedInfo(files_, options_.framesPerSecond);
     VOLUTE_TRY(collect());
+    copies_ = maySettleOnCopies();
     std::vector<PendingFile> pending;
     std::vector<BundledGrid> bundled;
     JoinReport report{frames_.frames, true, 0, 0, 0, 0};
@@ -477,13 +549,28 @@ class GridJoin {
     return all;
   }
 
+  bool sameEverywhere(const GridParts& grid) const {
+    return grid.parts.size() == files_.size() &&
+           std::ranges::all_of(grid.parts, [&](const Part& part) {
+             return sameGrid(grid.parts.front().info(), part.info());
+           });
+  }
+
+  /// Whether blocks of these files can stand beside those that are encoded anew, or all are copied:
+  /// a file has one codec.
+  bool maySettleOnCopies() const {
+    const bool sparse = std::ranges::all_of(files_, [](const Part& file) {
+      return file.head.header.codec == static_cast<int>(kSparseCodec);
+    });
+    return sparse || std::ranges::all_of(grids_, [&](const GridParts& grid) {
+             return grid.parts.empty() || (sameEverywhere(grid) && canCopy(grid.parts));
+           });
+  }
+
   Result<JoinReport> joinGrid(const GridParts& grid, BundledGrid& row, Progress& progress) const {
     VOLUTE_ASSIGN(VolumeInfo info, volumeAround(grid.parts));
-    const bool same = grid.parts.size() == files_.size() &&
-                      std::ranges::all_of(grid.parts, [&](const Part& part) {
-                        return sameGrid(grid.parts.front().info(), part.info());
-                      });
-    if (same && canCopy(grid.parts))
+    const bool same = sameEverywhere(grid);
+    if (same && canCopy(grid.parts) && copies_)
       return copyBlocks(grid.parts, row.file, options_.framesPerSecond, progress);
     const bool halves = row.description && row.description->half;
     if (same) {
@@ -512,6 +599,7 @@ class GridJoin {
   std::vector<Part> files_;
   VolumeInfo frames_;
   std::vector<GridParts> grids_;
+  bool copies_ = false;
 };
 
 bool isPlain(const Part& part) {

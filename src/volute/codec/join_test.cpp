@@ -115,7 +115,7 @@ TEST_F(JoinTest, CopiesBlocksThatWereCompressedApart) {
   const auto difference = differenceOf(original, all);
   EXPECT_NEAR(difference.relativeRms, report->relativeRms, 1e-6);
   EXPECT_NEAR(difference.maxError, report->maxError, 1e-6);
-  EXPECT_EQ(reader.header().targetKind, "rms");
+  EXPECT_EQ(reader.header().targetKind, "support-rms");
   EXPECT_EQ(reader.header().targetValue, 4e-3);
   EXPECT_LE(difference.relativeRms, reader.header().targetValue);
 }

@@ -7,6 +7,7 @@
 
 #include "volute/codec/container.hpp"
 #include "volute/codec/parallel_try.hpp"
+#include "volute/grid/bricks.hpp"
 
 namespace volute {
 
@@ -25,15 +26,42 @@ struct VoluteReader::Impl {
 
   std::size_t tiers() const { return head.decoder->tierLevels().size(); }
 
+  /// Of a block that is not in the file one without bytes.
   const SegmentEntry& segment(std::size_t tier, std::size_t block) const {
-    return head.segment(tier, block, grid.count());
+    static const SegmentEntry kNothing;
+    const std::size_t place = head.placeOf(block);
+    return place == head.blocks.size() ? kNothing : head.segment(tier, place);
   }
+
+  /// What is nowhere else said. Without topology the cache's own background, where there is one.
+  std::array<float, 3> backgroundOf(int row) const {
+    const auto& description = head.grids[head.grid].description;
+    if (sparse() || !description)
+      return head.decoderOf(row).background();
+    std::array<float, 3> background{};
+    for (std::size_t c = 0; c < 3; ++c)
+      background[c] = static_cast<float>(description->background[c]);
+    return background;
+  }
+
+  bool sparse() const { return head.header.codec == static_cast<int>(kSparseCodec); }
+
+  /// The blocks of the file in row `row`.
+  std::span<const std::uint64_t> blocksOf(int row) const {
+    const std::uint64_t first = static_cast<std::uint64_t>(row) * grid.rowCount();
+    const auto begin = std::ranges::lower_bound(head.blocks, first);
+    return {begin, std::lower_bound(begin, head.blocks.end(), first + grid.rowCount())};
+  }
+
+  void putTiles(std::size_t block, std::span<float> values) const;
+  Status readBlockBricks(std::size_t block, int first, int end, std::span<Bricks> bricks) const;
 
   tl::unexpected<Error> blame(std::size_t block, std::uint64_t offset, ErrorCode code,
                               std::string_view what) const;
   Status readSegment(std::size_t block, std::size_t tier, std::vector<std::byte>& bytes) const;
   Result<std::vector<std::vector<std::byte>>> readTiers(std::size_t block, int levels) const;
-  Status decodeBlock(std::size_t block, std::span<float> values, int levels) const;
+  Status decodeBlock(std::size_t block, std::span<float> values, int levels,
+                     BlockStates* states = nullptr) const;
   Status checkBox(const Index4& begin, const Index4& end, std::size_t values) const;
   Status readPart(std::size_t block, const Index4& begin, const Index4& end,
                   std::span<float> values, int levels) const;
@@ -88,19 +116,101 @@ Result<std::vector<std::vector<std::byte>>> VoluteReader::Impl::readTiers(std::s
   return result;
 }
 
-Status VoluteReader::Impl::decodeBlock(std::size_t block, std::span<float> values,
-                                       int levels) const {
+// Tiles over what is decoded, which is background there.
+void VoluteReader::Impl::putTiles(std::size_t block, std::span<float> values) const {
+  if (head.tiles.empty())
+    return;
+  const Index4 o = grid.origin(block), e = grid.extents(block);
+  const IndexBox box{{o[3], o[2], o[1]}, {o[3] + e[3], o[2] + e[2], o[1] + e[1]}};
+  const auto channels = static_cast<std::size_t>(grid.channels());
+  for (int t = 0; t < e[0]; ++t) {
+    for (const Bricks::Tile& tile : head.tiles[static_cast<std::size_t>(o[0] + t)]) {
+      const IndexBox part = tile.box().intersection(box);
+      if (part.empty())
+        continue;
+      for (auto z = part.begin[2]; z < part.end[2]; ++z)
+        for (auto y = part.begin[1]; y < part.end[1]; ++y) {
+          const auto line =
+              ((static_cast<std::size_t>(t) * e[1] + (z - o[1])) * e[2] + (y - o[2])) *
+                  static_cast<std::size_t>(e[3]) +
+              static_cast<std::size_t>(part.begin[0] - o[3]);
+          float* to = values.data() + line * channels;
+          for (auto x = part.begin[0]; x < part.end[0]; ++x)
+            to = std::copy_n(tile.value.begin(), channels, to);
+        }
+    }
+  }
+}
+
+Status VoluteReader::Impl::decodeBlock(std::size_t block, std::span<float> values, int levels,
+                                       BlockStates* states) const {
   VOLUTE_ASSIGN(auto bytes, readTiers(block, levels));
   const BlockShape shape = shapeOf(grid, block);
   const BlockDecoder& decoder = head.decoderOf(grid.coordinate(block)[0]);
-  ++blocksDecoded;
-  Status status = decoder.decode(bytes, levels, shape, values);
+  if (head.placeOf(block) != head.blocks.size())
+    ++blocksDecoded;
+  Status status = decoder.decode(bytes, levels, shape, values, states);
   for (; !status && options.partial && !bytes.empty();
-       status = decoder.decode(bytes, levels, shape, values)) {
+       status = decoder.decode(bytes, levels, shape, values, states)) {
     bytes.pop_back();
   }
   if (!status)
     return blame(block, segment(0, block).offset, status.error().code, status.error().message);
+  putTiles(block, values);
+  return {};
+}
+
+// What of a block is in the frames first <= frame < end: bricks of 8^3 from its origin on.
+Status VoluteReader::Impl::readBlockBricks(std::size_t block, int first, int end,
+                                           std::span<Bricks> bricks) const {
+  const Index4 o = grid.origin(block), e = grid.extents(block);
+  const auto channels = static_cast<std::size_t>(grid.channels());
+  std::vector<float> values(grid.values(block));
+  BlockStates states;
+  VOLUTE_TRY(decodeBlock(block, values, 99, &states));
+  const std::array<float, 3> background = backgroundOf(grid.coordinate(block)[0]);
+  constexpr int kSide = Bricks::kSide;
+  for (int t = std::max(0, first - o[0]); t < std::min(e[0], end - o[0]); ++t) {
+    Bricks& frame = bricks[static_cast<std::size_t>(o[0] + t - first)];
+    for (int z0 = 0; z0 < e[1]; z0 += kSide)
+      for (int y0 = 0; y0 < e[2]; y0 += kSide)
+        for (int x0 = 0; x0 < e[3]; x0 += kSide) {
+          Bricks::Leaf leaf{{o[3] + x0, o[2] + y0, o[1] + z0}};
+          std::uint64_t any = 0;
+          const auto visit = [&](const auto& body) {
+            for (int z = z0; z < std::min(z0 + kSide, e[1]); ++z)
+              for (int y = y0; y < std::min(y0 + kSide, e[2]); ++y) {
+                const std::size_t row = ((static_cast<std::size_t>(t) * e[1] + z) * e[2] + y) *
+                                        static_cast<std::size_t>(e[3]);
+                for (int x = x0; x < std::min(x0 + kSide, e[3]); ++x)
+                  body(row + static_cast<std::size_t>(x), static_cast<std::size_t>(z - z0),
+                       kSide * (y - y0) + x - x0);
+              }
+          };
+          visit([&](std::size_t at, std::size_t z, int bit) {
+            bool valued = states[at] != VoxelState::kEmpty,
+                 active = states[at] == VoxelState::kActive;
+            if (!sparse()) {
+              // Without topology: what is not the background.
+              const float* value = &values[at * channels];
+              valued = active = !std::equal(value, value + channels, background.begin());
+            }
+            leaf.active[z] |= static_cast<std::uint64_t>(active) << bit;
+            leaf.valued[z] |= static_cast<std::uint64_t>(valued) << bit;
+            any |= leaf.valued[z];
+          });
+          if (any == 0)
+            continue;
+          const std::span<float> to = frame.addLeaf(leaf);
+          visit([&](std::size_t at, std::size_t z, int bit) {
+            if ((leaf.valued[z] >> bit & 1) == 0)
+              return;
+            for (std::size_t c = 0; c < channels; ++c)
+              to[c * Bricks::kVoxels + 64 * z + static_cast<std::size_t>(bit)] =
+                  values[at * channels + c];
+          });
+        }
+  }
   return {};
 }
 
@@ -231,6 +341,62 @@ std::uint64_t VoluteReader::blocksDecoded() const {
   return impl_->blocksDecoded;
 }
 
+Status VoluteReader::readBricks(int row, int first, int end, std::span<Bricks> bricks) const {
+  const Impl& impl = *impl_;
+  const int begin = row * BlockGrid::kSide;
+  const int last = std::min(begin + BlockGrid::kSide, impl.head.info.frames);
+  if (row < 0 || first < begin || first >= end || end > last ||
+      bricks.size() != static_cast<std::size_t>(end - first)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: frames {}:{} were asked of row {}, with room for {}",
+                impl.file.path().string(), first, end, row, bricks.size());
+  }
+  const auto blocks = impl.blocksOf(row);
+  for (Bricks& frame : bricks) frame = Bricks(impl.grid.channels(), impl.backgroundOf(row));
+  // Leaves of neighbouring blocks go behind each other, some blocks to a task.
+  constexpr std::size_t kBlocksATask = 16;
+  const std::size_t tasks = (blocks.size() + kBlocksATask - 1) / kBlocksATask;
+  std::vector<std::vector<Bricks>> parts(tasks, std::vector<Bricks>(bricks.begin(), bricks.end()));
+  VOLUTE_TRY(parallelTry(tasks, [&](std::size_t task) -> Status {
+    for (std::size_t i = task * kBlocksATask;
+         i < std::min(blocks.size(), (task + 1) * kBlocksATask); ++i)
+      VOLUTE_TRY(
+          impl.readBlockBricks(static_cast<std::size_t>(blocks[i]), first, end, parts[task]));
+    return {};
+  }));
+  for (std::size_t i = 0; i < bricks.size(); ++i) {
+    for (auto& part : parts) {
+      bricks[i].append(part[i]);
+      part[i] = Bricks();
+    }
+    if (!impl.head.tiles.empty()) {
+      for (const Bricks::Tile& tile : impl.head.tiles[static_cast<std::size_t>(first) + i])
+        bricks[i].addTile(tile);
+    }
+    bricks[i].sort();
+  }
+  return {};
+}
+
+std::uint64_t VoluteReader::brickBytes(int row) const {
+  std::uint64_t bytes = 0;
+  for (const std::uint64_t block : impl_->blocksOf(row))
+    bytes += 5 * impl_->grid.values(static_cast<std::size_t>(block));
+  return bytes;
+}
+
+std::array<float, 3> VoluteReader::background() const {
+  return impl_->backgroundOf(0);
+}
+
+bool VoluteReader::hasTopology() const {
+  return impl_->sparse();
+}
+
+std::span<const std::uint64_t> VoluteReader::occupied() const {
+  return impl_->head.blocks;
+}
+
 std::uint64_t VoluteReader::storedBytes(std::size_t block) const {
   std::uint64_t bytes = 0;
   for (std::size_t tier = 0; tier < impl_->tiers(); ++tier)
@@ -258,7 +424,8 @@ Result<Integrity> VoluteReader::verify(Progress& progress) const {
   for (std::size_t tier = 0; tier < impl.tiers(); ++tier) {
     bool whole = true;
     progress.report("checking", static_cast<double>(tier), static_cast<double>(impl.tiers()));
-    for (std::size_t block = 0; block < impl.grid.count(); ++block) {
+    for (const std::uint64_t number : impl.head.blocks) {
+      const auto block = static_cast<std::size_t>(number);
       if (impl.segment(tier, block).size == 0)
         continue;
       if (progress.cancelled())

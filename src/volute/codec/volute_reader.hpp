@@ -20,6 +20,19 @@
 
 namespace volute {
 
+/// The error over the support: the voxels that the original has active or not equal to its
+/// background.
+struct SupportError {
+  double rms = 0;                   ///< RMS over the support / (high - low)
+  double share = 0;                 ///< of the support in all voxels
+  double low = 0, high = 0;         ///< the support's range over all frames
+  bool robust = false;              ///< that range is of the .0001 and .9999 quantiles
+  int worstFrame = 0;               ///< position of the frame with the greatest error
+  std::array<int, 3> worstVoxel{};  ///< its place: x, y, z
+
+  bool operator==(const SupportError&) const = default;
+};
+
 /// Properties of a .volute file besides its VolumeInfo.
 struct VoluteHeader {
   int versionMajor = 0;
@@ -27,11 +40,12 @@ struct VoluteHeader {
   int codec = 0;           ///< bit stream of the blocks; docs/format.md
   std::string writtenBy;   ///< program and version
   std::string provenance;  ///< what it was made from
-  std::string targetKind;  ///< rms, psnr, ratio, size or max-error
+  std::string targetKind;  ///< support-rms, rms (over all), psnr, ratio, size or max-error
   double targetValue = 0;
-  double reachedRms = 0;              ///< relative RMS over all values: RMS / (max - min)
-  double reachedMaxError = 0;         ///< absolute
-  double valueMin = 0, valueMax = 0;  ///< of the original
+  double reachedRms = 0;                  ///< relative RMS over all values: RMS / (max - min)
+  double reachedMaxError = 0;             ///< absolute
+  double valueMin = 0, valueMax = 0;      ///< of the original
+  std::optional<SupportError> support{};  ///< none of codec 2
 };
 
 /// One of the grids of a file.
@@ -55,6 +69,8 @@ struct Integrity {
 
   bool complete() const { return firstFault.empty(); }
 };
+
+class Bricks;
 
 /// Reads any block, frame or region of a .volute file, and only the segments needed. Const reads
 /// are thread-safe. Every byte is covered by a checksum that is verified before it is used.
@@ -110,6 +126,23 @@ class VoluteReader {
   /// Row `row` of blocks: up to 16 frames from 16 * row on, shape (t, z, y, x, c). Decodes in
   /// parallel.
   [[nodiscard]] Status readRow(int row, std::span<float> values, int levels = 99) const;
+
+  /// What is in the frames of row `row` whose positions are first <= frame < end, with its
+  /// topology. Decodes the blocks that hold something, in parallel.
+  /// @param bricks  one for each frame
+  [[nodiscard]] Status readBricks(int row, int first, int end, std::span<Bricks> bricks) const;
+
+  /// Bytes that the bricks of a row take, at most.
+  std::uint64_t brickBytes(int row) const;
+
+  /// What voxels hold that the file says nothing of; of each channel.
+  std::array<float, 3> background() const;
+
+  /// Whether the file keeps topology: which voxels are active, tiles and the background.
+  bool hasTopology() const;
+
+  /// Numbers of the blocks that hold something.
+  std::span<const std::uint64_t> occupied() const;
 
   /// A short description of how a block is coded. Reads its first tier.
   [[nodiscard]] Result<std::string> describeBlock(std::size_t block) const;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "volute/codec/volute_reader.hpp"
+#include "volute/grid/bricks.hpp"
 
 namespace volute {
 namespace {
@@ -33,6 +34,10 @@ class VoluteSource final : public FrameSource {
     }
     const int row = index / BlockGrid::kSide;
     const int first = row * BlockGrid::kSide;
+    if (row == brickRow_) {
+      brickRow_ = -1;
+      bricks_.clear();
+    }
     const std::size_t frames =
         static_cast<std::size_t>(std::min(BlockGrid::kSide, volume.frames - first));
     if (4 * frames * volume.frameValues() > reader_->maxMemory()) {
@@ -51,8 +56,44 @@ class VoluteSource final : public FrameSource {
     return {};
   }
 
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    const int row = index / BlockGrid::kSide;
+    const int begin = row * BlockGrid::kSide;
+    if (row != brickRow_) {
+      brickRow_ = -1;
+      row_ = -1;
+      values_ = {};
+      if (reader_->brickBytes(row) > reader_->maxMemory()) {
+        VOLUTE_TRY(reader_->readBricks(row, index, index + 1, std::span(&bricks, 1)));
+        return cropLayers(first, end, bricks);
+      }
+      const int last = std::min(begin + BlockGrid::kSide, info().frames);
+      bricks_.resize(static_cast<std::size_t>(last - begin));
+      VOLUTE_TRY(reader_->readBricks(row, begin, last, bricks_));
+      brickRow_ = row;
+    }
+    bricks = bricks_[static_cast<std::size_t>(index - begin)];
+    return cropLayers(first, end, bricks);
+  }
+
+  std::uint64_t brickBytes() const override {
+    std::uint64_t most = 0;
+    const int rows = reader_->blocks().counts()[0];
+    for (int row = 0; row < rows; ++row)
+      most = std::max(most, reader_->brickBytes(row) / BlockGrid::kSide);
+    return std::min(most, FrameSource::brickBytes());
+  }
+
  private:
+  Status cropLayers(int first, int end, Bricks& bricks) const {
+    if (first > 0 || end < info().z)
+      bricks.crop({{0, 0, first}, {info().x, info().y, end}});
+    return {};
+  }
+
   std::shared_ptr<const VoluteReader> reader_;
+  std::vector<Bricks> bricks_;  // of row brickRow_
+  int brickRow_ = -1;
   std::vector<float> values_;  // the frames of row row_
   int row_ = -1;
 };

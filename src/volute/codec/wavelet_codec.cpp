@@ -53,6 +53,12 @@ std::span<const BlockMode> allBlockModes() {
 
 std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int channels) {
   ByteWriter out;
+  if (parameters.sparse) {
+    out.u8(parameters.inactive ? 1 : 0);
+    for (int c = 0; c < channels; ++c) out.f32(parameters.background[static_cast<std::size_t>(c)]);
+    for (int c = 0; parameters.inactive && c < channels; ++c)
+      out.f32((*parameters.inactive)[static_cast<std::size_t>(c)]);
+  }
   out.zigzag(parameters.exponent);
   out.f64(parameters.step);
   out.f64(parameters.maxError);
@@ -65,10 +71,26 @@ std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int 
   return out.take();
 }
 
-Result<WaveletParameters> readParameters(std::span<const std::byte> bytes, int channels) {
+Result<WaveletParameters> readParameters(std::uint32_t codec, std::span<const std::byte> bytes,
+                                         int channels) {
   constexpr std::uint64_t kMaxTableBytes = 4 * context::kCount;
   WaveletParameters parameters;
   ByteReader in(bytes);
+  parameters.sparse = codec == kSparseCodec;
+  bool finite = true;
+  const auto readColour = [&](std::array<float, 3>& value) {
+    for (int c = 0; c < channels; ++c) {
+      value[static_cast<std::size_t>(c)] = in.f32();
+      finite = finite && std::isfinite(value[static_cast<std::size_t>(c)]);
+    }
+  };
+  if (parameters.sparse) {
+    const int flags = in.u8();
+    finite = flags <= 1;
+    readColour(parameters.background);
+    if (flags == 1)
+      readColour(parameters.inactive.emplace());
+  }
   const std::int64_t exponent = in.zigzag();
   parameters.step = in.f64();
   parameters.maxError = in.f64();
@@ -81,10 +103,11 @@ Result<WaveletParameters> readParameters(std::span<const std::byte> bytes, int c
       orthonormal = orthonormal && within(value, -1.001, 1.001);
     }
   }
-  if (!in.ok() || !within(static_cast<double>(exponent), -126, 127) || !(parameters.step > 0) ||
-      !std::isfinite(parameters.step) || !within(parameters.maxError, 0, 1e38) ||
-      !within(static_cast<double>(one), 1, 512) || !within(static_cast<double>(more), -255, 255) ||
-      !orthonormal || in.remaining() > kMaxTableBytes) {
+  if (!in.ok() || !finite || !within(static_cast<double>(exponent), -126, 127) ||
+      !(parameters.step > 0) || !std::isfinite(parameters.step) ||
+      !within(parameters.maxError, 0, 1e38) || !within(static_cast<double>(one), 1, 512) ||
+      !within(static_cast<double>(more), -255, 255) || !orthonormal ||
+      in.remaining() > kMaxTableBytes) {
     return fail(ErrorCode::kInvalidData, "parameters of its codec that are missing or impossible");
   }
   parameters.exponent = static_cast<int>(exponent);
@@ -132,6 +155,27 @@ void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
     for (std::size_t i = 0; i < voxels; ++i)
       for (std::size_t c = 0; c < 3; ++c)
         values[3 * i + c] = support[i] != 0 ? values[3 * i + c] : outside;
+  }
+}
+
+void applyStates(std::span<const VoxelState> states, std::span<const Outlier> outliers,
+                 const WaveletParameters& parameters, const StreamInfo& stream,
+                 std::span<float> values) {
+  const auto channels = static_cast<std::size_t>(stream.channels);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (isCoded(states[i], parameters))
+      continue;
+    const auto& value =
+        states[i] == VoxelState::kEmpty ? parameters.background : *parameters.inactive;
+    std::copy_n(value.begin(), channels,
+                values.begin() + static_cast<std::ptrdiff_t>(i * channels));
+  }
+  for (const Outlier& outlier : outliers) {
+    for (std::size_t c = 0; c < channels; ++c) {
+      const float value = outlier.value[c];
+      const float least = stream.valueMin < value ? value : stream.valueMin;
+      values[outlier.voxel * channels + c] = stream.valueMax < least ? stream.valueMax : least;
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,7 +17,7 @@
 #include "volute/codec/subbands.hpp"
 #include "volute/wavelet/shape_adaptive.hpp"
 
-// Codec 2: what its reader and its writer share. docs/format.md, section 8.
+// Codecs 2 and 3: what their readers and their writers share. docs/format.md, section 8.
 
 namespace volute {
 
@@ -55,7 +56,15 @@ struct WaveletParameters {
   ColorTransform color;
   /// What a quantised magnitude m stands for: one, for 1; m + more for greater ones. In 1/256.
   int one = 256, more = 0;
-  double maxError = 0;           ///< > 0: corrections keep every voxel within it
+  double maxError = 0;                ///< > 0: corrections keep every voxel within it
+  bool sparse = false;                ///< codec 3: blocks begin with their topology
+  std::array<float, 3> background{};  ///< of what is empty
+  /// What all voxels hold that are valued and not active, where that is one value: such voxels are
+  /// not coded.
+  std::optional<std::array<float, 3>> inactive{};
+  /// Values beyond are kept as they are, for a writer of codec 3.
+  float outlierLow = -std::numeric_limits<float>::infinity();
+  float outlierHigh = std::numeric_limits<float>::infinity();
   std::vector<std::byte> table;  ///< contextTable()
   Contexts contexts = untrainedContexts();
 
@@ -74,7 +83,8 @@ struct WaveletParameters {
 };
 
 std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int channels);
-[[nodiscard]] Result<WaveletParameters> readParameters(std::span<const std::byte> bytes,
+[[nodiscard]] Result<WaveletParameters> readParameters(std::uint32_t codec,
+                                                       std::span<const std::byte> bytes,
                                                        int channels);
 
 /// The strides whose cells a tier holds, from `first` down to (not including) `end`; and whether it
@@ -86,6 +96,23 @@ struct TierStrides {
 
 /// @param levels  levels of the block to be decoded, from the coarsest.
 TierStrides stridesOfTier(const BlockShape& shape, std::size_t tier, int levels);
+
+/// A voxel whose values stand apart from the others', as they are.
+struct Outlier {
+  std::uint32_t voxel = 0;
+  std::array<float, 3> value{};
+};
+
+/// Whether a voxel's values are coded, by coefficients or as an outlier.
+inline bool isCoded(VoxelState state, const WaveletParameters& parameters) {
+  return state == VoxelState::kActive || (state == VoxelState::kValued && !parameters.inactive);
+}
+
+/// Puts in what is known beside coefficients: the background, the value of inactive voxels, and
+/// outliers. Codec 3.
+void applyStates(std::span<const VoxelState> states, std::span<const Outlier> outliers,
+                 const WaveletParameters& parameters, const StreamInfo& stream,
+                 std::span<float> values);
 
 /// Turns planes of dequantised coefficients into values, as a reader sees them before corrections:
 /// inverse transform, colour, and what is known of the original: its range, and zeros outside of

@@ -59,9 +59,10 @@ RoundTrip roundTrip(const Block& block, const WaveletParameters& parameters,
   RoundTrip result;
   Training training;
   const StreamInfo stream = infoOf(block);
-  result.tiers = BlockEncoder(parameters, stream).encode(block.values, block.shape, mode, training);
+  result.tiers =
+      BlockEncoder(parameters, stream).encode(block.values, block.shape, {}, mode, training);
   const auto decoder =
-      openWaveletDecoder(writeParameters(parameters, block.shape.channels), stream);
+      openWaveletDecoder(kWaveletCodec, writeParameters(parameters, block.shape.channels), stream);
   EXPECT_TRUE(decoder);
   result.decoded.resize(block.values.size());
   const auto status =
@@ -139,7 +140,7 @@ TEST(WaveletCodec, TheChosenModeIsNotWorseThanAny) {
   WaveletParameters parameters;
   parameters.step = 0.05;
   const BlockEncoder encoder(parameters, infoOf(block));
-  const auto chosen = encoder.choose(block.values, block.shape, allBlockModes());
+  const auto chosen = encoder.choose(block.values, block.shape, {}, allBlockModes());
   ASSERT_TRUE(chosen);
   const auto costOf = [&](const BlockMode& mode) {
     const auto result = roundTrip(block, parameters, mode);
@@ -153,7 +154,7 @@ TEST(WaveletCodec, TheChosenModeIsNotWorseThanAny) {
   // Nor is one that was found from another.
   for (const BlockMode& start : allBlockModes()) {
     const auto found =
-        encoder.choose(block.values, block.shape, allBlockModes(), std::span(&start, 1));
+        encoder.choose(block.values, block.shape, {}, allBlockModes(), std::span(&start, 1));
     ASSERT_TRUE(found) << describe(start);
     EXPECT_LT(costOf(*found), 1.03 * least) << describe(start);
   }
@@ -164,12 +165,12 @@ TEST(WaveletCodec, WhatIsNotWorthABitIsLeftOut) {
   for (float& value : block.values) value *= 1e-3f;
   WaveletParameters parameters;
   parameters.step = 1;
-  EXPECT_FALSE(
-      BlockEncoder(parameters, infoOf(block)).choose(block.values, block.shape, allBlockModes()));
+  EXPECT_FALSE(BlockEncoder(parameters, infoOf(block))
+                   .choose(block.values, block.shape, {}, allBlockModes()));
   // But not where a bound on the error forbids it.
   parameters.maxError = 1e-5;
-  EXPECT_TRUE(
-      BlockEncoder(parameters, infoOf(block)).choose(block.values, block.shape, allBlockModes()));
+  EXPECT_TRUE(BlockEncoder(parameters, infoOf(block))
+                  .choose(block.values, block.shape, {}, allBlockModes()));
 }
 
 TEST(WaveletCodec, HostileBytesGiveErrorsOrFiniteValues) {
@@ -180,7 +181,7 @@ TEST(WaveletCodec, HostileBytesGiveErrorsOrFiniteValues) {
     parameters.step = 1e300;
     parameters.maxError = 1e30;
     const auto decoder =
-        openWaveletDecoder(writeParameters(parameters, channels), {channels, -1, 1});
+        openWaveletDecoder(kWaveletCodec, writeParameters(parameters, channels), {channels, -1, 1});
     ASSERT_TRUE(decoder);
     std::vector<float> values(shape.values());
     for (int round = 0; round < 100; ++round) {
@@ -205,8 +206,8 @@ TEST(WaveletCodec, ImpossibleParametersAreRefused) {
   bad[3].one = 0;
   bad[4].maxError = -1;
   for (const WaveletParameters& parameters : bad)
-    EXPECT_FALSE(readParameters(writeParameters(parameters, 1), 1));
-  EXPECT_FALSE(readParameters({}, 1));
+    EXPECT_FALSE(readParameters(kWaveletCodec, writeParameters(parameters, 1), 1));
+  EXPECT_FALSE(readParameters(kWaveletCodec, {}, 1));
 }
 
 TEST(ColorTransform, IsOrthonormalAndComesBack) {

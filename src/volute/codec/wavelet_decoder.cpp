@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "volute/base/assert.hpp"
@@ -60,6 +61,7 @@ struct Scratch {
   std::vector<float> planes;
   std::vector<std::uint8_t> support;
   std::array<ComponentMemory, 3> memories;
+  BlockStates states;
 };
 
 /// One block on its way.
@@ -71,10 +73,12 @@ class BlockReading {
         contexts_(scratch.contexts),
         planes_(scratch.planes),
         support_(scratch.support),
-        memories_(scratch.memories) {
+        memories_(scratch.memories),
+        states_(scratch.states) {
     contexts_ = parameters.contexts;
     planes_.assign(shape.values(), 0);
     support_.clear();
+    states_.clear();
   }
 
   Status read(Tiers tiers, int levels);
@@ -86,8 +90,17 @@ class BlockReading {
 
   std::span<const std::uint8_t> support() const { return support_; }
 
+  /// Of codec 3 alone.
+  const BlockStates& states() const { return states_; }
+
+  std::span<const Outlier> outliers() const { return outliers_; }
+
+  /// False for a block that has nothing but its topology.
+  bool coded() const { return coded_; }
+
  private:
   void readHead(ReadBits& bits);
+  bool readTopology(ReadBits& bits);
   void readCells(ReadBits& bits, BlockWalk& walk, const TierStrides& strides);
   void readScaling(ReadBits& bits, const BlockWalk& walk);
   void readCorrections(ReadBits& bits);
@@ -98,12 +111,40 @@ class BlockReading {
   std::vector<float>& planes_;
   std::vector<std::uint8_t>& support_;
   std::span<ComponentMemory> memories_;
+  BlockStates& states_;
+  std::vector<Outlier> outliers_;
+  bool coded_ = true, full_ = false;
   BlockMode mode_;
   std::vector<std::int32_t> corrections_;
 };
 
+// False where outliers are no numbers.
+bool BlockReading::readTopology(ReadBits& bits) {
+  states_.assign(shape_.voxels(), VoxelState::kEmpty);
+  LocalBits local(bits);
+  codeStates(local, shape_.extents, std::span(states_), support_);
+  coded_ = local.bit(context::kCoded, false);
+  if (!coded_)
+    return true;
+  codeOutliers(local, shape_, outliers_);
+  support_.resize(states_.size());
+  full_ = true;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    support_[i] = isCoded(states_[i], parameters_) ? 1 : 0;
+    full_ = full_ && support_[i] != 0;
+  }
+  return std::ranges::all_of(outliers_, [&](const Outlier& outlier) {
+    return std::ranges::all_of(outlier.value, [](float value) { return std::isfinite(value); });
+  });
+}
+
 void BlockReading::readHead(ReadBits& bits) {
-  codeMode(bits, mode_);
+  codeMode(bits, mode_, full_);
+  if (parameters_.sparse) {
+    if (!mode_.shaped)
+      support_.clear();
+    return;
+  }
   if (!mode_.shaped)
     return;
   support_.resize(shape_.voxels());
@@ -162,6 +203,14 @@ Status BlockReading::read(Tiers tiers, int levels) {
     if (tier > 0 && !walk)
       return malformed(tier);
     ReadBits bits{contexts_.data(), ArithmeticDecoder(tiers[tier])};
+    if (strides.scaling && parameters_.sparse) {
+      if (!readTopology(bits))
+        return malformed(tier);
+      if (!coded_) {
+        const bool alone = std::ranges::all_of(tiers.subspan(1), [](auto& t) { return t.empty(); });
+        return alone && bits.in.usedAll() ? Status() : Status(malformed(tier));
+      }
+    }
     if (strides.scaling) {
       readHead(bits);
       walk.emplace(shape_, mode_, support_, memories_);
@@ -196,38 +245,76 @@ class WaveletDecoder final : public BlockDecoder {
   std::span<const int> tierLevels() const override { return kWaveletTiers; }
 
   std::uint64_t maxSegmentBytes(const BlockShape& shape, std::size_t) const override {
-    // The support, 46 bits of a coefficient with their signs and 34 of a correction, at the least
-    // probability, 10 bits each.
-    return 110 * static_cast<std::uint64_t>(shape.values()) + 1024;
+    // The topology, an outlier, 46 bits of a coefficient with their signs and 34 of a correction,
+    // at the least probability, 10 bits each.
+    return 128 * static_cast<std::uint64_t>(shape.values()) + 4096;
   }
 
-  Status decode(Tiers tiers, int levels, const BlockShape& shape,
-                std::span<float> values) const override {
+  Status decode(Tiers tiers, int levels, const BlockShape& shape, std::span<float> values,
+                BlockStates* states) const override {
     VOLUTE_ASSERT(values.size() == shape.values() && tiers.size() <= kWaveletTiers.size());
+    const auto channels = static_cast<std::size_t>(shape.channels);
     if (std::ranges::all_of(tiers, [](const auto& tier) { return tier.empty(); })) {
-      std::ranges::fill(values, std::min(stream_.valueMax, std::max(stream_.valueMin, 0.0f)));
+      const std::array<float, 3> empty = background();
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = empty[i % channels];
+      if (states)
+        states->assign(shape.voxels(), VoxelState::kEmpty);
       return {};
     }
     thread_local Scratch scratch;
     BlockReading block(parameters_, shape, scratch);
     VOLUTE_TRY(block.read(tiers, levels));
-    reconstruct(block.planes(), block.support(), block.mode(), shape, parameters_, stream_,
-                levels < shape.levels() || tiers.size() < kWaveletTiers.size(), values);
+    const bool coarse = levels < shape.levels() || tiers.size() < kWaveletTiers.size();
+    if (block.coded()) {
+      reconstruct(block.planes(), block.support(), block.mode(), shape, parameters_, stream_,
+                  coarse, values);
+    } else {
+      std::ranges::fill(values, zero());
+    }
+    // Coarse levels are means, which a support that is cut out would change.
+    if (parameters_.sparse && (!coarse || !block.coded()))
+      applyStates(block.states(), block.outliers(), parameters_, stream_, values);
     block.correct(stream_, values);
+    if (states && parameters_.sparse)
+      *states = block.states();
+    else if (states)
+      states->assign(shape.voxels(), VoxelState::kActive);
     return {};
   }
 
-  Result<std::string> describe(Tiers tiers, const BlockShape&) const override {
+  std::array<float, 3> background() const override {
+    if (parameters_.sparse)
+      return parameters_.background;
+    return {zero(), zero(), zero()};
+  }
+
+  Result<std::string> describe(Tiers tiers, const BlockShape& shape) const override {
     if (tiers.empty() || tiers[0].empty())
       return "empty";
     Contexts contexts = parameters_.contexts;
     ReadBits bits{contexts.data(), ArithmeticDecoder(tiers[0])};
     BlockMode mode;
-    codeMode(bits, mode);
+    if (!parameters_.sparse) {
+      codeMode(bits, mode);
+      return volute::describe(mode);
+    }
+    BlockStates states(shape.voxels(), VoxelState::kEmpty);
+    std::vector<std::uint8_t> room;
+    codeStates(bits, shape.extents, std::span(states), room);
+    if (!bits.bit(context::kCoded, false))
+      return "topology";
+    std::vector<Outlier> outliers;
+    codeOutliers(bits, shape, outliers);
+    codeMode(bits, mode, std::ranges::all_of(states, [&](VoxelState state) {
+               return isCoded(state, parameters_);
+             }));
     return volute::describe(mode);
   }
 
  private:
+  /// What coefficients of zero stand for.
+  float zero() const { return std::min(stream_.valueMax, std::max(stream_.valueMin, 0.0f)); }
+
   WaveletParameters parameters_;
   StreamInfo stream_;
 };
@@ -235,8 +322,8 @@ class WaveletDecoder final : public BlockDecoder {
 }  // namespace
 
 Result<std::shared_ptr<const BlockDecoder>> openWaveletDecoder(
-    std::span<const std::byte> parameters, const StreamInfo& stream) {
-  VOLUTE_ASSIGN(auto read, readParameters(parameters, stream.channels));
+    std::uint32_t codec, std::span<const std::byte> parameters, const StreamInfo& stream) {
+  VOLUTE_ASSIGN(auto read, readParameters(codec, parameters, stream.channels));
   return std::make_shared<const WaveletDecoder>(std::move(read), stream);
 }
 

@@ -49,6 +49,11 @@ Status checkGrid(const InputFile& file, const std::string& name, const FileHead&
   const auto same = [](const SegmentEntry& a, const SegmentEntry& b) {
     return a.size == b.size && (a.size == 0 || (a.offset == b.offset && a.crc == b.crc));
   };
+  // Without any there is no list of them.
+  const auto sameTiles = [](const FrameTiles& a, const FrameTiles& b) {
+    const auto none = [](const auto& frame) { return frame.empty(); };
+    return a == b || (std::ranges::all_of(a, none) && std::ranges::all_of(b, none));
+  };
   const auto samePart = [](const FilePart& a, const FilePart& b) {
     return a.firstRow == b.firstRow && a.parameters == b.parameters && a.valueMin == b.valueMin &&
            a.valueMax == b.valueMax;
@@ -57,6 +62,8 @@ Status checkGrid(const InputFile& file, const std::string& name, const FileHead&
       read->header.reachedRms == expected.header.reachedRms &&
       read->header.reachedMaxError == expected.header.reachedMaxError &&
       std::ranges::equal(read->parts, expected.parts, samePart) &&
+      read->header.support == expected.header.support && read->blocks == expected.blocks &&
+      sameTiles(read->tiles, expected.tiles) &&
       std::ranges::equal(read->segments, expected.segments, same))
     return {};
   return fail(ErrorCode::kIo,

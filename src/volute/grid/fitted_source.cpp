@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "volute/base/parallel.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/rounding_source.hpp"
 
 namespace volute {
@@ -70,11 +72,42 @@ class FittedSource final : public RoundingSource {
     info_.bounds = lattice.bounds;
     for (int axis = 0; axis < 3; ++axis)
       weights_[static_cast<std::size_t>(axis)] = weightsAlong(axis, source_->info(), info_);
+    if (onOneLattice(source_->info(), info_)) {
+      const Vec3 moved = (source_->info().bounds.min - info_.bounds.min)
+                             .cwiseQuotient(source_->info().voxelSize());
+      moved_.emplace();
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        (*moved_)[axis] = std::llround(moved[static_cast<Eigen::Index>(axis)]);
+    }
   }
 
   const VolumeInfo& info() const override { return info_; }
 
   std::vector<std::string> otherGrids() const override { return source_->otherGrids(); }
+
+  /// On one lattice the same bricks elsewhere; else what is made of them.
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    if (!moved_)
+      return FrameSource::readBricks(index, first, end, bricks);
+    VOLUTE_TRY(source_->readBricks(index, 0, source_->info().z, bricks));
+    std::array<float, 3> outside{};
+    for (std::size_t c = 0; c < static_cast<std::size_t>(info_.channels); ++c)
+      outside[c] = static_cast<float>(outside_[c]);
+    if (bricks.background() != outside) {
+      // Another background than the source has: its own is a value like others.
+      std::vector<float> values(info_.frameValues());
+      VOLUTE_TRY(readFrame(index, values));
+      bricks = Bricks::fromDense(info_, values, outside);
+      return {};
+    }
+    bricks.shift(*moved_);
+    bricks.crop({{0, 0, first}, {info_.x, info_.y, end}});
+    return {};
+  }
+
+  std::uint64_t brickBytes() const override {
+    return moved_ ? source_->brickBytes() : FrameSource::brickBytes();
+  }
 
   Status readFrame(int index, std::span<float> values) override {
     const VolumeInfo& from = source_->info();
@@ -137,6 +170,7 @@ class FittedSource final : public RoundingSource {
   std::unique_ptr<FrameSource> source_;
   VolumeInfo info_;
   std::array<double, 3> outside_;
+  std::optional<VoxelIndex> moved_;                  // of what is on one lattice
   std::array<std::vector<AxisWeights>, 3> weights_;  // along x, y, z
   std::vector<float> frame_;
 };

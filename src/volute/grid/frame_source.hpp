@@ -13,6 +13,8 @@
 
 namespace volute {
 
+class Bricks;
+
 /// A sequence of volumes that is read frame by frame, so that ten thousand frames need the memory
 /// of one.
 class FrameSource {
@@ -43,6 +45,18 @@ class FrameSource {
                 values.begin());
     return {};
   }
+
+  /// What is in a frame, with its topology, in the order of Bricks::sort(). Of a source without
+  /// topology: the voxels that are not 0, as active ones.
+  [[nodiscard]] Status readBricks(int index, Bricks& bricks) {
+    return readBricks(index, 0, info().z, bricks);
+  }
+
+  /// The same of the layers first <= z < end; bricks across their border are whole.
+  [[nodiscard]] virtual Status readBricks(int index, int first, int end, Bricks& bricks);
+
+  /// Bytes that the bricks of a frame take, as far as it is known: at most those of all voxels.
+  virtual std::uint64_t brickBytes() const { return 4 * std::uint64_t{info().frameValues()}; }
 };
 
 /// Writes a sequence, frame by frame, in order.
@@ -52,6 +66,12 @@ class FrameSink {
 
   /// `values` as FrameSource::readFrame gives them.
   [[nodiscard]] virtual Status writeFrame(std::span<const float> values) = 0;
+
+  /// Whether frames are to be given by writeBricks().
+  virtual bool takesBricks() const { return false; }
+
+  /// A frame with its topology, instead of writeFrame().
+  [[nodiscard]] virtual Status writeBricks(const Bricks& bricks);
 
   /// To be called after the last frame; without it, no file appears.
   [[nodiscard]] virtual Status finish() = 0;

@@ -47,6 +47,12 @@ class SelectedFrames final : public RoundingSource {
 
   double rounding() const override { return roundingOf(*source_); }
 
+  [[nodiscard]] Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    return source_->readBricks(positions_[index], first, end, bricks);
+  }
+
+  std::uint64_t brickBytes() const override { return source_->brickBytes(); }
+
  private:
   std::unique_ptr<FrameSource> source_;
   std::vector<int> positions_;

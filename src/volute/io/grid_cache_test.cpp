@@ -42,6 +42,18 @@ GridTarget gridOf(Sequence& sequence, std::string name, double voxel, const Vec3
   return target;
 }
 
+/// A frame of a level set with the background 1: what is inside of its band is -1 and not active.
+Bricks bandOf(const Sequence& sequence, int frame) {
+  Bricks bricks = Bricks::fromDense(sequence.info, sequence.frame(frame), {1, 1, 1});
+  for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+    for (std::size_t voxel = 0; voxel < Bricks::kVoxels; ++voxel) {
+      if (bricks.values(i)[voxel] == -1)
+        bricks.leaf(i).active[voxel / 64] &= ~(std::uint64_t{1} << voxel % 64);
+    }
+  }
+  return bricks;
+}
+
 struct CacheInput {
   CacheInput()
       : density(makeBlob(2, 5, 6, 7)),
@@ -86,9 +98,10 @@ struct CacheInput {
   Status write(const std::filesystem::path& pattern) {
     VOLUTE_ASSIGN(auto sink, createCacheSink(pattern, targets, fileMetadata));
     for (int t = 0; t < 2; ++t) {
-      std::vector<std::vector<float>> values;
-      for (const Sequence* one : {&density, &velocity, &solid})
-        values.emplace_back(one->frame(t).begin(), one->frame(t).end());
+      std::vector<Bricks> values;
+      for (const Sequence* one : {&density, &velocity})
+        values.push_back(Bricks::fromDense(one->info, one->frame(t)));
+      values.push_back(bandOf(solid, t));
       values.emplace_back();
       VOLUTE_TRY(sink->writeFrame(values));
     }
@@ -154,6 +167,50 @@ TEST(GridCache, WhatIsWrittenIsReadBackWithAllThatItSays) {
                   input.solid.view()(0, z + begin[2], y + begin[1], x + begin[0], 0));
 }
 
+TEST(GridCache, TopologyIsThatOfTheFile) {
+  const TempFolder folder;
+  CacheInput input;
+  input.targets.resize(1);
+  input.fileMetadata = {};
+  GridTarget& target = input.targets[0];
+  target.info.x = target.info.y = target.info.z = 200;
+  target.info.frames = 1;
+  target.info.frameNumbers = {0};
+  target.info.times = {0};
+  target.info.bounds = {};
+  target.info.fillDefaults();
+  target.description.begin = {-8, 0, 16};
+  target.description.half = false;
+  target.description.background = {0.25, 0, 0};
+  Bricks bricks(1, {0.25F, 0, 0});
+  // A tile of a node of its own, one that is not active, and a leaf of all kinds of voxels.
+  bricks.addTile({{8, 128, 112}, 8, true, {2, 0, 0}});
+  bricks.addTile({{136, 0, 112}, 8, false, {-1, 0, 0}});
+  Bricks::Leaf leaf{{0, 0, 0}};
+  leaf.active[0] = 0b0111;  // the second is the background, and active
+  leaf.valued[0] = 0b1111;
+  const std::span<float> values = bricks.addLeaf(leaf);
+  values[0] = 1, values[2] = 0, values[3] = 3;
+  bricks.addLeaf({{192, 192, 184}, {0, 0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 0, 1}})[448] = 7;
+  bricks.sort();
+  ASSERT_VALUE(auto sink, createCacheSink(folder / "c_%04d.vdb", input.targets, {}));
+  ASSERT_TRUE(ok(sink->writeFrame(std::vector{bricks})));
+  ASSERT_TRUE(ok(sink->finish()));
+  ASSERT_VALUE(const auto cache, GridCache::open(folder / "c_%04d.vdb", {}));
+  ASSERT_VALUE(auto source, cache.source(0));
+  EXPECT_EQ(source->info().z, 176 + 16);
+  Bricks back;
+  ASSERT_TRUE(ok(source->readBricks(0, back)));
+  EXPECT_EQ(back.background(), bricks.background());
+  EXPECT_EQ(back.checksum(), bricks.checksum());
+  // A part of it has the same tiles and leaves where it has any.
+  ASSERT_TRUE(ok(source->readBricks(0, 116, 192, back)));
+  ASSERT_EQ(back.tiles().size(), 2u);
+  EXPECT_EQ(back.tiles()[0], bricks.tiles()[0]);
+  ASSERT_EQ(back.leaves().size(), 1u);
+  EXPECT_EQ(back.leaves()[0].active, bricks.leaves()[1].active);
+}
+
 TEST(GridCache, AGridThatMovesComesBackWhereItWas) {
   const TempFolder folder;
   CacheInput input;
@@ -163,8 +220,7 @@ TEST(GridCache, AGridThatMovesComesBackWhereItWas) {
   {
     ASSERT_VALUE(auto sink, createCacheSink(folder / "c_%04d.vdb", input.targets, {}));
     for (int t = 0; t < 2; ++t) {
-      std::vector<std::vector<float>> values(1);
-      values[0].assign(input.density.frame(t).begin(), input.density.frame(t).end());
+      const std::vector values{Bricks::fromDense(input.density.info, input.density.frame(t))};
       ASSERT_TRUE(ok(sink->writeFrame(values)));
     }
     ASSERT_TRUE(ok(sink->finish()));

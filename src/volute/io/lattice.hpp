@@ -12,24 +12,12 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/grid_description.hpp"
+#include "volute/grid/index_box.hpp"
 #include "volute/grid/volume_info.hpp"
 
 namespace volute {
-
-/// A half-open box of voxel indices, axes in the order x, y, z.
-struct IndexBox {
-  std::array<std::int64_t, 3> begin{};
-  std::array<std::int64_t, 3> end{};
-
-  bool empty() const { return end[0] <= begin[0] || end[1] <= begin[1] || end[2] <= begin[2]; }
-
-  std::int64_t size(int axis) const { return end[axis] - begin[axis]; }
-
-  bool contains(const IndexBox& other) const;
-  void extend(const IndexBox& other);  ///< the least box around both; an empty one adds nothing
-  IndexBox shifted(const std::array<std::int64_t, 3>& by) const;
-};
 
 /// One file's grid on its lattice of voxels, without the values. Trivially copyable: it crosses
 /// from the process that reads the file to ours as bytes.
@@ -44,7 +32,9 @@ struct LatticeFrame {
   std::array<double, 3> origin{};                          ///< centre of the voxel with index 0 [m]
   double time = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN when not stated
   bool levelSet = false;
-  char up = 0;  ///< the axis that points upwards for what wrote the file; 0: unknown
+  char up = 0;               ///< the axis that points upwards for what wrote the file; 0: unknown
+  bool bricks = false;       ///< LatticeReader::readBricks() gives its topology
+  std::uint64_t memory = 0;  ///< [bytes] that its bricks take, about; 0: unknown
 };
 
 /// What a file says of one of its grids, and what is in it. Trivially copyable, as LatticeFrame.
@@ -122,6 +112,19 @@ class LatticeReader {
   [[nodiscard]] virtual Status read(const std::filesystem::path& file, const std::string& grid,
                                     const IndexBox& whole, const IndexBox& box, bool crop,
                                     std::span<float> values, double& rounding) = 0;
+
+  /// Whether readBricks() gives the topology that files have.
+  virtual bool hasBricks() const { return false; }
+
+  /// What is in `box`, some layers of `whole`, with its topology; voxel (0, 0, 0) is the lattice's.
+  /// Leaves and tiles across the box's border are whole. Errors as read().
+  [[nodiscard]] virtual Result<Bricks> readBricks(const std::filesystem::path& file,
+                                                  const std::string& grid, const IndexBox& whole,
+                                                  const IndexBox& box, bool crop,
+                                                  double& rounding) {
+    (void)grid, (void)whole, (void)box, (void)crop, (void)rounding;
+    return fail(ErrorCode::kUnsupported, "{}: a format without topology", file.string());
+  }
 };
 
 /// How a frame is written.
@@ -135,8 +138,8 @@ struct LatticeWriterOptions {
 struct GridFrame {
   const VolumeInfo* info = nullptr;  ///< one with x = 0 is empty
   const GridDescription* description = nullptr;
-  int frame = 0;                    ///< its position
-  std::span<const float> values{};  ///< shape (z, y, x, c)
+  int frame = 0;                   ///< its position
+  const Bricks* bricks = nullptr;  ///< of the volume in `info`
 };
 
 /// Writes one frame to one file.
@@ -148,6 +151,17 @@ class LatticeWriter {
   [[nodiscard]] virtual Status write(const std::filesystem::path& temporary,
                                      const std::filesystem::path& target, const VolumeInfo& info,
                                      int frame, std::span<const float> values) = 0;
+
+  /// Whether frames are written by writeBricks(), which keeps their topology.
+  virtual bool takesBricks() const { return false; }
+
+  [[nodiscard]] virtual Status writeBricks(const std::filesystem::path& temporary,
+                                           const std::filesystem::path& target,
+                                           const VolumeInfo& info, int frame,
+                                           const Bricks& bricks) {
+    (void)temporary, (void)info, (void)frame, (void)bricks;
+    return fail(ErrorCode::kUnsupported, "{}: a format without topology", target.string());
+  }
 
   /// The same for all grids of a cache, as their descriptions say. Nothing in those is trusted.
   /// @param metadata  of the file; null: none

@@ -60,6 +60,7 @@ Status checkFrame(LatticeFrame& frame, const std::string& file) {
   constexpr std::int64_t kFarthest = std::int64_t{1} << 40;
   frame.grid[LatticeFrame::kMaxName] = '\0';
   frame.others[LatticeFrame::kMaxName] = '\0';
+  settleFlag(frame.bricks);
   bool sound = frame.channels == 1 || frame.channels == 3;
   for (int axis = 0; axis < 3; ++axis) {
     sound = sound && std::isfinite(frame.origin[axis]) && std::isfinite(frame.voxelSize[axis]) &&

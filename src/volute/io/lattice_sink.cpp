@@ -43,6 +43,18 @@ class LatticeSink final : public FrameSink {
     return {};
   }
 
+  bool takesBricks() const override { return writer_->takesBricks(); }
+
+  Status writeBricks(const Bricks& bricks) override {
+    VOLUTE_ASSERT(pending_.size() < targets_.size());
+    const auto& target = targets_[pending_.size()];
+    VOLUTE_ASSIGN(auto file, PendingFile::create(target));
+    VOLUTE_TRY(writer_->writeBricks(file.path(), target, info_, static_cast<int>(pending_.size()),
+                                    bricks));
+    pending_.push_back(std::move(file));
+    return {};
+  }
+
   Status finish() override {
     VOLUTE_TRY(commitAll(pending_, targets_.size()));
     return collection_.empty() ? Status{} : writeCollection();
@@ -95,7 +107,7 @@ class LatticeCacheSink final : public CacheSink {
         fileMetadata_(std::move(fileMetadata)),
         writer_(std::move(writer)) {}
 
-  Status writeFrame(std::span<const std::vector<float>> values) override {
+  Status writeFrame(std::span<const Bricks> values) override {
     VOLUTE_ASSERT(values.size() == grids_.size() && pending_.size() < targets_.size());
     const auto position = static_cast<int>(pending_.size());
     std::vector<GridFrame> frames;
@@ -105,8 +117,7 @@ class LatticeCacheSink final : public CacheSink {
       const auto& metadata = grid.description.metadata;
       if (!metadata.listOf.empty() && !metadata.at(position))
         continue;
-      VOLUTE_ASSERT(values[i].size() == (grid.info.x == 0 ? 0 : grid.info.frameValues()));
-      frames.push_back({&grid.info, &grid.description, position, values[i]});
+      frames.push_back({&grid.info, &grid.description, position, &values[i]});
     }
     const auto& target = targets_[pending_.size()];
     VOLUTE_ASSIGN(auto file, PendingFile::create(target));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
@@ -20,18 +21,35 @@ namespace {
 /// chosen after the child was forked.
 struct Request {
   bool describe = false;
-  bool list = false;   ///< of all grids
-  bool cache = false;  ///< describe all grids
-  bool flag = false;   ///< needBox when describing, crop when reading
-  IndexBox whole;      ///< of the volume
-  IndexBox box;        ///< what is read of it
+  bool list = false;    ///< of all grids
+  bool cache = false;   ///< describe all grids
+  bool bricks = false;  ///< read() as bricks: first their size, then they themselves
+  bool flag = false;    ///< needBox when describing, crop when reading
+  IndexBox whole;       ///< of the volume
+  IndexBox box;         ///< what is read of it
   char grid[LatticeFrame::kMaxName + 1] = {};
   char usual[LatticeFrame::kMaxName + 1] = {};
 };
 
-/// The child's side.
-Result<std::string> serve(LatticeReader& reader, const std::filesystem::path& path,
-                          const Request& request, std::span<float> values) {
+/// Of bricks that wait to be fetched.
+struct BricksReply {
+  std::uint64_t bytes = 0;
+  double rounding = 0;
+};
+
+/// The child's side. Bricks wait in `kept` for the call that fetches them.
+Result<std::string> serve(LatticeReader& reader, std::optional<Bricks>& kept,
+                          const std::filesystem::path& path, const Request& request,
+                          std::span<float> values) {
+  if (request.bricks && !values.empty()) {
+    const auto room = std::as_writable_bytes(values);
+    if (!kept || kept->messageBytes() > room.size())
+      return fail(ErrorCode::kInvalidData, "{}: its bricks were not read before", path.string());
+    kept->toMessage(room);
+    kept.reset();
+    return std::string();
+  }
+  kept.reset();
   VOLUTE_TRY(InputFile::check(path));
   if (request.list) {
     VOLUTE_ASSIGN(const auto grids, reader.list(path));
@@ -54,6 +72,11 @@ Result<std::string> serve(LatticeReader& reader, const std::filesystem::path& pa
     return toMessage(frame);
   }
   double rounding = 0;
+  if (request.bricks) {
+    VOLUTE_ASSIGN(kept, reader.readBricks(path, request.grid, request.whole, request.box,
+                                          request.flag, rounding));
+    return toMessage(BricksReply{kept->messageBytes(), rounding});
+  }
   VOLUTE_TRY(
       reader.read(path, request.grid, request.whole, request.box, request.flag, values, rounding));
   return toMessage(rounding);
@@ -64,10 +87,11 @@ using LoadLatticePlugin = Result<const LatticePlugin*> (*)();
 Result<ReaderProcess::Serve> makeServe(std::string_view parameters) {
   VOLUTE_ASSIGN(const auto loadPlugin, fromMessage<LoadLatticePlugin>(parameters));
   VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
-  return [reader = std::shared_ptr<LatticeReader>(plugin->makeReader())](
+  return [reader = std::shared_ptr<LatticeReader>(plugin->makeReader()),
+          kept = std::make_shared<std::optional<Bricks>>()](
              std::string_view bytes, std::span<float> values) -> Result<std::string> {
     VOLUTE_ASSIGN(const auto request, fromMessage<Request>(bytes.substr(0, sizeof(Request))));
-    return serve(*reader, bytes.substr(sizeof(Request)), request, values);
+    return serve(*reader, *kept, bytes.substr(sizeof(Request)), request, values);
   };
 }
 
@@ -272,6 +296,8 @@ class LatticeSource final : public RoundingSource {
     VOLUTE_TRY(
         checkSize(box, frames.front().channels, options_.maxMemory, where, options_.byLayers));
     box_ = box;
+    hasBricks_ = std::ranges::any_of(frames, [](const auto& frame) { return frame.bricks; });
+    for (const LatticeFrame& frame : frames) memory_ = std::max(memory_, frame.memory);
     fillInfo(frames);
     return info_.validate(where);
   }
@@ -295,14 +321,7 @@ class LatticeSource final : public RoundingSource {
         values[i] = static_cast<float>(known_->background[i % channels]);
       return {};
     }
-    const auto& shift = shifts_[index];
-    Request request;
-    request.flag = options_.bounds.has_value();
-    request.whole = box_.shifted({-shift[0], -shift[1], -shift[2]});
-    request.box = request.whole;
-    request.box.begin[2] = request.whole.begin[2] + first;
-    request.box.end[2] = request.whole.begin[2] + end;
-    grid_.copy(request.grid, LatticeFrame::kMaxName);
+    const Request request = readingOf(index, first, end);
     const auto& path = files_[index].path;
     VOLUTE_ASSIGN(const std::string reply,
                   process_.call(path.string(), toMessage(request) + path.string(), values.size(),
@@ -315,7 +334,66 @@ class LatticeSource final : public RoundingSource {
 
   double rounding() const override { return rounding_; }
 
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    if (!hasBricks_)
+      return FrameSource::readBricks(index, first, end, bricks);
+    if (known_ && !known_->present[static_cast<std::size_t>(index)]) {
+      const auto& background = known_->background;
+      bricks = Bricks(info_.channels,
+                      {static_cast<float>(background[0]), static_cast<float>(background[1]),
+                       static_cast<float>(background[2])});
+      return {};
+    }
+    Request request = readingOf(index, first, end);
+    request.bricks = true;
+    const auto& path = files_[index].path;
+    const std::string message = toMessage(request) + path.string();
+    VOLUTE_ASSIGN(const std::string reply,
+                  process_.call(path.string(), message, 0, limitsFor(path, 0, options_.maxMemory)));
+    VOLUTE_ASSIGN(const auto said, fromMessage<BricksReply>(reply));
+    const std::uint64_t bytes = said.bytes;
+    rounding_ = std::max(rounding_, said.rounding);
+    if (bytes > options_.maxMemory) {
+      return fail(ErrorCode::kTooLarge,
+                  "{}: frame {} holds {} MiB of voxels, more than the {} MiB of memory allowed",
+                  path.string(), files_[index].number, bytes >> 20, options_.maxMemory >> 20);
+    }
+    const std::size_t values = (static_cast<std::size_t>(bytes) + 3) / 4;
+    VOLUTE_TRY(
+        process_.call(path.string(), message, values, limitsFor(path, values, options_.maxMemory)));
+    // The child may still write to what is shared.
+    const std::vector<float> copy(process_.values().begin(), process_.values().end());
+    auto read = Bricks::fromMessage(std::as_bytes(std::span(copy)));
+    if (!read || read->channels() != info_.channels)
+      return fail(ErrorCode::kInvalidData, "{}: its reader {}", path.string(),
+                  read ? "gives other channels" : read.error().message);
+    bricks = *std::move(read);
+    bricks.shift({-request.whole.begin[0], -request.whole.begin[1], -request.whole.begin[2]});
+    if (request.flag)
+      bricks.crop({{0, 0, 0}, {info_.x, info_.y, info_.z}});
+    return {};
+  }
+
+  std::uint64_t brickBytes() const override {
+    if (!hasBricks_ || memory_ == 0)
+      return FrameSource::brickBytes();
+    return std::min(memory_, FrameSource::brickBytes());
+  }
+
  private:
+  /// What is asked of a file for some layers of its frame.
+  Request readingOf(int index, int first, int end) const {
+    const auto& shift = shifts_[static_cast<std::size_t>(index)];
+    Request request;
+    request.flag = options_.bounds.has_value();
+    request.whole = box_.shifted({-shift[0], -shift[1], -shift[2]});
+    request.box = request.whole;
+    request.box.begin[2] = request.whole.begin[2] + first;
+    request.box.end[2] = request.whole.begin[2] + end;
+    grid_.copy(request.grid, LatticeFrame::kMaxName);
+    return request;
+  }
+
   Result<LatticeFrame> describe(std::size_t index, const std::string& grid) {
     const auto& path = files_[index].path;
     Request request;
@@ -432,6 +510,8 @@ class LatticeSource final : public RoundingSource {
   std::string unchosen_;  ///< the grids of the file that first had the grid, where none was named
   IndexBox box_;          // on the first frame's lattice
   std::vector<std::array<std::int64_t, 3>> shifts_;
+  bool hasBricks_ = false;
+  std::uint64_t memory_ = 0;  // of the bricks of a frame, about
   VolumeInfo info_;
   double rounding_ = 0;
 };

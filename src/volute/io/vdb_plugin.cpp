@@ -6,9 +6,10 @@
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/Prune.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -16,7 +17,7 @@
 #include <optional>
 #include <sstream>
 
-#include "volute/base/checksum.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice.hpp"
 
@@ -294,50 +295,106 @@ struct Channels<openvdb::math::Vec3<Scalar>> {
   }
 };
 
-/// Active voxels and tiles of the grid into the dense array over `box`; the background everywhere
-/// else. Of a level set all of them: what is not active in it says which side it is on.
+/// What is in the grid, as far as it reaches into `box`: voxels and tiles that are active or not
+/// the background. Inactive voxels that are no numbers are background.
+/// @param topology  the same without values; where only `box` was read, tiles across its border are
+/// voxels in `grid`
 template <class Grid>
-void fillDense(const Grid& grid, const openvdb::CoordBBox& box, std::span<float> values,
-               double& rounding) {
+Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox& box,
+                double& rounding) {
   using Traits = Channels<typename Grid::ValueType>;
-  constexpr int kCount = Traits::kCount;
-  float background[kCount];
-  Traits::store(grid.background(), background);
-  for (float& value : background) value = std::isfinite(value) ? value : 0.0f;
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = background[i % kCount];
-
-  const auto size = box.dim();
-  const auto fill = [&](const auto& it) {
-    openvdb::CoordBBox part;
-    it.getBoundingBox(part);
-    part.intersect(box);
-    if (part.empty())
-      return;
-    float value[kCount];
-    Traits::store(*it, value);
-    rounding = std::max(rounding, Traits::rounding(*it, value));
-    for (int z = part.min().z(); z <= part.max().z(); ++z) {
-      for (int y = part.min().y(); y <= part.max().y(); ++y) {
-        const std::size_t row = std::size_t(z - box.min().z()) * size.y() + (y - box.min().y());
-        float* to = &values[(row * size.x() + (part.min().x() - box.min().x())) * kCount];
-        for (int x = part.min().x(); x <= part.max().x(); ++x) to = std::copy_n(value, kCount, to);
-      }
-    }
+  constexpr std::size_t kCount = Traits::kCount;
+  using Colour = std::array<float, 3>;
+  const auto colourOf = [](const typename Grid::ValueType& value) {
+    Colour colour{};
+    Traits::store(value, colour.data());
+    return colour;
   };
-  if (grid.getGridClass() == openvdb::GRID_LEVEL_SET) {
-    for (auto it = grid.cbeginValueAll(); it; ++it) fill(it);
-  } else {
-    for (auto it = grid.cbeginValueOn(); it; ++it) fill(it);
+  const auto finite = [](const Colour& colour) {
+    return std::ranges::all_of(colour, [](float value) { return std::isfinite(value); });
+  };
+  Colour background = colourOf(grid.background());
+  for (float& value : background) value = std::isfinite(value) ? value : 0.0f;
+  Bricks all(Traits::kCount, background);
+  const auto holds = [&](const Colour& colour, bool active) {
+    return active || (finite(colour) && colour != background);
+  };
+  const auto originOf = [](const openvdb::Coord& at) -> VoxelIndex {
+    return {at.x(), at.y(), at.z()};
+  };
+  auto tile = topology.cbeginValueAll();
+  tile.setMaxDepth(openvdb::Index(decltype(tile)::LEAF_DEPTH - 1));
+  for (; tile; ++tile) {
+    const Colour colour = colourOf(*tile);
+    openvdb::CoordBBox part;
+    tile.getBoundingBox(part);
+    if (!holds(colour, tile.isValueOn()) || !part.hasOverlap(box))
+      continue;
+    rounding = std::max(rounding, Traits::rounding(*tile, colour.data()));
+    all.addTile({originOf(part.min()), part.max().x() - std::int64_t{part.min().x()} + 1,
+                 tile.isValueOn(), colour});
   }
+  for (auto it = grid.tree().cbeginLeaf(); it; ++it) {
+    if (!it->getNodeBoundingBox().hasOverlap(box) ||
+        (&grid != &topology && topology.tree().probeConstLeaf(it->origin()) == nullptr))
+      continue;
+    const auto& mask = it->getValueMask();
+    const auto* values = it->buffer().data();
+    Bricks::Leaf leaf{originOf(it->origin())};
+    // OpenVDB counts voxels of a leaf with z fastest.
+    const auto visit = [](const auto& body) {
+      for (openvdb::Index n = 0; n < Bricks::kVoxels; ++n)
+        body(n, n & 7, (n >> 3 & 7) * 8 + (n >> 6));
+    };
+    std::uint64_t any = 0;
+    visit([&](openvdb::Index n, std::size_t z, openvdb::Index bit) {
+      const bool active = mask.isOn(n);
+      leaf.active[z] |= static_cast<std::uint64_t>(active) << bit;
+      leaf.valued[z] |= static_cast<std::uint64_t>(holds(colourOf(values[n]), active)) << bit;
+      any |= leaf.valued[z];
+    });
+    if (any == 0)
+      continue;
+    const std::span<float> to = all.addLeaf(leaf);
+    visit([&](openvdb::Index n, std::size_t z, openvdb::Index bit) {
+      if ((leaf.valued[z] >> bit & 1) == 0)
+        return;
+      const Colour colour = colourOf(values[n]);
+      rounding = std::max(rounding, Traits::rounding(values[n], colour.data()));
+      for (std::size_t c = 0; c < kCount; ++c) to[c * Bricks::kVoxels + 64 * z + bit] = colour[c];
+    });
+  }
+  all.sort();
+  return all;
 }
 
-template <class Grid>
-bool fillIfType(const openvdb::GridBase& grid, const openvdb::CoordBBox& box,
-                std::span<float> values, double& rounding) {
-  if (!grid.isType<Grid>())
-    return false;
-  fillDense(static_cast<const Grid&>(grid), box, values, rounding);
-  return true;
+/// Nothing where the grid is of a type that is no volume.
+std::optional<Bricks> bricksOfGrid(const openvdb::GridBase& grid, const openvdb::GridBase& topology,
+                                   const openvdb::CoordBBox& box, double& rounding) {
+  std::optional<Bricks> bricks;
+  const auto take = [&]<class Grid>() {
+    if (!bricks && grid.isType<Grid>() && topology.isType<Grid>())
+      bricks = bricksOf(static_cast<const Grid&>(grid), static_cast<const Grid&>(topology), box,
+                        rounding);
+  };
+  take.template operator()<openvdb::FloatGrid>();
+  take.template operator()<openvdb::DoubleGrid>();
+  take.template operator()<openvdb::Vec3SGrid>();
+  take.template operator()<openvdb::Vec3DGrid>();
+  return bricks;
+}
+
+/// Bytes of the bricks of so many leaves.
+std::uint64_t brickBytes(std::uint64_t leaves, int channels) {
+  return leaves * (sizeof(Bricks::Leaf) +
+                   sizeof(float) * Bricks::kVoxels * static_cast<std::uint64_t>(channels));
+}
+
+/// The same of a tree as its writer noted its size; 0 where it did not.
+std::uint64_t notedBrickBytes(const openvdb::GridBase& grid) {
+  const auto noted =
+      grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_MEM_BYTES);
+  return noted && noted->value() > 0 ? static_cast<std::uint64_t>(noted->value()) * 5 / 4 : 0;
 }
 
 /// Extremes over the active values of what has numbers.
@@ -503,6 +560,8 @@ LatticeGrid describeForCache(VdbFile& file, std::size_t index) {
          addBackground<openvdb::Vec3SGrid>(*tree, traits) ||
          addBackground<openvdb::Vec3DGrid>(*tree, traits));
   traits.voxels = tree->activeVoxelCount();
+  result.frame.bricks = true;
+  result.frame.memory = brickBytes(tree->baseTree().leafCount(), result.frame.channels);
   const auto memory =
       grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_MEM_BYTES);
   traits.memory = memory && memory->value() > 0 ? static_cast<std::uint64_t>(memory->value())
@@ -534,10 +593,14 @@ class VdbReader final : public LatticeReader {
         frame.time = time->value();
       frame.up = upAxisOf(file.metadata());
       frame.levelSet = entries[index].type == kLevelSet;
+      frame.bricks = true;
+      frame.memory = notedBrickBytes(grid);
       if (const auto noted = notedBox(grid)) {
         frame.box = *noted;
       } else if (needBox) {
-        frame.box = toIndexBox(file.readTree(index)->evalActiveVoxelBoundingBox());
+        const auto tree = file.readTopology(index);
+        frame.box = toIndexBox(tree->evalActiveVoxelBoundingBox());
+        frame.memory = brickBytes(tree->baseTree().leafCount(), frame.channels);
       }
       return frame;
     });
@@ -574,59 +637,109 @@ class VdbReader final : public LatticeReader {
 
   Status read(const std::filesystem::path& path, const std::string& wanted, const IndexBox& whole,
               const IndexBox& box, bool crop, std::span<float> values, double& rounding) override {
-    return guarded(path, [&]() -> Status {
+    VOLUTE_ASSIGN(const Bricks bricks, readBricks(path, wanted, whole, box, crop, rounding));
+    bricks.toDense(box, values);
+    return {};
+  }
+
+  bool hasBricks() const override { return true; }
+
+  Result<Bricks> readBricks(const std::filesystem::path& path, const std::string& wanted,
+                            const IndexBox& whole, const IndexBox& box, bool crop,
+                            double& rounding) override {
+    return guarded(path, [&]() -> Result<Bricks> {
       VdbFile file(path);
       const auto entries = entriesOf(file, wanted);
       VOLUTE_ASSIGN(const std::size_t index, chooseGrid(entries, wanted, path.string()));
-      const auto toCoord = [](const std::array<std::int64_t, 3>& at, int less) {
+      const auto toCoord = [](const VoxelIndex& at, int less) {
         return openvdb::Coord(static_cast<int>(at[0] - less), static_cast<int>(at[1] - less),
                               static_cast<int>(at[2] - less));
       };
-      const openvdb::CoordBBox dense(toCoord(box.begin, 0), toCoord(box.end, 1));
+      const openvdb::CoordBBox part(toCoord(box.begin, 0), toCoord(box.end, 1));
       const bool all = box.begin == whole.begin && box.end == whole.end;
-      const auto grid = file.readTree(index, all ? nullptr : &dense);
-      const auto active = [&] {
-        const auto voxels = all ? grid : file.readTopology(index);
-        return toIndexBox(voxels->evalActiveVoxelBoundingBox());
-      };
-      if (!crop && box.begin == whole.begin && !whole.contains(active())) {
+      const auto grid = file.readTree(index, all ? nullptr : &part);
+      const auto topology = all ? grid : file.readTopology(index);
+      if (!crop && box.begin == whole.begin &&
+          !whole.contains(toIndexBox(topology->evalActiveVoxelBoundingBox()))) {
         return fail(ErrorCode::kInvalidData,
                     "{}: grid '{}' has voxels outside the box that its metadata state; the file is "
                     "damaged, or give --bounds",
                     path.string(), wanted);
       }
-      const bool filled = fillIfType<openvdb::FloatGrid>(*grid, dense, values, rounding) ||
-                          fillIfType<openvdb::DoubleGrid>(*grid, dense, values, rounding) ||
-                          fillIfType<openvdb::Vec3SGrid>(*grid, dense, values, rounding) ||
-                          fillIfType<openvdb::Vec3DGrid>(*grid, dense, values, rounding);
-      if (!filled)
+      auto bricks = bricksOfGrid(*grid, *topology, part, rounding);
+      if (!bricks)
         return fail(ErrorCode::kUnsupported, "{}: grid '{}' changed its type", path.string(),
                     wanted);
-      return {};
+      return *std::move(bricks);
     });
   }
 };
 
-/// Zero voxels stay inactive.
+/// Puts what is in a frame into an empty grid, as it was.
+/// @param begin  index of the volume's first voxel
 template <class Grid>
-openvdb::GridBase::Ptr makeGrid(const VolumeInfo& info, std::span<const float> values) {
+void putBricks(const Bricks& bricks, const std::array<int, 3>& begin, Grid& grid) {
   using Value = typename Grid::ValueType;
-  auto grid = Grid::create();
-  auto accessor = grid->getAccessor();
-  const float* from = values.data();
-  for (int z = 0; z < info.z; ++z) {
-    for (int y = 0; y < info.y; ++y) {
-      for (int x = 0; x < info.x; ++x, from += info.channels) {
-        if (std::all_of(from, from + info.channels, [](float value) { return value == 0; }))
-          continue;
-        if constexpr (Channels<Value>::kCount == 3) {
-          accessor.setValue({x, y, z}, Value(from[0], from[1], from[2]));
-        } else {
-          accessor.setValue({x, y, z}, *from);
+  using Leaf = typename Grid::TreeType::LeafNodeType;
+  const auto valueOf = [](const float* from, std::size_t stride) {
+    if constexpr (Channels<Value>::kCount == 3) {
+      return Value(from[0], from[stride], from[2 * stride]);
+    } else {
+      return static_cast<Value>(*from);
+    }
+  };
+  const auto coordOf = [&](const VoxelIndex& at) {
+    return openvdb::Coord(static_cast<int>(at[0]) + begin[0], static_cast<int>(at[1]) + begin[1],
+                          static_cast<int>(at[2]) + begin[2]);
+  };
+  auto& tree = grid.tree();
+  for (const Bricks::Tile& tile : bricks.tiles()) {
+    const openvdb::Coord at = coordOf(tile.origin);
+    const Value value = valueOf(tile.value.data(), 1);
+    // Nodes of the tree, from the smallest.
+    constexpr std::array<std::int64_t, 3> kSides{8, 128, 4096};
+    const auto level = std::ranges::find(kSides, tile.side) - kSides.begin();
+    const int mask = static_cast<int>(tile.side - 1);
+    const bool aligned = ((at.x() | at.y() | at.z()) & mask) == 0;
+    if (level < static_cast<std::ptrdiff_t>(kSides.size()) && aligned)
+      tree.addTile(static_cast<openvdb::Index>(level + 1), at, value, tile.active);
+    else
+      tree.fill(openvdb::CoordBBox(at, at.offsetBy(mask)), value, tile.active);
+  }
+  auto accessor = grid.getAccessor();
+  for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+    const Bricks::Leaf& leaf = bricks.leaves()[i];
+    const std::span<const float> values = bricks.values(i);
+    const openvdb::Coord first = coordOf(leaf.origin);
+    Leaf* to = nullptr;
+    openvdb::Coord toOrigin;
+    for (std::size_t z = 0; z < leaf.valued.size(); ++z) {
+      for (std::uint64_t left = leaf.valued[z]; left != 0; left &= left - 1) {
+        const int bit = std::countr_zero(left);
+        const openvdb::Coord at = first.offsetBy(bit % 8, bit / 8, static_cast<int>(z));
+        if (to == nullptr || (at & ~(Bricks::kSide - 1)) != toOrigin) {
+          to = accessor.touchLeaf(at);
+          toOrigin = at & ~(Bricks::kSide - 1);
         }
+        const openvdb::Index offset = Leaf::coordToOffset(at);
+        to->setValueOnly(offset,
+                         valueOf(&values[64 * z + static_cast<std::size_t>(bit)], Bricks::kVoxels));
+        to->setActiveState(offset, (leaf.active[z] >> bit & 1) != 0);
       }
     }
   }
+}
+
+template <class Grid>
+openvdb::GridBase::Ptr makeGrid(const Bricks& bricks) {
+  using Value = typename Grid::ValueType;
+  const auto& b = bricks.background();
+  typename Grid::Ptr grid;
+  if constexpr (Channels<Value>::kCount == 3)
+    grid = Grid::create(Value(b[0], b[1], b[2]));
+  else
+    grid = Grid::create(static_cast<Value>(b[0]));
+  putBricks(bricks, {0, 0, 0}, *grid);
   return grid;
 }
 
@@ -670,41 +783,10 @@ typename Grid::Ptr gridOver(const GridDescription& description) {
   }
 }
 
-/// Voxels that are the background stay inactive. Of a level set those beyond the narrow band are,
-/// and lie inside where they are negative.
 template <class Grid>
 openvdb::GridBase::Ptr makeCacheGrid(const GridFrame& frame, const Index3& begin) {
-  using Value = typename Grid::ValueType;
-  constexpr int kCount = Channels<Value>::kCount;
-  const VolumeInfo& info = *frame.info;
   const auto grid = gridOver<Grid>(*frame.description);
-  const bool levelSet = frame.description->gridClass == "level set";
-  const auto& background = frame.description->background;
-  auto accessor = grid->getAccessor();
-  const float* from = frame.values.data();
-  for (int z = 0; z < info.z; ++z) {
-    for (int y = 0; y < info.y; ++y) {
-      for (int x = 0; x < info.x; ++x, from += kCount) {
-        const openvdb::Coord at(begin[0] + x, begin[1] + y, begin[2] + z);
-        if constexpr (kCount == 3) {
-          const bool empty = from[0] == static_cast<float>(background[0]) &&
-                             from[1] == static_cast<float>(background[1]) &&
-                             from[2] == static_cast<float>(background[2]);
-          if (!empty)
-            accessor.setValue(at, Value(from[0], from[1], from[2]));
-        } else if (levelSet && std::abs(*from) >= static_cast<float>(background[0])) {
-          if (*from < 0)
-            accessor.setValueOff(at, static_cast<Value>(-background[0]));
-        } else if (levelSet || *from != static_cast<float>(background[0])) {
-          accessor.setValue(at, static_cast<Value>(*from));
-        }
-      }
-    }
-  }
-  if constexpr (kCount == 1) {
-    if (levelSet)
-      openvdb::tools::prune(grid->tree());
-  }
+  putBricks(*frame.bricks, begin, *grid);
   return grid;
 }
 
@@ -792,9 +874,16 @@ class VdbWriter final : public LatticeWriter {
 
   Status write(const std::filesystem::path& temporary, const std::filesystem::path& target,
                const VolumeInfo& info, int frame, std::span<const float> values) override {
+    return writeBricks(temporary, target, info, frame, Bricks::fromDense(info, values));
+  }
+
+  bool takesBricks() const override { return true; }
+
+  Status writeBricks(const std::filesystem::path& temporary, const std::filesystem::path& target,
+                     const VolumeInfo& info, int frame, const Bricks& bricks) override {
     return written(temporary, target, [&](std::ofstream& stream) -> Status {
-      const auto grid = info.channels == 3 ? makeGrid<openvdb::Vec3SGrid>(info, values)
-                                           : makeGrid<openvdb::FloatGrid>(info, values);
+      const auto grid = info.channels == 3 ? makeGrid<openvdb::Vec3SGrid>(bricks)
+                                           : makeGrid<openvdb::FloatGrid>(bricks);
       grid->setName(info.name);
       // OpenVDB does not zip fog volumes.
       grid->setGridClass(options_.zip ? openvdb::GRID_UNKNOWN : openvdb::GRID_FOG_VOLUME);
@@ -802,7 +891,7 @@ class VdbWriter final : public LatticeWriter {
       grid->setSaveFloatAsHalf(options_.half);
       grid->insertMeta(kTimeKey, openvdb::DoubleMetadata(info.times[frame]));
       VdbOutput(options_.zip).writeTo(stream, grid);
-      overwriteIdentifier(stream, crc32(std::as_bytes(values)), info.frameNumbers[frame]);
+      overwriteIdentifier(stream, bricks.checksum(), info.frameNumbers[frame]);
       return {};
     });
   }
@@ -831,7 +920,7 @@ class VdbWriter final : public LatticeWriter {
           grid->setSaveFloatAsHalf(description.half);
         grid->setTransform(makeCacheTransform(frame));
         grids.push_back(grid);
-        content ^= crc32(std::as_bytes(frame.values));
+        content ^= frame.bricks->checksum();
       }
       openvdb::MetaMap ofFile;
       if (metadata)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/frame_source.hpp"
 #include "volute/grid/grid_description.hpp"
 
@@ -39,8 +40,8 @@ class CacheSink {
  public:
   virtual ~CacheSink() = default;
 
-  /// The values of each grid, as FrameSource::readFrame gives them; none of empty grids.
-  [[nodiscard]] virtual Status writeFrame(std::span<const std::vector<float>> grids) = 0;
+  /// What is in each grid, as FrameSource::readBricks gives it; nothing of empty grids.
+  [[nodiscard]] virtual Status writeFrame(std::span<const Bricks> grids) = 0;
 
   /// To be called after the last frame; without it, no file appears.
   [[nodiscard]] virtual Status finish() = 0;

@@ -14,10 +14,15 @@ namespace {
 /// A PSNR of 50 dB.
 constexpr double kUsualRms = 0.003;
 
+bool rmsOverAll(const Arguments& arguments) {
+  return arguments.get<std::string>("rms-over") == "all";
+}
+
 ErrorTarget targetOf(const Arguments& arguments) {
   using Kind = ErrorTarget::Kind;
+  const Kind kRms = rmsOverAll(arguments) ? Kind::kRmsOverAll : Kind::kRms;
   if (const auto rms = arguments.find<double>("rms"))
-    return {Kind::kRms, *rms};
+    return {kRms, *rms};
   if (const auto psnr = arguments.find<double>("psnr"))
     return {Kind::kPsnr, *psnr};
   if (const auto ratio = arguments.find<double>("ratio"))
@@ -26,7 +31,7 @@ ErrorTarget targetOf(const Arguments& arguments) {
     return {Kind::kSize, static_cast<double>(size->count)};
   if (const auto most = arguments.find<double>("max-error"))
     return {Kind::kMaxError, *most};
-  return {Kind::kRms, kUsualRms};
+  return {kRms, kUsualRms};
 }
 
 /// What --raw-size and the others say of files without a header.
@@ -63,6 +68,7 @@ Status runCompress(const Arguments& arguments, Context& context) {
       ofOption("rms-of", parseGridRms(arguments.find<std::string>("rms-of").value_or(""))));
   how.stated.framesPerSecond = arguments.find<double>("fps");
   how.stated.up = arguments.find<std::string>("up").value_or(std::string(1, '\0')).front();
+  how.rmsOverAll = rmsOverAll(arguments);
   CompressOptions& options = how.options;
   options.target = targetOf(arguments);
   options.wavelet = arguments.get<std::string>("wavelet");
@@ -105,8 +111,12 @@ Command compressCommand() {
           "sets another target, the relative RMS is at most 0.003. Values become float32: the "
           "rounding of float64 and of large integers counts in the errors, and a target finer than "
           "that is refused. NaN and infinities are refused, with frame and voxel.\n\nRelative RMS "
-          "is the RMS error over all voxels and "
-          "channels, divided by the maximum minus the minimum of the whole original.",
+          "is the RMS error over the support, the voxels and channels that are active or not "
+          "equal to the background, divided by the range of their values over all frames. If the "
+          ".0001 and .9999 quantiles of the values span less than half of that range, they are "
+          "the range, and values far beyond them are kept exactly. Which voxels are active, "
+          "constant tiles and the background are kept without loss; what is empty stays exactly "
+          "empty.",
       .positionals =
           {{.name = "INPUT",
             .help = "a volume: .npy, .npz, .vdb, .vti, .pvd, .volute, a pattern or a folder"}},
@@ -114,10 +124,18 @@ Command compressCommand() {
           {outputOption("OUT.volute", "the file to write", ".volute"),
            rmsOption("relative RMS error at most R (1 keeps nothing); 0.003 if no target is "
                      "given"),
+           {.name = "rms-over",
+            .kind = kChoice,
+            .value = "WHAT",
+            .help = "the voxels that the relative RMS is over: support, those that are active or "
+                    "not equal to the background, relative to their range; or all, relative to "
+                    "the maximum minus the minimum",
+            .initial = "support",
+            .choices = {"support", "all"}},
            {.name = "psnr",
             .kind = kNumber,
             .value = "DB",
-            .help = "-20 log10 of the relative RMS at least DB [dB]",
+            .help = "-20 log10 of the relative RMS over all voxels at least DB [dB]",
             .most = 200,
             .positive = true},
            {.name = "ratio",

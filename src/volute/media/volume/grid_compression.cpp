@@ -13,6 +13,7 @@
 
 #include "volute/base/output_file.hpp"
 #include "volute/codec/bundle.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/media/volume/compression_report.hpp"
 
@@ -162,8 +163,11 @@ Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
   return CompressedGrids{done_, bytes, 0};
 }
 
-/// Whether a file of this grid alone needs to say more of it than its values.
-bool wantsDescription(const VolumeGrid& grid) {
+/// Whether a file of this grid alone needs to say more of it than its values. Without a description
+/// its first voxel has the index 0, so that its leaves and tiles are others unless they begin
+/// there.
+/// @param cropped  its first voxel is another than that of the cache
+bool wantsDescription(const VolumeGrid& grid, bool cropped) {
   constexpr std::string_view kOwnTime = "volute:time", kHalf = "is_saved_as_half_float";
   if (!grid.description)
     return false;
@@ -178,8 +182,9 @@ bool wantsDescription(const VolumeGrid& grid) {
       std::ranges::none_of(one.metadata.listOf, [](int list) { return list < 0; });
   // Where a volume alone is written: from index 0 on, its place in the transform.
   const bool even = one.voxelSize[0] == one.voxelSize[1] && one.voxelSize[0] == one.voxelSize[2];
-  const bool plainPlace = one.begin == GridDescription::Index{} && one.shifts.empty() &&
-                          one.map == (even ? "UniformScaleTranslateMap" : "ScaleTranslateMap");
+  const bool plainPlace =
+      cropped || (one.begin == GridDescription::Index{} && one.shifts.empty() &&
+                  one.map == (even ? "UniformScaleTranslateMap" : "ScaleTranslateMap"));
   return grid.empty || grid.name.starts_with('[') || one.half || !plainPlace || !plainType ||
          !plainClass || !plainMetadata || !inAllFrames || one.background != std::array<double, 3>{};
 }
@@ -209,7 +214,7 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
   if (chosen.empty() && !leftOut.empty())
     return fail(ErrorCode::kUnsupported, "{}: no grid can be compressed: {}", path, leftOut);
   if (chosen.empty() || (chosen.size() == 1 && leftOut.empty() && how.rms.empty() &&
-                         !wantsDescription(all[chosen[0]])))
+                         !wantsDescription(all[chosen[0]], input.bounds.has_value())))
     return std::nullopt;
   if (input.bounds) {
     return fail(ErrorCode::kInvalidArgument,
@@ -258,7 +263,7 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
   std::vector<ErrorTarget> targets(chosen.size(), sized ? ErrorTarget{Kind::kRms, 1e-2} : wanted);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (const auto own = how.rms.find(grids.grids()[chosen[i]].name); own != how.rms.end())
-      targets[i] = {Kind::kRms, own->second};
+      targets[i] = {how.rmsOverAll ? Kind::kRmsOverAll : Kind::kRms, own->second};
   }
   VOLUTE_TRY(files.compressAll(targets));
   constexpr double kAny = std::numeric_limits<double>::infinity();

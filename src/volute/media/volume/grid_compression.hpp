@@ -18,6 +18,7 @@ namespace volute {
 struct GridCompression {
   CompressOptions options;              ///< of each; a size or a ratio is that of the whole file
   std::map<std::string, double> rms{};  ///< relative RMS of single grids, by their names
+  bool rmsOverAll = false;              ///< these are over all voxels, not over the support
   FrameRange frames{};
   StatedInfo stated{};
 };

@@ -171,7 +171,13 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
   if (VolumeGrids::mayBe(a) && VolumeGrids::mayBe(b) && !options.bounds) {
     VOLUTE_ASSIGN(const auto first, VolumeGrids::open(a, options, reading));
     VOLUTE_ASSIGN(const auto second, VolumeGrids::open(b, options, reading));
-    if (first->grids().size() > 1 || second->grids().size() > 1)
+    const auto hasLevelSet = [](const VolumeGrids& grids) {
+      return std::ranges::any_of(grids.grids(), [](const VolumeGrid& grid) {
+        return grid.description && grid.description->gridClass == "level set";
+      });
+    };
+    if (first->grids().size() > 1 || second->grids().size() > 1 || hasLevelSet(*first) ||
+        hasLevelSet(*second))
       return compareCaches(*first, a, *second, b, request, reading.progress);
   }
   options.grid = request.fields;

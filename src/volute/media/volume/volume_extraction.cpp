@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/codec/extract_source.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/copy_frames.hpp"
 #include "volute/io/output_names.hpp"
 #include "volute/io/volume_sink.hpp"
@@ -35,19 +37,53 @@ using MakeSink = std::function<Result<std::unique_ptr<CacheSink>>()>;
 
 constexpr std::string_view kGridWord = "{grid}", kMeshWord = "{mesh}";
 
-using GridValues = std::vector<std::vector<float>>;
+using GridValues = std::vector<Bricks>;
 
 Status readFrames(const std::vector<std::unique_ptr<FrameSource>>& sources, int index,
                   GridValues& values) {
   values.resize(sources.size());
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    if (!sources[i])
-      continue;
-    values[i].resize(sources[i]->info().frameValues());
-    VOLUTE_TRY(sources[i]->readFrame(index, values[i]));
+    if (sources[i])
+      VOLUTE_TRY(sources[i]->readBricks(index, values[i]));
   }
   return {};
 }
+
+/// What comes of a level set in a file that keeps no topology: those values that lie beyond the
+/// background are taken as inactive, and inside where they are negative.
+class GuessedLevelSet final : public FrameSource {
+ public:
+  GuessedLevelSet(std::unique_ptr<FrameSource> source, float background)
+      : source_(std::move(source)), background_(background) {}
+
+  const VolumeInfo& info() const override { return source_->info(); }
+
+  Status readFrame(int index, std::span<float> values) override {
+    return source_->readFrame(index, values);
+  }
+
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    std::vector<float> values(info().frameValues());
+    VOLUTE_TRY(source_->readFrame(index, values));
+    for (float& value : values) {
+      if (std::abs(value) >= background_)
+        value = std::copysign(background_, value);
+    }
+    bricks = Bricks::fromDense(info(), values, {background_, background_, background_});
+    for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+      for (std::size_t voxel = 0; voxel < Bricks::kVoxels; ++voxel) {
+        if (bricks.values(i)[voxel] == -background_)
+          bricks.leaf(i).active[voxel / 64] &= ~(std::uint64_t{1} << voxel % 64);
+      }
+    }
+    bricks.crop({{0, 0, first}, {info().x, info().y, end}});
+    return {};
+  }
+
+ private:
+  std::unique_ptr<FrameSource> source_;
+  float background_;
+};
 
 /// What the cache says of a grid, of these frames of it and at this level.
 GridDescription descriptionOf(const VoluteGrid& grid, const Extraction& extraction) {
@@ -98,12 +134,18 @@ Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std:
     VOLUTE_ASSIGN(auto reader, openVolute(path, partial, reading, true, name));
     Extraction own = extraction;
     own.region = {{0, 0, 0}, {grid->info.x, grid->info.y, grid->info.z}};
+    own.bricks = true;
     own.maxMemory =
         static_cast<std::uint64_t>(static_cast<double>(extraction.maxMemory) *
                                    static_cast<double>(grid->info.frameValues()) / voxels);
     VOLUTE_ASSIGN(auto source, ExtractSource::create(reader, std::move(own), reading.progress));
     target.info = source->info();
-    all.sources.push_back(std::move(source));
+    const double background = target.description.background[0];
+    if (!reader->hasTopology() && target.description.gridClass == "level set" && background > 0)
+      all.sources.push_back(
+          std::make_unique<GuessedLevelSet>(std::move(source), static_cast<float>(background)));
+    else
+      all.sources.push_back(std::move(source));
     all.readers.push_back(std::move(reader));
   }
   return all;
@@ -141,18 +183,18 @@ Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
       begins.push_back(i);
   }
   begins.push_back(positions.size());
-  std::vector<std::size_t> counts;
-  for (const auto& source : sources) counts.push_back(source ? source->info().frameValues() : 0);
-  GridValues taken;
+  // Each grid after the length of its message.
   OrderedDelivery delivery(team, frames, reading.maxMemory / 8,
-                           [&](std::int64_t, const OrderedDelivery::Bytes& bytes) {
-                             taken.resize(counts.size());
-                             std::size_t at = 0;
-                             for (std::size_t i = 0; i < counts.size(); ++i) {
-                               taken[i].resize(counts[i]);
-                               if (counts[i] > 0)
-                                 std::memcpy(taken[i].data(), bytes.data() + at, 4 * counts[i]);
-                               at += 4 * counts[i];
+                           [&](std::int64_t, const OrderedDelivery::Bytes& bytes) -> Status {
+                             GridValues taken;
+                             std::span<const std::byte> left = bytes;
+                             while (!left.empty()) {
+                               std::uint64_t size = 0;
+                               std::memcpy(&size, left.data(), sizeof size);
+                               left = left.subspan(sizeof size);
+                               VOLUTE_ASSIGN(auto one, Bricks::fromMessage(left.first(size)));
+                               taken.push_back(std::move(one));
+                               left = left.subspan(size);
                              }
                              return sink->writeFrame(taken);
                            });
@@ -165,9 +207,12 @@ Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
             return fail(ErrorCode::kCancelled, "stopped: extracting frame {} of {}", i + 1, frames);
           VOLUTE_TRY(readFrames(sources, static_cast<int>(i), values));
           OrderedDelivery::Bytes bytes;
-          for (const auto& grid : values) {
-            const auto own = std::as_bytes(std::span(grid));
-            bytes.insert(bytes.end(), own.begin(), own.end());
+          for (const Bricks& grid : values) {
+            const std::uint64_t size = grid.messageBytes();
+            const std::size_t begin = bytes.size() + sizeof size;
+            bytes.resize(begin + size);
+            std::memcpy(bytes.data() + begin - sizeof size, &size, sizeof size);
+            grid.toMessage(std::span(bytes).subspan(begin));
           }
           VOLUTE_TRY(delivery.give(static_cast<std::int64_t>(i), std::move(bytes)));
         }
@@ -180,16 +225,23 @@ Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
 /// A sink of one grid as one of several.
 class OneGridSink final : public CacheSink {
  public:
-  explicit OneGridSink(std::unique_ptr<FrameSink> sink) : sink_(std::move(sink)) {}
+  OneGridSink(std::unique_ptr<FrameSink> sink, const VolumeInfo& info)
+      : sink_(std::move(sink)), info_(info) {}
 
-  Status writeFrame(std::span<const std::vector<float>> grids) override {
-    return sink_->writeFrame(grids[0]);
+  Status writeFrame(std::span<const Bricks> grids) override {
+    if (sink_->takesBricks())
+      return sink_->writeBricks(grids[0]);
+    values_.resize(info_.frameValues());
+    grids[0].toDense({{0, 0, 0}, {info_.x, info_.y, info_.z}}, values_);
+    return sink_->writeFrame(values_);
   }
 
   Status finish() override { return sink_->finish(); }
 
  private:
   std::unique_ptr<FrameSink> sink_;
+  VolumeInfo info_;
+  std::vector<float> values_;
 };
 
 /// @param counts  bytes read, blocks decoded
@@ -244,6 +296,7 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
   VOLUTE_ASSIGN(auto reader, openVolute(path_, request_.partial, reading_, true, grid));
   VOLUTE_ASSIGN(auto extraction, extractionOf(reader->info()));
   const std::vector<int> positions = extraction.positions;
+  extraction.bricks = extensionOf(target) == ".vdb";
   VOLUTE_ASSIGN(auto source,
                 ExtractSource::create(reader, std::move(extraction), reading_.progress));
   const VolumeInfo info = source->info();
@@ -251,7 +304,7 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
   sources.push_back(std::move(source));
   const MakeSink make = [&]() -> Result<std::unique_ptr<CacheSink>> {
     VOLUTE_ASSIGN(auto sink, createSink(target, info));
-    return std::make_unique<OneGridSink>(std::move(sink));
+    return std::make_unique<OneGridSink>(std::move(sink), info);
   };
   VOLUTE_TRY(extractFrames(sources, positions, make, reading_, team_));
   std::array<std::uint64_t, 2> counts{reader->bytesRead(), reader->blocksDecoded()};

@@ -110,9 +110,9 @@ std::string writeBlobs(const TempFolder& folder, bool moving) {
     // 12 voxels of 0.1 m in 1/25 s.
     std::vector<float> velocity(3 * longVolume(1).voxels(), 0);
     for (std::size_t i = 0; i < velocity.size(); i += 3) velocity[i] = 12 * 0.1 * 25;
-    std::vector<std::vector<float>> values{blob(12 + frame * kMoved)};
+    std::vector values{Bricks::fromDense(targets[0].info, blob(12 + frame * kMoved))};
     if (moving)
-      values.push_back(velocity);
+      values.push_back(Bricks::fromDense(targets[1].info, velocity));
     if (!(*sink)->writeFrame(values))
       return "a frame";
   }

@@ -3,8 +3,10 @@
 #include "volute/media/volume/volume_report.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <map>
 
+#include "volute/grid/bricks.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/lattice_source.hpp"
 #include "volute/media/volume/volume_input.hpp"
@@ -56,13 +58,31 @@ void addHeader(Report& report, const VoluteReader& reader, std::uint64_t bytes) 
       .add("maximum", header.valueMax)
       .add("asked", {{"kind", header.targetKind}, {"value", jsonNumber(header.targetValue)}},
            fmt::format("{} {:.6g}", header.targetKind, header.targetValue))
-      .add("relative_rms", header.reachedRms)
-      .add("max_error", header.reachedMaxError)
+      .add("relative_rms", header.reachedRms);
+  if (const auto& support = header.support) {
+    report
+        .add("support_rms", support->rms, fmt::format("{:.6g} (over what is in use)", support->rms))
+        .add("support_share", support->share,
+             fmt::format("{:.4g} % of all voxels", 100 * support->share))
+        .add("support_range", {support->low, support->high},
+             fmt::format("{:.4g} to {:.4g}{}", support->low, support->high,
+                         support->robust ? " (.0001 and .9999 quantiles)" : ""))
+        .add("max_error_at",
+             {{"frame",
+               jsonFrame(reader.info().frameNumbers[static_cast<std::size_t>(support->worstFrame)],
+                         reader.info().frameScale)},
+              {"voxel", support->worstVoxel}},
+             fmt::format("frame {}, voxel ({}, {}, {})",
+                         reader.info().frameText(static_cast<std::size_t>(support->worstFrame)),
+                         support->worstVoxel[0], support->worstVoxel[1], support->worstVoxel[2]));
+  }
+  report.add("max_error", header.reachedMaxError)
       .add("codec", header.codec, fmt::format("{}", header.codec))
       .add("format", fmt::format("{}.{}", header.versionMajor, header.versionMinor))
       .add("written_by", header.writtenBy)
       .add("provenance", header.provenance)
-      .add("blocks", reader.blocks().count(), fmt::format("{}", reader.blocks().count()));
+      .add("blocks", reader.occupied().size(),
+           fmt::format("{} of {}", reader.occupied().size(), reader.blocks().count()));
 }
 
 void addIntegrity(Report& report, const Integrity& integrity, const VoluteReader& reader) {
@@ -84,7 +104,8 @@ void addBlocks(Report& report, const VoluteReader& reader) {
   nlohmann::ordered_json blocks = nlohmann::ordered_json::array();
   std::map<std::string, int> modes;
   std::string text;
-  for (std::size_t i = 0; i < grid.count(); ++i) {
+  for (const std::uint64_t number : reader.occupied()) {
+    const auto i = static_cast<std::size_t>(number);
     const auto origin = grid.origin(i);
     const auto extents = grid.extents(i);
     const auto described = reader.describeBlock(i);
@@ -143,6 +164,10 @@ void addVoluteGrids(Report& report, const VoluteReader& reader) {
          {"raw_bytes", info.rawBytes()},
          {"asked", {{"kind", header.targetKind}, {"value", jsonNumber(header.targetValue)}}},
          {"relative_rms", header.reachedRms},
+         {"support_rms",
+          header.support ? nlohmann::ordered_json(header.support->rms) : nlohmann::ordered_json()},
+         {"support_share", header.support ? nlohmann::ordered_json(header.support->share)
+                                          : nlohmann::ordered_json()},
          {"max_error", header.reachedMaxError}});
     text += fmt::format("\n  {:<16} {}{}{}, ", info.name, own.type, own.half ? " (half)" : "",
                         own.gridClass.empty() ? "" : ", " + own.gridClass);
@@ -228,6 +253,43 @@ std::optional<std::filesystem::path> firstVdb(const std::string& path) {
   return path;
 }
 
+/// So many voxels with the same value.
+void addEqual(ValueRange& range, std::span<const float> value, std::uint64_t voxels) {
+  if (voxels == 0)
+    return;
+  range.add(value);
+  range.count += (voxels - 1) * value.size();
+  range.zeros += (voxels - 1) * static_cast<std::uint64_t>(std::ranges::count(value, 0.0f));
+}
+
+/// All voxels of a frame.
+void addValues(ValueRange& range, const Bricks& frame, const VolumeInfo& info) {
+  const auto channels = static_cast<std::size_t>(frame.channels());
+  const IndexBox box{{0, 0, 0}, {info.x, info.y, info.z}};
+  std::uint64_t filled = 0;
+  std::vector<float> values;
+  for (std::size_t i = 0; i < frame.leaves().size(); ++i) {
+    const Bricks::Leaf& leaf = frame.leaves()[i];
+    const BrickMask inside = maskInside(leaf.origin, box);
+    values.clear();
+    for (std::size_t z = 0; z < inside.size(); ++z) {
+      for (std::uint64_t left = leaf.valued[z] & inside[z]; left != 0; left &= left - 1) {
+        for (std::size_t c = 0; c < channels; ++c)
+          values.push_back(frame.values(
+              i)[c * Bricks::kVoxels + 64 * z + static_cast<std::size_t>(std::countr_zero(left))]);
+      }
+    }
+    range.add(values);
+    filled += values.size() / channels;
+  }
+  for (const Bricks::Tile& tile : frame.tiles()) {
+    const std::uint64_t voxels = voxelsIn(tile.box().intersection(box));
+    addEqual(range, std::span(tile.value).first(channels), voxels);
+    filled += voxels;
+  }
+  addEqual(range, std::span(frame.background()).first(channels), info.voxels() - filled);
+}
+
 /// A line for each grid of a file: size, range, voxels that are not empty, memory.
 Status addGrids(Report& report, const std::filesystem::path& file, Reading& reading) {
   VOLUTE_ASSIGN(const auto grids, listGrids(file, reading.maxMemory));
@@ -268,6 +330,7 @@ Result<FileDescription> describeVolume(const std::string& path, const DescribeRe
     return describeVolute(path, request, reading);
   InputOptions options;
   options.grid = request.field;
+  options.byLayers = true;  // nothing is read that is as large as a frame's box
   auto opened = openVolume(path, options, reading);
   const auto vdb = firstVdb(path);
   Report report;
@@ -277,7 +340,8 @@ Result<FileDescription> describeVolume(const std::string& path, const DescribeRe
   // Of several grids none may be the usual one, or that one is empty; the list says what there is.
   const bool listed = !opened && vdb && options.grid.empty() &&
                       (opened.error().code == ErrorCode::kInvalidArgument ||
-                       opened.error().code == ErrorCode::kInvalidData);
+                       opened.error().code == ErrorCode::kInvalidData ||
+                       opened.error().code == ErrorCode::kUnsupported);
   if (listed) {
     auto grids = addGrids(report, *vdb, reading);
     if (grids)
@@ -293,12 +357,12 @@ Result<FileDescription> describeVolume(const std::string& path, const DescribeRe
   if (!request.values)
     return FileDescription{std::move(report)};
   ValueRange range;
-  std::vector<float> frame(info.frameValues());
+  Bricks frame;
   for (int i = 0; i < info.frames; ++i) {
     if (reading.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped: reading frame {}", info.frameText(i));
-    VOLUTE_TRY(input.source->readFrame(i, frame));
-    range.add(frame);
+    VOLUTE_TRY(input.source->readBricks(i, frame));
+    addValues(range, frame, info);
     reading.progress.report("reading", i + 1, info.frames);
   }
   range.addTo(report);

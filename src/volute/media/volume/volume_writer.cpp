@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/volume/volume_writer.hpp"
 
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/copy_frames.hpp"
 #include "volute/grid/rounding_source.hpp"
 #include "volute/media/volume/grid_compression.hpp"
@@ -22,6 +23,12 @@ class BorrowedSource final : public RoundingSource {
   }
 
   double rounding() const override { return roundingOf(source_); }
+
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    return source_.readBricks(index, first, end, bricks);
+  }
+
+  std::uint64_t brickBytes() const override { return source_.brickBytes(); }
 
  private:
   FrameSource& source_;
@@ -83,15 +90,13 @@ Status VolumeWriter::writeVolute(Report& report) {
 }
 
 Status VolumeWriter::writeCache() {
-  std::vector<std::vector<float>> values(grids_.size());
+  std::vector<Bricks> values(grids_.size());
   const int count = grids_[0].frames->info().frames;
   for (int frame = 0; frame < count; ++frame) {
     if (reading_->progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped: writing frame {} of {}", frame + 1, count);
-    for (std::size_t i = 0; i < grids_.size(); ++i) {
-      values[i].resize(grids_[i].frames->info().frameValues());
-      VOLUTE_TRY(grids_[i].frames->readFrame(frame, values[i]));
-    }
+    for (std::size_t i = 0; i < grids_.size(); ++i)
+      VOLUTE_TRY(grids_[i].frames->readBricks(frame, values[i]));
     VOLUTE_TRY(cache_->writeFrame(values));
     reading_->progress.report("writing", frame + 1, count);
   }
