@@ -175,6 +175,23 @@ TEST(InputFile, ReadsAnywhereAndRefusesPastTheEnd) {
   EXPECT_EQ(past.error().code, ErrorCode::kTruncated);
 }
 
+TEST(InputFile, MoreFilesThanTheUsualLimitAreOpened) {
+  const auto path = freshFolder("many") / "in.bin";
+  std::ofstream(path) << "0123456789";
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit low = before;
+  low.rlim_cur = 64;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &low), 0);
+  std::vector<InputFile> files;
+  for (int i = 0; i < 100; ++i) {
+    auto file = InputFile::open(path);
+    ASSERT_TRUE(file) << i << ": " << file.error().message;
+    files.push_back(std::move(*file));
+  }
+  setrlimit(RLIMIT_NOFILE, &before);
+}
+
 TEST(ReadText, ReadsAllUpToALimit) {
   const auto path = freshFolder("text") / "in.txt";
   std::ofstream(path) << "0123456789";

@@ -4,6 +4,7 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -44,17 +45,37 @@ std::optional<int> descriptorOf(const std::string& path) {
   return std::nullopt;
 }
 
+/// Raises the limit of open files to what the system allows this program: the usual one of 1024 is
+/// less than a large case has files.
+bool allowMoreFiles() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= limit.rlim_max)
+    return false;
+  limit.rlim_cur = limit.rlim_max;
+  return setrlimit(RLIMIT_NOFILE, &limit) == 0;
+}
+
 }  // namespace
 
 Result<InputFile> InputFile::open(const std::filesystem::path& path) {
   // Without O_NONBLOCK a pipe that nobody writes to is waited for, and so are some devices. Regular
   // files do not know it.
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  constexpr int kHow = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
+  int descriptor = ::open(path.c_str(), kHow);
+  if (descriptor < 0 && errno == EMFILE && allowMoreFiles())
+    descriptor = ::open(path.c_str(), kHow);
   const int reason = errno;
   struct stat status{};
   if (descriptor < 0) {
     if (reason == ENXIO && ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
       return notRegular(path, status.st_mode);
+    if (reason == EMFILE) {
+      return fail(
+          ErrorCode::kIo,
+          "{}: cannot open: all files that the system lets one program open are open; raise "
+          "the limit (ulimit -n)",
+          path.string());
+    }
     const ErrorCode code = reason == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
     return fail(code, "{}: cannot open: {}", path.string(), std::strerror(reason));
   }
