@@ -480,9 +480,15 @@ class Engine {
 /// People of a file of trajectories at a time.
 class PythonTrajectories {
  public:
-  PythonTrajectories(const std::string& text, const std::string& file, std::optional<double> height)
-      : walks_(
-            run(py::none(), [&](Progress&) { return Trajectories::parse(text, file, height); })) {}
+  PythonTrajectories(const std::string& text, const std::string& file, std::optional<double> height,
+                     double eyeHeight)
+      : walks_(run(py::none(),
+                   [&](Progress&) { return Trajectories::parse(text, file, height, eyeHeight); })) {
+  }
+
+  std::vector<std::string> remarks() const {
+    return {walks_.remarks().begin(), walks_.remarks().end()};
+  }
 
   py::tuple span() const { return py::make_tuple(walks_.begin(), walks_.end()); }
 
@@ -704,8 +710,9 @@ PYBIND11_MODULE(_scene, m) {
       .def("extinction", &Engine::extinction, "time"_a, "eyes"_a);
 
   py::class_<PythonTrajectories>(m, "Trajectories")
-      .def(py::init<const std::string&, const std::string&, std::optional<double>>(), "text"_a,
-           "file"_a, "height"_a)
+      .def(py::init<const std::string&, const std::string&, std::optional<double>, double>(),
+           "text"_a, "file"_a, "height"_a, "eye_height"_a)
+      .def_property_readonly("remarks", &PythonTrajectories::remarks)
       .def_property_readonly("span", &PythonTrajectories::span)
       .def_property_readonly("ids", &PythonTrajectories::ids)
       .def("at", &PythonTrajectories::at, "time"_a);

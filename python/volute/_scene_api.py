@@ -468,13 +468,16 @@ def _fields(names, kind, rows):
 
 
 class Trajectories:
-    """Where walking people are: JuPedSim's text format, or a table id,time,x,y[,z]. height: z of all eyes [m]; default the file's."""
+    """Where walking people are: JuPedSim's .sqlite or text format, Pathfinder's occupants .csv, or a table id,time,x,y[,z].
+    height: z of all eyes [m]; by default the file's, or `eye_height` [m] above it where the file's z is the floor, as
+    `remarks` say."""
 
-    def __init__(self, path, height=None):
-        with open(path, encoding="utf-8", errors="replace") as file:
+    def __init__(self, path, height=None, eye_height=1.8):
+        with open(path, "rb") as file:
             text = file.read()
-        self._walks = _part().Trajectories(text, os.fspath(path), height)
+        self._walks = _part().Trajectories(text, os.fspath(path), height, eye_height)
         self.begin, self.end = self._walks.span  #: [s]
+        self.remarks = self._walks.remarks
 
     @property
     def ids(self):

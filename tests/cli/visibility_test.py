@@ -6,6 +6,7 @@ import json
 import math
 import random
 import re
+import sqlite3
 import struct
 import subprocess
 import sys
@@ -306,6 +307,36 @@ class Plan(Visibility):
         self.assertEqual([(row["time"], row["eye_x"], row["eye_z"]) for row in rows if row["sign"] == "lit"],
                          [(0, 1, 1.8), (1, 2, 1.8), (14, 15, 1.8)])
         self.assertEqual([m["people"] for m in self.report()["people"]], [1, 1, 1, 0])
+
+    def test_people_of_evacuation_programs(self):
+        """Pathfinder's table and JuPedSim's database of the same walk are the same, at eyes above the floor."""
+        self.path("occupants.csv").write_text(
+            '"t","id","name","active","x","y","z","v","distance","location"\n"s","","","","m","m","m","m/s","m",""\n' + "".join(
+                f'{t},3,"00003",1,{1 + t},2,0,1,{t},"Floor 0.0 m"\n' for t in range(20)) + '20,3,"00003",0,0,0,0,0,0,""\n')
+        database = sqlite3.connect(self.path("people.sqlite"))
+        database.execute("PRAGMA page_size = 512")  # a tree of several levels
+        database.execute("CREATE TABLE metadata (key TEXT NOT NULL UNIQUE PRIMARY KEY, value TEXT NOT NULL)")
+        database.execute("CREATE TABLE geometry (hash INTEGER PRIMARY KEY, wkt TEXT)")
+        database.execute("INSERT INTO geometry VALUES (1, ?)", ("POLYGON " * 1000,))
+        database.execute("CREATE TABLE trajectory_data (frame INTEGER NOT NULL, id INTEGER NOT NULL, pos_x REAL NOT NULL, "
+                         "pos_y REAL NOT NULL, ori_x REAL NOT NULL, ori_y REAL NOT NULL)")
+        database.execute("INSERT INTO metadata VALUES ('version', '2'), ('fps', '100')")
+        database.executemany("INSERT INTO trajectory_data VALUES (?, 3, ?, 2, 1, 0)", [(f, 1 + f / 100) for f in range(1901)])
+        database.commit()
+        database.close()
+        seen = []
+        for name in ("occupants.csv", "people.sqlite"):
+            rows = self.look(self.case([0, 1, 14, 20]), self.signs_of_hall(), "--trajectories", self.path(name), "--eye-height", 1.6)
+            seen.append(rows)
+            self.assertEqual([(row["time"], row["eye_x"], row["eye_z"]) for row in rows if row["sign"] == "lit"],
+                             [(0, 1, 1.6), (1, 2, 1.6), (14, 15, 1.6)])
+            self.assertTrue(any("eyes are 1.6 m above it" in remark for remark in self.report()["remarks"]))
+        self.assertEqual(seen[0], seen[1])
+        whole = self.path("people.sqlite").read_bytes()
+        self.path("people.sqlite").write_bytes(whole[:len(whole) // 2])
+        self.assertIn("pages: copy the file again",
+                      self.fails(1, "visibility", self.path("case.smv"), "--signs", self.path("signs.json"), "--trajectories",
+                                 self.path("people.sqlite"), "-o", self.path("cut")))
 
 
 class Tetrahedra(Visibility):

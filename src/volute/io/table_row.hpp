@@ -39,26 +39,60 @@ inline std::optional<double> finiteNumber(std::string_view text) {
   return value;
 }
 
-/// Fields between commas, or semicolons where a line has them; quotes around a field are
-/// dropped.
-inline std::vector<std::string_view> fieldsOf(std::string_view line) {
-  const char separator = line.find(';') != line.npos ? ';' : ',';
+/// What separates the fields of a table with this first line: semicolons, tabs or commas outside
+/// quotes.
+inline char separatorOf(std::string_view line) {
+  char found = '\0';
+  bool quoted = false;
+  for (const char c : line) {
+    quoted = quoted != (c == '"');
+    if (!quoted && (c == ';' || (c == '\t' && found != ';') || (c == ',' && found == '\0')))
+      found = c;
+  }
+  return found == '\0' ? ',' : found;
+}
+
+/// Fields between separators, '\0' for blanks and tabs; quotes around a field are dropped.
+inline std::vector<std::string_view> fieldsOf(std::string_view line, char separator) {
   std::vector<std::string_view> fields;
+  if (separator == '\0') {
+    constexpr std::string_view kBlanks = " \t\r";
+    for (std::size_t begin = line.find_first_not_of(kBlanks); begin != line.npos;) {
+      const std::size_t end = std::min(line.find_first_of(kBlanks, begin), line.size());
+      fields.push_back(line.substr(begin, end - begin));
+      begin = line.find_first_not_of(kBlanks, end);
+    }
+    return fields;
+  }
   for (std::size_t begin = 0;;) {
     bool quoted = false;
     std::size_t end = begin;
     for (; end < line.size() && (quoted || line[end] != separator); ++end)
       quoted = quoted != (line[end] == '"');
-    end = end < line.size() ? end : line.npos;
-    auto field = trimmedField(line.substr(begin, end == line.npos ? line.npos : end - begin));
+    auto field = trimmedField(line.substr(begin, end - begin));
     if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
-      field = field.substr(1, field.size() - 2);
+      field = trimmedField(field.substr(1, field.size() - 2));
     fields.push_back(field);
-    if (end == line.npos)
-      break;
+    if (end == line.size())
+      return fields;
     begin = end + 1;
   }
-  return fields;
+}
+
+/// The number that a Fortran program wrote: also 1.0D-3, and 2.0-101, where there was no place for
+/// the E.
+inline std::optional<double> fortranNumber(std::string_view text) {
+  if (const auto value = finiteNumber(text))
+    return value;
+  std::string number(text);
+  const std::size_t letter = number.find_first_of("dD");
+  const std::size_t sign = number.find_first_of("+-", 1);
+  if (letter != number.npos)
+    number[letter] = 'e';
+  else if (sign != number.npos && number.find_first_of("eE") == number.npos)
+    number.insert(sign, 1, 'e');
+  const std::size_t plus = number.find("e+");
+  return finiteNumber(plus == number.npos ? number : number.erase(plus + 1, 1));
 }
 
 /// Calls visit(line, number) until it fails; lines are trimmed and numbered from 1.

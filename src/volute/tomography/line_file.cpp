@@ -7,124 +7,149 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
 #include <string>
 #include <string_view>
 
 #include "volute/base/read_text.hpp"
-#include "volute/io/table_row.hpp"
+#include "volute/io/table.hpp"
 
 namespace volute {
 namespace {
 
-constexpr std::array<std::string_view, 6> kEnds{"x0", "y0", "z0", "x1", "y1", "z1"};
-constexpr std::array<std::string_view, 6> kRay{"x", "y", "z", "dx", "dy", "dz"};
-constexpr std::array<std::string_view, 3> kValues{"optical_depth", "transmittance", "value"};
+enum LineColumn : std::size_t {
+  kX0,
+  kY0,
+  kZ0,
+  kX1,
+  kY1,
+  kZ1,  // ends
+  kX,
+  kY,
+  kZ,
+  kDx,
+  kDy,
+  kDz,  // a point and a direction
+  kDepth,
+  kTransmittance,
+  kValue,
+  kSigma,
+  kFrame,
+  kTime
+};
+
+std::vector<TableColumn> lineColumns() {
+  std::vector<TableColumn> columns;
+  for (const std::string_view name : {"x0", "y0", "z0", "x1", "y1", "z1", "x", "y", "z"})
+    columns.push_back({name, "m"});
+  for (const std::string_view name : {"dx", "dy", "dz"}) columns.push_back({name, "m"});
+  columns.insert(columns.end(), {{"optical_depth"},
+                                 {"transmittance", "1", {"transmission"}},
+                                 {"value"},
+                                 {"sigma"},
+                                 {"frame"},
+                                 {"time", "s", {"t"}}});
+  return columns;
+}
 
 /// Reads the rows of one file.
 class LineReader {
  public:
-  explicit LineReader(std::string file) : file_(std::move(file)) {}
+  explicit LineReader(const std::string& file) : file_(file), table_(file, lineColumns(), {}) {}
 
   Result<LineFile> read(std::string_view text);
 
  private:
-  Status readNames(std::string_view row);
-  Status readRow(std::string_view row);
-  Result<double> number(std::string_view name) const;
+  Status checkNames();
+  Status checkSigns();
+  Status readRow();
   Result<Segment> line() const;
   Status readValue(LineMeasurement& one) const;
   Result<LineFrame*> frame();
 
-  bool has(std::string_view name) const { return columns_.contains(std::string(name)); }
-
-  std::string where() const { return fmt::format("{}: row {}", file_, row_); }
+  bool has(LineColumn first, LineColumn last) const {
+    bool all = true;
+    for (std::size_t i = first; i <= last; ++i) all = all && table_.has(i);
+    return all;
+  }
 
   std::string file_;
-  int row_ = 0;
-  std::map<std::string, std::size_t> columns_;
-  std::vector<std::string_view> cells_;  // of the row
-  bool ends_ = false;
-  std::string_view quantity_;
+  TableReader table_;
+  bool checked_ = false;
+  LineColumn quantity_ = kValue;
   LineFile lines_;
   std::map<double, LineFrame> frames_;
 };
 
-Status LineReader::readNames(std::string_view row) {
-  std::vector<std::string> names;
-  for (const std::string_view cell : fieldsOf(row)) {
-    std::string name = lowerCase(cell);
-    if (!columns_.emplace(name, columns_.size()).second)
-      return fail(ErrorCode::kInvalidData, "{}: two columns are called '{}'", where(), name);
-    names.push_back(name);
-  }
-  const auto all = [&](const auto& wanted) {
-    return std::ranges::all_of(wanted, [&](std::string_view name) { return has(name); });
-  };
-  ends_ = all(kEnds);
-  if (!ends_ && !all(kRay)) {
-    return fail(
-        ErrorCode::kInvalidData,
-        "{}: columns {}; expected the ends of lines, {}, or a point and a direction, {}, in "
-        "the first row",
-        where(), fmt::join(names, ", "), fmt::join(kEnds, ", "), fmt::join(kRay, ", "));
-  }
-  const auto values = std::ranges::count_if(kValues, [&](auto name) { return has(name); });
-  if (values != 1) {
+Status LineReader::checkNames() {
+  checked_ = true;
+  if (has(kX0, kZ1) == has(kX, kDz)) {
     return fail(ErrorCode::kInvalidData,
-                "{}: columns {}; expected one of optical_depth, transmittance and value, and there "
-                "are {}",
-                where(), fmt::join(names, ", "), values);
+                "{}: expected columns with the ends of lines, x0, y0, z0, x1, y1, z1, or with a "
+                "point and a direction, x, y, z, dx, dy, dz",
+                file_);
   }
-  if (has("frame") && has("time"))
-    return fail(ErrorCode::kInvalidData, "{}: both frame and time; expected one of them", where());
-  quantity_ = *std::ranges::find_if(kValues, [&](auto name) { return has(name); });
-  lines_.opticalDepths = quantity_ != "value";
-  lines_.hasSigma = has("sigma");
-  lines_.hasTimes = has("time");
+  int quantities = 0;
+  for (const LineColumn column : {kDepth, kTransmittance, kValue}) {
+    if (!table_.has(column))
+      continue;
+    quantity_ = column;
+    ++quantities;
+  }
+  if (quantities != 1) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: expected one column of optical_depth, transmittance and value; there are {}",
+                file_, quantities);
+  }
+  if (table_.has(kFrame) && table_.has(kTime))
+    return fail(ErrorCode::kInvalidData, "{}: both frame and time; expected one of them", file_);
+  lines_.opticalDepths = quantity_ != kValue;
+  lines_.hasSigma = table_.has(kSigma);
+  lines_.hasTimes = table_.has(kTime);
   return {};
 }
 
-Result<double> LineReader::number(std::string_view name) const {
-  const std::string_view cell = cells_[columns_.at(std::string(name))];
-  const auto value = finiteNumber(cell);
-  if (!value)
-    return fail(ErrorCode::kInvalidData, "{}, {}: '{}' is not a finite number", where(), name,
-                cell);
-  return *value;
-}
-
 Result<Segment> LineReader::line() const {
+  const bool ends = table_.has(kX0);
   std::array<double, 6> place{};
-  const auto& names = ends_ ? kEnds : kRay;
   for (std::size_t i = 0; i < 6; ++i) {
-    VOLUTE_ASSIGN(place[i], number(names[i]));
+    VOLUTE_ASSIGN(place[i], table_.number((ends ? kX0 : kX) + i));
   }
   const Vec3 from(place[0], place[1], place[2]), last(place[3], place[4], place[5]);
-  const Vec3 way = ends_ ? Vec3(last - from) : last;
+  const Vec3 way = ends ? Vec3(last - from) : last;
   if (!(way.norm() > 0)) {
-    return fail(ErrorCode::kInvalidData, "{}: {}", where(),
-                ends_ ? "both ends are the same point" : "the direction is 0, 0, 0");
+    return fail(ErrorCode::kInvalidData, "{}: {}", table_.where(),
+                ends ? "both ends are the same point" : "the direction is 0, 0, 0");
   }
   return Segment{from, way.normalized(), 0,
-                 ends_ ? way.norm() : std::numeric_limits<double>::infinity()};
+                 ends ? way.norm() : std::numeric_limits<double>::infinity()};
 }
 
 Status LineReader::readValue(LineMeasurement& one) const {
-  VOLUTE_ASSIGN(one.value, number(quantity_));
+  VOLUTE_ASSIGN(one.value, table_.number(quantity_));
   if (lines_.hasSigma) {
-    VOLUTE_ASSIGN(one.sigma, number("sigma"));
+    VOLUTE_ASSIGN(one.sigma, table_.number(kSigma));
     if (!(one.sigma > 0))
-      return fail(ErrorCode::kInvalidData, "{}, sigma: {}; expected more than 0", where(),
+      return fail(ErrorCode::kInvalidData, "{}: sigma is {}; expected more than 0", table_.where(),
                   one.sigma);
   }
-  if (quantity_ != "transmittance")
+  if (quantity_ != kTransmittance)
     return {};
+  if (lines_.hasSigma)
+    one.sigma *= table_.change(kTransmittance).factor;  // in the same unit
+  constexpr double kMost = 1.2;                         // a lamp that drifts
+  if (one.value > kMost) {
+    return fail(
+        ErrorCode::kInvalidData,
+        "{}: transmittance is {:g}; expected 0 to 1, about 1 where there is no smoke: if it "
+        "is in percent, name the column 'transmittance [%]'",
+        table_.where(), one.value);
+  }
   if (!(one.value > 0)) {
-    return fail(ErrorCode::kInvalidData,
-                "{}, transmittance: {} lets no depth be told; expected more than 0 (about 1 where "
-                "there is no smoke)",
-                where(), one.value);
+    return fail(
+        ErrorCode::kInvalidData,
+        "{}: transmittance is {:g}, which lets no depth be told; expected more than 0 (about "
+        "1 where there is no smoke)",
+        table_.where(), one.value);
   }
   if (lines_.hasSigma)
     one.sigma /= one.value;
@@ -135,29 +160,22 @@ Status LineReader::readValue(LineMeasurement& one) const {
 /// The one that the row belongs to.
 Result<LineFrame*> LineReader::frame() {
   double key = 0;
-  if (has("frame")) {
-    VOLUTE_ASSIGN(key, number("frame"));
-    constexpr double kMax = 1e9;
-    if (key < 0 || key > kMax || key != std::floor(key))
-      return fail(ErrorCode::kInvalidData, "{}, frame: {}; expected a whole number from 0 on",
-                  where(), key);
-  } else if (has("time")) {
-    VOLUTE_ASSIGN(key, number("time"));
+  if (table_.has(kFrame)) {
+    VOLUTE_ASSIGN(key, table_.whole(kFrame, 0, 1e9));
+  } else if (table_.has(kTime)) {
+    VOLUTE_ASSIGN(key, table_.number(kTime));
   }
   LineFrame& frame = frames_[key];
-  frame.number = static_cast<int>(has("frame") ? key : 0);
-  frame.time = has("time") ? key : 0;
+  frame.number = static_cast<int>(table_.has(kFrame) ? key : 0);
+  frame.time = table_.has(kTime) ? key : 0;
   return &frame;
 }
 
-Status LineReader::readRow(std::string_view row) {
-  cells_ = fieldsOf(row);
-  if (cells_.size() != columns_.size()) {
-    return fail(ErrorCode::kInvalidData, "{}: {} values; the first row names {} columns", where(),
-                cells_.size(), columns_.size());
-  }
+Status LineReader::readRow() {
+  if (!checked_)
+    VOLUTE_TRY(checkNames());
   LineMeasurement one;
-  one.row = row_;
+  one.row = table_.line();
   VOLUTE_ASSIGN(one.line, line());
   VOLUTE_TRY(readValue(one));
   VOLUTE_ASSIGN(LineFrame* const own, frame());
@@ -165,16 +183,44 @@ Status LineReader::readRow(std::string_view row) {
   return {};
 }
 
+/// Smoke takes light, so that depths below 0 are noise, or of another sign.
+Status LineReader::checkSigns() {
+  if (!lines_.opticalDepths)
+    return {};
+  double sum = 0;
+  std::size_t rows = 0, negative = 0;
+  for (const auto& [key, frame] : frames_) {
+    for (const LineMeasurement& one : frame.lines) {
+      constexpr double kNoise = 0.05;  // of what says no sigma
+      sum += one.value;
+      ++rows;
+      negative += one.value < -(lines_.hasSigma ? 3 * one.sigma : kNoise) ? 1 : 0;
+    }
+  }
+  if (negative > 0 && !(sum > 0)) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: {} of {} optical depths are negative, and so is their mean; expected "
+                "-ln(transmittance), which is 0 without smoke and grows with it",
+                file_, negative, rows);
+  }
+  if (negative > 0) {
+    lines_.remarks.push_back(
+        fmt::format("{}: {} of {} optical depths are negative beyond noise: more light with smoke "
+                    "than without; "
+                    "extinction is 0 at least, so that they stay unexplained",
+                    file_, negative, rows));
+  }
+  return {};
+}
+
 Result<LineFile> LineReader::read(std::string_view text) {
-  VOLUTE_TRY(forEachRow(text, [&](std::string_view row, int number) -> Status {
-    row_ = number;
-    if (row.empty() || row.front() == '#')
-      return {};
-    return columns_.empty() ? readNames(row) : readRow(row);
-  }));
+  VOLUTE_TRY(readTable(table_, text, [&] { return readRow(); }));
+  if (!checked_)
+    VOLUTE_TRY(checkNames());
   if (frames_.empty())
     return fail(ErrorCode::kInvalidData, "{}: no line; expected a row of names and one a line",
                 file_);
+  VOLUTE_TRY(checkSigns());
   for (auto& [key, frame] : frames_) {
     if (lines_.hasTimes)
       frame.number = static_cast<int>(lines_.frames.size());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "volute/base/result.hpp"
@@ -31,15 +32,19 @@ struct LineFile {
   bool hasSigma = false;          ///< else all weigh alike
   bool hasTimes = false;          ///< else frames are numbers, or there is one
   std::vector<LineFrame> frames;  ///< ascending, by number and time; one at least
+  std::vector<std::string> remarks;
 };
 
-/// Reads a .csv with a row of names of columns, in any order and any case:
+/// Reads a .csv with a row of names of columns, in any order and any case, with units in them
+/// ("time [ms]") or in a row below:
 /// - x0, y0, z0, x1, y1, z1: both ends [m]; or x, y, z, dx, dy, dz: a point and a direction of any
 ///   length, in which the line goes on without an end;
-/// - optical_depth, transmittance (of which the depth is -ln), or value: any other integral;
-/// - sigma, if known: the standard deviation of that column;
+/// - optical_depth, transmittance (of which the depth is -ln; at most 1.2, or in %), or value: any
+///   other integral;
+/// - sigma, if known: the standard deviation of that column, in its unit;
 /// - frame (whole numbers from 0 on) or time [s], where there are several.
-/// Rows that are empty or begin with # do not count. Errors name the file, the row and the column.
+/// Rows that are empty or begin with # do not count. Errors name the file, the line and the column;
+/// a column with another name is one.
 [[nodiscard]] Result<LineFile> readLines(const std::filesystem::path& file);
 
 }  // namespace volute

@@ -189,24 +189,46 @@ TEST_F(LineFileTest, ReadsEndsAndDirections) {
 
 TEST_F(LineFileTest, RefusesWrongColumnsAndValues) {
   const std::string head = "x0,y0,z0,x1,y1,z1,value\n";
-  EXPECT_THAT(refusal("x0,y0,z0,x1,y1,value\n"),
-              HasSubstr("expected the ends of lines, x0, y0, z0"));
-  EXPECT_THAT(refusal("x0,y0,z0,x1,y1,z1\n"), HasSubstr("expected one of optical_depth"));
+  EXPECT_THAT(refusal("x0,y0,z0,x1,y1,value\n0,0,0,1,1,1\n"),
+              HasSubstr("expected columns with the ends of lines, x0, y0, z0"));
+  EXPECT_THAT(refusal("x0,y0,z0,x1,y1,z1\n"), HasSubstr("expected one column of optical_depth"));
   EXPECT_THAT(refusal("x0,y0,z0,x1,y1,z1,value,value\n"),
               HasSubstr("two columns are called 'value'"));
   EXPECT_THAT(refusal("x0,y0,z0,x1,y1,z1,value,frame,time\n"), HasSubstr("both frame and time"));
   EXPECT_THAT(refusal(head), HasSubstr("no line"));
-  EXPECT_THAT(refusal(head + "0,0,0,1,1,1\n"), HasSubstr("row 2: 6 values; the first row names 7"));
+  EXPECT_THAT(refusal(head + "0,0,0,1,1,1\n"), HasSubstr("line 2: 6 columns; expected 7"));
   EXPECT_THAT(refusal(head + "0,0,0,1,1,one,2\n"),
-              HasSubstr("row 2, z1: 'one' is not a finite number"));
-  EXPECT_THAT(refusal(head + "0,0,0,1,1,inf,2\n"), HasSubstr("not a finite number"));
+              HasSubstr("line 2: z1 is 'one'; expected a number"));
+  EXPECT_THAT(refusal(head + "0,0,0,1,1,inf,2\n"), HasSubstr("z1 is 'inf'"));
   EXPECT_THAT(refusal(head + "1,1,1,1,1,1,2\n"), HasSubstr("both ends are the same point"));
   EXPECT_THAT(refusal("x,y,z,dx,dy,dz,transmittance\n0,0,0,1,0,0,0\n"),
-              HasSubstr("transmittance: 0 lets no depth be told"));
+              HasSubstr("transmittance is 0, which lets no depth be told"));
   EXPECT_THAT(refusal("x0,y0,z0,x1,y1,z1,value,sigma\n0,0,0,1,0,0,1,0\n"),
-              HasSubstr("sigma: 0; expected more than 0"));
+              HasSubstr("sigma is 0; expected more than 0"));
   EXPECT_THAT(refusal("x0,y0,z0,x1,y1,z1,value,frame\n0,0,0,1,0,0,1,1.5\n"),
-              HasSubstr("frame: 1.5; expected a whole number"));
+              HasSubstr("frame is '1.5'; expected a whole number"));
+}
+
+TEST_F(LineFileTest, ReadsUnitsAndRefusesWhatMeansSomethingElse) {
+  const auto lines = read(
+      "x [cm],y [cm],z [cm],dx,dy,dz,transmittance [%],sigma,time "
+      "[ms]\n100,200,0,0,0,1,50,5,250\n");
+  ASSERT_TRUE(lines) << lines.error().message;
+  const LineMeasurement& one = lines->frames[0].lines.at(0);
+  EXPECT_TRUE(one.line.origin.isApprox(Vec3(1, 2, 0)));
+  EXPECT_NEAR(one.value, std::log(2), 1e-12);
+  EXPECT_NEAR(one.sigma, 0.1, 1e-12);
+  EXPECT_EQ(lines->frames[0].time, 0.25);
+  const std::string head = "x0,y0,z0,x1,y1,z1,";
+  EXPECT_THAT(refusal(head + "transmittance\n0,0,0,1,1,1,66.11\n"),
+              HasSubstr("transmittance is 66.11; expected 0 to 1"));
+  EXPECT_THAT(refusal(head + "optical_depth,times\n0,0,0,1,1,1,1,0\n"),
+              HasSubstr("unknown column 'times': did you mean 'time'?"));
+  EXPECT_THAT(refusal(head + "optical_depth\n0,0,0,1,1,1,-0.4\n0,0,0,1,1,2,-0.1\n"),
+              HasSubstr("2 of 2 optical depths are negative"));
+  const auto noisy = read(head + "optical_depth\n0,0,0,1,1,1,0.4\n0,0,0,1,1,2,-0.1\n");
+  ASSERT_TRUE(noisy);
+  EXPECT_THAT(noisy->remarks, Contains(HasSubstr("1 of 2 optical depths are negative")));
 }
 
 TEST_F(LineFileTest, FramesBecomeVolumes) {

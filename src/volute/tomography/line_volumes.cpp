@@ -101,6 +101,7 @@ Result<LineVolumes> reconstructLineFile(const std::string& file, const CaptureOp
                                         const LineOptions& how, bool leaveOut, Progress& progress) {
   constexpr double kOften = 0.5;
   VOLUTE_ASSIGN(auto lines, readLines(file));
+  for (const std::string& remark : lines.remarks) progress.remark(remark);
   VOLUTE_TRY(choose(lines, where.frames));
   VOLUTE_ASSIGN(const auto geometry, geometryOf(lines, where, file, progress));
   VOLUTE_TRY(checkSizes(lines, geometry, where.maxMemory));

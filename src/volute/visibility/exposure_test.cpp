@@ -253,6 +253,11 @@ TEST(Rset, IsANumberAMapOrPeople) {
   EXPECT_THAT(Rset::parse("x,y,rset\n0,1,30\n9,0,50\n0,1,60\n", "map.csv").error().message,
               HasSubstr("map.csv: two times at the place 0, 1: 30 s and 60 s"));
   EXPECT_TRUE(Rset::parse("x,y,rset\n0,1,30\n0,1,30\n", "map.csv"));
+  const auto floors = Rset::parse("x,y,z,rset\n0,0,0,30\n0,0,3,50\n", "map.csv").value();
+  EXPECT_EQ(floors.at(heights, 1), (std::vector<double>{30, 50}));
+  EXPECT_EQ(Rset::parse("x [cm],y,rset [min]\n100,2,0.5\n", "m.csv").value().at(points, 1)[0], 30);
+  EXPECT_THAT(Rset::parse("x,y,rset\n1,2,-20\n", "m.csv").error().message,
+              HasSubstr("line 2: rset is -20 s; expected 0 or more"));
   EXPECT_EQ(Rset::read("45.5", 100).value().at(points, 1)[0], 45.5);
   EXPECT_THAT(Rset::read("-1", 100).error().message, HasSubstr("rset: -1: expected seconds >= 0"));
   EXPECT_EQ(Rset::read("none.csv", 100).error().code, ErrorCode::kNotFound);

@@ -11,167 +11,38 @@
 #include <unordered_map>
 
 #include "volute/base/parallel.hpp"
-#include "volute/io/table_row.hpp"
+#include "volute/io/table.hpp"
 
 namespace volute {
 namespace {
 
 constexpr double kLargest = 1e7;  // [m]; beyond it coordinates are a mistake
 
-std::vector<std::string_view> wordsOf(std::string_view line) {
-  std::vector<std::string_view> words;
-  constexpr std::string_view kSpaces = " \t\r,;";
-  for (std::size_t begin = line.find_first_not_of(kSpaces); begin != line.npos;) {
-    const std::size_t end = std::min(line.find_first_of(kSpaces, begin), line.size());
-    words.push_back(line.substr(begin, end - begin));
-    begin = line.find_first_not_of(kSpaces, end);
-  }
-  return words;
+/// A coordinate [m].
+Result<double> coordinate(const TableReader& table, std::size_t column) {
+  VOLUTE_ASSIGN(const double value, table.number(column));
+  if (std::abs(value) <= kLargest)
+    return value;
+  return fail(ErrorCode::kInvalidData, "{}: {} is '{}'; expected metres, at most {:g}",
+              table.where(), "xyz"[column], table.text(column), kLargest);
 }
 
-/// Which field of a line is what; -1: none.
-struct Columns {
-  int x = 0, y = 1, z = 2, name = -1;
-  std::size_t count = 0;  ///< of each line
+/// In the order of columns that every table of places here has.
+enum PlaceColumn : std::size_t { kX, kY, kZ, kName };
 
-  /// From a line of names; nothing when there are none.
-  static std::optional<Columns> named(const std::vector<std::string_view>& fields) {
-    Columns columns{-1, -1, -1, -1, fields.size()};
-    for (int i = 0; i < static_cast<int>(fields.size()); ++i) {
-      const std::string field = lowerCase(fields[static_cast<std::size_t>(i)]);
-      const auto is = [&](std::string_view axis) {
-        return field == axis || field.starts_with(std::string(axis) + "/") ||
-               field.starts_with(std::string(axis) + " [") || field == "eye_" + std::string(axis);
-      };
-      if (is("x"))
-        columns.x = i;
-      else if (is("y"))
-        columns.y = i;
-      else if (is("z"))
-        columns.z = i;
-      else if (field == "name" || field == "route")
-        columns.name = i;
-    }
-    if (columns.x < 0 || columns.y < 0)
-      return std::nullopt;
-    return columns;
-  }
-};
-
-/// The same of a table of people.
-struct TableColumns {
-  Columns point;
-  int id = -1, time = -1;
-
-  static std::optional<TableColumns> named(const std::vector<std::string_view>& fields) {
-    const auto point = Columns::named(fields);
-    if (!point)
-      return std::nullopt;
-    TableColumns columns{*point};
-    for (int i = 0; i < static_cast<int>(fields.size()); ++i) {
-      const std::string field = lowerCase(fields[static_cast<std::size_t>(i)]);
-      if (field == "id" || field == "agent" || field == "person")
-        columns.id = i;
-      else if (field == "t" || field == "time" || field.starts_with("time/") ||
-               field.starts_with("time ["))
-        columns.time = i;
-    }
-    return columns.id >= 0 && columns.time >= 0 ? std::optional(columns) : std::nullopt;
-  }
-};
-
-/// Whether the first line that is no remark names columns.
-bool hasNames(std::string_view text) {
-  bool named = false;
-  const auto first = [&](std::string_view line, int) -> Status {
-    if (line.empty() || line.starts_with('#'))
-      return {};
-    const char c = line.front() == '"' && line.size() > 1 ? line[1] : line.front();
-    named = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-    return fail(ErrorCode::kCancelled, "enough");  // the other lines do not matter
-  };
-  (void)forEachRow(text, first);
-  return named;
+std::vector<TableColumn> placeColumns() {
+  return {{"x", "m", {"eye_x"}}, {"y", "m", {"eye_y"}}, {"z", "m", {"eye_z"}}};
 }
 
-/// The coordinate in a field.
-Result<double> coordinate(const std::vector<std::string_view>& fields, int column, char axis,
-                          std::string_view file, int line) {
-  if (column >= static_cast<int>(fields.size())) {
-    return fail(ErrorCode::kInvalidData, "{}: line {}: {} is missing; expected x,y,z in metres",
-                file, line, axis);
+Status needColumns(const TableReader& table, std::initializer_list<std::size_t> columns,
+                   std::string_view expected) {
+  for (const std::size_t column : columns) {
+    if (!table.has(column))
+      return fail(ErrorCode::kInvalidData, "{}: a column is missing; expected {}", table.where(),
+                  expected);
   }
-  const std::string_view field = fields[static_cast<std::size_t>(column)];
-  const auto value = finiteNumber(field);
-  if (!value || std::abs(*value) > kLargest) {
-    return fail(ErrorCode::kInvalidData, "{}: line {}: {} is '{}'; expected a number of metres",
-                file, line, axis, field.substr(0, 40));
-  }
-  return *value;
+  return {};
 }
-
-Result<NamedPoint> pointOf(const std::vector<std::string_view>& fields, const Columns& columns,
-                           std::string_view file, int line, std::optional<double> height) {
-  if (columns.z < 0 && !height) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: line {}: z is missing; add a column z, or give the eyes' height with --height",
-                file, line);
-  }
-  NamedPoint point;
-  VOLUTE_ASSIGN(point.position[0], coordinate(fields, columns.x, 'x', file, line));
-  VOLUTE_ASSIGN(point.position[1], coordinate(fields, columns.y, 'y', file, line));
-  point.position[2] = height.value_or(0);
-  if (columns.z >= 0) {
-    VOLUTE_ASSIGN(point.position[2], coordinate(fields, columns.z, 'z', file, line));
-  }
-  if (columns.name >= 0 && columns.name < static_cast<int>(fields.size()))
-    point.name = fields[static_cast<std::size_t>(columns.name)];
-  return point;
-}
-
-/// A person's place in one frame.
-struct Step {
-  int id = 0;
-  int frame = 0;
-  Vec3 place = Vec3::Zero();  ///< in the file's unit
-};
-
-/// "id frame x y z ..."; z need not be there when the eyes' height is given.
-Result<Step> stepOf(std::string_view text, std::string_view file, int line, bool needsZ) {
-  const auto words = wordsOf(text);
-  std::array<double, 5> values{};
-  for (std::size_t i = 0; i < (needsZ ? 5U : 4U); ++i) {
-    const auto value = i < words.size() ? finiteNumber(words[i]) : std::nullopt;
-    const bool fits = i >= 2 || (value && *value == std::floor(*value) && *value >= 0);
-    if (!value || !fits || std::abs(*value) > kLargest) {
-      return fail(ErrorCode::kInvalidData,
-                  "{}: line {}: expected 'id frame x y{}', whole numbers and lengths", file, line,
-                  needsZ ? " z" : "");
-    }
-    values[i] = *value;
-  }
-  return Step{static_cast<int>(values[0]), static_cast<int>(values[1]),
-              Vec3(values[2], values[3], values[4])};
-}
-
-/// Frames a second and metres in a unit of length, as a file's remarks say.
-struct TrajectoryHead {
-  double rate = 0;
-  double unit = 1;
-
-  void read(std::string_view line) {
-    constexpr std::string_view kRate = "framerate:";
-    const std::string remark = lowerCase(line);
-    const std::size_t at = remark.find(kRate);
-    if (at != remark.npos) {
-      const auto words = wordsOf(std::string_view(remark).substr(at + kRate.size()));
-      if (const auto value = words.empty() ? std::nullopt : finiteNumber(words[0]))
-        rate = *value;
-    }
-    if (remark.find("x/cm") != remark.npos || remark.find("x[in cm]") != remark.npos)
-      unit = 0.01;
-  }
-};
 
 }  // namespace
 
@@ -231,39 +102,28 @@ std::vector<double> stationsOf(const Route& route, double step) {
 Result<std::vector<NamedPoint>> parsePoints(std::string_view text, std::string_view file,
                                             std::optional<double> height) {
   std::vector<NamedPoint> points;
-  std::optional<Columns> columns;
-  const auto readLine = [&](std::string_view line, int number) -> Status {
-    if (line.empty() || line.starts_with('#'))
-      return {};
-    auto fields = fieldsOf(line);
-    if (!columns) {
-      columns = Columns::named(fields);
-      if (columns)
-        return {};
-      columns = Columns{};
-      columns->count = fields.size();
-      if (fields.size() < 3)
-        columns->z = -1;
-      if (fields.size() > 3) {
-        return fail(ErrorCode::kInvalidData,
-                    "{}: line {}: {} columns without names; expected x,y,z or x,y, or a line above "
-                    "that names them (x, y, z, name or route; others are left out)",
-                    file, number, fields.size());
-      }
-    }
-    // Spreadsheets end lines in empty fields.
-    while (fields.size() > columns->count && fields.back().empty()) fields.pop_back();
-    VOLUTE_ASSIGN(auto point, pointOf(fields, *columns, file, number, height));
-    if (fields.size() != columns->count) {
+  auto columns = placeColumns();
+  columns.push_back({"name", "", {"route"}, true});
+  TableReader table(file, std::move(columns), {.unnamed = {2, 3}});
+  VOLUTE_TRY(readTable(table, text, [&]() -> Status {
+    VOLUTE_TRY(needColumns(table, {kX, kY}, "x,y,z or x,y in metres"));
+    if (!table.has(kZ) && !height) {
       return fail(ErrorCode::kInvalidData,
-                  "{}: line {}: {} columns; expected {} as in the first line: is a value missing, "
-                  "a comma too many, or the file cut off?",
-                  file, number, fields.size(), columns->count);
+                  "{}: z is missing; add a column z, or state the height of the eyes",
+                  table.where());
     }
+    NamedPoint point;
+    VOLUTE_ASSIGN(point.position[0], coordinate(table, kX));
+    VOLUTE_ASSIGN(point.position[1], coordinate(table, kY));
+    point.position[2] = height.value_or(0);
+    if (table.has(kZ)) {
+      VOLUTE_ASSIGN(point.position[2], coordinate(table, kZ));
+    }
+    if (table.has(kName))
+      point.name = table.text(kName);
     points.push_back(std::move(point));
     return {};
-  };
-  VOLUTE_TRY(forEachRow(text, readLine));
+  }));
   if (points.empty())
     return fail(ErrorCode::kInvalidData, "{}: no point; expected lines x,y,z in metres", file);
   return points;
@@ -289,99 +149,12 @@ Result<std::vector<Route>> routesOf(const std::vector<NamedPoint>& points, std::
   return routes;
 }
 
-Result<Trajectories> Trajectories::parse(std::string_view text, std::string_view file,
-                                         std::optional<double> height) {
-  if (hasNames(text))
-    return parseTable(text, file, height);
-  TrajectoryHead head;
-  std::map<int, std::map<int, Vec3>> frames;
-  std::size_t columns = 0;
-  const auto readLine = [&](std::string_view line, int number) -> Status {
-    if (line.starts_with('#')) {
-      head.read(line);
-    } else if (!line.empty()) {
-      VOLUTE_ASSIGN(const auto step, stepOf(line, file, number, !height));
-      const std::size_t count = wordsOf(line).size();
-      if (columns != 0 && count != columns) {
-        return fail(ErrorCode::kInvalidData,
-                    "{}: line {}: {} columns; expected {} as before: is a value missing, or the "
-                    "file cut off?",
-                    file, number, count, columns);
-      }
-      columns = count;
-      const Vec3 place = head.unit * step.place;
-      frames[step.id][step.frame] = Vec3(place[0], place[1], height.value_or(place[2]));
-    }
-    return {};
-  };
-  VOLUTE_TRY(forEachRow(text, readLine));
-  if (frames.empty())
-    return fail(ErrorCode::kInvalidData, "{}: nobody walks here; expected lines 'id frame x y z'",
-                file);
-  if (!(head.rate > 0)) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: no frame rate; expected a line '# framerate: 8.00' with frames a second",
-                file);
-  }
-  Trajectories result;
-  for (const auto& [id, steps] : frames) {
-    std::vector<Step> list;
-    for (const auto& [frame, eye] : steps) list.push_back({frame / head.rate, eye});
-    result.add(id, std::move(list));
-  }
-  return result;
-}
-
 /// Of ascending ids.
 void Trajectories::add(int id, std::vector<Step> steps) {
   begin_ = ids_.empty() ? steps.front().time : std::min(begin_, steps.front().time);
   end_ = ids_.empty() ? steps.back().time : std::max(end_, steps.back().time);
   ids_.push_back(id);
   steps_.push_back(std::move(steps));
-}
-
-Result<Trajectories> Trajectories::parseTable(std::string_view text, std::string_view file,
-                                              std::optional<double> height) {
-  std::optional<TableColumns> columns;
-  std::map<int, std::map<double, Vec3>> people;
-  const auto readLine = [&](std::string_view line, int number) -> Status {
-    if (line.empty() || line.starts_with('#'))
-      return {};
-    const auto fields = fieldsOf(line);
-    if (!columns) {
-      columns = TableColumns::named(fields);
-      if (columns && (columns->point.z >= 0 || height))
-        return {};
-      return fail(ErrorCode::kInvalidData,
-                  "{}: line {}: expected a line of names with id, time, x, y and z (or --height)",
-                  file, number);
-    }
-    VOLUTE_ASSIGN(const auto point, pointOf(fields, columns->point, file, number, height));
-    const auto field = [&](int column) {
-      return column < static_cast<int>(fields.size())
-                 ? finiteNumber(fields[static_cast<std::size_t>(column)])
-                 : std::optional<double>();
-    };
-    const auto id = field(columns->id), time = field(columns->time);
-    if (!id || !time || *id != std::floor(*id) || std::abs(*id) > 2e9) {
-      return fail(ErrorCode::kInvalidData,
-                  "{}: line {}: expected a whole number as id and a number of seconds as time",
-                  file, number);
-    }
-    people[static_cast<int>(*id)][*time] =
-        Vec3(point.position[0], point.position[1], height.value_or(point.position[2]));
-    return {};
-  };
-  VOLUTE_TRY(forEachRow(text, readLine));
-  if (people.empty())
-    return fail(ErrorCode::kInvalidData, "{}: nobody walks here; expected lines id,time,x,y", file);
-  Trajectories result;
-  for (const auto& [id, steps] : people) {
-    std::vector<Step> list;
-    for (const auto& [time, eye] : steps) list.push_back({time, eye});
-    result.add(id, std::move(list));
-  }
-  return result;
 }
 
 std::vector<std::pair<int, StoredSpan>> Trajectories::spans() const {

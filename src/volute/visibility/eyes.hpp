@@ -39,9 +39,9 @@ struct NamedPoint {
   Vec3 position = Vec3::Zero();
 };
 
-/// Points in comma-separated text: x,y,z or x,y [m], with or without a line of column names (x, y,
-/// z, and name or route); lines that begin with # are comments. Without z the eyes are at `height`.
-/// Errors name `file` and the line.
+/// Points in a table: x,y,z or x,y [m], with or without a line of column names (x, y, z, and name
+/// or route), which may have units, as in "x [cm]"; lines that begin with # are comments. Without z
+/// the eyes are at `height`. Errors name `file` and the line; a column with another name is one.
 [[nodiscard]] Result<std::vector<NamedPoint>> parsePoints(std::string_view text,
                                                           std::string_view file,
                                                           std::optional<double> height);
@@ -53,16 +53,23 @@ struct NamedPoint {
 /// Positions of walking people over time.
 class Trajectories {
  public:
-  /// JuPedSim's text format, or a table as parseTable() has it: "# framerate: F", lines "id frame x
-  /// y z ..." in metres, or in centimetres when the line of column names says so ("x/cm"). With
-  /// `height` the eyes are at that z, else at the file's.
+  /// People as evacuation programs write them:
+  /// - a table with names: id, time [s], x, y, z [m] of the eyes, or `floor` instead of z, and
+  ///   eye_height, if known; units in the names or in a line below;
+  /// - Pathfinder's table of occupants (with a column active or location), whose z is the floor;
+  /// - JuPedSim's text, "# framerate: F" and lines "id frame x y z ...", whose z is the floor, or
+  ///   PeTrack's (centimetres, or named in a remark), whose z is the head;
+  /// - JuPedSim's SQLite database, without z.
+  /// With `height` all eyes are at that z [m]; else they are `eyeHeight` [m] above floors, which
+  /// remarks() says.
   [[nodiscard]] static Result<Trajectories> parse(std::string_view text, std::string_view file,
-                                                  std::optional<double> height);
+                                                  std::optional<double> height,
+                                                  double eyeHeight = kEyeHeight);
 
-  /// Comma-separated text with a line of names: id, time [s] (or t), x, y [m], and z without
-  /// `height`. parse() takes such files as well.
-  [[nodiscard]] static Result<Trajectories> parseTable(std::string_view text, std::string_view file,
-                                                       std::optional<double> height);
+  static constexpr double kEyeHeight = 1.8;  ///< [m]
+
+  /// What was taken as what.
+  std::span<const std::string> remarks() const { return remarks_; }
 
   struct Person {
     int id = 0;
@@ -97,6 +104,7 @@ class Trajectories {
 
   void add(int id, std::vector<Step> steps);
 
+  std::vector<std::string> remarks_;
   std::vector<int> ids_;
   std::vector<std::vector<Step>> steps_;  // of each person, ascending in time
   double begin_ = 0, end_ = 0;

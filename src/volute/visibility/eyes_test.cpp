@@ -12,6 +12,7 @@
 namespace volute {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 TEST(FloorPlan, HasPointsInTheMiddleOfSquares) {
@@ -57,9 +58,19 @@ TEST(Points, ColumnsThatAreMissingOrTooManyAreNamed) {
   EXPECT_THAT(message("x,y,z\n1,2,3\n4,5,6,7\n"), HasSubstr("line 3: 4 columns; expected 3"));
   EXPECT_THAT(message("1,2,3,4\n"), HasSubstr("line 1: 4 columns without names"));
   EXPECT_THAT(message("1,2\n1,2,3\n"), HasSubstr("line 2: 3 columns; expected 2"));
-  // Spreadsheets end lines in empty fields; named columns that mean nothing here are left out.
+  // Spreadsheets end lines in empty fields; columns that mean nothing here are marked.
   EXPECT_EQ(message("x,y,z\n1,2,3,,\n4,5,6\n"), "");
-  EXPECT_EQ(message("time,x,y,z,law\n0,1,2,3,\n0,4,5,6,Jin\n"), "");
+  EXPECT_EQ(message("x,y,z,#law\n1,2,3,\n4,5,6,Jin\n"), "");
+  EXPECT_THAT(message("x,y,z,nam\n1,2,3,a\n"),
+              HasSubstr("unknown column 'nam': did you mean 'name'?"));
+  EXPECT_THAT(message("x,y,x\n1,2,3\n"), HasSubstr("two columns are called 'x'"));
+}
+
+TEST(Points, HaveTheUnitsOfTheirColumns) {
+  const auto points = parsePoints("x [cm],y/mm,z (ft)\n150,2500,10\n", "e.csv", {}).value();
+  EXPECT_NEAR((points[0].position - Vec3(1.5, 2.5, 3.048)).norm(), 0, 1e-12);
+  EXPECT_THAT(parsePoints("x [s],y,z\n1,2,3\n", "e.csv", {}).error().message,
+              HasSubstr("line 1: x is in 's'; expected m"));
 }
 
 TEST(Points, DamageIsNamedWithItsLine) {
@@ -67,8 +78,8 @@ TEST(Points, DamageIsNamedWithItsLine) {
     return parsePoints(text, "eyes.csv", {}).error().message;
   };
   EXPECT_THAT(message("x,y,z\n1,2,3\n1,abc,3\n"), HasSubstr("eyes.csv: line 3: y is 'abc'"));
-  EXPECT_THAT(message("1,2,3\n1,2\n"), HasSubstr("line 2: z is missing"));
-  EXPECT_THAT(message("1,2\n"), HasSubstr("--height"));
+  EXPECT_THAT(message("1,2,3\n1,2\n"), HasSubstr("line 2: 2 columns; expected 3"));
+  EXPECT_THAT(message("1,2\n"), HasSubstr("state the height of the eyes"));
   EXPECT_THAT(message("1,2,nan\n"), HasSubstr("line 1: z is 'nan'"));
   EXPECT_THAT(message("1,2,1e300\n"), HasSubstr("line 1: z is '1e300'"));
   EXPECT_THAT(message(""), HasSubstr("no point"));
@@ -115,7 +126,42 @@ TEST(Trajectories, AreReadAsJuPedSimWritesThem) {
       Trajectories::parse("# framerate: 25 fps\n#ID frame x/cm y/cm z/cm\n1 0 100 200 176\n",
                           "t.txt", {})
           .value();
-  EXPECT_NEAR((centimetres.at(0)[0].eye - Vec3(1, 2, 1.76)).norm(), 0, 1e-12);
+  EXPECT_NEAR((centimetres.at(0)[0].eye - Vec3(1, 2, 1.76)).norm(), 0, 1e-12) << "heads, measured";
+  const auto floor = Trajectories::parse(kText, "t.txt", {}).value();
+  EXPECT_NEAR(floor.at(0)[0].eye[2], 1.8, 1e-12);
+  EXPECT_THAT(floor.remarks(), Contains(HasSubstr("z is the floor there: eyes are 1.8 m")));
+}
+
+TEST(Trajectories, AreReadAsPathfinderWritesThem) {
+  constexpr const char* kText =
+      "\"t\",\"id\",\"name\",\"active\",\"x\",\"y\",\"z\",\"v\",\"distance\",\"location\"\n"
+      "\"s\",\"\",\"\",\"\",\"m\",\"m\",\"m\",\"m/s\",\"m\",\"\"\n"
+      "0,3,\"00003\",0,0,0,0,0,0,\"Floor 3.0 m\"\n"
+      "1,3,\"00003\",1,1,2,3,0.5,0,\"Floor 3.0 m\"\n"
+      "2,3,\"00003\",1,2,2,3,0.5,1,\"Floor 3.0 m\"\n"
+      "3,3,\"00003\",0,9,9,0,0,1,\"\"\n";
+  const auto walk = Trajectories::parse(kText, "occupants.csv", {}).value();
+  EXPECT_EQ(walk.begin(), 1) << "before, the person is not there";
+  EXPECT_EQ(walk.end(), 2);
+  EXPECT_NEAR((walk.at(1.5)[0].eye - Vec3(1.5, 2, 4.8)).norm(), 0, 1e-12);
+  EXPECT_THAT(walk.remarks(), Contains(HasSubstr("z is the floor there: eyes are 1.8 m above it")));
+  EXPECT_THAT(walk.remarks(), Contains(HasSubstr("not used of its columns: name, v, distance")));
+  EXPECT_EQ(Trajectories::parse(kText, "o.csv", {}, 1.2)->at(1)[0].eye[2], 4.2);
+  EXPECT_EQ(Trajectories::parse(kText, "o.csv", 2.5)->at(1)[0].eye[2], 2.5);
+}
+
+TEST(Trajectories, OfATableAreEyesOrStandOnFloors) {
+  const auto eyes =
+      Trajectories::parse("id,time/min,x [cm],y,z\n1,0,100,2,1.7\n1,0.5,500,2,1.7\n", "t.csv", {})
+          .value();
+  EXPECT_EQ(eyes.end(), 30);
+  EXPECT_EQ(eyes.at(30)[0].eye, Vec3(5, 2, 1.7));
+  EXPECT_TRUE(eyes.remarks().empty());
+  const auto floors =
+      Trajectories::parse("id,t,x,y,floor,eye_height\n1,0,1,2,3,1.1\n", "t.csv", {}).value();
+  EXPECT_EQ(floors.at(0)[0].eye, Vec3(1, 2, 4.1)) << "somebody in a wheelchair";
+  EXPECT_THAT(Trajectories::parse("id,t,x,y\n1,0,1,2\n", "t.csv", {}).error().message,
+              HasSubstr("the height of the eyes stated"));
 }
 
 TEST(Trajectories, DamageIsNamed) {
@@ -126,6 +172,12 @@ TEST(Trajectories, DamageIsNamed) {
   EXPECT_THAT(message("#framerate: 8\n1 0 1\n"), HasSubstr("t.txt: line 2"));
   EXPECT_THAT(message("#framerate: 8\n1 0.5 1 1 0\n"), HasSubstr("line 2"));
   EXPECT_THAT(message("#framerate: 8\n"), HasSubstr("nobody"));
+  EXPECT_THAT(message("#framerate: 8\n#framerate: 9\n1 0 1 1 0\n"),
+              HasSubstr("line 2: a second frame rate, 9 after 8"));
+  EXPECT_THAT(message("#framerate: 8\n1 0 1 1 0\n1 0 2 1 0\n"),
+              HasSubstr("line 3: person 1 is at two places at once"));
+  EXPECT_THAT(message("id,time,x,y,z\n1,0,1,1,0\n1,0,2,1,0\n"), HasSubstr("two places at once"));
+  EXPECT_THAT(message("id,time [km],x,y,z\n1,0,1,1,0\n"), HasSubstr("time is in 'km'"));
   EXPECT_THAT(message("#framerate: 8\n1 0 1 1 0 0.2\n1 1 1 1 0\n"),
               HasSubstr("line 3: 5 columns; expected 6"));
 }

@@ -3,65 +3,100 @@
 #include "volute/visibility/rset.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
-#include <map>
-#include <utility>
+#include <tuple>
 
 #include "volute/base/parallel.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/io/number_word.hpp"
+#include "volute/io/sqlite_file.hpp"
+#include "volute/io/table.hpp"
 
 namespace volute {
 namespace {
 
-/// The text with the name of its third column changed to z; empty when there is none.
-std::string withTimeAsZ(std::string_view text) {
-  std::string out(text);
-  std::string lower(text.substr(0, 4096));
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  std::size_t begin = 0;
-  while (begin < lower.size() && lower[begin] == '#')
-    begin = std::min(lower.find('\n', begin), lower.size() - 1) + 1;
-  const std::size_t end = std::min(lower.find('\n', begin), lower.size());
-  for (const std::string_view name : {"rset", "time"}) {
-    const std::size_t found = lower.find(name, begin);
-    if (found < end)
-      return out.replace(found, name.size(), "z");
-  }
-  return "";
+/// Whether a text or a database is of people: by what stands before their places.
+bool namesPeople(std::string_view text) {
+  if (SqliteFile::isOne(text))
+    return true;
+  bool people = false;
+  (void)forEachRow(text, [&](std::string_view line, int) -> Status {
+    const std::string lower = lowerCase(line);
+    if (line.empty() || line.starts_with('#')) {
+      people = people || lower.find("framerate") != lower.npos;
+      return {};
+    }
+    for (std::string_view field : fieldsOf(lower, separatorOf(lower))) {
+      for (const std::string_view name : {"id", "agent", "person", "occupant"})
+        people = people || field.starts_with(name);
+    }
+    return fail(ErrorCode::kCancelled, "enough");  // the other lines do not matter
+  });
+  return people;
 }
 
 }  // namespace
 
 Result<Rset> Rset::parse(std::string_view text, std::string_view file) {
-  // With their heights, else on every storey.
-  auto people = Trajectories::parse(text, file, std::nullopt);
-  if (!people)
-    people = Trajectories::parse(text, file, std::numeric_limits<double>::quiet_NaN());
-  if (people)
+  if (namesPeople(text)) {
+    // With their heights; who has none is on every storey.
+    constexpr double kAnyStorey = std::numeric_limits<double>::quiet_NaN();
+    auto people = SqliteFile::isOne(text) ? Trajectories::parse(text, file, kAnyStorey)
+                                          : Trajectories::parse(text, file, std::nullopt);
+    if (!people)
+      people = Trajectories::parse(text, file, kAnyStorey);
+    VOLUTE_TRY(people);
     return Rset(std::move(*people));
-  const std::string named = withTimeAsZ(text);
-  const auto points =
-      parsePoints(named.empty() ? text : std::string_view(named), file, std::nullopt);
-  if (!points) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: expected lines x,y,rset in metres and seconds, or people who walk (JuPedSim's "
-                "text format, or a table id,time,x,y): {}",
-                file, points.error().message);
   }
-  std::vector<Vec3> map;
-  std::map<std::pair<double, double>, double> timeAt;
-  for (const NamedPoint& point : *points) {
-    const Vec3& p = point.position;
-    const auto [before, isNew] = timeAt.emplace(std::pair(p[0], p[1]), p[2]);
-    if (!isNew && before->second != p[2]) {
+
+  enum Column : std::size_t { kX, kY, kSeconds, kZ };
+
+  TableReader table(file, {{"x", "m"}, {"y", "m"}, {"rset", "s", {"time", "t"}}, {"z", "m"}},
+                    {.unnamed = {3, 3}});
+  std::vector<Place> map;
+  const auto taken = readTable(table, text, [&]() -> Status {
+    for (const std::size_t column : {kX, kY, kSeconds}) {
+      if (!table.has(column))
+        return fail(ErrorCode::kInvalidData, "{}: a column is missing", table.where());
+    }
+    Place place;
+    VOLUTE_ASSIGN(place.x, table.number(kX));
+    VOLUTE_ASSIGN(place.y, table.number(kY));
+    VOLUTE_ASSIGN(place.seconds, table.number(kSeconds));
+    if (table.has(kZ)) {
+      VOLUTE_ASSIGN(place.z, table.number(kZ));
+    }
+    if (!(place.seconds >= 0)) {
+      return fail(ErrorCode::kInvalidData, "{}: rset is {:g} s; expected 0 or more", table.where(),
+                  place.seconds);
+    }
+    map.push_back(place);
+    return {};
+  });
+  if (!taken || map.empty()) {
+    return fail(
+        ErrorCode::kInvalidData,
+        "{}: expected lines x,y,rset in metres and seconds (and z, with a line of names), or "
+        "people who walk (a table id,time,x,y, or a file of an evacuation program)",
+        taken ? fmt::format("{}: no line", file) : taken.error().message);
+  }
+  VOLUTE_TRY(checkPlaces(map, file));
+  return Rset(std::move(map));
+}
+
+/// One RSET for each place.
+Status Rset::checkPlaces(std::vector<Place> map, std::string_view file) {
+  const auto key = [](const Place& one) { return std::tuple(one.x, one.y, one.z.value_or(0)); };
+  std::ranges::stable_sort(map, {}, key);
+  for (std::size_t i = 1; i < map.size(); ++i) {
+    if (key(map[i]) == key(map[i - 1]) && map[i].seconds != map[i - 1].seconds) {
       return fail(ErrorCode::kInvalidData,
                   "{}: two times at the place {}, {}: {} s and {} s; expected one for each place",
-                  file, p[0], p[1], before->second, p[2]);
+                  file, map[i].x, map[i].y, map[i - 1].seconds, map[i].seconds);
     }
-    map.push_back(p);
   }
-  return Rset(std::move(map));
+  return {};
 }
 
 Result<Rset> Rset::read(const std::string& secondsOrFile, std::uint64_t most) {
@@ -81,13 +116,22 @@ std::vector<double> Rset::at(std::span<const Vec3> points, double radius) const 
     return std::vector<double>(points.size(), *seconds);
   if (const auto* people = std::get_if<Trajectories>(&what_))
     return people->lastTimes(points, radius);
-  const auto& map = std::get<std::vector<Vec3>>(what_);
+  constexpr double kBelow = -0.6, kAbove = 2.5;  // [m], as of people
+  const auto& map = std::get<std::vector<Place>>(what_);
   std::vector<double> out(points.size());
   parallelRanges(points.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const auto nearest = std::ranges::min_element(
-          map, {}, [&](const Vec3& place) { return (place - points[i]).head<2>().squaredNorm(); });
-      out[i] = (*nearest)[2];
+      double nearest = std::numeric_limits<double>::infinity();
+      out[i] = std::numeric_limits<double>::quiet_NaN();
+      for (const Place& place : map) {
+        // The storey of a place that has z, which may be the floor's or the eyes'.
+        const double above = place.z ? points[i][2] - *place.z : 0;
+        const double distance = std::hypot(place.x - points[i][0], place.y - points[i][1]);
+        if (above < kBelow || above > kAbove || !(distance < nearest))
+          continue;
+        nearest = distance;
+        out[i] = place.seconds;
+      }
     }
   });
   return out;
@@ -98,7 +142,7 @@ std::string Rset::description() const {
     return fmt::format("{:g} s everywhere", *seconds);
   if (const auto* people = std::get_if<Trajectories>(&what_))
     return fmt::format("until the last of {} people has passed", people->people());
-  return fmt::format("a map of {} points", std::get<std::vector<Vec3>>(what_).size());
+  return fmt::format("a map of {} points", std::get<std::vector<Place>>(what_).size());
 }
 
 }  // namespace volute

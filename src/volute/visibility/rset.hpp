@@ -2,9 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "volute/visibility/eyes.hpp"
 
@@ -19,7 +21,8 @@ class Rset {
   /// Until somebody comes by for the last time.
   explicit Rset(Trajectories people) : what_(std::move(people)) {}
 
-  /// A map: lines x,y,rset [m, m, s], or people who walk as Trajectories::parse() takes them.
+  /// A map: lines x,y,rset [m, m, s] or with a line of names (z too, and other units), or people
+  /// who walk as Trajectories::parse() takes them. Two values at one place are refused.
   [[nodiscard]] static Result<Rset> parse(std::string_view text, std::string_view file);
 
   /// A number of seconds >= 0, or the name of a file for parse(), of at most `most` bytes.
@@ -27,7 +30,7 @@ class Rset {
   [[nodiscard]] static Result<Rset> read(const std::string& secondsOrFile, std::uint64_t most);
 
   /// At points [s]; NaN where nobody comes. `radius` [m] around people; a map's value is that of
-  /// its nearest point.
+  /// its nearest point, of the same storey where the map has z; NaN without one.
   std::vector<double> at(std::span<const Vec3> points, double radius) const;
 
   /// Whether it is of people who walk, and so has times alone where somebody is.
@@ -36,9 +39,17 @@ class Rset {
   std::string description() const;
 
  private:
-  explicit Rset(std::vector<Vec3> map) : what_(std::move(map)) {}
+  struct Place {
+    double x = 0, y = 0;      // [m]
+    std::optional<double> z;  // [m], if the map has it
+    double seconds = 0;
+  };
 
-  std::variant<double, Trajectories, std::vector<Vec3>> what_;  // of a map: z is the time
+  explicit Rset(std::vector<Place> map) : what_(std::move(map)) {}
+
+  static Status checkPlaces(std::vector<Place> map, std::string_view file);
+
+  std::variant<double, Trajectories, std::vector<Place>> what_;
 };
 
 }  // namespace volute

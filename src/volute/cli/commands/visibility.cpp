@@ -35,7 +35,8 @@ Result<std::vector<double>> heightsOf(const Arguments& arguments) {
   return heights;
 }
 
-Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context& context) {
+Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context& context,
+                                       std::vector<std::string>& remarks) {
   std::optional<double> height;
   if (arguments.given("height")) {
     VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
@@ -65,7 +66,9 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
   }
   if (const auto file = arguments.find<std::string>("trajectories")) {
     VOLUTE_ASSIGN(const auto text, textOf(*file, context));
-    VOLUTE_ASSIGN(auto people, Trajectories::parse(text, *file, height));
+    VOLUTE_ASSIGN(auto people,
+                  Trajectories::parse(text, *file, height, arguments.get<double>("eye-height")));
+    remarks.insert(remarks.end(), people.remarks().begin(), people.remarks().end());
     return trajectoryWatch(std::move(people));
   }
   return planWatch();
@@ -176,7 +179,7 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   request.survey.everywhere = arguments.flag("everywhere");
   VOLUTE_ASSIGN(request.survey.fires, firesOf(arguments));
   VOLUTE_ASSIGN(request.survey.round, roundTime(arguments.get<std::string>("round")));
-  VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context));
+  VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context, request.remarks));
   VOLUTE_ASSIGN(auto views, viewsOf(arguments));
   VOLUTE_TRY(checkFolderIsShared(request.output, context.team));
   VOLUTE_ASSIGN(const auto field, fieldOf(arguments, context, request));
@@ -250,8 +253,17 @@ std::vector<Option> visibilityOptionTable() {
        .help = "eyes at these points only: x,y[,z] [m]"},
       {.name = "trajectories",
        .kind = kFile,
-       .value = "FILE.txt",
-       .help = "eyes of walking people: JuPedSim's text format, or a table id,time,x,y[,z]"},
+       .value = "FILE",
+       .help = "eyes of walking people: JuPedSim's .sqlite or text format, Pathfinder's occupants "
+               ".csv, or a table id,time,x,y[,z]"},
+      {.name = "eye-height",
+       .kind = kNumber,
+       .value = "M",
+       .help = "height of the eyes above the floor, where a file of trajectories has the floor's z "
+               "[m]",
+       .initial = "1.8",
+       .positive = true,
+       .beside = "trajectories"},
       {.name = "step",
        .kind = kNumber,
        .value = "M",

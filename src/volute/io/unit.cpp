@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/unit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <utility>
+
+#include "volute/io/number_word.hpp"
+#include "volute/io/table_row.hpp"
+
+namespace volute {
+namespace {
+
+/// Exponents of metre, kilogram, second, kelvin and mole.
+using Dimension = std::array<int, 5>;
+
+constexpr Dimension kNone{}, kLength{1}, kMass{0, 1}, kTime{0, 0, 1}, kTemperature{0, 0, 0, 1},
+    kAmount{0, 0, 0, 0, 1}, kEnergy{2, 1, -2}, kPower{2, 1, -3}, kPressure{-1, 1, -2},
+    kForce{1, 1, -2}, kVolume{3};
+
+struct Unit {
+  Dimension dimension{};
+  char share = 0;  ///< of a fraction: 'a' of amount or volume, 'm' of mass
+  double factor = 1;
+  double offset = 0;  ///< SI = factor * value + offset
+};
+
+struct NamedUnit {
+  std::string_view name;
+  Unit unit;
+  std::string_view prefixes = "";  ///< that may stand before it; u for micro
+};
+
+constexpr NamedUnit kUnits[] = {
+    {"m", {kLength}, "numcdk"},
+    {"g", {kMass, 0, 1e-3}, "numkM"},
+    {"t", {kMass, 0, 1e3}},
+    {"s", {kTime}, "num"},
+    {"min", {kTime, 0, 60}},
+    {"h", {kTime, 0, 3600}},
+    {"K", {kTemperature}, "m"},
+    {"mol", {kAmount}, "numk"},
+    {"W", {kPower}, "umkMG"},
+    {"J", {kEnergy}, "mkMG"},
+    {"Pa", {kPressure}, "hkM"},
+    {"bar", {kPressure, 0, 1e5}, "m"},
+    {"N", {kForce}, "mkM"},
+    {"l", {kVolume, 0, 1e-3}, "umcd"},
+    {"L", {kVolume, 0, 1e-3}, "umcd"},
+    {"ft", {kLength, 0, 0.3048}},
+    {"in", {kLength, 0, 0.0254}},
+    {"1", {kNone}},
+};
+
+constexpr double kFahrenheit = 5.0 / 9;
+
+/// Of the whole text, in lower case.
+constexpr NamedUnit kWords[] = {
+    {"", {kNone}},
+    {"-", {kNone}},
+    {"%", {kNone, 0, 1e-2}},
+    {"percent", {kNone, 0, 1e-2}},
+    {"vol%", {kNone, 'a', 1e-2}},
+    {"vol.%", {kNone, 'a', 1e-2}},
+    {"vol.-%", {kNone, 'a', 1e-2}},
+    {"vol-%", {kNone, 'a', 1e-2}},
+    {"mol%", {kNone, 'a', 1e-2}},
+    {"ppm", {kNone, 0, 1e-6}},
+    {"ppmv", {kNone, 'a', 1e-6}},
+    {"ppb", {kNone, 0, 1e-9}},
+    {"c", {kTemperature, 0, 1, 273.15}},
+    {"°c", {kTemperature, 0, 1, 273.15}},
+    {"degc", {kTemperature, 0, 1, 273.15}},
+    {"deg c", {kTemperature, 0, 1, 273.15}},
+    {"degrees c", {kTemperature, 0, 1, 273.15}},
+    {"celsius", {kTemperature, 0, 1, 273.15}},
+    {"f", {kTemperature, 0, kFahrenheit, 459.67 * kFahrenheit}},
+    {"°f", {kTemperature, 0, kFahrenheit, 459.67 * kFahrenheit}},
+    {"degf", {kTemperature, 0, kFahrenheit, 459.67 * kFahrenheit}},
+    {"deg f", {kTemperature, 0, kFahrenheit, 459.67 * kFahrenheit}},
+    {"fahrenheit", {kTemperature, 0, kFahrenheit, 459.67 * kFahrenheit}},
+    {"kelvin", {kTemperature}},
+    {"metre", {kLength}},
+    {"metres", {kLength}},
+    {"meter", {kLength}},
+    {"meters", {kLength}},
+    {"feet", {kLength, 0, 0.3048}},
+    {"inch", {kLength, 0, 0.0254}},
+    {"inches", {kLength, 0, 0.0254}},
+    {"sec", {kTime}},
+    {"second", {kTime}},
+    {"seconds", {kTime}},
+    {"minute", {kTime, 0, 60}},
+    {"minutes", {kTime, 0, 60}},
+    {"hr", {kTime, 0, 3600}},
+    {"hour", {kTime, 0, 3600}},
+    {"hours", {kTime, 0, 3600}},
+};
+
+constexpr std::pair<char, double> kPrefixes[] = {{'n', 1e-9}, {'u', 1e-6}, {'m', 1e-3},
+                                                 {'c', 1e-2}, {'d', 1e-1}, {'h', 1e2},
+                                                 {'k', 1e3},  {'M', 1e6},  {'G', 1e9}};
+
+std::optional<Unit> nameOf(std::string_view name) {
+  for (const NamedUnit& one : kUnits) {
+    if (name == one.name)
+      return one.unit;
+    if (name.size() != one.name.size() + 1 || !name.ends_with(one.name) ||
+        one.prefixes.find(name.front()) == std::string_view::npos)
+      continue;
+    Unit unit = one.unit;
+    for (const auto& [prefix, factor] : kPrefixes) {
+      if (prefix == name.front())
+        unit.factor *= factor;
+    }
+    return unit;
+  }
+  return std::nullopt;
+}
+
+void replaceAll(std::string& text, std::string_view what, std::string_view with) {
+  for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + with.size()))
+    text.replace(at, what.size(), with);
+}
+
+/// In the letters of ASCII alone, but for degrees.
+std::string plain(std::string_view text) {
+  std::string out = asUtf8(trimmedField(text));
+  constexpr std::pair<std::string_view, std::string_view> kLetters[] = {
+      {"µ", "u"}, {"μ", "u"},      {"²", "2"},    {"³", "3"},   {"⁻", "-"},
+      {"¹", "1"}, {"·", "*"},      {"⋅", "*"},    {"**", "^"},  {"−", "-"},
+      {"º", "°"}, {"\u00A0", " "}, {"° C", "°C"}, {"° F", "°F"}};
+  for (const auto& [letter, with] : kLetters) replaceAll(out, letter, with);
+  return out;
+}
+
+/// "kW/m2", "mg m^-3", "1/m": names with exponents between / and * or spaces.
+std::optional<Unit> productOf(std::string_view text) {
+  Unit unit;
+  bool divided = false, amount = false, mass = false;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find_first_of("/* "), text.size());
+    std::string_view word = text.substr(0, end);
+    const std::size_t letters = std::min(word.find_first_of("^-+0123456789", 1), word.size());
+    std::string_view power = word.substr(letters);
+    if (power.starts_with('^'))
+      power.remove_prefix(1);
+    int exponent = 1;
+    if ((letters < word.size() && !readNumber(power, exponent)) || std::abs(exponent) > 9)
+      return std::nullopt;
+    const auto name = nameOf(word.substr(0, letters));
+    if (!name)
+      return std::nullopt;
+    amount = amount || name->dimension == kAmount || name->dimension == kVolume ||
+             (name->dimension == kLength && exponent == 3);
+    mass = mass || name->dimension == kMass;
+    exponent = divided ? -exponent : exponent;
+    for (std::size_t i = 0; i < unit.dimension.size(); ++i)
+      unit.dimension[i] += exponent * name->dimension[i];
+    unit.factor *= std::pow(name->factor, exponent);
+    if (end == text.size())
+      break;
+    divided = text[end] == '/';
+    text.remove_prefix(end + 1);
+    if (text.empty())
+      return std::nullopt;
+  }
+  if (unit.dimension == kNone)
+    unit.share = mass ? 'm' : amount ? 'a' : '\0';
+  return unit;
+}
+
+std::optional<Unit> unitOf(std::string_view said) {
+  const std::string text = plain(said);
+  const std::string lower = lowerCase(text);
+  for (const NamedUnit& one : kWords) {
+    if (lower == one.name)
+      return one.unit;
+  }
+  const auto unit = productOf(text);
+  return unit ? unit : productOf(lower);
+}
+
+bool isUtf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const std::size_t more = lead < 0x80 ? 0 : lead >= 0xF0 ? 3 : lead >= 0xE0 ? 2 : 1;
+    if ((lead >= 0x80 && lead < 0xC2) || lead > 0xF4 || i + more >= text.size())
+      return false;
+    for (std::size_t k = 1; k <= more; ++k) {
+      if ((static_cast<unsigned char>(text[i + k]) & 0xC0) != 0x80)
+        return false;
+    }
+    i += more + 1;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<UnitChange> unitChange(std::string_view from, std::string_view to) {
+  const auto a = unitOf(from), b = unitOf(to);
+  const bool alike = a && b && a->dimension == b->dimension &&
+                     (a->share == b->share || a->share == 0 || b->share == 0);
+  if (!alike)
+    return std::nullopt;
+  return UnitChange{a->factor / b->factor, (a->offset - b->offset) / b->factor};
+}
+
+bool isUnit(std::string_view text) {
+  return unitOf(text).has_value();
+}
+
+std::string asUtf8(std::string_view text) {
+  if (isUtf8(text))
+    return std::string(text);
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80) {
+      out += c;
+    } else if (byte == 0x80) {
+      out += "€";
+    } else {
+      out += static_cast<char>(0xC0 | (byte >> 6));
+      out += static_cast<char>(0x80 | (byte & 0x3F));
+    }
+  }
+  return out;
+}
+
+}  // namespace volute

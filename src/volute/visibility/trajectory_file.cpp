@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+
+#include "volute/io/sqlite_file.hpp"
+#include "volute/io/table.hpp"
+#include "volute/visibility/eyes.hpp"
+
+// Files of people who walk, as evacuation programs write them.
+
+namespace volute {
+namespace {
+
+constexpr double kLargestPlace = 1e7;  // [m]
+constexpr double kLargestId = 2e9;
+constexpr double kSamePlace = 1e-6;   // [m]
+constexpr double kLongestWalk = 1e9;  // [s]
+
+/// What a file says z is.
+enum class HeightOf { kEyes, kFloor, kNothing };
+
+/// A person's place at a time, as the file has it.
+struct Row {
+  int id = 0;
+  double time = 0;  ///< [s], or a frame
+  Vec3 place = Vec3::Zero();
+  std::optional<double> eyes;  ///< [m] above the floor
+};
+
+/// Places of people by time, in any order.
+class Walks {
+ public:
+  Walks(std::string_view file, std::optional<double> height, double aboveFloor)
+      : file_(file), height_(height), aboveFloor_(aboveFloor) {}
+
+  HeightOf zIs = HeightOf::kEyes;
+
+  Status add(const Row& row, std::string_view where) {
+    if (!(row.place.cwiseAbs().maxCoeff() <= kLargestPlace) ||
+        !(std::abs(row.time) <= kLongestWalk)) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: person {} is at {:g}, {:g}, {:g} m at {:g} s; expected metres and seconds",
+                  where, row.id, row.place[0], row.place[1], row.place[2], row.time);
+    }
+    Vec3 eye = row.place;
+    if (height_)
+      eye[2] = *height_;
+    else if (zIs != HeightOf::kEyes)
+      eye[2] += row.eyes.value_or(aboveFloor_);
+    const auto [found, isNew] = people_[row.id].emplace(row.time, eye);
+    const Vec3 apart = found->second - eye;  // z may be unknown
+    if (isNew || (apart.head<2>().norm() < kSamePlace && !(std::abs(apart[2]) >= kSamePlace)))
+      return {};
+    return fail(ErrorCode::kInvalidData,
+                "{}: person {} is at two places at once: {:g}, {:g} and {:g}, {:g} m; expected one "
+                "line for each person and time",
+                where, row.id, found->second[0], found->second[1], eye[0], eye[1]);
+  }
+
+  bool empty() const { return people_.empty(); }
+
+  /// Of each person, ascending by id; times are divided by `rate`.
+  template <class Take>
+  void give(double rate, Take&& take) const {
+    for (const auto& [id, steps] : people_) {
+      std::vector<std::pair<double, Vec3>> list;
+      for (const auto& [time, eye] : steps) list.emplace_back(time / rate, eye);
+      take(id, list);
+    }
+  }
+
+  std::vector<std::string> remarks() const {
+    if (height_ || zIs == HeightOf::kEyes)
+      return {};
+    return {fmt::format(
+        "{}: {}: eyes are {:g} m above it", file_,
+        zIs == HeightOf::kFloor ? "z is the floor there" : "has no z: the floor is taken at z = 0",
+        aboveFloor_)};
+  }
+
+ private:
+  std::string file_;
+  std::optional<double> height_;
+  double aboveFloor_;
+  std::map<int, std::map<double, Vec3>> people_;
+};
+
+tl::unexpected<Error> nobody(std::string_view file, std::string_view expected) {
+  return fail(ErrorCode::kInvalidData, "{}: nobody walks here; expected {}", file, expected);
+}
+
+enum PersonColumn : std::size_t { kId, kTime, kPx, kPy, kPz, kFloorZ, kActive, kLocation, kEyes };
+
+constexpr const char* kTableNames = "a line of names with id, time, x, y and z";
+
+/// Whether somebody is there: "1", "0", "true" ...
+bool isPresent(std::string_view text) {
+  const std::string word = lowerCase(text);
+  return word != "0" && word != "false" && word != "no";
+}
+
+/// A table with names: our own id,time,x,y,z, or what Pathfinder writes about its occupants.
+Status readPeopleTable(std::string_view text, std::string_view file, std::optional<double> height,
+                       Walks& walks, std::vector<std::string>& remarks) {
+  TableReader table(
+      file,
+      {{"id", "", {"agent", "person", "occupant", "occupant id", "agent id", "person id"}},
+       {"time", "s", {"t"}},
+       {"x", "m"},
+       {"y", "m"},
+       {"z", "m"},
+       {"floor", "m"},
+       {"active", "", {}, true},
+       {"location", "", {}, true},
+       {"eye_height", "m"}},
+      {.own = false});
+  bool checked = false;
+  VOLUTE_TRY(readTable(table, text, [&]() -> Status {
+    if (!checked) {
+      checked = true;
+      for (const std::size_t column : {kId, kTime, kPx, kPy}) {
+        if (!table.has(column))
+          return fail(ErrorCode::kInvalidData, "{}: expected {}", table.where(), kTableNames);
+      }
+      const bool ofPathfinder = table.has(kActive) || table.has(kLocation);
+      walks.zIs = table.has(kFloorZ) || (table.has(kPz) && ofPathfinder) ? HeightOf::kFloor
+                  : table.has(kPz)                                       ? HeightOf::kEyes
+                                                                         : HeightOf::kNothing;
+      if (walks.zIs == HeightOf::kNothing && !height) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: expected {} (of the eyes), floor, or the height of the eyes stated",
+                    table.where(), kTableNames);
+      }
+    }
+    if (table.has(kActive) && !isPresent(table.text(kActive)))
+      return {};  // not yet there, or gone
+    Row row;
+    VOLUTE_ASSIGN(const double id, table.whole(kId, -kLargestId, kLargestId));
+    row.id = static_cast<int>(id);
+    VOLUTE_ASSIGN(row.time, table.number(kTime));
+    VOLUTE_ASSIGN(row.place[0], table.number(kPx));
+    VOLUTE_ASSIGN(row.place[1], table.number(kPy));
+    const std::size_t z = table.has(kFloorZ) ? kFloorZ : kPz;
+    if (table.has(z)) {
+      VOLUTE_ASSIGN(row.place[2], table.number(z));
+    }
+    if (table.has(kEyes)) {
+      VOLUTE_ASSIGN(row.eyes, table.number(kEyes));
+    }
+    return walks.add(row, table.where());
+  }));
+  remarks.insert(remarks.end(), table.remarks().begin(), table.remarks().end());
+  return walks.empty() ? nobody(file, "lines id,time,x,y") : Status{};
+}
+
+/// The frames a second that "# framerate: 8.00 fps" says.
+std::optional<double> rateIn(std::string_view line) {
+  constexpr std::string_view kRate = "framerate:";
+  const std::string remark = lowerCase(line);
+  const std::size_t at = remark.find(kRate);
+  if (at == remark.npos)
+    return std::nullopt;
+  const auto words = fieldsOf(std::string_view(remark).substr(at + kRate.size()), '\0');
+  const auto value = words.empty() ? std::nullopt : finiteNumber(words[0]);
+  return value.value_or(0);
+}
+
+enum FrameColumn : std::size_t { kFrameId, kFrame, kFx, kFy, kFz };
+
+/// "id frame x y z ..." after remarks with the frame rate, as JuPedSim and PeTrack write them; the
+/// rate is left in `rate`.
+Status readFrames(std::string_view text, std::string_view file, std::optional<double> height,
+                  Walks& walks, double& rate) {
+  const bool commas = [&] {
+    std::size_t at = 0;
+    while (at < text.size() && text[at] == '#')
+      at = std::min(text.find('\n', at), text.size() - 1) + 1;
+    return text.substr(at, text.find('\n', at) - at).find_first_of(",;") != text.npos;
+  }();
+  TableReader table(
+      file,
+      {{"id", "", {"persid", "personid", "agentid"}},
+       {"frame", "", {"fr"}},
+       {"x", "m"},
+       {"y", "m"},
+       {"z", "m"}},
+      {.own = false, .unnamed = {height ? 4U : 5U, 5U}, .blanks = !commas, .longer = true});
+  bool measured = false;  // heads of people in front of a camera
+  const auto isHead = [](std::string_view line) {
+    const std::string lower = lowerCase(line);
+    return (lower.find("id") != lower.npos) && lower.find("fr") != lower.npos &&
+           fieldsOf(line, line.find(',') == line.npos ? '\0' : ',').size() >= 4 &&
+           lower.find(':') == lower.npos;
+  };
+  VOLUTE_TRY(forEachRow(text, [&](std::string_view line, int) -> Status {
+    if (line.starts_with('#')) {
+      table.skip();
+      if (const auto said = rateIn(line)) {
+        if (rate > 0 && *said != rate) {
+          return fail(ErrorCode::kInvalidData, "{}: a second frame rate, {:g} after {:g}: which?",
+                      table.where(), *said, rate);
+        }
+        rate = *said;
+      }
+      std::string names(line.substr(
+          line.find_first_not_of('#') == line.npos ? line.size() : line.find_first_not_of('#')));
+      for (std::size_t at = names.find("[in "); at != names.npos; at = names.find("[in "))
+        names.replace(at, 4, "[");
+      measured = measured || lowerCase(line).find("petrack") != std::string::npos ||
+                 lowerCase(line).find("z/cm") != std::string::npos ||
+                 lowerCase(names).find("z[cm]") != std::string::npos;
+      return isHead(names) && !table.named() ? table.takeNames(trimmedField(names)) : Status{};
+    }
+    VOLUTE_ASSIGN(const bool values, table.take(line));
+    if (!values)
+      return {};
+    for (const std::size_t column : {kFrameId, kFrame, kFx, kFy}) {
+      if (!table.has(column))
+        return fail(ErrorCode::kInvalidData, "{}: expected 'id frame x y z'", table.where());
+    }
+    walks.zIs = !table.has(kFz) ? HeightOf::kNothing
+                : measured      ? HeightOf::kEyes
+                                : HeightOf::kFloor;
+    Row row;
+    VOLUTE_ASSIGN(const double id, table.whole(kFrameId, 0, kLargestId));
+    row.id = static_cast<int>(id);
+    VOLUTE_ASSIGN(row.time, table.whole(kFrame, 0, kLargestId));
+    VOLUTE_ASSIGN(row.place[0], table.number(kFx));
+    VOLUTE_ASSIGN(row.place[1], table.number(kFy));
+    if (table.has(kFz) && !height) {
+      VOLUTE_ASSIGN(row.place[2], table.number(kFz));
+    }
+    return walks.add(row, table.where());
+  }));
+  if (walks.empty())
+    return nobody(file, "lines 'id frame x y z'");
+  if (!(rate > 0)) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: no frame rate; expected a line '# framerate: 8.00' with frames a second",
+                file);
+  }
+  return {};
+}
+
+/// JuPedSim's SQLite database: positions by frame, and the frame rate among its metadata.
+Status readDatabase(std::string_view bytes, std::string_view file, Walks& walks, double& rate) {
+  for (const char* end : {"-wal", "-journal"}) {
+    std::error_code code;
+    const auto size = std::filesystem::file_size(std::string(file) + end, code);
+    if (!code && size > 0) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: {}{} has changes that are not in it yet: end the program that writes it",
+                  file, std::filesystem::path(file).filename().string(), end);
+    }
+  }
+  VOLUTE_ASSIGN(const auto database, SqliteFile::open(bytes, file));
+  constexpr std::string_view kMetadata[] = {"key", "value"};
+  VOLUTE_TRY(database.forEachRow("metadata", kMetadata, [&](auto row) -> Status {
+    const auto* key = std::get_if<std::string>(&row[0]);
+    if (key == nullptr || *key != "fps")
+      return {};
+    if (const auto* text = std::get_if<std::string>(&row[1]))
+      rate = finiteNumber(*text).value_or(0);
+    else if (const auto* number = std::get_if<double>(&row[1]))
+      rate = *number;
+    else if (const auto* whole = std::get_if<std::int64_t>(&row[1]))
+      rate = static_cast<double>(*whole);
+    return {};
+  }));
+  if (!(rate > 0) || !std::isfinite(rate)) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: its table 'metadata' has no frame rate; expected the key 'fps'", file);
+  }
+  walks.zIs = HeightOf::kNothing;
+  constexpr std::string_view kColumns[] = {"id", "frame", "pos_x", "pos_y"};
+  VOLUTE_TRY(database.forEachRow("trajectory_data", kColumns, [&](auto row) -> Status {
+    std::array<double, 4> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (const auto* number = std::get_if<double>(&row[i]))
+        values[i] = *number;
+      else if (const auto* whole = std::get_if<std::int64_t>(&row[i]))
+        values[i] = static_cast<double>(*whole);
+      else
+        return fail(ErrorCode::kInvalidData, "{}: trajectory_data: {} is no number", file,
+                    kColumns[i]);
+    }
+    if (!(std::abs(values[0]) <= kLargestId) || values[0] != std::floor(values[0]))
+      return fail(ErrorCode::kInvalidData, "{}: trajectory_data: id {}; expected a whole number",
+                  file, values[0]);
+    return walks.add({static_cast<int>(values[0]), values[1], {values[2], values[3], 0}, {}}, file);
+  }));
+  return walks.empty() ? nobody(file, "rows in its table 'trajectory_data'") : Status{};
+}
+
+/// Whether the first line that is no remark names columns.
+bool hasNames(std::string_view text) {
+  bool named = false;
+  (void)forEachRow(text, [&](std::string_view line, int) -> Status {
+    if (line.empty() || line.starts_with('#'))
+      return {};
+    const char c = line.front() == '"' && line.size() > 1 ? line[1] : line.front();
+    named = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    return fail(ErrorCode::kCancelled, "enough");  // the other lines do not matter
+  });
+  return named;
+}
+
+}  // namespace
+
+Result<Trajectories> Trajectories::parse(std::string_view text, std::string_view file,
+                                         std::optional<double> height, double eyeHeight) {
+  Walks walks(file, height, eyeHeight);
+  Trajectories result;
+  double rate = 0;
+  if (SqliteFile::isOne(text)) {
+    VOLUTE_TRY(readDatabase(text, file, walks, rate));
+  } else if (hasNames(text)) {
+    VOLUTE_TRY(readPeopleTable(text, file, height, walks, result.remarks_));
+    rate = 1;
+  } else {
+    VOLUTE_TRY(readFrames(text, file, height, walks, rate));
+  }
+  for (std::string& remark : walks.remarks()) result.remarks_.push_back(std::move(remark));
+  walks.give(rate, [&](int id, const std::vector<std::pair<double, Vec3>>& list) {
+    std::vector<Step> steps;
+    for (const auto& [time, eye] : list) steps.push_back({time, eye});
+    result.add(id, std::move(steps));
+  });
+  return result;
+}
+
+}  // namespace volute
