@@ -454,6 +454,22 @@ class Fds(support.TestCase):
         self.assertIn("nothing in the case says how thick the smoke is",
                       self.fails(1, "extract", self.case, "-o", self.path("out.npy")))
 
+    def test_a_case_without_smoke_shows_what_it_has(self):
+        self.case.write_text(self.case.read_text().split("SLCC")[0])
+        for z, degrees in ((1, 20.0), (2, 300.0)):
+            add_slice(self.path, self.case, 2, (0, 4, 0, 4, z, z), degrees, ("TEMPERATURE", f"temp{z}", "C"), "SLCF")
+        result = self.works("render", self.case, "-o", self.path("out.png"), "--size", "64x48")
+        self.assertIn("stores no smoke; shown: the building, the slice TEMPERATURE z=0.5. The case has slices of TEMPERATURE",
+                      result.message)
+        self.assertIn("the last one", result.message)
+        other = self.works("render", self.case, "-o", self.path("other.png"), "--size", "64x48", "--fds-slice", "TEMPERATURE z=0.25")
+        self.assertIn("the slice TEMPERATURE z=0.25", other.message)
+        self.assertNotEqual(self.path("out.png").read_bytes(), self.path("other.png").read_bytes())
+        signs = self.path("signs.json")
+        signs.write_text('{"signs": [{"name": "s", "position": [1.9, 0.5, 0.5], "normal": [-1, 0, 0]}]}')
+        self.assertIn("nothing in the case says how thick the smoke is",
+                      self.fails(1, "visibility", self.case, "--signs", signs, "-o", self.path("seen")))
+
 
 if __name__ == "__main__":
     support.main()

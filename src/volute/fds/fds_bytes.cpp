@@ -190,13 +190,64 @@ Status FdsCase::findRounding(const Part& part) {
   return {};
 }
 
+/// C and the cap of visibility: as the caller or the input file says, else as FDS has them by
+/// default, unless the files have other values than these leave possible.
+Status FdsCase::findVisibility() {
+  if (!options_.quantity.empty() || source().quantity != SmokeQuantity::kVisibility ||
+      source().kind == FdsFileKind::kClear)
+    return {};
+  const FdsInput& input = index_.input;
+  const std::string inputName = input.path.filename().string();
+  visibilityFactor_ =
+      options_.visibilityFactor.value_or(input.visibilityFactor.value_or(visibilityFactor_));
+  std::string factor =
+      options_.visibilityFactor ? "as stated"
+      : input.visibilityFactor
+          ? fmt::format("VISIBILITY_FACTOR of {}", inputName)
+          : fmt::format("FDS's default{}", input.path.empty() ? ": its input file is not there to "
+                                                                "say another VISIBILITY_FACTOR"
+                                                              : "");
+  if (options_.visibilityFactor && input.visibilityFactor &&
+      *options_.visibilityFactor != *input.visibilityFactor)
+    factor += fmt::format(", although {} says {:g}", inputName, *input.visibilityFactor);
+  visibilityCap_ = input.maximumVisibility.value_or(visibilityCap_);
+  std::string cap = input.maximumVisibility ? fmt::format("MAXIMUM_VISIBILITY of {}", inputName)
+                                            : "FDS's default";
+  // Air that is clear at first has the cap everywhere.
+  float largest = 0;
+  std::size_t often = 0;
+  for (const auto& part : parts_) {
+    std::vector<float> values(part->file->values());
+    VOLUTE_TRY(part->file->readFrame(part->frameAt.front(), values));
+    for (const float value : values) {
+      if (!std::isfinite(value) || value < largest)
+        continue;
+      often = value == largest ? often + 1 : 1;
+      largest = value;
+    }
+  }
+  constexpr float kRounding = 1e-5F;
+  const bool plateau = often > 1 && input.path.empty();
+  if (largest > static_cast<float>(visibilityCap_) * (1 + kRounding) ||
+      (plateau && largest < static_cast<float>(visibilityCap_) * (1 - kRounding))) {
+    visibilityCap_ = largest;
+    cap = "the largest value at the first stored time";
+  }
+  remarks_.push_back(fmt::format(
+      "{}: K = C / visibility with C = {:g} ({}); visibility is cut at {:g} m ({}): where it is, "
+      "extinction is anything from 0 to {:.4g} 1/m, and {:.4g} is taken",
+      index_.path.string(), visibilityFactor_, factor, visibilityCap_, cap,
+      visibilityFactor_ / visibilityCap_, visibilityFactor_ / visibilityCap_));
+  return {};
+}
+
 /// How the stored values of a frame become extinction.
 Result<SmokeScale> FdsCase::scaleOf(const Part& part, std::size_t frame) const {
   SmokeScale scale;
   scale.quantity = source().quantity;
   scale.massExtinction = part.massExtinction;
-  scale.visibilityFactor = options_.visibilityFactor;
-  scale.visibilityCap = options_.visibilityCap;
+  scale.visibilityFactor = visibilityFactor_;
+  scale.visibilityCap = visibilityCap_;
   scale.asStored = !options_.quantity.empty();
   const FdsFileKind kind = source().kind;
   if (kind == FdsFileKind::kSmoke && scale.asStored) {

@@ -26,9 +26,8 @@ bool sameTime(double a, double b) {
 
 /// Whether boxes touch.
 bool near(const Box3& a, const Box3& b) {
-  constexpr double kNear = 1e-4;  // [m]
-  return (a.min.array() <= b.max.array() + kNear).all() &&
-         (b.min.array() <= a.max.array() + kNear).all();
+  return (a.min.array() <= b.max.array() + kMeshSeparation).all() &&
+         (b.min.array() <= a.max.array() + kMeshSeparation).all();
 }
 
 }  // namespace
@@ -49,6 +48,7 @@ Result<FdsCase> FdsCase::open(SmvIndex index, const FdsOptions& options) {
   VOLUTE_TRY(opened.openParts());
   VOLUTE_TRY(opened.findTimes());
   VOLUTE_TRY(opened.findBytes());
+  VOLUTE_TRY(opened.findVisibility());
   VOLUTE_TRY(opened.buildGrid());
   opened.findChanges();
   opened.noteMissingMeshes();
@@ -87,6 +87,11 @@ Status FdsCase::chooseSource(const FdsOptions& options) {
   if (sources_.empty() && !options.quantity.empty()) {
     return fail(ErrorCode::kNotFound, "{}: no file of the case has '{}'", index_.path.string(),
                 options.quantity);
+  }
+  if (sources_.empty() && options.orClear) {
+    sources_.push_back(clearSource(index_));
+    chosen_ = 0;
+    return {};
   }
   if (sources_.empty()) {
     return fail(ErrorCode::kNotFound,
@@ -240,14 +245,6 @@ Status FdsCase::openParts() {
                 index_.path.string(), source().name, remarks_.empty() ? "" : ": ",
                 remarks_.empty() ? "" : remarks_.back());
   }
-  if (source().quantity == SmokeQuantity::kVisibility) {
-    remarks_.push_back(fmt::format(
-        "{}: visibility is cut at {} m: where it is, extinction is anything from 0 to {:.4g} 1/m, "
-        "and {:.4g} is taken",
-        index_.path.string(), options_.visibilityCap,
-        options_.visibilityFactor / options_.visibilityCap,
-        options_.visibilityFactor / options_.visibilityCap));
-  }
   return {};
 }
 
@@ -335,8 +332,43 @@ Status FdsCase::buildGrid() {
                 "{}: its frames need {:.3g} GB, {:.3g} GB are allowed: raise --max-memory",
                 index_.path.string(), bytes * 1e-9, static_cast<double>(options_.maxMemory) * 1e-9);
   }
+  noteGaps(lattices);
   VOLUTE_ASSIGN(grid_, FdsGrid::create(std::move(lattices), std::move(held)));
   return {};
+}
+
+/// Faces of meshes that look at each other over less than a cell, and which FDS does not connect.
+void FdsCase::noteGaps(std::span<const FdsLattice> lattices) {
+  int count = 0;
+  std::string first;
+  for (const FdsLattice& a : lattices) {
+    const Box3 one = a.bounds();
+    for (const FdsLattice& b : lattices) {
+      const Box3 other = b.bounds();
+      for (int axis = 0; axis < 3; ++axis) {
+        const double gap = other.min[axis] - one.max[axis];
+        if (!(gap > 0) || a.mesh == b.mesh || a.thinAxis >= 0 || b.thinAxis >= 0)
+          continue;
+        const auto& planes = a.planes[axis];
+        const double cell = planes.back() - planes[planes.size() - 2];
+        if (gap <= std::min(kMeshSeparation, 0.05 * cell) || gap >= cell)
+          continue;
+        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const bool facing = one.min[u] < other.max[u] && other.min[u] < one.max[u] &&
+                            one.min[v] < other.max[v] && other.min[v] < one.max[v];
+        if (facing && count++ == 0)
+          first = fmt::format("{} and {} by {:.4g} mm on {}", a.mesh + 1, b.mesh + 1, 1e3 * gap,
+                              "xyz"[axis]);
+      }
+    }
+  }
+  if (count > 0) {
+    remarks_.push_back(fmt::format(
+        "{}: {} pairs of meshes are apart by more than FDS connects (1 mm, and a twentieth of a "
+        "cell): {}{}. Nothing is known in between: sight lines across count as blocked by smoke "
+        "that nobody knows",
+        index_.path.string(), count, first, count > 1 ? ", and others" : ""));
+  }
 }
 
 void FdsCase::findChanges() {
@@ -495,8 +527,10 @@ Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(Part& part,
         const SmokeBand band = bandOf(from);
         if (!std::isfinite(band.value)) {
           return fail(ErrorCode::kInvalidData,
-                      "{}: frame {} (t = {} s): value {} is {}, in gas: the file is damaged",
-                      part.path.string(), frame, time, from, stored[from]);
+                      "{}: frame {} (t = {} s): value {} is {}, in gas; expected {}: the file is "
+                      "damaged, or holds another quantity than it says",
+                      part.path.string(), frame, time, from, stored[from],
+                      scale.asStored ? "a number" : "0 or more");
         }
         values->value[at] = band.value;
         if (scale.inexact()) {

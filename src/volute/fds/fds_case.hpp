@@ -20,12 +20,13 @@ namespace volute {
 
 /// How to read a case.
 struct FdsOptions {
-  std::string quantity{};       ///< FDS's name of a stored quantity; empty: extinction [1/m]
-  std::string source{};         ///< name of a source; empty: the best, see FdsCase::open()
-  bool volume = false;          ///< only sources that fill meshes, for pictures and volumes
-  double massExtinction = 0;    ///< Km [m2/kg]; 0: the case's, else what FDS assumes
-  double visibilityFactor = 3;  ///< C of visibility slices (VISIBILITY_FACTOR)
-  double visibilityCap = 30;    ///< [m], FDS's limit of visibility (MAXIMUM_VISIBILITY)
+  std::string quantity{};     ///< FDS's name of a stored quantity; empty: extinction [1/m]
+  std::string source{};       ///< name of a source; empty: the best, see FdsCase::open()
+  bool volume = false;        ///< only sources that fill meshes, for pictures and volumes
+  double massExtinction = 0;  ///< Km [m2/kg]; 0: the case's, else what FDS assumes
+  /// C of visibility slices; without it VISIBILITY_FACTOR of the case's input, else FDS's 3.
+  std::optional<double> visibilityFactor{};
+  bool orClear = false;  ///< a case that stores no smoke is clear air, for pictures
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes], for frames
   FdsShare share{};                                  ///< fields have values of these meshes alone
 };
@@ -92,6 +93,8 @@ class FdsCase {
   Status openParts();
   Result<std::shared_ptr<Part>> openPart(const FdsSourcePart& what) const;
   Status findBytes();
+  Status findVisibility();
+  void noteGaps(std::span<const FdsLattice> lattices);
   Status findGeneration();
   Status findHeatScale();
   Status findTemperatureScale();
@@ -116,8 +119,10 @@ class FdsCase {
   std::size_t chosen_ = 0;
   std::vector<bool> heldMeshes_;
   std::vector<std::shared_ptr<Part>> parts_;
-  bool bytesAreDensity_ = false;                                    // of .s3d: the third generation
-  std::array<double, 2> temperatureRange_{20, 2000};                // [degrees C], FDS's default
+  bool bytesAreDensity_ = false;                      // of .s3d: the third generation
+  std::array<double, 2> temperatureRange_{20, 2000};  // [degrees C], FDS's default
+  double visibilityFactor_ = 3;
+  double visibilityCap_ = 30;                                       // [m]
   double largestHeat_ = 1200;                                       // [kW/m3], FDS's default
   SmokeScale::Rounding rounding_ = SmokeScale::Rounding::kUnknown;  // of .s3d's opacity
   std::vector<double> times_;

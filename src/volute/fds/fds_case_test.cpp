@@ -292,6 +292,114 @@ TEST(FdsCase, visibilityAtItsCapSaysOnlyHowThickSmokeIsAtMost) {
   EXPECT_GE(depth.high, depth.value);
 }
 
+/// A case with VISIBILITY of `value` at all nodes, and 7 at the corner.
+fdswriter::Index visibilityOf(const Folder& folder, float value) {
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {}, {}});
+  fdswriter::Slice slice{whole(kFirst), "SOOT VISIBILITY", "VIS", "m"};
+  auto values = fdswriter::atNodes(kFirst, slice.at, [&](auto...) { return value; });
+  values.back() = 7;
+  fdswriter::sliceFile(slice, {{0, values}}).save(folder / "v.sf");
+  index.slice(1, slice, "v.sf", false);
+  index.input = "made.fds";
+  return index;
+}
+
+TEST(FdsCase, visibilityHasTheFactorAndCapOfTheInput) {
+  const Folder folder;
+  visibilityOf(folder, 50).save(folder / "made.smv");
+  const auto line = between({0, 0.4, 0.4}, {1, 0.4, 0.4});
+  {
+    FdsCase read = opened(folder / "made.smv");
+    EXPECT_THAT(read.remarks(),
+                ElementsAre(AllOf(HasSubstr("C = 3 (FDS's default: its input file is not there"),
+                                  HasSubstr("cut at 50 m (the largest value"))));
+    EXPECT_EQ(depthOf(fieldAt(read, 0), line).low, 0) << "50 m is this case's cap";
+  }
+  fdswriter::saveText(folder / "made.fds",
+                      "&HEAD CHID='made' /\n&MISC VISIBILITY_FACTOR=8, MAXIMUM_VISIBILITY=100 /\n");
+  FdsCase read = opened(folder / "made.smv");
+  EXPECT_THAT(read.remarks(), ElementsAre(AllOf(HasSubstr("C = 8 (VISIBILITY_FACTOR of made.fds)"),
+                                                HasSubstr("cut at 100 m (MAXIMUM_VISIBILITY of"))));
+  EXPECT_NEAR(depthOf(fieldAt(read, 0), line).value, 8.0 / 50, 1e-6);
+  EXPECT_NEAR(depthOf(fieldAt(read, 0), line).low, 8.0 / 50, 1e-6);
+  FdsOptions options;
+  options.visibilityFactor = 3;
+  FdsCase stated = opened(folder / "made.smv", options);
+  EXPECT_THAT(stated.remarks(),
+              ElementsAre(HasSubstr("C = 3 (as stated, although made.fds says 8)")));
+}
+
+TEST(FdsCase, negativeExtinctionIsNoClearAir) {
+  for (const double k : {-1e-6, -0.2}) {
+    const Folder folder;
+    fdswriter::Index index;
+    index.meshes.push_back({kFirst, {}, {}});
+    const fdswriter::Slice slice{whole(kFirst)};
+    fdswriter::sliceFile(slice,
+                         {{3, fdswriter::atNodes(kFirst, slice.at, [&](auto...) { return k; })}})
+        .save(folder / "k.sf");
+    index.slice(1, slice, "k.sf", false);
+    index.save(folder / "made.smv");
+    FdsCase read = opened(folder / "made.smv");
+    const auto field = read.field(3);
+    EXPECT_EQ(field.has_value(), k > -1e-4);
+    if (!field) {
+      EXPECT_THAT(field.error().message,
+                  HasSubstr("k.sf: frame 0 (t = 3 s): value 0 is -0.2, in gas; "
+                            "expected 0 or more"));
+    }
+  }
+}
+
+TEST(FdsCase, meshesThatFdsConnectsAreOne) {
+  for (const double gap : {0.0, 2e-5, 9e-4, 4e-3}) {
+    const Folder folder;
+    fdswriter::Index index;
+    auto second = kSecond;
+    for (double& x : second[0]) x += gap;
+    int number = 0;
+    for (const Planes& planes : {kFirst, second}) {
+      index.meshes.push_back({planes, {}, {}});
+      const fdswriter::Slice slice{whole(planes)};
+      const std::string file = fmt::format("k_{}.sf", ++number);
+      fdswriter::sliceFile(slice,
+                           {{0, fdswriter::atNodes(planes, slice.at, [](auto...) { return 1; })}})
+          .save(folder / file);
+      index.slice(number, slice, file, false);
+    }
+    index.save(folder / "made.smv");
+    FdsCase read = opened(folder / "made.smv");
+    const FdsDepth depth = depthOf(fieldAt(read, 0), between({0.5, 0.4, 0.4}, {1.5, 0.4, 0.4}));
+    EXPECT_EQ(depth.uncovered == 0, gap <= 1e-3) << gap;
+    if (gap > 1e-3) {
+      EXPECT_THAT(read.remarks(), ElementsAre(HasSubstr("1 and 2 by 4 mm on x")));
+    } else {
+      EXPECT_NEAR(depth.value, 1, 1e-6) << gap;
+      EXPECT_TRUE(read.remarks().empty());
+    }
+  }
+}
+
+TEST(FdsCase, withoutSmokeItIsClearWhereThatIsAskedFor) {
+  const Folder folder;
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {{1, 4, 1, 3, 0, 3}}, {}});
+  fdswriter::Slice slice{whole(kFirst), "TEMPERATURE", "temp", "C"};
+  const auto values = fdswriter::atNodes(kFirst, slice.at, [](auto...) { return 20; });
+  fdswriter::sliceFile(slice, {{0, values}, {5, values}}).save(folder / "t.sf");
+  index.slice(1, slice, "t.sf", false);
+  index.save(folder / "made.smv");
+  EXPECT_EQ(FdsCase::open(folder / "made.smv").error().code, ErrorCode::kNotFound);
+  FdsOptions options;
+  options.orClear = true;
+  FdsCase read = opened(folder / "made.smv", options);
+  EXPECT_THAT(read.times(), ElementsAre(0, 5));
+  const FdsDepth depth = depthOf(fieldAt(read, 5), between({0, 0.7, 0.4}, {1, 0.7, 0.4}));
+  EXPECT_EQ(depth.value, 0);
+  EXPECT_EQ(depth.uncovered, 0);
+}
+
 TEST(FdsCase, solidsNeverReachTheirNeighbours) {
   // FDS writes the ambient value at nodes inside walls: soot of 1.2 kg/m3.
   const Folder folder;

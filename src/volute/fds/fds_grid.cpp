@@ -8,16 +8,15 @@ namespace volute {
 namespace {
 
 constexpr double kMaxParts = 1 << 24;
-constexpr double kSnap = 1e-4;      // of a cell
-constexpr double kRounding = 1e-5;  // [m], what five decimals leave
 
-/// Half of what may lie between two planes that are one [m], on one axis.
+/// What may lie between two planes that are one [m], on one axis: as FDS connects meshes
+/// (MESH_SEPARATION_DISTANCE in its cons.f90).
 double tolerance(const FdsLattice& lattice, int axis) {
   const auto& planes = lattice.planes[axis];
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < planes.size(); ++i)
     least = std::min(least, planes[i] - planes[i - 1]);
-  return std::min(std::max(kSnap * least, kRounding), 0.05 * least);
+  return std::min(kMeshSeparation, 0.05 * least);
 }
 
 /// Moves the outer planes of all lattices onto common ones, and returns these.

@@ -17,6 +17,9 @@
 
 namespace volute {
 
+/// Meshes that are not farther apart are one [m], unless that is more than a twentieth of a cell.
+inline constexpr double kMeshSeparation = 1e-3;
+
 /// Planes x, y, z between cells [m], strictly ascending, two at least on each axis.
 using FdsPlanes = std::array<std::vector<double>, 3>;
 
@@ -110,9 +113,9 @@ void traversePlanes(const FdsPlanes& planes, const Segment& segment, double begi
 }
 
 /// Lattices side by side without seams, overlaps or double counts: all their outer planes make a
-/// coarse table that says which lattice is where. Outer planes that lie within 1e-4 of a cell of
-/// each other are one (.smv files give five decimals); where lattices overlap, the finest counts,
-/// and of equal ones the first.
+/// coarse table that says which lattice is where. Outer planes that lie within kMeshSeparation
+/// and a twentieth of a cell of each other are one, as in FDS; where lattices overlap, the finest
+/// counts, and of equal ones the first.
 class FdsGrid {
  public:
   /// kTooLarge when the lattices' outer planes cut space into too many parts.

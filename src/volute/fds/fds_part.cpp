@@ -2,6 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/fds/fds_part.hpp"
 
+#include <algorithm>
+
+#include "volute/fds/particle_file.hpp"
+
 namespace volute {
 namespace {
 
@@ -51,6 +55,57 @@ AxisCells nodeAxis(const std::vector<double>& nodes, int begin, int end) {
   return axis;
 }
 
+/// Clear air at all times at which something else is stored.
+class ClearFrames final : public FdsFrameFile {
+ public:
+  /// Of all values with indices as FDS counts cells, ghosts included.
+  ClearFrames(std::vector<double> times, const FdsMesh& mesh) : values_(mesh.nodeCount()) {
+    frames_.times = std::move(times);
+    frames_.offsets.resize(frames_.times.size());
+  }
+
+  const FdsFrameIndex& frames() const override { return frames_; }
+
+  std::size_t values() const override { return values_; }
+
+  Status readFrame(std::size_t, std::span<float> out) const override {
+    std::ranges::fill(out, 0.0F);
+    return {};
+  }
+
+ private:
+  std::size_t values_;
+  FdsFrameIndex frames_;
+};
+
+/// Of the first file that has any: slices, fire, particles, PLOT3D.
+std::vector<double> timesOfOthers(const SmvIndex& index) {
+  const auto meshOf = [&](int mesh) -> const FdsMesh& {
+    return index.meshes[static_cast<std::size_t>(mesh)];
+  };
+  const auto timesOf = [](const auto& file) {
+    return file ? file->frames().times : std::vector<double>();
+  };
+  std::vector<double> times;
+  for (const FdsSliceEntry& slice : index.slices) {
+    if (times.empty())
+      times = timesOf(FdsSliceFile::open(slice, meshOf(slice.mesh)));
+  }
+  for (const FdsSmokeEntry& smoke : index.smoke) {
+    if (times.empty())
+      times = timesOf(FdsSmokeFile::open(smoke.file, meshOf(smoke.mesh)));
+  }
+  for (const FdsParticleEntry& particles : index.particles) {
+    if (times.empty())
+      times = timesOf(FdsParticleFile::open(particles));
+  }
+  for (const FdsPlotEntry& plot : index.plots) {
+    if (times.empty() || plot.time > times.back())
+      times.push_back(plot.time);
+  }
+  return times.empty() ? std::vector<double>{0} : times;
+}
+
 }  // namespace
 
 Result<std::shared_ptr<FdsCase::Part>> FdsCase::openPart(const FdsSourcePart& what) const {
@@ -82,6 +137,9 @@ Result<std::shared_ptr<FdsCase::Part>> FdsCase::openPart(const FdsSourcePart& wh
     }
     part->path = first.file;
     VOLUTE_TRY(hold(FdsPlotFiles::open(std::move(entries), source().plotVariable, mesh)));
+  } else if (source().kind == FdsFileKind::kClear) {
+    part->path = index_.path;
+    part->file = std::make_unique<ClearFrames>(timesOfOthers(index_), mesh);
   } else {
     const FdsSmokeEntry& entry = index_.smoke[what.entry];
     part->path = entry.file;

@@ -56,6 +56,8 @@ int rankOf(const FdsSource& source) {
       return 6;
     case FdsFileKind::kPlot:
       return 7;
+    case FdsFileKind::kClear:
+      return 8;
   }
   return 8;
 }
@@ -247,6 +249,18 @@ std::vector<FdsSource> findSources(const SmvIndex& index) {
   addPlots(index, {}, sources);
   sortByRank(sources);
   return sources;
+}
+
+FdsSource clearSource(const SmvIndex& index) {
+  FdsSource source;
+  source.name = "none";
+  source.description = "the case stores no smoke";
+  source.kind = FdsFileKind::kClear;
+  source.cellCentred = true;
+  source.volume = true;
+  for (std::size_t mesh = 0; mesh < index.meshes.size(); ++mesh)
+    source.parts.push_back({static_cast<int>(mesh), mesh});
+  return source;
 }
 
 std::vector<FdsSource> findSources(const SmvIndex& index, std::string_view quantity) {

@@ -18,6 +18,7 @@ enum class FdsFileKind {
   kSmoke16,       ///< .s16: 16 bits
   kSmokeDensity,  ///< .s3dd: 8 bits of density (the second generation of .s3d)
   kSmoke,         ///< .s3d: 8 bits of opacity, or of density (third generation)
+  kClear,         ///< nothing: there is no smoke
 };
 
 /// One file of a source, or one mesh's PLOT3D files.
@@ -48,6 +49,9 @@ int meshesOf(const FdsSource& source);
 /// Bytes are smoke where they are of soot, or the index gives them a mass extinction.
 /// Each has a name of its own.
 std::vector<FdsSource> findSources(const SmvIndex& index);
+
+/// Clear air in all meshes, for pictures of a case that stores no smoke.
+FdsSource clearSource(const SmvIndex& index);
 
 /// The name of the heat that a fire gives off per volume and time [kW/m3].
 inline constexpr std::string_view kFdsHeatRelease = "HRRPUV";

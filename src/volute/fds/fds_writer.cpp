@@ -223,6 +223,12 @@ void Index::plot(int mesh, double time, const std::string& file,
   }
 }
 
+void Index::device(const std::string& label, const std::string& quantity,
+                   std::array<double, 3> place) {
+  files += fmt::format("DEVICE\n {} % {}\n {:.5f} {:.5f} {:.5f} 0 0 -1 0 0 % null\n", label,
+                       quantity, place[0], place[1], place[2]);
+}
+
 void Index::event(const std::string& keyword, int mesh, int number, double time) {
   files += fmt::format("{}{:6}\n{:6}{:10.2f}\n", keyword, mesh, number, time);
 }
@@ -232,10 +238,12 @@ std::string Index::text() const {
       "TITLE\n made for a test\n\nFDSVERSION\n{}\n\nCHID\n made\n\nNMESHES\n {}\n\nALBEDO\n 0.3\n\n"
       "SURFACE\n INERT\n 5000.00 1.00\n 0 1.0 1.0 1.0 0.8 0.4 1.0\n null\n\n",
       version, meshes.size());
+  if (!input.empty())
+    out += fmt::format("INPF\n {}\n\n", input);
   for (const Mesh& mesh : meshes) {
     const auto& p = mesh.planes;
-    out += fmt::format("OFFSET\n 0.0 0.0 0.0\n\nGRID   mesh\n {:5}{:5}{:5}    0\n\n",
-                       p[0].size() - 1, p[1].size() - 1, p[2].size() - 1);
+    out += fmt::format("OFFSET\n 0.0 0.0 0.0\n\nGRID   mesh\n {:5}{:5}{:5}{:5}\n\n",
+                       p[0].size() - 1, p[1].size() - 1, p[2].size() - 1, mesh.evacuation ? 1 : 0);
     out += fmt::format("PDIM\n {:.5f} {:.5f} {:.5f} {:.5f} {:.5f} {:.5f} 0.0 0.0 0.0\n\n",
                        p[0].front(), p[0].back(), p[1].front(), p[1].back(), p[2].front(),
                        p[2].back());

@@ -95,15 +95,19 @@ struct Index {
     Planes planes;
     std::vector<Indices> obstructions;
     std::vector<Indices> openings;  ///< OPEN vents
+    bool evacuation = false;        ///< of FDS+Evac
   };
 
   std::string version = "FDS6.7.5-0-g71f025606-release";
   std::vector<Mesh> meshes;
   std::string files;  ///< what comes after the meshes
+  std::string input;  ///< INPF; empty: it is not named
 
   void slice(int mesh, const Slice& slice, const std::string& file, bool cellCentred);
   void smoke(int mesh, const std::string& file, double massExtinction);
   void plot(int mesh, double time, const std::string& file, const std::string& secondQuantity);
+  /// @param quantity  with the species before it, where the version writes that
+  void device(const std::string& label, const std::string& quantity, std::array<double, 3> place);
   void event(const std::string& keyword, int mesh, int number, double time);
   std::string text() const;
   void save(const std::filesystem::path& path) const;

@@ -12,6 +12,7 @@ namespace {
 constexpr double kLargestByte = 254;
 constexpr double kSlack = 1e-4;  // of a byte: FDS may compute in single precision
 constexpr double kFloat = 1e-6;  // what rounding to float may take from a band, relative
+constexpr double kNoise = 1e-4;  // [1/m]; what is more negative is no extinction
 
 SmokeBand widened(double value, double low, double high) {
   return {static_cast<float>(value), static_cast<float>(std::max(0.0, low) * (1 - kFloat)),
@@ -73,15 +74,21 @@ SmokeBand SmokeScale::band(float stored) const {
                         : SmokeBand{kNan, kNan, kNan};
     }
     case SmokeQuantity::kOpticalDensity: {
-      const double value = std::max(0.0, stored * std::log(10.0));
-      return widened(value, value, value);
+      const double value = stored * std::log(10.0);
+      if (value < -kNoise)
+        return {kNan, kNan, kNan};
+      return widened(std::max(0.0, value), value, std::max(0.0, value));
     }
     case SmokeQuantity::kSootDensity: {
+      if (massExtinction * stored < -kNoise)
+        return {kNan, kNan, kNan};
       const double least = std::max(0.0, massExtinction * (stored - step));
       const double value = std::max(0.0, massExtinction * stored);
       return widened(value, least, massExtinction * (stored + step));
     }
     default: {
+      if (stored < -kNoise)
+        return {kNan, kNan, kNan};
       const double value = std::max(0.0F, stored);
       return widened(value, value, value);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
+#include <filesystem>
 
 #include "volute/fds/smv_reader.hpp"
 
@@ -18,15 +19,70 @@ Status SmvReader::readTable(std::string_view) {
   std::string kind, name;
   VOLUTE_TRY(text(kind, "what a table holds"));
   VOLUTE_TRY(text(name, "the name of a table"));
-  index_.others.push_back({"table of " + kind, -1, index_.path.parent_path() / name});
+  index_.others.push_back({"table of " + kind, -1, named(std::move(name))});
   return {};
+}
+
+namespace {
+
+std::string lowered(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
+}
+
+}  // namespace
+
+/// The file that a name means. FDS on Windows writes backslashes, and does not mind the case of
+/// letters; the only file whose name differs in that alone is meant.
+std::filesystem::path SmvReader::named(std::string name) {
+  const std::filesystem::path folder = index_.path.parent_path();
+  const auto exists = [](const std::filesystem::path& path) {
+    std::error_code code;
+    return std::filesystem::exists(path, code);
+  };
+  if (name.empty() || exists(folder / name))
+    return folder / name;
+  std::string slashes = name;
+  std::ranges::replace(slashes, '\\', '/');
+  std::filesystem::path found = folder;
+  for (const std::filesystem::path& part : std::filesystem::path(slashes)) {
+    if (exists(found / part)) {
+      found /= part;
+      continue;
+    }
+    auto& names = folders_[found];
+    if (names.empty()) {
+      std::error_code code;
+      for (const auto& entry :
+           std::filesystem::directory_iterator(found.empty() ? "." : found, code)) {
+        const std::string one = entry.path().filename().string();
+        names[lowered(one)].push_back(one);
+      }
+    }
+    const auto like = names.find(lowered(part.string()));
+    if (like == names.end() || like->second.size() != 1)
+      return folder / name;
+    found /= like->second.front();
+  }
+  if (otherNames_++ == 0)
+    otherName_ = fmt::format("{} for '{}'", found.filename().string(), name);
+  return found;
+}
+
+/// Values of one mesh alone are in a file.
+Status SmvReader::claim(const std::filesystem::path& file, int mesh) {
+  const auto [owner, first] = owners_.emplace(file.string(), mesh);
+  if (first || owner->second == mesh)
+    return {};
+  return wrong(fmt::format("a file of mesh {} alone; {} is that of mesh {} already", mesh + 1,
+                           file.filename().string(), owner->second + 1));
 }
 
 /// A line with the name of a file beside the index.
 Result<std::filesystem::path> SmvReader::file(std::string_view what) {
   std::string name;
   VOLUTE_TRY(text(name, what));
-  return index_.path.parent_path() / name;
+  return named(std::move(name));
 }
 
 Status SmvReader::readBoundary(std::string_view rest) {
@@ -56,6 +112,7 @@ Status SmvReader::readParticles(std::string_view rest) {
   FdsParticleEntry particles;
   VOLUTE_ASSIGN(particles.mesh, meshNumber(rest));
   VOLUTE_ASSIGN(particles.file, file("the name of a particle file"));
+  VOLUTE_TRY(claim(particles.file, particles.mesh));
   VOLUTE_ASSIGN(const int number, count("the number of classes of particles"));
   bool known = true;
   for (int i = 0; i < number; ++i) {
@@ -75,6 +132,7 @@ Status SmvReader::readSurfaces(std::string_view rest, bool coloured) {
   FdsIsoEntry surfaces;
   VOLUTE_ASSIGN(surfaces.mesh, meshNumber(rest));
   VOLUTE_ASSIGN(surfaces.file, file("the name of an isosurface file"));
+  VOLUTE_TRY(claim(surfaces.file, surfaces.mesh));
   std::filesystem::path colours;
   if (coloured) {
     VOLUTE_ASSIGN(colours, file("the name of a file of values on isosurfaces"));
@@ -122,10 +180,9 @@ Status SmvReader::readSlice(std::string_view rest, bool cellCentred) {
     cells_ = {mesh.cells(0), mesh.cells(1), mesh.cells(2)};
     VOLUTE_ASSIGN(slice.nodes, nodeBox(indices));
   }
-  std::string name;
-  VOLUTE_TRY(text(name, "the name of a slice file"));
-  slice.file = index_.path.parent_path() / name;
+  VOLUTE_ASSIGN(slice.file, file("the name of a slice file"));
   VOLUTE_TRY(readLabels(slice.labels));
+  VOLUTE_TRY(claim(slice.file, slice.mesh));
   const auto kind = rest.find('#');
   if (kind != std::string_view::npos && rest.find("STRUCTURED", kind) == std::string_view::npos) {
     ++skippedSlices_[slice.labels.quantity];
@@ -144,10 +201,9 @@ Status SmvReader::readSmoke(std::string_view rest) {
     if (smoke.massExtinction && !(*smoke.massExtinction > 0))
       smoke.massExtinction.reset();
   }
-  std::string name;
-  VOLUTE_TRY(text(name, "the name of a smoke file"));
-  smoke.file = index_.path.parent_path() / name;
+  VOLUTE_ASSIGN(smoke.file, file("the name of a smoke file"));
   VOLUTE_TRY(readLabels(smoke.labels));
+  VOLUTE_TRY(claim(smoke.file, smoke.mesh));
   index_.smoke.push_back(std::move(smoke));
   return {};
 }
@@ -165,9 +221,8 @@ Status SmvReader::readPlot(std::string_view rest) {
     if (const auto joined = numberOf(std::string(found[0]) + std::string(found[1])))
       plot.time = *joined;
   }
-  std::string name;
-  VOLUTE_TRY(text(name, "the name of a PLOT3D file"));
-  plot.file = index_.path.parent_path() / name;
+  VOLUTE_ASSIGN(plot.file, file("the name of a PLOT3D file"));
+  VOLUTE_TRY(claim(plot.file, plot.mesh));
   for (FdsLabels& labels : plot.labels) VOLUTE_TRY(readLabels(labels));
   index_.plots.push_back(std::move(plot));
   return {};

@@ -82,6 +82,10 @@ Status SmvReader::readChid(std::string_view) {
   return text(index_.chid, "the name of the case");
 }
 
+Status SmvReader::readInput(std::string_view) {
+  return text(inputName_, "the name of the input file");
+}
+
 Status SmvReader::readEnd(std::string_view) {
   std::string name;
   VOLUTE_TRY(text(name, "the name of the .end file"));
@@ -166,6 +170,8 @@ Status SmvReader::readGrid(std::string_view rest) {
       return wrong("1 to 1000000 cells on each axis");
     cells_[axis] = static_cast<int>(values[axis]);
   }
+  // FDS+Evac marks its meshes; newer versions have six numbers of neighbours here.
+  mesh.evacuation = values.size() == 4 && values[3] != 0;
   extent_.reset();
   index_.meshes.push_back(std::move(mesh));
   blocks_.push_back(0);
@@ -356,6 +362,7 @@ Status SmvReader::handle(std::string_view line) {
       {"FDSVERSION", &SmvReader::readVersion},
       {"TITLE", &SmvReader::readTitle},
       {"CHID", &SmvReader::readChid},
+      {"INPF", &SmvReader::readInput},
       {"ENDF", &SmvReader::readEnd},
       {"NMESHES", &SmvReader::readMeshCount},
       {"ALBEDO", &SmvReader::readAlbedo},
@@ -401,6 +408,52 @@ Status SmvReader::handle(std::string_view line) {
   return (this->*found->second)(line.substr(keyword.size()));
 }
 
+/// Meshes on which people walk have walls of their own where those of the building are already, and
+/// no gas.
+void SmvReader::leaveOutEvacuation() {
+  std::vector<int> kept;
+  int next = 0;
+  for (const FdsMesh& mesh : index_.meshes) kept.push_back(mesh.evacuation ? -1 : next++);
+  const auto left = std::ranges::count(kept, -1);
+  if (left == 0)
+    return;
+  const auto keep = [&](auto& entries) {
+    std::erase_if(entries, [&](const auto& one) {
+      return one.mesh >= 0 && kept[static_cast<std::size_t>(one.mesh)] < 0;
+    });
+    for (auto& one : entries)
+      one.mesh = one.mesh < 0 ? -1 : kept[static_cast<std::size_t>(one.mesh)];
+  };
+  keep(index_.slices);
+  keep(index_.smoke);
+  keep(index_.plots);
+  keep(index_.isosurfaces);
+  keep(index_.particles);
+  keep(index_.others);
+  std::erase_if(index_.meshes, [](const FdsMesh& mesh) { return mesh.evacuation; });
+  index_.remarks.push_back(fmt::format(
+      "{}: {} of {} meshes are of FDS+Evac: they are left out, with their walls and files, and the "
+      "others are numbered without them",
+      lines_.path().string(), left, kept.size()));
+}
+
+void SmvReader::findInput() {
+  if (inputName_.empty())
+    return;
+  const std::filesystem::path path = named(inputName_);
+  auto input = FdsInput::read(path);
+  if (!input && input.error().code == ErrorCode::kNotFound)
+    return;
+  if (!input) {
+    index_.remarks.push_back(input.error().message + ": the input file is not used");
+  } else if (input->chid != index_.chid && !index_.chid.empty()) {
+    index_.remarks.push_back(fmt::format("{}: is the input of '{}', not of '{}': it is not used",
+                                         path.string(), input->chid, index_.chid));
+  } else {
+    index_.input = std::move(*input);
+  }
+}
+
 Status SmvReader::finish() {
   const std::string name = lines_.path().string();
   if (index_.meshes.empty())
@@ -418,6 +471,17 @@ Status SmvReader::finish() {
   for (FdsDevice& device : index_.devices) {
     std::stable_sort(device.events.begin(), device.events.end(),
                      [](const FdsEvent& a, const FdsEvent& b) { return a.time < b.time; });
+  }
+  leaveOutEvacuation();
+  if (index_.meshes.empty())
+    return fail(ErrorCode::kInvalidData, "{}: has meshes of FDS+Evac alone, without gas", name);
+  findInput();
+  if (otherNames_ > 0) {
+    index_.remarks.push_back(
+        fmt::format("{}: {} names differ from those of the files in the case of letters or by "
+                    "backslashes, such "
+                    "as {}: the files are taken",
+                    name, otherNames_, otherName_));
   }
   if (lines_.endedWithinLine() || cutOff_) {
     index_.remarks.push_back(fmt::format("{}: ends within line {}: what it names there is left out",

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/fds/fds_input.hpp"
 #include "volute/math/box.hpp"
 
 // CHID.smv, the text file that names all other files of an FDS case. Meshes, obstructions and
@@ -69,6 +70,8 @@ struct FdsMesh {
   std::array<std::vector<double>, 3> planes;  ///< x, y, z of the nodes [m], strictly ascending
   std::vector<FdsObstruction> obstructions;
   std::vector<FdsVent> vents;
+
+  bool evacuation = false;  ///< people walk on it; there is no gas
 
   int cells(int axis) const { return static_cast<int>(planes[axis].size()) - 1; }
 
@@ -155,6 +158,7 @@ struct SmvIndex {
   std::string version;  ///< FDSVERSION's first line
   std::string title;
   std::string chid;
+  FdsInput input;                    ///< INPF, if it is there and of this case
   double albedo = 0.3;               ///< what Smokeview gives soot
   std::optional<double> fireCutoff;  ///< HRRPUVCUT [kW/m3]: less heat than this is drawn as no fire
   std::optional<double> largestHeat;  ///< HRRPUV_MINMAX [kW/m3], FDS 6.11: what the last byte is
@@ -162,7 +166,7 @@ struct SmvIndex {
   std::optional<std::array<double, 2>> temperatureRange;
   std::optional<double>
       north;  ///< NORTHANGLE [degrees], -180..180: from +y clockwise, seen from above
-  std::vector<FdsMesh> meshes;
+  std::vector<FdsMesh> meshes;  ///< of gas: meshes of FDS+Evac are left out
   std::vector<FdsSurface> surfaces;
   std::vector<FdsDevice> devices;
   std::vector<FdsSliceEntry> slices;

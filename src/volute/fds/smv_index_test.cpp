@@ -40,6 +40,72 @@ Result<SmvIndex> readText(const Folder& folder, const std::string& text) {
   return SmvIndex::read(folder / "made.smv");
 }
 
+TEST(SmvIndex, leavesOutMeshesOfEvacuation) {
+  const Folder folder;
+  fdswriter::Index index;
+  index.meshes.push_back({kIndexPlanes, {{0, 1, 0, 2, 0, 1}}, {}, true});
+  index.meshes.push_back({kIndexPlanes, {}, {}, false});
+  index.slice(1, {{0, 2, 0, 2, 1, 1}}, "people.sf", false);
+  index.slice(2, {{0, 2, 0, 2, 1, 1}}, "smoke.sf", false);
+  const auto read = readText(folder, index.text());
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_THAT(read->meshes, SizeIs(1));
+  EXPECT_TRUE(read->meshes[0].obstructions.empty());
+  ASSERT_THAT(read->slices, SizeIs(1));
+  EXPECT_EQ(read->slices[0].mesh, 0);
+  EXPECT_EQ(read->slices[0].file.filename(), "smoke.sf");
+  EXPECT_THAT(read->remarks, ElementsAre(HasSubstr("1 of 2 meshes are of FDS+Evac")));
+  // Versions that name neighbours there have no such mark.
+  std::string later = index.text();
+  for (const char* mark : {"    1\n\nPDIM", "    0\n\nPDIM"})
+    later.replace(later.find(mark), 5, "    1    2    0    0    0    0");
+  EXPECT_THAT(readText(folder, later)->meshes, SizeIs(2));
+  index.meshes.pop_back();
+  index.files.clear();
+  EXPECT_THAT(readText(folder, index.text()).error().message, HasSubstr("without gas"));
+}
+
+TEST(SmvIndex, aFileIsOfOneMesh) {
+  const Folder folder;
+  fdswriter::Index index = made();
+  index.slice(1, {{0, 2, 0, 2, 1, 1}}, "made_2_1.sf", false);
+  EXPECT_THAT(readText(folder, index.text()).error().message,
+              HasSubstr("expected a file of mesh 1 alone; made_2_1.sf is that of mesh 2 already"));
+}
+
+TEST(SmvIndex, findsFilesThatWindowsNamed) {
+  const Folder folder;
+  std::filesystem::create_directory(folder / "Results");
+  fdswriter::saveText(folder / "Results/MADE_1.SF", "");
+  fdswriter::saveText(folder / "Results/a.sf", "");
+  fdswriter::saveText(folder / "Results/A.sf", "");
+  fdswriter::Index index = made();
+  index.files.clear();
+  index.slice(1, {{0, 2, 0, 2, 1, 1}}, "results\\made_1.sf", false);
+  index.slice(1, {{0, 2, 0, 2, 1, 1}}, "results\\a.sf", false);
+  index.slice(1, {{0, 2, 0, 2, 1, 1}}, "results\\A.SF", false);
+  const auto read = readText(folder, index.text());
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->slices[0].file, folder / "Results/MADE_1.SF");
+  EXPECT_EQ(read->slices[1].file, folder / "Results/a.sf");
+  EXPECT_EQ(read->slices[2].file.filename(), "results\\A.SF")
+      << "two could be meant: it is missing";
+  EXPECT_THAT(read->remarks, ElementsAre(HasSubstr("2 names differ from those of the files")));
+}
+
+TEST(SmvIndex, readsTheInputThatItNames) {
+  const Folder folder;
+  fdswriter::Index index = made();
+  index.input = "made.fds";
+  EXPECT_TRUE(readText(folder, index.text())->input.path.empty()) << "a case without it is read";
+  fdswriter::saveText(folder / "made.fds", "&HEAD CHID='made' /\n&MISC VISIBILITY_FACTOR=8 /\n");
+  EXPECT_EQ(readText(folder, index.text())->input.visibilityFactor, 8);
+  fdswriter::saveText(folder / "made.fds", "&HEAD CHID='other' /\n&MISC VISIBILITY_FACTOR=8 /\n");
+  const auto other = readText(folder, index.text());
+  EXPECT_FALSE(other->input.visibilityFactor);
+  EXPECT_THAT(other->remarks, ElementsAre(HasSubstr("is the input of 'other', not of 'made'")));
+}
+
 TEST(SmvIndex, readsWhatAnyVersionWrites) {
   const Folder folder;
   const auto index = readText(folder, made().text());

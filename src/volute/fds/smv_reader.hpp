@@ -38,9 +38,12 @@ class SmvReader {
 
   Status text(std::string& into, std::string_view what);
   Result<std::filesystem::path> file(std::string_view what);
+  std::filesystem::path named(std::string name);
+  Status claim(const std::filesystem::path& file, int mesh);
   Status readVersion(std::string_view);
   Status readTitle(std::string_view);
   Status readChid(std::string_view);
+  Status readInput(std::string_view);
   Status readEnd(std::string_view);
   Status readMeshCount(std::string_view);
   Status readAlbedo(std::string_view);
@@ -96,6 +99,8 @@ class SmvReader {
   Result<FdsNodeBox> nodeBox(std::span<const double> indices);
   Result<int> surface(double number);
   Status finish();
+  void leaveOutEvacuation();
+  void findInput();
 
   TextLines lines_;
   SmvIndex index_;
@@ -106,6 +111,12 @@ class SmvReader {
   int geometries_ = 0;                           // blocks of triangles
   bool cutOff_ = false;                          // the file ended within a block
   std::map<std::string, int> skippedSlices_;
+  std::string inputName_;
+  std::map<std::string, int> owners_;  // of files: meshes
+  std::map<std::filesystem::path, std::map<std::string, std::vector<std::string>>>
+      folders_;            // names in them by lower case
+  std::string otherName_;  // the first file that was found under another name than the index has
+  int otherNames_ = 0;
 };
 
 }  // namespace volute

@@ -24,8 +24,8 @@ class Beyond {
     const Box3 own = mesh_.bounds();
     for (std::size_t i = 0; i < index.meshes.size(); ++i) {
       const Box3 other = index.meshes[i].bounds();
-      const bool apart = (other.min.array() > own.max.array() + kNear).any() ||
-                         (other.max.array() < own.min.array() - kNear).any();
+      const bool apart = (other.min.array() > own.max.array() + kMeshSeparation).any() ||
+                         (other.max.array() < own.min.array() - kMeshSeparation).any();
       if (static_cast<int>(i) != mesh && !apart)
         neighbours_.push_back(i);
     }
@@ -61,8 +61,6 @@ class Beyond {
   }
 
  private:
-  static constexpr double kNear = 1e-4;  // [m]
-
   Vec3 centreOf(const Cell& cell, int axis) const {
     Vec3 centre;
     for (int a = 0; a < 3; ++a) {

@@ -10,7 +10,6 @@ namespace volute {
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 20;
-constexpr std::size_t kLongestLine = std::size_t{1} << 16;
 
 bool isSpace(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v' || c == '\0';
@@ -29,9 +28,9 @@ std::optional<T> parsed(std::string_view word) {
 
 }  // namespace
 
-Result<TextLines> TextLines::open(const std::filesystem::path& path) {
+Result<TextLines> TextLines::open(const std::filesystem::path& path, std::size_t longestLine) {
   VOLUTE_ASSIGN(auto file, InputFile::open(path));
-  return TextLines(std::move(file));
+  return TextLines(std::move(file), longestLine);
 }
 
 /// Appends the next bytes of the file; false at its end.
@@ -51,9 +50,9 @@ Result<bool> TextLines::fill() {
 Result<std::optional<std::string>> TextLines::next() {
   std::size_t end = buffer_.find('\n', place_);
   while (end == std::string::npos) {
-    if (buffer_.size() - place_ > kLongestLine) {
+    if (buffer_.size() - place_ > longestLine_) {
       return fail(ErrorCode::kInvalidData, "{}: line {} is longer than {} bytes: not a text file",
-                  file_.path().string(), lineNumber_ + 1, kLongestLine);
+                  file_.path().string(), lineNumber_ + 1, longestLine_);
     }
     VOLUTE_ASSIGN(const bool more, fill());
     if (!more) {

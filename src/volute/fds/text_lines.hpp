@@ -15,10 +15,13 @@ namespace volute {
 /// The lines of a text file, one at a time, so that memory does not grow with the file.
 class TextLines {
  public:
-  [[nodiscard]] static Result<TextLines> open(const std::filesystem::path& path);
+  [[nodiscard]] static Result<TextLines> open(const std::filesystem::path& path,
+                                              std::size_t longestLine = kLongestLine);
+
+  static constexpr std::size_t kLongestLine = std::size_t{1} << 16;
 
   /// The next line without its end; nothing after the last. A last line that no newline ends is
-  /// left out: whoever writes the file has not finished it. A line of more than 64 KiB is an error.
+  /// left out: whoever writes the file has not finished it. A longer line than that is an error.
   [[nodiscard]] Result<std::optional<std::string>> next();
 
   int lineNumber() const { return lineNumber_; }  ///< of the line that next() gave last, from 1
@@ -29,11 +32,13 @@ class TextLines {
   const std::filesystem::path& path() const { return file_.path(); }
 
  private:
-  explicit TextLines(InputFile file) : file_(std::move(file)) {}
+  TextLines(InputFile file, std::size_t longestLine)
+      : file_(std::move(file)), longestLine_(longestLine) {}
 
   Result<bool> fill();
 
   InputFile file_;
+  std::size_t longestLine_;
   std::uint64_t offset_ = 0;
   std::string buffer_;
   std::size_t place_ = 0;

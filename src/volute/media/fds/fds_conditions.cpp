@@ -18,6 +18,7 @@ struct Stored {
   std::string_view name;  ///< in Volute
   std::string_view fds;   ///< what FDS calls it
   double factor = 1;
+  bool devicesAlone = false;  ///< no slice has it under this name
 };
 
 /// Quantities in the order in which they are preferred.
@@ -25,6 +26,10 @@ constexpr Stored kStored[] = {
     {"temperature", "TEMPERATURE"},
     {"radiant-flux", "RADIATIVE HEAT FLUX GAS"},
     {"radiant-flux", "INTEGRATED INTENSITY", 0.25},
+    // As the index calls devices of RADIATIVE HEAT FLUX GAS, and targets in the gas.
+    {"radiant-flux", "RADIATIVE HEAT FLUX", 1, true},
+    {"radiant-flux", "RADIANT HEAT FLUX GAS", 1, true},
+    {"temperature", "GAS TEMPERATURE", 1, true},
     {"carbon-monoxide", "CARBON MONOXIDE VOLUME FRACTION"},
     {"carbon-dioxide", "CARBON DIOXIDE VOLUME FRACTION"},
     {"oxygen", "OXYGEN VOLUME FRACTION"},
@@ -130,8 +135,12 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
   std::string names;
   std::vector<std::unique_ptr<PointField>> sources;
   std::optional<Error> error;
+  std::vector<FdsQuantity> spellings;
   for (const Stored& stored : kStored) {
     if (stored.name != quantity)
+      continue;
+    spellings.push_back({stored.fds, stored.factor});
+    if (stored.devicesAlone)
       continue;
     names += (names.empty() ? "" : " or ") + std::string(stored.fds);
     for (const FdsSource& source : findSources(index, stored.fds)) {
@@ -146,13 +155,14 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
         error = fds.error();
     }
   }
-  for (const Stored& stored : kStored) {
-    if (stored.name != quantity)
-      continue;
-    VOLUTE_ASSIGN(auto points, fdsDevicePoints(index, stored.fds, stored.factor, stored.name));
-    if (points)
-      sources.push_back(std::move(points));
-  }
+  const std::string_view unit = quantity == "temperature"    ? "C"
+                                : quantity == "radiant-flux" ? "kW/m2"
+                                                             : "mol/mol";
+  auto devices = fdsDevicePoints(index, spellings, unit, quantity);
+  if (devices && *devices)
+    sources.push_back(std::move(*devices));
+  else if (!devices && !error)
+    error = devices.error();
   if (sources.empty() && error)
     return tl::unexpected(std::move(*error));
   // For a list of such reasons: the case is named above it.
@@ -236,23 +246,30 @@ CaseFacts fdsFacts(const SmvIndex& index) {
   facts.title.emplace_back("computed by",
                            index.version.empty() ? "FDS, version not stated" : index.version);
   facts.title.emplace_back("cells", cellsText(index));
+  for (const FdsInput::Reaction& reaction : index.input.reactions) {
+    facts.title.emplace_back(
+        "reaction", fmt::format("{}: soot yield {:g}, CO yield {:g} kg/kg ({})",
+                                reaction.fuel.empty() ? "fuel" : reaction.fuel, reaction.sootYield,
+                                reaction.coYield, index.input.path.filename().string()));
+  }
   facts.title.emplace_back("state", index.ended ? "FDS has ended"
                                                 : "FDS has not ended, or was "
                                                   "stopped");
-  const auto take = [&](const char* end, std::vector<FactCurve>& curves,
+  const auto take = [&](const char* kind, std::vector<FactCurve>& curves,
                         const WantedCurve& wanted) {
-    auto read = readCurves(besideCase(index, end), wanted);
+    auto read = readCurves(index, kind, wanted);
     if (read) {
-      curves = std::move(*read);
+      curves = std::move(read->curves);
+      facts.remarks.insert(facts.remarks.end(), read->remarks.begin(), read->remarks.end());
     } else if (read.error().code != ErrorCode::kNotFound) {
       facts.remarks.push_back(read.error().message);
     }
   };
-  take("_hrr.csv", facts.fire,
+  take("hrr", facts.fire,
        [](const std::string& name, const std::string&) { return name == "HRR"; });
   if (!index.devices.empty()) {
     constexpr std::size_t kMax = 400;
-    take("_devc.csv", facts.devices,
+    take("devc", facts.devices,
          [n = kMax](const auto&, const auto&) mutable { return n > 0 && n-- > 0; });
   }
   return facts;

@@ -2,167 +2,334 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fds/fds_devices.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 
 #include "volute/fds/text_lines.hpp"
+#include "volute/io/table_row.hpp"
+#include "volute/io/unit.hpp"
 
 namespace volute {
 namespace {
 
-/// A line of comma-separated text; quotes and spaces around its cells are dropped.
-std::vector<std::string> cellsOf(std::string_view line) {
-  std::vector<std::string> cells;
-  std::string cell;
-  bool quoted = false;
-  const auto end = [&] {
-    cells.emplace_back(trimmed(cell));
-    cell.clear();
-  };
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      end();
-    } else if (c != '\r') {
-      cell += c;
+constexpr std::size_t kLongestLine = std::size_t{1} << 26;  // of a million devices
+constexpr std::size_t kMostRows = 1000000;
+constexpr std::size_t kNamed = 5;  // in a remark
+
+/// The files of a kind of table.
+std::vector<std::filesystem::path> tablesOf(const SmvIndex& index, std::string_view kind) {
+  std::vector<std::filesystem::path> paths;
+  for (const FdsOtherFile& other : index.others) {
+    std::error_code code;
+    if (other.kind == fmt::format("table of {}", kind) && std::filesystem::exists(other.file, code))
+      paths.push_back(other.file);
+  }
+  if (paths.empty()) {
+    const std::string name = std::filesystem::path(index.chid).filename().string();
+    paths.push_back(
+        index.path.parent_path() /
+        fmt::format("{}_{}.csv", name.empty() ? index.path.stem().string() : name, kind));
+  }
+  return paths;
+}
+
+/// Some of many names.
+std::string namesOf(const std::set<std::string>& names) {
+  std::vector<std::string> shown(names.begin(), names.end());
+  const bool more = shown.size() > kNamed;
+  shown.resize(std::min(shown.size(), kNamed));
+  return fmt::format("{}{}", fmt::join(shown, ", "), more ? ", ..." : "");
+}
+
+/// Reads one table.
+class CurveReader {
+ public:
+  CurveReader(const std::filesystem::path& path, FdsCurves& found)
+      : path_(path.string()), found_(found) {}
+
+  Status read(const WantedCurve& wanted) {
+    VOLUTE_ASSIGN(auto lines, TextLines::open(path_, kLongestLine));
+    VOLUTE_ASSIGN(const auto units, lines.next());
+    VOLUTE_ASSIGN(const auto names, lines.next());
+    if (!units || !names)
+      return fail(ErrorCode::kTruncated, "{}: has no line of names yet", path_);
+    choose(asUtf8(*units), asUtf8(*names), wanted);
+    for (std::size_t row = 0; row < kMostRows && !curves_.empty(); ++row) {
+      VOLUTE_ASSIGN(const auto line, lines.next());
+      if (!line)
+        break;
+      take(*line, lines.lineNumber());
+    }
+    finish();
+    return {};
+  }
+
+ private:
+  void choose(const std::string& units, const std::string& names, const WantedCurve& wanted) {
+    const auto unitCells = fieldsOf(units, ','), nameCells = fieldsOf(names, ',');
+    std::map<std::string, int> times;
+    for (const std::string_view name : nameCells) ++times[std::string(name)];
+    std::set<std::string> twice;
+    for (std::size_t i = 1; i < std::min(unitCells.size(), nameCells.size()); ++i) {
+      const std::string name(nameCells[i]), unit(unitCells[i]);
+      if (!wanted(name, unit))
+        continue;
+      if (times[name] > 1) {
+        twice.insert(name);
+        continue;
+      }
+      curves_.push_back({name, unit, {}, {}});
+      columns_.push_back(i);
+    }
+    if (!twice.empty()) {
+      found_.remarks.push_back(
+          fmt::format("{}: several columns have one name, so that it is not known which device is "
+                      "which: {} are "
+                      "left out",
+                      path_, namesOf(twice)));
     }
   }
-  end();
-  return cells;
-}
+
+  void take(std::string_view line, int number) {
+    const auto cells = fieldsOf(line, ',');
+    const auto time = fortranNumber(cells[0]);
+    if (!time) {
+      ++badTimes_;
+      return;
+    }
+    if (*time <= last_)
+      goBack(*time, number);
+    last_ = *time;
+    for (std::size_t c = 0; c < curves_.size(); ++c) {
+      const auto value =
+          columns_[c] < cells.size() ? fortranNumber(cells[columns_[c]]) : std::optional<double>();
+      if (!value) {
+        ++badCells_;
+        bad_.insert(curves_[c].name);
+        if (firstBad_ == 0)
+          firstBad_ = number;
+        continue;
+      }
+      curves_[c].times.push_back(*time);
+      curves_[c].values.push_back(*value);
+    }
+  }
+
+  /// FDS was started again: what it wrote from that time on is replaced.
+  void goBack(double time, int number) {
+    for (FactCurve& curve : curves_) {
+      const auto kept = std::ranges::lower_bound(curve.times, time) - curve.times.begin();
+      curve.times.resize(static_cast<std::size_t>(kept));
+      curve.values.resize(static_cast<std::size_t>(kept));
+    }
+    if (restarts_++ == 0)
+      firstRestart_ = fmt::format("line {}, from {:g} to {:g} s", number, last_, time);
+  }
+
+  void finish() {
+    if (badCells_ > 0) {
+      found_.remarks.push_back(
+          fmt::format("{}: {} cells hold no number and are left out (line {} is the first): of {}",
+                      path_, badCells_, firstBad_, namesOf(bad_)));
+    }
+    if (badTimes_ > 0)
+      found_.remarks.push_back(
+          fmt::format("{}: {} lines without a time are left out", path_, badTimes_));
+    if (restarts_ > 0) {
+      found_.remarks.push_back(
+          fmt::format("{}: times go back ({}{}): FDS was started again, and the later lines count",
+                      path_, firstRestart_, restarts_ > 1 ? ", and again" : ""));
+    }
+    std::erase_if(curves_, [](const FactCurve& curve) { return curve.times.empty(); });
+    std::ranges::move(curves_, std::back_inserter(found_.curves));
+  }
+
+  std::string path_;
+  FdsCurves& found_;
+  std::vector<FactCurve> curves_;
+  std::vector<std::size_t> columns_;  // of each curve
+  double last_ = -std::numeric_limits<double>::infinity();
+  std::size_t badCells_ = 0, badTimes_ = 0, restarts_ = 0;
+  int firstBad_ = 0;
+  std::string firstRestart_;
+  std::set<std::string> bad_;  // names of columns with such cells
+};
+
+struct Device {
+  Vec3 position;
+  FactCurve curve;
+};
 
 /// What devices read, near them.
 class FdsDevicePoints final : public PointField {
  public:
-  struct Device {
-    Vec3 position;
-    std::vector<double> values;  // one for each time
-  };
-
-  FdsDevicePoints(std::vector<double> times, std::vector<Device> devices, double factor,
-                  std::string_view quantity)
-      : times_(std::move(times)),
-        devices_(std::move(devices)),
-        factor_(factor),
-        quantity_(quantity) {}
+  FdsDevicePoints(std::vector<Device> devices, std::string_view quantity, std::string leftOut)
+      : devices_(std::move(devices)),
+        quantity_(quantity),
+        leftOut_(std::move(leftOut)),
+        worst_(quantity == "oxygen" ? -1 : 1) {
+    for (const Device& device : devices_)
+      times_.insert(times_.end(), device.curve.times.begin(), device.curve.times.end());
+    std::ranges::sort(times_);
+    times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
+  }
 
   std::string description() const override {
-    return fmt::format("{} ({} devices, within {:g} m of each{})", quantity_, devices_.size(),
-                       kNear, factor_ == 1 ? "" : "; / 4");
+    return fmt::format("{} ({} devices, within {:g} m of each{}{})", quantity_, devices_.size(),
+                       kNear, leftOut_.empty() ? "" : "; left out: ", leftOut_);
   }
 
   std::span<const double> times() const override { return times_; }
 
   Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
-    const auto after = std::ranges::upper_bound(times_, time);
-    const std::size_t second =
-        std::min(static_cast<std::size_t>(after - times_.begin()), times_.size() - 1);
-    const std::size_t first = after == times_.begin() || second == 0 ? 0 : second - 1;
-    const double length = times_[second] - times_[first];
-    const double share = length > 0 ? std::clamp((time - times_[first]) / length, 0.0, 1.0) : 0;
+    std::vector<StoredSpan> spans(points.size());
+    return at(time, points, out, spans);
+  }
+
+  Status at(double time, std::span<const Vec3> points, std::span<double> out,
+            std::span<StoredSpan> spans) override {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const Device* nearest = nullptr;
+      out[i] = std::numeric_limits<double>::quiet_NaN();
       double least = kNear;
       for (const Device& device : devices_) {
         const double distance = (device.position - points[i]).norm();
-        if (distance <= least) {
-          least = distance;
-          nearest = &device;
-        }
+        if (distance > least + kSamePlace)
+          continue;
+        // A device's own times: cells without a number leave longer intervals.
+        const auto place = storedPlace(device.curve.times, time);
+        if (!place)
+          continue;
+        const double value = (1 - place->share) * device.curve.values[place->first] +
+                             place->share * device.curve.values[place->second];
+        // Of several at one place, such as radiometers that face several ways, the worst counts.
+        if (distance > least - kSamePlace && worst_ * value <= worst_ * out[i])
+          continue;
+        out[i] = value;
+        spans[i] = place->span;
+        least = std::min(least, distance);
       }
-      out[i] =
-          nearest == nullptr
-              ? std::numeric_limits<double>::quiet_NaN()
-              : factor_ * ((1 - share) * nearest->values[first] + share * nearest->values[second]);
     }
     return {};
   }
 
  private:
-  static constexpr double kNear = 0.3;  // [m]
+  static constexpr double kNear = 0.3;        // [m]
+  static constexpr double kSamePlace = 1e-6;  // [m]
 
-  std::vector<double> times_;
   std::vector<Device> devices_;
-  double factor_;
+  std::vector<double> times_;  // at which any of them has a value
   std::string quantity_;
+  std::string leftOut_;
+  double worst_;  // -1: the least value
 };
+
+std::string capitals(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  return out;
+}
+
+/// Names of gases that users give besides FDS's own.
+std::string speciesOf(std::string_view name) {
+  constexpr std::pair<std::string_view, std::string_view> kFormulas[] = {
+      {"CO", "CARBON MONOXIDE"},    {"CO2", "CARBON DIOXIDE"},   {"O2", "OXYGEN"},
+      {"HCN", "HYDROGEN CYANIDE"},  {"NO", "NITRIC OXIDE"},      {"NO2", "NITROGEN DIOXIDE"},
+      {"HCL", "HYDROGEN CHLORIDE"}, {"HBR", "HYDROGEN BROMIDE"}, {"HF", "HYDROGEN FLUORIDE"},
+      {"SO2", "SULFUR DIOXIDE"},    {"C3H4O", "ACROLEIN"},       {"CH2O", "FORMALDEHYDE"}};
+  std::string species = capitals(name);
+  for (const auto& [formula, full] : kFormulas) {
+    if (species == formula)
+      return std::string(full);
+  }
+  return species;
+}
+
+/// What a device measures, with its species: "OXYGEN VOLUME FRACTION".
+std::string quantityOf(const FdsDevice& device, const FdsInput::Device* said) {
+  const std::string stated = capitals(device.quantity);
+  if (said == nullptr || said->quantity.empty())
+    return stated;
+  const std::string quantity = capitals(said->quantity);
+  return said->species.empty() ? quantity : speciesOf(said->species) + " " + quantity;
+}
 
 }  // namespace
 
-Result<std::vector<FactCurve>> readCurves(const std::filesystem::path& path,
-                                          const WantedCurve& wanted) {
-  VOLUTE_ASSIGN(auto lines, TextLines::open(path));
-  VOLUTE_ASSIGN(const auto unitLine, lines.next());
-  VOLUTE_ASSIGN(const auto nameLine, lines.next());
-  if (!unitLine || !nameLine)
-    return fail(ErrorCode::kTruncated, "{}: has no line of names yet", path.string());
-  const auto units = cellsOf(*unitLine), names = cellsOf(*nameLine);
-  std::vector<FactCurve> curves;
-  std::vector<std::size_t> columns;
-  for (std::size_t i = 1; i < std::min(units.size(), names.size()); ++i) {
-    if (wanted(names[i], units[i])) {
-      curves.push_back({names[i], units[i], {}, {}});
-      columns.push_back(i);
-    }
-  }
-  constexpr std::size_t kMax = 1000000;
-  for (std::size_t row = 0; row < kMax && !curves.empty(); ++row) {
-    VOLUTE_ASSIGN(const auto line, lines.next());
-    if (!line)
-      break;
-    const auto cells = cellsOf(*line);
-    const auto time = numberOf(cells[0]);
-    for (std::size_t c = 0; c < curves.size(); ++c) {
-      const auto value =
-          columns[c] < cells.size() ? numberOf(cells[columns[c]]) : std::optional<double>();
-      if (!time || !value)
-        continue;
-      curves[c].times.push_back(*time);
-      curves[c].values.push_back(*value);
-    }
-  }
-  std::erase_if(curves, [](const FactCurve& curve) { return curve.times.empty(); });
-  return curves;
+Result<FdsCurves> readCurves(const SmvIndex& index, std::string_view kind,
+                             const WantedCurve& wanted) {
+  FdsCurves found;
+  for (const std::filesystem::path& path : tablesOf(index, kind))
+    VOLUTE_TRY(CurveReader(path, found).read(wanted));
+  return found;
 }
 
-std::filesystem::path besideCase(const SmvIndex& index, const char* end) {
-  const std::string name = std::filesystem::path(index.chid).filename().string();
-  return index.path.parent_path() / ((name.empty() ? index.path.stem().string() : name) + end);
-}
+Result<std::unique_ptr<PointField>> fdsDevicePoints(const SmvIndex& index,
+                                                    std::span<const FdsQuantity> quantities,
+                                                    std::string_view unit,
+                                                    std::string_view quantity) {
+  struct Wanted {
+    const FdsDevice* device;
+    double factor;
+  };
 
-Result<std::unique_ptr<PointField>> fdsDevicePoints(const SmvIndex& index, std::string_view fds,
-                                                    double factor, std::string_view quantity) {
-  std::vector<const FdsDevice*> wanted;
+  std::map<std::string, Wanted> wanted;  // by label
+  std::set<std::string> twice, left;
   for (const FdsDevice& device : index.devices) {
-    if (device.quantity == fds)
-      wanted.push_back(&device);
+    const auto entry = index.input.devices.find(device.label);
+    const FdsInput::Device* said = entry == index.input.devices.end() ? nullptr : &entry->second;
+    const std::string measured = quantityOf(device, said);
+    const auto found = std::ranges::find_if(
+        quantities, [&](const FdsQuantity& one) { return capitals(one.name) == measured; });
+    // Means over a volume, extremes over time, and numbers that only the input's factor explains
+    // are not the value at a point.
+    if (found == quantities.end())
+      continue;
+    if (said != nullptr && (!said->statistic.empty() || said->scaled)) {
+      left.insert(fmt::format("{} ({})", device.label,
+                              said->scaled ? "CONVERSION_FACTOR without UNITS" : said->statistic));
+      continue;
+    }
+    if (!wanted.emplace(device.label, Wanted{&device, found->factor}).second)
+      twice.insert(device.label);
+  }
+  for (const std::string& label : twice) {
+    wanted.erase(label);
+    left.insert(label + " (a name of several)");
   }
   std::unique_ptr<PointField> none;
-  if (wanted.empty())
+  if (wanted.empty() && left.empty())
     return none;
-  auto curves = readCurves(besideCase(index, "_devc.csv"), [&](const auto& name, const auto&) {
-    return std::ranges::any_of(wanted, [&](const FdsDevice* one) { return one->label == name; });
+  auto read = readCurves(index, "devc", [&](const std::string& name, const std::string&) {
+    return wanted.contains(name);
   });
-  if (!curves) {
-    if (curves.error().code == ErrorCode::kNotFound)
-      return none;
-    return tl::unexpected(curves.error());
-  }
-  std::vector<double> times;
-  std::vector<FdsDevicePoints::Device> devices;
-  for (FactCurve& curve : *curves) {
-    // Names may be there twice; the first that has it is meant.
-    const auto device = std::ranges::find(wanted, curve.name, &FdsDevice::label);
-    if (times.empty())
-      times = curve.times;
-    if (device == wanted.end() || curve.times != times || !std::ranges::is_sorted(times))
-      continue;
-    devices.push_back({(*device)->position, std::move(curve.values)});
-  }
-  if (devices.empty())
+  if (!read && read.error().code == ErrorCode::kNotFound)
     return none;
-  return std::make_unique<FdsDevicePoints>(std::move(times), std::move(devices), factor, quantity);
+  VOLUTE_TRY(read);
+  std::vector<Device> devices;
+  for (FactCurve& curve : read->curves) {
+    const auto change = unitChange(curve.unit.empty() ? unit : curve.unit, unit);
+    if (!change) {
+      left.insert(fmt::format("{} (in '{}')", curve.name, curve.unit));
+      continue;
+    }
+    const Wanted& one = wanted.at(curve.name);
+    for (double& value : curve.values) value = one.factor * (*change)(value);
+    devices.push_back({one.device->position, std::move(curve)});
+  }
+  if (devices.empty() && left.empty())
+    return none;
+  if (devices.empty()) {
+    return fail(ErrorCode::kNotFound,
+                "no device has values of {} at a point, in {}: left out are {}", quantity, unit,
+                namesOf(left));
+  }
+  return std::make_unique<FdsDevicePoints>(std::move(devices), quantity,
+                                           left.empty() ? "" : namesOf(left));
 }
 
 }  // namespace volute

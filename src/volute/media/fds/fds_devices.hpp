@@ -2,32 +2,47 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "volute/fds/smv_index.hpp"
 #include "volute/media/sight.hpp"
 
+// What devices of an FDS case read: CHID_devc.csv, and CHID_hrr.csv, which is alike.
+
 namespace volute {
 
 /// Whether a column with this name and unit is wanted.
 using WantedCurve = std::function<bool(const std::string& name, const std::string& unit)>;
 
-/// The wanted columns of CHID_hrr.csv or CHID_devc.csv over time.
-[[nodiscard]] Result<std::vector<FactCurve>> readCurves(const std::filesystem::path& path,
-                                                        const WantedCurve& wanted);
+/// Columns over time, each without the cells that hold no number.
+struct FdsCurves {
+  std::vector<FactCurve> curves;
+  std::vector<std::string> remarks;  ///< cells, columns and lines that were left out
+};
 
-/// The file of the case whose name ends like that.
-std::filesystem::path besideCase(const SmvIndex& index, const char* end);
+/// The wanted columns of the case's tables of that kind ("devc", "hrr"), as the index names them,
+/// else CHID_kind.csv. Where FDS was started again and times go back, the later lines count. A name
+/// that two columns have is nobody's. kNotFound where there is no such file.
+[[nodiscard]] Result<FdsCurves> readCurves(const SmvIndex& index, std::string_view kind,
+                                           const WantedCurve& wanted);
 
-/// What the devices of a quantity of FDS say, times `factor`, within 0.3 m of each; null where
-/// there are none with columns in CHID_devc.csv. `quantity` is its name for people.
-[[nodiscard]] Result<std::unique_ptr<PointField>> fdsDevicePoints(const SmvIndex& index,
-                                                                  std::string_view fds,
-                                                                  double factor,
-                                                                  std::string_view quantity);
+/// One quantity of the air in FDS's words.
+struct FdsQuantity {
+  std::string_view name;  ///< of FDS, with its species: "OXYGEN VOLUME FRACTION"
+  double factor = 1;      ///< of what the criteria mean
+};
+
+/// What devices say within 0.3 m of each, of several at one place the largest; null where there are
+/// none with columns. A device has the quantity and species that the input file says, else those
+/// of the index; its unit is that of its column, and is turned into `unit`. `quantity` is the name
+/// for people.
+[[nodiscard]] Result<std::unique_ptr<PointField>> fdsDevicePoints(
+    const SmvIndex& index, std::span<const FdsQuantity> quantities, std::string_view unit,
+    std::string_view quantity);
 
 }  // namespace volute

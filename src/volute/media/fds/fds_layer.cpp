@@ -2,10 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fds/fds_layer.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include "volute/base/assert.hpp"
@@ -130,7 +133,9 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
   FdsOptions options{.source = description.field, .volume = description.field.empty()};
   if (description.model.massExtinction != kFdsMassExtinction)
     options.massExtinction = description.model.massExtinction;
-  options.visibilityFactor = description.model.c;
+  if (description.givesC)
+    options.visibilityFactor = description.model.c;
+  options.orClear = description.field.empty();
   options.maxMemory = reading.maxMemory;
   if (holders)
     options.share = {holders->rank(), holders->size()};
@@ -156,26 +161,62 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
     std::ranges::sort(layer.events_);
   }
   for (const std::string& remark : layer.case_->remarks()) reading.progress.remark(remark);
-  reading.progress.remark(fmt::format("{}: extinction from {} ({})", description.file,
-                                      layer.case_->source().name, layer.source()));
+  if (!layer.isClear()) {
+    reading.progress.remark(fmt::format("{}: extinction from {} ({})", description.file,
+                                        layer.case_->source().name, layer.source()));
+  }
   VOLUTE_TRY(layer.openFire(reading));
   if (holders) {
     VOLUTE_TRY(
         checkShares(description, layer.case_->index(), holders->size(), layer.heat_ != nullptr));
   }
-  if (!description.fds.slice.empty()) {
-    VOLUTE_ASSIGN(layer.slice_, FdsSliceSheet::open(layer.case_->index(), description.fds.slice,
-                                                    description.fds.sliceRange, reading));
+  FdsLook look = description.fds;
+  if (layer.isClear())
+    layer.showWhatThereIs(look, reading);
+  if (!look.slice.empty()) {
+    VOLUTE_ASSIGN(layer.slice_,
+                  FdsSliceSheet::open(layer.case_->index(), look.slice, look.sliceRange, reading));
   }
   if (!description.fds.iso.empty()) {
     VOLUTE_ASSIGN(layer.iso_,
                   FdsIsoSheets::open(layer.case_->index(), description.fds.iso, reading));
   }
-  if (!description.fds.particles.empty()) {
+  if (!look.particles.empty()) {
     VOLUTE_ASSIGN(layer.particles_,
-                  FdsParticleCloud::open(layer.case_->index(), description.fds.particles, reading));
+                  FdsParticleCloud::open(layer.case_->index(), look.particles, reading));
   }
   return layer;
+}
+
+/// A case that stores no smoke: its fire or particles, else the hottest slice, unless the user
+/// named what to show.
+void FdsLayer::showWhatThereIs(FdsLook& look, Reading& reading) const {
+  const SmvIndex& index = case_->index();
+  const bool named = !look.slice.empty() || !look.iso.empty() || !look.particles.empty();
+  std::vector<std::string> shown{"the building"};
+  if (heat_)
+    shown.emplace_back("the fire");
+  if (!named && !index.particles.empty())
+    look.particles = "all";
+  if (!look.particles.empty())
+    shown.push_back("particles (" + look.particles + ")");
+  if (!named && !heat_ && index.particles.empty())
+    look.slice = hottestSlice(index);
+  if (!look.slice.empty())
+    shown.push_back("the slice " + look.slice);
+  if (!look.iso.empty())
+    shown.push_back("the surface " + look.iso);
+  std::set<std::string> others;
+  for (const FdsSliceEntry& slice : index.slices)
+    others.insert("slices of " + slice.labels.quantity);
+  for (const FdsIsoEntry& iso : index.isosurfaces)
+    others.insert("surfaces of " + iso.labels.quantity);
+  if (!index.particles.empty())
+    others.insert("particles");
+  reading.progress.remark(fmt::format("{}: stores no smoke; shown: {}. The case has {}",
+                                      description_.file, fmt::join(shown, ", "),
+                                      others.empty() ? "nothing else that can be shown"
+                                                     : fmt::format("{}", fmt::join(others, ", "))));
 }
 
 bool FdsLayer::readsTheSame(const SmokeDescription& a, const SmokeDescription& b) {
@@ -185,9 +226,9 @@ bool FdsLayer::readsTheSame(const SmokeDescription& a, const SmokeDescription& b
   };
   return a.file == b.file && a.field == b.field &&
          a.model.massExtinction == b.model.massExtinction && a.model.c == b.model.c &&
-         sameFire(a.fds, b.fds) && a.fds.devices == b.fds.devices && a.fds.slice == b.fds.slice &&
-         a.fds.sliceRange == b.fds.sliceRange && a.fds.iso == b.fds.iso &&
-         a.fds.particles == b.fds.particles;
+         a.givesC == b.givesC && sameFire(a.fds, b.fds) && a.fds.devices == b.fds.devices &&
+         a.fds.slice == b.fds.slice && a.fds.sliceRange == b.fds.sliceRange &&
+         a.fds.iso == b.fds.iso && a.fds.particles == b.fds.particles;
 }
 
 FdsLayer FdsLayer::with(const SmokeDescription& description, const SceneLights& lights) const {
@@ -541,6 +582,10 @@ Result<std::optional<FirstTime>> FdsLayer::firstTime(Progress& progress) {
   const auto times = case_->times();
   if (times.size() < 2)
     return std::nullopt;
+  if (isClear()) {
+    return FirstTime{description_.clock.sceneTime(times.back()),
+                     "the last one: the case stores no smoke to choose by"};
+  }
   std::vector<std::size_t> looked;
   const std::size_t last = times.size() - 1;
   for (int i = 1; i <= kTimesLookedAt; ++i) {

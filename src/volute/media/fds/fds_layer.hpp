@@ -60,6 +60,8 @@ class FdsLayer {
   /// What the extinction is read from, in words.
   const std::string& source() const { return case_->source().description; }
 
+  bool isClear() const { return case_->source().kind == FdsFileKind::kClear; }
+
   const Box3& bounds() const { return case_->bounds(); }
 
   int steps() const { return static_cast<int>(case_->times().size()); }
@@ -143,6 +145,7 @@ class FdsLayer {
   void addEdges(std::span<const FdsQuad> quads, const Box3& bounds, TriangleMesh& to) const;
   void addOutline(const FdsBuilding& building, FdsSides open, TriangleMesh& to) const;
   Status openFire(Reading& reading);
+  void showWhatThereIs(FdsLook& look, Reading& reading) const;
   Status dimFire(Reading& reading);
   Result<FdsFlame> flameOf(double caseTime) const;
   std::string fireLaw() const;

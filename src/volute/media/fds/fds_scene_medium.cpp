@@ -138,7 +138,8 @@ class FdsKind final : public MediumKind {
     if (smoke.model.massExtinction != kFdsMassExtinction)
       options.massExtinction = smoke.model.massExtinction;
     options.maxMemory = context.reading.maxMemory;
-    options.visibilityFactor = smoke.model.c;
+    if (smoke.givesC)
+      options.visibilityFactor = smoke.model.c;
     VOLUTE_ASSIGN(auto fds, FdsCase::open(smoke.file, options));
     // Somebody who names a source is asking for that alone.
     std::vector<FdsCase> others;

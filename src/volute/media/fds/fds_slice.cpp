@@ -11,6 +11,7 @@
 #include <set>
 #include <string_view>
 
+#include "volute/fds/frame_file.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
 
@@ -132,6 +133,43 @@ std::vector<FdsSliceSheet::Square> FdsSliceSheet::squaresOf(const FdsField& fiel
     }
   }
   return squares;
+}
+
+std::string hottestSlice(const SmvIndex& index) {
+  constexpr std::size_t kFramesToRead = 6;
+  std::string best;
+  double hottest = -std::numeric_limits<double>::infinity();
+  for (const FdsSliceEntry& slice : index.slices) {
+    const FdsMesh& mesh = index.meshes[static_cast<std::size_t>(slice.mesh)];
+    const auto file = FdsSliceFile::open(slice, mesh);
+    if (!file || file->frames().times.empty())
+      continue;
+    const FdsNodeBox& nodes = file->nodes();
+    int axis = 0;
+    while (axis < 3 && nodes.begin[axis] != nodes.end[axis]) ++axis;
+    if (axis == 3)
+      continue;
+    if (best.empty())
+      best = slice.labels.quantity;
+    if (slice.labels.quantity != "TEMPERATURE")
+      continue;
+    const auto& planes = mesh.planes[axis];
+    const auto node = static_cast<std::size_t>(nodes.begin[axis]);
+    const double place =
+        slice.cellCentred && node > 0 ? 0.5 * (planes[node - 1] + planes[node]) : planes[node];
+    std::vector<float> values(file->values());
+    const std::size_t last = file->frames().times.size() - 1;
+    for (std::size_t i = 0; i < kFramesToRead; ++i) {
+      if (!file->readFrame(last * i / (kFramesToRead - 1), values))
+        break;
+      const double most = *std::ranges::max_element(values);
+      if (most > hottest) {
+        hottest = most;
+        best = fmt::format("TEMPERATURE {}={:g}", "xyz"[axis], place);
+      }
+    }
+  }
+  return best;
 }
 
 Result<FdsSliceSheet> FdsSliceSheet::open(const SmvIndex& index, const std::string& quantity,

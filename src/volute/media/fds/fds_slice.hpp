@@ -13,6 +13,11 @@
 
 namespace volute {
 
+/// The plane of a case's 2D slices that gets hottest, as FdsSliceSheet::open() takes it:
+/// "TEMPERATURE z=1.5"; of a case without such slices the first quantity that it has slices of.
+/// Empty: it has none.
+std::string hottestSlice(const SmvIndex& index);
+
 /// 2D slices of one quantity of an FDS case, or a plane through it, as coloured sheets. Opaque:
 /// what lies behind is hidden.
 class FdsSliceSheet {

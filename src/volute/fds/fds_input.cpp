@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/fds_input.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "volute/base/read_text.hpp"
+#include "volute/fds/text_lines.hpp"
+
+namespace volute {
+namespace {
+
+constexpr std::uint64_t kLargestFile = std::uint64_t{1} << 28;
+constexpr int kMostRepeats = 10000;
+
+std::string capitals(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return out;
+}
+
+bool isWordEnd(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ',' || c == '/' || c == '=' ||
+         c == '!' || c == '\'' || c == '"' || c == '(';
+}
+
+class NamelistScanner {
+ public:
+  explicit NamelistScanner(std::string_view text) : text_(text) {}
+
+  std::vector<FdsNamelist> all(const std::vector<std::string_view>& groups) {
+    std::vector<FdsNamelist> found;
+    while (at_ < text_.size()) {
+      skipBlanks();
+      if (peek() != '&') {
+        nextLine();
+        continue;
+      }
+      ++at_;
+      FdsNamelist group{capitals(word()), line_, {}};
+      read(group);
+      if (std::ranges::find(groups, group.group) != groups.end())
+        found.push_back(std::move(group));
+      nextLine();
+    }
+    return found;
+  }
+
+ private:
+  char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+
+  void skipBlanks() {
+    while (peek() == ' ' || peek() == '\t' || peek() == '\r') ++at_;
+  }
+
+  void nextLine() {
+    at_ = std::min(text_.find('\n', at_), text_.size());
+    if (at_ < text_.size()) {
+      ++at_;
+      ++line_;
+    }
+  }
+
+  /// Past blanks, commas, ends of lines and comments; false where the group ends.
+  bool next() {
+    for (;;) {
+      skipBlanks();
+      if (peek() == ',') {
+        ++at_;
+      } else if (peek() == '\n' || peek() == '!') {
+        nextLine();
+        skipBlanks();
+        if (peek() == '&') {  // a slash is missing: the next group begins here
+          at_ = at_ == 0 ? 0 : text_.rfind('\n', at_);
+          --line_;
+          return false;
+        }
+      } else {
+        break;
+      }
+    }
+    return at_ < text_.size() && peek() != '/';
+  }
+
+  std::string_view word() {
+    const std::size_t begin = at_;
+    while (at_ < text_.size() && !isWordEnd(text_[at_])) ++at_;
+    return text_.substr(begin, at_ - begin);
+  }
+
+  std::string quoted(char quote) {
+    std::string out;
+    for (++at_; at_ < text_.size() && text_[at_] != '\n'; ++at_) {
+      if (text_[at_] != quote) {
+        out += text_[at_];
+      } else if (at_ + 1 < text_.size() && text_[at_ + 1] == quote) {
+        out += text_[++at_];
+      } else {
+        ++at_;
+        break;
+      }
+    }
+    return std::string(trimmed(out));
+  }
+
+  /// "(2)" or "(1:3)" of a key.
+  void skipIndices() {
+    if (peek() == '(')
+      at_ = std::min(text_.find_first_of(")\n", at_), text_.size());
+    if (peek() == ')')
+      ++at_;
+  }
+
+  void read(FdsNamelist& group) {
+    std::vector<std::string>* values = nullptr;
+    while (next()) {
+      const char c = peek();
+      if (c == '\'' || c == '"') {
+        std::string text = quoted(c);
+        if (values != nullptr)
+          values->push_back(std::move(text));
+        continue;
+      }
+      const std::string_view one = word();
+      const std::size_t after = at_;
+      skipIndices();
+      skipBlanks();
+      if (peek() == '=') {
+        ++at_;
+        values = &group.values[capitals(one)];
+        continue;
+      }
+      at_ = after;
+      if (one.empty()) {
+        ++at_;  // what has no place here
+        continue;
+      }
+      if (values != nullptr)
+        take(one, *values);
+    }
+  }
+
+  /// "3*0.5" stands three times.
+  static void take(std::string_view word, std::vector<std::string>& values) {
+    const std::size_t star = word.find('*');
+    const auto count = star == word.npos ? std::nullopt : integerOf(word.substr(0, star));
+    if (!count || *count < 1 || *count > kMostRepeats)
+      values.emplace_back(word);
+    else
+      values.insert(values.end(), static_cast<std::size_t>(*count),
+                    std::string(word.substr(star + 1)));
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+};
+
+/// With D instead of E, as Fortran takes it.
+std::optional<double> fortranValue(std::string text) {
+  for (char& c : text) c = c == 'd' || c == 'D' ? 'e' : c;
+  return numberOf(text);
+}
+
+Status takeNumber(const FdsNamelist& group, const char* key, const std::filesystem::path& path,
+                  std::optional<double>& into) {
+  if (group.text(key).empty())
+    return {};
+  into = group.number(key);
+  if (into && *into > 0)
+    return {};
+  return fail(ErrorCode::kInvalidData, "{}: line {}: {} is '{}'; expected a number above 0",
+              path.string(), group.line, key, group.text(key).substr(0, 40));
+}
+
+}  // namespace
+
+std::string FdsNamelist::text(const std::string& key) const {
+  const auto found = values.find(key);
+  return found == values.end() || found->second.empty() ? "" : found->second.front();
+}
+
+std::optional<double> FdsNamelist::number(const std::string& key) const {
+  return fortranValue(text(key));
+}
+
+std::vector<FdsNamelist> fdsNamelists(std::string_view text,
+                                      const std::vector<std::string_view>& groups) {
+  return NamelistScanner(text).all(groups);
+}
+
+Result<FdsInput> FdsInput::read(const std::filesystem::path& path) {
+  VOLUTE_ASSIGN(const auto text, readText(path, kLargestFile));
+  FdsInput input;
+  input.path = path;
+  std::map<std::string, std::string> formulas;
+  for (const FdsNamelist& group : fdsNamelists(text, {"HEAD", "MISC", "REAC", "SPEC", "DEVC"})) {
+    if (group.group == "HEAD") {
+      input.chid = group.text("CHID");
+    } else if (group.group == "MISC") {
+      VOLUTE_TRY(takeNumber(group, "VISIBILITY_FACTOR", path, input.visibilityFactor));
+      VOLUTE_TRY(takeNumber(group, "MAXIMUM_VISIBILITY", path, input.maximumVisibility));
+    } else if (group.group == "REAC") {
+      const std::string fuel = group.text("FUEL").empty() ? group.text("ID") : group.text("FUEL");
+      input.reactions.push_back(
+          {fuel, group.number("SOOT_YIELD").value_or(0), group.number("CO_YIELD").value_or(0)});
+    } else if (group.group == "SPEC") {
+      if (!group.text("FORMULA").empty())
+        formulas[group.text("ID")] = group.text("FORMULA");
+    } else if (!group.text("ID").empty()) {
+      FdsInput::Device device{group.text("QUANTITY"), group.text("SPEC_ID"), {}, false};
+      for (const char* key : {"SPATIAL_STATISTIC", "STATISTICS", "TEMPORAL_STATISTIC"}) {
+        const std::string statistic = capitals(group.text(key));
+        if (!statistic.empty() && statistic != "TIME AVERAGE" && statistic != "INSTANT VALUE" &&
+            statistic != "RUNNING AVERAGE")
+          device.statistic = statistic;
+      }
+      device.scaled = (group.number("CONVERSION_FACTOR").value_or(1) != 1 ||
+                       group.number("CONVERSION_ADDEND").value_or(0) != 0) &&
+                      group.text("UNITS").empty();
+      input.devices.emplace(group.text("ID"), std::move(device));
+    }
+  }
+  for (auto& [id, device] : input.devices) {
+    const auto formula = formulas.find(device.species);
+    if (formula != formulas.end())
+      device.species = formula->second;
+  }
+  return input;
+}
+
+}  // namespace volute

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/fds/fds_devices.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "volute/fds/fds_case_testing.hpp"
+#include "volute/media/fds/fds_conditions.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// A case of one mesh with devices at x = 1, 2, 3 ... m.
+class FdsDevices : public ::testing::Test {
+ protected:
+  FdsDevices() {
+    index_.meshes.push_back({{{{0, 10}, {0, 1}, {0, 1}}}, {}, {}});
+    index_.input = "made.fds";
+  }
+
+  void device(const std::string& label, const std::string& quantity) {
+    index_.device(label, quantity, {1.0 + count_++, 0.5, 0.5});
+  }
+
+  SmvIndex read(const std::string& table, const std::string& input = "") {
+    fdswriter::saveText(folder_ / "made_devc.csv", table);
+    if (!input.empty())
+      fdswriter::saveText(folder_ / "made.fds", "&HEAD CHID='made' /\n" + input);
+    index_.save(folder_ / "made.smv");
+    auto index = SmvIndex::read(folder_ / "made.smv");
+    if (!index)
+      throw std::runtime_error(index.error().message);
+    return std::move(*index);
+  }
+
+  static double valueAt(PointField& field, double time, double x) {
+    const Vec3 point(x, 0.5, 0.5);
+    double value = 0;
+    EXPECT_TRUE(field.at(time, {&point, 1}, {&value, 1}));
+    return value;
+  }
+
+  fdswriter::Folder folder_;
+  fdswriter::Index index_;
+  int count_ = 0;
+};
+
+TEST_F(FdsDevices, SpeciesAreThoseOfTheInput) {
+  device("CO", "VOLUME FRACTION");
+  device("CO2", "VOLUME FRACTION");
+  device("O2", "OXYGEN VOLUME FRACTION");
+  device("R", "RADIATIVE HEAT FLUX");
+  const auto index = read(
+      "s,ppm,mol/mol,%,W/m2\nTime,\"CO\",\"CO2\",\"O2\",\"R\"\n0,0,0,21,0\n10,1200,0.05,15,2500\n",
+      "&DEVC ID='CO', QUANTITY='VOLUME FRACTION', SPEC_ID='CARBON MONOXIDE', XYZ=1,.5,.5 /\n"
+      "&DEVC ID='CO2', QUANTITY='VOLUME FRACTION', SPEC_ID='my gas', XYZ=2,.5,.5 /\n"
+      "&SPEC ID='my gas', FORMULA='CO2' /\n"
+      "&DEVC ID='R', QUANTITY='RADIATIVE HEAT FLUX GAS', XYZ=4,.5,.5 /\n");
+
+  const struct {
+    const char* quantity;
+    double x, value;
+  } expected[] = {{"carbon-monoxide", 1, 0.0012},
+                  {"carbon-dioxide", 2, 0.05},
+                  {"oxygen", 3, 0.15},
+                  {"radiant-flux", 4, 2.5}};
+
+  for (const auto& one : expected) {
+    auto field = fdsConditions(index, one.quantity, 1 << 20);
+    ASSERT_TRUE(field) << one.quantity << ": " << field.error().message;
+    EXPECT_NEAR(valueAt(**field, 10, one.x), one.value, 1e-12) << one.quantity;
+    EXPECT_TRUE(std::isnan(valueAt(**field, 10, one.x + 0.5)));
+  }
+  EXPECT_EQ(fdsConditions(index, "hydrogen-cyanide", 1 << 20).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(FdsDevices, ABadCellIsThatCellAlone) {
+  for (const char* label : {"T1", "T2", "T3"}) device(label, "TEMPERATURE");
+  const auto index = read(
+      "s,C,C,K\nTime,\"T1\",\"T2\",\"T3\"\n0,NaN,20,293.15\n5,30,*****,303.15\n10,50,2.0-101,313."
+      "15\n");
+  auto field = fdsConditions(index, "temperature", 1 << 20).value();
+  EXPECT_THAT(field->times(), ElementsAre(0, 5, 10));
+  EXPECT_EQ(valueAt(*field, 5, 1), 30);
+  EXPECT_TRUE(std::isnan(valueAt(*field, 2, 1))) << "nobody knows before its first number";
+  EXPECT_NEAR(valueAt(*field, 5, 2), 10, 1e-12) << "between its numbers";
+  EXPECT_NEAR(valueAt(*field, 10, 2), 0, 1e-12);
+  EXPECT_NEAR(valueAt(*field, 5, 3), 30, 1e-9);
+  EXPECT_THAT(
+      fdsFacts(index).remarks,
+      Contains(HasSubstr("2 cells hold no number and are left out (line 3 is the first): of "
+                         "T1, T2")));
+}
+
+TEST_F(FdsDevices, ARestartReplacesWhatCameBefore) {
+  device("T1", "TEMPERATURE");
+  const auto index = read("s,C\nTime,\"T1\"\n0,20\n5,30\n10,40\n5,25\n9,27\n");
+  auto field = fdsConditions(index, "temperature", 1 << 20).value();
+  EXPECT_THAT(field->times(), ElementsAre(0, 5, 9));
+  EXPECT_EQ(valueAt(*field, 5, 1), 25);
+  EXPECT_THAT(fdsFacts(index).remarks,
+              Contains(HasSubstr("times go back (line 6, from 10 to 5 s)")));
+}
+
+TEST_F(FdsDevices, WhatIsNoValueAtAPointIsLeftOutAndNamed) {
+  for (const char* label : {"T1", "mean", "scaled", "twice", "odd"}) device(label, "TEMPERATURE");
+  const auto index = read(
+      "s,C,C,C,C,C,furlong\nTime,\"T1\",\"mean\",\"scaled\",\"twice\",\"twice\",\"odd\"\n0,20,1,2,"
+      "3,4,5\n",
+      "&DEVC ID='mean', QUANTITY='TEMPERATURE', SPATIAL_STATISTIC='MEAN' /\n"
+      "&DEVC ID='scaled', QUANTITY='TEMPERATURE', CONVERSION_FACTOR=2. /\n");
+  auto field = fdsConditions(index, "temperature", 1 << 20).value();
+  EXPECT_EQ(valueAt(*field, 0, 1), 20);
+  for (const double x : {2, 3, 4, 5}) EXPECT_TRUE(std::isnan(valueAt(*field, 0, x))) << x;
+  EXPECT_THAT(field->description(), HasSubstr("mean (MEAN)"));
+  EXPECT_THAT(field->description(), HasSubstr("scaled (CONVERSION_FACTOR without UNITS)"));
+  EXPECT_THAT(field->description(), HasSubstr("odd (in 'furlong')"));
+  EXPECT_THAT(fdsFacts(index).remarks, Contains(HasSubstr("several columns have one name")));
+}
+
+TEST_F(FdsDevices, OfSeveralAtOnePlaceTheWorstCounts) {
+  index_.device("west", "RADIATIVE HEAT FLUX", {1, 0.5, 0.5});
+  index_.device("east", "RADIATIVE HEAT FLUX", {1, 0.5, 0.5});
+  const auto index = read("s,kW/m2,kW/m2\nTime,\"west\",\"east\"\n0,5.59,0.4\n");
+  auto field = fdsConditions(index, "radiant-flux", 1 << 20).value();
+  EXPECT_EQ(valueAt(*field, 0, 1.1), 5.59);
+}
+
+}  // namespace
+}  // namespace volute
