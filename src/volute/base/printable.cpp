@@ -72,4 +72,27 @@ std::string printableMessage(std::string_view text) {
   return cleaned(text, "\n    ");
 }
 
+std::string asUtf8(std::string_view text) {
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const Character first = firstOf(rest);
+    if (first.bytes == 0)
+      break;
+    rest.remove_prefix(first.bytes);
+  }
+  if (rest.empty())
+    return std::string(text);
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80) {
+      out += c;
+    } else {
+      out += static_cast<char>(0xC0U | (byte >> 6U));
+      out += static_cast<char>(0x80U | (byte & 0x3FU));
+    }
+  }
+  return out;
+}
+
 }  // namespace volute

@@ -15,4 +15,8 @@ std::string printable(std::string_view text);
 /// The same for messages, which are one line or indent those that follow: no name can begin a line
 /// that looks like a message of its own.
 std::string printableMessage(std::string_view text);
+
+/// In UTF-8: text that is none is taken as Latin-1, which names of older files are in.
+std::string asUtf8(std::string_view text);
+
 }  // namespace volute

@@ -40,5 +40,12 @@ TEST(Printable, JsonStaysJson) {
   EXPECT_EQ(printable("{\"a\": \"\xC2\x9B\x7F\"}\n"), "{\"a\": \"\\u009b\\u007f\"}\n");
 }
 
+TEST(AsUtf8, TextThatIsNoneIsLatin1) {
+  EXPECT_EQ(asUtf8("T\xFCr 3"), "Tür 3");
+  EXPECT_EQ(asUtf8("Tür 3"), "Tür 3");
+  EXPECT_EQ(asUtf8("\xC3"), "Ã");
+  EXPECT_EQ(asUtf8(""), "");
+}
+
 }  // namespace
 }  // namespace volute

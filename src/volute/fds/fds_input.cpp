@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "volute/base/printable.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/fds/text_lines.hpp"
 
@@ -191,7 +192,8 @@ std::vector<FdsNamelist> fdsNamelists(std::string_view text,
 }
 
 Result<FdsInput> FdsInput::read(const std::filesystem::path& path) {
-  VOLUTE_ASSIGN(const auto text, readText(path, kLargestFile));
+  VOLUTE_ASSIGN(const auto bytes, readText(path, kLargestFile));
+  const std::string text = asUtf8(bytes);
   FdsInput input;
   input.path = path;
   std::map<std::string, std::string> formulas;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "volute/base/printable.hpp"
 #include "volute/fds/smv_reader.hpp"
 
 namespace volute {
@@ -75,7 +76,9 @@ Status SmvReader::readVersion(std::string_view) {
 }
 
 Status SmvReader::readTitle(std::string_view) {
-  return text(index_.title, "the title");
+  VOLUTE_TRY(text(index_.title, "the title"));
+  index_.title = asUtf8(index_.title);
+  return {};
 }
 
 Status SmvReader::readChid(std::string_view) {
@@ -316,6 +319,7 @@ Status SmvReader::readDevice(std::string_view) {
   FdsDevice device;
   std::string line;
   VOLUTE_TRY(text(line, "a device's label"));
+  line = asUtf8(line);
   const auto mark = line.rfind('%');
   device.label = trimmed(std::string_view(line).substr(0, mark));
   if (mark != std::string::npos)

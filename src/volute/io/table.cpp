@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "volute/base/printable.hpp"
 #include "volute/base/suggest.hpp"
 
 namespace volute {
@@ -198,7 +199,7 @@ Result<bool> TableReader::take(std::string_view line) {
     // Spreadsheets end lines in empty fields.
     while (fields_.size() > count_ && fields_.back().empty()) fields_.pop_back();
     if (rules_.longer && firstRow_)
-      count_ = std::max(count_, fields_.size());
+      count_ = std::max(static_cast<std::size_t>(std::ranges::max(places_) + 1), fields_.size());
   }
   if (fields_.size() != count_) {
     return fail(ErrorCode::kInvalidData,

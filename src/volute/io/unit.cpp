@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "volute/base/printable.hpp"
 #include "volute/io/number_word.hpp"
 #include "volute/io/table_row.hpp"
 
@@ -185,21 +186,6 @@ std::optional<Unit> unitOf(std::string_view said) {
   return unit ? unit : productOf(lower);
 }
 
-bool isUtf8(std::string_view text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const auto lead = static_cast<unsigned char>(text[i]);
-    const std::size_t more = lead < 0x80 ? 0 : lead >= 0xF0 ? 3 : lead >= 0xE0 ? 2 : 1;
-    if ((lead >= 0x80 && lead < 0xC2) || lead > 0xF4 || i + more >= text.size())
-      return false;
-    for (std::size_t k = 1; k <= more; ++k) {
-      if ((static_cast<unsigned char>(text[i + k]) & 0xC0) != 0x80)
-        return false;
-    }
-    i += more + 1;
-  }
-  return true;
-}
-
 }  // namespace
 
 std::optional<UnitChange> unitChange(std::string_view from, std::string_view to) {
@@ -213,24 +199,6 @@ std::optional<UnitChange> unitChange(std::string_view from, std::string_view to)
 
 bool isUnit(std::string_view text) {
   return unitOf(text).has_value();
-}
-
-std::string asUtf8(std::string_view text) {
-  if (isUtf8(text))
-    return std::string(text);
-  std::string out;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x80) {
-      out += c;
-    } else if (byte == 0x80) {
-      out += "€";
-    } else {
-      out += static_cast<char>(0xC0 | (byte >> 6));
-      out += static_cast<char>(0x80 | (byte & 0x3F));
-    }
-  }
-  return out;
 }
 
 }  // namespace volute

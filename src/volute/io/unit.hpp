@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
 
 namespace volute {
@@ -25,8 +24,5 @@ std::optional<UnitChange> unitChange(std::string_view from, std::string_view to)
 
 /// Whether a unit of that name is known.
 bool isUnit(std::string_view text);
-
-/// In UTF-8: text that is none is taken as Latin-1 (Windows-1252).
-std::string asUtf8(std::string_view text);
 
 }  // namespace volute

@@ -122,6 +122,13 @@ TEST(Trajectories, AreReadAsJuPedSimWritesThem) {
   EXPECT_NEAR((half[0].eye - Vec3(4.7, 3.33, 1.8)).norm(), 0, 1e-12);
   EXPECT_EQ(walk.at(1).size(), 2U);
   EXPECT_TRUE(walk.at(1.01).empty());
+  const auto measured =
+      Trajectories::parse(
+          "# grid from left to right\n# framerate: 2\n# PersID Frame X[in cm] Y[in cm] "
+          "Z[in cm] more\n1 2 100 200 176\n",
+          "t.txt", {})
+          .value();
+  EXPECT_NEAR((measured.at(1)[0].eye - Vec3(1, 2, 1.76)).norm(), 0, 1e-12);
   const auto centimetres =
       Trajectories::parse("# framerate: 25 fps\n#ID frame x/cm y/cm z/cm\n1 0 100 200 176\n",
                           "t.txt", {})

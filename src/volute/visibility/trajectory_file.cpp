@@ -190,11 +190,10 @@ Status readFrames(std::string_view text, std::string_view file, std::optional<do
        {"z", "m"}},
       {.own = false, .unnamed = {height ? 4U : 5U, 5U}, .blanks = !commas, .longer = true});
   bool measured = false;  // heads of people in front of a camera
-  const auto isHead = [](std::string_view line) {
-    const std::string lower = lowerCase(line);
-    return (lower.find("id") != lower.npos) && lower.find("fr") != lower.npos &&
-           fieldsOf(line, line.find(',') == line.npos ? '\0' : ',').size() >= 4 &&
-           lower.find(':') == lower.npos;
+  const auto isHead = [](std::string_view names) {
+    const std::string lower = lowerCase(trimmedField(names));
+    const auto fields = fieldsOf(lower, lower.find(',') == lower.npos ? '\0' : ',');
+    return fields.size() >= 4 && fields[0].ends_with("id") && fields[1].starts_with("fr");
   };
   VOLUTE_TRY(forEachRow(text, [&](std::string_view line, int) -> Status {
     if (line.starts_with('#')) {

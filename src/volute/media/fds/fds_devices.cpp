@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 
+#include "volute/base/printable.hpp"
 #include "volute/fds/text_lines.hpp"
 #include "volute/io/table_row.hpp"
 #include "volute/io/unit.hpp"

@@ -97,6 +97,15 @@ TEST_F(FdsDevices, ABadCellIsThatCellAlone) {
                          "T1, T2")));
 }
 
+TEST_F(FdsDevices, NamesAreLatin1OrUtf8) {
+  device("T\xFCr", "VOLUME FRACTION");
+  const auto index = read("s,mol/mol\nTime,\"T\xFCr\"\n0,0.1\n",
+                          "&DEVC ID='Tür', QUANTITY='VOLUME FRACTION', SPEC_ID='OXYGEN' /\n");
+  auto field = fdsConditions(index, "oxygen", 1 << 20);
+  ASSERT_TRUE(field) << field.error().message;
+  EXPECT_EQ(valueAt(**field, 0, 1), 0.1);
+}
+
 TEST_F(FdsDevices, ARestartReplacesWhatCameBefore) {
   device("T1", "TEMPERATURE");
   const auto index = read("s,C\nTime,\"T1\"\n0,20\n5,30\n10,40\n5,25\n9,27\n");
