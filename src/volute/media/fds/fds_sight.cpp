@@ -610,10 +610,10 @@ Result<std::unique_ptr<PointField>> FdsSight::conditions(std::string_view quanti
 double FdsSight::begin() {
   if (!begin_) {
     begin_ = times_.front();
-    const auto fire = readCurves(besideCase(case_.index(), "_hrr.csv"),
+    const auto fire = readCurves(case_.index(), "hrr",
                                  [](const auto& name, const auto&) { return name == "HRR"; });
-    if (fire && !fire->empty())
-      begin_ = std::min(*begin_, fire->front().times.front());
+    if (fire && !fire->curves.empty())
+      begin_ = std::min(*begin_, fire->curves.front().times.front());
   }
   return *begin_;
 }
