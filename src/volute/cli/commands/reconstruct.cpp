@@ -342,7 +342,7 @@ std::vector<Option> solverOptions() {
        .kind = kNumber,
        .value = "F",
        .help = "with total variation: penalty on light in dark voxels, relative to lambda; if not "
-               "given, 2.5, or 0 if the data prefer it",
+               "given, 2.5, or 0 with fewer than 4 cameras or if the data prefer it",
        .least = 0},
       {.name = "noise-sigma",
        .kind = kNumber,
@@ -424,7 +424,9 @@ std::vector<Option> reconstructOptionTable() {
        .initial = "0.5",
        .least = 0,
        .most = 1},
-      {.name = "force", .help = "continue despite detected faults, or with fewer than 3 views"}};
+      {.name = "force",
+       .help = "continue despite detected faults and missing pictures, or with "
+               "fewer than 3 views"}};
   for (const auto& table : {captureOptionTable(), solverOptions()})
     options.insert(options.end(), table.begin(), table.end());
   return options;
