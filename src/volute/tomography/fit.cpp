@@ -16,6 +16,7 @@ namespace {
 constexpr unsigned kHeldOutOf = 20;   // one row in so many
 constexpr double kBright = 0.7;       // of the typical value
 constexpr std::size_t kMinViews = 4;  // of which one can be held out
+constexpr std::size_t kFewViews = 5;  // of which few are left to predict it
 
 std::unique_ptr<Prior> makeSpatialPrior(const FitSetup& setup, const PriorStrength& prior) {
   const TomographyOptions& options = setup.options;
@@ -249,7 +250,6 @@ struct Fold {
 
 /// Whole cameras, those whose nearest neighbour is as far as is usual first; or pixels.
 std::vector<Fold> foldsOf(const FitSetup& setup) {
-  constexpr std::size_t kFew = 5;
   const FrameProblem& problem = setup.problem;
   const auto& views = setup.views;
   std::vector<Fold> folds;
@@ -268,7 +268,7 @@ std::vector<Fold> foldsOf(const FitSetup& setup) {
     }
     std::ranges::sort(nearest);
     std::vector<int> chosen{nearest[nearest.size() / 2].second};
-    if (views.size() <= kFew)
+    if (views.size() <= kFewViews)
       chosen.push_back(nearest[nearest.size() / 2 - 1].second);
     for (const int view : chosen) {
       Fold& fold = folds.emplace_back();
@@ -313,8 +313,7 @@ class PriorSearch {
     // One or two cameras tell little of how light is spread over dark voxels: of fire, volumes with
     // sparsity come nearer to the truth though they predict a camera 3 to 9 % worse; of smoke,
     // where sparsity is wrong, they predict it worse by a quarter and more.
-    keep({Regularization::kTv, search.chosen(), sparsity, 0}, least, std::move(reached_),
-         sparsity > 0 ? kClearly : kMuch);
+    keep({Regularization::kTv, search.chosen(), sparsity, 0}, least, std::move(reached_), kMuch);
     return {};
   }
 
@@ -389,9 +388,12 @@ Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
   } else {
     PriorSearch search(setup, start, most);
     const double sparsity = options.sparsity.value_or(usualSparsity(setup.views.size()));
-    VOLUTE_TRY(search.tryTotalVariation(sparsity));
+    // The first is taken unless the second predicts much better: of few views that without
+    // sparsity, which of thin flames is nearer to the truth, and of others hardly further.
+    std::vector<double> tried{sparsity};
     if (!options.sparsity && sparsity > 0)
-      VOLUTE_TRY(search.tryTotalVariation(0));
+      tried.insert(setup.views.size() <= kFewViews ? tried.begin() : tried.end(), 0);
+    for (const double one : tried) VOLUTE_TRY(search.tryTotalVariation(one));
     if (options.regularization == Regularization::kAuto && !options.iterations)
       VOLUTE_TRY(search.tryPlainIterations());
     choice = search.choice();

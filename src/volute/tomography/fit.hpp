@@ -83,7 +83,8 @@ inline constexpr double kSettled = 1e-3;  ///< what counts as settled
                                  const StopRule& stop);
 
 /// Chooses the prior, unless the options have the choice, and fits all pixels. Total variation goes
-/// from strong to weak, with sparsity and without, each fit going on from the one before, until the
+/// from strong to weak, with sparsity and without (in the order of
+/// what is usual for so many views), each fit going on from the one before, until the
 /// error over the held-out pixels has risen; plain iterations go on until it rises. The least error
 /// is chosen. With four views or more the held-out pixels are those of one camera, of four or five
 /// views those of two in turn, for other pixels of the same cameras would be predicted ever better
