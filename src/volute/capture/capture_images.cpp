@@ -351,7 +351,7 @@ Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int numb
             stored.image.channels == 1,
             stored.mosaic,
             stored.plateau,
-            stored.response};
+            stored.linear ? Response() : stored.response};
   const auto channels = static_cast<std::size_t>(stored.image.channels);
   seen.atLeast.assign(stored.image.pixels.size() / channels, 0);
   for (std::size_t i = 0; i < seen.atLeast.size(); ++i) {
