@@ -173,7 +173,7 @@ class Survey:
     eyes: npt.NDArray[np.float64]
     def lost(self) -> npt.NDArray[np.float64]: ...
 
-def visibility(source: Union[Sight, Path], signs: Union[Path, Sequence[Dict[str, Any]]], eyes: npt.ArrayLike, *,
+def visibility(source: Union[Sight, Source], signs: Union[Path, Sequence[Dict[str, Any]]], eyes: npt.ArrayLike, *,
                times: Optional[Sequence[int]] = ..., max_memory: int = ..., progress: Progress = ..., **members: Any) -> Survey: ...
 
 class Engine:
@@ -181,7 +181,7 @@ class Engine:
     SEEN: int
     CANNOT_TELL: int
     path: str
-    def __init__(self, source: Path, signs: Union[Path, Sequence[Dict[str, Any]]], *,
+    def __init__(self, source: Source, signs: Union[Path, Sequence[Dict[str, Any]]], *,
                  criteria: Union[None, Path, Sequence[Dict[str, Any]]] = ..., max_memory: int = ..., progress: Progress = ...,
                  **members: Any) -> None: ...
     @property
