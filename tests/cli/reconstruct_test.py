@@ -52,6 +52,15 @@ class Reconstruct(ring.TestCase):
         self.assertEqual((info["basis"], info["grid"], info["bounds"]), ("trilinear", "emission", [-1, -1, -1, 1, 1, 1]))
         self.assertLessEqual(info["reached"]["relative_rms"] if "reached" in info else info["relative_rms"], 1e-3)
 
+    def test_the_compressed_file_is_compared_with_the_pictures(self):
+        fine = self.reconstruct("--frames", "10:12", "--json", output="fine.volute")
+        self.assertNotIn("warning", fine.message)
+        self.assertLess(fine.json["file_residual"], 1.1 * fine.json["residual"] + 2e-3)
+        rough = self.reconstruct("--frames", "10:12", "--json", "--rms", "0.3", output="rough.volute")
+        self.assertRegex(rough.message, r"warning: the compressed file leaves \S+ % of the pictures unexplained, the volumes before")
+        self.assertGreater(rough.json["file_residual"], 1.1 * rough.json["residual"])
+        self.assertNotIn("file_residual", self.reconstruct("--frames", "10", "--json").json)
+
     def test_report_and_page(self):
         result = self.reconstruct("--hold-out", "c1", "--hold-out", "c3", "--report", self.path("r.json"), "--json")
         report = json.loads(self.path("r.json").read_text())
