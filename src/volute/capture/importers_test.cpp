@@ -288,6 +288,12 @@ TEST_F(Importers, NerfEntriesOfOnePoseAreFramesOfOneCamera) {
                 Contains(HasSubstr("6 entries are 3 cameras that stand still, with "
                                    "2 frames")));
   }
+  ASSERT_VALUE(const auto folders, opened([](nlohmann::json& entry, int camera, int frame) {
+                 entry["file_path"] =
+                     fmt::format("left/{}/frame_{}.png", nameOf(camera), 8 + frame);
+               }));
+  EXPECT_EQ(folders.cameras[1].name, "b");
+  EXPECT_EQ(folders.frames, (std::vector<int>{8, 9}));
   // Pictures that are numbered through, by times: 0 to 5 in the order of the list, or by frames.
   for (const bool byCamera : {true, false}) {
     ASSERT_VALUE(const auto capture, opened([&](nlohmann::json& entry, int camera, int frame) {

@@ -200,6 +200,24 @@ Status placeByNumber(const std::vector<Group>& groups, std::set<int>& frames) {
   return {};
 }
 
+/// Cameras whose files are called alike: "cam0/frame_%04d.png" is camera cam0; of one series for
+/// all they are counted.
+void nameByFolder(std::vector<CameraDraft>& cameras) {
+  std::set<std::string> files, folders;
+  const auto folderOf = [](const CameraDraft& camera) {
+    return std::filesystem::path(camera.pictures.image).parent_path().filename().string();
+  };
+  for (const CameraDraft& camera : cameras) {
+    files.insert(std::filesystem::path(camera.pictures.image).filename().string());
+    folders.insert(folderOf(camera));
+  }
+  if (files.size() == cameras.size())
+    return;
+  const bool byFolder = folders.size() == cameras.size();
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    cameras[i].name = byFolder ? folderOf(cameras[i]) : fmt::format("camera{}", i);
+}
+
 }  // namespace
 
 Status groupEntries(CaptureDraft& draft) {
@@ -266,11 +284,7 @@ Status groupEntries(CaptureDraft& draft) {
     camera.pictures.image = *pattern;
     camera.pictureName = *pattern;
   }
-  const bool numberedThrough = std::ranges::any_of(cameras, [&](const CameraDraft& camera) {
-    return &camera != &cameras[0] && camera.pictures.image == cameras[0].pictures.image;
-  });
-  for (std::size_t i = 0; numberedThrough && i < cameras.size(); ++i)
-    cameras[i].name = fmt::format("camera{}", i);
+  nameByFolder(cameras);
   std::set<int> frames;
   if (byTime)
     VOLUTE_TRY(placeByTime(groups, times, cameras, frames));
