@@ -208,6 +208,15 @@ target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
         links = self.works("ninja", "-C", FOLDER / "outer_build", "-t", "query", "mine")
         self.assertIn("libvolute_scene.a", links)
 
+    def test_packages_need_what_is_loaded_late(self):
+        """What a message asks to install is what the Debian packages depend on or recommend."""
+        said = re.search(r"is missing; install (.*?)\W*$", (SOURCE / "src/volute/gl/gl_device.cpp").read_text(), re.M)[1]
+        packages = re.findall(r"lib[\w-]+", said)
+        table = (SOURCE / "cmake/VolutePackages.cmake").read_text()
+        self.assertEqual(re.search(r"^set\(openGl (.*)\)$", table, re.M)[1].split(), packages)
+        for name in ("volute", "volute-view", "libvolute0"):
+            self.assertRegex(table, rf"(?s)volute_deb\({name} (?:(?!volute_deb).)*?\$\{{openGl\}}")
+
     def test_a_part_looks_for_what_it_needs_alone(self):
         folder = project("part", "find_package(volute 0.2 REQUIRED COMPONENTS codec)\n"
                          "if(TARGET PNG::PNG OR TARGET nlohmann_json::nlohmann_json OR TARGET embree OR NOT TARGET volute::codec)\n"
