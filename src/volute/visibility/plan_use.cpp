@@ -10,11 +10,12 @@
 namespace volute {
 namespace {
 
-/// Whether a body that stands on a floor, the eye at its top, touches a fire or is above its base.
+/// Whether a body that stands on a floor, the eye at its top, touches a fire or stands on a burner.
 bool isIn(const FirePlace& fire, const Vec3& eye, double floor) {
+  constexpr double kOn = 0.1;  // [m]
   const Box3& box = fire.bounds;
   return box.min.x() <= eye.x() && eye.x() <= box.max.x() && box.min.y() <= eye.y() &&
-         eye.y() <= box.max.y() && box.min.z() < eye.z() && box.max.z() > floor;
+         eye.y() <= box.max.y() && box.min.z() < eye.z() && box.max.z() > floor - kOn;
 }
 
 }  // namespace
