@@ -114,6 +114,8 @@ class BrickFrames final : public FrameSource {
     return {};
   }
 
+  bool hasTopology() const override { return true; }
+
   std::uint64_t brickBytes() const override {
     std::uint64_t most = 0;
     for (const Bricks& frame : frames_) most = std::max(most, frame.bytes());

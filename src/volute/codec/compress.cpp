@@ -136,8 +136,11 @@ class Compressor {
         sampled_(row_.grid().rowCount() > kManyBlocks),
         units_(plan_, team) {
     head_.info = info_;
-    parameters_.sparse = true;
-    head_.header.codec = kSparseCodec;
+    // A field that states no topology, judged over all of its voxels, pays for none.
+    const bool overAll =
+        options.target.kind == Kind::kRmsOverAll || options.target.kind == Kind::kPsnr;
+    parameters_.sparse = source.hasTopology() || !overAll;
+    head_.header.codec = codec();
     head_.header.writtenBy = "volute " VOLUTE_VERSION;
     head_.header.provenance = options.provenance;
     head_.header.targetKind = nameOf(options.target.kind);
@@ -198,6 +201,8 @@ class Compressor {
   tl::unexpected<Error> unreachable() const;
   Result<CompressReport> write();
   Status completeUnits();
+
+  int codec() const { return static_cast<int>(parameters_.sparse ? kSparseCodec : kWaveletCodec); }
 
   StreamInfo stream() const {
     return {info_.channels, static_cast<float>(head_.header.valueMin),
@@ -499,7 +504,7 @@ std::optional<BlockMode> Compressor::chooseMode(std::size_t block, std::span<con
                                                 std::span<const VoxelState> states,
                                                 const BlockEncoder& encoder,
                                                 const std::optional<BlockMode>& before) const {
-  const bool sparse = shareOf(states) < kSparseBlock;
+  const bool sparse = !states.empty() && shareOf(states) < kSparseBlock;
   if (sparse && before && stepsAlike_)
     return before;
   std::vector<BlockMode> modes = modesToTry(options_);
@@ -530,17 +535,19 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<Bl
   BlockStates states;
   row_.cut(block, values, states);
   const BlockEncoder encoder(parameters_, stream());
+  const std::span<const VoxelState> coded =
+      parameters_.sparse ? std::span<const VoxelState>(states) : std::span<const VoxelState>();
   if (way == Way::kChoose)
-    chosen = chooseMode(block, values, states, encoder, chosenBefore_ ? chosen : std::nullopt);
+    chosen = chooseMode(block, values, coded, encoder, chosenBefore_ ? chosen : std::nullopt);
   std::optional<BlockMode> mode = chosen;
-  if (way == Way::kLearn && mode && !options_.mode)
+  if (way == Way::kLearn && mode && !options_.mode && parameters_.sparse)
     mode->shaped = mode->shaped || shareOf(states) < kSparseBlock;
   // A block that was not worth its bits at the step its mode was chosen for may be at a finer one.
   // What is chosen here depends on the step alone, so that a try can be had again.
   if (way == Way::kEncode && !mode && parameters_.step < kFinerStep * chosenStep_)
-    mode = chooseMode(block, values, states, encoder, std::nullopt);
+    mode = chooseMode(block, values, coded, encoder, std::nullopt);
   EncodedBlock result;
-  result.tiers = encoder.encode(values, shape, states, mode, training);
+  result.tiers = encoder.encode(values, shape, coded, mode, training);
   BlockStates decodedStates;
   VOLUTE_TRY(head_.decoder->decode(result.tiers, shape.levels(), shape, decoded, &decodedStates));
   const auto channels = static_cast<std::size_t>(shape.channels);
@@ -548,7 +555,7 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<Bl
   const BlockGrid::Index4 origin = grid.origin(block);
   std::size_t worst = 0;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    if (states[i] == VoxelState::kEmpty)
+    if (parameters_.sparse && states[i] == VoxelState::kEmpty)
       continue;
     for (std::size_t c = 0; c < channels; ++c) {
       const double error =
@@ -558,7 +565,7 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<Bl
         result.error.maximum = error, worst = i;
     }
   }
-  if (!std::isfinite(result.error.squared()) || states != decodedStates) {
+  if (!std::isfinite(result.error.squared()) || (parameters_.sparse && states != decodedStates)) {
     return fail(ErrorCode::kInvalidData, "grid '{}': the input changed while it was read",
                 info_.name);
   }
@@ -780,7 +787,8 @@ Status Compressor::encodeAll(double proposed, Way way) {
   }
   training_ = {};
   head_.parameters = writeParameters(parameters_, info_.channels);
-  VOLUTE_ASSIGN(head_.decoder, openWaveletDecoder(kSparseCodec, head_.parameters, stream()));
+  VOLUTE_ASSIGN(head_.decoder, openWaveletDecoder(static_cast<std::uint32_t>(codec()),
+                                                  head_.parameters, stream()));
   if (store_) {
     for (const EncodedUnits::Unit& done : units_.units()) store_->dropBytes(way_, done.number);
   }
@@ -830,6 +838,8 @@ void Compressor::noteErrors() {
   support_.worstFrame = static_cast<int>(place);
   head_.header.reachedRms = relativeRms_ + overAll(options_.sourceRms + rounding_);
   head_.header.reachedMaxError = error_.maximum + options_.sourceMaxError + rounding_;
+  if (!parameters_.sparse)
+    return;
   head_.header.support = support_;
   // What the source is off is spread over its support, at worst.
   head_.header.support->rms += overSupport(

@@ -215,6 +215,24 @@ TEST(Compress, BlocksLeftOutAtACoarseStepAreWrittenAtAFineOne) {
     EXPECT_LE(checkedRoundTrip(sequence, {Kind::kRms, rms}).relativeRms, rms);
 }
 
+TEST(Compress, ADenseFieldOverAllVoxelsIsOfCodec2) {
+  const Sequence sequence = plumes(17, 20, 21, 22);
+  const ScratchFile file;
+  for (const Kind kind : {Kind::kRmsOverAll, Kind::kPsnr, Kind::kRms}) {
+    const auto report =
+        testing::compressTo(file.path(), sequence, {kind, kind == Kind::kPsnr ? 50 : 3e-3});
+    ASSERT_TRUE(report) << report.error().message;
+    const auto reader = VoluteReader::open(file.path());
+    ASSERT_TRUE(reader) << reader.error().message;
+    EXPECT_EQ(reader->header().codec, kind == Kind::kRms ? 3 : 2);
+    EXPECT_EQ(reader->hasTopology(), kind == Kind::kRms);
+    EXPECT_GE(report->support.rms, report->relativeRms);
+    const auto back = testing::readBack(file.path());
+    ASSERT_TRUE(back);
+    EXPECT_NEAR(differenceOf(sequence, *back).relativeRms, report->relativeRms, 1e-9);
+  }
+}
+
 TEST(Compress, OddSizesOfManyBlocks) {
   const auto report = checkedRoundTrip(plumes(34, 21, 35, 19), {Kind::kRms, 3e-3});
   EXPECT_LE(report.relativeRms, 3e-3);

@@ -205,12 +205,19 @@ Status EncodedUnits::shareSegments(FileHead& head) {
   head.blocks.clear();
   for (const Unit& unit : all)
     head.blocks.insert(head.blocks.end(), unit.blocks.begin(), unit.blocks.end());
-  head.segments.resize(kTiers * head.blocks.size());
+  // Codec 2 has all blocks, without bytes where there is nothing.
+  const std::vector<std::uint64_t> occupied = head.blocks;
+  if (head.header.codec == static_cast<int>(kWaveletCodec)) {
+    head.blocks.resize(BlockGrid(head.info).count());
+    std::iota(head.blocks.begin(), head.blocks.end(), std::uint64_t{0});
+  }
+  head.segments.assign(kTiers * head.blocks.size(), SegmentEntry{});
   std::size_t first = 0;
   for (const Unit& unit : all) {
     for (std::size_t i = 0; i < unit.segments.size(); ++i) {
       const auto [size, crc] = unit.segments[i];
-      head.segments[i % kTiers * head.blocks.size() + first + i / kTiers] = {0, size, crc};
+      const std::size_t place = head.placeOf(occupied[first + i / kTiers]);
+      head.segments[i % kTiers * head.blocks.size() + place] = {0, size, crc};
     }
     first += unit.blocks.size();
   }

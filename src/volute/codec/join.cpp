@@ -278,6 +278,11 @@ class JoinedFrames final : public RoundingSource {
     return {};
   }
 
+  bool hasTopology() const override {
+    return std::ranges::any_of(
+        files_, [](const File& file) { return file.source && file.source->hasTopology(); });
+  }
+
   std::uint64_t brickBytes() const override {
     std::uint64_t most = 0;
     for (const File& file : files_) {

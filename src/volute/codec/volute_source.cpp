@@ -76,6 +76,8 @@ class VoluteSource final : public FrameSource {
     return cropLayers(first, end, bricks);
   }
 
+  bool hasTopology() const override { return reader_->hasTopology(); }
+
   std::uint64_t brickBytes() const override {
     std::uint64_t most = 0;
     const int rows = reader_->blocks().counts()[0];

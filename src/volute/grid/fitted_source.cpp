@@ -105,6 +105,8 @@ class FittedSource final : public RoundingSource {
     return {};
   }
 
+  bool hasTopology() const override { return moved_ && source_->hasTopology(); }
+
   std::uint64_t brickBytes() const override {
     return moved_ ? source_->brickBytes() : FrameSource::brickBytes();
   }

@@ -55,6 +55,9 @@ class FrameSource {
   /// The same of the layers first <= z < end; bricks across their border are whole.
   [[nodiscard]] virtual Status readBricks(int index, int first, int end, Bricks& bricks);
 
+  /// Whether readBricks() gives a topology that the source states, and not what its values suggest.
+  virtual bool hasTopology() const { return false; }
+
   /// Bytes that the bricks of a frame take, as far as it is known: at most those of all voxels.
   virtual std::uint64_t brickBytes() const { return 4 * std::uint64_t{info().frameValues()}; }
 };

@@ -51,6 +51,8 @@ class SelectedFrames final : public RoundingSource {
     return source_->readBricks(positions_[index], first, end, bricks);
   }
 
+  bool hasTopology() const override { return source_->hasTopology(); }
+
   std::uint64_t brickBytes() const override { return source_->brickBytes(); }
 
  private:

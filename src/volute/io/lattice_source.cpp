@@ -374,6 +374,8 @@ class LatticeSource final : public RoundingSource {
     return {};
   }
 
+  bool hasTopology() const override { return hasBricks_; }
+
   std::uint64_t brickBytes() const override {
     if (!hasBricks_ || memory_ == 0)
       return FrameSource::brickBytes();

@@ -28,6 +28,8 @@ class BorrowedSource final : public RoundingSource {
     return source_.readBricks(index, first, end, bricks);
   }
 
+  bool hasTopology() const override { return source_.hasTopology(); }
+
   std::uint64_t brickBytes() const override { return source_.brickBytes(); }
 
  private:
