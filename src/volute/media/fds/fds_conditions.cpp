@@ -6,9 +6,12 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "volute/base/parallel.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/fds/fds_case.hpp"
+#include "volute/fds/fds_input.hpp"
 #include "volute/media/fds/fds_devices.hpp"
 
 namespace volute {
@@ -174,10 +177,52 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
       std::move(sources), error ? std::vector{error->message} : std::vector<std::string>());
 }
 
+namespace {
+
+/// Vents and obstructions with a surface that burns, by the case's input file.
+std::vector<FirePlace> burners(const SmvIndex& index) {
+  std::vector<FirePlace> burners;
+  if (index.input.path.empty())
+    return burners;
+  constexpr std::uint64_t kMost = std::uint64_t{64} << 20;  // [bytes]
+  const auto text = readText(index.input.path.string(), kMost);
+  if (!text)
+    return burners;  // whoever read the index said so
+  std::set<std::string> burning;
+  for (const FdsNamelist& surface : fdsNamelists(*text, {"SURF"})) {
+    if (surface.number("HRRPUA").value_or(0) > 0 || surface.number("MLRPUA").value_or(0) > 0)
+      burning.insert(surface.text("ID"));
+  }
+  const auto nameOf = [&](int surface) {
+    const auto place = static_cast<std::size_t>(surface);
+    return surface >= 0 && place < index.surfaces.size() ? index.surfaces[place].name
+                                                         : std::string();
+  };
+  const auto add = [&](const FdsMesh& mesh, const FdsNodeBox& nodes, const std::string& name) {
+    burners.push_back({boxOf(mesh, nodes), fmt::format("burner '{}' ({})", name,
+                                                       index.input.path.filename().string())});
+  };
+  for (const FdsMesh& mesh : index.meshes) {
+    for (const FdsVent& vent : mesh.vents) {
+      if (burning.contains(nameOf(vent.surface)))
+        add(mesh, vent.nodes, nameOf(vent.surface));
+    }
+    for (const FdsObstruction& one : mesh.obstructions) {
+      const auto face = std::ranges::find_if(
+          one.surfaces, [&](int surface) { return burning.contains(nameOf(surface)); });
+      if (face != one.surfaces.end())
+        add(mesh, one.nodes, nameOf(*face));
+    }
+  }
+  return burners;
+}
+
+}  // namespace
+
 Result<std::vector<FirePlace>> fdsFires(const SmvIndex& index, std::uint64_t maxMemory) {
   constexpr double kFlame = 200;  // [kW/m3]: what Smokeview draws as flames
   constexpr std::size_t kTimes = 50;
-  std::vector<FirePlace> fires;
+  std::vector<FirePlace> fires = burners(index);
   if (findSources(index, kFdsHeatRelease).empty())
     return fires;
   FdsOptions options;

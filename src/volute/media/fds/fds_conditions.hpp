@@ -19,8 +19,9 @@ namespace volute {
                                                                 std::string_view quantity,
                                                                 std::uint64_t maxMemory);
 
-/// Where the case stores a heat release of flames, by its .s3d or PLOT3D files of HRRPUV, at up to
-/// fifty of its times: in columns of cells. Empty where it stores none.
+/// Burners of the case's input file (vents and obstructions whose surface has HRRPUA or MLRPUA),
+/// and where it stores a heat release of flames, by its .s3d or PLOT3D files of HRRPUV, at up to
+/// fifty of its times: in columns of cells. Empty where neither is known.
 [[nodiscard]] Result<std::vector<FirePlace>> fdsFires(const SmvIndex& index,
                                                       std::uint64_t maxMemory);
 
