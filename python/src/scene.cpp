@@ -134,9 +134,10 @@ RenderRequest requestOf(const py::dict& said) {
                 : aov == "transmittance" ? Aov::kTransmittance
                                          : Aov::kNone;
   if (!tone.empty()) {
-    request.tone = tone == "filmic" ? ToneCurve::kFilmic
-                   : tone == "agx"  ? ToneCurve::kAgx
-                                    : ToneCurve::kNone;
+    request.tone = tone == "filmic"     ? ToneCurve::kFilmic
+                   : tone == "agx"      ? ToneCurve::kAgx
+                   : tone == "shoulder" ? ToneCurve::kShoulder
+                                        : ToneCurve::kNone;
   }
   if (!colors.empty())
     request.colors = colors == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;

@@ -118,7 +118,7 @@ def _look(exposure, tone, samples, bloom, colormap, legend):
     bloom = number("bloom", bloom)
     if not 0 <= bloom <= 1:
         raise ValueError(f"bloom={bloom}: expected 0 to 1")
-    return {"exposure": exposure, "tone": _choice("tone", None if tone == "auto" else tone, ("none", "filmic", "agx")), "samples": samples,
+    return {"exposure": exposure, "tone": _choice("tone", None if tone == "auto" else tone, ("none", "filmic", "agx", "shoulder")), "samples": samples,
             "bloom": bloom, "colormap": _choice("colormap", None if colormap == "grey" else colormap, ("viridis", "inferno")), "legend": legend}
 
 
@@ -233,8 +233,8 @@ class Scene:
         .png that `volute render` writes of the same file or values.
 
         time: [s]; default one that has something to see. camera, size, background, progress: as for render().
-        exposure: a factor of light; default: brightest parts near white. tone: "filmic", "agx" or "none"; default filmic, except where
-            pictures show measured transmittance. samples: rays per pixel at edges. bloom: share of light that glows, 0 to 1.
+        exposure: a factor of light; default: brightest parts near white. tone: "filmic", "agx", "shoulder" or "none"; default
+            filmic; for measured transmittance none, with flames shoulder. samples: rays per pixel at edges. bloom: share of light that glows, 0 to 1.
         colormap: "viridis" or "inferno", for volumes with one channel. legend: draw mode, field, time and colour scale into it."""
         said = {"time": None if time is None else number("time", time), **_view(camera, size, background),
                 **_look(exposure, tone, samples, bloom, colormap, legend)}
