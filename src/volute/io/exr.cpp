@@ -212,9 +212,11 @@ Result<FrameInfo> infoOf(const InputFile& file, Imf::MultiPartInputFile& exr,
     if (header.find("BlenderMultiChannel") != header.end())
       info.software = "Blender";
     const std::string name = exr.parts() > 1 && header.hasName() ? header.name() : "";
+    const bool chroma = header.channels().findChannel("RY") || header.channels().findChannel("BY");
     for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
       const Imf::Channel& channel = it.channel();
-      if (channel.type != Imf::UINT && channel.xSampling == 1 && channel.ySampling == 1)
+      const bool luma = chroma && std::string_view(it.name()) == "Y";  // without its colours
+      if (channel.type != Imf::UINT && channel.xSampling == 1 && channel.ySampling == 1 && !luma)
         info.channels.push_back({nameIn(name, it.name()), it.name(), part});
     }
   }
