@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "volute/fds/fds_case.hpp"
+#include "volute/fds/fds_input.hpp"
 #include "volute/fds/fds_part.hpp"
 
 // What the bytes and words of a case stand for.
@@ -196,7 +197,7 @@ Status FdsCase::findVisibility() {
   if (!options_.quantity.empty() || source().quantity != SmokeQuantity::kVisibility ||
       source().kind == FdsFileKind::kClear)
     return {};
-  const FdsInput& input = index_.input;
+  const FdsInput& input = inputOf(index_);
   const std::string inputName = input.path.filename().string();
   visibilityFactor_ =
       options_.visibilityFactor.value_or(input.visibilityFactor.value_or(visibilityFactor_));

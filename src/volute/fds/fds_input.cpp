@@ -13,7 +13,7 @@ namespace volute {
 namespace {
 
 constexpr std::uint64_t kLargestFile = std::uint64_t{1} << 28;
-constexpr int kMostRepeats = 10000;
+constexpr int kMaxRepeats = 10000;
 
 std::string capitals(std::string_view text) {
   std::string out(text);
@@ -146,7 +146,7 @@ class NamelistScanner {
   static void take(std::string_view word, std::vector<std::string>& values) {
     const std::size_t star = word.find('*');
     const auto count = star == word.npos ? std::nullopt : integerOf(word.substr(0, star));
-    if (!count || *count < 1 || *count > kMostRepeats)
+    if (!count || *count < 1 || *count > kMaxRepeats)
       values.emplace_back(word);
     else
       values.insert(values.end(), static_cast<std::size_t>(*count),

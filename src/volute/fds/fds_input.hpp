@@ -15,6 +15,8 @@
 
 namespace volute {
 
+struct SmvIndex;
+
 /// "&GROUP KEY=value, ... /" of Fortran.
 struct FdsNamelist {
   std::string group;  ///< in capitals
@@ -58,5 +60,8 @@ struct FdsInput {
   /// kInvalidData where a number that is used is none.
   [[nodiscard]] static Result<FdsInput> read(const std::filesystem::path& path);
 };
+
+/// Of a case; without the file one that says nothing.
+const FdsInput& inputOf(const SmvIndex& index);
 
 }  // namespace volute

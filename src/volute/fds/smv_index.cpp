@@ -7,6 +7,7 @@
 #include <map>
 
 #include "volute/base/printable.hpp"
+#include "volute/fds/fds_input.hpp"
 #include "volute/fds/smv_reader.hpp"
 
 namespace volute {
@@ -454,7 +455,7 @@ void SmvReader::findInput() {
     index_.remarks.push_back(fmt::format("{}: is the input of '{}', not of '{}': it is not used",
                                          path.string(), input->chid, index_.chid));
   } else {
-    index_.input = std::move(*input);
+    index_.input = std::make_shared<const FdsInput>(std::move(*input));
   }
 }
 
@@ -568,6 +569,11 @@ Box3 FdsMesh::bounds() const {
 Result<SmvIndex> SmvIndex::read(const std::filesystem::path& path) {
   VOLUTE_ASSIGN(auto lines, TextLines::open(path));
   return SmvReader(std::move(lines)).read();
+}
+
+const FdsInput& inputOf(const SmvIndex& index) {
+  static const FdsInput kNone;
+  return index.input ? *index.input : kNone;
 }
 
 bool isSmvPath(const std::string& path) {

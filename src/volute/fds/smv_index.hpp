@@ -4,19 +4,21 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "volute/base/result.hpp"
-#include "volute/fds/fds_input.hpp"
 #include "volute/math/box.hpp"
 
 // CHID.smv, the text file that names all other files of an FDS case. Meshes, obstructions and
 // vents come first, one block for each mesh; files and events follow while the case runs.
 
 namespace volute {
+
+struct FdsInput;
 
 /// From this time on an obstruction or a vent is there, or not.
 struct FdsEvent {
@@ -158,8 +160,8 @@ struct SmvIndex {
   std::string version;  ///< FDSVERSION's first line
   std::string title;
   std::string chid;
-  FdsInput input;                    ///< INPF, if it is there and of this case
-  double albedo = 0.3;               ///< what Smokeview gives soot
+  std::shared_ptr<const FdsInput> input;  ///< INPF, if it is there and of this case: inputOf()
+  double albedo = 0.3;                    ///< what Smokeview gives soot
   std::optional<double> fireCutoff;  ///< HRRPUVCUT [kW/m3]: less heat than this is drawn as no fire
   std::optional<double> largestHeat;  ///< HRRPUV_MINMAX [kW/m3], FDS 6.11: what the last byte is
   /// TEMP_MINMAX [degrees C], FDS 6.11: what bytes 0 and 254 of temperature are.

@@ -9,6 +9,7 @@
 
 #include "volute/fds/fds_building.hpp"
 #include "volute/fds/fds_case_testing.hpp"
+#include "volute/fds/fds_input.hpp"
 #include "volute/fds/obstructions.hpp"
 
 namespace volute {
@@ -97,12 +98,12 @@ TEST(SmvIndex, readsTheInputThatItNames) {
   const Folder folder;
   fdswriter::Index index = made();
   index.input = "made.fds";
-  EXPECT_TRUE(readText(folder, index.text())->input.path.empty()) << "a case without it is read";
+  EXPECT_TRUE(inputOf(*readText(folder, index.text())).path.empty()) << "a case without it is read";
   fdswriter::saveText(folder / "made.fds", "&HEAD CHID='made' /\n&MISC VISIBILITY_FACTOR=8 /\n");
-  EXPECT_EQ(readText(folder, index.text())->input.visibilityFactor, 8);
+  EXPECT_EQ(inputOf(*readText(folder, index.text())).visibilityFactor, 8);
   fdswriter::saveText(folder / "made.fds", "&HEAD CHID='other' /\n&MISC VISIBILITY_FACTOR=8 /\n");
   const auto other = readText(folder, index.text());
-  EXPECT_FALSE(other->input.visibilityFactor);
+  EXPECT_FALSE(other->input);
   EXPECT_THAT(other->remarks, ElementsAre(HasSubstr("is the input of 'other', not of 'made'")));
 }
 

@@ -136,8 +136,8 @@ Status LineReader::readValue(LineMeasurement& one) const {
     return {};
   if (lines_.hasSigma)
     one.sigma *= table_.change(kTransmittance).factor;  // in the same unit
-  constexpr double kMost = 1.2;                         // a lamp that drifts
-  if (one.value > kMost) {
+  constexpr double kMaxTransmittance = 1.2;             // a lamp that drifts
+  if (one.value > kMaxTransmittance) {
     return fail(
         ErrorCode::kInvalidData,
         "{}: transmittance is {:g}; expected 0 to 1, about 1 where there is no smoke: if it "

@@ -291,11 +291,11 @@ CaseFacts fdsFacts(const SmvIndex& index) {
   facts.title.emplace_back("computed by",
                            index.version.empty() ? "FDS, version not stated" : index.version);
   facts.title.emplace_back("cells", cellsText(index));
-  for (const FdsInput::Reaction& reaction : index.input.reactions) {
+  for (const FdsInput::Reaction& reaction : inputOf(index).reactions) {
     facts.title.emplace_back(
         "reaction", fmt::format("{}: soot yield {:g}, CO yield {:g} kg/kg ({})",
                                 reaction.fuel.empty() ? "fuel" : reaction.fuel, reaction.sootYield,
-                                reaction.coYield, index.input.path.filename().string()));
+                                reaction.coYield, inputOf(index).path.filename().string()));
   }
   facts.title.emplace_back("state", index.ended ? "FDS has ended"
                                                 : "FDS has not ended, or was "

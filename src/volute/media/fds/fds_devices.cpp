@@ -11,6 +11,7 @@
 #include <set>
 
 #include "volute/base/printable.hpp"
+#include "volute/fds/fds_input.hpp"
 #include "volute/fds/text_lines.hpp"
 #include "volute/io/table_row.hpp"
 #include "volute/io/unit.hpp"
@@ -19,7 +20,7 @@ namespace volute {
 namespace {
 
 constexpr std::size_t kLongestLine = std::size_t{1} << 26;  // of a million devices
-constexpr std::size_t kMostRows = 1000000;
+constexpr std::size_t kMaxRows = 1000000;
 constexpr std::size_t kNamed = 5;  // in a remark
 
 /// The files of a kind of table.
@@ -60,7 +61,7 @@ class CurveReader {
     if (!units || !names)
       return fail(ErrorCode::kTruncated, "{}: has no line of names yet", path_);
     choose(asUtf8(*units), asUtf8(*names), wanted);
-    for (std::size_t row = 0; row < kMostRows && !curves_.empty(); ++row) {
+    for (std::size_t row = 0; row < kMaxRows && !curves_.empty(); ++row) {
       VOLUTE_ASSIGN(const auto line, lines.next());
       if (!line)
         break;
@@ -281,8 +282,8 @@ Result<std::unique_ptr<PointField>> fdsDevicePoints(const SmvIndex& index,
   std::map<std::string, Wanted> wanted;  // by label
   std::set<std::string> twice, left;
   for (const FdsDevice& device : index.devices) {
-    const auto entry = index.input.devices.find(device.label);
-    const FdsInput::Device* said = entry == index.input.devices.end() ? nullptr : &entry->second;
+    const auto entry = inputOf(index).devices.find(device.label);
+    const FdsInput::Device* said = entry == inputOf(index).devices.end() ? nullptr : &entry->second;
     const std::string measured = quantityOf(device, said);
     const auto found = std::ranges::find_if(
         quantities, [&](const FdsQuantity& one) { return capitals(one.name) == measured; });
