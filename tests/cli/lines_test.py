@@ -67,9 +67,9 @@ class Lines(support.TestCase):
         forced = self.works("reconstruct", lamps, "-o", out, "--bounds", "0,0,1,4,3,2", "--resolution", 8, "--force")
         self.assertRegex(forced.message, r"\d+ of 20 lines of frame 3 miss the volume and are left out")
         self.path("wrong.csv").write_text("x,y,z,dx,dy,optical_depth\n0,0,0,1,0,0.5\n")
-        self.assertIn("expected the ends of lines", self.fails(1, "reconstruct", self.path("wrong.csv"), "-o", out))
+        self.assertIn("expected columns with the ends of lines", self.fails(1, "reconstruct", self.path("wrong.csv"), "-o", out))
         self.path("wrong.csv").write_text(HEAD + "0,0,0,1,1,x,0.5,0.1,3\n")
-        self.assertIn("row 2, z1: 'x' is not a finite number", self.fails(1, "reconstruct", self.path("wrong.csv"), "-o", out))
+        self.assertIn("line 2: z1 is 'x'; expected a number", self.fails(1, "reconstruct", self.path("wrong.csv"), "-o", out))
         self.path("wrong.csv").write_text("x,y,z,dx,dy,dz,value\n0,0,0,1,0,0,1\n0,0,1,1,0,0,1\n")
         self.assertIn("--bounds", self.fails(2, "reconstruct", self.path("wrong.csv"), "-o", out))
 

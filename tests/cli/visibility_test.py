@@ -442,7 +442,7 @@ class Damage(Visibility):
         self.path("eyes.csv").write_text("x,y,z\n1,1,1\n1,oops,1\n")
         self.assertIn("eyes.csv: line 3: y is 'oops'", self.refused(good))
         self.path("eyes.csv").write_text("x,y\n1,1\n")
-        self.assertIn("--height", self.refused(good))
+        self.assertIn("state the height of the eyes", self.refused(good))
         self.assertIn("nobody can look from z = 9", self.refused(good, "--height", 9, code=2))
         self.assertIn("--quantity is for smoke on meshes; ", self.refused(good, "--quantity", "extinction", code=2))
         self.assertIn("no sign is named 'west'", self.refused(good, "--set", "east,west", code=2))
