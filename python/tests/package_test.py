@@ -61,7 +61,7 @@ class Package(unittest.TestCase):
         self.assertEqual(v.bounds, ((0, 0, 0), (1.8, 2, 2.4)))
         np.testing.assert_allclose(v.voxel_size, (0.1, 0.1, 0.1))
         np.testing.assert_array_equal(v.times, np.arange(20) * 0.5)
-        self.assertEqual((v.unit, v.basis, v.target), ("1/m", "box", ("rms", 1e-3)))
+        self.assertEqual((v.unit, v.basis, v.target), ("1/m", "box", ("support-rms", 1e-3)))
         self.assertEqual(self.report.file_bytes, v.file_bytes)
         self.assertLessEqual(v.rms, 1e-3)
         self.assertLessEqual(abs(self.decoded - self.values).max(), v.max_error)

@@ -57,6 +57,8 @@ class Frames:
 
 class Volume(Frames):
     rms: float
+    support_rms: float
+    support_share: float
     max_error: float
     value_range: Tuple[float, float]
     target: Tuple[str, float]

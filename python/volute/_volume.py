@@ -186,13 +186,13 @@ class Volume(Frames):
         self._row = (-1, None)
         self._last = -2
         header = self._file.header
-        #: relative RMS error that was reached: RMS / (max - min) of the original
+        #: relative RMS error over all voxels that was reached: RMS / (max - min) of the original
         self.rms = header["rms"]
         #: no value differs more from the original
         self.max_error = header["max_error"]
         #: (minimum, maximum) of the original
         self.value_range = header["value_range"]
-        #: what was asked of the compression: ("rms", 0.003)
+        #: what was asked of the compression: ("support-rms", 0.003), ("rms", 0.003) over all voxels, ..
         self.target = header["target"]
         self.provenance, self.written_by = header["provenance"], header["written_by"]
 

@@ -251,7 +251,7 @@ class Volumes(support.TestCase):
         self.assertEqual([file["kind"] for file in files], ["volume", "volute"])
         self.assertEqual(files[0]["size"], [12, 12, 12])
         self.assertTrue(files[1]["complete"])
-        self.assertEqual(files[1]["asked"], {"kind": "rms", "value": 0.002})
+        self.assertEqual(files[1]["asked"], {"kind": "support-rms", "value": 0.002})
         values = self.works("info", self.path("in.volute").with_name("in.npy"), "--values", "--json").json
         self.assertEqual(values["minimum"], 0)
 
