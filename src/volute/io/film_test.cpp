@@ -146,7 +146,7 @@ int longestRun(const std::filesystem::path& path, const FilmStyle& style) {
   for (int x = 1; x < kWidth; ++x) {
     run = (*shown)->at(x, kHeight / 2, 1) == (*shown)->at(x - 1, kHeight / 2, 1) ? run + 1 : 1;
     longest = std::max(longest, run);
-    EXPECT_NEAR((*shown)->at(x, kHeight / 2, 1), ramp.at(x, kHeight / 2, 1), 5e-4);
+    EXPECT_NEAR((*shown)->at(x, kHeight / 2, 1), ramp.at(x, kHeight / 2, 1), 1.5e-3);  // 3 levels
   }
   return longest;
 }
