@@ -3,6 +3,7 @@
 // Tree4d::build: blocks from a source of frames, and the step that meets a target.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mutex>
 
 #include "volute/base/parallel.hpp"
@@ -29,7 +30,8 @@ Status forEachBlock(BlockRow& rows, std::string_view stage, Progress& progress, 
     const std::size_t first = row * grid.rowCount();
     parallelFor(grid.rowCount(), [&](std::size_t i) {
       std::vector<float> values(grid.values(first + i));
-      rows.cut(first + i, values);
+      BlockStates states;
+      rows.cut(first + i, values, states);
       body(first + i, std::span<const float>(values));
     });
     progress.report(stage, row + 1, rows.rows());
@@ -37,9 +39,15 @@ Status forEachBlock(BlockRow& rows, std::string_view stage, Progress& progress, 
   return {};
 }
 
-/// The orthonormal coefficients of all blocks, which predict the error of any step.
-Result<QuantisationModel> gather(BlockRow& rows, const VolumeInfo& info, Progress& progress) {
-  QuantisationModel all;
+/// What the values of all blocks are like.
+struct Gathered {
+  QuantisationModel model;  ///< of the orthonormal coefficients: predicts the error of any step
+  float minimum = std::numeric_limits<float>::infinity();
+  float maximum = -std::numeric_limits<float>::infinity();
+};
+
+Result<Gathered> gather(BlockRow& rows, const VolumeInfo& info, Progress& progress) {
+  Gathered all;
   std::mutex mutex;
   VOLUTE_TRY(forEachBlock(rows, "reading", progress,
                           [&](std::size_t block, std::span<const float> values) {
@@ -47,15 +55,18 @@ Result<QuantisationModel> gather(BlockRow& rows, const VolumeInfo& info, Progres
                             const SubtreeShape shape{rows.grid().extents(block), info.channels, 0,
                                                      treeLevels(info).block};
                             visitCoefficients(shape, values, [&](float c) { model.add(c); });
+                            const auto [least, most] = std::ranges::minmax_element(values);
                             const std::lock_guard lock(mutex);
-                            all.merge(model);
+                            all.model.merge(model);
+                            all.minimum = std::min(all.minimum, *least);
+                            all.maximum = std::max(all.maximum, *most);
                           }));
   return all;
 }
 
-Result<Tree4d> buildWithStep(BlockRow& rows, const VolumeInfo& info, double step,
-                             Progress& progress) {
-  TreeBuilder builder(info, step, rows.minimum(), rows.maximum());
+Result<Tree4d> buildWithStep(BlockRow& rows, const VolumeInfo& info, const Gathered& gathered,
+                             double step, Progress& progress) {
+  TreeBuilder builder(info, step, gathered.minimum, gathered.maximum);
   VOLUTE_TRY(forEachBlock(
       rows, "building the tree", progress,
       [&](std::size_t block, std::span<const float> values) { builder.addBlock(block, values); }));
@@ -85,16 +96,16 @@ Result<double> squaredError(const Tree4d& tree, FrameSource& source, Progress& p
 Result<Tree4d> Tree4d::build(FrameSource& source, const BuildOptions& options, Progress& progress) {
   const VolumeInfo& info = source.info();
   BlockRow rows(source);
-  VOLUTE_ASSIGN(const QuantisationModel model, gather(rows, info, progress));
-  const double range = static_cast<double>(rows.maximum()) - rows.minimum();
+  VOLUTE_ASSIGN(const Gathered gathered, gather(rows, info, progress));
+  const double range = static_cast<double>(gathered.maximum) - gathered.minimum;
   if (options.step > 0 || range == 0) {
     const double step = options.step > 0 ? options.step : 1;
-    return buildWithStep(rows, info, step, progress);
+    return buildWithStep(rows, info, gathered, step, progress);
   }
   const auto count = static_cast<double>(info.values());
-  const double predicted = model.stepFor(std::pow(options.relativeRms * range, 2) * count);
+  const double predicted = gathered.model.stepFor(std::pow(options.relativeRms * range, 2) * count);
   if (predicted == 0)  // every coefficient is zero, at any step
-    return buildWithStep(rows, info, range, progress);
+    return buildWithStep(rows, info, gathered, range, progress);
 
   // The prediction is a little pessimistic where decoded values are clamped or known to be zero.
   constexpr double kGoodEnough = 0.97;
@@ -105,7 +116,7 @@ Result<Tree4d> Tree4d::build(FrameSource& source, const BuildOptions& options, P
                      .maxTries = 12},
                     predicted);
   for (;;) {
-    VOLUTE_ASSIGN(Tree4d tree, buildWithStep(rows, info, search.step(), progress));
+    VOLUTE_ASSIGN(Tree4d tree, buildWithStep(rows, info, gathered, search.step(), progress));
     VOLUTE_ASSIGN(const double error, squaredError(tree, source, progress));
     const double reached = std::sqrt(error / count) / range;
     search.tell(reached);
