@@ -182,10 +182,10 @@ namespace {
 /// Vents and obstructions with a surface that burns, by the case's input file.
 std::vector<FirePlace> burners(const SmvIndex& index) {
   std::vector<FirePlace> burners;
-  if (index.input.path.empty())
+  if (inputOf(index).path.empty())
     return burners;
-  constexpr std::uint64_t kMost = std::uint64_t{64} << 20;  // [bytes]
-  const auto text = readText(index.input.path.string(), kMost);
+  constexpr std::uint64_t kMaxInput = std::uint64_t{64} << 20;  // [bytes]
+  const auto text = readText(inputOf(index).path.string(), kMaxInput);
   if (!text)
     return burners;  // whoever read the index said so
   std::set<std::string> burning;
@@ -200,7 +200,7 @@ std::vector<FirePlace> burners(const SmvIndex& index) {
   };
   const auto add = [&](const FdsMesh& mesh, const FdsNodeBox& nodes, const std::string& name) {
     burners.push_back({boxOf(mesh, nodes), fmt::format("burner '{}' ({})", name,
-                                                       index.input.path.filename().string())});
+                                                       inputOf(index).path.filename().string())});
   };
   for (const FdsMesh& mesh : index.meshes) {
     for (const FdsVent& vent : mesh.vents) {
