@@ -41,15 +41,16 @@ class VdbCodec final : public FileCodec {
     const auto reader = plugin_.makeReader();
     const IndexBox box{{0, 0, 0}, {info.x, info.y, info.z}};
     std::vector<float> plane(info.channels == 1 ? 0 : info.voxels());
+    double rounding = 0;
     for (int c = 0; c < info.channels; ++c) {
       for (int t = 0; t < info.frames; ++t) {
         const auto frame = values.subspan(t * info.frameValues(), info.frameValues());
         const auto path = file(folder, c, t);
         if (info.channels == 1) {
-          VOLUTE_TRY(reader->read(path, info.name, box, box, /*crop=*/false, frame));
+          VOLUTE_TRY(reader->read(path, info.name, box, box, /*crop=*/false, frame, rounding));
           continue;
         }
-        VOLUTE_TRY(reader->read(path, info.name, box, box, /*crop=*/false, plane));
+        VOLUTE_TRY(reader->read(path, info.name, box, box, /*crop=*/false, plane, rounding));
         for (std::size_t i = 0; i < plane.size(); ++i) frame[i * info.channels + c] = plane[i];
       }
     }

@@ -53,7 +53,11 @@ void SupportFacts::add(const SupportFacts& other) {
   tiles += other.tiles;
 }
 
-BlockRow::BlockRow(FrameSource& source) : source_(source), grid_(source.info()) {}
+BlockRow::BlockRow(FrameSource& source)
+    : source_(source),
+      grid_(source.info()),
+      minimum_(SupportFacts().least),
+      maximum_(SupportFacts().most) {}
 
 std::uint64_t BlockRow::bytesNeeded(const FrameSource& source, int layers) {
   const VolumeInfo& info = source.info();
@@ -121,7 +125,18 @@ Status BlockRow::load(int row, int firstLayer, int endLayer) {
   }
   for (int i = 0; i < frames; ++i) indexTiles(i);
   std::ranges::sort(tiles_, order);
+  noteRange();
   return {};
+}
+
+void BlockRow::noteRange() {
+  SupportFacts all;
+  for (const SupportFacts& frame : facts_) all.add(frame);
+  if (all.voxels < voxelsIn(loadedBox()) * facts_.size()) {
+    for (int c = 0; c < grid_.channels(); ++c) all.add(background_[static_cast<std::size_t>(c)]);
+  }
+  minimum_ = std::min(minimum_, all.least);
+  maximum_ = std::max(maximum_, all.most);
 }
 
 // Looks at the values of a frame's leaves, and notes which blocks they reach into.
@@ -291,15 +306,23 @@ void BlockRow::cut(std::size_t block, std::span<float> values, BlockStates& stat
                static_cast<std::size_t>(extents[3]) +
            static_cast<std::size_t>(x - box.begin[0]);
   };
-  for (const Piece& piece : std::ranges::equal_range(tiles_, block, {}, &Piece::block)) {
-    const Bricks::Tile& tile = frames_[piece.frame].tiles()[piece.at];
+  const auto putTile = [&](std::uint32_t frame, const Bricks::Tile& tile) {
     const IndexBox part = tile.box().intersection(box);
+    if (part.empty())
+      return;
     for (std::int64_t z = part.begin[2]; z < part.end[2]; ++z)
       for (std::int64_t y = part.begin[1]; y < part.end[1]; ++y) {
-        float* to = &values[placeOf(piece.frame, part.begin[0], y, z) * channels];
+        float* to = &values[placeOf(frame, part.begin[0], y, z) * channels];
         for (std::int64_t x = part.begin[0]; x < part.end[0]; ++x)
           to = std::copy_n(tile.value.begin(), channels, to);
       }
+  };
+  if (std::ranges::binary_search(occupied_, block)) {
+    for (const Piece& piece : std::ranges::equal_range(tiles_, block, {}, &Piece::block))
+      putTile(piece.frame, frames_[piece.frame].tiles()[piece.at]);
+  } else {
+    for (std::uint32_t frame = 0; frame < frames_.size(); ++frame)
+      for (const Bricks::Tile& tile : frames_[frame].tiles()) putTile(frame, tile);
   }
   for (const Piece& piece : std::ranges::equal_range(leaves_, block, {}, &Piece::block)) {
     const Bricks& frame = frames_[piece.frame];

@@ -53,6 +53,11 @@ class BlockRow {
   /// Numbers of the blocks that hold something beside tiles, ascending, of what is loaded.
   std::span<const std::uint64_t> occupied() const { return occupied_; }
 
+  /// Smallest and greatest value of all rows loaded so far.
+  float minimum() const { return minimum_; }
+
+  float maximum() const { return maximum_; }
+
   /// Of what is loaded, frame by frame.
   std::span<const SupportFacts> facts() const { return facts_; }
 
@@ -95,6 +100,7 @@ class BlockRow {
 
   [[nodiscard]] Status index(int frame);
   void indexTiles(int frame);
+  void noteRange();
   IndexBox boxOf(std::uint64_t block) const;
   IndexBox loadedBox() const;
 
@@ -105,6 +111,7 @@ class BlockRow {
   std::vector<std::uint64_t> occupied_;
   std::vector<SupportFacts> facts_;
   std::array<float, 3> background_{};
+  float minimum_, maximum_;
   int row_ = -1, firstLayer_ = 0, endLayer_ = 0;  // that are loaded
 };
 
