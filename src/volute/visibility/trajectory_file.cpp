@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -193,7 +194,9 @@ Status readFrames(std::string_view text, std::string_view file, std::optional<do
   const auto isHead = [](std::string_view names) {
     const std::string lower = lowerCase(trimmedField(names));
     const auto fields = fieldsOf(lower, lower.find(',') == lower.npos ? '\0' : ',');
-    return fields.size() >= 4 && fields[0].ends_with("id") && fields[1].starts_with("fr");
+    constexpr std::string_view kIds[] = {"id", "persid", "personid", "agentid"};
+    return fields.size() >= 4 && std::ranges::find(kIds, fields[0]) != std::end(kIds) &&
+           fields[1].starts_with("fr");
   };
   VOLUTE_TRY(forEachRow(text, [&](std::string_view line, int) -> Status {
     if (line.starts_with('#')) {
