@@ -8,13 +8,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 
-#include "volute/base/parallel.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/plugin.hpp"
 
@@ -83,14 +80,6 @@ Status FrameFiles::openGrids(const std::string& path) {
   fileMetadata_ = whole.fileMetadata();
   plain_ = whole.grids().size() == 1 && !whole.grids().front().description;
   std::uint64_t frameBytes = 0;
-  for (const VoluteGrid& grid : whole.grids())
-    frameBytes += grid.empty ? 0 : 4 * grid.info.frameValues();
-  if (frameBytes > maxMemory_ / 4) {
-    return fail(
-        ErrorCode::kTooLarge,
-        "{}: a frame takes {} MiB, more than a quarter of the {} MiB allowed; raise --max-memory",
-        path, (frameBytes >> 20) + 1, maxMemory_ >> 20);
-  }
   for (const VoluteGrid& grid : whole.grids()) {
     Volume& volume = volumes_.emplace_back();
     volume.info = grid.info;
@@ -98,13 +87,19 @@ Status FrameFiles::openGrids(const std::string& path) {
         .type = grid.info.channels == 3 ? "vec3s" : "float", .gridClass = "fog volume"});
     if (grid.empty)
       continue;
+    // Each grid keeps the row of frames that was decoded last.
+    const std::uint64_t room = maxMemory_ / 2 / whole.grids().size();
     VOLUTE_ASSIGN(auto reader,
-                  VoluteReader::open(path, {.maxMemory = maxMemory_, .grid = grid.info.name}));
-    volume.reader = std::make_shared<const VoluteReader>(std::move(reader));
-    volume.info = volume.reader->info();
-    const double share =
-        4.0 * static_cast<double>(volume.info.frameValues()) / static_cast<double>(frameBytes);
-    volume.room = static_cast<std::uint64_t>(share * static_cast<double>(maxMemory_ / 2));
+                  VoluteReader::open(path, {.maxMemory = room, .grid = grid.info.name}));
+    volume.source = frameSource(std::make_shared<const VoluteReader>(std::move(reader)));
+    volume.info = volume.source->info();
+    frameBytes += volume.source->brickBytes();
+  }
+  if (frameBytes > maxMemory_ / 4) {
+    return fail(
+        ErrorCode::kTooLarge,
+        "{}: a frame takes {} MiB, more than a quarter of the {} MiB allowed; raise --max-memory",
+        path, (frameBytes >> 20) + 1, maxMemory_ >> 20);
   }
   return {};
 }
@@ -160,8 +155,8 @@ void FrameFiles::keep(std::size_t frame, std::shared_ptr<const File> file) {
 
 Result<std::shared_ptr<const FrameFiles::File>> FrameFiles::make(std::size_t frame) {
   for (Volume& volume : volumes_) {
-    if (volume.reader)
-      VOLUTE_TRY(decode(volume, frame));
+    if (volume.source)
+      VOLUTE_TRY(volume.source->readBricks(static_cast<int>(frame), volume.bricks));
   }
   VOLUTE_ASSIGN(auto memory, MemoryFile::create(names_[frame]));
   auto made = std::make_shared<File>(std::move(memory));
@@ -173,97 +168,15 @@ Result<std::shared_ptr<const FrameFiles::File>> FrameFiles::make(std::size_t fra
 Status FrameFiles::writeFrame(const std::string& file, std::size_t frame) {
   const auto position = static_cast<int>(frame);
   if (plain_)
-    return writer_->write(file, names_[frame], info(), position, volumes_.front().values);
+    return writer_->writeBricks(file, names_[frame], info(), position, volumes_.front().bricks);
   std::vector<GridFrame> grids;
   for (const Volume& volume : volumes_) {
     // A cache that has a list of metadata for some frames lacks the grid in the others.
     const FrameMetadata& metadata = volume.description.metadata;
     if (metadata.listOf.empty() || metadata.at(position))
-      grids.push_back({&volume.info, &volume.description, position, volume.values});
+      grids.push_back({&volume.info, &volume.description, position, &volume.bricks});
   }
   return writer_->writeGrids(file, names_[frame], grids, fileMetadata_.at(position));
-}
-
-Status FrameFiles::decode(Volume& volume, std::size_t frame) {
-  const VolumeInfo& info = volume.info;
-  volume.values.resize(info.frameValues());
-  VOLUTE_ASSIGN(const Row* blocks, row(volume, static_cast<int>(frame) / BlockGrid::kSide));
-  if (!blocks)
-    return volume.reader->readRegion(static_cast<int>(frame), {0, 0, 0}, {info.z, info.y, info.x},
-                                     volume.values);
-  scatter(volume, *blocks, frame);
-  return {};
-}
-
-/// Null: there is no room for it.
-Result<const FrameFiles::Row*> FrameFiles::row(Volume& volume, int number) {
-  std::list<Row>& rows = volume.rows;
-  const VoluteReader& reader = *volume.reader;
-  const auto found = std::ranges::find(rows, number, &Row::row);
-  if (found != rows.end()) {
-    rows.splice(rows.begin(), rows, found);
-    return &rows.front();
-  }
-  const BlockGrid& grid = reader.blocks();
-  const std::uint64_t room = volume.room;
-  const std::size_t first = static_cast<std::size_t>(number) * grid.rowCount();
-  Row decoded;
-  decoded.row = number;
-  decoded.blocks.resize(grid.rowCount());
-  std::atomic<std::uint64_t> bytes{0};
-  std::vector<Status> results(grid.rowCount());
-  parallelFor(grid.rowCount(), [&](std::size_t i) {
-    if (reader.storedBytes(first + i) == 0 || bytes > room)
-      return;
-    std::vector<float> values(grid.values(first + i));
-    results[i] = reader.readBlock(first + i, values);
-    if (!results[i] || std::ranges::all_of(values, [](float value) { return value == 0; }))
-      return;
-    bytes += 4 * values.size();
-    decoded.blocks[i] = std::move(values);
-  });
-  for (Status& result : results) VOLUTE_TRY(std::move(result));
-  if (bytes > room)
-    return nullptr;
-  decoded.bytes = bytes;
-  rows.push_front(std::move(decoded));
-  std::uint64_t sum = 0;
-  for (auto it = rows.begin(); it != rows.end();) {
-    sum += it->bytes;
-    it = sum > room ? rows.erase(it) : std::next(it);
-  }
-  return &rows.front();
-}
-
-void FrameFiles::scatter(Volume& of, const Row& row, std::size_t frame) {
-  const VolumeInfo& volume = of.info;
-  std::vector<float>& values = of.values;
-  const BlockGrid& grid = of.reader->blocks();
-  const std::size_t first = static_cast<std::size_t>(row.row) * grid.rowCount();
-  const auto channels = static_cast<std::size_t>(volume.channels);
-  parallelRanges(values.size(), std::size_t{1} << 20, [&](std::size_t begin, std::size_t end) {
-    std::fill(values.begin() + static_cast<std::ptrdiff_t>(begin),
-              values.begin() + static_cast<std::ptrdiff_t>(end), 0.0f);
-  });
-  parallelRanges(row.blocks.size(), 16, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (row.blocks[i].empty())
-        continue;
-      const auto origin = grid.origin(first + i);
-      const auto extents = grid.extents(first + i);
-      const std::size_t line = static_cast<std::size_t>(extents[3]) * channels;
-      const float* from = row.blocks[i].data() + (frame - static_cast<std::size_t>(origin[0])) *
-                                                     extents[1] * extents[2] * line;
-      for (int z = 0; z < extents[1]; ++z) {
-        for (int y = 0; y < extents[2]; ++y, from += line) {
-          const std::size_t to =
-              (static_cast<std::size_t>(origin[1] + z) * volume.y + origin[2] + y) * volume.x +
-              origin[3];
-          std::copy_n(from, line, values.data() + to * channels);
-        }
-      }
-    }
-  });
 }
 
 }  // namespace volute

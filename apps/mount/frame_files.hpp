@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "volute/codec/volute_reader.hpp"
+#include "volute/grid/bricks.hpp"
+#include "volute/grid/frame_source.hpp"
 #include "volute/io/lattice.hpp"
 
 namespace volute {
@@ -69,21 +71,12 @@ class FrameFiles {
   [[nodiscard]] Result<std::shared_ptr<const File>> file(std::size_t frame);
 
  private:
-  /// Decoded blocks of 16 frames; those that are zero are left out.
-  struct Row {
-    int row = -1;
-    std::uint64_t bytes = 0;
-    std::vector<std::vector<float>> blocks;
-  };
-
   /// One grid.
   struct Volume {
-    std::shared_ptr<const VoluteReader> reader;  ///< null: it is empty
+    std::unique_ptr<FrameSource> source;  ///< null: it is empty
     VolumeInfo info;
     GridDescription description;
-    std::uint64_t room = 0;       ///< [bytes] for its rows
-    std::list<Row> rows{};        ///< the last one used first
-    std::vector<float> values{};  ///< a frame
+    Bricks bricks;  ///< a frame
   };
 
   explicit FrameFiles(std::uint64_t maxMemory) : maxMemory_(maxMemory) {}
@@ -94,9 +87,6 @@ class FrameFiles {
   std::shared_ptr<const File> kept(std::size_t frame);
   void keep(std::size_t frame, std::shared_ptr<const File> file);
   [[nodiscard]] Result<std::shared_ptr<const File>> make(std::size_t frame);
-  [[nodiscard]] static Status decode(Volume& volume, std::size_t frame);
-  [[nodiscard]] static Result<const Row*> row(Volume& volume, int row);
-  static void scatter(Volume& volume, const Row& row, std::size_t frame);
 
   std::uint64_t maxMemory_;
   VolumeInfo frames_;
