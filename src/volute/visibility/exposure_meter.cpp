@@ -226,7 +226,7 @@ Status ExposureMeter::sample(double time, const Places& places,
           // Of rates at both ends; while one is not known it does not grow.
           if (known && !std::isnan(rateBefore) && there_[i] != 0)
             values_[c][i] += 0.5 * (rateBefore + value) * passed;
-          compared = values_[c][i];
+          compared = known ? values_[c][i] : kNotKnown;
         } else {
           values_[c][i] = value;
         }

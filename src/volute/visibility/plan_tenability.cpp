@@ -191,8 +191,10 @@ void PlanTenability::combine(const LossTimes& signs, const std::vector<bool>& in
   all_ = LossTimes(eyes_.size());
   which_.assign(eyes_.size(), -1);
   std::vector<std::pair<const LossTimes*, int>> all{{&signs, 0}};
-  for (std::size_t c = 0; c < meter_.criteria().size(); ++c)
-    all.emplace_back(&meter_.times(c), static_cast<int>(c) + 1);
+  for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
+    if (isKnownSomewhere(c))
+      all.emplace_back(&meter_.times(c), static_cast<int>(c) + 1);
+  }
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
     const auto add = [&](const LossTimes& times, int which) {
       // Criteria are compared by what is the best guess of each; the first is rounded then.
@@ -220,6 +222,25 @@ void PlanTenability::combine(const LossTimes& signs, const std::vector<bool>& in
         add(*times, which);
     }
   }
+}
+
+/// False of a criterion that is not assessed at this height: nothing is stored for any point at any
+/// time.
+bool PlanTenability::isKnownSomewhere(std::size_t c) const {
+  return !std::ranges::all_of(meter_.worst(c), [](double value) { return std::isnan(value); });
+}
+
+std::string PlanTenability::notAssessed() const {
+  std::string names;
+  for (const ExposureMeter::Missing& one : meter_.missing())
+    names += (names.empty() ? "" : ", ") + one.criterion.name;
+  for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
+    if (!isKnownSomewhere(c)) {
+      names += fmt::format("{}{} (not stored at this height)", names.empty() ? "" : ", ",
+                           meter_.criteria()[c].name);
+    }
+  }
+  return names;
 }
 
 Json PlanTenability::criterionJson(std::size_t c) const {
@@ -296,7 +317,7 @@ std::string PlanTenability::unknownReasons() const {
   std::string names;
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
     const FirstLoss one = firstLoss(meter_.times(c), survey_->round, people_);
-    if (!one.certain())
+    if (!one.certain() && isKnownSomewhere(c))
       names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", meter_.criteria()[c].name,
                            std::isinf(one.known)
                                ? fmt::format("{} of the floor", percentWords(one.unknown))
@@ -321,10 +342,7 @@ Json PlanTenability::headline(const std::vector<std::string>& names) const {
   } else {
     text = fmt::format("ASET of all criteria: none is reached until {:g} s.", end);
   }
-  std::string missing;
-  for (const ExposureMeter::Missing& one : meter_.missing())
-    missing += (missing.empty() ? "" : ", ") + one.criterion.name;
-  if (!missing.empty())
+  if (const std::string missing = notAssessed(); !missing.empty())
     text += fmt::format(" Not assessed: {}.", missing);
   Json json = verdictJson("all", text, first, survey_->round, eyes_);
   if (first.any)
@@ -332,6 +350,10 @@ Json PlanTenability::headline(const std::vector<std::string>& names) const {
   json["not_assessed"] = Json::array();
   for (const ExposureMeter::Missing& one : meter_.missing())
     json["not_assessed"].push_back(one.criterion.name);
+  for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
+    if (!isKnownSomewhere(c))
+      json["not_assessed"].push_back(meter_.criteria()[c].name);
+  }
   return json;
 }
 
@@ -449,8 +471,10 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
   } else if (unknown > 0) {
     text = fmt::format(
         "ASET - RSET: not known at {} of the points in use, where people are still there after "
-        "the time until which the air is known, by up to {:.4g} s, at {}{} (RSET: {}).",
-        share(unknown), -least[open], placeWords(eyes_[open]),
+        "the time until which the air is known{}, at {}{} (RSET: {}).",
+        share(unknown),
+        std::isinf(least[open]) ? std::string() : fmt::format(", by up to {:.4g} s", -least[open]),
+        placeWords(eyes_[open]),
         tooLate > 0 ? fmt::format("; at {} of them people leave too late, by up to {:.4g} s",
                                   share(tooLate), -margin[worst])
                     : "",

@@ -51,6 +51,8 @@ class PlanTenability {
   Json sentence(std::size_t c) const;
   Json headline(const std::vector<std::string>& names) const;
   Json ofTheFire(const std::vector<std::string>& names) const;
+  bool isKnownSomewhere(std::size_t c) const;
+  std::string notAssessed() const;
   std::string unknownReasons() const;
   std::string storedWords(std::size_t c) const;
 

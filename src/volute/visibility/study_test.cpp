@@ -124,7 +124,7 @@ TEST_F(StudyComparison, EachStoreyIsComparedWithTheSameHeightOfOtherRuns) {
   EXPECT_THAT(values("spread_z_1.8", 2), ElementsAre(20, 30));
   // The table has the storey of the earliest loss, the smallest margin, and the remarks of all.
   EXPECT_THAT(results.table(), HasSubstr("height [m]"));
-  EXPECT_THAT(results.table(), HasSubstr("\na,a.smv,,1,,3,0,60,10,9.5,4.8,0,5.2,4\n"));
+  EXPECT_THAT(results.table(), HasSubstr("\na,a.smv,,1,,3,0,60,10,yes,10,9.5,4.8,0,5.2,yes,4\n"));
 }
 
 TEST_F(StudyComparison, ARunWithOneStoreyIsComparedWithThatHeightOfTheBaseline) {
