@@ -120,12 +120,12 @@ class Scenes(FogCase):
     def centre(self, **more):
         """Where the fog of one white pixel is [m], seen from above: its centre of mass in x and y."""
         write_rows(self.path("map.png"), [[255 if x == 4 and y == 4 else 0 for x in range(9)] for y in range(9)])
-        self.scene |= {"camera": {"eye": [45, 45, 30], "target": [45, 45, 0], "up": [0, 1, 0], "ortho": 160, "size": [80, 80]}}
+        self.scene |= {"camera": {"eye": [45, 45, 30], "target": [45, 45, 0], "up": [0, 1, 0], "ortho": 160, "size": [160, 160]}}
         self.scene["media"] = [self.fog | {"cell": 10, "sigma_max": 1e-3} | more]
         picture = read_exr(self.path(self.render("x.exr", "--aov", "optical-depth")))
         total = sum(picture.values)
-        return [sum((2 * (i % 80) - 34) * v for i, v in enumerate(picture.values)) / total,
-                sum((124 - 2 * (i // 80)) * v for i, v in enumerate(picture.values)) / total]
+        return [sum((i % 160 - 34.5) * v for i, v in enumerate(picture.values)) / total,
+                sum((124.5 - i // 160) * v for i, v in enumerate(picture.values)) / total]
 
     def assertNear(self, point, expected):
         for a, b in zip(point, expected):
@@ -144,7 +144,7 @@ class Scenes(FogCase):
         self.assertNear(self.centre(degree=1, registration="pixel"), (45, 45))
         self.white(size=4)
         self.scene["media"] = [self.fog | {"wind": [1, 0], "sigma_max": 1}]
-        self.render("x.exr", "--time", "100")
+        self.render("x.exr", "--time", "1000")
         self.assertEqual(self.works("info", self.path("x.exr"), "--json").json["maximum"], 0)  # blown away
 
     def test_a_top_is_where_it_is_painted(self):

@@ -29,9 +29,9 @@ class Frames(support.TestCase):
         write_planes(self.path("color.exr"), WIDTH, HEIGHT, self.color)
 
     def words(self, *more, color="color.exr", depth="depth.exr", out="x.exr"):
+        more += () if "--fog-color" in more else ("--fog-color", "0.5,0.6,0.7")
         return ("fog", self.path("map.png"), "--color", self.path(color), "--depth", self.path(depth), "--camera",
-                self.path("camera.json"), "--origin=-200,-200,0", "--cell", "10", "--sigma-max", "0.02", "--fog-color",
-                "0.5,0.6,0.7", "-o", self.path(out), *more)
+                self.path("camera.json"), "--origin=-200,-200,0", "--cell", "10", "--sigma-max", "0.02", "-o", self.path(out), *more)
 
     def plain(self, *more):
         """The picture with the same depth as one float channel, whose kind is said."""
@@ -209,7 +209,7 @@ class Frames(support.TestCase):
             inside = sum((x + (i + 0.5) / side) + 0.37 * (y + (j + 0.5) / side) < 9.3 for i in range(side) for j in range(side))
             return inside / side ** 2
 
-        self.path("camera.json").write_text(json.dumps({"eye": [-100, 0, 5], "target": [0, 0, 5], "ortho": 2}))
+        self.path("camera.json").write_text(json.dumps({"eye": [-100, 0, 5], "target": [0, 0, 5], "fov": 1}))
         near, far, sigma, fog = 10.0, 80.0, 0.02, 0.6
         shares = [covered(x, y, across) for y in range(HEIGHT) for x in range(WIDTH)]
         shades = [0.1 * share + 0.9 * (1 - share) for share in shares]

@@ -90,6 +90,9 @@ void openAndHelp(ViewerApp& app, bool picture) {
       app.requestScreenshot();
     app.mark("Screenshot");
     ImGui::SameLine();
+    const float wide = ImGui::CalcTextSize("Help").x + 2 * ImGui::GetStyle().FramePadding.x;
+    if (ImGui::GetCursorPosX() + wide > ImGui::GetContentRegionMax().x)
+      ImGui::NewLine();
   }
   if (ImGui::Button("Help"))
     app.settings().help = !app.settings().help;

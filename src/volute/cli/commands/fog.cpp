@@ -257,7 +257,8 @@ std::vector<Option> fogCommandOptions() {
        .kind = kNumber,
        .value = "M",
        .help = "length of a stored unit: 0.01 for centimetres; of a .png, of a step of its "
-               "integers [m]"},
+               "integers [m]",
+       .positive = true},
       {.name = "camera",
        .kind = kFile,
        .value = "CAMERA.json",
