@@ -381,7 +381,7 @@ class Fds(support.TestCase):
         self.path("signs.json").write_text('{"signs": [{"name": "a", "position": [1, 0.5, 0.5], "normal": [0, 0, 1]}]}')
         survey = ("visibility", self.case, "--signs", self.path("signs.json"), "-o", self.path("out"))
         for words in (("--fds-slice", "NO_SUCH", "--fds-slice-range", "5,1"), ("--albedo", "0,0,0"), ("--mode", "threshold"),
-                      ("--fire", "1"), ("--devices",)):
+                      ("--fds-particles", "all"), ("--devices",)):
             self.assertIn(f"unknown option {words[0]}", self.fails(2, *survey, *words))
         picture = ("render", self.case, "-o", self.path("x.png"))
         for words in (("--quantity", "extinction"), ("--scale", "2"), ("--clamp",), ("--density-field", "rho")):
