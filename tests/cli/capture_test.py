@@ -444,7 +444,7 @@ class Pictures(ring.TestCase):
 
     def test_a_hull_that_fills_the_volume(self):
         for name in ring.NAMES:
-            self.change(name, 10, lambda p: Picture(40, 32, 3, [value + 0.3 + 0.01 * (i // 3 % 40) for i, value in enumerate(p.values)]))
+            self.change(name, 10, lambda p: Picture(40, 32, 3, [value + 0.3 + 0.03 * (i // 3 % 40) for i, value in enumerate(p.values)]))
         self.assertRegex(self.reconstruct("--frames", "10").message, r"frame 10: the visual hull fills \d+ % of the volume")
 
     def test_an_even_black_level_is_undone_and_told_once(self):

@@ -149,7 +149,7 @@ std::optional<BackgroundDrift> findBackgroundDrift(const Image& picture, const I
 std::optional<Rgb> findPedestal(const Image& picture, std::span<const std::uint8_t> pixels) {
   VOLUTE_ASSERT(picture.channels == 3 && 3 * pixels.size() == picture.pixels.size());
   constexpr std::size_t kFewest = 100, kFewestOfAHalf = 30;
-  constexpr double kNormal = 1.4826, kSigmas = 2.5, kEven = 0.25, kOfBrightest = 3e-3;
+  constexpr double kNormal = 1.4826, kSigmas = 2.5, kEven = 0.1, kOfBrightest = 3e-3;
   constexpr double kWithin = 6 * kNormal, kMax = 0.85;
   const float brightest = *std::ranges::max_element(picture.pixels);
   const auto valuesWhere = [&](std::size_t channel, auto&& where) {
@@ -161,7 +161,18 @@ std::optional<Rgb> findPedestal(const Image& picture, std::span<const std::uint8
     return values;
   };
   const auto width = static_cast<std::size_t>(picture.width);
-  const auto height = static_cast<std::size_t>(picture.height);
+  // The middle of the pixels, whose halves are compared.
+  std::vector<float> columns, rows;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (pixels[i] != 0) {
+      columns.push_back(static_cast<float>(i % width));
+      rows.push_back(static_cast<float>(i / width));
+    }
+  }
+  if (columns.size() < kFewest)
+    return std::nullopt;
+  const auto middleX = static_cast<std::size_t>(middleOf(columns));
+  const auto middleY = static_cast<std::size_t>(middleOf(rows));
   Rgb pedestal = Rgb::Zero();
   for (std::size_t c = 0; c < 3; ++c) {
     auto values = valuesWhere(c, [](std::size_t) { return true; });
@@ -181,10 +192,12 @@ std::optional<Rgb> findPedestal(const Image& picture, std::span<const std::uint8
       return std::nullopt;
     for (int half = 0; half < 4; ++half) {
       auto part = valuesWhere(c, [&](std::size_t i) {
-        const bool first = half < 2 ? 2 * (i % width) < width : 2 * (i / width) < height;
+        const bool first = half < 2 ? i % width < middleX : i / width < middleY;
         return first == (half % 2 == 0);
       });
-      if (part.size() >= kFewestOfAHalf && std::abs(middleOf(part) - middle) > kEven * middle)
+      const double uncertain = kSigmas * spread / std::sqrt(static_cast<double>(part.size() + 1));
+      if (part.size() >= kFewestOfAHalf &&
+          std::abs(middleOf(part) - middle) > kEven * middle + uncertain)
         return std::nullopt;
     }
     pedestal[static_cast<Eigen::Index>(c)] = middle;

@@ -280,6 +280,9 @@ class FaultSearch {
   Result<std::optional<CaptureFault>> next(bool first) {
     VOLUTE_ASSIGN(const Explanation now, coarse_.explain(coarse_.views(), progress_));
     std::vector<Hypothesis> candidates;
+    // Light that has no end hides everything else.
+    if (now.bad && litAllAround())
+      return std::optional<CaptureFault>();
     if (now.bad) {
       if (first) {
         VOLUTE_ASSIGN(const auto cut, cutByTheBounds(now));
@@ -331,6 +334,27 @@ class FaultSearch {
     if (!(grown.all < kMuchBetter * now.all))
       return std::optional<CaptureFault>();
     return std::optional(CaptureFault{FaultKind::kBox, {}, most, now.all, grown.all, {}});
+  }
+
+  /// Whether most pictures are lit all along their border: by a background that is not subtracted.
+  bool litAllAround() const {
+    constexpr double kNearlyAll = 0.9;
+    const auto& views = coarse_.views();
+    const auto count = std::ranges::count_if(views, [&](const TomographyView& view) {
+      const double threshold = 2 * silhouetteThreshold(view, {});
+      const int width = view.radiance.width, height = view.radiance.height;
+      int border = 0, lit = 0;
+      for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+          if (x != 0 && y != 0 && x + 1 != width && y + 1 != height)
+            continue;
+          ++border;
+          lit += view.radiance.at(x, y, 0) > threshold ? 1 : 0;
+        }
+      }
+      return lit > kNearlyAll * border;
+    });
+    return 2 * static_cast<std::size_t>(count) > views.size();
   }
 
   /// The share of a view's light whose sights miss the bounds.
