@@ -732,8 +732,10 @@ print(1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before), valu
         with self.assertRaisesRegex(ValueError, "finite"):
             engine.sees(eyes, np.nan)
         walks = self.path / "walks.txt"
-        walks.write_text("# framerate: 1\n3 0 1 1.5 1.6\n3 10 6 1.5 1.6\n5 4 2 1.5 1.6\n5 5 3 1.5 1.6\n")
-        people = volute.Trajectories(walks)
+        walks.write_text("# framerate: 1\n3 0 1 1.5 0\n3 10 6 1.5 0\n5 4 2 1.5 0\n5 5 3 1.5 0\n")
+        people = volute.Trajectories(walks, eye_height=1.6)
+        self.assertRegex(people.remarks[0], "z is the floor there: eyes are 1.6 m above it")
+        self.assertEqual(volute.Trajectories(walks, height=2).at(0)[1][0][2], 2)
         self.assertEqual((people.begin, people.end, list(people.ids)), (0, 10, [3, 5]))
         ids, places = people.at(4.5)
         self.assertEqual(list(ids), [3, 5])
