@@ -95,6 +95,15 @@ TEST_F(MediaControls, VolumesAreMovedTurnedAndScaled) {
   EXPECT_EQ(saved("volume2.json")["media"][0]["transform"].size(), 16U);
 }
 
+TEST_F(MediaControls, AVolumesBasisIsChosenAndSaved) {
+  write("volume.json", kVolume);
+  open("volume.json");
+  expectSeen("basis", [&] { ASSERT_TRUE(script_->choose("/media/0/basis", "box")); });
+  saveAs("volume2.json");
+  expectTheSameAfter("volume2.json");
+  EXPECT_EQ(saved("volume2.json")["media"][0]["basis"], "box");
+}
+
 TEST_F(MediaControls, VolumesTurnAboutTheirMiddle) {
   write("volume.json", kVolume);
   open("volume.json");
