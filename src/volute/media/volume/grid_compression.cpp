@@ -273,13 +273,18 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
     const double most = wanted.kind == Kind::kSize
                             ? wanted.value
                             : std::floor(static_cast<double>(result.rawBytes()) / wanted.value);
-    double sum = 0;
-    for (const CompressedGrid& grid : result.grids)
-      sum += static_cast<double>(grid.report.fileBytes);
-    const double table = std::max(static_cast<double>(result.fileBytes) - sum, 0.0);
+    // What is nearly nothing but its description cannot get smaller, and keeps its size.
+    constexpr double kSmall = 500;
+    double sum = 0, small = 0;
+    for (const CompressedGrid& grid : result.grids) {
+      const auto bytes = static_cast<double>(grid.report.fileBytes);
+      (bytes < kSmall ? small : sum) += bytes;
+    }
+    const double table = std::max(static_cast<double>(result.fileBytes) - sum - small, 0.0);
     for (std::size_t i = 0; i < chosen.size(); ++i) {
-      const double share = static_cast<double>(result.grids[i].report.fileBytes) / sum;
-      targets[i] = {Kind::kSize, std::max(1.0, std::floor((most - table) * share))};
+      const auto bytes = static_cast<double>(result.grids[i].report.fileBytes);
+      const double share = std::floor((most - table - small) * bytes / std::max(sum, 1.0));
+      targets[i] = {Kind::kSize, std::max(1.0, bytes < kSmall ? bytes : share)};
     }
     VOLUTE_TRY(files.compressAll(targets));
     VOLUTE_ASSIGN(result, files.write(most));
