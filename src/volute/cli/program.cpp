@@ -82,13 +82,19 @@ Status runGuarded(const Command& command, Arguments& arguments, Context& context
   }
 }
 
+/// `help | head -1` ends as other programs do whose reader has seen enough.
+void endByBrokenPipe() {
+  if (errno != EPIPE)
+    return;
+  ::signal(SIGPIPE, SIG_DFL);
+  ::raise(SIGPIPE);
+}
+
 int show(const std::string& text) {
   std::fwrite(text.data(), 1, text.size(), stdout);
   const Status status = flushResults();
-  if (!status && errno == EPIPE) {  // `help | head -1`: ends as other programs do
-    ::signal(SIGPIPE, SIG_DFL);
-    ::raise(SIGPIPE);
-  }
+  if (!status)
+    endByBrokenPipe();
   if (!status)
     fmt::print(stderr, "volute: {}\n", status.error().message);
   return status ? kDone : kCouldNot;
@@ -122,8 +128,11 @@ int runCommand(const Command& command, Arguments arguments, const std::vector<st
   context.verbose = arguments.flag("verbose");
   nameOutputs(command, arguments, console);
   Status status = runGuarded(command, arguments, context);
-  if (status)
+  if (status) {
     status = flushResults();
+    if (!status && command.name == "help")
+      endByBrokenPipe();
+  }
   status = context.team.agree(status);
   console.clear();
   // Launchers take the code of any process that failed.
