@@ -186,7 +186,7 @@ Status ExtractSource::readBricks(int index, int first, int end, Bricks& bricks) 
     return fail(ErrorCode::kCancelled, "stopped: reading frame {}",
                 extraction_.positions[static_cast<std::size_t>(index)]);
   }
-  if (!keepsTopology()) {
+  if (!keepsTopology() || !extraction_.bricks) {
     std::vector<float> values(info_.frameValues());
     VOLUTE_TRY(readFrame(index, values));
     bricks = Bricks::fromDense(info_, values, reader_->background());
