@@ -257,12 +257,12 @@ class Tenability(Cases):
         self.assertEqual(verdict["position"][0], 10.5)
         self.assertEqual(report["plan_use"][1], "v" * 10 + "p" * 10)
         self.assertIn("50 % of the points, which have no floor within 2.5 m", json.dumps(report["verdict"]))
-        report, verdict = first("--fire", "10.5,1.5,1.2")
+        report, verdict = first("--fire-at", "10.5,1.5,1.2")
         self.assertEqual(report["plan_use"][1], "v" * 10 + "ff" + "p" * 8)
         self.assertIn("The fire's own place (as stated) is not counted", json.dumps(report["verdict"]))
         self.assertEqual(verdict["share"], sum(1 for row in report["plan_use"] for x, c in enumerate(row) if c == "p" and 800 / (19.5 - x) <= 120)
                          / sum(row.count("p") for row in report["plan_use"]))
-        self.assertIn("--fire: '3,4'", self.fails(2, "visibility", case, *options, "--fire", "3,4"))
+        self.assertIn("--fire-at: '3,4'", self.fails(2, "visibility", case, *options, "--fire-at", "3,4"))
 
     def test_meshes_have_air_too(self):
         def room(name, *fields):

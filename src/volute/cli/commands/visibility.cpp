@@ -97,12 +97,13 @@ Result<std::vector<Vec3>> viewsOf(const Arguments& arguments) {
 /// "24,6,1.5": where it burns, and how far around.
 Result<std::vector<Vec3>> firesOf(const Arguments& arguments) {
   std::vector<Vec3> fires;
-  for (const std::string& text : arguments.all("fire")) {
+  for (const std::string& text : arguments.all("fire-at")) {
     const auto numbers = parseNumbers(text).value_or(std::vector<double>());
     if (numbers.size() != 3 || !(numbers[2] > 0)) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "--fire: '{}' is not a place; expected X,Y,RADIUS in metres, the radius above 0",
-                  text);
+      return fail(
+          ErrorCode::kInvalidArgument,
+          "--fire-at: '{}' is not a place; expected X,Y,RADIUS in metres, the radius above 0",
+          text);
     }
     fires.emplace_back(numbers[0], numbers[1], numbers[2]);
   }
@@ -302,7 +303,7 @@ std::vector<Option> visibilityOptionTable() {
       {.name = "everywhere",
        .help = "verdicts of a plan are of all its points; otherwise of those where people are: a "
                "floor at most 2.5 m below the eyes, not in the fire's own place"},
-      {.name = "fire",
+      {.name = "fire-at",
        .kind = kText,
        .value = "X,Y,RADIUS",
        .help = "where it burns, for verdicts of places where people are; FDS cases say it "
