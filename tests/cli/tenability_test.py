@@ -258,7 +258,7 @@ class Tenability(Cases):
         self.assertEqual(report["plan_use"][1], "v" * 10 + "p" * 10)
         self.assertIn("50 % of the points, which have no floor within 2.5 m", json.dumps(report["verdict"]))
         report, verdict = first("--fire-at", "10.5,1.5,1.2")
-        self.assertEqual(report["plan_use"][1], "v" * 10 + "ff" + "p" * 8)
+        self.assertEqual(report["plan_use"][1], "v" * 9 + "fff" + "p" * 8)
         self.assertIn("The fire's own place (as stated) is not counted", json.dumps(report["verdict"]))
         self.assertEqual(verdict["share"], sum(1 for row in report["plan_use"] for x, c in enumerate(row) if c == "p" and 800 / (19.5 - x) <= 120)
                          / sum(row.count("p") for row in report["plan_use"]))
