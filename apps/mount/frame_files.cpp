@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "volute/codec/extract_source.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/plugin.hpp"
 
@@ -91,7 +92,8 @@ Status FrameFiles::openGrids(const std::string& path) {
     const std::uint64_t room = maxMemory_ / 2 / whole.grids().size();
     VOLUTE_ASSIGN(auto reader,
                   VoluteReader::open(path, {.maxMemory = room, .grid = grid.info.name}));
-    volume.source = frameSource(std::make_shared<const VoluteReader>(std::move(reader)));
+    const auto shared = std::make_shared<const VoluteReader>(std::move(reader));
+    volume.source = withLevelSet(*shared, frameSource(shared));
     volume.info = volume.source->info();
     frameBytes += volume.source->brickBytes();
   }

@@ -3,6 +3,7 @@
 #include "volute/codec/extract_source.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -13,6 +14,42 @@
 
 namespace volute {
 namespace {
+
+/// What comes of a level set in a file that keeps no topology: those values that lie beyond the
+/// background are taken as inactive, and inside where they are negative.
+class GuessedLevelSet final : public FrameSource {
+ public:
+  GuessedLevelSet(std::unique_ptr<FrameSource> source, float background)
+      : source_(std::move(source)), background_(background) {}
+
+  const VolumeInfo& info() const override { return source_->info(); }
+
+  Status readFrame(int index, std::span<float> values) override {
+    return source_->readFrame(index, values);
+  }
+
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    std::vector<float> values(info().frameValues());
+    VOLUTE_TRY(source_->readFrame(index, values));
+    for (float& value : values) {
+      if (std::abs(value) >= background_)
+        value = std::copysign(background_, value);
+    }
+    bricks = Bricks::fromDense(info(), values, {background_, background_, background_});
+    for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+      for (std::size_t voxel = 0; voxel < Bricks::kVoxels; ++voxel) {
+        if (bricks.values(i)[voxel] == -background_)
+          bricks.leaf(i).active[voxel / 64] &= ~(std::uint64_t{1} << voxel % 64);
+      }
+    }
+    bricks.crop({{0, 0, first}, {info().x, info().y, end}});
+    return {};
+  }
+
+ private:
+  std::unique_ptr<FrameSource> source_;
+  float background_;
+};
 
 constexpr int kSide = BlockGrid::kSide;
 
@@ -221,6 +258,16 @@ Status ExtractSource::readFrame(int index, std::span<float> values) {
   const auto most = static_cast<float>(std::max(0.0, header.valueMax));
   for (float& value : values) value = std::clamp(value, least, most);
   return {};
+}
+
+std::unique_ptr<FrameSource> withLevelSet(const VoluteReader& reader,
+                                          std::unique_ptr<FrameSource> source) {
+  const auto& description = reader.grid().description;
+  if (reader.hasTopology() || !description || description->gridClass != "level set" ||
+      !(description->background[0] > 0))
+    return source;
+  return std::make_unique<GuessedLevelSet>(std::move(source),
+                                           static_cast<float>(description->background[0]));
 }
 
 }  // namespace volute

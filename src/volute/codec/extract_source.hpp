@@ -66,4 +66,9 @@ class ExtractSource final : public FrameSource {
   std::vector<float> row_;                    // shape (t, z, y, x, c) of the region
 };
 
+/// `source`, whose values are those of `reader`; a level set in a file that keeps no topology gets
+/// the one that its values suggest.
+std::unique_ptr<FrameSource> withLevelSet(const VoluteReader& reader,
+                                          std::unique_ptr<FrameSource> source);
+
 }  // namespace volute

@@ -49,42 +49,6 @@ Status readFrames(const std::vector<std::unique_ptr<FrameSource>>& sources, int 
   return {};
 }
 
-/// What comes of a level set in a file that keeps no topology: those values that lie beyond the
-/// background are taken as inactive, and inside where they are negative.
-class GuessedLevelSet final : public FrameSource {
- public:
-  GuessedLevelSet(std::unique_ptr<FrameSource> source, float background)
-      : source_(std::move(source)), background_(background) {}
-
-  const VolumeInfo& info() const override { return source_->info(); }
-
-  Status readFrame(int index, std::span<float> values) override {
-    return source_->readFrame(index, values);
-  }
-
-  Status readBricks(int index, int first, int end, Bricks& bricks) override {
-    std::vector<float> values(info().frameValues());
-    VOLUTE_TRY(source_->readFrame(index, values));
-    for (float& value : values) {
-      if (std::abs(value) >= background_)
-        value = std::copysign(background_, value);
-    }
-    bricks = Bricks::fromDense(info(), values, {background_, background_, background_});
-    for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
-      for (std::size_t voxel = 0; voxel < Bricks::kVoxels; ++voxel) {
-        if (bricks.values(i)[voxel] == -background_)
-          bricks.leaf(i).active[voxel / 64] &= ~(std::uint64_t{1} << voxel % 64);
-      }
-    }
-    bricks.crop({{0, 0, first}, {info().x, info().y, end}});
-    return {};
-  }
-
- private:
-  std::unique_ptr<FrameSource> source_;
-  float background_;
-};
-
 /// What the cache says of a grid, of these frames of it and at this level.
 GridDescription descriptionOf(const VoluteGrid& grid, const Extraction& extraction) {
   if (!grid.description)
@@ -140,12 +104,7 @@ Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std:
                                    static_cast<double>(grid->info.frameValues()) / voxels);
     VOLUTE_ASSIGN(auto source, ExtractSource::create(reader, std::move(own), reading.progress));
     target.info = source->info();
-    const double background = target.description.background[0];
-    if (!reader->hasTopology() && target.description.gridClass == "level set" && background > 0)
-      all.sources.push_back(
-          std::make_unique<GuessedLevelSet>(std::move(source), static_cast<float>(background)));
-    else
-      all.sources.push_back(std::move(source));
+    all.sources.push_back(withLevelSet(*reader, std::move(source)));
     all.readers.push_back(std::move(reader));
   }
   return all;
