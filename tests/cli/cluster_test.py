@@ -79,6 +79,7 @@ class Cluster(support.TestCase):
         self.assertEqual(found, code, message)
         self.assertEqual(self.files(), before)
         ours = [line for line in message.splitlines() if line.startswith("volute")]
+        ours = [line for line in ours if "no times are stated" not in line]
         self.assertEqual(len([line for line in ours if "lists the commands" not in line]), 1, message)
         return ours[0]
 
@@ -787,7 +788,7 @@ class BadInput(Cluster):
         script.chmod(0o755)
         command, environment = mpirun(3, script, PROGRAM, "compress", self.path("in.npy"), "-o", self.path("out/x.volute"), "--rms", "0.0001")
         done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=LIMIT)
-        said = [line for line in done.stderr.decode().splitlines() if line.startswith("volute")]
+        said = [line for line in done.stderr.decode().splitlines() if line.startswith("volute") and "no times are stated" not in line]
         self.assertEqual(done.returncode, 1, said)
         self.assertEqual(len(said), 1, said)
         self.assertRegex(said[0], "rank 1: .*No space left on device")

@@ -18,7 +18,7 @@ class Shell(support.TestCase):
 
     def test_bash_completes(self):
         self.assertEqual(self.complete("volute", "comp"), ["compress", "compare", "completion"])
-        self.assertEqual(self.complete("volute", "compress", "--rm"), ["--rms", "--rms-of"])
+        self.assertEqual(self.complete("volute", "compress", "--rm"), ["--rms", "--rms-over", "--rms-of"])
         self.assertEqual(self.complete("volute", "compress", "--wavelet", "cdf"), ["cdf53", "cdf97"])
         self.assertEqual(self.complete("volute", "completion", "z"), ["zsh"])
 
