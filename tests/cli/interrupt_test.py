@@ -98,7 +98,7 @@ class Interrupt(support.TestCase):
 
     def test_a_partial_still_is_written(self):
         packed = self.make_volute(frames=2, size=40)
-        process = subprocess.Popen([support.PROGRAM, "render", packed, "-o", self.path("x.png"), "--size", "3000x3000", "--renderer", "reference",
+        process = subprocess.Popen([support.PROGRAM, "render", packed, "-o", self.path("x.png"), "--size", "7000x7000", "--renderer", "reference",
                                     "--exposure", "1", "--partial"], stderr=subprocess.PIPE)
         said = b""
         while b"rendering" not in said:  # one tile is there
@@ -107,7 +107,7 @@ class Interrupt(support.TestCase):
             said += more
         self.assertIn("of the picture, the rest coarsely", self.stopped(process, [signal.SIGINT]))
         self.assertEqual(self.files(), ["in.volute", "x.png"])
-        self.assertEqual(self.works("info", self.path("x.png"), "--json").json["size"], [3000, 3000])
+        self.assertEqual(self.works("info", self.path("x.png"), "--json").json["size"], [7000, 7000])
 
     def test_a_second_is_enough(self):
         """What computes without asking ends too: the hall's 12 million tets are made in one step."""
