@@ -510,7 +510,7 @@ class Step(ring.TestCase):
     def test_a_camera_with_another_lens_is_named(self):
         self.camera("c3")["distortion"] = [8, 0, 0, 0, 0]
         (said,) = self.warnings(24, 25)
-        self.assertIn("camera c3, frame 12: does not fit the others", said)
+        self.assertIn("camera c3: another focal length, about 0.8 times as long, fits", said)
 
     def test_a_wrong_convention_of_pixel_centres_is_told_by_its_name(self):
         self.json["pixel_centre"] = 0

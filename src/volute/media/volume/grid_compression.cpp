@@ -274,7 +274,7 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
                             ? wanted.value
                             : std::floor(static_cast<double>(result.rawBytes()) / wanted.value);
     // What is nearly nothing but its description cannot get smaller, and keeps its size.
-    constexpr double kSmall = 500;
+    constexpr double kSmall = 1000;
     double sum = 0, small = 0;
     for (const CompressedGrid& grid : result.grids) {
       const auto bytes = static_cast<double>(grid.report.fileBytes);
