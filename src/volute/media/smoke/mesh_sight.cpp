@@ -31,6 +31,9 @@ void MeshSight::remarkOnOthers() {
 }
 
 Result<std::unique_ptr<PointField>> MeshSight::conditions(std::string_view quantity) {
+  // A list of fields costs reading the mesh once more.
+  if (otherFields_.empty() && air_.empty())
+    return fail(ErrorCode::kNotFound, "the mesh has no field but '{}'", fieldName_);
   if (!fields_) {
     VOLUTE_ASSIGN(auto described, source_.describe(0));
     fields_ = std::move(described.fields);
