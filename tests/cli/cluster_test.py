@@ -184,7 +184,10 @@ class SameBytes(Cluster):
             self.works(*arguments, "-o", self.path("alone.volute"))
             self.succeeds(3, *arguments, "-o", self.path("ours.volute"), "--max-memory", "24M", "--stats", self.path("stats.json"))
             self.assertEqual(self.path("ours.volute").read_bytes(), self.path("alone.volute").read_bytes(), source)
-            self.check_units(self.path("stats.json"), "compressing", 6, 3)
+            # A .vdb has no box but that of its active voxels.
+            depth = self.works("info", self.path("ours.volute"), "--json").json["size"][2]
+            self.assertEqual(depth > 32, not source.endswith(".vdb"), source)
+            self.check_units(self.path("stats.json"), "compressing", 2 * -(-depth // 16), 3)
         self.works("compress", self.path("in.npy"), "-o", self.path("npy.volute"), "--rms", "0.01")
         self.works("compress", self.path("in.raw"), "-o", self.path("raw.volute"), "--rms", "0.01", *raw)
         self.works("extract", self.path("npy.volute"), "-o", self.path("npy.npy"))
