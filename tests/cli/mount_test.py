@@ -45,7 +45,7 @@ class Refused(support.TestCase):
         self.assertIn("is no folder", self.fails(2, "mount", file, self.path("nowhere")))
         self.assertIn("is not empty", self.fails(2, "mount", file, self.folder))
         self.assertIn("cannot open", self.fails(1, "mount", self.path("nothing.volute"), empty))
-        self.assertIn("raise --max-memory", self.fails(1, "mount", self.make_volute("big.volute", size=40), empty, "--max-memory", "150K"))
+        self.assertIn("raise --max-memory", self.fails(1, "mount", self.make_volute("big.volute", size=40), empty, "--max-memory", "60K"))
 
     @unittest.skipUnless(os.geteuid() == 0 and shutil.which("unshare"), "another /dev needs root")
     def test_without_fuse(self):
