@@ -273,7 +273,7 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
     const double most = wanted.kind == Kind::kSize
                             ? wanted.value
                             : std::floor(static_cast<double>(result.rawBytes()) / wanted.value);
-    // What is nearly nothing but its description cannot get smaller, and keeps its size.
+    // What is nearly nothing but its description cannot get smaller, and stays as it is.
     constexpr double kSmall = 1000;
     double sum = 0, small = 0;
     for (const CompressedGrid& grid : result.grids) {
@@ -284,7 +284,8 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const auto bytes = static_cast<double>(result.grids[i].report.fileBytes);
       const double share = std::floor((most - table - small) * bytes / std::max(sum, 1.0));
-      targets[i] = {Kind::kSize, std::max(1.0, bytes < kSmall ? bytes : share)};
+      if (bytes >= kSmall)
+        targets[i] = {Kind::kSize, std::max(1.0, share)};
     }
     VOLUTE_TRY(files.compressAll(targets));
     VOLUTE_ASSIGN(result, files.write(most));
