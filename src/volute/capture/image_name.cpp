@@ -19,17 +19,18 @@ std::string escaped(char c) {
 /// last component is digits or stands open.
 std::string expressionOf(const std::string& component, bool last) {
   const auto found = last ? findFrameField(component) : std::optional<FrameField>();
-  const std::optional<FrameField> field = found ? *found : std::nullopt;
+  const bool has = found && *found;
+  const FrameField field = has ? **found : FrameField{};
   std::string expression;
   for (std::size_t at = 0; at < component.size();) {
     if (component.compare(at, kCamera.size(), kCamera) == 0) {
       expression += "(.+)";
       at += kCamera.size();
-    } else if (field && at == field->begin) {
+    } else if (has && at == field.begin) {
       expression += "(?:-?[0-9]+|#+|%0?[0-9]*d)";
-      at = field->end;
+      at = field.end;
     } else {
-      at += field && component.compare(at, 2, "%%") == 0 ? 1 : 0;
+      at += has && component.compare(at, 2, "%%") == 0 ? 1 : 0;
       expression += escaped(component[at++]);
     }
   }

@@ -44,8 +44,9 @@ TEST_F(ScaleControls, NothingIsCutOffAtAnyScale) {
       EXPECT_EQ(shown.width, static_cast<int>(columns * scale));
       EXPECT_EQ(shown.height, static_cast<int>(rows * scale));
       expectWhole(what);
-      if (script_->has("More"))
+      if (script_->has("More")) {
         ASSERT_NO_FATAL_FAILURE(openMore());
+      }
       expectWhole(what + ", with all of the time");
       script_->press(Key::kF1);
       script_->frames(3);
