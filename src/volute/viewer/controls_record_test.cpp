@@ -15,7 +15,8 @@ namespace {
 
 /// Lines that are marked so that tests find them; and what only a picture that takes long has,
 /// which ViewerTest uses.
-const std::set<std::string> kNoControls = {"times", "who draws", "stop drawing", "help"};
+const std::set<std::string> kNoControls = {"times", "who draws", "stop drawing", "help",
+                                           "help is cut"};
 
 TEST_F(Controls, AreCountedByKind) {
   open("smoke.json");
