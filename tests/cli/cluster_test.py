@@ -168,7 +168,7 @@ class SameBytes(Cluster):
         """As much memory as a layer of blocks needs: 18 frames of 40^3 are 2 x 3 units."""
         shape, values = support.plume(18, 40)
         support.write_npy(self.path("in.npy"), shape, values)
-        swapped = array.array("d", values)
+        swapped = array.array("d", array.array("f", values))  # what float32 holds
         if sys.byteorder == "little":
             swapped.byteswap()
         self.path("in.raw").write_bytes(b"header" + swapped.tobytes())
