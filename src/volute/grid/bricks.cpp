@@ -87,7 +87,6 @@ std::uint64_t voxelsIn(const IndexBox& box) {
 
 std::span<float> Bricks::addLeaf(const Leaf& leaf) {
   leaves_.push_back(leaf);
-  values_.reserve(values_.size() + leafValues());
   for (int c = 0; c < channels_; ++c)
     values_.resize(values_.size() + kVoxels, background_[static_cast<std::size_t>(c)]);
   return values(leaves_.size() - 1);

@@ -57,6 +57,18 @@ TEST(Bricks, LayersTogetherAreTheFrame) {
   EXPECT_EQ(all.checksum(), whole.checksum());
 }
 
+TEST(Bricks, AddingLeavesMovesValuesRarely) {
+  Bricks bricks;
+  const float* last = nullptr;
+  int moves = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const float* values = bricks.addLeaf({{8 * i, 0, 0}}).data() - Bricks::kVoxels * i;
+    moves += values != last;
+    last = values;
+  }
+  EXPECT_LT(moves, 20);
+}
+
 TEST(Bricks, OneVoxelInAnEmptyBackground) {
   Bricks bricks(1, {0.3f, 0, 0});
   Bricks::Leaf leaf{{1'000'000'000'000, -16, 8}};

@@ -334,6 +334,7 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
     all.addTile({originOf(part.min()), part.max().x() - std::int64_t{part.min().x()} + 1,
                  tile.isValueOn(), colour});
   }
+  all.reserve(grid.tree().leafCount(), all.tiles().size());
   for (auto it = grid.tree().cbeginLeaf(); it; ++it) {
     if (!it->getNodeBoundingBox().hasOverlap(box) ||
         (&grid != &topology && topology.tree().probeConstLeaf(it->origin()) == nullptr))
