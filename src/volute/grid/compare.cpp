@@ -3,13 +3,19 @@
 #include "volute/grid/compare.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <vector>
 
+#include "volute/grid/bricks.hpp"
+
 namespace volute {
 namespace {
+
+constexpr std::int64_t kSmallCube = 2 * Bricks::kSide;  // compared voxel by voxel
 
 double errorBetween(float a, float b) {
   if (a == b || (std::isnan(a) && std::isnan(b)))
@@ -24,19 +30,257 @@ std::string sizeText(const VolumeInfo& info) {
                      info.channels == 1 ? "" : "s");
 }
 
+/// Counts of values by their first bits, in their order.
+class Histogram {
+ public:
+  void add(float value, std::uint64_t count) { counts_[binOf(value)] += count; }
+
+  /// The .0001 and .9999 quantiles instead of a range, where they span less than half of it.
+  void narrow(Difference& difference) const {
+    constexpr double kTail = 1e-4;
+    constexpr std::uint64_t kFewValues = 1000;
+    const auto count = std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0});
+    if (count < kFewValues)
+      return;
+    const auto tail =
+        std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kTail * static_cast<double>(count)));
+    const std::uint32_t lowBin = binAt(tail), highBin = binAt(count - 1 - tail);
+    const double low = std::max<double>(leastOf(lowBin), difference.supportLow);
+    const double high = std::min<double>(leastOf(highBin + 1), difference.supportHigh);
+    const bool zeros = lowBin == binOf(0) && highBin == binOf(0);
+    if (zeros || !std::isfinite(high) || !(high > low) ||
+        2 * (high - low) >= difference.supportHigh - difference.supportLow)
+      return;
+    difference.supportLow = low, difference.supportHigh = high;
+    difference.robust = true;
+  }
+
+ private:
+  static constexpr unsigned kShift = 16;
+
+  static std::uint32_t binOf(float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    return ((bits >> 31) != 0 ? ~bits : bits | 0x80000000u) >> kShift;
+  }
+
+  static float leastOf(std::uint32_t bin) {
+    const std::uint32_t bits = bin << kShift;
+    return std::bit_cast<float>((bits >> 31) != 0 ? bits & 0x7FFFFFFFu : ~bits);
+  }
+
+  std::uint32_t binAt(std::uint64_t rank) const {
+    std::uint32_t bin = 0;
+    while (bin + 1 < counts_.size() && rank >= counts_[bin]) rank -= counts_[bin++];
+    return bin;
+  }
+
+  std::vector<std::uint64_t> counts_ = std::vector<std::uint64_t>(std::size_t{1} << (32 - kShift));
+};
+
+/// A frame, and what of it reaches into a cube.
+struct FramePart {
+  const Bricks* frame;
+  std::vector<std::uint32_t> leaves{}, tiles{};
+
+  static FramePart all(const Bricks& frame) {
+    FramePart part{&frame};
+    part.leaves.resize(frame.leaves().size()), part.tiles.resize(frame.tiles().size());
+    std::iota(part.leaves.begin(), part.leaves.end(), 0U);
+    std::iota(part.tiles.begin(), part.tiles.end(), 0U);
+    return part;
+  }
+
+  FramePart within(const IndexBox& box) const {
+    FramePart part{frame};
+    for (const std::uint32_t leaf : leaves) {
+      if (!leafBox(leaf).intersection(box).empty())
+        part.leaves.push_back(leaf);
+    }
+    for (const std::uint32_t tile : tiles) {
+      if (!frame->tiles()[tile].box().intersection(box).empty())
+        part.tiles.push_back(tile);
+    }
+    return part;
+  }
+
+  /// Whether all of a box is one tile or background.
+  bool isUniform(const IndexBox& box) const {
+    return leaves.empty() &&
+           (tiles.empty() || (tiles.size() == 1 && frame->tiles()[tiles[0]].box().contains(box)));
+  }
+
+  const std::array<float, 3>& uniform() const {
+    return tiles.empty() ? frame->background() : frame->tiles()[tiles[0]].value;
+  }
+
+  bool uniformIsSupport() const {
+    return !tiles.empty() && (frame->tiles()[tiles[0]].active || uniform() != frame->background());
+  }
+
+  /// Values of a small box, shape (c, z, y, x), and which voxels are of the support.
+  void fill(const IndexBox& box, std::vector<float>& values,
+            std::vector<std::uint8_t>& support) const {
+    const auto voxels = static_cast<std::size_t>(voxelsIn(box));
+    const auto channels = static_cast<std::size_t>(frame->channels());
+    support.assign(voxels, 0);
+    values.clear();
+    for (std::size_t c = 0; c < channels; ++c)
+      values.resize(values.size() + voxels, frame->background()[c]);
+    const auto visit = [&](const IndexBox& part, auto&& voxel) {
+      for (auto z = part.begin[2]; z < part.end[2]; ++z)
+        for (auto y = part.begin[1]; y < part.end[1]; ++y)
+          for (auto x = part.begin[0]; x < part.end[0]; ++x)
+            voxel(static_cast<std::size_t>(((z - box.begin[2]) * box.size(1) + y - box.begin[1]) *
+                                               box.size(0) +
+                                           x - box.begin[0]),
+                  x, y, z);
+    };
+    for (const std::uint32_t t : tiles) {
+      const Bricks::Tile& tile = frame->tiles()[t];
+      const bool counts = tile.active || tile.value != frame->background();
+      visit(tile.box().intersection(box), [&](std::size_t to, auto, auto, auto) {
+        for (std::size_t c = 0; c < channels; ++c) values[c * voxels + to] = tile.value[c];
+        support[to] = counts;
+      });
+    }
+    for (const std::uint32_t l : leaves) {
+      const Bricks::Leaf& leaf = frame->leaves()[l];
+      const std::span<const float> from = frame->values(l);
+      visit(leafBox(l).intersection(box), [&](std::size_t to, auto x, auto y, auto z) {
+        const auto bit =
+            static_cast<std::size_t>((y - leaf.origin[1]) * Bricks::kSide + x - leaf.origin[0]);
+        const auto layer = static_cast<std::size_t>(z - leaf.origin[2]);
+        for (std::size_t c = 0; c < channels; ++c)
+          values[c * voxels + to] = from[c * Bricks::kVoxels + 64 * layer + bit];
+        support[to] = leaf.valued[layer] >> bit & 1;
+      });
+    }
+  }
+
+ private:
+  IndexBox leafBox(std::uint32_t leaf) const {
+    const VoxelIndex& o = frame->leaves()[leaf].origin;
+    return {o, {o[0] + Bricks::kSide, o[1] + Bricks::kSide, o[2] + Bricks::kSide}};
+  }
+};
+
+/// Two frames, by cubes that are cut in eight until they are alike all over, or small.
+class FrameComparison {
+ public:
+  FrameComparison(const IndexBox& whole, int channels, Histogram& histogram)
+      : whole_(whole), channels_(static_cast<std::size_t>(channels)), histogram_(histogram) {}
+
+  Difference run(const Bricks& a, const Bricks& b) {
+    std::int64_t side = kSmallCube;
+    for (int axis = 0; axis < 3; ++axis) {
+      while (side < whole_.end[static_cast<std::size_t>(axis)]) side *= 2;
+    }
+    sum_.backgroundsDiffer = a.background() != b.background();
+    visit({{0, 0, 0}, {side, side, side}}, FramePart::all(a), FramePart::all(b));
+    return sum_;
+  }
+
+ private:
+  void visit(const IndexBox& cube, const FramePart& a, const FramePart& b) {
+    const IndexBox box = cube.intersection(whole_);
+    if (box.empty())
+      return;
+    if (a.isUniform(box) && b.isUniform(box)) {
+      const bool support = a.uniformIsSupport();
+      for (std::size_t c = 0; c < channels_; ++c)
+        add(a.uniform()[c], b.uniform()[c], support, voxelsIn(box), box.begin);
+      return;
+    }
+    const std::int64_t half = cube.size(0) / 2;
+    if (cube.size(0) <= kSmallCube) {
+      compareVoxels(box, a, b);
+      return;
+    }
+    for (int i = 0; i < 8; ++i) {
+      IndexBox part;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        part.begin[axis] = cube.begin[axis] + (i >> axis & 1) * half;
+        part.end[axis] = part.begin[axis] + half;
+      }
+      visit(part, a.within(part), b.within(part));
+    }
+  }
+
+  void compareVoxels(const IndexBox& box, const FramePart& a, const FramePart& b) {
+    a.fill(box, valuesA_, support_);
+    b.fill(box, valuesB_, supportB_);
+    const std::size_t voxels = support_.size();
+    for (std::size_t c = 0; c < channels_; ++c) {
+      for (std::size_t i = 0; i < voxels; ++i) {
+        const auto at = static_cast<std::int64_t>(i);
+        add(valuesA_[c * voxels + i], valuesB_[c * voxels + i], support_[i] != 0, 1,
+            {box.begin[0] + at % box.size(0), box.begin[1] + at / box.size(0) % box.size(1),
+             box.begin[2] + at / box.size(0) / box.size(1)});
+      }
+    }
+  }
+
+  void add(float a, float b, bool support, std::uint64_t count, const VoxelIndex& place) {
+    if (support)
+      histogram_.add(a, count);
+    if (sum_.add(a, b, support, count))
+      sum_.worst = place, sum_.worstA = a, sum_.worstB = b;
+  }
+
+  IndexBox whole_;
+  std::size_t channels_;
+  Histogram& histogram_;
+  Difference sum_;
+  std::vector<float> valuesA_, valuesB_;
+  std::vector<std::uint8_t> support_, supportB_;
+};
+
+/// One frame's to that of those before it.
+void addFrame(const Difference& frame, int position, Difference& all) {
+  if (frame.maxError > all.maxError) {
+    all.worstFrame = position;
+    all.worst = frame.worst, all.worstA = frame.worstA, all.worstB = frame.worstB;
+  }
+  const auto extend = [](double low, double high, bool first, double& least, double& most) {
+    least = first ? low : std::min(least, low);
+    most = first ? high : std::max(most, high);
+  };
+  extend(frame.minA, frame.maxA, all.values == 0, all.minA, all.maxA);
+  if (frame.supportValues > 0)
+    extend(frame.supportLow, frame.supportHigh, all.supportValues == 0, all.supportLow,
+           all.supportHigh);
+  all.sumOfSquares += frame.sumOfSquares, all.values += frame.values;
+  all.supportSquares += frame.supportSquares, all.supportValues += frame.supportValues;
+  all.maxError = std::max(all.maxError, frame.maxError);
+  all.outsideError = std::max(all.outsideError, frame.outsideError);
+  all.backgroundsDiffer = all.backgroundsDiffer || frame.backgroundsDiffer;
+}
+
 }  // namespace
 
-void Difference::add(std::span<const float> a, std::span<const float> b) {
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const double error = errorBetween(a[i], b[i]);
-    sumOfSquares += error * error;
-    maxError = std::max(maxError, error);
-    if (values + i == 0)
-      minA = maxA = a[i];
-    minA = std::min<double>(minA, a[i]);
-    maxA = std::max<double>(maxA, a[i]);
+bool Difference::add(float a, float b, bool support, std::uint64_t count) {
+  const double error = errorBetween(a, b), squares = error * error * static_cast<double>(count);
+  sumOfSquares += squares;
+  if (values == 0)
+    minA = maxA = a;
+  minA = std::min<double>(minA, a), maxA = std::max<double>(maxA, a);
+  if (support) {
+    if (supportValues == 0)
+      supportLow = supportHigh = a;
+    supportLow = std::min<double>(supportLow, a), supportHigh = std::max<double>(supportHigh, a);
+    supportSquares += squares;
+    supportValues += count;
+  } else {
+    outsideError = std::max(outsideError, error);
   }
-  values += a.size();
+  values += count;
+  const bool largest = error > maxError;
+  maxError = std::max(maxError, error);
+  return largest;
+}
+
+void Difference::add(std::span<const float> a, std::span<const float> b) {
+  for (std::size_t i = 0; i < a.size(); ++i) add(a[i], b[i], a[i] != 0);
 }
 
 double Difference::rms() const {
@@ -54,6 +298,18 @@ double Difference::psnr() const {
                             : -20 * std::log10(relativeRms());
 }
 
+double Difference::supportRms() const {
+  if (!(supportSquares > 0))
+    return 0;
+  const double range = supportHigh > supportLow ? supportHigh - supportLow : maxA - minA;
+  return range > 0 ? std::sqrt(supportSquares / static_cast<double>(supportValues)) / range
+                   : std::numeric_limits<double>::infinity();
+}
+
+double Difference::supportShare() const {
+  return values == 0 ? 0 : static_cast<double>(supportValues) / static_cast<double>(values);
+}
+
 Result<Difference> compare(FrameSource& a, FrameSource& b, Progress& progress,
                            std::vector<Difference>* byFrame) {
   const VolumeInfo& infoA = a.info();
@@ -67,18 +323,22 @@ Result<Difference> compare(FrameSource& a, FrameSource& b, Progress& progress,
                 sizeText(infoA), sizeText(infoB));
   }
   Difference difference;
-  std::vector<float> valuesA(infoA.frameValues());
-  std::vector<float> valuesB(infoB.frameValues());
+  Histogram histogram;
+  Bricks bricksA, bricksB;
   for (int frame = 0; frame < infoA.frames; ++frame) {
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped: comparing frame {}", frame);
-    VOLUTE_TRY(a.readFrame(frame, valuesA));
-    VOLUTE_TRY(b.readFrame(frame, valuesB));
-    difference.add(valuesA, valuesB);
+    VOLUTE_TRY(a.readBricks(frame, bricksA));
+    VOLUTE_TRY(b.readBricks(frame, bricksB));
+    const Difference one =
+        FrameComparison({{0, 0, 0}, {infoA.x, infoA.y, infoA.z}}, infoA.channels, histogram)
+            .run(bricksA, bricksB);
+    addFrame(one, frame, difference);
     if (byFrame)
-      byFrame->emplace_back().add(valuesA, valuesB);
+      byFrame->push_back(one);
     progress.report("comparing", frame + 1, infoA.frames);
   }
+  histogram.narrow(difference);
   return difference;
 }
 

@@ -64,7 +64,8 @@ Result<Report> compareVolumes(const std::string& a, const std::string& b,
       .frames = arguments.find<FrameRange>("frames").value_or(FrameRange{}),
       .bounds = arguments.find<Box3>("bounds"),
       .partial = arguments.flag("partial"),
-      .drawErrors = target.has_value()};
+      .drawErrors = target.has_value(),
+      .overAll = arguments.get<std::string>("rms-over") == "all"};
   VOLUTE_ASSIGN(const auto comparison, volute::compareVolumes(a, b, request, context));
   if (comparison.errors)
     VOLUTE_TRY(writeDifference(*target, *comparison.errors));
@@ -109,9 +110,12 @@ Command compareCommand() {
                    "volute compare before.png after.png --json"},
       .description =
           "Volumes are compared frame by frame, in order; caches grid by grid, by name, over the "
-          "union of their extents; pictures in linear values. The relative RMS is the RMS divided "
-          "by the maximum minus the minimum of A; PSNR is -20 log10 of it (infinite, null in "
-          "JSON, if they are equal). Both must have the same size.",
+          "union of their extents; pictures in linear values. The relative RMS is the RMS over all "
+          "divided by the maximum minus the minimum of A; PSNR is -20 log10 of it (infinite, null "
+          "in JSON, if they are equal). The support RMS is that over the voxels that A has active "
+          "or not equal to its background, divided by the range of those, or of their .0001 and "
+          ".9999 quantiles where these span less than half of it; the outside error is the largest "
+          "elsewhere. Both must have the same size.",
       .positionals = {{.name = "A", .help = "the original: a volume, or a picture (.png, .exr)"},
                       {.name = "B", .help = "the volume or picture to compare with it"}},
       .options = {{.name = "difference",
@@ -121,6 +125,14 @@ Command compareCommand() {
                            "differs most, the largest differences along y; for several grids, "
                            "side by side, each relative to its range; .png in colours scaled to "
                            "the largest, .exr unscaled"},
+                  {.name = "rms-over",
+                   .kind = kChoice,
+                   .value = "WHAT",
+                   .help = "the voxels by whose RMS the worst frame and grid are found: support, "
+                           "those that A has active or not equal to its background; or all",
+                   .initial = "support",
+                   .choices = {"support", "all"},
+                   .kinds = {"volume", kVoluteKind}},
                   framesOption("frames with numbers A <= n < B, in both", {"volume", kVoluteKind}),
                   fieldsOption("grids of files with several; if not given, all",
                                {"volume", kVoluteKind}),

@@ -11,14 +11,29 @@
 namespace volute {
 namespace {
 
+/// Of a frame, over what was asked for: over the support, of all that is wrong.
+double rmsOf(const GridComparison& grid, const Difference& frame) {
+  if (grid.overAll)
+    return frame.rms();
+  const auto values = static_cast<double>(std::max<std::uint64_t>(frame.supportValues, 1));
+  return std::sqrt(frame.sumOfSquares / values);
+}
+
 std::size_t worstFrame(const GridComparison& grid) {
-  const auto worst = std::ranges::max_element(grid.byFrame, {}, &Difference::rms);
+  const auto worst = std::ranges::max_element(
+      grid.byFrame, {}, [&](const Difference& frame) { return rmsOf(grid, frame); });
   return static_cast<std::size_t>(worst - grid.byFrame.begin());
 }
 
 /// Of one frame, as VolumeComparison::errors has them.
-Result<Image> errorsOfFrame(FrameSource& a, FrameSource& b, int frame) {
+Result<Image> errorsOfFrame(FrameSource& a, FrameSource& b, int frame, std::uint64_t maxMemory) {
   const VolumeInfo& info = a.info();
+  if (8 * info.frameValues() > maxMemory) {
+    return fail(ErrorCode::kTooLarge,
+                "a picture of the differences needs all {} x {} x {} voxels of two frames, {} MiB, "
+                "more than the {} MiB allowed",
+                info.x, info.y, info.z, (info.frameValues() >> 17) + 1, maxMemory >> 20);
+  }
   std::vector<float> first(info.frameValues()), second(info.frameValues());
   VOLUTE_TRY(a.readFrame(frame, first));
   VOLUTE_TRY(b.readFrame(frame, second));
@@ -70,16 +85,23 @@ void align(std::unique_ptr<FrameSource>& a, const std::array<double, 3>& outside
 /// The chosen frames of both.
 Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
                                       std::unique_ptr<FrameSource> b,
-                                      const ComparisonRequest& request, Progress& progress,
+                                      const ComparisonRequest& request, Reading& reading,
                                       std::vector<Image>& errors) {
   VOLUTE_ASSIGN(a, selectFrames(std::move(a), request.frames));
   VOLUTE_ASSIGN(b, selectFrames(std::move(b), request.frames));
   GridComparison grid{a->info().name};
-  VOLUTE_ASSIGN(grid.whole, compare(*a, *b, progress, &grid.byFrame));
+  grid.overAll = request.overAll;
+  VOLUTE_ASSIGN(grid.whole, compare(*a, *b, reading.progress, &grid.byFrame));
+  if (grid.whole.backgroundsDiffer) {
+    reading.progress.remark(fmt::format(
+        "'{}': the two have other backgrounds, so that they differ where nothing is stored",
+        grid.name));
+  }
   grid.frameNumbers = a->info().frameNumbers;
   grid.frameScale = a->info().frameScale;
   if (request.drawErrors) {
-    VOLUTE_ASSIGN(auto image, errorsOfFrame(*a, *b, static_cast<int>(worstFrame(grid))));
+    VOLUTE_ASSIGN(auto image,
+                  errorsOfFrame(*a, *b, static_cast<int>(worstFrame(grid)), reading.maxMemory));
     errors.push_back(std::move(image));
   }
   return grid;
@@ -88,7 +110,7 @@ Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
 /// Those of one name.
 Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, const std::string& a,
                                    const VolumeGrids& second, const std::string& b,
-                                   const ComparisonRequest& request, Progress& progress,
+                                   const ComparisonRequest& request, Reading& reading,
                                    std::vector<Image>& errors) {
   const VolumeGrid& grid = first.grids()[i];
   VOLUTE_ASSIGN(const auto found, second.choose(grid.name, b));
@@ -98,14 +120,14 @@ Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, cons
                 grid.empty ? a : b, grid.empty ? b : a);
   }
   if (grid.empty)
-    return GridComparison{grid.name, true};
+    return GridComparison{grid.name, true, request.overAll};
   VOLUTE_ASSIGN(auto sourceA, first.source(i));
   VOLUTE_ASSIGN(auto sourceB, second.source(found[0]));
   const auto outside = [](const VolumeGrid& of) {
     return of.description ? of.description->background : std::array<double, 3>{};
   };
   align(sourceA, outside(grid), sourceB, outside(other));
-  auto compared = compareSources(std::move(sourceA), std::move(sourceB), request, progress, errors);
+  auto compared = compareSources(std::move(sourceA), std::move(sourceB), request, reading, errors);
   if (!compared)
     return fail(compared.error().code, "grid '{}': {}", grid.name, compared.error().message);
   compared->name = grid.name;
@@ -120,20 +142,20 @@ Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, cons
 /// The grids that the request names.
 Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::string& a,
                                        const VolumeGrids& second, const std::string& b,
-                                       const ComparisonRequest& request, Progress& progress) {
+                                       const ComparisonRequest& request, Reading& reading) {
   VolumeComparison all;
   all.caches = true;
   std::vector<Image> errors;
   VOLUTE_ASSIGN(const auto chosen, first.choose(request.fields, a));
   for (const std::size_t i : chosen) {
-    VOLUTE_ASSIGN(auto one, compareGrid(first, i, a, second, b, request, progress, errors));
+    VOLUTE_ASSIGN(auto one, compareGrid(first, i, a, second, b, request, reading, errors));
     all.grids.push_back(std::move(one));
   }
   for (const VolumeGrid& grid : second.grids()) {
     const bool known = std::ranges::any_of(
         first.grids(), [&](const VolumeGrid& one) { return one.name == grid.name; });
     if (!known && request.fields.empty())
-      progress.remark(fmt::format("'{}' is in {} alone", grid.name, b));
+      reading.progress.remark(fmt::format("'{}' is in {} alone", grid.name, b));
   }
   if (!errors.empty())
     all.errors = sideBySide(errors);
@@ -143,8 +165,29 @@ Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::stri
 std::string worstFrameText(const GridComparison& grid) {
   const std::size_t at = worstFrame(grid);
   return fmt::format("worst in frame {}: rms {:.6g}, max error {:.6g}",
-                     frameText(grid.frameNumbers[at], grid.frameScale), grid.byFrame[at].rms(),
-                     grid.byFrame[at].maxError);
+                     frameText(grid.frameNumbers[at], grid.frameScale),
+                     rmsOf(grid, grid.byFrame[at]), grid.byFrame[at].maxError);
+}
+
+/// Where the largest error is, and what is there.
+std::string worstPlaceText(const GridComparison& grid) {
+  const Difference& whole = grid.whole;
+  if (!(whole.maxError > 0))
+    return "nowhere";
+  return fmt::format(
+      "frame {}, voxel ({}, {}, {}): {:.6g} and {:.6g}",
+      frameText(grid.frameNumbers[static_cast<std::size_t>(whole.worstFrame)], grid.frameScale),
+      whole.worst[0], whole.worst[1], whole.worst[2], whole.worstA, whole.worstB);
+}
+
+nlohmann::ordered_json worstPlaceJson(const GridComparison& grid) {
+  const Difference& whole = grid.whole;
+  if (!(whole.maxError > 0))
+    return nullptr;
+  return {{"frame", jsonFrame(grid.frameNumbers[static_cast<std::size_t>(whole.worstFrame)],
+                              grid.frameScale)},
+          {"voxel", whole.worst},
+          {"values", {jsonNumber(whole.worstA), jsonNumber(whole.worstB)}}};
 }
 
 nlohmann::ordered_json framesJson(const GridComparison& grid) {
@@ -152,6 +195,7 @@ nlohmann::ordered_json framesJson(const GridComparison& grid) {
   for (std::size_t i = 0; i < grid.byFrame.size(); ++i) {
     frames.push_back({{"frame", jsonFrame(grid.frameNumbers[i], grid.frameScale)},
                       {"rms", jsonNumber(grid.byFrame[i].rms())},
+                      {"support_rms", jsonNumber(grid.byFrame[i].supportRms())},
                       {"max_error", jsonNumber(grid.byFrame[i].maxError)}});
   }
   return frames;
@@ -160,7 +204,7 @@ nlohmann::ordered_json framesJson(const GridComparison& grid) {
 }  // namespace
 
 const GridComparison& VolumeComparison::worst() const {
-  return *std::ranges::max_element(grids, {}, &GridComparison::relativeRms);
+  return *std::ranges::max_element(grids, {}, &GridComparison::wantedRms);
 }
 
 Result<VolumeComparison> compareVolumes(const std::string& a, const std::string& b,
@@ -178,7 +222,7 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
     };
     if (first->grids().size() > 1 || second->grids().size() > 1 || hasLevelSet(*first) ||
         hasLevelSet(*second))
-      return compareCaches(*first, a, *second, b, request, reading.progress);
+      return compareCaches(*first, a, *second, b, request, reading);
   }
   options.grid = request.fields;
   // A .volute file has its own bounds; the option speaks of the other formats.
@@ -198,7 +242,7 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
   VolumeComparison comparison;
   std::vector<Image> errors;
   VOLUTE_ASSIGN(auto one, compareSources(std::move(first.source), std::move(second.source), request,
-                                         reading.progress, errors));
+                                         reading, errors));
   comparison.grids.push_back(std::move(one));
   if (!errors.empty())
     comparison.errors = std::move(errors[0]);
@@ -207,6 +251,16 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
 
 void addDetails(Report& report, const VolumeComparison& comparison) {
   const GridComparison& worst = comparison.worst();
+  const Difference& whole = worst.whole;
+  report
+      .add("support_rms", jsonNumber(whole.supportRms()),
+           fmt::format("{:.6g} of the range {:.4g} to {:.4g}{}", whole.supportRms(),
+                       whole.supportLow, whole.supportHigh,
+                       whole.robust ? ", without outliers" : ""))
+      .add("support_share", whole.supportShare(),
+           fmt::format("{:.4g} %", 100 * whole.supportShare()))
+      .add("outside_error", jsonNumber(whole.outsideError))
+      .add("max_error_at", worstPlaceJson(worst), worstPlaceText(worst));
   if (worst.byFrame.size() > 1)
     report.add("by_frame", framesJson(worst), worstFrameText(worst));
   if (!comparison.caches)
@@ -218,15 +272,20 @@ void addDetails(Report& report, const VolumeComparison& comparison) {
                     {"empty", grid.empty},
                     {"rms", grid.empty ? 0 : grid.whole.rms()},
                     {"relative_rms", jsonNumber(grid.relativeRms())},
+                    {"support_rms", jsonNumber(grid.whole.supportRms())},
+                    {"support_share", grid.whole.supportShare()},
                     {"psnr", jsonNumber(grid.psnr())},
                     {"max_error", grid.whole.maxError},
+                    {"max_error_at", worstPlaceJson(grid)},
                     {"by_frame", framesJson(grid)}});
     text += fmt::format("\n  {:<16} ", grid.name);
     text += grid.empty ? std::string("empty in both")
-                       : fmt::format("relative rms {:.4g} ({:.2f} dB), max error {:.4g}{}{}",
-                                     grid.relativeRms(), grid.psnr(), grid.whole.maxError,
-                                     grid.byFrame.size() > 1 ? "; " : "",
-                                     grid.byFrame.size() > 1 ? worstFrameText(grid) : "");
+                       : fmt::format(
+                             "relative rms {:.4g} over what is in use, {:.4g} over all "
+                             "({:.2f} dB), max error {:.4g}{}{}",
+                             grid.whole.supportRms(), grid.relativeRms(), grid.psnr(),
+                             grid.whole.maxError, grid.byFrame.size() > 1 ? "; " : "",
+                             grid.byFrame.size() > 1 ? worstFrameText(grid) : "");
   }
   report.add("worst_grid", worst.name).add("grids", list, text);
 }

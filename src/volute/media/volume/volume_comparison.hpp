@@ -22,18 +22,23 @@ struct ComparisonRequest {
   std::optional<Box3> bounds{};  ///< of volumes that state none [m]
   bool partial = false;
   bool drawErrors = false;  ///< fill VolumeComparison::errors
+  bool overAll = false;     ///< the worst frame and grid are those over all voxels, not the support
 };
 
 /// How far a grid of B is from the one of that name in A.
 struct GridComparison {
   std::string name;
   bool empty = false;  ///< in both
+  bool overAll = false;
   Difference whole{};
   std::vector<Difference> byFrame{};
   std::vector<int> frameNumbers{};  ///< of byFrame, in A
   FrameScale frameScale{};
 
   double relativeRms() const { return empty ? 0 : whole.relativeRms(); }
+
+  /// Over the support, or all voxels.
+  double wantedRms() const { return empty ? 0 : overAll ? relativeRms() : whole.supportRms(); }
 
   double psnr() const { return empty ? std::numeric_limits<double>::infinity() : whole.psnr(); }
 };
@@ -45,7 +50,7 @@ struct VolumeComparison {
   /// front: x to the right, z up. Of caches side by side, each divided by its range.
   std::optional<Image> errors{};
 
-  /// The grid with the largest relative RMS.
+  /// The grid with the largest relative RMS, over what was asked for.
   const GridComparison& worst() const;
 };
 
@@ -56,7 +61,7 @@ struct VolumeComparison {
                                                       const ComparisonRequest& request,
                                                       Reading& reading);
 
-/// The rows that a comparison has beyond its figures: frames, and grids.
+/// The rows that a comparison has beyond those of pictures: the support, places, frames, and grids.
 void addDetails(Report& report, const VolumeComparison& comparison);
 
 }  // namespace volute
