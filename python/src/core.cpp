@@ -14,8 +14,10 @@
 #include "volute/base/parallel.hpp"
 #include "volute/base/version.hpp"
 #include "volute/codec/compress.hpp"
+#include "volute/codec/extract_source.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/fds/fds_volume.hpp"
+#include "volute/grid/bricks.hpp"
 
 namespace volute::python {
 namespace {
@@ -198,6 +200,65 @@ class File {
           "value_range"_a = py::make_tuple(h.valueMin, h.valueMax), "file_bytes"_a = grid.bytes));
     }
     return all;
+  }
+
+  /// What a frame holds: leaves of 8^3 voxels and tiles, places as (z, y, x).
+  py::dict bricks(int frame) const {
+    using namespace py::literals;
+    const VolumeInfo& info = reader_.info();
+    if (frame < 0 || frame >= info.frames)
+      throw py::index_error(fmt::format("there is no frame {}; it has {}", frame, info.frames));
+    Bricks held;
+    run(py::none(), [&](Progress&) {
+      return reader_.readBricks(frame / BlockGrid::kSide, frame, frame + 1, std::span(&held, 1));
+    });
+    constexpr py::ssize_t kSide = Bricks::kSide;
+    const auto leaves = static_cast<py::ssize_t>(held.leaves().size());
+    const auto tiles = static_cast<py::ssize_t>(held.tiles().size());
+    const auto channels = static_cast<py::ssize_t>(info.channels);
+    py::array_t<std::int64_t> places({leaves, py::ssize_t{3}}), corners({tiles, py::ssize_t{3}}),
+        sides(tiles);
+    py::array_t<bool> active({leaves, kSide, kSide, kSide}), tileActive(tiles);
+    py::array_t<float> values({leaves, kSide, kSide, kSide, channels}),
+        tileValues({tiles, channels});
+    const auto place = [](const VoxelIndex& origin, std::int64_t* to) {
+      for (int axis = 0; axis < 3; ++axis) to[axis] = origin[static_cast<std::size_t>(2 - axis)];
+    };
+    for (std::size_t i = 0; i < held.leaves().size(); ++i) {
+      const Bricks::Leaf& leaf = held.leaves()[i];
+      place(leaf.origin, places.mutable_data() + 3 * i);
+      float* to = values.mutable_data() + i * held.values(i).size();
+      for (std::size_t at = 0; at < Bricks::kVoxels; ++at) {
+        active.mutable_data()[i * Bricks::kVoxels + at] = leaf.active[at / 64] >> (at % 64) & 1;
+        for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c)
+          *to++ = std::as_const(held).values(i)[c * Bricks::kVoxels + at];
+      }
+    }
+    for (std::size_t i = 0; i < held.tiles().size(); ++i) {
+      const Bricks::Tile& tile = held.tiles()[i];
+      place(tile.origin, corners.mutable_data() + 3 * i);
+      sides.mutable_data()[i] = tile.side;
+      tileActive.mutable_data()[i] = tile.active;
+      std::copy_n(tile.value.begin(), channels,
+                  tileValues.mutable_data() + i * static_cast<std::size_t>(channels));
+    }
+    py::list background;
+    for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c)
+      background.append(held.background()[c]);
+    return py::dict("positions"_a = places, "values"_a = values, "active"_a = active,
+                    "tile_positions"_a = corners, "tile_sides"_a = sides,
+                    "tile_values"_a = tileValues, "tile_active"_a = tileActive,
+                    "background"_a = background);
+  }
+
+  /// ((z, y, x), (z, y, x)) of a part of at most so many voxels that holds what the frames hold.
+  py::tuple fitting(const Indices& frames, std::uint64_t maxVoxels) const {
+    const std::vector<int> positions(frames.data(), frames.data() + frames.size());
+    const Region region = fittingRegion(reader_, positions, maxVoxels);
+    const auto place = [](const std::array<int, 3>& at) {
+      return py::make_tuple(at[2], at[1], at[0]);
+    };
+    return py::make_tuple(place(region.begin), place(region.end));
   }
 
   py::array_t<float> read(const Indices& t, const Indices& z, const Indices& y, const Indices& x,
@@ -447,6 +508,8 @@ PYBIND11_MODULE(_core, m) {
       .def_property_readonly("blocks_decoded",
                              [](const File& file) { return file.reader().blocksDecoded(); })
       .def("read", &File::read, "t"_a, "z"_a, "y"_a, "x"_a, "levels"_a = 99)
+      .def("bricks", &File::bricks, "frame"_a)
+      .def("fitting", &File::fitting, "frames"_a, "max_voxels"_a)
       .def("verify", &File::verify, "listener"_a);
 
   m.def("compress", &compressFrames, "frames"_a, "shape"_a, "path"_a, "target"_a, "value"_a,

@@ -3,6 +3,7 @@
 """Volumes in files as lazy arrays."""
 import base64
 import bisect
+import collections
 import html
 import os
 import struct
@@ -165,6 +166,9 @@ class Frames:
                 f"of {x} x {y} x {z} voxels{colour}, {times}, ({low}) to ({high}) m")
 
 
+Bricks = collections.namedtuple("Bricks", "positions values active tile_positions tile_sides tile_values tile_active background")
+
+
 class Volume(Frames):
     """A .volute file as a lazy array: `v[t]`, `v[10:20, ::2, z0:z1]`, `np.asarray(v)`.
 
@@ -269,7 +273,35 @@ class Volume(Frames):
             else:
                 yield from (self[i] for i in range(first, min(first + BLOCK, len(self))))
 
+    def bricks(self, frame):
+        """What a frame holds, as large as that: a Bricks with
+        positions (n, 3), the first voxel (z, y, x) of each leaf of 8^3 voxels, which may lie beyond the volume's faces;
+        values (n, 8, 8, 8[, c]) and active (n, 8, 8, 8) of their voxels;
+        tile_positions, tile_sides, tile_values[, c] and tile_active of cubes of equal voxels; and the background everywhere else."""
+        index = int(frame)
+        index += len(self) * (index < 0)
+        held = self._file.bricks(index)
+        if self.ndim == 4:
+            held["values"], held["tile_values"] = held["values"][..., 0], held["tile_values"][..., 0]
+            held["background"] = held["background"][0]
+        else:
+            held["background"] = tuple(held["background"])
+        return Bricks(**held)
+
+    def _refuse_too_large(self, indices):
+        """Before anything is decoded."""
+        from ._errors import TooLarge
+        needed = 4 * self.channels * int(np.prod([len(one) for one in indices], dtype=np.float64))
+        most = max(self._options["max_memory"], os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+        if needed <= most:
+            return
+        low, high = self._file.fitting(indices[0], max(most // (4 * self.channels * len(indices[0])), 1))
+        part = ", ".join(f"{a}:{b}" for a, b in zip(low, high))
+        raise TooLarge(f"{self.path}: {' x '.join(str(len(one)) for one in indices)} voxels as an array need {needed:,} bytes, and there are "
+                       f"{most:,}; v[:, {part}] fits, and v.bricks(frame) is as large as what is in a frame")
+
     def _read(self, t, z, y, x):
+        self._refuse_too_large((t, z, y, x))
         if len(t) == 1 and all(len(one) == side and (np.diff(one) == 1).all() for one, side in zip((z, y, x), self.shape[1:4])):
             values = self._from_row(int(t[0]))
             if values is not None:

@@ -260,6 +260,40 @@ Status ExtractSource::readFrame(int index, std::span<float> values) {
   return {};
 }
 
+Region fittingRegion(const VoluteReader& reader, std::span<const int> positions,
+                     std::uint64_t maxVoxels) {
+  const BlockGrid& grid = reader.blocks();
+  const VolumeInfo& info = reader.info();
+  const std::array<int, 3> size{info.x, info.y, info.z};
+  Region region{size, {0, 0, 0}};
+  for (const std::uint64_t block : reader.occupied()) {
+    const auto origin = grid.origin(static_cast<std::size_t>(block));
+    const bool chosen = std::ranges::any_of(
+        positions, [&](int position) { return position / kSide == origin[0] / kSide; });
+    for (std::size_t axis = 0; axis < 3 && chosen; ++axis) {
+      const int first = origin[3 - axis];
+      region.begin[axis] = std::min(region.begin[axis], first);
+      region.end[axis] = std::max(region.end[axis], std::min(first + kSide, size[axis]));
+    }
+  }
+  if (region.begin[0] >= region.end[0])
+    region = {{0, 0, 0}, size};
+  // The longest side is cut first.
+  const auto side = [&](std::size_t axis) {
+    return static_cast<double>(region.end[axis] - region.begin[axis]);
+  };
+  while (side(0) * side(1) * side(2) > static_cast<double>(maxVoxels)) {
+    std::size_t longest = 0;
+    for (const std::size_t axis : {1, 2}) longest = side(axis) > side(longest) ? axis : longest;
+    const int kept = std::max(1, static_cast<int>(side(longest) * 0.9));
+    if (kept == 1 && side(longest) == 1)
+      break;
+    region.begin[longest] += (static_cast<int>(side(longest)) - kept) / 2;
+    region.end[longest] = region.begin[longest] + kept;
+  }
+  return region;
+}
+
 std::unique_ptr<FrameSource> withLevelSet(const VoluteReader& reader,
                                           std::unique_ptr<FrameSource> source) {
   const auto& description = reader.grid().description;

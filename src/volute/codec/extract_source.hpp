@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "volute/base/progress.hpp"
@@ -65,6 +66,11 @@ class ExtractSource final : public FrameSource {
   std::size_t firstLoaded_ = 0, loaded_ = 0;  // which of the selected frames are in row_
   std::vector<float> row_;                    // shape (t, z, y, x, c) of the region
 };
+
+/// A part of the volume of at most `maxVoxels` voxels: all that the frames at `positions` hold, by
+/// whole blocks, or the middle of that.
+Region fittingRegion(const VoluteReader& reader, std::span<const int> positions,
+                     std::uint64_t maxVoxels);
 
 /// `source`, whose values are those of `reader`; a level set in a file that keeps no topology gets
 /// the one that its values suggest.

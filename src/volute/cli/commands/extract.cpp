@@ -48,10 +48,12 @@ Status runExtract(const Arguments& arguments, Context& context) {
       context.print(report);
     return {};
   };
-  VOLUTE_TRY(namingOptions(
-      isSmvPath(path) ? extractFds(path, target, request, extracted, context)
-                      : extractVolute(path, target, request, extracted, context, context.team),
-      arguments));
+  Status status = isSmvPath(path)
+                      ? extractFds(path, target, request, extracted, context)
+                      : extractVolute(path, target, request, extracted, context, context.team);
+  if (!status && status.error().code == ErrorCode::kTooLarge && !request.region)
+    status.error().message += "; choose a part with --region, or raise --max-memory";
+  VOLUTE_TRY(namingOptions(std::move(status), arguments));
   if (!several)
     return {};
   VOLUTE_TRY(writeStats(arguments, context, {{"outputs", outputs}}));

@@ -256,6 +256,19 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
   VOLUTE_ASSIGN(auto extraction, extractionOf(reader->info()));
   const std::vector<int> positions = extraction.positions;
   extraction.bricks = extensionOf(target) == ".vdb";
+  const std::uint64_t needed = 8 * extraction.region.voxels() * reader->info().channels;
+  if (!extraction.bricks && needed > reading_.maxMemory) {
+    const Region fits =
+        fittingRegion(*reader, positions,
+                      reading_.maxMemory / 8 / static_cast<std::uint64_t>(reader->info().channels));
+    return fail(ErrorCode::kTooLarge,
+                "{}: a file of this format holds all {} x {} x {} voxels of a frame, which need {} "
+                "MiB of memory, more than the {} MiB allowed; the region {}:{},{}:{},{}:{} fits, "
+                "and so does .vdb",
+                target, extraction.region.x(), extraction.region.y(), extraction.region.z(),
+                (needed >> 20) + 1, reading_.maxMemory >> 20, fits.begin[0], fits.end[0],
+                fits.begin[1], fits.end[1], fits.begin[2], fits.end[2]);
+  }
   VOLUTE_ASSIGN(auto source,
                 ExtractSource::create(reader, std::move(extraction), reading_.progress));
   const VolumeInfo info = source->info();
