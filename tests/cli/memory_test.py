@@ -57,6 +57,35 @@ class Memory(support.TestCase):
                 ("render", (packed, "-o", self.path("x_%02d.png"), "--frames", "0:40:8", *view))):
             self.expect_held(verb, arguments, limits, sequence)
 
+    def test_of_what_is_in_a_box_and_not_of_the_box(self):
+        """Two bricks in a box of 100,000^3 voxels."""
+        line = [math.sin(i / 3) ** 2 if i < 8 or i >= 16 else 0 for i in range(24)]
+        support.write_npy(self.path("in.npy"), (1, 8, 8, 24), [v * (0.5 + y / 20) for z in range(8) for y in range(8) for v in line])
+        self.works("compress", self.path("in.npy"), "-o", self.path("near.volute"), "--bounds", "0,0,0,24,8,8")
+        self.works("extract", self.path("near.volute"), "-o", self.path("near_%04d.vdb"))
+        near, far = self.path("near_0000.vdb"), self.path("far.volute")
+        wide = "--bounds=-50000,-50000,-50000,50000,50000,50000"
+        view = ("--size", "64x48", "--eye", "12,-40,4", "--target", "12,4,4", "--fov", 40)
+        for verb, *arguments in (
+                ("info", near), ("compress", near, wide, "-o", far), ("info", far),
+                ("compare", near, far, wide), ("compare", far, far),
+                ("render", near, wide, "-o", self.path("a.png")), ("render", near, wide, "-o", self.path("b.png"), *view),
+                ("render", far, "-o", self.path("c.png")), ("render", far, "-o", self.path("d.png"), *view),
+                ("render", far, "-o", self.path("e.exr"), *view, "--measured"),
+                ("render", far, "-o", self.path("f.exr"), *view, "--measured", "--renderer", "reference"),
+                ("render", far, "-o", self.path("g.exr"), *view, "--measured", "--basis", "cubic"),
+                ("extract", far, "-o", self.path("back_%04d.vdb"))):
+            with self.subTest(verb=verb, arguments=arguments):
+                code, message, peak = self.peak(verb, *arguments)
+                self.assertEqual(code, 0, message)
+                self.assertLess(peak, 160 << 20)
+        same = self.works("compare", self.path("e.exr"), self.path("f.exr"), "--json").json
+        self.assertLess(same["relative_rms"], 1e-5)
+        refused = self.fails(1, "extract", far, "-o", self.path("x.npy"))
+        self.assertIn("the region 49984:50032,49984:50016,49984:50016 fits", refused)
+        self.assertIn("--region", refused)
+        self.works("extract", far, "-o", self.path("x.npy"), "--region", "50000:50024,50000:50008,50000:50008")
+
     def test_beside_it_nothing_grows_with_the_sequence(self):
         write_sequence(self.path("in.npy"))
         peaks = {}

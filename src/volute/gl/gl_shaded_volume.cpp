@@ -19,14 +19,8 @@ namespace {
 constexpr int kCornersSide = BrickSlice::kSide + 1;
 constexpr std::size_t kCorners = std::size_t{kCornersSide} * kCornersSide * kCornersSide;
 
-/// Where the values of each stored brick begin, in the order of an atlas.
-std::vector<std::int32_t> brickBegins(const MarchGrid& grid) {
-  std::vector<std::int32_t> begins;
-  for (const std::int32_t begin : grid.table) {
-    if (begin >= 0)
-      begins.push_back(begin);
-  }
-  return begins;
+const float* valuesOf(const MarchGrid& grid, std::size_t brick) {
+  return grid.values + brick * static_cast<std::size_t>(grid.brickStride);
 }
 
 /// Extinction, and emission where there is one.
@@ -38,17 +32,12 @@ struct GlShadedAtlas {
 Result<GlShadedAtlas> makeShadedAtlas(const MarchGrid& grid) {
   GlShadedAtlas made;
   VOLUTE_ASSIGN(made.bricks,
-                makeGlBricks(voxels::cellsOf(*grid.slice), kCornersSide, kCornersSide,
-                             [&](int x, int y, int z) {
-                               return grid.table[(z + 1) * grid.tableStride[2] +
-                                                 (y + 1) * grid.tableStride[1] + x + 1] >= 0;
-                             }));
-  const std::vector<std::int32_t> begins = brickBegins(grid);
+                makeGlBricks(voxels::cellsOf(*grid.slice), kCornersSide, kCornersSide, grid));
   if (grid.emissionChannel < 0) {
     made.values = made.bricks.makeAtlas(GL_R32F);
     std::vector<float> texels(kCorners);
     fillAtlas<float>(made.bricks, made.values, GL_RED, GL_FLOAT, [&](std::size_t b) {
-      const float* from = grid.values + begins[b];
+      const float* from = valuesOf(grid, b);
       for (float& texel : texels) texel = *std::exchange(from, from + grid.stride[0]);
       return texels.data();
     });
@@ -57,7 +46,7 @@ Result<GlShadedAtlas> makeShadedAtlas(const MarchGrid& grid) {
   made.values = made.bricks.makeAtlas(GL_RGBA32F);
   std::vector<std::array<float, 4>> texels(kCorners);
   fillAtlas<std::array<float, 4>>(made.bricks, made.values, GL_RGBA, GL_FLOAT, [&](std::size_t b) {
-    const float* from = grid.values + begins[b];
+    const float* from = valuesOf(grid, b);
     for (std::size_t i = 0; i < kCorners; ++i) {
       texels[i] = {from[i], from[i + kCorners], from[i + 2 * kCorners], from[i + 3 * kCorners]};
     }
@@ -73,12 +62,11 @@ struct GlShadedLight {
 
 GlShadedLight makeShadedLight(const MarchGrid& grid, const GlBricks& bricks) {
   GlShadedLight made{bricks.makeAtlas(GL_R32UI)};
-  const std::vector<std::int32_t> begins = brickBegins(grid);
   std::vector<std::uint32_t> texels(kCorners);
   const std::int32_t channel = grid.lightChannel * grid.channelStride;
   fillAtlas<std::uint32_t>(
       bricks, made.values, GL_RED_INTEGER, GL_UNSIGNED_INT, [&](std::size_t b) {
-        const float* from = grid.values + begins[b] + channel;
+        const float* from = valuesOf(grid, b) + channel;
         for (std::uint32_t& texel : texels) {
           const float value = *std::exchange(from, from + grid.stride[0]);
           texel =

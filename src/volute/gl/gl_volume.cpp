@@ -64,18 +64,11 @@ Result<GlVolumeAtlas> makeVolumeAtlas(const BrickSlice& slice) {
   GlVolumeAtlas made;
   made.channels = slice.channels(), made.basis = slice.basis();
   const int side = grid->trilinear ? kSide + 1 : kSide;
-  std::vector<std::int32_t> begins;
-  VOLUTE_ASSIGN(
-      made.bricks, makeGlBricks(cells, side, side * made.channels, [&](int x, int y, int z) {
-        const std::int32_t begin =
-            grid->table[(z + 1) * grid->tableStride[2] + (y + 1) * grid->tableStride[1] + x + 1];
-        if (begin >= 0)
-          begins.push_back(begin);
-        return begin >= 0;
-      }));
+  VOLUTE_ASSIGN(made.bricks, makeGlBricks(cells, side, side * made.channels, *grid));
   made.atlas = made.bricks.makeAtlas(GL_R32F);
-  fillAtlas<float>(made.bricks, made.atlas, GL_RED, GL_FLOAT,
-                   [&](std::size_t b) { return grid->values + begins[b]; });
+  fillAtlas<float>(made.bricks, made.atlas, GL_RED, GL_FLOAT, [&](std::size_t b) {
+    return grid->values + b * static_cast<std::size_t>(grid->brickStride);
+  });
   return made;
 }
 

@@ -70,8 +70,7 @@ GlTexture GlBricks::makeAtlas(GLenum format) const {
   return makeTexture3d(format, arranged[0] * side, arranged[1] * side, arranged[2] * height);
 }
 
-Result<GlBricks> makeGlBricks(const CellGrid& cells, int side, int height,
-                              const std::function<bool(int x, int y, int z)>& isStored) {
+Result<GlBricks> makeGlBricks(const CellGrid& cells, int side, int height, const MarchGrid& grid) {
   constexpr int kCells = BrickSlice::kSide;
   GlBricks made;
   made.cells = cells, made.range = {cells.count, {0, 0, 0}};
@@ -79,26 +78,26 @@ Result<GlBricks> makeGlBricks(const CellGrid& cells, int side, int height,
   std::array<int, 3> count{};
   for (std::size_t axis = 0; axis < 3; ++axis)
     count[axis] = (cells.count[axis] + kCells - 1) / kCells;
-  std::vector<std::int32_t> numbers;
-  for (int z = 0; z < count[2]; ++z) {
-    for (int y = 0; y < count[1]; ++y) {
-      for (int x = 0; x < count[0]; ++x) {
-        if (!isStored(x, y, z)) {
-          numbers.push_back(-1);
-          continue;
-        }
-        numbers.push_back(static_cast<std::int32_t>(made.stored++));
-        const std::array<int, 3> brick{x, y, z};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          made.range.begin[axis] = std::min(made.range.begin[axis], brick[axis] * kCells);
-          made.range.end[axis] = std::max(made.range.end[axis],
-                                          std::min((brick[axis] + 1) * kCells, cells.count[axis]));
-        }
-      }
+  made.stored = static_cast<std::size_t>(grid.stored);
+  for (const BrickSlice::Entry& entry : grid.bricks) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      made.range.begin[axis] = std::min(made.range.begin[axis], entry.place[axis] * kCells);
+      made.range.end[axis] = std::max(
+          made.range.end[axis], std::min((entry.place[axis] + 1) * kCells, cells.count[axis]));
     }
   }
   VOLUTE_ASSIGN(made.arranged, arrange(static_cast<std::int64_t>(made.stored), side, height));
   VOLUTE_TRY(checkTextureSize("a volume's table of bricks", count[0], count[1], count[2]));
+  std::vector<std::int32_t> numbers(static_cast<std::size_t>(count[0]) *
+                                        static_cast<std::size_t>(count[1]) *
+                                        static_cast<std::size_t>(count[2]),
+                                    BrickTable::kEmpty);
+  for (const auto& [place, stored] : grid.bricks) {
+    const std::size_t row =
+        static_cast<std::size_t>(place[2]) * static_cast<std::size_t>(count[1]) +
+        static_cast<std::size_t>(place[1]);
+    numbers[row * static_cast<std::size_t>(count[0]) + static_cast<std::size_t>(place[0])] = stored;
+  }
   made.table = makeTexture3d(GL_R32I, count[0], count[1], count[2]);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   glTextureSubImage3D(made.table.name(), 0, 0, 0, 0, count[0], count[1], count[2], GL_RED_INTEGER,

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "volute/gl/gl_object.hpp"
 #include "volute/grid/traversal.hpp"
 #include "volute/grid/volume_info.hpp"
+#include "volute/grid/voxel_march.hpp"
 
 // What OpenGL's media of voxels share: their cells, and atlases of bricks of 8^3 cells.
 
@@ -44,11 +44,9 @@ struct GlBricks {
   GlTexture makeAtlas(GLenum format) const;
 };
 
-/// Asks for each brick, x fastest, whether it is stored. kTooLarge where the device's textures hold
-/// fewer.
-[[nodiscard]] Result<GlBricks> makeGlBricks(
-    const CellGrid& cells, int side, int height,
-    const std::function<bool(int x, int y, int z)>& isStored);
+/// Of the bricks that a march reads. kTooLarge where the device's textures hold fewer.
+[[nodiscard]] Result<GlBricks> makeGlBricks(const CellGrid& cells, int side, int height,
+                                            const MarchGrid& grid);
 
 /// Uploads all bricks of an atlas, a layer of them at a time.
 /// @param texelsOf  of a brick by its number: (height, side, side) values, until the next call

@@ -6,24 +6,42 @@
 #include <span>
 #include <vector>
 
+#include "volute/grid/brick_table.hpp"
 #include "volute/grid/volume_info.hpp"
 
 namespace volute {
 
+class Bricks;
+
 /// One frame of a volume as bricks of 8^3 voxels, for rendering; empty bricks (all zero) are not
-/// stored. Values of a brick: [channel][z][y][x] within the brick, x fastest (channel planes, so
-/// that SIMD lanes gather one).
+/// stored, and nothing is as large as the volume. Bricks of one value that are inside the volume
+/// share their storage. Values of a brick: [channel][z][y][x] within the brick, x fastest (channel
+/// planes, so that SIMD lanes gather one).
 class BrickSlice {
  public:
   static constexpr int kSide = 8;
   static constexpr int kVoxels = kSide * kSide * kSide;
-  static constexpr std::int32_t kEmpty = -1;
+  static constexpr std::int32_t kEmpty = BrickTable::kEmpty;
+
+  struct Entry {
+    BrickPlace place{};
+    std::int32_t stored = 0;  ///< of the stored bricks
+  };
 
   /// An empty slice of the spatial size, channels, bounds and basis of `info`.
   explicit BrickSlice(const VolumeInfo& info);
 
   /// From dense values, shape (z, y, x, c).
   static BrickSlice fromDense(const VolumeInfo& info, std::span<const float> values);
+
+  /// What of a frame lies in the volume and is not 0; its background is taken as 0.
+  static BrickSlice fromBricks(const VolumeInfo& info, const Bricks& bricks);
+
+  /// At most so many entries are made of the tiles of a frame.
+  static std::uint64_t entriesOfTiles(const VolumeInfo& info, const Bricks& bricks);
+
+  /// Zeros in the bricks at `places`, which are in the order of isBefore().
+  BrickSlice(const VolumeInfo& info, std::span<const BrickPlace> places);
 
   int x() const { return size_[0]; }
 
@@ -43,26 +61,33 @@ class BrickSlice {
   /// The same values with other bounds.
   void setBounds(const Box3& bounds) { bounds_ = bounds; }
 
-  int bricksX() const { return bricks_[0]; }
+  int bricksX() const { return table_.count()[0]; }
 
-  int bricksY() const { return bricks_[1]; }
+  int bricksY() const { return table_.count()[1]; }
 
-  int bricksZ() const { return bricks_[2]; }
+  int bricksZ() const { return table_.count()[2]; }
 
-  std::size_t brickCount() const { return index_.size(); }
-
-  std::size_t storedBricks() const { return values_.size() / (kVoxels * channels_); }
-
-  /// Which stored brick is at brick coordinate (bx, by, bz); kEmpty when all its voxels are zero.
-  std::int32_t brickAt(int bx, int by, int bz) const {
-    return index_[(static_cast<std::size_t>(bz) * bricks_[1] + by) * bricks_[0] + bx];
+  std::size_t storedBricks() const {
+    return values_.size() / (static_cast<std::size_t>(kVoxels) * channels_);
   }
 
-  std::span<const std::int32_t> index() const { return index_; }
+  /// All bricks that are not empty, in the order of isBefore().
+  std::span<const Entry> entries() const { return entries_; }
+
+  /// Stored bricks from this one on are of one value each, and may be in many places.
+  std::int32_t firstUniform() const { return firstUniform_; }
+
+  /// Which stored brick is at brick coordinate (bx, by, bz), from -1 to one beyond the last on each
+  /// axis; kEmpty when all its voxels are zero.
+  std::int32_t brickAt(int bx, int by, int bz) const { return table_.at(bx, by, bz); }
 
   std::span<const float> values() const { return values_; }
 
   const float* brick(std::int32_t stored) const {
+    return values_.data() + static_cast<std::size_t>(stored) * kVoxels * channels_;
+  }
+
+  float* brick(std::int32_t stored) {
     return values_.data() + static_cast<std::size_t>(stored) * kVoxels * channels_;
   }
 
@@ -72,23 +97,31 @@ class BrickSlice {
   /// Any voxel; 0 in empty bricks and outside the volume.
   float value(int vx, int vy, int vz, int channel = 0) const;
 
-  /// Appends storage for brick (bx, by, bz), zero-filled, and returns it. Pointers returned before
-  /// become invalid.
-  float* addBrick(int bx, int by, int bz);
+  /// The same with a brick of its own in each place.
+  BrickSlice unshared() const;
 
-  /// Removes everything but keeps the memory, for the next frame.
-  void clear();
+  /// The bricks of cells, of so many, into which a stored brick reaches where a cell is between
+  /// voxels: its own place, and those behind it. In the order of isBefore(); `table` numbers them.
+  std::vector<BrickPlace> reached(const BrickPlace& count, BrickTable& table) const;
 
-  /// Restores the state of a freshly extracted slice from raw parts; used by parallel extraction.
-  void assign(std::vector<std::int32_t> index, std::vector<float> values);
+  /// Takes bricks away in which all is zero.
+  void dropEmpty();
+
+  /// Walks from brick to brick: BrickTable::walk().
+  const BrickTable& table() const { return table_; }
+
+  std::uint64_t bytes() const {
+    return values_.size() * sizeof(float) + entries_.size() * sizeof(Entry) + table_.bytes();
+  }
 
  private:
-  int size_[3];    // voxels: x, y, z
-  int bricks_[3];  // bricks: x, y, z
+  int size_[3];  // voxels: x, y, z
   int channels_;
   Basis basis_;
   Box3 bounds_;
-  std::vector<std::int32_t> index_;
+  std::vector<Entry> entries_;
+  std::int32_t firstUniform_ = 0;
+  BrickTable table_;
   std::vector<float> values_;
 };
 

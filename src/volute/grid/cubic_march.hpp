@@ -39,14 +39,13 @@ struct CubicGrid {
   std::shared_ptr<const BrickSlice> slice;
   double emissionScale, extinctionScale;
   CellGrid cells;
-  CellGrid bricks;                  ///< the cells of the table
-  CellRange occupied;               ///< of the table, where a brick is stored
-  std::vector<std::int32_t> table;  ///< shape (z, y, x): which of `stored`; or -1
+  CellGrid bricks;   ///< the cells of the table
+  BrickTable table;  ///< which of `stored`
   std::vector<Brick> stored;
   std::vector<float> coefficients;
 
   struct Counts {
-    std::atomic<std::uint64_t> cells{0}, visited{0}, skipped{0};
+    std::atomic<std::uint64_t> cells{0}, visited{0};
   };
 
   std::shared_ptr<Counts> counts = std::make_shared<Counts>();
@@ -57,41 +56,33 @@ Radiance marchCubic(const CubicGrid& grid, const Segment& segment);
 
 template <class Visit>
 void CubicGrid::traverse(const Segment& segment, Visit&& visit) const {
-  std::uint64_t crossed = 0, visited = 0, skipped = 0;
+  std::uint64_t crossed = 0, visited = 0;
   bool on = true;
-  traverseCells(bricks, occupied, segment, [&](const auto& at, double begin, double end) {
-    if (!on)
-      return;
-    const std::int32_t which =
-        table[(static_cast<std::size_t>(at[2]) * static_cast<std::size_t>(bricks.count[1]) +
-               static_cast<std::size_t>(at[1])) *
-                  static_cast<std::size_t>(bricks.count[0]) +
-              static_cast<std::size_t>(at[0])];
-    if (which < 0) {
-      ++skipped;
-      return;
-    }
-    ++visited;
-    const Brick& brick = stored[static_cast<std::size_t>(which)];
-    CellRange range;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      range.begin[axis] = at[axis] * BrickSlice::kSide;
-      range.end[axis] = std::min(range.begin[axis] + BrickSlice::kSide, cells.count[axis]);
-    }
-    const Segment within{segment.origin, segment.direction, begin, end};
-    traverseCells(cells, range, within, [&](const auto& cell, double from, double to) {
-      const int x = cell[0] - range.begin[0], y = cell[1] - range.begin[1],
-                z = cell[2] - range.begin[2];
-      if (!on || !brick.filled[static_cast<std::size_t>(
-                     (z * BrickSlice::kSide + y) * BrickSlice::kSide + x)])
-        return;
-      ++crossed;
-      on = visit(cell,
-                 &coefficients[brick.begin + static_cast<std::size_t>((z * kSide + y) * kSide + x)],
-                 from, to);
-    });
-  });
-  counts->cells += crossed, counts->visited += visited, counts->skipped += skipped;
+  table.walk(
+      bricks, segment, [&](const BrickPlace& at, std::int32_t which, double begin, double end) {
+        ++visited;
+        const Brick& brick = stored[static_cast<std::size_t>(which)];
+        CellRange range;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          range.begin[axis] = at[axis] * BrickSlice::kSide;
+          range.end[axis] = std::min(range.begin[axis] + BrickSlice::kSide, cells.count[axis]);
+        }
+        const Segment within{segment.origin, segment.direction, begin, end};
+        traverseCells(cells, range, within, [&](const auto& cell, double from, double to) {
+          const int x = cell[0] - range.begin[0], y = cell[1] - range.begin[1],
+                    z = cell[2] - range.begin[2];
+          if (!on || !brick.filled[static_cast<std::size_t>(
+                         (z * BrickSlice::kSide + y) * BrickSlice::kSide + x)])
+            return;
+          ++crossed;
+          on = visit(
+              cell,
+              &coefficients[brick.begin + static_cast<std::size_t>((z * kSide + y) * kSide + x)],
+              from, to);
+        });
+        return on;
+      });
+  counts->cells += crossed, counts->visited += visited;
 }
 
 }  // namespace volute

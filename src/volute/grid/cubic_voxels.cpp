@@ -15,18 +15,6 @@ namespace {
 
 constexpr int kCellsOfBrick = BrickSlice::kSide;
 
-/// Whether a voxel of a stored brick counts in a cell of brick (x, y, z) of the table.
-bool hasCoefficients(const BrickSlice& slice, int x, int y, int z) {
-  for (int i = 0; i < 8; ++i) {
-    const int bx = x - (i & 1), by = y - (i >> 1 & 1), bz = z - (i >> 2);
-    const bool inside = bx >= 0 && by >= 0 && bz >= 0 && bx < slice.bricksX() &&
-                        by < slice.bricksY() && bz < slice.bricksZ();
-    if (inside && slice.brickAt(bx, by, bz) != BrickSlice::kEmpty)
-      return true;
-  }
-  return false;
-}
-
 using SplineCoefficients = std::array<double, voxels::kSplineCorners>;
 
 SplineCoefficients cornersFrom(const float* from) {
@@ -97,27 +85,7 @@ CubicGrid::CubicGrid(std::shared_ptr<const BrickSlice> of, double emission, doub
   bricks = {cells.origin, BrickSlice::kSide * cells.cell, {}};
   for (std::size_t axis = 0; axis < 3; ++axis)
     bricks.count[axis] = (cells.count[axis] + BrickSlice::kSide - 1) / BrickSlice::kSide;
-  table.assign(static_cast<std::size_t>(bricks.count[0]) *
-                   static_cast<std::size_t>(bricks.count[1]) *
-                   static_cast<std::size_t>(bricks.count[2]),
-               -1);
-  std::vector<std::array<int, 3>> places;
-  occupied = {bricks.count, {0, 0, 0}};
-  std::size_t entry = 0;
-  for (int z = 0; z < bricks.count[2]; ++z) {
-    for (int y = 0; y < bricks.count[1]; ++y) {
-      for (int x = 0; x < bricks.count[0]; ++x, ++entry) {
-        if (!hasCoefficients(*slice, x, y, z))
-          continue;
-        table[entry] = static_cast<std::int32_t>(places.size());
-        places.push_back({x, y, z});
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          occupied.begin[axis] = std::min(occupied.begin[axis], places.back()[axis]);
-          occupied.end[axis] = std::max(occupied.end[axis], places.back()[axis] + 1);
-        }
-      }
-    }
-  }
+  const std::vector<BrickPlace> places = slice->reached(bricks.count, table);
   const std::size_t each =
       static_cast<std::size_t>(kCoefficients) * static_cast<std::size_t>(slice->channels());
   stored.resize(places.size());
@@ -221,7 +189,7 @@ void CubicVoxels::radiance(std::span<const Segment> segments, std::span<Radiance
 }
 
 MarchCounts CubicVoxels::counts() const {
-  return {grid_->counts->cells, grid_->counts->visited, grid_->counts->skipped};
+  return {grid_->counts->cells, grid_->counts->visited, 0};
 }
 
 }  // namespace volute

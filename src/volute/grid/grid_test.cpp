@@ -2,9 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "volute/grid/brick_slice.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/sequence.hpp"
 
 namespace volute {
@@ -39,6 +42,82 @@ TEST(BrickSlice, KeepsEveryValueAndNoEmptyBrick) {
       for (int x = 0; x < 8; ++x)
         for (int c = 0; c < 3; ++c) ASSERT_EQ(slice.value(x, y, z, c), view(0, z, y, x, c));
   EXPECT_EQ(slice.value(-1, 0, 0), 0);
+}
+
+/// Leaves that lie across bricks and beyond the volume, and tiles of which parts are whole bricks.
+TEST(BrickSlice, HoldsWhatIsInAFrame) {
+  VolumeInfo info;
+  info.x = 61, info.y = 70, info.z = 33;
+  info.channels = 3;
+  for (const std::int64_t offset : {0, -3, 5}) {
+    Bricks bricks(3);
+    for (const VoxelIndex& origin : {VoxelIndex{offset, offset, offset},
+                                     {offset + 8, offset, offset},
+                                     {offset + 56, 64, 16}}) {
+      auto values = bricks.addLeaf({origin});
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(1 + i % 97);
+    }
+    bricks.addTile({{offset + 16, offset + 16, offset}, 32, true, {2, 3, 4}});
+    bricks.addTile({{offset + 48, offset + 48, offset}, 8, false, {7, 0, 0}});
+    bricks.addTile({{0, 0, 64}, 64, true, {9, 9, 9}});     // outside
+    bricks.addLeaf({{offset + 16, offset, offset + 24}});  // active zeros
+    bricks.sort();
+    std::vector<float> dense(info.frameValues());
+    bricks.toDense({{0, 0, 0}, {info.x, info.y, info.z}}, dense);
+    const BrickSlice slice = BrickSlice::fromBricks(info, bricks);
+    const BrickSlice unshared = slice.unshared();
+    std::size_t i = 0;
+    for (int z = 0; z < info.z; ++z)
+      for (int y = 0; y < info.y; ++y)
+        for (int x = 0; x < info.x; ++x)
+          for (int c = 0; c < 3; ++c, ++i) {
+            ASSERT_EQ(slice.value(x, y, z, c), dense[i]) << x << ' ' << y << ' ' << z;
+            ASSERT_EQ(unshared.value(x, y, z, c), dense[i]);
+          }
+    EXPECT_EQ(unshared.storedBricks(), BrickSlice::fromDense(info, dense).storedBricks());
+    EXPECT_LT(slice.storedBricks(), unshared.storedBricks());
+    EXPECT_EQ(slice.entries().size(), unshared.storedBricks());
+  }
+}
+
+TEST(BrickTable, IsAsLargeAsWhatIsInIt) {
+  for (const int side : {1, 8, 40, 200, 12500, 1 << 27}) {
+    std::vector<BrickPlace> places;
+    std::mt19937 random(5);
+    for (int i = 0; i < 200; ++i)
+      places.push_back({static_cast<int>(random() % side), static_cast<int>(random() % side),
+                        static_cast<int>(random() % side)});
+    std::ranges::sort(places, isBefore);
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    BrickTable table({side, side, side}, places.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
+      table.set(places[i], static_cast<std::int32_t>(i));
+    EXPECT_LT(table.bytes(), 5'000'000U);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      ASSERT_EQ(table.at(places[i]), static_cast<std::int32_t>(i));
+      const auto [x, y, z] = places[i];
+      const auto there = std::ranges::find(places, BrickPlace{x + 1, y, z});
+      ASSERT_EQ(table.at(x + 1, y, z),
+                there == places.end() ? -1 : static_cast<std::int32_t>(there - places.begin()));
+    }
+    EXPECT_EQ(table.at(-1, 0, side), BrickTable::kEmpty);
+    // From corner to corner, past those on the diagonal.
+    const BrickPlace middle{side / 2, side / 2, side / 2};
+    table.set(middle, 7777);
+    std::vector<std::int32_t> seen;
+    double last = 0;
+    table.walk({Vec3::Zero(), Vec3::Ones(), {}},
+               {Vec3::Constant(-1), Vec3::Ones().normalized(), 0, 1e12},
+               [&](const BrickPlace& place, std::int32_t number, double begin, double end) {
+                 EXPECT_EQ(table.at(place), number);
+                 EXPECT_LE(last, begin);
+                 EXPECT_NEAR(begin, std::sqrt(3) * (place[0] + 1), 1e-6 * side + 1e-9);
+                 last = end;
+                 seen.push_back(number);
+                 return true;
+               });
+    EXPECT_TRUE(std::ranges::find(seen, 7777) != seen.end()) << side;
+  }
 }
 
 TEST(ReadAll, RefusesWhatDoesNotFit) {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
 
+#include "volute/base/parallel.hpp"
 #include "volute/grid/voxel_march.hpp"
 
 namespace volute {
@@ -14,25 +17,10 @@ constexpr int kSide = BrickSlice::kSide;
 constexpr int kCornerSide = kSide + 1;
 constexpr int kCornersOfBrick = kCornerSide * kCornerSide * kCornerSide;
 
-/// Whether any voxel around the cells of brick (bx, by, bz) is in a stored brick: its own, or the
-/// one before on any axis.
-bool hasCorners(const BrickSlice& slice, int bx, int by, int bz) {
-  for (int i = 0; i < 8; ++i) {
-    const int x = bx - (i & 1), y = by - (i >> 1 & 1), z = bz - (i >> 2);
-    const bool inside = x >= 0 && y >= 0 && z >= 0 && x < slice.bricksX() && y < slice.bricksY() &&
-                        z < slice.bricksZ();
-    if (inside && slice.brickAt(x, y, z) != BrickSlice::kEmpty)
-      return true;
-  }
-  return false;
-}
-
-/// Appends the voxels around the cells of a brick, shape (c, z, y, x); takes them back when all are
-/// zero.
-bool appendCorners(const BrickSlice& slice, int bx, int by, int bz, std::vector<float>& corners) {
-  const std::size_t before = corners.size();
-  corners.resize(before + static_cast<std::size_t>(kCornersOfBrick) * slice.channels());
-  float* out = corners.data() + before;
+/// The voxels around the cells of a brick, shape (c, z, y, x).
+/// @return  whether one is not zero
+bool copyCorners(const BrickSlice& slice, const BrickPlace& place, float* out) {
+  const auto [bx, by, bz] = place;
   bool any = false;
   // Along x there is one voxel of the brick before, and those of this one.
   const int own = std::clamp(slice.x() - bx * kSide, 0, kSide);
@@ -60,9 +48,63 @@ bool appendCorners(const BrickSlice& slice, int bx, int by, int bz, std::vector<
       }
     }
   }
-  if (!any)
-    corners.resize(before);
   return any;
+}
+
+/// The stored bricks around a brick's cells: its own and those before it on any axes.
+using BricksAround = std::array<std::int32_t, 8>;
+
+BricksAround bricksAround(const BrickSlice& slice, const BrickPlace& place) {
+  BricksAround around;
+  const BrickPlace count{slice.bricksX(), slice.bricksY(), slice.bricksZ()};
+  for (int i = 0; i < 8; ++i) {
+    const BrickPlace at{place[0] - (i & 1), place[1] - (i >> 1 & 1), place[2] - (i >> 2)};
+    const bool inside = at[0] < count[0] && at[1] < count[1] && at[2] < count[2];
+    around[static_cast<std::size_t>(i)] = inside ? slice.table().at(at) : BrickSlice::kEmpty;
+  }
+  return around;
+}
+
+/// Fills in the trilinear bricks: all into whose cells a stored brick reaches.
+void makeCorners(const BrickSlice& slice, const BrickPlace& count, bool shares, MarchGrid& grid) {
+  const std::vector<BrickPlace> places = slice.reached(count, grid.table);
+  // Where all around is of one value or empty, bricks with the same around them are equal.
+  std::map<BricksAround, std::int32_t> uniform;
+  std::vector<BrickPlace> distinct;
+  for (const BrickPlace& place : places) {
+    auto number = static_cast<std::int32_t>(distinct.size());
+    if (shares && slice.firstUniform() < static_cast<std::int32_t>(slice.storedBricks())) {
+      const BricksAround around = bricksAround(slice, place);
+      if (std::ranges::all_of(around, [&](std::int32_t stored) {
+            return stored == BrickSlice::kEmpty || stored >= slice.firstUniform();
+          }))
+        number = uniform.try_emplace(around, number).first->second;
+    }
+    if (number == static_cast<std::int32_t>(distinct.size()))
+      distinct.push_back(place);
+    grid.bricks.push_back({place, number});
+  }
+  const std::size_t each = static_cast<std::size_t>(kCornersOfBrick) * slice.channels();
+  grid.corners.resize(distinct.size() * each);
+  std::vector<std::int32_t> number(distinct.size());
+  parallelRanges(distinct.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      number[i] = copyCorners(slice, distinct[i], &grid.corners[i * each]) ? 0 : -1;
+  });
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] < 0)
+      continue;
+    number[i] = grid.stored++;
+    if (static_cast<std::size_t>(number[i]) != i)
+      std::copy_n(&grid.corners[i * each], each,
+                  &grid.corners[static_cast<std::size_t>(number[i]) * each]);
+  }
+  grid.corners.resize(static_cast<std::size_t>(grid.stored) * each);
+  for (BrickSlice::Entry& entry : grid.bricks) {
+    entry.stored = number[static_cast<std::size_t>(entry.stored)];
+    grid.table.set(entry.place, entry.stored);
+  }
+  std::erase_if(grid.bricks, [](const auto& entry) { return entry.stored < 0; });
 }
 
 /// How many Gauss rules keep the optical depth of each at 1.5 on the longest way through a cell.
@@ -97,7 +139,7 @@ Rgb unpackLight(float packed) {
 
 std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
                                          const CellGrid& cells, double emissionScale,
-                                         double extinctionScale) {
+                                         double extinctionScale, bool shares) {
   auto grid = std::make_shared<MarchGrid>();
   grid->slice = slice;
   grid->trilinear = slice->basis() == Basis::kTrilinear;
@@ -105,39 +147,26 @@ std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>
   grid->emissionScale = emissionScale;
   grid->extinctionScale = extinctionScale;
   const int side = grid->trilinear ? kCornerSide : kSide;
-  const std::int32_t brickValues = grid->trilinear ? kCornersOfBrick : BrickSlice::kVoxels;
-  int bricks[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    bricks[axis] = (cells.count[axis] + kSide - 1) / kSide;
+  grid->channelStride = grid->trilinear ? kCornersOfBrick : BrickSlice::kVoxels;
+  grid->brickStride = grid->channelStride * grid->channels;
+  BrickPlace count;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    count[axis] = (cells.count[axis] + kSide - 1) / kSide;
     grid->stride[axis] = axis == 0 ? 1 : grid->stride[axis - 1] * side;
-    grid->tableStride[axis] = axis == 0 ? 1 : grid->tableStride[axis - 1] * (bricks[axis - 1] + 2);
   }
-  grid->channelStride = brickValues;
-  grid->table.assign(static_cast<std::size_t>(grid->tableStride[2]) * (bricks[2] + 2), -1);
-  constexpr auto kMax = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
-  for (int z = 0; z < bricks[2] && grid->fits; ++z) {
-    for (int y = 0; y < bricks[1]; ++y) {
-      for (int x = 0; x < bricks[0]; ++x) {
-        std::size_t begin = grid->corners.size();
-        if (grid->trilinear) {
-          if (!hasCorners(*slice, x, y, z) || !appendCorners(*slice, x, y, z, grid->corners))
-            continue;
-        } else {
-          if (slice->brickAt(x, y, z) == BrickSlice::kEmpty)
-            continue;
-          begin = static_cast<std::size_t>(slice->brickAt(x, y, z)) * brickValues * grid->channels;
-        }
-        grid->fits =
-            grid->fits && begin + static_cast<std::size_t>(brickValues) * grid->channels <= kMax;
-        grid->table[(z + 1) * grid->tableStride[2] + (y + 1) * grid->tableStride[1] + x + 1] =
-            static_cast<std::int32_t>(begin);
-      }
-    }
+  if (grid->trilinear) {
+    makeCorners(*slice, count, shares, *grid);
+    grid->values = grid->corners.data();
+  } else {
+    grid->table = slice->table();
+    grid->bricks.assign(slice->entries().begin(), slice->entries().end());
+    grid->stored = static_cast<std::int32_t>(slice->storedBricks());
+    grid->values = slice->values().data();
   }
-  grid->values = grid->trilinear ? grid->corners.data() : slice->values().data();
-  if (grid->trilinear && grid->channels == 3 && extinctionScale != 0) {
+  grid->fits = static_cast<std::int64_t>(grid->stored) * grid->brickStride <=
+               std::numeric_limits<std::int32_t>::max();
+  if (grid->trilinear && grid->channels == 3 && extinctionScale != 0)
     grid->steps = gaussSteps(*slice, cells, extinctionScale);
-  }
   return grid;
 }
 

@@ -20,29 +20,26 @@ namespace {
 constexpr int kShadedSide = BrickSlice::kSide + 1;
 constexpr int kShadedCorners = kShadedSide * kShadedSide * kShadedSide;
 
-/// The first channel alone.
+/// The first channel alone, of what is unshared.
 std::shared_ptr<const BrickSlice> firstChannel(const BrickSlice& slice) {
   VolumeInfo info;
   info.x = slice.x(), info.y = slice.y(), info.z = slice.z();
   info.bounds = slice.bounds();
   info.basis = slice.basis();
-  auto out = std::make_shared<BrickSlice>(info);
-  std::vector<std::int32_t> index(slice.index().begin(), slice.index().end());
-  std::vector<float> values;
-  values.reserve(slice.storedBricks() * BrickSlice::kVoxels);
-  std::int32_t count = 0;
-  for (std::int32_t& stored : index) {
-    if (stored == BrickSlice::kEmpty)
-      continue;
-    const float* from = slice.brick(stored);
-    const bool empty =
-        std::all_of(from, from + BrickSlice::kVoxels, [](float value) { return value == 0; });
-    stored = empty ? BrickSlice::kEmpty : count++;
-    if (!empty)
-      values.insert(values.end(), from, from + BrickSlice::kVoxels);
-  }
-  out->assign(std::move(index), std::move(values));
+  std::vector<BrickPlace> places;
+  for (const BrickSlice::Entry& entry : slice.entries()) places.push_back(entry.place);
+  auto out = std::make_shared<BrickSlice>(info, places);
+  for (const BrickSlice::Entry& entry : slice.entries())
+    std::copy_n(slice.brick(entry.stored), BrickSlice::kVoxels, out->brick(entry.stored));
+  out->dropEmpty();
   return out;
+}
+
+/// Light is another in each place.
+std::shared_ptr<const BrickSlice> unshared(std::shared_ptr<const BrickSlice> slice) {
+  if (slice->entries().size() == slice->storedBricks())
+    return slice;
+  return std::make_shared<const BrickSlice>(slice->unshared());
 }
 
 /// How many steps keep the optical depth of each at 1.3 on the longest way through a cell.
@@ -89,7 +86,7 @@ struct ShadedVoxels::Counters {
 };
 
 ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
-    : slice_(std::move(slice)),
+    : slice_(unshared(std::move(slice))),
       extinction_(firstChannel(*slice_), 0, 1),
       cells_(voxels::cellsOf(*slice_)),
       occupied_(voxels::occupiedCells(*slice_, cells_)),
@@ -102,7 +99,7 @@ ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
     corners_ = findCentres(*slice_);
     return;
   }
-  auto march = makeMarchGrid(slice_, cells_, 1, 1);
+  auto march = makeMarchGrid(slice_, cells_, 1, 1, false);
   march->shaded = true;
   march->emissionChannel = slice_->channels() == 4 ? 1 : -1;
   march->steps = stepsOf(*slice_, cells_);
@@ -114,31 +111,20 @@ ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
 std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const MarchGrid& grid,
                                                                        const CellGrid& cells) {
   auto corners = std::make_shared<Corners>();
-  corners->number.assign(grid.table.size(), -1);
-  std::vector<std::size_t> entries;
-  for (std::size_t entry = 0; entry < grid.table.size(); ++entry) {
-    if (grid.table[entry] < 0)
-      continue;
-    corners->number[entry] = static_cast<std::int32_t>(entries.size());
-    corners->begins.push_back(grid.table[entry]);
-    entries.push_back(entry);
-  }
-  corners->ofBrick.assign(entries.size() * kShadedCorners, -1);
-  std::vector<std::array<std::uint8_t, kShadedCorners>> marks(entries.size());
-  parallelRanges(entries.size(), 16, [&](std::size_t begin, std::size_t end) {
+  const std::size_t bricks = grid.bricks.size();
+  corners->ofBrick.assign(bricks * kShadedCorners, -1);
+  std::vector<std::array<std::uint8_t, kShadedCorners>> marks(bricks);
+  parallelRanges(bricks, 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b)
-      markNeeded(grid.values + corners->begins[b], marks[b]);
+      markNeeded(grid.values + b * static_cast<std::size_t>(grid.brickStride), marks[b]);
   });
   std::size_t needed = 0;
   for (const auto& ofBrick : marks)
     needed += static_cast<std::size_t>(std::ranges::count(ofBrick, 1));
   corners->points.reserve(needed), corners->places.reserve(needed);
-  for (std::size_t b = 0; b < entries.size(); ++b) {
+  for (std::size_t b = 0; b < bricks; ++b) {
     corners->firstPoint.push_back(static_cast<std::int32_t>(corners->points.size()));
-    const auto entry = static_cast<int>(entries[b]);
-    const int brick[3] = {entry % grid.tableStride[1] - 1,
-                          entry % grid.tableStride[2] / grid.tableStride[1] - 1,
-                          entry / grid.tableStride[2] - 1};
+    const BrickPlace& brick = grid.bricks[b].place;
     std::int32_t* out = &corners->ofBrick[b * kShadedCorners];
     for (int i = 0; i < kShadedCorners; ++i) {
       if (!marks[b][static_cast<std::size_t>(i)])
@@ -148,18 +134,19 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const Mar
       // One that a brick before has too is that one's.
       const bool atFace = place[0] == 0 || place[1] == 0 || place[2] == 0;
       for (int way = 1; atFace && way < 8 && out[i] < 0; ++way) {
-        int other = entry, there = i;
+        BrickPlace other = brick;
+        int there = i;
         bool shared = true;
-        for (int axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
+        for (std::size_t axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
           if (!(way >> axis & 1))
             continue;
           shared = shared && place[axis] == 0;
-          other -= grid.tableStride[axis];
-          there += BrickSlice::kSide * stride;
+          --other[axis];
+          there += BrickSlice::kSide * static_cast<int>(stride);
         }
         if (!shared)
           continue;
-        const std::int32_t before = corners->number[static_cast<std::size_t>(other)];
+        const std::int32_t before = grid.table.at(other);
         if (before >= 0)
           out[i] = corners->ofBrick[static_cast<std::size_t>(before) * kShadedCorners +
                                     static_cast<std::size_t>(there)];
@@ -183,17 +170,18 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCentres(const Bri
   auto centres = std::make_shared<Corners>();
   centres->ofVoxel.assign(slice.storedBricks() * BrickSlice::kVoxels, -1);
   const Vec3 voxel = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
-  for (int z = 0; z < slice.z(); ++z) {
-    for (int y = 0; y < slice.y(); ++y) {
-      for (int x = 0; x < slice.x(); ++x) {
-        if (!(slice.value(x, y, z, 0) > 0))
-          continue;
-        centres->ofVoxel[slice.placeOf(x, y, z)] =
-            static_cast<std::int32_t>(centres->points.size());
-        centres->points.push_back(slice.bounds().min +
-                                  voxel.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5)));
-        centres->places.push_back({x, y, z});
-      }
+  for (const BrickSlice::Entry& entry : slice.entries()) {
+    const float* values = slice.brick(entry.stored);
+    for (int i = 0; i < BrickSlice::kVoxels; ++i) {
+      if (!(values[i] > 0))
+        continue;
+      const int x = entry.place[0] * BrickSlice::kSide + i % BrickSlice::kSide,
+                y = entry.place[1] * BrickSlice::kSide + i / BrickSlice::kSide % BrickSlice::kSide,
+                z = entry.place[2] * BrickSlice::kSide + i / BrickSlice::kSide / BrickSlice::kSide;
+      centres->ofVoxel[slice.placeOf(x, y, z)] = static_cast<std::int32_t>(centres->points.size());
+      centres->points.push_back(slice.bounds().min +
+                                voxel.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5)));
+      centres->places.push_back({x, y, z});
     }
   }
   return centres;
@@ -205,10 +193,7 @@ std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& place) con
       place[1] <= cells_.count[1] && place[2] <= cells_.count[2]) {
     const int x = place[0] / BrickSlice::kSide, y = place[1] / BrickSlice::kSide,
               z = place[2] / BrickSlice::kSide;
-    const auto entry = static_cast<std::size_t>((x + 1) * march_->tableStride[0] +
-                                                (y + 1) * march_->tableStride[1] +
-                                                (z + 1) * march_->tableStride[2]);
-    const std::int32_t brick = corners_->number[entry];
+    const std::int32_t brick = march_->table.at(x, y, z);
     if (brick >= 0) {
       const int corner =
           ((place[2] % BrickSlice::kSide) * kShadedSide + place[1] % BrickSlice::kSide) *
@@ -223,26 +208,25 @@ std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& place) con
   }
   // A corner that bricks share is at 0 in one of them, and at 8 in those before.
   for (int way = 0; way < 8; ++way) {
-    std::size_t entry = 0;
+    BrickPlace brickOf{};
     int corner = 0;
     bool possible = true;
-    for (int axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
-      const std::int32_t at = place[static_cast<std::size_t>(axis)];
+    for (std::size_t axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
+      const std::int32_t at = place[axis];
       int brick = at / BrickSlice::kSide, in = at % BrickSlice::kSide;
       if (way >> axis & 1) {
         possible = possible && in == 0;
         --brick, in = BrickSlice::kSide;
       }
-      possible = possible && at >= 0 && at <= cells_.count[static_cast<std::size_t>(axis)];
-      entry +=
-          static_cast<std::size_t>(brick + 1) * static_cast<std::size_t>(march_->tableStride[axis]);
-      corner += in * stride;
+      possible = possible && at >= 0 && at <= cells_.count[axis];
+      brickOf[axis] = brick;
+      corner += in * static_cast<int>(stride);
     }
-    if (!possible || entry >= corners_->number.size() || corners_->number[entry] < 0)
+    const std::int32_t number = possible ? march_->table.at(brickOf) : BrickTable::kEmpty;
+    if (number < 0)
       continue;
-    const std::int32_t point =
-        corners_->ofBrick[static_cast<std::size_t>(corners_->number[entry]) * kShadedCorners +
-                          static_cast<std::size_t>(corner)];
+    const std::int32_t point = corners_->ofBrick[static_cast<std::size_t>(number) * kShadedCorners +
+                                                 static_cast<std::size_t>(corner)];
     if (point >= 0)
       return point;
   }
@@ -293,13 +277,11 @@ ShadedVoxels ShadedVoxels::withSplines(std::span<const Rgb> light) const {
   info.channels = 4;
   info.bounds = slice_->bounds();
   info.basis = Basis::kCubic;
-  const auto stored = static_cast<std::int32_t>(slice_->storedBricks());
-  const int channels = slice_->channels();
-  std::vector<float> values(static_cast<std::size_t>(stored) * 4 * BrickSlice::kVoxels, 0);
-  for (std::int32_t b = 0; b < stored; ++b) {
-    std::copy_n(slice_->brick(b), channels * BrickSlice::kVoxels,
-                &values[static_cast<std::size_t>(b) * 4 * BrickSlice::kVoxels]);
-  }
+  std::vector<BrickPlace> bricks;
+  for (const BrickSlice::Entry& entry : slice_->entries()) bricks.push_back(entry.place);
+  auto slice = std::make_shared<BrickSlice>(info, bricks);
+  for (std::int32_t b = 0; b < static_cast<std::int32_t>(bricks.size()); ++b)
+    std::copy_n(slice_->brick(b), slice_->channels() * BrickSlice::kVoxels, slice->brick(b));
   const auto pointOf = [&](std::array<std::int32_t, 3> at) -> std::int32_t {
     if (slice_->value(at[0], at[1], at[2], 0) == 0)
       return -1;
@@ -322,14 +304,12 @@ ShadedVoxels ShadedVoxels::withSplines(std::span<const Rgb> light) const {
       const Rgb plain = own * light[i];
       const Rgb scattered = (plain - differences / 6).max(0.5 * plain).min(1.5 * plain);
       const std::size_t voxel = slice_->placeOf(place[0], place[1], place[2]);
-      float* out = &values[voxel / BrickSlice::kVoxels * 4 * BrickSlice::kVoxels +
-                           voxel % BrickSlice::kVoxels];
+      float* out = slice->brick(static_cast<std::int32_t>(voxel / BrickSlice::kVoxels)) +
+                   voxel % BrickSlice::kVoxels;
       for (int c = 0; c < 3; ++c)
         out[(1 + c) * BrickSlice::kVoxels] += static_cast<float>(scattered[c]);
     }
   });
-  auto slice = std::make_shared<BrickSlice>(info);
-  slice->assign({slice_->index().begin(), slice_->index().end()}, std::move(values));
   ShadedVoxels lit = *this;
   lit.cubic_ = std::make_shared<const CubicVoxels>(std::move(slice), 1, 1);
   return lit;
@@ -376,12 +356,13 @@ ShadedVoxels ShadedVoxels::withLight(std::vector<Rgb> given) const {
     const Rgb shares = one * perLargest;
     return march->oneColor ? static_cast<float>(shares.maxCoeff()) : packLight(shares);
   };
-  const std::size_t bricks = corners_->begins.size();
+  const std::size_t bricks = march_->bricks.size();
   const auto from = static_cast<std::size_t>(channels) * kShadedCorners;
   const auto to = static_cast<std::size_t>(channels + 1) * kShadedCorners;
   march->fits = march->fits && bricks * to < std::numeric_limits<std::int32_t>::max();
   if (!march->fits)
     return lit;  // by pieces
+  march->brickStride = static_cast<std::int32_t>(to);
   march->corners.assign(bricks * to, 0);
   march->values = march->corners.data();
   const bool beside = channels == 1;  // light is beside extinction, so that one load takes both
@@ -391,7 +372,7 @@ ShadedVoxels ShadedVoxels::withLight(std::vector<Rgb> given) const {
   }
   parallelRanges(bricks, 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
-      const float* values = march_->values + corners_->begins[b];
+      const float* values = march_->values + b * from;
       float* out = &march->corners[b * to];
       if (beside) {
         for (int i = 0; i < kShadedCorners; ++i) out[2 * i] = values[i];
@@ -406,29 +387,17 @@ ShadedVoxels ShadedVoxels::withLight(std::vector<Rgb> given) const {
       }
     }
   });
-  for (std::size_t entry = 0; entry < march->table.size(); ++entry) {
-    if (corners_->number[entry] >= 0) {
-      march->table[entry] =
-          static_cast<std::int32_t>(static_cast<std::size_t>(corners_->number[entry]) * to);
-    }
-  }
   lit.march_ = std::move(march);
   return lit;
 }
 
-Rgb ShadedVoxels::lightAt(const std::array<int, 3>& cell, int corner) const {
-  std::size_t entry = 0;
-  int place = 0;
-  for (int axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
-    entry +=
-        static_cast<std::size_t>(cell[static_cast<std::size_t>(axis)] / BrickSlice::kSide + 1) *
-        static_cast<std::size_t>(march_->tableStride[axis]);
-    place +=
-        (cell[static_cast<std::size_t>(axis)] % BrickSlice::kSide + (corner >> axis & 1)) * stride;
-  }
-  const std::int32_t brick = corners_->number[entry];
+Rgb ShadedVoxels::lightAt(std::int32_t brick, const std::array<int, 3>& cell, int corner) const {
   if (!light_ || brick < 0)
     return Rgb::Zero();
+  int place = 0;
+  for (int axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide)
+    place +=
+        (cell[static_cast<std::size_t>(axis)] % BrickSlice::kSide + (corner >> axis & 1)) * stride;
   const std::int32_t point = corners_->ofBrick[static_cast<std::size_t>(brick) * kShadedCorners +
                                                static_cast<std::size_t>(place)];
   return point < 0 ? Rgb(Rgb::Zero()) : (*light_)[static_cast<std::size_t>(point)];
@@ -442,6 +411,8 @@ Rgb ShadedVoxels::emission(const Vec3& point) const {
     return sent;
   const auto cell = cells_.cellAt(point);
   const auto shares = voxels::cornerShares(voxels::placeInCell(cells_, cell, point));
+  const std::int32_t brick = march_->table.at(
+      cell[0] / BrickSlice::kSide, cell[1] / BrickSlice::kSide, cell[2] / BrickSlice::kSide);
   Rgb light = Rgb::Zero();
   double extinction = 0;
   for (int i = 0; i < 8; ++i) {
@@ -449,7 +420,7 @@ Rgb ShadedVoxels::emission(const Vec3& point) const {
     const double share = shares[static_cast<std::size_t>(i)];
     const int x = cell[0] + dx, y = cell[1] + dy, z = cell[2] + dz;
     extinction += share * slice_->value(x, y, z, 0);
-    light += share * lightAt(cell, i);
+    light += share * lightAt(brick, cell, i);
     for (int c = 0; c < 3 && slice_->channels() == 4; ++c)
       sent[c] += share * slice_->value(x, y, z, 1 + c);
   }
@@ -463,25 +434,24 @@ void ShadedVoxels::pieces(std::span<const Segment> segments,
   const int channels = slice_->channels();
   for (std::size_t s = 0; s < segments.size(); ++s) {
     pieces[s].clear();
-    const CellGrid& grid = cells_;
-    traverseCells(
-        grid, occupied_, segments[s],
-        [&](const std::array<int, 3>& cell, double begin, double end) {
-          const voxels::InCell ray(grid, cell, segments[s], begin, end);
+    forMarchedCells(
+        *march_, cells_, segments[s],
+        [&](const std::array<int, 3>& cell, std::int32_t brick, const float* first, double begin,
+            double end) {
+          const voxels::InCell ray(cells_, cell, segments[s], begin, end);
           std::array<std::array<double, 8>, 7> values{};
           bool empty = true;
-          for (std::size_t i = 0; i < 8; ++i) {
-            const auto& [dx, dy, dz] = voxels::kCorners[i];
+          for (int i = 0; i < 8; ++i) {
             for (int c = 0; c < channels; ++c) {
-              const double value = slice_->value(cell[0] + dx, cell[1] + dy, cell[2] + dz, c);
-              values[static_cast<std::size_t>(c)][i] = value;
+              const double value = cornerOf(*march_, first, i, c);
+              values[static_cast<std::size_t>(c)][static_cast<std::size_t>(i)] = value;
               empty = empty && value == 0;
             }
           }
           if (empty)
             return;
           for (int i = 0; i < 8 && light_; ++i) {
-            const Rgb light = lightAt(cell, i);
+            const Rgb light = lightAt(brick, cell, i);
             for (std::size_t c = 0; c < 3; ++c)
               values[4 + c][static_cast<std::size_t>(i)] = light[static_cast<Eigen::Index>(c)];
           }

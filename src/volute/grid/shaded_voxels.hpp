@@ -82,9 +82,7 @@ class ShadedVoxels {
     std::vector<Vec3> points;
     std::vector<std::array<std::int32_t, 3>> places;  ///< of the points, in cells
     std::vector<std::int32_t> ofBrick;                ///< shape (bricks, 9, 9, 9)
-    std::vector<std::int32_t> begins;                 ///< of each brick's values in the march
     std::vector<std::int32_t> firstPoint;  ///< of each brick; those before are of earlier bricks
-    std::vector<std::int32_t> number;  ///< of the brick at each entry of the march's table; or -1
     std::vector<std::int32_t>
         ofVoxel;  ///< cubic: which of points is at each, of stored bricks; or -1
   };
@@ -101,8 +99,8 @@ class ShadedVoxels {
 
   static std::shared_ptr<const Corners> findCorners(const MarchGrid& grid, const CellGrid& cells);
 
-  /// L at a corner of a cell; 0 where it is not known.
-  Rgb lightAt(const std::array<int, 3>& cell, int corner) const;
+  /// L at a corner of a cell in a brick; 0 where it is not known.
+  Rgb lightAt(std::int32_t brick, const std::array<int, 3>& cell, int corner) const;
 
   std::shared_ptr<const BrickSlice> slice_;
   VoxelMedium extinction_;

@@ -132,10 +132,11 @@ TEST(ShadedVoxels, LightLiesBesideExtinction) {
   const ShadedVoxels medium = shadedMedium(1, true);
   const auto dark = shadedMedium(1, false).march(), lit = medium.march();
   ASSERT_EQ(lit->stride[0], 2);
-  for (std::size_t entry = 0; entry < lit->table.size(); ++entry) {
-    ASSERT_EQ(lit->table[entry] < 0, dark->table[entry] < 0);
-    for (int i = 0; lit->table[entry] >= 0 && i < 9 * 9 * 9; ++i)
-      ASSERT_EQ(lit->values[lit->table[entry] + 2 * i], dark->values[dark->table[entry] + i]);
+  ASSERT_EQ(lit->stored, dark->stored);
+  for (std::int32_t brick = 0; brick < lit->stored; ++brick) {
+    for (int i = 0; i < 9 * 9 * 9; ++i)
+      ASSERT_EQ(lit->values[brick * lit->brickStride + 2 * i],
+                dark->values[brick * dark->brickStride + i]);
   }
 }
 

@@ -56,7 +56,7 @@ void VolumeInfo::fillDefaults() {
 }
 
 Status VolumeInfo::validate(const std::string& where) const {
-  constexpr std::int64_t kMaxFrameValues = std::int64_t{1} << 40;
+  constexpr double kMaxVoxels = 0x1p58;  // so that bytes of a frame can be counted
   if (frames < 1)
     return fail(ErrorCode::kInvalidData, "{}: the sequence is empty; expected at least one frame",
                 where);
@@ -64,7 +64,7 @@ Status VolumeInfo::validate(const std::string& where) const {
     return fail(ErrorCode::kInvalidData, "{}: a volume of {} x {} x {} voxels has no values", where,
                 x, y, z);
   }
-  if (static_cast<double>(x) * y * z > static_cast<double>(kMaxFrameValues)) {
+  if (static_cast<double>(x) * y * z > kMaxVoxels) {
     return fail(ErrorCode::kTooLarge, "{}: {} x {} x {} voxels is beyond what a volume can hold",
                 where, x, y, z);
   }

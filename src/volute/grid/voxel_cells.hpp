@@ -31,19 +31,12 @@ inline CellGrid cellsOf(const BrickSlice& slice) {
 inline CellRange occupiedCells(const BrickSlice& slice, const CellGrid& cells) {
   CellRange range{cells.count, {0, 0, 0}};
   const int reach = slice.basis() == Basis::kBox ? 0 : slice.basis() == Basis::kTrilinear ? 1 : 3;
-  for (int bz = 0; bz < slice.bricksZ(); ++bz) {
-    for (int by = 0; by < slice.bricksY(); ++by) {
-      for (int bx = 0; bx < slice.bricksX(); ++bx) {
-        if (slice.brickAt(bx, by, bz) == BrickSlice::kEmpty)
-          continue;
-        const std::array<int, 3> brick{bx, by, bz};
-        for (int axis = 0; axis < 3; ++axis) {
-          const int first = brick[axis] * BrickSlice::kSide;
-          range.begin[axis] = std::min(range.begin[axis], first);
-          range.end[axis] = std::max(
-              range.end[axis], std::min(first + BrickSlice::kSide + reach, cells.count[axis]));
-        }
-      }
+  for (const BrickSlice::Entry& entry : slice.entries()) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int first = entry.place[axis] * BrickSlice::kSide;
+      range.begin[axis] = std::min(range.begin[axis], first);
+      range.end[axis] =
+          std::max(range.end[axis], std::min(first + BrickSlice::kSide + reach, cells.count[axis]));
     }
   }
   return range;

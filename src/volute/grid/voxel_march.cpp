@@ -505,27 +505,51 @@ class Packet {
     return hn::Add(hn::Add(axes_[0].count, axes_[1].count), axes_[2].count);
   }
 
-  /// Where the values of each lane's brick begin (or -1); sets what the lane needs to know about
-  /// its brick.
+  /// Where the values of each lane's brick begin (or less than 0); sets what the lane needs to know
+  /// about its brick or, where nothing is stored, about the largest empty node around it.
   HWY_INLINE VI locate() {
-    VI entry = hn::Zero(di);
+    const VI one = hn::Set(di, 1);
+    VI cell[3];  // counted from the table's border
+    for (int axis = 0; axis < 3; ++axis)
+      cell[axis] = hn::Add(axes_[axis].cellNow(), hn::Set(di, BrickSlice::kSide));
+    const std::int32_t* table = grid_.table.entries().data();
+    const auto& stride = grid_.table.topStride();
+    int shift = 3 + BrickTable::kNodeBits * (grid_.table.levels() - 1);
+    VI entry = hn::ShiftRightSame(cell[0], shift);
+    for (int axis = 1; axis < 3; ++axis) {
+      entry = hn::Add(entry, hn::Mul(hn::ShiftRightSame(cell[axis], shift),
+                                     hn::Set(di, stride[static_cast<std::size_t>(axis)])));
+    }
+    VI number = hn::GatherIndex(di, table, entry);
+    VI last = hn::Set(di, (1 << shift) - 1);  // cell of the node, on each axis
+    while (shift > 3) {
+      shift -= BrickTable::kNodeBits;
+      const auto inner = hn::Gt(number, hn::Set(di, -1));
+      if (hn::AllFalse(di, inner))
+        break;
+      const auto part = [&](int axis) HWY_ATTR {
+        return hn::And(hn::ShiftRightSame(cell[axis], shift), hn::Set(di, 7));
+      };
+      const VI child =
+          hn::Or(hn::Or(hn::ShiftLeft<6>(part(2)), hn::ShiftLeft<3>(part(1))), part(0));
+      const VI below =
+          hn::GatherIndex(di, table, hn::IfThenElseZero(inner, hn::Add(number, child)));
+      number = hn::IfThenElse(inner, below, number);
+      last = hn::IfThenElse(inner, hn::Set(di, (1 << shift) - 1), last);
+    }
     inside_ = hn::Zero(di);
     for (int axis = 0; axis < 3; ++axis) {
       const Axis& a = axes_[axis];
-      const VI cell = a.cellNow();
-      const VI inBrick = hn::And(cell, hn::Set(di, 7));
-      const VI brick = hn::Add(hn::ShiftRight<3>(cell), hn::Set(di, 1));
-      entry = hn::Add(entry, hn::Mul(brick, hn::Set(di, grid_.tableStride[axis])));
-      inside_ = hn::Add(inside_, hn::Mul(inBrick, hn::Set(di, grid_.stride[axis])));
-      const VI planes =
-          hn::IfThenElse(hn::Gt(a.step, hn::Zero(di)), hn::Sub(hn::Set(di, 8), inBrick),
-                         hn::Add(inBrick, hn::Set(di, 1)));
+      const VI in = hn::And(cell[axis], last);
+      inside_ = hn::Add(inside_, hn::Mul(in, hn::Set(di, grid_.stride[axis])));
+      const VI planes = hn::IfThenElse(hn::Gt(a.step, hn::Zero(di)),
+                                       hn::Sub(hn::Add(last, one), in), hn::Add(in, one));
       toLeave_[axis] = hn::ConvertTo(df, planes);
       leaves_[axis] =
           MulThenAdd(hn::Add(a.count, hn::Sub(toLeave_[axis], Constant(1))), a.delta, a.first);
     }
     brickEnd_ = hn::Min(Least(leaves_[0], leaves_[1], leaves_[2]), end_);
-    return hn::GatherIndex(di, grid_.table.data(), entry);
+    return hn::Mul(number, hn::Set(di, grid_.brickStride));
   }
 
   /// Takes the lanes of `empty` to the end of their brick. A plane count that rounding makes wrong

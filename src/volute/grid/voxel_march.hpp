@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "volute/grid/brick_slice.hpp"
+#include "volute/grid/brick_table.hpp"
 #include "volute/grid/traversal.hpp"
 #include "volute/grid/voxel_medium.hpp"
 
@@ -16,21 +17,23 @@
 
 namespace volute {
 
-/// What the SIMD march reads: bricks of 8^3 cells in a table with a border of empty bricks, so that
-/// a ray that rounding carries past the last face still finds an entry.
+/// What the SIMD march reads: bricks of 8^3 cells in a table, whose border of empty bricks is for
+/// rays that rounding carries past the last face.
 ///
 /// Box: the values are the slice's own bricks, 8 a side. Trilinear: bricks are 9 a side, each with
 /// the voxels around all its cells, so that the eight corners of a cell are always in one brick.
-/// Channel c of the i-th voxel of a brick that begins at b is values[b + c * channelStride + i *
+/// Channel c of the i-th voxel of brick b is values[b * brickStride + c * channelStride + i *
 /// stride[0]].
 struct MarchGrid {
   std::shared_ptr<const BrickSlice> slice;
   bool trilinear = false;
   int channels = 1;
-  std::int32_t tableStride[3]{};    ///< in table entries, for a step of one brick on x, y, z
-  std::vector<std::int32_t> table;  ///< where the brick's values begin, or -1
+  BrickTable table;                       ///< the number of each brick
+  std::vector<BrickSlice::Entry> bricks;  ///< those of the table, in the order of isBefore()
+  std::int32_t stored = 0;                ///< numbers
   const float* values = nullptr;
-  std::vector<float> corners;  ///< the trilinear bricks
+  std::int32_t brickStride = 0;  ///< in values, from one number to the next
+  std::vector<float> corners;    ///< the trilinear bricks
   std::int32_t stride[3]{};  ///< in values, for a step of one cell on x, y, z; stride[0] is 1, but
                              ///< 2 where light lies beside extinction
   std::int32_t channelStride = 0;
@@ -56,9 +59,43 @@ float packLight(const Rgb& shares);
 constexpr double kPackedLevels[3] = {2047, 2047, 1023};  ///< the largest numbers that are packed
 Rgb unpackLight(float packed);
 
+/// @param shares  bricks with equal values may have one number
 std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
                                          const CellGrid& cells, double emissionScale,
-                                         double extinctionScale);
+                                         double extinctionScale, bool shares = true);
+
+/// Calls visit(cell, number of its brick, the first of its values, begin, end) for each cell of a
+/// brick that is stored on a segment, front to back.
+template <class Visit>
+void forMarchedCells(const MarchGrid& grid, const CellGrid& cells, const Segment& segment,
+                     Visit&& visit) {
+  constexpr int kSide = BrickSlice::kSide;
+  const CellGrid bricks{cells.origin, kSide * cells.cell, {}};
+  grid.table.walk(
+      bricks, segment, [&](const BrickPlace& place, std::int32_t number, double begin, double end) {
+        CellRange range;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          range.begin[axis] = place[axis] * kSide;
+          range.end[axis] = std::min(range.begin[axis] + kSide, cells.count[axis]);
+        }
+        const float* brick = grid.values + static_cast<std::ptrdiff_t>(number) * grid.brickStride;
+        traverseCells(cells, range, {segment.origin, segment.direction, begin, end},
+                      [&](const std::array<int, 3>& cell, double from, double to) {
+                        std::ptrdiff_t first = 0;
+                        for (std::size_t axis = 0; axis < 3; ++axis)
+                          first += (cell[axis] - range.begin[axis]) * grid.stride[axis];
+                        visit(cell, number, brick + first, from, to);
+                      });
+        return true;
+      });
+}
+
+/// One of the eight corners of a trilinear cell, from the first of its values.
+inline float cornerOf(const MarchGrid& grid, const float* first, int corner, int channel) {
+  std::ptrdiff_t at = static_cast<std::ptrdiff_t>(channel) * grid.channelStride;
+  for (int axis = 0; axis < 3; ++axis) at += (corner >> axis & 1) * grid.stride[axis];
+  return first[at];
+}
 
 /// out[i] is the light along segments[i] through the cells of `range`; adds to `counts`. The grid
 /// must fit.

@@ -37,12 +37,6 @@ VoxelMedium::VoxelMedium(std::shared_ptr<const BrickSlice> slice, double emissio
     march_ = makeMarchGrid(slice_, cells_, emissionScale, extinctionScale);
 }
 
-double VoxelMedium::meanOfChannels(int x, int y, int z) const {
-  double sum = 0;
-  for (int c = 0; c < slice_->channels(); ++c) sum += slice_->value(x, y, z, c);
-  return sum / slice_->channels();
-}
-
 double VoxelMedium::weightedValue(const Vec3& point, int channel) const {
   if (!bounds().contains(point))
     return 0;
@@ -82,22 +76,26 @@ void VoxelMedium::opticalDepth(std::span<const Segment> segments, std::span<doub
     std::ranges::fill(depths, 0);
     return;
   }
+  const int channels = slice_->channels();
   for (std::size_t s = 0; s < segments.size(); ++s) {
     double sum = 0;
-    traverseCells(cells_, occupied_, segments[s],
-                  [&](const std::array<int, 3>& cell, double begin, double end) {
-                    if (!trilinear()) {
-                      sum += (end - begin) * meanOfChannels(cell[0], cell[1], cell[2]);
-                      return;
-                    }
-                    const auto integrals =
-                        cornerIntegrals(InCell(cells_, cell, segments[s], begin, end), end - begin);
-                    for (int i = 0; i < 8; ++i) {
-                      const auto& [dx, dy, dz] = kCorners[i];
-                      sum +=
-                          integrals[i] * meanOfChannels(cell[0] + dx, cell[1] + dy, cell[2] + dz);
-                    }
-                  });
+    forMarchedCells(*march_, cells_, segments[s],
+                    [&](const std::array<int, 3>& cell, std::int32_t, const float* values,
+                        double begin, double end) {
+                      const auto mean = [&](int corner) {
+                        double all = 0;
+                        for (int c = 0; c < channels; ++c)
+                          all += cornerOf(*march_, values, corner, c);
+                        return all / channels;
+                      };
+                      if (!trilinear()) {
+                        sum += (end - begin) * mean(0);
+                        return;
+                      }
+                      const auto integrals = cornerIntegrals(
+                          InCell(cells_, cell, segments[s], begin, end), end - begin);
+                      for (int i = 0; i < 8; ++i) sum += integrals[i] * mean(i);
+                    });
     depths[s] = extinctionScale_ * sum;
   }
 }
@@ -110,29 +108,29 @@ void VoxelMedium::pieces(std::span<const Segment> segments,
   const int corners = trilinear() ? 8 : 1;
   for (std::size_t s = 0; s < segments.size(); ++s) {
     pieces[s].clear();
-    traverseCells(cells_, occupied_, segments[s],
-                  [&](const std::array<int, 3>& cell, double begin, double end) {
-                    Piece piece{begin, end, {}, {}, 0};
-                    bool empty = true;
-                    for (int c = 0; c < channels; ++c) {
-                      std::array<double, 8> values{};
-                      for (int i = 0; i < corners; ++i) {
-                        const auto& [dx, dy, dz] = kCorners[trilinear() ? i : 7];
-                        values[i] = slice_->value(cell[0] + dx, cell[1] + dy, cell[2] + dz, c);
-                        empty = empty && values[i] == 0;
+    forMarchedCells(*march_, cells_, segments[s],
+                    [&](const std::array<int, 3>& cell, std::int32_t, const float* first,
+                        double begin, double end) {
+                      Piece piece{begin, end, {}, {}, 0};
+                      bool empty = true;
+                      for (int c = 0; c < channels; ++c) {
+                        std::array<double, 8> values{};
+                        for (int i = 0; i < corners; ++i) {
+                          values[i] = cornerOf(*march_, first, i, c);
+                          empty = empty && values[i] == 0;
+                        }
+                        const Cubic cubic =
+                            trilinear()
+                                ? cornerCubic(InCell(cells_, cell, segments[s], begin, end), values)
+                                : Cubic{{values[0], 0, 0, 0}};
+                        piece.extinction += cubic * (extinctionScale_ / channels);
+                        piece.emission[c] = cubic * emissionScale_;
                       }
-                      const Cubic cubic =
-                          trilinear()
-                              ? cornerCubic(InCell(cells_, cell, segments[s], begin, end), values)
-                              : Cubic{{values[0], 0, 0, 0}};
-                      piece.extinction += cubic * (extinctionScale_ / channels);
-                      piece.emission[c] = cubic * emissionScale_;
-                    }
-                    if (channels == 1)
-                      piece.emission[1] = piece.emission[2] = piece.emission[0];
-                    if (!empty)
-                      pieces[s].push_back(piece);
-                  });
+                      if (channels == 1)
+                        piece.emission[1] = piece.emission[2] = piece.emission[0];
+                      if (!empty)
+                        pieces[s].push_back(piece);
+                    });
   }
 }
 

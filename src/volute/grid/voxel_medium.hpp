@@ -73,7 +73,6 @@ class VoxelMedium {
   bool trilinear() const { return slice_->basis() == Basis::kTrilinear; }
 
   double weightedValue(const Vec3& point, int channel) const;
-  double meanOfChannels(int x, int y, int z) const;
 
   std::shared_ptr<const BrickSlice> slice_;
   double emissionScale_;

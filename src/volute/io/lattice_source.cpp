@@ -293,10 +293,10 @@ class LatticeSource final : public RoundingSource {
                   "{}: grid '{}' has no active voxels in any of the {} frames; give --bounds",
                   where, grid, files_.size());
     }
-    VOLUTE_TRY(
-        checkSize(box, frames.front().channels, options_.maxMemory, where, options_.byLayers));
-    box_ = box;
     hasBricks_ = std::ranges::any_of(frames, [](const auto& frame) { return frame.bricks; });
+    VOLUTE_TRY(checkSize(box, frames.front().channels, options_.maxMemory, where,
+                         options_.byLayers || hasBricks_));
+    box_ = box;
     for (const LatticeFrame& frame : frames) memory_ = std::max(memory_, frame.memory);
     fillInfo(frames);
     return info_.validate(where);

@@ -596,11 +596,13 @@ class VdbReader final : public LatticeReader {
       frame.levelSet = entries[index].type == kLevelSet;
       frame.bricks = true;
       frame.memory = notedBrickBytes(grid);
-      if (const auto noted = notedBox(grid)) {
+      const auto noted = notedBox(grid);
+      if (noted)
         frame.box = *noted;
-      } else if (needBox) {
+      if ((!noted && needBox) || frame.memory == 0) {
         const auto tree = file.readTopology(index);
-        frame.box = toIndexBox(tree->evalActiveVoxelBoundingBox());
+        if (!noted)
+          frame.box = toIndexBox(tree->evalActiveVoxelBoundingBox());
         frame.memory = brickBytes(tree->baseTree().leafCount(), frame.channels);
       }
       return frame;

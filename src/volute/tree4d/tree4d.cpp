@@ -143,29 +143,21 @@ void Tree4d::extractFrame(int t, std::span<float> values) const {
 }
 
 BrickSlice Tree4d::extractSlice(int t, std::uint64_t* nodesVisited) const {
-  std::vector<std::int32_t> index(
-      static_cast<std::size_t>(data_.bricks[0]) * data_.bricks[1] * data_.bricks[2],
-      BrickSlice::kEmpty);
-  std::int32_t stored = 0;
-  std::size_t i = 0;
+  std::vector<BrickPlace> places;
   for (int bz = 0; bz < data_.bricks[0]; ++bz)
     for (int by = 0; by < data_.bricks[1]; ++by)
-      for (int bx = 0; bx < data_.bricks[2]; ++bx, ++i) {
+      for (int bx = 0; bx < data_.bricks[2]; ++bx) {
         if (data_.isOccupied(t, bz * BrickSlice::kSide, by * BrickSlice::kSide,
                              bx * BrickSlice::kSide))
-          index[i] = stored++;
+          places.push_back({bx, by, bz});
       }
-  const std::size_t brickValues = static_cast<std::size_t>(BrickSlice::kVoxels) * data_.channels;
-  std::vector<float> bricks(stored * brickValues);
+  BrickSlice slice(info_, places);
   const int side = 1 << data_.entryLevels;
   const std::uint64_t visited =
       forEachBlockOf(data_, t, [&](int z, int y, int x, const float* block) {
         forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
           const std::int32_t at =
-              index[(static_cast<std::size_t>(bz / BrickSlice::kSide) * data_.bricks[1] +
-                     by / BrickSlice::kSide) *
-                        data_.bricks[2] +
-                    bx / BrickSlice::kSide];
+              slice.brickAt(bx / BrickSlice::kSide, by / BrickSlice::kSide, bz / BrickSlice::kSide);
           if (at == BrickSlice::kEmpty)
             return;
           for (int c = 0; c < data_.channels; ++c) {
@@ -173,16 +165,13 @@ BrickSlice Tree4d::extractSlice(int t, std::uint64_t* nodesVisited) const {
             brick.toStep = 1;
             brick.toRow = BrickSlice::kSide;
             brick.toPlane = BrickSlice::kSide * BrickSlice::kSide;
-            brick.to =
-                &bricks[at * brickValues + static_cast<std::size_t>(c) * BrickSlice::kVoxels];
+            brick.to = slice.brick(at) + static_cast<std::ptrdiff_t>(c) * BrickSlice::kVoxels;
             copyValues(data_, brick);
           }
         });
       });
   if (nodesVisited != nullptr)
     *nodesVisited += visited;
-  BrickSlice slice(info_);
-  slice.assign(std::move(index), std::move(bricks));
   return slice;
 }
 

@@ -6,9 +6,13 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <iterator>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "volute/base/parallel.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
 #include "volute/optics/black_body.hpp"
 
@@ -17,18 +21,62 @@ namespace {
 
 constexpr double kRounding = 1e-12;
 
+Status refuseValue(const std::string& path, const VolumeInfo& info, int position,
+                   const VoxelIndex& voxel, float value) {
+  return fail(ErrorCode::kInvalidData,
+              "{}: frame {}: voxel x {}, y {}, z {} is {}; expected finite values", path,
+              info.frameText(position), voxel[0], voxel[1], voxel[2], value);
+}
+
 Status checkFinite(std::span<const float> frame, const VolumeInfo& info, const std::string& path,
                    int position) {
   for (std::size_t i = 0; i < frame.size(); ++i) {
     if (std::isfinite(frame[i]))
       continue;
-    const std::size_t voxel = i / info.channels;
-    return fail(ErrorCode::kInvalidData,
-                "{}: frame {}: voxel x {}, y {}, z {} is {}; expected finite values", path,
-                info.frameText(position), voxel % info.x, voxel / info.x % info.y,
-                voxel / info.x / info.y, frame[i]);
+    const auto voxel = static_cast<std::int64_t>(i / info.channels);
+    return refuseValue(path, info, position,
+                       {voxel % info.x, voxel / info.x % info.y, voxel / info.x / info.y},
+                       frame[i]);
   }
   return {};
+}
+
+Status checkFinite(const Bricks& bricks, const VolumeInfo& info, const std::string& path,
+                   int position) {
+  for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+    const auto values = bricks.values(i);
+    const auto bad = std::ranges::find_if_not(values, [](float v) { return std::isfinite(v); });
+    if (bad == values.end())
+      continue;
+    VoxelIndex voxel = bricks.leaves()[i].origin;
+    const auto at = (bad - values.begin()) % Bricks::kVoxels;
+    voxel[0] += at % 8, voxel[1] += at / 8 % 8, voxel[2] += at / 64;
+    return refuseValue(path, info, position, voxel, *bad);
+  }
+  for (const Bricks::Tile& tile : bricks.tiles()) {
+    for (int c = 0; c < info.channels; ++c) {
+      const float value = tile.value[static_cast<std::size_t>(c)];
+      if (!std::isfinite(value))
+        return refuseValue(path, info, position, tile.origin, value);
+    }
+  }
+  return {};
+}
+
+/// Of a level set what is inside, with an edge of one voxel.
+Bricks insideOf(const Bricks& distances, double voxel) {
+  const auto inside = [&](float value) {
+    return static_cast<float>(std::clamp(0.5 - value / voxel, 0.0, 1.0));
+  };
+  Bricks all(1, {inside(distances.background()[0]), 0, 0});
+  all.reserve(distances.leaves().size(), distances.tiles().size());
+  for (Bricks::Tile tile : distances.tiles()) {
+    tile.value[0] = inside(tile.value[0]);
+    all.addTile(tile);
+  }
+  for (std::size_t i = 0; i < distances.leaves().size(); ++i)
+    std::ranges::transform(distances.values(i), all.addLeaf(distances.leaves()[i]).begin(), inside);
+  return all;
 }
 
 Box3 scaled(const Box3& box, const Vec3& scale, const Vec3& offset) {
@@ -140,7 +188,11 @@ void VolumeLayer::setAppearance(const Appearance& appearance) {
 }
 
 Box3 VolumeLayer::boundsInScene() const {
-  const Box3& box = info_.bounds;
+  Box3 box = info_.bounds;
+  if (content_) {
+    box = {info_.bounds.min + content_->min.cwiseProduct(info_.bounds.size()),
+           info_.bounds.min + content_->max.cwiseProduct(info_.bounds.size())};
+  }
   Box3 turned;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 at((corner & 1 ? box.max : box.min).x(), (corner & 2 ? box.max : box.min).y(),
@@ -153,7 +205,7 @@ Box3 VolumeLayer::boundsInScene() const {
 Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOptions& options,
                                       const Appearance& appearance, Reading& reading) {
   VOLUTE_ASSIGN(auto input, openVolume(path, options, reading));
-  const std::uint64_t bytes = 8ull * input.source->info().frameValues();  // dense and as bricks
+  const std::uint64_t bytes = 2 * input.source->brickBytes();  // as they are read, and to be drawn
   if (bytes > reading.maxMemory) {
     return fail(
         ErrorCode::kTooLarge,
@@ -166,9 +218,76 @@ Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOption
   layer.path_ = path;
   layer.options_ = options;
   layer.progress_ = &reading.progress;
+  layer.maxMemory_ = reading.maxMemory;
   VOLUTE_TRY(layer.chooseInterpolation(reading.progress));
   VOLUTE_TRY(layer.openOthers(reading));
+  VOLUTE_TRY(layer.findContent(reading.progress));
   return layer;
+}
+
+Status VolumeLayer::findContent(Progress& progress) {
+  constexpr std::uint64_t kSparse = 64;  // a box of so many times what is in it may have strays
+  constexpr double kRest = 1e-3;
+  FrameSource& source = *input_->source;
+  if (!source.hasTopology() || kSparse * source.brickBytes() > 4 * source.info().frameValues())
+    return {};
+  std::array<std::map<std::int64_t, double>, 3> slabs;  // what is in each layer of leaves
+  double all = 0;
+  const auto add = [&](const VoxelIndex& origin, double amount) {
+    for (std::size_t axis = 0; axis < 3; ++axis) slabs[axis][origin[axis]] += amount;
+    all += amount;
+  };
+  for (const int frame : std::set{0, info_.frames / 2, info_.frames - 1}) {
+    Bricks bricks;
+    VOLUTE_TRY(source.readBricks(frame, bricks));
+    for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+      double sum = 0;
+      for (const float value : bricks.values(i)) sum += std::isfinite(value) ? std::abs(value) : 0;
+      add(bricks.leaves()[i].origin, sum);
+    }
+    if (!bricks.tiles().empty())
+      return {};  // large things
+  }
+  if (!(all > 0))
+    return {};
+  const int size[3] = {info_.x, info_.y, info_.z};
+  Box3 content;
+  bool smaller = false;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    auto first = slabs[axis].begin(), last = std::prev(slabs[axis].end());
+    const double most = kRest / 6 * all;  // at each of six ends
+    for (double rest = first->second; rest <= most; rest += first->second) ++first;
+    for (double rest = last->second; rest <= most; rest += last->second) --last;
+    const auto at = static_cast<Eigen::Index>(axis);
+    content.min[at] = std::max(static_cast<double>(first->first) / size[axis], 0.0);
+    content.max[at] = std::min(static_cast<double>(last->first + Bricks::kSide) / size[axis], 1.0);
+    smaller = smaller || content.max[at] - content.min[at] < 0.5;
+  }
+  // Of what is together, the border of faint voxels is seen as well.
+  const auto ends = [&](std::size_t axis) {
+    return std::pair{slabs[axis].begin()->first, std::prev(slabs[axis].end())->first};
+  };
+  bool cut = false;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto at = static_cast<Eigen::Index>(axis);
+    const auto [low, high] = ends(axis);
+    cut = cut || static_cast<double>(low + Bricks::kSide) / size[axis] < content.min[at] ||
+          static_cast<double>(high) / size[axis] > content.max[at];
+  }
+  if (!smaller || !cut)
+    return {};
+  content_ = content;
+  const Box3& whole = fileBounds();
+  const Vec3 low = whole.min + content.min.cwiseProduct(whole.size()),
+             high = whole.min + content.max.cwiseProduct(whole.size());
+  progress.remark(fmt::format(
+      "{}: 99.9 % of '{}' lie between {:.4g}, {:.4g}, {:.4g} and {:.4g}, {:.4g}, {:.4g} m, which "
+      "is "
+      "what is looked at; the rest is as far as {:.4g}, {:.4g}, {:.4g} and {:.4g}, {:.4g}, {:.4g} "
+      "m",
+      path_, info_.name, low.x(), low.y(), low.z(), high.x(), high.y(), high.z(), whole.min.x(),
+      whole.min.y(), whole.min.z(), whole.max.x(), whole.max.y(), whole.max.z()));
+  return {};
 }
 
 Status VolumeLayer::chooseInterpolation(Progress& progress) {
@@ -268,19 +387,23 @@ Status VolumeLayer::openOthers(Reading& reading) {
     reached.extend(info.bounds.min), reached.extend(info.bounds.max);
   }
   const VolumeInfo wide = widenedTo(input_->source->info(), options_.bounds ? box : reached);
-  if (8 * wide.frameValues() > reading.maxMemory) {
-    return fail(
-        ErrorCode::kTooLarge,
-        "{}: all that its grids reach takes {} x {} x {} voxels of '{}', more than the {} MiB "
-        "allowed; raise --max-memory",
-        path_, wide.x, wide.y, wide.z, wide.name, reading.maxMemory >> 20);
-  }
+  const auto checkDense = [&](const FrameSource& source) -> Status {
+    if ((onOneLattice(source.info(), wide) && source.hasTopology()) ||
+        8 * wide.frameValues() <= reading.maxMemory)
+      return {};
+    return fail(ErrorCode::kTooLarge,
+                "{}: all that its grids reach takes {} x {} x {} voxels of '{}', and '{}' as an "
+                "array of those needs {} MiB, more than the {} MiB allowed",
+                path_, wide.x, wide.y, wide.z, wide.name, source.info().name,
+                (wide.frameValues() >> 17) + 1, reading.maxMemory >> 20);
+  };
   const auto sameVoxels = [&](const VolumeInfo& info) {
     return info.x == wide.x && info.y == wide.y && info.z == wide.z && onOneLattice(info, wide);
   };
   for (auto& [name, input] : others_) {
     if (!input || sameVoxels(input->source->info()))
       continue;
+    VOLUTE_TRY(checkDense(*input->source));
     if (!onOneLattice(input->source->info(), wide)) {
       reading.progress.remark(
           fmt::format("{}: '{}' has other voxels than '{}' and is interpolated on those", path_,
@@ -290,6 +413,7 @@ Status VolumeLayer::openOthers(Reading& reading) {
     input->reader = nullptr;  // its blocks are of other voxels
   }
   if (!sameVoxels(input_->source->info())) {
+    VOLUTE_TRY(checkDense(*input_->source));
     input_->source = fitTo(std::move(input_->source), wide);
     input_->reader = nullptr;
     info_.x = wide.x, info_.y = wide.y, info_.z = wide.z;
@@ -300,51 +424,76 @@ Status VolumeLayer::openOthers(Reading& reading) {
   return {};
 }
 
-/// A grid of a frame; zeros where there is none.
-Status VolumeLayer::readInto(FrameSource& source, int position, std::vector<float>& values) {
-  values.resize(source.info().frameValues());
-  VOLUTE_TRY(source.readFrame(position, values));
-  VOLUTE_TRY(checkFinite(values, source.info(), path_, position));
-  // Of a level set what is inside, with an edge of one voxel.
-  if (source.info().levelSet) {
-    const double voxel = source.info().voxelSize().minCoeff();
-    for (float& value : values)
-      value = static_cast<float>(std::clamp(0.5 - value / voxel, 0.0, 1.0));
+Result<BrickSlice> VolumeLayer::readSlice(FrameSource& source, int position) {
+  VolumeInfo info = info_;
+  info.channels = source.info().channels;
+  const auto fromDense = [&](std::span<const float> values) -> Result<BrickSlice> {
+    VOLUTE_TRY(checkFinite(values, source.info(), path_, position));
+    return BrickSlice::fromDense(info, values);
+  };
+  if (!source.info().levelSet && !source.hasTopology()) {
+    std::vector<float>& values = input_->frame;
+    values.resize(source.info().frameValues());
+    VOLUTE_TRY(source.readFrame(position, values));
+    return fromDense(values);
   }
-  return {};
+  Bricks bricks;
+  VOLUTE_TRY(source.readBricks(position, bricks));
+  VOLUTE_TRY(checkFinite(bricks, source.info(), path_, position));
+  if (source.info().levelSet)
+    bricks = insideOf(bricks, source.info().voxelSize().minCoeff());
+  const auto tooLarge = [&](std::string_view what, std::uint64_t bytes) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: frame {}: {} of '{}' need {} MiB of memory, more than the {} MiB allowed",
+                path_, info.frameText(position), what, source.info().name, (bytes >> 20) + 1,
+                maxMemory_ >> 20);
+  };
+  if (bricks.background() != std::array<float, 3>{}) {
+    // Something everywhere.
+    if (const std::uint64_t bytes = 8ull * info.frameValues(); bytes > maxMemory_) {
+      return tooLarge(
+          fmt::format("{} x {} x {} voxels, whose background is not 0,", info.x, info.y, info.z),
+          bytes);
+    }
+    std::vector<float> values(info.frameValues());
+    bricks.toDense({{0, 0, 0}, {info.x, info.y, info.z}}, values);
+    return fromDense(values);
+  }
+  constexpr std::uint64_t kPerEntry = 64;  // in tables and lists
+  const std::uint64_t tiles = kPerEntry * BrickSlice::entriesOfTiles(info, bricks);
+  if (tiles > maxMemory_)
+    return tooLarge("the tiles", tiles);
+  return BrickSlice::fromBricks(info, bricks);
 }
 
-Result<std::shared_ptr<const std::vector<float>>> VolumeLayer::frameOf(FrameSource& source,
-                                                                       int position) {
+Result<VolumeLayer::Slice> VolumeLayer::frameOf(FrameSource& source, int position) {
   for (const KeptFrame& kept : kept_) {
     if (kept.source == &source && kept.position == position)
-      return kept.values;
+      return kept.slice;
   }
-  auto values = std::make_shared<std::vector<float>>();
-  VOLUTE_TRY(readInto(source, position, *values));
+  VOLUTE_ASSIGN(auto read, readSlice(source, position));
+  auto slice = std::make_shared<const BrickSlice>(std::move(read));
   std::erase_if(kept_,
                 [&](const KeptFrame& kept) { return std::abs(kept.position - position) > 1; });
-  kept_.push_back({&source, position, values});
-  return values;
+  kept_.push_back({&source, position, slice});
+  return slice;
 }
 
-/// Shape (z, y, x, 3); 0 where a frame has none.
-Result<std::vector<float>> VolumeLayer::velocitiesOf(int position) {
-  std::vector<float> all(3 * info_.voxels(), 0);
-  for (std::size_t part = 0; part < velocities_.size(); ++part) {
-    const std::string& name = velocities_[part];
+/// None where a frame has none.
+Result<Velocities> VolumeLayer::velocitiesOf(int position) {
+  Velocities all;
+  for (const std::string& name : velocities_) {
+    all.emplace_back();
     const bool main = name == input_->source->info().name;
     if (!main && !others_.at(name))
       continue;
-    VOLUTE_ASSIGN(const auto values,
+    VOLUTE_ASSIGN(all.back(),
                   frameOf(main ? *input_->source : *others_.at(name)->source, position));
-    const std::size_t channels = values->size() / info_.voxels();
-    if (channels != (velocities_.size() == 1 ? 3U : 1U)) {
+    const int channels = all.back()->channels();
+    if (channels != (velocities_.size() == 1 ? 3 : 1)) {
       return fail(ErrorCode::kInvalidData, "{}: the grid of velocities '{}' has {} channel{}",
                   path_, name, channels, channels == 1 ? "; expected 3" : "s; expected 1");
     }
-    for (std::size_t i = 0; i < values->size(); ++i)
-      all[channels == 3 ? i : 3 * i + part] = (*values)[i];
   }
   return all;
 }
@@ -367,44 +516,62 @@ Result<std::shared_ptr<const VoxelPaths>> VolumeLayer::pathsAt(double moment) {
   return paths_;
 }
 
-Status VolumeLayer::readAt(FrameSource& source, double moment, std::vector<float>& values) {
+Result<VolumeLayer::Slice> VolumeLayer::readAt(FrameSource& source, double moment) {
   const int position = static_cast<int>(moment);
-  if (!interpolates())
-    return readInto(source, position, values);
-  VOLUTE_ASSIGN(const auto before, frameOf(source, position));
-  if (moment == position) {
-    values = *before;
-    return {};
+  if (!interpolates()) {
+    VOLUTE_ASSIGN(auto slice, readSlice(source, position));
+    return std::make_shared<const BrickSlice>(std::move(slice));
   }
+  VOLUTE_ASSIGN(const auto before, frameOf(source, position));
+  if (moment == position)
+    return before;
   VOLUTE_ASSIGN(const auto after, frameOf(source, position + 1));
   VOLUTE_ASSIGN(const auto paths, pathsAt(moment));
-  values.resize(before->size());
-  blendFrames(source.info(), *before, *after, moment - position, paths.get(), values);
-  return {};
+  VolumeInfo info = info_;
+  info.channels = before->channels();
+  return std::make_shared<const BrickSlice>(
+      blendFrames(info, *before, *after, moment - position, paths.get()));
+}
+
+Result<std::vector<BrickPlace>> VolumeLayer::allBricks(const std::string& why) const {
+  const BrickSlice shape(info_);
+  const std::uint64_t bytes = 16ull * info_.frameValues();
+  if (bytes > maxMemory_) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: {} in all {} x {} x {} voxels, which need {} MiB of memory, more than the {} "
+                "MiB allowed",
+                path_, why, info_.x, info_.y, info_.z, (bytes >> 20) + 1, maxMemory_ >> 20);
+  }
+  std::vector<BrickPlace> places;
+  for (int z = 0; z < shape.bricksZ(); ++z)
+    for (int y = 0; y < shape.bricksY(); ++y)
+      for (int x = 0; x < shape.bricksX(); ++x) places.push_back({x, y, z});
+  return places;
 }
 
 Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double moment) {
   if (moment == shadedMoment_)
     return shadedSlice_;
-  const std::size_t voxels = info_.voxels();
   const int channels = info_.channels;
-  std::vector<float> main;
-  VOLUTE_TRY(readAt(*input_->source, moment, main));
-  const auto grid = [&](const std::string& name) -> Result<std::vector<float>> {
+  VOLUTE_ASSIGN(const Slice main, readAt(*input_->source, moment));
+  const auto grid = [&](const std::string& name) -> Result<Slice> {
     if (name.empty())
-      return std::vector<float>();
-    std::vector<float> values;
+      return Slice();
+    Slice slice;
     if (name == input_->source->info().name) {
-      values = main;
+      slice = main;
     } else if (const auto& other = others_.at(name)) {
-      VOLUTE_TRY(readAt(*other->source, moment, values));
+      VOLUTE_ASSIGN(slice, readAt(*other->source, moment));
+    } else {
+      VolumeInfo empty = info_;
+      empty.channels = 1;
+      slice = std::make_shared<const BrickSlice>(empty);
     }
-    if (values.size() > voxels) {
+    if (slice->channels() != 1) {
       return fail(ErrorCode::kInvalidData, "{}: grid '{}' has three channels; expected one", path_,
                   name);
     }
-    values.resize(voxels, 0);
-    return values;
+    return slice;
   };
   const auto flames = appearance_.flames;
   const bool emits = flames || appearance_.emission != 0;
@@ -412,8 +579,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double mome
   info.channels = emits ? 4 : 1;
   if (info.basis == Basis::kBox)
     info.basis = Basis::kTrilinear;
-  std::vector<float> values(voxels * static_cast<std::size_t>(info.channels), 0);
-  std::vector<float> burns, hot;
+  Slice burns, hot;
   if (flames) {
     VOLUTE_ASSIGN(burns, grid(flames->field));
     VOLUTE_ASSIGN(hot, grid(flames->temperature));
@@ -425,44 +591,72 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double mome
   const bool mainGlows = appearance_.emission != 0 &&
                          !(flames && (flames->field == input_->source->info().name ||
                                       flames->temperature == input_->source->info().name));
-  parallelRanges(voxels, 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      float* out = &values[i * static_cast<std::size_t>(info.channels)];
-      float sum = 0;
-      for (int c = 0; c < channels; ++c) sum += main[i * static_cast<std::size_t>(channels) + c];
-      out[0] = std::max(0.0F, scale * sum);
-      if (!emits)
-        continue;
-      for (int c = 0; c < 3 && mainGlows; ++c)
-        out[1 + c] = glow * main[i * static_cast<std::size_t>(channels) + (channels == 3 ? c : 0)];
-      if (flames)
-        bodies.add(burns.empty() ? 1 : burns[i], hot.empty() ? nullptr : &hot[i], out + 1);
+  std::vector<BrickPlace> places = placesOf(std::array{main, burns, hot});
+  if (flames) {
+    float dark[3]{};
+    const float cold = 0;
+    bodies.add(burns ? 0 : 1, hot ? &cold : nullptr, dark);
+    if (dark[0] > 0 || dark[1] > 0 || dark[2] > 0) {
+      VOLUTE_ASSIGN(places, allBricks("its flames glow where its grids are 0, which is"));
+    }
+  }
+  BrickSlice slice(info, places);
+  static const std::vector<float> kZeros(std::size_t{3} * BrickSlice::kVoxels, 0);
+  const auto valuesOf = [](const Slice& of, const BrickPlace& place) -> const float* {
+    if (!of)
+      return nullptr;
+    const std::int32_t stored = of->table().at(place);
+    return stored == BrickSlice::kEmpty ? kZeros.data() : of->brick(stored);
+  };
+  parallelRanges(places.size(), 8, [&](std::size_t begin, std::size_t end) {
+    constexpr int kVoxels = BrickSlice::kVoxels, kSide = BrickSlice::kSide;
+    for (std::size_t b = begin; b < end; ++b) {
+      const float* mains = valuesOf(main, places[b]);
+      const float* burning = valuesOf(burns, places[b]);
+      const float* heat = valuesOf(hot, places[b]);
+      float* out = slice.brick(static_cast<std::int32_t>(b));
+      const BrickPlace first{places[b][0] * kSide, places[b][1] * kSide, places[b][2] * kSide};
+      for (int i = 0; i < kVoxels; ++i, ++out) {
+        if (first[0] + i % kSide >= info.x || first[1] + i / kSide % kSide >= info.y ||
+            first[2] + i / kSide / kSide >= info.z)
+          continue;
+        float sum = 0;
+        for (int c = 0; c < channels; ++c) sum += mains[c * kVoxels + i];
+        out[0] = std::max(0.0F, scale * sum);
+        if (!emits)
+          continue;
+        float sent[3]{};
+        for (int c = 0; c < 3 && mainGlows; ++c)
+          sent[c] = glow * mains[(channels == 3 ? c : 0) * kVoxels + i];
+        if (flames)
+          bodies.add(burning ? burning[i] : 1, heat ? &heat[i] : nullptr, sent);
+        for (int c = 0; c < 3; ++c) out[(1 + c) * kVoxels] = sent[c];
+      }
     }
   });
-  shadedSlice_ = std::make_shared<const BrickSlice>(BrickSlice::fromDense(info, values));
+  slice.dropEmpty();
+  shadedSlice_ = std::make_shared<const BrickSlice>(std::move(slice));
   shadedMoment_ = moment;
   return shadedSlice_;
 }
 
 Result<std::vector<Rgb>> VolumeLayer::colorsAt(double moment, std::span<const Vec3> points) {
   const std::string& name = appearance_.colors;
-  std::vector<float> planes[3];
-  std::size_t stride = 1;
+  Slice planes[3];
   const auto whole = others_.find(name), red = others_.find(name + "_r");
   if (name.empty() || (whole == others_.end() && red == others_.end()))
     return std::vector<Rgb>();
   if (whole != others_.end()) {
     if (!whole->second)
       return std::vector<Rgb>();
-    stride = static_cast<std::size_t>(whole->second->source->info().channels);
-    VOLUTE_TRY(readAt(*whole->second->source, moment, planes[0]));
+    VOLUTE_ASSIGN(planes[0], readAt(*whole->second->source, moment));
   } else {
     constexpr const char* kEnds[] = {"_r", "_g", "_b"};
     for (int c = 0; c < 3; ++c) {
       const auto& input = others_.at(name + kEnds[c]);
       if (!input)
         return std::vector<Rgb>();
-      VOLUTE_TRY(readAt(*input->source, moment, planes[c]));
+      VOLUTE_ASSIGN(planes[c], readAt(*input->source, moment));
     }
   }
   // Colours may be of the smoke or times its density: the brightest channel of each is 1.
@@ -471,16 +665,13 @@ Result<std::vector<Rgb>> VolumeLayer::colorsAt(double moment, std::span<const Ve
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 place = (points[i] - info_.bounds.min).cwiseQuotient(voxel);
     const int size[3] = {info_.x, info_.y, info_.z};
-    std::size_t at = 0;
-    for (int axis = 2; axis >= 0; --axis) {
-      const int index = std::clamp(static_cast<int>(std::floor(place[axis])), 0, size[axis] - 1);
-      at = at * static_cast<std::size_t>(size[axis]) + static_cast<std::size_t>(index);
-    }
+    int at[3];
+    for (int axis = 0; axis < 3; ++axis)
+      at[axis] = std::clamp(static_cast<int>(std::floor(place[axis])), 0, size[axis] - 1);
     Rgb color;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float value =
-          planes[1].empty() ? planes[0][at * stride + (stride == 3 ? c : 0)] : planes[c][at];
-      color[static_cast<Eigen::Index>(c)] = std::max(value, 0.0F);
+    for (int c = 0; c < 3; ++c) {
+      const Slice& plane = planes[1] ? planes[c] : planes[0];
+      color[c] = std::max(plane->value(at[0], at[1], at[2], plane->channels() == 3 ? c : 0), 0.0F);
     }
     if (color.maxCoeff() > 0)
       colors[i] = color / color.maxCoeff();
@@ -523,18 +714,19 @@ BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info) {
   return slice;
 }
 
-Result<BrickSlice> VolumeLayer::sliceFromFrame(double moment) {
-  std::vector<float>& frame = input_->frame;
-  VOLUTE_TRY(readAt(*input_->source, moment, frame));
-  return BrickSlice::fromDense(info_, frame);
-}
-
 Result<std::shared_ptr<const BrickSlice>> VolumeLayer::sliceAt(double moment, bool tree) {
   if (moment == moment_ && tree == fromTree_)
     return slice_;
-  VOLUTE_ASSIGN(auto slice,
-                tree ? sliceFromTree(static_cast<int>(moment)) : sliceFromFrame(moment));
-  slice_ = std::make_shared<const BrickSlice>(std::move(slice));
+  if (tree) {
+    VOLUTE_ASSIGN(auto slice, sliceFromTree(static_cast<int>(moment)));
+    slice_ = std::make_shared<const BrickSlice>(std::move(slice));
+  } else {
+    VOLUTE_ASSIGN(slice_, readAt(*input_->source, moment));
+    // One that was kept may have been read for another place.
+    if (slice_->basis() != info_.basis || slice_->bounds().min != info_.bounds.min ||
+        slice_->bounds().max != info_.bounds.max)
+      slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, info_));
+  }
   moment_ = moment;
   fromTree_ = tree;
   return slice_;

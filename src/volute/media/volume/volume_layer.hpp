@@ -106,7 +106,8 @@ class VolumeLayer {
   /// The same with its up axis upwards, as the placement finds it [m].
   Box3 uprightBounds() const;
 
-  /// What it takes in the scene [m].
+  /// What it takes in the scene [m]; where that is much more than what nearly all of it is in, the
+  /// latter.
   Box3 boundsInScene() const;
 
   /// It looks otherwise from now on, or is elsewhere, or at another time: nothing is read again for
@@ -168,23 +169,29 @@ class VolumeLayer {
  private:
   VolumeLayer(VolumeInput input, const Appearance& appearance);
 
+  /// Looks for what holds nearly all where something may be far away from it.
+  [[nodiscard]] Status findContent(Progress& progress);
+
   /// Opens the other grids that the appearance names, so that all have the same voxels.
   [[nodiscard]] Status openOthers(Reading& reading);
-  [[nodiscard]] Status readInto(FrameSource& source, int position, std::vector<float>& values);
+  using Slice = std::shared_ptr<const BrickSlice>;
+
+  /// A grid of a frame, as the layer's info says.
+  [[nodiscard]] Result<BrickSlice> readSlice(FrameSource& source, int position);
   /// The same at a moment.
-  [[nodiscard]] Status readAt(FrameSource& source, double moment, std::vector<float>& values);
+  [[nodiscard]] Result<Slice> readAt(FrameSource& source, double moment);
+  /// All bricks of the volume; kTooLarge where they are too many.
+  [[nodiscard]] Result<std::vector<BrickPlace>> allBricks(const std::string& why) const;
 
   /// Finds out what interpolation is possible, and remarks on it.
   [[nodiscard]] Status chooseInterpolation(Progress& progress);
   /// A stored frame; those around the last moment are kept.
-  [[nodiscard]] Result<std::shared_ptr<const std::vector<float>>> frameOf(FrameSource& source,
-                                                                          int position);
+  [[nodiscard]] Result<Slice> frameOf(FrameSource& source, int position);
   /// Null where frames go over into each other in place.
   [[nodiscard]] Result<std::shared_ptr<const VoxelPaths>> pathsAt(double moment);
-  [[nodiscard]] Result<std::vector<float>> velocitiesOf(int position);
+  [[nodiscard]] Result<Velocities> velocitiesOf(int position);
 
   [[nodiscard]] Result<BrickSlice> sliceFromTree(int position);
-  [[nodiscard]] Result<BrickSlice> sliceFromFrame(double moment);
 
   /// A tree holds one row of blocks: a still reads no more, and a film of any length needs its
   /// memory.
@@ -199,10 +206,12 @@ class VolumeLayer {
   Appearance appearance_;
   Placement placement_;  ///< what info_.bounds leave to do
   VolumeInfo info_;
+  std::optional<Box3> content_;  ///< what holds nearly all, in shares of the bounds
   std::shared_ptr<const Tree4d> tree_;
   int treeBegin_ = 0;
   TreeCounts counts_;
   Progress* progress_ = nullptr;
+  std::uint64_t maxMemory_ = 0;
   double moment_ = -1;
   bool fromTree_ = false;  ///< slice_ is
   std::shared_ptr<const BrickSlice> slice_;
@@ -214,7 +223,7 @@ class VolumeLayer {
   struct KeptFrame {
     const FrameSource* source;
     int position;
-    std::shared_ptr<const std::vector<float>> values;
+    std::shared_ptr<const BrickSlice> slice;
   };
 
   Interpolation interpolation_ = Interpolation::kNone;  ///< that is done

@@ -59,14 +59,14 @@ class CoarseLattice {
         origin_(slice.bounds().min - 0.5 * voxel_),
         // Points reach one voxel beyond the volume; cells need the node behind them.
         count_{slice.x() / kCoarse + 3, slice.y() / kCoarse + 3, slice.z() / kCoarse + 3},
-        node_(static_cast<std::size_t>(count_[0]) * count_[1] * count_[2], -1) {
+        node_(count_, points.size()) {
     for (const Vec3& point : points) {
       const auto [cell, place] = find(point);
       for (int i = 0; i < 8; ++i) {
-        std::int32_t& node = node_[index(cell, i)];
-        if (node >= 0)
+        const BrickPlace node{cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)};
+        if (node_.at(node) >= 0)
           continue;
-        node = static_cast<std::int32_t>(nodes.size());
+        node_.set(node, static_cast<std::int32_t>(nodes.size()));
         const Vec3 at(cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2));
         nodes.push_back(origin_ + kCoarse * voxel_.cwiseProduct(at));
       }
@@ -79,7 +79,8 @@ class CoarseLattice {
     for (int i = 0; i < 8; ++i) {
       double share = 1;
       for (int axis = 0; axis < 3; ++axis) share *= (i >> axis & 1) ? place[axis] : 1 - place[axis];
-      sum += share * values[static_cast<std::size_t>(node_[index(cell, i)])];
+      sum += share * values[static_cast<std::size_t>(
+                         node_.at(cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)))];
     }
     return sum;
   }
@@ -101,15 +102,9 @@ class CoarseLattice {
     return {cell, rest};
   }
 
-  std::size_t index(const std::array<int, 3>& cell, int corner) const {
-    const int x = cell[0] + (corner & 1), y = cell[1] + (corner >> 1 & 1),
-              z = cell[2] + (corner >> 2);
-    return (static_cast<std::size_t>(z) * count_[1] + y) * count_[0] + x;
-  }
-
   Vec3 voxel_, origin_;
   std::array<int, 3> count_;
-  std::vector<std::int32_t> node_;
+  BrickTable node_;  // numbers of nodes
 };
 
 }  // namespace
@@ -150,14 +145,12 @@ struct Glow {
   }
 };
 
-Glow glowOf(const BrickSlice& slice, int bx, int by, int bz, const Vec3& voxel) {
+Glow glowOf(const BrickSlice& slice, const BrickSlice::Entry& entry, const Vec3& voxel) {
   Glow glow;
-  const std::int32_t stored = slice.brickAt(bx, by, bz);
-  if (stored == BrickSlice::kEmpty)
-    return glow;
+  const auto [bx, by, bz] = entry.place;
   const int channels = slice.channels(), first = channels == 4 ? 1 : 0;
   const int step = channels == 1 ? 0 : BrickSlice::kVoxels;  // grey: one for all three
-  const float* values = slice.brick(stored) + first * BrickSlice::kVoxels;
+  const float* values = slice.brick(entry.stored) + first * BrickSlice::kVoxels;
   for (int i = 0; i < BrickSlice::kVoxels; ++i) {
     const Rgb sent = Rgb(values[i], values[i + step], values[i + 2 * step]).max(0);
     if (!(sent.sum() > 0))
@@ -173,14 +166,10 @@ Glow glowOf(const BrickSlice& slice, int bx, int by, int bz, const Vec3& voxel) 
 std::vector<Lamp> VolumeLight::lampsOf(const BrickSlice& slice, double scale, std::size_t most) {
   const Vec3 voxel = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
   std::map<std::array<int, 3>, Glow> glows;
-  for (int bz = 0; bz < slice.bricksZ(); ++bz) {
-    for (int by = 0; by < slice.bricksY(); ++by) {
-      for (int bx = 0; bx < slice.bricksX(); ++bx) {
-        const Glow here = glowOf(slice, bx, by, bz, voxel);
-        if (here.weight > 0)
-          glows[{bx, by, bz}] = here;
-      }
-    }
+  for (const BrickSlice::Entry& entry : slice.entries()) {
+    const Glow here = glowOf(slice, entry, voxel);
+    if (here.weight > 0)
+      glows[entry.place] = here;
   }
   while (glows.size() > std::max<std::size_t>(most, 1)) {
     std::map<std::array<int, 3>, Glow> larger;
@@ -366,7 +355,7 @@ std::uint64_t VolumeLight::memoryBytes() const {
   const BrickSlice& slice = volume_.slice();
   const std::uint64_t points = slice.values().size();
   const std::uint64_t colors = 3 * sizeof(float);  // of the fire, and of what is seen
-  return 2 * slice.values().size_bytes() + slice.index().size_bytes() +
+  return slice.bytes() + slice.values().size_bytes() +
          points * (2 * colors + sizeof(Rgb) + lighting_.lamps.size() * sizeof(float));
 }
 

@@ -143,7 +143,7 @@ std::uint64_t VolumeAt::memoryBytes() const {
     return light_->memoryBytes();
   if (!slice_)
     return 0;
-  return 2 * slice_->values().size_bytes() + slice_->index().size_bytes();
+  return slice_->bytes() + slice_->values().size_bytes();
 }
 
 nlohmann::ordered_json VolumeAt::counts() const {

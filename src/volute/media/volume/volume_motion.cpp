@@ -11,55 +11,100 @@ namespace volute {
 namespace {
 
 constexpr int kIterations = 4;  ///< of a path's end: velocities change slowly from voxel to voxel
-using VoxelPlace = std::array<float, 3>;
+constexpr int kMotionSide = BrickSlice::kSide;
+using VoxelPlace = VoxelPaths::Step;
 
 /// Values of a frame between the centres of voxels; 0 outside.
 class Between {
  public:
-  Between(const VolumeInfo& info, int channels, std::span<const float> values)
-      : size_{info.x, info.y, info.z}, channels_(channels), values_(values) {}
+  explicit Between(const BrickSlice& slice)
+      : slice_(slice), size_{slice.x(), slice.y(), slice.z()} {}
 
   /// @param at  [voxels], 0 at the centre of the first
   void read(const VoxelPlace& at, float* out) const {
     int first[3];
     float share[3];
-    std::fill_n(out, channels_, 0.0F);
+    bool oneBrick = true;
+    const int channels = slice_.channels();
+    std::fill_n(out, channels, 0.0F);
     for (int axis = 0; axis < 3; ++axis) {
       if (!(at[axis] > -1 && at[axis] < static_cast<float>(size_[axis])))
         return;
       const float low = std::floor(at[axis]);
       first[axis] = static_cast<int>(low), share[axis] = at[axis] - low;
+      oneBrick = oneBrick && (first[axis] & (kMotionSide - 1)) < kMotionSide - 1;
+    }
+    // Most are inside of a brick.
+    const float* brick = nullptr;
+    if (oneBrick) {
+      const std::int32_t stored =
+          slice_.brickAt(first[0] / kMotionSide, first[1] / kMotionSide, first[2] / kMotionSide);
+      if (stored == BrickSlice::kEmpty)
+        return;
+      brick = slice_.brick(stored) + placeIn(first[0], first[1], first[2]);
     }
     for (int corner = 0; corner < 8; ++corner) {
       float weight = 1;
-      std::ptrdiff_t index = 0;
-      bool inside = true;
+      int place[3];
       for (int axis = 2; axis >= 0; --axis) {
-        const int side = corner >> axis & 1, place = first[axis] + side;
+        const int side = corner >> axis & 1;
+        place[axis] = first[axis] + side;
         weight *= side ? share[axis] : 1 - share[axis];
-        inside = inside && place >= 0 && place < size_[axis];
-        index = index * size_[axis] + place;
       }
-      if (!inside || weight == 0)
+      if (weight == 0)
         continue;
-      for (int c = 0; c < channels_; ++c) out[c] += weight * values_[index * channels_ + c];
+      const int step = (corner & 1) + (corner >> 1 & 1) * kMotionSide +
+                       (corner >> 2) * kMotionSide * kMotionSide;
+      for (int c = 0; c < channels; ++c) {
+        out[c] += weight * (brick ? brick[c * BrickSlice::kVoxels + step]
+                                  : slice_.value(place[0], place[1], place[2], c));
+      }
     }
   }
 
+  static int placeIn(int x, int y, int z) {
+    return ((z % kMotionSide) * kMotionSide + y % kMotionSide) * kMotionSide + x % kMotionSide;
+  }
+
  private:
+  const BrickSlice& slice_;
   int size_[3];
-  int channels_;
-  std::span<const float> values_;
 };
 
+/// Velocities between voxels.
+class Flow {
+ public:
+  explicit Flow(const Velocities& velocities) {
+    for (std::size_t i = 0; i < velocities.size(); ++i) {
+      if (velocities[i])
+        parts_.emplace_back(Between(*velocities[i]), i);
+    }
+  }
+
+  VoxelPlace read(const VoxelPlace& at) const {
+    VoxelPlace v{};
+    for (const auto& [part, axis] : parts_) part.read(at, &v[axis]);
+    return v;
+  }
+
+ private:
+  std::vector<std::pair<Between, std::size_t>> parts_;
+};
+
+/// Calls body(brick, voxel in it, its place) for each voxel of the volume in some bricks.
 template <class Body>
-void forVoxels(const VolumeInfo& info, Body&& body) {
-  const std::size_t rows = static_cast<std::size_t>(info.z) * info.y;
-  parallelRanges(rows, 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) {
-      for (int x = 0; x < info.x; ++x) {
-        body(row * info.x + x, VoxelPlace{static_cast<float>(x), static_cast<float>(row % info.y),
-                                          static_cast<float>(row / info.y)});
+void forVoxels(const VolumeInfo& info, std::span<const BrickPlace> places, Body&& body) {
+  parallelRanges(places.size(), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      const int x0 = places[b][0] * kMotionSide, y0 = places[b][1] * kMotionSide,
+                z0 = places[b][2] * kMotionSide;
+      for (int z = z0; z < std::min(z0 + kMotionSide, info.z); ++z) {
+        for (int y = y0; y < std::min(y0 + kMotionSide, info.y); ++y) {
+          for (int x = x0; x < std::min(x0 + kMotionSide, info.x); ++x) {
+            body(b, static_cast<std::size_t>(Between::placeIn(x, y, z)),
+                 VoxelPlace{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
+          }
+        }
       }
     }
   });
@@ -71,53 +116,92 @@ VoxelPlace sum(const VoxelPlace& a, const VoxelPlace& b) {
 
 }  // namespace
 
-VoxelPaths pathsBetween(const VolumeInfo& info, std::span<const float> before,
-                        std::span<const float> after, const Vec3& step, double share) {
+std::vector<BrickPlace> placesOf(std::span<const std::shared_ptr<const BrickSlice>> slices) {
+  std::vector<BrickPlace> places;
+  std::size_t some = 0;
+  for (const auto& slice : slices) {
+    if (!slice || slice->entries().empty())
+      continue;
+    ++some;
+    for (const BrickSlice::Entry& entry : slice->entries()) places.push_back(entry.place);
+  }
+  if (some > 1) {
+    std::ranges::sort(places, isBefore);
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+  }
+  return places;
+}
+
+// Where nothing moves in either frame, nothing goes anywhere.
+VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const Velocities& after,
+                        const Vec3& step, double share) {
   VoxelPaths paths;
-  paths.from.resize(info.voxels()), paths.to.resize(info.voxels());
-  const Between early(info, 3, before), late(info, 3, after);
+  Velocities both = before;
+  both.insert(both.end(), after.begin(), after.end());
+  paths.places = placesOf(both);
+  const BrickSlice shape(info);
+  paths.table =
+      BrickTable({shape.bricksX(), shape.bricksY(), shape.bricksZ()}, paths.places.size());
+  for (std::size_t i = 0; i < paths.places.size(); ++i)
+    paths.table.set(paths.places[i], static_cast<std::int32_t>(i));
+  paths.from.resize(paths.places.size() * BrickSlice::kVoxels);
+  paths.to.resize(paths.from.size());
+  const Flow early(before), late(after);
   VoxelPlace back, ahead;
   for (int axis = 0; axis < 3; ++axis) {
     back[axis] = static_cast<float>(-share * step[axis]);
     ahead[axis] = static_cast<float>((1 - share) * step[axis]);
   }
-  forVoxels(info, [&](std::size_t voxel, const VoxelPlace& place) {
-    const float *a = &before[3 * voxel], *b = &after[3 * voxel];
-    const auto speed = [](const float* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
-    const float* first = speed(a) >= speed(b) ? a : b;  // what moves may not have come yet
-    const auto follow = [&](const Between& velocity, const VoxelPlace& times) {
+  forVoxels(info, paths.places, [&](std::size_t brick, std::size_t voxel, const VoxelPlace& place) {
+    const VoxelPlace a = early.read(place), b = late.read(place);
+    const auto speed = [](const VoxelPlace& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
+    const VoxelPlace& first = speed(a) >= speed(b) ? a : b;  // what moves may not have come yet
+    const auto follow = [&](const Flow& velocity, const VoxelPlace& times) {
       VoxelPlace way{times[0] * first[0], times[1] * first[1], times[2] * first[2]};
       for (int i = 0; i < kIterations; ++i) {
-        float v[3];
-        velocity.read(sum(place, way), v);
+        const VoxelPlace v = velocity.read(sum(place, way));
         way = {times[0] * v[0], times[1] * v[1], times[2] * v[2]};
       }
       return way;
     };
-    paths.from[voxel] = follow(early, back);
-    paths.to[voxel] = follow(late, ahead);
+    paths.from[brick * BrickSlice::kVoxels + voxel] = follow(early, back);
+    paths.to[brick * BrickSlice::kVoxels + voxel] = follow(late, ahead);
   });
   return paths;
 }
 
-void blendFrames(const VolumeInfo& info, std::span<const float> before,
-                 std::span<const float> after, double share, const VoxelPaths* paths,
-                 std::span<float> out) {
+BrickSlice blendFrames(const VolumeInfo& info, const BrickSlice& before, const BrickSlice& after,
+                       double share, const VoxelPaths* paths) {
   const auto late = static_cast<float>(share), early = 1 - late;
-  if (!paths) {
-    parallelRanges(out.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) out[i] = early * before[i] + late * after[i];
-    });
-    return;
+  const auto alias = [](const BrickSlice& slice) {
+    return std::shared_ptr<const BrickSlice>(std::shared_ptr<void>(), &slice);
+  };
+  std::vector<BrickPlace> places = placesOf(std::array{alias(before), alias(after)});
+  if (paths) {
+    places.insert(places.end(), paths->places.begin(), paths->places.end());
+    std::ranges::sort(places, isBefore);
+    places.erase(std::unique(places.begin(), places.end()), places.end());
   }
+  BrickSlice out(info, places);
   const int channels = info.channels;
-  const Between a(info, channels, before), b(info, channels, after);
-  forVoxels(info, [&](std::size_t voxel, const VoxelPlace& place) {
+  const Between a(before), b(after);
+  forVoxels(info, places, [&](std::size_t brick, std::size_t voxel, const VoxelPlace& place) {
+    const std::int32_t path = paths ? paths->table.at(places[brick]) : BrickTable::kEmpty;
     float from[3], to[3];
-    a.read(sum(place, paths->from[voxel]), from);
-    b.read(sum(place, paths->to[voxel]), to);
-    for (int c = 0; c < channels; ++c) out[voxel * channels + c] = early * from[c] + late * to[c];
+    if (path >= 0) {
+      const std::size_t at = static_cast<std::size_t>(path) * BrickSlice::kVoxels + voxel;
+      a.read(sum(place, paths->from[at]), from);
+      b.read(sum(place, paths->to[at]), to);
+    } else {
+      a.read(place, from);
+      b.read(place, to);
+    }
+    float* values = out.brick(static_cast<std::int32_t>(brick)) + voxel;
+    for (int c = 0; c < channels; ++c)
+      values[c * BrickSlice::kVoxels] = early * from[c] + late * to[c];
   });
+  out.dropEmpty();
+  return out;
 }
 
 }  // namespace volute

@@ -45,6 +45,18 @@ std::vector<float> blob(double along) {
   return values;
 }
 
+std::vector<float> dense(const BrickSlice& slice) {
+  std::vector<float> values;
+  for (int z = 0; z < slice.z(); ++z)
+    for (int y = 0; y < slice.y(); ++y)
+      for (int x = 0; x < slice.x(); ++x) values.push_back(slice.value(x, y, z, 0));
+  return values;
+}
+
+Velocities velocitiesOf(std::span<const float> values) {
+  return {std::make_shared<const BrickSlice>(BrickSlice::fromDense(longVolume(3), values))};
+}
+
 double furthest(std::span<const float> a, std::span<const float> b) {
   double most = 0;
   for (std::size_t i = 0; i < a.size(); ++i) most = std::max<double>(most, std::abs(a[i] - b[i]));
@@ -56,13 +68,15 @@ TEST(VolumeMotion, AMovedBlobIsBetweenItsPlaces) {
   const auto before = blob(12), after = blob(12 + kMoved);
   std::vector<float> velocity(3 * info.voxels(), 0);
   for (std::size_t i = 0; i < info.voxels(); ++i) velocity[3 * i] = 2;
-  std::vector<float> out(info.voxels());
+  const BrickSlice first = BrickSlice::fromDense(info, before),
+                   second = BrickSlice::fromDense(info, after);
+  const Velocities moving = velocitiesOf(velocity);
   for (const double share : {0.25, 0.5, 0.9}) {
-    const VoxelPaths paths = pathsBetween(info, velocity, velocity, Vec3(kMoved / 2, 1, 1), share);
-    blendFrames(info, before, after, share, &paths, out);
+    const VoxelPaths paths = pathsBetween(info, moving, moving, Vec3(kMoved / 2, 1, 1), share);
+    auto out = dense(blendFrames(info, first, second, share, &paths));
     // Its frames are interpolated between voxels where it moves by parts of one.
     EXPECT_LT(furthest(out, blob(12 + share * kMoved)), share == 0.9 ? 0.06 : 1e-5) << share;
-    blendFrames(info, before, after, share, nullptr, out);
+    out = dense(blendFrames(info, first, second, share, nullptr));
     EXPECT_GT(furthest(out, blob(12 + share * kMoved)), 0.25);  // a ghost of each
     for (std::size_t i = 0; i < out.size(); ++i)
       ASSERT_NEAR(out[i], (1 - share) * before[i] + share * after[i], 1e-6);
@@ -76,13 +90,27 @@ TEST(VolumeMotion, PathsFollowVelocitiesThatChange) {
   std::vector<float> velocity(3 * info.voxels(), 0);
   for (std::size_t i = 0; i < info.voxels(); ++i)
     velocity[3 * i] = 0.1F * static_cast<float>(i % kLong);
-  const VoxelPaths paths = pathsBetween(info, velocity, velocity, Vec3::Ones(), 0.5);
-  const std::size_t row = (7 * kWide + 7) * kLong;
+  const Velocities growing = velocitiesOf(velocity);
+  const VoxelPaths paths = pathsBetween(info, growing, growing, Vec3::Ones(), 0.5);
   for (const int x : {5, 15, 30}) {
-    EXPECT_NEAR(paths.from[row + x][0], -0.05 * x / 1.05, 1e-4);
-    EXPECT_NEAR(paths.to[row + x][0], 0.05 * x / 0.95, 1e-4);
-    EXPECT_EQ(paths.from[row + x][1], 0);
+    const std::size_t at = paths.table.at(x / 8, 0, 0) * 512 + (7 * 8 + 7) * 8 + x % 8;
+    EXPECT_NEAR(paths.from[at][0], -0.05 * x / 1.05, 1e-4);
+    EXPECT_NEAR(paths.to[at][0], 0.05 * x / 0.95, 1e-4);
+    EXPECT_EQ(paths.from[at][1], 0);
   }
+}
+
+TEST(VolumeMotion, NothingIsMadeWhereNothingIsOrMoves) {
+  VolumeInfo info = longVolume(1);
+  info.x = info.y = info.z = 100000;
+  std::vector<BrickPlace> near{{0, 0, 0}}, far{{12000, 12000, 12000}};
+  BrickSlice before(info, near), after(info, far);
+  before.brick(0)[0] = 1, after.brick(0)[511] = 1;
+  const BrickSlice middle = blendFrames(info, before, after, 0.25, nullptr);
+  EXPECT_EQ(middle.storedBricks(), 2U);
+  EXPECT_EQ(middle.value(0, 0, 0), 0.75F);
+  EXPECT_EQ(middle.value(96007, 96007, 96007), 0.25F);
+  EXPECT_LT(middle.bytes(), 1U << 20);
 }
 
 /// A cache of the moved blob, with a grid of velocities or without; empty: there is no OpenVDB.
@@ -121,11 +149,7 @@ std::string writeBlobs(const TempFolder& folder, bool moving) {
 
 std::vector<float> shownAt(VolumeLayer& layer, double time) {
   const auto slice = layer.sliceAt(layer.momentAt(time));
-  std::vector<float> values;
-  for (int z = 0; slice && z < (*slice)->z(); ++z)
-    for (int y = 0; y < (*slice)->y(); ++y)
-      for (int x = 0; x < (*slice)->x(); ++x) values.push_back((*slice)->value(x, y, z, 0));
-  return values;
+  return slice ? dense(**slice) : std::vector<float>();
 }
 
 TEST(VolumeMotion, ALayerMovesAlongTheVelocitiesOfItsFile) {

@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <set>
 
+#include "volute/grid/bricks.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/media/volume/memory_volumes.hpp"
 #include "volute/media/volume/volume_grids.hpp"
@@ -99,28 +102,64 @@ struct GridRange {
 };
 
 Result<GridRange> rangeOf(FrameSource& source) {
+  constexpr int kSide = Bricks::kSide, kPlane = kSide * kSide;
+  constexpr std::int64_t kLargest = 4096;  // tiles beyond have no columns of their own
   const VolumeInfo& info = source.info();
+  const IndexBox whole{{0, 0, 0}, {info.x, info.y, info.z}};
   GridRange range;
-  std::vector<float> values(info.frameValues());
   const std::set<int> frames{info.frames / 4, info.frames / 2, info.frames - 1};
   const double step = info.bounds.size().z() / info.z;
   for (const int frame : frames) {
-    VOLUTE_TRY(source.readFrame(frame, values));
-    const std::size_t plane = static_cast<std::size_t>(info.x) * info.y * info.channels;
-    std::vector<double> columns(plane, 0);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (!std::isfinite(values[i]))
-        continue;
-      range.least = std::min<double>(range.least, values[i]);
-      range.most = std::max<double>(range.most, values[i]);
-      columns[i % plane] += step * std::max(values[i], 0.0F);
+    Bricks bricks;
+    VOLUTE_TRY(source.readBricks(frame, bricks));
+    const auto channels = static_cast<std::size_t>(info.channels);
+    std::map<std::array<std::int64_t, 2>, std::vector<double>> columns;  // of leaves, by x and y
+    const auto columnsAt = [&](std::int64_t x, std::int64_t y) -> std::vector<double>& {
+      auto& found = columns[{x, y}];
+      found.resize(kPlane * channels, 0);
+      return found;
+    };
+    const auto extend = [&](float value) {
+      range.least = std::min<double>(range.least, value);
+      range.most = std::max<double>(range.most, value);
+    };
+    for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+      const VoxelIndex& origin = bricks.leaves()[i].origin;
+      const BrickMask inside = maskInside(origin, whole);
+      std::vector<double>& sums = columnsAt(origin[0], origin[1]);
+      for (std::size_t c = 0; c < channels; ++c) {
+        for (std::size_t at = 0; at < Bricks::kVoxels; ++at) {
+          const float value = bricks.values(i)[c * Bricks::kVoxels + at];
+          if (!std::isfinite(value) || (inside[at / kPlane] >> (at % kPlane) & 1) == 0)
+            continue;
+          extend(value);
+          sums[at % kPlane * channels + c] += step * std::max(value, 0.0F);
+        }
+      }
     }
-    std::erase_if(columns, [](double sum) { return !(sum > 0); });
-    if (columns.empty())
+    for (const Bricks::Tile& tile : bricks.tiles()) {
+      const IndexBox part = tile.box().intersection(whole);
+      for (std::size_t c = 0; c < channels && !part.empty(); ++c) {
+        if (std::isfinite(tile.value[c]))
+          extend(tile.value[c]);
+      }
+      if (part.empty() || !(tile.value[0] > 0) || tile.side > kLargest)
+        continue;
+      for (std::int64_t y = 0; y < tile.side; y += kSide) {
+        for (std::int64_t x = 0; x < tile.side; x += kSide) {
+          for (double& sum : columnsAt(tile.origin[0] + x, tile.origin[1] + y))
+            sum += step * static_cast<double>(part.size(2)) * tile.value[0];
+        }
+      }
+    }
+    std::vector<double> sums;
+    for (const auto& [place, those] : columns)
+      std::ranges::copy_if(those, std::back_inserter(sums), [](double sum) { return sum > 0; });
+    if (sums.empty())
       continue;
-    const auto rank = static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(columns.size() - 1));
-    std::ranges::nth_element(columns, columns.begin() + rank);
-    range.column = std::max(range.column, columns[static_cast<std::size_t>(rank)]);
+    const auto rank = static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(sums.size() - 1));
+    std::ranges::nth_element(sums, sums.begin() + rank);
+    range.column = std::max(range.column, sums[static_cast<std::size_t>(rank)]);
   }
   return range;
 }
