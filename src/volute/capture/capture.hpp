@@ -35,6 +35,10 @@ struct PictureSource {
   double frameShift = 0;        ///< the picture of frame n is that of n + frameShift: its clock is
                                 ///< wrong by so many frames
   double rate = 1;              ///< pictures for each frame of the capture
+  int filmPictures = 0;         ///< how many the film has; 0: they were not counted
+  /// Of films whose pictures do not follow each other evenly: where each lies, counted in pictures
+  /// of the steady rate from the first, ascending. Empty: at 0, 1, 2 and so on.
+  std::vector<double> filmPlaces{};
   std::filesystem::path background;  ///< a picture without the medium; empty: none
   std::filesystem::path mask;        ///< 0 = ignore the pixel (obstructors); empty: none
   double gain = 1;                   ///< a factor on its linear values; of kAbsorption, where
@@ -53,6 +57,11 @@ struct PictureSource {
   /// What shows frame `n`: a whole picture where one was taken within a hundredth of the time
   /// between pictures, else two.
   PicturePlace placeOf(int frame) const;
+
+  /// Where picture `number` of the film lies, see filmPlaces.
+  double placeInFilm(int number) const {
+    return filmPlaces.empty() ? number : filmPlaces[static_cast<std::size_t>(number)];
+  }
 };
 
 /// One calibrated camera of a capture.

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "volute/capture/background.hpp"
+#include "volute/capture/clocks.hpp"
 #include "volute/capture/image_name.hpp"
 #include "volute/capture/optical_depth.hpp"
 #include "volute/image/srgb.hpp"
@@ -100,16 +101,16 @@ Status checkFilm(const CaptureCamera& camera, int firstFrame, int lastFrame,
   }
   const PicturePlace last = pictures.placeOf(lastFrame);
   const int wanted = last.number + (last.share > 0 ? 2 : 1);
-  const auto there = film->countRest(wanted);
+  const auto there = picturesOfFilm(pictures, maxMemory);
   if (!there)
     return fail(there.error().code, "camera {}: {}", camera.name, there.error().message);
   if (*there < wanted) {
-    return fail(
-        ErrorCode::kNotFound,
-        "camera {}, frame {}: the film {} has {} frames, so that it ends with frame {}; "
-        "choose with --frames those that all cameras have",
-        camera.name, lastFrame, pictures.video.string(), *there,
-        static_cast<int>(std::floor(pictures.videoStart - shift + (*there - 1) / pictures.rate)));
+    return fail(ErrorCode::kNotFound,
+                "camera {}, frame {}: the film {} has {} frames, so that it ends with frame {}; "
+                "choose with --frames those that all cameras have",
+                camera.name, lastFrame, pictures.video.string(), *there,
+                static_cast<int>(std::floor(pictures.videoStart - shift +
+                                            pictures.placeInFilm(*there - 1) / pictures.rate)));
   }
   return {};
 }

@@ -13,6 +13,7 @@ namespace volute {
 namespace {
 
 constexpr double kUsualRate = 25;
+constexpr int kMostPictures = 1 << 24;  // of a film
 
 bool sameRate(double a, double b) {
   constexpr double kRounding = 5e-3;  // 29.97 and 30 are one rate, said in two ways
@@ -70,11 +71,67 @@ void takeRatesOfFilms(CaptureDraft& draft, std::uint64_t maxMemory) {
       fmt::join(texts, ", "), *draft.framesPerSecond));
 }
 
+/// Where the pictures of a film lie, if it says so and not that they follow each other evenly.
+/// @param rate  of the camera's pictures, as it was stated or as the film says
+void takeTimesOfFilm(CameraDraft& camera, double rate, std::vector<std::string>& remarks,
+                     std::uint64_t maxMemory) {
+  constexpr double kEven = 0.1;        // of the time between two pictures
+  constexpr double kRounding = 1e-3;   // [s] to which containers round times
+  constexpr double kOtherSpeed = 1.5;  // a stated rate that is so far off is that of slow motion
+  PictureSource& pictures = camera.pictures;
+  if (pictures.video.empty())
+    return;
+  auto film = FilmReader::open(pictures.video, maxMemory);
+  const auto times = film ? film->restOfTimes(kMostPictures) : fail(film.error().code, "");
+  if (!times || times->empty())
+    return;  // which is told when its pictures are wanted
+  pictures.filmPictures = static_cast<int>(times->size());
+  const double span = times->back() - times->front();
+  const double gap = span / std::max(pictures.filmPictures - 1, 1);
+  if (!(gap > 0))
+    return;
+  double shortest = gap, longest = gap, off = 0;
+  for (std::size_t i = 1; i < times->size(); ++i) {
+    const double step = (*times)[i] - (*times)[i - 1];
+    shortest = std::min(shortest, step), longest = std::max(longest, step);
+    off =
+        std::max(off, std::abs((*times)[i] - times->front() - static_cast<double>(i) * gap) / gap);
+  }
+  if (off <= std::max(kEven, kRounding / gap))
+    return;
+  if (!(shortest > 0)) {
+    remarks.push_back(
+        fmt::format("camera {}: {} states one time for several of its pictures, so that they are "
+                    "taken to follow each other evenly",
+                    camera.name, pictures.video.string()));
+    return;
+  }
+  const auto far = [&](double other) {
+    return !(std::max(rate / other, other / rate) <= kOtherSpeed);
+  };
+  const bool otherSpeed = far(1 / gap) && far(film->info().framesPerSecond);
+  for (const double time : *times)
+    pictures.filmPlaces.push_back((time - times->front()) * (otherSpeed ? 1 / gap : rate));
+  remarks.push_back(fmt::format(
+      "camera {}: the pictures of {} follow each other after {:.3g} to {:.3g} s: each is taken at "
+      "the time that the film states",
+      camera.name, pictures.video.string(), shortest, longest));
+}
+
 }  // namespace
 
 PicturePlace PictureSource::placeOf(int frame) const {
   constexpr double kWhole = 0.01;
-  const double place = (frame + frameShift - videoStart) * rate;
+  double place = (frame + frameShift - videoStart) * rate;
+  if (!filmPlaces.empty()) {  // between which pictures, and how far from the one to the other
+    const auto after = std::ranges::upper_bound(filmPlaces, place);
+    const auto last = static_cast<int>(filmPlaces.size()) - 1;
+    const int before =
+        std::clamp(static_cast<int>(after - filmPlaces.begin()) - 1, 0, std::max(last - 1, 0));
+    const double from = placeInFilm(before);
+    const double gap = last > 0 ? placeInFilm(before + 1) - from : 1;
+    place = before + (place - from) / gap;
+  }
   const double nearest = std::round(place);
   if (std::abs(place - nearest) <= kWhole)
     return {static_cast<int>(nearest), 0};
@@ -82,10 +139,19 @@ PicturePlace PictureSource::placeOf(int frame) const {
   return {static_cast<int>(before), place - before};
 }
 
+Result<int> picturesOfFilm(const PictureSource& pictures, std::uint64_t maxMemory) {
+  if (pictures.filmPictures > 0)
+    return pictures.filmPictures;
+  VOLUTE_ASSIGN(auto film, FilmReader::open(pictures.video, maxMemory));
+  VOLUTE_ASSIGN(const auto times, film.restOfTimes(kMostPictures));
+  return static_cast<int>(times.size());
+}
+
 void settleClocks(CaptureDraft& draft, std::uint64_t maxMemory) {
   takeRatesOfFilms(draft, maxMemory);
   const double rate = draft.framesPerSecond.value_or(kUsualRate);
   for (CameraDraft& camera : draft.cameras) {
+    takeTimesOfFilm(camera, camera.framesPerSecond.value_or(rate), draft.remarks, maxMemory);
     if (camera.framesPerSecond)
       camera.pictures.rate = *camera.framesPerSecond / rate;
     if (camera.startTime)
@@ -94,19 +160,17 @@ void settleClocks(CaptureDraft& draft, std::uint64_t maxMemory) {
 }
 
 Result<std::vector<int>> framesOfFilms(const CaptureDraft& draft, std::uint64_t maxMemory) {
-  constexpr int kMax = 1 << 24;
-  double first = 0, last = kMax;
+  double first = 0, last = kMostPictures;
   const CameraDraft *latest = nullptr, *earliest = nullptr;  // to begin, to end
   for (const CameraDraft& camera : draft.cameras) {
     const PictureSource& pictures = camera.pictures;
     if (pictures.video.empty())
       continue;
-    auto film = FilmReader::open(pictures.video, maxMemory);
-    const auto count = film ? film->countRest(kMax) : Result<int>(tl::unexpect, film.error());
+    const auto count = picturesOfFilm(pictures, maxMemory);
     if (!count)
       return fail(count.error().code, "camera {}: {}", camera.name, count.error().message);
     const double begin = pictures.videoStart - pictures.frameShift;
-    const double end = begin + (*count - 1) / pictures.rate;
+    const double end = begin + pictures.placeInFilm(*count - 1) / pictures.rate;
     if (!latest || begin > first)
       latest = &camera, first = std::max(begin, 0.0);
     if (!earliest || end < last)

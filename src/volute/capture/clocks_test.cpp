@@ -59,6 +59,33 @@ class ClocksTest : public ::testing::Test {
     return true;
   }
 
+  /// The same as .webm, with pictures at these times [ms], ascending from 0.
+  bool writeUnevenFilm(const std::string& name, const std::vector<int>& times) {
+    const auto writer = FilmWriter::create(folder_ / name, kWidth, kHeight, 25);
+    if (!writer)
+      return false;
+    for (const int time : times) {
+      Image image(kWidth, kHeight);
+      std::ranges::fill(image.pixels, static_cast<float>(brightness(time * 1e-3)));
+      EXPECT_TRUE(ok((*writer)->addFrame(image)));
+    }
+    EXPECT_TRUE(ok((*writer)->finish()));
+    // A block begins with A3, its size, the track 81, its time in two bytes and flags.
+    std::string bytes = testing::readBytes(folder_ / name);
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const auto time = static_cast<int>(40 * i);
+      const std::string head = {'\x81', static_cast<char>(time >> 8), static_cast<char>(time)};
+      do at = bytes.find(head, at + 1);
+      while (at != bytes.npos && bytes.find('\xA3', at - 5) > at);
+      if (at == bytes.npos)
+        return false;
+      bytes[at + 1] = static_cast<char>(times[i] >> 8), bytes[at + 2] = static_cast<char>(times[i]);
+    }
+    testing::writeBytes(folder_ / name, bytes);
+    return true;
+  }
+
   /// A capture of cameras a and b with these films.
   nlohmann::json captureOf(const std::string& a, const std::string& b) {
     nlohmann::json json = testing::ringJson();
@@ -121,6 +148,23 @@ TEST_F(ClocksTest, CamerasStartAtDifferentTimesWithDifferentRates) {
   json["cameras"][1]["frames_per_second"] = 25;
   ASSERT_VALUE(const auto wrong, opened(json));
   EXPECT_GT(offBy(wrong), 4 * kCoding);
+}
+
+TEST_F(ClocksTest, UnevenPicturesAreTakenAtTheTimesThatTheFilmStates) {
+  if (!writeFilm("a.mp4", 0, 25, 18))
+    GTEST_SKIP() << "built without films";
+  ASSERT_TRUE(
+      writeUnevenFilm("b.webm", {0, 40, 80, 120, 160, 200, 280, 360, 440, 520, 533, 546, 600}));
+  const auto json = captureOf("a.mp4", "b.webm");
+  ASSERT_VALUE(const auto capture, opened(json));
+  EXPECT_THAT(capture.remarks, ::testing::Contains(HasSubstr("after 0.013 to 0.08 s")));
+  EXPECT_EQ(capture.frames.size(), 16U);  // the last at 600 ms
+  EXPECT_TRUE(checkPicturesThere(capture));
+  EXPECT_LT(offBy(capture), kCoding);
+  auto slow = json;
+  slow["frames_per_second"] = 250;  // ten times as fast as the films say
+  ASSERT_VALUE(const auto taken, opened(slow));
+  EXPECT_EQ(taken.cameras[1].pictures.placeInFilm(12), 12);
 }
 
 TEST_F(ClocksTest, PartsOfAFrameAreInterpolated) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
@@ -44,8 +45,8 @@ constexpr int kSkippedAtOnce = 1024;
 
 namespace {
 
-/// The child answers "open" with a FilmInfo, each "next" with "frame" or "end", and "skip" with how
-/// many it passed over.
+/// The child answers "open" with a FilmInfo, each "next" with "frame" or "end", and "skip" with the
+/// times of those that it passed over.
 Result<ReaderProcess::Serve> serveFilm(std::string_view parameters) {
   VOLUTE_ASSIGN(const FilmPlugin* plugin, loadFilmPlugin());
   return
@@ -59,8 +60,9 @@ Result<ReaderProcess::Serve> serveFilm(std::string_view parameters) {
         if (!decoder)
           return fail(ErrorCode::kInvalidData, "{}: decoding it failed before", file.string());
         if (request == "skip") {
-          VOLUTE_ASSIGN(const int skipped, decoder->skip(kSkippedAtOnce));
-          return toMessage(skipped);
+          VOLUTE_ASSIGN(const auto times, decoder->skip(kSkippedAtOnce));
+          return std::string(reinterpret_cast<const char*>(times.data()),
+                             times.size() * sizeof(double));
         }
         VOLUTE_ASSIGN(const bool more, decoder->next(pixels));
         return std::string(more ? "frame" : "end");
@@ -115,14 +117,22 @@ Result<std::optional<Image>> FilmReader::next() {
   return std::optional<Image>(std::move(image));
 }
 
-Result<int> FilmReader::countRest(int enough) {
-  for (int count = 0;;) {
+Result<std::vector<double>> FilmReader::restOfTimes(int enough) {
+  std::vector<double> times;
+  bool more = true;
+  while (more && times.size() < static_cast<std::size_t>(enough)) {
     VOLUTE_ASSIGN(const std::string reply, impl_->call("skip", 0));
-    VOLUTE_ASSIGN(const int skipped, fromMessage<int>(reply));
-    count += std::clamp(skipped, 0, kSkippedAtOnce);
-    if (count >= enough || skipped < kSkippedAtOnce)
-      return std::min(count, enough);
+    const std::size_t count = std::min<std::size_t>(reply.size() / sizeof(double), kSkippedAtOnce);
+    times.resize(times.size() + count);
+    std::memcpy(times.data() + times.size() - count, reply.data(), count * sizeof(double));
+    more = count == kSkippedAtOnce;
   }
+  times.resize(std::min(times.size(), static_cast<std::size_t>(enough)));
+  if (std::ranges::all_of(times, [](double time) { return std::isfinite(time); }))
+    std::ranges::sort(times);
+  else
+    std::ranges::fill(times, std::numeric_limits<double>::quiet_NaN());
+  return times;
 }
 
 }  // namespace volute

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "volute/base/result.hpp"
 #include "volute/image/image.hpp"
@@ -61,8 +62,9 @@ class FilmDecoder {
   [[nodiscard]] virtual Result<FilmInfo> open(const std::filesystem::path& path) = 0;
   /// Linear RGB, shape (height, width, 3); false after the last frame.
   [[nodiscard]] virtual Result<bool> next(std::span<float> pixels) = 0;
-  /// Passes over at most `count` coded pictures; the number of those that there were.
-  [[nodiscard]] virtual Result<int> skip(int count) = 0;
+  /// Passes over at most `count` coded pictures: when each is shown [s], in the order in which they
+  /// are stored; NaN where the film does not say. Fewer after the last.
+  [[nodiscard]] virtual Result<std::vector<double>> skip(int count) = 0;
 };
 
 /// Reads a film frame by frame, each as linear RGB. The decoder runs in a child process with
@@ -82,9 +84,11 @@ class FilmReader {
   /// The next frame; nothing after the last.
   [[nodiscard]] Result<std::optional<Image>> next();
 
-  /// How many frames follow, at most `enough`, without decoding them: what the file says of its
-  /// coded pictures is counted, so that a damaged one counts too. Nothing can be read after it.
-  [[nodiscard]] Result<int> countRest(int enough);
+  /// When the frames that follow are shown [s], ascending, without decoding them: what the file
+  /// says of its coded pictures, so that a damaged one counts too. NaN, all of them, where it does
+  /// not say that of each. Nothing can be read after it.
+  /// @param enough  no more are looked for
+  [[nodiscard]] Result<std::vector<double>> restOfTimes(int enough);
 
  private:
   struct Impl;

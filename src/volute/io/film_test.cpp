@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "volute/image/srgb.hpp"
@@ -149,6 +150,46 @@ int longestRun(const std::filesystem::path& path, const FilmStyle& style) {
     EXPECT_NEAR((*shown)->at(x, kHeight / 2, 1), ramp.at(x, kHeight / 2, 1), 1.5e-3);  // 3 levels
   }
   return longest;
+}
+
+/// The same brightness and colour differences under the matrix of another standard.
+TEST(Film, ColoursAreDecodedByTheMatrixThatTheFilmStates) {
+  const TempFolder folder;
+  const std::array<float, 3> color = {0.5F, 0.1F, 0.2F};
+  ASSERT_VALUE(auto writer, FilmWriter::create(folder / "film.webm", 64, 48, 25));
+  Image flat(64, 48);
+  for (std::size_t i = 0; i < flat.pixels.size(); ++i) flat.pixels[i] = color[i % 3];
+  ASSERT_TRUE(ok(writer->addFrame(flat)));
+  ASSERT_TRUE(ok(writer->finish()));
+  std::string bytes = readBytes(folder / "film.webm");
+  const std::size_t at = bytes.find("\x49\x83\x42");  // of VP9's key frame, then 3 bits of colour
+  ASSERT_NE(at, bytes.npos);
+
+  struct Matrix {
+    int number;
+    double red, blue;
+  };
+
+  for (const auto& [number, red, blue] :
+       {Matrix{1, 0.299, 0.114}, {2, 0.2126, 0.0722}, {5, 0.2627, 0.0593}}) {
+    bytes[at + 3] = static_cast<char>((bytes[at + 3] & 0x1F) | number << 5);
+    writeBytes(folder / "film.webm", bytes);
+    ASSERT_VALUE(auto film, FilmReader::open(folder / "film.webm"));
+    ASSERT_VALUE(const auto frame, film.next());
+    const double r = srgbEncode(color[0]), g = srgbEncode(color[1]), b = srgbEncode(color[2]);
+    const double y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    const double cr = (r - y) / (2 - 2 * 0.2126), cb = (b - y) / (2 - 2 * 0.0722);
+    const double other[] = {
+        y + (2 - 2 * red) * cr,
+        y - ((2 - 2 * red) * red * cr + (2 - 2 * blue) * blue * cb) / (1 - red - blue),
+        y + (2 - 2 * blue) * cb};
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(255 * srgbEncode(frame->at(30, 20, c)), 255 * other[c], 3) << number << " " << c;
+  }
+  bytes[at + 3] = static_cast<char>((bytes[at + 3] & 0x1F) | 4 << 5);  // SMPTE 240M
+  writeBytes(folder / "film.webm", bytes);
+  ASSERT_VALUE(auto film, FilmReader::open(folder / "film.webm"));
+  EXPECT_TRUE(ok(film.next()));
 }
 
 TEST(Film, TenBitsHaveNarrowerBands) {

@@ -11,11 +11,14 @@ extern "C" {
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "volute/base/output_file.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/film.hpp"
+#include "volute/io/stored_color.hpp"
 
 namespace volute {
 namespace {
@@ -322,14 +325,21 @@ class AvFilmDecoder final : public FilmDecoder {
     }
   }
 
-  Result<int> skip(int count) override {
-    for (int skipped = 0; skipped < count; ++skipped) {
+  Result<std::vector<double>> skip(int count) override {
+    std::vector<double> times;
+    while (times.size() < static_cast<std::size_t>(count)) {
       VOLUTE_ASSIGN(const bool more, nextPacket());
       if (!more)
-        return skipped;
+        break;
+      const bool shown = (packet_->flags & AV_PKT_FLAG_DISCARD) == 0;
+      const std::int64_t time = packet_->pts;
       av_packet_unref(packet_.get());
+      if (shown)
+        times.push_back(time == AV_NOPTS_VALUE ? std::numeric_limits<double>::quiet_NaN()
+                                               : static_cast<double>(time) *
+                                                     av_q2d(input_->streams[stream_]->time_base));
     }
-    return count;
+    return times;
   }
 
  private:
@@ -374,18 +384,12 @@ class AvFilmDecoder final : public FilmDecoder {
                                        nullptr));
     if (!scaler_)
       return fail(ErrorCode::kUnsupported, "{}: an unknown pixel format", name_);
-    const bool hd = frame_->colorspace == AVCOL_SPC_BT709 ||
-                    (frame_->colorspace == AVCOL_SPC_UNSPECIFIED && frame_->height >= 720);
-    const int* matrix = sws_getCoefficients(hd ? SWS_CS_ITU709 : SWS_CS_ITU601);
+    VOLUTE_ASSIGN(const int* matrix, matrixOf(*frame_));
+    VOLUTE_TRY(settleColor(*frame_, deep ? 65536 : 256));
     sws_setColorspaceDetails(scaler_.get(), matrix, frame_->color_range == AVCOL_RANGE_JPEG, matrix,
                              1, 0, 1 << 16, 1 << 16);
-    if (!rgb_ || rgb_->format != rgb) {
+    if (!rgb_ || rgb_->format != rgb)
       rgb_ = makeFrame(rgb, info_.width, info_.height);
-      const std::size_t levels = deep ? 65536 : 256;
-      linear_.resize(levels);
-      for (std::size_t i = 0; i < levels; ++i)
-        linear_[i] = static_cast<float>(srgbDecode(static_cast<double>(i) / (levels - 1)));
-    }
     if (!rgb_)
       return fail(ErrorCode::kTooLarge, "{}: no memory to decode it", name_);
     VOLUTE_TRY(check(sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, info_.height,
@@ -401,7 +405,70 @@ class AvFilmDecoder final : public FilmDecoder {
           reinterpret_cast<const Value*>(rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0]);
       float* to = &pixels[std::size_t{3} * info_.width * y];
       for (int i = 0; i < 3 * info_.width; ++i) to[i] = linear_[from[i]];
+      if (!toSrgb_)
+        continue;
+      for (int x = 0; x < info_.width; ++x, to += 3) {
+        const Vec3 light = *toSrgb_ * Vec3(to[0], to[1], to[2]);
+        for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(std::max(light[c], 0.0));
+      }
     }
+  }
+
+  /// How a frame's brightness and colour differences become red, green and blue: as it says, else
+  /// as is usual for its size.
+  Result<const int*> matrixOf(const AVFrame& frame) const {
+    switch (frame.colorspace) {
+      case AVCOL_SPC_UNSPECIFIED:
+        return sws_getCoefficients(frame.height >= 720 ? SWS_CS_ITU709 : SWS_CS_ITU601);
+      case AVCOL_SPC_RGB:  // is not converted
+      case AVCOL_SPC_BT709:
+        return sws_getCoefficients(SWS_CS_ITU709);
+      case AVCOL_SPC_FCC:
+        return sws_getCoefficients(SWS_CS_FCC);
+      case AVCOL_SPC_BT470BG:
+      case AVCOL_SPC_SMPTE170M:
+        return sws_getCoefficients(SWS_CS_ITU601);
+      case AVCOL_SPC_SMPTE240M:
+        return sws_getCoefficients(SWS_CS_SMPTE240M);
+      case AVCOL_SPC_BT2020_NCL:
+        return sws_getCoefficients(SWS_CS_BT2020);
+      default: {
+        const char* name = av_color_space_name(frame.colorspace);
+        return fail(ErrorCode::kUnsupported,
+                    "{}: its colours are coded by the matrix {}; expected bt709, bt601 or bt2020nc",
+                    name_, name ? name : "of an unknown number");
+      }
+    }
+  }
+
+  /// What the levels are as light, and in which primaries. The curves of video are read as sRGB's,
+  /// which nearly all players do; those of high dynamic range have another white.
+  Status settleColor(const AVFrame& frame, std::size_t levels) {
+    const auto curve = frame.color_trc;
+    if (linear_.size() == levels && curve == curve_ && frame.color_primaries == primaries_)
+      return {};
+    constexpr int kGamma22 = 4, kGamma28 = 5, kLinear = 8, kSrgb = 13, kPq = 16, kHlg = 18;
+    constexpr int kRec709 = 1, kRec2020 = 9, kDisplayP3 = 12;
+    if (curve == kPq || curve == kHlg || curve == AVCOL_TRC_LOG || curve == AVCOL_TRC_LOG_SQRT) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: its values follow the curve {}; expected a film of standard dynamic range",
+                  name_, av_color_transfer_name(curve));
+    }
+    const bool power = curve == kGamma22 || curve == kGamma28 || curve == kLinear;
+    const bool wide = frame.color_primaries == kRec2020 || frame.color_primaries == kDisplayP3;
+    const auto color = colorOfCodePoints(wide ? frame.color_primaries : kRec709,
+                                         power ? static_cast<int>(curve) : kSrgb);
+    if (!color)
+      return fail(color.error().code, "{}: {}", name_, color.error().message);
+    linear_.resize(levels);
+    for (std::size_t i = 0; i < levels; ++i) {
+      const double value = static_cast<double>(i) / static_cast<double>(levels - 1);
+      linear_[i] =
+          static_cast<float>(color->curves[0] ? color->curves[0](value) : srgbDecode(value));
+    }
+    toSrgb_ = color->toSrgb;
+    curve_ = curve, primaries_ = frame.color_primaries;
+    return {};
   }
 
   std::string name_;
@@ -413,7 +480,10 @@ class AvFilmDecoder final : public FilmDecoder {
   FramePtr rgb_;
   PacketPtr packet_;
   ScalerPtr scaler_;
-  std::vector<float> linear_;  ///< of each level
+  std::vector<float> linear_;   ///< of each level
+  std::optional<Mat3> toSrgb_;  ///< from the film's primaries; none: they are sRGB's
+  AVColorTransferCharacteristic curve_ = AVCOL_TRC_UNSPECIFIED;  ///< that linear_ is of
+  AVColorPrimaries primaries_ = AVCOL_PRI_UNSPECIFIED;
 };
 
 }  // namespace
