@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <compare>
 
 namespace volute {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 struct PlanePoint {
   double x = 0, y = 0;
 
-  bool operator==(const PlanePoint&) const = default;
+  auto operator<=>(const PlanePoint&) const = default;
 };
 
 /// Twice the area of a triangle, positive where it turns left.
@@ -59,36 +60,44 @@ bool isConvex(const std::vector<PlanePoint>& points) {
 }
 
 /// Cuts ears. Reflex corners, the only ones that may lie in a triangle of neighbours, are found
-/// through a grid of cells.
+/// through a tree, however unevenly they are spread.
 class EarCutter {
  public:
   explicit EarCutter(std::vector<PlanePoint> points)
       : points_(std::move(points)),
         next_(points_.size()),
         previous_(points_.size()),
-        reflex_(points_.size()) {
+        reflex_(points_.size()),
+        budget_(kStepsPerCorner * points_.size()) {
     const auto n = static_cast<std::uint32_t>(points_.size());
     for (std::uint32_t i = 0; i < n; ++i) {
       next_[i] = (i + 1) % n;
       previous_[i] = (i + n - 1) % n;
     }
-    for (std::uint32_t i = 0; i < n; ++i) reflex_[i] = turnAt(i) <= 0;
-    fillGrid();
+    for (std::uint32_t i = 0; i < n; ++i) {
+      reflex_[i] = turnAt(i) <= 0;
+      tree_.push_back(i);
+    }
+    fillTree();
   }
 
   Result<std::vector<std::array<std::uint32_t, 3>>> cut() {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     std::size_t left = points_.size();
     triangles.reserve(left - 2);
-    const std::size_t budget = kStepsPerCorner * left;
     std::uint32_t at = 0;
+    int rounds = 0;  // without an ear
     for (std::size_t waited = 0; left > 3;) {
-      if (steps_ > budget)
+      if (steps_ > budget_)
         return fail(ErrorCode::kTooLarge, "its outline is too intricate");
       const double area = turnAt(at);
       // After one round without an ear the polygon crosses itself: cut what turns left, or all.
+      // After many of them it does so everywhere, and no ear is looked for any more.
       const bool flat = area == 0 || points_[at] == points_[next_[at]];
-      const bool ear = flat || waited > 2 * left || (area > 0 && (waited > left || isEar(at)));
+      rounds += waited == left + 1 ? 1 : 0;
+      const bool crossing = rounds > kMostRounds;
+      const bool ear =
+          flat || crossing || waited > 2 * left || (area > 0 && (waited > left || isEar(at)));
       ++steps_;
       if (!ear) {
         at = next_[at];
@@ -104,11 +113,27 @@ class EarCutter {
     }
     if (turnAt(at) != 0)
       triangles.push_back({previous_[at], at, next_[at]});
+    if (rounds > kMostRounds)
+      keepOneOfEach(triangles);
     return triangles;
   }
 
  private:
   static constexpr std::size_t kStepsPerCorner = 1000;
+  static constexpr int kMostRounds = 64;
+
+  /// An outline that goes around many times has one triangle many times, and each ray would meet
+  /// them all.
+  void keepOneOfEach(std::vector<std::array<std::uint32_t, 3>>& triangles) const {
+    const auto place = [&](const std::array<std::uint32_t, 3>& t) {
+      std::array points{points_[t[0]], points_[t[1]], points_[t[2]]};
+      std::ranges::sort(points);
+      return points;
+    };
+    std::ranges::sort(triangles, {}, place);
+    const auto rest = std::ranges::unique(triangles, {}, place);
+    triangles.erase(rest.begin(), rest.end());
+  }
 
   double turnAt(std::uint32_t i) const {
     return turn(points_[previous_[i]], points_[i], points_[next_[i]]);
@@ -118,81 +143,78 @@ class EarCutter {
     const std::uint32_t before = previous_[i], after = next_[i];
     next_[before] = after;
     previous_[after] = before;
+    reflexes_ -= reflex_[i] ? 1 : 0;
     reflex_[i] = false;
     // Corners only become convex as ears go; flat ones stay until they are met.
-    for (const std::uint32_t near : {before, after})
-      reflex_[near] = reflex_[near] && turnAt(near) <= 0;
-  }
-
-  void fillGrid() {
-    std::vector<std::uint32_t> reflexes;
-    PlanePoint most = points_[0];
-    least_ = most;
-    for (std::uint32_t i = 0; i < points_.size(); ++i) {
-      least_ = {std::min(least_.x, points_[i].x), std::min(least_.y, points_[i].y)};
-      most = {std::max(most.x, points_[i].x), std::max(most.y, points_[i].y)};
-      if (reflex_[i])
-        reflexes.push_back(i);
+    for (const std::uint32_t near : {before, after}) {
+      if (!reflex_[near] || turnAt(near) <= 0)
+        continue;
+      reflex_[near] = false;
+      --reflexes_;
     }
-    side_ =
-        std::clamp<int>(static_cast<int>(std::sqrt(static_cast<double>(reflexes.size()))), 1, 1024);
-    const double width = std::max(most.x - least_.x, most.y - least_.y);
-    scale_ = width > 0 ? side_ / width : 0;
-    const auto cells = static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_);
-    begins_.assign(cells + 1, 0);
-    for (const std::uint32_t i : reflexes) ++begins_[cellOf(points_[i]) + 1];
-    for (std::size_t i = 0; i < cells; ++i) begins_[i + 1] += begins_[i];
-    members_.resize(reflexes.size());
-    std::vector<std::size_t> at(begins_.begin(), begins_.end() - 1);
-    for (const std::uint32_t i : reflexes) members_[at[cellOf(points_[i])]++] = i;
+    if (2 * reflexes_ < tree_.size())
+      fillTree();
   }
 
-  int along(double value, double least) const {
-    return std::clamp(static_cast<int>((value - least) * scale_), 0, side_ - 1);
+  /// The reflex corners that are left, as a k-d tree: the middle one of a range parts the others by
+  /// x and y in turn.
+  void fillTree() {
+    std::erase_if(tree_, [&](std::uint32_t i) { return !reflex_[i]; });
+    reflexes_ = tree_.size();
+    part(0, tree_.size(), true);
   }
 
-  std::size_t cellOf(PlanePoint p) const {
-    return static_cast<std::size_t>(along(p.y, least_.y)) * static_cast<std::size_t>(side_) +
-           static_cast<std::size_t>(along(p.x, least_.x));
+  void part(std::size_t begin, std::size_t end, bool byX) {
+    if (end - begin < 2)
+      return;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto at = [&](std::size_t k) { return tree_.begin() + static_cast<std::ptrdiff_t>(k); };
+    std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t a, std::uint32_t b) {
+      return byX ? points_[a].x < points_[b].x : points_[a].y < points_[b].y;
+    });
+    part(begin, middle, !byX);
+    part(middle + 1, end, !byX);
   }
 
-  /// Whether no other corner lies in the triangle of `i` and its neighbours. Corners at the same
-  /// place as one of these are where a hole is joined to the outline.
+  /// Three corners that follow each other, and the box around them.
+  struct Ear {
+    PlanePoint a, b, c, least, most;
+  };
+
+  /// Whether no reflex corner of a range of the tree lies in the triangle. Corners at the same
+  /// place as one of its own are where a hole is joined to the outline.
+  bool isFree(const Ear& ear, std::size_t begin, std::size_t end, bool byX) {
+    if (begin == end || steps_ > budget_)
+      return true;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const PlanePoint p = points_[tree_[middle]];
+    ++steps_;
+    const auto& [a, b, c, least, most] = ear;
+    if (reflex_[tree_[middle]] && p != a && p != b && p != c && turn(a, b, p) >= 0 &&
+        turn(b, c, p) >= 0 && turn(c, a, p) >= 0)
+      return false;
+    const bool below = byX ? least.x <= p.x : least.y <= p.y;
+    const bool above = byX ? most.x >= p.x : most.y >= p.y;
+    return (!below || isFree(ear, begin, middle, !byX)) &&
+           (!above || isFree(ear, middle + 1, end, !byX));
+  }
+
   bool isEar(std::uint32_t i) {
     const PlanePoint a = points_[previous_[i]], b = points_[i], c = points_[next_[i]];
-    const int x0 = along(std::min({a.x, b.x, c.x}), least_.x),
-              x1 = along(std::max({a.x, b.x, c.x}), least_.x),
-              y0 = along(std::min({a.y, b.y, c.y}), least_.y),
-              y1 = along(std::max({a.y, b.y, c.y}), least_.y);
-    for (int y = y0; y <= y1; ++y) {
-      const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(side_);
-      const std::size_t begin = begins_[row + static_cast<std::size_t>(x0)],
-                        end = begins_[row + static_cast<std::size_t>(x1) + 1];
-      ++steps_;
-      for (std::size_t k = begin; k < end; ++k) {
-        ++steps_;
-        const std::uint32_t other = members_[k];
-        if (!reflex_[other] || other == previous_[i] || other == next_[i])
-          continue;
-        const PlanePoint p = points_[other];
-        if (p == a || p == b || p == c)
-          continue;
-        if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0)
-          return false;
-      }
-    }
-    return true;
+    const Ear ear{a,
+                  b,
+                  c,
+                  {std::min({a.x, b.x, c.x}), std::min({a.y, b.y, c.y})},
+                  {std::max({a.x, b.x, c.x}), std::max({a.y, b.y, c.y})}};
+    return isFree(ear, 0, tree_.size(), true);
   }
 
   std::vector<PlanePoint> points_;
   std::vector<std::uint32_t> next_, previous_;
   std::vector<char> reflex_;
-  PlanePoint least_;
-  double scale_ = 0;
-  int side_ = 1;
-  std::vector<std::size_t> begins_;
-  std::vector<std::uint32_t> members_;
-  std::size_t steps_ = 0;
+  std::vector<std::uint32_t> tree_;
+  std::size_t reflexes_ = 0;  ///< of the tree, that still are
+  std::size_t steps_ = 0, budget_;
 };
 
 }  // namespace
