@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/suggest.hpp"
 #include "volute/io/plugin.hpp"
 
 namespace volute {
@@ -15,6 +17,16 @@ const LatticeGrid* gridNamed(const LatticeCache& file, const std::string& name) 
   const auto found = std::ranges::find_if(
       file.grids, [&](const LatticeGrid& grid) { return grid.frame.grid == name; });
   return found == file.grids.end() ? nullptr : &*found;
+}
+
+/// What a file without the grid has that is called nearly so.
+std::string missingText(const LatticeCache& cache, const LatticeFile& file,
+                        const std::string& name) {
+  std::vector<std::string_view> names;
+  for (const LatticeGrid& grid : cache.grids) names.emplace_back(grid.frame.grid);
+  const auto near = nearest(name, names);
+  return fmt::format("{}: no grid named '{}'{}", file.path.string(), name,
+                     near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
 }
 
 }  // namespace
@@ -49,7 +61,7 @@ Status GridCache::collect(const std::vector<LatticeCache>& files) {
   }
   for (const std::string& name : names) {
     CacheGrid grid{name, {}, true};
-    KnownGrid known{name, {}, {}, {}};
+    KnownGrid known{name, {}, {}, {}, {}};
     std::string problem;
     const LatticeGrid* first = nullptr;
     for (const LatticeCache& file : files) {
@@ -60,6 +72,8 @@ Status GridCache::collect(const std::vector<LatticeCache>& files) {
         problem = one->traits.problem;
       grid.description.metadata.add(one ? &one->metadata : nullptr);
       known.present.push_back(one != nullptr);
+      if (!one && known.missing.empty())
+        known.missing = missingText(file, files_[known.present.size() - 1], name);
     }
     if (!problem.empty()) {
       leftOut_.push_back(fmt::format("'{}' ({})", name, problem));
@@ -78,6 +92,7 @@ Status GridCache::collect(const std::vector<LatticeCache>& files) {
       known.frames.push_back(one ? one->frame : first->frame);
       if (!one) {
         known.frames.back().box = {};
+        known.frames.back().time = std::numeric_limits<double>::quiet_NaN();
         continue;
       }
       description.voxels = std::max(description.voxels, one->traits.voxels);

@@ -217,15 +217,46 @@ Status checkSize(const IndexBox& box, int channels, std::uint64_t maxMemory,
               static_cast<double>(maxMemory) / (1 << 20));
 }
 
+/// The times that files state. Files without the grid say none: theirs lie between their
+/// neighbours', by their numbers.
+std::vector<double> timesOf(const std::vector<LatticeFile>& files,
+                            const std::vector<LatticeFrame>& frames,
+                            const std::vector<bool>& present) {
+  std::vector<double> times;
+  std::vector<std::size_t> stated;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    times.push_back(files[i].time.value_or(frames[i].time));
+    if (present.empty() || present[i])
+      stated.push_back(i);
+  }
+  if (stated.size() < 2)
+    return times;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto after = std::clamp<std::ptrdiff_t>(
+        std::ranges::lower_bound(stated, i) - stated.begin(), 1, std::ssize(stated) - 1);
+    const std::size_t a = stated[static_cast<std::size_t>(after - 1)],
+                      b = stated[static_cast<std::size_t>(after)];
+    if (files[i].time || present.empty() || present[i])
+      continue;
+    const double share = (files[i].number - files[a].number) /
+                         static_cast<double>(files[b].number - files[a].number);
+    times[i] = times[a] + share * (times[b] - times[a]);
+  }
+  return times;
+}
+
 /// Stated times when all frames have one and they ascend; else none, and `remark` says why where
 /// some are stated and differ.
 std::vector<double> statedTimes(const std::vector<LatticeFile>& files,
-                                const std::vector<LatticeFrame>& frames, std::string& remark) {
-  const auto timeOf = [&](std::size_t i) { return files[i].time.value_or(frames[i].time); };
+                                const std::vector<LatticeFrame>& frames,
+                                const std::vector<bool>& present, std::string& remark) {
+  constexpr double kUnwritten = 1e30;  // netCDF's fill value, say
+  const auto all = timesOf(files, frames, present);
+  const auto timeOf = [&](std::size_t i) { return all[i]; };
   std::vector<double> times;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const double time = timeOf(i);
-    if (std::isfinite(time) && (times.empty() || time > times.back())) {
+    if (std::abs(time) < kUnwritten && (times.empty() || time > times.back())) {
       times.push_back(time);
       continue;
     }
@@ -282,6 +313,7 @@ class LatticeSource final : public RoundingSource {
       options_.remark(fmt::format("{}: the grid '{}' is read; it also has {} (--field chooses)",
                                   files_[0].path.string(), grid, unchosen_));
     }
+    tellWhereMissing();
     shifts_ = std::move(places.shifts);
     IndexBox box = places.box;
     grid_ = grid;
@@ -452,8 +484,25 @@ class LatticeSource final : public RoundingSource {
       frames[i].box = {};
       frames[i].time = std::numeric_limits<double>::quiet_NaN();
     }
-    known_ = KnownGrid{grid, frames, std::move(present), {}};
+    known_ = KnownGrid{grid, frames, std::move(present), {}, std::move(missing->message)};
     return {};
+  }
+
+  /// Simulations leave grids out where they are empty, and other tools call them otherwise.
+  void tellWhereMissing() const {
+    if (!known_ || known_->missing.empty() || !options_.remark)
+      return;
+    constexpr std::size_t kNamed = 8;
+    std::vector<std::string> frames;
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+      if (!known_->present[i])
+        frames.push_back(files_[i].frameText());
+    }
+    const std::size_t more = frames.size() - std::min(frames.size(), kNamed), count = frames.size();
+    frames.resize(count - more);
+    options_.remark(fmt::format("{}: it is taken as empty in {} of {} frames: {}{}",
+                                known_->missing, count, files_.size(), fmt::join(frames, ", "),
+                                more > 0 ? fmt::format(" and {} more", more) : ""));
   }
 
   /// Where the grid that is meant is empty in all frames: another one that is not, if there is one.
@@ -497,7 +546,8 @@ class LatticeSource final : public RoundingSource {
     info_.up = frames.front().up;
     info_.levelSet = frames.front().levelSet;
     std::string remark;
-    info_.times = statedTimes(files_, frames, remark);
+    info_.times =
+        statedTimes(files_, frames, known_ ? known_->present : std::vector<bool>(), remark);
     if (!remark.empty() && options_.remark)
       options_.remark(remark);
     info_.fillDefaults();

@@ -29,6 +29,7 @@ struct KnownGrid {
   std::vector<LatticeFrame> frames;  ///< of each file; those of files without it have an empty box
   std::vector<bool> present;         ///< whether each file has the grid
   std::array<double, 3> background{};  ///< of each channel, in files without it
+  std::string missing{};               ///< of the first file without it; empty: all have it
 };
 
 /// A sequence of files, each with a grid on one common lattice of voxels: all must have the same

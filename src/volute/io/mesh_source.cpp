@@ -417,6 +417,12 @@ Status MeshSource::leaveOutAbsent(const std::filesystem::path& path) {
     return {};
   if (isExodus(path))
     return leaveOutUnwritten();
+  if (const auto unwritten = std::ranges::find_if(times_, isNetcdfFill);
+      unwritten != times_.end()) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: the time {:g} s was never written (netCDF's fill value); expected a time",
+                path.string(), *unwritten);
+  }
   std::string field = options_.field;
   const std::string& also = options_.alsoField;
   const auto has = [&](std::size_t i, const std::string& name) {

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -187,6 +188,8 @@ class XmlCheck {
       VOLUTE_TRY(check(element->GetNestedElement(i), name));
     if (name == "ImageData")
       VOLUTE_TRY(checkExtents(element));
+    if (name == "PointData" || name == "CellData")
+      VOLUTE_TRY(checkArrayNames(element));
     return {};
   }
 
@@ -232,6 +235,17 @@ class XmlCheck {
         continue;
       if (const auto near = likeOneOf(name, rule.children); !near.empty())
         return wrong(element->GetNestedElement(i), "is unknown; did you mean '{}'?", near);
+    }
+    return {};
+  }
+
+  Status checkArrayNames(vtkXMLDataElement* element) const {
+    std::set<std::string_view> names;
+    for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) {
+      vtkXMLDataElement* const array = element->GetNestedElement(i);
+      const char* const name = array->GetAttribute("Name");
+      if (name && !names.insert(name).second)
+        return wrong(array, "the name '{}' is there twice", printable(name));
     }
     return {};
   }
