@@ -4,7 +4,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,26 +13,36 @@
 #include <cstdlib>
 #include <thread>
 
-extern char** environ;
-
 namespace volute {
 namespace {
 
+void openAs(int standard, const std::filesystem::path& file, int mode) {
+  const int descriptor = ::open(file.empty() ? "/dev/null" : file.c_str(), mode | O_CLOEXEC);
+  if (descriptor < 0 || ::dup2(descriptor, standard) != standard)
+    ::_exit(127);
+}
+
 /// Its process, or -1.
-pid_t startProgram(std::vector<std::string> words) {
+pid_t startProgram(std::vector<std::string> words, const ProgramLimits& limits) {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
-  pid_t process = -1;
-  if (::posix_spawn(&process, pointers[0], &actions, nullptr, pointers.data(), environ) != 0)
-    process = -1;
-  posix_spawn_file_actions_destroy(&actions);
-  return process;
+  const pid_t process = ::fork();
+  if (process != 0)
+    return process;
+  sigset_t none;
+  ::sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  openAs(STDIN_FILENO, limits.input, O_RDONLY);
+  openAs(STDOUT_FILENO, limits.output, O_WRONLY);
+  openAs(STDERR_FILENO, {}, O_WRONLY);
+  ::close_range(STDERR_FILENO + 1, ~0U, 0);
+  const rlimit memory{limits.memory, limits.memory};
+  if (limits.memory > 0 && ::setrlimit(RLIMIT_AS, &memory) != 0)
+    ::_exit(127);
+  if (!limits.confine || limits.confine())
+    ::execv(pointers[0], pointers.data());
+  ::_exit(127);
 }
 
 }  // namespace
@@ -52,10 +62,10 @@ std::string findProgram(std::initializer_list<std::string_view> names) {
   return "";
 }
 
-bool runProgram(std::vector<std::string> words, double seconds) {
+bool runProgram(std::vector<std::string> words, const ProgramLimits& limits) {
   constexpr auto kStep = std::chrono::milliseconds(20);
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  const pid_t process = startProgram(std::move(words));
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(limits.seconds);
+  const pid_t process = startProgram(std::move(words), limits);
   if (process < 0)
     return true;
   int status = 0;

@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -13,11 +15,21 @@ namespace volute {
 /// The first of these programs that is in a folder of the PATH; empty when none is.
 std::string findProgram(std::initializer_list<std::string_view> names);
 
-/// Runs a program with neither input nor output, and waits for it.
+/// What a program is given.
+struct ProgramLimits {
+  double seconds = 60;                 ///< after which it is killed
+  std::uint64_t memory = 0;            ///< [bytes] of address space; 0: any
+  std::filesystem::path input{};       ///< its standard input; empty: nothing
+  std::filesystem::path output{};      ///< its standard output, a file that is there; empty: nobody
+                                       ///< reads it
+  std::function<bool()> confine = {};  ///< called in its process before it begins, which it does
+                                       ///< not where this is false
+};
+
+/// Runs a program and waits for it.
 /// @param words  the program's path, then its arguments.
-/// @param seconds  after which it is killed.
-/// @return false if it was: what it did is told by the files that it wrote.
-bool runProgram(std::vector<std::string> words, double seconds);
+/// @return false if it was killed after its time: what it did is told by the files that it wrote.
+bool runProgram(std::vector<std::string> words, const ProgramLimits& limits);
 
 /// A folder of this process alone, in the machine's folder for temporary files; removed with what
 /// is in it at the end. Its path is empty where it cannot be made.

@@ -20,12 +20,13 @@ TEST(Program, runsAndIsKilledAtItsEnd) {
   ASSERT_FALSE(folder.path().empty());
   const std::string file = (folder.path() / "said").string();
   const std::string shell = findProgram({"sh"});
-  EXPECT_TRUE(runProgram({shell, "-c", "echo word; echo done > " + file}, 60));
+  EXPECT_TRUE(runProgram({shell, "-c", "echo word; echo done > " + file}, {.seconds = 60}));
   std::string said;
   std::ifstream(file) >> said;
   EXPECT_EQ(said, "done");
-  EXPECT_FALSE(runProgram({shell, "-c", "while :; do :; done"}, 0.1));
-  EXPECT_TRUE(runProgram({"/nowhere/at/all"}, 60)) << "it has ended, having written nothing";
+  EXPECT_FALSE(runProgram({shell, "-c", "while :; do :; done"}, {.seconds = 0.1}));
+  EXPECT_TRUE(runProgram({"/nowhere/at/all"}, {.seconds = 60}))
+      << "it has ended, having written nothing";
 }
 
 TEST(ScratchFolder, goesWithWhatIsInIt) {

@@ -38,7 +38,8 @@ std::uint64_t fileAccesses(int version) {
 }
 
 /// Refuses all files but `readable`, where the kernel can.
-bool confineFiles(std::span<const std::filesystem::path> readable) {
+/// @param rights  to each of them, besides reading
+bool confineFiles(std::span<const std::filesystem::path> readable, std::uint64_t rights = 0) {
   const int version = landlockVersion();
   if (version < 1)
     return true;
@@ -55,7 +56,7 @@ bool confineFiles(std::span<const std::filesystem::path> readable) {
     if (place < 0 || ::fstat(place, &status) != 0)
       continue;  // whoever reads it will say that it is not there
     landlock_path_beneath_attr rule{};
-    rule.allowed_access = LANDLOCK_ACCESS_FS_READ_FILE;
+    rule.allowed_access = LANDLOCK_ACCESS_FS_READ_FILE | rights;
     if (S_ISDIR(status.st_mode))
       rule.allowed_access |= LANDLOCK_ACCESS_FS_READ_DIR;
     rule.parent_fd = place;
@@ -91,7 +92,8 @@ void dropCapabilities() {
 /// Every `call` is allowed where all conditions hold.
 class SyscallFilter {
  public:
-  SyscallFilter() : context_(::seccomp_init(SCMP_ACT_ERRNO(EPERM))) {}
+  explicit SyscallFilter(std::uint32_t others = SCMP_ACT_ERRNO(EPERM))
+      : context_(::seccomp_init(others)) {}
 
   ~SyscallFilter() { ::seccomp_release(context_); }
 
@@ -181,9 +183,23 @@ bool confineCalls(const Confinement& keep) {
     filter.allow(call, SCMP_A0(SCMP_CMP_LE, STDERR_FILENO));
   return filter.load();
 }
+
+/// A program may do what it likes with what it has, and reach nobody.
+bool refuseConnections() {
+  SyscallFilter filter(SCMP_ACT_ALLOW);
+  for (const int call : {SCMP_SYS(socket), SCMP_SYS(socketpair), SCMP_SYS(connect), SCMP_SYS(bind),
+                         SCMP_SYS(ptrace), SCMP_SYS(process_vm_readv), SCMP_SYS(process_vm_writev),
+                         SCMP_SYS(kill), SCMP_SYS(io_uring_setup)})
+    filter.add(SCMP_ACT_ERRNO(EPERM), call);
+  return filter.load();
+}
 #else
 // This build has no plug-in that reads, so none gets here but a test's.
 bool confineCalls(const Confinement&) {
+  return true;
+}
+
+bool refuseConnections() {
   return true;
 }
 #endif
@@ -203,6 +219,12 @@ bool confineThisProcess(const Confinement& keep) {
   const bool files = confineFiles(keep.readable);
   dropCapabilities();
   return files && confineCalls(keep);
+}
+
+bool confineProgram(std::span<const std::filesystem::path> folders) {
+  if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
+    return false;
+  return confineFiles(folders, LANDLOCK_ACCESS_FS_EXECUTE) && refuseConnections();
 }
 
 }  // namespace volute::detail

@@ -22,6 +22,10 @@ struct Confinement {
 /// processes with one thread. False when the kernel refuses a filter: nobody should read then.
 [[nodiscard]] bool confineThisProcess(const Confinement& keep);
 
+/// The same for a process that is about to become a program: it can read and run what lies below
+/// `folders`, and use what is open already; it cannot write or create files, nor make connections.
+[[nodiscard]] bool confineProgram(std::span<const std::filesystem::path> folders);
+
 /// Whether reading is confined to what is `readable` on this machine.
 bool readingIsConfined();
 

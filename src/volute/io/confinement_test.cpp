@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 
+#include "volute/base/program.hpp"
 #include "volute/io/lattice_source.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_helper.hpp"
@@ -144,6 +145,29 @@ TEST_P(Confinement, ItEndsWithTheProgram) {
   ::close(line[1]);
   EXPECT_EQ(ended, reader) << "it outlives the program";
   EXPECT_EQ(WTERMSIG(status), SIGKILL);
+}
+
+TEST(ConfinedProgram, ReadsWhatItNeedsAndWritesNothing) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer's process is not confined";
+#endif
+  const testing::TempFolder folder;
+  const auto given = folder / "given", secret = folder / "secret", said = folder / "said";
+  testing::writeBytes(given, "given");
+  testing::writeBytes(secret, "secret");
+  testing::writeBytes(said, "");
+  const std::vector<std::filesystem::path> programs{"/usr", "/bin", "/lib", "/lib64",
+                                                    "/etc/ld.so.cache"};
+  const std::string script = "cat; cat " + secret.string() + "; echo x >" + folder.path().string() +
+                             "/new && echo wrote; echo end";
+  EXPECT_TRUE(runProgram({"/bin/sh", "-c", script},
+                         {.seconds = 20,
+                          .memory = std::uint64_t{1} << 30,
+                          .input = given,
+                          .output = said,
+                          .confine = [&] { return detail::confineProgram(programs); }}));
+  EXPECT_EQ(testing::readBytes(said),
+            detail::readingIsConfined() ? "givenend\n" : "givensecretwrote\nend\n");
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ Status printPdf(const std::filesystem::path& html, const std::filesystem::path& 
   if (::geteuid() == 0)
     words.insert(words.begin() + 1, "--no-sandbox");  // which root cannot have
   constexpr double kLongest = 120;                    // [s]
-  const bool ended = runProgram(words, kLongest);
+  const bool ended = runProgram(words, {.seconds = kLongest});
   if (!std::filesystem::exists(pdf, error)) {
     return fail(ErrorCode::kIo, "{}: {} made no PDF of report.html{}", pdf.filename().string(),
                 browser, ended ? "" : " within two minutes");

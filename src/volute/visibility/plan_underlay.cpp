@@ -12,6 +12,8 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
 #include "volute/base/program.hpp"
+#include "volute/base/write_file.hpp"
+#include "volute/io/confinement.hpp"
 #include "volute/io/dxf.hpp"
 #include "volute/io/image_file.hpp"
 
@@ -104,7 +106,8 @@ Result<PlanUnderlay> readPicture(const std::filesystem::path& file,
   return underlay;
 }
 
-/// As a picture, by librsvg's program, which is given no more memory than this one and a minute.
+/// As a picture, by librsvg's program, which is given no more memory than this one, a minute, and
+/// no file but this one: what the drawing names beside it is not drawn.
 Result<PlanUnderlay> readSvg(const std::filesystem::path& file, const UnderlayOptions& options) {
   VOLUTE_TRY(InputFile::open(file));
   const std::string converter = findProgram({"rsvg-convert"});
@@ -116,22 +119,23 @@ Result<PlanUnderlay> readSvg(const std::filesystem::path& file, const UnderlayOp
         file.string());
   }
   const ScratchFolder folder;
-  if (folder.path().empty())
+  const auto picture = folder.path() / "drawing.png";
+  if (folder.path().empty() || !writeFile(picture, std::string_view()))
     return fail(ErrorCode::kIo, "{}: no folder for temporary files", file.string());
   constexpr const char* kPixels = "2400";  // of its longer side: some more than maps have
-  constexpr double kLongest = 60;          // [s]
-  const auto picture = folder.path() / "drawing.png";
-  std::error_code error;
-  std::vector<std::string> words{
-      converter,  "--width",        kPixels,
-      "--height", kPixels,          "--keep-aspect-ratio",
-      "--output", picture.string(), std::filesystem::absolute(file, error).string()};
-  if (const std::string limiter = findProgram({"prlimit"}); !limiter.empty()) {
-    constexpr std::uint64_t kLibraries = std::uint64_t{512} << 20;
-    words.insert(words.begin(), {limiter, fmt::format("--as={}", options.maxMemory + kLibraries),
-                                 fmt::format("--cpu={}", static_cast<int>(kLongest)), "--"});
-  }
-  runProgram(std::move(words), kLongest);
+  constexpr std::uint64_t kLibraries = std::uint64_t{512} << 20;
+  const std::vector<std::filesystem::path> programs{std::filesystem::path(converter).parent_path(),
+                                                    "/usr",
+                                                    "/lib",
+                                                    "/lib64",
+                                                    "/etc/fonts",
+                                                    "/etc/ld.so.cache",
+                                                    "/var/cache/fontconfig"};
+  runProgram(
+      {converter, "--width", kPixels, "--height", kPixels, "--keep-aspect-ratio"},
+      {.memory = options.maxMemory + kLibraries, .input = file, .output = picture, .confine = [&] {
+         return detail::confineProgram(programs);
+       }});
   auto read = readPicture(picture, options);
   if (!read) {  // there is none, or a part of one: it met a limit
     return fail(ErrorCode::kInvalidData,
