@@ -96,8 +96,11 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
   const bool replaces = ::stat(place.c_str(), &old) == 0;
   if (replaces)
     VOLUTE_TRY(checkReplaceable(place, old.st_mode, target.string()));
-  auto temporary = siblingOf(place, fmt::format(".{}.{}.{}.part{}", place.stem().string(),
-                                                ::getpid(), counter++, place.extension().string()));
+  constexpr std::size_t kLongestStem = 200, kLongestExtension = 20;  // of 255 bytes
+  auto temporary = siblingOf(
+      place,
+      fmt::format(".{}.{}.{}.part{}", place.stem().string().substr(0, kLongestStem), ::getpid(),
+                  counter++, place.extension().string().substr(0, kLongestExtension)));
   const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) {
     return fail(ErrorCode::kIo, "{}: cannot write into its folder: {}", target.string(),

@@ -119,8 +119,8 @@ Result<PendingFolder> PendingFolder::create(const fs::path& wanted, std::string_
   restoreReplaced(target);
   VOLUTE_TRY(checkReplaceable(target, mark));
   std::error_code error;
-  auto temporary =
-      siblingOf(target, fmt::format(".{}.{}.0.part", target.filename().string(), ::getpid()));
+  auto temporary = siblingOf(
+      target, fmt::format(".{}.{}.0.part", target.filename().string().substr(0, 200), ::getpid()));
   fs::remove_all(temporary, error);
   PendingFolder pending(std::move(temporary), target);  // memory may end here, before the folder is
   if (!fs::create_directory(pending.temporary_, error)) {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <climits>
 #include <cstring>
 #include <filesystem>
 
@@ -23,6 +24,11 @@ Status checkOutput(const std::string& target, bool standardOutput) {
   }
   const fs::path path(target);
   const fs::path folder = folderOf(path);
+  if (const std::size_t bytes = path.filename().native().size(); bytes > NAME_MAX) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: a name of {} bytes; expected at most {}, which file systems take", target,
+                bytes, NAME_MAX);
+  }
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
     return fail(ErrorCode::kIo, "{}: there is no folder {}; make it first", target,

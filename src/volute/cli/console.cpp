@@ -97,7 +97,7 @@ void Console::drawBar(double done, double total, double elapsed) {
   } else {
     line = fmt::format("{}  {}", stage, durationText(elapsed));
   }
-  fmt::print(stderr, "\r\x1b[K{}", line);
+  say("\r\x1b[K{}", line);
   std::fflush(stderr);
   barShown_ = true;
 }
@@ -105,10 +105,10 @@ void Console::drawBar(double done, double total, double elapsed) {
 void Console::writeLine(double done, double total, double elapsed) {
   if (total > 0) {
     const std::string left = timeLeft(done, total, elapsed);
-    fmt::print(stderr, "volute {}: {}: {:.0f} %{}{}\n", command_, stageText(),
-               100 * std::clamp(done / total, 0.0, 1.0), left.empty() ? "" : ", ", left);
+    say("volute {}: {}: {:.0f} %{}{}\n", command_, stageText(),
+        100 * std::clamp(done / total, 0.0, 1.0), left.empty() ? "" : ", ", left);
   } else {
-    fmt::print(stderr, "volute {}: {}\n", command_, stageText());
+    say("volute {}: {}\n", command_, stageText());
   }
 }
 
@@ -116,7 +116,7 @@ void Console::remark(std::string_view message) {
   if (volume_ == Volume::kQuiet)
     return;
   clear();
-  fmt::print(stderr, "volute {}: {}\n", command_, printableMessage(message));
+  say("volute {}: {}\n", command_, printableMessage(message));
 }
 
 bool Console::cancelled() const {
@@ -126,7 +126,7 @@ bool Console::cancelled() const {
 void Console::clear() {
   if (!barShown_)
     return;
-  fmt::print(stderr, "\r\x1b[K");
+  say("\r\x1b[K");
   std::fflush(stderr);
   barShown_ = false;
 }

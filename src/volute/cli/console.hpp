@@ -2,12 +2,21 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <fmt/format.h>
+
 #include <chrono>
+#include <cstdio>
 #include <string>
 
 #include "volute/base/progress.hpp"
 
 namespace volute::cli {
+
+/// To standard error. What cannot be said there (it is closed, its disk is full) ends nothing.
+template <class... Args>
+void say(fmt::format_string<Args...> format, Args&&... args) {
+  std::fputs(fmt::format(format, std::forward<Args>(args)...).c_str(), stderr);
+}
 
 /// Progress and remarks on standard error: on a terminal a bar with the time that is left, else a
 /// plain line at the start of a stage and at most every ten seconds.

@@ -38,8 +38,7 @@ constexpr int kWrongUsage = 2;
 
 int wrongUsage(const Error& error) {
   letFirstRankSpeak();
-  fmt::print(stderr, "volute: {}\n'volute help' lists the commands.\n",
-             printableMessage(error.message));
+  say("volute: {}\n'volute help' lists the commands.\n", printableMessage(error.message));
   return kWrongUsage;
 }
 
@@ -96,7 +95,7 @@ int show(const std::string& text) {
   if (!status)
     endByBrokenPipe();
   if (!status)
-    fmt::print(stderr, "volute: {}\n", status.error().message);
+    say("volute: {}\n", status.error().message);
   return status ? kDone : kCouldNot;
 }
 
@@ -115,7 +114,7 @@ int runCommand(const Command& command, Arguments arguments, const std::vector<st
   Interrupt::name(command.name);
   auto team = openTeamFor(command, words);
   if (!team) {
-    fmt::print(stderr, "volute {}: {}\n", command.name, printableMessage(team.error().message));
+    say("volute {}: {}\n", command.name, printableMessage(team.error().message));
     return kCouldNot;
   }
   const ThreadLimit threads(arguments.find<int>("threads").value_or(0));
@@ -139,7 +138,7 @@ int runCommand(const Command& command, Arguments arguments, const std::vector<st
   if (status || !context.team.leads())
     return kDone;
   std::fflush(stdout);
-  fmt::print(stderr, "volute {}: {}\n", command.name, printableMessage(status.error().message));
+  say("volute {}: {}\n", command.name, printableMessage(status.error().message));
   return status.error().code == ErrorCode::kInvalidArgument ? kWrongUsage : kCouldNot;
 }
 
@@ -147,8 +146,8 @@ int parseAndRun(const Command& command, const std::vector<std::string>& words) {
   const auto arguments = parseArguments(command, words);
   if (!arguments) {
     letFirstRankSpeak();
-    fmt::print(stderr, "volute {0}: {1}\nSee 'volute help {0}'.\n", command.name,
-               printableMessage(arguments.error().message));
+    say("volute {0}: {1}\nSee 'volute help {0}'.\n", command.name,
+        printableMessage(arguments.error().message));
     return kWrongUsage;
   }
   if (arguments->flag("help"))

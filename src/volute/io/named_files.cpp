@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/named_files.hpp"
 
+#include <algorithm>
+#include <climits>
 #include <filesystem>
 #include <set>
 #include <utility>
@@ -42,7 +44,7 @@ class OutsideFinder {
   }
 
   void addText(const std::string& text, const fs::path& folder) {
-    if (text.empty() || text.find('\0') != text.npos)
+    if (text.empty() || text.find('\0') != text.npos || isTooLong(text))
       return;
     std::error_code error;
     const fs::path path = folder / text;
@@ -57,6 +59,13 @@ class OutsideFinder {
       found_.push_back(text);
     else if (extensionOf(path) == ".json" && fs::is_regular_file(path, error))
       addFile(path);
+  }
+
+  /// No file has such a name.
+  static bool isTooLong(const std::string& text) {
+    return text.size() >= PATH_MAX || std::ranges::any_of(fs::path(text), [](const auto& part) {
+             return part.native().size() > NAME_MAX;
+           });
   }
 
   /// Whether one of the frames of a pattern, or one of the files of a folder, is a link to

@@ -3,6 +3,7 @@
 #include "volute/io/output_names.hpp"
 
 #include <algorithm>
+#include <climits>
 
 #include "volute/base/file_name.hpp"
 #include "volute/base/printable.hpp"
@@ -31,6 +32,13 @@ bool isOneOf(const fs::path& file, const fs::path& pattern) {
 }  // namespace
 
 Status OutputNames::add(const std::string& name, std::string_view what) {
+  const auto frames = FramePattern::parse(name);
+  const fs::path file = frames ? frames->format(0) : fs::path(name);
+  if (const std::size_t bytes = file.filename().native().size(); bytes > NAME_MAX) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: {} has a name of {} bytes; expected at most {}, which file systems take", name,
+                what, bytes, NAME_MAX);
+  }
   const fs::path place = placeOf(name);
   for (const auto& [other, otherWhat] : names_) {
     if (place == other || isOneOf(place, other) || isOneOf(other, place)) {

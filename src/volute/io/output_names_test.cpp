@@ -35,6 +35,15 @@ TEST(OutputNames, NoTwoHaveOneNameHoweverItIsSpelt) {
   EXPECT_TRUE(names.add(base + "/sub/f_0012.png", "statistics"));
 }
 
+TEST(OutputNames, AreNotLongerThanFileSystemsTake) {
+  OutputNames names;
+  EXPECT_TRUE(names.add(std::string(251, 'x') + ".npy", "the volume"));
+  const Status status = names.add(std::string(250, 'x') + "%04d.vdb", "frames");
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().message, HasSubstr("frames has a name of 258 bytes"));
+  EXPECT_FALSE(names.add(std::string(252, 'x') + ".npy", "another"));
+}
+
 TEST(OutputNames, NamesOfFilesStayInTheFolder) {
   for (const char* good : {"density", "a b", "v.x", "Rauch µ"})
     EXPECT_TRUE(checkNamePart(good, "it"));
@@ -55,6 +64,7 @@ TEST(NamedFiles, NoDisguiseLeadsOutOfTheFolder) {
     writeBytes(folder / "in" / file, "{\"media\": [{\"file\": \"" + text + "\"}]}");
     return namesOutside((folder / "in" / file).string());
   };
+  EXPECT_THAT(outside("a.json", std::string(300, 'x')), ElementsAre()) << "is no file";
   for (const char* bad : {"../secret/", "../secret/s_0001.npy", "p_%04d.npy", "p_####.npy",
                           "p_0001.npy", "links", "links/", "../no_such_%04d.npy"})
     EXPECT_THAT(outside("a.json", bad), ElementsAre(bad));

@@ -4,12 +4,14 @@
 
 #include <string>
 
+#include "volute/base/printable.hpp"
+
 namespace volute {
 
-/// Text for an attribute in double quotes.
+/// Text for an attribute in double quotes; control characters are as printable() has them.
 inline std::string escapedXml(const std::string& text) {
   std::string escaped;
-  for (char c : text) {
+  for (const char c : printable(text)) {
     switch (c) {
       case '&':
         escaped += "&amp;";

@@ -2,8 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/report/csv_cell.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+
+#include "volute/base/printable.hpp"
 
 namespace volute {
 namespace {
@@ -25,11 +28,13 @@ std::string csvCell(std::string_view text) {
   bool quotes = false;
   if (formula)
     cell += '\'';
-  for (const char c : text) {
+  std::string line(text);
+  std::ranges::replace_if(line, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  for (const char c : printable(line)) {
     quotes = quotes || c == ',' || c == '"';
     if (c == '"')
       cell += '"';
-    cell += c == '\n' || c == '\r' ? ' ' : c;
+    cell += c;
   }
   return quotes ? '"' + cell + '"' : cell;
 }

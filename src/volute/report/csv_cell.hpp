@@ -8,8 +8,9 @@
 namespace volute {
 
 /// Formats text as a cell of a comma-separated table, quoted where necessary; line ends become
-/// blanks. Spreadsheets evaluate text that begins with =, +, -, @, a tab or a line end, and names
-/// come from untrusted files: such text gets a leading apostrophe unless it is a finite number.
+/// blanks, other control characters what printable() makes of them. Spreadsheets evaluate text that
+/// begins with =, +, -, @, a tab or a line end, and names come from untrusted files: such text gets
+/// a leading apostrophe unless it is a finite number.
 std::string csvCell(std::string_view text);
 
 }  // namespace volute

@@ -18,6 +18,11 @@ TEST(CsvCell, IsQuotedWhereItMustBe) {
   EXPECT_EQ(csvCell("two\r\nlines"), "two  lines");
 }
 
+TEST(CsvCell, HasNoControlCharacters) {
+  EXPECT_EQ(csvCell("ex\x1b[31mit\x07"), "ex\\u001b[31mit\\u0007");
+  EXPECT_EQ(csvCell("tab\there"), "tab\there");
+}
+
 TEST(CsvCell, IsNoFormula) {
   EXPECT_EQ(csvCell("=1+1"), "'=1+1");
   EXPECT_EQ(csvCell("+x"), "'+x");

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/printable.hpp"
 #include "volute/base/write_file.hpp"
 
 namespace volute {
@@ -75,7 +76,7 @@ std::string box(const char* kind, const Json& text) {
 
 std::string escapedHtml(const std::string& text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : printable(text)) {
     switch (c) {
       case '&':
         out += "&amp;";

@@ -28,6 +28,10 @@ TEST(Page, ShowsWhatAReportHolds) {
   EXPECT_EQ(htmlAdvice(Json()), "");
 }
 
+TEST(Page, TextHasNoControlCharacters) {
+  EXPECT_EQ(escapedHtml("a\x1b[2J<b>\x01"), "a\\u001b[2J&lt;b&gt;\\u0001");
+}
+
 TEST(Page, NeedsNoOtherFiles) {
   const auto folder = std::filesystem::path(::testing::TempDir());
   ASSERT_TRUE(writeFile(folder / "dot.png", "abcd"));
