@@ -89,6 +89,8 @@ class LevelWatch {
 
   double limit() const { return limit_; }
 
+  static constexpr std::size_t kBytesOfPlace = 80;  ///< that are kept of each
+
  private:
   struct Before {
     double time = 0, from = 0, value = 0;
@@ -117,6 +119,9 @@ class SignLoss {
 
   /// @param sightings  as lookAround gives them at `now`, the same eyes each time; `now` ascends.
   void update(double now, std::span<const Sighting> sightings);
+
+  /// What is kept of an eye for each set, and for each sign.
+  static constexpr std::size_t kBytesOfSet = 96, kBytesOfSign = 40;
 
   /// Nothing is known of what was before the first time.
   void loseAll();

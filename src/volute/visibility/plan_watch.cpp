@@ -21,6 +21,7 @@ namespace volute {
 namespace {
 
 constexpr float kNoFloat = std::numeric_limits<float>::quiet_NaN();
+constexpr std::uint64_t kPlace = 160;  ///< [bytes] of a point of the plan itself
 /// Where the colours of visibility end [m]: what FDS writes at most.
 constexpr double kFar = 30;
 
@@ -61,6 +62,13 @@ class PlanWatch final : public Watch {
           "and {:g} m; expected a height where there is gas",
           survey.height, survey.bounds.min[2], survey.bounds.max[2]);
     }
+    const std::size_t sets = survey.sets.size() + std::size(kVariations);
+    VOLUTE_TRY(survey.checkMemory(
+        eyes_.size(), sets * SignLoss::kBytesOfSet + survey.signs.size() * SignLoss::kBytesOfSign +
+                          (1 + survey.criteria.size()) * LevelWatch::kBytesOfPlace + kPlace));
+    if (const auto remark = survey.rset ? survey.rset->placesBeside(survey.bounds) : "";
+        !remark.empty())
+      progress.remark(remark);
     use_ = planUse(survey, first, eyes_, progress);
     if (survey.maps == Survey::Maps::kSome && survey.times.size() > Survey::kPicturedTimes) {
       progress.remark(
@@ -74,14 +82,14 @@ class PlanWatch final : public Watch {
           "{} maps are drawn; --maps some draws {} times of each sign, --frames takes fewer times",
           survey.signs.size() * survey.times.size(), Survey::kPicturedTimes));
     }
-    std::vector<std::vector<std::size_t>> sets;
-    for (const SignSet& set : survey.sets) sets.push_back(set.members);
-    std::vector<double> factors(sets.size(), 1);
+    std::vector<std::vector<std::size_t>> members;
+    for (const SignSet& set : survey.sets) members.push_back(set.members);
+    std::vector<double> factors(members.size(), 1);
     for (const Variation& one : kVariations) {
-      sets.push_back(survey.sets[0].members);
+      members.push_back(survey.sets[0].members);
       factors.push_back(one.factor);
     }
-    losses_.emplace(survey.signs, std::move(sets), eyes_.size(), std::move(factors));
+    losses_.emplace(survey.signs, std::move(members), eyes_.size(), std::move(factors));
     if (survey.extinctionLimit > 0)
       local_.emplace(eyes_.size(), survey.extinctionLimit);
     if (!survey.criteria.empty())

@@ -85,6 +85,24 @@ Result<Rset> Rset::parse(std::string_view text, std::string_view file) {
   return Rset(std::move(map));
 }
 
+std::string Rset::placesBeside(const Box3& bounds) const {
+  const auto* map = std::get_if<std::vector<Place>>(&what_);
+  if (!map)
+    return "";
+  const auto beside = [&](const Place& one) {
+    return one.x < bounds.min.x() || one.x > bounds.max.x() || one.y < bounds.min.y() ||
+           one.y > bounds.max.y();
+  };
+  const auto first = std::ranges::find_if(*map, beside);
+  if (first == map->end())
+    return "";
+  return fmt::format(
+      "{} of {} places of the required times are beside the case, which reaches from {:g}, {:g} to "
+      "{:g}, {:g} m: the first is at {:g}, {:g} m",
+      std::count_if(first, map->end(), beside), map->size(), bounds.min.x(), bounds.min.y(),
+      bounds.max.x(), bounds.max.y(), first->x, first->y);
+}
+
 /// One RSET for each place.
 Status Rset::checkPlaces(std::vector<Place> map, std::string_view file) {
   const auto key = [](const Place& one) { return std::tuple(one.x, one.y, one.z.value_or(0)); };

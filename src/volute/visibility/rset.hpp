@@ -38,6 +38,9 @@ class Rset {
 
   std::string description() const;
 
+  /// How many places of a map lie beside these bounds, and the first of them; empty: none.
+  std::string placesBeside(const Box3& bounds) const;
+
  private:
   struct Place {
     double x = 0, y = 0;      // [m]

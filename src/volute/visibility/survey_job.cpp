@@ -118,6 +118,7 @@ class Job {
     survey_.bounds = field_.bounds();
     survey_.north = field_.north();
     survey_.field = &field_;
+    survey_.maxMemory = request_.maxMemory;
     if (watch_.wantsChanges())
       changes_ = field_.changes();
     for (const std::string& remark : field_.remarks()) log_.remark(remark);
@@ -236,16 +237,8 @@ class Job {
                 Bytes& bytes) {
     const auto eyes = watch_.eyes(time);
     const std::uint64_t lines = eyes.size() * survey_.signs.size();
-    // A line three times (worked out, handed over, taken in order), and what a plan keeps of an
-    // eye; measured: 365 bytes for each place of a plan with one sign.
-    constexpr std::uint64_t kPerLine = 3 * sizeof(Sighting), kPerEye = 160;
-    const std::uint64_t need = kPerLine * lines + kPerEye * eyes.size();
-    if (need > request_.maxMemory) {
-      return fail(ErrorCode::kTooLarge,
-                  "{} eyes and {} signs need about {} MiB, more than the {} MiB allowed; choose "
-                  "places farther apart, fewer signs, or more memory",
-                  eyes.size(), survey_.signs.size(), need >> 20, request_.maxMemory >> 20);
-    }
+    constexpr std::uint64_t kEye = 160;  // itself, and what is asked of its place
+    VOLUTE_TRY(survey_.checkMemory(eyes.size(), kEye));
     std::vector<Sighting> sightings(lines);
     lookout_.look(instant, survey_.signs, eyes, sightings, looksAgain());
     const bool smoke =

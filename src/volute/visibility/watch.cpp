@@ -7,7 +7,9 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <span>
 
+#include "volute/base/content_hash.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/report/line_plot.hpp"
 #include "volute/visibility/plan_tenability.hpp"
@@ -291,6 +293,17 @@ bool Survey::pictured(std::size_t time) const {
   return n * last / steps == time;
 }
 
+Status Survey::checkMemory(std::uint64_t eyes, std::uint64_t kept) const {
+  // A line three times: worked out, handed over, taken in order.
+  const std::uint64_t need = eyes * (3 * sizeof(Sighting) * signs.size() + kept);
+  if (need <= maxMemory)
+    return {};
+  return fail(ErrorCode::kTooLarge,
+              "{} eyes and {} signs need about {} MiB, more than the {} MiB allowed; choose places "
+              "farther apart, fewer signs, or more memory",
+              eyes, signs.size(), need >> 20, maxMemory >> 20);
+}
+
 std::string Survey::fileName(std::string_view name) {
   std::string file;
   for (const char c : name) {
@@ -298,7 +311,12 @@ std::string Survey::fileName(std::string_view name) {
                        c == '-' || c == '_';
     file += plain ? c : '_';
   }
-  return file;
+  constexpr std::size_t kLongest = 100;  // other parts of a file's name have room beside it
+  if (file.size() <= kLongest)
+    return file;
+  ContentHash hash;
+  hash.add(std::span(name.data(), name.size()));
+  return fmt::format("{}_{}", file.substr(0, kLongest - 9), hash.digits().substr(0, 8));
 }
 
 std::unique_ptr<Watch> pointWatch(std::vector<Vec3> points) {

@@ -60,6 +60,12 @@ struct Survey {
   std::vector<Vec3> fires;  ///< besides what the case says: x, y and radius [m] of where it burns
   bool everywhere = false;  ///< verdicts of plans are of all points, not of those for people alone
 
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes] of all that is kept of eyes
+
+  /// kTooLarge where so many eyes need more than maxMemory: what they see at one time, and
+  /// @param kept  [bytes] that are kept of each all along.
+  [[nodiscard]] Status checkMemory(std::uint64_t eyes, std::uint64_t kept) const;
+
   /// The name as part of a file's name.
   static std::string fileName(std::string_view name);
 };
