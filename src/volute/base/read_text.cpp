@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/base/read_text.hpp"
 
+#include <string_view>
+
 #include "volute/base/input_file.hpp"
 
 namespace volute {
@@ -14,6 +16,16 @@ Result<std::string> readText(const std::filesystem::path& path, std::uint64_t mo
   }
   std::string text(file.size(), '\0');
   VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
+  if (text.starts_with("\xEF\xBB\xBF"))
+    text.erase(0, 3);
+  // A byte order mark, then a letter in two bytes.
+  const auto wide = [&](std::string_view mark, std::size_t zero, std::size_t letter) {
+    return text.size() >= 4 && text.starts_with(mark) && text[zero] == 0 && text[letter] != 0;
+  };
+  if (wide("\xFF\xFE", 3, 2) || wide("\xFE\xFF", 2, 3)) {
+    return fail(ErrorCode::kInvalidData, "{}: is text in UTF-16; expected UTF-8: save it so",
+                path.string());
+  }
   return text;
 }
 

@@ -11,7 +11,8 @@
 
 namespace volute {
 
-/// All of a text file. kTooLarge for more than `most` bytes; else as InputFile::open() and read().
+/// All of a text file, without a byte order mark; kInvalidData for UTF-16, kTooLarge for more than
+/// `most` bytes; else as InputFile::open() and read().
 [[nodiscard]] Result<std::string> readText(
     const std::filesystem::path& path,
     std::uint64_t most = std::numeric_limits<std::uint64_t>::max());

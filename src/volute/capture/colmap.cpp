@@ -69,9 +69,10 @@ Result<CaptureDraft> readColmap(const std::filesystem::path& folder) {
     VOLUTE_TRY(readIntrinsics(found->second, image.where, camera.calibration));
     const auto& q = image.rotation;
     const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
-    if (!(rotation.norm() > 0.5)) {
-      return fail(ErrorCode::kInvalidData, "{}: ({}, {}, {}, {}) is no rotation", image.where, q[0],
-                  q[1], q[2], q[3]);
+    if (!(std::abs(rotation.norm() - 1) < 0.01)) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: ({}, {}, {}, {}) is no rotation; expected a quaternion of length 1",
+                  image.where, q[0], q[1], q[2], q[3]);
     }
     camera.calibration.R = rotation.normalized().toRotationMatrix();
     camera.calibration.t = image.translation;

@@ -125,12 +125,15 @@ Status readCamerasText(const std::filesystem::path& path, ColmapModel& model) {
       camera.model = line.words[1];
     for (std::size_t i = 4; good && i < line.words.size(); ++i)
       good = toNumber(line.words[i], camera.parameters.emplace_back());
-    if (!good) {
+    if (!good || camera.width < 1 || camera.height < 1) {
       return fail(ErrorCode::kInvalidData,
                   "{}: line {}: expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS", path.string(),
                   line.number);
     }
-    model.cameras[id] = std::move(camera);
+    if (!model.cameras.emplace(id, std::move(camera)).second) {
+      return fail(ErrorCode::kInvalidData, "{}: line {}: camera {} is there twice", path.string(),
+                  line.number, id);
+    }
   }
   return checkWhole(path, text, "cameras", model.cameras.size(), model);
 }

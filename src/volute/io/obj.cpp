@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "volute/base/printable.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/geometry/polygon.hpp"
@@ -198,14 +200,18 @@ class ObjReader {
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error))
       return {};
+    if (!libraries_.insert(file).second)
+      return {};
     VOLUTE_ASSIGN(std::string text, readText(file, maxMemory_));
     std::uint32_t current = 0;
-    return forEachLine(
-        text, [&](std::string_view keyword, std::string_view rest, int at) -> Status {
+    std::map<std::string, std::vector<std::uint32_t>> own;
+    VOLUTE_TRY(
+        forEachLine(text, [&](std::string_view keyword, std::string_view rest, int at) -> Status {
           const std::string word = lowered(keyword);
           if (word == "newmtl") {
             current = static_cast<std::uint32_t>(mesh_.materials.size());
             named_[trimmedName(rest)] = current;
+            own[trimmedName(rest)].push_back(current);
             mesh_.materials.emplace_back();
             return {};
           }
@@ -229,7 +235,17 @@ class ObjReader {
           Material& material = mesh_.materials[current];
           (word == "kd" ? material.baseColor : material.emission) = color;
           return {};
-        });
+        }));
+    for (const auto& [called, places] : own) {
+      const Material& first = mesh_.materials[places.front()];
+      const Material& last = mesh_.materials[places.back()];
+      if ((first.baseColor != last.baseColor).any() || (first.emission != last.emission).any()) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: the material '{}' is there twice, with other colors", file.string(),
+                    printable(called));
+      }
+    }
+    return {};
   }
 
   std::filesystem::path path_;
@@ -237,6 +253,7 @@ class ObjReader {
   TriangleMesh mesh_;
   std::vector<Vec3> vertices_;
   std::map<std::string, std::uint32_t> named_;
+  std::set<std::filesystem::path> libraries_;  ///< that were read
   std::uint32_t material_ = 0;
 };
 

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "volute/base/input_file.hpp"
@@ -50,7 +51,11 @@ struct PngState {
   png_longjmp(png, 1);
 }
 
-void onWarning(png_structp, png_const_charp) {}
+/// What is there twice, and says two things.
+void onWarning(png_structp png, png_const_charp message) {
+  if (std::string_view(message).find("duplicate") != std::string_view::npos)
+    onError(png, message);
+}
 
 void onRead(png_structp png, png_bytep to, size_t count) {
   auto* state = static_cast<PngState*>(png_get_io_ptr(png));

@@ -26,6 +26,13 @@ bool isNumber(const FieldValue& value, bool whole) {
                : value.is_number() && std::isfinite(value.get<double>());
 }
 
+/// Numbers beyond this mean that something is not there, as netCDF's fill value (9.97e36) does.
+constexpr double kLargest = 1e30;
+
+bool holds(const FieldRow& field, double value) {
+  return field.holds(value) && std::abs(value) <= kLargest;
+}
+
 /// How many numbers a value of this type has: {fewest, most}.
 std::pair<std::size_t, std::size_t> countsOf(const FieldRow& field) {
   const auto count = static_cast<std::size_t>(field.count);
@@ -56,7 +63,8 @@ Checked checkNumbers(const FieldRow& field, const FieldValue& value) {
       return fault(field.whole ? "expected a whole number" : "expected a number",
                    fmt::format("[{}]", i));
   }
-  if (std::ranges::all_of(value, [&](const FieldValue& v) { return field.holds(v.get<double>()); }))
+  if (std::ranges::all_of(value,
+                          [&](const FieldValue& v) { return holds(field, v.get<double>()); }))
     return {};
   return fault(fmt::format("{} is out of range; expected {}", value.dump(), field.expected()));
 }
@@ -106,7 +114,7 @@ Checked checkValue(const FieldRow& field, const FieldValue& value) {
       [[fallthrough]];
     case kInteger:
       good = isNumber(value, field.type == kInteger);
-      if (good && !field.holds(value.get<double>()))
+      if (good && !holds(field, value.get<double>()))
         return fault(
             fmt::format("{} is out of range; expected {}", value.dump(), field.rangeText()));
       break;

@@ -40,6 +40,12 @@ std::vector<std::filesystem::path> tablesOf(const SmvIndex& index, std::string_v
   return paths;
 }
 
+std::string capitals(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  return out;
+}
+
 /// Some of many names.
 std::string namesOf(const std::set<std::string>& names) {
   std::vector<std::string> shown(names.begin(), names.end());
@@ -60,6 +66,17 @@ class CurveReader {
     VOLUTE_ASSIGN(const auto names, lines.next());
     if (!units || !names)
       return fail(ErrorCode::kTruncated, "{}: has no line of names yet", path_);
+    const std::string time(fieldsOf(*names, ',')[0]), unit(fieldsOf(*units, ',')[0]);
+    if (capitals(time).find("TIME") == time.npos) {
+      return fail(ErrorCode::kInvalidData, "{}: its first column is '{}'; expected Time", path_,
+                  printable(time));
+    }
+    const auto change = unitChange(unit.empty() ? "s" : unit, "s");
+    if (!change) {
+      return fail(ErrorCode::kInvalidData, "{}: its times are in '{}'; expected s", path_,
+                  printable(unit));
+    }
+    seconds_ = *change;
     choose(asUtf8(*units), asUtf8(*names), wanted);
     for (std::size_t row = 0; row < kMaxRows && !curves_.empty(); ++row) {
       VOLUTE_ASSIGN(const auto line, lines.next());
@@ -99,7 +116,9 @@ class CurveReader {
 
   void take(std::string_view line, int number) {
     const auto cells = fieldsOf(line, ',');
-    const auto time = fortranNumber(cells[0]);
+    auto time = fortranNumber(cells[0]);
+    if (time)
+      time = seconds_(*time);
     if (!time) {
       ++badTimes_;
       return;
@@ -152,6 +171,7 @@ class CurveReader {
   }
 
   std::string path_;
+  UnitChange seconds_;
   FdsCurves& found_;
   std::vector<FactCurve> curves_;
   std::vector<std::size_t> columns_;  // of each curve
@@ -230,12 +250,6 @@ class FdsDevicePoints final : public PointField {
   double worst_;  // -1: the least value
 };
 
-std::string capitals(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
-  return out;
-}
-
 /// Names of gases that users give besides FDS's own.
 std::string speciesOf(std::string_view name) {
   constexpr std::pair<std::string_view, std::string_view> kFormulas[] = {
@@ -313,6 +327,10 @@ Result<std::unique_ptr<PointField>> fdsDevicePoints(const SmvIndex& index,
     return none;
   VOLUTE_TRY(read);
   std::vector<Device> devices;
+  for (const auto& [label, one] : wanted) {
+    if (std::ranges::find(read->curves, label, &FactCurve::name) == read->curves.end())
+      left.insert(label + " (no column of that name)");
+  }
   for (FactCurve& curve : read->curves) {
     const auto change = unitChange(curve.unit.empty() ? unit : curve.unit, unit);
     if (!change) {
