@@ -6,6 +6,7 @@
 //   full VOLUTE_FAULT=once:N   the N-th of them fails with EIO, those after it do not
 //   VOLUTE_FAULT=flip:N   the N-th of them that writes bytes writes one flipped bit, and says
 //   nothing VOLUTE_FAULT=kill:N   the process is killed (SIGKILL) before the N-th of them
+//   VOLUTE_FAULT=read:N   the N-th call that reads a file below VOLUTE_FAULT_INPUTS fails with EIO
 //   VOLUTE_FAULT=memory:N the N-th operator new throws std::bad_alloc
 //   VOLUTE_FAULT=clock:N  CLOCK_REALTIME jumps back and forth by N seconds, at every call
 // Calls are counted from 1, over all threads of the process that was started; it writes how many
@@ -29,19 +30,19 @@
 
 namespace {
 
-enum class Fault { kNone, kFull, kOnce, kFlip, kKill, kMemory, kClock };
+enum class Fault { kNone, kFull, kOnce, kFlip, kKill, kRead, kMemory, kClock };
 
 struct Plan {
   Fault fault = Fault::kNone;
   long number = 0;
   const char* folder = nullptr;
-  std::size_t folderLength = 0;
+  const char* inputs = nullptr;
   int count = -1;
   pid_t process = 0;
 };
 
 Plan plan;
-std::atomic<long> writes{0}, allocations{0}, clocks{0};
+std::atomic<long> writes{0}, allocations{0}, reads{0}, clocks{0};
 
 template <class Function>
 Function real(const char* name) {
@@ -52,8 +53,9 @@ __attribute__((constructor(101))) void begin() {
   static constexpr struct {
     const char* name;
     Fault fault;
-  } kFaults[] = {{"full:", Fault::kFull}, {"once:", Fault::kOnce},     {"flip:", Fault::kFlip},
-                 {"kill:", Fault::kKill}, {"memory:", Fault::kMemory}, {"clock:", Fault::kClock}};
+  } kFaults[] = {{"full:", Fault::kFull},  {"once:", Fault::kOnce}, {"flip:", Fault::kFlip},
+                 {"kill:", Fault::kKill},  {"read:", Fault::kRead}, {"memory:", Fault::kMemory},
+                 {"clock:", Fault::kClock}};
 
   const char* text = std::getenv("VOLUTE_FAULT");
   for (const auto& one : kFaults) {
@@ -63,17 +65,17 @@ __attribute__((constructor(101))) void begin() {
     }
   }
   plan.folder = std::getenv("VOLUTE_FAULT_FOLDER");
-  plan.folderLength = plan.folder ? std::strlen(plan.folder) : 0;
+  plan.inputs = std::getenv("VOLUTE_FAULT_INPUTS");
   if (const char* count = std::getenv("VOLUTE_FAULT_COUNT"))
     plan.count = std::atoi(count);
   plan.process = ::getpid();
 }
 
-bool below(const char* path) {
-  return plan.folder && path && std::strncmp(path, plan.folder, plan.folderLength) == 0;
+bool below(const char* path, const char* folder = plan.folder) {
+  return folder && path && std::strncmp(path, folder, std::strlen(folder)) == 0;
 }
 
-bool below(int descriptor) {
+bool below(int descriptor, const char* folder = plan.folder) {
   struct stat status{};
   if (::fstat(descriptor, &status) != 0 || !(S_ISREG(status.st_mode) || S_ISDIR(status.st_mode)))
     return false;
@@ -83,12 +85,23 @@ bool below(int descriptor) {
   if (length < 0)
     return false;
   path[length] = '\0';
-  return below(path);
+  return below(path, folder);
+}
+
+/// Whether this call, one that reads, is to fail; errno is set then.
+bool failsToRead(int descriptor) {
+  if (::getpid() != plan.process || !plan.inputs || !below(descriptor, plan.inputs))
+    return false;
+  if (++reads != plan.number || plan.fault != Fault::kRead)
+    return false;
+  errno = EIO;
+  return true;
 }
 
 /// Whether this call, one that writes, is to fail; errno is set then.
 bool fails() {
-  if (plan.fault == Fault::kMemory || plan.fault == Fault::kClock || ::getpid() != plan.process)
+  if (plan.fault == Fault::kMemory || plan.fault == Fault::kRead || plan.fault == Fault::kClock ||
+      ::getpid() != plan.process)
     return false;
   const long number = ++writes;
   if (plan.fault == Fault::kKill && number == plan.number)
@@ -134,8 +147,8 @@ void tell() {
   if (plan.count < 0 || ::getpid() != plan.process)
     return;
   char text[64];
-  const int length =
-      std::snprintf(text, sizeof text, "%ld %ld\n", writes.load(), allocations.load());
+  const int length = std::snprintf(text, sizeof text, "%ld %ld %ld\n", writes.load(),
+                                   allocations.load(), reads.load());
   static const auto write = real<ssize_t (*)(int, const void*, std::size_t)>("write");
   (void)!write(plan.count, text, static_cast<std::size_t>(length));
 }
@@ -196,6 +209,26 @@ ssize_t pwrite(int descriptor, const void* bytes, std::size_t count, off_t offse
 ssize_t pwrite64(int descriptor, const void* bytes, std::size_t count, off64_t offset) {
   static const auto next = real<ssize_t (*)(int, const void*, std::size_t, off64_t)>("pwrite64");
   return below(descriptor) && fails() ? -1 : next(descriptor, bytes, count, offset);
+}
+
+ssize_t read(int descriptor, void* bytes, std::size_t count) {
+  static const auto next = real<ssize_t (*)(int, void*, std::size_t)>("read");
+  return failsToRead(descriptor) ? -1 : next(descriptor, bytes, count);
+}
+
+ssize_t readv(int descriptor, const iovec* parts, int count) {
+  static const auto next = real<ssize_t (*)(int, const iovec*, int)>("readv");
+  return failsToRead(descriptor) ? -1 : next(descriptor, parts, count);
+}
+
+ssize_t pread(int descriptor, void* bytes, std::size_t count, off_t offset) {
+  static const auto next = real<ssize_t (*)(int, void*, std::size_t, off_t)>("pread");
+  return failsToRead(descriptor) ? -1 : next(descriptor, bytes, count, offset);
+}
+
+ssize_t pread64(int descriptor, void* bytes, std::size_t count, off64_t offset) {
+  static const auto next = real<ssize_t (*)(int, void*, std::size_t, off64_t)>("pread64");
+  return failsToRead(descriptor) ? -1 : next(descriptor, bytes, count, offset);
 }
 
 int fsync(int descriptor) {

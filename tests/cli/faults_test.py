@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""Full disks, failing writes, flipped bits, kill -9, too little memory and clocks that jump, by tests/faults.cpp: each command
+"""Full disks, failing reads and writes, flipped bits, kill -9, too little memory and clocks that jump, by tests/faults.cpp: each command
 ends with a sentence and leaves its target whole or not at all. A few places of each; VOLUTE_FAULT_PLACES=100 tries so many, 0 all."""
 import dataclasses
 import json
@@ -117,13 +117,13 @@ class Faults(support.TestCase):
                        "--refine", "never", "--frames", "10:12"], work="x.volute.work")
 
     def run_with(self, fault, command, count=False):
-        """(exit code, message, (writes, allocations))"""
+        """(exit code, message, (writes, allocations, reads of inputs))"""
         shutil.rmtree(self.out, ignore_errors=True)
         self.out.mkdir()
         read, write = os.pipe()
         preloaded = f"{os.environ.get('LD_PRELOAD', '')} {LIBRARY}".strip()
         # A program that runs out of memory within a library may wait for ever: that is a hang.
-        environment = os.environ | {"LD_PRELOAD": preloaded, "VOLUTE_FAULT": fault, "VOLUTE_FAULT_FOLDER": str(self.out),
+        environment = os.environ | {"LD_PRELOAD": preloaded, "VOLUTE_FAULT": fault, "VOLUTE_FAULT_FOLDER": str(self.out), "VOLUTE_FAULT_INPUTS": str(self.inputs),
                                     "VOLUTE_FAULT_COUNT": str(write)}
         try:
             done = subprocess.run([support.PROGRAM, *map(str, command.words)], env=environment, pass_fds=[write], stdout=subprocess.PIPE,
@@ -132,7 +132,7 @@ class Faults(support.TestCase):
             os.close(write)
         with os.fdopen(read) as file:
             text = file.read().split()
-        return done.returncode, done.stderr.decode(errors="replace"), tuple(map(int, text[:2])) if text else (0, 0)
+        return done.returncode, done.stderr.decode(errors="replace"), tuple(map(int, text[:3])) if text else (0, 0, 0)
 
     def written(self, command):
         """Each output, a file or a folder, and the bytes of its files."""
@@ -165,7 +165,7 @@ class Faults(support.TestCase):
                 self.assertEqual(set(there) - {name}, set(), what)
 
     def test_full_disks_and_failing_writes(self):
-        for command, whole, (writes, _) in self.known():
+        for command, whole, (writes, *_) in self.known():
             self.assertGreater(writes, 1, command)
             for fault in ("full", "once"):
                 for number in places(writes):
@@ -180,8 +180,25 @@ class Faults(support.TestCase):
                             self.assertTrue(message.startswith("volute "), what)
                         self.check_files(whole, what, command)
 
+    def test_failing_reads(self):
+        """Of the program itself: readers of VTK and OpenVDB are processes of their own."""
+        tried = 0
+        for command, whole, (_, _, reads) in self.known():
+            for number in places(reads):
+                what = f"read:{number} of {reads}: {command}"
+                with self.subTest(what):
+                    tried += 1
+                    code, message, _ = self.run_with(f"read:{number}", command)
+                    if code == 0:  # what was not read is not needed, or a study's run tells of it
+                        self.assertEqual(set(self.written(command)), set(whole), what)
+                    else:
+                        self.assertEqual(code, 1, f"{what}: {message}")
+                        self.assertTrue(message.startswith("volute "), f"{what}: {message}")
+                    self.check_files(whole, what, command)
+        self.assertGreater(tried, 20)
+
     def test_kill_at_any_write(self):
-        for command, whole, (writes, _) in self.known():
+        for command, whole, (writes, *_) in self.known():
             for number in places(writes):
                 what = f"kill:{number} of {writes}: {command}"
                 with self.subTest(what):
@@ -194,7 +211,7 @@ class Faults(support.TestCase):
     def test_flipped_bits_get_no_name(self):
         """A .volute file that differs from what was encoded is found before it gets its name."""
         tried = 0
-        for command, whole, (writes, _) in self.known():
+        for command, whole, (writes, *_) in self.known():
             if not str(command.words[-1]).endswith(".volute") and "x.volute" not in str(command):
                 continue
             tried += 1
@@ -235,7 +252,7 @@ class Faults(support.TestCase):
         except unittest.SkipTest:
             pass
         for command in map(Command, commands):
-            code, message, (_, allocations) = self.run_with("none", command)
+            code, message, (_, allocations, _) = self.run_with("none", command)
             self.assertEqual(code, 0, message)
             self.assertGreater(allocations, 2000, command)
             whole = self.written(command)

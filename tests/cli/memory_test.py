@@ -4,9 +4,17 @@
 """What --max-memory promises, by the peak of the program's resident memory. Meshes are in mesh_test.py, captures in
 reconstruct_test.py, folders of mounted frames in mount_test.py."""
 import array
+import json
 import math
+import os
+import pathlib
 import struct
+import subprocess
+import time
+import unittest
 
+import ring
+import sight_cases
 import support
 
 SIDE, FRAMES = 56, 96  # 67 MB of floats
@@ -94,6 +102,82 @@ class Memory(support.TestCase):
                                                    "--rms", "0.001", "--threads", 1, "--max-memory", "48M")
             self.assertEqual(code, 0, message)
         self.assertLess(peaks["long"], peaks["short"] + (16 << 20))
+
+
+class AllProcesses(support.TestCase):
+    """The program and the processes that read for it, together: proportional set sizes (PSS), asked for every few milliseconds."""
+    OWN = 128 << 20
+
+    def held(self, *arguments):
+        """(exit code, message, the most that all hold)."""
+        self.measures_memory()
+        process = subprocess.Popen([support.PROGRAM, *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                   start_new_session=True)
+        most = 0
+        while process.poll() is None:
+            total = 0
+            for folder in pathlib.Path("/proc").iterdir():
+                try:
+                    if folder.name.isdigit() and os.getsid(int(folder.name)) == process.pid:
+                        total += sum(int(line.split()[1]) for line in (folder / "smaps_rollup").read_text().splitlines()
+                                     if line.startswith("Pss:")) << 10
+                except (OSError, ProcessLookupError):
+                    continue
+            most = max(most, total)
+            time.sleep(0.005)
+        message = process.stderr.read().decode()
+        process.stderr.close()
+        return process.returncode, message, most
+
+    def within(self, megabytes, *arguments, done):
+        code, message, most = self.held(*arguments, "--max-memory", f"{megabytes}M", "--quiet")
+        self.assertEqual(code, 0 if done else 1, message)
+        self.assertLess(most, (megabytes << 20) + self.OWN, f"{arguments[0]}: {message}")
+        if not done:
+            self.assertRegex(message, "[MG]i?B", message)
+
+    def test_visibility_and_sweep(self):
+        hall = sight_cases.Mesh("hall", (0, 12, 0, 8, 0, 3), (12, 8, 3))
+        sight_cases.FdsCase([hall], [0.0, 10.0], lambda t, *_: 0.02 * t).write(self.folder, "hall")
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [11.9, 4, 2], "normal": [-1, 0, 0]}]}))
+        plan = ("visibility", self.path("hall.smv"), "--signs", self.path("signs.json"), "--maps", "aset", "--height", 1.5)
+        self.within(200, *plan, "-o", self.path("a"), "--step", 0.05, done=True)   # 38,400 places
+        self.within(200, *plan, "-o", self.path("b"), "--step", 0.008, done=False)  # 1,500,000
+        self.path("eyes.csv").write_text("x,y,z\n" + "".join(f"{1 + i % 900 / 100},2,1.5\n" for i in range(500_000)))
+        self.within(100, "visibility", self.path("hall.smv"), "--signs", self.path("signs.json"), "--eyes", self.path("eyes.csv"), "-o",
+                    self.path("c"), "--sight", "none", done=False)
+        self.path("study.json").write_text(json.dumps({"cases": ["hall.smv"], "options": {
+            "signs": "signs.json", "height": 1.5, "step": 0.05, "maps": "aset"}}))
+        self.within(200, "sweep", self.path("study.json"), "-o", self.path("d"), done=True)
+
+    def test_meshes_with_other_fields(self):
+        """A second field is read beside the smoke; both readings together stay within the limit."""
+        sight_cases.write_vtu(self.path("room.vtu"), (4, 4, 3), (36, 36, 36), lambda x, y, z: 0.1 + 0.01 * x,
+                              more=[("temperature", lambda x, y, z: 20 + z)])
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [3.9, 2, 2], "normal": [-1, 0, 0]}]}))
+        self.path("eyes.csv").write_text("x,y,z\n1,2,1.5\n")
+        code, message, _ = self.held("info", self.path("room.vtu"))
+        if code:
+            self.skipTest(message)
+        arguments = ("visibility", self.path("room.vtu"), "--signs", self.path("signs.json"), "--eyes", self.path("eyes.csv"), "--field", "smoke",
+                     "--quantity", "extinction")
+        self.within(160, *arguments, "-o", self.path("a"), done=True)
+        self.within(16, *arguments, "-o", self.path("b"), done=False)
+        self.within(400, "render", self.path("room.vtu"), "--field", "smoke", "--quantity", "extinction", "-o", self.path("x.png"), "--size",
+                    "24x18", done=True)
+
+    def test_reconstruct_and_compress(self):
+        try:
+            capture = ring.made()
+        except unittest.SkipTest as missing:
+            self.skipTest(str(missing))
+        self.addCleanup(ring.made.__defaults__[0].clear)
+        self.addCleanup(ring.clean_up)
+        fit = ("reconstruct", capture / "capture.json", "--iterations", 2, "--regularization", "none", "--refine", "never", "--frames", "10:11")
+        self.within(150, *fit, "--resolution", 48, "-o", self.path("a.npy"), done=True)
+        self.within(40, *fit, "--resolution", 400, "-o", self.path("b.npy"), done=False)
+        write_sequence(self.path("in.npy"))
+        self.within(48, "compress", self.path("in.npy"), "-o", self.path("a.volute"), "--rms", "0.001", done=True)
 
 
 if __name__ == "__main__":

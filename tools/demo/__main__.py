@@ -110,4 +110,8 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except OSError as error:  # a full disk, most likely
+        where = f"{error.filename}: " if error.filename else ""
+        sys.exit(f"demo: {where}{error.strerror or error}. The same command continues from what is done.")
