@@ -121,8 +121,8 @@ Status checkMemory(const VolumeGeometry& geometry, std::uint64_t fixed, std::uin
                                : std::string("take smaller images");
   return fail(
       ErrorCode::kTooLarge,
-      "The reconstruction of {} x {} x {} voxels needs {:.1f} GB, {:.1f} GB of them for "
-      "pictures and rays, more than the {:.1f} GB that are allowed; {}, one ray a pixel, or "
+      "The reconstruction of {} x {} x {} voxels needs {:.3g} GB, {:.3g} GB of them for "
+      "pictures and rays, more than the {:.3g} GB that are allowed; {}, one ray a pixel, or "
       "allow more (--max-memory {}G)",
       n[0], n[1], n[2], static_cast<double>(fixed + growing) * 1e-9,
       static_cast<double>(fixed) * 1e-9, static_cast<double>(maxMemory) * 1e-9, remedy,
@@ -192,7 +192,7 @@ Status checkVolumeSize(const VolumeGeometry& geometry, std::uint64_t maxMemory) 
                 n[0], n[1], n[2]);
   if (const std::uint64_t needed = volumeBytes(geometry); needed > maxMemory) {
     return fail(ErrorCode::kTooLarge,
-                "A volume of {} x {} x {} voxels needs {:.1f} GB at least, more than the {:.1f} GB "
+                "A volume of {} x {} x {} voxels needs {:.3g} GB at least, more than the {:.3g} GB "
                 "that are allowed; take a lower resolution (the values of {} would fit), "
                 "or allow more (--max-memory {}G and what pictures and rays need)",
                 n[0], n[1], n[2], static_cast<double>(needed) * 1e-9,
