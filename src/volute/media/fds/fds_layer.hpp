@@ -60,6 +60,12 @@ class FdsLayer {
   /// What the extinction is read from, in words.
   const std::string& source() const { return case_->source().description; }
 
+  /// What the case's files say.
+  const FdsCase& files() const { return *case_; }
+
+  /// How bright flames are: FlameLaw::emission.
+  const FlameLaw& flame() const { return flame_; }
+
   bool isClear() const { return case_->source().kind == FdsFileKind::kClear; }
 
   const Box3& bounds() const { return case_->bounds(); }

@@ -9,6 +9,7 @@
 #include "volute/base/remark_log.hpp"
 #include "volute/camera/pixel_ray.hpp"
 #include "volute/fds/smv_index.hpp"
+#include "volute/media/fds/fds_parameters.hpp"
 #include "volute/media/fds/fds_report.hpp"
 #include "volute/media/fds/fds_sight.hpp"
 #include "volute/media/light_blockers.hpp"
@@ -172,6 +173,17 @@ class FdsKind final : public MediumKind {
   }
 
   bool shares(const std::string& key) const override { return key == "mode" || key == "C"; }
+
+  void addParameters(ParameterGroup& group, const OrderedJson& entry, const SceneMedium& medium,
+                     MediumFacts facts) const override {
+    addCaseParameters(group, dynamic_cast<const FdsSceneMedium&>(medium).layer());
+    MediumKind::addParameters(group, entry, medium, facts);
+  }
+
+  bool setParameter(OrderedJson& entry, const SceneMedium& medium, const std::string& key,
+                    const OrderedJson& value, const std::vector<double>&) const override {
+    return setCaseParameter(entry, dynamic_cast<const FdsSceneMedium&>(medium).layer(), key, value);
+  }
 };
 
 }  // namespace

@@ -121,7 +121,7 @@ const FieldTable& fdsFields() {
        .help = "whole; open: without the roof and the outer walls that face the camera; inside: "
                "whole, first seen from inside",
        .choices = kBuildings, .option = {.value = "NAME", .more = "; open for a case alone",
-       .picture = true}},
+       .picture = true}, .slider = {.label = "building"}},
       {.name = "cut", .type = kText, .access = customMember<Smoke, cutsOf, setCuts>(),
        .help = "planes that cut the building open, such as z=2.4 or x=3,z=2.4 [m]; the camera's "
                "side is left out", .option = {.value = "PLANES", .picture = true}},

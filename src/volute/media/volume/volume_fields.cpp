@@ -73,12 +73,6 @@ bool scattersSuns(const void* volume, const MediumFacts& facts) {
   return facts.suns && (appearance.albedo > 0).any();
 }
 
-/// What is lit or burns is never drawn over boxes, so that one choice of three would be refused.
-bool choosesBasis(const void* volume, const MediumFacts& /*facts*/) {
-  const Appearance& appearance = static_cast<const SceneVolume*>(volume)->appearance;
-  return appearance.basis && !appearance.shaded();
-}
-
 double boardStep(const void* board, const MediumFacts& /*facts*/) {
   const BillboardOptions& options = static_cast<const SceneBillboard*>(board)->options;
   return std::hypot(options.width, options.height) / 500;
@@ -137,8 +131,7 @@ const FieldTable& volumeFields() {
        .access = member<&SceneVolume::appearance, &Appearance::basis>(),
        .help = "interpolation between voxel centres; cubic: B-splines, for close views; if not "
                "given, trilinear, or the file's own basis in measured pictures",
-       .choices = kBases, .option = {.value = "NAME", .scene = true},
-       .slider = {.label = "basis", .shown = choosesBasis}},
+       .choices = kBases, .option = {.value = "NAME", .scene = true}},
       {.name = "interpolate", .type = kChoice,
        .access = member<&SceneVolume::appearance, &Appearance::interpolation>(),
        .help = "between frames: velocity: move along a velocity grid (velocity, vel or v, or "

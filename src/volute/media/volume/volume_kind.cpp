@@ -15,6 +15,7 @@ using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr double kDusk = 0.6;
+constexpr std::string_view kUsual = "automatic";  ///< of a choice that the scene leaves open
 
 bool sameGrids(const Appearance& a, const Appearance& b) {
   const auto of = [](const Appearance& one) {
@@ -62,6 +63,33 @@ Result<std::shared_ptr<VolumeMedium>> volumeOf(const std::string& file, InputOpt
 
 const VolumeLayer& layerOf(const SceneMedium& medium) {
   return dynamic_cast<const VolumeMedium&>(medium).layer();
+}
+
+/// What is shown of the file: choices that a scene may leave open.
+void addShown(ParameterGroup& group, const OrderedJson& entry, const VolumeMedium& medium,
+              const MediumFacts& facts) {
+  const Appearance& appearance = medium.layer().appearance();
+  const auto add = [&](const char* label, const char* key,
+                       std::initializer_list<std::span<const std::string_view>> lists) {
+    std::vector<std::string_view> choices;
+    for (const auto& list : lists) choices.insert(choices.end(), list.begin(), list.end());
+    const std::string said = entry.value(key, std::string(choices.front()));
+    group.choice(label, key, choices, said).help = volumeFields().at(key).help;
+  };
+  const std::string_view usual[] = {kUsual};
+  group.section("what is shown");
+  const std::vector<std::string_view> grids(medium.gridNames().begin(), medium.gridNames().end());
+  if (grids.size() > 1)
+    add("field", "field", {usual, grids});
+  // What is said of its light is a look of its own.
+  if (entry.contains("preset") || !entry.contains("emission"))
+    add("preset", "preset", {usual, volumeFields().at("preset").choices});
+  const auto bases = volumeFields().at("basis").choices;
+  add("basis", "basis", {usual, appearance.shaded() ? bases.subspan(1) : bases});
+  if (facts.frames > 1)
+    add("between frames", "interpolate", {volumeFields().at("interpolate").choices});
+  add("file's up axis", "up", {usual, volumeFields().at("up").choices});
+  group.section("");
 }
 
 class VolumeKind final : public MediumKind {
@@ -129,11 +157,14 @@ class VolumeKind final : public MediumKind {
     if (!readFields(volumeFields(), Json(entry), {}, &volume))
       return;
     volume.appearance = layerOf(medium).appearance();
+    addShown(group, entry, dynamic_cast<const VolumeMedium&>(medium), facts);
     addSliders(group, volumeFields(), &volume, facts);
   }
 
   bool setParameter(OrderedJson& entry, const SceneMedium& medium, const std::string& key,
-                    const OrderedJson&, const std::vector<double>& numbers) const override {
+                    const OrderedJson& value, const std::vector<double>& numbers) const override {
+    if (value == kUsual)
+      return entry.erase(key), true;
     if (!key.starts_with("transform/"))
       return false;
     setPlacement(entry, layerOf(medium).appearance().placement, medium.info().fileBounds,

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/volume/volume_medium.hpp"
 
+#include "volute/media/volume/volume_grids.hpp"
 #include "volute/medium/turned_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
 
@@ -184,7 +185,26 @@ std::shared_ptr<VolumeMedium> VolumeMedium::with(const Appearance& appearance) c
   return other;
 }
 
+const std::vector<std::string>& VolumeMedium::gridNames() const {
+  if (gridNames_)
+    return *gridNames_;
+  gridNames_.emplace();
+  if (!VolumeGrids::mayBe(layer_.path()))
+    return *gridNames_;
+  Progress quiet;
+  Reading reading{.progress = quiet};
+  const auto grids = VolumeGrids::open(layer_.path(), layer_.options(), reading);
+  if (!grids)
+    return *gridNames_;
+  for (const VolumeGrid& grid : (*grids)->grids()) {
+    if (!grid.empty)
+      gridNames_->push_back(grid.name);
+  }
+  return *gridNames_;
+}
+
 void VolumeMedium::knowAs(const VolumeMedium& other) {
+  gridNames_ = other.gridNames_;
   checked_ = other.checked_, damaged_ = other.damaged_, block_ = other.block_;
   remarks = other.remarks;
 }

@@ -100,6 +100,9 @@ class VolumeMedium : public SceneMedium {
 
   const VolumeLayer& layer() const { return layer_; }
 
+  /// The grids that its file offers, looked up when first asked for; empty: it has no names.
+  const std::vector<std::string>& gridNames() const;
+
   /// What shines at it; in the scene's place.
   void setLighting(VolumeLighting lighting) { lighting_ = std::move(lighting); }
 
@@ -117,6 +120,7 @@ class VolumeMedium : public SceneMedium {
   [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(double moment, bool lit);
 
   VolumeLayer layer_;
+  mutable std::optional<std::vector<std::string>> gridNames_;
   VolumeLighting lighting_;
   double lightMoment_ = -1;
   bool lightIsWhole_ = false;  // else of the extinction alone

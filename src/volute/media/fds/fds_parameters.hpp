@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "volute/media/fds/fds_layer.hpp"
+#include "volute/media/field_sliders.hpp"
+
+namespace volute {
+
+/// What of a case can be shown beside its smoke, as its files have it: sources, slices, isosurfaces,
+/// particles, devices, planes that cut the building, fire.
+void addCaseParameters(ParameterGroup& group, const FdsLayer& layer);
+
+/// Sets one of those in the entry of a scene. False, with nothing changed, for all others.
+bool setCaseParameter(nlohmann::ordered_json& entry, const FdsLayer& layer, const std::string& key,
+                      const nlohmann::ordered_json& value);
+
+}  // namespace volute
