@@ -348,8 +348,10 @@ target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
         desktop.optionxform = str
         desktop.read_string(file.read_text())
         entry = desktop["Desktop Entry"]
-        self.assertEqual((entry["Type"], entry["Exec"]), ("Application", "volute-view %f"))
+        self.assertEqual((entry["Type"], entry["Exec"]), ("Application", "volute-view %F"))
         self.assertTrue(os.access(PREFIX / "bin/volute-view", os.X_OK))
+        icon = PREFIX / f"share/icons/hicolor/scalable/apps/{entry['Icon']}.svg"
+        self.assertTrue(xml.etree.ElementTree.parse(icon).getroot().tag.endswith("svg"))
         if shutil.which("desktop-file-validate"):
             self.assertEqual(self.works("desktop-file-validate", file), "")
         space = "{http://www.freedesktop.org/standards/shared-mime-info}"

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 // What `volute view` runs; the command's options are declared in volute/cli/commands/view.cpp.
 #include "volute/base/output_file.hpp"
+#include "volute/capture/open_capture.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/program.hpp"
 #include "volute/cli/scene_arguments.hpp"
@@ -35,7 +36,10 @@ Status run(const Arguments& arguments, Context& context) {
                           arguments.find<double>("time"),
                           size.width,
                           size.height,
-                          {.renderer = renderer, .cpu = cpuMayDraw("a picture").has_value()}};
+                          {.renderer = renderer, .cpu = cpuMayDraw("a picture").has_value()},
+                          arguments.find<std::string>("compare").value_or("")};
+  if (path.empty() && !start.other.empty())
+    return fail(ErrorCode::kInvalidArgument, "--compare: expected a FILE to compare it with");
   const bool gl = renderer == ViewRenderer::kGl ||
                   (renderer != ViewRenderer::kCpu && graphicsHardwarePresent());
   VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, gl));
@@ -44,8 +48,17 @@ Status run(const Arguments& arguments, Context& context) {
     VOLUTE_ASSIGN(members, mediumMembers(path, arguments));
   }
   VOLUTE_ASSIGN(auto cache, lightCache(arguments, context));
-  const auto open = documentOpener(
-      {context.maxMemory, path, std::move(members), std::move(cache), method, start.time});
+  std::vector<std::string> more;
+  for (std::size_t i = 1; i < arguments.positionals().size(); ++i)
+    more.push_back(arguments.positional(i));
+  if (!more.empty()) {
+    VOLUTE_ASSIGN(const bool capture, isCapture(path));
+    if (capture)
+      return fail(ErrorCode::kInvalidArgument, "{}: a capture is shown alone, without {}", path,
+                  more.front());
+  }
+  const auto open = documentOpener({context.maxMemory, path, std::move(members), std::move(cache),
+                                    method, start.time, std::move(more)});
   const auto target = arguments.find<std::string>("screenshot");
   if (!target)
     return runViewerWindow(open, start, context.progress);

@@ -169,7 +169,7 @@ def evening_section():
         "Everything in one scene",
         ("[fire_in_fog.json](effects/fire_in_fog.json) combines the valley's surfaces, a weak sun, the painted fog, and the compressed fire, "
          f"{fire_in_fog.FIRE_METRES}{NBSP}m high. `volute view effects/fire_in_fog.json` opens it in a window, where fog can be painted with a "
-         "brush (`./dev build` compiles the viewer).",),
+         "brush (the demo compiles the viewer last; `./dev view demo/effects/fire_in_fog.json` does at any time).",),
         (Picture("effects/fire_in_fog.png", "A bonfire in the fog at dusk", "Fire and fog add up along each ray and end at surfaces; "
                                                                             "linear light, exposure 2, sRGB"),), columns=1)
 

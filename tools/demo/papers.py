@@ -212,4 +212,4 @@ def smoke_section():
 def chapter(scale):
     return Chapter("papers", "The papers' figures", "Figures of Ahrenberg et al. 2005, Giroud and Biri 2010 and Staubli et al. 2005, "
                                                     "reproduced with the data of this page.",
-                   (*fog_steps(), *smoke_steps(), *tree_steps(scale)), (*tree_sections(scale), fog_section(), smoke_section()))
+                   (*fog_steps(), *smoke_steps(), *tree_steps(scale), Build("volute-view", 120)), (*tree_sections(scale), fog_section(), smoke_section()))

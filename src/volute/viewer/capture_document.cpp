@@ -81,12 +81,16 @@ void CaptureDocument::remarkOnFaults(std::uint64_t maxMemory) {
     remarks.insert(remarks.end(), there->begin(), there->end());
 }
 
-std::string CaptureDocument::title() const {
+DocumentInfo CaptureDocument::info() const {
   const std::string name = std::filesystem::path(path_).filename().string();
-  return fmt::format("{}: {}{} cameras, {} frame{}", name,
-                     capture_.kind == "capture.json" ? "" : capture_.kind + ", ",
-                     capture_.cameras.size(), capture_.frames.size(),
-                     capture_.frames.size() == 1 ? "" : "s");
+  return {.title = fmt::format("{}: {}{} cameras, {} frame{}", name,
+                               capture_.kind == "capture.json" ? "" : capture_.kind + ", ",
+                               capture_.cameras.size(), capture_.frames.size(),
+                               capture_.frames.size() == 1 ? "" : "s"),
+          .bounds = bounds_,
+          .times = times(),
+          .remarks = capture_.remarks,
+          .stations = stations()};
 }
 
 std::vector<double> CaptureDocument::times() const {

@@ -19,24 +19,16 @@ class CaptureDocument final : public Document {
                                                               std::uint64_t maxMemory,
                                                               Progress& progress);
 
-  std::string title() const override;
-
-  Box3 bounds() const override { return bounds_; }
-
-  std::vector<double> times() const override;
-
-  bool grey() const override { return false; }
-
-  std::vector<std::string> remarks() const override { return capture_.remarks; }
-
+  DocumentInfo info() const override;
   std::vector<std::filesystem::path> files() const override;
-  std::vector<ViewStation> stations() const override;
   Result<ViewScene> sceneAt(const SceneRequest& request, Progress& progress) override;
 
  private:
   explicit CaptureDocument(std::string path) : path_(std::move(path)) {}
 
   void remarkOnFaults(std::uint64_t maxMemory);
+  std::vector<double> times() const;
+  std::vector<ViewStation> stations() const;
   int frameAt(double time) const;
   Result<GlQuad> screenOf(std::size_t camera, int frame);
   void addFrustum(const CaptureCamera& camera, std::vector<ViewLine>& lines) const;

@@ -14,18 +14,18 @@ TEST_F(DoorControls, AnEmptyWindowOpensAFileByTheList) {
   ASSERT_TRUE(script_->has("Open a file"));
   ASSERT_TRUE(script_->click("Open a file"));
   script_->frames(3);
-  ASSERT_NE(app().files().browser(), nullptr);
-  app().files().browse(std::filesystem::path(folder_.path("x")).parent_path());
+  ASSERT_NE(app().document().files().browser(), nullptr);
+  app().document().files().browse(std::filesystem::path(folder_.path("x")).parent_path());
   script_->frames(3);
   ASSERT_TRUE(script_->has("entry = blob.npy"));
   ASSERT_TRUE(script_->click("entry = blob.npy"));
   script_->frames(2);
-  EXPECT_EQ(app().files().browser()->name, "blob.npy");
+  EXPECT_EQ(app().document().files().browser()->name, "blob.npy");
   ASSERT_TRUE(script_->click("open file"));
   load();
-  EXPECT_EQ(app().error(), "");
-  ASSERT_NE(app().document(), nullptr);
-  EXPECT_THAT(app().document()->title, ::testing::HasSubstr("blob.npy"));
+  EXPECT_EQ(app().document().error(), "");
+  ASSERT_NE(app().document().info(), nullptr);
+  EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("blob.npy"));
   EXPECT_EQ(app().title(), "blob.npy - Volute");
   EXPECT_FALSE(script_->has("Open a file"));
 }
@@ -34,14 +34,14 @@ TEST_F(DoorControls, TheListGoesThroughFolders) {
   open("blob.npy");
   script_->press(Key::kO, true);
   script_->frames(3);
-  ASSERT_NE(app().files().browser(), nullptr);
-  const auto folder = app().files().browser()->folder;
+  ASSERT_NE(app().document().files().browser(), nullptr);
+  const auto folder = app().document().files().browser()->folder;
   ASSERT_TRUE(script_->click("folder above"));
   script_->frames(3);
-  EXPECT_EQ(app().files().browser()->folder, folder.parent_path());
+  EXPECT_EQ(app().document().files().browser()->folder, folder.parent_path());
   ASSERT_TRUE(script_->click("open cancel"));
   script_->frames(2);
-  EXPECT_EQ(app().files().browser(), nullptr);
+  EXPECT_EQ(app().document().files().browser(), nullptr);
   script_->press(Key::kO, true);
   script_->frames(3);
   ASSERT_TRUE(script_->write("file name", "fog.json"));
@@ -50,19 +50,20 @@ TEST_F(DoorControls, TheListGoesThroughFolders) {
   EXPECT_EQ(app().title(), "fog.json - Volute");
   ASSERT_TRUE(script_->click("Open"));
   script_->frames(3);
-  ASSERT_NE(app().files().browser(), nullptr);
+  ASSERT_NE(app().document().files().browser(), nullptr);
   script_->press(Key::kEscape);
-  EXPECT_EQ(app().files().browser(), nullptr);
+  EXPECT_EQ(app().document().files().browser(), nullptr);
   script_->press(Key::kO, true);
   script_->frames(3);
   ASSERT_TRUE(script_->click("open folder"));
   load();
-  EXPECT_NE(app().error(), "") << "the folder holds no numbered frames";
+  EXPECT_NE(app().document().error(), "") << "the folder holds no numbered frames";
 }
 
 TEST_F(DoorControls, RecentFilesAreOffered) {
   open("blob.npy");
-  EXPECT_THAT(app().files().recent().names(), ::testing::ElementsAre(folder_.path("blob.npy")));
+  EXPECT_THAT(app().document().files().recent().names(),
+              ::testing::ElementsAre(folder_.path("blob.npy")));
   viewer_.reset();
   ViewerOptions options;
   options.recent = folder_.path("state/recent");
@@ -74,41 +75,41 @@ TEST_F(DoorControls, RecentFilesAreOffered) {
   script_->frames(4);
   ASSERT_TRUE(script_->click("recent 0"));
   load();
-  ASSERT_NE(app().document(), nullptr);
-  EXPECT_THAT(app().document()->title, ::testing::HasSubstr("blob.npy"));
+  ASSERT_NE(app().document().info(), nullptr);
+  EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("blob.npy"));
 }
 
 TEST_F(DoorControls, ChangesOfASceneAreNotLostUnasked) {
   open("fog.json");
-  EXPECT_FALSE(app().unsavedScene());
-  app().setParameter(parameterAt("/media/0/mu"), {0.25});
+  EXPECT_FALSE(app().document().info()->changed);
+  app().document().set(parameterAt("/media/0/mu"), {0.25});
   load();
-  EXPECT_TRUE(app().unsavedScene());
+  EXPECT_TRUE(app().document().info()->changed);
   EXPECT_EQ(app().title(), "* fog.json - Volute");
-  script_->drop(folder_.path("blob.npy"));
+  script_->open(folder_.path("blob.npy"));
   script_->frames(3);
-  ASSERT_NE(app().leaving(), nullptr);
+  ASSERT_NE(app().leaving().asked(), nullptr);
   ASSERT_TRUE(script_->click("leave cancel"));
-  EXPECT_EQ(app().leaving(), nullptr);
+  EXPECT_EQ(app().leaving().asked(), nullptr);
   EXPECT_EQ(app().title(), "* fog.json - Volute");
   script_->close();
   script_->frames(3);
   ASSERT_TRUE(script_->write("leave scene", folder_.path("kept.json")));
   ASSERT_TRUE(script_->click("leave save"));
   load();
-  EXPECT_TRUE(app().ends());
+  EXPECT_TRUE(app().leaving().ends());
   std::ifstream kept(folder_.path("kept.json"));
   EXPECT_EQ(nlohmann::json::parse(kept)["media"][0]["mu"], 0.25);
 }
 
 TEST_F(DoorControls, AnUndoneChangeIsNone) {
   open("fog.json");
-  app().setParameter(parameterAt("/media/0/mu"), {0.25});
+  app().document().set(parameterAt("/media/0/mu"), {0.25});
   load();
-  app().undoChange();
+  app().document().undo();
   load();
-  EXPECT_FALSE(app().unsavedScene());
-  script_->drop(folder_.path("blob.npy"));
+  EXPECT_FALSE(app().document().info()->changed);
+  script_->open(folder_.path("blob.npy"));
   load();
   EXPECT_EQ(app().title(), "blob.npy - Volute");
 }
@@ -121,7 +122,7 @@ TEST_F(DoorControls, AFileOfOthersIsNotReplacedUnasked) {
   app().settings().sceneName = other;
   script_->press(Key::kS, true);
   script_->frames(3);
-  ASSERT_NE(app().files().replacing(), nullptr);
+  ASSERT_NE(app().document().files().replacing(), nullptr);
   ASSERT_TRUE(script_->click("keep"));
   load();
   std::ifstream same(other);
@@ -134,7 +135,7 @@ TEST_F(DoorControls, AFileOfOthersIsNotReplacedUnasked) {
   EXPECT_NE(std::string(std::istreambuf_iterator<char>(now), {}), before);
   script_->press(Key::kS, true);
   load();
-  EXPECT_EQ(app().files().replacing(), nullptr) << "it is the viewer's own by now";
+  EXPECT_EQ(app().document().files().replacing(), nullptr) << "it is the viewer's own by now";
 }
 
 TEST_F(DoorControls, TheAxesTurnTheCamera) {
@@ -145,12 +146,12 @@ TEST_F(DoorControls, TheAxesTurnTheCamera) {
       {"axis -y", -Vec3::UnitY()}, {"axis +z", Vec3::UnitZ()},  {"axis -z", -Vec3::UnitZ()}};
   for (const auto& [name, side] : kSides) {
     SCOPED_TRACE(name);
-    app().camera().set({Vec3(2, -3, 1.5), Vec3(0.5, 0.5, 0.5)});  // none is behind another
+    app().view().camera().set({Vec3(2, -3, 1.5), Vec3(0.5, 0.5, 0.5)});  // none is behind another
     script_->frames(3);
-    const double away = (app().camera().eye() - app().camera().pivot()).norm();
+    const double away = (app().view().camera().eye() - app().view().camera().pivot()).norm();
     ASSERT_TRUE(script_->click(name));
     script_->frames(2);
-    const Vec3 eye = app().camera().eye() - app().camera().pivot();
+    const Vec3 eye = app().view().camera().eye() - app().view().camera().pivot();
     EXPECT_NEAR((eye - away * side).norm(), 0, 1e-6);
   }
 }
@@ -158,27 +159,28 @@ TEST_F(DoorControls, TheAxesTurnTheCamera) {
 TEST_F(DoorControls, KeysLookAlongTheAxes) {
   open("blob.npy");
   script_->press(Key::k1);
-  EXPECT_NEAR((app().camera().forward() - Vec3::UnitY()).norm(), 0, 1e-9);
+  EXPECT_NEAR((app().view().camera().forward() - Vec3::UnitY()).norm(), 0, 1e-9);
   script_->press(Key::k3);
-  EXPECT_NEAR((app().camera().forward() + Vec3::UnitX()).norm(), 0, 1e-9);
+  EXPECT_NEAR((app().view().camera().forward() + Vec3::UnitX()).norm(), 0, 1e-9);
   script_->press(Key::k7);
-  EXPECT_NEAR((app().camera().forward() + Vec3::UnitZ()).norm(), 0, 1e-9);
+  EXPECT_NEAR((app().view().camera().forward() + Vec3::UnitZ()).norm(), 0, 1e-9);
 }
 
 TEST_F(DoorControls, TheProbeSaysWhatIsUnderThePointer) {
   open("blob.npy");
   ASSERT_TRUE(script_->settle());
-  const auto insets = app().insets(kNarrow, kHigh);
-  const auto middle = app().camera().camera(kNarrow, kHigh).project(app().camera().pivot());
+  const auto insets = app().view().insets(kNarrow);
+  const auto middle =
+      app().view().camera().camera(kNarrow, kHigh).project(app().view().camera().pivot());
   ASSERT_TRUE(middle);
   EXPECT_NEAR(middle->x(), 0.5 * (insets.left + kNarrow - insets.right), 2)
       << "it is framed between the panels";
-  const auto probe = app().probeAt(middle->x(), middle->y());
+  const auto probe = app().tools().pointer.probeAt(middle->x(), middle->y());
   ASSERT_TRUE(probe);
   EXPECT_FALSE(probe->onSurface);
   ASSERT_EQ(probe->media.size(), 1);
   EXPECT_GT(probe->media[0].emission[0], 0.5) << "the blob's middle has 1";
-  EXPECT_FALSE(app().probeAt(2, 2)) << "there is nothing";
+  EXPECT_FALSE(app().tools().pointer.probeAt(2, 2)) << "there is nothing";
   script_->press(Key::kP);
   EXPECT_TRUE(app().settings().probe);
   script_->move(middle->x(), middle->y());
@@ -190,26 +192,26 @@ TEST_F(DoorControls, ADoubleClickIsThePivot) {
   open("smoke.json");
   ASSERT_TRUE(script_->settle());
   const double x = 0.5 * kNarrow, y = 0.8 * kHigh;
-  const auto ground = app().probeAt(x, y);
+  const auto ground = app().tools().pointer.probeAt(x, y);
   ASSERT_TRUE(ground);
   script_->move(x, y);
   script_->input().twice = true;
   script_->frame();
-  EXPECT_NEAR((app().camera().pivot() - ground->place).norm(), 0, 1e-9);
-  const auto before = app().camera().camera(kNarrow, kHigh).project(ground->place);
-  app().camera().drag(40, 10);
-  const auto after = app().camera().camera(kNarrow, kHigh).project(ground->place);
+  EXPECT_NEAR((app().view().camera().pivot() - ground->place).norm(), 0, 1e-9);
+  const auto before = app().view().camera().camera(kNarrow, kHigh).project(ground->place);
+  app().view().camera().drag(40, 10);
+  const auto after = app().view().camera().camera(kNarrow, kHigh).project(ground->place);
   EXPECT_NEAR((*before - *after).norm(), 0, 1e-6) << "it stays under the pointer";
 }
 
 TEST_F(DoorControls, TheCameraIsCopiedAsJson) {
   open("blob.npy");
   std::string clipboard;
-  app().clipboard().use([&] { return clipboard; },
-                        [&](const std::string& text) { clipboard = text; });
+  app().window().clipboard().use([&] { return clipboard; },
+                                 [&](const std::string& text) { clipboard = text; });
   script_->press(Key::kC, true);
   const auto camera = nlohmann::json::parse(clipboard);
-  EXPECT_NEAR(camera["eye"][0].get<double>(), app().camera().eye().x(), 1e-9);
+  EXPECT_NEAR(camera["eye"][0].get<double>(), app().view().camera().eye().x(), 1e-9);
   EXPECT_TRUE(camera.contains("fov"));
 }
 

@@ -19,11 +19,11 @@ class KeyControls : public WideControls {
     script_->move(kX, kY);
   }
 
-  Vec3 eye() { return app().camera().eye(); }
+  Vec3 eye() { return app().view().camera().eye(); }
 
-  Vec3 ahead() { return (app().camera().view().target - eye()).normalized(); }
+  Vec3 ahead() { return (app().view().camera().view().target - eye()).normalized(); }
 
-  Vec3 aside() { return ahead().cross(app().camera().upwards()).normalized(); }
+  Vec3 aside() { return ahead().cross(app().view().camera().upwards()).normalized(); }
 
   /// What walks so: how far the eye came [m].
   Vec3 walked(std::set<Key> keys, int frames = 6) {
@@ -34,16 +34,16 @@ class KeyControls : public WideControls {
 };
 
 TEST_F(KeyControls, TheWheelGoesNearerAndFarther) {
-  const double far = app().camera().distance();
+  const double far = app().view().camera().distance();
   const int wide = script_->input().width, high = script_->input().height;
   const Vec2 pointer(0.48 * wide, 0.4 * high);
   script_->move(pointer.x(), pointer.y());
   const Vec3 begun = eye();
-  const auto camera = [&] { return app().camera().camera(wide, high); };
+  const auto camera = [&] { return app().view().camera().camera(wide, high); };
   const Segment ray = camera().ray(pointer.x(), pointer.y());
-  const Vec3 under = app().placeAlong(ray).position;
+  const Vec3 under = app().tools().pointer.placeAlong(ray).position;
   expectSeen("nearer", [&] { script_->wheel(2); });
-  EXPECT_LT(app().camera().distance(), far);
+  EXPECT_LT(app().view().camera().distance(), far);
   EXPECT_NEAR((*camera().project(under) - pointer).norm(), 0, 1e-6)
       << "what is under the pointer stays there";
   expectSeen("farther", [&] { script_->wheel(-2); });
@@ -54,11 +54,11 @@ TEST_F(KeyControls, TheWheelGoesNearerAndFarther) {
 }
 
 TEST_F(KeyControls, TheRightAndTheMiddleButtonAndShiftMoveAcross) {
-  const StartView begun = app().camera().view();
+  const StartView begun = app().view().camera().view();
   const Vec3 direction = ahead();
   std::vector<Vec3> moves;
   const auto across = [&](const char* what, int button, bool shift) {
-    app().camera().set(begun);
+    app().view().camera().set(begun);
     script_->input().shift = shift;
     expectSeen(what, [&] { script_->drag(kX, kY, kX + 80, kY + 30, button); });
     script_->input().shift = false;
@@ -68,18 +68,18 @@ TEST_F(KeyControls, TheRightAndTheMiddleButtonAndShiftMoveAcross) {
   across("right", 1, false);
   across("middle", 2, false);
   across("Shift", 0, true);
-  EXPECT_GT(moves[0].norm(), 0.05 * app().camera().distance());
+  EXPECT_GT(moves[0].norm(), 0.05 * app().view().camera().distance());
   EXPECT_LT(moves[0].dot(aside()), 0) << "what is seen follows the mouse";
   EXPECT_NEAR(moves[0].dot(direction), 0, 1e-9);
   EXPECT_LT((moves[1] - moves[0]).norm(), 1e-9);
   EXPECT_LT((moves[2] - moves[0]).norm(), 1e-9);
-  app().camera().set(begun);
+  app().view().camera().set(begun);
   expectSeen("left", [&] { script_->drag(kX, kY, kX + 80, kY + 30); });
   EXPECT_GT((ahead() - direction).norm(), 0.1) << "it turns";
 }
 
 TEST_F(KeyControls, TimeObeysSpaceAndArrowsHomeAndEnd) {
-  const Timeline& time = app().timeline();
+  const Timeline& time = app().playback().timeline();
   expectSeen("End", [&] { script_->press(Key::kEnd); });
   EXPECT_EQ(time.time(), time.last());
   expectSeen("Home", [&] { script_->press(Key::kHome); });
@@ -113,29 +113,29 @@ TEST_F(KeyControls, PlusAndMinusAreHalfAStop) {
 
 TEST_F(KeyControls, FSeesAllAndMWalks) {
   ASSERT_TRUE(script_->click("Whole view"));
-  const StartView whole = app().camera().view();
+  const StartView whole = app().view().camera().view();
   script_->drag(kX, kY, kX + 60, kY - 20);
   script_->wheel(3);
   expectSeen("F", [&] { script_->press(Key::kF); });
   EXPECT_LT((eye() - whole.eye).norm(), 1e-9);
-  EXPECT_EQ(app().camera().fov(), whole.fov);
+  EXPECT_EQ(app().view().camera().fov(), whole.fov);
   script_->press(Key::kM);
-  EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kWalk);
+  EXPECT_EQ(app().view().camera().mode(), ViewCamera::Mode::kWalk);
   expectSeen("the head turns", [&] { script_->drag(kX, kY, kX + 60, kY); });
   EXPECT_LT((eye() - whole.eye).norm(), 1e-9);
   script_->press(Key::kM);
-  EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kOrbit);
+  EXPECT_EQ(app().view().camera().mode(), ViewCamera::Mode::kOrbit);
   expectSeen("it goes around", [&] { script_->drag(kX, kY, kX + 60, kY); });
-  EXPECT_GT((eye() - whole.eye).norm(), 0.05 * app().camera().distance());
+  EXPECT_GT((eye() - whole.eye).norm(), 0.05 * app().view().camera().distance());
 }
 
 TEST_F(KeyControls, HeldLettersWalk) {
   EXPECT_EQ(walked({Key::kW}).norm(), 0) << "it does not walk";
   script_->press(Key::kM);
-  const Vec3 up = app().camera().upwards(), right = aside(), level = up.cross(right);
+  const Vec3 up = app().view().camera().upwards(), right = aside(), level = up.cross(right);
   Vec3 forth;
   expectSeen("W", [&] { forth = walked({Key::kW}); });
-  EXPECT_GT(forth.dot(level), 0.01 * app().camera().distance());
+  EXPECT_GT(forth.dot(level), 0.01 * app().view().camera().distance());
   EXPECT_LT(forth.cross(level).norm(), 1e-9) << "at the level of the eye";
   expectSeen("S", [&] { EXPECT_LT((walked({Key::kS}) + forth).norm(), 1e-9); });
   const double pace = forth.norm();
@@ -163,7 +163,7 @@ TEST_F(KeyControls, CtrlSSavesTheScene) {
   script_->press(Key::kS, true);
   script_->input().held.clear();
   load();
-  EXPECT_EQ(app().error(), "");
+  EXPECT_EQ(app().document().error(), "");
   EXPECT_EQ(eye(), begun) << "S with Ctrl is no step back";
   ASSERT_TRUE(std::filesystem::exists(folder_.path("by_key.json")));
   expectTheSameAfter("by_key.json");
@@ -186,7 +186,7 @@ TEST_F(KeyControls, LettersInABoxAreText) {
   script_->press(Key::kM);
   script_->press(Key::kF);
   script_->press(Key::kH);
-  EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kOrbit);
+  EXPECT_EQ(app().view().camera().mode(), ViewCamera::Mode::kOrbit);
   EXPECT_TRUE(app().settings().panels);
   EXPECT_EQ(app().settings().sceneName, "mfh");
 }
@@ -208,9 +208,9 @@ TEST_F(KeyControls, HHidesThePanelsAndF1ShowsHelp) {
   script_->press(Key::kH);
   script_->frames(3);
   EXPECT_TRUE(script_->has("exposure"));
-  EXPECT_FALSE(app().takeScreenshotRequest());
+  EXPECT_FALSE(app().window().takeScreenshotRequest());
   script_->press(Key::kF12);
-  EXPECT_TRUE(app().takeScreenshotRequest());
+  EXPECT_TRUE(app().window().takeScreenshotRequest());
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ class MediaControls : public WideControls {
   }
 
   bool hasParameter(const std::string& path) {
-    const auto& all = app().document()->parameters;
+    const auto& all = app().document().info()->parameters;
     return std::ranges::find(all, path, &Parameter::path) != all.end();
   }
 
@@ -68,18 +68,18 @@ class MediaControls : public WideControls {
   void press(const std::string& control) {
     ASSERT_TRUE(script_->click(control)) << control;
     load();
-    EXPECT_EQ(app().error(), "");
+    EXPECT_EQ(app().document().error(), "");
   }
 
   void seek(double time) {
-    app().timeline().seek(time);
-    EXPECT_NEAR(app().timeline().time(), time, 1e-9);
+    app().playback().timeline().seek(time);
+    EXPECT_NEAR(app().playback().timeline().time(), time, 1e-9);
     load();
   }
 
   void chooseProfile(const std::string& kind) {
     expectSeen(kind, [&] { ASSERT_TRUE(script_->choose("/media/0/profile/kind", kind)); });
-    EXPECT_EQ(app().error(), "");
+    EXPECT_EQ(app().document().error(), "");
   }
 };
 
@@ -107,10 +107,10 @@ TEST_F(MediaControls, AVolumesBasisIsChosenAndSaved) {
 TEST_F(MediaControls, VolumesTurnAboutTheirMiddle) {
   write("volume.json", kVolume);
   open("volume.json");
-  app().setParameter(parameterAt("/media/0/transform/middle"), {2, 1, 0.25});
+  app().document().set(parameterAt("/media/0/transform/middle"), {2, 1, 0.25});
   load();
-  app().setParameter(parameterAt("/media/0/transform/turn"), {0, 0, 90});
-  app().setParameter(parameterAt("/media/0/transform/scale"), {2, 1, 0.5});
+  app().document().set(parameterAt("/media/0/transform/turn"), {0, 0, 90});
+  app().document().set(parameterAt("/media/0/transform/scale"), {2, 1, 0.5});
   load();
   saveAs("turned.json");
   // x' = 0.25 .. : (x, y, z) -> (2 - (y - 0.5), 1 + 2 (x - 0.5), 0.25 + 0.5 (z - 0.5))
@@ -119,11 +119,11 @@ TEST_F(MediaControls, VolumesTurnAboutTheirMiddle) {
   ASSERT_EQ(numbers.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i)
     EXPECT_NEAR(numbers[i].get<double>(), expected[i], 1e-12) << i;
-  const Box3 bounds = app().document()->bounds;
+  const Box3 bounds = app().document().info()->bounds;
   EXPECT_LT((bounds.min - Vec3(1.5, 0, 0)).norm() + (bounds.max - Vec3(2.5, 2, 0.5)).norm(), 1e-9);
-  app().setParameter(parameterAt("/media/0/transform/middle"), {0.5, 0.5, 0.5});
-  app().setParameter(parameterAt("/media/0/transform/turn"), {0, 0, 0});
-  app().setParameter(parameterAt("/media/0/transform/scale"), {1, 1, 1});
+  app().document().set(parameterAt("/media/0/transform/middle"), {0.5, 0.5, 0.5});
+  app().document().set(parameterAt("/media/0/transform/turn"), {0, 0, 0});
+  app().document().set(parameterAt("/media/0/transform/scale"), {1, 1, 1});
   load();
   saveAs("turned.json");
   EXPECT_FALSE(saved("turned.json")["media"][0].contains("transform")) << "which does nothing";
@@ -132,14 +132,14 @@ TEST_F(MediaControls, VolumesTurnAboutTheirMiddle) {
 TEST_F(MediaControls, MediaHaveATimeOfTheirOwn) {
   write("blown.json", kBlown);
   open("blown.json");
-  ASSERT_GT(app().timeline().last(), 9.9) << "the wind blows";
+  ASSERT_GT(app().playback().timeline().last(), 9.9) << "the wind blows";
   seek(0.1);
   expectWholly("/media/1/time/loop");
   Image shown = picture();
   expectChange(parameterAt("/media/1/time/loop"), shown);
   seek(0.05);
   shown = picture();
-  app().setParameter(parameterAt("/media/1/time/rate"), {0.5});
+  app().document().set(parameterAt("/media/1/time/rate"), {0.5});
   load();
   EXPECT_GT(difference(shown, picture()), 0.0005) << "it is at its first frame still";
   script_->press(Key::kZ, true);
@@ -167,7 +167,7 @@ TEST_F(MediaControls, StepsOfSmokeHaveATimeOfTheirOwn) {
   expectChange(parameterAt("/media/0/time/loop"), shown);
   seek(0.1);
   expectWholly("/media/0/time/offset");
-  app().setParameter(parameterAt("/media/0/time/offset"), {0.02});
+  app().document().set(parameterAt("/media/0/time/offset"), {0.02});
   load();  // a rate shows between the first step and the last
   shown = picture();
   expectChange(parameterAt("/media/0/time/rate"), shown);
@@ -178,12 +178,12 @@ TEST_F(MediaControls, StepsOfSmokeHaveATimeOfTheirOwn) {
 TEST_F(MediaControls, WindBlowsFog) {
   open("dull.json");
   EXPECT_EQ(valueOf("/media/0/wind"), (std::vector<double>{0, 0, 0}));
-  EXPECT_FALSE(app().timeline().moves());
+  EXPECT_FALSE(app().playback().timeline().moves());
   const Image calm = picture();
   ASSERT_NO_FATAL_FAILURE(change(parameterAt("/media/0/wind")));
   load();
   EXPECT_LT(valueOf("/media/0/wind")[0], -1);
-  ASSERT_TRUE(app().timeline().moves()) << "there is something to be seen over time";
+  ASSERT_TRUE(app().playback().timeline().moves()) << "there is something to be seen over time";
   EXPECT_LT(difference(calm, picture()), 1e-6) << "at 0 s it is where it was";
   const Image still = byCpu();
   seek(2);
@@ -193,7 +193,7 @@ TEST_F(MediaControls, WindBlowsFog) {
   script_->press(Key::kZ, true);
   load();
   EXPECT_EQ(valueOf("/media/0/wind"), (std::vector<double>{0, 0, 0}));
-  EXPECT_FALSE(app().timeline().moves());
+  EXPECT_FALSE(app().playback().timeline().moves());
   script_->press(Key::kY, true);
   load();
   seek(2);
@@ -201,7 +201,7 @@ TEST_F(MediaControls, WindBlowsFog) {
   saveAs("windy.json");
   EXPECT_EQ(saved("windy.json")["media"][0]["wind"].size(), 2U) << "it does not rise";
   expectTheSameAfter("windy.json");
-  EXPECT_EQ(app().timeline().time(), 2);
+  EXPECT_EQ(app().playback().timeline().time(), 2);
 }
 
 TEST_F(MediaControls, MapsOfFogAreMoved) {
@@ -229,11 +229,11 @@ TEST_F(MediaControls, FogHasAProfileOfEachKind) {
   Image shown = picture();
   expectChange(parameterAt("/media/0/profile/bottom"), shown);
   expectChange(parameterAt("/media/0/profile/top"), shown);
-  app().setParameter(parameterAt("/media/0/profile/top"), {-50});
+  app().document().set(parameterAt("/media/0/profile/top"), {-50});
   load();
-  EXPECT_EQ(app().error(), "");
+  EXPECT_EQ(app().document().error(), "");
   EXPECT_GT(valueOf("/media/0/profile/top")[0], valueOf("/media/0/profile/bottom")[0]);
-  app().setParameter(parameterAt("/media/0/profile/top"), {6});
+  app().document().set(parameterAt("/media/0/profile/top"), {6});
   load();
   for (const char* kind : {"exponential", "linear", "layers", "any height"}) {
     SCOPED_TRACE(kind);
@@ -249,9 +249,9 @@ TEST_F(MediaControls, KnotsOfAProfileComeGoAndMove) {
   Image shown = picture();
   expectChange(parameterAt("/media/0/profile/knots/0"), shown);
   expectWholly("/media/0/profile/knots/1");
-  app().setParameter(parameterAt("/media/0/profile/knots/1"), {90, 2});
+  app().document().set(parameterAt("/media/0/profile/knots/1"), {90, 2});
   load();
-  EXPECT_EQ(app().error(), "");
+  EXPECT_EQ(app().document().error(), "");
   const auto next = valueOf("/media/0/profile/knots/2");
   EXPECT_EQ(valueOf("/media/0/profile/knots/1"), (std::vector<double>{next[0], 1}));
   script_->press(Key::kZ, true);
@@ -261,7 +261,7 @@ TEST_F(MediaControls, KnotsOfAProfileComeGoAndMove) {
   shown = picture();
   expectChange(parameterAt("/media/0/profile/knots/1"), shown);
   expectChange(parameterAt("/media/0/profile/knots/2"), shown);
-  app().setParameter(parameterAt("/media/0/profile/knots/3"), {9, 0.5});
+  app().document().set(parameterAt("/media/0/profile/knots/3"), {9, 0.5});
   load();
   shown = picture();
   expectChange(parameterAt("/media/0/profile/knots/3"), shown);
@@ -314,14 +314,14 @@ TEST_F(MediaControls, ALongProfileWaitsUntilItIsAskedFor) {
   for (int i = 0; i < 9; ++i)
     ASSERT_NO_FATAL_FAILURE(change(parameterAt(fmt::format("/media/0/profile/knots/{}", i))));
   load();
-  EXPECT_EQ(app().error(), "");
+  EXPECT_EQ(app().document().error(), "");
   EXPECT_TRUE(script_->has("/media/0/profile/kind")) << "it stays open";
 }
 
 TEST_F(MediaControls, AVolumeIsABillboardAndBack) {
   write("volume.json", kVolume);
   open("volume.json");
-  app().setParameter(parameterAt("/media/0/transform/size"), {1.5});
+  app().document().set(parameterAt("/media/0/transform/size"), {1.5});
   load();
   const Image volume = picture();
   const double brightest = *std::ranges::max_element(volume.pixels);
@@ -393,7 +393,7 @@ TEST_F(MediaControls, AUnitThatMakesSmokeBlackIsMendedByAClick) {
     "camera": {"eye": [3, -12, 2], "target": [3, 3, 1.5], "fov": 40},
     "media": [{"kind": "smoke", "case": "black.vtu", "quantity": "soot-density", "unit": "kg/m3"}]})");
   open("black.json");
-  EXPECT_THAT(app().document()->remarks,
+  EXPECT_THAT(app().document().info()->remarks,
               ::testing::Contains(::testing::HasSubstr("much for soot")));
   script_->frames(3);
   EXPECT_FALSE(script_->has("mend /media/0/unit = mg/m3")) << "0.9 mg of soot are little";
@@ -415,11 +415,11 @@ TEST_F(MediaControls, AUnitThatMakesSmokeBlackIsMendedByAClick) {
 TEST_F(MediaControls, AVolumeAloneIsLitAsItsNameSays) {
   std::filesystem::copy_file(folder_.path("blob.npy"), folder_.path("smoke.npy"));
   open("smoke.npy");
-  EXPECT_THAT(app().document()->remarks,
+  EXPECT_THAT(app().document().info()->remarks,
               ::testing::Contains(::testing::HasSubstr("shown as smoke")));
   EXPECT_EQ(valueOf("/media/0/emission")[0], 0);
   EXPECT_GT(valueOf("/media/0/extinction")[0], 0);
-  EXPECT_FALSE(app().document()->changed);
+  EXPECT_FALSE(app().document().info()->changed);
   open("blob.npy");
   EXPECT_EQ(valueOf("/media/0/emission")[0], 1);
 }
@@ -431,12 +431,12 @@ TEST_F(MediaControls, WhatAFieldAloneHoldsIsGuessedAndSaid) {
   ASSERT_TRUE(writeVtu(folder_.path("grams.vtu"), *mesh, "soot", values));
   open("grams.vtu");
   EXPECT_EQ(valueOf("/media/0/unit")[0], 1);
-  EXPECT_THAT(app().document()->remarks,
+  EXPECT_THAT(app().document().info()->remarks,
               ::testing::Contains(::testing::HasSubstr("is taken for soot in g/m3")));
-  EXPECT_FALSE(app().document()->changed);
+  EXPECT_FALSE(app().document().info()->changed);
   ASSERT_TRUE(writeVtu(folder_.path("metres.vtu"), *mesh, "smoke", values));
   open("metres.vtu");
-  EXPECT_THAT(app().document()->remarks,
+  EXPECT_THAT(app().document().info()->remarks,
               ::testing::Contains(::testing::HasSubstr("is taken for extinction in 1/m")));
 }
 
@@ -500,7 +500,7 @@ TEST_F(MediaControls, AMapThatOthersWriteDuringAChangeIsRead) {
   std::filesystem::last_write_time(
       folder_.path("map.png"),
       std::filesystem::last_write_time(folder_.path("map.png")) + clock_++);
-  app().setParameter(parameterAt("/media/0/wind"), {0, 0.1, 0});
+  app().document().set(parameterAt("/media/0/wind"), {0, 0.1, 0});
   load();
   bool other = false;
   for (int i = 0; i < 200 && !other; ++i) {
@@ -513,7 +513,7 @@ TEST_F(MediaControls, AMapThatOthersWriteDuringAChangeIsRead) {
 
 /// Of a parameter, as the document has it now.
 std::vector<double> valueIn(const Document& document, const std::string& path) {
-  for (const Parameter& parameter : document.parameters()) {
+  for (const Parameter& parameter : document.info().parameters) {
     if (parameter.path == path)
       return parameter.value;
   }
@@ -526,7 +526,7 @@ TEST(SceneDocument, WhatWasPaintedOutlastsFogOfNoDensity) {
   const auto document = documentOf(folder, kBlown, quiet);
   ASSERT_TRUE(document);
   const auto map = [&] {
-    const auto canvases = document->canvases();
+    const auto canvases = document->info().canvases;
     return canvases.empty() ? std::vector<double>() : canvases[0].fog->levels().map().c;
   };
   std::vector<double> painted = map();
@@ -538,7 +538,7 @@ TEST(SceneDocument, WhatWasPaintedOutlastsFogOfNoDensity) {
   const auto now = map();
   ASSERT_EQ(now.size(), painted.size());
   for (std::size_t i = 0; i < now.size(); ++i) EXPECT_NEAR(now[i], 2 * painted[i], 1e-12) << i;
-  EXPECT_TRUE(document->canvases()[0].unsaved);
+  EXPECT_TRUE(document->info().canvases[0].unsaved);
 }
 
 TEST(SceneDocument, ASavedMapIsHeldAsTheFogThatBlows) {
@@ -546,14 +546,14 @@ TEST(SceneDocument, ASavedMapIsHeldAsTheFogThatBlows) {
   Progress quiet;
   const auto document = documentOf(folder, kBlown, quiet);
   ASSERT_TRUE(document);
-  auto painted = document->canvases()[0].fog->levels().map().c;
+  auto painted = document->info().canvases[0].fog->levels().map().c;
   for (double& value : painted) value *= 0.5;
   ASSERT_TRUE(document->setFogMap(0, painted, true));
   Image map(14, 10, 1);
   ASSERT_TRUE(document->saveFogMap(0, folder.path("other.png"), map));
   ASSERT_TRUE(document->set("/media/0/wind", {3, 1, 0}, quiet));
-  EXPECT_EQ(document->canvases()[0].fog->levels().map().c, painted);
-  EXPECT_EQ(document->canvases()[0].file, folder.path("other.png"));
+  EXPECT_EQ(document->info().canvases[0].fog->levels().map().c, painted);
+  EXPECT_EQ(document->info().canvases[0].file, folder.path("other.png"));
 }
 
 TEST(SceneDocument, AVolumeThatIsMovedKeepsItsSize) {

@@ -20,7 +20,7 @@ class PaintControls : public Controls {
     ASSERT_NO_FATAL_FAILURE(openPaintPanel());
   }
 
-  const FogPainter& painter() { return app().paint().painter(); }
+  const FogPainter& painter() { return app().tools().painting.tool().painter(); }
 
   const Map& map() { return painter().coefficients().c; }
 
@@ -46,7 +46,7 @@ class PaintControls : public Controls {
     const Map before = map();
     act();
     load();
-    EXPECT_EQ(app().error(), "");
+    EXPECT_EQ(app().document().error(), "");
     EXPECT_NE(map(), before);
     EXPECT_GT(difference(shown, fog()), 0.0005);
   }
@@ -67,12 +67,12 @@ class PaintControls : public Controls {
     const Image shown = fog();
     ASSERT_TRUE(script_->write("map", folder_.path(file)));
     press("Save map");
-    EXPECT_EQ(app().error(), "");
-    EXPECT_FALSE(app().unsavedMap());
+    EXPECT_EQ(app().document().error(), "");
+    EXPECT_FALSE(app().tools().painting.unsaved());
     saveAs("painted.json");
     app().open(folder_.path("painted.json"));
     load();
-    ASSERT_TRUE(app().paint().has());
+    ASSERT_TRUE(app().tools().painting.tool().has());
     ASSERT_EQ(map().size(), painted.size());
     for (std::size_t i = 0; i < painted.size(); ++i)
       EXPECT_NEAR(map()[i], painted[i], 0.4 * 0.51 / 65535) << i;
@@ -157,7 +157,7 @@ TEST_F(PaintControls, EachToolChangesTheMapInItsWay) {
 TEST_F(PaintControls, NothingMovesUnderTheHand) {
   ASSERT_NO_FATAL_FAILURE(unfold("dull.json"));
   take("coefficient");  // which a hand that is still does not change
-  const auto top = [&] { return app().controls().at("plan").top; };
+  const auto top = [&] { return app().window().controls().at("plan").top; };
   const double begun = top();
   double x = 0, y = 0;
   ASSERT_TRUE(script_->pointOf("plan", 0.5, 0.5, x, y));
@@ -165,7 +165,7 @@ TEST_F(PaintControls, NothingMovesUnderTheHand) {
   script_->hold(0, true);
   app().open(folder_.path("nowhere.json"));
   load();
-  ASSERT_NE(app().error(), "");
+  ASSERT_NE(app().document().error(), "");
   EXPECT_EQ(top(), begun) << "a sentence above it waits for the stroke's end";
   script_->hold(0, false);
   EXPECT_EQ(top(), begun);
@@ -180,12 +180,12 @@ TEST_F(PaintControls, FogIsPaintedOnTheGround) {
   ASSERT_TRUE(script_->click("brush strength", 0.6));
   ASSERT_TRUE(script_->click("paint in the view", 0.05));
   ASSERT_TRUE(app().settings().painting);
-  const auto ground = app().camera().camera(kWidth, kHeight).project(Vec3(8, 6, 0));
+  const auto ground = app().view().camera().camera(kWidth, kHeight).project(Vec3(8, 6, 0));
   ASSERT_TRUE(ground);
   const double x = ground->x(), y = ground->y();
   const auto place = painter().nearest(Vec2(8, 6));
   ASSERT_TRUE(place);
-  const Vec3 eye = app().camera().eye();
+  const Vec3 eye = app().view().camera().eye();
   const auto stroke = [&] { script_->drag(x - 20, y, x + 20, y, 0, 12); };
   const auto value = [&] { return painter().valueOf(*place); };
   double low = value();
@@ -211,9 +211,9 @@ TEST_F(PaintControls, FogIsPaintedOnTheGround) {
   expectPainted("Ctrl Shift Z", [&] { script_->press(Key::kZ, true); });
   script_->input().shift = false;
   EXPECT_EQ(map(), last);
-  EXPECT_EQ(app().camera().eye(), eye) << "the left button paints";
+  EXPECT_EQ(app().view().camera().eye(), eye) << "the left button paints";
   script_->drag(x, y, x + 40, y + 10, 1);
-  EXPECT_GT((app().camera().eye() - eye).norm(), 0.1) << "the right one turns";
+  EXPECT_GT((app().view().camera().eye() - eye).norm(), 0.1) << "the right one turns";
   EXPECT_EQ(map(), last);
   script_->press(Key::kEscape);
   EXPECT_FALSE(app().settings().painting);

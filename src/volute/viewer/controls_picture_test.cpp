@@ -21,14 +21,14 @@ TEST_F(Controls, ThePicturesOwn) {
   EXPECT_EQ(app().settings().look.quality, 2);
   script_->choose("quality", "quarter");
   expectSeen("time", [&] { script_->click("time", 0.99); });
-  EXPECT_GT(app().timeline().time(), 0.15);
+  EXPECT_GT(app().playback().timeline().time(), 0.15);
   expectSeen("<", [&] { script_->click("<"); });
-  EXPECT_EQ(app().timeline().time(), 0);
+  EXPECT_EQ(app().playback().timeline().time(), 0);
   expectSeen(">", [&] { script_->click(">"); });
   ASSERT_TRUE(script_->choose("camera", "walk"));
   ASSERT_TRUE(script_->choose("renderer", "CPU"));
   script_->click("Screenshot");
-  EXPECT_TRUE(app().takeScreenshotRequest());
+  EXPECT_TRUE(app().window().takeScreenshotRequest());
   const Image bare = viewer_->picture();
   script_->click("Help");
   EXPECT_TRUE(app().settings().help);
@@ -36,12 +36,12 @@ TEST_F(Controls, ThePicturesOwn) {
   app().settings().help = false;
   ASSERT_NO_FATAL_FAILURE(openMore());
   ASSERT_TRUE(script_->click("speed", 0.7));
-  const double speed = app().timeline().speed();
+  const double speed = app().playback().timeline().speed();
   EXPECT_GT(speed, 1.5);
   ASSERT_TRUE(script_->click("exposure", 0.45));
   ASSERT_TRUE(script_->click("view", 0.6));
-  const double stops = app().settings().look.stops, fov = app().camera().fov();
-  const double time = app().timeline().time();
+  const double stops = app().settings().look.stops, fov = app().view().camera().fov();
+  const double time = app().playback().timeline().time();
   EXPECT_NE(stops, 0);
   EXPECT_NE(fov, 50);
   saveAs("look.json");
@@ -49,31 +49,32 @@ TEST_F(Controls, ThePicturesOwn) {
   app().open(folder_.path("look.json"));
   load();
   EXPECT_EQ(app().settings().look.stops, stops);
-  EXPECT_NEAR(app().camera().fov(), fov, 1e-9);
-  EXPECT_NEAR(app().timeline().time(), std::min(time, app().timeline().last()), 1e-9);
+  EXPECT_NEAR(app().view().camera().fov(), fov, 1e-9);
+  EXPECT_NEAR(app().playback().timeline().time(),
+              std::min(time, app().playback().timeline().last()), 1e-9);
   EXPECT_FALSE(app().settings().look.surfaces);
   EXPECT_EQ(app().settings().look.renderer, 2);
   EXPECT_EQ(app().settings().look.quality, 3);
-  EXPECT_EQ(app().timeline().speed(), speed);
-  EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kWalk);
+  EXPECT_EQ(app().playback().timeline().speed(), speed);
+  EXPECT_EQ(app().view().camera().mode(), ViewCamera::Mode::kWalk);
 }
 
 using PictureControls = WideControls;
 
 TEST_F(PictureControls, TheCamerasModeSaysWhatADragDoes) {
   open("smoke.json");
-  const StartView begun = app().camera().view();
+  const StartView begun = app().view().camera().view();
   const auto turned = [&](const char* mode) {
-    app().camera().set(begun);
+    app().view().camera().set(begun);
     EXPECT_TRUE(script_->choose("camera", mode));
     expectSeen(mode, [&] { script_->drag(kWide / 2, 300, kWide / 2 + 60, 330); });
     return picture();
   };
   const Image orbit = turned("orbit");
-  EXPECT_GT((app().camera().eye() - begun.eye).norm(), 0.5);
-  EXPECT_LT((app().camera().view().target - begun.target).norm(), 1e-9);
+  EXPECT_GT((app().view().camera().eye() - begun.eye).norm(), 0.5);
+  EXPECT_LT((app().view().camera().view().target - begun.target).norm(), 1e-9);
   const Image walk = turned("walk");
-  EXPECT_EQ(app().camera().eye(), begun.eye);
+  EXPECT_EQ(app().view().camera().eye(), begun.eye);
   EXPECT_GT(difference(orbit, walk), 0.01);
 }
 
@@ -103,9 +104,9 @@ TEST_F(PictureControls, WhoDrewIsSaid) {
     return shownAt("who draws", kLetters, kLine);
   };
   const Image gl = said("OpenGL");
-  EXPECT_FALSE(app().times().cpu);
+  EXPECT_FALSE(app().view().picture().times().cpu);
   const Image cpu = said("CPU");
-  EXPECT_TRUE(app().times().cpu);
+  EXPECT_TRUE(app().view().picture().times().cpu);
   EXPECT_GT(difference(gl, cpu), 0.1);
   EXPECT_LT(difference(gl, said("OpenGL")), 0.05) << "else it is the background's change";
 }
@@ -125,25 +126,26 @@ TEST_F(Controls, OpenGlAndTheCpuAgree) {
 
 TEST_F(Controls, FilesOpenByDropping) {
   open("smoke.json");
-  script_->drop(folder_.path("map.png"));
+  script_->open(folder_.path("map.png"));
   load();
-  EXPECT_EQ(app().error(), "");
-  EXPECT_THAT(app().document()->title, ::testing::HasSubstr("a map of fog"));
-  script_->drop(folder_.path("smoke.vtu"));
+  EXPECT_EQ(app().document().error(), "");
+  EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("a map of fog"));
+  script_->open(folder_.path("smoke.vtu"));
   load();
-  EXPECT_THAT(app().document()->title, ::testing::HasSubstr("smoke on a mesh"));
-  script_->drop(folder_.path("smoke.pvd"));
+  EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("smoke on a mesh"));
+  script_->open(folder_.path("smoke.pvd"));
   load();
-  ASSERT_TRUE(app().timeline().moves());
+  ASSERT_TRUE(app().playback().timeline().moves());
   script_->click("time", 0.6);
   load();
-  const double time = app().timeline().time();
-  script_->drop(folder_.path("ground.obj"));
+  const double time = app().playback().timeline().time();
+  script_->open(folder_.path("ground.obj"));
   load();
-  EXPECT_TRUE(app().timeline().moves());
-  EXPECT_EQ(app().timeline().time(), time);
-  EXPECT_NE(app().error(), "");
-  EXPECT_THAT(app().document()->title, ::testing::HasSubstr("smoke on a mesh")) << "it stays";
+  EXPECT_TRUE(app().playback().timeline().moves());
+  EXPECT_EQ(app().playback().timeline().time(), time);
+  EXPECT_NE(app().document().error(), "");
+  EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("smoke on a mesh"))
+      << "it stays";
 }
 
 TEST_F(Controls, ADroppedFileIsExposedAsIfItWasOpened) {
@@ -154,7 +156,7 @@ TEST_F(Controls, ADroppedFileIsExposedAsIfItWasOpened) {
   script_->drop(folder_.path("fog.json"));
   load();
   const Image fog = picture();
-  script_->drop(folder_.path("blob.npy"));
+  script_->open(folder_.path("blob.npy"));
   load();
   script_->settle();
   EXPECT_LT(difference(alone, picture()), 0.001);
@@ -163,12 +165,12 @@ TEST_F(Controls, ADroppedFileIsExposedAsIfItWasOpened) {
 
 TEST_F(Controls, OneLooksFromTheCamerasOfACapture) {
   open("capture.json");
-  EXPECT_THAT(app().document()->title, ::testing::HasSubstr("3 cameras, 2 frames"));
+  EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("3 cameras, 2 frames"));
   Image shown = picture();
   for (const char* camera : {"look from a", "look from b", "look from c"}) {
-    const Vec3 eye = app().camera().eye();
+    const Vec3 eye = app().view().camera().eye();
     ASSERT_TRUE(script_->click(camera));
-    EXPECT_GT((app().camera().eye() - eye).norm(), 0.5) << camera;
+    EXPECT_GT((app().view().camera().eye() - eye).norm(), 0.5) << camera;
     Image now = picture();
     EXPECT_GT(difference(shown, now), 0.01) << camera;
     shown = std::move(now);
@@ -184,7 +186,7 @@ TEST_F(Controls, ACapturesFaultsAreToldAndItsOtherPicturesShown) {
   json["cameras"][2]["t"][2] = -4;
   testing::writeText(folder_.path("faulty.json"), json.dump());
   open("faulty.json");
-  EXPECT_THAT(app().document()->remarks,
+  EXPECT_THAT(app().document().info()->remarks,
               ::testing::IsSupersetOf({::testing::HasSubstr("camera b, frame 5: there is no"),
                                        ::testing::HasSubstr("camera c: the volume lies behind")}));
   const auto image = picture().pixels;
@@ -214,17 +216,17 @@ TEST_F(Controls, AnFdsCaseIsSeenFromOutsideAsADollsHouse) {
   const std::vector<std::uint8_t> clear(25 * 13 * 7, 0);
   fdswriter::smokeFile({24, 12, 6}, {{0, clear}}).save(folder_.path("hall_1.s3d"));
   open("hall.smv");
-  const Vec3 first = app().camera().eye();
+  const Vec3 first = app().view().camera().eye();
   EXPECT_GT(first.z(), 3);
-  EXPECT_FALSE(app().document()->bounds.contains(first));
+  EXPECT_FALSE(app().document().info()->bounds.contains(first));
   ASSERT_TRUE(script_->click("Whole view"));
-  EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kOrbit);
-  EXPECT_FALSE(app().document()->bounds.contains(app().camera().eye()));
+  EXPECT_EQ(app().view().camera().mode(), ViewCamera::Mode::kOrbit);
+  EXPECT_FALSE(app().document().info()->bounds.contains(app().view().camera().eye()));
   ASSERT_TRUE(script_->click("First view"));
-  EXPECT_LT((app().camera().eye() - first).norm(), 1e-6);
+  EXPECT_LT((app().view().camera().eye() - first).norm(), 1e-6);
   open("room.smv");  // without a roof
-  EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kOrbit);
-  EXPECT_FALSE(app().document()->bounds.contains(app().camera().eye()));
+  EXPECT_EQ(app().view().camera().mode(), ViewCamera::Mode::kOrbit);
+  EXPECT_FALSE(app().document().info()->bounds.contains(app().view().camera().eye()));
 }
 
 /// What was told of a long call.
@@ -241,16 +243,16 @@ TEST_F(Controls, ProgressIsToldUntilThePictureIsDrawn) {
   app().settings().look.quality = 3;
   ViewerInput input = script_->input();
   ASSERT_TRUE(viewer_->settle(input, stages));
-  ASSERT_TRUE(app().times().cpu);
+  ASSERT_TRUE(app().view().picture().times().cpu);
   EXPECT_TRUE(stages.seen.contains("opening"));
   EXPECT_TRUE(stages.seen.contains("drawing"));
 }
 
 TEST_F(Controls, RemarksRepeatNoFolder) {
   open("room.smv");
-  EXPECT_THAT(app().document()->remarks,
+  EXPECT_THAT(app().document().info()->remarks,
               ::testing::Contains(::testing::StartsWith("extinction from s3d")));
-  for (const std::string& remark : app().document()->remarks)
+  for (const std::string& remark : app().document().info()->remarks)
     EXPECT_THAT(remark, ::testing::Not(::testing::HasSubstr(folder_.path("")))) << remark;
 }
 
@@ -261,19 +263,19 @@ TEST_F(Controls, ACapturesDamagedPictureIsToldAndTheOthersShown) {
   testing::writeText(folder_.path("f_0004_b.exr"), "");
   testing::writeText(folder_.path("f_0004_c.exr"), "no picture");
   open("capture.json");
-  EXPECT_EQ(app().error(), "");
-  EXPECT_THAT(app().document()->remarks,
+  EXPECT_EQ(app().document().error(), "");
+  EXPECT_THAT(app().document().info()->remarks,
               Contains(AllOf(HasSubstr("camera b, frame 4"), HasSubstr("is empty"),
                              HasSubstr("1 of 6 pictures"))));
-  ASSERT_TRUE(app().picture().scene());
-  EXPECT_EQ(app().picture().scene()->quads.size(), 1U);
+  ASSERT_TRUE(app().view().picture().scene());
+  EXPECT_EQ(app().view().picture().scene()->quads.size(), 1U);
   // An empty picture is one that the camera missed, which the document's remarks say.
-  EXPECT_THAT(app().picture().scene()->remarks,
+  EXPECT_THAT(app().view().picture().scene()->remarks,
               ::testing::ElementsAre(HasSubstr("camera c, frame 4")));
   ASSERT_TRUE(script_->click(">"));
   load();
-  EXPECT_EQ(app().picture().scene()->quads.size(), 3U);
-  EXPECT_TRUE(app().picture().scene()->remarks.empty());
+  EXPECT_EQ(app().view().picture().scene()->quads.size(), 3U);
+  EXPECT_TRUE(app().view().picture().scene()->remarks.empty());
 }
 
 class LayoutControls : public Controls {
@@ -283,7 +285,7 @@ class LayoutControls : public Controls {
   }
 
   void expectApart(int width, int height) {
-    const auto& controls = app().controls();
+    const auto& controls = app().window().controls();
     for (const auto& [name, at] : controls) {
       EXPECT_GE(at.left, 0) << name;
       EXPECT_LE(at.right, width) << name;
@@ -325,7 +327,8 @@ TEST_F(LayoutControls, ControlsLieInTheWindowAndNotOnEachOther) {
     open("fog.json");
     ASSERT_NO_FATAL_FAILURE(openPaintPanel());
     expectApart(width, height);
-    EXPECT_LE(app().controls().at("tool coefficient").right, app().controls().at("plan").right);
+    EXPECT_LE(app().window().controls().at("tool coefficient").right,
+              app().window().controls().at("plan").right);
   }
 }
 
@@ -369,7 +372,7 @@ TEST_F(LayoutControls, AnErrorIsSeenWhileItsPanelIsClosed) {
   const double before = covered(0, 0, 0.4, 0.3);
   script_->drop(folder_.path("nowhere.json"));
   load();
-  ASSERT_NE(app().error(), "");
+  ASSERT_NE(app().document().error(), "");
   EXPECT_FALSE(script_->has("exposure"));
   EXPECT_GT(covered(0, 0, 0.4, 0.3), before + 0.1);
 }
@@ -419,20 +422,20 @@ TEST_F(Controls, ADamagedFileLeavesTheOldPictureUntilItIsMended) {
   std::filesystem::copy_file(folder_.path("map.png"), folder_.path("whole.png"));
   std::ofstream(folder_.path("torn.png")) << "\x89PNG and then nothing";
   replace("map.png", "torn.png");
-  EXPECT_TRUE(until([&] { return !app().error().empty(); }));
-  EXPECT_THAT(app().error(), ::testing::HasSubstr("map.png"));
-  ASSERT_NE(app().document(), nullptr);
+  EXPECT_TRUE(until([&] { return !app().document().error().empty(); }));
+  EXPECT_THAT(app().document().error(), ::testing::HasSubstr("map.png"));
+  ASSERT_NE(app().document().info(), nullptr);
   EXPECT_LT(difference(shown, picture()), 0.001);
   replace("map.png", "whole.png");
-  EXPECT_TRUE(until([&] { return app().error().empty(); }));
+  EXPECT_TRUE(until([&] { return app().document().error().empty(); }));
   EXPECT_LT(difference(shown, picture()), 0.001);
   std::filesystem::copy_file(folder_.path("fog.json"), folder_.path("whole.json"));
   std::ofstream(folder_.path("torn.json")) << "{\"format\": ";
   replace("fog.json", "torn.json");
-  EXPECT_TRUE(until([&] { return !app().error().empty(); }));
+  EXPECT_TRUE(until([&] { return !app().document().error().empty(); }));
   EXPECT_LT(difference(shown, picture()), 0.001);
   replace("fog.json", "dull.json");
-  EXPECT_TRUE(until([&] { return app().error().empty(); }));
+  EXPECT_TRUE(until([&] { return app().document().error().empty(); }));
   EXPECT_GT(difference(shown, picture()), 0.01) << "without a sun";
 }
 

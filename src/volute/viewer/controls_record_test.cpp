@@ -20,7 +20,7 @@ const std::set<std::string> kNoControls = {"times", "who draws", "stop drawing",
 
 TEST_F(Controls, AreCountedByKind) {
   open("smoke.json");
-  const DocumentInfo* document = app().document();
+  const DocumentInfo* document = app().document().info();
   const auto kind = [&](const char* control) { return ControlRecord::kindOf(control, document); };
   EXPECT_EQ(kind("exposure"), "exposure");
   EXPECT_EQ(kind("quality = half"), "quality");

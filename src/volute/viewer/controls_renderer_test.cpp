@@ -50,11 +50,11 @@ struct Renderers : Controls {
     SCOPED_TRACE(name);
     open(name);
     const Image gl = by(ViewRenderer::kGl);
-    EXPECT_FALSE(app().times().cpu);
-    EXPECT_FALSE(app().times().passes.empty()) << "media are drawn";
-    EXPECT_EQ(app().picture().remark(), "");
+    EXPECT_FALSE(app().view().picture().times().cpu);
+    EXPECT_FALSE(app().view().picture().times().passes.empty()) << "media are drawn";
+    EXPECT_EQ(app().view().picture().remark(), "");
     const Image cpu = by(ViewRenderer::kCpu);
-    EXPECT_TRUE(app().times().cpu);
+    EXPECT_TRUE(app().view().picture().times().cpu);
     double sum = 0;
     for (std::size_t i = 0; i < gl.pixels.size(); ++i)
       sum += std::abs(gl.pixels[i] - cpu.pixels[i]);
@@ -81,7 +81,7 @@ struct Edges : Renderers {
     by(renderer);
     resize(120, 90);
     EXPECT_TRUE(script_->settle());
-    return app().picture().sampledLight(app().document()->background);
+    return app().view().picture().sampledLight(app().document().info()->background);
   }
 
   /// Of the brightest.
@@ -94,10 +94,10 @@ struct Edges : Renderers {
     SCOPED_TRACE(name);
     open(name);
     const Image gl = lightBy(ViewRenderer::kGl);
-    EXPECT_EQ(app().picture().remark(), "");
-    EXPECT_FALSE(app().times().cpu);
+    EXPECT_EQ(app().view().picture().remark(), "");
+    EXPECT_FALSE(app().view().picture().times().cpu);
     EXPECT_LT(off(gl, lightBy(ViewRenderer::kCpu)), 2e-3);
-    EXPECT_TRUE(app().times().cpu);
+    EXPECT_TRUE(app().view().picture().times().cpu);
   }
 };
 
@@ -119,18 +119,18 @@ TEST_F(Edges, AreRoughAtOnceAndExactOnceTheCameraRests) {
   write("block.json", std::string(kCamera) + "," + kLamps + kThings);
   open("block.json");
   lightBy(ViewRenderer::kGl);
-  const std::size_t pictures = app().times().history.size();
+  const std::size_t pictures = app().view().picture().times().history.size();
   const Image before = viewer_->picture();
-  app().camera().drag(4, 2);
+  app().view().camera().drag(4, 2);
   script_->frame();
   EXPECT_FALSE(app().settled());
-  EXPECT_EQ(app().times().history.size(), pictures + 1) << "drawn at once";
+  EXPECT_EQ(app().view().picture().times().history.size(), pictures + 1) << "drawn at once";
   EXPECT_GT(difference(viewer_->picture(), before), 0.05);
-  const auto background = app().document()->background;
-  const Image rough = app().picture().sampledLight(background);
+  const auto background = app().document().info()->background;
+  const Image rough = app().view().picture().sampledLight(background);
   ASSERT_TRUE(script_->settle());
-  EXPECT_EQ(app().times().history.size(), pictures + 1);
-  const Image exact = app().picture().sampledLight(background);
+  EXPECT_EQ(app().view().picture().times().history.size(), pictures + 1);
+  const Image exact = app().view().picture().sampledLight(background);
   EXPECT_GT(off(exact, rough), 0.03) << "edges of shadows";
   EXPECT_LT(off(exact, lightBy(ViewRenderer::kCpu)), 2e-3);
 }
@@ -140,7 +140,7 @@ TEST_F(Edges, AreBehindSigns) {
       {"position": [1.2, 1, 0.6], "normal": [-1, -1, 0.4], "size": [1.6, 0.8], "emitting": true}])");
   open("sign.json");
   const Image gl = by(ViewRenderer::kGl);
-  app().edit({.kind = SceneEdit::Kind::kRemove, .path = "/signs/0"});
+  app().document().edit({.kind = SceneEdit::Kind::kRemove, .path = "/signs/0"});
   load();
   EXPECT_GT(difference(gl, by(ViewRenderer::kGl)), 0.1) << "the sign is before surfaces";
 }
@@ -194,7 +194,7 @@ TEST_F(Renderers, DrawBeforeAParallelCameraThatIsNotUpright) {
             R"(, "geometry": [{"file": "ground.obj"}], "media": [)" + kWalls +
             R"(], "signs": [{"position": [3, 3, 0.1], "normal": [0, 0, 1], "size": [3, 2]}])");
   expectBoth("parallel.json", 0.01);
-  const Camera camera = app().camera().camera(120, 90);
+  const Camera camera = app().view().camera().camera(120, 90);
   const Camera meant =
       Camera::orthographic({Vec3(-9, -12, 11), Vec3(7, 5, 0), Vec3::UnitY()}, 16, 120, 90);
   EXPECT_TRUE(camera.isOrthographic());
@@ -203,14 +203,14 @@ TEST_F(Renderers, DrawBeforeAParallelCameraThatIsNotUpright) {
   app().settings().look.quality = 3;
   resize(kNarrow, kHigh);
   script_->frames(3);
-  const double height = app().camera().ortho();
+  const double height = app().view().camera().ortho();
   ASSERT_TRUE(script_->click("view", 0.3));
-  EXPECT_NE(app().camera().ortho(), height);
-  const double seen = app().camera().ortho();
+  EXPECT_NE(app().view().camera().ortho(), height);
+  const double seen = app().view().camera().ortho();
   saveAs("parallel2.json");
   expectTheSameAfter("parallel2.json");
-  EXPECT_NEAR(app().camera().ortho(), seen, 1e-9);
-  EXPECT_LT((app().camera().upwards() - Vec3::UnitY()).norm(), 1e-9);
+  EXPECT_NEAR(app().view().camera().ortho(), seen, 1e-9);
+  EXPECT_LT((app().view().camera().upwards() - Vec3::UnitY()).norm(), 1e-9);
 }
 
 TEST_F(Renderers, ShowSignsToThoseBeforeThem) {
@@ -218,11 +218,11 @@ TEST_F(Renderers, ShowSignsToThoseBeforeThem) {
     open("smoke.json");
     const Image sign = by(renderer);
     const auto normal = parameterAt("/signs/0/normal");
-    app().setParameter(normal, {1, 0, 0});
+    app().document().set(normal, {1, 0, 0});
     load();
     const Image back = by(renderer);
     EXPECT_GT(difference(sign, back), 0.2);
-    app().edit({.kind = SceneEdit::Kind::kRemove, .path = "/signs/0"});
+    app().document().edit({.kind = SceneEdit::Kind::kRemove, .path = "/signs/0"});
     load();
     EXPECT_LT(difference(back, by(renderer)), 0.002);
   }
@@ -238,7 +238,7 @@ TEST_F(Renderers, SmokeIsDrawnByTheMethodThatWasAskedFor) {
   begin(160, 120);
   open("smoke.vtu");
   by(ViewRenderer::kGl);
-  const auto& passes = app().times().passes;
+  const auto& passes = app().view().picture().times().passes;
   EXPECT_TRUE(std::ranges::any_of(passes, [](const auto& pass) { return pass.name == "resolve"; }));
 }
 
@@ -254,11 +254,12 @@ TEST_F(Renderers, WhatOpenGlRefusesIsSaidAndTheRestIsDrawn) {
   if (app().device().hardware)
     GTEST_SKIP() << "graphics cards draw it";
   by(ViewRenderer::kGl);
-  EXPECT_THAT(app().picture().remark(), ::testing::HasSubstr("without the media: rays pass"));
-  EXPECT_FALSE(app().times().cpu);
+  EXPECT_THAT(app().view().picture().remark(),
+              ::testing::HasSubstr("without the media: rays pass"));
+  EXPECT_FALSE(app().view().picture().times().cpu);
   by(ViewRenderer::kAuto);
-  EXPECT_TRUE(app().times().cpu);
-  EXPECT_EQ(app().times().why, "there is no graphics card");
+  EXPECT_TRUE(app().view().picture().times().cpu);
+  EXPECT_EQ(app().view().picture().times().why, "there is no graphics card");
 }
 
 TEST(NoCpu, IsAnErrorWhereItWouldDraw) {
@@ -284,13 +285,13 @@ TEST_F(Renderers, BeginsAtTheTimeThatWasAskedFor) {
         std::string(kRoom) + R"(, "media": [)" + kWalls + R"(], "view": {"time": 0.15})");
   app().open(folder_.path("late.json"));
   load();
-  EXPECT_NEAR(app().timeline().time(), 0.15, 1e-12);
+  EXPECT_NEAR(app().playback().timeline().time(), 0.15, 1e-12);
   app().open(folder_.path("late.json"), 0.0);
   load();
-  EXPECT_EQ(app().timeline().time(), 0);
+  EXPECT_EQ(app().playback().timeline().time(), 0);
   app().open(folder_.path("late.json"), 0.05);
   load();
-  EXPECT_NEAR(app().timeline().time(), 0.05, 1e-12);
+  EXPECT_NEAR(app().playback().timeline().time(), 0.05, 1e-12);
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ class ScaleControls : public Controls {
 
   void expectWhole(const std::string& what) {
     const ViewerInput& input = script_->input();
-    EXPECT_FALSE(app().controls().empty());
-    for (const auto& [name, at] : app().controls()) {
+    EXPECT_FALSE(app().window().controls().empty());
+    for (const auto& [name, at] : app().window().controls()) {
       EXPECT_FALSE(at.cut) << name << " is cut off, " << what;
       EXPECT_GE(at.left, 0) << name << ", " << what;
       EXPECT_LE(at.right, input.width) << name << ", " << what;

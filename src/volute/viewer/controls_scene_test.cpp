@@ -9,14 +9,14 @@ namespace {
 class SceneControls : public WideControls {
  protected:
   bool hasParameter(const std::string& path) {
-    return std::ranges::find(app().document()->parameters, path, &Parameter::path) !=
-           app().document()->parameters.end();
+    return std::ranges::find(app().document().info()->parameters, path, &Parameter::path) !=
+           app().document().info()->parameters.end();
   }
 
   void press(const std::string& control) {
     ASSERT_TRUE(script_->click(control)) << control;
     load();
-    EXPECT_EQ(app().error(), "");
+    EXPECT_EQ(app().document().error(), "");
   }
 
   Vec3 pointOf(const std::string& path) {
@@ -33,7 +33,7 @@ TEST_F(SceneControls, SignsComeAndGo) {
   const Vec3 at = pointOf("/signs/1/position");
   EXPECT_NEAR(at.x(), 6 - 0.02, 1e-6) << "the mesh ends at x = 6";
   EXPECT_LT((pointOf("/signs/1/normal") + Vec3::UnitX()).norm(), 1e-9);
-  const auto middle = app().camera().camera(kWide, kTall).project(Vec3(6, at.y(), at.z()));
+  const auto middle = app().view().camera().camera(kWide, kTall).project(Vec3(6, at.y(), at.z()));
   ASSERT_TRUE(middle);
   EXPECT_LT((*middle - Vec2(0.5 * kWide, 0.5 * kTall)).norm(), 1e-6);
   expectSeen("duplicate", [&] { press("duplicate /signs/1"); });
@@ -53,7 +53,7 @@ TEST_F(SceneControls, SignsOfTheSameNameHaveTheirOwnControls) {
   press("add sign");
   const auto names = [&] {
     std::set<std::string> groups;
-    for (const Parameter& parameter : app().document()->parameters) {
+    for (const Parameter& parameter : app().document().info()->parameters) {
       if (parameter.path.starts_with("/signs/"))
         groups.insert(parameter.group);
     }
@@ -66,40 +66,40 @@ TEST_F(SceneControls, SignsOfTheSameNameHaveTheirOwnControls) {
 
 TEST_F(SceneControls, ASignIsPutWhereTheMouseClicks) {
   open("smoke.json");
-  const Camera camera = app().camera().camera(kWide, kTall);
+  const Camera camera = app().view().camera().camera(kWide, kTall);
   const Vec3 onFloor(2, 3, 0);
   const auto pixel = camera.project(onFloor);
   ASSERT_TRUE(pixel);
   ASSERT_TRUE(script_->click("place /signs/0"));
-  EXPECT_EQ(app().placing(), "/signs/0");
-  const Vec3 eye = app().camera().eye();
+  EXPECT_EQ(app().tools().pointer.placing(), "/signs/0");
+  const Vec3 eye = app().view().camera().eye();
   expectSeen("place", [&] {
     script_->clickAt(pixel->x(), pixel->y());
     load();
   });
-  EXPECT_EQ(app().placing(), "");
+  EXPECT_EQ(app().tools().pointer.placing(), "");
   EXPECT_LT((pointOf("/signs/0/position") - onFloor - 0.02 * Vec3::UnitZ()).norm(), 1e-6);
   EXPECT_LT((pointOf("/signs/0/normal") - Vec3::UnitZ()).norm(), 1e-9);
-  EXPECT_EQ(app().camera().eye(), eye) << "the click was not the camera's";
+  EXPECT_EQ(app().view().camera().eye(), eye) << "the click was not the camera's";
   saveAs("placed.json");
   expectTheSameAfter("placed.json");
   ASSERT_TRUE(script_->click("place /signs/0"));
   script_->press(Key::kEscape);
-  EXPECT_EQ(app().placing(), "");
+  EXPECT_EQ(app().tools().pointer.placing(), "");
 }
 
 TEST_F(SceneControls, ALampIsPutWhereTheMouseClicks) {
   open("smoke.json");
   const Vec3 onFloor(2, 3, 0), before = pointOf("/lights/1/position");
-  const auto pixel = app().camera().camera(kWide, kTall).project(onFloor);
+  const auto pixel = app().view().camera().camera(kWide, kTall).project(onFloor);
   ASSERT_TRUE(pixel);
   ASSERT_TRUE(script_->click("place /lights/1"));
-  EXPECT_EQ(app().placing(), "/lights/1");
+  EXPECT_EQ(app().tools().pointer.placing(), "/lights/1");
   expectSeen("place", [&] {
     script_->clickAt(pixel->x(), pixel->y());
     load();
   });
-  EXPECT_EQ(app().placing(), "");
+  EXPECT_EQ(app().tools().pointer.placing(), "");
   const Vec3 at = pointOf("/lights/1/position");
   EXPECT_GT((at - before).norm(), 1);
   EXPECT_LT((at - onFloor).norm(), 0.2);
@@ -111,8 +111,8 @@ TEST_F(SceneControls, ALampIsPutWhereTheMouseClicks) {
 TEST_F(SceneControls, WhatHangsInTheAirFacesTheEye) {
   open("blob.npy");  // nothing to be met
   press("add sign");
-  const Vec3 eye = app().camera().eye(), at = pointOf("/signs/0/position");
-  EXPECT_NEAR((at - eye).norm(), app().camera().distance() - 0.02, 1e-9);
+  const Vec3 eye = app().view().camera().eye(), at = pointOf("/signs/0/position");
+  EXPECT_NEAR((at - eye).norm(), app().view().camera().distance() - 0.02, 1e-9);
   EXPECT_LT((pointOf("/signs/0/normal") - (eye - at).normalized()).norm(), 1e-9);
 }
 
@@ -156,7 +156,7 @@ TEST_F(SceneControls, ChangesAreTakenBackAndDoneAgain) {
   script_->press(Key::kZ, true);
   load();
   EXPECT_FALSE(hasParameter("/signs/1/position"));
-  EXPECT_FALSE(app().document()->canUndo);
+  EXPECT_FALSE(app().document().info()->canUndo);
   EXPECT_LT(difference(begun, picture()), 1e-6);
   press("Redo change");
   EXPECT_TRUE(hasParameter("/signs/1/position"));
@@ -165,7 +165,7 @@ TEST_F(SceneControls, ChangesAreTakenBackAndDoneAgain) {
   EXPECT_EQ(valueOf("/media/0/smoke_potential"), moved);
   script_->press(Key::kY, true);
   load();
-  EXPECT_FALSE(app().document()->canRedo);
+  EXPECT_FALSE(app().document().info()->canRedo);
   EXPECT_LT(difference(changed, picture()), 1e-6);
 }
 
@@ -175,7 +175,7 @@ TEST_F(SceneControls, ParametersHaveNamesAndUnits) {
   for (const char* file : {"fog.json", "dull.json", "smoke.json", "blob.npy", "room.smv"}) {
     open(file);
     std::set<std::string> names;
-    for (const Parameter& parameter : app().document()->parameters) {
+    for (const Parameter& parameter : app().document().info()->parameters) {
       SCOPED_TRACE(parameter.path);
       EXPECT_TRUE(names.insert(parameter.group + ": " + parameter.name).second);
       if (parameter.kind == Parameter::Kind::kDirection) {
@@ -211,38 +211,39 @@ class UnsavedControls : public SceneControls {
     ASSERT_NO_FATAL_FAILURE(openPaintPanel());
     ASSERT_TRUE(script_->dragFrom("plan", 0.75, 0.7, 20, 0, 12));
     load();
-    ASSERT_TRUE(app().unsavedMap());
+    ASSERT_TRUE(app().tools().painting.unsaved());
   }
 
-  const std::string& title() { return app().document()->title; }
+  const std::string& title() { return app().document().info()->title; }
 };
 
 TEST_F(UnsavedControls, AnotherFileOpensAfterTheQuestion) {
   open("fog.json");
   paint();
-  const auto painted = app().paint().painter().coefficients().c;
+  const auto painted = app().tools().painting.tool().painter().coefficients().c;
   script_->drop(folder_.path("smoke.json"));
   load();
-  ASSERT_TRUE(app().leaving());
+  ASSERT_TRUE(app().leaving().asked());
   EXPECT_THAT(title(), ::testing::HasSubstr("fog.json")) << "it waits for the answer";
   script_->press(Key::kZ, true);
-  EXPECT_EQ(app().paint().painter().coefficients().c, painted) << "so does all else";
+  EXPECT_EQ(app().tools().painting.tool().painter().coefficients().c, painted)
+      << "so does all else";
   press("leave cancel");
-  EXPECT_FALSE(app().leaving());
+  EXPECT_FALSE(app().leaving().asked());
   EXPECT_THAT(title(), ::testing::HasSubstr("fog.json"));
-  EXPECT_EQ(app().paint().painter().coefficients().c, painted);
+  EXPECT_EQ(app().tools().painting.tool().painter().coefficients().c, painted);
   script_->drop(folder_.path("smoke.json"));
   script_->frames(2);
   ASSERT_TRUE(script_->write("leave map", folder_.path("nowhere/map.png")));
   ASSERT_TRUE(script_->click("leave save"));
   load();
-  ASSERT_TRUE(app().leaving()) << "it could not be saved";
-  EXPECT_THAT(app().error(), ::testing::HasSubstr("nowhere"));
+  ASSERT_TRUE(app().leaving().asked()) << "it could not be saved";
+  EXPECT_THAT(app().document().error(), ::testing::HasSubstr("nowhere"));
   ASSERT_TRUE(script_->write("leave map", folder_.path("kept.exr")));
   ASSERT_TRUE(script_->click("leave save"));
   load();
   load();
-  EXPECT_FALSE(app().leaving());
+  EXPECT_FALSE(app().leaving().asked());
   EXPECT_THAT(title(), ::testing::HasSubstr("smoke.json"));
   const auto kept = readImage(folder_.path("kept.exr"));
   ASSERT_TRUE(kept) << kept.error().message;
@@ -255,17 +256,17 @@ TEST_F(UnsavedControls, TheWindowClosesAfterTheQuestion) {
   paint();
   script_->close();
   script_->frames(2);
-  ASSERT_TRUE(app().leaving());
-  EXPECT_FALSE(app().ends());
+  ASSERT_TRUE(app().leaving().asked());
+  EXPECT_FALSE(app().leaving().ends());
   script_->press(Key::kEscape);
   script_->frames(2);
-  EXPECT_FALSE(app().leaving());
+  EXPECT_FALSE(app().leaving().asked());
   EXPECT_FALSE(script_->has("leave cancel"));
   app().settings().panels = false;
   script_->close();
   script_->frames(2);
   ASSERT_TRUE(script_->click("leave discard")) << "it is asked without panels too";
-  EXPECT_TRUE(app().ends());
+  EXPECT_TRUE(app().leaving().ends());
 }
 
 TEST_F(UnsavedControls, NothingIsAskedWhereNothingIsLost) {
@@ -275,26 +276,26 @@ TEST_F(UnsavedControls, NothingIsAskedWhereNothingIsLost) {
   load();
   script_->drop(folder_.path("dull.json"));
   load();
-  EXPECT_FALSE(app().leaving());
+  EXPECT_FALSE(app().leaving().asked());
   EXPECT_THAT(title(), ::testing::HasSubstr("dull.json"));
   paint();
   Parameter densest = parameterAt("/media/0/sigma_max");
-  app().setParameter(densest, {0.3});
+  app().document().set(densest, {0.3});
   load();
-  EXPECT_TRUE(app().unsavedMap()) << "what was painted is in no file still";
+  EXPECT_TRUE(app().tools().painting.unsaved()) << "what was painted is in no file still";
   script_->close();
   script_->frames(2);
-  EXPECT_FALSE(app().ends());
+  EXPECT_FALSE(app().leaving().ends());
   ASSERT_TRUE(script_->click("leave save"));
   load();
   load();
-  EXPECT_FALSE(app().unsavedMap());
-  EXPECT_FALSE(app().ends()) << "the scene's change is in no file either";
+  EXPECT_FALSE(app().tools().painting.unsaved());
+  EXPECT_FALSE(app().leaving().ends()) << "the scene's change is in no file either";
   ASSERT_TRUE(script_->has("leave scene"));
   ASSERT_TRUE(script_->click("leave save"));
   load();
   load();
-  EXPECT_TRUE(app().ends());
+  EXPECT_TRUE(app().leaving().ends());
 }
 
 }  // namespace

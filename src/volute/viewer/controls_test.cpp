@@ -84,7 +84,8 @@ TEST_F(Controls, EveryParameterOfFdsCases) {
 TEST_F(Controls, AMaterialHasItsSmokePotential) {
   open("smoke.json");
   const auto find = [&] {
-    return *std::ranges::find(app().document()->parameters, "/media/0/material", &Parameter::path);
+    return *std::ranges::find(app().document().info()->parameters, "/media/0/material",
+                              &Parameter::path);
   };
   const Image before = picture();
   ASSERT_TRUE(script_->choose("/media/0/material", find().choices[3]));

@@ -13,14 +13,14 @@ class TimeControls : public Controls {
  protected:
   /// From the beginning, by so many frames of a sixtieth of a second: how far it comes [s].
   double played(int count) {
-    app().timeline().seek(0);
+    app().playback().timeline().seek(0);
     EXPECT_TRUE(script_->click("Play"));
-    EXPECT_TRUE(app().timeline().playing());
-    const double begun = app().timeline().time();
+    EXPECT_TRUE(app().playback().timeline().playing());
+    const double begun = app().playback().timeline().time();
     script_->frames(count);
-    const double time = app().timeline().time() - begun;
+    const double time = app().playback().timeline().time() - begun;
     EXPECT_TRUE(script_->click("Play"));
-    EXPECT_FALSE(app().timeline().playing());
+    EXPECT_FALSE(app().playback().timeline().playing());
     return time;
   }
 
@@ -56,9 +56,9 @@ class TimeControls : public Controls {
   }
 
   void waitForFilm() {
-    while (app().film()) load();
+    while (app().playback().film()) load();
     script_->frame();  // the film's controls are back
-    EXPECT_THAT(app().message(), ::testing::HasSubstr("is written"));
+    EXPECT_THAT(app().document().message(), ::testing::HasSubstr("is written"));
   }
 };
 
@@ -67,7 +67,7 @@ TEST_F(TimeControls, ThePictureChangesWhileItPlays) {
   ASSERT_TRUE(script_->settle());
   script_->input().seconds = 0;
   ASSERT_TRUE(script_->click("Play"));
-  ASSERT_TRUE(app().timeline().playing());
+  ASSERT_TRUE(app().playback().timeline().playing());
   app().settings().panels = false;
   // What moves is drawn as fast as it can be, and differs from what rests.
   const auto until = [&](const auto& holds) {
@@ -86,17 +86,17 @@ TEST_F(TimeControls, ThePictureChangesWhileItPlays) {
     return drawn > 100;
   })) << "it stays while no time passes";
   script_->input().seconds = 0.5;
-  while (app().timeline().time() < 5) script_->frame();
+  while (app().playback().timeline().time() < 5) script_->frame();
   script_->input().seconds = 0;
   EXPECT_TRUE(until([&] { return difference(shown, viewer_->picture()) > 0.02; }));
-  ASSERT_TRUE(app().timeline().playing());
+  ASSERT_TRUE(app().playback().timeline().playing());
   app().settings().panels = true;
   script_->frames(3);
   ASSERT_TRUE(script_->click("Play"));
   script_->input().seconds = 1;
-  const double time = app().timeline().time();
+  const double time = app().playback().timeline().time();
   script_->frames(3);
-  EXPECT_EQ(app().timeline().time(), time) << "it is paused";
+  EXPECT_EQ(app().playback().timeline().time(), time) << "it is paused";
 }
 
 TEST_F(TimeControls, AtTwiceTheSpeedItComesTwiceAsFar) {
@@ -106,7 +106,7 @@ TEST_F(TimeControls, AtTwiceTheSpeedItComesTwiceAsFar) {
   ASSERT_NO_FATAL_FAILURE(writeNumber("speed", "1"));
   EXPECT_NEAR(played(kFrames), kFrames / 60.0, 1e-9);
   ASSERT_NO_FATAL_FAILURE(writeNumber("speed", "2"));
-  EXPECT_EQ(app().timeline().speed(), 2);
+  EXPECT_EQ(app().playback().timeline().speed(), 2);
   EXPECT_NEAR(played(kFrames), 2 * kFrames / 60.0, 1e-9);
 }
 
@@ -116,13 +116,13 @@ TEST_F(TimeControls, AFilmIsMadeBesideTheWindowOrNotAtAll) {
   ASSERT_TRUE(script_->choose("film size", "640 x 360"));
   ASSERT_TRUE(script_->write("film", folder_.path("film.mp4")));
   ASSERT_TRUE(script_->click("Make film"));
-  if (!app().film() && !app().message().empty())
-    GTEST_SKIP() << app().message();
+  if (!app().playback().film() && !app().document().message().empty())
+    GTEST_SKIP() << app().document().message();
   script_->frames(3);
-  ASSERT_TRUE(app().film());
+  ASSERT_TRUE(app().playback().film());
   ASSERT_TRUE(script_->click("Cancel film"));
   script_->frames(2);
-  EXPECT_FALSE(app().film());
+  EXPECT_FALSE(app().playback().film());
   EXPECT_FALSE(std::filesystem::exists(folder_.path("film.mp4")));
   ASSERT_TRUE(script_->click("Make film"));
   waitForFilm();
@@ -134,26 +134,26 @@ TEST_F(TimeControls, AFilmIsMadeBesideTheWindowOrNotAtAll) {
 /// Whatever a person does to the scene while a film of it is made.
 TEST_F(TimeControls, AFilmShowsTheSceneAsItWasWhenItWasAskedFor) {
   using Act = std::function<void()>;
-  const Act setFog = [&] { app().setParameter(parameterAt("/media/0/sigma_max"), {0.01}); };
+  const Act setFog = [&] { app().document().set(parameterAt("/media/0/sigma_max"), {0.01}); };
   const std::pair<const char*, Act> kActs[] = {
       {"nothing", [] {}},
       {"a slider", setFog},
       {"the exposure", [&] { app().settings().look.stops = 4; }},
       {"another renderer", [&] { app().settings().look.renderer = 2; }},
-      {"the view", [&] { app().lookFromAxis(Vec3::UnitZ()); }},
-      {"the time", [&] { app().timeline().seek(app().timeline().first()); }},
-      {"a light is added", [&] { app().add(SceneEdit::Kind::kAddSpot); }},
+      {"the view", [&] { app().view().lookFrom(Vec3::UnitZ()); }},
+      {"the time", [&] { app().playback().timeline().seek(app().playback().timeline().first()); }},
+      {"a light is added", [&] { app().tools().pointer.add(SceneEdit::Kind::kAddSpot); }},
       {"a change is taken back",
        [&] {
          setFog();
          load();
-         app().undoChange();
-         app().redoChange();
+         app().document().undo();
+         app().document().redo();
        }},
       {"fog is painted",
        [&] {
-         app().paint().painter().fill(0.3);
-         app().sendMap();
+         app().tools().painting.tool().painter().fill(0.3);
+         app().tools().painting.send();
        }},
       {"another file", [&] { app().open(folder_.path("smoke.json")); }},
   };
@@ -166,15 +166,15 @@ TEST_F(TimeControls, AFilmShowsTheSceneAsItWasWhenItWasAskedFor) {
     SCOPED_TRACE(what);
     open("windy.json");
     ASSERT_NO_FATAL_FAILURE(openMore());
-    app().timeline().setSpeed(40);
+    app().playback().timeline().setSpeed(40);
     app().settings().look.stops = 0;
     app().settings().look.renderer = 0;
     app().settings().filmSize = 0;
     app().settings().filmName = folder_.path(fmt::format("{}.mp4", still.empty() ? "still" : what));
     ASSERT_TRUE(script_->settle());
     app().beginFilm(script_->input());
-    if (!app().film() && !app().message().empty())
-      GTEST_SKIP() << app().message();
+    if (!app().playback().film() && !app().document().message().empty())
+      GTEST_SKIP() << app().document().message();
     act();
     waitForFilm();
     auto reader = FilmReader::open(app().settings().filmName);
@@ -210,8 +210,8 @@ TEST_F(TimeControls, AFilmHasItsSizeAndSpeed) {
     ASSERT_NO_FATAL_FAILURE(writeNumber("speed", speed));
     ASSERT_TRUE(script_->write("film", folder_.path(name)));
     ASSERT_TRUE(script_->click("Make film"));
-    if (!app().film() && !app().message().empty())
-      GTEST_SKIP() << app().message();
+    if (!app().playback().film() && !app().document().message().empty())
+      GTEST_SKIP() << app().document().message();
     waitForFilm();
     const Film film = filmOf(name);
     EXPECT_EQ(film.width, width);

@@ -15,7 +15,8 @@ extern const char* const kDisplay;
 namespace {
 
 constexpr int kColors = 256;
-constexpr int kPictureUnit = 0, kColorsUnit = 1, kSurfacesUnit = 2;
+constexpr int kPictureUnit = 0, kColorsUnit = 1, kSurfacesUnit = 2, kOtherUnit = 3,
+              kOtherSurfacesUnit = 4;
 
 void fillColors(GLuint texture, ColorMap map) {
   std::vector<float> texels;
@@ -51,7 +52,7 @@ Result<Display> Display::create() {
 bool Display::isKept(GLuint picture, int version, const DisplayLook& look) const {
   return picture_ == picture && version_ == version && look_.exposure == look.exposure &&
          look_.tone == look.tone && look_.map == look.map && look_.surfaces == look.surfaces &&
-         (look_.background == look.background).all();
+         look_.other == look.other && (look_.background == look.background).all();
 }
 
 bool Display::Kept::resize(const DisplaySize& other) {
@@ -115,13 +116,20 @@ void Display::keep(GLuint picture, const DisplayLook& look) {
   program_.set("colors", kColorsUnit);
   program_.set("background", Vec3(look.background));
   program_.set("exposure", static_cast<float>(look.exposure));
-  program_.set("mapped", look.map ? 1 : 0);
+  program_.set("mapped", look.other.picture ? 2 : look.map ? 1 : 0);
+  program_.set("span", static_cast<float>(look.other.span));
+  program_.set("other", kOtherUnit);
+  program_.set("otherSurfaces", kOtherSurfacesUnit);
+  program_.set("otherOpaque", look.other.surfaces ? 1 : 0);
+  const auto some = [&](GLuint texture) { return texture ? texture : picture; };
+  glBindTextureUnit(kOtherUnit, some(look.other.picture));
+  glBindTextureUnit(kOtherSurfacesUnit, some(look.other.surfaces));
   program_.set("tone", static_cast<int>(look.tone));
   program_.set("surfaces", kSurfacesUnit);
   program_.set("opaque", look.surfaces ? 1 : 0);
   // Not smoothed: its power has edges. Some texture in any case, or a rasteriser on the CPU
   // compiles the program twice.
-  glBindTextureUnit(kSurfacesUnit, look.surfaces ? look.surfaces : picture);
+  glBindTextureUnit(kSurfacesUnit, some(look.surfaces));
   glBindTextureUnit(kPictureUnit, picture);
   glBindTextureUnit(kColorsUnit, colors_.name());
   glBindSampler(kPictureUnit, smooth_.name());

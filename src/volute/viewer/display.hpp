@@ -18,6 +18,17 @@ struct DisplayLook {
   std::optional<ColorMap> map;        ///< of the first channel, 0..1 after the exposure
   Rgb background = Rgb::Zero();
   GLuint surfaces = 0;  ///< SurfaceDrawer's; 0: there are none
+
+  /// Another picture: its difference from this one is shown, in the map's colours.
+  struct Other {
+    GLuint picture = 0, surfaces = 0;
+    int version = 0;
+    double span = 1;  ///< the difference of the last colour, after the exposure
+
+    bool operator==(const Other&) const = default;
+  };
+
+  Other other{};  ///< without a picture: none
 };
 
 /// Of a picture or of a window [pixels].

@@ -57,43 +57,41 @@ struct SceneRequest {
   bool openGl = true;  ///< OpenGL will draw it: without, what only that needs may be left out
 };
 
+/// What an open document says of itself: the loader takes it whenever the document has changed.
+struct DocumentInfo {
+  std::string title;                 ///< "fire.volute, 64 x 64 x 64 voxels, 48 frames"
+  Box3 bounds;                       ///< finite [m]
+  std::vector<double> times{0.0};    ///< [s] when frames begin; one at least
+  Box3 content = bounds;             ///< around what there is to see, within `bounds` [m]
+  double firstTime = times.front();  ///< when there is something to see [s]
+  bool grey = false;                 ///< one channel: colour maps apply
+  bool interpolates = false;         ///< between `times`; else each holds until the next
+  bool measured = false;             ///< what is seen is as bright as it says: no exposure
+  bool burns = false;                ///< what burns may be brighter than white
+  std::optional<StartView> startView{};
+  std::optional<ViewLook> look{};
+  Rgb background = Rgb::Zero();
+  std::vector<std::string> remarks{};  ///< what is not shown
+  std::vector<Parameter> parameters{};
+  std::vector<FogCanvas> canvases{};
+  std::vector<ViewStation> stations{};
+  std::string sceneName{};  ///< where save() would go unless a person says otherwise
+  bool editable = false;    ///< edit() works
+  bool changed = false;     ///< it is no longer what its file, or the last one that was saved, says
+  bool canUndo = false, canRedo = false;                    ///< what set() and edit() did
+  std::uint64_t snapshotMemory = std::uint64_t{256} << 20;  ///< for snapshots that are kept [bytes]
+  std::string path{};                                       ///< as it was opened
+  int opened = 0;  ///< how many documents were opened before; the same after a change
+};
+
 /// A file that the viewer shows. Only the loader's thread calls it, one call at a time, once it is
-/// open; what it says of itself changes with set() alone.
+/// open.
 class Document {
  public:
   virtual ~Document() = default;
 
-  virtual std::string title() const = 0;  ///< "fire.volute, 64 x 64 x 64 voxels, 48 frames"
-  virtual Box3 bounds() const = 0;        ///< finite [m]
-
-  /// Around what there is to see, within bounds() [m].
-  virtual Box3 content() const { return bounds(); }
-
-  /// When there is something to see [s].
-  virtual double firstTime() const { return times().front(); }
-
-  virtual std::vector<double> times() const = 0;  ///< [s] when frames begin; one at least
-  virtual bool grey() const = 0;                  ///< one channel: colour maps apply
-
-  /// Between times() it is interpolated; else each of them holds until the next.
-  virtual bool interpolates() const { return false; }
-
-  /// What snapshots that are kept may take [bytes].
-  virtual std::uint64_t snapshotMemory() const { return std::uint64_t{256} << 20; }
-
-  /// What is seen is as bright as it says: no exposure is looked for.
-  virtual bool measured() const { return false; }
-
-  /// What burns may be brighter than white.
-  virtual bool burns() const { return false; }
-
-  virtual std::optional<StartView> startView() const { return std::nullopt; }
-
-  virtual std::optional<ViewLook> look() const { return std::nullopt; }
-
-  virtual Rgb background() const { return Rgb::Zero(); }
-
-  virtual std::vector<std::string> remarks() const { return {}; }  ///< what is not shown
+  /// All but `path` and `opened`. It changes with set(), edit() and check() alone.
+  virtual DocumentInfo info() const = 0;
 
   /// To be watched, whether they are there or not.
   virtual std::vector<std::filesystem::path> files() const = 0;
@@ -104,15 +102,6 @@ class Document {
   /// Looks for damage that only reading whole files finds; it then is in the title and the remarks.
   /// Nothing waits for it: where `progress` cancels it, it is asked again when there is time.
   virtual void check(Progress& progress) { (void)progress; }
-
-  virtual std::vector<Parameter> parameters() const { return {}; }
-
-  virtual std::vector<FogCanvas> canvases() const { return {}; }
-
-  virtual std::vector<ViewStation> stations() const { return {}; }
-
-  /// Where save() would go unless a person says otherwise.
-  virtual std::string sceneName() const { return ""; }
 
   /// Whether a coarse scene at this time is there much sooner than the fine one.
   virtual bool coarseHelps(double time) const {
@@ -127,15 +116,12 @@ class Document {
   /// thread calls both. Null where no change alters pictures.
   virtual std::shared_ptr<Document> frozen() const { return nullptr; }
 
-  /// Changes one of parameters(). An error leaves all as it was.
+  /// Changes one of DocumentInfo::parameters. An error leaves all as it was.
   [[nodiscard]] virtual Status set(const std::string& path, const std::vector<double>& value,
                                    Progress& progress) {
     (void)value, (void)progress;
     return fail(ErrorCode::kUnsupported, "{} cannot be changed", path);
   }
-
-  /// Whether edit() works.
-  virtual bool editable() const { return false; }
 
   /// Says in a sentence what was done. An error leaves all as it was.
   [[nodiscard]] virtual Result<std::string> edit(const SceneEdit& edit, Progress& progress) {
@@ -143,13 +129,11 @@ class Document {
     return fail(ErrorCode::kUnsupported, "this document has no signs and lights");
   }
 
-  /// Whether it is no longer what its file, or the last one that was saved, says.
-  virtual bool changed() const { return false; }
-
-  /// Whether a change by set() or edit() can be taken back, or done again.
-  virtual bool canUndo() const { return false; }
-
-  virtual bool canRedo() const { return false; }
+  /// Adds what another file holds; says so in a sentence.
+  [[nodiscard]] virtual Result<std::string> add(const std::string& path, Progress& progress) {
+    (void)progress;
+    return fail(ErrorCode::kUnsupported, "{}: nothing can be added to this document", path);
+  }
 
   /// Nothing where there is nothing to take back.
   [[nodiscard]] virtual Status undo(Progress& progress) {
@@ -162,7 +146,7 @@ class Document {
     return {};
   }
 
-  /// Replaces the map of one of canvases() until it is saved or the document closed [1/m].
+  /// Replaces the map of one of the canvases until it is saved or the document closed [1/m].
   /// @param unsaved  it is not what a file holds
   [[nodiscard]] virtual Status setFogMap(std::size_t canvas, std::vector<double> coefficients,
                                          bool unsaved) {

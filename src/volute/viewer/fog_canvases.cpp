@@ -74,7 +74,7 @@ Status SceneDocument::saveFogMap(std::size_t canvas, const std::string& target, 
   json[nlohmann::ordered_json::json_pointer(found.path)]["map"] =
       nameFrom(target, file_, std::filesystem::path(target).filename().string());
   found.fog->savedAs(target);
-  const bool unchanged = !changed();
+  const bool unchanged = scene_.json() == saved_;
   scene_.note(std::move(json));
   if (unchanged)
     saved_ = scene_.json();

@@ -39,11 +39,17 @@ std::string nameOf(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
 
+/// @param path  not the list's own, which closes
+void chooseFile(ViewerApp& app, const std::filesystem::path& path) {
+  app.document().files().closeBrowser();
+  app.takeFile(path.string());
+}
+
 }  // namespace
 
 /// What to do where nothing is open.
 void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
-  if (app.document() || app.loading().busy || app.picture().shown())
+  if (app.document().info() || app.document().loading().busy || app.view().picture().shown())
     return;
   constexpr float kWide = 420;
   const float width = std::min(kWide, static_cast<float>(input.width) - 2 * kPanelMargin);
@@ -53,8 +59,8 @@ void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
   ImGui::Begin("Welcome", nullptr, kCard);
   ImGui::TextUnformatted("Fire, smoke and fog");
   ImGui::Spacing();
-  if (!app.error().empty()) {
-    errorText(app.error());
+  if (!app.document().error().empty()) {
+    errorText(app.document().error());
     ImGui::Spacing();
   }
   wrappedText(
@@ -63,9 +69,9 @@ void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
       true);
   ImGui::Spacing();
   if (ImGui::Button("Open a file   Ctrl O", {-1, 34}))
-    app.askToOpen();
-  app.mark("Open a file");
-  const auto recent = app.files().recent().names();  // it changes when one is opened
+    app.document().askToOpen();
+  app.window().mark("Open a file");
+  const auto recent = app.document().files().recent().names();  // it changes when one is opened
   if (!recent.empty()) {
     ImGui::Spacing();
     ImGui::TextDisabled("Recent");
@@ -73,8 +79,8 @@ void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
   for (std::size_t i = 0; i < std::min<std::size_t>(recent.size(), 6); ++i) {
     const std::string label = fmt::format("{}###recent{}", nameOf(recent[i]), i);
     if (ImGui::Selectable(label.c_str()))
-      app.leaveFor(recent[i]);
-    app.mark(fmt::format("recent {}", i));
+      app.leaving().leaveFor(recent[i]);
+    app.window().mark(fmt::format("recent {}", i));
     hint(recent[i]);
   }
   ImGui::End();
@@ -84,7 +90,7 @@ void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
 /// The viewer's own list of files, where the desktop has no dialog.
 void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
   constexpr const char* kTitle = "Open a file";
-  DocumentFiles::Browser* browser = app.files().browser();
+  DocumentFiles::Browser* browser = app.document().files().browser();
   if (browser && !ImGui::IsPopupOpen(kTitle))
     ImGui::OpenPopup(kTitle);
   if (!beginQuestion(kTitle, input, 560))
@@ -97,7 +103,7 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
     std::optional<std::string> chosen;
     if (ImGui::Selectable("..", false, ImGuiSelectableFlags_DontClosePopups))
       folder = browser->folder.parent_path();
-    app.mark("folder above");
+    app.window().mark("folder above");
     for (const FolderEntry& entry : browser->entries) {
       const bool plain = !entry.folder && !entry.known;
       if (plain)
@@ -106,7 +112,7 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
       const bool pressed = ImGui::Selectable(
           label.c_str(), browser->name == entry.name,
           ImGuiSelectableFlags_DontClosePopups | ImGuiSelectableFlags_AllowDoubleClick);
-      app.mark("entry = " + entry.name);
+      app.window().mark("entry = " + entry.name);
       if (plain)
         ImGui::PopStyleColor();
       if (!pressed)
@@ -123,7 +129,7 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::EndChild();
     ImGui::SetNextItemWidth(-1);
     nameBox("##name", browser->name);
-    app.mark("file name");
+    app.window().mark("file name");
     const bool opens = markedButton(app, "Open", "open file", !browser->name.empty());
     ImGui::SameLine();
     const bool whole = markedButton(app, "Open this folder", "open folder");
@@ -131,15 +137,15 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::SameLine();
     const bool stays = markedButton(app, "Cancel", "open cancel");
     if (stays)
-      app.files().closeBrowser();
+      app.document().files().closeBrowser();
     else if (whole)
-      app.chooseFile(browser->folder);
+      chooseFile(app, std::filesystem::path(browser->folder));
     else if (opens || chosen)
-      app.chooseFile(browser->folder / chosen.value_or(browser->name));
+      chooseFile(app, browser->folder / chosen.value_or(browser->name));
     else if (folder)
-      app.files().browse(*folder);
+      app.document().files().browse(*folder);
   }
-  if (!app.files().browser())
+  if (!app.document().files().browser())
     ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }
@@ -147,21 +153,21 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
 /// A question that has to be answered before anything else.
 void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
   constexpr const char* kTitle = "Not saved yet";
-  if (app.leaving() && !ImGui::IsPopupOpen(kTitle))
+  if (app.leaving().asked() && !ImGui::IsPopupOpen(kTitle))
     ImGui::OpenPopup(kTitle);
   if (!beginQuestion(kTitle, input, 420))
     return;
-  if (const ViewerApp::Leaving* leaving = app.leaving()) {
-    const bool map = leaving->what == ViewerApp::Leaving::What::kMap;
+  if (const LeaveQuestion::Asked* leaving = app.leaving().asked()) {
+    const bool map = leaving->what == LeaveQuestion::What::kMap;
     const std::string before =
         leaving->path.empty() ? "Before the viewer ends" : "Before " + leaving->path + " is opened";
     wrappedText(map ? "The painted fog is not saved. " + before + ", save the map as"
                     : "The scene has unsaved changes. " + before + ", save it as");
     ImGui::SetNextItemWidth(-1);
     nameBox("##target", map ? app.settings().mapName : app.settings().sceneName);
-    app.mark(map ? "leave map" : "leave scene");
-    if (!app.error().empty())
-      errorText(app.error());
+    app.window().mark(map ? "leave map" : "leave scene");
+    if (!app.document().error().empty())
+      errorText(app.document().error());
     const bool waits = leaving->saving;
     const bool saves = markedButton(app, waits ? "Saving" : "Save", "leave save", !waits);
     ImGui::SameLine();
@@ -169,13 +175,13 @@ void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::SameLine();
     const bool stays = markedButton(app, "Cancel", "leave cancel");
     if (saves)
-      app.leaveAndSave();
+      app.leaving().save();
     else if (discards)
-      app.leaveAndDiscard();
+      app.leaving().discard();
     else if (stays)
-      app.stay();
+      app.leaving().stay();
   }
-  if (!app.leaving())
+  if (!app.leaving().asked())
     ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }
@@ -183,21 +189,21 @@ void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
 /// Before a file that somebody else wrote is written over.
 void drawReplacePanel(ViewerApp& app, const ViewerInput& input) {
   constexpr const char* kTitle = "The file exists";
-  if (app.files().replacing() && !ImGui::IsPopupOpen(kTitle))
+  if (app.document().files().replacing() && !ImGui::IsPopupOpen(kTitle))
     ImGui::OpenPopup(kTitle);
   if (!beginQuestion(kTitle, input, 380))
     return;
-  if (app.files().replacing()) {
-    wrappedText(app.files().replacing()->target + " is there already.");
+  if (app.document().files().replacing()) {
+    wrappedText(app.document().files().replacing()->target + " is there already.");
     const bool replaces = markedButton(app, "Replace it", "replace");
     ImGui::SameLine();
     const bool keeps = markedButton(app, "Cancel", "keep");
     if (replaces)
-      app.files().replace();
+      app.document().files().replace();
     else if (keeps)
-      app.files().keep();
+      app.document().files().keep();
   }
-  if (!app.files().replacing())
+  if (!app.document().files().replacing())
     ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }

@@ -49,7 +49,7 @@ Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped while loading");
     VOLUTE_TRY(frame(input));
-    if (app_->timeline().playing())
+    if (app_->playback().timeline().playing())
       return fail(
           ErrorCode::kInvalidArgument,
           "nothing comes to rest while time passes; stop it first (timeline().play(false))");
@@ -61,8 +61,8 @@ Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
       --more;
       continue;
     }
-    const LoaderState& loading = app_->loading();
-    if (app_->idle())
+    const LoaderState& loading = app_->document().loading();
+    if (app_->document().idle())
       progress.report("drawing", 0, 0);
     else if (!loading.stage.empty())
       progress.report(loading.stage, std::max(loading.share, 0.0), loading.share < 0 ? 0 : 1);
@@ -96,14 +96,16 @@ Result<Image> viewerScreenshot(OpenDocument open, const ViewerStart& start, bool
   ViewerApp& app = viewer->app();
   app.settings().panels = panels;
   app.open(start.path, start.time);
+  if (!start.other.empty())
+    VOLUTE_TRY(app.comparison().begin(start.other, app.view().picture().makers()));
   ViewerInput input;
   input.scale = start.options.scale;
   input.width = static_cast<int>(start.width / input.scale);
   input.height = static_cast<int>(start.height / input.scale);
   input.columns = start.width, input.rows = start.height;
   VOLUTE_TRY(viewer->settle(input, progress));
-  if (!app.error().empty())
-    return fail(ErrorCode::kInvalidData, "{}", app.error());
+  if (!app.document().error().empty())
+    return fail(ErrorCode::kInvalidData, "{}", app.document().error());
   return viewer->picture();
 }
 

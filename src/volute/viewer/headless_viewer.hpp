@@ -20,8 +20,6 @@ class HeadlessViewer {
 
   ViewerApp& app() { return *app_; }
 
-  const ViewerApp& app() const { return *app_; }
-
   [[nodiscard]] Status frame(const ViewerInput& input);
 
   /// Frames of this input until all is loaded and drawn; kCancelled when `progress` says so,

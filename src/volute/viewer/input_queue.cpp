@@ -152,10 +152,12 @@ ViewerInput InputQueue::next() {
 
 std::optional<Key> keyNamed(std::string_view label) {
   constexpr std::pair<char, Key> kKeys[] = {
-      {'a', Key::kA}, {'c', Key::kC},    {'d', Key::kD},    {'e', Key::kE},    {'f', Key::kF},
-      {'h', Key::kH}, {'m', Key::kM},    {'o', Key::kO},    {'p', Key::kP},    {'q', Key::kQ},
-      {'s', Key::kS}, {'v', Key::kV},    {'w', Key::kW},    {'x', Key::kX},    {'y', Key::kY},
-      {'z', Key::kZ}, {'+', Key::kPlus}, {'=', Key::kPlus}, {'-', Key::kMinus}};
+      {'a', Key::kA}, {'c', Key::kC},    {'d', Key::kD},    {'e', Key::kE},     {'f', Key::kF},
+      {'h', Key::kH}, {'m', Key::kM},    {'o', Key::kO},    {'p', Key::kP},     {'q', Key::kQ},
+      {'s', Key::kS}, {'v', Key::kV},    {'w', Key::kW},    {'x', Key::kX},     {'y', Key::kY},
+      {'z', Key::kZ}, {'+', Key::kPlus}, {'=', Key::kPlus}, {'-', Key::kMinus}, {'b', Key::kB},
+      {'i', Key::kI}, {'l', Key::kL},    {'1', Key::k1},    {'3', Key::k3},     {'5', Key::k5},
+      {'7', Key::k7}};
   if (label.size() != 1)
     return std::nullopt;
   const char letter = static_cast<char>(std::tolower(static_cast<unsigned char>(label[0])));

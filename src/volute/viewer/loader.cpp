@@ -161,6 +161,7 @@ std::optional<LoaderNews> Loader::news() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock)
     return std::nullopt;
+  state_.decoded = ring_.times();
   return LoaderNews{state_, idleNow(), std::exchange(opened_, std::nullopt),
                     std::exchange(loaded_, std::nullopt),
                     std::exchange(loadedFrozen_, std::nullopt)};
@@ -258,7 +259,7 @@ void Loader::serve(std::unique_lock<std::mutex>& lock) {
   for (const auto& [key, what] : changes) changeNow(what);
   const bool opened = !path || openNow(*path);
   if (path && opened && document_ && !time)
-    time = document_->firstTime();
+    time = firstTime_;
   if (opened && time && document_ && !overtaken_)
     loadNow(*time);
   const bool checked = !document_ || document_->checked();
@@ -371,29 +372,10 @@ std::vector<Loader::Watched> Loader::look(const std::vector<std::filesystem::pat
 }
 
 DocumentInfo Loader::describe() const {
-  return {document_->title(),
-          document_->bounds(),
-          document_->times(),
-          document_->grey(),
-          document_->measured(),
-          document_->interpolates(),
-          document_->startView(),
-          document_->background(),
-          document_->remarks(),
-          document_->look(),
-          document_->parameters(),
-          document_->canvases(),
-          document_->stations(),
-          document_->sceneName(),
-          openedCount_,
-          document_->editable(),
-          document_->canUndo(),
-          document_->canRedo(),
-          document_->changed(),
-          path_,
-          document_->content(),
-          document_->firstTime(),
-          document_->burns()};
+  DocumentInfo info = document_->info();
+  info.path = path_;
+  info.opened = openedCount_;
+  return info;
 }
 
 /// False, with the error noted, when it stays with what was open.
@@ -414,7 +396,8 @@ bool Loader::openNow(const std::string& path) {
     ++openedCount_;
     info = describe();  // before the lock: the window never waits for it
     info->path = path;
-    memory = document_->snapshotMemory();
+    memory = info->snapshotMemory;
+    firstTime_ = info->firstTime;
   }
   watched_ = std::move(watched);
   std::optional<LoadedScene> before;  // freed without the lock

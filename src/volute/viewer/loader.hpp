@@ -20,10 +20,11 @@ namespace volute {
 /// What the loader has to say, at one moment.
 struct LoaderState {
   bool busy = false;
-  std::string stage;    ///< what it does
-  double share = 0;     ///< 0..1; negative when nobody knows
-  std::string error;    ///< the last one, until something succeeds
-  std::string message;  ///< what was done last
+  std::string stage;              ///< what it does
+  double share = 0;               ///< 0..1; negative when nobody knows
+  std::string error;              ///< the last one, until something succeeds
+  std::string message;            ///< what was done last
+  std::vector<double> decoded{};  ///< times whose snapshots are kept, ascending [s]
 };
 
 /// What it has loaded.
@@ -31,28 +32,6 @@ struct LoadedScene {
   std::shared_ptr<const ViewScene> scene;
   double time = 0;
   bool coarse = false;
-};
-
-/// What an opened document says of itself.
-struct DocumentInfo {
-  std::string title;
-  Box3 bounds;
-  std::vector<double> times;
-  bool grey = false, measured = false, interpolates = false;
-  std::optional<StartView> startView;
-  Rgb background = Rgb::Zero();
-  std::vector<std::string> remarks;
-  std::optional<ViewLook> look;
-  std::vector<Parameter> parameters;
-  std::vector<FogCanvas> canvases;
-  std::vector<ViewStation> stations;
-  std::string sceneName;
-  int opened = 0;  ///< how many documents were opened before; the same after a change
-  bool editable = false, canUndo = false, canRedo = false, changed = false;
-  std::string path{};
-  Box3 content{};
-  double firstTime = 0;
-  bool burns = false;
 };
 
 /// What has come since the viewer last looked.
@@ -80,7 +59,7 @@ class Loader {
   Loader& operator=(const Loader&) = delete;
 
   /// Opens a file instead of what is open, and loads its first picture at `time`, or else at
-  /// Document::firstTime().
+  /// DocumentInfo::firstTime.
   void open(std::string path, std::optional<double> time);
 
   /// Loads another snapshot, which is there at once if it was kept; the newest request counts. A
@@ -150,8 +129,9 @@ class Loader {
   void noteRequests();
 
   OpenDocument open_;
-  std::shared_ptr<Document> document_;  // the thread's, as the next three
+  std::shared_ptr<Document> document_;  // the thread's, as the next four
   std::shared_ptr<Document> frozen_;
+  double firstTime_ = 0;  ///< of the document [s]
   std::vector<Watched> watched_;
   std::size_t nextLook_ = 0;  ///< at which of them
 

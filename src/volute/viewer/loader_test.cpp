@@ -18,13 +18,9 @@ constexpr auto kSoon = std::chrono::seconds(60);
 /// Its snapshots take a while to be freed.
 class Heavy final : public Document {
  public:
-  std::string title() const override { return "heavy"; }
-
-  Box3 bounds() const override { return {Vec3::Zero(), Vec3::Ones()}; }
-
-  std::vector<double> times() const override { return {0}; }
-
-  bool grey() const override { return true; }
+  DocumentInfo info() const override {
+    return {.title = "heavy", .bounds = {Vec3::Zero(), Vec3::Ones()}, .times = {0}};
+  }
 
   std::vector<std::filesystem::path> files() const override { return {}; }
 

@@ -2,8 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/medium_probe.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "volute/viewer/pick_wall.hpp"
@@ -57,7 +55,7 @@ std::optional<MediumProbe::Reading> MediumProbe::read(const std::shared_ptr<cons
     return std::nullopt;
   for (std::size_t m = 0; m < media_.size(); ++m) {
     Medium found;
-    found.name = media_.size() == 1 ? "medium" : fmt::format("medium {}", m + 1);
+    found.name = m < scene->names.size() ? scene->names[m] : "";
     for (const AnyMedium& medium : media_[m]) {
       double depth = 0;
       medium.opticalDepth({&ray, 1}, {&depth, 1});

@@ -14,7 +14,7 @@ Result<std::unique_ptr<Document>> openCaptureAt(const std::string& path,
                                                 const DocumentOptions& options,
                                                 Progress& progress) {
   VOLUTE_ASSIGN(auto document, CaptureDocument::open(path, options.maxMemory, progress));
-  const auto times = document->times();
+  const auto times = document->info().times;
   const std::size_t n = times.size();
   if (options.beginAt && path == options.file && n > 1 &&
       *options.beginAt > 2 * times[n - 1] - times[n - 2]) {

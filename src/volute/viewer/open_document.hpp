@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "volute/gl/gl_smoke.hpp"
 #include "volute/lighting/light_cache.hpp"
@@ -21,6 +23,7 @@ struct DocumentOptions {
   std::optional<LightCache> lightCache{};  ///< where light of lamps in smoke is looked for and kept
   GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
   std::optional<double> beginAt{};  ///< [s] `file` must have something there
+  std::vector<std::string> more{};  ///< files that are shown beside `file`
 };
 
 /// Opens whatever the viewer shows: a scene, a volume, a map of fog, smoke on a mesh, an FDS case,

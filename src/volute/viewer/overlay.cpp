@@ -86,11 +86,11 @@ void drawStems(const PaintTool& paint, const Lines& lines) {
 }
 
 /// Where the next click would put a sign or a lamp: a cross on the wall, and a line away from it.
-void drawPlacing(const ViewerApp& app, const Camera& camera, const Lines& lines,
+void drawPlacing(ViewerApp& app, const Camera& camera, const Lines& lines,
                  const ViewerInput& input) {
-  if (app.placing().empty() || ImGui::GetIO().WantCaptureMouse)
+  if (app.tools().pointer.placing().empty() || ImGui::GetIO().WantCaptureMouse)
     return;
-  const WallPlace at = app.placeAlong(camera.ray(input.mouseX, input.mouseY));
+  const WallPlace at = app.tools().pointer.placeAlong(camera.ray(input.mouseX, input.mouseY));
   const double size = 0.03 * (at.position - camera.eye()).norm();
   const Vec3 aside = at.normal.unitOrthogonal(), along = at.normal.cross(aside);
   constexpr ImU32 kColor = IM_COL32(253, 231, 37, 255);
@@ -127,20 +127,20 @@ void drawAids(const ViewScene& scene, const Lines& lines, const Rgb& background)
 }  // namespace
 
 void drawOverlay(ViewerApp& app, const ViewerInput& input) {
-  const Camera camera = app.camera().camera(input.width, input.height);
+  const Camera camera = app.view().camera().camera(input.width, input.height);
   const Lines lines(camera);
-  if (const ViewScene* scene = app.picture().scene()) {
+  if (const ViewScene* scene = app.view().picture().scene()) {
     const auto draw = [&](const ViewLine& line) {
       const auto byte = [&](int c) { return static_cast<int>(std::lround(255 * line.color[c])); };
       lines.line(line.from, line.to, IM_COL32(byte(0), byte(1), byte(2), 255));
     };
     std::ranges::for_each(scene->lines, draw);
     if (app.settings().panels && !scene->aids.empty()) {
-      drawAids(*scene, lines, app.backgroundShown());
+      drawAids(*scene, lines, app.view().backgroundShown());
     }
   }
   drawPlacing(app, camera, lines, input);
-  PaintTool& paint = app.paint();
+  PaintTool& paint = app.tools().painting.tool();
   if (!app.settings().painting || !paint.has() || !paint.at())
     return;
   if (paint.kind == PaintTool::Kind::kCoefficient)

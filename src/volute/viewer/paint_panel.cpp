@@ -13,7 +13,7 @@ namespace {
 constexpr float kPaintLabels = 70;
 
 void toolPart(ViewerApp& app) {
-  PaintTool& paint = app.paint();
+  PaintTool& paint = app.tools().painting.tool();
   int kind = static_cast<int>(paint.kind);
   constexpr std::pair<const char*, const char*> kTools[] = {
       {"add", "more fog under the brush"},
@@ -24,37 +24,37 @@ void toolPart(ViewerApp& app) {
     if (i > 0 && i < 3)  // as many as the panel is wide
       ImGui::SameLine();
     ImGui::RadioButton(kTools[i].first, &kind, i);
-    app.mark(std::string("tool ") + kTools[i].first);
+    app.window().mark(std::string("tool ") + kTools[i].first);
     hint(kTools[i].second);
   }
   paint.kind = static_cast<PaintTool::Kind>(kind);
   const double size = paint.painter().size().maxCoeff();
   sliderDouble("size", paint.brush.radius, 0.5 * paint.painter().cell(), 0.5 * size, "%.3g m",
                true);
-  app.mark("brush size");
+  app.window().mark("brush size");
   sliderDouble("strength", paint.brush.strength, 0.01, 4, "%.2f /s", true);
-  app.mark("brush strength");
+  app.window().mark("brush strength");
   hint("strength per second: share of the densest fog, or of the way to the mean");
   sliderDouble("softness", paint.brush.softness, 0, 1, "%.2f");
-  app.mark("brush softness");
+  app.window().mark("brush softness");
   hint("0: constant up to the rim");
 }
 
 void historyPart(ViewerApp& app) {
-  FogPainter& painter = app.paint().painter();
+  FogPainter& painter = app.tools().painting.tool().painter();
   if (markedButton(app, "Undo", "Undo", painter.canUndo()))
-    app.undoPainting();
+    app.tools().painting.undo();
   ImGui::SameLine();
   if (markedButton(app, "Redo", "Redo", painter.canRedo()))
-    app.redoPainting();
+    app.tools().painting.redo();
   ImGui::SameLine();
   if (markedButton(app, "Clear", "Clear") && painter.fill(0))
-    app.sendMap();
+    app.tools().painting.send();
 }
 
 /// The map from above, to be painted on.
 void planPart(ViewerApp& app, const ViewerInput& input) {
-  PaintTool& paint = app.paint();
+  PaintTool& paint = app.tools().painting.tool();
   const FogPainter& painter = paint.painter();
   const Vec2 size = painter.size();
   const float width = ImGui::GetContentRegionAvail().x;
@@ -64,7 +64,7 @@ void planPart(ViewerApp& app, const ViewerInput& input) {
   const ImVec2 to{from.x + scale * static_cast<float>(size.x()),
                   from.y + scale * static_cast<float>(size.y())};
   ImGui::InvisibleButton("plan", {to.x - from.x, to.y - from.y});
-  app.mark("plan");
+  app.window().mark("plan");
   const Vec2 origin = painter.origin();
   const auto onScreen = [&](const Vec2& at) {
     const Vec2 local = at - origin;
@@ -78,7 +78,7 @@ void planPart(ViewerApp& app, const ViewerInput& input) {
   const ImVec2 high = onScreen(painter.peakOf({columns - 1, rows - 1}) + half);
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->AddRectFilled(from, to, IM_COL32(68, 1, 84, 255));
-  const auto texture = static_cast<std::intptr_t>(app.planTexture());
+  const auto texture = static_cast<std::intptr_t>(app.tools().painting.plan());
   list->AddImage(reinterpret_cast<ImTextureID>(texture), {low.x, high.y}, {high.x, low.y});
   list->AddRect(from, to, IM_COL32(255, 255, 255, 60));
   if (ImGui::IsItemHovered() || ImGui::IsItemActive()) {
@@ -89,7 +89,7 @@ void planPart(ViewerApp& app, const ViewerInput& input) {
     hand.seconds = input.seconds;
     hand.up = -ImGui::GetIO().MouseDelta.y;
     if (paint.hold(hand))
-      app.sendMap();
+      app.tools().painting.send();
     const ImU32 color = IM_COL32(255, 255, 255, 220);
     if (paint.kind != PaintTool::Kind::kCoefficient)
       list->AddCircle(onScreen(*hand.at), scale * static_cast<float>(paint.brush.radius), color);
@@ -101,7 +101,7 @@ void planPart(ViewerApp& app, const ViewerInput& input) {
 }
 
 /// What the brush is over.
-void valuePart(const ViewerApp& app, const PaintTool& paint) {
+void valuePart(const PaintTool& paint) {
   const FogPainter& painter = paint.painter();
   const auto place = paint.held() ? paint.held()
                      : paint.at() ? painter.nearest(*paint.at())
@@ -113,17 +113,16 @@ void valuePart(const ViewerApp& app, const PaintTool& paint) {
     ImGui::TextDisabled("%d x %d values, 0 to %.3g /m", painter.coefficients().columns,
                         painter.coefficients().rows, painter.most());
   }
-  (void)app;
 }
 
 void savePaintPart(ViewerApp& app) {
   ImGui::SetNextItemWidth(-1);
   nameBox("##map", app.settings().mapName);
-  app.mark("map");
-  const bool unsaved = app.unsavedMap();
+  app.window().mark("map");
+  const bool unsaved = app.tools().painting.unsaved();
   if (ImGui::Button("Save map"))
-    app.saveMap();
-  app.mark("Save map");
+    app.tools().painting.save();
+  app.window().mark("Save map");
   ImGui::SameLine();
   ImGui::TextDisabled("%s", unsaved ? "not saved yet" : "as in the file");
 }
@@ -132,7 +131,7 @@ void savePaintPart(ViewerApp& app) {
 
 void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below) {
   PanelLayout& layout = app.settings().layout;
-  if (!app.paint().has()) {
+  if (!app.tools().painting.tool().has()) {
     layout.measure(SidePanel::kPaint, 0);
     return;
   }
@@ -141,11 +140,11 @@ void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below) {
   if (beginSidePanel(app, SidePanel::kPaint, "Paint fog", kPanelMargin, below)) {
     ImGui::PushItemWidth(-kPaintLabels);
     ImGui::Checkbox("paint in the view", &app.settings().painting);
-    app.mark("paint in the view");
+    app.window().mark("paint in the view");
     hint("left button: paint on the ground; right button: turn");
     toolPart(app);
     planPart(app, input);
-    valuePart(app, app.paint());
+    valuePart(app.tools().painting.tool());
     historyPart(app);
     ImGui::Separator();
     savePaintPart(app);

@@ -84,7 +84,7 @@ bool markedButton(ViewerApp& app, const char* label, const std::string& mark, bo
   ImGui::BeginDisabled(!enabled);
   const bool pressed = ImGui::Button(label);
   ImGui::EndDisabled();
-  app.mark(mark);
+  app.window().mark(mark);
   return pressed;
 }
 
@@ -141,7 +141,7 @@ bool choiceBox(ViewerApp& app, const char* label, const std::string& mark,
                std::span<const std::string> choices, int& chosen) {
   const std::string& shown = choices[static_cast<std::size_t>(chosen)];
   const bool open = ImGui::BeginCombo(label, shown.c_str());
-  app.mark(mark);
+  app.window().mark(mark);
   if (!open)
     return false;
   bool moved = false;
@@ -151,7 +151,7 @@ bool choiceBox(ViewerApp& app, const char* label, const std::string& mark,
       moved = i != chosen;
       chosen = i;
     }
-    app.mark(mark + " = " + choice);
+    app.window().mark(mark + " = " + choice);
   }
   ImGui::EndCombo();
   return moved;

@@ -24,6 +24,7 @@ void drawParameterPanel(ViewerApp& app, const ViewerInput& input);
 void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below);
 void drawTimePanel(ViewerApp& app, const ViewerInput& input);
 void drawHelpPanel(ViewerApp& app, const ViewerInput& input);
+void drawSearchPanel(ViewerApp& app, const ViewerInput& input);
 void drawLeavePanel(ViewerApp& app, const ViewerInput& input);
 void drawOverlay(ViewerApp& app, const ViewerInput& input);
 void drawStage(ViewerApp& app, const ViewerInput& input);

@@ -24,11 +24,11 @@ bool directionControl(ViewerApp& app, const Parameter& parameter, std::vector<do
   double azimuth = std::atan2(v.y(), v.x()) / kDegree;
   double elevation = std::asin(std::clamp(v.z() / length, -1.0, 1.0)) / kDegree;
   bool moved = sliderDouble("azimuth", azimuth, -180, 180, "%.0f degrees");
-  app.mark(parameter.path);
+  app.window().mark(parameter.path);
   hint(light ? "azimuth of the light's source, from +x towards +y"
              : "azimuth of the sign's normal, from +x towards +y");
   moved |= sliderDouble("elevation", elevation, light ? 1 : -90, 90, "%.0f degrees");
-  app.mark(parameter.path + " elevation");
+  app.window().mark(parameter.path + " elevation");
   hint(light ? "elevation of the light's source above the horizon"
              : "elevation of the sign's normal above the horizon");
   if (!moved)
@@ -77,7 +77,7 @@ bool colorControl(ViewerApp& app, const Parameter& parameter, std::vector<double
   ImGui::SameLine(0, gap);
   ImGui::TextUnformatted(parameter.name.c_str());
   ImGui::EndGroup();
-  app.mark(parameter.path);
+  app.window().mark(parameter.path);
   for (double& v : value) v = std::max(0.0, v);
   return moved;
 }
@@ -132,7 +132,7 @@ bool control(ViewerApp& app, const Parameter& parameter, std::vector<double>& va
     case Parameter::Kind::kDirection:
       return directionControl(app, parameter, value);
   }
-  app.mark(parameter.path);
+  app.window().mark(parameter.path);
   return moved;
 }
 
@@ -146,14 +146,14 @@ std::string ownerOf(const Parameter& parameter) {
 
 /// A volume can be looked at as a billboard, and back.
 void billboardButton(ViewerApp& app, const std::string& owner, const std::string& group) {
-  if (!app.document()->editable)
+  if (!app.document().info()->editable)
     return;
   const bool volume = group.starts_with("volume:"), board = group.starts_with("billboard:");
   if (!volume && !board)
     return;
   if (markedButton(app, volume ? "Show as billboard" : "Show as volume",
                    (volume ? "billboard " : "volume ") + owner)) {
-    app.edit(
+    app.document().edit(
         {.kind = volume ? SceneEdit::Kind::kBillboard : SceneEdit::Kind::kVolume, .path = owner});
   }
   hint(volume ? "a flat picture of it that faces you, fast for small or distant volumes; it "
@@ -164,29 +164,29 @@ void billboardButton(ViewerApp& app, const std::string& owner, const std::string
 /// What can be done with a sign or a light as a whole.
 void ownerButtons(ViewerApp& app, const std::string& owner) {
   const bool sign = owner.starts_with("/signs/");
-  if (!app.document()->editable || !(sign || owner.starts_with("/lights/")))
+  if (!app.document().info()->editable || !(sign || owner.starts_with("/lights/")))
     return;
   ImGui::PushID(owner.c_str());
-  const auto& all = app.document()->parameters;
+  const auto& all = app.document().info()->parameters;
   const bool somewhere = std::ranges::find(all, owner + "/position", &Parameter::path) != all.end();
   if (somewhere) {
-    const bool placing = app.placing() == owner;
+    const bool placing = app.tools().pointer.placing() == owner;
     if (markedButton(app, placing ? "click a wall###place" : "Place###place", "place " + owner))
-      app.place(placing ? "" : owner);
+      app.tools().pointer.place(placing ? "" : owner);
     hint("place it with the next click in the picture");
     ImGui::SameLine();
   }
   if (markedButton(app, "Duplicate", "duplicate " + owner))
-    app.edit({.kind = SceneEdit::Kind::kDuplicate, .path = owner});
+    app.document().edit({.kind = SceneEdit::Kind::kDuplicate, .path = owner});
   ImGui::SameLine();
   if (markedButton(app, "Remove", "remove " + owner))
-    app.edit({.kind = SceneEdit::Kind::kRemove, .path = owner});
+    app.document().edit({.kind = SceneEdit::Kind::kRemove, .path = owner});
   ImGui::PopID();
 }
 
 /// What a scene can get, and what can be taken back.
 void editPart(ViewerApp& app) {
-  if (!app.document()->editable)
+  if (!app.document().info()->editable)
     return;
   using Kind = SceneEdit::Kind;
 
@@ -204,14 +204,14 @@ void editPart(ViewerApp& app) {
   for (const auto& added : kAdded) {
     ImGui::SameLine();
     if (markedButton(app, added.label, added.mark))
-      app.add(added.kind);
+      app.tools().pointer.add(added.kind);
     hint(added.help);
   }
-  if (markedButton(app, "Undo", "Undo change", app.document()->canUndo))
-    app.undoChange();
+  if (markedButton(app, "Undo", "Undo change", app.document().info()->canUndo))
+    app.document().undo();
   ImGui::SameLine();
-  if (markedButton(app, "Redo", "Redo change", app.document()->canRedo))
-    app.redoChange();
+  if (markedButton(app, "Redo", "Redo change", app.document().info()->canRedo))
+    app.document().redo();
   hint("undo or redo changes, additions and removals");
 }
 
@@ -231,8 +231,8 @@ void entryButtons(ViewerApp& app, const Parameter& parameter) {
   const auto button = [&](const char* label, const char* what, SceneEdit::Kind kind) {
     ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
     if (ImGui::SmallButton(label))
-      app.edit({.kind = kind, .path = parameter.path});
-    app.mark(fmt::format("{} {} = {}", what, list, place));
+      app.document().edit({.kind = kind, .path = parameter.path});
+    app.window().mark(fmt::format("{} {} = {}", what, list, place));
   };
   button("+", "add", SceneEdit::Kind::kDuplicate);
   hint("one more after it");
@@ -252,7 +252,7 @@ void doubtPart(ViewerApp& app, const Parameter& parameter) {
     if (offer != parameter.offers.front())
       ImGui::SameLine();
     if (markedButton(app, (choice + "?").c_str(), "mend " + parameter.path + " = " + choice))
-      app.setParameter(parameter, {static_cast<double>(offer)});
+      app.document().set(parameter, {static_cast<double>(offer)});
     hint("takes the values as " + choice);
   }
 }
@@ -270,7 +270,7 @@ bool sectionPart(ViewerApp& app, const std::vector<Parameter>& all, const Parame
   const bool open =
       ImGui::TreeNodeEx((first.section + "###" + owner + " " + first.section).c_str(),
                         ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_SpanAvailWidth);
-  app.mark("group " + first.section + " of " + owner);
+  app.window().mark("group " + first.section + " of " + owner);
   return open;
 }
 
@@ -280,7 +280,7 @@ void parametersPart(ViewerApp& app) {
   editPart(app);
   const float arrow = ImGui::GetTreeNodeToLabelSpacing();
   const std::size_t letters = lettersIn(ImGui::GetContentRegionAvail().x - arrow);
-  const auto parameters = app.document()->parameters;  // changes below
+  const auto parameters = app.document().info()->parameters;  // changes below
   std::string owner = "none", section;
   bool open = false, shown = false;
   for (const Parameter& parameter : parameters) {
@@ -288,7 +288,7 @@ void parametersPart(ViewerApp& app) {
       owner = ownerOf(parameter);
       open = ImGui::CollapsingHeader((headingOf(parameter.group, letters) + "###" + owner).c_str(),
                                      ImGuiTreeNodeFlags_DefaultOpen);
-      app.mark("group " + parameter.group);
+      app.window().mark("group " + parameter.group);
       hint(parameter.group.size() > letters ? parameter.group : "");
       if (open) {
         billboardButton(app, owner, parameter.group);
@@ -308,7 +308,7 @@ void parametersPart(ViewerApp& app) {
     ImGui::PushID(parameter.path.c_str());
     std::vector<double> value = parameter.value;
     if (control(app, parameter, value))
-      app.setParameter(parameter, value);
+      app.document().set(parameter, value);
     hint(parameter.help);
     entryButtons(app, parameter);
     doubtPart(app, parameter);
@@ -320,7 +320,8 @@ void parametersPart(ViewerApp& app) {
 }  // namespace
 
 void drawParameterPanel(ViewerApp& app, const ViewerInput& input) {
-  if (!app.document() || (app.document()->parameters.empty() && !app.document()->editable))
+  if (!app.document().info() ||
+      (app.document().info()->parameters.empty() && !app.document().info()->editable))
     return;
   const float right = static_cast<float>(input.width) - kPanelMargin;
   const float left = right - app.settings().layout.width(SidePanel::kScene);

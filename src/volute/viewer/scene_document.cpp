@@ -38,6 +38,29 @@ Json vectorOf(const Vec3& v) {
   return Json::array({v.x(), v.y(), v.z()});
 }
 
+SceneOptions sceneOptions(const DocumentOptions& options) {
+  SceneOptions scene;
+  scene.maxMemory = options.maxMemory;
+  scene.files = {
+      .partial = true, .verify = false, .measured = false, .lightCache = options.lightCache};
+  scene.assume = true;
+  return scene;
+}
+
+/// The same scene where what is not said means what it means today.
+Json inNewestFormat(Json json) {
+  if (json.at("format") == kSceneFormat)
+    return json;
+  json = Json(upgradedScene(nlohmann::json(json)));
+  json["format"] = kSceneFormat;
+  for (std::size_t i = 0; json.contains("media") && i < json["media"].size(); ++i) {
+    Json& entry = json["media"][i];
+    if (entry.value("kind", "") == "volume" && !entry.contains("emission"))
+      entry.emplace("preset", "none");
+  }
+  return json;
+}
+
 StartView startOf(const CameraDescription& camera) {
   return {camera.view.eye, camera.view.target, camera.view.up, camera.fov.value_or(kUsualFov),
           camera.ortho.value_or(0)};
@@ -62,16 +85,10 @@ SceneDocument::SceneDocument(std::string path, Scene scene, const DocumentOption
 Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
                                                       const DocumentOptions& options,
                                                       Progress& progress) {
-  SceneOptions scene;
-  scene.maxMemory = options.maxMemory;
-  scene.files = {.partial = true,
-                 .verify = false,
-                 .measured = false,
-                 .lightCache = options.lightCache,
-                 .lightMemory = std::make_shared<LightMemory>(kLightBytes)};
+  SceneOptions scene = sceneOptions(options);
+  scene.files.lightMemory = std::make_shared<LightMemory>(kLightBytes);
   if (path == options.file)
     scene.members = options.members;
-  scene.assume = true;
   RemarkLog heard(progress);
   VOLUTE_ASSIGN(auto opened, Scene::open(path, scene, heard));
   if (options.beginAt && path == options.file)
@@ -80,6 +97,12 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
   document->sceneRemarks_ = heard.remarks();
   for (const auto& medium : document->scene_.media()) {
     for (const std::string& remark : medium->remarks) std::erase(document->sceneRemarks_, remark);
+  }
+  if (path == options.file) {
+    for (const std::string& more : options.more) {
+      VOLUTE_ASSIGN(auto json, document->withFile(more, progress));
+      VOLUTE_TRY(document->scene_.change(std::move(json), progress));
+    }
   }
   document->saved_ = document->scene_.json();
   if (!document->scene_.isFile() || !document->start_) {
@@ -128,7 +151,7 @@ std::string SceneDocument::title() const {
   const char* const end = damaged ? ", DAMAGED" : "";
   if (media.size() == 1 && !media[0]->info().size.empty())
     return fmt::format("{}: {}{}", name, media[0]->info().size, end);
-  if (!scene_.isFile())
+  if (!scene_.isFile() && media.size() < 2)
     return fmt::format("{}: {}", name, media.empty() ? "nothing" : media[0]->info().what);
   std::vector<std::pair<std::string, std::ptrdiff_t>> counts;
   const auto count = [&](const std::string& what, std::ptrdiff_t more) {
@@ -150,29 +173,36 @@ std::string SceneDocument::title() const {
                      end);
 }
 
-/// Several media have 25 frames a second, each of which is one.
-bool SceneDocument::interpolates() const {
-  return scene_.media().size() == 1 &&
-         (scene_.media()[0]->info().interpolates || scene_.media()[0]->info().moves);
-}
-
-bool SceneDocument::grey() const {
-  return !scene_.media().empty() && scene_.geometry().empty() &&
-         scene_.description().signs.empty() &&
-         std::ranges::all_of(scene_.media(),
-                             [](const auto& medium) { return medium->info().channels == 1; });
-}
-
-/// What is seen as it is; fire of unknown brightness gets an exposure.
-bool SceneDocument::measured() const {
-  return std::ranges::all_of(scene_.media(),
-                             [](const auto& medium) { return medium->info().measured; });
-}
-
-bool SceneDocument::burns() const {
-  return scene_.law().mode != PictureMode::kThreshold &&
-         std::ranges::any_of(scene_.media(),
-                             [](const auto& medium) { return medium->info().burns; });
+DocumentInfo SceneDocument::info() const {
+  const auto media = scene_.media();
+  const auto all = [&](auto holds) {
+    return std::ranges::all_of(media, [&](const auto& medium) { return holds(medium->info()); });
+  };
+  DocumentInfo info{.title = title(), .bounds = scene_.bounds(), .times = scene_.times()};
+  info.content = content();
+  info.firstTime = sight_ ? sight_->time : info.times.front();
+  info.grey = !media.empty() && scene_.geometry().empty() && scene_.description().signs.empty() &&
+              all([](const auto& medium) { return medium.channels == 1; });
+  // Several media have 25 frames a second, each of which is one.
+  info.interpolates =
+      media.size() == 1 && (media[0]->info().interpolates || media[0]->info().moves);
+  // What is seen as it is; fire of unknown brightness gets an exposure.
+  info.measured = all([](const auto& medium) { return medium.measured; });
+  info.burns = scene_.law().mode != PictureMode::kThreshold &&
+               !all([](const auto& medium) { return !medium.burns; });
+  info.startView = start_;
+  info.look = scene_.description().look;
+  info.background = scene_.description().background;
+  info.remarks = remarks();
+  info.parameters = scene_.parameters();
+  info.canvases = canvases();
+  info.sceneName = file_;
+  info.editable = true;
+  info.changed = scene_.json() != saved_;
+  info.canUndo = history_.canUndo();
+  info.canRedo = history_.canRedo();
+  info.snapshotMemory = options_.maxMemory / 4;
+  return info;
 }
 
 std::vector<std::filesystem::path> SceneDocument::files() const {
@@ -216,6 +246,33 @@ Result<std::string> SceneDocument::edit(const SceneEdit& edit, Progress& progres
   VOLUTE_TRY(scene_.change(std::move(changed), progress));
   history_.note(std::move(before), "");
   return done;
+}
+
+/// The scene with what another file holds. Lights are ours where we have some: those that a medium
+/// alone is shown in would shine twice.
+Result<Json> SceneDocument::withFile(const std::string& path, Progress& progress) const {
+  VOLUTE_ASSIGN(const auto other, Scene::open(path, sceneOptions(options_), progress));
+  Json theirs = other.json(), json = scene_.json();
+  if (theirs.at("format") != json.at("format"))
+    theirs = inNewestFormat(std::move(theirs)), json = inNewestFormat(std::move(json));
+  moveAllNames(theirs, path, file_);
+  for (const std::string list : {"media", "billboards", "geometry", "signs", "lights"}) {
+    const Json entries = theirs.value(list, Json::array());
+    if (entries.empty() || (list == "lights" && json.contains(list)))
+      continue;
+    if (!json.contains(list))
+      json[list] = Json::array();
+    json[list].insert(json[list].end(), entries.begin(), entries.end());
+  }
+  return json;
+}
+
+Result<std::string> SceneDocument::add(const std::string& path, Progress& progress) {
+  VOLUTE_ASSIGN(auto changed, withFile(path, progress));
+  Json before = scene_.json();
+  VOLUTE_TRY(scene_.change(std::move(changed), progress));
+  history_.note(std::move(before), "");
+  return std::filesystem::path(path).filename().string() + " is added; Ctrl Z takes it out again";
 }
 
 Status SceneDocument::undo(Progress& progress) {

@@ -24,57 +24,17 @@ class SceneDocument final : public Document {
                                                               const DocumentOptions& options,
                                                               Progress& progress);
 
-  std::string title() const override;
-
-  Box3 bounds() const override { return scene_.bounds(); }
-
-  Box3 content() const override { return sight_ ? sight_->content : bounds(); }
-
-  double firstTime() const override { return sight_ ? sight_->time : times().front(); }
-
-  bool changed() const override { return scene_.json() != saved_; }
-
-  std::vector<double> times() const override { return scene_.times(); }
-
-  bool grey() const override;
-  bool interpolates() const override;
-
-  std::uint64_t snapshotMemory() const override { return options_.maxMemory / 4; }
-
-  bool measured() const override;
-  bool burns() const override;
-
-  std::optional<StartView> startView() const override { return start_; }
-
-  std::optional<ViewLook> look() const override { return scene_.description().look; }
-
-  Rgb background() const override { return scene_.description().background; }
-
-  std::vector<std::string> remarks() const override;
+  DocumentInfo info() const override;
   std::vector<std::filesystem::path> files() const override;
   bool checked() const override;
   void check(Progress& progress) override;
-
-  std::vector<Parameter> parameters() const override { return scene_.parameters(); }
-
-  std::vector<FogCanvas> canvases() const override;
-
-  std::string sceneName() const override { return file_; }
-
   bool coarseHelps(double time) const override;
   Result<ViewScene> sceneAt(const SceneRequest& request, Progress& progress) override;
   std::shared_ptr<Document> frozen() const override;
   Status set(const std::string& path, const std::vector<double>& value,
              Progress& progress) override;
-
-  bool editable() const override { return true; }
-
   Result<std::string> edit(const SceneEdit& edit, Progress& progress) override;
-
-  bool canUndo() const override { return history_.canUndo(); }
-
-  bool canRedo() const override { return history_.canRedo(); }
-
+  Result<std::string> add(const std::string& path, Progress& progress) override;
   Status undo(Progress& progress) override;
   Status redo(Progress& progress) override;
   Status setFogMap(std::size_t canvas, std::vector<double> coefficients, bool unsaved) override;
@@ -92,6 +52,13 @@ class SceneDocument final : public Document {
 
   SceneDocument(std::string path, Scene scene, const DocumentOptions& options);
 
+  std::string title() const;
+  std::vector<std::string> remarks() const;
+  std::vector<FogCanvas> canvases() const;
+
+  Box3 content() const { return sight_ ? sight_->content : scene_.bounds(); }
+
+  Result<nlohmann::ordered_json> withFile(const std::string& path, Progress& progress) const;
   SceneEdit withBounds(SceneEdit edit) const;
   void addSurfaces(const SceneRequest& request, const std::shared_ptr<const Snapshot>& snapshot,
                    ViewScene& scene);

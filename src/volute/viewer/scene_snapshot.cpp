@@ -43,6 +43,27 @@ void addGround(const Box3& content, std::vector<ViewLine>& lines) {
   }
 }
 
+/// Of what is in colours, the line that says what they are.
+void describeMedia(const Scene& from, const std::optional<Vec3>& eye, ViewScene& scene) {
+  scene.law = from.law();
+  for (const auto& medium : from.media()) {
+    const MediumInfo& info = medium->info();
+    scene.names.push_back(
+        fmt::format("{}: {}", info.kind, std::filesystem::path(info.file).filename().string()));
+    const MediumText text = medium->text(eye);
+    if (!text.scale)
+      continue;
+    std::string name;
+    for (const std::string& line : text.legend) {
+      for (const char* begin : {"slice:", "surface:", "particles:"}) {
+        if (line.starts_with(begin))
+          name = line;
+      }
+    }
+    scene.scales.push_back({name, *text.scale});
+  }
+}
+
 /// Whether the same triangles look the same.
 bool alike(const TriangleScene& a, const TriangleScene& b) {
   if (a.triangles().data() == b.triangles().data() && a.materials().data() == b.materials().data())
@@ -140,10 +161,11 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneRequest& request, Progress& 
     scene.notByGl = media.error().message;
   scene.geometry = snapshot->geometry;
   scene.now = snapshot->media;
+  describeMedia(scene_, eye, scene);
   addSurfaces(request, snapshot, scene);
   for (const Sign& sign : snapshot->signs) scene.quads.push_back(quadOf(sign, snapshot->law));
   if (!scene_.isFile() && scene_.media().front()->info().interpolates)
-    addBox(bounds(), kOutline, scene.aids);
+    addBox(scene_.bounds(), kOutline, scene.aids);
   if (!scene_.isFile() && snapshot->geometry.empty() && !start_)
     addGround(content(), scene.aids);
   scene.cpu = byCpu(snapshot, true);

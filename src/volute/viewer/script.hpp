@@ -17,10 +17,10 @@ namespace volute {
 struct ControlRecord {
   std::set<std::string> offered, used;
 
-  /// Of a control of this name, as ViewerApp::controls() has it, while this document is shown. What
-  /// is in an open list counts as the list.
+  /// Of a control of this name, as ViewerWindow::controls() has it, while this document is shown.
+  /// What is in an open list counts as the list.
   static std::string kindOf(const std::string& control, const DocumentInfo* document) {
-    for (const std::string many : {"group", "look from"}) {
+    for (const std::string many : {"group", "look from", "command"}) {
       if (control.starts_with(many + " "))
         return many;
     }
@@ -67,8 +67,8 @@ class ViewerScript {
     input_.closes = false;
     input_.wheel = 0;
     if (record) {
-      for (const auto& [control, place] : viewer_.app().controls())
-        record->offered.insert(ControlRecord::kindOf(control, viewer_.app().document()));
+      for (const auto& [control, place] : viewer_.app().window().controls())
+        record->offered.insert(ControlRecord::kindOf(control, viewer_.app().document().info()));
     }
     return goes;
   }
@@ -98,6 +98,12 @@ class ViewerScript {
 
   void drop(const std::string& path) {
     input_.dropped = path;
+    frame();
+  }
+
+  /// As from a dialog: instead of what is open.
+  void open(const std::string& path) {
+    viewer_.app().leaving().leaveFor(path);
     frame();
   }
 
@@ -141,12 +147,14 @@ class ViewerScript {
     dragTo(x1, y1, button, steps);
   }
 
-  bool has(const std::string& control) const { return viewer_.app().controls().contains(control); }
+  bool has(const std::string& control) const {
+    return viewer_.app().window().controls().contains(control);
+  }
 
   /// A point of a control, 0..1 from its left and its top. False if it is not there.
   bool pointOf(const std::string& control, double across, double down, double& x, double& y) const {
-    const auto found = viewer_.app().controls().find(control);
-    if (found == viewer_.app().controls().end())
+    const auto found = viewer_.app().window().controls().find(control);
+    if (found == viewer_.app().window().controls().end())
       return false;
     const ControlPlace& at = found->second;
     x = at.left + across * (at.right - at.left);
@@ -227,7 +235,7 @@ class ViewerScript {
 
   void use(const std::string& control) {
     if (record)
-      record->used.insert(ControlRecord::kindOf(control, viewer_.app().document()));
+      record->used.insert(ControlRecord::kindOf(control, viewer_.app().document().info()));
   }
 
   HeadlessViewer& viewer_;

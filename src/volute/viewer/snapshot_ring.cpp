@@ -49,6 +49,12 @@ std::optional<double> SnapshotRing::missing(std::span<const double> ahead) const
   return std::nullopt;
 }
 
+std::vector<double> SnapshotRing::times() const {
+  std::vector<double> times;
+  for (const auto& [time, snapshot] : held_) times.push_back(time);
+  return times;
+}
+
 std::vector<SnapshotRing::Held> SnapshotRing::clear() {
   std::vector<Held> gone;
   for (auto& [time, snapshot] : held_) gone.push_back(std::move(snapshot));

@@ -32,6 +32,9 @@ class SnapshotRing {
   /// The first of `ahead` that is not there and that there is room for; nothing: none.
   std::optional<double> missing(std::span<const double> ahead) const;
 
+  /// Whose snapshots are there, ascending [s].
+  std::vector<double> times() const;
+
   /// @returns all that was there
   std::vector<Held> clear();
 

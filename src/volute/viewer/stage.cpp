@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "volute/image/colormap.hpp"
 #include "volute/viewer/panels.hpp"
 
 namespace volute {
@@ -28,12 +29,12 @@ struct FreeArea {
 };
 
 FreeArea freeArea(ViewerApp& app, const ViewerInput& input) {
-  const auto insets = app.insets(input.width, input.height);
+  const auto insets = app.view().insets(input.width);
   const auto at = [](double value) { return static_cast<float>(value); };
   return {at(insets.left) + kPanelMargin, at(insets.top) + kPanelMargin,
           at(input.width - insets.right) - kPanelMargin,
           at(input.height) -
-              (app.timeline().moves() ? app.settings().timeHeight + kPanelMargin : 0) -
+              (app.playback().timeline().moves() ? app.settings().timeHeight + kPanelMargin : 0) -
               kPanelMargin};
 }
 
@@ -58,10 +59,10 @@ double roundLength(double most) {
 
 /// What is being done, how far it is, and a way to end it.
 void drawProgress(ViewerApp& app, const FreeArea& free) {
-  const ViewerWork work = app.work();
+  const ViewerWork work = app.notes().work();
   if (work.text.empty())
     return;
-  const bool nothing = !app.picture().shown();  // then it is all that there is to see
+  const bool nothing = !app.view().picture().shown();  // then it is all that there is to see
   const float width = std::min(nothing ? 360.0F : 300.0F, free.right - free.left);
   const float y = nothing ? 0.5F * (free.top + free.bottom) : free.bottom;
   ImGui::SetNextWindowPos({free.middle(), y}, 0, {0.5F, nothing ? 0.5F : 1.0F});
@@ -81,14 +82,30 @@ void drawProgress(ViewerApp& app, const FreeArea& free) {
       ImGui::SameLine();
   }
   if (work.stops && markedButton(app, "Stop", "stop drawing"))
-    app.stopDrawing();
+    app.view().picture().stopRefining();
   ImGui::End();
 }
 
+/// What the picture that is shown lacks: "half size while it plays"; empty: nothing.
+std::string pictureNote(ViewerApp& app) {
+  const ViewPicture& picture = app.view().picture();
+  if (!picture.shown() || !picture.scene())
+    return "";
+  const double scale = picture.scale();
+  const std::string size = scale >= 0.99  ? ""
+                           : scale == 0.5 ? "half size"
+                                          : fmt::format("1/{:.2g} size", 1 / scale);
+  if (app.playback().timeline().playing())
+    return size.empty() ? "" : size + " while it plays";
+  if (!picture.stopped())
+    return "";
+  return size.empty() ? "stopped before full resolution" : "stopped at " + size;
+}
+
 /// One line at the top: what the picture is not.
-void drawBadge(const ViewerApp& app, const FreeArea& free) {
-  const std::string text = app.pictureNote();
-  if (text.empty() || !app.work().text.empty())
+void drawBadge(ViewerApp& app, const FreeArea& free) {
+  const std::string text = pictureNote(app);
+  if (text.empty() || !app.notes().work().text.empty())
     return;
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
@@ -98,7 +115,7 @@ void drawBadge(const ViewerApp& app, const FreeArea& free) {
 }
 
 void drawToast(ViewerApp& app, const FreeArea& free) {
-  const std::string& text = app.toast();
+  const std::string& text = app.notes().toast();
   if (text.empty())
     return;
   constexpr float kBelowTitles = 38;  // of panels that are closed, in small windows
@@ -115,9 +132,10 @@ void drawToast(ViewerApp& app, const FreeArea& free) {
 
 /// How long things are where the camera turns around.
 void drawScaleBar(ViewerApp& app, const FreeArea& free, const ViewerInput& input) {
-  if (!app.document() || !app.picture().shown() || app.document()->bounds.empty())
+  if (!app.document().info() || !app.view().picture().shown() ||
+      app.document().info()->bounds.empty())
     return;
-  const ViewCamera& view = app.camera();
+  const ViewCamera& view = app.view().camera();
   const Camera camera = view.camera(input.width, input.height);
   const double depth =
       camera.isOrthographic() ? 1 : (view.pivot() - camera.eye()).dot(camera.forward());
@@ -135,6 +153,72 @@ void drawScaleBar(ViewerApp& app, const FreeArea& free, const ViewerInput& input
   list->AddText({x, y - size.y - 7}, kInk, text.c_str());
   list->AddLine({x, y}, {x + length, y}, kInk, 2);
   for (const float end : {x, x + length}) list->AddLine({end, y - 4}, {end, y + 4}, kInk, 2);
+}
+
+/// The colours of a quantity, with its numbers, from `bottom` up; returns where it ends.
+float drawColorBar(const ViewScene::Scale& scale, const FreeArea& free, float bottom) {
+  constexpr float kWide = 12, kHigh = 110, kSteps = 44;
+  const ColorScale& colors = scale.colors;
+  const std::string most = fmt::format("{:.4g} {}", colors.most, colors.unit);
+  const std::string least = fmt::format("{:.4g}", colors.least);
+  const float line = ImGui::GetTextLineHeight();
+  const float text = std::max(ImGui::CalcTextSize(most.c_str()).x, 40.0F);
+  const float wrap = std::max(text + kWide + 6, 150.0F);
+  const ImVec2 name = ImGui::CalcTextSize(scale.name.c_str(), nullptr, false, wrap);
+  const float width = std::max(name.x, text + kWide + 6), left = free.right - width - 8;
+  const float top = bottom - kHigh - 8, head = top - name.y - 6;
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  list->AddRectFilled({left - 8, head - 6}, {free.right, bottom}, kShade, 6);
+  list->AddText(nullptr, 0, {left, head}, kInk, scale.name.c_str(), nullptr, wrap);
+  for (int i = 0; i < static_cast<int>(kSteps); ++i) {
+    const Rgb color = displayColor(colors.map, 1 - (i + 0.5) / kSteps);
+    const auto byte = [&](int c) { return static_cast<int>(255 * color[c]); };
+    const float y = top + kHigh * static_cast<float>(i) / kSteps;
+    list->AddRectFilled({left, y}, {left + kWide, y + kHigh / kSteps + 0.5F},
+                        IM_COL32(byte(0), byte(1), byte(2), 255));
+  }
+  list->AddText({left + kWide + 6, top - 2}, kInk, most.c_str());
+  list->AddText({left + kWide + 6, top + kHigh - line}, kInk, least.c_str());
+  return head - 14;
+}
+
+/// Wherever a colour is a number.
+void drawColorBars(ViewerApp& app, const FreeArea& free) {
+  const ViewScene* scene = app.view().picture().scene();
+  if (!scene || !app.view().picture().shown() || free.bottom - free.top < 260)
+    return;
+  float bottom = free.bottom;
+  for (const ViewScene::Scale& scale : scene->scales) bottom = drawColorBar(scale, free, bottom);
+  DisplayLook look = app.view().display();
+  app.comparison().addTo(look);
+  if (!(look.exposure > 0))
+    return;
+  if (look.other.picture)
+    drawColorBar({"difference of light", {*look.map, look.other.span / look.exposure, 0, ""}}, free,
+                 bottom);
+  else if (look.map)
+    drawColorBar({"light along the ray", {*look.map, 1 / look.exposure, 0, ""}}, free, bottom);
+}
+
+/// Which file is on which side of the border.
+void drawBorder(ViewerApp& app, const FreeArea& free, const ViewerInput& input) {
+  const Comparison& comparison = app.comparison();
+  if (!comparison.active() || !app.document().info() || comparison.mode != Comparison::Mode::kWiper)
+    return;
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  const auto x = static_cast<float>(comparison.border * input.width);
+  list->AddLine({x, 0}, {x, static_cast<float>(input.height)}, kInk, 1.5F);
+  const auto label = [&](const std::string& path, bool left) {
+    const std::string name = std::filesystem::path(path).filename().string();
+    const ImVec2 size = ImGui::CalcTextSize(name.c_str());
+    const ImVec2 at{left ? x - size.x - 12 : x + 12, free.top + 4};
+    if (at.x < free.left || at.x + size.x > free.right)
+      return;
+    list->AddRectFilled({at.x - 6, at.y - 3}, {at.x + size.x + 6, at.y + size.y + 3}, kShade, 6);
+    list->AddText(at, kInk, name.c_str());
+  };
+  label(app.document().info()->path, true);
+  label(comparison.path(), false);
 }
 
 struct AxisEnd {
@@ -156,7 +240,7 @@ void drawGizmo(ViewerApp& app, const FreeArea& free) {
   const bool covered = app.settings().layout.isOpen(SidePanel::kScene) &&
                        free.right > ImGui::GetIO().DisplaySize.x - 2 * kPanelMargin;
   const bool small = free.right - free.left < 6 * kRadius || free.bottom - free.top < 10 * kRadius;
-  if (!app.document() || small || covered || !app.settings().layout.roomy())
+  if (!app.document().info() || small || covered || !app.settings().layout.roomy())
     return;
   const ImVec2 middle{free.right - kRadius - kEnd, free.top + kRadius + kEnd};
   constexpr float kSide = 2 * (kRadius + kEnd);
@@ -165,7 +249,7 @@ void drawGizmo(ViewerApp& app, const FreeArea& free) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
   ImGui::Begin("Orientation", nullptr,
                (kPlain & ~ImGuiWindowFlags_AlwaysAutoResize) | ImGuiWindowFlags_NoBackground);
-  const ViewCamera& camera = app.camera();
+  const ViewCamera& camera = app.view().camera();
   const Vec3 right = camera.right(), forward = camera.forward(), up = right.cross(forward);
   std::array<int, 6> order{0, 1, 2, 3, 4, 5};
   std::ranges::sort(order, std::greater<>(),
@@ -179,7 +263,7 @@ void drawGizmo(ViewerApp& app, const FreeArea& free) {
     ImGui::SetCursorScreenPos({at.x - kEnd, at.y - kEnd});
     const bool pressed = ImGui::InvisibleButton(end.mark, {2 * kEnd, 2 * kEnd});
     const bool over = ImGui::IsItemHovered();
-    app.mark(end.mark);
+    app.window().mark(end.mark);
     if (named)
       list->AddLine(middle, at, end.color, 2);
     list->AddCircleFilled(at,
@@ -193,7 +277,7 @@ void drawGizmo(ViewerApp& app, const FreeArea& free) {
                     end.name);
     }
     if (pressed)
-      app.lookFromAxis(end.direction);
+      app.view().lookFrom(end.direction);
   }
   ImGui::End();
   ImGui::PopStyleVar();
@@ -203,7 +287,7 @@ void drawGizmo(ViewerApp& app, const FreeArea& free) {
 void drawProbe(ViewerApp& app, const ViewerInput& input) {
   if (!app.settings().probe || ImGui::GetIO().WantCaptureMouse || input.mouseX < 0)
     return;
-  const auto probe = app.probeAt(input.mouseX, input.mouseY);
+  const auto probe = app.tools().pointer.probeAt(input.mouseX, input.mouseY);
   if (!probe)
     return;
   ImGui::BeginTooltip();
@@ -216,6 +300,9 @@ void drawProbe(ViewerApp& app, const ViewerInput& input) {
     ImGui::Separator();
     ImGui::TextUnformatted(medium.name.c_str());
     ImGui::Text("extinction %.4g /m", medium.extinction);
+    const PictureLaw law = app.view().picture().scene()->law;
+    if (medium.extinction > 0 && medium.name.starts_with("smoke"))
+      ImGui::Text("visibility %.3g m (C = %g)", law.c * law.factor() / medium.extinction, law.c);
     if ((medium.emission > 0).any())
       ImGui::Text("light %.3g %.3g %.3g /m", medium.emission[0], medium.emission[1],
                   medium.emission[2]);
@@ -229,11 +316,13 @@ void drawProbe(ViewerApp& app, const ViewerInput& input) {
 void drawStage(ViewerApp& app, const ViewerInput& input) {
   const FreeArea free = freeArea(app, input);
   if (!app.settings().panels) {  // then the picture is all there is
-    if (!app.picture().shown())
+    if (!app.view().picture().shown())
       drawProgress(app, free);
     return;
   }
   drawScaleBar(app, free, input);
+  drawColorBars(app, free);
+  drawBorder(app, free, input);
   drawGizmo(app, free);
   drawBadge(app, free);
   drawProgress(app, free);

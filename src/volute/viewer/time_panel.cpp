@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "volute/viewer/panels.hpp"
@@ -15,17 +16,17 @@ bool isWide(const ViewerInput& input) {
 }
 
 bool isWhole(ViewerApp& app, const ViewerInput& input) {
-  return isWide(input) || app.settings().timeOpen || app.film();
+  return isWide(input) || app.settings().timeOpen || app.playback().film();
 }
 
 void filmPart(ViewerApp& app, const ViewerInput& input) {
-  if (const FilmExport* film = app.film()) {
+  if (const FilmExport* film = app.playback().film()) {
     if (ImGui::Button("Cancel film")) {
-      app.cancelFilm();
-      app.mark("Cancel film");
+      app.playback().cancelFilm();
+      app.window().mark("Cancel film");
       return;
     }
-    app.mark("Cancel film");
+    app.window().mark("Cancel film");
     ImGui::SameLine();
     std::string text = fmt::format("{}: {:.0f} %", film->order().target, 100 * film->share());
     if (const auto left = film->secondsLeft())
@@ -35,12 +36,12 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
   }
   if (ImGui::Button("Make film"))
     app.beginFilm(input);
-  app.mark("Make film");
+  app.window().mark("Make film");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(150);
   nameBox("##film", app.settings().filmName);
-  app.mark("film");
-  hint("a .mp4 or .webm of the whole time range, from the current view, at this speed");
+  app.window().mark("film");
+  hint("a .mp4 or .webm of the loop's time range, from the current view, at this speed");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(110);
   static const std::string kSizes[] = {"640 x 360", "1280 x 720", "1920 x 1080", "window"};
@@ -48,47 +49,92 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
 }
 
 void stepPart(ViewerApp& app) {
-  Timeline& timeline = app.timeline();
+  Timeline& timeline = app.playback().timeline();
   if (ImGui::Button(timeline.playing() ? "Pause###play" : "Play###play", {60, 0}))
     timeline.play(!timeline.playing());
-  app.mark("Play");
+  app.window().mark("Play");
   ImGui::SameLine();
   if (ImGui::Button("<"))
     timeline.step(-1);
-  app.mark("<");
+  app.window().mark("<");
   hint("one frame back");
   ImGui::SameLine();
   if (ImGui::Button(">"))
     timeline.step(1);
-  app.mark(">");
+  app.window().mark(">");
   hint("one frame on");
 }
 
+/// "frame 3 of 48, 25 frames/s"; while it plays slower than that, how fast.
+std::string frameText(const Playback& playback) {
+  const Timeline& timeline = playback.timeline();
+  const double rate = (timeline.frames() - 1) / (timeline.last() - timeline.first());
+  const double shown = playback.shownRate() / timeline.speed();
+  const std::string whole =
+      fmt::format("frame {} of {}, ", timeline.frame() + 1, timeline.frames());
+  if (shown > 0 && shown < 0.9 * rate && rate < 60)
+    return whole + fmt::format("{:.3g} of {:.3g} /s", shown, rate);
+  return whole + fmt::format("{:.3g} /s", rate);
+}
+
 void speedPart(ViewerApp& app) {
-  Timeline& timeline = app.timeline();
-  ImGui::SetNextItemWidth(130);
+  Timeline& timeline = app.playback().timeline();
+  ImGui::SetNextItemWidth(110);
   double speed = timeline.speed();
-  if (sliderDouble("##speed", speed, 0.1, 10, "%.2f x speed", true))
+  if (sliderDouble("##speed", speed, Timeline::kSlowest, Timeline::kFastest, "%.3g x speed", true))
     timeline.setSpeed(speed);
-  app.mark("speed");
+  app.window().mark("speed");
+  hint("1/8 to 8 times the file's own rate: Up, Down");
   ImGui::SameLine();
   ImGui::AlignTextToFramePadding();
-  ImGui::Text("frame %d of %d", timeline.frame() + 1, timeline.frames());
+  ImGui::TextUnformatted(frameText(app.playback()).c_str());
+  hint("the file's frames a second; while it plays slower, those that are shown");
+}
+
+/// Along the slider that was drawn last: what is decoded, the loop's range, marks.
+void drawTrack(ViewerApp& app) {
+  const Playback& playback = app.playback();
+  const Timeline& timeline = playback.timeline();
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+  const float margin = 2 + 0.5F * style.GrabMinSize;
+  const auto at = [&](double time) {
+    const double share = (time - timeline.first()) / (timeline.last() - timeline.first());
+    return from.x + margin +
+           static_cast<float>(std::clamp(share, 0.0, 1.0)) * (to.x - from.x - 2 * margin);
+  };
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  constexpr ImU32 kDecoded = IM_COL32(92, 199, 178, 230), kLoop = IM_COL32(255, 190, 70, 255);
+  const double frame = (timeline.last() - timeline.first()) / (timeline.frames() - 1);
+  for (const double time : app.document().loading().decoded)
+    list->AddRectFilled({at(time - 0.5 * frame), to.y - 3}, {at(time + 0.5 * frame), to.y},
+                        kDecoded);
+  if (timeline.loopsPart()) {
+    const float begin = at(timeline.loopBegin()), end = at(timeline.loopEnd());
+    list->AddLine({begin, from.y + 1}, {end, from.y + 1}, kLoop, 2);
+    for (const float x : {begin, end}) list->AddLine({x, from.y}, {x, to.y}, kLoop, 2);
+  }
+  for (const double mark : playback.marks()) {
+    const float x = at(mark);
+    list->AddTriangleFilled({x - 5, from.y}, {x + 5, from.y}, {x, from.y + 7}, kLoop);
+  }
 }
 
 void timeSlider(ViewerApp& app, float width) {
-  Timeline& timeline = app.timeline();
+  Timeline& timeline = app.playback().timeline();
   double time = timeline.time();
   ImGui::SetNextItemWidth(width);
   if (sliderDouble("##time", time, timeline.first(), timeline.last(), "%.2f s"))
     timeline.seek(time);
-  app.mark("time");
+  app.window().mark("time");
+  hint("below: what is decoded; I and O: the loop's range, L: all; B: a mark, Ctrl Left and Right");
+  drawTrack(app);
 }
 
 }  // namespace
 
 float timePanelHeight(ViewerApp& app, const ViewerInput& input) {
-  if (!app.timeline().moves())
+  if (!app.playback().timeline().moves())
     return 0;
   const int rows = isWide(input) ? 2 : isWhole(app, input) ? 3 : 1;
   const ImGuiStyle& style = ImGui::GetStyle();
@@ -97,7 +143,7 @@ float timePanelHeight(ViewerApp& app, const ViewerInput& input) {
 }
 
 void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
-  Timeline& timeline = app.timeline();
+  Timeline& timeline = app.playback().timeline();
   if (!timeline.moves())
     return;
   const float height = timePanelHeight(app, input);
@@ -116,7 +162,7 @@ void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::SameLine();
     if (ImGui::Button(whole ? "Less###more" : "More###more"))
       app.settings().timeOpen = !whole;
-    app.mark("More");
+    app.window().mark("More");
     hint("speed, and films");
   }
   if (whole) {

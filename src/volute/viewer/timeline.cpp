@@ -11,6 +11,8 @@ void Timeline::setTimes(std::vector<double> times) {
   times_ = std::move(times);
   if (times_.empty())
     times_ = {0.0};
+  if (loop_)
+    setLoop(loop_->first, loop_->second);
   seek(time_);
   play(playing_);
 }
@@ -23,9 +25,21 @@ void Timeline::seek(double time) {
   time_ = std::clamp(time, first(), last());
 }
 
-int Timeline::frame() const {
-  const auto after = std::ranges::upper_bound(times_, time_);
+void Timeline::setLoop(double begin, double end) {
+  begin =
+      std::max(interpolates_ ? begin : times_[static_cast<std::size_t>(frameAt(begin))], first());
+  end = std::min(end, last());
+  const bool part = begin < end && (begin > first() || end < last());
+  loop_ = part ? std::optional(std::pair(begin, end)) : std::nullopt;
+}
+
+int Timeline::frameAt(double time) const {
+  const auto after = std::ranges::upper_bound(times_, time);
   return static_cast<int>(std::max<std::ptrdiff_t>(after - times_.begin() - 1, 0));
+}
+
+int Timeline::frame() const {
+  return frameAt(time_);
 }
 
 void Timeline::step(int frames) {
@@ -37,12 +51,18 @@ void Timeline::step(int frames) {
 void Timeline::advance(double seconds) {
   if (!playing_)
     return;
-  time_ = first() + std::fmod(time_ - first() + seconds * speed_, period());
+  const double begin = loopBegin(), length = period();
+  const double gone = time_ >= begin && time_ <= begin + length ? time_ - begin : 0;
+  time_ = begin + std::fmod(gone + seconds * speed_, length);
 }
 
-/// The last frame is shown as long as the one before it.
+double Timeline::endOf(int frame) const {
+  const auto next = static_cast<std::size_t>(frame) + 1;
+  return next < times_.size() ? times_[next] : 2 * last() - times_[times_.size() - 2];
+}
+
 double Timeline::period() const {
-  return 2 * last() - first() - times_[times_.size() - 2];
+  return (loop_ && interpolates_ ? loopEnd() : endOf(frameAt(loopEnd()))) - loopBegin();
 }
 
 double Timeline::snapshotTime() const {
@@ -58,9 +78,7 @@ double Timeline::snapshotTime() const {
 double Timeline::snapshotSeconds() const {
   if (interpolates_ || !moves())
     return 1 / kRate;
-  const auto now = static_cast<std::size_t>(frame());
-  const double next = now + 1 < times_.size() ? times_[now + 1] : first() + period();
-  return (next - times_[now]) / speed_;
+  return (endOf(frame()) - times_[static_cast<std::size_t>(frame())]) / speed_;
 }
 
 std::vector<double> Timeline::ahead(int count) const {
@@ -75,10 +93,12 @@ std::vector<double> Timeline::ahead(int count) const {
     double time = 0;
     if (interpolates_) {
       time = later.snapshotTime() + step;
-      later.time_ = time < first() + period() ? time : first();
+      later.time_ = time < loopBegin() + period() ? time : loopBegin();
       time = later.snapshotTime();
     } else {
-      time = times_[static_cast<std::size_t>((frame() + i) % frames())];
+      const int begin = frameAt(loopBegin()), loop = frameAt(loopEnd()) + 1 - begin;
+      time =
+          times_[static_cast<std::size_t>(begin + (frame() - begin + i + frames() * loop) % loop)];
     }
     if (time == shown)
       break;  // all of it

@@ -2,13 +2,17 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace volute {
 
-/// The viewer's clock: plays, is scrubbed, has a speed, begins again at the end.
+/// The viewer's clock: plays, is scrubbed, has a speed, begins again at the end of its loop.
 class Timeline {
  public:
+  static constexpr double kSlowest = 0.125, kFastest = 8;  ///< that controls offer
+
   /// `times`: when frames begin [s], ascending, one at least.
   void setTimes(std::vector<double> times);
 
@@ -45,6 +49,16 @@ class Timeline {
   /// Clamped to the first and the last frame.
   void seek(double time);
 
+  /// What is played, from the beginning of a frame on [s]: all, unless setLoop() said otherwise.
+  double loopBegin() const { return loop_ ? loop_->first : first(); }
+
+  double loopEnd() const { return loop_ ? loop_->second : last(); }
+
+  bool loopsPart() const { return loop_.has_value(); }
+
+  /// An empty range: all.
+  void setLoop(double begin, double end);
+
   /// To the beginning of the frame before or after; stops.
   void step(int frames);
 
@@ -59,13 +73,16 @@ class Timeline {
  private:
   static constexpr double kRate = 25;  ///< [1/s]
 
-  double period() const;  ///< [s] until it begins again
+  double endOf(int frame) const;  ///< [s]: the last one takes as long as the one before it
+  int frameAt(double time) const;
+  double period() const;  ///< [s] of a loop
 
   std::vector<double> times_{0.0};
   double time_ = 0;
   double speed_ = 1;
   bool playing_ = false;
   bool interpolates_ = false;
+  std::optional<std::pair<double, double>> loop_{};  ///< [s]
 };
 
 }  // namespace volute

@@ -152,6 +152,17 @@ void ViewCamera::setOrtho(double height) {
   ortho_ = std::clamp(height, 1e-4, 1e6);
 }
 
+void ViewCamera::toggleParallel() {
+  const double slope = 2 * std::tan(0.5 * fov_ * std::numbers::pi / 180);
+  const double depth = (pivot_ - eye_).dot(forward());
+  if (!parallel())
+    return setOrtho(slope * (depth > 0 ? depth : distance_));
+  const double wanted = ortho_ / slope;
+  ortho_ = 0;
+  eye_ += (depth - wanted) * forward();
+  distance_ = wanted;
+}
+
 void ViewCamera::drag(double rightPixels, double downPixels) {
   const Mat3 before = turned();
   yaw_ -= kTurn * rightPixels;

@@ -78,6 +78,9 @@ class ViewCamera {
 
   void setOrtho(double height);  ///< of a parallel one [m], > 0
 
+  /// From a pinhole to parallel rays or back; what is at the pivot stays as large as it is.
+  void toggleParallel();
+
   /// Towards the side that is up, of unit length.
   Vec3 upwards() const { return frame_.col(2); }
 

@@ -386,6 +386,10 @@ void ViewPicture::show(DisplayLook look, int width, int height) {
   display_.draw(texture(), version_, look, smaller ? own : window, window);
 }
 
+DisplayLook::Other ViewPicture::shownLight() const {
+  return {texture(), opaque_ && !fromCpu_ ? surfaces_.texture() : 0, version_};
+}
+
 Image ViewPicture::sampledLight(const Rgb& background) const {
   const Texels light = texelsOf(texture());  // one for all pixels where there are no media
   const bool opaque = opaque_ && !fromCpu_ && scene_ && scene_->cpu;

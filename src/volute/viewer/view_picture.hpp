@@ -130,6 +130,9 @@ class ViewPicture {
   /// Into the framebuffer that is bound; `look.surfaces` is its own.
   void show(DisplayLook look, int width, int height);
 
+  /// What show() shows, as light.
+  DisplayLook::Other shownLight() const;
+
   /// The light that is shown, before the exposure, at every n-th pixel of every n-th row: as many
   /// as an exposure can be told from. A document without a picture by the CPU (a capture)
   /// shows its screens as they are: they do not count.

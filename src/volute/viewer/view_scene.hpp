@@ -13,8 +13,10 @@
 #include "volute/geometry/triangle_scene.hpp"
 #include "volute/gl/gl_scene.hpp"
 #include "volute/gl/surface_drawer.hpp"
+#include "volute/image/color_scale.hpp"
 #include "volute/image/image.hpp"
 #include "volute/media/medium_at.hpp"
+#include "volute/optics/visibility.hpp"
 
 namespace volute {
 
@@ -35,6 +37,16 @@ struct ViewScene {
   GlScene media{};  ///< as the law of the picture sees them
   /// Whose boundaries a pointer meets as walls.
   std::vector<std::shared_ptr<const MediumAt>> now{};
+  std::vector<std::string> names{};  ///< of each of them: "smoke: hall.pvd"
+  PictureLaw law{};                  ///< of the picture
+
+  /// The colours of a quantity, and which it is.
+  struct Scale {
+    std::string name;
+    ColorScale colors;
+  };
+
+  std::vector<Scale> scales{};
   std::shared_ptr<const GlSurfaces> surfaces{};
   std::vector<GlQuad> quads{};
   std::vector<ViewLine> lines{};

@@ -34,13 +34,12 @@ std::shared_ptr<const BrickSlice> blob(double middle) {
 /// Two frames of a blob that moves to the right; its slow reading can be held back.
 class Blobs final : public Document {
  public:
-  std::string title() const override { return "blobs"; }
-
-  Box3 bounds() const override { return {Vec3(0, 0, 0), Vec3(1, 1, 1)}; }
-
-  std::vector<double> times() const override { return {0, 0.5}; }
-
-  bool grey() const override { return true; }
+  DocumentInfo info() const override {
+    return {.title = "blobs",
+            .bounds = {Vec3(0, 0, 0), Vec3(1, 1, 1)},
+            .times = {0, 0.5},
+            .grey = true};
+  }
 
   std::vector<std::filesystem::path> files() const override { return {path}; }
 
@@ -125,10 +124,10 @@ TEST_F(ViewerTest, ShowsTheFrameOfItsTime) {
   app().settings().panels = false;
   app().open(path_);
   settle();
-  EXPECT_EQ(app().error(), "");
+  EXPECT_EQ(app().document().error(), "");
   const double before = centreOf(viewer_->picture());
   press(Key::kRight);
-  EXPECT_EQ(app().timeline().time(), 0.5);
+  EXPECT_EQ(app().playback().timeline().time(), 0.5);
   settle();
   EXPECT_GT(centreOf(viewer_->picture()), before + 0.1);
 }
@@ -137,11 +136,11 @@ TEST_F(ViewerTest, TheFirstPictureIsCoarseAndNothingWaits) {
   app().settings().panels = false;
   Blobs::held = true;
   app().open(path_);
-  for (int i = 0; i < 2000 && app().times().history.empty(); ++i) {
+  for (int i = 0; i < 2000 && app().view().picture().times().history.empty(); ++i) {
     ASSERT_TRUE(viewer_->frame(input_));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  EXPECT_FALSE(app().times().history.empty())
+  EXPECT_FALSE(app().view().picture().times().history.empty())
       << "the coarse picture is drawn while the fine one is read";
   EXPECT_FALSE(app().settled());
   Blobs::held = false;
@@ -166,14 +165,14 @@ TEST_F(ViewerTest, PanelsHelpAndKeys) {
   settle();
   EXPECT_GT(greatestDifference(bare, viewer_->picture()), 0.05) << "brighter";
   press(Key::kF12);
-  EXPECT_TRUE(app().takeScreenshotRequest());
-  EXPECT_FALSE(app().takeScreenshotRequest());
+  EXPECT_TRUE(app().window().takeScreenshotRequest());
+  EXPECT_FALSE(app().window().takeScreenshotRequest());
 }
 
 TEST_F(ViewerTest, TheMouseTurnsThePictureButNotThroughPanels) {
   app().open(path_);
   settle();
-  const Vec3 eye = app().camera().eye();
+  const Vec3 eye = app().view().camera().eye();
   const auto drag = [&](double x, double y) {
     input_.mouseX = x, input_.mouseY = y;
     ASSERT_TRUE(viewer_->frame(input_));
@@ -186,9 +185,9 @@ TEST_F(ViewerTest, TheMouseTurnsThePictureButNotThroughPanels) {
     ASSERT_TRUE(viewer_->frame(input_));
   };
   drag(60, 20);  // the panel's title
-  EXPECT_EQ(app().camera().eye(), eye);
+  EXPECT_EQ(app().view().camera().eye(), eye);
   drag(kWidth - 60, 40);
-  EXPECT_GT((app().camera().eye() - eye).norm(), 0.1);
+  EXPECT_GT((app().view().camera().eye() - eye).norm(), 0.1);
 }
 
 TEST_F(ViewerTest, ReloadsAFileThatChanged) {
@@ -209,12 +208,12 @@ TEST_F(ViewerTest, ReloadsAFileThatChanged) {
 TEST_F(ViewerTest, NothingComesToRestWhileTimePasses) {
   app().open(path_);
   settle();
-  app().timeline().play(true);
+  app().playback().timeline().play(true);
   Progress quiet;
   const Status playing = viewer_->settle(input_, quiet);
   ASSERT_FALSE(playing);
   EXPECT_EQ(playing.error().code, ErrorCode::kInvalidArgument);
-  app().timeline().play(false);
+  app().playback().timeline().play(false);
   settle();
 }
 
@@ -224,14 +223,14 @@ TEST_F(ViewerTest, WhilePlayingOnlyWhatIsNewIsDrawn) {
   viewer_->drawWholeFrames();
   app().open(path_);
   settle();
-  app().timeline().play(true);
-  app().timeline().setSpeed(20);  // 40 of its frames in a second
+  app().playback().timeline().play(true);
+  app().playback().timeline().setSpeed(20);  // 40 of its frames in a second
   constexpr double kFrame = 0.01;
   input_.seconds = 0;
   int steps = 0;
   double unseen = 0;
   for (int i = 0; i < 400; ++i) {
-    const int before = app().picture().version();
+    const int before = app().view().picture().version();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     input_.seconds += kFrame;
     if (!app().due(input_))
@@ -244,7 +243,7 @@ TEST_F(ViewerTest, WhilePlayingOnlyWhatIsNewIsDrawn) {
     if (app().drew())
       continue;
     ++steps;
-    EXPECT_EQ(app().picture().version(), before);
+    EXPECT_EQ(app().view().picture().version(), before);
     EXPECT_EQ(greatestDifference(shown, viewer_->picture()), 0);
   }
   EXPECT_GT(steps, 10);
@@ -259,7 +258,7 @@ TEST_F(ViewerTest, WhatMovesFillsTheWindowAsWhatRests) {
   settle();
   const Image rests = viewer_->picture();
   input_.seconds = 0;
-  app().timeline().play(true);
+  app().playback().timeline().play(true);
   for (int i = 0; i < 20; ++i) {
     ASSERT_TRUE(viewer_->frame(input_));
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -274,9 +273,9 @@ TEST_F(ViewerTest, AnErrorIsShownAndTheOldPictureStays) {
   settle();
   app().open(path_ + ".missing");
   settle();
-  EXPECT_THAT(app().error(), testing::HasSubstr("there is no such file"));
-  ASSERT_NE(app().document(), nullptr);
-  EXPECT_EQ(app().document()->title, "blobs");
+  EXPECT_THAT(app().document().error(), testing::HasSubstr("there is no such file"));
+  ASSERT_NE(app().document().info(), nullptr);
+  EXPECT_EQ(app().document().info()->title, "blobs");
 }
 
 }  // namespace

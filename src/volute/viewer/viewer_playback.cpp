@@ -47,8 +47,8 @@ class Measurement {
     app.open(path);
     const auto first = until([&] { return something(); });
     const auto fine = until([&] { return app.settled(); });
-    if (!app.error().empty())
-      fmt::print(stderr, "{}\n", app.error());
+    if (!app.document().error().empty())
+      fmt::print(stderr, "{}\n", app.document().error());
     const auto after = [&](const std::optional<double>& when) {
       return when ? std::optional<double>(*when - opened) : std::nullopt;
     };
@@ -78,7 +78,7 @@ class Measurement {
     if (!viewer_.frame(input_))
       std::exit(1);
     input_.pressed.clear();
-    if (const int version = viewer_.app().picture().version(); version != version_) {
+    if (const int version = viewer_.app().view().picture().version(); version != version_) {
       version_ = version;
       changed_ = now();
     }
@@ -99,9 +99,9 @@ class Measurement {
   /// Whether what is shown is more than one colour.
   bool something() {
     ViewerApp& app = viewer_.app();
-    if (!app.picture().shown() || !app.document() || !app.picture().scene())
+    if (!app.view().picture().shown() || !app.document().info() || !app.view().picture().scene())
       return false;
-    const Image light = app.picture().sampledLight(app.document()->background);
+    const Image light = app.view().picture().sampledLight(app.document().info()->background);
     const auto [least, most] = std::ranges::minmax(light.pixels);
     return most > least + 1e-3F;
   }
@@ -109,7 +109,7 @@ class Measurement {
   void play() {
     constexpr double kSeconds = 5;
     ViewerApp& app = viewer_.app();
-    Timeline& timeline = app.timeline();
+    Timeline& timeline = app.playback().timeline();
     if (!timeline.moves())
       return;
     timeline.seek(timeline.first());
@@ -119,7 +119,7 @@ class Measurement {
     changed_ = begin;
     double longest = 0, scales = 0;
     int shown = 0, pictures = 0, last = version_;
-    double time = app.picture().shownTime();
+    double time = app.view().picture().shownTime();
     while (now() < begin + kSeconds) {
       frame();
       longest = std::max(longest, now() - changed_);
@@ -127,9 +127,9 @@ class Measurement {
         continue;
       last = version_;
       ++pictures;
-      scales += static_cast<double>(app.times().width) / kWidth;
-      shown += frameOf(app.picture().shownTime()) != frameOf(time);
-      time = app.picture().shownTime();
+      scales += static_cast<double>(app.view().picture().times().width) / kWidth;
+      shown += frameOf(app.view().picture().shownTime()) != frameOf(time);
+      time = app.view().picture().shownTime();
     }
     const double spent = now() - begin;
     timeline.play(false);
@@ -142,7 +142,7 @@ class Measurement {
   }
 
   int frameOf(double time) {
-    Timeline own = viewer_.app().timeline();
+    Timeline own = viewer_.app().playback().timeline();
     own.seek(time);
     return own.frame();
   }

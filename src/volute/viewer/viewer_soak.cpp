@@ -184,12 +184,12 @@ class Round {
     script_.drop(file);
     script_.frames(2);
     script_.click("leave discard");  // where fog was painted
-    for (int i = 0; i < 400 && (i < 30 || viewer_.app().loading().busy); ++i) pause();
+    for (int i = 0; i < 400 && (i < 30 || viewer_.app().document().loading().busy); ++i) pause();
     ++report_.opened;
     what_ = "using " + file;
     chooseRenderer();  // the scene may say another
     pause();
-    report_.byGl += !viewer_.app().times().passes.empty();
+    report_.byGl += !viewer_.app().view().picture().times().passes.empty();
     script_.press(Key::kSpace);
     script_.drag(300, 860, 340, 840);
     pause(40);
@@ -230,7 +230,7 @@ class Round {
 
   void note(double seconds) {
     ++report_.frames;
-    const bool loads = viewer_.app().loading().busy;
+    const bool loads = viewer_.app().document().loading().busy;
     const double own = ownSeconds();
     if (counts()) {
       (loads ? report_.loading : report_.other)
@@ -246,7 +246,7 @@ class Round {
   }
 
   void changeSomething() {
-    const DocumentInfo* document = viewer_.app().document();
+    const DocumentInfo* document = viewer_.app().document().info();
     if (!document || document->parameters.empty())
       return;
     const auto& parameters = document->parameters;
@@ -273,7 +273,7 @@ class Round {
   }
 
   void paint() {
-    if (!viewer_.app().paint().has())
+    if (!viewer_.app().tools().painting.tool().has())
       return;
     viewer_.app().settings().painting = true;
     script_.drag(250, 600, 380, 640, 0, 12);
@@ -302,7 +302,7 @@ class Round {
     what_ += ", making a film";
     pause(20);
     const bool givesUp = report_.opened % 2 == 1 || !counts();
-    for (int i = 0; i < 300 && viewer_.app().film(); ++i) {
+    for (int i = 0; i < 300 && viewer_.app().playback().film(); ++i) {
       if (givesUp && script_.click("Cancel film"))
         break;
       pause();
@@ -315,7 +315,8 @@ class Round {
     std::error_code ignored;
     std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now(), ignored);
     constexpr double kSeconds = 1;  // it is looked for every half second
-    for (const double begun = now(); now() - begun < kSeconds || viewer_.app().loading().busy;) {
+    for (const double begun = now();
+         now() - begun < kSeconds || viewer_.app().document().loading().busy;) {
       pause();
       if (now() - begun > 20 * kSeconds)
         break;

@@ -24,13 +24,13 @@ class WatchedFiles : public Controls {
 
   /// The picture is another after a while.
   void expectAnother(const Image& shown) {
-    const int opened = app().document()->opened;
-    for (int i = 0; i < 4000 && app().document()->opened == opened; ++i) {
+    const int opened = app().document().info()->opened;
+    for (int i = 0; i < 4000 && app().document().info()->opened == opened; ++i) {
       script_->frame();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     load();
-    EXPECT_EQ(app().error(), "");
+    EXPECT_EQ(app().document().error(), "");
     EXPECT_GT(difference(shown, picture()), 0.0005);
   }
 };

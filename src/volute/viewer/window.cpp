@@ -17,6 +17,19 @@
 namespace volute {
 namespace {
 
+constexpr std::pair<int, Key> kPlaces[] = {
+    {GLFW_KEY_SPACE, Key::kSpace},   {GLFW_KEY_LEFT, Key::kLeft},
+    {GLFW_KEY_RIGHT, Key::kRight},   {GLFW_KEY_UP, Key::kUp},
+    {GLFW_KEY_DOWN, Key::kDown},     {GLFW_KEY_HOME, Key::kHome},
+    {GLFW_KEY_END, Key::kEnd},       {GLFW_KEY_KP_ADD, Key::kPlus},
+    {GLFW_KEY_F1, Key::kF1},         {GLFW_KEY_KP_SUBTRACT, Key::kMinus},
+    {GLFW_KEY_F3, Key::kF3},         {GLFW_KEY_KP_1, Key::k1},
+    {GLFW_KEY_KP_3, Key::k3},        {GLFW_KEY_KP_5, Key::k5},
+    {GLFW_KEY_KP_7, Key::k7},        {GLFW_KEY_F11, Key::kF11},
+    {GLFW_KEY_F12, Key::kF12},       {GLFW_KEY_ESCAPE, Key::kEscape},
+    {GLFW_KEY_DELETE, Key::kDelete}, {GLFW_KEY_BACKSPACE, Key::kBackspace},
+    {GLFW_KEY_ENTER, Key::kEnter},   {GLFW_KEY_KP_ENTER, Key::kEnter}};
+
 /// Letters and signs are those of the layout; where that has others (Greek, Cyrillic), and for all
 /// other keys, the place counts.
 std::optional<Key> keyOf(int key, int scancode) {
@@ -27,86 +40,10 @@ std::optional<Key> keyOf(int key, int scancode) {
     return keyNamed(label);
   if (label && (key < GLFW_KEY_A || key > GLFW_KEY_Z))
     return std::nullopt;
-  switch (key) {
-    case GLFW_KEY_SPACE:
-      return Key::kSpace;
-    case GLFW_KEY_LEFT:
-      return Key::kLeft;
-    case GLFW_KEY_RIGHT:
-      return Key::kRight;
-    case GLFW_KEY_UP:
-      return Key::kUp;
-    case GLFW_KEY_DOWN:
-      return Key::kDown;
-    case GLFW_KEY_HOME:
-      return Key::kHome;
-    case GLFW_KEY_END:
-      return Key::kEnd;
-    case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD:
-      return Key::kPlus;
-    case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT:
-      return Key::kMinus;
-    case GLFW_KEY_F1:
-      return Key::kF1;
-    case GLFW_KEY_1:
-    case GLFW_KEY_KP_1:
-      return Key::k1;
-    case GLFW_KEY_3:
-    case GLFW_KEY_KP_3:
-      return Key::k3;
-    case GLFW_KEY_7:
-    case GLFW_KEY_KP_7:
-      return Key::k7;
-    case GLFW_KEY_F11:
-      return Key::kF11;
-    case GLFW_KEY_F12:
-      return Key::kF12;
-    case GLFW_KEY_ESCAPE:
-      return Key::kEscape;
-    case GLFW_KEY_A:
-      return Key::kA;
-    case GLFW_KEY_C:
-      return Key::kC;
-    case GLFW_KEY_D:
-      return Key::kD;
-    case GLFW_KEY_E:
-      return Key::kE;
-    case GLFW_KEY_F:
-      return Key::kF;
-    case GLFW_KEY_H:
-      return Key::kH;
-    case GLFW_KEY_M:
-      return Key::kM;
-    case GLFW_KEY_O:
-      return Key::kO;
-    case GLFW_KEY_P:
-      return Key::kP;
-    case GLFW_KEY_Q:
-      return Key::kQ;
-    case GLFW_KEY_S:
-      return Key::kS;
-    case GLFW_KEY_V:
-      return Key::kV;
-    case GLFW_KEY_X:
-      return Key::kX;
-    case GLFW_KEY_W:
-      return Key::kW;
-    case GLFW_KEY_Y:
-      return Key::kY;
-    case GLFW_KEY_Z:
-      return Key::kZ;
-    case GLFW_KEY_BACKSPACE:
-      return Key::kBackspace;
-    case GLFW_KEY_DELETE:
-      return Key::kDelete;
-    case GLFW_KEY_ENTER:
-    case GLFW_KEY_KP_ENTER:
-      return Key::kEnter;
-    default:
-      return std::nullopt;
-  }
+  if (key > GLFW_KEY_SPACE && key <= GLFW_KEY_Z)  // what stands there on the US layout
+    return keyNamed(std::string(1, static_cast<char>(key)));
+  const auto place = std::ranges::find(kPlaces, key, &std::pair<int, Key>::first);
+  return place == std::end(kPlaces) ? std::nullopt : std::optional(place->second);
 }
 
 void appendUtf8(std::string& text, unsigned code) {
@@ -265,8 +202,7 @@ class Window {
     glfwSetScrollCallback(window_,
                           [](GLFWwindow* window, double, double y) { of(window).queue_.turn(y); });
     glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
-      if (count > 0)
-        of(window).queue_.drop(paths[0]);
+      for (int i = 0; i < count; ++i) of(window).queue_.drop(paths[i]);
     });
   }
 
@@ -300,13 +236,15 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
   options.desktop = true;
   options.recent = RecentFiles::usualFile();
   VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open), options));
-  app->clipboard().use([&] { return window->clipboard(); },
-                       [&](const std::string& text) { window->setClipboard(text); });
+  app->window().clipboard().use([&] { return window->clipboard(); },
+                                [&](const std::string& text) { window->setClipboard(text); });
   if (!start.path.empty())
     app->open(start.path, start.time);
-  app->onNews([] { glfwPostEmptyEvent(); });
+  if (!start.other.empty())
+    VOLUTE_TRY(app->comparison().begin(start.other, app->view().picture().makers()));
+  app->view().picture().onNews([] { glfwPostEmptyEvent(); });
   double skipped = 0;  // [s] since the last frame
-  while (!app->ends() && !progress.cancelled()) {
+  while (!app->leaving().ends() && !progress.cancelled()) {
     ViewerInput input = window->input(app->patience(), options.scale);
     input.seconds += skipped;
     if (!app->due(input)) {
@@ -318,19 +256,19 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
       window->raise();  // a question is seen
     if (input.width <= 0 || input.height <= 0) {
       if (input.closes)
-        app->leaveFor("");
+        app->leaving().leaveFor("");
       continue;  // minimised
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     VOLUTE_TRY(app->frame(input));
-    if (app->takeScreenshotRequest()) {
+    if (app->window().takeScreenshotRequest()) {
       const std::string name = screenshotName();
       app->showAgain(false);
       const Status written = writeImage(name, shownPicture(input.columns, input.rows));
       app->showAgain();
-      app->say(written ? name + " is written" : written.error().message);
+      app->document().say(written ? name + " is written" : written.error().message);
     }
-    if (app->takeFullScreenRequest())
+    if (app->window().takeFullScreenRequest())
       window->toggleFullScreen();
     window->setTitle(app->title());
     if (app->drew())

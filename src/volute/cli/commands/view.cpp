@@ -27,6 +27,10 @@ std::vector<Option> viewOptions() {
        .kind = kNumber,
        .value = "T",
        .help = "start at T [s], overriding the scene's view"},
+      {.name = "compare",
+       .kind = kFile,
+       .value = "FILE",
+       .help = "show another file on the right of a border, from the same place at the same time"},
       {.name = "size",
        .kind = kPixels,
        .value = "WxH",
@@ -58,10 +62,13 @@ Command viewCommand() {
       .name = "view",
       .summary = "Shows volumes, smoke, fog, captures and scenes in a window",
       .examples = {"volute view fire.volute", "volute view scene.json --time 0.8",
+                   "volute view fire.volute valley.png hall.smv",
+                   "volute view fire.vdb --compare fire.volute",
                    "volute view fire.volute --screenshot fire.png"},
       .description =
           "The left mouse button turns, the right one pans, F1 shows all keys. Ctrl O opens a "
-          "file; a file can also be dropped on the window. Files are read in the background, and "
+          "file; a file that is dropped on the window is added to what is shown. Files are read in "
+          "the background, and "
           "again when they change on disk. Panels change the parameters of media: exposure, smoke "
           "potential, Km and C, mu and levels, lights, signs. Signs and lights are added to the "
           "wall in view, moved by a click, and removed; Ctrl Z undoes changes. Fog is painted "
@@ -74,7 +81,10 @@ Command viewCommand() {
           {{.name = "FILE",
             .help = "a volume (.volute, .npy, .npz, .vdb, .vti, .pvd), smoke on a mesh (.vtu, "
                     ".vtk, .pvd, .case, .e, .foam), an FDS case (.smv), a map of fog (.png, "
-                    ".exr), a capture or a scene (.json); without one, drop it on the window",
+                    ".exr), a capture or a scene (.json); several are shown in one scene; without "
+                    "one, drop "
+                    "it on the window",
+            .several = true,
             .optional = true}},
       .options = viewOptions(),
       .run = runView};

@@ -9,8 +9,8 @@
 
 namespace volute {
 
-/// What of a case can be shown beside its smoke, as its files have it: sources, slices, isosurfaces,
-/// particles, devices, planes that cut the building, fire.
+/// What of a case can be shown beside its smoke, as its files have it: sources, slices,
+/// isosurfaces, particles, devices, planes that cut the building, fire.
 void addCaseParameters(ParameterGroup& group, const FdsLayer& layer);
 
 /// Sets one of those in the entry of a scene. False, with nothing changed, for all others.

@@ -12,7 +12,10 @@ uniform int opaque;          // whether there are any
 uniform sampler2D colors;   // of the map, as display values, dark to light
 uniform vec3 background;
 uniform float exposure;
-uniform int mapped;
+uniform int mapped;  // 1: by colours; 2: the difference from `other`, by colours
+uniform sampler2D other, otherSurfaces;  // likewise, of another picture
+uniform int otherOpaque;
+uniform float span;  // of the colours of a difference
 uniform int tone;  // ToneCurve
 
 vec3 encoded(vec3 linear) {
@@ -46,18 +49,24 @@ vec3 dithered(vec3 v) {
   return (whole + vec3(greaterThan(rest, max(threshold, vec3(1e-4))))) / 255.0;
 }
 
+vec3 seenIn(sampler2D lightOf, sampler2D surfacesOf, int withSurfaces) {
+  vec4 light = texture(lightOf, place);
+  vec4 surface = withSurfaces == 0 ? vec4(0.0) : texture(surfacesOf, place);
+  return light.rgb + (surface.a > 0.0 ? exp(-surface.a * light.a) * surface.rgb : exp(-light.a) * background);
+}
+
 void main() {
-  vec4 light = texture(picture, place);
-  vec3 seen = light.rgb;
-  vec4 surface = opaque == 0 ? vec4(0.0) : texture(surfaces, place);
-  seen += surface.a > 0.0 ? exp(-surface.a * light.a) * surface.rgb : exp(-light.a) * background;
-  seen *= exposure;
+  vec3 seen = exposure * seenIn(picture, surfaces, opaque);
   if (mapped == 0) {
     shown = vec4(dithered(encoded(tone == 0   ? seen
                                  : tone == 3 ? shoulder(min(max(seen, 0.0), 1e4))
                                              : filmic(min(max(seen, 0.0), 1e4)))), 1.0);
-  } else {
-    float t = clamp(seen.r, 0.0, 1.0);
-    shown = vec4(texture(colors, vec2((t * 255.0 + 0.5) / 256.0, 0.5)).rgb, 1.0);
+    return;
   }
+  float value = seen.r;
+  if (mapped == 2) {
+    vec3 apart = abs(seen - exposure * seenIn(other, otherSurfaces, otherOpaque));
+    value = max(apart.r, max(apart.g, apart.b)) / span;
+  }
+  shown = vec4(texture(colors, vec2((clamp(value, 0.0, 1.0) * 255.0 + 0.5) / 256.0, 0.5)).rgb, 1.0);
 }

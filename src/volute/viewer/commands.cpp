@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/commands.hpp"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace volute {
+namespace {
+
+using App = ViewerApp;
+using In = ViewerInput;
+
+/// A stroke while fog is being painted, else what was changed of the scene, else a stroke.
+void undo(App& app, const In&) {
+  FogPainting& painting = app.tools().painting;
+  const DocumentInfo* info = app.document().info();
+  const bool strokes = painting.tool().has() && painting.tool().painter().canUndo();
+  const bool changes = info && info->canUndo;
+  if (strokes && (app.settings().painting || !changes))
+    painting.undo();
+  else if (changes)
+    app.document().undo();
+}
+
+void redo(App& app, const In&) {
+  FogPainting& painting = app.tools().painting;
+  const DocumentInfo* info = app.document().info();
+  const bool strokes = painting.tool().has() && painting.tool().painter().canRedo();
+  const bool changes = info && info->canRedo;
+  if (strokes && (app.settings().painting || !changes))
+    painting.redo();
+  else if (changes)
+    app.document().redo();
+}
+
+/// As a scene's "camera" is written.
+void copyCamera(App& app, const In&) {
+  const StartView view = app.view().camera().view();
+  const auto list = [](const Vec3& v) {
+    return nlohmann::ordered_json::array({v.x(), v.y(), v.z()});
+  };
+  nlohmann::ordered_json camera{
+      {"eye", list(view.eye)}, {"target", list(view.target)}, {"up", list(view.up)}};
+  if (view.ortho > 0)
+    camera["ortho"] = view.ortho;
+  else
+    camera["fov"] = view.fov;
+  ImGui::SetClipboardText(camera.dump().c_str());
+  app.document().say("the camera is copied, as JSON");
+}
+
+void stop(App& app, const In&) {
+  ViewerSettings& settings = app.settings();
+  settings.help = settings.search = settings.painting = settings.probe = false;
+  app.tools().pointer.place("");
+}
+
+void walkOrOrbit(App& app, const In&) {
+  using enum ViewCamera::Mode;
+  ViewCamera& camera = app.view().camera();
+  camera.setMode(camera.mode() == kOrbit ? kWalk : kOrbit);
+}
+
+template <int half>
+void brighten(App& app, const In&) {
+  app.settings().look.stops += 0.5 * half;
+}
+
+template <int frames>
+void step(App& app, const In&) {
+  app.playback().timeline().step(frames);
+}
+
+/// 1/8 to 8 times, by halves and doubles.
+template <bool faster>
+void changeSpeed(App& app, const In&) {
+  Timeline& timeline = app.playback().timeline();
+  const double speed = timeline.speed() * (faster ? 2 : 0.5);
+  timeline.setSpeed(std::clamp(speed, Timeline::kSlowest, Timeline::kFastest));
+}
+
+template <int axis, int sign>
+void lookFrom(App& app, const In&) {
+  app.view().lookFrom(sign * Vec3::Unit(axis));
+}
+
+Timeline& timelineOf(App& app) {
+  return app.playback().timeline();
+}
+
+}  // namespace
+
+std::span<const ViewerCommand> viewerCommands() {
+  // clang-format off: a row is read as one
+  static const ViewerCommand kCommands[] = {
+      {"open a file", "Ctrl O", [](App& app, const In&) { app.document().askToOpen(); }, Key::kO, true},
+      {"compare with another file", "", [](App& app, const In&) { app.document().askToOpen(true); }},
+      {"end the comparison", "", [](App& app, const In&) { app.comparison().end(); }},
+      {"save the scene", "Ctrl S", [](App& app, const In&) { app.saveScene(); }, Key::kS, true},
+      {"undo a change, or a stroke while painting", "Ctrl Z", undo, Key::kZ, true},
+      {"redo", "Ctrl Y, Ctrl Shift Z", redo, Key::kY, true},
+      {"", "", redo, Key::kZ, true, true},
+      {"play, pause", "Space", [](App& app, const In&) { timelineOf(app).play(!timelineOf(app).playing()); }, Key::kSpace},
+      {"one frame back", "Left", step<-1>, Key::kLeft},
+      {"one frame on", "Right", step<1>, Key::kRight},
+      {"first frame", "Home", [](App& app, const In&) { timelineOf(app).seek(timelineOf(app).loopBegin()); }, Key::kHome},
+      {"last frame", "End", [](App& app, const In&) { timelineOf(app).seek(timelineOf(app).loopEnd()); }, Key::kEnd},
+      {"twice as fast", "Up", changeSpeed<true>, Key::kUp},
+      {"half as fast", "Down", changeSpeed<false>, Key::kDown},
+      {"the loop begins here", "I", [](App& app, const In&) { timelineOf(app).setLoop(timelineOf(app).time(), timelineOf(app).loopEnd()); }, Key::kI},
+      {"the loop ends here", "O", [](App& app, const In&) { timelineOf(app).setLoop(timelineOf(app).loopBegin(), timelineOf(app).time()); }, Key::kO},
+      {"loop over all frames", "L", [](App& app, const In&) { timelineOf(app).setLoop(0, 0); }, Key::kL},
+      {"set or remove a mark at this time", "B", [](App& app, const In&) { app.playback().toggleMark(); }, Key::kB},
+      {"to the next mark", "Ctrl Right", [](App& app, const In&) { app.playback().seekMark(1); }, Key::kRight, true},
+      {"to the mark before", "Ctrl Left", [](App& app, const In&) { app.playback().seekMark(-1); }, Key::kLeft, true},
+      {"brighter by half a stop", "+", brighten<1>, Key::kPlus},
+      {"darker by half a stop", "-", brighten<-1>, Key::kMinus},
+      {"the whole view, from outside", "F", [](App& app, const In& in) { app.view().whole(in.width, in.height); }, Key::kF},
+      {"the first view", "", [](App& app, const In& in) { app.view().reset(in.width, in.height); }},
+      {"from the front", "1", lookFrom<1, -1>, Key::k1},
+      {"from the right", "3", lookFrom<0, 1>, Key::k3},
+      {"from above", "7", lookFrom<2, 1>, Key::k7},
+      {"parallel or perspective camera", "5", [](App& app, const In&) { app.view().camera().toggleParallel(); }, Key::k5},
+      {"orbit (turn around things) or walk (turn the head)", "M", walkOrOrbit, Key::kM},
+      {"show what is under the pointer", "P", [](App& app, const In&) { app.settings().probe = !app.settings().probe; }, Key::kP},
+      {"hide the panels, show them again", "H", [](App& app, const In&) { app.settings().panels = !app.settings().panels; }, Key::kH},
+      {"full screen", "F11", [](App& app, const In&) { app.window().requestFullScreen(); }, Key::kF11},
+      {"screenshot without panels: volute_0001.png ...", "F12", [](App& app, const In&) { app.window().requestScreenshot(); }, Key::kF12},
+      {"make a film", "", [](App& app, const In& in) { app.beginFilm(in); }},
+      {"copy the camera, as JSON", "Ctrl C", copyCamera, Key::kC, true},
+      {"open and close this help", "F1", [](App& app, const In&) { app.settings().help = !app.settings().help; }, Key::kF1},
+      {"search all commands", "F3, Ctrl Space", [](App& app, const In&) { app.settings().search = true; }, Key::kF3},
+      {"", "", [](App& app, const In&) { app.settings().search = true; }, Key::kSpace, true},
+      {"stop painting or placing, close help", "Escape", stop, Key::kEscape}};
+  // clang-format on
+  return kCommands;
+}
+
+void runKey(ViewerApp& app, Key key, const ViewerInput& input) {
+  const ViewerCommand* found = nullptr;
+  for (const ViewerCommand& command : viewerCommands()) {
+    if (command.key == key && command.control == input.control && (!command.shift || input.shift) &&
+        (!found || command.shift))
+      found = &command;
+  }
+  if (found)
+    found->run(app, input);
+}
+
+bool isFound(const ViewerCommand& command, const std::string& words) {
+  const auto lower = [](std::string text) {
+    std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+    return text;
+  };
+  const std::string text = lower(fmt::format("{} {}", command.name, command.keys));
+  std::istringstream each(lower(words));
+  for (std::string word; each >> word;) {
+    if (text.find(word) == std::string::npos)
+      return false;
+  }
+  return command.name[0] != 0;
+}
+
+}  // namespace volute

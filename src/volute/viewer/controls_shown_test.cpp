@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// What of a file is shown: choices that its fields and files offer; several files in one scene.
+#include "volute/viewer/controls_testing.hpp"
+
+namespace volute {
+namespace {
+
+/// Of one mesh: two sources of smoke, fields that fill it, particles, a device.
+void writeCase(const SceneFolder& folder) {
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {{1, 3, 1, 3, 0, 1}}, {}});
+  index.smoke(1, "room_1.s3d", 8700);
+  const auto slice = [&](const fdswriter::Slice& what, const std::string& file, double factor) {
+    const auto values = fdswriter::atNodes(
+        kFirst, what.at, [&](double x, double y, double z) { return factor * linear(x, y, z); });
+    fdswriter::sliceFile(what, {{0, values}, {5, values}}).save(folder.path(file));
+    index.slice(1, what, file, false);
+  };
+  slice({whole(kFirst), "TEMPERATURE", "temp", "C"}, "full_temp.sf", 30);
+  slice({whole(kFirst), "SOOT EXTINCTION COEFFICIENT", "ext_coef_Soot", "1/m"}, "full_ext.sf", 0.3);
+  index.device("T1", "TEMPERATURE", {0.3, 0.3, 0.4});
+  const fdswriter::Particles::OfAClass drops{{0.2F, 0.5F, 0.8F, 0.3F, 0.4F, 0.5F, 0.4F, 0.4F, 0.4F},
+                                             {20, 30, 40}};
+  fdswriter::particleFile({{{"PARTICLE TEMPERATURE", "C"}}}, {{0, {drops}}, {5, {drops}}})
+      .save(folder.path("full.prt5"));
+  index.files +=
+      "CLASS_OF_PARTICLES\n drops\n 0.0 0.0 1.0\n 1\n PARTICLE TEMPERATURE\n part\n C\n"
+      "PRT5     1\n full.prt5\n 1\n 1 0\n";
+  index.save(folder.path("full.smv"));
+}
+
+class ShownControls : public WideControls {
+ protected:
+  void chooses(const std::string& path, const std::string& choice) {
+    expectSeen(path + " = " + choice, [&] { ASSERT_TRUE(script_->choose(path, choice)); });
+    EXPECT_EQ(app().document().error(), "");
+  }
+
+  std::string chosen(const std::string& path) {
+    const Parameter parameter = parameterAt(path);
+    return parameter.choices.at(static_cast<std::size_t>(parameter.value.at(0)));
+  }
+
+  std::vector<std::string> choicesOf(const std::string& path) { return parameterAt(path).choices; }
+
+  bool offers(const std::string& path) {
+    const auto& all = app().document().info()->parameters;
+    return std::ranges::find(all, path, &Parameter::path) != all.end();
+  }
+
+  void setTo(const std::string& path, double value) {
+    expectSeen(path, [&] { app().document().set(parameterAt(path), {value}); });
+  }
+};
+
+TEST_F(ShownControls, WhatAVolumesFileLeavesOpenIsChosen) {
+  open("blob.npy");
+  script_->input().height = 1900;
+  EXPECT_EQ(chosen("/media/0/preset"), "automatic");
+  chooses("/media/0/preset", "smoke");
+  chooses("/media/0/basis", "cubic");
+  EXPECT_EQ(choicesOf("/media/0/basis"),
+            (std::vector<std::string>{"automatic", "trilinear", "cubic"}))
+      << "what is lit has no boxes";
+  chooses("/media/0/preset", "automatic");
+  chooses("/media/0/up", "x");
+  app().playback().timeline().seek(0.02);
+  load();
+  chooses("/media/0/interpolate", "linear");
+  saveAs("shown.json");
+  std::ifstream stream(folder_.path("shown.json"));
+  const auto saved = nlohmann::json::parse(stream)["media"][0];
+  EXPECT_FALSE(saved.contains("preset")) << "automatic again";
+  EXPECT_EQ(saved["basis"], "cubic");
+  EXPECT_EQ(saved["up"], "x");
+  EXPECT_EQ(saved["interpolate"], "linear");
+}
+
+TEST_F(ShownControls, WhatACaseHasIsChosenFromItsFiles) {
+  writeCase(folder_);
+  open("full.smv");
+  script_->input().height = 2100;
+  ASSERT_EQ(app().document().error(), "");
+  EXPECT_EQ(chosen("/media/0/field"), "the best");
+  chooses("/media/0/field", "s3d");
+  chooses("/media/0/slice", "TEMPERATURE z=0.30");
+  setTo("/media/0/slice/at", 0.5);
+  chooses("/media/0/slice", "off");
+  chooses("/media/0/iso", "TEMPERATURE");
+  setTo("/media/0/iso/level", 45);
+  chooses("/media/0/iso", "off");
+  chooses("/media/0/particles", "all");
+  chooses("/media/0/particles", "off");
+  expectSeen("devices", [&] { script_->click("/media/0/devices", 0.05); });
+  for (const char* axis : {"x", "y", "z"}) {
+    const std::string path = std::string("/media/0/cut/") + axis;
+    setTo(path, axis == std::string("z") ? 0.2 : 0.3);
+    setTo(path, 10);
+  }
+  ASSERT_TRUE(script_->choose("/media/0/building", "whole"));
+  load();
+  EXPECT_EQ(chosen("/media/0/building"), "whole");
+  EXPECT_EQ(app().document().error(), "");
+}
+
+TEST_F(ShownControls, SeveralFilesAreOneSceneAndAFileThatIsDroppedIsAdded) {
+  open("blob.npy");
+  const auto before = picture();
+  expectSeen("added", [&] { script_->drop(folder_.path("smoke.pvd")); });
+  EXPECT_EQ(app().document().error(), "");
+  EXPECT_TRUE(offers("/media/1/mode")) << "smoke on a mesh";
+  EXPECT_TRUE(app().document().info()->changed);
+  EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("1 volume, 1 smoke"));
+  saveAs("both.json");
+  script_->press(Key::kZ, true);
+  load();
+  EXPECT_FALSE(offers("/media/1/mode"));
+  EXPECT_LT(difference(before, picture()), 1e-3) << "taken out again";
+  open("both.json");
+  EXPECT_TRUE(offers("/media/1/mode"));
+  script_->drop(folder_.path("ground.obj"));
+  load();
+  EXPECT_NE(app().document().error(), "") << "no medium";
+  EXPECT_TRUE(offers("/media/1/mode")) << "all stays";
+}
+
+TEST_F(ShownControls, AllFilesOfTheCommandAreThere) {
+  Progress quiet;
+  const std::string first = folder_.path("blob.npy");
+  const auto document =
+      documentOpener({.maxMemory = kViewerMemory,
+                      .file = first,
+                      .more = {folder_.path("map.png"), folder_.path("smoke.json")}})(first, quiet);
+  ASSERT_TRUE(document) << document.error().message;
+  const DocumentInfo info = (*document)->info();
+  EXPECT_THAT(info.title, ::testing::HasSubstr("blob.npy: 1 volume"));
+  EXPECT_THAT(info.title, ::testing::HasSubstr("1 sign"));
+  EXPECT_FALSE(info.changed) << "as the command says it";
+  const auto missing = documentOpener(
+      {.maxMemory = kViewerMemory, .file = first, .more = {folder_.path("nothing.npy")}})(first,
+                                                                                          quiet);
+  ASSERT_FALSE(missing);
+  EXPECT_THAT(missing.error().message, ::testing::HasSubstr("nothing.npy"));
+}
+
+TEST_F(ShownControls, TheCameraIsParallelAndBackByAKeyAndABox) {
+  open("blob.npy");
+  const ViewCamera before = app().view().camera();
+  script_->press(Key::k5);
+  EXPECT_TRUE(app().view().camera().parallel());
+  script_->press(Key::k5);
+  EXPECT_FALSE(app().view().camera().parallel());
+  EXPECT_LT((app().view().camera().eye() - before.eye()).norm(), 1e-9);
+  EXPECT_TRUE(script_->click("parallel", 0.05));
+  EXPECT_TRUE(app().view().camera().parallel());
+}
+
+TEST_F(ShownControls, AnotherFileIsComparedByABorderAndAsADifference) {
+  open("smoke.vtu");
+  script_->input().height = 1900;
+  const Image alone = picture();
+  ASSERT_TRUE(script_->click("compare"));
+  script_->frames(2);
+  ASSERT_TRUE(script_->click("entry = more.vtu"));
+  ASSERT_TRUE(script_->click("open file"));
+  const Image both = picture();
+  ASSERT_TRUE(app().comparison().active());
+  EXPECT_EQ(app().comparison().error(), "");
+  EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("smoke.vtu")) << "it stays open";
+  double left = 0, right = 0;
+  for (int y = 0; y < both.height; ++y) {
+    for (int x = 0; x < both.width; ++x) {
+      double& most = x < both.width / 2 ? left : right;
+      most = std::max<double>(most, std::abs(both.at(x, y, 0) - alone.at(x, y, 0)));
+    }
+  }
+  EXPECT_LT(left, 1e-6);
+  EXPECT_GT(right, 0.01) << "three times the smoke";
+  expectSeen("border", [&] { ASSERT_TRUE(script_->click("border", 0.1)); });
+  expectSeen("difference", [&] { ASSERT_TRUE(script_->choose("as", "difference")); });
+  expectSeen("span", [&] { ASSERT_TRUE(script_->click("up to", 0.1)); });
+  ASSERT_TRUE(script_->click("end comparison"));
+  EXPECT_LT(difference(alone, picture()), 1e-6);
+  ASSERT_TRUE(script_->click("compare"));
+  script_->frames(2);
+  ASSERT_TRUE(script_->click("open cancel"));
+  script_->press(Key::kO, true);
+  script_->frames(2);
+  ASSERT_TRUE(script_->click("entry = blob.npy"));
+  ASSERT_TRUE(script_->click("open file"));
+  load();
+  EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("blob.npy")) << "opened";
+}
+
+TEST_F(ShownControls, AFileToCompareWithThatIsNotThereIsNamed) {
+  open("smoke.vtu");
+  app().document().askToOpen(true);
+  app().takeFile(folder_.path("gone.vtu"));
+  load();
+  script_->settle();
+  EXPECT_THAT(app().comparison().error(), ::testing::HasSubstr("gone.vtu"));
+  EXPECT_EQ(app().document().error(), "");
+}
+
+TEST_F(ShownControls, EveryCommandIsFoundByItsWords) {
+  open("blob.npy");
+  script_->press(Key::kF3);
+  script_->frames(2);
+  ASSERT_TRUE(script_->has("search"));
+  script_->type("PARALLEL");
+  script_->frames(2);
+  EXPECT_TRUE(script_->has("command parallel or perspective camera"));
+  EXPECT_FALSE(script_->has("command full screen"));
+  script_->press(Key::kEnter);
+  script_->frames(2);
+  EXPECT_TRUE(app().view().camera().parallel());
+  EXPECT_FALSE(script_->has("search")) << "it closes";
+  script_->press(Key::kSpace, true);
+  script_->frames(2);
+  EXPECT_TRUE(script_->click("command play, pause"));
+  EXPECT_TRUE(app().playback().timeline().playing());
+}
+
+TEST_F(ShownControls, TheLoopAndMarksAreSetByKeys) {
+  open("room.smv");  // 0 to 5 s
+  Timeline& timeline = app().playback().timeline();
+  timeline.seek(1);
+  script_->press(Key::kI);
+  script_->press(Key::kB);
+  timeline.seek(3);
+  script_->press(Key::kO);
+  EXPECT_EQ(timeline.loopBegin(), 1);
+  EXPECT_EQ(timeline.loopEnd(), 3);
+  script_->press(Key::kLeft, true);
+  EXPECT_EQ(timeline.time(), 1);
+  script_->press(Key::kUp);
+  EXPECT_EQ(timeline.speed(), 2);
+  timeline.play(true);
+  timeline.advance(0.6);
+  EXPECT_NEAR(timeline.time(), 2.2, 1e-9);
+  timeline.advance(0.6);
+  EXPECT_NEAR(timeline.time(), 1.4, 1e-9) << "from the loop's beginning again";
+  script_->press(Key::kL);
+  EXPECT_FALSE(timeline.loopsPart());
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/viewer_document.hpp"
+
+namespace volute {
+
+void ViewerDocument::open(const std::string& path, std::optional<double> time) {
+  opening_.emplace(time);
+  message_.clear();
+  loader_.open(path, time);
+}
+
+void ViewerDocument::refuseScene(const std::string& why) {
+  error_ = sceneError_ = why;
+  scene_.reset();
+}
+
+bool ViewerDocument::idle() const {
+  return loader_.idle() && !changing() && !hasNews();
+}
+
+std::optional<DocumentNews> ViewerDocument::take() {
+  const int changes = loader_.changes();
+  auto told = loader_.news();
+  if (!told)
+    return std::nullopt;
+  changes_ = changes;
+  loading_ = std::move(told->state);
+  error_ = loading_.error.empty() ? sceneError_ : loading_.error;
+  if (loading_.message != lastMessage_)
+    message_ = lastMessage_ = loading_.message;
+  DocumentNews news{.idle = told->idle, .frozen = std::move(told->frozen)};
+  if (news.idle)
+    pending_.clear();
+  if (told->opened) {
+    news.changed = true;
+    news.another = !info_ || info_->opened != told->opened->opened;
+    news.otherTimes = info_ && info_->times != told->opened->times;
+    info_ = std::move(*told->opened);
+    if (news.another) {
+      scene_.reset();  // it is the last document's
+      news.begun = std::exchange(opening_, std::nullopt);
+    }
+    for (Parameter& parameter : info_->parameters) {
+      if (const auto waiting = pending_.find(parameter.path); waiting != pending_.end())
+        parameter.value = waiting->second;
+    }
+  }
+  if (news.idle)
+    opening_.reset();  // it cannot be opened
+  if (told->loaded) {
+    if (scene_)
+      loader_.discard(std::move(scene_->scene));
+    scene_ = std::move(*told->loaded);
+    sceneError_.clear();
+    news.scene = true;
+  }
+  return news;
+}
+
+void ViewerDocument::set(const Parameter& parameter, const std::vector<double>& value) {
+  pending_[parameter.path] = value;
+  for (Parameter& held : info_->parameters) {
+    if (held.path == parameter.path)
+      held.value = value;
+  }
+  loader_.change("set " + parameter.path,
+                 [path = parameter.path, value](Document& document,
+                                                Progress& progress) -> Result<std::string> {
+                   VOLUTE_TRY(document.set(path, value, progress));
+                   return "";
+                 });
+}
+
+/// What comes after another one of its kind does not replace that.
+void ViewerDocument::change(DocumentChange what) {
+  pending_.clear();  // their paths may be others' by then
+  loader_.change(fmt::format("edit {}", ++edits_), std::move(what));
+}
+
+void ViewerDocument::edit(const SceneEdit& edit) {
+  change([edit](Document& document, Progress& progress) { return document.edit(edit, progress); });
+}
+
+void ViewerDocument::add(const std::string& path) {
+  files_.recent().add(path);
+  change([path](Document& document, Progress& progress) { return document.add(path, progress); });
+}
+
+void ViewerDocument::undo() {
+  change([](Document& document, Progress& progress) -> Result<std::string> {
+    VOLUTE_TRY(document.undo(progress));
+    return "";
+  });
+}
+
+void ViewerDocument::redo() {
+  change([](Document& document, Progress& progress) -> Result<std::string> {
+    VOLUTE_TRY(document.redo(progress));
+    return "";
+  });
+}
+
+void ViewerDocument::askToOpen(bool toCompare) {
+  toCompare_ = toCompare;
+  std::error_code unknown;
+  std::filesystem::path folder = std::filesystem::current_path(unknown);
+  if (info_ && !info_->path.empty())
+    folder = std::filesystem::absolute(info_->path, unknown).parent_path();
+  files_.askToOpen(folder, desktop_);
+}
+
+bool ViewerDocument::mayWrite(const std::string& target, std::function<void()> then) {
+  if (info_ && target == info_->path)
+    files_.allow(target);
+  return files_.mayWrite(target, std::move(then));
+}
+
+void LeaveQuestion::leaveFor(const std::string& path) {
+  for (const What what : {What::kMap, What::kScene}) {
+    if (actions_.unsaved(what)) {
+      asked_ = Asked{path, what};
+      return;
+    }
+  }
+  go(path);
+}
+
+void LeaveQuestion::go(const std::string& path) {
+  if (path.empty())
+    ends_ = true;
+  else
+    actions_.open(path);
+}
+
+void LeaveQuestion::save() {
+  asked_->saving = true;
+  actions_.save(asked_->what);
+}
+
+/// What is in no file besides is asked about next.
+void LeaveQuestion::discard() {
+  const Asked left = *std::exchange(asked_, std::nullopt);
+  if (left.what == What::kMap && actions_.unsaved(What::kScene))
+    asked_ = Asked{left.path, What::kScene};
+  else
+    go(left.path);
+}
+
+void LeaveQuestion::goOn() {
+  if (!asked_ || !asked_->saving)
+    return;
+  asked_->saving = false;
+  if (!actions_.unsaved(asked_->what))
+    discard();
+}
+
+}  // namespace volute

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/viewer/fog_plan.hpp"
+#include "volute/viewer/medium_probe.hpp"
+#include "volute/viewer/paint_tool.hpp"
+#include "volute/viewer/pick_wall.hpp"
+#include "volute/viewer/viewer_view.hpp"
+
+namespace volute {
+
+/// Painting on a map of fog of the document.
+class FogPainting {
+ public:
+  FogPainting(ViewerSettings& settings, ViewerDocument& document)
+      : settings_(settings), document_(document) {}
+
+  PaintTool& tool() { return tool_; }
+
+  const PaintTool& tool() const { return tool_; }
+
+  /// The document has changed. `another`: its file gives the map's name.
+  void take(const DocumentInfo& info, bool another);
+
+  void drop();
+
+  /// Whether fog was painted that no file has.
+  bool unsaved() const { return tool_.has() && tool_.painter().changed(); }
+
+  /// Hands what was painted to the document.
+  void send();
+
+  void save();
+
+  /// What was not saved by now cannot be.
+  void endSaving() { savedVersion_.reset(); }
+
+  void undo();
+  void redo();
+
+  /// The map from above, in colours, as a texture: row 0 at the largest y.
+  GLuint plan();
+
+ private:
+  ViewerSettings& settings_;
+  ViewerDocument& document_;
+  PaintTool tool_;
+  FogPlan plan_;
+  std::optional<std::size_t> savedVersion_;  ///< of the painted map, on its way to a file
+};
+
+/// What a pointer is over, and what it puts there.
+class PointerTools {
+ public:
+  PointerTools(ViewerView& view, ViewerDocument& document) : view_(view), document_(document) {}
+
+  /// Of the window in this frame [points].
+  void setSize(int width, int height) { width_ = width, height_ = height; }
+
+  /// What the media are under it; nothing where its ray meets none, and no surface.
+  std::optional<MediumProbe::Reading> probeAt(double x, double y);
+
+  /// A surface, else a place as far away as the pivot.
+  Vec3 placeUnder(double x, double y) const;
+
+  /// What a ray meets, or, where that is nothing, a place as far away as the camera's target,
+  /// facing the eye.
+  WallPlace placeAlong(const Segment& ray) const;
+
+  /// The camera turns around what is there.
+  void pivotAt(double x, double y);
+
+  /// Adds a sign or a light where the middle of the picture looks at.
+  void add(SceneEdit::Kind kind);
+
+  /// The next click puts the sign or the lamp of this path there; empty: none.
+  void place(const std::string& path) { placing_ = path; }
+
+  const std::string& placing() const { return placing_; }
+
+  void putAt(double x, double y);  ///< what placing() names
+
+ private:
+  Segment rayAt(double x, double y) const {
+    return view_.camera().camera(width_, height_).ray(x, y);
+  }
+
+  ViewerView& view_;
+  ViewerDocument& document_;
+  int width_ = 1, height_ = 1;
+  MediumProbe probe_;
+  std::string placing_;
+};
+
+struct ViewerTools {
+  FogPainting painting;
+  PointerTools pointer;
+};
+
+}  // namespace volute
