@@ -74,13 +74,17 @@ Image picture(const BrickSlice& slice, const Camera& camera, double extinction) 
 
 /// All bricks stored, empty or not: what marching costs without any box.
 BrickSlice withoutBoxes(const VolumeInfo& info, std::span<const float> values) {
-  BrickSlice slice = BrickSlice::fromDense(info, values);
+  const BrickSlice slice = BrickSlice::fromDense(info, values);
+  std::vector<BrickPlace> places;
   for (int z = 0; z < slice.bricksZ(); ++z)
     for (int y = 0; y < slice.bricksY(); ++y)
-      for (int x = 0; x < slice.bricksX(); ++x)
-        if (slice.brickAt(x, y, z) == BrickSlice::kEmpty)
-          slice.addBrick(x, y, z);
-  return slice;
+      for (int x = 0; x < slice.bricksX(); ++x) places.push_back({x, y, z});
+  BrickSlice all(info, places);
+  for (const BrickSlice::Entry& entry : slice.entries()) {
+    std::copy_n(slice.brick(entry.stored), BrickSlice::kVoxels * slice.channels(),
+                all.brick(all.table().at(entry.place)));
+  }
+  return all;
 }
 
 std::vector<float> denseFrame(const PaperTree& tree, int t) {

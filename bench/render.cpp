@@ -38,9 +38,9 @@ Result<Image> picture(const Tree4d& tree, int frame, const Camera& camera, const
 Result<Image> litPicture(const Tree4d& tree, int frame, const Camera& camera, double extinction) {
   BrickSlice slice = tree.extractSlice(frame);
   slice.setBasis(Basis::kTrilinear);
-  std::vector<float> values(slice.values().begin(), slice.values().end());
-  for (float& value : values) value = std::max(0.0F, static_cast<float>(extinction) * value);
-  slice.assign({slice.index().begin(), slice.index().end()}, std::move(values));
+  float* values = slice.brick(0);
+  for (std::size_t i = 0; i < slice.values().size(); ++i)
+    values[i] = std::max(0.0F, static_cast<float>(extinction) * values[i]);
   const Box3 box = slice.bounds();
   VolumeLighting lighting;
   lighting.albedo = Rgb::Constant(0.9);
