@@ -75,7 +75,6 @@ std::span<const Benchmark> benchmarks();
 [[nodiscard]] Status benchFog(const BenchInput& input, BenchRows& rows, Progress& progress);
 /// In builds with OpenGL.
 [[nodiscard]] Status benchGl(const BenchInput& input, BenchRows& rows, Progress& progress);
-[[nodiscard]] Status benchRender(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchTomography(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchSmoke(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchTree(const BenchInput& input, BenchRows& rows, Progress& progress);

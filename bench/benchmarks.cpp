@@ -15,8 +15,6 @@ std::span<const Benchmark> benchmarks() {
        "loop",
        benchFds},
       {"fog", "painted fog over a valley: exact walk, polar table, details, one thread", benchFog},
-      {"render", "pictures of 512 x 512 straight from the tree, against the reference",
-       benchRender},
       {"tomography",
        "reconstruction of a made-up fire from 8 views: quality of the methods, and speed against "
        "a sparse matrix",

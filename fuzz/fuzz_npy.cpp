@@ -6,10 +6,12 @@
 #include "volute/io/npy.hpp"
 #include "volute/io/volume_source.hpp"
 
-// Errors are fine; frames that are not as large as they say are not.
+// An array, or an archive of them. Errors are fine; frames that are not as large as they say are
+// not.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const volute::fuzz::InputFolder folder("npy");
-  const auto file = folder.save("a.npy", volute::fuzz::textOf(data, size));
+  const auto text = volute::fuzz::textOf(data, size);
+  const auto file = folder.save(text.starts_with("PK") ? "a.npz" : "a.npy", text);
   volute::SourceOptions options;
   options.maxMemory = 16 << 20;
   const auto source = volute::openNpy(file, options);
