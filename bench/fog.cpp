@@ -24,7 +24,7 @@
 namespace volute::bench {
 namespace {
 
-constexpr double kSide = 65;  // [m], of the valley
+constexpr double kValleySide = 65;  // [m], of the valley
 constexpr int kWidth = 800, kHeight = 600;
 
 /// The least of several runs of each, taken in turns, so that what else the machine does hits all.
@@ -111,7 +111,7 @@ struct Valley {
 Result<FogMedium> makeFog(const SplineGrid& map, const FogProfile& profile,
                           const FogOptions& options = {}) {
   const double cells = map.columns + options.degree;
-  VOLUTE_ASSIGN(const FogMap fogMap, FogMap::fromCoefficients(map, {.cell = kSide / cells}));
+  VOLUTE_ASSIGN(const FogMap fogMap, FogMap::fromCoefficients(map, {.cell = kValleySide / cells}));
   return FogMedium::make(fogMap, profile, options);
 }
 
@@ -327,7 +327,7 @@ struct FlatRay {
 
 std::vector<FlatRay> flatRays(const Valley& valley, int side, int degree, std::size_t each) {
   std::vector<FlatRay> rays;
-  const double perMetre = (side + degree) / kSide;
+  const double perMetre = (side + degree) / kValleySide;
   for (std::size_t i = 0; i < valley.segments.size(); i += each) {
     const Segment& s = valley.segments[i];
     rays.push_back({{s.origin.x() * perMetre, s.origin.y() * perMetre, s.direction.x() * perMetre,

@@ -13,7 +13,7 @@
 namespace volute::bench {
 namespace {
 
-constexpr int kFrames = 4;
+constexpr int kMotionFrames = 4;
 
 /// Some instants of smoke, and what the CPU draws of them.
 struct AnimatedSmoke {
@@ -104,11 +104,11 @@ Scenes scenesOf(const AnimatedSmoke& smoke, const Way& way) {
 GlCase smokeCase(std::string name, const std::shared_ptr<AnimatedSmoke>& smoke, const Way& way,
                  const Scenes& scenes, const Motion& motion, const View& view,
                  std::vector<Sign> signs = {}) {
-  const auto timeOf = [=](int k) { return motion.smoke ? k % kFrames : 0; };
+  const auto timeOf = [=](int k) { return motion.smoke ? k % kMotionFrames : 0; };
   GlCase one;
   one.name = std::move(name);
   one.camera = [=](int k, int width, int height) {
-    return view(k % kFrames, motion.camera, width, height);
+    return view(k % kMotionFrames, motion.camera, width, height);
   };
   one.scene = [=](int k) -> const GlScene& {
     return (*scenes)[static_cast<std::size_t>(timeOf(k))];

@@ -16,8 +16,8 @@ namespace volute::bench {
 namespace {
 
 constexpr int kNx = 200, kNy = 100, kTimes = 21;
-constexpr double kCell = 0.1;    // [m]
-constexpr double kHeight = 2.0;  // [m], of the slice
+constexpr double kMapCell = 0.1;  // [m]
+constexpr double kHeight = 2.0;   // [m], of the slice
 
 /// A floor of 20 x 10 m with walls, seen at the height of one slice; smoke spreads from a fire.
 struct Floor {
@@ -43,7 +43,7 @@ Floor makeFloor() {
     auto& values = floor.extinction.emplace_back();
     for (int y = 0; y < kNy; ++y) {
       for (int x = 0; x < kNx; ++x) {
-        const double distance = std::hypot(x - 40.0, y - 80.0) * kCell;
+        const double distance = std::hypot(x - 40.0, y - 80.0) * kMapCell;
         const double front = 1 / (1 + std::exp(distance - t));
         const double eddies = 1 + 0.4 * std::sin(0.31 * x + 0.2 * t) * std::cos(0.23 * y);
         values.push_back(isWall(x, y) ? 0 : static_cast<float>(0.6 * front * eddies));
@@ -54,8 +54,8 @@ Floor makeFloor() {
     for (int x = 0; x < kNx; ++x) floor.solid.push_back(isWall(x, y) ? 1 : 0);
   }
   FdsMesh mesh;
-  for (int i = 0; i <= kNx; ++i) mesh.planes[0].push_back(i * kCell);
-  for (int i = 0; i <= kNy; ++i) mesh.planes[1].push_back(i * kCell);
+  for (int i = 0; i <= kNx; ++i) mesh.planes[0].push_back(i * kMapCell);
+  for (int i = 0; i <= kNy; ++i) mesh.planes[1].push_back(i * kMapCell);
   mesh.planes[2] = {kHeight - 0.05, kHeight + 0.05};
   mesh.obstructions = {wall(60, 62, 0, 70), wall(130, 132, 30, kNy), wall(80, 120, 50, 52)};
   floor.index.meshes.push_back(std::move(mesh));
@@ -102,7 +102,8 @@ std::vector<SightTarget> threeSigns() {
 std::vector<Vec3> eyesOfPlan() {
   std::vector<Vec3> eyes;
   for (int y = 0; y < kNy; ++y) {
-    for (int x = 0; x < kNx; ++x) eyes.emplace_back((x + 0.5) * kCell, (y + 0.5) * kCell, kHeight);
+    for (int x = 0; x < kNx; ++x)
+      eyes.emplace_back((x + 0.5) * kMapCell, (y + 0.5) * kMapCell, kHeight);
   }
   return eyes;
 }
@@ -142,7 +143,7 @@ std::optional<double> runNumPy(const ScratchFolder& scratch, int times) {
     const std::string command = fmt::format(
         "{0} -c 'import numpy' 2>/dev/null && {0} '{1}/loop.py' "
         "'{1}' {2} {3} {4} {5}",
-        python, scratch.path().string(), kNx, kNy, times, kCell);
+        python, scratch.path().string(), kNx, kNy, times, kMapCell);
     std::FILE* pipe = ::popen(command.c_str(), "r");
     if (pipe == nullptr)
       continue;

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fails when two different types of a program have one name: `check_names.py FOLDER..`.
+"""Fails when two different types of a program have one name, or two sources that are compiled together one private name:
+`check_names.py FOLDER..`.
 
 C++ takes two definitions of `volute::Segment` in two files for the same, whatever is in them, and neither compiler nor
 linker says so. Types of anonymous namespaces, and those within classes and functions, may be called as one likes. Tests
@@ -50,15 +51,46 @@ def doubles(folders):
     return {name: files for name, files in found.items() if len(files) > 1}
 
 
+PRIVATE = re.compile(r"^namespace \{\n(.*?)^\}", re.S | re.M)
+CONSTANT = re.compile(r"^(?:inline |static )?(?:constexpr|const)\b[^\n=({]*?\b(\w+)(?:\[[^\]]*\])?(?: =|\{)", re.M)
+FUNCTION = re.compile(r"^(?!return|if|for|while|struct|class|else)[A-Za-z][\w:<>,&* \[\]]*?[ &*]\b(\w+)\(([^()]*)\)", re.M)
+CLASS = re.compile(r"^(?:struct|class|enum class|enum) (\w+)", re.M)
+
+
+def clashes(folders):
+    """{name: files}: names of anonymous namespaces that sources of one folder share, which are compiled together."""
+    found = collections.defaultdict(set)
+    for folder in folders:
+        for path in pathlib.Path(folder).rglob("*.cpp"):
+            text = path.read_text(errors="replace")
+            if "hwy/foreach_target.h" in text or path.name.startswith(OTHER_PROGRAMS):
+                continue
+            place = (path.parent, path.name.endswith("_test.cpp"))
+            for part in PRIVATE.findall(re.sub(r"//[^\n]*", "", text)):
+                for name in CONSTANT.findall(part) + CLASS.findall(part):
+                    found[(place, name)].add(str(path))
+                for name, parameters in FUNCTION.findall(part):
+                    types = re.sub(r"\s*\b\w+\s*(=[^,]*)?(?=,|$)", "", " ".join(parameters.split()))
+                    found[(place, f"{name}({types})")].add(str(path))
+    return {name: files for (_, name), files in found.items() if len(files) > 1}
+
+
+# Programs and plug-ins beside a module's own sources.
+OTHER_PROGRAMS = ("viewer_soak", "viewer_playback", "embree_scene", "gltf_plugin", "volute_fan", "paper_figures", "main")
+
+
 def main():
     if len(sys.argv) < 2:
         sys.exit("check_names: expected folders of sources")
     found = doubles(sys.argv[1:])
     for name, files in sorted(found.items()):
         print(f"{name} is defined in {' and '.join(sorted(files))}; give one of them another name or namespace")
-    if not found:
+    shared = clashes(sys.argv[1:])
+    for name, files in sorted(shared.items()):
+        print(f"{name} is in the anonymous namespaces of {' and '.join(sorted(files))}, which are compiled together; rename one")
+    if not found and not shared:
         print("names: ok")
-    return 1 if found else 0
+    return 1 if found or shared else 0
 
 
 if __name__ == "__main__":

@@ -13,8 +13,8 @@
 namespace volute {
 namespace {
 
-constexpr int kSide = BrickSlice::kSide;
-constexpr int kCornerSide = kSide + 1;
+constexpr int kBrickSide = BrickSlice::kSide;
+constexpr int kCornerSide = kBrickSide + 1;
 constexpr int kCornersOfBrick = kCornerSide * kCornerSide * kCornerSide;
 
 /// The voxels around the cells of a brick, shape (c, z, y, x).
@@ -23,25 +23,26 @@ bool copyCorners(const BrickSlice& slice, const BrickPlace& place, float* out) {
   const auto [bx, by, bz] = place;
   bool any = false;
   // Along x there is one voxel of the brick before, and those of this one.
-  const int own = std::clamp(slice.x() - bx * kSide, 0, kSide);
+  const int own = std::clamp(slice.x() - bx * kBrickSide, 0, kBrickSide);
   const auto rowOf = [&](int column, int y, int z, int c) -> const float* {
-    const int brickY = y < 0 ? -1 : y / kSide, brickZ = z < 0 ? -1 : z / kSide;
+    const int brickY = y < 0 ? -1 : y / kBrickSide, brickZ = z < 0 ? -1 : z / kBrickSide;
     if (column < 0 || y < 0 || z < 0 || column >= slice.bricksX() || y >= slice.y() ||
         z >= slice.z())
       return nullptr;
     const std::int32_t stored = slice.brickAt(column, brickY, brickZ);
     return stored == BrickSlice::kEmpty
                ? nullptr
-               : slice.brick(stored) + (c * kSide + z % kSide) * kSide * kSide + y % kSide * kSide;
+               : slice.brick(stored) + (c * kBrickSide + z % kBrickSide) * kBrickSide * kBrickSide +
+                     y % kBrickSide * kBrickSide;
   };
   for (int c = 0; c < slice.channels(); ++c) {
     for (int z = 0; z < kCornerSide; ++z) {
       for (int y = 0; y < kCornerSide; ++y, out += kCornerSide) {
-        const int atY = by * kSide + y - 1, atZ = bz * kSide + z - 1;
+        const int atY = by * kBrickSide + y - 1, atZ = bz * kBrickSide + z - 1;
         const float* last = rowOf(bx - 1, atY, atZ, c);
         const float* row = rowOf(bx, atY, atZ, c);
-        out[0] = last ? last[kSide - 1] : 0;
-        std::fill_n(out + 1, kSide, 0.0F);
+        out[0] = last ? last[kBrickSide - 1] : 0;
+        std::fill_n(out + 1, kBrickSide, 0.0F);
         if (row)
           std::copy_n(row, own, out + 1);
         any = any || std::any_of(out, out + kCornerSide, [](float value) { return value != 0; });
@@ -146,12 +147,12 @@ std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>
   grid->channels = slice->channels();
   grid->emissionScale = emissionScale;
   grid->extinctionScale = extinctionScale;
-  const int side = grid->trilinear ? kCornerSide : kSide;
+  const int side = grid->trilinear ? kCornerSide : kBrickSide;
   grid->channelStride = grid->trilinear ? kCornersOfBrick : BrickSlice::kVoxels;
   grid->brickStride = grid->channelStride * grid->channels;
   BrickPlace count;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    count[axis] = (cells.count[axis] + kSide - 1) / kSide;
+    count[axis] = (cells.count[axis] + kBrickSide - 1) / kBrickSide;
     grid->stride[axis] = axis == 0 ? 1 : grid->stride[axis - 1] * side;
   }
   if (grid->trilinear) {

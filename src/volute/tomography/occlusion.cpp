@@ -14,8 +14,8 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kFewestViews = 4;
-constexpr double kHalf = 0.5;  // of a usual brightness
+constexpr std::size_t kFewestOccluders = 4;
+constexpr double kBrightShare = 0.5;  // of a usual brightness
 
 double greyAt(const Image& image, std::size_t pixel) {
   double sum = 0;
@@ -32,7 +32,7 @@ struct CoarseView {
   double usual = 0;                      // the median brightness of what shows light
 };
 
-CoarseView coarseView(const TomographyView& view, const VolumeGeometry& geometry) {
+CoarseView coarsened(const TomographyView& view, const VolumeGeometry& geometry) {
   constexpr double kPixels = 1.8;
   const int factor =
       std::clamp(static_cast<int>(voxelInPixels(view.camera, geometry) / kPixels), 1,
@@ -66,7 +66,8 @@ bool seesLight(const CoarseView& coarse, const Vec3& point) {
   if (x < 0 || y < 0 || x >= width || y >= height)
     return false;
   const std::size_t pixel = static_cast<std::size_t>(y) * width + x;
-  return coarse.view.counts(pixel) && greyAt(coarse.view.radiance, pixel) > kHalf * coarse.usual;
+  return coarse.view.counts(pixel) &&
+         greyAt(coarse.view.radiance, pixel) > kBrightShare * coarse.usual;
 }
 
 /// For each view, the voxels that it alone calls empty and that all others see amid their light.
@@ -105,7 +106,7 @@ Result<std::vector<Occlusion>> findOcclusions(std::span<const TomographyView> vi
   constexpr std::size_t kFewestVoxels = 3, kFewestPixels = 3;
   constexpr double kAsAWhole = 0.5, kFits = 0.3;
   std::vector<Occlusion> found;
-  if (views.size() < kFewestViews)
+  if (views.size() < kFewestOccluders)
     return found;
   for (const TomographyView& view : views) {
     if (view.opticalDepth || view.camera.isOrthographic())
@@ -114,7 +115,7 @@ Result<std::vector<Occlusion>> findOcclusions(std::span<const TomographyView> vi
   const int longest = *std::ranges::max_element(geometry.resolution);
   const VolumeGeometry coarse = coarserGeometry(geometry, (longest + kLongest - 1) / kLongest);
   std::vector<CoarseView> reduced;
-  for (const TomographyView& view : views) reduced.push_back(coarseView(view, coarse));
+  for (const TomographyView& view : views) reduced.push_back(coarsened(view, coarse));
   const auto contested = contestedVoxels(reduced, coarse);
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (contested[v] < kFewestVoxels)
@@ -145,7 +146,7 @@ Result<std::vector<Occlusion>> findOcclusions(std::span<const TomographyView> vi
       if (!own.view.counts(i))
         continue;
       const double told = greyAt(predicted, i), seen = greyAt(own.view.radiance, i);
-      const bool bright = told > kHalf * own.usual;
+      const bool bright = told > kBrightShare * own.usual;
       light += bright ? 1 : 0;
       if (bright && std::abs(seen) <= std::max(threshold, 0.05 * told)) {
         dark.push_back(i);
