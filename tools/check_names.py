@@ -52,7 +52,7 @@ def doubles(folders):
 
 
 PRIVATE = re.compile(r"^namespace \{\n(.*?)^\}", re.S | re.M)
-CONSTANT = re.compile(r"^(?:inline |static )?(?:constexpr|const)\b[^\n=({]*?\b(\w+)(?:\[[^\]]*\])?(?: =|\{)", re.M)
+CONSTANT = re.compile(r"^(?:inline |static )?(?:constexpr|const)\b[^\n=({]*?\b(k[A-Z]\w*)(?:\[[^\]]*\])*(?: =|[{(])", re.M)
 FUNCTION = re.compile(r"^(?!return|if|for|while|struct|class|else)[A-Za-z][\w:<>,&* \[\]]*?[ &*]\b(\w+)\(([^()]*)\)", re.M)
 CLASS = re.compile(r"^(?:struct|class|enum class|enum) (\w+)", re.M)
 

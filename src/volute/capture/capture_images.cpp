@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 
+#include "volute/base/file_name.hpp"
 #include "volute/capture/background.hpp"
 #include "volute/capture/clocks.hpp"
 #include "volute/capture/image_name.hpp"
@@ -169,7 +170,7 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   const auto& pictures = capture_->cameras[camera].pictures;
   const ImageReadOptions options{.raw = true, .maxMemory = maxMemory_};
   Stored stored;
-  stored.linear = path.extension() == ".exr";
+  stored.linear = extensionOf(path) == ".exr";
   auto image = readImage(path, options);
   if (!image)
     return fail(image.error().code, "{}: {}", name, image.error().message);

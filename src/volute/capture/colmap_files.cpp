@@ -4,11 +4,11 @@
 
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <optional>
 #include <sstream>
 
+#include "volute/base/number_word.hpp"
 #include "volute/base/read_text.hpp"
 
 namespace volute {
@@ -34,17 +34,6 @@ constexpr std::array<Model, 12> kModels{{{"SIMPLE_PINHOLE", 3},
                                          {"RADIAL_FISHEYE", 5},
                                          {"THIN_PRISM_FISHEYE", 12},
                                          {"RAD_TAN_THIN_PRISM_FISHEYE", 16}}};
-
-bool toNumber(const std::string& text, double& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
-}
-
-template <class Number>
-bool toWhole(const std::string& text, Number& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
-}
 
 std::vector<std::string> wordsOf(const std::string& line) {
   std::istringstream stream(line);
@@ -81,7 +70,7 @@ std::optional<std::size_t> statedCount(const std::string& text, std::string_view
       const auto words = wordsOf(line.substr(found + key.size()));
       std::size_t count = 0;
       const std::string number = words.empty() ? "" : words[0].substr(0, words[0].find(','));
-      if (toWhole(number, count))
+      if (readNumber(number, count))
         return count;
     }
     at = end + 1;
@@ -119,12 +108,12 @@ Status readCamerasText(const std::filesystem::path& path, ColmapModel& model) {
       continue;
     ColmapCamera camera;
     std::uint32_t id = 0;
-    bool good = line.words.size() >= 5 && toWhole(line.words[0], id) &&
-                toWhole(line.words[2], camera.width) && toWhole(line.words[3], camera.height);
+    bool good = line.words.size() >= 5 && readNumber(line.words[0], id) &&
+                readNumber(line.words[2], camera.width) && readNumber(line.words[3], camera.height);
     if (good)
       camera.model = line.words[1];
     for (std::size_t i = 4; good && i < line.words.size(); ++i)
-      good = toNumber(line.words[i], camera.parameters.emplace_back());
+      good = readNumber(line.words[i], camera.parameters.emplace_back());
     if (!good || camera.width < 1 || camera.height < 1) {
       return fail(ErrorCode::kInvalidData,
                   "{}: line {}: expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS", path.string(),
@@ -143,13 +132,13 @@ bool parseImage(const Line& line, ColmapImage& image) {
     return false;
   std::array<double, 7> pose{};
   for (std::size_t i = 0; i < pose.size(); ++i) {
-    if (!toNumber(line.words[i + 1], pose[i]))
+    if (!readNumber(line.words[i + 1], pose[i]))
       return false;
   }
   std::uint32_t id = 0;
   double number = 0;
-  if (!toWhole(line.words[0], id) || !toWhole(line.words[8], image.camera) ||
-      toNumber(line.words[9], number)) {
+  if (!readNumber(line.words[0], id) || !readNumber(line.words[8], image.camera) ||
+      readNumber(line.words[9], number)) {
     return false;
   }
   image.name = line.words[9];

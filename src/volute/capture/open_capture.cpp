@@ -9,6 +9,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "volute/base/file_name.hpp"
 #include "volute/capture/clocks.hpp"
 #include "volute/capture/image_name.hpp"
 #include "volute/capture/importers.hpp"
@@ -47,7 +48,7 @@ Result<CaptureDraft> readDraft(const std::filesystem::path& file) {
     return fail(ErrorCode::kNotFound, "{}: there is no such file", file.string());
   if (std::filesystem::is_directory(file, error))
     return readColmap(file);
-  const std::string extension = file.extension().string();
+  const std::string extension = extensionOf(file);
   if (extension == ".json")
     return readJsonCapture(file);
   if (extension == ".yml" || extension == ".yaml")
@@ -62,8 +63,7 @@ Result<CaptureDraft> readDraft(const std::filesystem::path& file) {
 
 bool isFilm(const std::string& path) {
   constexpr std::array<std::string_view, 5> kFilms{".mp4", ".webm", ".mov", ".mkv", ".avi"};
-  return std::ranges::find(kFilms, std::filesystem::path(path).extension().string()) !=
-         kFilms.end();
+  return std::ranges::find(kFilms, extensionOf(path)) != kFilms.end();
 }
 
 bool sameCalibration(const Calibration& a, const Calibration& b) {
@@ -403,9 +403,7 @@ Result<bool> isCapture(const std::filesystem::path& path) {
     return name == "cameras.txt" || name == "cameras.bin" || name == "images.txt" ||
            name == "images.bin";
   };
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = extensionOf(path);
   if (extension == ".yml" || extension == ".yaml" || isColmap(path))
     return true;
   std::error_code ignored;

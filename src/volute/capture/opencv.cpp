@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/capture/importers.hpp"
 #include "volute/io/json_depth.hpp"
@@ -138,7 +139,7 @@ std::vector<std::string> unused(const Entries& entries, std::span<const CameraDr
 Result<Entries> readEntries(const std::filesystem::path& file) {
   constexpr std::uint64_t kMaxBytes = 16 << 20;
   VOLUTE_ASSIGN(std::string text, readText(file, kMaxBytes));
-  if (file.extension() == ".json")
+  if (extensionOf(file) == ".json")
     VOLUTE_TRY(checkJsonDepth(text, file.string()));
   // OpenCV's first line is no YAML directive as the standard has it, and old versions put no "---"
   // after it.

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/number_word.hpp"
 #include "volute/image/srgb.hpp"
 
 namespace volute {
@@ -48,9 +48,7 @@ Result<Response> Response::byName(std::string_view text) {
   constexpr std::string_view kGammaPrefix = "gamma:";
   if (text.starts_with(kGammaPrefix)) {
     double value = 0;
-    const char* end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data() + kGammaPrefix.size(), end, value);
-    if (error == std::errc() && stop == end && value >= 0.1 && value <= 10)
+    if (readNumber(text.substr(kGammaPrefix.size()), value) && value >= 0.1 && value <= 10)
       return gamma(value);
   }
   return fail(ErrorCode::kInvalidArgument,

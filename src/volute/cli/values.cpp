@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "volute/base/number_word.hpp"
 #include "volute/base/suggest.hpp"
-#include "volute/io/number_word.hpp"
 
 namespace volute::cli {
 namespace {

@@ -2,10 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cluster/cluster.hpp"
 
-#include <charconv>
 #include <cstdlib>
 #include <cstring>
 
+#include "volute/base/number_word.hpp"
 #include "volute/cluster/mpi_plugin.hpp"
 #include "volute/io/plugin.hpp"
 
@@ -27,11 +27,7 @@ constexpr Launcher kLaunchers[] = {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZ
 std::optional<int> numberIn(const char* variable) {
   const char* text = std::getenv(variable);
   int number = 0;
-  if (!text)
-    return std::nullopt;
-  const char* end = text + std::strlen(text);
-  const auto [stop, error] = std::from_chars(text, end, number);
-  return error == std::errc() && stop == end && number >= 0 ? std::optional(number) : std::nullopt;
+  return text && readNumber(text, number) && number >= 0 ? std::optional(number) : std::nullopt;
 }
 
 Result<std::unique_ptr<Team>> makeTeam(const void* communicator) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/printable.hpp"
 #include "volute/fds/fds_input.hpp"
 #include "volute/fds/smv_reader.hpp"
@@ -577,10 +578,7 @@ const FdsInput& inputOf(const SmvIndex& index) {
 }
 
 bool isSmvPath(const std::string& path) {
-  std::string end = std::filesystem::path(path).extension().string();
-  std::transform(end.begin(), end.end(), end.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return end == ".smv";
+  return extensionOf(path) == ".smv";
 }
 
 }  // namespace volute

@@ -3,8 +3,9 @@
 #include "volute/fds/text_lines.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+
+#include "volute/base/number_word.hpp"
 
 namespace volute {
 namespace {
@@ -17,13 +18,8 @@ bool isSpace(char c) {
 
 template <class T>
 std::optional<T> parsed(std::string_view word) {
-  if (word.starts_with('+'))
-    word.remove_prefix(1);
   T value{};
-  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (code != std::errc() || end != word.data() + word.size())
-    return std::nullopt;
-  return value;
+  return readNumber(word, value) ? std::optional(value) : std::nullopt;
 }
 
 }  // namespace

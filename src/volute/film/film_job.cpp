@@ -10,9 +10,9 @@
 #include <cstring>
 #include <string>
 
+#include "volute/base/cancel_only.hpp"
 #include "volute/base/gather_values.hpp"
 #include "volute/base/process_usage.hpp"
-#include "volute/film/cancel_only.hpp"
 #include "volute/image/picture_tiles.hpp"
 
 namespace volute {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "volute/base/cancel_only.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/film/film_job.hpp"
 #include "volute/film/picture_writer.hpp"
@@ -14,17 +15,6 @@
 
 namespace volute {
 namespace {
-
-/// Passes on the request to stop and nothing else.
-class StopOnly final : public Progress {
- public:
-  explicit StopOnly(const Progress& next) : next_(next) {}
-
-  bool cancelled() const override { return next_.cancelled(); }
-
- private:
-  const Progress& next_;
-};
 
 Json vectorJson(const Vec3& v) {
   return {v[0], v[1], v[2]};

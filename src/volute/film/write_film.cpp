@@ -8,9 +8,9 @@
 #include <cstring>
 #include <utility>
 
+#include "volute/base/cancel_only.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/base/ordered_delivery.hpp"
-#include "volute/film/cancel_only.hpp"
 #include "volute/image/picture_style.hpp"
 
 namespace volute {

@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "volute/base/input_file.hpp"
-#include "volute/io/number_word.hpp"
+#include "volute/base/number_word.hpp"
 #include "volute/math/vec.hpp"
 
 namespace volute {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/number_word.hpp"
 #include "volute/base/read_text.hpp"
 
 namespace volute {
@@ -61,10 +62,7 @@ std::vector<std::string> wordsOf(const std::string& text) {
 
 std::optional<double> numberOf(const std::string& word) {
   double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size())
-    return std::nullopt;
-  return value;
+  return readNumber(word, value) ? std::optional(value) : std::nullopt;
 }
 
 /// A whole number of a line; nothing where an int does not hold it.

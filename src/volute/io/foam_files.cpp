@@ -5,13 +5,14 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/base/number_word.hpp"
 #include "volute/base/read_text.hpp"
 
 namespace volute {
@@ -20,10 +21,7 @@ namespace {
 template <class T>
 std::optional<T> numberOf(std::string_view word) {
   T value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size())
-    return std::nullopt;
-  return value;
+  return readNumber(word, value) ? std::optional(value) : std::nullopt;
 }
 
 /// Words and brackets of OpenFOAM's format; knows how long the binary blocks in it are.
@@ -191,7 +189,7 @@ class FoamWalk {
 
 /// The bytes of a file, unpacked.
 Result<std::string> contentOf(const std::filesystem::path& path) {
-  if (path.extension() != ".gz")
+  if (extensionOf(path) != ".gz")
     return readText(path);
   std::string text;
   VOLUTE_TRY(InputFile::check(path));

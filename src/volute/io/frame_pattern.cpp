@@ -7,6 +7,8 @@
 #include <limits>
 #include <map>
 
+#include "volute/base/file_name.hpp"
+
 namespace volute {
 namespace {
 
@@ -169,7 +171,7 @@ Status checkOneSequence(const std::filesystem::path& folder, const Sequences& se
 }
 
 bool isVisible(const std::filesystem::path& file, std::string_view extension) {
-  return file.extension() == extension && !file.filename().string().starts_with('.');
+  return extensionOf(file) == extension && !file.filename().string().starts_with('.');
 }
 
 }  // namespace

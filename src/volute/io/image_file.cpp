@@ -3,6 +3,7 @@
 #include "volute/io/image_file.hpp"
 
 #include "volute/base/assert.hpp"
+#include "volute/base/file_name.hpp"
 #include "volute/io/frame_file.hpp"
 #include "volute/io/image_formats.hpp"
 
@@ -71,9 +72,9 @@ Status checkImageSize(const std::filesystem::path& path, std::int64_t width, std
 }
 
 Result<Image> readImage(const std::filesystem::path& path, const ImageReadOptions& options) {
-  if (path.extension() == ".png")
+  if (extensionOf(path) == ".png")
     return readPng(path, options);
-  if (path.extension() == ".exr")
+  if (extensionOf(path) == ".exr")
     return readExr(path, options);
   return fail(ErrorCode::kUnsupported, "{}: not a known kind of picture; expected .png or .exr",
               path.string());
@@ -81,23 +82,23 @@ Result<Image> readImage(const std::filesystem::path& path, const ImageReadOption
 
 Result<std::optional<Image>> readAlpha(const std::filesystem::path& path,
                                        const ImageReadOptions& options) {
-  if (path.extension() == ".png")
+  if (extensionOf(path) == ".png")
     return readPngAlpha(path, options);
-  if (path.extension() == ".exr")
+  if (extensionOf(path) == ".exr")
     return readExrAlpha(path, options);
   return std::nullopt;
 }
 
 Result<std::optional<std::vector<double>>> readStoredCurve(const std::filesystem::path& path) {
-  if (path.extension() == ".png")
+  if (extensionOf(path) == ".png")
     return readPngCurve(path);
   return std::nullopt;
 }
 
 Result<ImageNotes> readImageNotes(const std::filesystem::path& path) {
-  if (path.extension() == ".png")
+  if (extensionOf(path) == ".png")
     return readPngNotes(path);
-  if (path.extension() == ".exr")
+  if (extensionOf(path) == ".exr")
     return readExrNotes(path);
   return ImageNotes();
 }
@@ -105,9 +106,9 @@ Result<ImageNotes> readImageNotes(const std::filesystem::path& path) {
 Status writeImage(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {
   VOLUTE_ASSERT(image.channels == 1 || image.channels == 3);
   VOLUTE_TRY(checkImageSize(path, image.width, image.height, image.channels, ~std::uint64_t{0}));
-  if (path.extension() == ".png")
+  if (extensionOf(path) == ".png")
     return writePng(path, image, notes);
-  if (path.extension() == ".exr")
+  if (extensionOf(path) == ".exr")
     return writeExr(path, image, notes);
   return fail(ErrorCode::kUnsupported,
               "{}: cannot write this kind of picture; expected .png or .exr", path.string());
@@ -115,9 +116,9 @@ Status writeImage(const std::filesystem::path& path, const Image& image, const I
 
 Status writeMap(const std::filesystem::path& path, const Image& map) {
   VOLUTE_TRY(checkImageSize(path, map.width, map.height, map.channels, ~std::uint64_t{0}));
-  if (path.extension() == ".png")
+  if (extensionOf(path) == ".png")
     return writePngMap(path, map);
-  if (path.extension() == ".exr")
+  if (extensionOf(path) == ".exr")
     return writeExr(path, map, {});
   return fail(ErrorCode::kUnsupported, "{}: cannot write this kind of map; expected .png or .exr",
               path.string());

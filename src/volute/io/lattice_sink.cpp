@@ -152,7 +152,7 @@ Result<std::unique_ptr<FrameSink>> createLatticeSink(const std::filesystem::path
                                                      const VolumeInfo& info,
                                                      std::unique_ptr<LatticeWriter> writer) {
   VOLUTE_TRY(info.validate(output.string()));
-  const bool collection = output.extension() == ".pvd";
+  const bool collection = extensionOf(output) == ".pvd";
   std::filesystem::path files = output;
   if (collection) {
     if (namesSeries(output)) {

@@ -13,6 +13,7 @@
 #include <span>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/io/frame_pattern.hpp"
@@ -122,7 +123,7 @@ Result<ReaderProcess::Serve> serveMesh(std::string_view parameters) {
 /// Whether what belongs to a file lies in others below its folder, which only its reader knows.
 bool isSpread(const std::filesystem::path& path) {
   static constexpr std::string_view kSpread[] = {".case", ".foam", ".pvtu"};
-  return std::ranges::find(kSpread, path.extension().string()) != std::end(kSpread);
+  return std::ranges::find(kSpread, extensionOf(path)) != std::end(kSpread);
 }
 
 std::filesystem::path folderOf(const std::filesystem::path& path) {
@@ -165,7 +166,7 @@ Result<std::uint64_t> readableSize(const std::filesystem::path& path) {
 
 bool isExodus(const std::filesystem::path& path) {
   static constexpr std::string_view kExodus[] = {".e", ".ex2", ".exo", ".exii"};
-  return std::ranges::find(kExodus, path.extension().string()) != std::end(kExodus);
+  return std::ranges::find(kExodus, extensionOf(path)) != std::end(kExodus);
 }
 
 /// What VTK's reader of Exodus does not see.
@@ -310,13 +311,13 @@ Result<std::shared_ptr<const TetMesh>> buildInSpace(const CellSoup& soup, const 
 bool isMeshCase(const std::filesystem::path& path) {
   static constexpr std::string_view kExtensions[] = {".case", ".e",    ".ex2", ".exo",
                                                      ".exii", ".foam", ".vtk", ".pvtu"};
-  return std::ranges::find(kExtensions, path.extension().string()) != std::end(kExtensions);
+  return std::ranges::find(kExtensions, extensionOf(path)) != std::end(kExtensions);
 }
 
 Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const MeshOptions& options) {
   VOLUTE_ASSIGN(MeshSource source, list(path, options));
   VOLUTE_TRY(source.leaveOutAbsent(path));
-  bool ascending = path.extension() == ".pvd";
+  bool ascending = extensionOf(path) == ".pvd";
   for (const Instant& instant : source.instants_) {
     const auto number = frameNumberOf(instant.file);
     ascending =
@@ -338,7 +339,7 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
     return fail(ErrorCode::kInvalidArgument, "{}: is a folder; expected the file of a mesh in it",
                 path.string());
   }
-  if (path.extension() == ".vtu") {
+  if (extensionOf(path) == ".vtu") {
     source.instants_ = {{path, 0}};
     source.times_ = {0};
     return source;
@@ -348,7 +349,7 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
     for (std::size_t i = 0; i < source.times_.size(); ++i) source.instants_.push_back({path, i});
     return source;
   }
-  if (path.extension() != ".pvd") {
+  if (extensionOf(path) != ".pvd") {
     return fail(
         ErrorCode::kUnsupported,
         "{}: not a mesh; expected a .vtu, .pvtu or .vtk file, a .pvd series, or a case of EnSight "
@@ -357,7 +358,7 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
   }
   VOLUTE_ASSIGN(auto files, readCollection(path, loadVtkPlugin));
   for (const TimedFile& file : files) {
-    const std::string kind = file.path.extension().string();
+    const std::string kind = extensionOf(file.path);
     if (kind != ".vtu" && kind != ".pvtu") {
       return fail(ErrorCode::kUnsupported, "{}: names {}; expected a series of .vtu or .pvtu files",
                   path.string(), file.path.string());
@@ -432,7 +433,7 @@ Status MeshSource::leaveOutAbsent(const std::filesystem::path& path) {
            });
   };
   std::vector<bool> there(instants_.size(), true);
-  if (path.extension() == ".pvd") {
+  if (extensionOf(path) == ".pvd") {
     VOLUTE_TRY(listFields());
     if (fieldLists_.empty())
       return {};
@@ -446,7 +447,7 @@ Status MeshSource::leaveOutAbsent(const std::filesystem::path& path) {
       field = entries[*chosen].name;
     }
     for (std::size_t i = 0; i < there.size(); ++i) there[i] = has(i, field) && has(i, also);
-  } else if (path.extension() == ".foam" && !field.empty()) {
+  } else if (extensionOf(path) == ".foam" && !field.empty()) {
     for (std::size_t i = 0; i < there.size(); ++i)
       there[i] = hasFoamField(path, field, times_[i]) &&
                  (also.empty() || hasFoamField(path, also, times_[i]));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/file_name.hpp"
 #include "volute/grid/rounding_source.hpp"
 #include "volute/io/npy_header.hpp"
 #include "volute/io/npz.hpp"
@@ -269,7 +270,7 @@ Result<std::unique_ptr<FrameSource>> openNpySequence(const std::vector<NumberedF
 
 Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
                                              const SourceOptions& options) {
-  if (path.extension() == ".npz") {
+  if (extensionOf(path) == ".npz") {
     VOLUTE_ASSIGN(auto array, openNpzArray(path, options));
     if (options.grid.empty() && !array.others.empty() && options.remark) {
       options.remark(fmt::format("{}: the array '{}' is read; it also has {}", path.string(),

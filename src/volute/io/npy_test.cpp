@@ -48,8 +48,9 @@ RC_GTEST_PROP(Npy, ReadsWhatItWrites, ()) {
   const TempFolder folder;
   const auto side = rc::gen::inRange(1, 6);
   const auto written = makeBlob(*side, *side, *side, *side, *rc::gen::element(1, 3));
-  RC_ASSERT(writeAll(folder / "a.npy", written).has_value());
-  const auto read = readSequence(folder / "a.npy");
+  const auto file = folder / *rc::gen::element("a.npy", "A.NPY");
+  RC_ASSERT(writeAll(file, written).has_value());
+  const auto read = readSequence(file);
   RC_ASSERT(read.has_value());
   RC_ASSERT(read->values == written.values);
   RC_ASSERT(read->info.frames == written.info.frames);

@@ -11,12 +11,12 @@
 #include <string_view>
 #include <vector>
 
+#include "volute/base/number_word.hpp"
 #include "volute/base/printable.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/geometry/polygon.hpp"
 #include "volute/io/below_folder.hpp"
-#include "volute/io/number_word.hpp"
 
 namespace volute {
 namespace {

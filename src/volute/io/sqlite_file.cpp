@@ -11,7 +11,7 @@
 namespace volute {
 namespace {
 
-constexpr std::string_view kMagic("SQLite format 3\0", 16);
+constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
 constexpr std::size_t kHead = 100;
 constexpr int kDeepest = 32;
 
@@ -82,7 +82,7 @@ void readColumns(std::string_view sql, SqliteFile::Table& table) {
 }  // namespace
 
 bool SqliteFile::isOne(std::string_view bytes) {
-  return bytes.starts_with(kMagic);
+  return bytes.starts_with(kSqliteMagic);
 }
 
 tl::unexpected<Error> SqliteFile::damaged(std::uint32_t page) const {

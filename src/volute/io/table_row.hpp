@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "volute/base/number_word.hpp"
 #include "volute/base/result.hpp"
-#include "volute/io/number_word.hpp"
 
 // Tables of text: one row a line, as spreadsheets write them.
 

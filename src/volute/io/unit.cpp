@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "volute/base/number_word.hpp"
 #include "volute/base/printable.hpp"
-#include "volute/io/number_word.hpp"
 #include "volute/io/table_row.hpp"
 
 namespace volute {

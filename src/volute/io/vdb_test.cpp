@@ -56,6 +56,16 @@ TEST(Vdb, RoundTripOfScalarAndRgb) {
   }
 }
 
+TEST(Vdb, ExtensionsInCapitalsAreTheSame) {
+  const TempFolder folder;
+  const auto written = makeFullBlob(2, 5, 9, 17);
+  ASSERT_TRUE(ok(writeAll(folder / "F_%04d.VDB", written)));
+  for (const auto& input : {folder / "F_%04d.VDB", folder.path()}) {
+    ASSERT_VALUE(const auto read, readSequence(input));
+    EXPECT_EQ(read.values, written.values);
+  }
+}
+
 // As OpenVDB's io::Stream and many exporters write them.
 TEST(Vdb, FilesWithoutATableOfGridsAreRead) {
   constexpr std::size_t kHasOffsets = 20;  // after magic number and versions

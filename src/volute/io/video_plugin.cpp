@@ -15,6 +15,7 @@ extern "C" {
 #include <optional>
 #include <vector>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/film.hpp"
@@ -275,7 +276,7 @@ Result<std::unique_ptr<FilmWriter>> makeWriter(const std::filesystem::path& path
                                                const std::string& comment, const FilmStyle& style) {
   av_log_set_level(AV_LOG_QUIET);
   for (const auto& encoding : encodings()) {
-    if (path.extension() != encoding.extension)
+    if (extensionOf(path) != encoding.extension)
       continue;
     VOLUTE_ASSIGN(auto file, PendingFile::create(path));
     auto writer = std::make_unique<AvFilmWriter>(std::move(file), width, height, style);

@@ -7,6 +7,7 @@
 
 #include <array>
 
+#include "volute/base/file_name.hpp"
 #include "volute/io/lattice_sink.hpp"
 #include "volute/io/npy.hpp"
 #include "volute/io/plugin.hpp"
@@ -45,7 +46,7 @@ Result<const LatticePlugin*> loadVdbWriter() {
 
 Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& output,
                                               const VolumeInfo& info, const SinkOptions& options) {
-  const std::string extension = output.extension().string();
+  const std::string extension = extensionOf(output);
   if (extension == ".npy" || output == "-")
     return NpySink::create(output, info);
   const bool vdb = extension == ".vdb";

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "volute/base/file_name.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/grid_cache.hpp"
 #include "volute/io/lattice_source.hpp"
@@ -49,7 +50,7 @@ Result<std::vector<LatticeFile>> listCollection(const std::filesystem::path& pat
                   "after {} s",
                   path.string(), entry.time, *files.back().time);
     }
-    if (entry.path.extension() != ".vti") {
+    if (extensionOf(entry.path) != ".vti") {
       return fail(ErrorCode::kUnsupported,
                   "{}: names {}; expected a collection of .vti files, or of .vtu or .pvtu files",
                   path.string(), entry.path.string());
@@ -81,7 +82,7 @@ Result<std::vector<LatticeFile>> listLatticeFiles(const std::filesystem::path& i
   // A file whose name happens to look like a pattern is that file.
   if (namesSeriesOfFiles(input))
     return listPattern(input);
-  return input.extension() == ".pvd" ? listCollection(input) : singleFile(input);
+  return extensionOf(input) == ".pvd" ? listCollection(input) : singleFile(input);
 }
 
 Result<std::string> volumesIn(const std::filesystem::path& folder) {
@@ -101,7 +102,7 @@ Result<std::string> volumesIn(const std::filesystem::path& folder) {
 
 Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& input,
                                                 const SourceOptions& options) {
-  const std::string extension = input.extension().string();
+  const std::string extension = extensionOf(input);
   std::error_code error;
   if (options.raw) {
     if (!namesSeriesOfFiles(input))

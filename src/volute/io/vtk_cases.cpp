@@ -22,6 +22,7 @@
 #include <span>
 #include <sstream>
 
+#include "volute/base/file_name.hpp"
 #include "volute/io/ensight_files.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/io/vtk_errors.hpp"
@@ -32,7 +33,7 @@ namespace {
 
 /// VTK's reader for a file, with all fields asked for.
 vtkSmartPointer<vtkAlgorithm> readerOf(const std::filesystem::path& path) {
-  const std::string kind = path.extension().string();
+  const std::string kind = extensionOf(path);
   if (kind == ".case") {
     auto reader = vtkSmartPointer<vtkGenericEnSightReader>::New();
     reader->SetCaseFileName(path.c_str());
@@ -232,11 +233,11 @@ Status checkLastLine(const std::filesystem::path& path) {
 }  // namespace
 
 Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
-  if (path.extension() == ".pvtu")
+  if (extensionOf(path) == ".pvtu")
     return std::vector<double>{0};
-  if (path.extension() == ".case")
+  if (extensionOf(path) == ".case")
     VOLUTE_TRY(checkEnsightCase(path));
-  if (path.extension() == ".foam") {
+  if (extensionOf(path) == ".foam") {
     VOLUTE_TRY(checkFoamDecomposed(path));
     VOLUTE_TRY(checkFoamKinds(path));
   }
@@ -250,7 +251,7 @@ Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
 Result<std::vector<VtkFieldName>> listVtkFields(const std::filesystem::path& path) {
   const ErrorWatch watch;
   std::filesystem::path file = path;
-  if (path.extension() == ".pvtu") {
+  if (extensionOf(path) == ".pvtu") {
     VOLUTE_ASSIGN(const auto pieces, piecesOf(path, watch));
     file = pieces.front();
   }
@@ -274,7 +275,7 @@ Result<std::vector<VtkFieldName>> listVtkFields(const std::filesystem::path& pat
 Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t instant,
                                 const std::string& field, const MeshShare& share) {
   const std::string file = path.string();
-  const std::string kind = path.extension().string();
+  const std::string kind = extensionOf(path);
   if (kind == ".pvtu")
     return readPvtu(path, share);
   if (share.count > 1) {
@@ -309,9 +310,9 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t i
 }
 
 Status checkVtkCase(const std::filesystem::path& path, const std::string& field, double time) {
-  if (path.extension() == ".case")
+  if (extensionOf(path) == ".case")
     return checkEnsight(path, field, time);
-  if (path.extension() == ".foam")
+  if (extensionOf(path) == ".foam")
     return checkFoam(path, field, time);
   return {};
 }

@@ -15,6 +15,7 @@
 #include <optional>
 #include <string_view>
 
+#include "volute/base/file_name.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/mesh.hpp"
@@ -153,7 +154,7 @@ class VtkMeshReader final : public MeshReader {
     data_.ofCells = fields[chosen].ofCells;
     if (wanted.empty())
       VOLUTE_TRY(checkVtkCase(path, data_.field, volume.time));
-    if (path.extension() == ".foam")
+    if (extensionOf(path) == ".foam")
       data_.dimensions = foamDimensions(path, data_.field, volume.time);
     VOLUTE_TRY(copyCells(grid, fields[chosen], file));
     return sizeOfData();

@@ -16,8 +16,8 @@
 #include <string_view>
 #include <vector>
 
+#include "volute/base/number_word.hpp"
 #include "volute/base/suggest.hpp"
-#include "volute/io/number_word.hpp"
 #include "volute/io/vtk_errors.hpp"
 
 namespace volute {

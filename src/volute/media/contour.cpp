@@ -4,9 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
+#include "volute/base/number_word.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/image/srgb.hpp"
 
@@ -54,12 +54,10 @@ ColorMap colorMapOf(const Contour& slice) {
 Result<Contour> parseSlice(std::string_view text) {
   Contour slice;
   const std::string_view axes = "xyz";
-  const char* end = text.data() + text.size();
   const bool named =
       text.size() > 2 && text[1] == '=' && axes.find(text[0]) != std::string_view::npos;
   if (named) {
-    const auto [rest, error] = std::from_chars(text.data() + 2, end, slice.place);
-    if (error == std::errc() && rest == end && std::isfinite(slice.place)) {
+    if (readNumber(text.substr(2), slice.place) && std::isfinite(slice.place)) {
       slice.axis = static_cast<int>(axes.find(text[0]));
       return slice;
     }

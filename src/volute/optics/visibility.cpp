@@ -3,10 +3,11 @@
 #include "volute/optics/visibility.hpp"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "volute/base/number_word.hpp"
 
 namespace volute {
 namespace {
@@ -60,9 +61,7 @@ Result<VisibilityLaw> visibilityLaw(std::string_view nameOrC) {
     names += law.name + ", ";
   }
   double c = 0;
-  const char* end = nameOrC.data() + nameOrC.size();
-  const auto [stop, error] = std::from_chars(nameOrC.data(), end, c);
-  if (error == std::errc() && stop == end && c > 0 && std::isfinite(c))
+  if (readNumber(nameOrC, c) && c > 0 && std::isfinite(c))
     return VisibilityLaw{"custom", c};
   return fail(ErrorCode::kInvalidArgument,
               "visibility law '{}': expected {}or a number C > 0 (S = C / K)", nameOrC, names);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "volute/base/file_name.hpp"
 #include "volute/io/vtu_writer.hpp"
 #include "volute/tetmesh/hall_smoke.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
@@ -12,7 +13,7 @@
 namespace volute {
 
 Status writeHall(const HallFiles& files, const std::filesystem::path& target, Progress& progress) {
-  if (target.extension() != ".pvd") {
+  if (extensionOf(target) != ".pvd") {
     return fail(ErrorCode::kInvalidArgument, "--output: '{}' is no .pvd series of meshes",
                 target.string());
   }
@@ -33,7 +34,7 @@ Status writeHall(const HallFiles& files, const std::filesystem::path& target, Pr
 Status writeBall(const std::filesystem::path& target, std::uint32_t seed) {
   constexpr double kSoot = 0.5, kRadius = 0.75;  // [g/m3], [m]
   const Vec3 centre(0.2, 0.1, 1.5);
-  if (target.extension() != ".vtu") {
+  if (extensionOf(target) != ".vtu") {
     return fail(ErrorCode::kInvalidArgument, "--output: '{}' is no .vtu file", target.string());
   }
   const auto mesh = boxMesh({Vec3(-3, -3, 0), Vec3(3, 3, 4)}, {48, 48, 32}, 0.2, seed);

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <optional>
 
+#include "volute/base/file_name.hpp"
 #include "volute/report/json.hpp"
 #include "volute/tomography/capture_faults.hpp"
 #include "volute/tomography/frame_views.hpp"
@@ -177,8 +178,7 @@ class Refiner {
   /// Whether its exponent means anything: .exr files are linear, and an exponent of light is a
   /// factor of optical depths, which the gain has.
   bool hasResponse(const TomographyView& view) const {
-    return !view.opticalDepth &&
-           std::filesystem::path(known(view.name).pictures.image).extension() != ".exr";
+    return !view.opticalDepth && extensionOf(known(view.name).pictures.image) != ".exr";
   }
 
   /// Pictures of one frame [bytes].

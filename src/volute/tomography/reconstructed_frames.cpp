@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/cancel_only.hpp"
 #include "volute/report/json.hpp"
 #include "volute/tomography/common_shift.hpp"
 #include "volute/tomography/diagnostics.hpp"
@@ -64,17 +65,6 @@ nlohmann::ordered_json choiceJson(const std::optional<TomographyChoice>& choice)
           {"sparsity", choice->sparsity},
           {"iterations", choice->iterations}};
 }
-
-/// Its own progress is of no interest.
-class Quietly final : public Progress {
- public:
-  explicit Quietly(Progress& whole) : whole_(whole) {}
-
-  bool cancelled() const override { return whole_.cancelled(); }
-
- private:
-  Progress& whole_;
-};
 
 VolumeInfo infoOf(const Capture& capture, const ReconstructionSettings& settings, bool grey) {
   VolumeInfo info;
@@ -179,7 +169,7 @@ int ReconstructedFrames::chainOf(int index) const {
 
 Status ReconstructedFrames::solveAll(Team& team) {
   shares_ = team.size() > 1;
-  Quietly quiet(progress_);
+  StopOnly quiet(progress_);
   VOLUTE_TRY(team.forUnits(
       "reconstructing", static_cast<std::int64_t>(chains_.size()),
       shares_ ? progress_ : static_cast<Progress&>(quiet), [&](std::int64_t chain) -> Status {
@@ -312,7 +302,7 @@ Result<std::vector<float>> ReconstructedFrames::frameBefore(int index) {
   if (!carriesOn(index))
     return before;
   VOLUTE_ASSIGN(const auto earlier, volume(index - 2));
-  Quietly quiet(progress_);
+  StopOnly quiet(progress_);
   VOLUTE_ASSIGN(const auto flow, flowBetween(greyVolume(earlier), greyVolume(before),
                                              geometry().resolution, {}, quiet));
   return carriedOn(before, 3, flow);
@@ -333,7 +323,7 @@ Status ReconstructedFrames::leaveOutOccluded(FrameViews& views,
   if (!all) {
     for (const std::size_t i : cameras) some.push_back(views.views[i]);
   }
-  Quietly quiet(progress_);
+  StopOnly quiet(progress_);
   VOLUTE_ASSIGN(
       const auto found,
       findOcclusions(all ? std::span<const TomographyView>(views.views) : some, geometry(), quiet));
@@ -400,7 +390,7 @@ std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
   constexpr double kClearly = 0.8;
   TomographyOptions options = settings_.tomography;
   options.iterations = kIterations;
-  Quietly quiet(progress_);
+  StopOnly quiet(progress_);
   const auto fit =
       reconstruct(views.fittedWithout(camera), geometry(), options, result.volume, quiet);
   if (!fit)
@@ -455,7 +445,7 @@ Result<std::optional<std::string>> ReconstructedFrames::commonShift(const FrameV
                                                                     bool othersWarn) {
   constexpr double kMin = 0.35;                   // pixels
   const double better = othersWarn ? 0.7 : 0.97;  // times the residual
-  Quietly quiet(progress_);
+  StopOnly quiet(progress_);
   VOLUTE_ASSIGN(const auto shift,
                 findCommonShift(views.fitted(), geometry(), settings_.tomography, result, quiet));
   if (!shift || std::abs(shift->pixels) < kMin || shift->nearest > better * shift->residual)
@@ -514,7 +504,7 @@ std::optional<std::string> unexplained(const FrameViews& views,
 Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews& views,
                                                                 const Reconstruction& result,
                                                                 nlohmann::ordered_json& cameras) {
-  Quietly quiet(progress_);
+  StopOnly quiet(progress_);
   VOLUTE_ASSIGN(const auto diagnosis,
                 diagnose(views.fitted(), geometry(), settings_.tomography, result, quiet));
   std::vector<std::string> warnings;

@@ -17,6 +17,8 @@
 #include <string_view>
 #include <tuple>
 
+#include "volute/base/file_name.hpp"
+
 extern char** environ;
 
 namespace volute {
@@ -49,10 +51,7 @@ std::vector<std::string> commandFor(const std::filesystem::path& folder) {
 }
 
 bool isKnown(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char letter) { return std::tolower(letter); });
-  return std::ranges::find(kKnown, extension) != std::end(kKnown);
+  return std::ranges::find(kKnown, extensionOf(path)) != std::end(kKnown);
 }
 
 }  // namespace

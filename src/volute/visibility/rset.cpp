@@ -7,9 +7,9 @@
 #include <limits>
 #include <tuple>
 
+#include "volute/base/number_word.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/base/read_text.hpp"
-#include "volute/io/number_word.hpp"
 #include "volute/io/sqlite_file.hpp"
 #include "volute/io/table.hpp"
 

@@ -9,6 +9,7 @@
 #include <limits>
 #include <set>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/io/image_file.hpp"
@@ -223,7 +224,7 @@ class StudyReader {
     std::vector<std::string> files;
     std::filesystem::recursive_directory_iterator entries(path, error), end;
     for (; !error && entries != end; entries.increment(error)) {
-      if (entries->path().extension() == ".smv" && entries->is_regular_file(error))
+      if (extensionOf(entries->path()) == ".smv" && entries->is_regular_file(error))
         files.push_back(entries->path().string());
       if (files.size() > kMaxRuns)
         break;

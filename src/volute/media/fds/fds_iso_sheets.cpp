@@ -5,10 +5,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <set>
 
+#include "volute/base/number_word.hpp"
 #include "volute/fds/fds_iso.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
@@ -39,9 +39,8 @@ Result<std::vector<double>> levelsIn(const std::string& text, const std::string&
   for (std::size_t begin = 0; begin <= numbers.size();) {
     const std::size_t end = std::min(numbers.find(',', begin), numbers.size());
     double level = 0;
-    const auto [rest, error] = std::from_chars(numbers.data() + begin, numbers.data() + end, level);
-    if (error != std::errc() || rest != numbers.data() + end || !std::isfinite(level) ||
-        levels.size() == kMaxLevels) {
+    if (!readNumber(std::string_view(numbers).substr(begin, end - begin), level) ||
+        !std::isfinite(level) || levels.size() == kMaxLevels) {
       return fail(ErrorCode::kInvalidArgument,
                   "'{}' is no isosurface; expected a quantity and up to {} values of it, as "
                   "TEMPERATURE 60 or TEMPERATURE 60,200, or a quantity of isosurface files alone{}",

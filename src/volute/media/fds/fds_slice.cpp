@@ -5,12 +5,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <set>
 #include <string_view>
 
+#include "volute/base/number_word.hpp"
 #include "volute/fds/frame_file.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
@@ -53,13 +53,10 @@ Result<Named> nameIn(const std::string& text) {
   const std::size_t equals = text.rfind('=');
   if (equals == text.npos)
     return Named{text};
-  const std::string number = text.substr(equals + 1);
   Named named;
-  const auto [end, error] =
-      std::from_chars(number.data(), number.data() + number.size(), named.place);
+  const bool number = readNumber(std::string_view(text).substr(equals + 1), named.place);
   const std::size_t axis = equals > 1 ? std::string_view("xyz").find(text[equals - 1]) : 3;
-  if (error != std::errc() || end != number.data() + number.size() || axis > 2 ||
-      text[equals - 2] != ' ') {
+  if (!number || axis > 2 || text[equals - 2] != ' ') {
     return fail(ErrorCode::kInvalidArgument,
                 "'{}' is no slice; expected a quantity, as TEMPERATURE, or one and a plane, as "
                 "TEMPERATURE z=1.5",

@@ -2,9 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fog/fog_file.hpp"
 
-#include <charconv>
 #include <numbers>
 
+#include "volute/base/number_word.hpp"
 #include "volute/media/clock_fields.hpp"
 #include "volute/media/fog/fog_parameters.hpp"
 
@@ -42,10 +42,9 @@ Result<FieldValue> profileFrom(std::string_view text) {
   for (std::size_t begin = colon; begin < text.size();) {
     const std::size_t end = std::min(text.find(',', begin + 1), text.size());
     double number = 0;
-    const auto [at, error] = std::from_chars(text.data() + begin + 1, text.data() + end, number);
-    if (error != std::errc() || at != text.data() + end)
-      return fail(ErrorCode::kInvalidArgument, "'{}': '{}' is not a number", text,
-                  text.substr(begin + 1, end - begin - 1));
+    const std::string_view word = text.substr(begin + 1, end - begin - 1);
+    if (!readNumber(word, number))
+      return fail(ErrorCode::kInvalidArgument, "'{}': '{}' is not a number", text, word);
     n.push_back(number);
     begin = end;
   }

@@ -2,9 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/smoke/fds_look.hpp"
 
-#include <charconv>
 #include <cmath>
 
+#include "volute/base/number_word.hpp"
 #include "volute/media/clock_fields.hpp"
 #include "volute/media/smoke/scene_smoke.hpp"
 
@@ -60,11 +60,8 @@ Status setCuts(SmokeDescription& smoke, const FieldValue& value) {
     const auto axis = one.size() > 2 && one[1] == '=' ? std::string_view("xyz").find(one[0])
                                                       : std::string_view::npos;
     FdsCut cut;
-    const char* last = one.data() + one.size();
-    const auto [rest, error] = axis == std::string_view::npos
-                                   ? std::from_chars_result{nullptr, std::errc::invalid_argument}
-                                   : std::from_chars(one.data() + 2, last, cut.place);
-    if (error != std::errc() || rest != last || !std::isfinite(cut.place)) {
+    if (axis == std::string_view::npos || !readNumber(std::string_view(one).substr(2), cut.place) ||
+        !std::isfinite(cut.place)) {
       return fail(ErrorCode::kInvalidData,
                   "'{}' is not a plane; expected x, y or z and a place in metres, as z=2.4", one);
     }

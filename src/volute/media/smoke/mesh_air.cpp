@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/media/smoke/tet_sight.hpp"
 
@@ -195,7 +196,7 @@ Result<std::unique_ptr<PointField>> meshConditions(const std::string& file, std:
   one.unit = said != named.end() ? said->unit : "";
   if (one.unit.empty()) {
     constexpr double kKelvin = 150;  // no air is as cold, nor as hot everywhere
-    const bool foam = std::filesystem::path(file).extension() == ".foam";
+    const bool foam = extensionOf(file) == ".foam";
     one.unit = quantity == "temperature"    ? (summary->least >= kKelvin ? "K" : "C")
                : quantity == "radiant-flux" ? "kW/m2"
                : foam                       ? "kg/kg"

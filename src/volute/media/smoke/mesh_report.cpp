@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "volute/base/file_name.hpp"
 #include "volute/io/mesh_source.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/tetmesh/mesh_shape.hpp"
@@ -19,7 +20,8 @@ constexpr const char* kShapes[] = {"tetrahedra", "pyramids", "wedges", "hexahedr
 
 /// Of a file or a series; cases are spread over files that only their reader knows.
 std::optional<std::uint64_t> bytesOf(const std::string& path, const MeshSource& source) {
-  if (path.ends_with(".case") || path.ends_with(".foam") || path.ends_with(".pvtu"))
+  const std::string kind = extensionOf(path);
+  if (kind == ".case" || kind == ".foam" || kind == ".pvtu")
     return std::nullopt;
   auto bytes = bytesOnDisk(path);
   for (std::size_t i = 0; bytes && i < source.times().size() && source.file(i) != path; ++i)

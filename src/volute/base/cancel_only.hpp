@@ -21,4 +21,15 @@ class CancelOnly final : public Progress {
   Progress& outer_;
 };
 
+/// Passes on cancellation alone.
+class StopOnly final : public Progress {
+ public:
+  explicit StopOnly(const Progress& outer) : outer_(outer) {}
+
+  bool cancelled() const override { return outer_.cancelled(); }
+
+ private:
+  const Progress& outer_;
+};
+
 }  // namespace volute
