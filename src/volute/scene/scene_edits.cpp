@@ -98,7 +98,7 @@ std::string addLight(OrderedJson& json, OrderedJson light, const char* what) {
 }
 
 /// The list that a path is of, and the place in it.
-struct Place {
+struct EntryPlace {
   OrderedJson* list = nullptr;
   std::size_t index = 0;
   bool sign = false;
@@ -106,7 +106,7 @@ struct Place {
   OrderedJson& entry() const { return (*list)[index]; }
 };
 
-Result<Place> placeOf(OrderedJson& json, const std::string& path) {
+Result<EntryPlace> placeOf(OrderedJson& json, const std::string& path) {
   for (const char* name : {"signs", "lights"}) {
     const std::string begin = fmt::format("/{}/", name);
     const std::string number = path.starts_with(begin) ? path.substr(begin.size()) : "";
@@ -117,13 +117,13 @@ Result<Place> placeOf(OrderedJson& json, const std::string& path) {
       continue;
     const auto index = static_cast<std::size_t>(std::stoul(number));
     if (index < json[name].size())
-      return Place{&json[name], index, std::string(name) == "signs"};
+      return EntryPlace{&json[name], index, std::string(name) == "signs"};
   }
   return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such sign or light", path);
 }
 
 Result<std::string> duplicate(OrderedJson& json, const std::string& path) {
-  VOLUTE_ASSIGN(const Place place, placeOf(json, path));
+  VOLUTE_ASSIGN(const EntryPlace place, placeOf(json, path));
   OrderedJson copy = place.entry();
   // Along a sign's own rows, so that it stays on its wall; a lamp goes along x.
   Vec3 aside = Vec3::UnitX();
@@ -142,13 +142,13 @@ Result<std::string> duplicate(OrderedJson& json, const std::string& path) {
 }
 
 Result<std::string> removeAt(OrderedJson& json, const std::string& path) {
-  VOLUTE_ASSIGN(const Place place, placeOf(json, path));
+  VOLUTE_ASSIGN(const EntryPlace place, placeOf(json, path));
   place.list->erase(place.index);
   return std::string(place.sign ? "the sign is removed" : "the light is removed");
 }
 
 Result<std::string> placeAt(OrderedJson& json, const SceneEdit& edit) {
-  VOLUTE_ASSIGN(const Place place, placeOf(json, edit.path));
+  VOLUTE_ASSIGN(const EntryPlace place, placeOf(json, edit.path));
   if (place.sign)
     placeSign(place.entry(), edit);
   else if (place.entry().value("kind", "") == "spot")
