@@ -372,7 +372,7 @@ class PythonFrames final : public FrameSource {
 py::dict compressFrames(const py::object& frames, const Shape& shape,
                         const std::filesystem::path& path, const std::string& target, double value,
                         const py::dict& said, double rounding, const std::string& wavelet,
-                        bool fast, const std::string& provenance, std::uint64_t maxMemory,
+                        int effort, const std::string& provenance, std::uint64_t maxMemory,
                         const py::object& listener) {
   using namespace py::literals;
   using Kind = ErrorTarget::Kind;
@@ -389,7 +389,7 @@ py::dict compressFrames(const py::object& frames, const Shape& shape,
   CompressOptions options;
   options.target = {kind->second, value};
   options.wavelet = wavelet;
-  options.fast = fast;
+  options.effort = effort;
   options.provenance = provenance;
   options.maxMemory = maxMemory;
   VolumeInfo info = infoOf(shape, said);
@@ -513,7 +513,7 @@ PYBIND11_MODULE(_core, m) {
       .def("verify", &File::verify, "listener"_a);
 
   m.def("compress", &compressFrames, "frames"_a, "shape"_a, "path"_a, "target"_a, "value"_a,
-        "said"_a, "rounding"_a, "wavelet"_a, "fast"_a, "provenance"_a, "max_memory"_a,
+        "said"_a, "rounding"_a, "wavelet"_a, "effort"_a, "provenance"_a, "max_memory"_a,
         "listener"_a);
   m.def("to_float32", &toFloat32, "array"_a);
   m.def(

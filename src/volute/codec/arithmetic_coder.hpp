@@ -70,6 +70,9 @@ class ArithmeticEncoder {
     ++evenCount_;
   }
 
+  /// Bytes so far.
+  std::size_t size() const { return bytes_.size() + even_.size(); }
+
   /// Ends the string.
   std::vector<std::byte> finish() {
     // The fewest bytes that say where in the interval, whatever follows them.

@@ -10,6 +10,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/codec/block_syntax.hpp"
+#include "volute/codec/cost_estimate.hpp"
 #include "volute/codec/mode_search.hpp"
 
 namespace volute {
@@ -231,6 +232,35 @@ CodedPart codedPart(std::span<const float> values, const BlockShape& shape,
   return part;
 }
 
+/// What the support of a block costs in codec 2.
+double costOfSupport(const WaveletParameters& parameters, const CodedPart& part,
+                     const BlockShape& shape) {
+  Contexts contexts(parameters.contexts);
+  PriceBits bits{contexts};
+  std::vector<std::uint8_t> support = part.support;
+  codeSupport(bits, shape.extents, std::span(support));
+  return kLambda / kUnit * static_cast<double>(bits.price);
+}
+
+/// The coefficients of a block in a mode.
+std::vector<float> transformed(const WaveletParameters& parameters,
+                               std::span<const float> components, const CodedPart& part,
+                               const BlockShape& shape, const BlockMode& mode) {
+  std::vector<float> planes(components.begin(), components.end());
+  const std::size_t voxels = shape.voxels();
+  const AxisLevels levels = blockLevels(shape.extents, mode.timeLevels);
+  std::span<const std::uint8_t> support;
+  if (mode.shaped)
+    support = part.support;
+  for (std::size_t begin = 0; begin < planes.size(); begin += voxels) {
+    const std::span<float> plane = std::span(planes).subspan(begin, voxels);
+    for (std::size_t i = 0; parameters.sparse && i < support.size(); ++i)
+      plane[i] = support[i] != 0 ? plane[i] : 0;
+    shapeForward(plane, support, shape.extents, mode.wavelet, levels);
+  }
+  return planes;
+}
+
 /// A block in one mode: its coefficients, and the way they are put into bits.
 class BlockWriting {
  public:
@@ -243,16 +273,10 @@ class BlockWriting {
         quantiser_(parameters),
         shape_(shape),
         mode_(mode),
-        planes_(components.begin(), components.end()),
+        planes_(transformed(parameters, components, part, shape, mode)),
         contexts_(parameters.contexts) {
-    if (mode.shaped) {
+    if (mode.shaped)
       support_ = part.support;
-      if (parameters.sparse)
-        clearOutside();
-    }
-    const AxisLevels levels = blockLevels(shape.extents, mode.timeLevels);
-    for (int c = 0; c < shape.channels; ++c)
-      shapeForward(plane(c), support_, shape.extents, mode.wavelet, levels);
     walk_.emplace(shape_, mode_, support_, memories_);
   }
 
@@ -283,13 +307,6 @@ class BlockWriting {
  private:
   std::span<float> plane(int c) {
     return std::span(planes_).subspan(c * shape_.voxels(), shape_.voxels());
-  }
-
-  void clearOutside() {
-    for (std::size_t i = 0; i < planes_.size(); ++i) {
-      if (support_[i % support_.size()] == 0)
-        planes_[i] = 0;
-    }
   }
 
   bool hasAny(const CellLevel& level, const float* plane) const;
@@ -520,6 +537,7 @@ void Training::add(const Training& other) {
   oneCount += other.oneCount;
   moreSum += other.moreSum;
   moreCount += other.moreCount;
+  bits += other.bits;
 }
 
 void Training::apply(WaveletParameters& parameters) const {
@@ -531,6 +549,9 @@ void Training::apply(WaveletParameters& parameters) const {
     parameters.one = std::clamp(mean(oneSum, oneCount), 128, 384);
   if (moreCount > 0)
     parameters.more = std::clamp(mean(moreSum, moreCount), -128, 128);
+  if (oneCount + moreCount > 0)
+    parameters.coefficientBits =
+        static_cast<double>(bits) / static_cast<double>(oneCount + moreCount);
   parameters.table = contextTable(counts);
   parameters.contexts = contextsOf(parameters.table);
 }
@@ -538,9 +559,8 @@ void Training::apply(WaveletParameters& parameters) const {
 std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
                                               const BlockShape& shape,
                                               std::span<const VoxelState> states,
-                                              std::span<const BlockMode> candidates,
-                                              std::span<const BlockMode> starts) const {
-  VOLUTE_ASSERT(!candidates.empty() && parameters_.sparse == !states.empty());
+                                              const ModeChoice& choice) const {
+  VOLUTE_ASSERT(!choice.candidates.empty() && parameters_.sparse == !states.empty());
   // What leaving it out costs.
   const double nothing = std::min(stream_.valueMax, std::max(stream_.valueMin, 0.0f));
   const double step = parameters_.step * parameters_.unit();
@@ -558,8 +578,8 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
     leftOut = std::numeric_limits<double>::infinity();
   if (leftOut == 0)
     return std::nullopt;  // left out, the block is exact
-  if (candidates.size() == 1)
-    return candidates.front();
+  if (choice.candidates.size() == 1)
+    return choice.candidates.front();
   const CodedPart part = codedPart(values, shape, states, parameters_);
   const auto components = parameters_.color.split(part.values, shape.channels, parameters_.unit());
   const auto costOf = [&](const BlockMode& mode) {
@@ -573,13 +593,27 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
     }
     return block.squaredError() + kLambda / kUnit * static_cast<double>(bits.price);
   };
-  ModeSearch search(
-      candidates, [&](const BlockMode& mode) { return simplest(mode, shape, part.full); }, costOf);
-  for (const BlockMode& mode : starts) search.tryMode(mode);
-  if (starts.empty())
+  const CostEstimate estimate(parameters_, kLambda);
+  std::optional<double> ofSupport;  // codec 3 has its topology in any mode
+  const auto estimateOf = [&](const BlockMode& mode) {
+    if (mode.shaped && !ofSupport)
+      ofSupport = parameters_.sparse ? 0 : costOfSupport(parameters_, part, shape);
+    return estimate.of(transformed(parameters_, components, part, shape, mode), shape, mode) +
+           (mode.shaped ? *ofSupport : 0);
+  };
+  const bool estimated = choice.coded != ModeChoice::kAll;
+  const auto simple = [&](const BlockMode& mode) { return simplest(mode, shape, part.full); };
+  ModeSearch search(choice.candidates, simple,
+                    estimated ? ModeSearch::CostOf(estimateOf) : ModeSearch::CostOf(costOf));
+  for (const BlockMode& mode : choice.starts) search.tryMode(mode);
+  if (choice.starts.empty())
     search.tryAll();
   search.descend();
-  return search.minCost() < leftOut ? search.best() : std::nullopt;
+  if (!estimated || choice.coded == 0)
+    return search.minCost() < leftOut ? search.best() : std::nullopt;
+  ModeSearch coded(search.cheapest(static_cast<std::size_t>(choice.coded)), simple, costOf);
+  coded.tryAll();
+  return coded.minCost() < leftOut ? coded.best() : std::nullopt;
 }
 
 std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> values,
@@ -608,6 +642,7 @@ std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> 
   const BlockMode simple = simplest(*mode, shape, part.full && parameters_.sparse);
   BlockWriting block(parameters_, components, part, shape, parameters_.sparse ? simple : *mode,
                      parameters_.maxError > 0);
+  std::size_t others = 0;  // bytes that are not of coefficients
   for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
     const bool last = tier + 1 == tiers.size();
     const bool corrects = last && parameters_.maxError > 0;
@@ -616,6 +651,7 @@ std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> 
       codeStates(bits, shape.extents, std::span(topology), room);
       bits.bit(context::kCoded, true);
       codeOutliers(bits, shape, part.outliers);
+      others = bits.out.size();
     }
     bool any = block.hasAny(tier);
     if (any || corrects)
@@ -631,7 +667,9 @@ std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> 
     tiers[tier] = bits.out.finish();
     if (tiers[tier].empty())
       tiers[tier].push_back(std::byte{0});
+    training.bits += 8 * static_cast<std::int64_t>(tiers[tier].size());
   }
+  training.bits -= 8 * static_cast<std::int64_t>(others);
   return tiers;
 }
 

@@ -66,15 +66,20 @@ Status checkOptions(const CompressOptions& options) {
 }
 
 std::vector<BlockMode> modesToTry(const CompressOptions& options) {
+  using enum EffortPlan::Modes;
   if (options.mode)
     return {*options.mode};
+  const EffortPlan::Modes which = planOf(options.effort).modes;
+  const bool all = which == kAll || which == kEach;
   const auto wavelet = waveletByName(options.wavelet);
   std::vector<BlockMode> modes;
   for (const BlockMode& mode : allBlockModes()) {
-    const bool quick = mode.shaped ? mode.timeLevels == 0 : mode.timeLevels == 4;
-    if (wavelet ? mode.wavelet != *wavelet : options.fast && mode.wavelet == Wavelet::kHaar)
+    if (wavelet && mode.wavelet != *wavelet)
       continue;
-    if (!options.fast || quick)
+    const bool usual = mode.timeLevels == 0 || mode.timeLevels == 4;
+    const bool known = wavelet || mode.wavelet == Wavelet::kCdf53 ||
+                       (which == kUsual && mode.wavelet == Wavelet::kCdf97);
+    if (all || (usual && known))
       modes.push_back(mode);
   }
   return modes;
@@ -85,10 +90,10 @@ constexpr double kSparseBlock = 0.5;
 // Steps less apart than this leave the modes of such blocks as they are.
 constexpr double kSameModes = 1.5;
 
-// Of a grid with more blocks than this to a row a part of them tells what all are like, and modes
-// are chosen once.
+// Of a grid with more blocks than this to a row a part of them tells what all are like.
 constexpr std::size_t kManyBlocks = 2048;
-constexpr std::uint64_t kOneOf = 4;
+// At least so many blocks tell it.
+constexpr std::uint64_t kFewBlocks = 96;
 
 double shareOf(std::span<const VoxelState> states) {
   const auto empty = std::ranges::count(states, VoxelState::kEmpty);
@@ -99,7 +104,7 @@ double shareOf(std::span<const VoxelState> states) {
 // that the block had at another step.
 std::vector<BlockMode> modesToBeginWith(const CompressOptions& options,
                                         const std::optional<BlockMode>& before, bool sparse) {
-  if (options.mode || options.fast)
+  if (options.mode || planOf(options.effort).modes != EffortPlan::Modes::kAll)
     return {};
   const auto only = waveletByName(options.wavelet);
   const auto mode = [&](bool shaped, Wavelet wavelet, int timeLevels) {
@@ -116,9 +121,10 @@ std::vector<BlockMode> modesToBeginWith(const CompressOptions& options,
 }
 
 /// One call of compress(). Goes through the blocks several times: to survey the values; to learn
-/// what quantised coefficients are like, from some of them; to choose the mode of each block; and
-/// to encode them all, until the step meets the target. All ranks of a team go through them
-/// together; after each way they share what they found, and rank 0's decisions are those of all.
+/// from some of them what quantised coefficients are like, and which step meets the target; to
+/// choose the mode of each block; and to encode them all, until the step does. All ranks of a team
+/// go through them together; after each way they share what they found, and rank 0's decisions are
+/// those of all.
 class Compressor {
  public:
   Compressor(FrameSource& source, const std::filesystem::path& target,
@@ -132,7 +138,9 @@ class Compressor {
         plan_(row_.grid(), layersAUnit),
         goal_(options.target, info_),
         modes_(static_cast<std::size_t>(plan_.count())),
+        someModes_(modes_.size()),
         histogram_(kHistogramBins),
+        effort_(planOf(options.effort)),
         sampled_(row_.grid().rowCount() > kManyBlocks),
         units_(plan_, team) {
     head_.info = info_;
@@ -155,25 +163,31 @@ class Compressor {
     ColorMoments moments;
   };
 
-  // One way through all rows of blocks, or some of them.
-  enum class Way { kLearn, kChoose, kEncode };
+  // One way through blocks: all of them, or for kLearn and kTry those that tell what all are like.
+  enum class Way { kLearn, kTry, kChoose, kEncode };
+
+  static bool isOfSome(Way way) { return way == Way::kLearn || way == Way::kTry; }
+
+  static bool choosesModes(Way way) { return way == Way::kTry || way == Way::kChoose; }
 
   Status survey();
   Status surveyUnit(std::int64_t number);
   Status shareSurvey();
   Status shareTiles();
   void settleRange();
-  std::vector<std::uint64_t> sampleOf(std::span<const std::uint64_t> blocks) const;
+  std::vector<std::uint64_t> sampleOf(std::span<const std::uint64_t> blocks,
+                                      std::uint64_t oneOf) const;
   Status encodeAll(double step, Way way);
   Status openStore();
   Status doUnit(std::int64_t number, Way way);
   Status encodeUnit(Way way, EncodedUnits::Unit& done, EncodedUnitRecord& record);
-  std::vector<std::optional<BlockMode>>& modesOf(std::int64_t unit, std::size_t blocks);
-  Status keep(const EncodedUnits::Unit& done, EncodedUnitRecord& record);
-  Result<std::optional<EncodedUnitRecord>> recall(EncodedUnits::Unit& done);
+  std::vector<std::optional<BlockMode>>& modesOf(Way way, std::int64_t unit, std::size_t blocks);
+  Status keep(Way way, const EncodedUnits::Unit& done, EncodedUnitRecord& record);
+  Result<std::optional<EncodedUnitRecord>> recall(Way way, EncodedUnits::Unit& done);
   Status shareErrors();
   Status shareTraining();
-  Status shareModes();
+  Status shareBlockCount();
+  Status shareModes(Way way);
   Status shareSegments();
   std::optional<BlockMode> chooseMode(std::size_t block, std::span<const float> values,
                                       std::span<const VoxelState> states,
@@ -184,6 +198,8 @@ class Compressor {
   Status checkCancelled() const;
   Status searchStep(double first);
   Status searchSmallest();
+  Result<double> stepFromSome(double first);
+  bool nearEnough() const;
 
   /// An RMS as a part of the range of all voxels, and of the support's.
   double overAll(double rms) const {
@@ -220,16 +236,21 @@ class Compressor {
   FileHead head_;
   std::vector<std::byte> headBytes_;
   WaveletParameters parameters_;
-  Training training_;                                         // of the last way through
-  std::vector<std::vector<std::optional<BlockMode>>> modes_;  // of each unit, of its blocks
+  Training training_;                                             // of the last way through
+  std::vector<std::vector<std::optional<BlockMode>>> modes_;      // of each unit, of its blocks
+  std::vector<std::vector<std::optional<BlockMode>>> someModes_;  // the same, of some blocks
   BlockMode usualMode_;
   std::vector<SupportFacts> facts_;       // of each frame
   std::vector<std::uint64_t> histogram_;  // of the support's values, by their first bits
   std::vector<LayerMoments> moments_;     // of the units that this rank surveyed
   BlockRow::InactiveValue inactive_;
   SupportError support_;
-  double supportVoxels_ = 0;   // of all frames
-  bool sampled_ = false;       // a part of the blocks tells what all are like
+  double supportVoxels_ = 0;  // of all frames
+  EffortPlan effort_;
+  bool sampled_ = false;       // so many blocks to a row that a part of them is surveyed
+  std::uint64_t blocks_ = 0;   // that hold something
+  std::uint64_t oneOf_ = 1;    // of so many one tells what all are like
+  double doneShare_ = 1;       // of all blocks, that the last way went through
   bool chosenBefore_ = false;  // modes_ are those of another step, else a guess
   double chosenStep_ = 0;      // at which modes_ were chosen
   bool stepsAlike_ = false;    // the same and that before
@@ -309,13 +330,14 @@ std::uint32_t binAt(std::span<const std::uint64_t> histogram, std::uint64_t rank
 
 // The blocks that tell what all of them are like: the first of each layer, and some others. Which,
 // depends on their numbers alone.
-std::vector<std::uint64_t> Compressor::sampleOf(std::span<const std::uint64_t> blocks) const {
+std::vector<std::uint64_t> Compressor::sampleOf(std::span<const std::uint64_t> blocks,
+                                                std::uint64_t oneOf) const {
   std::vector<std::uint64_t> sample;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const std::uint64_t layer = blocks[i] / plan_.blocksALayer();
     const bool first = i == 0 || layer != blocks[i - 1] / plan_.blocksALayer();
     const std::uint64_t mixed = (blocks[i] * 0x9E3779B97F4A7C15ull) >> 32;
-    if (!sampled_ || first || mixed % kOneOf == 0)
+    if (first || mixed % oneOf == 0)
       sample.push_back(blocks[i]);
   }
   return sample;
@@ -336,7 +358,11 @@ Status Compressor::surveyUnit(std::int64_t number) {
                                        tiles.end());
   }
   // Moments are added up block by block, so that they come out the same.
-  const std::vector<std::uint64_t> sample = sampleOf(row_.occupied());
+  const std::uint64_t oneOf = sampled_ ? 4 : 1;
+  const std::vector<std::uint64_t> sample = sampleOf(row_.occupied(), oneOf);
+  // Two of these say as much as four others.
+  const std::uint64_t oneOfModel = row_.grid().count() > 2 * kFewBlocks ? 4 : 1;
+  blocks_ += row_.occupied().size();
   // A digest is of all of them.
   const auto occupied =
       options_.work.empty() ? std::span<const std::uint64_t>(sample) : row_.occupied();
@@ -353,14 +379,15 @@ Status Compressor::surveyUnit(std::int64_t number) {
       row_.cut(block, values, states);
       if (std::ranges::binary_search(sample, block)) {
         moments[i].add(values, info_.channels);
-        addCoefficients(values, states, shapeOf(grid, block), model);
+        if (oneOf == oneOfModel || block % oneOfModel == 0)
+          addCoefficients(values, states, shapeOf(grid, block), model);
       }
       if (!options_.work.empty())
         content += (2 * block + 1) * (crc32(std::as_bytes(std::span(values))) +
                                       3 * std::uint64_t{crc32(std::as_bytes(std::span(states)))});
     }
     const std::lock_guard lock(mutex);
-    for (std::uint64_t i = 0; i < (sampled_ ? kOneOf : 1); ++i) model_.merge(model);
+    for (std::uint64_t i = 0; i < oneOfModel; ++i) model_.merge(model);
     content_ += content;
   });
   for (std::size_t i = 0; i < occupied.size(); ++i) {
@@ -374,6 +401,9 @@ Status Compressor::surveyUnit(std::int64_t number) {
 
 Status Compressor::shareSurvey() {
   VOLUTE_TRY(team_.sum(model_.counts()));
+  VOLUTE_TRY(team_.sum(std::span(&blocks_, 1)));
+  oneOf_ =
+      std::clamp<std::uint64_t>(blocks_ / kFewBlocks, 1, static_cast<std::uint64_t>(effort_.oneOf));
   VOLUTE_TRY(team_.sum(histogram_));
   VOLUTE_ASSIGN(const auto facts, gatherValues(team_, std::span<const SupportFacts>(facts_)));
   const std::size_t frames = facts_.size();
@@ -514,14 +544,17 @@ std::optional<BlockMode> Compressor::chooseMode(std::size_t block, std::span<con
   const auto usual = [](const BlockMode& mode) {
     return mode.timeLevels == 0 || (mode.timeLevels == 4 && mode.wavelet == Wavelet::kCdf53);
   };
-  if (sparse && sampled_ && !options_.mode && options_.wavelet == "auto") {
+  ModeChoice choice{modes, {}, effort_.coded};
+  if (sparse && sampled_ && !options_.mode && options_.wavelet == "auto" && choice.coded <= 3) {
     std::erase_if(modes, [&](const BlockMode& mode) {
       return !usual(mode) || mode.wavelet == Wavelet::kHaar;
     });
-    return encoder.choose(values, shapeOf(row_.grid(), block), states, modes);
+    choice = {modes, {}, 0};
+    return encoder.choose(values, shapeOf(row_.grid(), block), states, choice);
   }
   const auto starts = modesToBeginWith(options_, before, sparse);
-  return encoder.choose(values, shapeOf(row_.grid(), block), states, modes, starts);
+  choice.starts = starts;
+  return encoder.choose(values, shapeOf(row_.grid(), block), states, choice);
 }
 
 // Encodes a block and decodes it as the reader will.
@@ -537,7 +570,7 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<Bl
   const BlockEncoder encoder(parameters_, stream());
   const std::span<const VoxelState> coded =
       parameters_.sparse ? std::span<const VoxelState>(states) : std::span<const VoxelState>();
-  if (way == Way::kChoose)
+  if (choosesModes(way))
     chosen = chooseMode(block, values, coded, encoder, chosenBefore_ ? chosen : std::nullopt);
   std::optional<BlockMode> mode = chosen;
   if (way == Way::kLearn && mode && !options_.mode && parameters_.sparse)
@@ -586,9 +619,9 @@ Status Compressor::encodeUnit(Way way, EncodedUnits::Unit& done, EncodedUnitReco
   const UnitPlan::Unit unit = plan_.unit(done.number);
   VOLUTE_TRY(row_.load(unit.row, unit.firstLayer, unit.endLayer));
   const std::vector<std::uint64_t> blocks =
-      way == Way::kLearn ? sampleOf(row_.occupied())
-                         : std::vector(row_.occupied().begin(), row_.occupied().end());
-  auto& modes = modesOf(done.number, blocks.size());
+      isOfSome(way) ? sampleOf(row_.occupied(), oneOf_)
+                    : std::vector(row_.occupied().begin(), row_.occupied().end());
+  auto& modes = modesOf(way, done.number, blocks.size());
   std::vector<EncodedBlock> batch;
   std::mutex mutex;
   for (std::size_t begin = 0; begin < blocks.size(); begin += kBatch) {
@@ -619,13 +652,13 @@ Status Compressor::doUnit(std::int64_t number, Way way) {
   EncodedUnits::Unit done = units_.begin(number);
   std::optional<EncodedUnitRecord> record;
   if (store_) {
-    VOLUTE_ASSIGN(record, recall(done));
+    VOLUTE_ASSIGN(record, recall(way, done));
   }
   if (!record) {
     record.emplace();
     VOLUTE_TRY(encodeUnit(way, done, *record));
     if (store_)
-      VOLUTE_TRY(keep(done, *record));
+      VOLUTE_TRY(keep(way, done, *record));
   }
   layers_.insert(layers_.end(), record->layers.begin(), record->layers.end());
   training_.add(record->training);
@@ -634,16 +667,16 @@ Status Compressor::doUnit(std::int64_t number, Way way) {
 }
 
 // Those of a unit that has so many blocks with something in them.
-std::vector<std::optional<BlockMode>>& Compressor::modesOf(std::int64_t number,
+std::vector<std::optional<BlockMode>>& Compressor::modesOf(Way way, std::int64_t number,
                                                            std::size_t blocks) {
-  auto& modes = modes_[static_cast<std::size_t>(number)];
+  auto& modes = (isOfSome(way) ? someModes_ : modes_)[static_cast<std::size_t>(number)];
   if (modes.size() < blocks)
     modes.resize(blocks, usualMode_);
   return modes;
 }
 
-Status Compressor::keep(const EncodedUnits::Unit& done, EncodedUnitRecord& record) {
-  const auto& modes = modesOf(done.number, done.blocks.size());
+Status Compressor::keep(Way way, const EncodedUnits::Unit& done, EncodedUnitRecord& record) {
+  const auto& modes = modesOf(way, done.number, done.blocks.size());
   record.modes.assign(modes.begin(),
                       modes.begin() + static_cast<std::ptrdiff_t>(done.blocks.size()));
   record.blocks = done.blocks;
@@ -654,7 +687,7 @@ Status Compressor::keep(const EncodedUnits::Unit& done, EncodedUnitRecord& recor
 
 // Nothing when there is nothing of use. Bytes may be missing: they are dropped when the next way
 // begins.
-Result<std::optional<EncodedUnitRecord>> Compressor::recall(EncodedUnits::Unit& done) {
+Result<std::optional<EncodedUnitRecord>> Compressor::recall(Way way, EncodedUnits::Unit& done) {
   std::optional<EncodedUnitRecord> none;
   const auto kept = store_->record(way_, done.number);
   if (!kept)
@@ -679,7 +712,7 @@ Result<std::optional<EncodedUnitRecord>> Compressor::recall(EncodedUnits::Unit& 
     done.sizes = sizes;
     VOLUTE_TRY(units_.appendBytes(done, bytes));
   }
-  std::ranges::copy(record->modes, modesOf(done.number, record->modes.size()).begin());
+  std::ranges::copy(record->modes, modesOf(way, done.number, record->modes.size()).begin());
   return record;
 }
 
@@ -692,7 +725,7 @@ Status Compressor::openStore() {
   all.string(head_.header.writtenBy);
   all.u64(content_);
   for (const int number :
-       {info_.frames, info_.z, info_.y, info_.x, info_.channels, options_.fast ? 1 : 0,
+       {info_.frames, info_.z, info_.y, info_.x, info_.channels, options_.effort,
         static_cast<int>(options_.target.kind), static_cast<int>(plan_.unitsARow())})
     all.u32(static_cast<std::uint32_t>(number));
   all.f64(goal_.value());
@@ -726,28 +759,37 @@ Status Compressor::shareTraining() {
   auto& seen = training_.counts.seen;
   std::vector<std::uint64_t> numbers;
   for (const auto& counts : seen) numbers.insert(numbers.end(), counts.begin(), counts.end());
-  for (const std::int64_t number :
-       {training_.oneSum, training_.oneCount, training_.moreSum, training_.moreCount})
+  for (const std::int64_t number : {training_.oneSum, training_.oneCount, training_.moreSum,
+                                    training_.moreCount, training_.bits})
     numbers.push_back(static_cast<std::uint64_t>(number));
   VOLUTE_TRY(team_.sum(numbers));
   auto number = numbers.begin();
   for (auto& counts : seen) {
     for (std::uint32_t& count : counts) count = static_cast<std::uint32_t>(*number++);
   }
-  for (std::int64_t* sum :
-       {&training_.oneSum, &training_.oneCount, &training_.moreSum, &training_.moreCount})
+  for (std::int64_t* sum : {&training_.oneSum, &training_.oneCount, &training_.moreSum,
+                            &training_.moreCount, &training_.bits})
     *sum = static_cast<std::int64_t>(*number++);
   return {};
 }
 
-Status Compressor::shareModes() {
+// How many blocks the last way went through.
+Status Compressor::shareBlockCount() {
+  std::uint64_t done = 0;
+  for (const EncodedUnits::Unit& unit : units_.units()) done += unit.blocks.size();
+  VOLUTE_TRY(team_.sum(std::span(&done, 1)));
+  doneShare_ = blocks_ > 0 ? static_cast<double>(done) / static_cast<double>(blocks_) : 1;
+  return {};
+}
+
+Status Compressor::shareModes(Way way) {
   if (team_.size() == 1)
     return {};
   ByteWriter own;
   for (const EncodedUnits::Unit& done : units_.units()) {
     own.u64(static_cast<std::uint64_t>(done.number));
     own.u64(done.blocks.size());
-    const auto& modes = modesOf(done.number, done.blocks.size());
+    const auto& modes = modesOf(way, done.number, done.blocks.size());
     for (std::size_t i = 0; i < done.blocks.size(); ++i) own.u8(byteOfMode(modes[i]));
   }
   VOLUTE_ASSIGN(const auto ranks, team_.gatherAll(own.view()));
@@ -755,7 +797,7 @@ Status Compressor::shareModes() {
     for (ByteReader in(bytes); in.remaining() > 0;) {
       const auto unit = static_cast<std::int64_t>(in.u64());
       const auto blocks = static_cast<std::size_t>(in.u64());
-      auto& modes = modesOf(unit, blocks);
+      auto& modes = modesOf(way, unit, blocks);
       for (std::size_t i = 0; i < blocks; ++i) modeOfByte(in.u8(), modes[i]);
     }
   }
@@ -774,13 +816,12 @@ Status Compressor::shareSegments() {
 }
 
 Status Compressor::encodeAll(double proposed, Way way) {
-  constexpr int kRowsToLearnFrom = 4;
   VOLUTE_ASSIGN(const double step, team_.broadcast(proposed));
   parameters_.step = step / parameters_.unit();
   // From the first try on the parameters stay, so that what a step gives can be had again.
-  if (way == Way::kChoose || (way == Way::kEncode && tries_ == 0))
+  if (choosesModes(way) || (way == Way::kEncode && tries_ == 0))
     training_.apply(parameters_);
-  if (way == Way::kChoose) {
+  if (choosesModes(way)) {
     const double ratio = chosenStep_ > 0 ? parameters_.step / chosenStep_ : 0;
     stepsAlike_ = ratio < kSameModes && ratio > 1 / kSameModes;
     chosenStep_ = parameters_.step;
@@ -795,27 +836,23 @@ Status Compressor::encodeAll(double proposed, Way way) {
   ++way_;
   layers_.clear();
   VOLUTE_TRY(units_.clear());
-  const int rows = row_.rows();
-  const int count = way == Way::kLearn ? std::min(rows, kRowsToLearnFrom) : rows;
   tries_ += way == Way::kEncode ? 1 : 0;
-  const std::string stage = way == Way::kLearn ? "learning"
+  const std::string stage = isOfSome(way) ? "learning"
                             : way == Way::kChoose
                                 ? chosenBefore_ ? "choosing modes again" : "choosing modes"
                             : tries_ == 1 ? "compressing"
                                           : fmt::format("compressing, try {}", tries_);
-  const std::int64_t unitsARow = plan_.unitsARow();
-  VOLUTE_TRY(team_.forUnits(stage, count * unitsARow, progress_, [&](std::int64_t i) {
-    const std::int64_t row = i / unitsARow * rows / count;
-    return doUnit(row * unitsARow + i % unitsARow, way);
-  }));
+  VOLUTE_TRY(team_.forUnits(stage, plan_.count(), progress_,
+                            [&](std::int64_t number) { return doUnit(number, way); }));
   chosenBefore_ = chosenBefore_ || way == Way::kChoose;
   VOLUTE_TRY(shareErrors());
+  VOLUTE_TRY(shareBlockCount());
   noteErrors();
-  if (way == Way::kChoose)
-    VOLUTE_TRY(shareModes());
+  if (choosesModes(way))
+    VOLUTE_TRY(shareModes(way));
   if (way != Way::kEncode)
     VOLUTE_TRY(shareTraining());
-  if (way == Way::kEncode || goal_.isSize())
+  if (!isOfSome(way))
     VOLUTE_TRY(shareSegments());
   return {};
 }
@@ -823,7 +860,7 @@ Status Compressor::encodeAll(double proposed, Way way) {
 // What the last way through all blocks came to.
 void Compressor::noteErrors() {
   const double channels = info_.channels;
-  const double squared = error_.squared();
+  const double squared = error_.squared() / doneShare_;
   const double voxels = static_cast<double>(info_.voxels()) * info_.frames;
   relativeRms_ = overAll(std::sqrt(squared / (voxels * channels)));
   const double support = std::max(supportVoxels_, 1.0) * channels;
@@ -931,7 +968,10 @@ Result<CompressReport> Compressor::write() {
 }
 
 Status Compressor::searchStep(double first) {
-  StepSearch search(goal_.problem(), first);
+  StepSearch::Problem problem = goal_.problem();
+  if (problem.grows)
+    problem.closeEnough = effort_.nearness * problem.target;
+  StepSearch search(problem, first);
   for (bool found = false; !found;) {
     VOLUTE_TRY(encodeAll(search.step(), Way::kEncode));
     search.tell(outcomeOfTry());
@@ -967,7 +1007,31 @@ Status Compressor::searchSmallest() {
 }
 
 double Compressor::betterStep() const {
-  return goal_.betterStep(parameters_.step * parameters_.unit(), outcomeOfTry());
+  return goal_.betterStep(parameters_.step * parameters_.unit(), outcomeOfTry(),
+                          0.5 + 0.5 * effort_.nearness);
+}
+
+// Modes and step from some blocks: how all came out with them is near what was asked for.
+Result<double> Compressor::stepFromSome(double first) {
+  constexpr double kFar = 1.15;
+  VOLUTE_TRY(encodeAll(first, Way::kLearn));
+  double step = betterStep();
+  for (int i = 0; i < 3; ++i) {
+    VOLUTE_TRY(encodeAll(step, Way::kTry));
+    const double better = betterStep();
+    const double change = std::max(better / step, step / better);
+    step = better;
+    if (change < kFar)
+      break;
+  }
+  return step;
+}
+
+bool Compressor::nearEnough() const {
+  const StepSearch::Problem problem = goal_.problem();
+  const double outcome = outcomeOfTry();
+  return outcome <= problem.target && (outcome >= effort_.nearness * problem.target ||
+                                       parameters_.step * parameters_.unit() >= problem.coarsest);
 }
 
 Result<CompressReport> Compressor::run() {
@@ -981,7 +1045,11 @@ Result<CompressReport> Compressor::run() {
     parameters_.maxError = std::max(goal_.value() - rounding_, 0.5 * goal_.value());
   VOLUTE_TRY(team_.agree(openStore()));
   double step = goal_.firstStep(model_);
-  VOLUTE_TRY(encodeAll(step, Way::kLearn));
+  if (goal_.isSize() || goal_.isMaxError()) {
+    VOLUTE_TRY(encodeAll(step, Way::kLearn));
+  } else {
+    VOLUTE_ASSIGN(step, stepFromSome(step));
+  }
   VOLUTE_TRY(encodeAll(step, Way::kChoose));
   if (goal_.isMaxError()) {
     VOLUTE_TRY(searchSmallest());
@@ -990,11 +1058,12 @@ Result<CompressReport> Compressor::run() {
   // Modes depend on the step, and on what blocks in other modes have taught.
   VOLUTE_ASSIGN(const double better, team_.broadcast(betterStep()));
   VOLUTE_ASSIGN(step, team_.broadcast(step));
-  const bool once = options_.fast || sampled_;
-  if (!once || std::max(better / step, step / better) > 1.5) {
+  const double change = std::max(better / step, step / better);
+  if (change > (effort_.again ? 1.02 : 1.5))
     VOLUTE_TRY(encodeAll(better, Way::kChoose));
-  }
-  VOLUTE_TRY(searchStep(betterStep()));
+  VOLUTE_ASSIGN(const bool near, team_.broadcast(nearEnough()));
+  if (!near || effort_.again)
+    VOLUTE_TRY(searchStep(betterStep()));
   return write();
 }
 

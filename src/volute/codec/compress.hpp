@@ -11,6 +11,7 @@
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
 #include "volute/base/team.hpp"
+#include "volute/codec/effort.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/codec/wavelet_codec.hpp"
 #include "volute/grid/frame_source.hpp"
@@ -38,7 +39,7 @@ struct CompressOptions {
   ErrorTarget target;
   std::string wavelet = "auto";   ///< auto, haar, cdf53 or cdf97: allowed for blocks
   std::optional<BlockMode> mode;  ///< one mode for all blocks, for experiments
-  bool fast = false;              ///< try fewer modes: faster, files some percent larger
+  int effort = kDefaultEffort;    ///< 1, the fastest, to 9, the smallest files
   std::string provenance;         ///< kept in the file
   /// The absolute error of the source relative to its own original; the file states the sums, which
   /// bound the errors relative to that original.

@@ -176,16 +176,16 @@ TEST(Compress, TheFinestStepHoldsTheGreatestCoefficients) {
 // Blocks without an exact zero whose last row of frames leaves few halvings: every choice of modes
 // has one for them.
 TEST(Compress, EveryChoiceOfModesKeepsBlocksOfFewFrames) {
-  for (const bool fast : {true, false}) {
+  for (const int effort : {1, 3, 5, 9}) {
     for (const char* wavelet : {"auto", "haar", "cdf53", "cdf97"}) {
       CompressOptions options;
-      options.fast = fast;
+      options.effort = effort;
       options.wavelet = wavelet;
       for (const int frames : {1, 2, 3, 4, 5, 8, 17, 18, 19, 20, 33}) {
         const Sequence sequence = plumes(frames, 8, 8, 8, 1, 1);
         const auto report = checkedRoundTrip(sequence, {Kind::kRms, 1e-3}, options);
-        EXPECT_LE(report.relativeRms, 1e-3) << fast << wavelet << frames;
-        EXPECT_GT(report.relativeRms, 1e-5) << fast << wavelet << frames;
+        EXPECT_LE(report.relativeRms, 1e-3) << effort << wavelet << frames;
+        EXPECT_GT(report.relativeRms, 1e-5) << effort << wavelet << frames;
       }
     }
   }
@@ -194,7 +194,7 @@ TEST(Compress, EveryChoiceOfModesKeepsBlocksOfFewFrames) {
 TEST(Compress, FastAtASizeLosesNoFrame) {
   const Sequence sequence = plumes(17, 16, 16, 16, 1, 1);
   CompressOptions fast;
-  fast.fast = true;
+  fast.effort = kFastEffort;
   const auto all = checkedRoundTrip(sequence, {Kind::kRatio, 60});
   const auto report = checkedRoundTrip(sequence, {Kind::kRatio, 60}, fast);
   EXPECT_LE(report.relativeRms, 1.2 * all.relativeRms);

@@ -121,11 +121,11 @@ double CompressionGoal::firstStep(const QuantisationModel& model) const {
   return within(coarse);
 }
 
-double CompressionGoal::betterStep(double step, double outcome) const {
+double CompressionGoal::betterStep(double step, double outcome, double aim) const {
   constexpr double kMaxChange = 6;
   // How the step goes with the error, and with the size.
   const double power = isSize() ? -1.3 : 1.2;
-  const double change = std::pow(0.995 * problem().target / std::max(outcome, 1e-30), power);
+  const double change = std::pow(aim * problem().target / std::max(outcome, 1e-30), power);
   return within(step * std::clamp(change, 1 / kMaxChange, kMaxChange));
 }
 

@@ -62,8 +62,8 @@ class CompressionGoal {
   /// The step that a survey of the coefficients predicts to meet the goal.
   double firstStep(const QuantisationModel& model) const;
 
-  /// The step that should meet the goal, from what another gave.
-  double betterStep(double step, double outcome) const;
+  /// The step that should come to the part `aim` of the goal, from what another gave.
+  double betterStep(double step, double outcome, double aim) const;
 
  private:
   double within(double step) const;

@@ -49,7 +49,7 @@ std::vector<std::byte> EncodedUnitRecord::toBytes() const {
     record.u32(crc);
   }
   for (const std::int64_t number :
-       {training.oneSum, training.oneCount, training.moreSum, training.moreCount})
+       {training.oneSum, training.oneCount, training.moreSum, training.moreCount, training.bits})
     record.zigzag(number);
   const auto& seen = training.counts.seen;
   for (std::size_t at = 0, before = 0; at < seen.size(); ++at) {
@@ -90,8 +90,8 @@ std::optional<EncodedUnitRecord> EncodedUnitRecord::fromBytes(std::span<const st
     record.segments.emplace_back(size, in.u32());
   }
   Training& training = record.training;
-  for (std::int64_t* number :
-       {&training.oneSum, &training.oneCount, &training.moreSum, &training.moreCount})
+  for (std::int64_t* number : {&training.oneSum, &training.oneCount, &training.moreSum,
+                               &training.moreCount, &training.bits})
     *number = in.zigzag();
   for (std::size_t at = 0; in.remaining() > 0;) {
     at += in.varint();

@@ -24,6 +24,7 @@ void ModeSearch::tryMode(const BlockMode& candidate) {
   const BlockMode mode = *at;
   left_.erase(at);
   const double cost = costOf_(mode);
+  tried_.emplace_back(cost, mode);
   if (!(cost < minCost_))
     return;
   best_ = mode;
@@ -32,6 +33,14 @@ void ModeSearch::tryMode(const BlockMode& candidate) {
 
 void ModeSearch::tryAll() {
   while (!left_.empty()) tryMode(BlockMode(left_.front()));
+}
+
+std::vector<BlockMode> ModeSearch::cheapest(std::size_t count) const {
+  auto all = tried_;
+  std::ranges::stable_sort(all, {}, [](const auto& one) { return one.first; });
+  std::vector<BlockMode> modes;
+  for (std::size_t i = 0; i < std::min(count, all.size()); ++i) modes.push_back(all[i].second);
+  return modes;
 }
 
 void ModeSearch::descend() {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "volute/codec/wavelet_codec.hpp"
@@ -36,10 +37,14 @@ class ModeSearch {
 
   double minCost() const { return minCost_; }
 
+  /// The cheapest ones that were tried, cheapest first; at most so many.
+  std::vector<BlockMode> cheapest(std::size_t count) const;
+
  private:
   Simplest simplest_;
   CostOf costOf_;
   std::vector<BlockMode> left_;  // in the order of the candidates
+  std::vector<std::pair<double, BlockMode>> tried_;
   std::optional<BlockMode> best_;
   double minCost_ = std::numeric_limits<double>::infinity();
 };

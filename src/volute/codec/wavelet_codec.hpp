@@ -65,6 +65,8 @@ struct WaveletParameters {
   /// Values beyond are kept as they are, for a writer of codec 3.
   float outlierLow = -std::numeric_limits<float>::infinity();
   float outlierHigh = std::numeric_limits<float>::infinity();
+  /// What a coefficient that is not zero costs, with its share of all zeros [bits], for a writer.
+  double coefficientBits = 6;
   std::vector<std::byte> table;  ///< contextTable()
   Contexts contexts = untrainedContexts();
 

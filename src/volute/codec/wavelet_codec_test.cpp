@@ -140,7 +140,7 @@ TEST(WaveletCodec, TheChosenModeIsNotWorseThanAny) {
   WaveletParameters parameters;
   parameters.step = 0.05;
   const BlockEncoder encoder(parameters, infoOf(block));
-  const auto chosen = encoder.choose(block.values, block.shape, {}, allBlockModes());
+  const auto chosen = encoder.choose(block.values, block.shape, {}, {allBlockModes()});
   ASSERT_TRUE(chosen);
   const auto costOf = [&](const BlockMode& mode) {
     const auto result = roundTrip(block, parameters, mode);
@@ -151,12 +151,17 @@ TEST(WaveletCodec, TheChosenModeIsNotWorseThanAny) {
   };
   const double least = costOf(*chosen);
   for (const BlockMode& mode : allBlockModes()) EXPECT_LT(least, 1.03 * costOf(mode));
-  // Nor is one that was found from another.
+  // Nor is one that was found from another, or from an estimate.
   for (const BlockMode& start : allBlockModes()) {
     const auto found =
-        encoder.choose(block.values, block.shape, {}, allBlockModes(), std::span(&start, 1));
+        encoder.choose(block.values, block.shape, {}, {allBlockModes(), std::span(&start, 1)});
     ASSERT_TRUE(found) << describe(start);
     EXPECT_LT(costOf(*found), 1.03 * least) << describe(start);
+  }
+  for (const int coded : {0, 1, 2, 3}) {
+    const auto found = encoder.choose(block.values, block.shape, {}, {allBlockModes(), {}, coded});
+    ASSERT_TRUE(found);
+    EXPECT_LT(costOf(*found), (coded < 2 ? 1.06 : 1.03) * least) << coded;
   }
 }
 
@@ -166,11 +171,11 @@ TEST(WaveletCodec, WhatIsNotWorthABitIsLeftOut) {
   WaveletParameters parameters;
   parameters.step = 1;
   EXPECT_FALSE(BlockEncoder(parameters, infoOf(block))
-                   .choose(block.values, block.shape, {}, allBlockModes()));
+                   .choose(block.values, block.shape, {}, {allBlockModes()}));
   // But not where a bound on the error forbids it.
   parameters.maxError = 1e-5;
   EXPECT_TRUE(BlockEncoder(parameters, infoOf(block))
-                  .choose(block.values, block.shape, {}, allBlockModes()));
+                  .choose(block.values, block.shape, {}, {allBlockModes()}));
 }
 
 TEST(WaveletCodec, HostileBytesGiveErrorsOrFiniteValues) {

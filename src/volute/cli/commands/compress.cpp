@@ -72,7 +72,11 @@ Status runCompress(const Arguments& arguments, Context& context) {
   CompressOptions& options = how.options;
   options.target = targetOf(arguments);
   options.wavelet = arguments.get<std::string>("wavelet");
-  options.fast = arguments.flag("fast");
+  if (arguments.flag("fast") && arguments.given("effort")) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--fast: is the same as --effort {}; give one of the two", kFastEffort);
+  }
+  options.effort = arguments.flag("fast") ? kFastEffort : arguments.get<int>("effort");
   if (const auto mode = arguments.find<std::string>("block-mode"))
     options.mode = blockModeByName(*mode);
   options.provenance = std::filesystem::path(path).filename().string();
@@ -174,8 +178,14 @@ Command compressCommand() {
             .help = "transform of all blocks; auto: the best one for each",
             .initial = "auto",
             .choices = {"auto", "haar", "cdf53", "cdf97"}},
-           {.name = "fast",
-            .help = "choose from fewer transforms: faster, but slightly larger files"},
+           {.name = "effort",
+            .kind = kInteger,
+            .value = "N",
+            .help = "1: fastest, to 9: smallest files; docs/codec-effort.md says what each does",
+            .initial = "5",
+            .least = kLeastEffort,
+            .most = kGreatestEffort},
+           {.name = "fast", .help = "the same as --effort 2"},
            {.name = "block-mode",
             .kind = kChoice,
             .value = "SUPPORT:WAVELET:TIME",
