@@ -33,12 +33,12 @@ struct EffortPlan {
 constexpr EffortPlan planOf(int effort) {
   using enum EffortPlan::Modes;
   constexpr std::array<EffortPlan, kGreatestEffort> kPlans{{
-      {kFew, 0, false, 16, 0.94},
-      {kFew, 0, false, 8, 0.97},
-      {kUsual, 0, false, 8, 0.98},
-      {kAll, 0, false, 4, 0.985},
-      {kAll, 2, false, 4, 0.985},
-      {kAll, 3, false, 2, 0.99},
+      {kFew, 0, false, 32, 0.94},
+      {kFew, 0, false, 16, 0.97},
+      {kUsual, 0, false, 16, 0.98},
+      {kAll, 0, false, 16, 0.985},
+      {kAll, 2, false, 16, 0.985},
+      {kAll, 3, false, 4, 0.99},
       {kAll, 3, true, 2, 0.99},
       {kAll, ModeChoice::kAll, true, 1, 0.99},
       {kEach, ModeChoice::kAll, true, 1, 0.995},
