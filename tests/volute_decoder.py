@@ -22,8 +22,8 @@ def check(condition, message):
     if not condition:
         raise SystemExit(message)
 
+# Numbers of a payload, from its first byte on.
 class Reader:
-    """Numbers of a payload, from its first byte on."""
     def __init__(self, data):
         self.data, self.at = data, 0
     def take(self, count):
@@ -33,6 +33,8 @@ class Reader:
     def unpack(self, form):
         values = struct.unpack("<" + form, self.take(struct.calcsize("<" + form)))
         return values if len(values) > 1 else values[0]
+    def floats(self, count):
+        return struct.unpack(f"<{count}f", self.take(4 * count))
     def varint(self):
         value = 0
         for shift in range(0, 70, 7):
@@ -49,19 +51,16 @@ class Reader:
     def string(self):
         return self.bytes().decode()
 
+# A packed payload (3).
 def unpacked(payload):
-    """A packed payload (3)."""
     if payload[0] == 0:
         return payload[1:]
     check(payload[0] == 1, "a payload is packed in an unknown way")
-    zstd, frame = ctypes.CDLL("libzstd.so.1"), bytes(payload[1:])
-    zstd.ZSTD_getFrameContentSize.restype = ctypes.c_ulonglong
-    zstd.ZSTD_decompress.restype = ctypes.c_size_t
-    size = zstd.ZSTD_getFrameContentSize(frame, ctypes.c_size_t(len(frame)))
-    content = ctypes.create_string_buffer(max(size, 1))
-    got = zstd.ZSTD_decompress(content, ctypes.c_size_t(size), frame, ctypes.c_size_t(len(frame)))
-    check(got == size, "a zstd frame is damaged")
-    return content.raw[:size]
+    decompress, frame, content = ctypes.CDLL("libzstd.so.1").ZSTD_decompress, bytes(payload[1:]), ctypes.create_string_buffer(1 << 26)
+    decompress.restype = ctypes.c_size_t
+    size = decompress(content, ctypes.c_size_t(len(content)), frame, ctypes.c_size_t(len(frame)))
+    check(size <= len(content), "a zstd frame is damaged, or of more than 64 MiB")
+    return ctypes.string_at(content, size)
 
 # ---- 8.2, 8.3: bits and contexts ---------------------------------------------------------------
 
@@ -71,25 +70,22 @@ S, Z, W = ([sum(n > limit for limit in LIMITS[name]) for n in range(20000)] for 
 
 SHAPES = {"shaped": (1,), "wavelet": (2,), "time": (3,), "end": (1,), "line": (2,), "support": (4096,), "scaling": (32,),
           "cell": (4, 10, 6, 4), "zero": (4, 5, 10, 6, 6), "size": (4, 5, 15, 16), "long": (15, 32), "corrected": (3,),
-          "correction": (32,)}
+          "correction": (32,), "full": (1,), "coded": (1,), "other": (1,), "other voxel": (3, 3, 3, 3), "outliers": (4,)}
 FIRST = dict(zip(SHAPES, itertools.accumulate([0] + [math.prod(shape) for shape in SHAPES.values()])))
 CONTEXTS = sum(math.prod(shape) for shape in SHAPES.values())
 
 def context(name, *index):
-    place = 0
-    for size, i in zip(SHAPES[name], index):
-        place = place * size + i
-    return FIRST[name] + place
+    return FIRST[name] + functools.reduce(lambda place, next: place * next[0] + next[1], zip(SHAPES[name], index), 0)
 
+# S of a context of cell or zero; None for other ones.
 def sum_class(number):
-    """S of a context of cell or zero; None for other ones."""
     for name in ("cell", "zero"):
         inner = math.prod(SHAPES[name][-2:])
         if 0 <= number - FIRST[name] < math.prod(SHAPES[name]):
             return (number - FIRST[name]) // inner % 10
 
+# The bits of a segment.
 class Bits:
-    """The bits of a segment."""
     def __init__(self, data, contexts):
         self.data, self.contexts = data, contexts
         self.range, self.code, self.at = 2**64 - 1, int.from_bytes(data[:8].ljust(8, b"\0"), "big"), 8
@@ -113,14 +109,11 @@ class Bits:
         byte = self.data[-1 - self.evens // 8]
         self.evens += 1
         return byte >> ((self.evens - 1) % 8) & 1
+    # A number of so many bits, whose first is 1.
     def below_first(self, bits):
-        """A number of so many bits, whose first is 1."""
-        value = 1
-        for _ in range(bits - 1):
-            value = 2 * value + self.even()
-        return value
+        return functools.reduce(lambda value, _: 2 * value + self.even(), range(bits - 1), 1)
+    # A number as the scaling coefficients have (8.6).
     def signed(self, contexts):
-        """A number as the scaling coefficients have (8.6)."""
         bits = 0
         while bits < 30 and self.bit(contexts + bits):
             bits += 1
@@ -129,8 +122,8 @@ class Bits:
         value = self.below_first(bits)
         return -value if self.even() else value
 
+# The contexts of the file (8.3).
 def context_table(data):
-    """The contexts of the file (8.3)."""
     if not data:
         return [[2000 + 4500 * s, 2] if s is not None else [32768, 0] for s in map(sum_class, range(CONTEXTS))]
     present, zero, negative, longer = 0, 2, 3, 4
@@ -155,8 +148,8 @@ NORMS = {"5/3": ([1, .866025404, .829156198, .819679816, .817293552], [1, 1.1989
          "9/7": ([1, .991440194, 1.015185928, 1.025715858, 1.028821294], [1, 1.020017629, .983471304, 1.019621394, 1.036880210]),
          "haar": ([1] * 5, [1] * 5)}
 
+# Undoes one halving of the last axis, in place.
 def unlift(x, mask, wavelet):
-    """Undoes one halving of the last axis, in place."""
     n = x.shape[-1]
     even = np.arange(n) % 2 == 0
     if wavelet == "haar":
@@ -182,8 +175,8 @@ def unlift(x, mask, wavelet):
         place = (even if step % 2 else ~even) & mask & ~lone
         x[...] = np.where(place, x - f32(factor) * total, x)
 
+# The synthesis norm of each coefficient of a block (t, z, y, x).
 def norms(shape, halved, wavelet):
-    """The synthesis norm of each coefficient of a block (t, z, y, x)."""
     lows, highs = NORMS[wavelet]
     norm = np.full(shape, math.prod(lows[h] for h in halved))
     for j in reversed(range(max(halved))):
@@ -198,8 +191,8 @@ def norms(shape, halved, wavelet):
             norm[tuple(place)] = value
     return norm
 
+# Undoes all halvings of a component (t, z, y, x); `halved`: how often each axis was.
 def inverse(values, mask, wavelet, halved):
-    """Undoes all halvings of a component (t, z, y, x); `halved`: how often each axis was."""
     for j in reversed(range(max(halved))):
         for axis in range(4):
             if j >= halved[axis]:
@@ -209,10 +202,16 @@ def inverse(values, mask, wavelet, halved):
 
 # ---- 8.4 to 8.7: a block -----------------------------------------------------------------------
 
+# Parameters of the codec (8.1, 10.1).
 class Codec:
-    """Parameters of the codec (8.1)."""
-    def __init__(self, data, channels):
+    def __init__(self, number, data, channels):
         r = Reader(data)
+        self.topology, self.background, self.inactive = number == 3, np.zeros(channels, f32), None
+        if self.topology:
+            one_value = r.unpack("B")
+            check(one_value < 2, "parameters of another version")
+            self.background = np.array(r.floats(channels), f32)
+            self.inactive = np.array(r.floats(channels), f32) if one_value else None
         self.unit, self.step, self.max_error = f32(2.0**r.zigzag()), r.unpack("d"), r.unpack("d")
         self.one, self.more = r.varint(), r.zigzag()
         self.color = np.array(r.unpack("9f"), f32).reshape(3, 3) if channels == 3 else np.ones((1, 1), f32)
@@ -221,8 +220,8 @@ class Codec:
 def halvings(n):
     return (n - 1).bit_length()
 
+# 8.5, as booleans (t, z, y, x).
 def support(bits, shape):
-    """8.5, as booleans (t, z, y, x)."""
     nt, nz, ny, nx = shape
     # One line of nothing around, on both sides of z and y and before t; columns -1 and nx are nothing too.
     s = np.zeros((nt + 1, nz + 2, ny + 2, nx + 2), np.int64)
@@ -241,8 +240,34 @@ def support(bits, shape):
             line[x] = bits.bit(context("support", sum(int(b) << i for i, b in enumerate(near))))
     return s[1:, 1:-1, 1:-1, 1:-1].astype(bool)
 
+# 10.2: 0 where a voxel is empty, 1 where it is active, 2 where it has a value and is not.
+def topology(bits, shape):
+    states = np.ones(shape, np.int64)
+    if bits.bit(context("full")):
+        return states
+    states[...] = support(bits, shape)
+    if bits.bit(context("other")):
+        for place in np.ndindex(*shape):
+            if not states[place]:
+                before = [states[place[:a] + (place[a] - 1,) + place[a + 1:]] if place[a] else 0 for a in range(4)]
+                states[place] = 2 * bits.bit(context("other voxel", *before))
+    return states
+
+# 10.2, as places and values.
+def outliers(bits, shape, channels):
+    found = []
+    if bits.bit(context("outliers", 0)):
+        for line in np.ndindex(*shape[:3]):
+            before = 0
+            for x in range(shape[3]) if bits.bit(context("outliers", 1)) else ():
+                before = bits.bit(context("outliers", 2 + before))
+                if before:
+                    words = [functools.reduce(lambda w, _: 2 * w + bits.even(), range(32), 0) for _ in range(channels)]
+                    found.append(((*line, x), np.array(words, np.uint32).view(f32)))
+    return found
+
+# Spacing and number of the cells of stride 2^j on each axis.
 def cell_grid(j, halved, shape):
-    """Spacing and number of the cells of stride 2^j on each axis."""
     spacing = [2**(j + 1) if j < h else 2**h for h in halved]
     return spacing, [-(-n // s) for n, s in zip(shape, spacing)]
 
@@ -250,8 +275,8 @@ BACK = [(2, tuple(-(i == a) for i in range(4))) for a in range(4)] + [
     (1, tuple(-1 if i == a else d if i == b else 0 for i in range(4)))
     for a in range(4) for b in range(a + 1, 4) for d in (-1, 1)]
 
+# One component of one stride: fills q (t, z, y, x) and mags (cells and 16).
 def decode_cells(bits, j, q, mags, coarse, mask, halved):
-    """One component of one stride: fills q (t, z, y, x) and mags (cells and 16)."""
     shape = q.shape
     spacing, count = cell_grid(j, halved, shape)
     high = [k for k in range(1, 16) if all(j < halved[a] for a in range(4) if k & (8 >> a))]
@@ -295,17 +320,32 @@ def decode_cells(bits, j, q, mags, coarse, mask, halved):
             mags[cell][k] = min(m, 255)
             q[places[k]] = -m if bits.even() else m
 
+# Puts in what no coefficients say (10.2).
+def known(codec, values, states, coded):
+    values[states == 0] = codec.background
+    if codec.inactive is not None:
+        values[(states == 2) & ~coded] = codec.inactive
+    return values
+
+# A block (t, z, y, x, c) of `shape` from its three tiers.
 def decode_block(codec, segments, shape, channels, low, high):
-    """A block (t, z, y, x, c) of `shape` from its three tiers."""
+    nothing = np.clip(np.zeros((*shape, channels), f32), low, high)
     if not segments[0]:
-        return np.clip(np.zeros((*shape, channels), f32), low, high)
+        return nothing
     contexts = [list(c) for c in codec.contexts]
     bits = Bits(segments[0], contexts)
-    shaped = bits.bit(context("shaped"))
+    coded, apart = np.ones(shape, bool), []
+    if codec.topology:
+        states = topology(bits, shape)
+        coded = (states == 1) | (states == 2) & (codec.inactive is None)
+        if not bits.bit(context("coded")):
+            return known(codec, nothing, states, coded)
+        apart = outliers(bits, shape, channels)
+    shaped = 0 if codec.topology and coded.all() else bits.bit(context("shaped"))
     wavelet = "9/7" if not bits.bit(context("wavelet", 0)) else "haar" if bits.bit(context("wavelet", 1)) else "5/3"
     m = bits.bit(context("time", 0))
     time = [[0, 1], [2, 4]][m][bits.bit(context("time", 1 + m))]
-    mask = support(bits, shape) if shaped else np.ones(shape, bool)
+    mask = np.ones(shape, bool) if not shaped else coded if codec.topology else support(bits, shape)
     space = halvings(max(shape[1:]))
     halved = [min(time, halvings(shape[0]))] + 3 * [space]
     q = np.zeros((channels, *shape), np.int64)
@@ -336,6 +376,10 @@ def decode_block(codec, segments, shape, channels, low, high):
         inverse(coefficients[c], mask, wavelet, halved)
     values = np.stack([np.where(mask, functools.reduce(np.add, codec.color[:, c, None, None, None, None] * coefficients) * codec.unit, f32(0))
                        for c in range(channels)], -1).clip(low, high)
+    if codec.topology:
+        known(codec, values, states, coded)
+    for place, value in apart:
+        values[place] = value.clip(low, high)
     if codec.max_error and segments[2] and bits.bit(context("end")):
         unit = 2 * (1 - 1 / 128) * codec.max_error
         for place in itertools.product(*map(range, shape[:3])):
@@ -351,10 +395,10 @@ def decode_block(codec, segments, shape, channels, low, high):
 
 # ---- 2 to 6: the container ---------------------------------------------------------------------
 
+# INFO (4) and what follows it for one grid.
 class Grid:
-    """INFO (4) and what follows it for one grid."""
-    def __init__(self, data):
-        r = Reader(data)
+    def __init__(self, codec, data):
+        r, self.codec = Reader(data), codec
         self.name = r.string()
         [r.string() for _ in range(3)]
         self.frames, *self.size, self.channels = [r.varint() for _ in range(5)]
@@ -373,38 +417,79 @@ class Grid:
             row += r.varint()
             self.parts.append((row, *r.unpack("2f"), r.bytes()))
     def read_index(self, data):
-        r, count = Reader(data), math.prod(self.blocks)
-        self.sizes = [[r.varint() for _ in range(count)] for _ in self.tiers]
-        self.crcs = [[r.unpack("I") if size else 0 for size in tier] for tier in self.sizes]
+        r, self.numbers = Reader(data), range(math.prod(self.blocks))
+        if self.codec == 3:
+            self.tile_pages = [(r.varint(), r.varint(), r.unpack("I")) for _ in range(r.varint())]
+            self.pages = [(r.varint(), r.varint(), r.varint(), r.unpack("I"), [r.varint() for _ in self.tiers])
+                          for _ in range(r.varint())]
+        else:
+            self.sizes = [[r.varint() for _ in self.numbers] for _ in self.tiers]
+            self.crcs = [[r.unpack("I") if size else 0 for size in tier] for tier in self.sizes]
         check(r.at == len(data), "INDX is too long")
+    # 6.1, 10.3; where they end.
+    def read_pages(self, data, at):
+        def page(size, crc):
+            nonlocal at
+            at += size
+            check(zlib.crc32(data[at - size:at]) == crc, "a page's checksum is wrong")
+            return Reader(unpacked(data[at - size:at]))
+        self.tiles, self.numbers, self.sizes, first = [[] for _ in range(self.frames)], [], [[] for _ in self.tiers], 0
+        starts = list(itertools.accumulate(step for step, _, _ in self.tile_pages)) + [self.blocks[0]]
+        for i, (_, size, crc) in enumerate(self.tile_pages):
+            r = page(size, crc)
+            for frame in range(16 * starts[i], min(16 * starts[i + 1], self.frames)):
+                origin, value = [0, 0, 0], [0.0] * self.channels
+                for _ in range(r.varint()):
+                    what = r.unpack("B")
+                    origin = [o + r.zigzag() for o in origin]
+                    value = value if what & 1 else r.floats(self.channels)
+                    self.tiles[frame].append((origin, 1 << (what >> 2), value))
+            check(r.at == len(r.data), "a page of tiles is too long")
+        for step, count, size, crc, totals in self.pages:
+            r, first = page(size, crc), first + step
+            self.numbers += itertools.accumulate([first] + [r.varint() for _ in range(count - 1)])
+            for tier, total in zip(self.sizes, totals):
+                tier += [r.varint() for _ in range(count)]
+                check(sum(tier[-count:]) == total, "a page's sizes do not add up")
+            check(r.at == len(r.data), "a page is too long")
+        return at
+    def segment(self, data, tier, i):
+        if self.codec == 3 and data:
+            check(zlib.crc32(data[:-4]) == struct.unpack("<I", data[-4:])[0], "a segment's checksum is wrong")
+            return data[:-4]
+        check(not data or zlib.crc32(data) == self.crcs[tier][i], "a segment's checksum is wrong")
+        return data
     def decode(self, data, offsets):
-        codec, low, high = Codec(self.parameters, self.channels) if not self.parts else None, self.low, self.high
+        parts = self.parts or [(0, self.low, self.high, b"")]
+        codecs = [Codec(self.codec, parameters or self.parameters, self.channels) for *_, parameters in parts]
         values = np.empty((self.frames, *self.size, self.channels), f32)
+        for codec, (row, *_) in zip(codecs, parts):
+            values[16 * row:] = codec.background
         ends = list(offsets)
-        for number, (t, z, y, x) in enumerate(itertools.product(*map(range, self.blocks))):
-            if self.parts and z == y == x == 0 and (here := [p for p in self.parts if p[0] == t]):
-                _, low, high, parameters = here[-1]
-                codec = Codec(parameters or self.parameters, self.channels)
+        for i, number in enumerate(self.numbers):
+            t, z, y, x = np.unravel_index(number, self.blocks)
+            part = max(p for p, (row, *_) in enumerate(parts) if row <= t)
+            codec, (_, low, high, _) = codecs[part], parts[part]
             segments = []
             for tier in range(len(self.tiers)):
-                size = self.sizes[tier][number]
-                segment = data[ends[tier]:ends[tier] + size]
-                check(not size or zlib.crc32(segment) == self.crcs[tier][number], "a segment's checksum is wrong")
-                segments.append(segment)
-                ends[tier] += size
-            corner = [16 * i for i in (t, z, y, x)]
+                ends[tier] += self.sizes[tier][i]
+                segments.append(self.segment(data[ends[tier] - self.sizes[tier][i]:ends[tier]], tier, i))
+            corner = [16 * int(n) for n in (t, z, y, x)]
             shape = tuple(min(16, n - c) for n, c in zip((self.frames, *self.size), corner))
             place = tuple(slice(c, c + n) for c, n in zip(corner, shape))
             values[place] = decode_block(codec, segments, shape, self.channels, f32(low), f32(high))
+        for frame, tiles in enumerate(self.tiles if self.codec == 3 else ()):
+            for origin, side, value in tiles:
+                values[(frame, *(slice(max(o, 0), max(o + side, 0)) for o in reversed(origin)))] = value
         return values if self.channels > 1 else values[..., 0]
 
+# The values of a grid, of the first one with values without a name.
 def read(path, name=None):
-    """The values of a grid, of the first one with values without a name."""
     with open(path, "rb") as file:
         data = file.read()
     check(data[:8] == b"\x89VLT\r\n\x1a\n", "no .volute file")
     major, _, codec, head, total, crc = struct.unpack_from("<HHIQQI", data, 8)
-    check(major == 1 and codec == 2, "another version")
+    check(major == 1 and codec in (2, 3), "another version")
     check(zlib.crc32(data[:32]) == crc and total == len(data), "the prologue is wrong, or the file was cut")
     at, grids, table = 36, [], None
     while at < head:
@@ -414,7 +499,7 @@ def read(path, name=None):
         check(zlib.crc32(payload) == struct.unpack_from("<I", data, at + 20 + size)[0], "a payload's checksum is wrong")
         at += 24 + size
         if kind == b"INFO":
-            grids.append(Grid(unpacked(payload)))
+            grids.append(Grid(codec, unpacked(payload)))
         elif kind == b"PART":
             grids[-1].read_parts(unpacked(payload))
         elif kind == b"INDX":
@@ -423,6 +508,8 @@ def read(path, name=None):
             check(flags & 1 or kind == b"GRDS", "an unknown chunk")
     check(at == head, "the last chunk does not end at headBytes")
     offsets, end = {grid.name: [] for grid in grids}, head
+    for grid in grids if codec == 3 else ():
+        end = grid.read_pages(data, end)
     for tier in range(3):
         for grid in grids:
             offsets[grid.name].append(end)

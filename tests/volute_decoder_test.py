@@ -23,6 +23,11 @@ FROZEN = {
     ("cache.volute", "velocity"): 0x0873EC49,
     ("cache.volute", "temperature"): 0xF1122D44,
     ("cache.volute", "solid"): 0x417714C0,  # a level set
+    ("codec3_topology.volute", None): 0x2093CCA1,  # a background, tiles, values of inactive voxels, an outlier
+    ("codec3_inactive_rgb.volute", None): 0x10B88569,  # one value of inactive voxels, a maximum error
+    ("codec3_dense.volute", None): 0x9A6A84A2,  # all voxels active or not by their values
+    ("codec3_cache.volute", "density"): 0xBD24EE3B,  # joined from two parts, tiles in the second
+    ("codec3_cache.volute", "temperature"): 0x95B1822D,
 }
 
 
@@ -42,15 +47,17 @@ class Frozen(unittest.TestCase):
                     self.assertEqual(zlib.crc32(np.load(out).tobytes()), crc)
 
     def test_damage_is_found(self):
-        whole = (DATA / "haar_corrected.volute").read_bytes()
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "damaged.volute"
-            for place in (20, 40, len(whole) // 2, len(whole) - 1):
-                damaged = bytearray(whole)
-                damaged[place] ^= 4
-                path.write_bytes(damaged)
-                with self.subTest(place=place), self.assertRaises(SystemExit):
-                    volute_decoder.read(path)
+            for name in ("haar_corrected.volute", "codec3_topology.volute"):
+                whole = (DATA / name).read_bytes()
+                head = int.from_bytes(whole[16:24], "little")  # pages of codec 3 follow it
+                for place in (20, 40, head + 1, head + 70, len(whole) // 2, len(whole) - 1):
+                    damaged = bytearray(whole)
+                    damaged[place] ^= 4
+                    path.write_bytes(damaged)
+                    with self.subTest(name=name, place=place), self.assertRaises(SystemExit):
+                        volute_decoder.read(path)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@
 #include <limits>
 #include <set>
 
-#include "volute/base/checksum.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/codec/container.hpp"
 #include "volute/codec/written_file.hpp"
@@ -16,20 +15,18 @@ namespace {
 
 struct BundlePart {
   InputFile file;
-  std::vector<SegmentEntry> segments;  ///< where they are in it
+  FileHead head;  ///< of it
 };
 
 Status copyTier(const BundlePart& part, std::size_t begin, std::size_t end, OutputFile& out) {
-  std::vector<std::byte> bytes;
   for (std::size_t i = begin; i < end; ++i) {
-    const SegmentEntry& segment = part.segments[i];
-    bytes.resize(segment.size);
-    VOLUTE_TRY(part.file.read(segment.offset, bytes));
-    if (crc32(bytes) != segment.crc && segment.size != 0) {
+    const SegmentEntry& segment = part.head.segments[i];
+    const auto bytes = readSegment(part.file, part.head, segment);
+    if (!bytes) {
       return fail(ErrorCode::kInvalidData, "{}: is damaged at byte {}", part.file.path().string(),
                   segment.offset);
     }
-    VOLUTE_TRY(out.write(bytes));
+    VOLUTE_TRY(out.write(*bytes));
   }
   return {};
 }
@@ -55,7 +52,7 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
     if (row.empty)
       continue;
     VOLUTE_ASSIGN(auto file, InputFile::open(grid.file));
-    VOLUTE_ASSIGN(auto head, readHead(file, std::numeric_limits<std::uint64_t>::max()));
+    VOLUTE_ASSIGN(auto head, readHeadAndPages(file, std::numeric_limits<std::uint64_t>::max()));
     if (head.grids.size() != 1) {
       return fail(ErrorCode::kInvalidArgument, "{}: holds {} grids; expected one",
                   grid.file.string(), head.grids.size());
@@ -74,7 +71,7 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
                   target.string(), grid.name, head.header.codec, heads.front().info.name,
                   heads.front().header.codec);
     }
-    parts.push_back({std::move(file), head.segments});
+    parts.push_back({std::move(file), head});
     heads.push_back(std::move(head));
   }
   if (heads.empty())

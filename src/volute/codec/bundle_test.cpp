@@ -206,29 +206,33 @@ TEST(Bundle, APrefixPlaysAllGridsCoarsely) {
 
 // Tables that nobody writes: none crashes, and each is refused with a reason.
 TEST(GridTable, AnyBytesAreReadOrRefused) {
-  GridTable table;
-  table.rows.push_back({"a", false, staggered(3), {10, 20, 30}});
-  table.rows.push_back({"b", true, {}, {}});
-  const auto bytes = writeGridTable(table);
-  const auto back = readGridTable(bytes);
-  ASSERT_TRUE(back);
-  EXPECT_EQ(back->rows[0].description, table.rows[0].description);
-  EXPECT_EQ(back->rows[0].tierBytes, table.rows[0].tierBytes);
-  EXPECT_TRUE(back->rows[1].empty);
-  for (std::size_t size = 0; size < bytes.size(); ++size)
-    EXPECT_FALSE(readGridTable(std::span(bytes).first(size))) << size;
-  auto broken = bytes;
-  for (std::size_t at = 0; at < bytes.size(); ++at) {
-    for (int value = 0; value < 256; ++value) {
-      broken[at] = static_cast<std::byte>(value);
-      (void)readGridTable(broken);
+  for (const bool paged : {false, true}) {
+    GridTable table;
+    table.paged = paged;
+    table.rows.push_back({"a", false, staggered(3), {10, 20, 30}, paged ? 40u : 0u});
+    table.rows.push_back({"b", true, {}, {}});
+    const auto bytes = writeGridTable(table);
+    const auto back = readGridTable(bytes, paged);
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->rows[0].description, table.rows[0].description);
+    EXPECT_EQ(back->rows[0].tierBytes, table.rows[0].tierBytes);
+    EXPECT_EQ(back->rows[0].pageBytes, table.rows[0].pageBytes);
+    EXPECT_TRUE(back->rows[1].empty);
+    for (std::size_t size = 0; size < bytes.size(); ++size)
+      EXPECT_FALSE(readGridTable(std::span(bytes).first(size), paged)) << size;
+    auto broken = bytes;
+    for (std::size_t at = 0; at < bytes.size(); ++at) {
+      for (int value = 0; value < 256; ++value) {
+        broken[at] = static_cast<std::byte>(value);
+        (void)readGridTable(broken, paged);
+      }
+      broken[at] = bytes[at];
     }
-    broken[at] = bytes[at];
+    table.rows[1].name = "a";
+    EXPECT_FALSE(readGridTable(writeGridTable(table), paged));
+    table.rows.erase(table.rows.begin());
+    EXPECT_FALSE(readGridTable(writeGridTable(table), paged));  // all empty
   }
-  table.rows[1].name = "a";
-  EXPECT_FALSE(readGridTable(writeGridTable(table)));
-  table.rows.erase(table.rows.begin());
-  EXPECT_FALSE(readGridTable(writeGridTable(table)));  // all empty
 }
 
 }  // namespace

@@ -149,6 +149,7 @@ class Compressor {
         options.target.kind == Kind::kRmsOverAll || options.target.kind == Kind::kPsnr;
     parameters_.sparse = source.hasTopology() || !overAll;
     head_.header.codec = codec();
+    units_.setChecked(parameters_.sparse);
     head_.header.writtenBy = "volute " VOLUTE_VERSION;
     head_.header.provenance = options.provenance;
     head_.header.targetKind = nameOf(options.target.kind);
@@ -1016,7 +1017,7 @@ Result<double> Compressor::stepFromSome(double first) {
   constexpr double kFar = 1.15;
   VOLUTE_TRY(encodeAll(first, Way::kLearn));
   double step = betterStep();
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 2; ++i) {
     VOLUTE_TRY(encodeAll(step, Way::kTry));
     const double better = betterStep();
     const double change = std::max(better / step, step / better);

@@ -109,29 +109,6 @@ std::vector<std::byte> writeInfoChunk(const FileHead& head) {
   return pack({out.view()});
 }
 
-// Of each frame; a tile's place from the one before, and its value where that is another.
-std::vector<std::byte> writeTilesChunk(const FileHead& head) {
-  ByteWriter out;
-  const auto channels = static_cast<std::size_t>(head.info.channels);
-  for (const auto& frame : head.tiles) {
-    out.varint(frame.size());
-    Bricks::Tile before;
-    for (const Bricks::Tile& tile : frame) {
-      const bool same =
-          std::equal(tile.value.begin(), tile.value.begin() + static_cast<std::ptrdiff_t>(channels),
-                     before.value.begin());
-      const auto size =
-          static_cast<unsigned>(std::countr_zero(static_cast<std::uint64_t>(tile.side)));
-      out.u8(static_cast<std::uint8_t>(size << 2 | (tile.active ? 2u : 0u) | (same ? 1u : 0u)));
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        out.zigzag(tile.origin[axis] - before.origin[axis]);
-      for (std::size_t c = 0; !same && c < channels; ++c) out.f32(tile.value[c]);
-      before = tile;
-    }
-  }
-  return pack({out.view()});
-}
-
 // What the parts do not have in common.
 std::vector<std::byte> writePartsChunk(const FileHead& head) {
   ByteWriter out;
@@ -153,14 +130,6 @@ std::vector<std::byte> writePartsChunk(const FileHead& head) {
 std::vector<std::byte> writeIndexChunk(const FileHead& head) {
   ByteWriter sizes;
   ByteWriter checksums;
-  if (head.header.codec == static_cast<int>(kSparseCodec)) {
-    sizes.varint(head.blocks.size());
-    std::uint64_t before = 0;
-    for (const std::uint64_t block : head.blocks) {
-      sizes.varint(block - before);
-      before = block;
-    }
-  }
   for (const SegmentEntry& segment : head.segments) {
     sizes.varint(segment.size);
     if (segment.size != 0)
@@ -183,18 +152,16 @@ void writeChunk(ByteWriter& out, std::string_view type, std::span<const std::byt
 
 // ---- reading
 
-Status readPrologue(const InputFile& file, FileHead& head) {
+// @param bytes  those that a file begins with
+Status readPrologue(const InputFile& file, std::span<const std::byte> bytes, FileHead& head) {
   const std::string path = file.path().string();
-  std::array<std::byte, kPrologueBytes> bytes{};
-  const std::size_t present =
-      static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), bytes.size()));
-  VOLUTE_TRY(file.read(0, std::span(bytes).first(present)));
+  const std::size_t present = bytes.size();
   const auto magic = std::as_bytes(std::span(kMagic)).first(std::min(present, kMagic.size()));
   if (present == 0 || !std::equal(magic.begin(), magic.end(), bytes.begin())) {
     return fail(ErrorCode::kInvalidData,
                 "{}: is not a .volute file; expected one that starts with \\x89VLT", path);
   }
-  if (present < bytes.size()) {
+  if (present < kPrologueBytes) {
     return fail(ErrorCode::kTruncated,
                 "{}: ends at byte {} inside the prologue; nothing of it can be shown", path,
                 present);
@@ -206,7 +173,7 @@ Status readPrologue(const InputFile& file, FileHead& head) {
   const std::uint32_t codec = in.u32();
   head.headBytes = in.u64();
   head.fileBytes = in.u64();
-  if (!checksumMatches(std::span(bytes).first(kPrologueBytes - 4), in.u32())) {
+  if (!checksumMatches(bytes.first(kPrologueBytes - 4), in.u32())) {
     return fail(ErrorCode::kInvalidData,
                 "{}: is damaged in its first {} bytes: the checksum of the prologue is wrong", path,
                 kPrologueBytes);
@@ -250,7 +217,7 @@ Status checkSizes(const InputFile& file, const FileHead& head, std::uint64_t bud
 
 // Those of one grid.
 struct Chunks {
-  std::span<const std::byte> info, parts, tiles, index;  // parts and tiles may be empty
+  std::span<const std::byte> info, parts, index;  // parts may be empty
 };
 
 struct AllChunks {
@@ -299,7 +266,6 @@ Result<AllChunks> readChunks(std::span<const std::byte> bytes, const std::string
     std::span<const std::byte>& place = table            ? all.table
                                         : name == "INFO" ? grid.info
                                         : name == "PART" ? grid.parts
-                                        : name == "TILE" ? grid.tiles
                                                          : grid.index;
     const bool late = table ? !all.grids.empty() : all.grids.empty();
     if ((flags != 0 && !(table && flags == kSkippable)) || !place.empty() || payload.empty() ||
@@ -438,52 +404,6 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
   return {};
 }
 
-Status readTilesChunk(std::span<const std::byte> content, const std::string& path,
-                      std::uint64_t budget, FileHead& head) {
-  const auto malformed = [&path](std::string_view what) {
-    return fail(ErrorCode::kInvalidData, "{}: the TILE chunk is malformed: {}", path, what);
-  };
-  constexpr std::int64_t kFarthest = std::int64_t{1} << 40;
-  const auto channels = static_cast<std::size_t>(head.info.channels);
-  std::uint64_t held = 0;
-  ByteReader in(content);
-  for (int frame = 0; frame < head.info.frames; ++frame) {
-    const std::uint64_t count = in.varint();
-    if (!in.ok() || count > in.remaining())
-      return malformed("the number of tiles");
-    if ((held += count * sizeof(Bricks::Tile)) > budget) {
-      return fail(ErrorCode::kTooLarge, "{}: its tiles take more than the {} MiB allowed", path,
-                  budget >> 20);
-    }
-    auto& tiles = head.tiles.emplace_back();
-    Bricks::Tile tile;
-    for (std::uint64_t i = 0; i < count; ++i) {
-      const unsigned what = in.u8();
-      if ((what >> 2) < 3 || (what >> 2) > 30)
-        return malformed("the size of a tile");
-      tile.side = std::int64_t{1} << (what >> 2);
-      tile.active = (what & 2) != 0;
-      for (std::int64_t& place : tile.origin) {
-        const std::int64_t step = in.zigzag();
-        if (step < -kFarthest || step > kFarthest || (place += step) < -kFarthest ||
-            place > kFarthest)
-          return malformed("the place of a tile");
-      }
-      for (std::size_t c = 0; (what & 1) == 0 && c < channels; ++c) {
-        tile.value[c] = in.f32();
-        if (!std::isfinite(tile.value[c]))
-          return malformed("the value of a tile");
-      }
-      if (!in.ok())
-        return malformed("it ends early");
-      tiles.push_back(tile);
-    }
-  }
-  if (in.remaining() != 0)
-    return malformed("it goes on after its last frame");
-  return {};
-}
-
 // The first part begins with the first row, and each has rows.
 Status readPartsChunk(std::span<const std::byte> content, const std::string& path, int rows,
                       FileHead& head) {
@@ -526,11 +446,6 @@ Status readPartsChunk(std::span<const std::byte> content, const std::string& pat
   return {};
 }
 
-// Where the segments of one tier of one grid stand.
-struct TierPlace {
-  std::uint64_t begin = 0, bytes = 0;
-};
-
 // Of all grids, in the order of the table: tier by tier, and in each grid by grid.
 std::vector<std::vector<TierPlace>> placesOf(const GridTable& table, std::uint64_t begin) {
   std::vector<std::vector<TierPlace>> places(table.rows.size());
@@ -552,23 +467,8 @@ Status readIndexChunk(std::span<const std::byte> content, const std::string& pat
                       const BlockGrid& grid, std::span<const TierPlace> places, FileHead& head) {
   const std::size_t tiers = head.decoder->tierLevels().size();
   ByteReader in(content);
-  if (head.header.codec == static_cast<int>(kSparseCodec)) {
-    const std::uint64_t count = in.varint();
-    if (!in.ok() || count > in.remaining() / (1 + tiers) || count > grid.count())
-      return fail(ErrorCode::kInvalidData, "{}: the index gives an impossible number of blocks",
-                  path);
-    head.blocks.reserve(static_cast<std::size_t>(count));
-    std::uint64_t block = 0;
-    for (std::uint64_t i = 0; i < count; ++i) {
-      const std::uint64_t step = in.varint();
-      if (!in.ok() || step >= grid.count() - block || (i > 0 && step == 0))
-        return fail(ErrorCode::kInvalidData, "{}: the index names a block that cannot be", path);
-      head.blocks.push_back(block += step);
-    }
-  } else {
-    head.blocks.resize(grid.count());
-    std::iota(head.blocks.begin(), head.blocks.end(), std::uint64_t{0});
-  }
+  head.blocks.resize(grid.count());
+  std::iota(head.blocks.begin(), head.blocks.end(), std::uint64_t{0});
   const std::size_t blocks = head.blocks.size();
   head.segments.resize(blocks * tiers);
   std::uint64_t offset = head.headBytes;
@@ -603,14 +503,11 @@ Status readIndexChunk(std::span<const std::byte> content, const std::string& pat
   return {};
 }
 
-// The bytes that the content of an INDX chunk has at most; kTooLarge when a table of what codec 2
-// has in it does not fit.
+// The bytes that the content of an INDX chunk of codec 2 has at most; kTooLarge when a table of
+// what codec 2 has in it does not fit.
 Result<std::uint64_t> indexLimit(const FileHead& head, const std::string& path,
                                  std::uint64_t budget) {
   constexpr std::uint64_t kMaxEntryBytes = 5 + 4;
-  // Four bytes, a number and three sizes, become an entry of 56.
-  if (head.header.codec == static_cast<int>(kSparseCodec))
-    return budget / 16;
   const VolumeInfo& info = head.info;
   double blocks = static_cast<double>(head.decoder->tierLevels().size());
   for (const int side : {info.frames, info.z, info.y, info.x}) blocks *= (side + 15) / 16;
@@ -674,6 +571,10 @@ Status checkTable(const GridTable& table, const AllChunks& chunks, const FileHea
       if (tier > head.fileBytes || (bytes += tier) > head.fileBytes)
         return malformed("more bytes than the file has");
     }
+  for (const GridRow& row : table.rows) {
+    if (row.pageBytes > head.fileBytes || (bytes += row.pageBytes) > head.fileBytes)
+      return malformed("more bytes than the file has");
+  }
   if (bytes != head.fileBytes - head.headBytes)
     return malformed(fmt::format("it does not account for the file's {} bytes", head.fileBytes));
   return {};
@@ -772,8 +673,18 @@ std::vector<std::byte> writeHead(FileHead& head) {
 std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
                                  const FrameMetadata& fileMetadata, std::span<FileHead> heads) {
   ByteWriter chunks;
+  const bool paged = heads.front().header.codec == static_cast<int>(kSparseCodec);
+  std::vector<WrittenPages> pages;
+  std::uint64_t pageBytes = 0;
+  for (const FileHead& head : heads) {
+    if (!paged)
+      break;
+    pages.push_back(writePages(head.blocks, head.segments, head.decoder->tierLevels().size(),
+                               head.tiles, head.info.channels));
+    pageBytes += pages.back().pages.size();
+  }
   if (!grids.empty()) {
-    GridTable table{{}, fileMetadata};
+    GridTable table{{}, fileMetadata, paged};
     auto head = heads.begin();
     for (const VoluteGrid& grid : grids) {
       GridRow& row = table.rows.emplace_back();
@@ -786,21 +697,22 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
       row.tierBytes.assign(tiers, 0);
       for (std::size_t i = 0; i < head->segments.size(); ++i)
         row.tierBytes[i / head->blocks.size()] += head->segments[i].size;
+      if (paged)
+        row.pageBytes = pages[static_cast<std::size_t>(head - heads.begin())].pages.size();
       ++head;
     }
     // Who knows no tables finds the values of a single grid where they are without one.
     writeChunk(chunks, "GRDS", pack({writeGridTable(table)}), heads.size() == 1 ? kSkippable : 0);
   }
-  for (const FileHead& head : heads) {
+  for (std::size_t i = 0; i < heads.size(); ++i) {
+    const FileHead& head = heads[i];
     writeChunk(chunks, "INFO", writeInfoChunk(head));
     if (!head.parts.empty())
       writeChunk(chunks, "PART", writePartsChunk(head));
-    if (std::ranges::any_of(head.tiles, [](const auto& frame) { return !frame.empty(); }))
-      writeChunk(chunks, "TILE", writeTilesChunk(head));
-    writeChunk(chunks, "INDX", writeIndexChunk(head));
+    writeChunk(chunks, "INDX", paged ? pages[i].chunk : writeIndexChunk(head));
   }
   const std::uint64_t headBytes = kPrologueBytes + chunks.size();
-  std::uint64_t fileBytes = headBytes;
+  std::uint64_t fileBytes = headBytes + pageBytes;
   const auto tiersOf = [](const FileHead& head) { return head.decoder->tierLevels().size(); };
   std::size_t tiers = 0;
   for (const FileHead& head : heads) tiers = std::max(tiers, tiersOf(head));
@@ -827,6 +739,7 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
   out.u64(fileBytes);
   out.u32(crc32(out.view()));
   out.bytes(chunks.view());
+  for (const WrittenPages& one : pages) out.bytes(one.pages);
   return out.take();
 }
 
@@ -834,12 +747,27 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
   const std::uint64_t budget = std::max(maxMemory, std::uint64_t{64} << 20);
   const std::string path = file.path().string();
   FileHead head;
-  VOLUTE_TRY(readPrologue(file, head));
+  // Most heads are no longer.
+  constexpr std::uint64_t kFirstBytes = 16384;
+  std::vector<std::byte> whole(static_cast<std::size_t>(std::min(file.size(), kFirstBytes)));
+  VOLUTE_TRY(file.read(0, whole));
+  VOLUTE_TRY(readPrologue(file, whole, head));
   VOLUTE_TRY(checkSizes(file, head, budget / 4));
-  std::vector<std::byte> bytes(static_cast<std::size_t>(head.headBytes - kPrologueBytes));
-  VOLUTE_TRY(file.read(kPrologueBytes, bytes));
+  const std::size_t first = whole.size();
+  whole.resize(static_cast<std::size_t>(head.headBytes));
+  head.requests = 1;
+  head.bytesRead = first;
+  if (whole.size() > first) {
+    VOLUTE_TRY(file.read(first, std::span(whole).subspan(first)));
+    head.requests = 2;
+    head.bytesRead = whole.size();
+  }
+  const std::span<const std::byte> bytes = std::span(whole).subspan(kPrologueBytes);
   VOLUTE_ASSIGN(const AllChunks chunks, readChunks(bytes, path));
   std::vector<TierPlace> places;
+  const bool paged = head.header.codec == static_cast<int>(kSparseCodec);
+  std::uint64_t pagesBegin = head.headBytes;
+  std::optional<std::uint64_t> ownPages;
   std::size_t stream = 0;  // of those with values
   if (chunks.table.empty()) {
     VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.grids[0].info, budget / 32, path, "INFO"));
@@ -851,14 +779,20 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
     head.grids.push_back({head.info, head.header, {}, false, head.fileBytes - head.headBytes});
   } else {
     VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.table, budget / 64, path, "GRDS"));
-    auto table = readGridTable(content);
+    auto table = readGridTable(content, paged);
     if (!table) {
       return fail(ErrorCode::kInvalidData, "{}: the table of its grids is malformed: {}", path,
                   table.error().message);
     }
     VOLUTE_TRY(checkTable(*table, chunks, head, path));
     VOLUTE_ASSIGN(const std::size_t wanted, wantedGrid(*table, grid, path));
-    places = placesOf(*table, head.headBytes)[wanted];
+    std::uint64_t pageBytes = 0;
+    for (std::size_t i = 0; i < table->rows.size(); ++i) {
+      pageBytes += table->rows[i].pageBytes;
+      pagesBegin += i < wanted ? table->rows[i].pageBytes : 0;
+    }
+    places = placesOf(*table, head.headBytes + pageBytes)[wanted];
+    ownPages = table->rows[wanted].pageBytes;
     stream = static_cast<std::size_t>(std::count_if(
         table->rows.begin(), table->rows.begin() + static_cast<std::ptrdiff_t>(wanted),
         [](const GridRow& row) { return !row.empty; }));
@@ -870,20 +804,93 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
     VOLUTE_ASSIGN(const auto content, unpackChunk(own.parts, budget / 32, path, "PART"));
     VOLUTE_TRY(readPartsChunk(content, path, BlockGrid(head.info).counts()[0], head));
   }
-  if (!own.tiles.empty()) {
-    VOLUTE_ASSIGN(const auto content, unpackChunk(own.tiles, budget / 16, path, "TILE"));
-    VOLUTE_TRY(readTilesChunk(content, path, budget / 4, head));
+  if (paged) {
+    VOLUTE_ASSIGN(const auto content, unpackChunk(own.index, budget / 16, path, "INDX"));
+    const std::size_t tiers = head.decoder->tierLevels().size();
+    auto table = readPageTable(content, BlockGrid(head.info), tiers, pagesBegin, places);
+    if (!table) {
+      return fail(ErrorCode::kInvalidData, "{}: the INDX chunk is malformed: {}", path,
+                  table.error().message);
+    }
+    head.pages = std::move(*table);
+    std::uint64_t end = pagesBegin + head.pages.bytes();
+    for (const IndexPage& page : head.pages.pages)
+      end = std::accumulate(page.sizes.begin(), page.sizes.end(), end);
+    if (ownPages ? *ownPages != head.pages.bytes() : end != head.fileBytes) {
+      return fail(ErrorCode::kInvalidData, "{}: the index does not account for the file's {} bytes",
+                  path, head.fileBytes);
+    }
+    return head;
   }
   VOLUTE_ASSIGN(const std::uint64_t limit, indexLimit(head, path, budget));
   VOLUTE_ASSIGN(const auto content, unpackChunk(own.index, limit, path, "INDX"));
   constexpr std::uint64_t kMaxEntryBytes = 5 + 4;
-  if (head.header.codec == static_cast<int>(kWaveletCodec) &&
-      content.size() < limit / kMaxEntryBytes) {
+  if (content.size() < limit / kMaxEntryBytes) {
     return fail(ErrorCode::kInvalidData, "{}: the index has {} bytes for {} segments", path,
                 content.size(), limit / kMaxEntryBytes);
   }
   VOLUTE_TRY(readIndexChunk(content, path, BlockGrid(head.info), places, head));
   return head;
+}
+
+Status readPages(const InputFile& file, std::uint64_t maxMemory, FileHead& head) {
+  if (head.header.codec != static_cast<int>(kSparseCodec))
+    return {};
+  const std::uint64_t budget = std::max(maxMemory, std::uint64_t{64} << 20);
+  const BlockGrid grid(head.info);
+  const std::size_t tiers = head.decoder->tierLevels().size();
+  std::uint64_t count = 0;
+  for (const IndexPage& page : head.pages.pages) count += page.blocks;
+  const std::uint64_t block = sizeof(std::uint64_t) + tiers * sizeof(SegmentEntry);
+  if (count > budget / 2 / block) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: the index of its {} blocks takes more than the {} MiB of memory allowed",
+                file.path().string(), count, budget >> 21);
+  }
+  std::vector<PageContent> all;
+  for (const IndexPage& page : head.pages.pages) {
+    VOLUTE_ASSIGN(auto content, readIndexPage(file, page, grid, *head.decoder));
+    all.push_back(std::move(content));
+  }
+  for (const PageContent& page : all)
+    head.blocks.insert(head.blocks.end(), page.blocks.begin(), page.blocks.end());
+  for (std::size_t tier = 0; tier < tiers; ++tier) {
+    for (const PageContent& page : all) {
+      const auto own = static_cast<std::ptrdiff_t>(page.blocks.size());
+      const auto begin = page.segments.begin() + static_cast<std::ptrdiff_t>(tier) * own;
+      head.segments.insert(head.segments.end(), begin, begin + own);
+    }
+  }
+  for (std::size_t i = 0; i < head.pages.tiles.size(); ++i) {
+    const int end =
+        i + 1 < head.pages.tiles.size() ? head.pages.tiles[i + 1].firstRow : grid.counts()[0];
+    VOLUTE_ASSIGN(auto tiles, readTilePage(file, head.pages.tiles[i], end, grid, budget / 4));
+    head.tiles.resize(static_cast<std::size_t>(head.pages.tiles[i].firstRow) * BlockGrid::kSide);
+    head.tiles.insert(head.tiles.end(), tiles.begin(), tiles.end());
+  }
+  return {};
+}
+
+std::span<const std::byte> valuesOf(const FileHead& head, std::span<const std::byte> segment) {
+  const bool checked = head.header.codec == static_cast<int>(kSparseCodec) && !segment.empty();
+  return segment.first(segment.size() - (checked ? 4 : 0));
+}
+
+Result<FileHead> readHeadAndPages(const InputFile& file, std::uint64_t maxMemory,
+                                  const std::string& grid) {
+  VOLUTE_ASSIGN(auto head, readHead(file, maxMemory, grid));
+  VOLUTE_TRY(readPages(file, maxMemory, head));
+  return head;
+}
+
+Result<std::vector<std::byte>> readSegment(const InputFile& file, const FileHead& head,
+                                           const SegmentEntry& segment) {
+  std::vector<std::byte> bytes(segment.size);
+  VOLUTE_TRY(file.read(segment.offset, bytes));
+  const bool paged = head.header.codec == static_cast<int>(kSparseCodec);
+  if (segment.size > 0 && !(paged ? isIntact(bytes) : checksumMatches(bytes, segment.crc)))
+    return fail(ErrorCode::kInvalidData, "its checksum is wrong");
+  return bytes;
 }
 
 }  // namespace volute

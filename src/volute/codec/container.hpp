@@ -14,18 +14,12 @@
 #include "volute/base/result.hpp"
 #include "volute/codec/block_codec.hpp"
 #include "volute/codec/block_grid.hpp"
+#include "volute/codec/block_index.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/volume_info.hpp"
 
 namespace volute {
-
-/// Where one tier of one block lies in the file.
-struct SegmentEntry {
-  std::uint64_t offset = 0;
-  std::uint32_t size = 0;
-  std::uint32_t crc = 0;
-};
 
 /// Rows of blocks that were compressed together, of a file that was joined from several.
 struct FilePart {
@@ -34,9 +28,6 @@ struct FilePart {
   std::vector<std::byte> parameters{};  ///< of the codec
   std::shared_ptr<const BlockDecoder> decoder{};
 };
-
-/// The tiles of each frame.
-using FrameTiles = std::vector<std::vector<Bricks::Tile>>;
 
 /// All that stands before the values of a .volute file: docs/format.md, sections 2 to 6.
 struct FileHead {
@@ -50,9 +41,12 @@ struct FileHead {
   std::vector<std::uint64_t> blocks;
   /// Tier by tier, block by block of `blocks`, as in the file.
   std::vector<SegmentEntry> segments;
-  FrameTiles tiles{};  ///< empty, or of each frame
-  std::uint64_t headBytes = 0;
+  FrameTiles tiles{};           ///< empty, or of each frame
+  PageTable pages{};            ///< of codec 3: where the three above are
+  std::uint64_t headBytes = 0;  ///< up to the pages, or the segments where there are none
   std::uint64_t fileBytes = 0;
+  int requests = 0;             ///< in which the head was read
+  std::uint64_t bytesRead = 0;  ///< in them
   /// All grids of the file; what is above is of grids[grid].
   std::vector<VoluteGrid> grids{};
   std::size_t grid = 0;
@@ -81,7 +75,8 @@ struct FileHead {
 
 BlockShape shapeOf(const BlockGrid& grid, std::size_t block);
 
-/// The bytes of a head; sets headBytes, fileBytes and the segments' offsets from their sizes.
+/// The bytes up to the first segment; sets headBytes, fileBytes and the segments' offsets from
+/// their sizes.
 std::vector<std::byte> writeHead(FileHead& head);
 
 /// The same of a file with several grids.
@@ -93,8 +88,25 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
 /// Reads and checks a head, for one of its grids (VoluteReader::Options::grid). Takes any bytes: it
 /// allocates in proportion to what is there, and at most max(64 MiB, maxMemory). The file may end
 /// before its last segment (the caller compares its size with fileBytes), but not after it.
+/// Of codec 3 the pages are not read: blocks, segments and tiles are empty until readPages().
 [[nodiscard]] Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory,
                                         const std::string& grid = "");
+
+/// Fills in what the pages hold, of all blocks; codec 2 has it without.
+[[nodiscard]] Status readPages(const InputFile& file, std::uint64_t maxMemory, FileHead& head);
+
+/// Both.
+[[nodiscard]] Result<FileHead> readHeadAndPages(const InputFile& file, std::uint64_t maxMemory,
+                                                const std::string& grid = "");
+
+/// The bytes of a segment, which must be those that were written; an error is what is wrong, and
+/// wants a subject.
+[[nodiscard]] Result<std::vector<std::byte>> readSegment(const InputFile& file,
+                                                         const FileHead& head,
+                                                         const SegmentEntry& segment);
+
+/// Of the bytes of a segment those that are of values.
+std::span<const std::byte> valuesOf(const FileHead& head, std::span<const std::byte> segment);
 
 /// True when `crc` is the checksum of `bytes`. A fuzzer's build takes any, to reach what lies
 /// behind.

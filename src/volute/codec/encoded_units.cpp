@@ -144,8 +144,11 @@ EncodedUnits::Unit EncodedUnits::begin(std::int64_t number) const {
 Status EncodedUnits::append(std::uint64_t number, const EncodedBlock& block, Unit& unit) {
   unit.blocks.push_back(number);
   for (std::size_t tier = 0; tier < spools_.size(); ++tier) {
-    const auto& bytes = block.tiers[tier];
-    unit.segments.emplace_back(static_cast<std::uint32_t>(bytes.size()), crc32(bytes));
+    std::vector<std::byte> bytes = block.tiers[tier];
+    const std::uint32_t crc = crc32(bytes);
+    if (checked_ && !bytes.empty())
+      appendChecksum(bytes);
+    unit.segments.emplace_back(static_cast<std::uint32_t>(bytes.size()), crc);
     unit.sizes[tier] += bytes.size();
     VOLUTE_TRY(spools_[tier].write(bytes));
   }

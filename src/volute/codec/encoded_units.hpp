@@ -85,6 +85,9 @@ class EncodedUnits {
 
   EncodedUnits(const UnitPlan& plan, Team& team) : plan_(plan), team_(team) {}
 
+  /// Before the first block: of codec 3, whose segments have their checksums behind them.
+  void setChecked(bool checked) { checked_ = checked; }
+
   /// Makes the files beside the target.
   [[nodiscard]] Status open(const std::filesystem::path& target);
 
@@ -123,6 +126,7 @@ class EncodedUnits {
  private:
   const UnitPlan& plan_;
   Team& team_;
+  bool checked_ = false;
   std::vector<Spool> spools_;  // one a tier
   std::vector<Unit> units_;
   std::vector<int> ranks_;  // of rank 0: who has which unit

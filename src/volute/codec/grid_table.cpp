@@ -113,7 +113,7 @@ bool readDescription(ByteReader& in, GridDescription& grid) {
   return in.ok();
 }
 
-bool readRow(ByteReader& in, GridRow& row) {
+bool readRow(ByteReader& in, bool paged, GridRow& row) {
   row.name = in.string();
   const int flags = in.u8();
   if (!in.ok() || flags > (kEmptyGrid | kDescribedGrid))
@@ -127,6 +127,7 @@ bool readRow(ByteReader& in, GridRow& row) {
     if (row.tierBytes.back() >= std::uint64_t{1} << 56)  // so that sums do not overflow
       return false;
   }
+  row.pageBytes = paged && !row.empty ? in.varint() : 0;
   if ((flags & kDescribedGrid) == 0)
     return in.ok();
   // Bytes after what is read are for later minor versions.
@@ -145,6 +146,8 @@ std::vector<std::byte> writeGridTable(const GridTable& table) {
                                      (row.description ? kDescribedGrid : 0)));
     out.varint(row.tierBytes.size());
     for (const std::uint64_t bytes : row.tierBytes) out.varint(bytes);
+    if (table.paged && !row.empty)
+      out.varint(row.pageBytes);
     if (!row.description)
       continue;
     ByteWriter description;
@@ -156,14 +159,15 @@ std::vector<std::byte> writeGridTable(const GridTable& table) {
   return out.take();
 }
 
-Result<GridTable> readGridTable(std::span<const std::byte> content) {
+Result<GridTable> readGridTable(std::span<const std::byte> content, bool paged) {
   ByteReader in(content);
   GridTable table;
+  table.paged = paged;
   const std::uint64_t rows = in.varint();
   if (!in.ok() || rows == 0 || rows > in.remaining())
     return fail(ErrorCode::kInvalidData, "the number of grids");
   for (std::uint64_t i = 0; i < rows; ++i) {
-    if (!readRow(in, table.rows.emplace_back()))
+    if (!readRow(in, paged, table.rows.emplace_back()))
       return fail(ErrorCode::kInvalidData, "grid {}", i + 1);
   }
   std::vector<std::string_view> names;

@@ -9,7 +9,6 @@
 #include <optional>
 #include <set>
 
-#include "volute/base/checksum.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/codec/bundle.hpp"
 #include "volute/codec/compress.hpp"
@@ -40,7 +39,7 @@ struct Part {
 Result<Part> openPart(const std::filesystem::path& path, std::uint64_t maxMemory,
                       const std::string& grid = "") {
   VOLUTE_ASSIGN(auto file, InputFile::open(path));
-  VOLUTE_ASSIGN(auto head, readHead(file, maxMemory, grid));
+  VOLUTE_ASSIGN(auto head, readHeadAndPages(file, maxMemory, grid));
   VoluteReader::Options options;
   options.maxMemory = maxMemory;
   options.grid = grid;
@@ -338,13 +337,12 @@ FileHead headOf(const std::vector<Part>& parts, const Errors& errors, const Rate
 }
 
 Status copySegment(const Part& part, const SegmentEntry& segment, OutputFile& out) {
-  std::vector<std::byte> bytes(segment.size);
-  VOLUTE_TRY(part.file.read(segment.offset, bytes));
-  if (crc32(bytes) != segment.crc) {
+  const auto bytes = readSegment(part.file, part.head, segment);
+  if (!bytes) {
     return fail(ErrorCode::kInvalidData, "{}: is damaged at byte {}; it cannot be joined",
                 part.name(), segment.offset);
   }
-  return out.write(bytes);
+  return out.write(*bytes);
 }
 
 Result<JoinReport> copyBlocks(const std::vector<Part>& parts, const std::filesystem::path& target,

@@ -304,6 +304,35 @@ TEST(Topology, TilesCostNothing) {
   EXPECT_NEAR(kept.report.support.share, 0.5, 1e-12);
 }
 
+// Two puffs a hundred thousand voxels apart, and tiles of many frames.
+TEST(Topology, ABoxBeyondAllMemoryHoldsTwoPuffs) {
+  constexpr int kSide = 100000;
+  auto frames = puffs(3);
+  for (Bricks& frame : frames) {
+    Bricks far = puff(12, {0, 0, 0});
+    far.shift({kSide - 48, kSide - 48, kSide - 48});
+    frame.append(far);
+    frame.addTile({{4096, 4096, 4096}, 1024, true, {2, 0, 0}});
+  }
+  BrickFrames source(volume(kSide, kSide, kSide), frames);
+  const ScratchFile file;
+  Progress progress;
+  CompressOptions options;
+  options.target = {Kind::kRms, 3e-3};
+  const auto report = compress(source, file.path(), options, progress);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_LE(report->support.rms, 3e-3);
+  const auto reader = VoluteReader::open(file.path());
+  ASSERT_TRUE(reader) << reader.error().message;
+  std::vector<Bricks> back(3);
+  const auto read = reader->readBricks(0, 0, 3, back);
+  ASSERT_TRUE(read) << read.error().message;
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(back[i].tiles().size(), 1u);
+    EXPECT_EQ(back[i].activeVoxels(), frames[i].activeVoxels());
+  }
+}
+
 TEST(Topology, LayersAreCompressedAsTheWhole) {
   const ScratchFile whole, layered;
   Progress progress;

@@ -3,6 +3,7 @@
 #include "volute/codec/volute_reader.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <utility>
 
 #include "volute/codec/container.hpp"
@@ -15,7 +16,18 @@ struct VoluteReader::Impl {
   using Index4 = BlockGrid::Index4;
 
   Impl(InputFile openFile, const Options& chosen, FileHead readHead)
-      : file(std::move(openFile)), options(chosen), head(std::move(readHead)), grid(head.info) {}
+      : file(std::move(openFile)), options(chosen), head(std::move(readHead)), grid(head.info) {
+    indexRequests = static_cast<std::uint64_t>(head.requests);
+    indexBytes = head.bytesRead;
+    if (!sparse()) {
+      // Codec 2 has its index in the head: one page, which is there.
+      head.pages.pages = {IndexPage{.blocks = head.blocks.size()}};
+      pages = {
+          std::make_shared<const PageContent>(std::move(head.blocks), std::move(head.segments))};
+    }
+    pages.resize(head.pages.pages.size());
+    tilePages.resize(head.pages.tiles.size());
+  }
 
   InputFile file;
   Options options;
@@ -23,14 +35,58 @@ struct VoluteReader::Impl {
   BlockGrid grid;
   mutable std::atomic<std::uint64_t> bytesRead{0};
   mutable std::atomic<std::uint64_t> blocksDecoded{0};
+  mutable std::atomic<std::uint64_t> indexRequests{0}, indexBytes{0};
+  // Those that were read, as many as memory allows.
+  mutable std::mutex mutex;
+  mutable std::vector<std::shared_ptr<const PageContent>> pages;
+  mutable std::vector<std::shared_ptr<const FrameTiles>> tilePages;
+  mutable std::uint64_t pageMemory = 0;
 
   std::size_t tiers() const { return head.decoder->tierLevels().size(); }
 
-  /// Of a block that is not in the file one without bytes.
-  const SegmentEntry& segment(std::size_t tier, std::size_t block) const {
-    static const SegmentEntry kNothing;
-    const std::size_t place = head.placeOf(block);
-    return place == head.blocks.size() ? kNothing : head.segment(tier, place);
+  /// Where a block is; one that is not in the file has no bytes.
+  struct Place {
+    bool occupied = false;
+    std::array<SegmentEntry, kMostTiers> segments{};
+  };
+
+  Result<std::shared_ptr<const PageContent>> page(std::size_t number) const;
+  Result<std::shared_ptr<const FrameTiles>> tilePage(std::size_t number) const;
+
+  /// A damaged page has nothing where only what is intact is asked for.
+  template <class Content>
+  Result<std::shared_ptr<const Content>> intact(Result<std::shared_ptr<const Content>> page) const {
+    return page || !options.partial ? std::move(page) : std::make_shared<const Content>();
+  }
+
+  Result<Place> placeOf(std::size_t block) const;
+
+  /// Makes room for more pages, where what is there takes too much.
+  void makeRoom(std::uint64_t bytes) const {
+    pageMemory += bytes;
+    if (pageMemory <= options.maxMemory / 8)
+      return;
+    pageMemory = bytes;
+    if (sparse())
+      std::ranges::fill(pages, nullptr);
+    std::ranges::fill(tilePages, nullptr);
+  }
+
+  /// Calls visit(tile) for the tiles of a frame.
+  template <class Visit>
+  Status visitTiles(int frame, const Visit& visit) const {
+    const auto& all = head.pages.tiles;
+    const auto next =
+        std::ranges::upper_bound(all, frame / BlockGrid::kSide, {}, &TilePage::firstRow);
+    if (next == all.begin())
+      return {};
+    const auto number = static_cast<std::size_t>(next - all.begin() - 1);
+    VOLUTE_ASSIGN(const auto tiles, intact(tilePage(number)));
+    const int first = all[number].firstRow * BlockGrid::kSide;
+    if (tiles->empty())
+      return {};
+    for (const Bricks::Tile& tile : (*tiles)[static_cast<std::size_t>(frame - first)]) visit(tile);
+    return {};
   }
 
   /// What is nowhere else said. Without topology the cache's own background, where there is one.
@@ -47,19 +103,21 @@ struct VoluteReader::Impl {
   bool sparse() const { return head.header.codec == static_cast<int>(kSparseCodec); }
 
   /// The blocks of the file in row `row`.
-  std::span<const std::uint64_t> blocksOf(int row) const {
+  Result<std::vector<std::uint64_t>> blocksOf(int row) const {
     const std::uint64_t first = static_cast<std::uint64_t>(row) * grid.rowCount();
-    const auto begin = std::ranges::lower_bound(head.blocks, first);
-    return {begin, std::lower_bound(begin, head.blocks.end(), first + grid.rowCount())};
+    return blocksBetween(first, first + grid.rowCount());
   }
 
-  void putTiles(std::size_t block, std::span<float> values) const;
+  Result<std::vector<std::uint64_t>> blocksBetween(std::uint64_t first, std::uint64_t end) const;
+  Status putTiles(std::size_t block, std::span<float> values) const;
   Status readBlockBricks(std::size_t block, int first, int end, std::span<Bricks> bricks) const;
 
   tl::unexpected<Error> blame(std::size_t block, std::uint64_t offset, ErrorCode code,
                               std::string_view what) const;
-  Status readSegment(std::size_t block, std::size_t tier, std::vector<std::byte>& bytes) const;
-  Result<std::vector<std::vector<std::byte>>> readTiers(std::size_t block, int levels) const;
+  Status readSegment(std::size_t block, const SegmentEntry& at,
+                     std::vector<std::byte>& bytes) const;
+  Result<std::vector<std::vector<std::byte>>> readTiers(std::size_t block, const Place& place,
+                                                        int levels) const;
   Status decodeBlock(std::size_t block, std::span<float> values, int levels,
                      BlockStates* states = nullptr) const;
   Status checkBox(const Index4& begin, const Index4& end, std::size_t values) const;
@@ -79,9 +137,70 @@ tl::unexpected<Error> VoluteReader::Impl::blame(std::size_t block, std::uint64_t
               offset, what);
 }
 
-Status VoluteReader::Impl::readSegment(std::size_t block, std::size_t tier,
+Result<std::shared_ptr<const PageContent>> VoluteReader::Impl::page(std::size_t number) const {
+  const std::lock_guard lock(mutex);
+  if (pages[number])
+    return pages[number];
+  const IndexPage& from = head.pages.pages[number];
+  ++indexRequests;
+  indexBytes += from.bytes;
+  auto content = readIndexPage(file, from, grid, *head.decoder);
+  if (!content)
+    return tl::unexpected(std::move(content).error());
+  makeRoom(content->blocks.size() * (sizeof(std::uint64_t) + tiers() * sizeof(SegmentEntry)));
+  return pages[number] = std::make_shared<const PageContent>(std::move(*content));
+}
+
+Result<std::shared_ptr<const FrameTiles>> VoluteReader::Impl::tilePage(std::size_t number) const {
+  const std::lock_guard lock(mutex);
+  if (tilePages[number])
+    return tilePages[number];
+  const auto& all = head.pages.tiles;
+  const int end = number + 1 < all.size() ? all[number + 1].firstRow : grid.counts()[0];
+  ++indexRequests;
+  indexBytes += all[number].bytes;
+  VOLUTE_ASSIGN(auto tiles, readTilePage(file, all[number], end, grid, options.maxMemory / 4));
+  std::uint64_t count = 0;
+  for (const auto& frame : tiles) count += frame.size();
+  makeRoom(count * sizeof(Bricks::Tile));
+  return tilePages[number] = std::make_shared<const FrameTiles>(std::move(tiles));
+}
+
+Result<VoluteReader::Impl::Place> VoluteReader::Impl::placeOf(std::size_t block) const {
+  Place place;
+  const auto& all = head.pages.pages;
+  const auto next = std::ranges::upper_bound(all, block, {}, &IndexPage::firstBlock);
+  if (next == all.begin())
+    return place;
+  VOLUTE_ASSIGN(const auto content, intact(page(static_cast<std::size_t>(next - all.begin() - 1))));
+  const auto& blocks = content->blocks;
+  const auto at = std::ranges::lower_bound(blocks, block);
+  if (at == blocks.end() || *at != block)
+    return place;
+  place.occupied = true;
+  const auto i = static_cast<std::size_t>(at - blocks.begin());
+  for (std::size_t tier = 0; tier < tiers(); ++tier)
+    place.segments[tier] = content->segments[tier * blocks.size() + i];
+  return place;
+}
+
+Result<std::vector<std::uint64_t>> VoluteReader::Impl::blocksBetween(std::uint64_t first,
+                                                                     std::uint64_t end) const {
+  std::vector<std::uint64_t> blocks;
+  const auto& all = head.pages.pages;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool after = i + 1 < all.size() && all[i + 1].firstBlock <= first;
+    if (after || all[i].firstBlock >= end)
+      continue;
+    VOLUTE_ASSIGN(const auto content, intact(page(i)));
+    const auto begin = std::ranges::lower_bound(content->blocks, first);
+    blocks.insert(blocks.end(), begin, std::lower_bound(begin, content->blocks.end(), end));
+  }
+  return blocks;
+}
+
+Status VoluteReader::Impl::readSegment(std::size_t block, const SegmentEntry& at,
                                        std::vector<std::byte>& bytes) const {
-  const SegmentEntry& at = segment(tier, block);
   bytes.clear();
   if (at.size == 0)
     return {};
@@ -89,23 +208,25 @@ Status VoluteReader::Impl::readSegment(std::size_t block, std::size_t tier,
     return blame(block, at.offset, ErrorCode::kTruncated,
                  fmt::format("the file ends at byte {} of {}", file.size(), head.fileBytes));
   }
-  bytes.resize(at.size);
-  VOLUTE_TRY(file.read(at.offset, bytes));
+  auto read = volute::readSegment(file, head, at);
   bytesRead += at.size;
-  if (!checksumMatches(bytes, at.crc))
-    return blame(block, at.offset, ErrorCode::kInvalidData, "its checksum is wrong");
+  if (!read)
+    return blame(block, at.offset, read.error().code, read.error().message);
+  bytes = std::move(*read);
+  bytes.resize(valuesOf(head, bytes).size());
   return {};
 }
 
 // The segments of the first `levels` levels; with `partial` only those before the first that is
 // damaged.
 Result<std::vector<std::vector<std::byte>>> VoluteReader::Impl::readTiers(std::size_t block,
+                                                                          const Place& place,
                                                                           int levels) const {
   std::vector<std::vector<std::byte>> result;
   int firstLevel = 0;
   for (std::size_t tier = 0; tier < tiers() && firstLevel < levels; ++tier) {
     std::vector<std::byte> bytes;
-    if (auto status = readSegment(block, tier, bytes); !status) {
+    if (auto status = readSegment(block, place.segments[tier], bytes); !status) {
       if (options.partial)
         break;
       return tl::unexpected(std::move(status).error());
@@ -117,17 +238,17 @@ Result<std::vector<std::vector<std::byte>>> VoluteReader::Impl::readTiers(std::s
 }
 
 // Tiles over what is decoded, which is background there.
-void VoluteReader::Impl::putTiles(std::size_t block, std::span<float> values) const {
-  if (head.tiles.empty())
-    return;
+Status VoluteReader::Impl::putTiles(std::size_t block, std::span<float> values) const {
+  if (head.pages.tiles.empty())
+    return {};
   const Index4 o = grid.origin(block), e = grid.extents(block);
   const IndexBox box{{o[3], o[2], o[1]}, {o[3] + e[3], o[2] + e[2], o[1] + e[1]}};
   const auto channels = static_cast<std::size_t>(grid.channels());
   for (int t = 0; t < e[0]; ++t) {
-    for (const Bricks::Tile& tile : head.tiles[static_cast<std::size_t>(o[0] + t)]) {
+    VOLUTE_TRY(visitTiles(o[0] + t, [&](const Bricks::Tile& tile) {
       const IndexBox part = tile.box().intersection(box);
       if (part.empty())
-        continue;
+        return;
       for (auto z = part.begin[2]; z < part.end[2]; ++z)
         for (auto y = part.begin[1]; y < part.end[1]; ++y) {
           const auto line =
@@ -138,16 +259,18 @@ void VoluteReader::Impl::putTiles(std::size_t block, std::span<float> values) co
           for (auto x = part.begin[0]; x < part.end[0]; ++x)
             to = std::copy_n(tile.value.begin(), channels, to);
         }
-    }
+    }));
   }
+  return {};
 }
 
 Status VoluteReader::Impl::decodeBlock(std::size_t block, std::span<float> values, int levels,
                                        BlockStates* states) const {
-  VOLUTE_ASSIGN(auto bytes, readTiers(block, levels));
+  VOLUTE_ASSIGN(const Place place, placeOf(block));
+  VOLUTE_ASSIGN(auto bytes, readTiers(block, place, levels));
   const BlockShape shape = shapeOf(grid, block);
   const BlockDecoder& decoder = head.decoderOf(grid.coordinate(block)[0]);
-  if (head.placeOf(block) != head.blocks.size())
+  if (place.occupied)
     ++blocksDecoded;
   Status status = decoder.decode(bytes, levels, shape, values, states);
   for (; !status && options.partial && !bytes.empty();
@@ -155,9 +278,8 @@ Status VoluteReader::Impl::decodeBlock(std::size_t block, std::span<float> value
     bytes.pop_back();
   }
   if (!status)
-    return blame(block, segment(0, block).offset, status.error().code, status.error().message);
-  putTiles(block, values);
-  return {};
+    return blame(block, place.segments[0].offset, status.error().code, status.error().message);
+  return putTiles(block, values);
 }
 
 // What of a block is in the frames first <= frame < end: bricks of 8^3 from its origin on.
@@ -351,7 +473,7 @@ Status VoluteReader::readBricks(int row, int first, int end, std::span<Bricks> b
                 "{}: frames {}:{} were asked of row {}, with room for {}",
                 impl.file.path().string(), first, end, row, bricks.size());
   }
-  const auto blocks = impl.blocksOf(row);
+  VOLUTE_ASSIGN(const auto blocks, impl.blocksOf(row));
   for (Bricks& frame : bricks) frame = Bricks(impl.grid.channels(), impl.backgroundOf(row));
   // Leaves of neighbouring blocks go behind each other, some blocks to a task.
   constexpr std::size_t kBlocksATask = 16;
@@ -369,10 +491,8 @@ Status VoluteReader::readBricks(int row, int first, int end, std::span<Bricks> b
       bricks[i].append(part[i]);
       part[i] = Bricks();
     }
-    if (!impl.head.tiles.empty()) {
-      for (const Bricks::Tile& tile : impl.head.tiles[static_cast<std::size_t>(first) + i])
-        bricks[i].addTile(tile);
-    }
+    VOLUTE_TRY(impl.visitTiles(first + static_cast<int>(i),
+                               [&](const Bricks::Tile& tile) { bricks[i].addTile(tile); }));
     bricks[i].sort();
   }
   return {};
@@ -380,7 +500,8 @@ Status VoluteReader::readBricks(int row, int first, int end, std::span<Bricks> b
 
 std::uint64_t VoluteReader::brickBytes(int row) const {
   std::uint64_t bytes = 0;
-  for (const std::uint64_t block : impl_->blocksOf(row))
+  // Where they cannot be told, reading says why.
+  for (const std::uint64_t block : impl_->blocksOf(row).value_or(std::vector<std::uint64_t>()))
     bytes += 5 * impl_->grid.values(static_cast<std::size_t>(block));
   return bytes;
 }
@@ -393,19 +514,34 @@ bool VoluteReader::hasTopology() const {
   return impl_->sparse();
 }
 
-std::span<const std::uint64_t> VoluteReader::occupied() const {
-  return impl_->head.blocks;
+Result<std::vector<std::uint64_t>> VoluteReader::occupied() const {
+  return impl_->blocksBetween(0, impl_->grid.count());
 }
 
-std::uint64_t VoluteReader::storedBytes(std::size_t block) const {
+std::uint64_t VoluteReader::occupiedCount() const {
+  std::uint64_t count = 0;
+  for (const IndexPage& page : impl_->head.pages.pages) count += page.blocks;
+  return count;
+}
+
+std::uint64_t VoluteReader::indexRequests() const {
+  return impl_->indexRequests;
+}
+
+std::uint64_t VoluteReader::indexBytes() const {
+  return impl_->indexBytes;
+}
+
+Result<std::uint64_t> VoluteReader::storedBytes(std::size_t block) const {
+  VOLUTE_ASSIGN(const auto place, impl_->placeOf(block));
   std::uint64_t bytes = 0;
-  for (std::size_t tier = 0; tier < impl_->tiers(); ++tier)
-    bytes += impl_->segment(tier, block).size;
+  for (const SegmentEntry& segment : place.segments) bytes += segment.size;
   return bytes;
 }
 
 Result<std::string> VoluteReader::describeBlock(std::size_t block) const {
-  VOLUTE_ASSIGN(const auto tiers, impl_->readTiers(block, 1));
+  VOLUTE_ASSIGN(const auto place, impl_->placeOf(block));
+  VOLUTE_ASSIGN(const auto tiers, impl_->readTiers(block, place, 1));
   return impl_->head.decoderOf(impl_->grid.coordinate(block)[0])
       .describe(tiers, shapeOf(impl_->grid, block));
 }
@@ -421,22 +557,37 @@ Result<Integrity> VoluteReader::verify(Progress& progress) const {
   integrity.expectedBytes = impl.head.fileBytes;
   integrity.presentBytes = impl.file.size();
   std::vector<std::byte> bytes;
+  for (std::size_t number = 0; number < impl.tilePages.size(); ++number) {
+    if (const auto tiles = impl.tilePage(number); !tiles && integrity.firstFault.empty())
+      integrity.firstFault = tiles.error().message;
+  }
   for (std::size_t tier = 0; tier < impl.tiers(); ++tier) {
     bool whole = true;
     progress.report("checking", static_cast<double>(tier), static_cast<double>(impl.tiers()));
-    for (const std::uint64_t number : impl.head.blocks) {
-      const auto block = static_cast<std::size_t>(number);
-      if (impl.segment(tier, block).size == 0)
+    const auto fault = [&](const Error& error) {
+      whole = false;
+      if (integrity.firstFault.empty())
+        integrity.firstFault = error.message;
+    };
+    for (std::size_t number = 0; number < impl.pages.size(); ++number) {
+      const auto page = impl.page(number);
+      if (!page) {
+        fault(page.error());
         continue;
-      if (progress.cancelled())
-        return fail(ErrorCode::kCancelled, "stopped");
-      ++integrity.segments;
-      if (const Status status = impl.readSegment(block, tier, bytes); status) {
-        ++integrity.intactSegments;
-      } else {
-        whole = false;
-        if (integrity.firstFault.empty())
-          integrity.firstFault = status.error().message;
+      }
+      const auto& blocks = (*page)->blocks;
+      for (std::size_t i = 0; i < blocks.size(); ++i) {
+        const SegmentEntry& segment = (*page)->segments[tier * blocks.size() + i];
+        if (segment.size == 0)
+          continue;
+        if (progress.cancelled())
+          return fail(ErrorCode::kCancelled, "stopped");
+        ++integrity.segments;
+        const auto block = static_cast<std::size_t>(blocks[i]);
+        if (const Status status = impl.readSegment(block, segment, bytes); status)
+          ++integrity.intactSegments;
+        else
+          fault(status.error());
       }
     }
     if (whole && integrity.firstFault.empty())

@@ -141,20 +141,26 @@ class VoluteReader {
   /// Whether the file keeps topology: which voxels are active, tiles and the background.
   bool hasTopology() const;
 
-  /// Numbers of the blocks that hold something.
-  std::span<const std::uint64_t> occupied() const;
+  /// Numbers of the blocks that hold something, and how many there are. The first reads the whole
+  /// index.
+  [[nodiscard]] Result<std::vector<std::uint64_t>> occupied() const;
+  std::uint64_t occupiedCount() const;
 
   /// A short description of how a block is coded. Reads its first tier.
   [[nodiscard]] Result<std::string> describeBlock(std::size_t block) const;
 
   /// Bytes that the values of a block take in the file.
-  std::uint64_t storedBytes(std::size_t block) const;
+  [[nodiscard]] Result<std::uint64_t> storedBytes(std::size_t block) const;
 
   std::uint64_t maxMemory() const;
 
   /// Bytes read and blocks decoded since open, for `extract`'s report.
   std::uint64_t bytesRead() const;
   std::uint64_t blocksDecoded() const;
+
+  /// Requests and bytes that the head and the index have taken since and with open.
+  std::uint64_t indexRequests() const;
+  std::uint64_t indexBytes() const;
 
   VoluteReader(VoluteReader&&) noexcept;
   VoluteReader& operator=(VoluteReader&&) noexcept;

@@ -9,6 +9,7 @@
 #include "volute/base/parallel.hpp"
 #include "volute/codec/byte_io.hpp"
 #include "volute/codec/codec_testing.hpp"
+#include "volute/codec/container.hpp"
 
 namespace volute {
 namespace {
@@ -239,7 +240,8 @@ TEST(VoluteReader, ARegionTouchesItsBlocksAlone) {
   ASSERT_TRUE(reader->readRegion(18, {17, 18, 33}, {21, 23, 39}, one));
   EXPECT_EQ(reader->blocksDecoded(), 1u);
   EXPECT_GT(reader->bytesRead(), 0u);
-  EXPECT_EQ(reader->bytesRead(), reader->storedBytes(reader->blocks().blockAt({1, 1, 1, 2})));
+  EXPECT_EQ(reader->bytesRead(),
+            reader->storedBytes(reader->blocks().blockAt({1, 1, 1, 2})).value());
   const auto expected = all->view().sub({18, 17, 18, 33, 0}, {1, 4, 5, 6, 1});
   for (int z = 0, i = 0; z < 4; ++z)
     for (int y = 0; y < 5; ++y)
@@ -312,6 +314,65 @@ TEST(VoluteReader, AFrameNeedsNoRowInMemory) {
   const auto tight = readBack(file.path(), {false, 100000});
   ASSERT_TRUE(all && tight);
   EXPECT_EQ(all->values, tight->values);
+}
+
+// A file of so many blocks in a box of 100,000^3 voxels, whose values are nowhere.
+void writeHugeFile(const std::filesystem::path& path, std::size_t blocks, FileHead& head) {
+  const ScratchFile small;
+  ASSERT_TRUE(compressTo(small.path(), plumes(18, 17, 9, 19), {Kind::kRms, 3e-3}));
+  const auto file = InputFile::open(small.path());
+  head = *readHeadAndPages(*file, std::uint64_t{1} << 30);
+  VolumeInfo& info = head.info;
+  info.x = info.y = info.z = 100000;
+  info.frames = 200;
+  info.frameNumbers.clear();
+  info.times.clear();
+  info.fillDefaults();
+  head.blocks.clear();
+  head.segments.clear();
+  std::uint64_t number = 12345;
+  for (std::size_t i = 0; i < blocks; ++i) {
+    head.blocks.push_back(number);
+    // Runs of neighbours, then a gap as to the next line of blocks, or to the next frames.
+    number += i % 7 != 0 ? 1 : i % 1001 == 0 ? std::uint64_t{6250} * 6250 * 30 : 6239 + i % 13;
+  }
+  for (std::size_t tier = 0; tier < 3; ++tier) {
+    for (std::size_t i = 0; i < blocks; ++i)
+      head.segments.push_back({0, static_cast<std::uint32_t>(40 + (i * 7919 >> 3) % 700), 0});
+  }
+  const auto bytes = writeHead(head);
+  const auto* first = reinterpret_cast<const char*>(bytes.data());
+  writeBytes(path, {first, first + bytes.size()});
+  std::filesystem::resize_file(path, head.fileBytes);
+}
+
+TEST(VoluteReader, ThreeRequestsTellWhereABlockIs) {
+  for (const std::size_t blocks : {1, 1000, 100000, 2000000}) {
+    const ScratchFile file;
+    FileHead head;
+    writeHugeFile(file.path(), blocks, head);
+    const auto reader = VoluteReader::open(file.path());
+    ASSERT_TRUE(reader) << reader.error().message;
+    EXPECT_EQ(reader->occupiedCount(), blocks);
+    const std::size_t at = blocks * 2 / 3;
+    std::uint64_t size = 0;
+    for (std::size_t tier = 0; tier < 3; ++tier) size += head.segments[tier * blocks + at].size;
+    EXPECT_EQ(reader->storedBytes(head.blocks[at]).value(), size);
+    EXPECT_LE(reader->indexRequests(), 3u) << blocks;
+    EXPECT_LE(reader->indexBytes(), 65536u) << blocks;
+    EXPECT_EQ(reader->storedBytes(0).value(), 0u);
+    const auto all = reader->occupied();
+    ASSERT_TRUE(all) << all.error().message;
+    EXPECT_EQ(*all, head.blocks);
+    EXPECT_LE(reader->indexBytes(), 16 * blocks + 16384) << blocks;
+    const auto opened = InputFile::open(file.path());
+    const auto again = readHeadAndPages(*opened, std::uint64_t{1} << 30);
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_TRUE(std::ranges::equal(
+        again->segments, head.segments, {},
+        [](const auto& s) { return std::pair(s.offset, s.size); },
+        [](const auto& s) { return std::pair(s.offset, s.size); }));
+  }
 }
 
 // Written from plumes(18, 17, 9, 19, 3) at a relative RMS of 0.03: it must read the same for ever.

@@ -81,8 +81,8 @@ void addHeader(Report& report, const VoluteReader& reader, std::uint64_t bytes) 
       .add("format", fmt::format("{}.{}", header.versionMajor, header.versionMinor))
       .add("written_by", header.writtenBy)
       .add("provenance", header.provenance)
-      .add("blocks", reader.occupied().size(),
-           fmt::format("{} of {}", reader.occupied().size(), reader.blocks().count()));
+      .add("blocks", reader.occupiedCount(),
+           fmt::format("{} of {}", reader.occupiedCount(), reader.blocks().count()));
 }
 
 void addIntegrity(Report& report, const Integrity& integrity, const VoluteReader& reader) {
@@ -104,12 +104,17 @@ void addBlocks(Report& report, const VoluteReader& reader) {
   nlohmann::ordered_json blocks = nlohmann::ordered_json::array();
   std::map<std::string, int> modes;
   std::string text;
-  for (const std::uint64_t number : reader.occupied()) {
+  // Pages of the index that are damaged are what the integrity says.
+  const auto occupied = reader.occupied();
+  if (!occupied)
+    return;
+  for (const std::uint64_t number : *occupied) {
     const auto i = static_cast<std::size_t>(number);
     const auto origin = grid.origin(i);
     const auto extents = grid.extents(i);
     const auto described = reader.describeBlock(i);
     const std::string mode = described ? *described : "damaged";
+    const std::uint64_t bytes = reader.storedBytes(i).value_or(0);
     ++modes[mode];
     blocks.push_back({{"block", i},
                       {"origin", {origin[3], origin[2], origin[1]}},
@@ -117,11 +122,11 @@ void addBlocks(Report& report, const VoluteReader& reader) {
                       {"frames",
                        {jsonFrame(info.frameNumbers[origin[0]], info.frameScale),
                         jsonFrame(info.frameNumbers[origin[0] + extents[0] - 1], info.frameScale)}},
-                      {"bytes", reader.storedBytes(i)},
+                      {"bytes", bytes},
                       {"mode", mode}});
     text += fmt::format("\n  {:>6}  frames {} to {}, voxels from {}, {}, {}: {} bytes, {}", i,
                         info.frameText(origin[0]), info.frameText(origin[0] + extents[0] - 1),
-                        origin[3], origin[2], origin[1], reader.storedBytes(i), mode);
+                        origin[3], origin[2], origin[1], bytes, mode);
   }
   auto counts = nlohmann::ordered_json::object();
   std::string countsText;
