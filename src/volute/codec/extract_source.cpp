@@ -266,7 +266,9 @@ Region fittingRegion(const VoluteReader& reader, std::span<const int> positions,
   const VolumeInfo& info = reader.info();
   const std::array<int, 3> size{info.x, info.y, info.z};
   Region region{size, {0, 0, 0}};
-  for (const std::uint64_t block : reader.occupied()) {
+  // An index that cannot be read is told when its values are.
+  const auto occupied = reader.occupied().value_or(std::vector<std::uint64_t>());
+  for (const std::uint64_t block : occupied) {
     const auto origin = grid.origin(static_cast<std::size_t>(block));
     const bool chosen = std::ranges::any_of(
         positions, [&](int position) { return position / kSide == origin[0] / kSide; });

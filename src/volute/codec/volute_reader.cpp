@@ -473,7 +473,7 @@ Status VoluteReader::readBricks(int row, int first, int end, std::span<Bricks> b
                 "{}: frames {}:{} were asked of row {}, with room for {}",
                 impl.file.path().string(), first, end, row, bricks.size());
   }
-  VOLUTE_ASSIGN(const auto blocks, impl.blocksOf(row));
+  VOLUTE_ASSIGN(const std::vector<std::uint64_t> blocks, impl.blocksOf(row));
   for (Bricks& frame : bricks) frame = Bricks(impl.grid.channels(), impl.backgroundOf(row));
   // Leaves of neighbouring blocks go behind each other, some blocks to a task.
   constexpr std::size_t kBlocksATask = 16;
