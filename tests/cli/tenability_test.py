@@ -2,8 +2,10 @@
 # SPDX-FileCopyrightText: The Volute authors
 """volute visibility: doses, limits and margins in cases written here; volute sweep: many of them."""
 import csv
+import hashlib
 import json
 import math
+import pathlib
 
 import support
 from sight_cases import FdsCase, Mesh, write_pvd, write_vtu
@@ -360,6 +362,186 @@ class Tenability(Cases):
         packed = (self.path("out") / "sight.csv.zst").read_bytes()
         self.assertEqual(packed[:4], b"\x28\xb5\x2f\xfd")
         self.assertEqual(self.report("out")["sight_file"], "sight.csv.zst")
+
+
+class Areas(Cases):
+    """Two rooms of a hall, x = 0 to 10 and 10 to 20, with a door of 1 m; it is hot in the first one."""
+
+    def rooms(self):
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (80, 16, 12), [(10, 10.25, 0, 1.5, 0, 3), (10, 10.25, 2.5, 4, 0, 3)])
+        hot = ("TEMPERATURE", "C", lambda t, x, *_: 20 + (t if x < 10 else t / 4))
+        return FdsCase([mesh], [0.0, 30.0, 60.0, 90.0], lambda t, *_: 1e-4 * t, more=[hot]).write(self.folder)
+
+    def look(self, areas=None, *more, out="out", case=None, height=1.5):
+        words = []
+        if areas is not None:
+            self.path("areas.json").write_text(json.dumps(areas))
+            words = ["--areas", self.path("areas.json")]
+        self.works("visibility", case or self.rooms(), "--signs", self.signs(), "--criteria",
+                   self.criteria({"name": "hot", "kind": "temperature", "limit": 60}), "--height", height, "--step", 0.5, "--maps", "aset",
+                   *words, *more, "-o", self.path(out))
+        return self.report(out)
+
+    def test_rooms_are_found_with_their_doors_and_have_verdicts(self):
+        report = self.look(None, "--rset", 50)
+        first, second = report["areas"]
+        self.assertEqual((first["name"], second["name"]), ("room 1", "room 2"))
+        self.assertAlmostEqual(first["floor_area"], 40, delta=2)
+        self.assertEqual((first["aset"]["time"], first["aset"]["by"]), (30, "hot"))
+        self.assertIsNone(second["aset"]["time"])
+        self.assertIs(second["aset"]["known"], True)
+        self.assertEqual((first["margin"]["value"], second["margin"]["points_too_late"]), (-20, 0))
+        (door,) = report["doors"]
+        self.assertEqual(door["between"], ["room 1", "room 2"])
+        self.assertAlmostEqual(door["position"][1], 2, delta=0.3)
+        self.assertAlmostEqual(door["width"], 1, delta=0.25)
+        self.assertEqual(report["area_rows"][1][3], "room 1")
+        sentences = [one["sentence"] for one in report["verdict"]]
+        self.assertTrue([one for one in sentences if one.startswith("Of 2 rooms the first is 'room 1': ASET 30 s")], sentences)
+        with open(self.path("out") / "areas.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([(row["name"], row["aset"], row["aset_known"], row["margin"]) for row in rows],
+                         [("room 1", "30.0", "yes", "-20.0"), ("room 2", "", "yes", "")])
+        self.assertIn("Rooms and areas", (self.path("out") / "report.html").read_text())
+        self.assertTrue((self.path("out") / "areas.png").exists())
+
+    def test_named_areas_routes_and_exits_win_and_have_their_own_times(self):
+        """An area that is not for people takes its points out of the verdict of all; each has its RSET."""
+        areas = {"areas": [{"name": "hot half", "polygon": [[0, 0], [5, 0], [5, 4], [0, 4]], "people": False},
+                           {"name": "the rest", "polygon": [[5, 0], [9.9, 0], [9.9, 4], [5, 4]], "rset": 40}],
+                 "exits": [{"name": "east", "line": [[20, 1], [20, 3]]}],
+                 "routes": [{"name": "out", "line": [[6, 2], [20, 2]]}, {"name": "by names", "areas": ["east"]}]}
+        report = self.look(areas)
+        found = {one["name"]: one for one in report["areas"]}
+        self.assertEqual(list(found), ["hot half", "the rest", "east", "out", "by names", "room 2"])
+        self.assertEqual(found["hot half"]["aset"]["time"], 30)
+        self.assertAlmostEqual(found["the rest"]["floor_area"], 19.6)
+        self.assertEqual(found["the rest"]["margin"]["value"], -10)
+        self.assertEqual(found["out"]["aset"]["time"], 30)
+        self.assertIsNone(found["east"]["aset"]["time"])
+        self.assertEqual(found["by names"]["points"], found["east"]["points"])
+        self.assertTrue(report["plan_use"][1].startswith("n" * 10 + "p"))
+        self.assertTrue([one for one in report["verdict"] if "named as not for people (hot half)" in one["sentence"]])
+        self.assertTrue([one for one in report["verdict"] if one["criterion"] == "area the rest" and "ASET - RSET is -10 s" in
+                         one["sentence"]])
+
+    def test_required_times_of_rooms_by_name(self):
+        self.path("rset.csv").write_text("room;rset [min]\nroom 1;1\nroom 2;0.5\n")
+        report = self.look(None, "--rset", self.path("rset.csv"))
+        self.assertEqual([one["margin"]["value"] for one in report["areas"]], [-30, None])
+        self.assertEqual(report["tenability"]["rset"]["rows"][1][3], 60)
+        self.path("rset.csv").write_text("area,rset\nhall,60\n")
+        words = ("visibility", self.rooms(), "--signs", self.signs(), "--rset", self.path("rset.csv"), "-o", self.path("x"))
+        self.assertIn("no room or area of the plan at z = 2 m is named 'hall'; expected some of room 1, room 2", self.fails(2, *words))
+        for lines, saying in (("room 1,5\nroom 1,6\n", "line 3: 'room 1' is there twice"), ("room 1,-5\n", "line 2: rset is -5 s")):
+            self.path("rset.csv").write_text("area,rset\n" + lines)
+            self.assertIn(saying, self.fails(1, *words))
+
+    def test_people_of_no_storey_and_times_that_go_back_are_told(self):
+        self.path("walk.csv").write_text("id,time,x,y,z\n1,10,5,1,1.5\n1,0,5,1,1.5\n2,0,5,1,9\n")
+        result = self.works("visibility", self.rooms(), "--signs", self.signs(), "--rset", self.path("walk.csv"), "--height", 1.5,
+                            "--step", 1, "--maps", "aset", "-o", self.path("out"))
+        self.assertIn("1 of 2 people are always on no storey whose eyes are at z = 1.5 m", result.message)
+        self.assertIn("line 3: time goes back there", result.message)
+
+    def test_criteria_by_name_depend_on_the_rooms_size(self):
+        """K rises by .005 1/m a second: 10 m of sight at 60 s, 5 m at 120 s; the rooms have 50 and 68 m2, the hall 120 m2."""
+        mesh = Mesh("hall", (0, 24, 0, 5, 0, 3), (48, 10, 6), [(10, 10.5, 0, 2, 0, 3), (10, 10.5, 3, 5, 0, 3)])
+        rooms = FdsCase([mesh], TIMES, lambda t, *_: 0.005 * t).write(self.folder, "rooms")
+        hall = FdsCase([Mesh("hall", (0, 24, 0, 5, 0, 3), (48, 10, 6))], TIMES, lambda t, *_: 0.005 * t).write(self.folder, "hall")
+        times = {}
+        for case in (rooms, hall):
+            self.works("visibility", case, "--signs", self.signs(), "--criteria", "nz-c4.3", "--height", 2, "--step", 0.5, "--maps", "aset",
+                       "-o", self.path("out"))
+            report = self.report("out")
+            self.assertEqual(report["criteria_profile"]["name"], "nz-c4.3")
+            for area in report["areas"]:
+                times[case.stem, area["name"]] = {one["criterion"]: one["time_interpolated"] for one in area["criteria"]
+                                                  if one["applies"] and one["time"] is not None}
+        self.assertAlmostEqual(times["hall", "room 1"]["visibility-10-m"], 60, 3)
+        self.assertNotIn("visibility-5-m", times["hall", "room 1"])
+        for name in ("room 1", "room 2"):
+            self.assertAlmostEqual(times["rooms", name]["visibility-5-m"], 120, 3)
+            self.assertNotIn("visibility-10-m", times["rooms", name])
+        page = (self.path("out") / "report.html").read_text()
+        self.assertIn("New Zealand Building Code", page)
+        message = self.fails(2, "visibility", hall, "--signs", self.signs(), "--criteria", "nz-c4.5", "-o", self.path("x"))
+        self.assertIn("expected none, usual, iso-13571, nz-c4.3, nz-c4.4 or a file", message)
+
+    def test_obscuration_and_optical_density_are_criteria(self):
+        """K = .001 t 1/m: 3.24 %/m, at which FDS's smoke detectors alarm, is K = .0329 1/m; D = .04 1/m is K = .0921 1/m."""
+        criteria = self.criteria({"name": "alarm", "kind": "obscuration", "limit": 3.24}, {"name": "od", "kind": "optical-density",
+                                                                                        "limit": 0.04})
+        self.works("visibility", self.case(), "--signs", self.signs(), "--criteria", criteria, "--height", 1.5, "--step", 1, "--maps", "aset",
+                   "-o", self.path("out"))
+        alarm, density = self.report("out")["tenability"]["criteria"]
+        self.assertAlmostEqual(alarm["rows_interpolated"][1][1], -1000 * math.log(1 - 0.0324), 3)
+        self.assertAlmostEqual(density["rows_interpolated"][1][1], 1000 * 0.04 * math.log(10), 3)
+
+    def test_points_know_no_rooms(self):
+        self.path("eyes.csv").write_text("x,y\n1,1\n")
+        self.works("visibility", self.rooms(), "--signs", self.signs(), "--criteria", "nz-c4.3", "--eyes", self.path("eyes.csv"),
+                   "--height", 1.5, "-o", self.path("out"))
+        names = {one["name"]: one.get("not_assessed") for one in self.report("out")["tenability"]["criteria"]}
+        self.assertIsNone(names["visibility-10-m"])
+        self.assertIn("rooms below 100 m2", names["visibility-5-m"])
+
+    def test_how_the_aset_depends_on_what_is_uncertain(self):
+        """K = .005 t everywhere, 10 m of sight: twice the smoke would halve the time."""
+        hall = FdsCase([Mesh("hall", (0, 20, 0, 4, 0, 3), (20, 4, 3))], TIMES, lambda t, *_: 0.005 * t).write(self.folder)
+        self.path("near.json").write_text(json.dumps({"signs": [{"name": "near", "position": [20, 2, 2], "normal": [1, 0, 0]}]}))
+        self.works("visibility", hall, "--signs", self.path("near.json"), "--criteria", self.criteria({"kind": "visibility", "limit": 10}),
+                   "--height", 1.5, "--step", 1, "--maps", "aset", "-o", self.path("out"))
+        found = self.report("out")["sensitivity_of_aset"]
+        self.assertAlmostEqual(found["base"]["time"], 60, 3)
+        rows = {row["name"]: (row["first"]["time"], row["second"]["time"]) for row in found["rows"]}
+        for name, first, second in (("soot yield, 25 % assumed", 48, 80), ("mass extinction, 8700 \u00b1 1100 m2/kg", 60 * 8700 / 9800,
+                                                                          60 * 8700 / 7600), ("C of the signs", 60, 60)):
+            self.assertAlmostEqual(rows[name][0], first, 2)
+            self.assertAlmostEqual(rows[name][1], second, 2)
+        self.assertEqual(found["rows"][0]["name"], "soot yield, 25 % assumed")
+        self.assertTrue((self.path("out") / "tornado.png").exists())
+        self.assertIn("Sensitivity of the ASET", (self.path("out") / "report.html").read_text())
+
+    def test_a_report_names_its_author_and_its_inputs(self):
+        self.look(None, "--title", "Hall <A>", "--project", "Museum", "--author", "A. Engineer", "--date", "2026-11-26")
+        document = self.report("out")["document"]
+        self.assertEqual((document["title"], document["project"], document["author"]), ("Hall <A>", "Museum", "A. Engineer"))
+        sums = {pathlib.Path(one["file"]).name: one["sha256"] for one in document["inputs"]}
+        for name in ("signs.json", "criteria.json"):
+            self.assertEqual(sums[name], hashlib.sha256(self.path(name).read_bytes()).hexdigest())
+        page = (self.path("out") / "report.html").read_text()
+        self.assertIn("<h1>Hall &lt;A&gt;</h1>", page)
+        self.assertIn(sums["signs.json"], page)
+        order = [page.index(f"<h2>{title}</h2>") for title in ("Verdict", "The study", "Signs and criteria of sight", "Rooms and areas",
+                                                              "Sensitivity of the ASET", "Limits of validity", "Input files", "Signatures")]
+        self.assertEqual(order, sorted(order))
+
+    def test_nobody_stands_on_furniture_or_under_low_ceilings(self):
+        """A desk of 2 x 1 x .75 m; a platform of .25 m before it; a duct at 1.5 m above another platform of 1 m."""
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (80, 16, 12),
+                    [(2, 4, 1, 2, 0, 0.75), (5, 6, 1, 3, 0, 0.25), (10, 18, 0, 4, 0, 1), (15, 18, 0, 4, 2.5, 3)])
+        case = FdsCase([mesh], [0.0, 10.0], lambda t, *_: 1e-3 * t).write(self.folder)
+        report = self.look(case=case)
+        row = report["plan_use"][2]
+        self.assertEqual(row[4:8], "uuuu")
+        self.assertEqual(row[10:12], "pp")
+        self.assertEqual(row[20:30], "p" * 10)
+        self.assertEqual(row[30:36], "l" * 6)
+        places = [one["sentence"] for one in report["verdict"] if one["criterion"] == "places"]
+        self.assertIn("less than 1.8 m of head room", places[0])
+        self.assertIn("on top of things", places[0])
+
+    def test_areas_elsewhere_are_refused(self):
+        case = self.rooms()
+        self.path("areas.json").write_text(json.dumps({"areas": [{"name": "far", "polygon": [[50, 0], [60, 0], [60, 9]]}]}))
+        words = ("visibility", case, "--signs", self.signs(), "--areas", self.path("areas.json"), "-o", self.path("out"))
+        self.assertIn("area 'far' holds no point of the plan at z = 2 m", self.fails(2, *words))
+        self.path("eyes.csv").write_text("x,y\n1,1\n")
+        self.assertIn("--areas: areas are of plans; --eyes has none", self.fails(2, *words, "--eyes", self.path("eyes.csv")))
+        self.path("areas.json").write_text(json.dumps({"storeys": [{"name": "up", "z": [3, 6]}], "areas": [
+            {"name": "far", "storey": "up", "polygon": [[0, 0], [9, 0], [9, 9]]}]}))
+        self.assertIn("'far' is on the storey 'up', z = 3 to 6 m, and no plan is made there", self.fails(1, *words))
 
 
 class Memory(Cases):

@@ -36,7 +36,8 @@ class Tutorials(support.TestCase):
         self.follow("effects", "cache.png", "cache.volute", "cache.mp4", "scene.png", "middle_0004.vdb")
 
     def test_fire_safety(self):
-        self.follow("fire-safety", "hall.png", "seen/report.html", "seen/visibility.json", "walked/report.html")
+        self.follow("fire-safety", "hall.png", "seen/report.html", "seen/visibility.json", "signed/areas.csv", "people/visibility.json",
+                    "margin/margin.png", "walked/report.html")
 
     def test_cameras(self):
         self.follow("cameras", "capture.volute", "report.html", "new.png", "new.mp4", "fire.npy")

@@ -338,6 +338,32 @@ bool hasFoamField(const std::filesystem::path& casePath, const std::string& fiel
   return folder && present(*folder / field);
 }
 
+std::vector<std::string> foamFields(const std::filesystem::path& casePath, double time) {
+  std::vector<std::string> names;
+  const auto folder = folderAt(casePath, time);
+  if (!folder)
+    return names;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(*folder, error)) {
+    if (!entry.is_regular_file(error))
+      continue;
+    const std::string head = withoutComments(beginOf(entry.path()));
+    const std::size_t type = head.find_first_not_of(" \t\r\n", head.find("class") + 5);
+    const std::string_view word = std::string_view(head).substr(std::min(type, head.size()));
+    if (head.find("class") == head.npos ||
+        !(word.starts_with("vol") || word.starts_with("point")) ||
+        word.substr(0, word.find(';')).find("Field") == word.npos)
+      continue;
+    std::string name = entry.path().filename().string();
+    if (name.ends_with(".gz"))
+      name.resize(name.size() - 3);
+    names.push_back(std::move(name));
+  }
+  std::ranges::sort(names);
+  names.erase(std::ranges::unique(names).begin(), names.end());
+  return names;
+}
+
 Status checkFoamDecomposed(const std::filesystem::path& casePath) {
   const auto folder = casePath.parent_path().empty() ? "." : casePath.parent_path();
   std::error_code error;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "volute/base/result.hpp"
 
@@ -28,6 +29,11 @@ using FoamDimensions = std::array<double, 7>;
 /// Whether a file of this name, packed or not, is in the folder of a time [s].
 [[nodiscard]] bool hasFoamField(const std::filesystem::path& casePath, const std::string& field,
                                 double time);
+
+/// The fields of cells and points whose files are in the folder of a time [s], in order of their
+/// names.
+[[nodiscard]] std::vector<std::string> foamFields(const std::filesystem::path& casePath,
+                                                  double time);
 
 /// Refuses a case that is decomposed, and says how to put it together.
 [[nodiscard]] Status checkFoamDecomposed(const std::filesystem::path& casePath);

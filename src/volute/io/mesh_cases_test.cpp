@@ -137,6 +137,9 @@ TEST(MeshCases, DimensionsOfOpenFoamAreReadAndStayTheSame) {
   ASSERT_VALUE(auto shorter, MeshSource::open(folder / "box.foam", {.field = "soot"}));
   EXPECT_THAT(shorter.times(), ElementsAre(10));
   EXPECT_THAT(shorter.absent(), ElementsAre(20));
+  ASSERT_VALUE(auto all, MeshSource::open(folder / "box.foam"));
+  EXPECT_THAT(all.fieldNames(), ElementsAre(::testing::Contains("soot"),
+                                            ::testing::Not(::testing::Contains("soot"))));
 }
 
 TEST(MeshCases, DecomposedOpenFoamSaysHowToReadIt) {

@@ -413,6 +413,18 @@ Status MeshSource::listFields() {
   return {};
 }
 
+std::vector<std::vector<std::string>> MeshSource::fieldNames() const {
+  std::vector<std::vector<std::string>> names;
+  for (const auto& fields : fieldLists_) {
+    names.emplace_back();
+    for (const MeshFieldSummary& field : fields) names.back().emplace_back(field.name);
+  }
+  if (!instants_.empty() && instants_.front().file.extension() == ".foam") {
+    for (const double time : times_) names.push_back(foamFields(instants_.front().file, time));
+  }
+  return names;
+}
+
 Status MeshSource::leaveOutAbsent(const std::filesystem::path& path) {
   if (instants_.size() < 2)
     return {};

@@ -83,8 +83,9 @@ class MeshSource {
   /// What absent() comes to, as a sentence; empty: nothing is absent.
   std::string absentText() const;
 
-  /// The fields of each file of a .pvd, of absent ones too; empty of other files.
-  const std::vector<std::vector<MeshFieldSummary>>& fieldLists() const { return fieldLists_; }
+  /// The names of the fields at each time, where that is told without reading them: of each file of
+  /// a .pvd (of absent ones too), of each time's folder of OpenFOAM; else empty.
+  std::vector<std::vector<std::string>> fieldNames() const;
 
   /// The file of a frame.
   const std::filesystem::path& file(std::size_t frame) const { return instants_[frame].file; }

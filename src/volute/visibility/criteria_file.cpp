@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
 
 #include "volute/base/suggest.hpp"
 #include "volute/io/json_file.hpp"
@@ -12,8 +15,9 @@
 namespace volute {
 namespace {
 
-constexpr std::array<std::string_view, 10> kMembers{
-    "name", "kind", "model", "limit", "activity", "clothing", "burns", "C", "falling", "source"};
+constexpr std::array<std::string_view, 12> kMembers{"name",     "kind",     "model",   "limit",
+                                                    "activity", "clothing", "burns",   "C",
+                                                    "falling",  "source",   "applies", "room"};
 
 class CriterionReader {
  public:
@@ -38,6 +42,8 @@ class CriterionReader {
     VOLUTE_TRY(readPerson(criterion));
     VOLUTE_TRY(readLimit(kind, criterion));
     VOLUTE_ASSIGN(criterion.source, text("source", "stated by the user"));
+    VOLUTE_ASSIGN(criterion.applies, text("applies", ""));
+    VOLUTE_TRY(readRoom(criterion));
     criterion.checked = true;
     return criterion;
   }
@@ -79,16 +85,19 @@ class CriterionReader {
       criterion.law = found->law;
       return {};
     }
-    if (kind == "visibility") {
+    if (kind == "visibility" || kind == "obscuration" || kind == "optical-density") {
       criterion.quantity = Air::kExtinction;
       return {};
     }
     const auto quantity = airQuantity(kind);
     if (!quantity) {
-      return wrong("kind", fmt::format("'{}'; expected fed-gas, fed-heat, fec, visibility, "
-                                       "temperature, radiant-flux, extinction or a gas as "
-                                       "carbon-monoxide or oxygen",
-                                       kind));
+      return wrong(
+          "kind",
+          fmt::format(
+              "'{}'; expected fed-gas, fed-heat, fec, visibility, "
+              "obscuration, optical-density, temperature, radiant-flux, extinction or a gas as "
+              "carbon-monoxide or oxygen",
+              kind));
     }
     criterion.quantity = *quantity;
     criterion.falling = *quantity == Air::kOxygen;
@@ -107,6 +116,24 @@ class CriterionReader {
     return {};
   }
 
+  /// "room": [from, below], floor areas; null: any.
+  Status readRoom(Criterion& criterion) const {
+    if (!json_.contains("room"))
+      return {};
+    const nlohmann::json& room = json_["room"];
+    if (!room.is_array() || room.size() != 2)
+      return wrong("room", "expected [from, below], floor areas in m2 or null");
+    if (!room[0].is_null()) {
+      VOLUTE_ASSIGN(criterion.roomFrom, jsonToNumber(room[0], file_, path_ + "/room/0"));
+    }
+    if (!room[1].is_null()) {
+      VOLUTE_ASSIGN(criterion.roomBelow, jsonToNumber(room[1], file_, path_ + "/room/1"));
+    }
+    if (!(criterion.roomFrom >= 0 && criterion.roomFrom < criterion.roomBelow))
+      return wrong("room", "expected floor areas of 0 or more, the first below the second");
+    return {};
+  }
+
   Status readLimit(const std::string& kind, Criterion& criterion) const {
     if (!json_.contains("limit"))
       return wrong("limit", "is missing; expected a number");
@@ -122,6 +149,13 @@ class CriterionReader {
       }
       criterion.limit = c / criterion.limit;
     }
+    if (kind == "obscuration") {  // [%/m], as smoke and beam detectors state it
+      if (!(criterion.limit < 100))
+        return wrong("limit", "expected a number of %/m below 100");
+      criterion.limit = -std::log1p(-criterion.limit / 100);
+    }
+    if (kind == "optical-density")  // [1/m], of the common logarithm
+      criterion.limit *= std::numbers::ln10;
     if (json_.contains("falling")) {
       if (!json_["falling"].is_boolean())
         return wrong("falling", "expected true or false");
@@ -160,12 +194,29 @@ Result<std::vector<Criterion>> readCriteria(const std::string& file) {
   return criteria;
 }
 
-Result<std::vector<Criterion>> criteriaOf(const std::string& which) {
+std::vector<std::string_view> criteriaNames() {
+  std::vector<std::string_view> names;
+  for (const CriteriaProfile& profile : criteriaProfiles()) names.push_back(profile.name);
+  return names;
+}
+
+Result<CriteriaProfile> criteriaOf(const std::string& which) {
   if (which == "none")
-    return std::vector<Criterion>();
-  if (which == "usual")
-    return usualCriteria();
-  return readCriteria(which);
+    return CriteriaProfile();
+  for (const CriteriaProfile& profile : criteriaProfiles()) {
+    if (profile.name == which)
+      return profile;
+  }
+  const auto names = criteriaNames();
+  std::error_code error;
+  const bool name = which.find_first_of("./\\") == which.npos || !nearest(which, names).empty();
+  if (name && !std::filesystem::exists(which, error)) {
+    return fail(ErrorCode::kInvalidArgument, "criteria '{}': expected none, {} or a file (.json)",
+                which, fmt::join(names, ", "));
+  }
+  VOLUTE_ASSIGN(auto criteria, readCriteria(which));
+  return CriteriaProfile{which, "Criteria of " + which, "stated by the user", "",
+                         std::move(criteria)};
 }
 
 }  // namespace volute

@@ -91,9 +91,17 @@ Status AirField::at(double time, std::span<const Vec3> points, std::span<Exposur
   return {};
 }
 
-ExposureMeter::ExposureMeter(AirField air, std::span<const Criterion> criteria, std::size_t people)
+ExposureMeter::ExposureMeter(AirField air, std::span<const Criterion> criteria, std::size_t people,
+                             bool rooms)
     : air_(std::move(air)), people_(people) {
   for (const Criterion& criterion : criteria) {
+    if (!rooms && !criterion.isForRoom(kNotKnown)) {
+      missing_.push_back(
+          {criterion,
+           fmt::format("it is for rooms below {:g} m2, and rooms are known of plans alone",
+                       criterion.roomBelow)});
+      continue;
+    }
     if (!criterion.assessable([&](Air one) { return air_.has(one); })) {
       missing_.push_back({criterion, whyNot(air_, criterion)});
       continue;

@@ -67,7 +67,9 @@ class AirField {
 class ExposureMeter {
  public:
   /// Criteria that the air cannot answer are left out; missing() names them.
-  ExposureMeter(AirField air, std::span<const Criterion> criteria, std::size_t people);
+  /// @param rooms  whether whoever asks knows rooms; else criteria for small ones are missing
+  ExposureMeter(AirField air, std::span<const Criterion> criteria, std::size_t people,
+                bool rooms = false);
 
   struct Missing {
     Criterion criterion;

@@ -164,6 +164,12 @@ std::vector<std::pair<int, StoredSpan>> Trajectories::spans() const {
   return spans;
 }
 
+std::size_t Trajectories::outside(const std::function<bool(double z)>& isOn) const {
+  return static_cast<std::size_t>(std::ranges::count_if(steps_, [&](const auto& steps) {
+    return std::ranges::none_of(steps, [&](const Step& step) { return isOn(step.eye.z()); });
+  }));
+}
+
 std::vector<double> Trajectories::lastTimes(std::span<const Vec3> points, double radius) const {
   constexpr double kBelow = -0.6, kAbove = 2.5;  // [m], of points to a person's z
   std::vector<double> last(points.size(), std::numeric_limits<double>::quiet_NaN());

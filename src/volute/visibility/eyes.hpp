@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -84,6 +85,9 @@ class Trajectories {
   /// its storey: a person whose z is known is on that of points up to 2.5 m above it and .6 m below
   /// it, so that it may be the floor's or the eyes'. NaN if nobody comes near it.
   std::vector<double> lastTimes(std::span<const Vec3> points, double radius) const;
+
+  /// How many people are never at a height [m] that `isOn`.
+  std::size_t outside(const std::function<bool(double z)>& isOn) const;
 
   std::span<const int> ids() const { return ids_; }  ///< ascending
 

@@ -152,9 +152,20 @@ TEST(Trajectories, AreReadAsPathfinderWritesThem) {
   EXPECT_EQ(walk.end(), 2);
   EXPECT_NEAR((walk.at(1.5)[0].eye - Vec3(1.5, 2, 4.8)).norm(), 0, 1e-12);
   EXPECT_THAT(walk.remarks(), Contains(HasSubstr("z is the floor there: eyes are 1.8 m above it")));
-  EXPECT_THAT(walk.remarks(), Contains(HasSubstr("not used of its columns: name, v, distance")));
+  EXPECT_THAT(walk.remarks(), Contains(HasSubstr("not used of its columns: v, distance")));
   EXPECT_EQ(Trajectories::parse(kText, "o.csv", {}, 1.2)->at(1)[0].eye[2], 4.2);
   EXPECT_EQ(Trajectories::parse(kText, "o.csv", 2.5)->at(1)[0].eye[2], 2.5);
+  // Without ids; time goes back for the first person.
+  const auto named =
+      Trajectories::parse("t,name,active,x,y,z\n2,Ann,1,1,2,0\n1,Bob,1,5,2,0\n1,Ann,1,3,2,0\n",
+                          "o.csv", {})
+          .value();
+  EXPECT_EQ(named.people(), 2);
+  EXPECT_EQ(named.at(1)[0].eye.x(), 3);
+  EXPECT_EQ(named.at(1)[1].eye.x(), 5);
+  EXPECT_THAT(named.remarks(), Contains(HasSubstr("people are numbered from 1")));
+  EXPECT_THAT(named.remarks(), Contains(HasSubstr("o.csv: line 4: time goes back there")));
+  EXPECT_EQ(named.outside([](double z) { return z > 2; }), 2U);
 }
 
 TEST(Trajectories, OfATableAreEyesOrStandOnFloors) {

@@ -156,6 +156,7 @@ class PlanDrawing {
     drawRoutes(canvas);
     drawAxes(canvas);
     drawSigns(canvas);
+    drawLabels(canvas);
     drawScale(canvas);
     if (picture_.north)
       drawNorth(canvas, *picture_.north);
@@ -187,9 +188,11 @@ class PlanDrawing {
   }
 
   void findRows() {
-    for (const auto& [color, words] : picture_.kinds)
-      rows_.push_back(
-          {[color = linear(color)](Canvas& c, double y) { square(c, y, color); }, words});
+    for (const auto& [color, words] : picture_.kinds) {
+      if (!words.empty())
+        rows_.push_back(
+            {[color = linear(color)](Canvas& c, double y) { square(c, y, color); }, words});
+    }
     for (const auto& [mark, words] : picture_.words) {
       if (std::ranges::find(picture_.marks, mark) == picture_.marks.end() ||
           (mark == PlanMark::kSolid && has(PlanShape::Kind::kSolid)))
@@ -559,6 +562,16 @@ class PlanDrawing {
       canvas.rect(place.x() - 3, place.y() - 3, place.x() + wide + 3,
                   place.y() + kCanvasTextHeight + 2, Rgb::Ones());
       canvas.text(sign.name, place.x(), place.y(), kSignColor);
+    }
+  }
+
+  void drawLabels(Canvas& canvas) const {
+    for (const auto& [place, text] : picture_.labels) {
+      const Vec2 at = frame_.at(place.x(), place.y());
+      const double half = 0.5 * canvasTextWidth(text);
+      const double x =
+          std::clamp(at.x(), kLeft + half, std::max(kLeft + half, kLeft + frame_.width() - half));
+      canvas.text(text, x, at.y() - 0.5 * kCanvasTextHeight, grey(0), Canvas::Anchor::kMiddle);
     }
   }
 

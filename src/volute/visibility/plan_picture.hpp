@@ -46,7 +46,7 @@ struct PlanPicture {
   bool highIsMore = false;   ///< what is above `high` has its colour: "30+"
   bool stored = false;       ///< values are some of few, as stored times: few get a colour each
   /// Where there are some, a value is the place of its colour (as displays show it) and its words
-  /// here, and there is no bar.
+  /// here, and there is no bar; those without words are not in the legend.
   std::vector<std::pair<Rgb, std::string>> kinds{};
   std::vector<double> values;   ///< shape (y, x) of the plan
   std::vector<PlanMark> marks;  ///< the same
@@ -55,6 +55,7 @@ struct PlanPicture {
   std::vector<PlanShape> shapes{};                         ///< at the eyes' height
   std::shared_ptr<const PlanUnderlay> underlay = nullptr;  ///< may be null
   std::optional<double> north{};  ///< [degrees], from +y clockwise: an arrow; nothing: none
+  std::vector<std::pair<Vec2, std::string>> labels{};  ///< texts, and where their middles are [m]
 };
 
 /// The signs that a plan at a height [m] shows: those of its storey, not those with a floor

@@ -12,7 +12,7 @@
 namespace volute {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// 10 x 6 m, a point every 0.25 m; 22 pixels a point.
 struct PlanOfRoom {

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "volute/report/page.hpp"
 #include "volute/visibility/plan_picture.hpp"
+#include "volute/visibility/sensitivity.hpp"
 #include "volute/visibility/verdict.hpp"
 
 namespace volute {
@@ -118,6 +120,8 @@ Json criteriaJson(const ExposureMeter& meter) {
                  {"unit", criterion.unit()},
                  {"source_of_limit", criterion.source},
                  {"source_checked", criterion.checked}};
+    if (!criterion.applies.empty())
+      json["applies"] = criterion.applies;
     if (criterion.law) {
       const DoseLawInfo& info = infoOf(*criterion.law);
       json["model"] = {
@@ -156,7 +160,8 @@ std::string criteriaTable(const ExposureMeter& meter) {
       from = "the smoke";
     if (one["counted_as_in_clean_air"] != "")
       from += "; not stored, counted as in clean air: " + htmlOf(one["counted_as_in_clean_air"]);
-    std::string source = htmlOf(one["source_of_limit"]) +
+    std::string source = (one.contains("applies") ? htmlOf(one["applies"]) + "; " : "") +
+                         htmlOf(one["source_of_limit"]) +
                          (one["source_checked"] == true ? "" : " <b>(limit not checked)</b>");
     if (one.contains("model"))
       source += "; " + htmlOf(one["model"]["source"]);
@@ -167,61 +172,138 @@ std::string criteriaTable(const ExposureMeter& meter) {
 }
 
 PlanTenability::PlanTenability(const Survey& survey, std::span<const Vec3> eyes, const PlanUse& use,
-                               PlanValues values, std::vector<PlanShape> shapes,
-                               std::vector<SightTarget> signs)
+                               const PlanAreas& areas, PlanValues values,
+                               std::vector<PlanShape> shapes, std::vector<SightTarget> signs)
     : survey_(&survey),
       eyes_(eyes),
       use_(use),
       people_(use.are(PlanUse::Kind::kPeople)),
+      areas_(&areas),
       values_(values),
       shapes_(std::move(shapes)),
       signs_(std::move(signs)),
-      meter_(AirField::open(*survey.field, survey.criteria), survey.criteria, eyes.size()) {}
+      meter_(AirField::open(*survey.field, survey.criteria), survey.criteria, eyes.size(), true) {
+  const std::vector<double> sizes = areas.sizes();
+  for (const Criterion& criterion : meter_.criteria()) {
+    std::vector<bool>& holds = holds_.emplace_back(eyes.size());
+    for (std::size_t i = 0; i < holds.size(); ++i) holds[i] = criterion.isForRoom(sizes[i]);
+    if (!criterion.law && criterion.quantity == Air::kExtinction)
+      smoke_.push_back(holds_.size() - 1);
+  }
+  for (const Variation& one : variations()) {
+    varied_.emplace_back();
+    if (one.smoke != 1)
+      addSmoke(one.smoke);
+  }
+  varied_.emplace_back();
+  addSmoke(1);
+}
+
+/// Watches of what is reached if the smoke is so many times as thick.
+void PlanTenability::addSmoke(double factor) {
+  for (const std::size_t c : smoke_) {
+    const Criterion& criterion = meter_.criteria()[c];
+    varied_.back().emplace_back(eyes_.size(), criterion.limit / factor, criterion.falling);
+  }
+}
+
+/// The places where people are for which a criterion is.
+std::vector<bool> PlanTenability::countsOf(std::size_t criterion) const {
+  std::vector<bool> counts = people_;
+  for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = counts[i] && holds_[criterion][i];
+  return counts;
+}
 
 Status PlanTenability::take(const SurveyTime& at) {
   if (!at.stored)
     return {};
+  for (std::size_t v = 0; v < varied_.size(); ++v) {
+    for (LevelWatch& watch : varied_[v])
+      watch.update(at.time, v + 1 < varied_.size() ? at.extinctionHigh : at.extinction);
+  }
   return meter_.advance(
       at.time, [&](double, std::span<Vec3> places) { std::ranges::copy(eyes_, places.begin()); },
       at.extinctionHigh);
 }
 
-/// The first of all criteria at each point.
-void PlanTenability::combine(const LossTimes& signs, const std::vector<bool>& inSight) {
-  all_ = LossTimes(eyes_.size());
-  which_.assign(eyes_.size(), -1);
+LossTimes PlanTenability::combined(const LossTimes& signs, const std::vector<bool>& inSight,
+                                   std::span<const LevelWatch> smoke,
+                                   std::vector<int>* which) const {
+  LossTimes first(eyes_.size());
+  if (which != nullptr)
+    which->assign(eyes_.size(), -1);
   std::vector<std::pair<const LossTimes*, int>> all{{&signs, 0}};
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
+    const auto place = std::ranges::find(smoke_, c) - smoke_.begin();
+    const bool replaced = static_cast<std::size_t>(place) < smoke.size();
     if (isKnownSomewhere(c))
-      all.emplace_back(&meter_.times(c), static_cast<int>(c) + 1);
+      all.emplace_back(
+          replaced ? &smoke[static_cast<std::size_t>(place)].times() : &meter_.times(c),
+          static_cast<int>(c) + 1);
   }
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
-    const auto add = [&](const LossTimes& times, int which) {
+    const auto add = [&](const LossTimes& times, int criterion) {
       // Criteria are compared by what is the best guess of each; the first is rounded then.
-      const bool sooner = times.none[i] < all_.none[i];
-      all_.down[i] = std::min(all_.down[i], times.down[i]);
-      all_.none[i] = std::min(all_.none[i], times.none[i]);
-      all_.up[i] = std::min(all_.up[i], times.up[i]);
-      if (sooner)
-        which_[i] = which;
+      const bool sooner = times.none[i] < first.none[i];
+      first.down[i] = std::min(first.down[i], times.down[i]);
+      first.none[i] = std::min(first.none[i], times.none[i]);
+      first.up[i] = std::min(first.up[i], times.up[i]);
+      if (sooner && which != nullptr)
+        (*which)[i] = criterion;
     };
-    const auto counts = [&](int which) { return which > 0 || inSight[i]; };
-    for (const auto& [times, which] : all) {
-      if (counts(which) && times->complete(i))
-        add(*times, which);
+    const auto counts = [&](int criterion) {
+      return criterion > 0 ? holds_[static_cast<std::size_t>(criterion) - 1][i] : inSight[i];
+    };
+    for (const auto& [times, criterion] : all) {
+      if (counts(criterion) && times->complete(i))
+        add(*times, criterion);
     }
     // What is not known matters unless another criterion is reached before.
-    for (const auto& [times, which] : all) {
-      if (counts(which) && !times->complete(i) && times->known[i] < all_.by(survey_->round)[i])
-        all_.lose(i, times->known[i]);
+    for (const auto& [times, criterion] : all) {
+      if (counts(criterion) && !times->complete(i) && times->known[i] < first.by(survey_->round)[i])
+        first.lose(i, times->known[i]);
     }
-    if (all_.complete(i))
+    if (first.complete(i))
       continue;
-    for (const auto& [times, which] : all) {
-      if (counts(which) && !times->complete(i))
-        add(*times, which);
+    for (const auto& [times, criterion] : all) {
+      if (counts(criterion) && !times->complete(i))
+        add(*times, criterion);
     }
   }
+  return first;
+}
+
+/// How the ASET of places where people are depends on what is not known well.
+Result<std::string> PlanTenability::sensitivity(const Sight& sight, Json& report) const {
+  const auto firstOf = [&](const LossTimes& times) {
+    return firstLoss(times, RoundTime::kNone, people_);
+  };
+  const auto varied = [&](std::size_t v) {
+    return firstOf(combined(*sight.varied[v], sight.in, varied_[v], nullptr));
+  };
+  const auto at = [&](RoundTime round) {
+    FirstLoss loss = firstLoss(all_, round, people_);
+    loss.none = loss.by(round);
+    return loss;
+  };
+
+  enum Place : std::size_t { kBrief, kLowC, kHighC, kThick, kThin, kMoreSoot, kLessSoot };
+
+  const std::vector<Uncertainty> all{
+      {"spacing of the stored times", "the one before", "the one after", at(RoundTime::kDown),
+       at(RoundTime::kUp)},
+      {"rounding and caps of the files", "rounded up", "rounded down", firstOf(all_),
+       firstOf(combined(*sight.latest, sight.in, varied_.back(), nullptr))},
+      {"brief losses between stored times", "within 2 % of a limit counts", "as stored",
+       varied(kBrief), firstOf(all_)},
+      {"C of the signs", "33 % lower", "33 % higher", varied(kLowC), varied(kHighC)},
+      {"mass extinction, 8700 \u00b1 1100 m2/kg", "9800 m2/kg", "7600 m2/kg", varied(kThick),
+       varied(kThin)},
+      {"soot yield, 25 % assumed", "25 % larger", "25 % smaller", varied(kMoreSoot),
+       varied(kLessSoot)}};
+  report["sensitivity_of_aset"] = sensitivityJson(firstOf(all_), all);
+  return sensitivityPart(report["sensitivity_of_aset"], survey_->times.front(),
+                         survey_->times.back(), survey_->folder / "tornado.png");
 }
 
 /// False of a criterion that is not assessed at this height: nothing is stored for any point at any
@@ -286,7 +368,7 @@ std::string PlanTenability::storedWords(std::size_t c) const {
 
 Json PlanTenability::sentence(std::size_t c) const {
   const Criterion& criterion = meter_.criteria()[c];
-  const FirstLoss first = firstLoss(meter_.times(c), survey_->round, people_);
+  const FirstLoss first = firstLoss(meter_.times(c), survey_->round, countsOf(c));
   const double end = survey_->times.back();
   std::string text;
   if (!first.certain()) {
@@ -316,7 +398,7 @@ Json PlanTenability::sentence(std::size_t c) const {
 std::string PlanTenability::unknownReasons() const {
   std::string names;
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
-    const FirstLoss one = firstLoss(meter_.times(c), survey_->round, people_);
+    const FirstLoss one = firstLoss(meter_.times(c), survey_->round, countsOf(c));
     if (!one.certain() && isKnownSomewhere(c))
       names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", meter_.criteria()[c].name,
                            std::isinf(one.known)
@@ -383,7 +465,7 @@ PlanPicture PlanTenability::emptyPicture(std::string title) const {
 }
 
 Status PlanTenability::writeTimes(const std::string& name, const std::string& title,
-                                  const LossTimes& times) const {
+                                  const LossTimes& times, const std::vector<bool>& holds) const {
   PlanPicture picture = emptyPicture(title);
   picture.barLabel = "time [s]";
   picture.stored = true;
@@ -392,11 +474,13 @@ Status PlanTenability::writeTimes(const std::string& name, const std::string& ti
   const std::vector<double>& by = times.by(survey_->round);
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
     picture.values[values_.places[i]] = by[i];
-    picture.marks[values_.places[i]] = !times.complete(i)  ? PlanMark::kUnknown
-                                       : std::isinf(by[i]) ? PlanMark::kKept
-                                                           : PlanMark::kValue;
+    picture.marks[values_.places[i]] = !holds.empty() && !holds[i] ? PlanMark::kHidden
+                                       : !times.complete(i)        ? PlanMark::kUnknown
+                                       : std::isinf(by[i])         ? PlanMark::kKept
+                                                                   : PlanMark::kValue;
   }
   picture.words = {
+      {PlanMark::kHidden, "the criterion is not for rooms of this size"},
       {PlanMark::kKept, fmt::format("not reached at {:g} s, the last time", survey_->times.back())},
       {PlanMark::kUnknown, kNotKnownWords},
       {PlanMark::kSolid, kSolidWords}};
@@ -424,83 +508,75 @@ Status PlanTenability::writeFirst() const {
 
 Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>& arrays,
                                            Json& verdict) {
-  if (!survey_->rset)
+  if (!measuresMargins())
     return std::string();
-  std::vector<double> rset = survey_->rset->at(eyes_, std::max(survey_->step, 0.5));
-  const double end = survey_->times.back();
-  // What is sure of each point: of a point that is not known, or not reached, until when it is not.
-  std::vector<double> margin(rset.size(), kNoTime), least(rset.size(), kNoTime);
-  const std::vector<double>& aset = all_.by(survey_->round);
-  std::size_t worst = rset.size(), open = rset.size();
-  std::size_t needed = 0, tooLate = 0, unknown = 0;
-  for (std::size_t i = 0; i < rset.size(); ++i) {
-    if (!people_[i] && !survey_->rset->isOfPeople())
-      rset[i] = kNoTime;
-    if (std::isnan(rset[i]))
-      continue;
-    ++needed;
-    const bool reached = all_.complete(i) && !std::isinf(aset[i]);
-    const double until = std::min(all_.known[i], end);
-    least[i] = (reached ? aset[i] : until) - rset[i];
-    if (all_.complete(i))
-      margin[i] = aset[i] - rset[i];
-    if (!reached && least[i] < 0) {
-      ++unknown;
-      margin[i] = kNoTime;
-      if (open == rset.size() || least[i] < least[open])
-        open = i;
+  std::vector<double> rset(eyes_.size(), kNoTime);
+  if (survey_->rset) {
+    rset = survey_->rset->at(eyes_, std::max(survey_->step, 0.5));
+    for (std::size_t i = 0; i < rset.size(); ++i) {
+      if (!people_[i] && !survey_->rset->isOfPeople())
+        rset[i] = kNoTime;
     }
-    tooLate += margin[i] < 0;
-    if (!std::isnan(margin[i]) && (worst == rset.size() || margin[i] < margin[worst]))
-      worst = i;
   }
-  report["rset"] = {{"from", survey_->rset->description()}, {"rows", values_.rows(rset)}};
-  report["margin"] = {{"rows", values_.rows(margin)},
+  for (const PlanAreas::Area& area : areas_->areas) {
+    if (!area.rset)
+      continue;
+    for (const std::size_t i : area.eyes) rset[i] = people_[i] ? *area.rset : kNoTime;
+  }
+  const double end = survey_->times.back();
+  margins_ = planMargins(std::move(rset), all_, survey_->round, end);
+  std::vector<std::size_t> everywhere(eyes_.size());
+  std::iota(everywhere.begin(), everywhere.end(), std::size_t{0});
+  const auto [needed, tooLate, unknown, worst, open] = margins_.worst(everywhere);
+  const std::string from = rsetDescription();
+  report["rset"] = {{"from", from}, {"rows", values_.rows(margins_.rset)}};
+  report["margin"] = {{"rows", values_.rows(margins_.margin)},
                       {"points_needed", needed},
                       {"points_too_late", tooLate},
                       {"points_not_known", unknown}};
-  arrays.push_back({"rset", values_.cells(rset)});
-  arrays.push_back({"margin", values_.cells(margin)});
-  const auto share = [&](std::size_t points) {
+  arrays.push_back({"rset", values_.cells(margins_.rset)});
+  arrays.push_back({"margin", values_.cells(margins_.margin)});
+  const auto share = [&, needed = needed](std::size_t points) {
     return percentWords(static_cast<double>(points) / static_cast<double>(needed));
   };
-  const std::string from = survey_->rset->description();
   std::string text;
   if (needed == 0) {
     text = fmt::format("RSET: no point of this plan is in use (RSET: {}).", from);
   } else if (unknown > 0) {
+    const double least = margins_.least[*open];
     text = fmt::format(
         "ASET - RSET: not known at {} of the points in use, where people are still there after "
         "the time until which the air is known{}, at {}{} (RSET: {}).",
         share(unknown),
-        std::isinf(least[open]) ? std::string() : fmt::format(", by up to {:.4g} s", -least[open]),
-        placeWords(eyes_[open]),
+        std::isinf(least) ? std::string() : fmt::format(", by up to {:.4g} s", -least),
+        placeWords(eyes_[*open]),
         tooLate > 0 ? fmt::format("; at {} of them people leave too late, by up to {:.4g} s",
-                                  share(tooLate), -margin[worst])
+                                  share(tooLate), -margins_.margin[*worst])
                     : "",
         from);
-  } else if (worst == rset.size() || std::isinf(margin[worst])) {
+  } else if (!worst || std::isinf(margins_.margin[*worst])) {
     text = fmt::format(
         "ASET - RSET: no criterion is reached until {:g} s where people are (RSET: {}).", end,
         from);
   } else {
-    const double low = all_.down[worst] - rset[worst], high = all_.up[worst] - rset[worst];
+    const double margin = margins_.margin[*worst], seconds = margins_.rset[*worst];
+    const double low = all_.down[*worst] - seconds, high = all_.up[*worst] - seconds;
     text = fmt::format(
         "ASET - RSET: the smallest margin is {:.4g} s (by stored times {:.4g} to "
         "{:.4g} s) at {}; at {:.0f} % of the points in use, people leave too late "
         "(RSET: {}).",
-        margin[worst], low, high, placeWords(eyes_[worst]),
+        margin, low, high, placeWords(eyes_[*worst]),
         100.0 * static_cast<double>(tooLate) / static_cast<double>(needed), from);
-    report["margin"]["least"] =
-        Json{{"value", margin[worst]},
-             {"down", low},
-             {"up", high},
-             {"position", {eyes_[worst][0], eyes_[worst][1], eyes_[worst][2]}}};
+    const Vec3& place = eyes_[*worst];
+    report["margin"]["least"] = Json{{"value", margin},
+                                     {"down", low},
+                                     {"up", high},
+                                     {"position", {place[0], place[1], place[2]}}};
   }
   report["margin"]["known"] = unknown == 0;
   verdict.push_back(Json{{"criterion", "margin"}, {"sentence", text}, {"known", unknown == 0}});
   std::vector<double> finite;
-  for (const double one : margin) {
+  for (const double one : margins_.margin) {
     if (std::isfinite(one))
       finite.push_back(one);
   }
@@ -508,16 +584,17 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
     return std::string();
   PlanPicture picture =
       emptyPicture(fmt::format("ASET - RSET at z = {:g} m", values_.plan->origin[2]));
-  picture.subtitle = survey_->rset->description();
+  picture.subtitle = from;
   picture.barLabel = "margin [s]";
   picture.low = *std::ranges::min_element(finite);
   picture.high = std::max(*std::ranges::max_element(finite), picture.low + 1e-9);
-  for (std::size_t i = 0; i < margin.size(); ++i) {
-    picture.values[values_.places[i]] = margin[i];
-    picture.marks[values_.places[i]] = std::isnan(rset[i])     ? PlanMark::kHidden
-                                       : std::isnan(margin[i]) ? PlanMark::kUnknown
-                                       : std::isinf(margin[i]) ? PlanMark::kKept
-                                                               : PlanMark::kValue;
+  for (std::size_t i = 0; i < eyes_.size(); ++i) {
+    const double one = margins_.margin[i];
+    picture.values[values_.places[i]] = one;
+    picture.marks[values_.places[i]] = std::isnan(margins_.rset[i]) ? PlanMark::kHidden
+                                       : std::isnan(one)            ? PlanMark::kUnknown
+                                       : std::isinf(one)            ? PlanMark::kKept
+                                                                    : PlanMark::kValue;
   }
   picture.words = {{PlanMark::kKept, "no criterion is reached"},
                    {PlanMark::kHidden, "nobody comes here"},
@@ -529,10 +606,37 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
                     "time.");
 }
 
-Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::vector<bool>& inSight,
-                                           Json& report, std::vector<PlanArray>& arrays,
-                                           Json& verdict) {
-  combine(signs, inSight);
+bool PlanTenability::measuresMargins() const {
+  return survey_->rset || std::ranges::any_of(areas_->areas, [](const PlanAreas::Area& area) {
+           return area.rset.has_value();
+         });
+}
+
+std::string PlanTenability::rsetDescription() const {
+  std::string areas;
+  for (const PlanAreas::Area& area : areas_->areas) {
+    if (area.rset)
+      areas += fmt::format("{}{:g} s in {}", areas.empty() ? "" : ", ", *area.rset, area.name);
+  }
+  if (!survey_->rset)
+    return areas;
+  return survey_->rset->description() + (areas.empty() ? "" : ", but " + areas);
+}
+
+void PlanTenability::find(AreaFindings& found) const {
+  found.all = &all_;
+  found.by = names_;
+  for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
+    if (isKnownSomewhere(c))
+      found.single.push_back({meter_.criteria()[c].name, &meter_.times(c), holds_[c]});
+  }
+  if (measuresMargins())
+    found.margins = &margins_;
+}
+
+Result<std::string> PlanTenability::finish(const Sight& sight, Json& report,
+                                           std::vector<PlanArray>& arrays, Json& verdict) {
+  all_ = combined(*sight.earliest, sight.in, {}, &which_);
   Json json = Json::object();
   json["criteria"] = criteriaJson(meter_);
   report["sources"] = sourcesJson(*survey_, &meter_);
@@ -553,17 +657,18 @@ Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::ve
     arrays.push_back({"aset_" + name, values_.cells(times.answers(survey_->round))});
     arrays.push_back({"known_until_" + name, values_.cells(knownUntil(times))});
     arrays.push_back({"worst_" + name, values_.cells(worst)});
-    if (firstLoss(times, survey_->round).certain() &&
+    if (firstLoss(times, survey_->round, holds_[c]).certain() &&
         std::ranges::all_of(times.up, [](double time) { return std::isinf(time); }))
       continue;
     const std::string file = "tenability_" + name + ".png";
     VOLUTE_TRY(writeTimes(
         file, fmt::format("When {} at z = {:g} m", criterion.words(), values_.plan->origin[2]),
-        times));
+        times, holds_[c]));
     VOLUTE_ASSIGN(const auto figure, htmlFigure(survey_->folder / file, criterion.words()));
     figures += figure;
   }
-  std::vector<std::string> names(eyes_.size());
+  std::vector<std::string>& names = names_;
+  names.assign(eyes_.size(), "");
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (which_[i] >= 0)
       names[i] =
@@ -590,7 +695,8 @@ Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::ve
                                              "Which criterion is reached first."));
   VOLUTE_ASSIGN(const auto left, margin(json, arrays, verdict));
   report["tenability"] = std::move(json);
-  return page + "<h2>Tenability</h2>\n" + times + kinds + left + figures;
+  VOLUTE_ASSIGN(const auto sensible, sensitivity(sight, report));
+  return page + "<h2>Tenability</h2>\n" + times + kinds + left + figures + sensible;
 }
 
 }  // namespace volute

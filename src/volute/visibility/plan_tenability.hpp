@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "volute/visibility/exposure_meter.hpp"
+#include "volute/visibility/plan_areas.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/plan_use.hpp"
 #include "volute/visibility/plan_values.hpp"
@@ -20,10 +21,12 @@ class PlanTenability {
  public:
   /// With the survey's criteria and its field.
   /// @param use     which eyes verdicts are of
+  /// @param areas   the plan's rooms and areas, which outlive this
   /// @param shapes  what maps draw at its place, at the eyes' height
   /// @param signs   that maps draw
   PlanTenability(const Survey& survey, std::span<const Vec3> eyes, const PlanUse& use,
-                 PlanValues values, std::vector<PlanShape> shapes, std::vector<SightTarget> signs);
+                 const PlanAreas& areas, PlanValues values, std::vector<PlanShape> shapes,
+                 std::vector<SightTarget> signs);
 
   /// Whether the case begins before the smoke is stored.
   bool smokeIsLate() const { return meter_.air().smokeIsLate(); }
@@ -31,23 +34,40 @@ class PlanTenability {
   /// Each time; those between stored ones are passed over.
   [[nodiscard]] Status take(const SurveyTime& at);
 
+  /// Losses of sight of all signs.
+  struct Sight {
+    const LossTimes* earliest = nullptr;   ///< by depths that are rounded up
+    const LossTimes* latest = nullptr;     ///< rounded down
+    std::vector<const LossTimes*> varied;  ///< of each of variations(), rounded up
+    std::vector<bool> in;                  ///< where one is seen before there is smoke
+  };
+
   /// Writes maps, adds to the report, the arrays of aset.vti and the verdict, and returns its part
   /// of the page.
-  /// @param signs  losses of sight of all signs, rounded up in depth; `inSight` where one is seen
-  ///               before there is smoke.
-  [[nodiscard]] Result<std::string> finish(const LossTimes& signs, const std::vector<bool>& inSight,
-                                           Json& report, std::vector<PlanArray>& arrays,
-                                           Json& verdict);
+  [[nodiscard]] Result<std::string> finish(const Sight& sight, Json& report,
+                                           std::vector<PlanArray>& arrays, Json& verdict);
+
+  /// What is told of parts of the plan; after finish().
+  void find(AreaFindings& found) const;
 
  private:
   /// A map in which nothing is said of any point yet.
   PlanPicture emptyPicture(std::string title) const;
   Json criterionJson(std::size_t c) const;
-  void combine(const LossTimes& signs, const std::vector<bool>& inSight);
-  Status writeTimes(const std::string& name, const std::string& title,
-                    const LossTimes& times) const;
+
+  /// The first of all criteria at each point, with some losses of sight, and times of the criteria
+  /// of the smoke where one stands. `which`: the first, if it is not null.
+  LossTimes combined(const LossTimes& signs, const std::vector<bool>& inSight,
+                     std::span<const LevelWatch> smoke, std::vector<int>* which) const;
+  Result<std::string> sensitivity(const Sight& sight, Json& report) const;
+  Status writeTimes(const std::string& name, const std::string& title, const LossTimes& times,
+                    const std::vector<bool>& holds = {}) const;
+  std::vector<bool> countsOf(std::size_t criterion) const;
   Status writeFirst() const;
   Result<std::string> margin(Json& report, std::vector<PlanArray>& arrays, Json& verdict);
+  void addSmoke(double factor);
+  bool measuresMargins() const;
+  std::string rsetDescription() const;
   Json sentence(std::size_t c) const;
   Json headline(const std::vector<std::string>& names) const;
   Json ofTheFire(const std::vector<std::string>& names) const;
@@ -60,12 +80,20 @@ class PlanTenability {
   std::span<const Vec3> eyes_;
   PlanUse use_;
   std::vector<bool> people_;  // which eyes count
+  const PlanAreas* areas_;
   PlanValues values_;
   std::vector<PlanShape> shapes_;
   std::vector<SightTarget> signs_;
   ExposureMeter meter_;
-  LossTimes all_;           // of all criteria together
-  std::vector<int> which_;  // the first: -1 none, 0 sight of signs, else criterion + 1
+  std::vector<std::size_t> smoke_;  // criteria of the extinction where one stands
+  /// Of each variation that changes the smoke, and of the middle values last; else empty. Shape
+  /// (variation, smoke_).
+  std::vector<std::vector<LevelWatch>> varied_;
+  std::vector<std::vector<bool>> holds_;  // of each criterion, eye: it is for such a room
+  LossTimes all_;                         // of all criteria together
+  PlanMargins margins_;
+  std::vector<std::string> names_;  // of the first criterion of each eye
+  std::vector<int> which_;          // the first: -1 none, 0 sight of signs, else criterion + 1
 };
 
 /// Adds a time of each place to a report: `key`, null where it is not known, and `key`_known. Also

@@ -18,6 +18,67 @@ bool isIn(const FirePlace& fire, const Vec3& eye, double floor) {
          eye.y() <= box.max.y() && box.min.z() < eye.z() && box.max.z() > floor - kOn;
 }
 
+/// Eyes without head room: the floor is near, and something is not far above.
+void findLow(const SightInstant& first, std::span<const Vec3> eyes, std::span<const double> floors,
+             PlanUse& use) {
+  constexpr double kStride = 0.1;  // [m]
+  for (std::size_t i = 0; i < eyes.size(); ++i) {
+    if (use.kinds[i] != PlanUse::Kind::kPeople)
+      continue;
+    const double top = floors[i] + PlanUse::kHeadRoom;
+    for (double z = eyes[i].z() + kStride; z <= top + 1e-9; z += kStride) {
+      const Vec3 point(eyes[i].x(), eyes[i].y(), z);
+      Place place{};
+      first.places({&point, 1}, {&place, 1});
+      if (place == Place::kSolid)
+        use.kinds[i] = PlanUse::Kind::kLow;
+    }
+  }
+}
+
+/// Eyes above surfaces that are higher than all around them, by more than a step, and small.
+void findTops(const FloorPlan& plan, std::span<const std::size_t> places,
+              std::span<const double> floors, PlanUse& use) {
+  const double rise = PlanUse::kStep + PlanUse::kSlope * plan.step;
+  std::vector<std::ptrdiff_t> eyeAt(plan.size(), -1);
+  for (std::size_t i = 0; i < places.size(); ++i) eyeAt[places[i]] = static_cast<std::ptrdiff_t>(i);
+  const auto nx = static_cast<std::size_t>(plan.nx), ny = static_cast<std::size_t>(plan.ny);
+  std::vector<bool> seen(places.size());
+  for (std::size_t start = 0; start < places.size(); ++start) {
+    if (seen[start] || use.kinds[start] != PlanUse::Kind::kPeople)
+      continue;
+    std::vector<std::size_t> surface{start};
+    seen[start] = true;
+    bool lower = false;  // floors around are
+    bool higher = false;
+    for (std::size_t k = 0; k < surface.size(); ++k) {
+      const std::size_t i = surface[k], x = places[i] % nx, y = places[i] / nx;
+      for (const auto& [there, next] :
+           {std::pair(x > 0, places[i] - 1), std::pair(x + 1 < nx, places[i] + 1),
+            std::pair(y > 0, places[i] - nx), std::pair(y + 1 < ny, places[i] + nx)}) {
+        const std::ptrdiff_t other = there ? eyeAt[next] : -1;
+        if (other < 0)
+          continue;
+        const auto j = static_cast<std::size_t>(other);
+        if (use.kinds[j] != PlanUse::Kind::kPeople)
+          continue;
+        if (floors[j] < floors[i] - rise) {
+          lower = true;
+        } else if (floors[j] > floors[i] + rise) {
+          higher = true;
+        } else if (!seen[j]) {
+          seen[j] = true;
+          surface.push_back(j);
+        }
+      }
+    }
+    const double size = static_cast<double>(surface.size()) * plan.step * plan.step;
+    if (!lower || higher || size >= PlanUse::kTopOfThings)
+      continue;
+    for (const std::size_t i : surface) use.kinds[i] = PlanUse::Kind::kTop;
+  }
+}
+
 }  // namespace
 
 std::vector<bool> PlanUse::are(Kind kind) const {
@@ -35,18 +96,22 @@ std::string PlanUse::words() const {
     return percentWords(static_cast<double>(count(kind)) / static_cast<double>(kinds.size()));
   };
   std::string words;
-  if (count(Kind::kVoid) > 0)
-    words = fmt::format("{} of the points, which have no floor within {:g} m below them",
-                        share(Kind::kVoid), kReach);
-  if (count(Kind::kFire) > 0)
-    words += fmt::format("{}{} of the points, which are the fire's own place ({})",
-                         words.empty() ? "" : "; ", share(Kind::kFire), firesFrom);
+  const auto add = [&](Kind kind, const std::string& what) {
+    if (count(kind) > 0)
+      words += fmt::format("{}{} of the points, {}", words.empty() ? "" : "; ", share(kind), what);
+  };
+  add(Kind::kVoid, fmt::format("which have no floor within {:g} m below them", kReach));
+  add(Kind::kFire, fmt::format("which are the fire's own place ({})", firesFrom));
+  add(Kind::kLow, fmt::format("which have less than {:g} m of head room", kHeadRoom));
+  add(Kind::kTop, "which are on top of things, a step away from any floor");
+  add(Kind::kNamed, fmt::format("which are in areas named as not for people ({})", areas));
   return words.empty() ? words : "not counted: " + words;
 }
 
-PlanUse planUse(const Survey& survey, const SightInstant& first, std::span<const Vec3> eyes,
+PlanUse planUse(const Survey& survey, const SightInstant& first, const FloorPlan& plan,
+                std::span<const std::size_t> places, std::span<const Vec3> eyes,
                 Progress& progress) {
-  PlanUse use{std::vector(eyes.size(), PlanUse::Kind::kPeople), ""};
+  PlanUse use{std::vector(eyes.size(), PlanUse::Kind::kPeople)};
   if (survey.everywhere)
     return use;
   std::vector<double> floors(eyes.size());
@@ -78,10 +143,12 @@ PlanUse planUse(const Survey& survey, const SightInstant& first, std::span<const
       use.kinds[i] = PlanUse::Kind::kVoid;
     }
   }
+  findLow(first, eyes, floors, use);
+  findTops(plan, places, floors, use);
   if (use.count(PlanUse::Kind::kPeople) > 0)
     return use;
   progress.remark("no point of the plan is for people: all points count");
-  return {std::vector(eyes.size(), PlanUse::Kind::kPeople), ""};
+  return {std::vector(eyes.size(), PlanUse::Kind::kPeople)};
 }
 
 }  // namespace volute

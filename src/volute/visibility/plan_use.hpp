@@ -13,16 +13,24 @@ namespace volute {
 /// What the points of a plan are for. Verdicts are of points where people are.
 struct PlanUse {
   enum class Kind : unsigned char {
-    kPeople,  ///< there is a floor below
+    kPeople,  ///< there is a floor below, and head room
     kVoid,    ///< no floor within kReach below: a shaft, a void, above a roof
     kFire,    ///< in the fire's or a burner's own place
+    kLow,     ///< less than kHeadRoom between the floor and what is above
+    kTop,     ///< on top of something: a small surface that no step leads to
+    kNamed,   ///< in an area that somebody names as not for people
   };
 
   /// How far below an eye a floor may be [m].
   static constexpr double kReach = 2.5;
+  static constexpr double kHeadRoom = 1.8;  ///< [m]
+  /// How high a step is, and how much a ramp or stairs may rise with distance.
+  static constexpr double kStep = 0.3, kSlope = 0.8;  ///< [m], [m/m]
+  static constexpr double kTopOfThings = 6;  ///< smaller surfaces without a step are furniture [m2]
 
   std::vector<Kind> kinds;  ///< of each eye
-  std::string firesFrom;    ///< how the fire's place is known; empty: no point is in it
+  std::string firesFrom{};  ///< how the fire's place is known; empty: no point is in it
+  std::string areas{};      ///< names of areas that are not for people
 
   /// One for each eye.
   std::vector<bool> are(Kind kind) const;
@@ -33,9 +41,10 @@ struct PlanUse {
   std::string words() const;
 };
 
-/// Of eyes at the first time. With Survey::everywhere, and where no point has a floor, all of them
-/// are for people; the latter is a remark.
-PlanUse planUse(const Survey& survey, const SightInstant& first, std::span<const Vec3> eyes,
+/// Of eyes at the first time, `places` of the plan. With Survey::everywhere, and where no point has
+/// a floor, all of them are for people; the latter is a remark.
+PlanUse planUse(const Survey& survey, const SightInstant& first, const FloorPlan& plan,
+                std::span<const std::size_t> places, std::span<const Vec3> eyes,
                 Progress& progress);
 
 }  // namespace volute

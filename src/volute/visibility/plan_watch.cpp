@@ -9,11 +9,13 @@
 #include "volute/io/image_file.hpp"
 #include "volute/report/line_plot.hpp"
 #include "volute/report/page.hpp"
+#include "volute/visibility/plan_areas.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/plan_tenability.hpp"
 #include "volute/visibility/plan_use.hpp"
 #include "volute/visibility/plan_values.hpp"
 #include "volute/visibility/plan_vti.hpp"
+#include "volute/visibility/sensitivity.hpp"
 #include "volute/visibility/verdict.hpp"
 #include "volute/visibility/watch.hpp"
 
@@ -24,22 +26,6 @@ constexpr float kNoFloat = std::numeric_limits<float>::quiet_NaN();
 constexpr std::uint64_t kPlace = 160;  ///< [bytes] of a point of the plan itself
 /// Where the colours of visibility end [m]: what FDS writes at most.
 constexpr double kFar = 30;
-
-/// What the sight of signs is asked about besides, by what C is multiplied with.
-struct Variation {
-  std::string_view name;
-  double factor = 1;
-};
-
-/// Jin's experiments give C of 2 to 4 for reflecting signs and 5 to 10 for emitting ones; FDS's
-/// User's Guide 8700 +- 1100 m2/kg for the mass extinction. Losses that were missed because they
-/// were over before the next stored time came within 2 % of the limit at stored times (measured).
-constexpr Variation kVariations[] = {
-    {"a depth within 2 % of its limit counts as lost (brief losses between stored times)", 0.98},
-    {"C 33 % lower", 0.67},
-    {"C 33 % higher", 1.33},
-    {"mass extinction 9800 of 8700 m2/kg", 8700.0 / 9800},
-    {"mass extinction 7600 of 8700 m2/kg", 8700.0 / 7600}};
 
 class PlanWatch final : public Watch {
  public:
@@ -62,14 +48,17 @@ class PlanWatch final : public Watch {
           "and {:g} m; expected a height where there is gas",
           survey.height, survey.bounds.min[2], survey.bounds.max[2]);
     }
-    const std::size_t sets = survey.sets.size() + std::size(kVariations);
-    VOLUTE_TRY(survey.checkMemory(
-        eyes_.size(), sets * SignLoss::kBytesOfSet + survey.signs.size() * SignLoss::kBytesOfSign +
-                          (1 + survey.criteria.size()) * LevelWatch::kBytesOfPlace + kPlace));
+    const std::size_t sets = survey.sets.size() + variations().size();
+    const std::size_t levels = 2 + survey.criteria.size() + variations().size();
+    VOLUTE_TRY(survey.checkMemory(eyes_.size(), sets * SignLoss::kBytesOfSet +
+                                                    survey.signs.size() * SignLoss::kBytesOfSign +
+                                                    levels * LevelWatch::kBytesOfPlace + kPlace));
     if (const auto remark = survey.rset ? survey.rset->placesBeside(survey.bounds) : "";
         !remark.empty())
       progress.remark(remark);
-    use_ = planUse(survey, first, eyes_, progress);
+    use_ = planUse(survey, first, plan_, places_, eyes_, progress);
+    VOLUTE_ASSIGN(areas_, planAreas(survey, first, eyes_, progress));
+    excludeAreas();
     if (survey.maps == Survey::Maps::kSome && survey.times.size() > Survey::kPicturedTimes) {
       progress.remark(
           fmt::format("maps are drawn at {} of the {} stored times, and written as values (.vti) "
@@ -85,15 +74,15 @@ class PlanWatch final : public Watch {
     std::vector<std::vector<std::size_t>> members;
     for (const SignSet& set : survey.sets) members.push_back(set.members);
     std::vector<double> factors(members.size(), 1);
-    for (const Variation& one : kVariations) {
+    for (const Variation& one : variations()) {
       members.push_back(survey.sets[0].members);
-      factors.push_back(one.factor);
+      factors.push_back(one.onSigns());
     }
     losses_.emplace(survey.signs, std::move(members), eyes_.size(), std::move(factors));
     if (survey.extinctionLimit > 0)
       local_.emplace(eyes_.size(), survey.extinctionLimit);
     if (!survey.criteria.empty())
-      tenability_.emplace(survey, eyes_, use_, planValues(), shapes_,
+      tenability_.emplace(survey, eyes_, use_, areas_, planValues(), shapes_,
                           shownSigns(survey.sets[0].members));
     if (tenability_ ? tenability_->smokeIsLate() : survey.field->beginsBefore()) {
       losses_->loseAll();
@@ -178,14 +167,22 @@ class PlanWatch final : public Watch {
     addVerdict(verdict);
     const std::string sensitivity = addSensitivity(report);
     std::string tenability;
+    AreaFindings found{eyes_, nullptr, {}, {}, use_.are(PlanUse::Kind::kPeople)};
+    const LossTimes signs = sightLosses();
     if (tenability_) {
-      std::vector<bool> inSight(hidden_[0]);
-      inSight.flip();
-      VOLUTE_ASSIGN(tenability,
-                    tenability_->finish(losses_->earliest(0), inSight, report, arrays, verdict));
+      PlanTenability::Sight sight{&losses_->earliest(0), &losses_->latest(0), {}, hidden_[0]};
+      sight.in.flip();
+      for (std::size_t i = 0; i < variations().size(); ++i)
+        sight.varied.push_back(&losses_->earliest(survey_->sets.size() + i));
+      VOLUTE_ASSIGN(tenability, tenability_->finish(sight, report, arrays, verdict));
+      tenability_->find(found);
     } else {
       report["sources"] = sourcesJson(*survey_, nullptr);
+      found.all = &signs;
     }
+    found.single.insert(found.single.begin(), {"sight of signs", &signs});
+    VOLUTE_ASSIGN(const auto areas, reportAreas(*survey_, areas_, found, emptyPicture(),
+                                                planValues(), report, verdict));
     if (const std::string words = use_.words(); !words.empty()) {
       verdict.push_back(
           Json{{"criterion", "places"},
@@ -195,11 +192,42 @@ class PlanWatch final : public Watch {
     VOLUTE_TRY(writePlanVti(survey_->folder / "aset.vti", plan_, arrays));
     VOLUTE_TRY(writePlanCsv(survey_->folder / "maps.csv", plan_, arrays));
     VOLUTE_ASSIGN(const auto shown, shownMaps());
-    return tenability + "<h2>Available safe egress time by visibility</h2>\n" + page + sensitivity +
-           shown;
+    return areas + tenability + "<h2>Available safe egress time by visibility</h2>\n" + page +
+           sensitivity + shown;
   }
 
  private:
+  /// Areas that are named as not for people.
+  void excludeAreas() {
+    for (const PlanAreas::Area& area : areas_.areas) {
+      if (area.people)
+        continue;
+      for (const std::size_t eye : area.eyes) use_.kinds[eye] = PlanUse::Kind::kNamed;
+      use_.areas += (use_.areas.empty() ? "" : ", ") + area.name;
+    }
+  }
+
+  /// Of any sign, where one is in sight without smoke.
+  LossTimes sightLosses() const {
+    LossTimes losses = losses_->earliest(0);
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < eyes_.size(); ++i) {
+      if (hidden_[0][i])
+        losses.down[i] = losses.none[i] = losses.up[i] = losses.known[i] = kNever;
+    }
+    return losses;
+  }
+
+  PlanPicture emptyPicture() const {
+    PlanPicture picture;
+    picture.shapes = shapes_;
+    picture.underlay = survey_->underlay;
+    picture.north = survey_->north;
+    picture.values.assign(plan_.size(), 0);
+    picture.marks = emptyMarks(plan_);
+    return picture;
+  }
+
   /// Of places that are known; NaN of others.
   std::vector<double> rounded(const LossTimes& loss) const { return loss.answers(survey_->round); }
 
@@ -364,11 +392,12 @@ class PlanWatch final : public Watch {
     return rows;
   }
 
-  /// Rows of p (people are there), v (nothing below), f (the fire's own place) and - (solid).
+  /// Rows of p (people are there), v (nothing below), f (the fire's own place), l (low head room),
+  /// u (upon furniture), n (in an area named as not for people) and - (solid).
   Json useRows() const {
     std::string all(plan_.size(), '-');
     for (std::size_t i = 0; i < places_.size(); ++i)
-      all[places_[i]] = "pvf"[static_cast<std::size_t>(use_.kinds[i])];
+      all[places_[i]] = "pvflun"[static_cast<std::size_t>(use_.kinds[i])];
     Json rows = Json::array();
     for (int y = 0; y < plan_.ny; ++y) {
       rows.push_back(all.substr(static_cast<std::size_t>(y) * static_cast<std::size_t>(plan_.nx),
@@ -417,16 +446,11 @@ class PlanWatch final : public Watch {
   }
 
   PlanPicture lossPicture(const LossTimes& times) const {
-    PlanPicture picture;
+    PlanPicture picture = emptyPicture();
     picture.barLabel = "time [s]";
     picture.stored = true;
-    picture.shapes = shapes_;
-    picture.underlay = survey_->underlay;
-    picture.north = survey_->north;
     picture.low = survey_->times.front();
     picture.high = std::max(survey_->times.back(), picture.low + 1e-9);
-    picture.values.assign(plan_.size(), 0);
-    picture.marks = emptyMarks(plan_);
     for (std::size_t i = 0; i < places_.size(); ++i) {
       const double time = times.by(survey_->round)[i];
       picture.values[places_[i]] = time;
@@ -477,8 +501,8 @@ class PlanWatch final : public Watch {
     add("at the largest depths that the files' rounding allows (the verdict)",
         losses_->earliest(0));
     add("at the smallest", losses_->latest(0));
-    for (std::size_t i = 0; i < std::size(kVariations); ++i)
-      add(std::string(kVariations[i].name), losses_->times(survey_->sets.size() + i));
+    for (std::size_t i = 0; i < variations().size(); ++i)
+      add(std::string(variations()[i].name), losses_->times(survey_->sets.size() + i));
     report["sensitivity"] = std::move(list);
     return "<h2>Sensitivity of the visibility of signs</h2>\n" +
            htmlTable({"", "first loss of all signs [s]", "interpolated [s]",
@@ -616,6 +640,7 @@ class PlanWatch final : public Watch {
   std::vector<Vec3> eyes_;
   std::optional<SignLoss> losses_;
   PlanUse use_;
+  PlanAreas areas_;
   std::vector<std::vector<bool>> hidden_;  // of each set
   std::vector<bool> inView_;               // of each sign
   std::optional<LevelWatch> local_;

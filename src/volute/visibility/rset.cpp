@@ -16,6 +16,22 @@
 namespace volute {
 namespace {
 
+constexpr double kBelow = -0.6, kAbove = 2.5;  // of points above places of their storey [m]
+
+/// Whether the first line of a table names rooms or areas.
+bool namesAreas(std::string_view text) {
+  bool areas = false;
+  (void)forEachRow(text, [&](std::string_view line, int) -> Status {
+    if (line.empty() || line.starts_with('#'))
+      return {};
+    const std::string lower = lowerCase(line);
+    for (const std::string_view field : fieldsOf(lower, separatorOf(lower)))
+      areas = areas || field == "area" || field == "room";
+    return fail(ErrorCode::kCancelled, "enough");  // the other lines do not matter
+  });
+  return areas;
+}
+
 /// Whether a text or a database is of people: by what stands before their places.
 bool namesPeople(std::string_view text) {
   if (SqliteFile::isOne(text))
@@ -38,7 +54,33 @@ bool namesPeople(std::string_view text) {
 
 }  // namespace
 
+Result<Rset> Rset::parseAreas(std::string_view text, std::string_view file) {
+  enum Column : std::size_t { kArea, kRequired };
+
+  TableReader table(file, {{"area", "", {"room"}, true}, {"rset", "s", {"time", "t"}}}, {});
+  Areas areas;
+  VOLUTE_TRY(readTable(table, text, [&]() -> Status {
+    if (!table.has(kArea) || !table.has(kRequired))
+      return fail(ErrorCode::kInvalidData, "{}: expected columns area,rset", table.where());
+    const std::string name(table.text(kArea));
+    VOLUTE_ASSIGN(const double seconds, table.number(kRequired));
+    if (!(seconds >= 0)) {
+      return fail(ErrorCode::kInvalidData, "{}: rset is {:g} s; expected 0 or more", table.where(),
+                  seconds);
+    }
+    if (std::ranges::find(areas, name, &Areas::value_type::first) != areas.end())
+      return fail(ErrorCode::kInvalidData, "{}: '{}' is there twice", table.where(), name);
+    areas.emplace_back(name, seconds);
+    return {};
+  }));
+  if (areas.empty())
+    return fail(ErrorCode::kInvalidData, "{}: no line; expected lines area,rset", file);
+  return Rset(std::move(areas));
+}
+
 Result<Rset> Rset::parse(std::string_view text, std::string_view file) {
+  if (!SqliteFile::isOne(text) && namesAreas(text))
+    return parseAreas(text, file);
   if (namesPeople(text)) {
     // With their heights; who has none is on every storey.
     constexpr double kAnyStorey = std::numeric_limits<double>::quiet_NaN();
@@ -77,8 +119,9 @@ Result<Rset> Rset::parse(std::string_view text, std::string_view file) {
   if (!taken || map.empty()) {
     return fail(
         ErrorCode::kInvalidData,
-        "{}: expected lines x,y,rset in metres and seconds (and z, with a line of names), or "
-        "people who walk (a table id,time,x,y, or a file of an evacuation program)",
+        "{}: expected lines x,y,rset in metres and seconds (and z, with a line of names), "
+        "lines area,rset, or people who walk (a table id,time,x,y, or a file of an evacuation "
+        "program)",
         taken ? fmt::format("{}: no line", file) : taken.error().message);
   }
   VOLUTE_TRY(checkPlaces(map, file));
@@ -134,7 +177,8 @@ std::vector<double> Rset::at(std::span<const Vec3> points, double radius) const 
     return std::vector<double>(points.size(), *seconds);
   if (const auto* people = std::get_if<Trajectories>(&what_))
     return people->lastTimes(points, radius);
-  constexpr double kBelow = -0.6, kAbove = 2.5;  // [m], as of people
+  if (std::holds_alternative<Areas>(what_))
+    return std::vector<double>(points.size(), std::numeric_limits<double>::quiet_NaN());
   const auto& map = std::get<std::vector<Place>>(what_);
   std::vector<double> out(points.size());
   parallelRanges(points.size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -155,11 +199,43 @@ std::vector<double> Rset::at(std::span<const Vec3> points, double radius) const 
   return out;
 }
 
+std::span<const std::pair<std::string, double>> Rset::areas() const {
+  const auto* areas = std::get_if<Areas>(&what_);
+  return areas ? std::span<const std::pair<std::string, double>>(*areas)
+               : std::span<const std::pair<std::string, double>>();
+}
+
+std::vector<std::string> Rset::remarks(std::span<const double> heights) const {
+  std::vector<std::string> remarks;
+  const auto isOn = [&](double z) {
+    return std::isnan(z) || std::ranges::any_of(heights, [&](double height) {
+             return height - z >= kBelow && height - z <= kAbove;
+           });
+  };
+  const auto add = [&](std::size_t away, std::size_t all, std::string_view what) {
+    if (away > 0)
+      remarks.push_back(fmt::format(
+          "rset: {} of {} {} on no storey whose eyes are at z = {:g} m: they count nowhere", away,
+          all, what, fmt::join(heights, ", ")));
+  };
+  if (const auto* people = std::get_if<Trajectories>(&what_)) {
+    remarks.assign(people->remarks().begin(), people->remarks().end());
+    add(people->outside(isOn), static_cast<std::size_t>(people->people()), "people are always");
+  } else if (const auto* map = std::get_if<std::vector<Place>>(&what_)) {
+    const auto away =
+        std::ranges::count_if(*map, [&](const Place& place) { return place.z && !isOn(*place.z); });
+    add(static_cast<std::size_t>(away), map->size(), "places are");
+  }
+  return remarks;
+}
+
 std::string Rset::description() const {
   if (const double* seconds = std::get_if<double>(&what_))
     return fmt::format("{:g} s everywhere", *seconds);
   if (const auto* people = std::get_if<Trajectories>(&what_))
     return fmt::format("until the last of {} people has passed", people->people());
+  if (const auto* areas = std::get_if<Areas>(&what_))
+    return fmt::format("a table of {} areas", areas->size());
   return fmt::format("a map of {} points", std::get<std::vector<Place>>(what_).size());
 }
 

@@ -15,6 +15,7 @@
 #include "volute/base/write_file.hpp"
 #include "volute/report/csv_cell.hpp"
 #include "volute/report/pdf.hpp"
+#include "volute/report/sha256.hpp"
 #include "volute/visibility/sight_csv.hpp"
 #include "volute/visibility/survey_page.hpp"
 
@@ -336,6 +337,13 @@ class Job {
                      "of K ds, natural logarithm) is at most C times the angle law's factor"},
                     {"sight_file", sightFile.empty() ? Json() : Json(sightFile)}};
     addFacts();
+    if (!request_.profile.criteria.empty()) {
+      page_.report["criteria_profile"] = {{"name", request_.profile.name},
+                                          {"title", request_.profile.title},
+                                          {"source", request_.profile.citation},
+                                          {"applies", request_.profile.applies}};
+    }
+    page_.report["document"] = documentJson();
     page_.report["signs"] = Json::array();
     for (const SightTarget& target : survey_.signs)
       page_.report["signs"].push_back(signJson(target));
@@ -389,6 +397,27 @@ class Job {
     return text;
   }
 
+  /// What a signed report says of itself; null where it is not stated.
+  Json documentJson() {
+    const auto& [name, project, author, date, inputs] = request_.document;
+    const auto stated = [](const std::string& text) { return text.empty() ? Json() : Json(text); };
+    Json json = {
+        {"title", stated(name)}, {"project", stated(project)},          {"author", stated(author)},
+        {"date", stated(date)},  {"program", "Volute " VOLUTE_VERSION}, {"inputs", Json::array()}};
+    for (const std::filesystem::path& input : inputs) {
+      constexpr std::uint64_t kMax = 256 << 20;  // a second
+      std::error_code error;
+      const auto bytes = std::filesystem::file_size(input, error);
+      if (error)
+        continue;  // a folder
+      const Result<std::string> sum = bytes <= kMax ? sha256Of(input) : std::string();
+      json["inputs"].push_back({{"file", input.string()},
+                                {"bytes", bytes},
+                                {"sha256", sum && !sum->empty() ? Json(*sum) : Json()}});
+    }
+    return json;
+  }
+
   /// Title block and curves of the case.
   void addFacts() {
     auto facts = field_.facts();
@@ -400,10 +429,10 @@ class Job {
     Json& title = page_.report["title_block"] = Json::object();
     for (const auto& [name, value] : facts->title) title[name] = value;
     title["analysis"] = "Volute " VOLUTE_VERSION;
-    if (!request_.author.empty())
-      title["by"] = request_.author;
-    if (!request_.date.empty())
-      title["date"] = request_.date;
+    if (!request_.document.author.empty())
+      title["by"] = request_.document.author;
+    if (!request_.document.date.empty())
+      title["date"] = request_.document.date;
     const auto curves = [](const std::vector<FactCurve>& from) {
       Json list = Json::array();
       for (const FactCurve& curve : from)

@@ -17,11 +17,19 @@ struct SurveyRequest {
   std::vector<std::vector<std::string>> sets;  ///< names of signs
   FrameRange frames;                           ///< of stored times, by their numbers
   Survey survey;                               ///< the numbers of it
+  CriteriaProfile profile;                     ///< what Survey::criteria are; for the report
   std::vector<std::string> remarks{};          ///< that the results begin with
   std::string output;
   SightFile sightFile = SightFile::kAuto;
-  bool pdf = false;              ///< print report.html as report.pdf; a remark where that cannot be
-  std::string author{}, date{};  ///< of the report's title block; may be empty
+  bool pdf = false;  ///< print report.html as report.pdf; a remark where that cannot be
+
+  /// Of the report; may be empty.
+  struct Document {
+    std::string title, project, author, date;
+    std::vector<std::filesystem::path> inputs;  ///< files that were read, for their checksums
+  };
+
+  Document document{};
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
 };
 

@@ -45,10 +45,20 @@ std::string storedTimes(const Json& list) {
              apart, apart);
 }
 
+/// What is stated of the report; its own name else.
+std::string titleOf(const Json& report) {
+  const Json document = report.value("document", Json::object());
+  const Json title = document.value("title", Json());
+  return title.is_string() ? title.get<std::string>() : kTitle;
+}
+
 std::string titlePart(const Json& report) {
   if (!report.contains("title_block"))
     return "";
   std::vector<HtmlRow> rows;
+  const Json document = report.value("document", Json::object());
+  if (document.value("project", Json()).is_string())
+    rows.push_back({"project", htmlOf(document["project"])});
   for (const auto& [name, value] : report["title_block"].items())
     rows.push_back({escapedHtml(name), htmlOf(value)});
   const Json& times = report["times"];
@@ -59,7 +69,37 @@ std::string titlePart(const Json& report) {
                   round == "down" ? "as the last stored time before the change (safe side)"
                   : round == "up" ? "as the first stored time after the change"
                                   : "interpolated"});
-  return htmlTable({}, rows);
+  return "<h2>The study</h2>\n" + htmlTable({}, rows);
+}
+
+/// What was assumed, and what is missing.
+std::string remarksPart(const Json& remarks) {
+  return remarks.empty() ? "" : "<h2>Assumptions and remarks</h2>\n" + htmlWarnings(remarks);
+}
+
+/// Which files were read, so that somebody else may read the same.
+std::string inputsPart(const Json& report) {
+  if (!report.contains("document") || report["document"]["inputs"].empty())
+    return "";
+  std::vector<HtmlRow> rows;
+  for (const Json& one : report["document"]["inputs"])
+    rows.push_back({htmlOf(one["file"]), htmlOf(one["bytes"], "{}"), htmlOf(one["sha256"])});
+  return "<h2>Input files</h2>\n<p>Checksums are of the files as they were read; of an FDS case of "
+         "its index and input, not of its data.</p>\n" +
+         htmlTable({"file", "bytes", "SHA-256"}, rows);
+}
+
+/// Room for names and signatures.
+std::string signaturePart(const Json& report) {
+  const Json document = report.value("document", Json::object());
+  const auto of = [&](const char* key) {
+    const Json value = document.value(key, Json());
+    return value.is_string() ? htmlOf(value) : std::string(24, '_');
+  };
+  const std::string line(24, '_');
+  return "<h2>Signatures</h2>\n" +
+         htmlTable({"", "name", "date", "signature"},
+                   {{"author", of("author"), of("date"), line}, {"checked by", line, line, line}});
 }
 
 /// A curve's plot of a few hundred points at most.
@@ -130,6 +170,18 @@ std::string signTable(const Json& signs) {
                    rows);
 }
 
+/// Which criteria were asked for, above their table.
+std::string profilePart(const Json& report) {
+  if (!report.contains("criteria_profile"))
+    return "";
+  const Json& profile = report["criteria_profile"];
+  HtmlRow row{"criteria of tenability", htmlOf(profile["title"])};
+  row.back() += ". Source: " + htmlOf(profile["source"]);
+  if (profile["applies"] != "")
+    row.back() += ". For: " + htmlOf(profile["applies"]);
+  return htmlTable({}, {row});
+}
+
 std::string summaryPlot(const Json& report) {
   std::vector<double> times;
   PlotLine any{"any sign", {}, true};
@@ -149,7 +201,7 @@ std::string summaryPlot(const Json& report) {
 }
 
 constexpr const char* kLimits =
-    R"(<h2>Limits</h2>
+    R"(<h2>Limits of validity</h2>
 <ul>
 <li>S = C / K is an empirical rule: C holds for the signs, the light and the observers of the
 experiments behind it. A sign's luminance, its size and the room's light are not in it.</li>
@@ -171,10 +223,11 @@ give can be told by another simulation alone.</li>
 
 Status writeSurveyPage(const std::filesystem::path& file, const SurveyPage& page) {
   const Json& report = page.report;
-  return writePage(file, kTitle,
-                   verdictPart(verdictBoxes(report)) + titlePart(report) +
-                       htmlWarnings(report["remarks"]) + firePart(report) +
-                       signTable(report["signs"]) + summaryPlot(report) + page.body + kLimits);
+  return writePage(file, titleOf(report),
+                   verdictPart(verdictBoxes(report)) + titlePart(report) + firePart(report) +
+                       signTable(report["signs"]) + profilePart(report) +
+                       remarksPart(report["remarks"]) + summaryPlot(report) + page.body + kLimits +
+                       inputsPart(report) + signaturePart(report));
 }
 
 Status writeStoreysPage(const std::filesystem::path& file, std::span<const double> heights,
@@ -191,9 +244,10 @@ Status writeStoreysPage(const std::filesystem::path& file, std::span<const doubl
         heights[i], htmlWarnings(report["remarks"]), summaryPlot(report), body);
   }
   const Json& first = storeys.front().report;
-  return writePage(file, kTitle,
+  return writePage(file, titleOf(first),
                    verdictPart(verdict) + titlePart(first) + firePart(first) +
-                       signTable(first["signs"]) + parts + kLimits);
+                       signTable(first["signs"]) + profilePart(first) + parts + kLimits +
+                       inputsPart(first) + signaturePart(first));
 }
 
 }  // namespace volute

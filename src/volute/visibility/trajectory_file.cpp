@@ -52,6 +52,10 @@ class Walks {
       eye[2] = *height_;
     else if (zIs != HeightOf::kEyes)
       eye[2] += row.eyes.value_or(aboveFloor_);
+    const auto [last, first] = last_.emplace(row.id, row.time);
+    if (!first && row.time < last->second && back_++ == 0)
+      backAt_ = where;
+    last->second = row.time;
     const auto [found, isNew] = people_[row.id].emplace(row.time, eye);
     const Vec3 apart = found->second - eye;  // z may be unknown
     if (isNew || (apart.head<2>().norm() < kSamePlace && !(std::abs(apart[2]) >= kSamePlace)))
@@ -75,12 +79,20 @@ class Walks {
   }
 
   std::vector<std::string> remarks() const {
+    std::vector<std::string> remarks;
+    if (back_ > 0) {
+      remarks.push_back(fmt::format(
+          "{}: time goes back there{}: places are sorted by time, so that "
+          "two walks of one person become one",
+          backAt_, back_ > 1 ? fmt::format(", and at {} lines more", back_ - 1) : std::string()));
+    }
     if (height_ || zIs == HeightOf::kEyes)
-      return {};
-    return {fmt::format(
+      return remarks;
+    remarks.push_back(fmt::format(
         "{}: {}: eyes are {:g} m above it", file_,
         zIs == HeightOf::kFloor ? "z is the floor there" : "has no z: the floor is taken at z = 0",
-        aboveFloor_)};
+        aboveFloor_));
+    return remarks;
   }
 
  private:
@@ -88,13 +100,27 @@ class Walks {
   std::optional<double> height_;
   double aboveFloor_;
   std::map<int, std::map<double, Vec3>> people_;
+  std::map<int, double> last_;  // the time of each person's last line
+  std::size_t back_ = 0;        // lines with an earlier one
+  std::string backAt_;          // the first of them
 };
 
 tl::unexpected<Error> nobody(std::string_view file, std::string_view expected) {
   return fail(ErrorCode::kInvalidData, "{}: nobody walks here; expected {}", file, expected);
 }
 
-enum PersonColumn : std::size_t { kId, kTime, kPx, kPy, kPz, kFloorZ, kActive, kLocation, kEyes };
+enum PersonColumn : std::size_t {
+  kId,
+  kTime,
+  kPx,
+  kPy,
+  kPz,
+  kFloorZ,
+  kActive,
+  kLocation,
+  kEyes,
+  kPersonName
+};
 
 constexpr const char* kTableNames = "a line of names with id, time, x, y and z";
 
@@ -117,14 +143,16 @@ Status readPeopleTable(std::string_view text, std::string_view file, std::option
        {"floor", "m"},
        {"active", "", {}, true},
        {"location", "", {}, true},
-       {"eye_height", "m"}},
+       {"eye_height", "m"},
+       {"name", "", {}, true}},
       {.own = false});
   bool checked = false;
+  std::map<std::string, int, std::less<>> numbers;  // of names, where there are no ids
   VOLUTE_TRY(readTable(table, text, [&]() -> Status {
     if (!checked) {
       checked = true;
       for (const std::size_t column : {kId, kTime, kPx, kPy}) {
-        if (!table.has(column))
+        if (!table.has(column) && !(column == kId && table.has(kPersonName)))
           return fail(ErrorCode::kInvalidData, "{}: expected {}", table.where(), kTableNames);
       }
       const bool ofPathfinder = table.has(kActive) || table.has(kLocation);
@@ -140,8 +168,13 @@ Status readPeopleTable(std::string_view text, std::string_view file, std::option
     if (table.has(kActive) && !isPresent(table.text(kActive)))
       return {};  // not yet there, or gone
     Row row;
-    VOLUTE_ASSIGN(const double id, table.whole(kId, -kLargestId, kLargestId));
-    row.id = static_cast<int>(id);
+    if (table.has(kId)) {
+      VOLUTE_ASSIGN(const double id, table.whole(kId, -kLargestId, kLargestId));
+      row.id = static_cast<int>(id);
+    } else {
+      const int next = static_cast<int>(numbers.size()) + 1;
+      row.id = numbers.emplace(table.text(kPersonName), next).first->second;
+    }
     VOLUTE_ASSIGN(row.time, table.number(kTime));
     VOLUTE_ASSIGN(row.place[0], table.number(kPx));
     VOLUTE_ASSIGN(row.place[1], table.number(kPy));
@@ -155,6 +188,12 @@ Status readPeopleTable(std::string_view text, std::string_view file, std::option
     return walks.add(row, table.where());
   }));
   remarks.insert(remarks.end(), table.remarks().begin(), table.remarks().end());
+  if (!numbers.empty()) {
+    remarks.push_back(
+        fmt::format("{}: has no ids: people are numbered from 1 in the order in which "
+                    "their names come",
+                    file));
+  }
   return walks.empty() ? nobody(file, "lines id,time,x,y") : Status{};
 }
 

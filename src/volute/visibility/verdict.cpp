@@ -14,15 +14,21 @@ Json knownJson(double known) {
 }
 
 FirstLoss firstLoss(const LossTimes& times, RoundTime round, const std::vector<bool>& counts) {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < times.up.size(); ++i) {
+    if (counts.empty() || counts[i])
+      places.push_back(i);
+  }
+  return firstLoss(times, round, places);
+}
+
+FirstLoss firstLoss(const LossTimes& times, RoundTime round, std::span<const std::size_t> places) {
   constexpr double kAlways = std::numeric_limits<double>::infinity();
   FirstLoss first, latest;  // among places that are known, and of the others
-  std::size_t considered = 0, lost = 0, unknown = 0;
+  std::size_t lost = 0, unknown = 0;
   double known = kAlways;
   const std::vector<double>& by = times.by(round);
-  for (std::size_t i = 0; i < by.size(); ++i) {
-    if (!counts.empty() && !counts[i])
-      continue;
-    ++considered;
+  for (const std::size_t i : places) {
     const bool complete = times.complete(i);
     unknown += !complete;
     if (!complete)
@@ -46,9 +52,10 @@ FirstLoss firstLoss(const LossTimes& times, RoundTime round, const std::vector<b
     first.none = times.none[first.place];
     first.up = times.up[first.place];
   }
-  if (considered > 0) {
-    first.share = static_cast<double>(lost) / static_cast<double>(considered);
-    first.unknown = static_cast<double>(unknown) / static_cast<double>(considered);
+  if (!places.empty()) {
+    const auto all = static_cast<double>(places.size());
+    first.share = static_cast<double>(lost) / all;
+    first.unknown = static_cast<double>(unknown) / all;
   }
   return first;
 }

@@ -40,6 +40,9 @@ Json knownJson(double known);
 /// Among the places for which `counts` is true; empty: all.
 FirstLoss firstLoss(const LossTimes& times, RoundTime round, const std::vector<bool>& counts = {});
 
+/// The same among some places.
+FirstLoss firstLoss(const LossTimes& times, RoundTime round, std::span<const std::size_t> places);
+
 /// "12.6 s (between 12 and 24 s) at x, y, z".
 std::string timeWords(const FirstLoss& loss);
 std::string placeWords(const Vec3& place);

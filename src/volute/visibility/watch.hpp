@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "volute/report/json.hpp"
 #include "volute/tenability/criterion.hpp"
 #include "volute/tenability/walking_speed.hpp"
+#include "volute/visibility/area_file.hpp"
 #include "volute/visibility/eyes.hpp"
 #include "volute/visibility/loss.hpp"
 #include "volute/visibility/rset.hpp"
@@ -58,6 +60,7 @@ struct Survey {
   std::optional<Rset> rset;         ///< what plans are compared with
 
   std::vector<Vec3> fires;  ///< besides what the case says: x, y and radius [m] of where it burns
+  std::vector<NamedArea> areas;  ///< for verdicts of their own
   bool everywhere = false;  ///< verdicts of plans are of all points, not of those for people alone
 
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes] of all that is kept of eyes

@@ -37,6 +37,11 @@ Result<std::vector<double>> heightsOf(const Arguments& arguments) {
 
 Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context& context,
                                        std::vector<std::string>& remarks) {
+  for (const char* option : {"route", "eyes", "trajectories"}) {
+    if (arguments.given("areas") && arguments.given(option))
+      return fail(ErrorCode::kInvalidArgument, "--areas: areas are of plans; --{} has none",
+                  option);
+  }
   std::optional<double> height;
   if (arguments.given("height")) {
     VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
@@ -149,6 +154,25 @@ Result<std::unique_ptr<SightField>> fieldOf(const Arguments& arguments, Context&
   return field;
 }
 
+/// What the report says of itself, and the files that are read besides the case's own.
+SurveyRequest::Document documentOf(const Arguments& arguments) {
+  const auto text = [&](const char* option) {
+    return arguments.find<std::string>(option).value_or("");
+  };
+  SurveyRequest::Document document{
+      text("title"), text("project"), text("author"), text("date"), {arguments.positional(0)}};
+  if (document.author.empty())
+    document.author = text("by");
+  std::error_code error;
+  for (const char* option :
+       {"signs", "criteria", "areas", "rset", "route", "eyes", "trajectories", "underlay"}) {
+    const std::string file = text(option);
+    if (std::filesystem::is_regular_file(file, error))
+      document.inputs.emplace_back(file);
+  }
+  return document;
+}
+
 /// One plan, or other eyes.
 Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, double height,
                                const std::string& output, bool pdf) {
@@ -170,12 +194,20 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   VOLUTE_ASSIGN(request.survey.extinctionLimit, extinctionLimit(arguments));
   VOLUTE_ASSIGN(request.sightFile, sightFile(arguments.get<std::string>("sight")));
   request.pdf = pdf;
-  request.author = arguments.find<std::string>("by").value_or("");
-  request.date = arguments.find<std::string>("date").value_or("");
-  VOLUTE_ASSIGN(request.survey.criteria, criteriaOf(arguments.get<std::string>("criteria")));
+  request.document = documentOf(arguments);
+  VOLUTE_ASSIGN(request.profile, criteriaOf(arguments.get<std::string>("criteria")));
+  request.survey.criteria = request.profile.criteria;
   if (const auto rset = arguments.find<std::string>("rset")) {
     VOLUTE_ASSIGN(request.survey.rset,
                   namingOptions(Rset::read(*rset, context.maxMemory / 16), arguments));
+    VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
+    for (std::string& remark : request.survey.rset->remarks(heights))
+      request.remarks.push_back(std::move(remark));
+  }
+  if (const auto file = arguments.find<std::string>("areas")) {
+    VOLUTE_ASSIGN(request.survey.areas, readAreas(*file));
+    VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
+    VOLUTE_TRY(checkStoreys(request.survey.areas, heights, *file));
   }
   request.survey.everywhere = arguments.flag("everywhere");
   VOLUTE_ASSIGN(request.survey.fires, firesOf(arguments));
@@ -292,17 +324,23 @@ std::vector<Option> visibilityOptionTable() {
       {.name = "criteria",
        .kind = kText,
        .value = "WHICH",
-       .help = "criteria of tenability, besides visibility: usual, none, or a file (.json); those "
-               "that the case lacks data for are named",
+       .help = "criteria of tenability, besides the sight of signs: usual, iso-13571, nz-c4.3, "
+               "nz-c4.4, none, or a file (.json); those that the case lacks data for are named",
        .initial = "usual"},
       {.name = "rset",
        .kind = kText,
        .value = "T|FILE",
        .help = "required safe egress time, compared with the ASET of a plan: seconds, a table "
-               "x,y,rset, or trajectories"},
+               "x,y,rset or area,rset, or trajectories"},
+      {.name = "areas",
+       .kind = kFile,
+       .value = "AREAS.json",
+       .help = "areas, routes and exits of a plan by name, with verdicts of their own; without it, "
+               "and beside it, the rooms that the plan's walls make"},
       {.name = "everywhere",
        .help = "verdicts of a plan are of all its points; otherwise of those where people are: a "
-               "floor at most 2.5 m below the eyes, not in the fire's own place"},
+               "floor at most 2.5 m below the eyes, head room, not on top of things, not in the "
+               "fire's own place"},
       {.name = "fire-at",
        .kind = kText,
        .value = "X,Y,RADIUS",
@@ -348,14 +386,11 @@ std::vector<Option> visibilityOptionTable() {
        .choices = {"auto", "none", "csv", "csv.zst"}},
       {.name = "pdf",
        .help = "also print the report to report.pdf, by Chromium if it is installed"},
-      {.name = "by",
-       .kind = kText,
-       .value = "NAME",
-       .help = "author of the report, for its title block"},
-      {.name = "date",
-       .kind = kText,
-       .value = "DATE",
-       .help = "date of the report, for its title block"},
+      {.name = "title", .kind = kText, .value = "TEXT", .help = "title of the report"},
+      {.name = "project", .kind = kText, .value = "TEXT", .help = "what the report is made for"},
+      {.name = "author", .kind = kText, .value = "NAME", .help = "author of the report"},
+      {.name = "by", .kind = kText, .value = "NAME", .help = "the same as --author"},
+      {.name = "date", .kind = kText, .value = "DATE", .help = "date of the report"},
       {.name = "picture",
        .kind = kText,
        .value = "X,Y,Z",

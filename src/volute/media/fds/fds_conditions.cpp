@@ -13,6 +13,7 @@
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_input.hpp"
 #include "volute/media/fds/fds_devices.hpp"
+#include "volute/report/sha256.hpp"
 
 namespace volute {
 namespace {
@@ -296,6 +297,11 @@ CaseFacts fdsFacts(const SmvIndex& index) {
         "reaction", fmt::format("{}: soot yield {:g}, CO yield {:g} kg/kg ({})",
                                 reaction.fuel.empty() ? "fuel" : reaction.fuel, reaction.sootYield,
                                 reaction.coYield, inputOf(index).path.filename().string()));
+  }
+  if (const auto& input = inputOf(index); !input.path.empty()) {
+    if (const auto sum = sha256Of(input.path))
+      facts.title.emplace_back(
+          "input file", fmt::format("{} (SHA-256 {})", input.path.filename().string(), *sum));
   }
   facts.title.emplace_back("state", index.ended ? "FDS has ended"
                                                 : "FDS has not ended, or was "

@@ -138,22 +138,22 @@ void addPartial(Report& report, const MeshSource& source) {
   OrderedJson list = OrderedJson::array();
   std::string text = source.absentText();
   std::vector<std::pair<std::string, std::size_t>> counts;
-  for (const auto& fields : source.fieldLists()) {
-    for (const MeshFieldSummary& field : fields) {
-      const auto known =
-          std::ranges::find(counts, field.name, &decltype(counts)::value_type::first);
+  const auto lists = source.fieldNames();
+  for (const auto& names : lists) {
+    for (const std::string& name : names) {
+      const auto known = std::ranges::find(counts, name, &decltype(counts)::value_type::first);
       if (known == counts.end())
-        counts.emplace_back(field.name, 1);
+        counts.emplace_back(name, 1);
       else
         ++known->second;
     }
   }
   for (const auto& [name, count] : counts) {
-    if (count == source.fieldLists().size())
+    if (count == lists.size())
       continue;
     list.push_back({{"name", name}, {"times", count}});
     text += fmt::format("{}{} is there at {} of {} times", text.empty() ? "" : "; ", name, count,
-                        source.fieldLists().size());
+                        lists.size());
   }
   report
       .add("absent_times",
