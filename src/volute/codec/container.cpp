@@ -248,8 +248,7 @@ Result<AllChunks> readChunks(std::span<const std::byte> bytes, const std::string
                   "{}: is damaged: the checksum of the chunk at byte {} is wrong", path, at);
     }
     const bool table = name == "GRDS";
-    const bool known =
-        table || name == "INFO" || name == "PART" || name == "TILE" || name == "INDX";
+    const bool known = table || name == "INFO" || name == "PART" || name == "INDX";
     if (!known && flags != kSkippable) {
       return fail(ErrorCode::kUnsupported,
                   "{}: has a part at byte {} that this program does not know and may not skip; a "
