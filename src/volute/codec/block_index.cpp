@@ -157,7 +157,7 @@ WrittenPages writePages(std::span<const std::uint64_t> blocks,
     ByteWriter content;
     for (std::size_t i = first + 1; i < first + count; ++i)
       content.varint(blocks[i] - blocks[i - 1]);
-    std::array<std::uint64_t, kMostTiers> sizes{};
+    std::array<std::uint64_t, kMaxBlockTiers> sizes{};
     for (std::size_t tier = 0; tier < tiers; ++tier) {
       for (std::size_t i = first; i < first + count; ++i) {
         const std::uint32_t size = segments[tier * blocks.size() + i].size;
@@ -184,7 +184,7 @@ Result<PageTable> readPageTable(std::span<const std::byte> content, const BlockG
                                 std::size_t tiers, std::uint64_t begin,
                                 std::span<const TierPlace> places) {
   // No file is so long that sums of these overflow.
-  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 56;
+  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 56;
   const auto wrong = [](std::string_view what) {
     return fail(ErrorCode::kInvalidData, "{}", what);
   };
@@ -230,7 +230,7 @@ Result<PageTable> readPageTable(std::span<const std::byte> content, const BlockG
     next = page.firstBlock + page.blocks;
     for (std::size_t tier = 0; tier < tiers; ++tier) {
       page.sizes[tier] = in.varint();
-      if (page.sizes[tier] > kMostBytes)
+      if (page.sizes[tier] > kMaxBytes)
         return wrong("an impossible size");
     }
   }
@@ -243,7 +243,7 @@ Result<PageTable> readPageTable(std::span<const std::byte> content, const BlockG
     for (IndexPage& page : table.pages) {
       page.begins[tier] = at;
       at += page.sizes[tier];
-      if (at > kMostBytes)
+      if (at > kMaxBytes)
         return wrong("an impossible size");
     }
     if (!places.empty() && at != places[tier].begin + places[tier].bytes)
@@ -261,8 +261,8 @@ Result<PageContent> readIndexPage(const InputFile& file, const IndexPage& page,
   };
   // Zeros pack well, but not without end.
   const std::uint64_t limit = page.blocks * (kNumberBytes + kSizeBytes * tiers);
-  constexpr std::uint64_t kMostPacked = 4096;
-  if (page.blocks / kMostPacked > page.bytes)
+  constexpr std::uint64_t kMaxPacked = 4096;
+  if (page.blocks / kMaxPacked > page.bytes)
     return wrong("an impossible number of blocks");
   VOLUTE_ASSIGN(const auto content, readPage(file, page.offset, page.bytes, page.crc, limit));
   ByteReader in(content);

@@ -28,7 +28,7 @@ struct SegmentEntry {
 using FrameTiles = std::vector<std::vector<Bricks::Tile>>;
 
 /// Most tiers that a block may have.
-inline constexpr std::size_t kMostTiers = 5;
+inline constexpr std::size_t kMaxBlockTiers = 5;
 
 /// A piece of the index of codec 3 (docs/format.md, section 6): blocks that follow one another.
 struct IndexPage {
@@ -36,7 +36,7 @@ struct IndexPage {
   std::uint32_t bytes = 0, crc = 0;
   std::uint64_t firstBlock = 0, blocks = 0;
   /// Where the segments of its blocks stand: in each tier one after the other.
-  std::array<std::uint64_t, kMostTiers> begins{}, sizes{};
+  std::array<std::uint64_t, kMaxBlockTiers> begins{}, sizes{};
 };
 
 /// Tiles of some rows of frames.

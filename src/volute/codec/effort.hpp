@@ -11,7 +11,7 @@
 namespace volute {
 
 /// From 1, the fastest, to 9, the smallest files. docs/measurements has what each costs.
-inline constexpr int kLeastEffort = 1, kGreatestEffort = 9;
+inline constexpr int kMinEffort = 1, kMaxEffort = 9;
 inline constexpr int kDefaultEffort = 5;
 inline constexpr int kFastEffort = 2;
 
@@ -32,7 +32,7 @@ struct EffortPlan {
 
 constexpr EffortPlan planOf(int effort) {
   using enum EffortPlan::Modes;
-  constexpr std::array<EffortPlan, kGreatestEffort> kPlans{{
+  constexpr std::array<EffortPlan, kMaxEffort> kPlans{{
       {kFew, 0, false, 32, 0.94},
       {kFew, 0, false, 16, 0.97},
       {kUsual, 0, false, 16, 0.98},
@@ -43,7 +43,7 @@ constexpr EffortPlan planOf(int effort) {
       {kAll, ModeChoice::kAll, true, 1, 0.99},
       {kEach, ModeChoice::kAll, true, 1, 0.995},
   }};
-  return kPlans[static_cast<std::size_t>(std::clamp(effort, 1, kGreatestEffort) - 1)];
+  return kPlans[static_cast<std::size_t>(std::clamp(effort, 1, kMaxEffort) - 1)];
 }
 
 }  // namespace volute

@@ -47,7 +47,7 @@ struct VoluteReader::Impl {
   /// Where a block is; one that is not in the file has no bytes.
   struct Place {
     bool occupied = false;
-    std::array<SegmentEntry, kMostTiers> segments{};
+    std::array<SegmentEntry, kMaxBlockTiers> segments{};
   };
 
   Result<std::shared_ptr<const PageContent>> page(std::size_t number) const;
