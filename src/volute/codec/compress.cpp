@@ -361,7 +361,7 @@ Status Compressor::surveyUnit(std::int64_t number) {
   // Moments are added up block by block, so that they come out the same.
   const std::uint64_t oneOf = sampled_ ? 4 : 1;
   const std::vector<std::uint64_t> sample = sampleOf(row_.occupied(), oneOf);
-  // Two of these say as much as four others.
+  // Sizes of coefficients need fewer blocks than colours do.
   const std::uint64_t oneOfModel = row_.grid().count() > 2 * kFewBlocks ? 4 : 1;
   blocks_ += row_.occupied().size();
   // A digest is of all of them.
@@ -380,7 +380,9 @@ Status Compressor::surveyUnit(std::int64_t number) {
       row_.cut(block, values, states);
       if (std::ranges::binary_search(sample, block)) {
         moments[i].add(values, info_.channels);
-        if (oneOf == oneOfModel || block % oneOfModel == 0)
+        const bool first =
+            i == 0 || occupied[i - 1] / plan_.blocksALayer() != block / plan_.blocksALayer();
+        if (oneOf == oneOfModel || first || block % oneOfModel == 0)
           addCoefficients(values, states, shapeOf(grid, block), model);
       }
       if (!options_.work.empty())
