@@ -261,6 +261,10 @@ TEST(Rset, IsANumberAMapOrPeople) {
   EXPECT_EQ(Rset::read("45.5", 100).value().at(points, 1)[0], 45.5);
   EXPECT_THAT(Rset::read("-1", 100).error().message, HasSubstr("rset: -1: expected seconds >= 0"));
   EXPECT_EQ(Rset::read("none.csv", 100).error().code, ErrorCode::kNotFound);
+  const Box3 room{Vec3(0, 0, 0), Vec3(9, 4, 3)};
+  EXPECT_EQ(map.placesBeside(room), "");
+  EXPECT_THAT(Rset::parse("x,y,rset\n0,1,30\n9000,0,50\n", "m.csv").value().placesBeside(room),
+              HasSubstr("1 of 2 places of the required times are beside the case"));
 }
 
 }  // namespace

@@ -116,6 +116,19 @@ TEST_F(FdsDevices, ARestartReplacesWhatCameBefore) {
               Contains(HasSubstr("times go back (line 6, from 10 to 5 s)")));
 }
 
+TEST_F(FdsDevices, TheFirstColumnIsTimeInItsUnit) {
+  device("T1", "TEMPERATURE");
+  device("T2", "TEMPERATURE");
+  const auto index = read("min,C\nTime,\"T1\"\n0,20\n1,50\n");
+  auto field = fdsConditions(index, "temperature", 1 << 20).value();
+  EXPECT_THAT(field->times(), ElementsAre(0, 60));
+  EXPECT_THAT(field->description(), HasSubstr("T2 (no column of that name)"));
+  EXPECT_THAT(fdsFacts(read("C,s\n\"T1\",Time\n20,0\n")).remarks,
+              Contains(HasSubstr("its first column is 'T1'; expected Time")));
+  EXPECT_THAT(fdsFacts(read("fortnight,C\nTime,\"T1\"\n20,0\n")).remarks,
+              Contains(HasSubstr("its times are in 'fortnight'; expected s")));
+}
+
 TEST_F(FdsDevices, WhatIsNoValueAtAPointIsLeftOutAndNamed) {
   for (const char* label : {"T1", "mean", "scaled", "twice", "odd"}) device(label, "TEMPERATURE");
   const auto index = read(
