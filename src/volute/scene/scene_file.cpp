@@ -91,6 +91,13 @@ Result<SceneDescription> parseScene(const Json& given, const std::string& file) 
   VOLUTE_TRY(read("camera", scene.camera, parseCamera));
   if (json.contains("background")) {
     VOLUTE_ASSIGN(const Vec3 background, jsonToVector(json["background"], file, "/background"));
+    constexpr double kBrightest = 1e30;  // beyond it, a fill value
+    if (!(background.minCoeff() >= 0 && background.maxCoeff() <= kBrightest)) {
+      return fail(
+          ErrorCode::kInvalidData,
+          "{}: /background: {}, {}, {} is out of range; expected three numbers of 0 or more", file,
+          background.x(), background.y(), background.z());
+    }
     scene.background = background.array();
   }
   VOLUTE_TRY(read("lights", scene.lights, parseLights));

@@ -322,6 +322,16 @@ CaseFacts fdsFacts(const SmvIndex& index) {
     constexpr std::size_t kMax = 400;
     take("devc", facts.devices,
          [n = kMax](const auto&, const auto&) mutable { return n > 0 && n-- > 0; });
+    std::vector<std::string> missing;
+    for (const FdsDevice& device : index.devices) {
+      if (std::ranges::find(facts.devices, device.label, &FactCurve::name) == facts.devices.end())
+        missing.push_back(device.label);
+    }
+    if (!missing.empty() && !facts.devices.empty() && facts.devices.size() < kMax) {
+      facts.remarks.push_back(fmt::format(
+          "{} of {} devices have no column in the table of devices: '{}'{}", missing.size(),
+          index.devices.size(), missing.front(), missing.size() > 1 ? " and others" : ""));
+    }
   }
   return facts;
 }
