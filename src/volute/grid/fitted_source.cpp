@@ -95,6 +95,13 @@ class FittedSource final : public RoundingSource {
       outside[c] = static_cast<float>(outside_[c]);
     if (bricks.background() != outside) {
       // Another background than the source has: its own is a value like others.
+      constexpr std::size_t kMaxValues = std::size_t{1} << 31;
+      if (info_.frameValues() > kMaxValues) {
+        return fail(ErrorCode::kTooLarge,
+                    "'{}' has another background than what lies around it, so that all {} x {} x "
+                    "{} voxels hold something; expected at most {} values",
+                    info_.name, info_.x, info_.y, info_.z, kMaxValues);
+      }
       std::vector<float> values(info_.frameValues());
       VOLUTE_TRY(readFrame(index, values));
       bricks = Bricks::fromDense(info_, values, outside);

@@ -69,6 +69,11 @@ Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Read
                 "and one channel",
                 path, info.x, info.y, info.z, info.channels);
   }
+  if (4 * info.frameValues() > reading.maxMemory) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: a map of {} x {} voxels needs {} MiB of memory, more than the {} MiB allowed",
+                path, info.x, info.y, info.frameValues() >> 18, reading.maxMemory >> 20);
+  }
   Maps maps;
   std::vector<float> frame(info.frameValues());
   for (int i = 0; i < info.frames; ++i) {
