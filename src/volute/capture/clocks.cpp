@@ -13,7 +13,7 @@ namespace volute {
 namespace {
 
 constexpr double kUsualRate = 25;
-constexpr int kMostPictures = 1 << 24;  // of a film
+constexpr int kMaxPictures = 1 << 24;  // of a film
 
 bool sameRate(double a, double b) {
   constexpr double kRounding = 5e-3;  // 29.97 and 30 are one rate, said in two ways
@@ -82,7 +82,7 @@ void takeTimesOfFilm(CameraDraft& camera, double rate, std::vector<std::string>&
   if (pictures.video.empty())
     return;
   auto film = FilmReader::open(pictures.video, maxMemory);
-  const auto times = film ? film->restOfTimes(kMostPictures) : fail(film.error().code, "");
+  const auto times = film ? film->restOfTimes(kMaxPictures) : fail(film.error().code, "");
   if (!times || times->empty())
     return;  // which is told when its pictures are wanted
   pictures.filmPictures = static_cast<int>(times->size());
@@ -143,7 +143,7 @@ Result<int> picturesOfFilm(const PictureSource& pictures, std::uint64_t maxMemor
   if (pictures.filmPictures > 0)
     return pictures.filmPictures;
   VOLUTE_ASSIGN(auto film, FilmReader::open(pictures.video, maxMemory));
-  VOLUTE_ASSIGN(const auto times, film.restOfTimes(kMostPictures));
+  VOLUTE_ASSIGN(const auto times, film.restOfTimes(kMaxPictures));
   return static_cast<int>(times.size());
 }
 
@@ -160,7 +160,7 @@ void settleClocks(CaptureDraft& draft, std::uint64_t maxMemory) {
 }
 
 Result<std::vector<int>> framesOfFilms(const CaptureDraft& draft, std::uint64_t maxMemory) {
-  double first = 0, last = kMostPictures;
+  double first = 0, last = kMaxPictures;
   const CameraDraft *latest = nullptr, *earliest = nullptr;  // to begin, to end
   for (const CameraDraft& camera : draft.cameras) {
     const PictureSource& pictures = camera.pictures;

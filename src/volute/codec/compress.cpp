@@ -23,6 +23,7 @@
 #include "volute/codec/coefficient_coder.hpp"
 #include "volute/codec/compression_goal.hpp"
 #include "volute/codec/container.hpp"
+#include "volute/codec/effort_plan.hpp"
 #include "volute/codec/encoded_units.hpp"
 #include "volute/codec/parallel_try.hpp"
 #include "volute/codec/step_search.hpp"

@@ -95,7 +95,7 @@ class EarCutter {
       // After many of them it does so everywhere, and no ear is looked for any more.
       const bool flat = area == 0 || points_[at] == points_[next_[at]];
       rounds += waited == left + 1 ? 1 : 0;
-      const bool crossing = rounds > kMostRounds;
+      const bool crossing = rounds > kMaxRounds;
       const bool ear =
           flat || crossing || waited > 2 * left || (area > 0 && (waited > left || isEar(at)));
       ++steps_;
@@ -113,14 +113,14 @@ class EarCutter {
     }
     if (turnAt(at) != 0)
       triangles.push_back({previous_[at], at, next_[at]});
-    if (rounds > kMostRounds)
+    if (rounds > kMaxRounds)
       keepOneOfEach(triangles);
     return triangles;
   }
 
  private:
   static constexpr std::size_t kStepsPerCorner = 1000;
-  static constexpr int kMostRounds = 64;
+  static constexpr int kMaxRounds = 64;
 
   /// An outline that goes around many times has one triangle many times, and each ray would meet
   /// them all.

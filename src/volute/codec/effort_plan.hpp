@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "volute/codec/block_encoder.hpp"
+#include "volute/codec/effort.hpp"
+
+namespace volute {
+
+/// What compress() does with an effort.
+struct EffortPlan {
+  enum class Modes {
+    kFew,    ///< with one wavelet, and all or no time levels
+    kUsual,  ///< with two of them
+    kAll,    ///< all, from some that differ much to what is beside the best of them
+    kEach,   ///< all, one by one
+  };
+  Modes modes = Modes::kAll;
+  int coded = 0;            ///< of the modes that seem cheapest, as ModeChoice has it
+  bool again = false;       ///< modes are chosen anew where the step is another than they were for
+  int oneOf = 4;            ///< of so many blocks one tells what all are like, where there are many
+  double nearness = 0.985;  ///< an error of that part of the one asked for is near enough
+};
+
+constexpr EffortPlan planOf(int effort) {
+  using enum EffortPlan::Modes;
+  constexpr std::array<EffortPlan, kMaxEffort> kPlans{{
+      {kFew, 0, false, 32, 0.94},
+      {kFew, 0, false, 16, 0.97},
+      {kUsual, 0, false, 16, 0.98},
+      {kAll, 0, false, 16, 0.985},
+      {kAll, 2, false, 16, 0.985},
+      {kAll, 3, false, 4, 0.99},
+      {kAll, 3, true, 2, 0.99},
+      {kAll, ModeChoice::kAll, true, 1, 0.99},
+      {kEach, ModeChoice::kAll, true, 1, 0.995},
+  }};
+  return kPlans[static_cast<std::size_t>(std::clamp(effort, 1, kMaxEffort) - 1)];
+}
+
+}  // namespace volute
