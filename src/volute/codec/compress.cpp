@@ -1020,7 +1020,8 @@ Result<double> Compressor::stepFromSome(double first) {
   constexpr double kFar = 1.15;
   VOLUTE_TRY(encodeAll(first, Way::kLearn));
   double step = betterStep();
-  for (int i = 0; i < 2; ++i) {
+  const int tries = blocks_ < kFewBlocks ? 3 : 2;
+  for (int i = 0; i < tries; ++i) {
     VOLUTE_TRY(encodeAll(step, Way::kTry));
     const double better = betterStep();
     const double change = std::max(better / step, step / better);

@@ -266,6 +266,9 @@ Status VoluteReader::Impl::putTiles(std::size_t block, std::span<float> values) 
 
 Status VoluteReader::Impl::decodeBlock(std::size_t block, std::span<float> values, int levels,
                                        BlockStates* states) const {
+  // All levels of a small block are in its first tiers; the last one may have corrections.
+  if (levels >= grid.levels(block))
+    levels = 99;
   VOLUTE_ASSIGN(const Place place, placeOf(block));
   VOLUTE_ASSIGN(auto bytes, readTiers(block, place, levels));
   const BlockShape shape = shapeOf(grid, block);

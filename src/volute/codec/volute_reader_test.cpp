@@ -306,6 +306,21 @@ TEST(VoluteReader, EachLevelBringsTheVolumeNearer) {
   }
 }
 
+// A block of 5 levels has three tiers; one of fewer has its levels in the first two, and
+// corrections in the third.
+TEST(VoluteReader, AllLevelsOfASmallBlockAreTheWholeOfIt) {
+  const Sequence sequence = plumes(4, 7, 4, 4, 1, 300);
+  const ScratchFile file;
+  ASSERT_TRUE(compressTo(file.path(), sequence, {Kind::kMaxError, 0.01}));
+  const auto reader = VoluteReader::open(file.path());
+  const int levels = reader->blocks().levels(0);
+  ASSERT_LT(levels, 5);
+  std::vector<float> whole(sequence.values.size()), all(whole.size());
+  ASSERT_TRUE(reader->readBlock(0, whole));
+  ASSERT_TRUE(reader->readBlock(0, all, levels));
+  EXPECT_EQ(all, whole);
+}
+
 TEST(VoluteReader, AFrameNeedsNoRowInMemory) {
   const Sequence sequence = plumes(18, 20, 20, 20);
   const ScratchFile file;
