@@ -36,11 +36,11 @@ std::optional<double> atPlane(const Segment& segment, const Triangle& triangle) 
   return std::nullopt;
 }
 
-/// What a filter call knows of its query.
+/// What a filter call knows of its query: a ray's id is the place of its segment.
 struct Query {
   RTCIntersectContext context;
   std::span<const Triangle> triangles;
-  const Segment& segment;
+  std::span<const Segment> segments;
 };
 
 void keepWithin(const RTCFilterFunctionNArguments* arguments) {
@@ -49,7 +49,8 @@ void keepWithin(const RTCFilterFunctionNArguments* arguments) {
     if (arguments->valid[i] != -1)
       continue;
     const unsigned int triangle = RTCHitN_primID(arguments->hit, arguments->N, i);
-    if (!atPlane(query->segment, query->triangles[triangle]))
+    const unsigned int segment = RTCRayN_id(arguments->ray, arguments->N, i);
+    if (!atPlane(query->segments[segment], query->triangles[triangle]))
       arguments->valid[i] = 0;
   }
 }
@@ -91,6 +92,7 @@ struct EmbreeScene::Impl {
   double margin = 0;
 
   std::optional<RTCRay> rayOf(const Segment& segment) const;
+  Hit hitOf(const Segment& segment, unsigned int triangle) const;
 };
 
 /// The part near the scene, around its middle; nothing where the segment passes by.
@@ -143,27 +145,60 @@ std::unique_ptr<const EmbreeScene> EmbreeScene::make(std::span<const Triangle> t
   return std::unique_ptr<const EmbreeScene>(new EmbreeScene(std::move(impl)));
 }
 
+Hit EmbreeScene::Impl::hitOf(const Segment& segment, unsigned int triangle) const {
+  if (triangle == RTC_INVALID_GEOMETRY_ID)
+    return {};
+  return {*atPlane(segment, triangles[triangle]), triangle};
+}
+
 Hit EmbreeScene::nearest(const Segment& segment) const {
   const auto ray = impl_->rayOf(segment);
   if (!ray)
     return {};
-  Query query{{}, impl_->triangles, segment};
+  Query query{{}, impl_->triangles, {&segment, 1}};
   rtcInitIntersectContext(&query.context);
   query.context.filter = keepWithin;
   RTCRayHit found{*ray, {}};
   found.hit.geomID = found.hit.primID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(impl_->scene.get(), &query.context, &found);
-  if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID)
-    return {};
-  const auto distance = atPlane(segment, impl_->triangles[found.hit.primID]);
-  return {*distance, found.hit.primID};
+  return impl_->hitOf(segment, found.hit.primID);
+}
+
+void EmbreeScene::nearest(std::span<const Segment> segments, std::span<Hit> hits) const {
+  constexpr std::size_t kPacket = 16;
+  for (std::size_t first = 0; first < segments.size(); first += kPacket) {
+    const std::size_t count = std::min(kPacket, segments.size() - first);
+    const auto some = segments.subspan(first, count);
+    alignas(64) int valid[kPacket] = {};
+    RTCRayHit16 found{};
+    for (std::size_t i = 0; i < kPacket; ++i) {
+      found.hit.geomID[i] = found.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
+      const auto ray = i < count ? impl_->rayOf(some[i]) : std::nullopt;
+      if (!ray)
+        continue;
+      valid[i] = -1;
+      found.ray.org_x[i] = ray->org_x, found.ray.org_y[i] = ray->org_y;
+      found.ray.org_z[i] = ray->org_z;
+      found.ray.dir_x[i] = ray->dir_x, found.ray.dir_y[i] = ray->dir_y;
+      found.ray.dir_z[i] = ray->dir_z;
+      found.ray.tfar[i] = ray->tfar, found.ray.mask[i] = ray->mask;
+      found.ray.id[i] = static_cast<unsigned int>(i);
+    }
+    Query query{{}, impl_->triangles, some};
+    rtcInitIntersectContext(&query.context);
+    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    query.context.filter = keepWithin;
+    rtcIntersect16(valid, impl_->scene.get(), &query.context, &found);
+    for (std::size_t i = 0; i < count; ++i)
+      hits[first + i] = impl_->hitOf(some[i], found.hit.primID[i]);
+  }
 }
 
 bool EmbreeScene::occluded(const Segment& segment) const {
   auto ray = impl_->rayOf(segment);
   if (!ray)
     return false;
-  Query query{{}, impl_->triangles, segment};
+  Query query{{}, impl_->triangles, {&segment, 1}};
   rtcInitIntersectContext(&query.context);
   query.context.filter = keepWithin;
   rtcOccluded1(impl_->scene.get(), &query.context, &*ray);

@@ -19,6 +19,8 @@ class EmbreeScene {
   ~EmbreeScene();
 
   Hit nearest(const Segment& segment) const;
+  /// The same for each, in packets: those that lie side by side cost least.
+  void nearest(std::span<const Segment> segments, std::span<Hit> hits) const;
   bool occluded(const Segment& segment) const;
 
  private:

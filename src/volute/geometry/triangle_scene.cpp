@@ -146,6 +146,10 @@ Result<TriangleScene> TriangleScene::build(std::vector<Triangle> triangles,
 
 void TriangleScene::nearest(std::span<const Segment> segments, std::span<Hit> hits) const {
   VOLUTE_ASSERT(segments.size() == hits.size());
+#if VOLUTE_HAS_EMBREE
+  if (const EmbreeScene* fast = impl_->embree())
+    return fast->nearest(segments, hits);
+#endif
   std::ranges::transform(segments, hits.begin(),
                          [&](const Segment& segment) { return impl_->nearest(segment); });
 }

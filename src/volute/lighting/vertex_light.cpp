@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/lighting/vertex_light.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -79,50 +80,164 @@ LampPaths::Walk LampPaths::walk(std::int32_t vertex, const Segment& way,
   return out.doubtful ? out : walkFrom(*locator_, tet, way, extinction, lampInside);
 }
 
+namespace {
+
+/// Axes across a way, and along it: what a walk looks along.
+class AlongWay {
+ public:
+  explicit AlongWay(const Segment& way)
+      : origin_(way.origin), along_(way.direction), right_(way.direction.unitOrthogonal()) {
+    up_ = along_.cross(right_);
+  }
+
+  Vec3 operator()(const Vec3& point) const {
+    const Vec3 from = point - origin_;
+    return {from.dot(right_), from.dot(up_), from.dot(along_)};
+  }
+
+ private:
+  Vec3 origin_, along_, right_, up_;
+};
+
+/// A vertex as a way sees it.
+struct WalkCorner {
+  Vec3 at;
+  double value = 0;
+  std::int32_t vertex = -1;
+};
+
+/// Exchanging the ends changes the sign and nothing else.
+double edgeBetween(const WalkCorner& a, const WalkCorner& b) {
+  return a.at.x() * b.at.y() - a.at.y() * b.at.x();
+}
+
+/// The triangle through which a way passes, its corners anticlockwise; each weight is the edge
+/// across from its corner.
+struct WalkFace {
+  WalkCorner corners[3];
+  double weights[3] = {};
+
+  /// False where the way meets an edge.
+  bool make() {
+    for (int i = 0; i < 3; ++i)
+      weights[i] = edgeBetween(corners[(i + 1) % 3], corners[(i + 2) % 3]);
+    if (weights[0] < 0 && weights[1] < 0 && weights[2] < 0) {
+      std::swap(corners[1], corners[2]);
+      weights[0] = -weights[0];
+      std::swap(weights[1], weights[2]);
+      weights[1] = -weights[1], weights[2] = -weights[2];
+    }
+    return passed();
+  }
+
+  bool passed() const { return weights[0] > 0 && weights[1] > 0 && weights[2] > 0; }
+
+  double distance() const {
+    const Vec3 &a = corners[0].at, &b = corners[1].at, &c = corners[2].at;
+    const double sum = weights[0] + weights[1] + weights[2];
+    return a.z() + (weights[1] * (b.z() - a.z()) + weights[2] * (c.z() - a.z())) / sum;
+  }
+
+  double value() const {
+    const double sum = weights[0] + weights[1] + weights[2];
+    return (weights[0] * corners[0].value + weights[1] * corners[1].value +
+            weights[2] * corners[2].value) /
+           sum;
+  }
+
+  /// On to the face by which the way leaves the tet that `ahead` completes. The vertex that is left
+  /// behind, or -1 where the way meets an edge.
+  std::int32_t advance(const WalkCorner& ahead) {
+    double to[3];
+    for (int i = 0; i < 3; ++i) to[i] = edgeBetween(ahead, corners[i]);
+    for (int i = 0; i < 3; ++i) {  // corner i is left behind: the way passes between the others
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      if (!(to[j] > 0 && to[k] < 0))
+        continue;
+      const std::int32_t left = corners[i].vertex;
+      // What lies across from i, the edge j k, stays.
+      weights[j] = -to[k], weights[k] = to[j];
+      corners[i] = ahead;
+      return passed() ? left : -1;
+    }
+    return -1;
+  }
+};
+
+}  // namespace
+
 LampPaths::Walk LampPaths::walkFrom(const TetLocator& locator, std::int32_t tet, const Segment& way,
                                     std::span<const float> extinction, bool lampInside) {
   const TetMesh& mesh = locator.mesh();
   const double near = kNear * sizeOf(mesh);
   Walk out;
-  int entry = -1;  // the vertex across the face by which the walk came in
-  double s = 0;
-  while (tet >= 0) {
-    const auto slopes = mesh.slopes(tet);
-    const auto shares = mesh.shares(tet, way.origin);
-    double first = std::numeric_limits<double>::infinity(), second = first, value = 0, slope = 0;
-    int exit = -1;
-    for (int k = 0; k < 4; ++k) {
-      const double down = slopes[k].dot(way.direction);
-      const float at = extinction[mesh.tets()[tet][k]];
-      value += shares[k] * at;
-      slope += down * at;
-      if (k == entry || !(down < 0))
-        continue;
-      const double leave = -shares[k] / down;
-      if (leave < first) {
-        second = first;
-        first = leave;
-        exit = k;
-      } else {
-        second = std::min(second, leave);
-      }
-    }
-    const double end = std::min(first, way.end);
-    out.doubtful = exit < 0 || (first < way.end && second - first < near) || end < s - near;
-    if (out.doubtful)
-      return out;
-    if (end > s)
-      out.depth += (value + 0.5 * slope * (s + end)) * (end - s);
-    s = std::max(s, end);
-    if (first >= way.end)
-      return out;
-    const std::int32_t across = mesh.opposite(4 * tet + exit);
-    if (across == TetMesh::kBoundary)
-      break;
-    tet = across / 4;
-    entry = across % 4;
+  if (tet < 0) {
+    if (way.end > near)
+      out.dark = lampInside || meshBetween(locator, way, near);
+    return out;
   }
-  if (way.end - s > near)
+  const auto points = mesh.vertices();
+  const auto value = [&](std::int32_t vertex) {
+    return static_cast<double>(extinction[static_cast<std::size_t>(vertex)]);
+  };
+  // The first tet, in which the way begins, by its shares.
+  const auto slopes = mesh.slopes(tet);
+  const Tet& start = mesh.tets()[tet];
+  const Vec3 from = way.origin - points[start[0]];
+  double first = std::numeric_limits<double>::infinity(), second = first, begin = 0, rise = 0;
+  int exit = -1;
+  for (int k = 0; k < 4; ++k) {
+    const double down = slopes[k].dot(way.direction);
+    const double share = slopes[k].dot(from) + (k == 0 ? 1 : 0);
+    begin += share * value(start[k]);
+    rise += down * value(start[k]);
+    if (!(down < 0))
+      continue;
+    const double leave = -share / down;
+    if (leave < first) {
+      second = first;
+      first = leave;
+      exit = k;
+    } else {
+      second = std::min(second, leave);
+    }
+  }
+  double s = std::max(0.0, std::min(first, way.end));
+  out.depth = (begin + 0.5 * rise * s) * s;
+  out.doubtful = exit < 0 || (first < way.end && second - first < near) || first < -near;
+  if (out.doubtful || first >= way.end)
+    return out;
+  // The others from face to face, by the side of each edge that the way passes.
+  const AlongWay seen(way);
+  const auto corner = [&](std::int32_t vertex) {
+    return WalkCorner{seen(points[vertex]), value(vertex), vertex};
+  };
+  WalkFace face{{corner(start[(exit + 1) & 3]), corner(start[(exit + 2) & 3]),
+                 corner(start[(exit + 3) & 3])}};
+  out.doubtful = !face.make();
+  double before = begin + rise * s;
+  for (std::int32_t half = mesh.opposite(4 * tet + exit);
+       half != TetMesh::kBoundary && !out.doubtful;) {
+    const Tet& next = mesh.tets()[half / 4];
+    const std::int32_t left = face.advance(corner(next[half & 3]));
+    if (left < 0) {
+      out.doubtful = true;
+      break;
+    }
+    const double end = std::max(face.distance(), s);
+    double after = face.value();
+    const bool arrives = end >= way.end;
+    const double length = (arrives ? way.end : end) - s;
+    if (arrives)
+      after = before + (end > s ? length / (end - s) : 0.0) * (after - before);
+    out.depth += 0.5 * (before + after) * length;
+    if (arrives)
+      return out;
+    s = end, before = after;
+    const auto across = std::ranges::find(next, left) - next.begin();
+    half = mesh.opposite(static_cast<std::int32_t>(half / 4 * 4 + across));
+  }
+  if (!out.doubtful && way.end - s > near)
     out.dark = lampInside || meshBetween(locator, way, s + near);
   return out;
 }

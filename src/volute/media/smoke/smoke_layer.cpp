@@ -300,6 +300,14 @@ Result<std::shared_ptr<const SmokeLayer::Step>> SmokeLayer::step(std::size_t ind
   return steps_.back();
 }
 
+Result<std::shared_ptr<const MeshWalls>> SmokeLayer::wallsOf(const MeshFrame& frame) {
+  if (!files_->walls || files_->wallsOf != frame.mesh) {
+    VOLUTE_ASSIGN(files_->walls, MeshWalls::make(*frame.mesh));
+    files_->wallsOf = frame.mesh;
+  }
+  return files_->walls;
+}
+
 Result<SmokeState> SmokeLayer::at(double time) {
   const auto times = files_->source.times();
   const double local = description_.clock.at(time, times);
@@ -312,6 +320,9 @@ Result<SmokeState> SmokeLayer::at(double time) {
                    {},
                    from->lampShares,
                    extinctionOfConcentration(description_.model)};
+  if (description_.walls) {
+    VOLUTE_ASSIGN(state.walls, wallsOf(from->stored->frame));
+  }
   if (after > 0 && after < times.size() && local > times[before]) {
     VOLUTE_ASSIGN(const auto to, step(after));
     if (to->stored->frame.mesh == from->stored->frame.mesh) {

@@ -15,6 +15,7 @@
 #include "volute/media/reading.hpp"
 #include "volute/media/scene_lights.hpp"
 #include "volute/media/smoke/scene_smoke.hpp"
+#include "volute/media/smoke/wall_light.hpp"
 
 namespace volute {
 
@@ -26,6 +27,7 @@ struct SmokeState {
   std::vector<std::vector<float>> lampShares;  ///< of each lamp, at each vertex
   /// Of one unit of concentration [1/m], unitOfConcentration(); 0: the field holds no mass.
   double extinctionOfUnit = 0;
+  std::shared_ptr<const MeshWalls> walls{};  ///< of the mesh; null: not made yet
 };
 
 /// What lights smoke, and where computed light is kept.
@@ -122,6 +124,8 @@ class SmokeLayer {
     std::optional<MeshSource> densitySource{};
     std::string field{};
     std::vector<std::shared_ptr<const Stored>> steps{};
+    std::shared_ptr<const TetMesh> wallsOf{};  ///< what `walls` are of
+    std::shared_ptr<const MeshWalls> walls{};
   };
 
   /// What is made of a step that was read.
@@ -138,6 +142,7 @@ class SmokeLayer {
   [[nodiscard]] Result<std::shared_ptr<const Stored>> readStep(std::size_t index);
   [[nodiscard]] Result<std::vector<float>> extinctionOf(const Stored& stored) const;
   [[nodiscard]] Status light(Step& step);
+  [[nodiscard]] Result<std::shared_ptr<const MeshWalls>> wallsOf(const MeshFrame& frame);
   std::vector<float> lightOf(const Step& step, const Lamp& lamp);
   std::string lightKey(const Step& step, const Lamp& lamp) const;
   [[nodiscard]] Status checkShare(const Stored& stored) const;

@@ -245,7 +245,8 @@ std::optional<WallHit> SmokeAt::wallOn(const Segment& ray) const {
 
 Result<SurfaceView> SmokeAt::lookAtWalls(const Camera& camera, const TriangleScene& others,
                                          std::span<const std::uint8_t> only) const {
-  return volute::lookAtWalls(camera, state_, lighting_->lights, *walls_, blocksOf(others), only);
+  return volute::lookAtWalls(camera, state_, lighting_->lights, *walls_, blocksOf(others), only,
+                             wallLight_.get());
 }
 
 bool SmokeAt::addContour(const Contour& contour, const Camera& camera,

@@ -56,6 +56,7 @@ class SmokeAt final : public MediumAt {
   double factor_;
   std::shared_ptr<const SmokeLighting> lighting_;
   std::optional<Rgb> walls_;
+  std::unique_ptr<WallLight> wallLight_ = std::make_unique<WallLight>();
   Team* holders_;
 };
 

@@ -12,89 +12,85 @@
 namespace volute {
 namespace {
 
-/// A face of the boundary, anticlockwise from inside.
-struct WallFace {
-  std::array<std::int32_t, 3> vertices;
-  std::int32_t tet;  ///< behind it
-  Vec3 inwards;      ///< unit normal
+constexpr std::uint32_t kNoFace = std::numeric_limits<std::uint32_t>::max();
+constexpr std::size_t kFewFaces = 8;
+
+/// Pixels by the face that they see.
+struct PixelsOfFaces {
+  std::vector<std::uint32_t> begin, pixels;
+
+  PixelsOfFaces(std::span<const std::uint32_t> faceOf, std::size_t faces) : begin(faces + 1, 0) {
+    for (const std::uint32_t face : faceOf) {
+      if (face != kNoFace)
+        ++begin[face + 1];
+    }
+    for (std::size_t f = 0; f < faces; ++f) begin[f + 1] += begin[f];
+    pixels.resize(begin.back());
+    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+    for (std::size_t i = 0; i < faceOf.size(); ++i) {
+      if (faceOf[i] != kNoFace)
+        pixels[next[faceOf[i]]++] = static_cast<std::uint32_t>(i);
+    }
+  }
+
+  std::span<const std::uint32_t> of(std::size_t face) const {
+    return std::span(pixels).subspan(begin[face], begin[face + 1] - begin[face]);
+  }
 };
 
-/// Shares of a lamp's light that are alike.
-constexpr float kAlike = 0.01F;
-
-std::vector<WallFace> wallsFacing(const Camera& camera, const TetMesh& mesh) {
-  std::vector<WallFace> walls;
-  const auto points = mesh.vertices();
-  for (const std::int32_t f : mesh.boundary()) {
-    const TetFace& face = mesh.faces()[f];
-    auto [a, b, c] = face.vertices;
-    Vec3 normal = (points[b] - points[a]).cross(points[c] - points[a]);
-    const Vec3& inner = points[mesh.tets()[face.first / 4][face.first % 4]];
-    if (normal.dot(inner - points[a]) < 0) {
-      std::swap(b, c);
-      normal = -normal;
-    }
-    const Vec3 toEye =
-        camera.isOrthographic() ? Vec3(-camera.forward()) : Vec3(camera.eye() - points[a]);
-    if (normal.dot(toEye) > 0)
-      walls.push_back({{a, b, c}, face.first / 4, normal.normalized()});
-  }
-  return walls;
-}
-
 /// The lamps before the walls of a mesh.
-class WallLight {
+class LampsOnWalls {
  public:
-  WallLight(const SmokeState& smoke, const SceneLights& lights, const Blocks& blocks)
-      : smoke_(smoke), lights_(lights), blocks_(blocks) {
-    for (const Lamp& lamp : lights.lamps)
-      inside_.push_back(lamp.kind == Lamp::Kind::kSpot && smoke.locator->find(lamp.position) >= 0);
-  }
+  LampsOnWalls(const SmokeState& smoke, const SceneLights& lights, const Blocks& blocks,
+               const MeshWalls& walls, WallLight& known)
+      : smoke_(smoke), lights_(lights), blocks_(blocks), walls_(walls), known_(known) {}
 
-  /// What a point of a wall reflects if it reflects all.
-  Rgb on(const WallFace& wall, const Vec3& point) const {
-    const Vec3 shares = cornerShares(wall.vertices, smoke_.locator->mesh().vertices(), point);
-    Rgb light = lights_.ambient;
+  /// Adds what points of a wall reflect of lamps' light if they reflect all.
+  void addTo(std::span<Rgb> light, std::span<const Vec3> points, std::size_t face) const {
+    const WallFace& wall = walls_.faces()[face];
+    const auto vertices = smoke_.locator->mesh().vertices();
+    std::vector<Vec3> corners(points.size()), near;
+    std::vector<double> shares;
+    std::vector<Segment> ways;
+    std::vector<Rgb> arriving;
+    std::vector<std::size_t> lit;
+    std::vector<std::uint8_t> blocked;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      corners[i] = cornerShares(wall.vertices, vertices, points[i]);
     for (std::size_t l = 0; l < lights_.lamps.size(); ++l) {
-      const Segment way = lights_.lamps[l].towards(point);
-      const double cosine = wall.inwards.dot(way.direction);
-      const Rgb arriving = lights_.lamps[l].irradiance(point);
-      if (cosine > 0 && (arriving > 0).any())
-        light += shareOf(l, wall, way, shares) * cosine / std::numbers::pi * arriving;
+      const Lamp& lamp = lights_.lamps[l];
+      near.clear(), ways.clear(), arriving.clear(), lit.clear();
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const Segment way = lamp.towards(points[i]);
+        const double cosine = wall.inwards.dot(way.direction);
+        const Rgb reflected = cosine / std::numbers::pi * lamp.irradiance(points[i]);
+        if (!(cosine > 0) || !(reflected > 0).any())
+          continue;
+        near.push_back(corners[i]), ways.push_back(way), lit.push_back(i);
+        arriving.push_back(reflected);
+      }
+      if (lit.empty())
+        continue;
+      shares.resize(lit.size());
+      known_.shares({*smoke_.locator, smoke_.extinction, walls_, lights_.lamps}, l, face, near,
+                    shares);
+      blocked.assign(lit.size(), 0);
+      if (blocks_)
+        blocks_(ways, blocked);
+      for (std::size_t i = 0; i < lit.size(); ++i) {
+        if (!blocked[i])
+          light[lit[i]] += shares[i] * arriving[i];
+      }
     }
-    return light;
   }
 
  private:
-  double shareOf(std::size_t lamp, const WallFace& wall, const Segment& way,
-                 const Vec3& shares) const {
-    const auto& known = smoke_.lampShares[lamp];
-    const float corners[3] = {known[wall.vertices[0]], known[wall.vertices[1]],
-                              known[wall.vertices[2]]};
-    const auto [least, most] = std::ranges::minmax(corners);
-    if (most - least <= kAlike)
-      return shares[0] * corners[0] + shares[1] * corners[1] + shares[2] * corners[2];
-    const double share =
-        lampShareAt(*smoke_.locator, smoke_.extinction, way, wall.tet, inside_[lamp]);
-    std::uint8_t blocked = 0;
-    if (share > 0 && blocks_)
-      blocks_({&way, 1}, {&blocked, 1});
-    return blocked ? 0 : share;
-  }
-
   const SmokeState& smoke_;
   const SceneLights& lights_;
   const Blocks& blocks_;
-  std::vector<char> inside_;  // of each lamp: it is in the mesh
+  const MeshWalls& walls_;
+  WallLight& known_;
 };
-
-Result<TriangleScene> sceneOf(std::span<const WallFace> walls, std::span<const Vec3> points) {
-  std::vector<Triangle> triangles(walls.size());
-  for (std::size_t i = 0; i < walls.size(); ++i) {
-    for (int k = 0; k < 3; ++k) triangles[i].corners[k] = points[walls[i].vertices[k]];
-  }
-  return TriangleScene::build(std::move(triangles));
-}
 
 constexpr double kGap = 1e-6;  ///< [m] between tets that counts as outside
 
@@ -159,34 +155,67 @@ Vec3 cornerShares(const std::array<std::int32_t, 3>& corners, std::span<const Ve
 
 Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
                                 const SceneLights& lights, const Rgb& color, const Blocks& blocks,
-                                std::span<const std::uint8_t> only) {
-  const TetMesh& mesh = smoke.locator->mesh();
-  const auto walls = wallsFacing(camera, mesh);
-  VOLUTE_ASSIGN(const auto scene, sceneOf(walls, mesh.vertices()));
-  const WallLight light(smoke, lights, blocks);
+                                std::span<const std::uint8_t> only, WallLight* known) {
+  std::shared_ptr<const MeshWalls> walls = smoke.walls;
+  if (!walls) {
+    VOLUTE_ASSIGN(walls, MeshWalls::make(smoke.locator->mesh()));
+  }
+  WallLight found;
+  const LampsOnWalls lamps(smoke, lights, blocks, *walls, known ? *known : found);
   const auto width = static_cast<std::size_t>(camera.width());
   SurfaceView view{std::vector<float>(width * static_cast<std::size_t>(camera.height()),
                                       std::numeric_limits<float>::infinity()),
                    Image(camera.width(), camera.height(), 3)};
+  const auto rayOf = [&](std::size_t pixel) {
+    return camera.ray(static_cast<double>(pixel % width) + 0.5,
+                      static_cast<double>(pixel / width) + 0.5);
+  };
+  const auto show = [&](std::size_t pixel, const Rgb& light) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      view.color.pixels[3 * pixel + c] = static_cast<float>(color[static_cast<Eigen::Index>(c)] *
+                                                            light[static_cast<Eigen::Index>(c)]);
+    }
+  };
+  std::vector<std::uint32_t> faceOf(view.depth.size(), kNoFace);
   parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t y) {
     std::vector<Segment> rays;
-    std::vector<std::size_t> columns;
-    for (std::size_t x = 0; x < width; ++x) {
-      if (!only.empty() && !only[y * width + x])
-        continue;
-      columns.push_back(x);
-      rays.push_back(camera.ray(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));
+    std::vector<std::size_t> pixels;
+    for (std::size_t pixel = y * width; pixel < (y + 1) * width; ++pixel) {
+      if (only.empty() || only[pixel])
+        pixels.push_back(pixel), rays.push_back(rayOf(pixel));
     }
     std::vector<Hit> hits(rays.size());
-    scene.nearest(rays, hits);
+    walls->nearest(rays, hits);
     for (std::size_t i = 0; i < hits.size(); ++i) {
-      const std::size_t x = columns[i];
       if (!hits[i].found())
         continue;
-      view.depth[y * width + x] = static_cast<float>(hits[i].distance);
-      const Rgb seen = color * light.on(walls[hits[i].triangle], rays[i].at(hits[i].distance));
-      for (int c = 0; c < 3; ++c)
-        view.color.at(static_cast<int>(x), static_cast<int>(y), c) = static_cast<float>(seen[c]);
+      view.depth[pixels[i]] = static_cast<float>(hits[i].distance);
+      faceOf[pixels[i]] = hits[i].triangle;
+      show(pixels[i], lights.ambient);
+    }
+  });
+  if (lights.lamps.empty())
+    return view;
+  const PixelsOfFaces seen(faceOf, walls->faces().size());
+  const auto vertices = smoke.locator->mesh().vertices();
+  parallelRanges(walls->faces().size(), kFewFaces, [&](std::size_t begin, std::size_t end) {
+    std::vector<Vec3> points;
+    std::vector<Rgb> light;
+    for (std::size_t face = begin; face < end; ++face) {
+      const auto pixels = seen.of(face);
+      if (pixels.empty())
+        continue;
+      const WallFace& wall = walls->faces()[face];
+      const double height = wall.inwards.dot(vertices[wall.vertices[0]]);
+      points.clear();
+      for (const std::uint32_t pixel : pixels) {
+        const Segment ray = rayOf(pixel);
+        points.push_back(
+            ray.at((height - wall.inwards.dot(ray.origin)) / wall.inwards.dot(ray.direction)));
+      }
+      light.assign(points.size(), lights.ambient);
+      lamps.addTo(light, points, face);
+      for (std::size_t i = 0; i < pixels.size(); ++i) show(pixels[i], light[i]);
     }
   });
   return view;

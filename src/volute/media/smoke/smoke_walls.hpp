@@ -26,14 +26,14 @@ std::optional<WallHit> wallLeft(const TetLocator& locator, const Segment& ray);
 
 /// The boundary of a mesh as walls that reflect `color` of the light in all directions, seen from
 /// their inside alone: from outside one looks into the building. Lamps' light comes through the
-/// smoke, which so casts shadows (Staubli et al. 2005, section 4.3). Where the corners of a
-/// triangle see a lamp alike, within a hundredth of its light, what reaches a point is between
-/// them; elsewhere each pixel looks for the lamp by itself, so that the edges of shadows are those
-/// of what casts them. `blocks`: other opaque things. `only`: empty, or one for each pixel: those
-/// that are asked for.
+/// smoke, which so casts shadows (Staubli et al. 2005, section 4.3), within 2e-3 of the
+/// light without smoke; shadows of walls, and of other opaque things, `blocks`, have exact edges.
+/// `only`: empty, or one for each pixel: those that are asked for. `known`: null, or what earlier
+/// pictures of the same smoke and lamps found out.
 [[nodiscard]] Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
                                               const SceneLights& lights, const Rgb& color,
                                               const Blocks& blocks = {},
-                                              std::span<const std::uint8_t> only = {});
+                                              std::span<const std::uint8_t> only = {},
+                                              WallLight* known = nullptr);
 
 }  // namespace volute

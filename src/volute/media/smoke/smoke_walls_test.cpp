@@ -102,5 +102,133 @@ TEST(LookAtWalls, OtherThingsCastShadowsToo) {
   EXPECT_GT(before, 100);
 }
 
+/// Points of a face in rows, by its corners.
+std::vector<Vec3> pointsOfFace(int rows) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; i + j < rows; ++j)
+      points.emplace_back((i + 0.31) / rows, (j + 0.33) / rows, 1 - (i + j + 0.64) / rows);
+  }
+  return points;
+}
+
+TEST(WallLight, IsThatOfItsTwinEverywhere) {
+  const TetMesh& mesh = hall().smoke.locator->mesh();
+  const auto walls = MeshWalls::make(mesh);
+  ASSERT_TRUE(walls);
+  Lamp sun;
+  sun.kind = Lamp::Kind::kSun;
+  sun.direction = Vec3(0.5, 0.3, -1).normalized();
+  Lamp outside = hall().lights.lamps[0];
+  outside.position = Vec3(-4, 5, 8);
+  const std::vector<Lamp> lamps = {hall().lights.lamps[0], sun, outside};
+  WallLight light;
+  const WallLight::Request request{*hall().smoke.locator, hall().smoke.extinction, **walls, lamps};
+  const auto points = pointsOfFace(12);
+  std::vector<double> shares(points.size());
+  int wrong = 0, lit = 0, dark = 0;
+  for (std::size_t f = 0; f < (*walls)->faces().size(); f += 7) {
+    const WallFace& face = (*walls)->faces()[f];
+    for (std::size_t l = 0; l < lamps.size(); ++l) {
+      const Segment toward = lamps[l].towards(mesh.vertices()[face.vertices[0]]);
+      if (!(face.inwards.dot(toward.direction) > 0.02))
+        continue;
+      light.shares(request, l, f, points, shares);
+      for (std::size_t i = 0; i < points.size(); i += 3) {
+        Vec3 point = Vec3::Zero();
+        for (int k = 0; k < 3; ++k) point += points[i][k] * mesh.vertices()[face.vertices[k]];
+        const double twin = lampShareReference(*hall().smoke.locator, hall().smoke.extinction,
+                                               lamps[l].towards(point + 1e-7 * face.inwards));
+        ++(twin > 0 ? lit : dark);
+        wrong += !(std::abs(shares[i] - twin) <= 2e-3);
+      }
+    }
+  }
+  EXPECT_GT(lit, 5000);
+  EXPECT_GT(dark, 1000);
+  EXPECT_LE(wrong, (lit + dark) / 5000);  // points on the very edge of a shadow
+}
+
+/// A bar that is much thinner than the face on which its shadow falls.
+TEST(WallLight, SeesTheShadowOfWhatIsThinnerThanAFace) {
+  // A box of 8 m whose faces are 8 m long, with a bar of 20 cm missing above its floor.
+  std::vector<Vec3> vertices;
+  std::vector<Tet> tets;
+  const double x[4] = {0, 3.9, 4.1, 8}, y[4] = {0, 3.9, 4.1, 8}, z[4] = {0, 5, 5.2, 8};
+  const auto at = [](int i, int j, int k) { return (k * 4 + j) * 4 + i; };
+  for (int k = 0; k < 4; ++k) {
+    for (int j = 0; j < 4; ++j) {
+      for (int i = 0; i < 4; ++i) vertices.emplace_back(x[i], y[j], z[k]);
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 3; ++i) {
+        if (i == 1 && k == 1)
+          continue;  // along y from wall to wall
+        // Six tets around the diagonal.
+        const int steps[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+        for (const auto& step : steps) {
+          int place[3] = {i, j, k};
+          Tet tet{};
+          tet[0] = at(i, j, k);
+          for (int s = 0; s < 3; ++s) {
+            ++place[step[s]];
+            tet[s + 1] = at(place[0], place[1], place[2]);
+          }
+          tets.push_back(tet);
+        }
+      }
+    }
+  }
+  const auto mesh = TetMesh::build(vertices, tets, "a box with a bar");
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  const TetLocator locator(*mesh);
+  const auto walls = MeshWalls::make(**mesh);
+  ASSERT_TRUE(walls);
+  const std::vector<float> clear((*mesh)->vertices().size(), 0);
+  Lamp lamp;
+  lamp.position = Vec3(4.6, 4, 7.3);
+  const std::vector<Lamp> lamps = {lamp};
+  WallLight light;
+  const WallLight::Request request{locator, clear, **walls, lamps};
+  const auto points = pointsOfFace(40);
+  std::vector<double> shares(points.size());
+  int dark = 0;
+  for (std::size_t f = 0; f < (*walls)->faces().size(); ++f) {
+    const WallFace& face = (*walls)->faces()[f];
+    if (face.inwards.z() < 0.9 || vertices[face.vertices[0]].z() > 0)
+      continue;
+    light.shares(request, 0, f, points, shares);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      Vec3 point = Vec3::Zero();
+      for (int k = 0; k < 3; ++k) point += points[i][k] * vertices[face.vertices[k]];
+      const Vec3 way = lamp.position - point;
+      const auto across = [&](double height) { return point.x() + way.x() * height / way.z(); };
+      const double low = std::min(across(5), across(5.2)), high = std::max(across(5), across(5.2));
+      const bool shadow = high > 3.9 && low < 4.1;
+      if (std::abs(high - 3.9) < 1e-9 || std::abs(low - 4.1) < 1e-9)
+        continue;
+      EXPECT_EQ(shares[i], shadow ? 0 : 1) << point.transpose();
+      dark += shadow;
+    }
+  }
+  EXPECT_GT(dark, 50);
+}
+
+TEST(LookAtWalls, KnowsFromEarlierPictures) {
+  const Camera camera =
+      Camera::pinhole({Vec3(2.3, 6.8, 2.7), Vec3(20, 5, 1), Vec3::UnitZ()}, 70, 160, 120);
+  WallLight known;
+  const auto first =
+      lookAtWalls(camera, hall().smoke, hall().lights, Rgb::Constant(1), {}, {}, &known);
+  const std::uint64_t walks = known.walks();
+  const auto second =
+      lookAtWalls(camera, hall().smoke, hall().lights, Rgb::Constant(1), {}, {}, &known);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->color.pixels, second->color.pixels);
+  EXPECT_LT(known.walks() - walks, walks);
+}
+
 }  // namespace
 }  // namespace volute

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/geometry/triangle_scene.hpp"
+#include "volute/lighting/lamp.hpp"
+#include "volute/tetmesh/tet_locator.hpp"
+
+namespace volute {
+
+/// A face of a mesh's boundary, anticlockwise from inside.
+struct WallFace {
+  std::array<std::int32_t, 3> vertices{};
+  std::int32_t tet = -1;         ///< behind it
+  Vec3 inwards = Vec3::UnitX();  ///< unit normal
+};
+
+/// The boundary of a mesh as walls that are seen from inside. Immutable.
+class MeshWalls {
+ public:
+  /// Two faces of the boundary with an edge in common; the second is -1 where an edge is of one
+  /// face alone or of more than two.
+  struct Edge {
+    std::int32_t from = 0, to = 0;
+    std::int32_t first = -1, second = -1;
+  };
+
+  [[nodiscard]] static Result<std::shared_ptr<const MeshWalls>> make(const TetMesh& mesh);
+
+  std::span<const WallFace> faces() const { return faces_; }
+
+  std::span<const Edge> edges() const { return edges_; }
+
+  /// The first wall on each segment of which it meets the inner side.
+  void nearest(std::span<const Segment> segments, std::span<Hit> hits) const;
+
+ private:
+  std::vector<WallFace> faces_;
+  std::vector<Edge> edges_;
+  TriangleScene scene_;
+};
+
+/// How much of lamps' light comes to points of walls through the smoke before them, at one time:
+/// lampShareAt(), within 2e-3. Where the depth of the smoke towards a lamp is smooth on a face,
+/// a parabola stands for it, whose error was found at three points; what may cast a shadow on a
+/// part of a face is known from the edges at which the boundary turns away from the lamp, and there
+/// each point has a walk of its own. Found once, and kept for later pictures. Threads may share it.
+class WallLight {
+ public:
+  WallLight();
+  ~WallLight();
+
+  /// What is asked for a face.
+  struct Request {
+    const TetLocator& locator;
+    std::span<const float> extinction;
+    const MeshWalls& walls;
+    std::span<const Lamp> lamps;
+  };
+
+  /// @param face  its place in MeshWalls::faces()
+  /// @param points  of it, by the shares of its corners
+  /// @param shares  of the lamp's light: 0 in a shadow of the mesh's own walls
+  void shares(const Request& request, std::size_t lamp, std::size_t face,
+              std::span<const Vec3> points, std::span<double> shares);
+
+  /// Walks that were made so far.
+  std::uint64_t walks() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace volute
