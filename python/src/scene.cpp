@@ -390,7 +390,8 @@ class Engine {
       VOLUTE_ASSIGN(const auto signs, readSigns(signsFile));
       VOLUTE_ASSIGN(const auto criteria, criteriaOf(criteriaFile.empty() ? "usual" : criteriaFile));
       VOLUTE_ASSIGN(auto field, openSight(path, options, progress));
-      VOLUTE_ASSIGN(auto made, SightEngine::open(std::move(field), signs, criteria, progress));
+      VOLUTE_ASSIGN(auto made,
+                    SightEngine::open(std::move(field), signs, criteria.criteria, progress));
       engine_ = std::make_unique<SightEngine>(std::move(made));
       return {};
     });

@@ -171,13 +171,13 @@ TEST(FifthMedium, IsLookedAtInTheViewerWithItsSliders) {
   input.width = 320, input.height = 240;
   Progress quiet;
   ASSERT_TRUE((*viewer)->settle(input, quiet));
-  ASSERT_TRUE(app.document());
-  const auto& parameters = app.document()->parameters;
+  ASSERT_NE(app.document().info(), nullptr);
+  const auto& parameters = app.document().info()->parameters;
   const auto radius = std::ranges::find(parameters, "/media/0/radius", &Parameter::path);
   ASSERT_NE(radius, parameters.end());
   EXPECT_EQ(radius->value.front(), 1);
   const Image small = (*viewer)->picture();
-  app.setParameter(*radius, {2});
+  app.document().set(*radius, {2});
   ASSERT_TRUE((*viewer)->settle(input, quiet));
   const Image large = (*viewer)->picture();
   double difference = 0;
