@@ -38,10 +38,21 @@ std::optional<double> placeOf(const Json& end, double last) {
 /// One bar an uncertainty, the widest at the top, around the line of the verdict.
 class Tornado {
  public:
-  Tornado(const Json& sensitivity, double begin, double end)
-      : all_(sensitivity), begin_(begin), end_(end) {
-    for (const Json& row : all_["rows"])
+  Tornado(const Json& sensitivity, double begin, double end) : all_(sensitivity), last_(end) {
+    double low = end, high = begin;  // what bars reach
+    const auto reach = [&](const Json& one, double unknown) {
+      const double place = placeOf(one, end).value_or(unknown);
+      low = std::min(low, place);
+      high = std::max(high, place);
+    };
+    for (const Json& row : all_["rows"]) {
       left_ = std::max(left_, 24 + canvasTextWidth(row["name"].get<std::string>()));
+      reach(row["first"], begin);
+      reach(row["second"], end);
+    }
+    const double margin = std::max(0.1 * (high - low), 0.01 * (end - begin));
+    begin_ = std::max(begin, low - margin);
+    end_ = std::min(end, high + margin);
   }
 
   double width() const { return std::ceil(left_ + kWide + 60); }
@@ -63,7 +74,7 @@ class Tornado {
     double y = kTop;
     for (const Json& row : all_["rows"]) {
       canvas.text(row["name"].get<std::string>(), left_ - 12, y + 4, ink, Canvas::Anchor::kEnd);
-      const auto first = placeOf(row["first"], end_), second = placeOf(row["second"], end_);
+      const auto first = placeOf(row["first"], last_), second = placeOf(row["second"], last_);
       const double from = x(std::min(first.value_or(begin_), second.value_or(end_)));
       const double to = x(std::max(first.value_or(begin_), second.value_or(end_)));
       canvas.rect(from, y, std::max(to, from + 2), y + kRow - 8, bar);
@@ -71,7 +82,7 @@ class Tornado {
         canvas.text("not known", left_ + 4, y + 4, ink);
       y += kRow;
     }
-    if (const auto base = placeOf(all_["base"], end_))
+    if (const auto base = placeOf(all_["base"], last_))
       canvas.rect(x(*base) - 1, kTop - 6, x(*base) + 1, bottom, Rgb(0.72F, 0.03F, 0.03F));
   }
 
@@ -83,7 +94,8 @@ class Tornado {
   }
 
   const Json& all_;
-  double begin_, end_, left_ = 0;
+  double last_;  // time that is looked at
+  double begin_ = 0, end_ = 0, left_ = 0;
 };
 
 }  // namespace
