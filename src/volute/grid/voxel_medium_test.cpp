@@ -5,11 +5,13 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <string>
 
+#include "volute/grid/bricks.hpp"
 #include "volute/medium/integrate.hpp"
 
 namespace volute {
@@ -260,6 +262,41 @@ TEST(VoxelMedium, CoefficientsComeBack) {
       const auto coefficients = voxels.coefficients();
       EXPECT_EQ(voxels.withCoefficients(coefficients).coefficients(), coefficients);
     }
+  }
+}
+
+/// Tiles share bricks in the march, wherever they are in a box that no table of it could hold.
+TEST(VoxelMedium, TilesFarAwayAreWhatTheirVoxelsAre) {
+  constexpr int kFar = 80000;
+  VolumeInfo info;
+  info.x = info.y = info.z = 100000;
+  info.bounds = {Vec3::Zero(), Vec3::Constant(100000)};
+  Bricks bricks;
+  bricks.addTile({{kFar, kFar, kFar}, 32, true, {0.01F}});
+  bricks.addTile({{kFar + 32, kFar, kFar}, 8, true, {0.03F}});
+  std::ranges::fill(bricks.addLeaf({{kFar - 8, kFar, kFar}}), 0.02F);
+  bricks.addLeaf({{16, 16, 16}})[0] = 1;
+  bricks.sort();
+  for (const Basis basis : {Basis::kBox, Basis::kTrilinear, Basis::kCubic}) {
+    info.basis = basis;
+    const BrickSlice slice = BrickSlice::fromBricks(info, bricks);
+    EXPECT_LT(slice.storedBricks(), 6U);
+    EXPECT_LT(slice.bytes(), 1U << 20);
+    const VoxelMedium shared(std::make_shared<BrickSlice>(slice), 1, 1),
+        own(std::make_shared<BrickSlice>(slice.unshared()), 1, 1);
+    std::vector<Segment> rays;
+    for (int i = 0; i < 40; ++i)
+      rays.push_back(
+          {Vec3(kFar - 50, kFar - 3 + i, kFar + 2.5), Vec3(1, 0.1, 0.05).normalized(), 0, 1e6});
+    std::vector<Radiance> a(rays.size()), b(rays.size());
+    shared.radiance(rays, a), own.radiance(rays, b);
+    std::vector<double> depths(rays.size());
+    shared.opticalDepth(rays, depths);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      EXPECT_EQ(a[i].transmittance, b[i].transmittance);
+      EXPECT_NEAR(a[i].transmittance, std::exp(-depths[i]), 1e-4);
+    }
+    EXPECT_GT(depths[10], 0.3);
   }
 }
 
