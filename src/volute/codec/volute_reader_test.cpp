@@ -306,8 +306,7 @@ TEST(VoluteReader, EachLevelBringsTheVolumeNearer) {
   }
 }
 
-// A block of 5 levels has three tiers; one of fewer has its levels in the first two, and
-// corrections in the third.
+// Of such a block the levels are in two tiers, and corrections in the third.
 TEST(VoluteReader, AllLevelsOfASmallBlockAreTheWholeOfIt) {
   const Sequence sequence = plumes(4, 7, 4, 4, 1, 300);
   const ScratchFile file;
