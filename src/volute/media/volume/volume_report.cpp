@@ -76,13 +76,13 @@ void addHeader(Report& report, const VoluteReader& reader, std::uint64_t bytes) 
                          reader.info().frameText(static_cast<std::size_t>(support->worstFrame)),
                          support->worstVoxel[0], support->worstVoxel[1], support->worstVoxel[2]));
   }
+  const std::uint64_t occupied = reader.occupiedCount();
   report.add("max_error", header.reachedMaxError)
       .add("codec", header.codec, fmt::format("{}", header.codec))
       .add("format", fmt::format("{}.{}", header.versionMajor, header.versionMinor))
       .add("written_by", header.writtenBy)
       .add("provenance", header.provenance)
-      .add("blocks", reader.occupiedCount(),
-           fmt::format("{} of {}", reader.occupiedCount(), reader.blocks().count()));
+      .add("blocks", occupied, fmt::format("{} of {}", occupied, reader.blocks().count()));
 }
 
 void addIntegrity(Report& report, const Integrity& integrity, const VoluteReader& reader) {
