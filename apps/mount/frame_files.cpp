@@ -13,6 +13,7 @@
 #include <filesystem>
 
 #include "volute/codec/extract_source.hpp"
+#include "volute/codec/kept_grids.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/plugin.hpp"
 
@@ -76,10 +77,13 @@ Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path,
 }
 
 Status FrameFiles::openGrids(const std::string& path) {
-  VOLUTE_ASSIGN(const auto whole, VoluteReader::open(path, {.maxMemory = maxMemory_}));
+  VOLUTE_ASSIGN(auto opened, VoluteReader::open(path, {.maxMemory = maxMemory_}));
+  whole_ = std::make_unique<VoluteReader>(std::move(opened));
+  const VoluteReader& whole = *whole_;
   frames_ = whole.info();
   fileMetadata_ = whole.fileMetadata();
-  plain_ = whole.grids().size() == 1 && !whole.grids().front().description;
+  plain_ = whole.grids().size() == 1 && !whole.grids().front().description &&
+           whole.kept().grids.empty();
   std::uint64_t frameBytes = 0;
   for (const VoluteGrid& grid : whole.grids()) {
     Volume& volume = volumes_.emplace_back();
@@ -172,12 +176,25 @@ Status FrameFiles::writeFrame(const std::string& file, std::size_t frame) {
   if (plain_)
     return writer_->writeBricks(file, names_[frame], info(), position, volumes_.front().bricks);
   std::vector<GridFrame> grids;
-  for (const Volume& volume : volumes_) {
+  std::vector<std::unique_ptr<KeptBytes>> kept;
+  const auto addKept = [&](auto belongs) {
+    for (std::size_t k = 0; k < whole_->kept().grids.size(); ++k) {
+      if (!belongs(whole_->kept().grids[k].place))
+        continue;
+      kept.push_back(whole_->keptBytes(k, position));
+      if (kept.back())
+        grids.push_back({.kept = kept.back().get()});
+    }
+  };
+  for (std::size_t i = 0; i < volumes_.size(); ++i) {
+    const Volume& volume = volumes_[i];
+    addKept([&](std::size_t place) { return place == i; });
     // A cache that has a list of metadata for some frames lacks the grid in the others.
     const FrameMetadata& metadata = volume.description.metadata;
     if (metadata.listOf.empty() || metadata.at(position))
       grids.push_back({&volume.info, &volume.description, position, &volume.bricks});
   }
+  addKept([&](std::size_t place) { return place >= volumes_.size(); });
   return writer_->writeGrids(file, names_[frame], grids, fileMetadata_.at(position));
 }
 

@@ -97,6 +97,7 @@ class FrameFiles {
   std::mutex making_;  // of what follows
   std::unique_ptr<LatticeWriter> writer_;
   std::vector<Volume> volumes_;
+  std::unique_ptr<VoluteReader> whole_;  ///< of the grids that are kept as bytes
 
   std::mutex keeping_;                                                    // of what follows
   std::vector<std::uint64_t> sizes_;                                      // 0: not known

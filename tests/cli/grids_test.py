@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Caches of several grids through the program and back: tests/data/cache.volute has six of three frames, one of them empty and one not there at first."""
+import os
 import pathlib
 import shutil
 import struct
+import subprocess
 import unittest
 
 import support
@@ -55,6 +57,72 @@ class VdbFile:
             begin = len(out) + 24
             out += struct.pack("<qqq", begin, begin + buffers + len(new) - len(old), begin + len(data)) + data
         path.write_bytes(out)
+
+
+@unittest.skipUnless("VDB_MAKER" in os.environ, "this build has no OpenVDB")
+class EveryType(support.TestCase):
+    """Caches with every type, class, transform and metadata of OpenVDB, made and compared by OpenVDB itself."""
+    UNCODED = {"id", "big id", "burnt", "mask", "cell", "particles", "flags", "foreign", "late", "frustum"}
+
+    def make(self):
+        folder = self.path("all")
+        folder.mkdir()
+        subprocess.run([os.environ["VDB_MAKER"], "make", str(folder)], check=True)
+        return folder
+
+    def same(self, a, b, tolerance):
+        done = subprocess.run([os.environ["VDB_MAKER"], "compare", str(a), str(b), str(tolerance)], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def test_there_and_back(self):
+        folder = self.make()
+        said = self.works("compress", folder, "-o", self.path("x.volute"), "--keep", "holes", "--max-error", "1e-3", "--json")
+        self.assertIn("kept as they are, without loss", said.message)
+        self.assertLessEqual(self.UNCODED | {"holes"}, {one["name"] for one in said.json["kept"]})
+        listed = self.works("info", self.path("x.volute"), "--json").json
+        self.assertEqual(listed["kept"], said.json["kept"])
+        self.assertTrue(listed["complete"])
+        back = self.path("back")
+        back.mkdir()
+        self.works("extract", self.path("x.volute"), "-o", back / "all_%04d.vdb")
+        for frame in (1, 2, 3):
+            text = self.same(folder / f"all_000{frame}.vdb", back / f"all_000{frame}.vdb", 1e-3)
+            self.assertEqual("late" in text, frame == 2)
+        compared = self.works("compare", folder, self.path("x.volute"), "--json").json
+        self.assertTrue(all(one["identical"] for one in compared["kept"]), compared["kept"])
+        # Again, and joined from parts.
+        self.works("compress", self.path("x.volute"), "-o", self.path("a.volute"), "--frames", "1:2", "--max-error", "1e-3")
+        self.works("compress", self.path("x.volute"), "-o", self.path("b.volute"), "--frames", "2:4", "--max-error", "1e-3")
+        self.works("join", self.path("a.volute"), self.path("b.volute"), "-o", self.path("c.volute"))
+        self.works("extract", self.path("c.volute"), "-o", self.path("joined_%04d.vdb"))
+        for frame in (1, 2, 3):
+            self.same(folder / f"all_000{frame}.vdb", self.path(f"joined_000{frame}.vdb"), 4e-3)
+
+    def test_some_grids_and_none(self):
+        folder = self.make()
+        self.works("compress", folder, "-o", self.path("x.volute"), "--field", "density[0],id,surface", "--fast")
+        said = self.works("extract", self.path("x.volute"), "-o", self.path("id_%04d.vdb"), "--field", "id", "--json").json
+        self.assertEqual(said["outputs"][0]["grids"], [{"name": "id", "kept": True}])
+        self.assertIn("'id' holds no volume", self.fails(2, "extract", self.path("x.volute"), "-o", self.path("x.npy"), "--field", "id"))
+        said = self.works("extract", self.path("x.volute"), "-o", self.path("{grid}.npy"))
+        self.assertIn("left out, as only whole .vdb files hold them: 'id'", said.message)
+        dropped = self.works("compress", folder, "-o", self.path("y.volute"), "--field", "density[0],id", "--uncoded", "drop", "--json")
+        self.assertIn("left out, as they hold no volume: 'id' (of type int32)", dropped.message)
+        self.assertNotIn("kept", dropped.json)
+        self.assertIn("no grid can be compressed", self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--field", "id,mask"))
+        self.assertIn("'holes'", self.fails(1, "compress", folder, "-o", self.path("z.volute")))
+
+    def test_damage_of_what_is_kept(self):
+        folder = self.make()
+        self.works("compress", folder, "-o", self.path("x.volute"), "--field", "density[0],id", "--fast")
+        data = bytearray(self.path("x.volute").read_bytes())
+        data[-3] ^= 1  # kept grids are stored last
+        self.path("x.volute").write_bytes(data)
+        self.assertIn("a kept grid is damaged", volute("info", self.path("x.volute")).text)
+        self.assertIn("a kept grid is damaged", self.fails(1, "extract", self.path("x.volute"), "-o", self.path("x_%04d.vdb")))
+        said = self.works("extract", self.path("x.volute"), "-o", self.path("x_%04d.vdb"), "--partial")
+        self.assertIn("'id' is left out of frame 3", said.message)
 
 
 class Grids(support.TestCase):

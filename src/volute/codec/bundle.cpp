@@ -35,7 +35,7 @@ Status copyTier(const BundlePart& part, std::size_t begin, std::size_t end, Outp
 
 Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
                              const FrameMetadata& fileMetadata, const std::filesystem::path& target,
-                             Progress& progress) {
+                             Progress& progress, KeptStore* kept) {
   std::vector<BundlePart> parts;
   std::vector<FileHead> heads;
   std::vector<VoluteGrid> table;
@@ -76,6 +76,8 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
   }
   if (heads.empty())
     return fail(ErrorCode::kInvalidArgument, "{}: no grid has values", target.string());
+  if (kept)
+    heads.front().kept = kept->table();
   const bool plain = table.size() == 1 && !table.front().description && fileMetadata.lists.empty();
   VOLUTE_ASSIGN(auto out, CheckedFile::create(target));
   const auto headBytes = plain ? writeHead(heads.front()) : writeHead(table, fileMetadata, heads);
@@ -92,6 +94,8 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
         VOLUTE_TRY(copyTier(parts[i], tier * blocks, (tier + 1) * blocks, out.bytes()));
     }
   }
+  if (kept)
+    VOLUTE_TRY(kept->copyTo(out.bytes()));
   VOLUTE_TRY(out.commit(headBytes, heads, progress));
   return heads.front().fileBytes;
 }

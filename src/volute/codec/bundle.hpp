@@ -10,6 +10,7 @@
 
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
+#include "volute/codec/kept_grids.hpp"
 #include "volute/grid/grid_description.hpp"
 
 namespace volute {
@@ -25,11 +26,14 @@ struct BundledGrid {
 /// copied byte for byte, tier by tier and in each grid by grid, so that a prefix of the file plays
 /// all grids coarsely. One grid without a description gives the file as it is.
 ///
+/// `kept`, which may be null, are grids that are stored as their bytes, behind all segments.
+///
 /// kInvalidArgument where grids have other frames than the first, two have one name, or none has
 /// values.
 /// @return the bytes of the new file.
 [[nodiscard]] Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
                                            const FrameMetadata& fileMetadata,
-                                           const std::filesystem::path& target, Progress& progress);
+                                           const std::filesystem::path& target, Progress& progress,
+                                           KeptStore* kept = nullptr);
 
 }  // namespace volute

@@ -222,6 +222,7 @@ struct Chunks {
 
 struct AllChunks {
   std::span<const std::byte> table;  // empty: one grid, of which INFO says all
+  std::span<const std::byte> kept;   // empty: nothing is kept
   std::vector<Chunks> grids;
 };
 
@@ -247,8 +248,8 @@ Result<AllChunks> readChunks(std::span<const std::byte> bytes, const std::string
       return fail(ErrorCode::kInvalidData,
                   "{}: is damaged: the checksum of the chunk at byte {} is wrong", path, at);
     }
-    const bool table = name == "GRDS";
-    const bool known = table || name == "INFO" || name == "PART" || name == "INDX";
+    const bool table = name == "GRDS", kept = name == "KEEP";
+    const bool known = table || kept || name == "INFO" || name == "PART" || name == "INDX";
     if (!known && flags != kSkippable) {
       return fail(ErrorCode::kUnsupported,
                   "{}: has a part at byte {} that this program does not know and may not skip; a "
@@ -263,11 +264,12 @@ Result<AllChunks> readChunks(std::span<const std::byte> bytes, const std::string
     Chunks none;
     Chunks& grid = all.grids.empty() ? none : all.grids.back();
     std::span<const std::byte>& place = table            ? all.table
+                                        : kept           ? all.kept
                                         : name == "INFO" ? grid.info
                                         : name == "PART" ? grid.parts
                                                          : grid.index;
     const bool late = table ? !all.grids.empty() : all.grids.empty();
-    if ((flags != 0 && !(table && flags == kSkippable)) || !place.empty() || payload.empty() ||
+    if ((flags != 0 && !((table || kept) && flags == kSkippable)) || !place.empty() || payload.empty() ||
         late) {
       return fail(ErrorCode::kInvalidData, "{}: the chunk at byte {} is impossible there", path,
                   at);
@@ -490,7 +492,7 @@ Status readIndexChunk(std::span<const std::byte> content, const std::string& pat
     accounted = places.empty() || offset == places[tier].begin + places[tier].bytes;
   }
   if (places.empty())
-    accounted = offset == head.fileBytes;
+    accounted = offset == head.fileBytes - head.kept.storedBytes();
   for (SegmentEntry& segment : head.segments) {
     if (segment.size != 0)
       segment.crc = in.u32();
@@ -574,7 +576,7 @@ Status checkTable(const GridTable& table, const AllChunks& chunks, const FileHea
     if (row.pageBytes > head.fileBytes || (bytes += row.pageBytes) > head.fileBytes)
       return malformed("more bytes than the file has");
   }
-  if (bytes != head.fileBytes - head.headBytes)
+  if (bytes != head.fileBytes - head.headBytes - head.kept.storedBytes())
     return malformed(fmt::format("it does not account for the file's {} bytes", head.fileBytes));
   return {};
 }
@@ -584,6 +586,7 @@ Status checkFrames(const FileHead& head, const std::string& path) {
   const auto frames = static_cast<std::size_t>(head.info.frames);
   const auto fits = [&](std::size_t count) { return count == 0 || count == frames; };
   bool sound = fits(head.fileMetadata.listOf.size());
+  for (const KeptGrid& grid : head.kept.grids) sound = sound && grid.pieces.size() == frames;
   for (const VoluteGrid& grid : head.grids) {
     if (grid.description)
       sound = sound && fits(grid.description->metadata.listOf.size()) &&
@@ -710,6 +713,9 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
       writeChunk(chunks, "PART", writePartsChunk(head));
     writeChunk(chunks, "INDX", paged ? pages[i].chunk : writeIndexChunk(head));
   }
+  KeptTable& kept = heads.front().kept;
+  if (!kept.grids.empty())
+    writeChunk(chunks, "KEEP", pack({writeKeptTable(kept)}), kSkippable);
   const std::uint64_t headBytes = kPrologueBytes + chunks.size();
   std::uint64_t fileBytes = headBytes + pageBytes;
   const auto tiersOf = [](const FileHead& head) { return head.decoder->tierLevels().size(); };
@@ -725,6 +731,8 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
       }
     }
   }
+  kept.place(fileBytes);
+  fileBytes += kept.storedBytes();
   for (FileHead& head : heads) {
     head.headBytes = headBytes;
     head.fileBytes = fileBytes;
@@ -763,6 +771,17 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
   }
   const std::span<const std::byte> bytes = std::span(whole).subspan(kPrologueBytes);
   VOLUTE_ASSIGN(const AllChunks chunks, readChunks(bytes, path));
+  if (!chunks.kept.empty()) {
+    VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.kept, budget / 64, path, "KEEP"));
+    auto table = readKeptTable(content);
+    if (!table)
+      return fail(ErrorCode::kInvalidData, "{}: {}", path, table.error().message);
+    head.kept = *std::move(table);
+    const std::uint64_t stored = head.kept.storedBytes();
+    if (stored > head.fileBytes - head.headBytes)
+      return fail(ErrorCode::kInvalidData, "{}: keeps more bytes than it has", path);
+    head.kept.place(head.fileBytes - stored);
+  }
   std::vector<TierPlace> places;
   const bool paged = head.header.codec == static_cast<int>(kSparseCodec);
   std::uint64_t pagesBegin = head.headBytes;
@@ -775,7 +794,11 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
       return fail(ErrorCode::kNotFound, "{}: there is no grid '{}'; the file holds '{}'", path,
                   grid, head.info.name);
     }
-    head.grids.push_back({head.info, head.header, {}, false, head.fileBytes - head.headBytes});
+    head.grids.push_back({head.info,
+                          head.header,
+                          {},
+                          false,
+                          head.fileBytes - head.headBytes - head.kept.storedBytes()});
   } else {
     VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.table, budget / 64, path, "GRDS"));
     auto table = readGridTable(content, paged);
@@ -796,8 +819,8 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
         table->rows.begin(), table->rows.begin() + static_cast<std::ptrdiff_t>(wanted),
         [](const GridRow& row) { return !row.empty; }));
     VOLUTE_TRY(readGrids(*table, chunks, wanted, budget, path, head));
-    VOLUTE_TRY(checkFrames(head, path));
   }
+  VOLUTE_TRY(checkFrames(head, path));
   const Chunks& own = chunks.grids[stream];
   if (!own.parts.empty()) {
     VOLUTE_ASSIGN(const auto content, unpackChunk(own.parts, budget / 32, path, "PART"));
@@ -815,7 +838,7 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
     std::uint64_t end = pagesBegin + head.pages.bytes();
     for (const IndexPage& page : head.pages.pages)
       end = std::accumulate(page.sizes.begin(), page.sizes.end(), end);
-    if (ownPages ? *ownPages != head.pages.bytes() : end != head.fileBytes) {
+    if (ownPages ? *ownPages != head.pages.bytes() : end != head.fileBytes - head.kept.storedBytes()) {
       return fail(ErrorCode::kInvalidData, "{}: the index does not account for the file's {} bytes",
                   path, head.fileBytes);
     }

@@ -15,6 +15,7 @@
 #include "volute/codec/block_codec.hpp"
 #include "volute/codec/block_grid.hpp"
 #include "volute/codec/block_index.hpp"
+#include "volute/codec/kept_grids.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/volume_info.hpp"
@@ -51,6 +52,7 @@ struct FileHead {
   std::vector<VoluteGrid> grids{};
   std::size_t grid = 0;
   FrameMetadata fileMetadata{};
+  KeptTable kept{};  ///< of the file; of several heads that are written, the first one's
 
   /// Of the part that a row of blocks is of.
   const BlockDecoder& decoderOf(int row) const {

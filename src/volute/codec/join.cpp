@@ -318,6 +318,7 @@ FileHead headOf(const std::vector<Part>& parts, const Errors& errors, const Rate
   head.segments.clear();
   head.blocks.clear();
   head.tiles.clear();
+  head.kept = {};
   std::uint64_t before = 0;  // blocks
   for (const Part& part : parts) {
     for (const std::uint64_t block : part.head.blocks) head.blocks.push_back(before + block);
@@ -457,8 +458,10 @@ class GridJoin {
     for (const Part& file : files_) append(ofFiles, file.head.fileMetadata, file.info().frames);
     if (ofFiles.lists.empty())
       ofFiles = {};
+    VOLUTE_ASSIGN(auto kept, keepGrids(target));
     VOLUTE_ASSIGN(auto whole, PendingFile::create(target));
-    VOLUTE_ASSIGN(report.fileBytes, bundle(bundled, ofFiles, whole.path(), progress));
+    VOLUTE_ASSIGN(report.fileBytes,
+                  bundle(bundled, ofFiles, whole.path(), progress, kept ? &*kept : nullptr));
     VOLUTE_TRY(whole.commit());
     return report;
   }
@@ -483,6 +486,38 @@ class GridJoin {
       }
     }
     return {};
+  }
+
+  /// What the files keep of grids that are not coded, frame after frame.
+  Result<std::optional<KeptStore>> keepGrids(const std::filesystem::path& target) const {
+    std::vector<KeptGrid> all;
+    for (const Part& file : files_)
+      for (const KeptGrid& grid : file.head.kept.grids) {
+        if (std::ranges::find(all, grid.name, &KeptGrid::name) == all.end())
+          all.push_back({grid.name, grid.type, grid.place});
+      }
+    if (all.empty())
+      return std::nullopt;
+    VOLUTE_ASSIGN(auto store, KeptStore::create(target));
+    for (const KeptGrid& grid : all) {
+      const std::string& name = grid.name;
+      store.begin(grid);
+      if (std::ranges::find(grids_, name, &GridParts::name) != grids_.end()) {
+        return fail(ErrorCode::kInvalidData,
+                    "grid '{}' is coded in some of these files and kept as it was in others", name);
+      }
+      for (const Part& file : files_) {
+        const auto& own = file.head.kept.grids;
+        const auto at = std::ranges::find(own, name, &KeptGrid::name) - own.begin();
+        for (int i = 0; i < file.info().frames; ++i) {
+          const auto bytes = at == std::ssize(own)
+                                 ? nullptr
+                                 : file.reader->keptBytes(static_cast<std::size_t>(at), i);
+          VOLUTE_TRY(store.add(bytes.get()));
+        }
+      }
+    }
+    return std::optional(std::move(store));
   }
 
   static const VoluteGrid* gridIn(const Part& file, const std::string& name) {
@@ -606,7 +641,8 @@ class GridJoin {
 };
 
 bool isPlain(const Part& part) {
-  return part.head.grids.size() == 1 && !part.head.grids.front().description;
+  return part.head.grids.size() == 1 && !part.head.grids.front().description &&
+         part.head.kept.grids.empty();
 }
 
 Status checkFrames(const Part& before, const Part& part) {

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <mutex>
+#include <tuple>
 #include <utility>
 
 #include "volute/codec/container.hpp"
+#include "volute/codec/packing.hpp"
 #include "volute/codec/parallel_try.hpp"
 #include "volute/grid/bricks.hpp"
 
@@ -124,6 +126,7 @@ struct VoluteReader::Impl {
   Status readPart(std::size_t block, const Index4& begin, const Index4& end,
                   std::span<float> values, int levels) const;
   Status readBox(const Index4& begin, const Index4& end, std::span<float> values, int levels) const;
+  Status readKeptPart(std::size_t part, std::vector<std::byte>& packed) const;
 };
 
 // "fire.volute: block 7 (frames 16-31), byte 9000: its checksum is wrong; --partial shows what is
@@ -413,6 +416,19 @@ Status VoluteReader::Impl::readBox(const Index4& begin, const Index4& end, std::
   });
 }
 
+Status VoluteReader::Impl::readKeptPart(std::size_t part, std::vector<std::byte>& packed) const {
+  const SegmentEntry& at = head.kept.parts[part];
+  if (at.offset + at.size > file.size())
+    return fail(ErrorCode::kTruncated, "{}: ends at byte {} of {}, before the grids that it keeps",
+                file.path().string(), file.size(), head.fileBytes);
+  packed.resize(at.size);
+  VOLUTE_TRY(file.read(at.offset, packed));
+  if (!checksumMatches(packed, at.crc))
+    return fail(ErrorCode::kInvalidData, "{}: a kept grid is damaged at byte {}",
+                file.path().string(), at.offset);
+  return {};
+}
+
 VoluteReader::VoluteReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 VoluteReader::VoluteReader(VoluteReader&&) noexcept = default;
@@ -452,6 +468,60 @@ const VoluteGrid& VoluteReader::grid() const {
 
 const FrameMetadata& VoluteReader::fileMetadata() const {
   return impl_->head.fileMetadata;
+}
+
+const KeptTable& VoluteReader::kept() const {
+  return impl_->head.kept;
+}
+
+std::unique_ptr<KeptBytes> VoluteReader::keptBytes(std::size_t grid, int frame) const {
+  class Piece final : public KeptBytes {
+   public:
+    Piece(const Impl& impl, int piece)
+        : impl_(impl), left_(impl.head.kept.pieceBytes[static_cast<std::size_t>(piece)]) {
+      std::tie(part_, end_) = impl.head.kept.partsOf(piece);
+      size_ = left_;
+    }
+
+    std::uint64_t size() const override { return size_; }
+
+    Result<std::span<const std::byte>> next() override {
+      if (part_ == end_)
+        return std::span<const std::byte>();
+      const std::uint64_t expected = std::min<std::uint64_t>(left_, kPart);
+      std::vector<std::byte> packed;
+      VOLUTE_TRY(impl_.readKeptPart(part_, packed));
+      auto content = unpack(packed, expected);
+      if (!content || content->size() != expected) {
+        return fail(ErrorCode::kInvalidData, "{}: a kept grid {}", impl_.file.path().string(),
+                    content ? "is shorter than stated" : content.error().message);
+      }
+      content_ = *std::move(content);
+      left_ -= expected;
+      ++part_;
+      return std::span<const std::byte>(content_);
+    }
+
+   private:
+    const Impl& impl_;
+    std::size_t part_ = 0, end_ = 0;
+    std::uint64_t left_, size_ = 0;
+    std::vector<std::byte> content_;
+  };
+  const int piece = kept().grids[grid].pieces[static_cast<std::size_t>(frame)];
+  return piece < 0 ? nullptr : std::make_unique<Piece>(*impl_, piece);
+}
+
+void VoluteReader::verifyKept(Integrity& integrity) const {
+  std::vector<std::byte> packed;
+  for (std::size_t part = 0; part < kept().parts.size(); ++part) {
+    ++integrity.segments;
+    const Status status = impl_->readKeptPart(part, packed);
+    if (status)
+      ++integrity.intactSegments;
+    else if (integrity.firstFault.empty())
+      integrity.firstFault = status.error().message;
+  }
 }
 
 std::uint64_t VoluteReader::maxMemory() const {

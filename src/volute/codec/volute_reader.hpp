@@ -71,6 +71,8 @@ struct Integrity {
 };
 
 class Bricks;
+class KeptBytes;
+struct KeptTable;
 
 /// Reads any block, frame or region of a .volute file, and only the segments needed. Const reads
 /// are thread-safe. Every byte is covered by a checksum that is verified before it is used.
@@ -106,8 +108,18 @@ class VoluteReader {
   /// Metadata of the files of a cache.
   const FrameMetadata& fileMetadata() const;
 
+  /// Grids of a cache that the file holds as their bytes.
+  const KeptTable& kept() const;
+
+  /// One of them in a frame; null where it has none there. The reader must outlive it.
+  /// @param grid  in kept().grids
+  [[nodiscard]] std::unique_ptr<KeptBytes> keptBytes(std::size_t grid, int frame) const;
+
   /// Checks every segment of the grid.
   Integrity verify() const;
+
+  /// Adds what of the kept grids is present and intact.
+  void verifyKept(Integrity& integrity) const;
 
   /// The same; kCancelled if `progress` requests it.
   [[nodiscard]] Result<Integrity> verify(Progress& progress) const;

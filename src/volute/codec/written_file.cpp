@@ -95,6 +95,20 @@ Status checkSegments(const InputFile& file, const std::string& name, const FileH
   });
 }
 
+Status checkKept(const InputFile& file, const std::string& name, const KeptTable& kept,
+                 const Progress& progress) {
+  std::vector<std::byte> bytes;
+  for (const SegmentEntry& part : kept.parts) {
+    if (progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped: {} was not written", name);
+    bytes.resize(part.size);
+    VOLUTE_TRY(file.read(part.offset, bytes));
+    if (crc32(bytes) != part.crc)
+      return differs(name, part.offset, "what is kept");
+  }
+  return {};
+}
+
 }  // namespace
 
 Status checkWritten(const InputFile& file, const std::string& name,
@@ -109,6 +123,7 @@ Status checkWritten(const InputFile& file, const std::string& name,
     if (heads.size() == 1 || !head.info.name.empty())  // without a name a reader takes another grid
       VOLUTE_TRY(checkGrid(file, name, head));
     VOLUTE_TRY(checkSegments(file, name, head, progress));
+    VOLUTE_TRY(checkKept(file, name, head.kept, progress));
   }
   return {};
 }

@@ -62,21 +62,24 @@ Status GridCache::collect(const std::vector<LatticeCache>& files) {
   for (const std::string& name : names) {
     CacheGrid grid{name, {}, true};
     KnownGrid known{name, {}, {}, {}, {}};
-    std::string problem;
     const LatticeGrid* first = nullptr;
     for (const LatticeCache& file : files) {
       const LatticeGrid* const one = gridNamed(file, name);
       if (one && !first)
         first = one;
       if (one && one->traits.problem[0] != '\0')
-        problem = one->traits.problem;
+        grid.problem = one->traits.problem;
+      grid.places.push_back(one ? static_cast<int>(one - file.grids.data()) : -1);
       grid.description.metadata.add(one ? &one->metadata : nullptr);
       known.present.push_back(one != nullptr);
       if (!one && known.missing.empty())
         known.missing = missingText(file, files_[known.present.size() - 1], name);
     }
-    if (!problem.empty()) {
-      leftOut_.push_back(fmt::format("'{}' ({})", name, problem));
+    grid.type = first->traits.type;
+    if (!grid.problem.empty()) {
+      grid.empty = false;
+      grids_.push_back(std::move(grid));
+      known_.emplace_back();
       continue;
     }
     GridDescription& description = grid.description;
@@ -113,8 +116,17 @@ Status GridCache::collect(const std::vector<LatticeCache>& files) {
 }
 
 Result<std::unique_ptr<FrameSource>> GridCache::source(std::size_t grid) const {
-  VOLUTE_ASSERT(grid < grids_.size() && !grids_[grid].empty);
+  VOLUTE_ASSERT(grid < grids_.size() && !grids_[grid].empty && grids_[grid].problem.empty());
   return openLatticeSource(files_, loadVdbPlugin, options_, known_[grid]);
+}
+
+Result<std::unique_ptr<KeptBytes>> GridCache::keep(std::size_t grid, std::size_t file) const {
+  const int place = grids_[grid].places[file];
+  if (place < 0)
+    return nullptr;
+  if (!kept_)
+    kept_ = std::make_unique<KeptReader>(files_, options_.maxMemory);
+  return kept_->open(files_[file].path, static_cast<std::size_t>(place));
 }
 
 }  // namespace volute

@@ -17,7 +17,10 @@ namespace volute {
 struct CacheGrid {
   std::string name;
   GridDescription description;
-  bool empty = false;  ///< in all frames
+  bool empty = false;     ///< in all frames
+  std::string problem{};  ///< why it is no volume, "of type int32", and has no description; else ""
+  std::string type{};     ///< of a value
+  std::vector<int> places{};  ///< of each file: which of its grids this is; -1: none
 };
 
 /// The .vdb files of a simulation, with all their grids. Frames need not have the same grids.
@@ -28,17 +31,17 @@ class GridCache {
   [[nodiscard]] static Result<GridCache> open(const std::filesystem::path& input,
                                               const SourceOptions& options);
 
-  /// Those that can be kept, in the order of the first file that has them.
+  /// In the order of the first file that has them.
   const std::vector<CacheGrid>& grids() const { return grids_; }
-
-  /// The others: "'ids' (of type int32)".
-  const std::vector<std::string>& leftOut() const { return leftOut_; }
 
   /// What the files say of themselves.
   const FrameMetadata& fileMetadata() const { return fileMetadata_; }
 
-  /// The frames of a grid that is not empty, over all that it takes in any of them.
+  /// The frames of a volume that is not empty, over all that it takes in any of them.
   [[nodiscard]] Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const;
+
+  /// Any grid of a file as its bytes, good until the next call; null where the file has none.
+  [[nodiscard]] Result<std::unique_ptr<KeptBytes>> keep(std::size_t grid, std::size_t file) const;
 
  private:
   GridCache() = default;
@@ -48,7 +51,7 @@ class GridCache {
   SourceOptions options_;
   std::vector<CacheGrid> grids_;
   std::vector<KnownGrid> known_;  ///< of each grid
-  std::vector<std::string> leftOut_;
+  mutable std::unique_ptr<KeptReader> kept_;  ///< made when first used
   FrameMetadata fileMetadata_;
 };
 

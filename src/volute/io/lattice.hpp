@@ -15,6 +15,7 @@
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/grid_description.hpp"
 #include "volute/grid/index_box.hpp"
+#include "volute/grid/kept_bytes.hpp"
 #include "volute/grid/volume_info.hpp"
 
 namespace volute {
@@ -62,7 +63,7 @@ struct GridTraits {
   char type[kMaxText + 1] = {};  ///< as in GridDescription, and so are the others
   char gridClass[kMaxText + 1] = {};
   char map[kMaxText + 1] = {};
-  char problem[kMaxProblem + 1] = {};  ///< why it cannot be kept, "of type int32"; empty: it can
+  char problem[kMaxProblem + 1] = {};  ///< why it is no volume, "of type int32"; empty: it is one
   std::array<double, 3> background{};
   std::uint64_t voxels = 0;
   std::uint64_t memory = 0;  ///< [bytes]
@@ -105,6 +106,14 @@ class LatticeReader {
     return fail(ErrorCode::kUnsupported, "{}: a format without caches", file.string());
   }
 
+  /// The grid at a position in describeAll() as a whole file of its own, whose bytes a LatticeWriter
+  /// takes as they are. kTooLarge where it takes more than `limit` bytes.
+  [[nodiscard]] virtual Result<std::string> keep(const std::filesystem::path& file,
+                                                 std::size_t grid, std::uint64_t limit) {
+    (void)grid, (void)limit;
+    return fail(ErrorCode::kUnsupported, "{}: a format without caches", file.string());
+  }
+
   /// Fills `values`, shape (z, y, x, c) over `box`, some layers of `whole`, and touches little more
   /// than that; voxels that the file does not have get its background value. Values outside `whole`
   /// are cut off when `crop` is true, else they are an error where its first layers are read.
@@ -140,6 +149,7 @@ struct GridFrame {
   const GridDescription* description = nullptr;
   int frame = 0;                   ///< its position
   const Bricks* bricks = nullptr;  ///< of the volume in `info`
+  KeptBytes* kept = nullptr;       ///< instead of all that: what LatticeReader::keep() gave
 };
 
 /// Writes one frame to one file.

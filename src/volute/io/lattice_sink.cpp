@@ -101,17 +101,32 @@ Result<std::vector<std::filesystem::path>> targetsOf(const std::filesystem::path
 class LatticeCacheSink final : public CacheSink {
  public:
   LatticeCacheSink(std::vector<std::filesystem::path> targets, std::vector<GridTarget> grids,
-                   FrameMetadata fileMetadata, std::unique_ptr<LatticeWriter> writer)
+                   FrameMetadata fileMetadata, std::vector<KeptTarget> kept,
+                   std::unique_ptr<LatticeWriter> writer)
       : targets_(std::move(targets)),
         grids_(std::move(grids)),
         fileMetadata_(std::move(fileMetadata)),
+        kept_(std::move(kept)),
         writer_(std::move(writer)) {}
 
   Status writeFrame(std::span<const Bricks> values) override {
     VOLUTE_ASSERT(values.size() == grids_.size() && pending_.size() < targets_.size());
     const auto position = static_cast<int>(pending_.size());
+    std::vector<std::unique_ptr<KeptBytes>> kept;
+    for (const KeptTarget& grid : kept_) {
+      VOLUTE_ASSIGN(auto bytes, grid.open(position));
+      kept.push_back(std::move(bytes));
+    }
+    const auto& target = targets_[pending_.size()];
+    VOLUTE_ASSIGN(auto file, PendingFile::create(target));
     std::vector<GridFrame> frames;
-    for (std::size_t i = 0; i < grids_.size(); ++i) {
+    for (std::size_t i = 0; i <= grids_.size(); ++i) {
+      for (std::size_t k = 0; k < kept_.size(); ++k) {
+        if (kept[k] && (i == grids_.size() ? kept_[k].place >= i : kept_[k].place == i))
+          frames.push_back({.kept = kept[k].get()});
+      }
+      if (i == grids_.size())
+        break;
       const GridTarget& grid = grids_[i];
       // A cache that has a list of metadata for some frames lacks the grid in the others.
       const auto& metadata = grid.description.metadata;
@@ -119,8 +134,6 @@ class LatticeCacheSink final : public CacheSink {
         continue;
       frames.push_back({&grid.info, &grid.description, position, &values[i]});
     }
-    const auto& target = targets_[pending_.size()];
-    VOLUTE_ASSIGN(auto file, PendingFile::create(target));
     VOLUTE_TRY(writer_->writeGrids(file.path(), target, frames, fileMetadata_.at(position)));
     pending_.push_back(std::move(file));
     return {};
@@ -132,6 +145,7 @@ class LatticeCacheSink final : public CacheSink {
   std::vector<std::filesystem::path> targets_;
   std::vector<GridTarget> grids_;
   FrameMetadata fileMetadata_;
+  std::vector<KeptTarget> kept_;
   std::unique_ptr<LatticeWriter> writer_;
   std::vector<PendingFile> pending_;
 };
@@ -139,13 +153,15 @@ class LatticeCacheSink final : public CacheSink {
 }  // namespace
 
 Result<std::unique_ptr<CacheSink>> createLatticeCacheSink(const std::filesystem::path& output,
+                                                          const VolumeInfo& frames,
                                                           std::vector<GridTarget> grids,
                                                           FrameMetadata fileMetadata,
+                                                          std::vector<KeptTarget> kept,
                                                           std::unique_ptr<LatticeWriter> writer) {
-  VOLUTE_ASSERT(!grids.empty());
-  VOLUTE_ASSIGN(auto targets, targetsOf(output, grids.front().info));
+  VOLUTE_ASSIGN(auto targets, targetsOf(output, frames));
   return std::make_unique<LatticeCacheSink>(std::move(targets), std::move(grids),
-                                            std::move(fileMetadata), std::move(writer));
+                                            std::move(fileMetadata), std::move(kept),
+                                            std::move(writer));
 }
 
 Result<std::unique_ptr<FrameSink>> createLatticeSink(const std::filesystem::path& output,

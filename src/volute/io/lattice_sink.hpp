@@ -18,8 +18,10 @@ namespace volute {
     std::unique_ptr<LatticeWriter> writer);
 
 /// The same for all grids of a cache.
+/// @param frames  their numbers
 [[nodiscard]] Result<std::unique_ptr<CacheSink>> createLatticeCacheSink(
-    const std::filesystem::path& output, std::vector<GridTarget> grids, FrameMetadata fileMetadata,
+    const std::filesystem::path& output, const VolumeInfo& frames, std::vector<GridTarget> grids,
+    FrameMetadata fileMetadata, std::vector<KeptTarget> kept,
     std::unique_ptr<LatticeWriter> writer);
 
 }  // namespace volute

@@ -24,7 +24,10 @@ struct Request {
   bool list = false;    ///< of all grids
   bool cache = false;   ///< describe all grids
   bool bricks = false;  ///< read() as bricks: first their size, then they themselves
+  bool keep = false;    ///< keep() the grid at `offset`: its size
+  bool fetch = false;   ///< what the last one of `cache` and `keep` made, from byte `offset` on
   bool flag = false;    ///< needBox when describing, crop when reading
+  std::uint64_t offset = 0, limit = 0;
   IndexBox whole;       ///< of the volume
   IndexBox box;         ///< what is read of it
   char grid[LatticeFrame::kMaxName + 1] = {};
@@ -37,10 +40,24 @@ struct BricksReply {
   double rounding = 0;
 };
 
-/// The child's side. Bricks wait in `kept` for the call that fetches them.
-Result<std::string> serve(LatticeReader& reader, std::optional<Bricks>& kept,
-                          const std::filesystem::path& path, const Request& request,
-                          std::span<float> values) {
+/// What waits in the child for the calls that fetch it.
+struct Held {
+  std::optional<Bricks> bricks;
+  std::string bytes;
+};
+
+/// The child's side.
+Result<std::string> serve(LatticeReader& reader, Held& held, const std::filesystem::path& path,
+                          const Request& request, std::span<float> values) {
+  std::optional<Bricks>& kept = held.bricks;
+  if (request.fetch) {
+    const auto room = std::as_writable_bytes(values);
+    if (request.offset > held.bytes.size())
+      return fail(ErrorCode::kInvalidData, "{}: was not read before", path.string());
+    std::memcpy(room.data(), held.bytes.data() + request.offset,
+                std::min<std::size_t>(room.size(), held.bytes.size() - request.offset));
+    return std::string();
+  }
   if (request.bricks && !values.empty()) {
     const auto room = std::as_writable_bytes(values);
     if (!kept || kept->messageBytes() > room.size())
@@ -50,6 +67,7 @@ Result<std::string> serve(LatticeReader& reader, std::optional<Bricks>& kept,
     return std::string();
   }
   kept.reset();
+  held.bytes = {};
   VOLUTE_TRY(InputFile::check(path));
   if (request.list) {
     VOLUTE_ASSIGN(const auto grids, reader.list(path));
@@ -57,14 +75,13 @@ Result<std::string> serve(LatticeReader& reader, std::optional<Bricks>& kept,
   }
   if (request.cache) {
     VOLUTE_ASSIGN(const auto cache, reader.describeAll(path));
-    std::string reply = detail::encodeCache(cache);
-    if (reply.size() > ReaderProcess::kMaxMessage) {
-      return fail(ErrorCode::kTooLarge,
-                  "{}: what its {} grids say of themselves takes {} KiB; expected {} at most",
-                  path.string(), cache.grids.size(), reply.size() >> 10,
-                  ReaderProcess::kMaxMessage >> 10);
-    }
-    return reply;
+    held.bytes = detail::encodeCache(cache);
+    return toMessage(std::uint64_t{held.bytes.size()});
+  }
+  if (request.keep) {
+    VOLUTE_ASSIGN(held.bytes,
+                  reader.keep(path, static_cast<std::size_t>(request.offset), request.limit));
+    return toMessage(std::uint64_t{held.bytes.size()});
   }
   if (request.describe) {
     VOLUTE_ASSIGN(const LatticeFrame frame,
@@ -88,10 +105,10 @@ Result<ReaderProcess::Serve> makeServe(std::string_view parameters) {
   VOLUTE_ASSIGN(const auto loadPlugin, fromMessage<LoadLatticePlugin>(parameters));
   VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
   return [reader = std::shared_ptr<LatticeReader>(plugin->makeReader()),
-          kept = std::make_shared<std::optional<Bricks>>()](
+          held = std::make_shared<Held>()](
              std::string_view bytes, std::span<float> values) -> Result<std::string> {
     VOLUTE_ASSIGN(const auto request, fromMessage<Request>(bytes.substr(0, sizeof(Request))));
-    return serve(*reader, *kept, bytes.substr(sizeof(Request)), request, values);
+    return serve(*reader, *held, bytes.substr(sizeof(Request)), request, values);
   };
 }
 
@@ -116,6 +133,47 @@ ReaderProcess::Limits limitsFor(const std::filesystem::path& file, std::size_t v
       3 + 1e-6 * static_cast<double>(sizeOf(file)) + 1e-7 * static_cast<double>(values);
   return limits;
 }
+
+/// What the child holds after a request for it, part by part.
+class HeldBytes final : public KeptBytes {
+ public:
+  static Result<HeldBytes> ask(ReaderProcess& process, const std::filesystem::path& file,
+                               const Request& request, const ReaderProcess::Limits& limits) {
+    const std::string name = file.string();
+    VOLUTE_ASSIGN(const std::string reply,
+                  process.call(name, toMessage(request) + name, 0, limits));
+    VOLUTE_ASSIGN(const auto size, fromMessage<std::uint64_t>(reply));
+    return HeldBytes(process, name, size, limits);
+  }
+
+  std::uint64_t size() const override { return size_; }
+
+  Result<std::span<const std::byte>> next() override {
+    Request request;
+    request.fetch = true;
+    request.offset = done_;
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kPart, size_ - done_));
+    if (count == 0)
+      return std::span<const std::byte>();
+    VOLUTE_TRY(process_->call(file_, toMessage(request) + file_, (count + 3) / 4, limits_));
+    // The child may still write to what is shared.
+    const auto shared = std::as_bytes(process_->values()).first(count);
+    part_.assign(shared.begin(), shared.end());
+    done_ += count;
+    return std::span<const std::byte>(part_);
+  }
+
+ private:
+  HeldBytes(ReaderProcess& process, std::string file, std::uint64_t size,
+            const ReaderProcess::Limits& limits)
+      : process_(&process), file_(std::move(file)), size_(size), limits_(limits) {}
+
+  ReaderProcess* process_;
+  std::string file_;
+  std::uint64_t size_, done_ = 0;
+  ReaderProcess::Limits limits_;
+  std::vector<std::byte> part_;
+};
 
 std::string text(const std::array<double, 3>& v) {
   return fmt::format("{:.6g} x {:.6g} x {:.6g} m", v[0], v[1], v[2]);
@@ -634,12 +692,41 @@ Result<std::vector<LatticeCache>> describeCache(const std::vector<LatticeFile>& 
     // Grids whose box the file does not note are read for it.
     ReaderProcess::Limits limits = limitsFor(file.path, 0, maxMemory);
     limits.seconds += 2e-6 * static_cast<double>(sizeOf(file.path));
-    VOLUTE_ASSIGN(const std::string reply,
-                  process.call(name, toMessage(request) + name, 0, limits));
-    VOLUTE_ASSIGN(auto cache, detail::decodeCache(reply, name));
+    VOLUTE_ASSIGN(HeldBytes bytes, HeldBytes::ask(process, file.path, request, limits));
+    constexpr std::uint64_t kMost = std::uint64_t{32} << 20;
+    if (bytes.size() > kMost) {
+      return fail(ErrorCode::kTooLarge,
+                  "{}: what its grids say of themselves takes {} KiB; expected {} at most", name,
+                  bytes.size() >> 10, kMost >> 10);
+    }
+    std::string all;
+    while (all.size() < bytes.size()) {
+      VOLUTE_ASSIGN(const auto part, bytes.next());
+      all.append(reinterpret_cast<const char*>(part.data()), part.size());
+    }
+    VOLUTE_ASSIGN(auto cache, detail::decodeCache(all, name));
     caches.push_back(std::move(cache));
   }
   return caches;
+}
+
+KeptReader::KeptReader(const std::vector<LatticeFile>& files, std::uint64_t maxMemory)
+    : process_(std::make_unique<ReaderProcess>(readerOf(files, loadVdbPlugin))),
+      maxMemory_(maxMemory) {}
+
+KeptReader::~KeptReader() = default;
+
+Result<std::unique_ptr<KeptBytes>> KeptReader::open(const std::filesystem::path& file,
+                                                    std::size_t grid) const {
+  Request request;
+  request.keep = true;
+  request.offset = grid;
+  request.limit = maxMemory_;
+  VOLUTE_ASSIGN(auto bytes, HeldBytes::ask(*process_, file, request, limitsFor(file, 0, maxMemory_)));
+  if (bytes.size() == 0 || bytes.size() > maxMemory_)
+    return fail(ErrorCode::kInvalidData, "{}: its reader gives a grid of {} bytes", file.string(),
+                bytes.size());
+  return std::make_unique<HeldBytes>(std::move(bytes));
 }
 
 Result<std::vector<GridFacts>> listGrids(const std::filesystem::path& file,

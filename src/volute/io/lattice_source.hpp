@@ -12,6 +12,8 @@
 
 namespace volute {
 
+class ReaderProcess;
+
 /// One file of a sequence on a lattice.
 struct LatticeFile {
   int number = 0;
@@ -58,6 +60,22 @@ struct LatticePlaces {
 /// What each file of a cache says, all read in one child process.
 [[nodiscard]] Result<std::vector<LatticeCache>> describeCache(const std::vector<LatticeFile>& files,
                                                               std::uint64_t maxMemory);
+
+/// Grids of such files as bytes, read in a child process too.
+class KeptReader {
+ public:
+  KeptReader(const std::vector<LatticeFile>& files, std::uint64_t maxMemory);
+  ~KeptReader();
+
+  /// @param grid  its position in LatticeCache::grids of this file
+  /// @return good until the next call
+  [[nodiscard]] Result<std::unique_ptr<KeptBytes>> open(const std::filesystem::path& file,
+                                                        std::size_t grid) const;
+
+ private:
+  std::unique_ptr<ReaderProcess> process_;
+  std::uint64_t maxMemory_;
+};
 
 /// All grids of a .vdb file, read in a child process as well.
 [[nodiscard]] Result<std::vector<GridFacts>> listGrids(const std::filesystem::path& file,

@@ -6,17 +6,20 @@
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
 #include <openvdb/openvdb.h>
+#include <openvdb/util/Name.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <limits>
 #include <optional>
 #include <sstream>
 
+#include "volute/base/checksum.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice.hpp"
@@ -45,7 +48,7 @@ class VdbFile final : public openvdb::io::Archive {
     whole_ = !inputHasGridOffsets();
     for (std::int32_t i = 0; i < count; ++i) {
       auto& entry = grids_.emplace_back();
-      entry.grid = entry.descriptor.read(stream_);
+      readDescriptor(entry);
       if (whole_) {
         readNext(entry);
         continue;
@@ -56,7 +59,7 @@ class VdbFile final : public openvdb::io::Archive {
       entry.descriptor.seekToEnd(stream_);
     }
     for (auto& entry : grids_) {
-      if (!whole_)
+      if (!whole_ && entry.foreignType.empty())
         readDescription(entry);
       else if (entry.descriptor.isInstance())
         entry.grid->setTree(parentOf(entry).grid->baseTreePtr());
@@ -73,6 +76,9 @@ class VdbFile final : public openvdb::io::Archive {
 
   /// Metadata and transform are read, the tree is empty.
   const openvdb::GridBase& grid(std::size_t index) const { return *grids_[index].grid; }
+
+  /// Of a grid that OpenVDB does not know, else empty; grid() is none of its kind then.
+  const std::string& foreignType(std::size_t index) const { return grids_[index].foreignType; }
 
   /// Where its voxels are, without their values.
   openvdb::GridBase::Ptr readTopology(std::size_t index) {
@@ -91,6 +97,8 @@ class VdbFile final : public openvdb::io::Archive {
   /// @param box  [voxels] what lies outside of it is left in the file; null: nothing is
   openvdb::GridBase::Ptr readTree(std::size_t index, const openvdb::CoordBBox* box = nullptr) {
     const auto& entry = grids_[index];
+    if (!entry.foreignType.empty())
+      OPENVDB_THROW(openvdb::LookupError, "of a type that OpenVDB does not know");
     if (whole_)
       return entry.grid;
     if (entry.descriptor.isInstance()) {
@@ -111,11 +119,49 @@ class VdbFile final : public openvdb::io::Archive {
     return grid;
   }
 
+  /// The bytes that it has in the file; 0: not known.
+  std::uint64_t bytesOf(std::size_t index) const {
+    const auto& descriptor = grids_[index].descriptor;
+    return whole_ ? 0 : static_cast<std::uint64_t>(descriptor.getEndPos() - descriptor.getGridPos());
+  }
+
+  /// The grid as a file of its own: as OpenVDB writes it, or, where OpenVDB cannot read it, byte for
+  /// byte.
+  std::string copyOf(std::size_t index);
+
  private:
   struct Entry {
     openvdb::io::GridDescriptor descriptor;
     openvdb::GridBase::Ptr grid;
+    std::string foreignType{};
   };
+
+  /// As GridDescriptor::read(), which refuses types that are not registered.
+  void readDescriptor(Entry& entry) {
+    const auto at = stream_.tellg();
+    const std::string name = openvdb::readString(stream_);
+    const std::string type = openvdb::readString(stream_);
+    constexpr std::string_view kHalf = "_HalfFloat";
+    const bool half = type.ends_with(kHalf);
+    if (whole_ ||
+        openvdb::GridBase::isRegistered(half ? type.substr(0, type.size() - kHalf.size()) : type)) {
+      stream_.seekg(at);
+      entry.grid = entry.descriptor.read(stream_);
+      return;
+    }
+    entry.descriptor = openvdb::io::GridDescriptor(name, type);
+    entry.descriptor.setInstanceParentName(openvdb::readString(stream_));
+    std::array<std::int64_t, 3> places{};
+    stream_.read(reinterpret_cast<char*>(places.data()), sizeof places);
+    entry.descriptor.setGridPos(places[0]);
+    entry.descriptor.setBlockPos(places[1]);
+    entry.descriptor.setEndPos(places[2]);
+    if (places[0] > places[1] || places[1] > places[2] || entry.descriptor.isInstance())
+      OPENVDB_THROW(openvdb::IoError, "a grid of type " << type << " cannot be where the file says");
+    entry.foreignType = type;
+    entry.grid = openvdb::MaskGrid::create();
+    entry.grid->setName(openvdb::io::GridDescriptor::stripSuffix(name));
+  }
 
   /// The grid whose voxels an instance shares.
   const Entry& parentOf(const Entry& entry) const {
@@ -148,23 +194,154 @@ class VdbFile final : public openvdb::io::Archive {
   bool whole_ = false;  ///< grids_ hold their trees
 };
 
+/// Where a grid's data lie in a file that holds it alone, without metadata of its own.
+struct KeptPlace {
+  std::string name, type, parent;  ///< as in the file
+  std::size_t begin = 0;           ///< of the data
+  std::int64_t blocks = 0, size = 0;  ///< of the data: where the tree's begin, and all
+
+  static constexpr std::size_t kHeader = 57;  ///< magic number, versions, flag and identifier
+
+  /// Takes any bytes; nothing where they are no such file.
+  static std::optional<KeptPlace> find(std::span<const std::byte> bytes) {
+    KeptPlace place;
+    std::size_t at = kHeader;
+    const auto number = [&]<class Number>(Number& value) {
+      if (at > bytes.size() || bytes.size() - at < sizeof value)
+        return false;
+      std::memcpy(&value, bytes.data() + at, sizeof value);
+      at += sizeof value;
+      return true;
+    };
+    std::int32_t entries = 0, grids = 0;
+    if (!number(entries) || entries != 0 || !number(grids) || grids != 1)
+      return std::nullopt;
+    for (std::string* text : {&place.name, &place.type, &place.parent}) {
+      std::uint32_t length = 0;
+      if (!number(length) || length > bytes.size() - at)
+        return std::nullopt;
+      text->assign(reinterpret_cast<const char*>(bytes.data()) + at, length);
+      at += length;
+    }
+    std::array<std::int64_t, 3> places{};
+    if (!number(places) || places[0] != static_cast<std::int64_t>(at) || places[1] < places[0] ||
+        places[2] < places[1])
+      return std::nullopt;
+    place.begin = at;
+    place.blocks = places[1] - places[0];
+    place.size = places[2] - places[0];
+    return place;
+  }
+
+  void writeTo(std::ostream& stream) const {
+    for (const std::string& text : {name, type, parent}) openvdb::writeString(stream, text);
+    std::array<std::int64_t, 3> places{};
+    places[0] = static_cast<std::int64_t>(stream.tellp()) + static_cast<std::int64_t>(sizeof places);
+    places[1] = places[0] + blocks;
+    places[2] = places[0] + size;
+    stream.write(reinterpret_cast<const char*>(places.data()), sizeof places);
+  }
+};
+
+/// OpenVDB writes a random identifier into each file; one that follows from the content keeps equal
+/// inputs equal.
+void overwriteIdentifier(std::ostream& stream, std::uint32_t content, int number) {
+  constexpr std::streamoff kPlace =
+      21;  // after magic number, versions and the flag for grid offsets
+  stream.seekp(kPlace);
+  stream << fmt::format("{:08x}-0000-4000-8000-{:012x}", content,
+                        static_cast<std::uint32_t>(number));
+}
+
 /// Writes to a stream of ours, so that a full disk shows.
 class VdbOutput final : public openvdb::io::Archive {
  public:
-  explicit VdbOutput(bool zip) {
-    if (zip)
-      setCompression(openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
+  enum class Packing { kUsual, kZip, kNone };
+
+  explicit VdbOutput(Packing packing) {
+    using namespace openvdb::io;
+    if (packing == Packing::kZip)
+      setCompression(COMPRESS_ZIP | COMPRESS_ACTIVE_MASK);
+    if (packing == Packing::kNone)
+      setCompression(COMPRESS_ACTIVE_MASK);
   }
 
   void writeTo(std::ostream& stream, const openvdb::GridBase::Ptr& grid) const {
     write(stream, openvdb::GridPtrVec{grid}, /*seekable=*/true);
   }
 
-  void writeTo(std::ostream& stream, const openvdb::GridPtrVec& grids,
-               const openvdb::MetaMap& metadata) const {
-    write(stream, grids, /*seekable=*/true, metadata);
+  /// Of a file with so many grids, which follow.
+  void begin(std::ostream& stream, const openvdb::MetaMap& metadata, std::size_t grids) const {
+    writeHeader(stream, /*seekable=*/true);
+    metadata.writeMeta(stream);
+    const auto count = static_cast<std::int32_t>(grids);
+    stream.write(reinterpret_cast<const char*>(&count), sizeof count);
+  }
+
+  /// @param name  unlike all others in the file
+  void add(std::ostream& stream, const std::string& name,
+           const openvdb::GridBase::ConstPtr& grid) const {
+    openvdb::io::GridDescriptor descriptor(name, grid->type(), grid->saveFloatAsHalf());
+    writeGrid(descriptor, grid, stream, /*seekable=*/true);
+  }
+
+  /// @param content  gets a digest of the bytes
+  static Status add(std::ostream& stream, KeptBytes& kept, const std::string& target,
+                    std::uint32_t& content) {
+    VOLUTE_ASSIGN(auto part, kept.next());
+    const auto place = KeptPlace::find(part);
+    if (!place || kept.size() != place->begin + static_cast<std::uint64_t>(place->size)) {
+      return fail(ErrorCode::kInvalidData, "{}: a grid that was kept as bytes is no OpenVDB grid",
+                  target);
+    }
+    place->writeTo(stream);
+    for (part = part.subspan(place->begin); !part.empty();) {
+      stream.write(reinterpret_cast<const char*>(part.data()),
+                   static_cast<std::streamsize>(part.size()));
+      content ^= crc32(part);
+      VOLUTE_ASSIGN(part, kept.next());
+    }
+    return {};
   }
 };
+
+std::string VdbFile::copyOf(std::size_t index) {
+  const Entry& entry = grids_[index];
+  std::ostringstream out;
+  out.exceptions(std::ios::badbit | std::ios::failbit);
+  const VdbOutput output(VdbOutput::Packing::kNone);
+  output.begin(out, {}, 1);
+  try {
+    const auto grid = readTree(index);
+    if (grid->saveFloatAsHalf() != entry.grid->saveFloatAsHalf())
+      grid->setSaveFloatAsHalf(entry.grid->saveFloatAsHalf());
+    output.add(out, entry.descriptor.uniqueName(), grid);
+  } catch (const openvdb::LookupError& error) {
+    if (whole_ || entry.descriptor.isInstance() ||
+        fileVersion() != openvdb::OPENVDB_FILE_VERSION) {
+      OPENVDB_THROW(openvdb::LookupError,
+                    "grid '" << name(index) << "' cannot be kept: " << error.what());
+    }
+    const auto& from = entry.descriptor;
+    const std::string type = entry.foreignType.empty()
+                                 ? from.gridType() + (from.saveFloatAsHalf() ? "_HalfFloat" : "")
+                                 : entry.foreignType;
+    KeptPlace place{from.uniqueName(), type, {}};
+    place.blocks = from.getBlockPos() - from.getGridPos();
+    place.size = from.getEndPos() - from.getGridPos();
+    place.writeTo(out);
+    from.seekToGrid(stream_);
+    std::vector<char> bytes(std::size_t{1} << 20);
+    for (std::int64_t left = place.size; left > 0;) {
+      const auto count = std::min<std::int64_t>(left, std::ssize(bytes));
+      stream_.read(bytes.data(), count);
+      out.write(bytes.data(), count);
+      left -= count;
+    }
+  }
+  overwriteIdentifier(out, 0, 0);
+  return std::move(out).str();
+}
 
 /// OpenVDB's exceptions as sentences.
 template <class Function>
@@ -195,7 +372,9 @@ GridEntry describeGrid(const std::string& name, const openvdb::GridBase& grid) {
 std::vector<GridEntry> entriesOf(const VdbFile& file, const std::string& wanted) {
   std::vector<GridEntry> entries;
   for (std::size_t i = 0; i < file.gridCount(); ++i)
-    entries.push_back(describeGrid(file.name(i), file.grid(i)));
+    entries.push_back(file.foreignType(i).empty()
+                          ? describeGrid(file.name(i), file.grid(i))
+                          : GridEntry{file.name(i), file.foreignType(i), false});
   const bool volumes = std::ranges::any_of(
       entries, [](const GridEntry& entry) { return entry.usable && entry.type != kLevelSet; });
   for (GridEntry& entry : entries) {
@@ -437,11 +616,10 @@ GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid) {
 }
 
 /// Of a grid whose voxels cannot be read.
-GridFacts unknownOf(const std::string& name, const openvdb::GridBase& grid,
-                    std::string_view problem) {
+GridFacts unknownOf(const std::string& name, const std::string& type, std::string_view problem) {
   GridFacts facts;
   name.copy(facts.name, GridFacts::kMaxName);
-  grid.valueType().copy(facts.type, GridFacts::kMaxType);
+  type.copy(facts.type, GridFacts::kMaxType);
   facts.least = facts.most = std::numeric_limits<double>::quiet_NaN();
   problem.substr(0, GridFacts::kMaxProblem).copy(facts.problem, GridFacts::kMaxProblem);
   return facts;
@@ -456,39 +634,50 @@ bool isKeptElsewhere(const std::string& name) {
          name == GridBase::META_FILE_VOXEL_COUNT || name == GridBase::META_FILE_DELAYED_LOAD;
 }
 
-constexpr std::array<std::string_view, 17> kMetadataTypes = {
-    "string", "bool",  "int32", "int64", "float", "double", "vec2i", "vec2s", "vec2d",
-    "vec3i",  "vec3s", "vec3d", "vec4i", "vec4s", "vec4d",  "mat4s", "mat4d"};
+/// The same name again, and none at all ("[0]"), is told apart by OpenVDB itself.
+std::string nameInFile(const std::string& name) {
+  const auto bracket = name.rfind('[');
+  const bool second = bracket != std::string::npos && name.back() == ']' &&
+                      bracket + 2 < name.size() &&
+                      name.find_first_not_of("0123456789", bracket + 1) == name.size() - 1;
+  return second ? name.substr(0, bracket) : name;
+}
 
-bool isKnownMetadata(const std::string& type) {
-  return std::ranges::find(kMetadataTypes, type) != kMetadataTypes.end() &&
-         openvdb::Metadata::isRegisteredType(type);
+/// The same as OpenVDB writes it.
+/// @param own  the grid's own name
+std::string uniqueNameOf(const std::string& name, const std::string& own) {
+  if (own == name)
+    return name;
+  return openvdb::io::GridDescriptor::addSuffix(own, std::atoi(name.c_str() + own.size() + 1));
 }
 
 constexpr std::size_t kSizeBytes = sizeof(openvdb::Index32);  // before a value of metadata
 
-/// Entries of types that everybody knows, and of a size that somebody meant.
+/// All entries but those that are kept elsewhere, of types that nobody knows too.
 MetadataList listMetadata(const openvdb::MetaMap& map) {
-  constexpr std::size_t kMaxBytes = 4096;
   MetadataList list;
   for (auto it = map.beginMeta(); it != map.endMeta(); ++it) {
-    const std::string type = it->second->typeName();
-    if (isKeptElsewhere(it->first) || !isKnownMetadata(type) || it->second->size() > kMaxBytes)
+    if (isKeptElsewhere(it->first))
       continue;
     std::ostringstream bytes;
     it->second->write(bytes);
-    list.push_back({it->first, type, bytes.str().substr(kSizeBytes)});
+    list.push_back({it->first, it->second->typeName(), bytes.str().substr(kSizeBytes)});
   }
   return list;
 }
 
-/// The same the other way; leaves out what cannot be.
+/// The same the other way; leaves out what cannot be. What no type of OpenVDB's own needs is
+/// written as bytes.
 void putMetadata(const MetadataList& list, openvdb::MetaMap& map) {
+  using openvdb::Metadata;
   for (const GridMetadata& entry : list) {
-    if (entry.name.empty() || isKeptElsewhere(entry.name) || !isKnownMetadata(entry.type))
+    if (entry.name.empty() || isKeptElsewhere(entry.name))
       continue;
-    const auto metadata = openvdb::Metadata::createMetadata(entry.type);
-    if (entry.type != "string" && metadata->size() != entry.value.size())
+    const bool known = Metadata::isRegisteredType(entry.type) && !entry.type.starts_with("__");
+    const Metadata::Ptr metadata = known
+                                       ? Metadata::createMetadata(entry.type)
+                                       : std::make_shared<openvdb::UnknownMetadata>(entry.type);
+    if (known && entry.type != "string" && metadata->size() != entry.value.size())
       continue;
     const auto size = static_cast<openvdb::Index32>(entry.value.size());
     std::string bytes(kSizeBytes, '\0');
@@ -530,7 +719,9 @@ LatticeGrid describeForCache(VdbFile& file, std::size_t index) {
   LatticeGrid result;
   GridTraits& traits = result.traits;
   putText(file.name(index), result.frame.grid, LatticeFrame::kMaxName);
-  putText(grid.valueType(), traits.type, GridTraits::kMaxText);
+  const std::string type =
+      file.foreignType(index).empty() ? grid.valueType() : file.foreignType(index);
+  putText(type, traits.type, GridTraits::kMaxText);
   if (grid.getGridClass() != openvdb::GRID_UNKNOWN)
     putText(openvdb::GridBase::gridClassToString(grid.getGridClass()), traits.gridClass,
             GridTraits::kMaxText);
@@ -544,7 +735,7 @@ LatticeGrid describeForCache(VdbFile& file, std::size_t index) {
   }
   if (!grid.isType<openvdb::FloatGrid>() && !grid.isType<openvdb::DoubleGrid>() &&
       !grid.isType<openvdb::Vec3SGrid>() && !grid.isType<openvdb::Vec3DGrid>()) {
-    putText(fmt::format("of type {}", grid.valueType()), traits.problem, GridTraits::kMaxProblem);
+    putText(fmt::format("of type {}", type), traits.problem, GridTraits::kMaxProblem);
     return result;
   }
   if (!readTransform(grid, "", result.frame)) {
@@ -568,6 +759,9 @@ LatticeGrid describeForCache(VdbFile& file, std::size_t index) {
   traits.memory = memory && memory->value() > 0 ? static_cast<std::uint64_t>(memory->value())
                                                 : tree->memUsage();
   result.metadata = listMetadata(grid);
+  // A name that reads as if OpenVDB had told it apart from another.
+  if (grid.getName() != nameInFile(file.name(index)))
+    result.metadata.push_back({openvdb::GridBase::META_GRID_NAME, "string", grid.getName()});
   return result;
 }
 
@@ -620,7 +814,9 @@ class VdbReader final : public LatticeReader {
           grid->setSaveFloatAsHalf(file.grid(i).saveFloatAsHalf());
           grids.push_back(factsOf(file.name(i), *grid));
         } catch (const openvdb::LookupError& error) {
-          grids.push_back(unknownOf(file.name(i), file.grid(i), error.what()));
+          const std::string& type = file.foreignType(i);
+          grids.push_back(unknownOf(file.name(i), type.empty() ? file.grid(i).valueType() : type,
+                                    error.what()));
         }
       }
       return grids;
@@ -635,6 +831,28 @@ class VdbReader final : public LatticeReader {
       for (std::size_t i = 0; i < file.gridCount(); ++i)
         cache.grids.push_back(describeForCache(file, i));
       return cache;
+    });
+  }
+
+  Result<std::string> keep(const std::filesystem::path& path, std::size_t grid,
+                           std::uint64_t limit) override {
+    return guarded(path, [&]() -> Result<std::string> {
+      VdbFile file(path);
+      if (grid >= file.gridCount())
+        return fail(ErrorCode::kInvalidData, "{}: has {} grids now", path.string(),
+                    file.gridCount());
+      const auto tooLarge = [&](std::uint64_t bytes) {
+        return fail(ErrorCode::kTooLarge,
+                    "{}: grid '{}' holds no volume and takes {} MiB as it is, more than the {} MiB "
+                    "of memory allowed; allow more, or leave out what holds no volume",
+                    path.string(), file.name(grid), bytes >> 20, limit >> 20);
+      };
+      if (file.bytesOf(grid) > limit)
+        return tooLarge(file.bytesOf(grid));
+      std::string bytes = file.copyOf(grid);
+      if (bytes.size() > limit)
+        return tooLarge(bytes.size());
+      return bytes;
     });
   }
 
@@ -760,16 +978,6 @@ openvdb::math::Transform::Ptr makeTransform(const VolumeInfo& info) {
   return std::make_shared<openvdb::math::Transform>(map);
 }
 
-/// OpenVDB writes a random identifier into each file; one that follows from the content keeps equal
-/// inputs equal.
-void overwriteIdentifier(std::ostream& stream, std::uint32_t content, int number) {
-  constexpr std::streamoff kPlace =
-      21;  // after magic number, versions and the flag for grid offsets
-  stream.seekp(kPlace);
-  stream << fmt::format("{:08x}-0000-4000-8000-{:012x}", content,
-                        static_cast<std::uint32_t>(number));
-}
-
 using Index3 = std::array<int, 3>;
 
 /// A grid that is empty but for its background.
@@ -848,14 +1056,6 @@ Result<Index3> beginOf(const GridFrame& frame, const std::string& target) {
   return begin;
 }
 
-/// The same name again, and none at all ("[0]"), is told apart by OpenVDB itself.
-std::string nameInFile(const std::string& name) {
-  const auto bracket = name.rfind('[');
-  const bool second = bracket != std::string::npos && name.back() == ']' &&
-                      name.find_first_not_of("0123456789", bracket + 1) == name.size() - 1;
-  return second ? name.substr(0, bracket) : name;
-}
-
 /// Where frame numbers alone would give another time, or the file stated one.
 void putTime(const VolumeInfo& info, int frame, openvdb::GridBase& grid) {
   VolumeInfo numbered = info;
@@ -867,6 +1067,34 @@ void putTime(const VolumeInfo& info, int frame, openvdb::GridBase& grid) {
     return;
   grid.removeMeta(kTimeKey);
   grid.insertMeta(kTimeKey, openvdb::DoubleMetadata(time));
+}
+
+/// A grid of a frame of a cache.
+Result<openvdb::GridBase::Ptr> cacheGrid(const GridFrame& frame, const std::string& target) {
+  const GridDescription& description = *frame.description;
+  VOLUTE_ASSIGN(const Index3 begin, beginOf(frame, target));
+  const bool vectors = frame.info->channels == 3;
+  const bool doubles = description.type == (vectors ? "vec3d" : "double");
+  const auto grid = vectors   ? doubles ? makeCacheGrid<openvdb::Vec3DGrid>(frame, begin)
+                                        : makeCacheGrid<openvdb::Vec3SGrid>(frame, begin)
+                    : doubles ? makeCacheGrid<openvdb::DoubleGrid>(frame, begin)
+                              : makeCacheGrid<openvdb::FloatGrid>(frame, begin);
+  std::string name = nameInFile(frame.info->name);
+  if (const MetadataList* own = description.metadata.at(frame.frame)) {
+    putMetadata(*own, *grid);
+    const auto given = std::ranges::find(*own, std::string(openvdb::GridBase::META_GRID_NAME),
+                                         &GridMetadata::name);
+    if (given != own->end() && frame.info->name.starts_with(given->value))
+      name = given->value;
+  }
+  putTime(*frame.info, frame.frame, *grid);
+  grid->setName(name);
+  if (!description.gridClass.empty())
+    grid->setGridClass(openvdb::GridBase::stringToGridClass(description.gridClass));
+  if (grid->saveFloatAsHalf() != description.half)
+    grid->setSaveFloatAsHalf(description.half);
+  grid->setTransform(makeCacheTransform(frame));
+  return grid;
 }
 
 class VdbWriter final : public LatticeWriter {
@@ -893,7 +1121,7 @@ class VdbWriter final : public LatticeWriter {
       grid->setTransform(makeTransform(info));
       grid->setSaveFloatAsHalf(options_.half);
       grid->insertMeta(kTimeKey, openvdb::DoubleMetadata(info.times[frame]));
-      VdbOutput(options_.zip).writeTo(stream, grid);
+      VdbOutput(packing()).writeTo(stream, grid);
       overwriteIdentifier(stream, bricks.checksum(), info.frameNumbers[frame]);
       return {};
     });
@@ -902,42 +1130,33 @@ class VdbWriter final : public LatticeWriter {
   Status writeGrids(const std::filesystem::path& temporary, const std::filesystem::path& target,
                     std::span<const GridFrame> frames, const MetadataList* metadata) override {
     return written(temporary, target, [&](std::ofstream& stream) -> Status {
-      openvdb::GridPtrVec grids;
-      std::uint32_t content = 0;
-      for (const GridFrame& frame : frames) {
-        const GridDescription& description = *frame.description;
-        VOLUTE_ASSIGN(const Index3 begin, beginOf(frame, target.string()));
-        const bool vectors = frame.info->channels == 3;
-        const bool doubles = description.type == (vectors ? "vec3d" : "double");
-        const auto grid = vectors   ? doubles ? makeCacheGrid<openvdb::Vec3DGrid>(frame, begin)
-                                              : makeCacheGrid<openvdb::Vec3SGrid>(frame, begin)
-                            : doubles ? makeCacheGrid<openvdb::DoubleGrid>(frame, begin)
-                                    : makeCacheGrid<openvdb::FloatGrid>(frame, begin);
-        if (const MetadataList* own = description.metadata.at(frame.frame))
-          putMetadata(*own, *grid);
-        putTime(*frame.info, frame.frame, *grid);
-        grid->setName(nameInFile(frame.info->name));
-        if (!description.gridClass.empty())
-          grid->setGridClass(openvdb::GridBase::stringToGridClass(description.gridClass));
-        if (grid->saveFloatAsHalf() != description.half)
-          grid->setSaveFloatAsHalf(description.half);
-        grid->setTransform(makeCacheTransform(frame));
-        grids.push_back(grid);
-        content ^= frame.bricks->checksum();
-      }
       openvdb::MetaMap ofFile;
       if (metadata)
         putMetadata(*metadata, ofFile);
-      VdbOutput(options_.zip).writeTo(stream, grids, ofFile);
-      overwriteIdentifier(
-          stream, content,
-          frames.empty() ? 0
-                         : frames[0].info->frameNumbers[static_cast<std::size_t>(frames[0].frame)]);
+      const VdbOutput output(packing());
+      output.begin(stream, ofFile, frames.size());
+      std::uint32_t content = 0;
+      int number = 0;
+      for (const GridFrame& frame : frames) {
+        if (frame.kept) {
+          VOLUTE_TRY(VdbOutput::add(stream, *frame.kept, target.string(), content));
+          continue;
+        }
+        VOLUTE_ASSIGN(const auto grid, cacheGrid(frame, target.string()));
+        output.add(stream, uniqueNameOf(frame.info->name, grid->getName()), grid);
+        content ^= frame.bricks->checksum();
+        number = frame.info->frameNumbers[static_cast<std::size_t>(frame.frame)];
+      }
+      overwriteIdentifier(stream, content, number);
       return {};
     });
   }
 
  private:
+  VdbOutput::Packing packing() const {
+    return options_.zip ? VdbOutput::Packing::kZip : VdbOutput::Packing::kUsual;
+  }
+
   /// Calls write(stream) with the file; what OpenVDB or the stream throws becomes an error.
   template <class Write>
   static Status written(const std::filesystem::path& temporary, const std::filesystem::path& target,

@@ -63,10 +63,13 @@ Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& outpu
 
 Result<std::unique_ptr<CacheSink>> createCacheSink(const std::filesystem::path& output,
                                                    std::vector<GridTarget> grids,
-                                                   FrameMetadata fileMetadata) {
+                                                   FrameMetadata fileMetadata,
+                                                   std::vector<KeptTarget> kept,
+                                                   const VolumeInfo* frames) {
   VOLUTE_ASSIGN(const LatticePlugin* plugin, loadVdbWriter());
-  return createLatticeCacheSink(output, std::move(grids), std::move(fileMetadata),
-                                plugin->makeWriter({}));
+  const VolumeInfo numbers = frames ? *frames : grids.front().info;
+  return createLatticeCacheSink(output, numbers, std::move(grids), std::move(fileMetadata),
+                                std::move(kept), plugin->makeWriter({}));
 }
 
 }  // namespace volute

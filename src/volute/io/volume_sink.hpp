@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/frame_source.hpp"
 #include "volute/grid/grid_description.hpp"
+#include "volute/grid/kept_bytes.hpp"
 
 namespace volute {
 
@@ -35,6 +37,13 @@ struct GridTarget {
   GridDescription description;  ///< of the frames in `info`, and of its first voxel
 };
 
+/// One that goes into the files as its bytes.
+struct KeptTarget {
+  std::size_t place = 0;  ///< how many of the other grids stand before it
+  /// Null where the frame at this position has none.
+  std::function<Result<std::unique_ptr<KeptBytes>>(int position)> open;
+};
+
 /// Writes all grids of a cache, frame by frame, in order.
 class CacheSink {
  public:
@@ -48,9 +57,11 @@ class CacheSink {
 };
 
 /// A sink for .vdb files, by a pattern such as cache_%04d.vdb (a plain name suffices for one
-/// frame), each with all `grids`.
+/// frame), each with all `grids` and those that are `kept`. There is one of either kind.
 /// @param fileMetadata  metadata of each file
+/// @param frames  numbers of the frames; null: as those of the first grid
 [[nodiscard]] Result<std::unique_ptr<CacheSink>> createCacheSink(
-    const std::filesystem::path& output, std::vector<GridTarget> grids, FrameMetadata fileMetadata);
+    const std::filesystem::path& output, std::vector<GridTarget> grids, FrameMetadata fileMetadata,
+    std::vector<KeptTarget> kept = {}, const VolumeInfo* frames = nullptr);
 
 }  // namespace volute

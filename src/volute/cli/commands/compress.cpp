@@ -69,6 +69,8 @@ Status runCompress(const Arguments& arguments, Context& context) {
   how.stated.framesPerSecond = arguments.find<double>("fps");
   how.stated.up = arguments.find<std::string>("up").value_or(std::string(1, '\0')).front();
   how.rmsOverAll = rmsOverAll(arguments);
+  how.keep = gridNames(arguments.find<std::string>("keep").value_or(""));
+  how.dropUncoded = arguments.get<std::string>("uncoded") == "drop";
   CompressOptions& options = how.options;
   options.target = targetOf(arguments);
   options.wavelet = arguments.get<std::string>("wavelet");
@@ -110,7 +112,8 @@ Command compressCommand() {
           "bool, a VDB "
           "file, pattern or folder, .vti, .pvd, .volute, or, with --raw-size, files without a "
           "header, and writes one .volute file. It keeps all grids of a VDB cache with their "
-          "descriptions, each with an error relative to its own range; --size and --ratio are for "
+          "descriptions, each with an error relative to its own range, and those that hold no "
+          "volume without loss; --size and --ratio are for "
           "the whole file. The error reported is measured on the written data; unless an option "
           "sets another target, the relative RMS is at most 0.003. Values become float32: the "
           "rounding of float64 and of large integers counts in the errors, and a target finer than "
@@ -162,6 +165,18 @@ Command compressCommand() {
             .help = "relative RMS of individual grids of a cache"},
            fieldsOption("grids of a file with several; if not given, all; or the source of "
                         "an FDS case"),
+           {.name = "uncoded",
+            .kind = kChoice,
+            .value = "WHAT",
+            .help = "grids of a .vdb cache that hold no volume (integers, bool, masks, points): "
+                    "keep them without loss, for extract and mount to give back, or drop them",
+            .initial = "keep",
+            .choices = {"keep", "drop"}},
+           {.name = "keep",
+            .kind = kText,
+            .value = "NAME[,NAME]",
+            .help = "grids of a .vdb cache to keep in this way though they are volumes, such as "
+                    "those with NaN: they come back without loss, and are not shown"},
            framesOption(),
            {.name = "up",
             .kind = kChoice,

@@ -85,6 +85,17 @@ nlohmann::ordered_json worstPlaceJson(const CompressReport& one, const VolumeInf
 
 }  // namespace
 
+void addKept(Report& report, std::span<const KeptResult> kept) {
+  auto list = nlohmann::ordered_json::array();
+  std::string text;
+  for (const KeptResult& grid : kept) {
+    list.push_back({{"name", grid.name}, {"type", grid.type}, {"bytes", grid.bytes}});
+    text += fmt::format("\n  {:<16} {}, without loss, {}", grid.name, grid.type,
+                        bytesText(grid.bytes));
+  }
+  report.add("kept", list, text);
+}
+
 Report compressionReport(const std::string& target, const CompressedGrids& result, int frames,
                          std::optional<std::uint64_t> inputBytes) {
   Report report;
@@ -133,7 +144,10 @@ Report compressionReport(const std::string& target, const CompressedGrids& resul
   }
   const double speed =
       static_cast<double>(result.rawBytes()) / 1e6 / std::max(result.seconds, 1e-9);
-  report.add("grids", list, text)
+  report.add("grids", list, text);
+  if (!result.kept.empty())
+    addKept(report, result.kept);
+  report
       .add("support_rms", jsonNumber(worstOverSupport),
            fmt::format("{:.6g} (over what is in use, of the worst grid)", worstOverSupport))
       .add("relative_rms", jsonNumber(worst), fmt::format("{:.6g} (of the worst grid)", worst))

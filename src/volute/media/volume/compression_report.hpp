@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "volute/media/volume/grid_compression.hpp"
@@ -19,5 +20,8 @@ Report compressionReport(const std::string& target, const VolumeInfo& info,
 /// The same of several grids, and a row for each of them.
 Report compressionReport(const std::string& target, const CompressedGrids& result, int frames,
                          std::optional<std::uint64_t> inputBytes);
+
+/// A row for each grid that a file keeps as bytes.
+void addKept(Report& report, std::span<const KeptResult> kept);
 
 }  // namespace volute

@@ -44,9 +44,10 @@ class GridProgress final : public Progress {
 class GridFiles {
  public:
   GridFiles(const VolumeGrids& grids, const std::vector<std::size_t>& chosen,
-            const std::string& target, const GridCompression& how, Reading& reading, Team& team)
+            const std::vector<std::size_t>& kept, const std::string& target, const GridCompression& how, Reading& reading, Team& team)
       : grids_(grids),
         chosen_(chosen),
+        kept_(kept),
         target_(target),
         how_(how),
         reading_(reading),
@@ -62,11 +63,13 @@ class GridFiles {
 
  private:
   Status compressOne(std::size_t i, const ErrorTarget& target);
+  Status keepAll();
+  std::vector<KeptResult> keptResults() const;
   std::string errorIn(const VolumeGrid& grid, std::string message,
                       const std::string& temporary) const;
 
   const VolumeGrids& grids_;
-  const std::vector<std::size_t>& chosen_;
+  const std::vector<std::size_t>&chosen_, &kept_;
   std::string target_;
   const GridCompression& how_;
   Reading& reading_;
@@ -74,6 +77,7 @@ class GridFiles {
   std::vector<PendingFile> files_;  // of rank 0: of each grid, an empty one's stays empty
   std::vector<CompressedGrid> done_;
   std::optional<std::vector<int>> positions_;  // of the frames
+  std::optional<KeptStore> store_;             // of rank 0
 };
 
 std::string GridFiles::errorIn(const VolumeGrid& grid, std::string message,
@@ -127,6 +131,38 @@ Status GridFiles::compressAll(const std::vector<ErrorTarget>& targets) {
   return {};
 }
 
+/// Once, whatever becomes of the other grids.
+Status GridFiles::keepAll() {
+  if (kept_.empty() || store_)
+    return {};
+  VOLUTE_ASSIGN(auto store, KeptStore::create(target_));
+  store_.emplace(std::move(store));
+  for (const std::size_t i : kept_) {
+    const VolumeGrid& grid = grids_.grids()[i];
+    const auto place = static_cast<std::size_t>(std::ranges::lower_bound(chosen_, i) - chosen_.begin());
+    store_->begin({grid.name, grid.description ? grid.description->type : grid.type, place});
+    double done = 0;
+    for (const int position : *positions_) {
+      if (reading_.progress.cancelled())
+        return fail(ErrorCode::kCancelled, "stopped: {} was not written", target_);
+      VOLUTE_ASSIGN(const auto bytes, grids_.keep(i, position));
+      VOLUTE_TRY(store_->add(bytes.get()));
+      reading_.progress.report(grid.name + ": keeping", ++done,
+                               static_cast<double>(positions_->size()));
+    }
+  }
+  return {};
+}
+
+std::vector<KeptResult> GridFiles::keptResults() const {
+  std::vector<KeptResult> all;
+  for (std::size_t i = 0; store_ && i < kept_.size(); ++i) {
+    const KeptTable& table = store_->table();
+    all.push_back({table.grids[i].name, table.grids[i].type, table.storedBytes(i)});
+  }
+  return all;
+}
+
 Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
   if (!positions_) {
     return fail(ErrorCode::kInvalidData, "{}: none of its {} grids has voxels that are not empty",
@@ -148,7 +184,9 @@ Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
     FrameMetadata ofFiles = grids_.fileMetadata();
     if (!ofFiles.listOf.empty())
       ofFiles = ofFiles.of(*positions_);
-    VOLUTE_ASSIGN(bytes, bundle(bundled, ofFiles, file.path(), reading_.progress));
+    VOLUTE_TRY(keepAll());
+    VOLUTE_ASSIGN(bytes, bundle(bundled, ofFiles, file.path(), reading_.progress,
+                                store_ ? &*store_ : nullptr));
     if (!keep)
       return {};
     if (static_cast<double>(bytes) > *keep) {
@@ -160,7 +198,7 @@ Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
   };
   VOLUTE_TRY(team_.agree(team_.leads() ? bundleAll() : Status()));
   VOLUTE_ASSIGN(bytes, team_.broadcast(bytes));
-  return CompressedGrids{done_, bytes, 0};
+  return CompressedGrids{done_, bytes, 0, keptResults()};
 }
 
 /// Whether a file of this grid alone needs to say more of it than its values. Without a description
@@ -198,7 +236,7 @@ void remarkOnTimes(const std::string& path, const VolumeInfo& info, Reading& rea
 Result<std::optional<Report>> compressCache(const std::string& path, const std::string& target,
                                             const GridCompression& how, const InputOptions& input,
                                             Reading& reading, Team& team) {
-  const bool one = gridNames(input.grid).size() == 1 || input.raw;
+  const bool one = (gridNames(input.grid).size() == 1 && how.keep.empty()) || input.raw;
   if (one || !VolumeGrids::mayBe(path)) {
     if (how.rms.empty())
       return std::nullopt;
@@ -209,11 +247,34 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
   unverified.verify = false;
   VOLUTE_ASSIGN(const auto grids, VolumeGrids::open(path, unverified, reading));
   const auto& all = grids->grids();
-  const std::string leftOut = fmt::format("{}", fmt::join(grids->leftOut(), ", "));
-  VOLUTE_ASSIGN(const auto chosen, grids->choose(input.grid, path));
-  if (chosen.empty() && !leftOut.empty())
-    return fail(ErrorCode::kUnsupported, "{}: no grid can be compressed: {}", path, leftOut);
-  if (chosen.empty() || (chosen.size() == 1 && leftOut.empty() && how.rms.empty() &&
+  VOLUTE_ASSIGN(const auto named, grids->choose(input.grid, path));
+  std::vector<std::size_t> keep;
+  for (const std::string& name : how.keep) {
+    VOLUTE_ASSIGN(const auto found, grids->choose(name, path));
+    keep.push_back(found[0]);
+  }
+  std::vector<std::size_t> chosen, kept;
+  std::vector<std::string> asBytes, leftOut;
+  for (const std::size_t i : named) {
+    const bool asked = std::ranges::find(keep, i) != keep.end();
+    if (!asked && all[i].kept.empty()) {
+      chosen.push_back(i);
+      continue;
+    }
+    const bool dropped = how.dropUncoded && !asked;
+    (dropped ? leftOut : asBytes)
+        .push_back(fmt::format("'{}' ({})", all[i].name,
+                               asked ? "as asked" : all[i].kept));
+    if (!dropped)
+      kept.push_back(i);
+  }
+  if (chosen.empty() && !named.empty()) {
+    asBytes.insert(asBytes.end(), leftOut.begin(), leftOut.end());
+    return fail(ErrorCode::kUnsupported,
+                "{}: no grid can be compressed: {}; a .volute holds one volume at least", path,
+                fmt::join(asBytes, ", "));
+  }
+  if (chosen.empty() || (chosen.size() == 1 && all.size() == 1 && how.rms.empty() &&
                          !wantsDescription(all[chosen[0]], input.bounds.has_value())))
     return std::nullopt;
   if (input.bounds) {
@@ -222,15 +283,17 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
                 all.size());
   }
   for (const auto& [name, rms] : how.rms) VOLUTE_TRY(grids->choose(name, path));
-  if (!leftOut.empty()) {
-    reading.progress.remark(fmt::format("{}: left out, as it holds no volume: {}", path, leftOut));
+  for (const auto& [names, what] : {std::pair(&asBytes, "kept as they are, without loss"),
+                                    std::pair(&leftOut, "left out, as they hold no volume")}) {
+    if (!names->empty())
+      reading.progress.remark(fmt::format("{}: {}: {}", path, what, fmt::join(*names, ", ")));
   }
   remarkOnFiles(path, reading);
   for (const std::size_t i : chosen) {
     if (input.partial && isVolutePath(path) && !all[i].empty)
       VOLUTE_TRY(openVolute(path, true, reading, true, all[i].name));
   }
-  VOLUTE_ASSIGN(const auto result, compressGrids(*grids, chosen, target, how, reading, team));
+  VOLUTE_ASSIGN(const auto result, compressGrids(*grids, chosen, target, how, reading, team, kept));
   const auto full =
       std::ranges::find_if(result.grids, [](const auto& grid) { return grid.info.x > 0; });
   const bool allFrames = how.frames == FrameRange{};
@@ -238,7 +301,7 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
       !gaps.empty() && allFrames)
     reading.progress.remark(fmt::format("{}: {}", path, gaps));
   remarkOnTimes(path, full->info, reading);
-  const bool whole = allFrames && leftOut.empty() && chosen.size() == all.size();
+  const bool whole = allFrames && chosen.size() + kept.size() == all.size();
   return compressionReport(target, result, full->info.frames,
                            whole ? bytesOnDisk(path) : std::nullopt);
 }
@@ -254,12 +317,13 @@ std::uint64_t CompressedGrids::rawBytes() const {
 Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
                                       const std::vector<std::size_t>& chosen,
                                       const std::string& target, const GridCompression& how,
-                                      Reading& reading, Team& team) {
+                                      Reading& reading, Team& team,
+                                      const std::vector<std::size_t>& kept) {
   const auto start = std::chrono::steady_clock::now();
   using Kind = ErrorTarget::Kind;
   const ErrorTarget wanted = how.options.target;
   const bool sized = wanted.kind == Kind::kSize || wanted.kind == Kind::kRatio;
-  GridFiles files(grids, chosen, target, how, reading, team);
+  GridFiles files(grids, chosen, kept, target, how, reading, team);
   std::vector<ErrorTarget> targets(chosen.size(), sized ? ErrorTarget{Kind::kRms, 1e-2} : wanted);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (const auto own = how.rms.find(grids.grids()[chosen[i]].name); own != how.rms.end())

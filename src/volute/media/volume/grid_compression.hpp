@@ -21,6 +21,14 @@ struct GridCompression {
   bool rmsOverAll = false;              ///< these are over all voxels, not over the support
   FrameRange frames{};
   StatedInfo stated{};
+  std::vector<std::string> keep{};  ///< grids that are kept as bytes though they are volumes
+  bool dropUncoded = false;         ///< what is no volume is left out, not kept as bytes
+};
+
+/// A grid that was kept as its bytes.
+struct KeptResult {
+  std::string name, type;
+  std::uint64_t bytes = 0;  ///< in the file
 };
 
 /// What came of one grid.
@@ -34,20 +42,22 @@ struct CompressedGrids {
   std::vector<CompressedGrid> grids;
   std::uint64_t fileBytes = 0;
   double seconds = 0;
+  std::vector<KeptResult> kept{};
 
   std::uint64_t rawBytes() const;
 };
 
-/// Compresses the `chosen` grids of a cache into one .volute, each with an error of its own.
-/// Collective.
+/// Compresses the `chosen` grids of a cache into one .volute, each with an error of its own, and
+/// puts the `kept` ones into it as bytes. Collective.
 [[nodiscard]] Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
                                                     const std::vector<std::size_t>& chosen,
                                                     const std::string& target,
                                                     const GridCompression& how, Reading& reading,
-                                                    Team& team);
+                                                    Team& team,
+                                                    const std::vector<std::size_t>& kept = {});
 
 /// Compresses a volume of any format, or grids of a cache, as compressionReport() states it. Grids
-/// that hold no volume are left out with a remark; a single grid of which there is no more to say
+/// that hold no volume are kept as bytes, or left out, with a remark; a single grid of which there is no more to say
 /// than its values is written as a volume. Errors: what cannot be read; kInvalidArgument where
 /// `input` or `how` are for one grid, or for several, and the file is otherwise; kUnsupported where
 /// the target is out of reach. Collective.

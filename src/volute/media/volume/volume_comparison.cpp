@@ -139,6 +139,33 @@ Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, cons
   return compared;
 }
 
+/// Whether two are the same bytes; both may be null.
+Result<bool> sameBytes(KeptBytes* a, KeptBytes* b) {
+  if (!a || !b || a->size() != b->size())
+    return !a && !b;
+  for (;;) {
+    VOLUTE_ASSIGN(const auto one, a->next());
+    VOLUTE_ASSIGN(const auto other, b->next());
+    if (!std::ranges::equal(one, other))
+      return false;
+    if (one.empty())
+      return true;
+  }
+}
+
+/// Of frames in the same positions.
+Result<bool> sameBytes(const VolumeGrids& first, std::size_t i, const VolumeGrids& second,
+                       std::size_t k, int frames) {
+  for (int frame = 0; frame < frames; ++frame) {
+    VOLUTE_ASSIGN(const auto a, first.keep(i, frame));
+    VOLUTE_ASSIGN(const auto b, second.keep(k, frame));
+    VOLUTE_ASSIGN(const bool same, sameBytes(a.get(), b.get()));
+    if (!same)
+      return false;
+  }
+  return true;
+}
+
 /// The grids that the request names.
 Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::string& a,
                                        const VolumeGrids& second, const std::string& b,
@@ -147,9 +174,23 @@ Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::stri
   all.caches = true;
   std::vector<Image> errors;
   VOLUTE_ASSIGN(const auto chosen, first.choose(request.fields, a));
+  std::vector<std::pair<std::size_t, std::size_t>> asBytes;
   for (const std::size_t i : chosen) {
+    VOLUTE_ASSIGN(const auto other, second.choose(first.grids()[i].name, b));
+    if (!first.grids()[i].kept.empty() || !second.grids()[other[0]].kept.empty()) {
+      asBytes.emplace_back(i, other[0]);
+      continue;
+    }
     VOLUTE_ASSIGN(auto one, compareGrid(first, i, a, second, b, request, reading, errors));
     all.grids.push_back(std::move(one));
+  }
+  if (all.grids.empty())
+    return fail(ErrorCode::kUnsupported, "{}: no grid that is compared holds a volume", a);
+  std::size_t frames = 0;  // empty grids have none
+  for (const GridComparison& grid : all.grids) frames = std::max(frames, grid.byFrame.size());
+  for (const auto& [i, k] : asBytes) {
+    VOLUTE_ASSIGN(const bool same, sameBytes(first, i, second, k, static_cast<int>(frames)));
+    all.kept.emplace_back(first.grids()[i].name, same);
   }
   for (const VolumeGrid& grid : second.grids()) {
     const bool known = std::ranges::any_of(
@@ -288,6 +329,14 @@ void addDetails(Report& report, const VolumeComparison& comparison) {
                              grid.byFrame.size() > 1 ? worstFrameText(grid) : "");
   }
   report.add("worst_grid", worst.name).add("grids", list, text);
+  auto kept = nlohmann::ordered_json::array();
+  std::string keptText;
+  for (const auto& [name, same] : comparison.kept) {
+    kept.push_back({{"name", name}, {"identical", same}});
+    keptText += fmt::format("\n  {:<16} {}", name, same ? "identical" : "differs");
+  }
+  if (!kept.empty())
+    report.add("kept", kept, keptText);
 }
 
 }  // namespace volute

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "volute/grid/compare.hpp"
@@ -45,6 +46,8 @@ struct GridComparison {
 
 struct VolumeComparison {
   std::vector<GridComparison> grids;  ///< one at least
+  /// Grids that one side or both hold as bytes, and whether all frames have the same.
+  std::vector<std::pair<std::string, bool>> kept{};
   bool caches = false;  ///< one side or both has several grids, and they were compared by name
   /// Of each grid the frame that differs most, its largest differences along y, seen from the
   /// front: x to the right, z up. Of caches side by side, each divided by its range.

@@ -11,6 +11,7 @@
 
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/codec/extract_source.hpp"
+#include "volute/codec/kept_grids.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/copy_frames.hpp"
 #include "volute/io/output_names.hpp"
@@ -28,6 +29,8 @@ struct ExtractedGrids {
   std::vector<GridTarget> targets;                           ///< what becomes of each
   std::vector<std::unique_ptr<FrameSource>> sources;         ///< of each; null: it is empty
   std::vector<std::shared_ptr<const VoluteReader>> readers;  ///< the same
+  std::vector<KeptTarget> kept;                              ///< grids that go out as their bytes
+  std::vector<std::string> keptNames;                        ///< of each of those
   FrameMetadata fileMetadata;
   std::vector<int> positions;  ///< of the frames in the file, ascending
 };
@@ -62,13 +65,67 @@ GridDescription descriptionOf(const VoluteGrid& grid, const Extraction& extracti
   return one;
 }
 
+/// Some frames of a volume.
+VolumeInfo framesAt(VolumeInfo info, const std::vector<int>& positions) {
+  std::vector<int> numbers;
+  std::vector<double> times;
+  for (const int position : positions) {
+    numbers.push_back(info.frameNumbers[static_cast<std::size_t>(position)]);
+    times.push_back(info.times[static_cast<std::size_t>(position)]);
+  }
+  info.frames = static_cast<int>(positions.size());
+  info.frameNumbers = std::move(numbers), info.times = std::move(times);
+  return info;
+}
+
+bool isKept(const VoluteReader& reader, const std::string& name) {
+  return std::ranges::find(reader.kept().grids, name, &KeptGrid::name) != reader.kept().grids.end();
+}
+
+/// One of the grids that a file keeps as bytes, between the coded ones called `names`.
+KeptTarget keptTarget(const std::shared_ptr<const VoluteReader>& main, const std::string& name,
+                      const std::vector<std::string>& names, const std::vector<int>& positions,
+                      bool partial, Reading& reading) {
+  const auto& kept = main->kept().grids;
+  const auto at = std::ranges::find(kept, name, &KeptGrid::name);
+  KeptTarget target;
+  for (std::size_t row = 0; row < std::min(at->place, main->grids().size()); ++row)
+    target.place += static_cast<std::size_t>(
+        std::ranges::count(names, main->grids()[row].info.name));
+  target.open = [main, grid = static_cast<std::size_t>(at - kept.begin()), positions, partial,
+                 &reading](int position) -> Result<std::unique_ptr<KeptBytes>> {
+    const int frame = positions[static_cast<std::size_t>(position)];
+    auto bytes = main->keptBytes(grid, frame);
+    // Only what is whole of a damaged file is given out.
+    for (auto tried = partial && bytes ? main->keptBytes(grid, frame) : nullptr; tried;) {
+      const auto part = tried->next();
+      if (!part) {
+        reading.progress.remark(fmt::format(
+            "{}; '{}' is left out of frame {}", part.error().message,
+            main->kept().grids[grid].name,
+            main->info().frameText(static_cast<std::size_t>(frame))));
+        return nullptr;
+      }
+      if (part->empty())
+        break;
+    }
+    return bytes;
+  };
+  return target;
+}
+
 /// Opens the grids called `names`.
 /// @param extraction  `region` is not used: whole grids are taken
-Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std::string>& names,
+Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std::string>& wanted,
                                  const Extraction& extraction, bool partial, Reading& reading) {
   ExtractedGrids all;
   all.positions = extraction.positions;
   VOLUTE_ASSIGN(const auto main, openVolute(path, partial, reading, false));
+  std::vector<std::string> names;
+  for (const std::string& name : wanted)
+    (isKept(*main, name) ? all.keptNames : names).push_back(name);
+  for (const std::string& name : all.keptNames)
+    all.kept.push_back(keptTarget(main, name, names, extraction.positions, partial, reading));
   all.fileMetadata = main->fileMetadata();
   if (!all.fileMetadata.listOf.empty())
     all.fileMetadata = all.fileMetadata.of(extraction.positions);
@@ -83,14 +140,7 @@ Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std:
     GridTarget& target = all.targets.emplace_back();
     target.description = descriptionOf(*grid, extraction);
     if (grid->empty) {
-      target.info = grid->info;
-      target.info.frames = static_cast<int>(extraction.positions.size());
-      target.info.frameNumbers.clear(), target.info.times.clear();
-      for (const int position : extraction.positions) {
-        target.info.frameNumbers.push_back(
-            grid->info.frameNumbers[static_cast<std::size_t>(position)]);
-        target.info.times.push_back(grid->info.times[static_cast<std::size_t>(position)]);
-      }
+      target.info = framesAt(grid->info, extraction.positions);
       all.sources.push_back(nullptr);
       all.readers.push_back(nullptr);
       continue;
@@ -293,7 +343,10 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
                         const VolumeInfo& frames) {
   VOLUTE_ASSIGN(const auto extraction, extractionOf(frames));
   VOLUTE_ASSIGN(auto grids, openGrids(path_, names, extraction, request_.partial, reading_));
-  const MakeSink make = [&] { return createCacheSink(target, grids.targets, grids.fileMetadata); };
+  const VolumeInfo numbers = framesAt(frames, grids.positions);
+  const MakeSink make = [&] {
+    return createCacheSink(target, grids.targets, grids.fileMetadata, grids.kept, &numbers);
+  };
   VOLUTE_TRY(extractFrames(grids.sources, grids.positions, make, reading_, team_));
   std::array<std::uint64_t, 2> counts{};
   std::size_t blocks = 0;
@@ -317,6 +370,10 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
         info.x == 0 ? std::string("empty")
                     : fmt::format("{} x {} x {}, {}{}", info.x, info.y, info.z,
                                   grid.description.type, grid.description.half ? " (half)" : ""));
+  }
+  for (const std::string& name : grids.keptNames) {
+    list.push_back({{"name", name}, {"kept", true}});
+    text += fmt::format("\n  {:<16} as it was", name);
   }
   Report report;
   report.add("output", target)
@@ -375,7 +432,28 @@ Status extractVolute(const std::string& path, const std::string& target,
   std::vector<std::string> names;
   for (const std::size_t i : chosen) names.push_back(grids->grids()[i].name);
   const bool each = namesEachGrid(target);
-  const bool described = main->grids().size() > 1 || main->grid().description.has_value();
+  const bool described = main->grids().size() > 1 || main->grid().description.has_value() ||
+                         !main->kept().grids.empty();
+  // Only .vdb files take what is no volume.
+  if (extensionOf(target) != ".vdb" || request.region || request.level > 0) {
+    std::vector<std::string> kept;
+    for (const std::string& name : names) {
+      if (isKept(*main, name))
+        kept.push_back(name);
+    }
+    std::erase_if(names, [&](const std::string& name) { return isKept(*main, name); });
+    if (!kept.empty() && (names.empty() || !request.fields.empty())) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: '{}' holds no volume; expected .vdb files, of whole grids at full "
+                  "resolution",
+                  target, fmt::join(kept, "', '"));
+    }
+    if (!kept.empty()) {
+      reading.progress.remark(
+          fmt::format("{}: left out, as only whole .vdb files hold them: '{}'", path,
+                      fmt::join(kept, "', '")));
+    }
+  }
   if (request.region && names.size() > 1) {
     return fail(ErrorCode::kInvalidArgument,
                 "--region is for one grid, as each has voxels of its own; {} has {}: choose one "
@@ -403,6 +481,8 @@ Status extractVolute(const std::string& path, const std::string& target,
   }
   for (const std::size_t i : chosen) {
     const std::string& name = grids->grids()[i].name;
+    if (std::ranges::find(names, name) == names.end())
+      continue;
     if (grids->grids()[i].empty && names.size() > 1) {
       reading.progress.remark(fmt::format("{}: '{}' is empty and is left out", path, name));
       continue;

@@ -3,7 +3,9 @@
 #include "volute/media/volume/volume_grids.hpp"
 
 #include <algorithm>
+#include <limits>
 
+#include "volute/codec/kept_grids.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/grid_cache.hpp"
 #include "volute/io/grid_choice.hpp"
@@ -14,14 +16,20 @@ namespace {
 class VdbGrids final : public VolumeGrids {
  public:
   explicit VdbGrids(GridCache cache) : cache_(std::move(cache)) {
-    for (const CacheGrid& grid : cache_.grids())
-      grids_.push_back({grid.name, grid.description, grid.empty});
-    leftOut_ = cache_.leftOut();
+    for (const CacheGrid& grid : cache_.grids()) {
+      const bool volume = grid.problem.empty();
+      grids_.push_back({grid.name, volume ? std::optional(grid.description) : std::nullopt,
+                        grid.empty, grid.type, grid.problem});
+    }
     fileMetadata_ = cache_.fileMetadata();
   }
 
   Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const override {
     return cache_.source(grid);
+  }
+
+  Result<std::unique_ptr<KeptBytes>> keep(std::size_t grid, int frame) const override {
+    return cache_.keep(grid, static_cast<std::size_t>(frame));
   }
 
  private:
@@ -30,11 +38,22 @@ class VdbGrids final : public VolumeGrids {
 
 class VoluteGrids final : public VolumeGrids {
  public:
-  VoluteGrids(std::string path, VoluteReader::Options options, const VoluteReader& reader)
-      : path_(std::move(path)), options_(std::move(options)) {
-    for (const VoluteGrid& grid : reader.grids())
+  VoluteGrids(std::string path, VoluteReader::Options options,
+              std::shared_ptr<const VoluteReader> reader)
+      : path_(std::move(path)), options_(std::move(options)), reader_(std::move(reader)) {
+    const auto& kept = reader_->kept().grids;
+    std::size_t k = 0;
+    const auto addKept = [&](std::size_t before) {
+      for (; k < kept.size() && kept[k].place <= before; ++k)
+        grids_.push_back({kept[k].name, {}, false, kept[k].type, "of type " + kept[k].type});
+    };
+    for (std::size_t i = 0; i < reader_->grids().size(); ++i) {
+      addKept(i);
+      const VoluteGrid& grid = reader_->grids()[i];
       grids_.push_back({grid.info.name, grid.description, grid.empty});
-    fileMetadata_ = reader.fileMetadata();
+    }
+    addKept(std::numeric_limits<std::size_t>::max());
+    fileMetadata_ = reader_->fileMetadata();
   }
 
   Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const override {
@@ -44,9 +63,18 @@ class VoluteGrids final : public VolumeGrids {
     return frameSource(std::make_shared<const VoluteReader>(std::move(reader)));
   }
 
+  Result<std::unique_ptr<KeptBytes>> keep(std::size_t grid, int frame) const override {
+    const auto& kept = reader_->kept().grids;
+    const auto at = std::ranges::find(kept, grids_[grid].name, &KeptGrid::name);
+    if (at == kept.end())
+      return VolumeGrids::keep(grid, frame);
+    return reader_->keptBytes(static_cast<std::size_t>(at - kept.begin()), frame);
+  }
+
  private:
   std::string path_;
   VoluteReader::Options options_;
+  std::shared_ptr<const VoluteReader> reader_;
 };
 
 }  // namespace
@@ -64,7 +92,7 @@ Result<std::unique_ptr<VolumeGrids>> VolumeGrids::open(const std::string& path,
   if (isVolutePath(path)) {
     VOLUTE_ASSIGN(const auto reader, openVolute(path, options.partial, reading, options.verify));
     return std::make_unique<VoluteGrids>(
-        path, VoluteReader::Options{options.partial, reading.maxMemory, {}}, *reader);
+        path, VoluteReader::Options{options.partial, reading.maxMemory, {}}, reader);
   }
   SourceOptions source;
   source.bounds = options.bounds;
@@ -89,9 +117,10 @@ Result<std::vector<std::size_t>> VolumeGrids::choose(const std::string& list,
   std::vector<GridEntry> entries;
   for (const VolumeGrid& grid : grids_)
     entries.push_back({grid.name,
-                       grid.empty         ? "empty"
-                       : grid.description ? grid.description->type
-                                          : "float",
+                       grid.empty           ? "empty"
+                       : grid.description   ? grid.description->type
+                       : grid.type.empty() ? "float"
+                                            : grid.type,
                        true});
   std::vector<std::size_t> chosen;
   if (list.empty()) {

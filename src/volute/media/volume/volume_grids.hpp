@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "volute/grid/grid_description.hpp"
+#include "volute/grid/kept_bytes.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
 namespace volute {
@@ -17,6 +18,9 @@ struct VolumeGrid {
   std::string name;
   std::optional<GridDescription> description{};
   bool empty = false;  ///< in all frames
+  std::string type{};  ///< of a value, where there is no description
+  /// Why it is no volume and is kept as bytes, "of type int32"; empty: it is one.
+  std::string kept{};
 };
 
 /// All grids of a cache: .vdb files or a .volute.
@@ -33,14 +37,19 @@ class VolumeGrids {
 
   const std::vector<VolumeGrid>& grids() const { return grids_; }
 
-  /// Those that cannot be read as volumes: "'ids' (of type int32)".
-  const std::vector<std::string>& leftOut() const { return leftOut_; }
-
   /// What the files say of themselves.
   const FrameMetadata& fileMetadata() const { return fileMetadata_; }
 
-  /// The frames of one that is not empty.
+  /// The frames of a volume that is not empty.
   [[nodiscard]] virtual Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const = 0;
+
+  /// A grid of a frame as its bytes, good until the next call; null where the frame has none. Of a
+  /// .volute only those that it keeps so.
+  /// @param frame  its position
+  [[nodiscard]] virtual Result<std::unique_ptr<KeptBytes>> keep(std::size_t grid, int frame) const {
+    (void)frame;
+    return fail(ErrorCode::kUnsupported, "grid '{}' is not there as bytes", grids_[grid].name);
+  }
 
   /// Positions of the grids in a list "density,flame"; all of them where it is empty. A wrong name
   /// is an error that names those that there are.
@@ -49,7 +58,6 @@ class VolumeGrids {
 
  protected:
   std::vector<VolumeGrid> grids_;
-  std::vector<std::string> leftOut_;
   FrameMetadata fileMetadata_;
 };
 

@@ -183,7 +183,7 @@ class Grids {
     if (unclear() && VolumeGrids::mayBe(path)) {
       if (const auto cache = VolumeGrids::open(path, input, silent)) {
         for (const VolumeGrid& grid : (*cache)->grids()) {
-          if (!grid.empty)
+          if (!grid.empty && grid.kept.empty())
             there.push_back(grid.name);
         }
       }

@@ -9,6 +9,8 @@
 #include "volute/grid/bricks.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/lattice_source.hpp"
+#include "volute/codec/kept_grids.hpp"
+#include "volute/media/volume/compression_report.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
 namespace volute {
@@ -215,6 +217,7 @@ Result<Integrity> verifyGrids(const std::string& path, const VoluteReader& main,
     if (all.firstFault.empty() && !one.firstFault.empty())
       all.firstFault = fmt::format("grid '{}': {}", grid.info.name, one.firstFault);
   }
+  main.verifyKept(all);
   return all;
 }
 
@@ -234,6 +237,13 @@ Result<FileDescription> describeVolute(const std::string& path, const DescribeRe
             several ? reader.grid().bytes : std::max(bytes, integrity.expectedBytes));
   if (several || reader.grid().description)
     addVoluteGrids(report, reader);
+  std::vector<KeptResult> kept;
+  for (std::size_t i = 0; i < reader.kept().grids.size(); ++i) {
+    const KeptGrid& grid = reader.kept().grids[i];
+    kept.push_back({grid.name, grid.type, reader.kept().storedBytes(i)});
+  }
+  if (!kept.empty())
+    addKept(report, kept);
   if (request.blocks)
     addBlocks(report, reader);
   return FileDescription{std::move(report), !integrity.complete()};
