@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Caches of several grids through the program and back: tests/data/cache.volute has six of three frames, one of them empty and one not there at first."""
+import math
 import os
 import pathlib
 import shutil
@@ -9,6 +10,7 @@ import subprocess
 import unittest
 
 import support
+from pictures import read_exr
 from support import read_npy, volute, write_npy
 
 CACHE = pathlib.Path(__file__).parents[1] / "data" / "cache.volute"
@@ -111,7 +113,10 @@ class EveryType(support.TestCase):
         self.assertIn("left out, as they hold no volume: 'id' (of type int32)", dropped.message)
         self.assertNotIn("kept", dropped.json)
         self.assertIn("no grid can be compressed", self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--field", "id,mask"))
-        self.assertIn("'holes'", self.fails(1, "compress", folder, "-o", self.path("z.volute")))
+        text = self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--fast")
+        self.assertIn("grid 'holes', frame 1: the value at index (0, 5, 8), which is (0, 5, 8) m, is not a number", text)
+        said = self.works("compress", folder, "-o", self.path("z.volute"), "--field", "holes", "--not-finite", "background", "--json").json
+        self.assertGreater(said["bytes"], 0)
 
     def test_damage_of_what_is_kept(self):
         folder = self.make()
@@ -123,6 +128,82 @@ class EveryType(support.TestCase):
         self.assertIn("a kept grid is damaged", self.fails(1, "extract", self.path("x.volute"), "-o", self.path("x_%04d.vdb")))
         said = self.works("extract", self.path("x.volute"), "-o", self.path("x_%04d.vdb"), "--partial")
         self.assertIn("'id' is left out of frame 3", said.message)
+
+
+@unittest.skipUnless("VDB_MAKER" in os.environ, "this build has no OpenVDB")
+class Places(support.TestCase):
+    """A block of 10^3 voxels of 1 whose grid is turned, sheared, mirrored, or moves: nothing of it is resampled."""
+
+    def setUp(self):
+        super().setUp()
+        self.blocks = self.path("blocks")
+        self.blocks.mkdir()
+        subprocess.run([os.environ["VDB_MAKER"], "place", str(self.blocks)], check=True)
+
+    def depth(self, file, x, y, *more):
+        """Along z through the world's (x, y)."""
+        self.works("render", file, "-o", self.path("d.exr"), "--aov", "optical-depth", "--eye", f"{x},{y},9", "--target", f"{x},{y},0",
+                   "--up", "0,1,0", "--ortho", "0.001", "--size", "3x3", "--renderer", "cpu", *more)
+        return read_exr(self.path("d.exr")).at(1, 1)
+
+    def place(self, i, j, shear):
+        """Of an index of the turned blocks, in the world."""
+        x, y, cos, sin = 0.1 * i + shear * j, 0.2 * j, math.cos(math.pi / 6), math.sin(math.pi / 6)
+        return 3 + x * cos - y * sin, 2 + x * sin + y * cos
+
+    def test_depth_is_where_the_matrix_says(self):
+        at = self.place
+        for name, shear in (("turned", 0), ("skewed", 0.04)):
+            file = self.blocks / f"{name}.vdb"
+            self.works("compress", file, "-o", self.path("x.volute"), "--max-error", "1e-6")
+            for source in (file, self.path("x.volute")):
+                for i, j, inside in ((5, 5, True), (0, 0, True), (9, 9, True), (9.6, 5, False), (5, -0.6, False), (-0.6, 9, False)):
+                    depth = self.depth(source, *at(i, j, shear))
+                    self.assertAlmostEqual(depth, 1 if inside else 0, delta=1e-6, msg=(name, source, i, j))
+        self.assertAlmostEqual(self.depth(self.blocks / "mirrored.vdb", 0.5, 0.5), 1, delta=1e-6)
+        self.assertEqual(self.depth(self.blocks / "mirrored.vdb", 1.1, 0.5), 0)
+
+    def test_what_moves_between_frames(self):
+        pattern = self.blocks / "moving_%04d.vdb"
+        self.works("compress", pattern, "-o", self.path("x.volute"), "--max-error", "1e-6")
+        for source in (pattern, self.path("x.volute")):
+            for frame, (low, high), deep in ((0, (-0.03, 0.97), 1), (1, (-0.01, 0.99), 1), (2, (-0.04, 1.96), 2)):
+                time = ("--time", str(frame / 25))
+                self.assertAlmostEqual(self.depth(source, low + 0.002, 0.5, *time), deep, delta=1e-6, msg=(source, frame))
+                self.assertAlmostEqual(self.depth(source, high - 0.002, 0.5, *time), deep, delta=1e-6)
+                self.assertEqual(self.depth(source, low - 0.002, 0.5, *time), 0)
+                self.assertEqual(self.depth(source, high + 0.002, 0.5, *time), 0)
+
+    def test_there_and_back(self):
+        for name in ("turned", "skewed", "mirrored", "moving_0001", "moving_0003"):
+            pattern = self.blocks / ("moving_%04d.vdb" if name.startswith("moving") else f"{name}.vdb")
+            self.works("compress", pattern, "-o", self.path("x.volute"), "--max-error", "1e-4")
+            self.works("compress", self.path("x.volute"), "-o", self.path("y.volute"), "--max-error", "1e-4", "--field", "density")
+            back = self.path("back")
+            back.mkdir(exist_ok=True)
+            self.works("extract", self.path("y.volute"), "-o", back / ("moving_%04d.vdb" if name.startswith("moving") else f"{name}.vdb"))
+            done = subprocess.run([os.environ["VDB_MAKER"], "compare", str(self.blocks / f"{name}.vdb"), str(back / f"{name}.vdb"), "1e-3"],
+                                  capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stdout)
+            self.works("compare", pattern, self.path("x.volute"))
+        self.assertIn("cannot say", self.fails(1, "extract", self.path("x.volute"), "-o", self.path("x_%04d.vti")))
+        self.assertIn("cannot say", self.fails(1, "extract", self.path("x.volute"), "-o", self.path("x_%04d.vdb"), "--level", "1"))
+
+    def test_words(self):
+        said = self.works("info", self.blocks / "turned.vdb", "--json").json
+        self.assertEqual(len(said["matrix"]), 12)
+        self.assertAlmostEqual(said["matrix"][0], math.cos(math.pi / 6))
+        self.assertIn("otherwise in other frames", self.works("info", self.blocks / "moving_%04d.vdb").text)
+        self.assertIn("makes it flat", self.works("info", self.blocks / "flat.vdb", "--json").json["grids"][0]["problem"])
+        for verb in (("compress", "-o", self.path("x.volute")), ("render", "-o", self.path("x.png"))):
+            text = self.fails(1, verb[0], self.blocks / "flat.vdb", *verb[1:])
+            self.assertIn("flat.vdb, grid 'density': the grid's matrix is not finite, or makes it flat", text)
+        self.assertIn("so that no voxel of one is one of the other", self.fails(1, "compare", self.blocks / "turned.vdb", self.blocks / "skewed.vdb"))
+        self.assertIn("light in such a grid is not computed", self.fails(1, "render", self.blocks / "skewed.vdb", "-o", self.path("x.png"),
+                                                                         "--preset", "smoke", "--renderer", "cpu"))
+        self.works("render", self.blocks / "turned.vdb", "-o", self.path("x.png"), "--preset", "smoke", "--renderer", "cpu", "--size", "32x32")
+        self.assertIn("bounds along the axes do not crop it", self.fails(1, "compress", self.blocks / "turned.vdb", "-o", self.path("x.volute"),
+                                                                         "--bounds=0,0,0,1,1,1"))
 
 
 class Grids(support.TestCase):

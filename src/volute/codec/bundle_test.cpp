@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "volute/base/parallel.hpp"
@@ -105,6 +106,138 @@ TEST(Bundle, EachGridIsWhatItIsAlone) {
   const auto source = frameSource(
       std::make_shared<VoluteReader>(*VoluteReader::open(cache.file.path(), options("velocity"))));
   EXPECT_EQ(source->otherGrids(), (std::vector<std::string>{"temperature", "flame", "density"}));
+}
+
+/// So many bytes that follow from a seed, in parts.
+class MadeBytes final : public KeptBytes {
+ public:
+  MadeBytes(std::size_t size, unsigned seed) : bytes_(size) {
+    for (std::size_t i = 0; i < size; ++i)
+      bytes_[i] = static_cast<std::byte>((i * i + seed) >> (i % 7));
+  }
+
+  std::uint64_t size() const override { return bytes_.size(); }
+
+  Result<std::span<const std::byte>> next() override {
+    const std::size_t count = std::min(kPart, bytes_.size() - done_);
+    done_ += count;
+    return std::span<const std::byte>(bytes_).subspan(done_ - count, count);
+  }
+
+  const std::vector<std::byte>& all() const { return bytes_; }
+
+ private:
+  std::vector<std::byte> bytes_;
+  std::size_t done_ = 0;
+};
+
+/// The cache with two grids that are kept as bytes: one the same in two frames, one of two parts.
+void keepTwo(const Cache& cache, const std::filesystem::path& target) {
+  Progress quiet;
+  auto store = KeptStore::create(target);
+  ASSERT_TRUE(store);
+  store->begin({"id", "int32", 1});
+  for (const unsigned seed : {1u, 1u, 2u}) {
+    MadeBytes bytes(1000, seed);
+    ASSERT_TRUE(store->add(&bytes));
+  }
+  store->begin({"points", "ptdataidx32", 4});
+  MadeBytes large(KeptBytes::kPart + 77, 3);
+  ASSERT_TRUE(store->add(nullptr));
+  ASSERT_TRUE(store->add(&large));
+  ASSERT_TRUE(store->add(nullptr));
+  EXPECT_EQ(store->table().pieceBytes.size(), 3u);
+  ASSERT_TRUE(bundle(cache.grids, cache.fileMetadata, target, quiet, &*store));
+}
+
+std::vector<std::byte> allOf(KeptBytes& bytes) {
+  std::vector<std::byte> all;
+  for (;;) {
+    const auto part = bytes.next();
+    EXPECT_TRUE(part);
+    if (!part || part->empty())
+      return all;
+    all.insert(all.end(), part->begin(), part->end());
+  }
+}
+
+TEST(Bundle, GridsAreKeptAsBytes) {
+  const Cache cache;
+  const ScratchFile file;
+  keepTwo(cache, file.path());
+  const auto reader = VoluteReader::open(file.path(), options("velocity"));
+  ASSERT_TRUE(reader) << reader.error().message;
+  const auto& kept = reader->kept();
+  ASSERT_EQ(kept.grids.size(), 2u);
+  EXPECT_EQ(kept.grids[0], (KeptGrid{"id", "int32", 1, {0, 0, 1}}));
+  EXPECT_EQ(kept.grids[1], (KeptGrid{"points", "ptdataidx32", 4, {-1, 2, -1}}));
+  EXPECT_EQ(kept.parts.size(), 4u);
+  EXPECT_EQ(allOf(*reader->keptBytes(0, 1)), MadeBytes(1000, 1).all());
+  EXPECT_EQ(allOf(*reader->keptBytes(0, 2)), MadeBytes(1000, 2).all());
+  EXPECT_EQ(allOf(*reader->keptBytes(1, 1)), MadeBytes(KeptBytes::kPart + 77, 3).all());
+  EXPECT_EQ(reader->keptBytes(1, 0), nullptr);
+  Integrity integrity = reader->verify();
+  reader->verifyKept(integrity);
+  EXPECT_TRUE(integrity.complete()) << integrity.firstFault;
+  EXPECT_EQ(testing::readBack(file.path(), options("velocity"))->values, cache.alone[2].values);
+  // A bit of a kept grid.
+  auto bytes = readBytes(file.path());
+  bytes[bytes.size() - 40] ^= 1;
+  writeBytes(file.path(), bytes);
+  const auto damaged = VoluteReader::open(file.path(), options("velocity"));
+  ASSERT_TRUE(damaged);
+  EXPECT_TRUE(damaged->verify().complete());
+  damaged->verifyKept(integrity);
+  EXPECT_FALSE(integrity.complete());
+  const auto piece = damaged->keptBytes(1, 1);
+  EXPECT_TRUE(piece->next());
+  EXPECT_FALSE(piece->next());
+}
+
+TEST(Bundle, TablesOfKeptGridsAreCheckedWhateverTheySay) {
+  KeptTable table;
+  table.grids = {{"id", "int32", 1, {0, 0, 1}}, {"points", "", 4, {-1, 1, -1}}};
+  table.pieceBytes = {1000, KeptBytes::kPart + 1};
+  table.parts = {{0, 10, 1}, {0, 20, 2}, {0, 30, 3}};
+  const auto content = writeKeptTable(table);
+  const auto back = readKeptTable(content);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->grids, table.grids);
+  EXPECT_EQ(back->storedBytes(), 60u);
+  EXPECT_EQ(back->storedBytes(0), 60u);
+  EXPECT_EQ(back->storedBytes(1), 50u);
+  for (std::size_t size = 0; size < content.size(); ++size)
+    EXPECT_FALSE(readKeptTable(std::span(content).first(size))) << size;
+  for (std::size_t bit = 0; bit < 8 * content.size(); ++bit) {
+    auto other = content;
+    other[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
+    const auto read = readKeptTable(other);
+    for (std::size_t i = 0; read && i < read->grids.size(); ++i) {
+      for (const int piece : read->grids[i].pieces) {
+        EXPECT_LT(piece, static_cast<int>(read->pieceBytes.size()));
+        EXPECT_TRUE(piece < 0 || read->partsOf(piece).second <= read->parts.size());
+      }
+    }
+  }
+}
+
+TEST(Bundle, MatricesOfFramesComeBack) {
+  const Cache cache;
+  const ScratchFile file;
+  Progress quiet;
+  auto grids = cache.grids;
+  GridDescription& grid = *grids[3].description;
+  grid.shifts.clear();
+  for (int i = 0; i < 3; ++i)
+    grid.matrices.push_back({0, -.5, .1, i + .2, .5, 0, 0, 1, 0, 0, .25, -3});
+  ASSERT_TRUE(bundle(grids, {}, file.path(), quiet));
+  const auto reader = VoluteReader::open(file.path(), options("velocity"));
+  ASSERT_TRUE(reader) << reader.error().message;
+  EXPECT_EQ(reader->grid().description, grid);
+  EXPECT_EQ(reader->grid().description->places().size(), 3u);
+  EXPECT_EQ(grid.of({2}).matrices, std::vector{grid.matrices[2]});
+  grid.matrices[1][0] = NAN;
+  EXPECT_FALSE(bundle(grids, {}, file.path(), quiet)) << "it is read back";
 }
 
 TEST(Bundle, WhatIsNotThereOrEmptyIsSaid) {

@@ -269,8 +269,8 @@ Result<AllChunks> readChunks(std::span<const std::byte> bytes, const std::string
                                         : name == "PART" ? grid.parts
                                                          : grid.index;
     const bool late = table ? !all.grids.empty() : all.grids.empty();
-    if ((flags != 0 && !((table || kept) && flags == kSkippable)) || !place.empty() || payload.empty() ||
-        late) {
+    if ((flags != 0 && !((table || kept) && flags == kSkippable)) || !place.empty() ||
+        payload.empty() || late) {
       return fail(ErrorCode::kInvalidData, "{}: the chunk at byte {} is impossible there", path,
                   at);
     }
@@ -590,7 +590,7 @@ Status checkFrames(const FileHead& head, const std::string& path) {
   for (const VoluteGrid& grid : head.grids) {
     if (grid.description)
       sound = sound && fits(grid.description->metadata.listOf.size()) &&
-              fits(grid.description->shifts.size());
+              fits(grid.description->shifts.size()) && fits(grid.description->matrices.size());
   }
   if (sound)
     return {};
@@ -838,7 +838,8 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
     std::uint64_t end = pagesBegin + head.pages.bytes();
     for (const IndexPage& page : head.pages.pages)
       end = std::accumulate(page.sizes.begin(), page.sizes.end(), end);
-    if (ownPages ? *ownPages != head.pages.bytes() : end != head.fileBytes - head.kept.storedBytes()) {
+    if (ownPages ? *ownPages != head.pages.bytes()
+                 : end != head.fileBytes - head.kept.storedBytes()) {
       return fail(ErrorCode::kInvalidData, "{}: the index does not account for the file's {} bytes",
                   path, head.fileBytes);
     }

@@ -83,6 +83,11 @@ void writeDescription(ByteWriter& out, const GridDescription& grid) {
   writeMetadata(out, grid.metadata);
   out.varint(grid.shifts.size());
   for (const auto& shift : grid.shifts) writeIndex(out, shift);
+  if (grid.matrices.empty())
+    return;
+  out.varint(grid.matrices.size());
+  for (const GridMatrix& matrix : grid.matrices)
+    for (const double number : matrix) out.f64(number);
 }
 
 bool readDescription(ByteReader& in, GridDescription& grid) {
@@ -110,7 +115,19 @@ bool readDescription(ByteReader& in, GridDescription& grid) {
     if (!readIndex(in, grid.shifts.emplace_back()))
       return false;
   }
-  return in.ok();
+  if (!in.ok() || in.remaining() == 0)
+    return in.ok();
+  const std::uint64_t matrices = in.varint();
+  if (!in.ok() || matrices > in.remaining() / sizeof(GridMatrix) || (matrices > 0 && shifts > 0))
+    return false;
+  for (std::uint64_t i = 0; i < matrices; ++i) {
+    GridMatrix& matrix = grid.matrices.emplace_back();
+    for (double& number : matrix) number = in.f64();
+    if (!isSound(matrix))
+      return false;
+  }
+  const auto sized = [](double size) { return size > 0; };
+  return in.ok() && (matrices == 0 || std::ranges::all_of(grid.voxelSize, sized));
 }
 
 bool readRow(ByteReader& in, bool paged, GridRow& row) {

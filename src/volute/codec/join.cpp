@@ -533,6 +533,7 @@ class GridJoin {
     bool placed = false;
     FrameMetadata metadata;
     std::vector<GridDescription::Index> shifts;
+    std::vector<GridMatrix> matrices;
     for (const Part& file : files_) {
       const VoluteGrid* const there = gridIn(file, grid.name);
       const GridDescription* const one =
@@ -559,7 +560,15 @@ class GridJoin {
               from->name(), file.name(), grid.name, all->type, all->gridClass, one->type,
               one->gridClass);
         }
-        for (std::size_t axis = 0; axis < 3 && all->voxelSize[axis] > 0; ++axis) {
+        const bool turned = !one->matrices.empty() || !all->matrices.empty();
+        if (turned && (one->matrices.empty() || all->matrices.empty() ||
+                       one->voxelSize != all->voxelSize || one->origin != all->origin)) {
+          return fail(ErrorCode::kInvalidData,
+                      "{} and {} do not fit together: grid '{}' is turned or moves, and does not "
+                      "begin at one place in both; compress all frames together",
+                      from->name(), file.name(), grid.name);
+        }
+        for (std::size_t axis = 0; axis < 3 && all->voxelSize[axis] > 0 && !turned; ++axis) {
           apart[axis] =
               std::llround((one->origin[axis] - all->origin[axis]) / all->voxelSize[axis]);
         }
@@ -576,7 +585,18 @@ class GridJoin {
         for (std::size_t axis = 0; one && !one->shifts.empty() && axis < 3; ++axis)
           shift[axis] += one->shifts[static_cast<std::size_t>(i)][axis];
         shifts.push_back(shift);
+        matrices.push_back(one && !one->matrices.empty()
+                               ? one->matrices[static_cast<std::size_t>(i)]
+                               : GridMatrix{});
       }
+    }
+    if (all && !all->matrices.empty()) {
+      // Frames without the grid lie where any other does.
+      for (GridMatrix& matrix : matrices) {
+        if (!isSound(matrix))
+          matrix = all->matrices.front();
+      }
+      all->matrices = std::move(matrices);
     }
     if (!all)
       return all;

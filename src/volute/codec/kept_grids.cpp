@@ -73,7 +73,7 @@ std::vector<std::byte> writeKeptTable(const KeptTable& table) {
 
 Result<KeptTable> readKeptTable(std::span<const std::byte> content) {
   constexpr std::size_t kPartEntry = 1 + 4;
-  constexpr std::uint64_t kMostPacked = KeptBytes::kPart + 1;
+  constexpr std::uint64_t kMaxPacked = KeptBytes::kPart + 1;
   const auto malformed = [](std::string_view what) {
     return fail(ErrorCode::kInvalidData, "the table of kept grids is malformed: {}", what);
   };
@@ -108,7 +108,7 @@ Result<KeptTable> readKeptTable(std::span<const std::byte> content) {
   for (std::uint64_t i = 0; i < parts; ++i) {
     const std::uint64_t size = in.varint();
     const std::uint32_t crc = in.u32();
-    if (!in.ok() || size == 0 || size > kMostPacked)
+    if (!in.ok() || size == 0 || size > kMaxPacked)
       return malformed("the size of a part");
     table.parts.push_back({0, static_cast<std::uint32_t>(size), crc});
   }

@@ -71,6 +71,7 @@ class KeptStore {
 
  private:
   explicit KeptStore(Spool spool) : spool_(std::move(spool)) {}
+
   Result<bool> equals(int piece, std::size_t first, std::uint64_t offset, std::uint64_t bytes);
 
   Spool spool_;

@@ -508,6 +508,7 @@ std::unique_ptr<KeptBytes> VoluteReader::keptBytes(std::size_t grid, int frame) 
     std::uint64_t left_, size_ = 0;
     std::vector<std::byte> content_;
   };
+
   const int piece = kept().grids[grid].pieces[static_cast<std::size_t>(frame)];
   return piece < 0 ? nullptr : std::make_unique<Piece>(*impl_, piece);
 }

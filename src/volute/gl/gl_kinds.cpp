@@ -92,6 +92,8 @@ Status drawable(const MediumAt&) {
 Status drawable(const VolumeAt& volume) {
   if (volume.info().basis == Basis::kCubic)
     return fail(ErrorCode::kUnsupported, "a volume over the cubic basis");
+  if (shears(volume.placement()))
+    return fail(ErrorCode::kUnsupported, "a sheared volume");
   return {};
 }
 

@@ -37,11 +37,20 @@ FrameMetadata FrameMetadata::of(const std::vector<int>& positions) const {
   return some;
 }
 
+std::vector<GridMatrix> GridDescription::places() const {
+  std::vector<GridMatrix> all;
+  for (const GridMatrix& matrix : matrices) all.push_back(placeIn(matrix, {voxelSize, origin}));
+  return all;
+}
+
 GridDescription GridDescription::of(const std::vector<int>& positions) const {
   GridDescription some = *this;
   some.metadata = metadata.of(positions);
   some.shifts.clear();
+  some.matrices.clear();
   for (const int position : positions) {
+    if (!matrices.empty())
+      some.matrices.push_back(matrices[static_cast<std::size_t>(position)]);
     if (!shifts.empty())
       some.shifts.push_back(shifts[static_cast<std::size_t>(position)]);
   }

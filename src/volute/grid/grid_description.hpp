@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "volute/grid/grid_matrix.hpp"
+
 namespace volute {
 
 /// One entry of what a file of another program says of itself or of a grid.
@@ -56,6 +58,13 @@ struct GridDescription {
   FrameMetadata metadata{};            ///< a frame that has none does not have the grid
   /// How far the origin of each frame lies from that of the first [voxels]; empty: nowhere.
   std::vector<Index> shifts{};
+  /// From index to world [m] in each frame, where that is not along the axes or no such shift.
+  /// `voxelSize` and `origin` are then those of the first frame in a space of the grid's own, in
+  /// which all frames have them, and there are no shifts. Else empty.
+  std::vector<GridMatrix> matrices{};
+
+  /// From that space to the world, in each frame; empty where there are no matrices.
+  std::vector<GridMatrix> places() const;
 
   /// The same of some frames, by their positions.
   GridDescription of(const std::vector<int>& positions) const;

@@ -105,6 +105,7 @@ Status GridCache::collect(const std::vector<LatticeCache>& files) {
     VOLUTE_ASSIGN(auto places, latticePlaces(files_, known.frames));
     grid.empty = places.box.empty();
     description.begin = places.box.begin;
+    description.matrices = std::move(places.matrices);
     if (std::ranges::any_of(places.shifts, [](const auto& shift) {
           return shift != std::array<std::int64_t, 3>{};
         }))

@@ -50,7 +50,7 @@ class GridCache {
   std::vector<LatticeFile> files_;
   SourceOptions options_;
   std::vector<CacheGrid> grids_;
-  std::vector<KnownGrid> known_;  ///< of each grid
+  std::vector<KnownGrid> known_;              ///< of each grid
   mutable std::unique_ptr<KeptReader> kept_;  ///< made when first used
   FrameMetadata fileMetadata_;
 };

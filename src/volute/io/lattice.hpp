@@ -14,6 +14,7 @@
 #include "volute/base/result.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/grid_description.hpp"
+#include "volute/grid/grid_matrix.hpp"
 #include "volute/grid/index_box.hpp"
 #include "volute/grid/kept_bytes.hpp"
 #include "volute/grid/volume_info.hpp"
@@ -29,8 +30,12 @@ struct LatticeFrame {
   char others[kMaxName + 1] = {};  ///< the names of grids that were not chosen, as people read them
   int channels = 1;                ///< 1 or 3
   IndexBox box;                    ///< where the file has values; may be empty
-  std::array<double, 3> voxelSize{};                       ///< [m]
-  std::array<double, 3> origin{};                          ///< centre of the voxel with index 0 [m]
+  std::array<double, 3> voxelSize{};  ///< [m]
+  std::array<double, 3> origin{};     ///< centre of the voxel with index 0 [m]
+  /// It is turned, mirrored or sheared: `matrix` is from index to world, and the two above are in a
+  /// space of its own, spaceOf() that.
+  bool turned = false;
+  GridMatrix matrix{};
   double time = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN when not stated
   bool levelSet = false;
   char up = 0;               ///< the axis that points upwards for what wrote the file; 0: unknown
@@ -106,8 +111,8 @@ class LatticeReader {
     return fail(ErrorCode::kUnsupported, "{}: a format without caches", file.string());
   }
 
-  /// The grid at a position in describeAll() as a whole file of its own, whose bytes a LatticeWriter
-  /// takes as they are. kTooLarge where it takes more than `limit` bytes.
+  /// The grid at a position in describeAll() as a whole file of its own, whose bytes a
+  /// LatticeWriter takes as they are. kTooLarge where it takes more than `limit` bytes.
   [[nodiscard]] virtual Result<std::string> keep(const std::filesystem::path& file,
                                                  std::size_t grid, std::uint64_t limit) {
     (void)grid, (void)limit;

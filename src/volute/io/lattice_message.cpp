@@ -61,6 +61,7 @@ Status checkFrame(LatticeFrame& frame, const std::string& file) {
   frame.grid[LatticeFrame::kMaxName] = '\0';
   frame.others[LatticeFrame::kMaxName] = '\0';
   settleFlag(frame.bricks);
+  settleFlag(frame.turned);
   bool sound = frame.channels == 1 || frame.channels == 3;
   for (int axis = 0; axis < 3; ++axis) {
     sound = sound && std::isfinite(frame.origin[axis]) && std::isfinite(frame.voxelSize[axis]) &&
@@ -68,7 +69,7 @@ Status checkFrame(LatticeFrame& frame, const std::string& file) {
     for (const std::int64_t index : {frame.box.begin[axis], frame.box.end[axis]})
       sound = sound && index > -kFarthest && index < kFarthest;
   }
-  if (sound)
+  if (sound && (!frame.turned || isSound(frame.matrix)))
     return {};
   return fail(ErrorCode::kInvalidData, "{}: its reader describes a grid that cannot be", file);
 }

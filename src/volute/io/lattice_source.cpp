@@ -28,8 +28,8 @@ struct Request {
   bool fetch = false;   ///< what the last one of `cache` and `keep` made, from byte `offset` on
   bool flag = false;    ///< needBox when describing, crop when reading
   std::uint64_t offset = 0, limit = 0;
-  IndexBox whole;       ///< of the volume
-  IndexBox box;         ///< what is read of it
+  IndexBox whole;  ///< of the volume
+  IndexBox box;    ///< what is read of it
   char grid[LatticeFrame::kMaxName + 1] = {};
   char usual[LatticeFrame::kMaxName + 1] = {};
 };
@@ -105,8 +105,8 @@ Result<ReaderProcess::Serve> makeServe(std::string_view parameters) {
   VOLUTE_ASSIGN(const auto loadPlugin, fromMessage<LoadLatticePlugin>(parameters));
   VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
   return [reader = std::shared_ptr<LatticeReader>(plugin->makeReader()),
-          held = std::make_shared<Held>()](
-             std::string_view bytes, std::span<float> values) -> Result<std::string> {
+          held = std::make_shared<Held>()](std::string_view bytes,
+                                           std::span<float> values) -> Result<std::string> {
     VOLUTE_ASSIGN(const auto request, fromMessage<Request>(bytes.substr(0, sizeof(Request))));
     return serve(*reader, *held, bytes.substr(sizeof(Request)), request, values);
   };
@@ -184,34 +184,22 @@ std::string text(const Box3& box) {
                      box.max.y(), box.max.z());
 }
 
-/// How many voxels `frame`'s index 0 lies away from that of `first`; an error unless both are on
-/// one lattice.
-Result<std::array<std::int64_t, 3>> latticeShift(const LatticeFrame& first,
-                                                 const LatticeFrame& frame,
-                                                 const LatticeFile& file) {
+/// How many voxels `frame`'s index 0 lies away from that of `first`; nothing unless both are on one
+/// lattice along the axes.
+std::optional<std::array<std::int64_t, 3>> latticeShift(const LatticeFrame& first,
+                                                        const LatticeFrame& frame) {
   constexpr double kSameSize = 1e-5;   // relative; single-precision transforms are this far apart
   constexpr double kSamePlace = 1e-3;  // voxels
-  constexpr double kFarthest = 1e9;    // voxels; anything beyond is a damaged file
+  constexpr double kFarthest = 1e9;    // voxels; anything beyond has a matrix of its own
+  if (first.turned || frame.turned)
+    return std::nullopt;
   std::array<std::int64_t, 3> shift{};
-  if (frame.channels != first.channels) {
-    return fail(ErrorCode::kInvalidData, "{}: frame {} has {} channels, but the first frame has {}",
-                file.path.string(), file.frameText(), frame.channels, first.channels);
-  }
   for (int axis = 0; axis < 3; ++axis) {
-    if (!(std::abs(frame.voxelSize[axis] - first.voxelSize[axis]) <=
-          kSameSize * first.voxelSize[axis])) {
-      return fail(ErrorCode::kInvalidData,
-                  "{}: frame {} has voxels of {}, but the first frame's are {}; resample it",
-                  file.path.string(), file.frameText(), text(frame.voxelSize),
-                  text(first.voxelSize));
-    }
     const double voxels = (frame.origin[axis] - first.origin[axis]) / first.voxelSize[axis];
-    if (!(std::abs(voxels) < kFarthest) || std::abs(voxels - std::round(voxels)) > kSamePlace) {
-      return fail(ErrorCode::kInvalidData,
-                  "{}: the voxels of frame {} lie {:.4g} voxels off the first frame's along {}; "
-                  "expected a whole number",
-                  file.path.string(), file.frameText(), voxels, "xyz"[axis]);
-    }
+    if (!(std::abs(frame.voxelSize[axis] - first.voxelSize[axis]) <=
+          kSameSize * first.voxelSize[axis]) ||
+        !(std::abs(voxels) < kFarthest) || std::abs(voxels - std::round(voxels)) > kSamePlace)
+      return std::nullopt;
     shift[axis] = std::llround(voxels);
   }
   return shift;
@@ -346,7 +334,7 @@ std::vector<std::string> namesIn(std::string_view list) {
   return names;
 }
 
-class LatticeSource final : public RoundingSource {
+class LatticeSource final : public RoundingSource, public PlacedFrames {
  public:
   LatticeSource(std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
                 const SourceOptions& options, std::optional<KnownGrid> known)
@@ -376,6 +364,16 @@ class LatticeSource final : public RoundingSource {
     IndexBox box = places.box;
     grid_ = grid;
     const std::string where = files_.front().path.string();
+    if (!places.matrices.empty()) {
+      const GridSpace space{frames.front().voxelSize, frames.front().origin};
+      for (const GridMatrix& matrix : places.matrices) places_.push_back(placeIn(matrix, space));
+    }
+    if (options_.bounds && !places_.empty()) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: grid '{}' is turned, or moves by parts of a voxel, so that bounds along the "
+                  "axes do not crop it; leave them out",
+                  where, grid);
+    }
     if (options_.bounds) {
       VOLUTE_ASSIGN(box, toIndexBox(frames.front(), *options_.bounds, where));
     } else if (box.empty()) {
@@ -393,6 +391,8 @@ class LatticeSource final : public RoundingSource {
   }
 
   const VolumeInfo& info() const override { return info_; }
+
+  const std::vector<GridMatrix>& places() const override { return places_; }
 
   std::vector<std::string> otherGrids() const override { return others_; }
 
@@ -620,6 +620,7 @@ class LatticeSource final : public RoundingSource {
   std::string unchosen_;  ///< the grids of the file that first had the grid, where none was named
   IndexBox box_;          // on the first frame's lattice
   std::vector<std::array<std::int64_t, 3>> shifts_;
+  std::vector<GridMatrix> places_;
   bool hasBricks_ = false;
   std::uint64_t memory_ = 0;  // of the bricks of a frame, about
   VolumeInfo info_;
@@ -659,10 +660,26 @@ Result<std::unique_ptr<FrameSource>> openedSource(std::vector<LatticeFile> files
 Result<LatticePlaces> latticePlaces(const std::vector<LatticeFile>& files,
                                     const std::vector<LatticeFrame>& frames) {
   LatticePlaces places;
+  const LatticeFrame& first = frames.front();
+  bool oneLattice = true;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    VOLUTE_ASSIGN(const auto shift, latticeShift(frames.front(), frames[i], files[i]));
-    places.shifts.push_back(shift);
-    places.box.extend(frames[i].box.shifted(shift));
+    if (frames[i].channels != first.channels) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: frame {} has {} channels, but the first frame has {}",
+                  files[i].path.string(), files[i].frameText(), frames[i].channels, first.channels);
+    }
+    const auto shift = latticeShift(first, frames[i]);
+    oneLattice = oneLattice && shift;
+    places.shifts.push_back(shift.value_or(std::array<std::int64_t, 3>{}));
+  }
+  if (!oneLattice)
+    std::ranges::fill(places.shifts, std::array<std::int64_t, 3>{});
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const LatticeFrame& frame = frames[i];
+    places.box.extend(frame.box.shifted(places.shifts[i]));
+    if (!oneLattice)
+      places.matrices.push_back(frame.turned ? frame.matrix
+                                             : alongAxes(frame.voxelSize, frame.origin));
   }
   return places;
 }
@@ -693,11 +710,11 @@ Result<std::vector<LatticeCache>> describeCache(const std::vector<LatticeFile>& 
     ReaderProcess::Limits limits = limitsFor(file.path, 0, maxMemory);
     limits.seconds += 2e-6 * static_cast<double>(sizeOf(file.path));
     VOLUTE_ASSIGN(HeldBytes bytes, HeldBytes::ask(process, file.path, request, limits));
-    constexpr std::uint64_t kMost = std::uint64_t{32} << 20;
-    if (bytes.size() > kMost) {
+    constexpr std::uint64_t kMaxBytes = std::uint64_t{32} << 20;
+    if (bytes.size() > kMaxBytes) {
       return fail(ErrorCode::kTooLarge,
                   "{}: what its grids say of themselves takes {} KiB; expected {} at most", name,
-                  bytes.size() >> 10, kMost >> 10);
+                  bytes.size() >> 10, kMaxBytes >> 10);
     }
     std::string all;
     while (all.size() < bytes.size()) {
@@ -722,7 +739,8 @@ Result<std::unique_ptr<KeptBytes>> KeptReader::open(const std::filesystem::path&
   request.keep = true;
   request.offset = grid;
   request.limit = maxMemory_;
-  VOLUTE_ASSIGN(auto bytes, HeldBytes::ask(*process_, file, request, limitsFor(file, 0, maxMemory_)));
+  VOLUTE_ASSIGN(auto bytes,
+                HeldBytes::ask(*process_, file, request, limitsFor(file, 0, maxMemory_)));
   if (bytes.size() == 0 || bytes.size() > maxMemory_)
     return fail(ErrorCode::kInvalidData, "{}: its reader gives a grid of {} bytes", file.string(),
                 bytes.size());

@@ -34,9 +34,9 @@ struct KnownGrid {
   std::string missing{};               ///< of the first file without it; empty: all have it
 };
 
-/// A sequence of files, each with a grid on one common lattice of voxels: all must have the same
-/// voxel size, and origins that differ by whole voxels. Without bounds the volume is the least box
-/// around all files' values.
+/// A sequence of files, each with a grid. Where their lattices of voxels are not one along the
+/// axes, with origins that differ by whole voxels, the source is one of PlacedFrames. Without
+/// bounds the volume is the least box around all files' values.
 /// @param loadPlugin  called in the child process that reads the files.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> openLatticeSource(
     std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
@@ -48,10 +48,12 @@ struct KnownGrid {
     const SourceOptions& options, KnownGrid known);
 
 /// How far the origin of each frame lies from that of the first [voxels], and the least box around
-/// the values of all, on the first one's lattice. An error unless all are on one.
+/// the values of all, on the first one's lattice. Where they are not on one, no frame is shifted,
+/// and each has a matrix from index to world.
 struct LatticePlaces {
   std::vector<std::array<std::int64_t, 3>> shifts;
   IndexBox box;
+  std::vector<GridMatrix> matrices{};
 };
 
 [[nodiscard]] Result<LatticePlaces> latticePlaces(const std::vector<LatticeFile>& files,

@@ -9,6 +9,7 @@
 #include <openvdb/tools/LevelSetSphere.h>
 #include <openvdb/tools/PointIndexGrid.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -136,6 +137,40 @@ void make(const std::filesystem::path& folder, int frame) {
   io::File(folder / name).write(grids, file);
 }
 
+/// A block of 10^3 voxels of 1 that begins at the index 0, in several places.
+void place(const std::filesystem::path& folder) {
+  const auto write = [&](const std::string& name, const math::Transform::Ptr& transform) {
+    const auto grid = FloatGrid::create();
+    grid->setName("density");
+    grid->setGridClass(GRID_FOG_VOLUME);
+    grid->fill(CoordBBox(Coord(0), Coord(9)), 1.f);
+    grid->setTransform(transform);
+    io::File(folder / (name + ".vdb")).write(GridPtrVec{grid});
+  };
+  const auto affine = [](const math::Mat4d& matrix) {
+    return std::make_shared<math::Transform>(std::make_shared<math::AffineMap>(matrix));
+  };
+  const auto rows = [](const std::array<double, 16>& numbers) {
+    return math::Mat4d(numbers.data());
+  };
+  // Row vectors: scaled, sheared along x by y, turned by 30 degrees about z, moved.
+  math::Mat4d skew = rows({.1, 0, 0, 0, .04, .2, 0, 0, 0, 0, .1, 0, 0, 0, 0, 1});
+  math::Mat4d turned = math::Mat4d::identity();
+  turned.preScale(Vec3d(.1, .2, .1));
+  turned.postRotate(math::Z_AXIS, M_PI / 6);
+  turned.postTranslate(Vec3d(3, 2, 1));
+  skew.postRotate(math::Z_AXIS, M_PI / 6);
+  skew.postTranslate(Vec3d(3, 2, 1));
+  write("turned", affine(turned)), write("skewed", affine(skew));
+  write("mirrored", affine(rows({-.1, 0, 0, 0, 0, .1, 0, 0, 0, 0, .1, 0, 1, 0, 0, 1})));
+  for (int frame = 1; frame <= 3; ++frame)
+    write("moving_000" + std::to_string(frame),
+          std::make_shared<math::Transform>(std::make_shared<math::UniformScaleTranslateMap>(
+              frame == 3 ? .2 : .1, Vec3d(.02 * frame, 0, 0))));
+  // As flat as OpenVDB lets through.
+  write("flat", affine(rows({.1, 0, 0, 0, .1, 1e-12, 0, 0, 0, 0, .1, 0, 0, 0, 0, 1})));
+}
+
 int differences = 0;
 
 template <class... Text>
@@ -247,6 +282,10 @@ int main(int count, char** arguments) {
   const std::string verb = count > 1 ? arguments[1] : "";
   if (verb == "make" && count == 3) {
     for (const int frame : {1, 2, 3}) make(arguments[2], frame);
+    return 0;
+  }
+  if (verb == "place" && count == 3) {
+    place(arguments[2]);
     return 0;
   }
   if (verb == "compare" && count == 5)

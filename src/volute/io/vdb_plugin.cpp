@@ -34,7 +34,7 @@ constexpr std::string_view kLevelSet = "level set";
 /// notice.
 class VdbFile final : public openvdb::io::Archive {
  public:
-  explicit VdbFile(const std::filesystem::path& path) {
+  explicit VdbFile(const std::filesystem::path& path) : path_(path) {
     stream_.exceptions(std::ios::badbit | std::ios::failbit | std::ios::eofbit);
     stream_.open(path, std::ios::binary);
     const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path));
@@ -65,6 +65,8 @@ class VdbFile final : public openvdb::io::Archive {
         entry.grid->setTree(parentOf(entry).grid->baseTreePtr());
     }
   }
+
+  const std::filesystem::path& path() const { return path_; }
 
   std::size_t gridCount() const { return grids_.size(); }
 
@@ -122,11 +124,12 @@ class VdbFile final : public openvdb::io::Archive {
   /// The bytes that it has in the file; 0: not known.
   std::uint64_t bytesOf(std::size_t index) const {
     const auto& descriptor = grids_[index].descriptor;
-    return whole_ ? 0 : static_cast<std::uint64_t>(descriptor.getEndPos() - descriptor.getGridPos());
+    return whole_ ? 0
+                  : static_cast<std::uint64_t>(descriptor.getEndPos() - descriptor.getGridPos());
   }
 
-  /// The grid as a file of its own: as OpenVDB writes it, or, where OpenVDB cannot read it, byte for
-  /// byte.
+  /// The grid as a file of its own: as OpenVDB writes it, or, where OpenVDB cannot read it, byte
+  /// for byte.
   std::string copyOf(std::size_t index);
 
  private:
@@ -157,7 +160,8 @@ class VdbFile final : public openvdb::io::Archive {
     entry.descriptor.setBlockPos(places[1]);
     entry.descriptor.setEndPos(places[2]);
     if (places[0] > places[1] || places[1] > places[2] || entry.descriptor.isInstance())
-      OPENVDB_THROW(openvdb::IoError, "a grid of type " << type << " cannot be where the file says");
+      OPENVDB_THROW(openvdb::IoError,
+                    "a grid of type " << type << " cannot be where the file says");
     entry.foreignType = type;
     entry.grid = openvdb::MaskGrid::create();
     entry.grid->setName(openvdb::io::GridDescriptor::stripSuffix(name));
@@ -183,9 +187,16 @@ class VdbFile final : public openvdb::io::Archive {
     entry.descriptor.seekToGrid(stream_);
     readGridCompression(stream_);
     entry.grid->readMeta(stream_);
-    entry.grid->readTransform(stream_);
+    try {
+      entry.grid->readTransform(stream_);
+    } catch (const openvdb::ArithmeticError& error) {
+      OPENVDB_THROW(openvdb::IoError, "grid '" << openvdb::io::GridDescriptor::nameAsString(
+                                                      entry.descriptor.uniqueName())
+                                               << "': " << error.what());
+    }
   }
 
+  std::filesystem::path path_;
   // The stream keeps the address of this pointer.
   openvdb::io::StreamMetadata::Ptr metadata_ = std::make_shared<openvdb::io::StreamMetadata>();
   std::ifstream stream_;
@@ -196,8 +207,8 @@ class VdbFile final : public openvdb::io::Archive {
 
 /// Where a grid's data lie in a file that holds it alone, without metadata of its own.
 struct KeptPlace {
-  std::string name, type, parent;  ///< as in the file
-  std::size_t begin = 0;           ///< of the data
+  std::string name, type, parent;     ///< as in the file
+  std::size_t begin = 0;              ///< of the data
   std::int64_t blocks = 0, size = 0;  ///< of the data: where the tree's begin, and all
 
   static constexpr std::size_t kHeader = 57;  ///< magic number, versions, flag and identifier
@@ -236,7 +247,8 @@ struct KeptPlace {
   void writeTo(std::ostream& stream) const {
     for (const std::string& text : {name, type, parent}) openvdb::writeString(stream, text);
     std::array<std::int64_t, 3> places{};
-    places[0] = static_cast<std::int64_t>(stream.tellp()) + static_cast<std::int64_t>(sizeof places);
+    places[0] =
+        static_cast<std::int64_t>(stream.tellp()) + static_cast<std::int64_t>(sizeof places);
     places[1] = places[0] + blocks;
     places[2] = places[0] + size;
     stream.write(reinterpret_cast<const char*>(places.data()), sizeof places);
@@ -317,8 +329,7 @@ std::string VdbFile::copyOf(std::size_t index) {
       grid->setSaveFloatAsHalf(entry.grid->saveFloatAsHalf());
     output.add(out, entry.descriptor.uniqueName(), grid);
   } catch (const openvdb::LookupError& error) {
-    if (whole_ || entry.descriptor.isInstance() ||
-        fileVersion() != openvdb::OPENVDB_FILE_VERSION) {
+    if (whole_ || entry.descriptor.isInstance() || fileVersion() != openvdb::OPENVDB_FILE_VERSION) {
       OPENVDB_THROW(openvdb::LookupError,
                     "grid '" << name(index) << "' cannot be kept: " << error.what());
     }
@@ -384,33 +395,38 @@ std::vector<GridEntry> entriesOf(const VdbFile& file, const std::string& wanted)
   return entries;
 }
 
-/// Fills voxelSize and origin; only scaling and translation along the axes will do.
+/// Fills voxelSize and origin, and the matrix where voxels do not lie along the axes.
 Status readTransform(const openvdb::GridBase& grid, const std::string& where, LatticeFrame& frame) {
   const auto& transform = grid.transform();
   if (!transform.isLinear()) {
     return fail(ErrorCode::kUnsupported,
-                "{}: the grid has a frustum transform; resample it to a regular grid", where);
+                "{}: the grid has a frustum transform, which no matrix says; resample it to a "
+                "regular grid",
+                where);
   }
   // OpenVDB multiplies row vectors: (i, j, k, 1) * matrix.
   const openvdb::Mat4R matrix = transform.baseMap()->getAffineMap()->getMat4();
+  bool straight = true;
   for (int row = 0; row < 3; ++row) {
-    frame.voxelSize[row] = matrix(row, row);
-    frame.origin[row] = matrix(3, row);
-    if (!(matrix(row, row) > 0) || !std::isfinite(matrix(row, row)) ||
-        !std::isfinite(matrix(3, row))) {
-      return fail(ErrorCode::kUnsupported,
-                  "{}: the grid's transform turns or mirrors axis {}; expected voxels along the "
-                  "axes with a positive size",
-                  where, "xyz"[row]);
-    }
-    for (int column = 0; column < 3; ++column) {
-      if (row != column && !(std::abs(matrix(row, column)) <= 1e-6 * matrix(row, row))) {
-        return fail(
-            ErrorCode::kUnsupported,
-            "{}: the grid's transform rotates or shears; resample it to a grid along the axes",
-            where);
-      }
-    }
+    for (int column = 0; column < 4; ++column)
+      frame.matrix[static_cast<std::size_t>(4 * row + column)] = matrix(column, row);
+    frame.voxelSize[static_cast<std::size_t>(row)] = matrix(row, row);
+    frame.origin[static_cast<std::size_t>(row)] = matrix(3, row);
+    straight = straight && matrix(row, row) > 0;
+    for (int column = 0; column < 3; ++column)
+      straight = straight && (row == column ||
+                              std::abs(matrix(row, column)) <= 1e-9 * std::abs(matrix(row, row)));
+  }
+  if (!isSound(frame.matrix)) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: the grid's matrix is not finite, or makes it flat; expected one that can be "
+                "undone",
+                where);
+  }
+  frame.turned = !straight;
+  if (frame.turned) {
+    const GridSpace space = spaceOf(frame.matrix);
+    frame.voxelSize = space.voxelSize, frame.origin = space.origin;
   }
   return {};
 }
@@ -594,6 +610,10 @@ bool addRange(const openvdb::GridBase& base, GridFacts& facts) {
   return true;
 }
 
+void putText(std::string_view text, char* to, std::size_t most) {
+  text.substr(0, most).copy(to, most);
+}
+
 GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid) {
   GridFacts facts;
   name.copy(facts.name, GridFacts::kMaxName);
@@ -603,12 +623,16 @@ GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid) {
         .copy(facts.gridClass, GridFacts::kMaxType);
   facts.box = toIndexBox(grid.evalActiveVoxelBoundingBox());
   LatticeFrame place;
-  if (readTransform(grid, name, place))
+  facts.readable = describeGrid(name, grid).usable;
+  const Status placed = readTransform(grid, name, place);
+  if (placed)
     facts.voxelSize = place.voxelSize;
+  else if (placed.error().code == ErrorCode::kInvalidData)
+    putText("its matrix is not finite, or makes it flat", facts.problem, GridFacts::kMaxProblem);
+  facts.readable = facts.readable && placed;
   facts.voxels = grid.activeVoxelCount();
   facts.memory = grid.memUsage();
   facts.half = grid.saveFloatAsHalf();
-  facts.readable = describeGrid(name, grid).usable;
   if (!addRange<openvdb::FloatGrid>(grid, facts) && !addRange<openvdb::DoubleGrid>(grid, facts) &&
       !addRange<openvdb::Vec3SGrid>(grid, facts) && !addRange<openvdb::Vec3DGrid>(grid, facts))
     facts.least = facts.most = std::numeric_limits<double>::quiet_NaN();
@@ -674,9 +698,8 @@ void putMetadata(const MetadataList& list, openvdb::MetaMap& map) {
     if (entry.name.empty() || isKeptElsewhere(entry.name))
       continue;
     const bool known = Metadata::isRegisteredType(entry.type) && !entry.type.starts_with("__");
-    const Metadata::Ptr metadata = known
-                                       ? Metadata::createMetadata(entry.type)
-                                       : std::make_shared<openvdb::UnknownMetadata>(entry.type);
+    const Metadata::Ptr metadata = known ? Metadata::createMetadata(entry.type)
+                                         : std::make_shared<openvdb::UnknownMetadata>(entry.type);
     if (known && entry.type != "string" && metadata->size() != entry.value.size())
       continue;
     const auto size = static_cast<openvdb::Index32>(entry.value.size());
@@ -710,11 +733,7 @@ char upAxisOf(const openvdb::MetaMap& map) {
   return 0;
 }
 
-void putText(std::string_view text, char* to, std::size_t most) {
-  text.substr(0, most).copy(to, most);
-}
-
-LatticeGrid describeForCache(VdbFile& file, std::size_t index) {
+Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
   const openvdb::GridBase& grid = file.grid(index);
   LatticeGrid result;
   GridTraits& traits = result.traits;
@@ -738,8 +757,12 @@ LatticeGrid describeForCache(VdbFile& file, std::size_t index) {
     putText(fmt::format("of type {}", type), traits.problem, GridTraits::kMaxProblem);
     return result;
   }
-  if (!readTransform(grid, "", result.frame)) {
-    putText("whose voxels do not lie along the axes", traits.problem, GridTraits::kMaxProblem);
+  if (const Status status = readTransform(
+          grid, fmt::format("{}, grid '{}'", file.path().string(), file.name(index)), result.frame);
+      !status) {
+    if (status.error().code != ErrorCode::kUnsupported)
+      return tl::unexpected(status.error());
+    putText("with a frustum transform", traits.problem, GridTraits::kMaxProblem);
     return result;
   }
   if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
@@ -828,8 +851,10 @@ class VdbReader final : public LatticeReader {
       VdbFile file(path);
       LatticeCache cache;
       cache.metadata = listMetadata(file.metadata());
-      for (std::size_t i = 0; i < file.gridCount(); ++i)
-        cache.grids.push_back(describeForCache(file, i));
+      for (std::size_t i = 0; i < file.gridCount(); ++i) {
+        VOLUTE_ASSIGN(auto grid, describeForCache(file, i));
+        cache.grids.push_back(std::move(grid));
+      }
       return cache;
     });
   }
@@ -1005,15 +1030,26 @@ openvdb::GridBase::Ptr makeCacheGrid(const GridFrame& frame, const Index3& begin
 openvdb::math::Transform::Ptr makeCacheTransform(const GridFrame& frame) {
   using namespace openvdb::math;
   const GridDescription& grid = *frame.description;
-  const auto& size = grid.voxelSize;
+  auto size = grid.voxelSize;
+  auto place = grid.origin;
+  if (!grid.matrices.empty() && !grid.map.empty()) {
+    const GridMatrix& m = grid.matrices[static_cast<std::size_t>(frame.frame)];
+    const Mat4d matrix(m[0], m[4], m[8], 0., m[1], m[5], m[9], 0., m[2], m[6], m[10], 0., m[3],
+                       m[7], m[11], 1.);
+    size = {m[0], m[5], m[10]}, place = {m[3], m[7], m[11]};
+    if (m != alongAxes(size, place) || std::ranges::min(size) <= 0) {
+      MapBase::Ptr map = std::make_shared<AffineMap>(matrix);
+      if (grid.map == UnitaryMap::mapType() && isUnitary(matrix.getMat3()))
+        map = std::make_shared<UnitaryMap>(matrix.getMat3());
+      return std::make_shared<Transform>(map);
+    }
+  }
   bool sound = true;
   for (int axis = 0; axis < 3; ++axis)
-    sound =
-        sound && size[axis] > 0 && std::isfinite(size[axis]) && std::isfinite(grid.origin[axis]);
+    sound = sound && size[axis] > 0 && std::isfinite(size[axis]) && std::isfinite(place[axis]);
   if (!sound || grid.map.empty())
     return makeTransform(*frame.info);
-  openvdb::Vec3d scale(size[0], size[1], size[2]),
-      origin(grid.origin[0], grid.origin[1], grid.origin[2]);
+  openvdb::Vec3d scale(size[0], size[1], size[2]), origin(place[0], place[1], place[2]);
   if (!grid.shifts.empty()) {
     const auto& shift = grid.shifts[static_cast<std::size_t>(frame.frame)];
     for (int axis = 0; axis < 3; ++axis)
@@ -1077,7 +1113,7 @@ Result<openvdb::GridBase::Ptr> cacheGrid(const GridFrame& frame, const std::stri
   const bool doubles = description.type == (vectors ? "vec3d" : "double");
   const auto grid = vectors   ? doubles ? makeCacheGrid<openvdb::Vec3DGrid>(frame, begin)
                                         : makeCacheGrid<openvdb::Vec3SGrid>(frame, begin)
-                    : doubles ? makeCacheGrid<openvdb::DoubleGrid>(frame, begin)
+                      : doubles ? makeCacheGrid<openvdb::DoubleGrid>(frame, begin)
                               : makeCacheGrid<openvdb::FloatGrid>(frame, begin);
   std::string name = nameInFile(frame.info->name);
   if (const MetadataList* own = description.metadata.at(frame.frame)) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "volute/grid/grid_matrix.hpp"
 #include "volute/io/sequence_testing.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/io/volume_sink.hpp"
@@ -213,20 +214,26 @@ TEST(Vdb, EmptyFramesNeedABoxFromElsewhere) {
   EXPECT_EQ(read.values, (std::vector<float>{0, 1}));
 }
 
-TEST(Vdb, FramesOnOtherLatticesAreRefused) {
+TEST(Vdb, FramesOnOtherLatticesHaveMatrices) {
   const TempFolder folder;
   auto first = makeFullBlob(1, 4, 4, 4);
   ASSERT_TRUE(ok(writeAll(folder / "f_1.vdb", first)));
-  const auto second = [&](const Box3& bounds) {
+  const auto placesWith = [&](const Box3& bounds) {
     first.info.bounds = bounds;
     EXPECT_TRUE(ok(writeAll(folder / "f_2.vdb", first)));
     const auto source = openSource(folder.path(), {});
-    return source ? std::string() : source.error().message;
+    const auto* placed = source ? dynamic_cast<const PlacedFrames*>(source->get()) : nullptr;
+    return placed ? placed->places() : std::vector<GridMatrix>();
   };
-  EXPECT_THAT(second({Vec3::Zero(), Vec3::Constant(2)}),
-              HasSubstr("frame 2 has voxels of 0.5 x 0.5 x 0.5 m"));
-  EXPECT_THAT(second({Vec3::Constant(0.1), Vec3::Constant(1.1)}), HasSubstr("0.4 voxels off"));
-  EXPECT_EQ(second({Vec3::Constant(0.5), Vec3::Constant(1.5)}), "");
+  const auto larger = placesWith({Vec3::Zero(), Vec3::Constant(2)});
+  ASSERT_EQ(larger.size(), 2U);
+  EXPECT_LT((linearOf(larger[0]) - Mat3::Identity()).norm(), 1e-12);
+  EXPECT_LT((linearOf(larger[1]) - 2 * Mat3::Identity()).norm(), 1e-12);
+  EXPECT_LT(offsetOf(larger[1]).norm(), 1e-12);
+  const auto apart = placesWith({Vec3::Constant(0.1), Vec3::Constant(1.1)});
+  ASSERT_EQ(apart.size(), 2U);
+  EXPECT_LT((offsetOf(apart[1]) - Vec3::Constant(0.1)).norm(), 1e-12);
+  EXPECT_TRUE(placesWith({Vec3::Constant(0.5), Vec3::Constant(1.5)}).empty());
   ASSERT_VALUE(const auto moved, readSequence(folder.path()));
   EXPECT_EQ(moved.info.x, 6);
   EXPECT_EQ(moved.view()(1, 2, 2, 2, 0), first.values.front());

@@ -82,13 +82,12 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
   const int* extent = information->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
   const double* spacing = information->Get(vtkDataObject::SPACING());
   const double* origin = information->Get(vtkDataObject::ORIGIN());
+  Mat3 turn = Mat3::Identity();
   if (information->Has(vtkDataObject::DIRECTION())) {
     const double* direction = information->Get(vtkDataObject::DIRECTION());
     for (int i = 0; i < 9; ++i) {
-      if (std::abs(direction[i] - (i % 4 == 0)) > 1e-9) {
-        return fail(ErrorCode::kUnsupported,
-                    "{}: the grid is turned (its Direction); resample it along the axes", file);
-      }
+      turn(i / 3, i % 3) = direction[i];
+      frame.turned = frame.turned || std::abs(direction[i] - (i % 4 == 0)) > 1e-9;
     }
   }
   for (int axis = 0; axis < 3; ++axis) {
@@ -106,6 +105,18 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
       return fail(ErrorCode::kInvalidData, "{}: no voxels along {} (extent {} to {})", file,
                   "xyz"[axis], extent[2 * axis], extent[2 * axis + 1]);
     }
+  }
+  if (frame.turned) {
+    const Vec3 size(spacing[0], spacing[1], spacing[2]);
+    const Mat3 linear = turn * size.asDiagonal();
+    const Vec3 half = Vec3::Constant(entry.cells ? 0.5 : 0.0);
+    frame.matrix = gridMatrix(linear, Vec3(origin[0], origin[1], origin[2]) + linear * half);
+    if (!isSound(frame.matrix)) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: its Direction makes the grid flat; expected one that can be undone", file);
+    }
+    const GridSpace space = spaceOf(frame.matrix);
+    frame.voxelSize = space.voxelSize, frame.origin = space.origin;
   }
   return frame;
 }

@@ -7,6 +7,7 @@
 #include <array>
 #include <random>
 
+#include "volute/grid/grid_matrix.hpp"
 #include "volute/grid/rounding_source.hpp"
 #include "volute/io/sequence_testing.hpp"
 #include "volute/io/testing.hpp"
@@ -154,10 +155,16 @@ TEST(Vtk, CellsAreVoxelsAndArraysAreChosenByName) {
   EXPECT_EQ(read.info.bounds.max, Vec3(12, 1, 1));
 }
 
-TEST(Vtk, TurnedGridsAreRefused) {
+TEST(Vtk, TurnedGridsHaveMatrices) {
   const TempFolder folder;
   writeBytes(folder / "d.vti", asciiFile(" Direction=\"0 1 0 -1 0 0 0 0 1\"", "", kCells));
-  EXPECT_THAT(openSource(folder / "d.vti", {}).error().message, HasSubstr("turned"));
+  ASSERT_VALUE(const auto source, openSource(folder / "d.vti", {}));
+  const auto& places = dynamic_cast<const PlacedFrames&>(*source).places();
+  ASSERT_EQ(places.size(), 1U);
+  EXPECT_LT((linearOf(places[0]).col(0) - Vec3(0, -1, 0)).norm(), 1e-12);
+  EXPECT_LT((linearOf(places[0]).col(1) - Vec3(1, 0, 0)).norm(), 1e-12);
+  writeBytes(folder / "e.vti", asciiFile(" Direction=\"0 1 0 0 1 0 0 0 1\"", "", kCells));
+  EXPECT_THAT(openSource(folder / "e.vti", {}).error().message, HasSubstr("flat"));
 }
 
 TEST(Vtk, PiecesFillTheWholeExtent) {

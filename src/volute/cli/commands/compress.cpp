@@ -70,6 +70,7 @@ Status runCompress(const Arguments& arguments, Context& context) {
   how.stated.up = arguments.find<std::string>("up").value_or(std::string(1, '\0')).front();
   how.rmsOverAll = rmsOverAll(arguments);
   how.keep = gridNames(arguments.find<std::string>("keep").value_or(""));
+  how.replaceNotFinite = arguments.get<std::string>("not-finite") == "background";
   how.dropUncoded = arguments.get<std::string>("uncoded") == "drop";
   CompressOptions& options = how.options;
   options.target = targetOf(arguments);
@@ -117,7 +118,9 @@ Command compressCommand() {
           "the whole file. The error reported is measured on the written data; unless an option "
           "sets another target, the relative RMS is at most 0.003. Values become float32: the "
           "rounding of float64 and of large integers counts in the errors, and a target finer than "
-          "that is refused. NaN and infinities are refused, with frame and voxel.\n\nRelative RMS "
+          "that is refused. NaN and infinities are refused, with frame, index and place; --keep "
+          "and "
+          "--not-finite accept them.\n\nRelative RMS "
           "is the RMS error over the support, the voxels and channels that are active or not "
           "equal to the background, divided by the range of their values over all frames. If the "
           ".0001 and .9999 quantiles of the values span less than half of that range, they are "
@@ -177,6 +180,12 @@ Command compressCommand() {
             .value = "NAME[,NAME]",
             .help = "grids of a .vdb cache to keep in this way though they are volumes, such as "
                     "those with NaN: they come back without loss, and are not shown"},
+           {.name = "not-finite",
+            .kind = kChoice,
+            .value = "WHAT",
+            .help = "NaN and infinities: refuse them, or take the grid's background for them",
+            .initial = "refuse",
+            .choices = {"refuse", "background"}},
            framesOption(),
            {.name = "up",
             .kind = kChoice,

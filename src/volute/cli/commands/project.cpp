@@ -40,6 +40,7 @@ Result<ProjectedFrames> openSubject(const std::string& path, const Arguments& ar
     input.bounds = capture.volume.bounds;
   }
   VOLUTE_ASSIGN(auto volume, openVolume(path, input, context));
+  VOLUTE_TRY(alongAxesOnly(volume, path, "such a volume is not projected"));
   ProjectedFrames subject;
   subject.source = std::move(volume.source);
   const VolumeInfo& info = subject.source->info();

@@ -90,8 +90,8 @@ void addKept(Report& report, std::span<const KeptResult> kept) {
   std::string text;
   for (const KeptResult& grid : kept) {
     list.push_back({{"name", grid.name}, {"type", grid.type}, {"bytes", grid.bytes}});
-    text += fmt::format("\n  {:<16} {}, without loss, {}", grid.name, grid.type,
-                        bytesText(grid.bytes));
+    text +=
+        fmt::format("\n  {:<16} {}, without loss, {}", grid.name, grid.type, bytesText(grid.bytes));
   }
   report.add("kept", list, text);
 }

@@ -16,6 +16,7 @@
 #include "volute/grid/bricks.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/media/volume/compression_report.hpp"
+#include "volute/media/volume/finite_source.hpp"
 
 namespace volute {
 namespace {
@@ -44,7 +45,8 @@ class GridProgress final : public Progress {
 class GridFiles {
  public:
   GridFiles(const VolumeGrids& grids, const std::vector<std::size_t>& chosen,
-            const std::vector<std::size_t>& kept, const std::string& target, const GridCompression& how, Reading& reading, Team& team)
+            const std::vector<std::size_t>& kept, const std::string& target,
+            const GridCompression& how, Reading& reading, Team& team)
       : grids_(grids),
         chosen_(chosen),
         kept_(kept),
@@ -95,6 +97,8 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
     return {};
   VOLUTE_ASSIGN(auto source, grids_.source(chosen_[i]));
   source = asStated(std::move(source), how_.stated);
+  if (how_.replaceNotFinite)
+    source = asFinite(std::move(source));
   VOLUTE_ASSIGN(auto positions, selectPositions(source->info(), how_.frames));
   VOLUTE_ASSIGN(source, selectFrames(std::move(source), how_.frames));
   positions_ = std::move(positions);
@@ -108,6 +112,17 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   GridProgress progress(reading_.progress, grid.name);
   auto report = compress(*source, file, options, progress, team_);
   if (!report) {
+    if (report.error().code == ErrorCode::kInvalidData && leads) {
+      std::optional<GridDescription> description;
+      if (grid.description)
+        description = grid.description->of(*positions_);
+      if (const auto found = firstNotFinite(*source, description ? &*description : nullptr)) {
+        return fail(ErrorCode::kInvalidData,
+                    "grid '{}', {}; only finite values are coded: keep the grid as it is, replace "
+                    "such values by the background, or mend the input",
+                    grid.name, *found);
+      }
+    }
     return fail(report.error().code, "{}",
                 errorIn(grid, report.error().message, leads ? file : ""));
   }
@@ -139,7 +154,8 @@ Status GridFiles::keepAll() {
   store_.emplace(std::move(store));
   for (const std::size_t i : kept_) {
     const VolumeGrid& grid = grids_.grids()[i];
-    const auto place = static_cast<std::size_t>(std::ranges::lower_bound(chosen_, i) - chosen_.begin());
+    const auto place =
+        static_cast<std::size_t>(std::ranges::lower_bound(chosen_, i) - chosen_.begin());
     store_->begin({grid.name, grid.description ? grid.description->type : grid.type, place});
     double done = 0;
     for (const int position : *positions_) {
@@ -221,8 +237,9 @@ bool wantsDescription(const VolumeGrid& grid, bool cropped) {
   // Where a volume alone is written: from index 0 on, its place in the transform.
   const bool even = one.voxelSize[0] == one.voxelSize[1] && one.voxelSize[0] == one.voxelSize[2];
   const bool plainPlace =
-      cropped || (one.begin == GridDescription::Index{} && one.shifts.empty() &&
-                  one.map == (even ? "UniformScaleTranslateMap" : "ScaleTranslateMap"));
+      cropped ||
+      (one.begin == GridDescription::Index{} && one.shifts.empty() && one.matrices.empty() &&
+       one.map == (even ? "UniformScaleTranslateMap" : "ScaleTranslateMap"));
   return grid.empty || grid.name.starts_with('[') || one.half || !plainPlace || !plainType ||
          !plainClass || !plainMetadata || !inAllFrames || one.background != std::array<double, 3>{};
 }
@@ -236,8 +253,8 @@ void remarkOnTimes(const std::string& path, const VolumeInfo& info, Reading& rea
 Result<std::optional<Report>> compressCache(const std::string& path, const std::string& target,
                                             const GridCompression& how, const InputOptions& input,
                                             Reading& reading, Team& team) {
-  const bool one = (gridNames(input.grid).size() == 1 && how.keep.empty()) || input.raw;
-  if (one || !VolumeGrids::mayBe(path)) {
+  const bool one = gridNames(input.grid).size() == 1 && how.keep.empty();
+  if (input.raw || (one && input.bounds) || !VolumeGrids::mayBe(path)) {
     if (how.rms.empty())
       return std::nullopt;
     return fail(ErrorCode::kInvalidArgument,
@@ -263,8 +280,7 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
     }
     const bool dropped = how.dropUncoded && !asked;
     (dropped ? leftOut : asBytes)
-        .push_back(fmt::format("'{}' ({})", all[i].name,
-                               asked ? "as asked" : all[i].kept));
+        .push_back(fmt::format("'{}' ({})", all[i].name, asked ? "as asked" : all[i].kept));
     if (!dropped)
       kept.push_back(i);
   }
@@ -274,7 +290,7 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
                 "{}: no grid can be compressed: {}; a .volute holds one volume at least", path,
                 fmt::join(asBytes, ", "));
   }
-  if (chosen.empty() || (chosen.size() == 1 && all.size() == 1 && how.rms.empty() &&
+  if (chosen.empty() || (chosen.size() == 1 && (all.size() == 1 || one) && how.rms.empty() &&
                          !wantsDescription(all[chosen[0]], input.bounds.has_value())))
     return std::nullopt;
   if (input.bounds) {
@@ -365,7 +381,10 @@ Result<Report> compressVolume(const std::string& path, const std::string& target
   if (report)
     return *std::move(report);
   VOLUTE_ASSIGN(auto volume, openVolume(path, input, reading));
+  VOLUTE_TRY(alongAxesOnly(volume, path, "only of .vdb files its matrix is kept"));
   volume.source = asStated(std::move(volume.source), how.stated);
+  if (how.replaceNotFinite)
+    volume.source = asFinite(std::move(volume.source));
   remarkOnTimes(path, volume.source->info(), reading);
   const bool whole =
       how.frames == FrameRange{} && !input.bounds && volume.source->otherGrids().empty();

@@ -22,6 +22,7 @@ struct GridCompression {
   FrameRange frames{};
   StatedInfo stated{};
   std::vector<std::string> keep{};  ///< grids that are kept as bytes though they are volumes
+  bool replaceNotFinite = false;    ///< values that are no finite numbers become background
   bool dropUncoded = false;         ///< what is no volume is left out, not kept as bytes
 };
 
@@ -57,10 +58,10 @@ struct CompressedGrids {
                                                     const std::vector<std::size_t>& kept = {});
 
 /// Compresses a volume of any format, or grids of a cache, as compressionReport() states it. Grids
-/// that hold no volume are kept as bytes, or left out, with a remark; a single grid of which there is no more to say
-/// than its values is written as a volume. Errors: what cannot be read; kInvalidArgument where
-/// `input` or `how` are for one grid, or for several, and the file is otherwise; kUnsupported where
-/// the target is out of reach. Collective.
+/// that hold no volume are kept as bytes, or left out, with a remark; a single grid of which there
+/// is no more to say than its values is written as a volume. Errors: what cannot be read;
+/// kInvalidArgument where `input` or `how` are for one grid, or for several, and the file is
+/// otherwise; kUnsupported where the target is out of reach. Collective.
 /// @param input  its grid: one or several, "density,flame"; empty: all of a cache
 [[nodiscard]] Result<Report> compressVolume(const std::string& path, const std::string& target,
                                             const GridCompression& how, const InputOptions& input,

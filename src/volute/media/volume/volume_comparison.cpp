@@ -107,6 +107,18 @@ Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
   return grid;
 }
 
+/// Both must lie in the world alike.
+Status checkPlaces(const std::vector<GridMatrix>& one, const std::string& a,
+                   const std::vector<GridMatrix>& other, const std::string& b,
+                   const VolumeInfo& info) {
+  if (samePlaces(one, other, info.bounds, info.voxelSize().minCoeff()))
+    return {};
+  return fail(ErrorCode::kInvalidData,
+              "{} and {} turn '{}' otherwise, or lay it elsewhere, so that no voxel of one is one "
+              "of the other",
+              a, b, info.name);
+}
+
 /// Those of one name.
 Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, const std::string& a,
                                    const VolumeGrids& second, const std::string& b,
@@ -123,6 +135,10 @@ Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, cons
     return GridComparison{grid.name, true, request.overAll};
   VOLUTE_ASSIGN(auto sourceA, first.source(i));
   VOLUTE_ASSIGN(auto sourceB, second.source(found[0]));
+  const auto places = [](const VolumeGrid& of) {
+    return of.description ? of.description->places() : std::vector<GridMatrix>();
+  };
+  VOLUTE_TRY(checkPlaces(places(grid), a, places(other), b, sourceA->info()));
   const auto outside = [](const VolumeGrid& of) {
     return of.description ? of.description->background : std::array<double, 3>{};
   };
@@ -277,6 +293,8 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
   VOLUTE_ASSIGN(auto second, openVolume(b, optionsFor(b), reading));
   const VolumeInfo& infoA = first.source->info();
   const VolumeInfo& infoB = second.source->info();
+  if (!isNumpyPath(a) && !isNumpyPath(b))
+    VOLUTE_TRY(checkPlaces(first.places, a, second.places, b, infoA));
   const bool placed = !isNumpyPath(a) && !isNumpyPath(b) && !options.bounds;
   if (placed && (infoA.x != infoB.x || infoA.y != infoB.y || infoA.z != infoB.z))
     align(first.source, {}, second.source, {});

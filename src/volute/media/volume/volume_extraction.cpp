@@ -90,8 +90,8 @@ KeptTarget keptTarget(const std::shared_ptr<const VoluteReader>& main, const std
   const auto at = std::ranges::find(kept, name, &KeptGrid::name);
   KeptTarget target;
   for (std::size_t row = 0; row < std::min(at->place, main->grids().size()); ++row)
-    target.place += static_cast<std::size_t>(
-        std::ranges::count(names, main->grids()[row].info.name));
+    target.place +=
+        static_cast<std::size_t>(std::ranges::count(names, main->grids()[row].info.name));
   target.open = [main, grid = static_cast<std::size_t>(at - kept.begin()), positions, partial,
                  &reading](int position) -> Result<std::unique_ptr<KeptBytes>> {
     const int frame = positions[static_cast<std::size_t>(position)];
@@ -101,8 +101,7 @@ KeptTarget keptTarget(const std::shared_ptr<const VoluteReader>& main, const std
       const auto part = tried->next();
       if (!part) {
         reading.progress.remark(fmt::format(
-            "{}; '{}' is left out of frame {}", part.error().message,
-            main->kept().grids[grid].name,
+            "{}; '{}' is left out of frame {}", part.error().message, main->kept().grids[grid].name,
             main->info().frameText(static_cast<std::size_t>(frame))));
         return nullptr;
       }
@@ -305,6 +304,14 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
   VOLUTE_ASSIGN(auto reader, openVolute(path_, request_.partial, reading_, true, grid));
   VOLUTE_ASSIGN(auto extraction, extractionOf(reader->info()));
   const std::vector<int> positions = extraction.positions;
+  if (const auto& description = reader->grid().description;
+      description && !description->matrices.empty() && extensionOf(target) != ".npy" &&
+      target != "-") {
+    return fail(ErrorCode::kUnsupported,
+                "{}: '{}' is turned, or moves by parts of a voxel, which this output cannot say; "
+                "expected whole .vdb files at full resolution, or .npy",
+                target, reader->info().name);
+  }
   extraction.bricks = extensionOf(target) == ".vdb";
   const std::uint64_t needed = 8 * extraction.region.voxels() * reader->info().channels;
   if (!extraction.bricks && needed > reading_.maxMemory) {
@@ -449,9 +456,8 @@ Status extractVolute(const std::string& path, const std::string& target,
                   target, fmt::join(kept, "', '"));
     }
     if (!kept.empty()) {
-      reading.progress.remark(
-          fmt::format("{}: left out, as only whole .vdb files hold them: '{}'", path,
-                      fmt::join(kept, "', '")));
+      reading.progress.remark(fmt::format("{}: left out, as only whole .vdb files hold them: '{}'",
+                                          path, fmt::join(kept, "', '")));
     }
   }
   if (request.region && names.size() > 1) {
@@ -460,8 +466,13 @@ Status extractVolute(const std::string& path, const std::string& target,
                 "with --field",
                 path, fmt::join(names, ", "));
   }
+  const auto turned = [](const VolumeGrid& grid) {
+    return grid.description && !grid.description->matrices.empty();
+  };
   const bool asCache =
-      extensionOf(target) == ".vdb" && !request.region && (names.size() > 1 || described);
+      extensionOf(target) == ".vdb" && !request.region && (names.size() > 1 || described) &&
+      !(request.level > 0 &&
+        std::ranges::any_of(chosen, [&](std::size_t i) { return turned(grids->grids()[i]); }));
   if (asCache && !each)
     return extractor.cache(names, target, main->info());
   if (names.size() > 1 && !each) {

@@ -117,10 +117,10 @@ Result<std::vector<std::size_t>> VolumeGrids::choose(const std::string& list,
   std::vector<GridEntry> entries;
   for (const VolumeGrid& grid : grids_)
     entries.push_back({grid.name,
-                       grid.empty           ? "empty"
-                       : grid.description   ? grid.description->type
+                       grid.empty          ? "empty"
+                       : grid.description  ? grid.description->type
                        : grid.type.empty() ? "float"
-                                            : grid.type,
+                                           : grid.type,
                        true});
   std::vector<std::size_t> chosen;
   if (list.empty()) {

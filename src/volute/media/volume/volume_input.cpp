@@ -114,6 +114,8 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
     VOLUTE_TRY(refuseVolumeOptions(path, options));
     VOLUTE_ASSIGN(input.reader, openGrid(path, options, reading));
     input.source = frameSource(input.reader);
+    if (const auto& description = input.reader->grid().description)
+      input.places = description->places();
     return input;
   }
   if (!options.raw && isSmvPath(path)) {
@@ -136,6 +138,8 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
   source.raw = options.raw;
   source.remark = [&](const std::string& text) { reading.progress.remark(text); };
   VOLUTE_ASSIGN(input.source, openSource(path, source));
+  if (const auto* placed = dynamic_cast<const PlacedFrames*>(input.source.get()))
+    input.places = placed->places();
   remarkOnFiles(path, reading);
   const VolumeInfo& info = input.source->info();
   if (const auto gaps = missingNumbers(info.frameNumbers, info.frameScale); !gaps.empty())
@@ -150,6 +154,15 @@ Result<VolumeInput> openVolume(const std::string& path, const InputOptions& opti
   VOLUTE_ASSIGN(auto input, openAsStated(path, options, reading));
   input.source = asStated(std::move(input.source), options.stated);
   return input;
+}
+
+Status alongAxesOnly(const VolumeInput& input, const std::string& path, std::string_view what) {
+  if (input.places.empty())
+    return {};
+  return fail(ErrorCode::kUnsupported,
+              "{}: grid '{}' is turned, sheared or mirrored, or moves by parts of a voxel, and {}; "
+              "expected voxels along the axes",
+              path, input.source->info().name, what);
 }
 
 void remarkOnFiles(const std::string& path, Reading& reading) {

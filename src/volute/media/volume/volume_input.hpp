@@ -9,6 +9,7 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/codec/volute_reader.hpp"
+#include "volute/grid/grid_matrix.hpp"
 #include "volute/grid/select_frames.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/io/volume_source.hpp"
@@ -33,7 +34,14 @@ struct VolumeInput {
   std::unique_ptr<FrameSource> source;
   std::shared_ptr<const VoluteReader> reader;  ///< null unless it is a .volute file
   std::vector<float> frame{};                  ///< room for one, for who reads them in turn
+  /// From the space of the source's bounds to the world, in each frame; empty: that is the world.
+  std::vector<GridMatrix> places{};
 };
+
+/// An error unless the volume lies along the axes, in one place: of who makes something of its
+/// bounds alone. `what` is that: "is not projected".
+[[nodiscard]] Status alongAxesOnly(const VolumeInput& input, const std::string& path,
+                                   std::string_view what);
 
 [[nodiscard]] Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
                                              Reading& reading);

@@ -135,6 +135,42 @@ VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
   info_.bounds = scaled(info_.bounds, placement.scale, offset);
   if (appearance_.basis)
     info_.basis = *appearance_.basis;
+  if (hasPlaces()) {
+    info_.bounds = infoAt(0).bounds;
+    placement_ = placementAt(0);
+  }
+}
+
+Placement VolumeLayer::placeOf(int position) const {
+  const GridMatrix& own = input_->places[static_cast<std::size_t>(position)];
+  const Placement world = placed(appearance_);
+  const Mat3 linear = world.turn * world.scale.asDiagonal() * linearOf(own);
+  Placement place;
+  place.scale = linear.colwise().norm().transpose();
+  place.turn = linear * place.scale.cwiseInverse().asDiagonal();
+  place.offset = world.turn * world.scale.cwiseProduct(offsetOf(own)) + world.offset;
+  return place;
+}
+
+VolumeInfo VolumeLayer::infoAt(int position) const {
+  VolumeInfo info = info_;
+  if (hasPlaces())
+    info.bounds = scaled(fileBounds(), placeOf(position).scale, Vec3::Zero());
+  return info;
+}
+
+Placement VolumeLayer::placementAt(int position) const {
+  if (!hasPlaces())
+    return placement_;
+  Placement place = placeOf(position);
+  place.scale = Vec3::Ones();
+  return place;
+}
+
+bool shears(const Placement& placement) {
+  constexpr double kRight = 1e-7;
+  const Mat3 square = placement.turn.transpose() * placement.turn - Mat3::Identity();
+  return square.cwiseAbs().maxCoeff() > kRight;
 }
 
 /// From the file's axes to ones whose z points upwards.
@@ -159,8 +195,9 @@ Placement VolumeLayer::placed(const Appearance& appearance) const {
 
 Box3 VolumeLayer::uprightBounds() const {
   const Mat3 up = upright();
+  const Box3 file = aroundPlaces(fileBounds(), input_->places);
   Box3 bounds;
-  bounds.extend(up * fileBounds().min), bounds.extend(up * fileBounds().max);
+  bounds.extend(up * file.min), bounds.extend(up * file.max);
   return bounds;
 }
 
@@ -171,6 +208,12 @@ void VolumeLayer::setAppearance(const Appearance& appearance) {
   if (slice_ && slice_->basis() != info_.basis)
     slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, info_));
   const Placement now = placed(appearance_);
+  if (hasPlaces()) {
+    info_.bounds = infoAt(0).bounds;
+    placement_ = placementAt(0);
+    slice_ = nullptr, moment_ = -1;
+    return;
+  }
   if (now.scale == before.scale && now.offset == before.offset && now.turn == before.turn)
     return;
   placement_ = {Vec3::Ones(), now.offset, now.turn};
@@ -188,18 +231,21 @@ void VolumeLayer::setAppearance(const Appearance& appearance) {
 }
 
 Box3 VolumeLayer::boundsInScene() const {
-  Box3 box = info_.bounds;
-  if (content_) {
-    box = {info_.bounds.min + content_->min.cwiseProduct(info_.bounds.size()),
-           info_.bounds.min + content_->max.cwiseProduct(info_.bounds.size())};
-  }
-  Box3 turned;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 at((corner & 1 ? box.max : box.min).x(), (corner & 2 ? box.max : box.min).y(),
-                  (corner & 4 ? box.max : box.min).z());
-    turned.extend(placement_.turn * at + placement_.offset);
-  }
-  return turned;
+  Box3 all;
+  const auto add = [&](Box3 box, const Placement& place) {
+    if (content_) {
+      const Vec3 size = box.size(), first = box.min;
+      box = {first + content_->min.cwiseProduct(size), first + content_->max.cwiseProduct(size)};
+    }
+    const std::array<GridMatrix, 1> matrix{gridMatrix(place.turn, place.offset)};
+    const Box3 around = aroundPlaces(box, matrix);
+    all.extend(around.min), all.extend(around.max);
+  };
+  if (!hasPlaces())
+    add(info_.bounds, placement_);
+  for (int position = 0; position < static_cast<int>(input_->places.size()); ++position)
+    add(infoAt(position).bounds, placementAt(position));
+  return all;
 }
 
 Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOptions& options,
@@ -299,6 +345,19 @@ Status VolumeLayer::chooseInterpolation(Progress& progress) {
     interpolation_ = Interpolation::kNone;
     return {};
   }
+  const auto& places = input_->places;
+  if (std::ranges::any_of(places, [&](const GridMatrix& place) { return place != places[0]; })) {
+    progress.remark(fmt::format(
+        "{}: its grid moves between frames, so that frames are shown until the next one", path_));
+    interpolation_ = Interpolation::kNone;
+    return {};
+  }
+  if (hasPlaces() && interpolation_ != Interpolation::kLinear) {
+    progress.remark(fmt::format(
+        "{}: its grid is turned: its frames go over into each other in place, not along velocities",
+        path_));
+    interpolation_ = Interpolation::kLinear;
+  }
   if (interpolation_ == Interpolation::kLinear)
     return {};
   std::vector<std::string> grids = input_->source->otherGrids();
@@ -380,6 +439,12 @@ Status VolumeLayer::openOthers(Reading& reading) {
           "{}: grid '{}' has {} frames, but '{}' has {}; grids that are shown together need "
           "the same",
           path_, name, info.frames, input_->source->info().name, info_.frames);
+    }
+    if (!samePlaces(found->places, input_->places, info.bounds, info.voxelSize().minCoeff())) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: grid '{}' is turned otherwise than '{}', or lies elsewhere; grids that are "
+                  "shown together need one place",
+                  path_, name, input_->source->info().name);
     }
     others_[name] = std::make_shared<VolumeInput>(std::move(*found));
     if (std::ranges::find(velocities_, name) != velocities_.end())
@@ -575,7 +640,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double mome
   };
   const auto flames = appearance_.flames;
   const bool emits = flames || appearance_.emission != 0;
-  VolumeInfo info = info_;
+  VolumeInfo info = infoAt(static_cast<int>(moment));
   info.channels = emits ? 4 : 1;
   if (info.basis == Basis::kBox)
     info.basis = Basis::kTrilinear;
@@ -660,10 +725,11 @@ Result<std::vector<Rgb>> VolumeLayer::colorsAt(double moment, std::span<const Ve
     }
   }
   // Colours may be of the smoke or times its density: the brightest channel of each is 1.
-  const Vec3 voxel = info_.voxelSize();
+  const Box3 bounds = infoAt(static_cast<int>(moment)).bounds;
+  const Vec3 voxel = bounds.size().cwiseQuotient(Vec3(info_.x, info_.y, info_.z));
   std::vector<Rgb> colors(points.size(), Rgb::Ones());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3 place = (points[i] - info_.bounds.min).cwiseQuotient(voxel);
+    const Vec3 place = (points[i] - bounds.min).cwiseQuotient(voxel);
     const int size[3] = {info_.x, info_.y, info_.z};
     int at[3];
     for (int axis = 0; axis < 3; ++axis)
@@ -705,7 +771,7 @@ Result<std::shared_ptr<const Tree4d>> VolumeLayer::treeAt(int position) {
 
 Result<BrickSlice> VolumeLayer::sliceFromTree(int position) {
   VOLUTE_ASSIGN(const auto tree, treeAt(position));
-  return asItLooks(tree->extractSlice(position, &counts_.nodesVisited), info_);
+  return asItLooks(tree->extractSlice(position, &counts_.nodesVisited), infoAt(position));
 }
 
 BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info) {
@@ -723,9 +789,10 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::sliceAt(double moment, bo
   } else {
     VOLUTE_ASSIGN(slice_, readAt(*input_->source, moment));
     // One that was kept may have been read for another place.
-    if (slice_->basis() != info_.basis || slice_->bounds().min != info_.bounds.min ||
-        slice_->bounds().max != info_.bounds.max)
-      slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, info_));
+    const VolumeInfo info = infoAt(static_cast<int>(moment));
+    if (slice_->basis() != info.basis || slice_->bounds().min != info.bounds.min ||
+        slice_->bounds().max != info.bounds.max)
+      slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, info));
   }
   moment_ = moment;
   fromTree_ = tree;

@@ -81,6 +81,9 @@ struct TreeCounts {
   std::uint64_t nodesVisited = 0;  ///< summed over all frames
 };
 
+/// Whether its axes are not at right angles.
+bool shears(const Placement& placement);
+
 /// What a tree gave, over the basis and at the place that `info` says.
 BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info);
 
@@ -106,9 +109,16 @@ class VolumeLayer {
   /// The same with its up axis upwards, as the placement finds it [m].
   Box3 uprightBounds() const;
 
-  /// What it takes in the scene [m]; where that is much more than what nearly all of it is in, the
-  /// latter.
+  /// What it takes in the scene in any frame [m]; where that is much more than what nearly all of
+  /// it is in, the latter.
   Box3 boundsInScene() const;
+
+  /// Its file says how it is turned, mirrored, sheared or moved.
+  bool hasPlaces() const { return !input_->places.empty(); }
+
+  /// info() and placement() of the frame at a position, which differ where the file's grid moves.
+  VolumeInfo infoAt(int position) const;
+  Placement placementAt(int position) const;
 
   /// It looks otherwise from now on, or is elsewhere, or at another time: nothing is read again for
   /// that. A frame that is held is made again only where the scale is another; else bounds stay
@@ -198,6 +208,8 @@ class VolumeLayer {
   static constexpr int kTreeFrames = BlockGrid::kSide;
 
   Mat3 upright() const;
+  /// From the file's own space to the scene, in a frame of a file that has places.
+  Placement placeOf(int position) const;
   Placement placed(const Appearance& appearance) const;
 
   std::string path_;

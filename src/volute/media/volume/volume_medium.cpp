@@ -3,6 +3,7 @@
 #include "volute/media/volume/volume_medium.hpp"
 
 #include "volute/media/volume/volume_grids.hpp"
+#include "volute/medium/skewed_medium.hpp"
 #include "volute/medium/turned_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
 
@@ -29,9 +30,9 @@ MediumInfo infoOf(const VolumeLayer& layer) {
 
 }  // namespace
 
-VolumeAt::VolumeAt(const VolumeLayer& layer, double factor)
-    : info_(layer.info()),
-      placement_(layer.placement()),
+VolumeAt::VolumeAt(const VolumeLayer& layer, int position, double factor)
+    : info_(layer.infoAt(position)),
+      placement_(layer.placementAt(position)),
       emission_(layer.appearance().emission),
       extinction_(factor * layer.appearance().extinction),
       factor_(factor),
@@ -46,21 +47,22 @@ VolumeAt::VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> lig
       lightsScene_(other.lightsScene_),
       light_(std::move(light)) {}
 
-VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, double factor)
-    : VolumeAt(layer, factor) {
+VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, int position,
+                   double factor)
+    : VolumeAt(layer, position, factor) {
   slice_ = std::move(slice);
 }
 
 VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const Tree4d> tree, int position,
                    double factor)
-    : VolumeAt(layer, factor) {
+    : VolumeAt(layer, position, factor) {
   tree_ = std::move(tree);
   position_ = position;
 }
 
-VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light,
+VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light, int position,
                    double factor)
-    : VolumeAt(layer, factor) {
+    : VolumeAt(layer, position, factor) {
   light_ = std::move(light);
 }
 
@@ -83,7 +85,9 @@ const std::shared_ptr<const BrickSlice>& VolumeAt::slice() const {
 
 void VolumeAt::addPlaced(AnyMedium medium, std::vector<AnyMedium>& media) const {
   const Placement& place = placement();
-  if (!place.turns() && place.offset == Vec3::Zero())
+  if (shears(place))
+    media.emplace_back(SkewedMedium(std::move(medium), place.turn, place.offset));
+  else if (!place.turns() && place.offset == Vec3::Zero())
     media.push_back(std::move(medium));
   else
     media.emplace_back(TurnedMedium(std::move(medium), place.turn, place.offset));
@@ -125,7 +129,11 @@ std::vector<Lamp> VolumeAt::lightSources() const {
   } else if (emission_ > 0) {
     lamps = VolumeLight::lampsOf(*slice(), emission_, kMaxLamps);
   }
-  for (Lamp& lamp : lamps) lamp.position = placement_.turn * lamp.position + placement_.offset;
+  const double room = std::abs(placement_.turn.determinant());  // of a cubic metre
+  for (Lamp& lamp : lamps) {
+    lamp.position = placement_.turn * lamp.position + placement_.offset;
+    lamp.intensity *= room;
+  }
   return lamps;
 }
 
@@ -197,7 +205,7 @@ const std::vector<std::string>& VolumeMedium::gridNames() const {
   if (!grids)
     return *gridNames_;
   for (const VolumeGrid& grid : (*grids)->grids()) {
-    if (!grid.empty)
+    if (!grid.empty && grid.kept.empty())
       gridNames_->push_back(grid.name);
   }
   return *gridNames_;
@@ -221,7 +229,8 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::coarseSlice(int position
       Tree4d::load(*layer_.reader(),
                    {.levels = kCoarseLevels, .firstFrame = position, .endFrame = position + 1},
                    progress));
-  return std::make_shared<const BrickSlice>(asItLooks(tree.extractSlice(position), layer_.info()));
+  return std::make_shared<const BrickSlice>(
+      asItLooks(tree.extractSlice(position), layer_.infoAt(position)));
 }
 
 Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& request,
@@ -236,6 +245,12 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
                 layer_.path());
   }
   if (layer_.appearance().shaded()) {
+    if (shears(layer_.placementAt(position))) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: frame {}: its grid is sheared; light in such a grid is not computed: show "
+                  "emission and extinction alone, without a preset",
+                  layer_.path(), layer_.info().frameText(static_cast<std::size_t>(position)));
+    }
     if (request.tree) {
       return fail(
           ErrorCode::kUnsupported,
@@ -245,11 +260,11 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
     }
     VOLUTE_ASSIGN(auto light, lightAt(moment, request.lit));
     block_ = position / BlockGrid::kSide;
-    return std::make_shared<const VolumeAt>(layer_, std::move(light), request.factor);
+    return std::make_shared<const VolumeAt>(layer_, std::move(light), position, request.factor);
   }
   if (request.coarse && !inMemory(request.time) && !layer_.isLevelSet()) {
     VOLUTE_ASSIGN(auto slice, coarseSlice(position, progress));
-    return std::make_shared<const VolumeAt>(layer_, std::move(slice), request.factor);
+    return std::make_shared<const VolumeAt>(layer_, std::move(slice), position, request.factor);
   }
   if (request.tree) {
     VOLUTE_ASSIGN(auto tree, layer_.treeAt(position));
@@ -258,14 +273,14 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   }
   VOLUTE_ASSIGN(auto slice, layer_.sliceAt(moment));
   block_ = position / BlockGrid::kSide;
-  return std::make_shared<const VolumeAt>(layer_, std::move(slice), request.factor);
+  return std::make_shared<const VolumeAt>(layer_, std::move(slice), position, request.factor);
 }
 
 Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, bool lit) {
   if (moment == lightMoment_ && (lightIsWhole_ || !lit))
     return light_;
   VOLUTE_ASSIGN(auto slice, layer_.shadedSliceAt(moment));
-  const Placement& place = layer_.placement();
+  const Placement place = layer_.placementAt(static_cast<int>(moment));
   VolumeLighting lighting;
   lighting.ownFire = false;
   if (lit)
@@ -343,6 +358,11 @@ BillboardMedium::BillboardMedium(const VolumeMedium& volume, const SceneBillboar
 
 Result<std::shared_ptr<const MediumAt>> BillboardMedium::at(const InstantRequest& request,
                                                             Progress& progress) {
+  if (layer().hasPlaces()) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: its grid is turned, or moves by parts of a voxel, and stands on no billboard",
+                layer().path());
+  }
   InstantRequest whole = request;  // one draws bricks, of all levels
   whole.coarse = whole.tree = false;
   VOLUTE_ASSIGN(auto volume, VolumeMedium::at(whole, progress));

@@ -15,14 +15,16 @@ namespace volute {
 class VolumeAt final : public MediumAt {
  public:
   /// @param factor  of the appearance's extinction
-  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, double factor);
+  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, int position,
+           double factor);
 
   /// The frame at a position of a tree. Its bricks are only made for who asks for them.
   VolumeAt(const VolumeLayer& layer, std::shared_ptr<const Tree4d> tree, int position,
            double factor);
 
   /// One that burns or is lit; its light is the same from all cameras.
-  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light, double factor);
+  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light, int position,
+           double factor);
 
   void addMedia(std::vector<AnyMedium>& media) const override;
   Status addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const override;
@@ -61,7 +63,7 @@ class VolumeAt final : public MediumAt {
   const std::shared_ptr<const BrickSlice>& slice() const;
 
  private:
-  VolumeAt(const VolumeLayer& layer, double factor);
+  VolumeAt(const VolumeLayer& layer, int position, double factor);
   /// The same in other light.
   VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> light);
   void addPlaced(AnyMedium medium, std::vector<AnyMedium>& media) const;

@@ -6,10 +6,10 @@
 #include <bit>
 #include <map>
 
+#include "volute/codec/kept_grids.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/lattice_source.hpp"
-#include "volute/codec/kept_grids.hpp"
 #include "volute/media/volume/compression_report.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
@@ -29,8 +29,27 @@ nlohmann::ordered_json missingFrames(const VolumeInfo& info) {
   return gaps;
 }
 
-void addVolume(Report& report, const VolumeInfo& info) {
-  const Box3& b = info.bounds;
+/// Rows of the first frame's.
+nlohmann::ordered_json matrixJson(const std::vector<GridMatrix>& places) {
+  return places.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(places.front());
+}
+
+std::string matrixText(const std::vector<GridMatrix>& places) {
+  if (places.empty())
+    return "";
+  const Mat3 m = linearOf(places.front());
+  const bool moves =
+      std::ranges::any_of(places, [&](const GridMatrix& place) { return place != places.front(); });
+  return fmt::format(
+      "turned or moved by ({:.4g}, {:.4g}, {:.4g}; {:.4g}, {:.4g}, {:.4g}; {:.4g}, "
+      "{:.4g}, {:.4g}){}",
+      m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2),
+      moves ? ", and otherwise in other frames" : "");
+}
+
+/// @param places  VolumeInput::places
+void addVolume(Report& report, const VolumeInfo& info, const std::vector<GridMatrix>& places) {
+  const Box3 b = aroundPlaces(info.bounds, places);
   report.add("grid", info.name)
       .add("unit", info.unit, info.unit)
       .add("size", {info.x, info.y, info.z},
@@ -47,6 +66,7 @@ void addVolume(Report& report, const VolumeInfo& info) {
       .add("times", {info.times.front(), info.times.back()},
            firstToLast(info.times.front(), info.times.back()) + " s")
       .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()}, boxText(b))
+      .add("matrix", matrixJson(places), matrixText(places))
       .add("up", info.up == 0 ? "" : std::string(1, info.up))
       .add("basis", basisName(info.basis))
       .add("raw_bytes", info.rawBytes(), bytesText(info.rawBytes()));
@@ -232,7 +252,9 @@ Result<FileDescription> describeVolute(const std::string& path, const DescribeRe
   Report report;
   report.add("file", path).add("kind", "volute").add("bytes", bytes, bytesText(bytes));
   addIntegrity(report, integrity, reader);
-  addVolume(report, reader.info());
+  addVolume(
+      report, reader.info(),
+      reader.grid().description ? reader.grid().description->places() : std::vector<GridMatrix>());
   addHeader(report, reader,
             several ? reader.grid().bytes : std::max(bytes, integrity.expectedBytes));
   if (several || reader.grid().description)
@@ -366,7 +388,7 @@ Result<FileDescription> describeVolume(const std::string& path, const DescribeRe
     return tl::unexpected(std::move(opened.error()));
   VolumeInput input = std::move(*opened);
   const VolumeInfo& info = input.source->info();
-  addVolume(report, info);
+  addVolume(report, info, input.places);
   if (vdb)
     VOLUTE_TRY(addGrids(report, *vdb, reading));
   if (!request.values)
