@@ -47,31 +47,52 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {8, 2});
   ImGui::Begin("Help", &app.settings().help, kInTheMiddle);
-  // In two columns where one is too high, in three where two are.
+  // In as few columns as are low enough.
   const std::vector<Line> lines = helpLines();
-  const float margins = 2 * (kPanelMargin + ImGui::GetStyle().WindowPadding.x);
-  const float high = static_cast<float>(lines.size()) * ImGui::GetTextLineHeightWithSpacing();
-  const float room = window.y - ImGui::GetFrameHeight() - margins;
-  const std::size_t columns = high <= room ? 1 : high <= 1.6F * room || window.x < 900 ? 2 : 3;
-  const float wide = (window.x - margins) / static_cast<float>(columns);
-  const float keysWide = columns == 1 ? 165 : columns == 2 ? 135 : 110;
-  const std::size_t column = (lines.size() + columns - 1) / columns;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (i % column == 0) {
-      if (i > 0) {
-        ImGui::EndGroup();
-        ImGui::SameLine(ImGui::GetStyle().WindowPadding.x + static_cast<float>(i / column) * wide);
-      }
-      ImGui::BeginGroup();
+  constexpr float kGap = 2;
+  const ImVec2 padding = ImGui::GetStyle().WindowPadding;
+  const float across = window.x - 2 * (kPanelMargin + padding.x);
+  const float room = window.y - 2 * (kPanelMargin + padding.y) - ImGui::GetFrameHeight();
+  std::size_t columns = 0, rows = 0;
+  float wide = 0, keysWide = 0, high = 0;
+  const auto heightOf = [&](const Line& line) {
+    const float wrap = wide - keysWide - 10;
+    const float keys = ImGui::CalcTextSize(line.first, nullptr, false, keysWide - 6).y;
+    return std::max(keys, ImGui::CalcTextSize(line.second, nullptr, false, wrap).y) + kGap;
+  };
+  do {
+    ++columns;
+    wide = std::min(across / static_cast<float>(columns), 480.0F);
+    keysWide = std::min(165.0F, 0.33F * wide);
+    rows = (lines.size() + columns - 1) / columns;
+    high = 0;
+    for (std::size_t begin = 0; begin < lines.size(); begin += rows) {
+      float sum = 0;
+      for (std::size_t i = begin; i < std::min(begin + rows, lines.size()); ++i)
+        sum += heightOf(lines[i]);
+      high = std::max(high, sum);
     }
-    const float left = ImGui::GetCursorPosX();
-    ImGui::TextDisabled("%s", lines[i].first);
-    ImGui::SameLine(left + keysWide);
-    ImGui::PushTextWrapPos(columns == 1 ? -1 : left + wide - ImGui::GetStyle().ItemSpacing.x);
+  } while (high > room && columns < 4);
+  const ImVec2 begin = ImGui::GetCursorPos();
+  float y = begin.y;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const float x = begin.x + static_cast<float>(i / rows) * wide;
+    if (i % rows == 0)
+      y = begin.y;
+    ImGui::SetCursorPos({x, y});
+    ImGui::PushTextWrapPos(x + keysWide - 6);
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::TextUnformatted(lines[i].first);
+    ImGui::PopStyleColor();
+    ImGui::PopTextWrapPos();
+    ImGui::SetCursorPos({x + keysWide, y});
+    ImGui::PushTextWrapPos(x + wide - 10);
     ImGui::TextUnformatted(lines[i].second);
     ImGui::PopTextWrapPos();
+    y += heightOf(lines[i]);
   }
-  ImGui::EndGroup();
+  ImGui::SetCursorPos(begin);
+  ImGui::Dummy({static_cast<float>(columns) * wide, high});
   const ImVec2 corner = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
   const ControlPlace all{corner.x, corner.y, corner.x + size.x, corner.y + size.y};
   app.window().mark("help", all);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <set>
 #include <utility>
@@ -385,6 +386,11 @@ std::uint64_t FdsLayer::surfacesAt(double time, const std::optional<Vec3>& eye) 
       std::ranges::count_if(events_, [&](double event) { return event <= local; }));
   if (slice_)
     key = std::bit_cast<std::uint64_t>(local);
+  const FdsLook& look = description_.fds;
+  if (look.devices || slice_ || particles_)  // another look of the same case adds others
+    key = key * 1000003 + std::hash<std::string>()(fmt::format(
+                              "{} {} {} {}", look.devices, look.slice, look.particles,
+                              look.sliceRange ? (*look.sliceRange)[0] + (*look.sliceRange)[1] : 0));
   if (particles_)
     key = key * 1000003 + particles_->frameAt(local);
   if (eye &&
