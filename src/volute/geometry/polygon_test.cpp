@@ -104,7 +104,7 @@ TEST(Polygon, CornersMayLieCloseTogetherOrOnEachOther) {
     wall.emplace_back((i + 0.5) / kTeeth, 1 + std::sin(0.01 * i), 0);
     wall.emplace_back((i + 0.25) / kTeeth, 0, 0);
   }
-  EXPECT_NEAR(areaOf(wall), 1e12, 10);
+  EXPECT_NEAR(areaOf(wall), 1e12, 100);  // thousands of slivers a million long, each rounded
   Corners around;
   for (int i = 0; i < 300'000; ++i)
     around.push_back(Vec3(i % 3 == 1 ? 1 : 0, i % 3 == 2 ? 1 : 0, 0));
