@@ -488,6 +488,12 @@ Result<std::string> reportAreas(const Survey& survey, const PlanAreas& areas,
     Vec2 middle = Vec2::Zero();
     for (const std::size_t eye : areas.areas[a].eyes) middle += found.eyes[eye].head<2>();
     middle /= static_cast<double>(std::max<std::size_t>(1, areas.areas[a].eyes.size()));
+    // A ring's middle is in another room: its own point that is nearest.
+    const auto nearest = std::ranges::min_element(areas.areas[a].eyes, {}, [&](std::size_t eye) {
+      return (found.eyes[eye].head<2>() - middle).squaredNorm();
+    });
+    if (nearest != areas.areas[a].eyes.end())
+      middle = found.eyes[*nearest].head<2>();
     if (areas.areas[a].kind == "room" || areas.areas[a].kind == "area")
       picture.labels.emplace_back(middle, areas.areas[a].name);
   }
