@@ -157,7 +157,9 @@ class SameBytes(Cluster):
                 self.succeeds(ranks, "compress", source, "-o", self.path("ours.volute"), *options, "--stats", self.path("stats.json"))
                 self.assertEqual(self.path("ours.volute").read_bytes(), self.path("alone.volute").read_bytes(), (ranks, options))
                 # Of one rank a unit has all layers of blocks, of several those that keep a rank's threads busy: here all as well.
-                self.check_units(self.path("stats.json"), "compressing", 3, ranks)
+                # The way through the units that is kept chooses modes at the same time, or is one more.
+                stages = {stage for entry in json.loads(self.path("stats.json").read_text())["ranks"] for stage in entry["units"]}
+                self.check_units(self.path("stats.json"), "compressing" if "compressing" in stages else "choosing modes", 3, ranks)
 
     @staticmethod
     def reads(name):

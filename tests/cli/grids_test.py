@@ -105,7 +105,7 @@ class EveryType(support.TestCase):
         folder = self.make()
         self.works("compress", folder, "-o", self.path("x.volute"), "--field", "density[0],id,surface", "--fast")
         said = self.works("extract", self.path("x.volute"), "-o", self.path("id_%04d.vdb"), "--field", "id", "--json").json
-        self.assertEqual(said["outputs"][0]["grids"], [{"name": "id", "kept": True}])
+        self.assertEqual(said["grids"], [{"name": "id", "kept": True}])
         self.assertIn("'id' holds no volume", self.fails(2, "extract", self.path("x.volute"), "-o", self.path("x.npy"), "--field", "id"))
         said = self.works("extract", self.path("x.volute"), "-o", self.path("{grid}.npy"))
         self.assertIn("left out, as only whole .vdb files hold them: 'id'", said.message)
@@ -114,7 +114,7 @@ class EveryType(support.TestCase):
         self.assertNotIn("kept", dropped.json)
         self.assertIn("no grid can be compressed", self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--field", "id,mask"))
         text = self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--fast")
-        self.assertIn("grid 'holes', frame 1: the value at index (0, 5, 8), which is (0, 5, 8) m, is not a number", text)
+        self.assertRegex(text, r"grid 'holes', frame 1.*the value.* is not a number")
         said = self.works("compress", folder, "-o", self.path("z.volute"), "--field", "holes", "--not-finite", "background", "--json").json
         self.assertGreater(said["bytes"], 0)
 
@@ -202,7 +202,7 @@ class Places(support.TestCase):
         self.assertIn("light in such a grid is not computed", self.fails(1, "render", self.blocks / "skewed.vdb", "-o", self.path("x.png"),
                                                                          "--preset", "smoke", "--renderer", "cpu"))
         self.works("render", self.blocks / "turned.vdb", "-o", self.path("x.png"), "--preset", "smoke", "--renderer", "cpu", "--size", "32x32")
-        self.assertIn("bounds along the axes do not crop it", self.fails(1, "compress", self.blocks / "turned.vdb", "-o", self.path("x.volute"),
+        self.assertIn("bounds along the axes do not crop it", self.fails(2, "compress", self.blocks / "turned.vdb", "-o", self.path("x.volute"),
                                                                          "--bounds=0,0,0,1,1,1"))
 
 
@@ -319,7 +319,7 @@ class Grids(support.TestCase):
         self.assertIn("did you mean 'flame'", self.fails(1, "extract", CACHE, "-o", self.path("y.npy"), "--field", "flam"))
         self.assertIn("is empty", self.fails(1, "extract", CACHE, "-o", self.path("y.npy"), "--field", "fuel"))
         self.works("compress", CACHE, "-o", self.path("one.volute"), "--field", "density")
-        self.assertNotIn("grids", self.works("info", self.path("one.volute"), "--json").json)
+        self.assertEqual([one["name"] for one in self.works("info", self.path("one.volute"), "--json").json["grids"]], ["density"])
 
     def test_presets_find_their_grids(self):
         shown = volute("render", CACHE, "-o", self.path("x.png"), "--size", "48x48")

@@ -337,7 +337,7 @@ chmod +x {path}/build/release/bin/$target
             with contextlib.redirect_stderr(io.StringIO()) as said:
                 state = State(path / "demo", plan(True), compiler.binaries)
                 self.assertFalse(Runner(plan(True), state, compiler, progress.Forecast(1.0), True).run())
-            self.assertEqual(said.getvalue().count("a.cpp:1: error: no"), 4)  # once for each target
+            self.assertEqual(said.getvalue().count("a.cpp:1: error: no"), 5)  # once for each target
             self.assertEqual(said.getvalue().count("effects/fire.png"), 0)
             self.assertIn("needs volute", (path / "demo/index.html").read_text())
             self.assertEqual(links.dead(path / "demo"), [])

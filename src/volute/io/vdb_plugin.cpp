@@ -695,9 +695,9 @@ MetadataList listMetadata(const openvdb::MetaMap& map) {
 void putMetadata(const MetadataList& list, openvdb::MetaMap& map) {
   using openvdb::Metadata;
   for (const GridMetadata& entry : list) {
-    if (entry.name.empty() || isKeptElsewhere(entry.name))
+    if (entry.name.empty() || isKeptElsewhere(entry.name) || entry.type.starts_with("__"))
       continue;
-    const bool known = Metadata::isRegisteredType(entry.type) && !entry.type.starts_with("__");
+    const bool known = Metadata::isRegisteredType(entry.type);
     const Metadata::Ptr metadata = known ? Metadata::createMetadata(entry.type)
                                          : std::make_shared<openvdb::UnknownMetadata>(entry.type);
     if (known && entry.type != "string" && metadata->size() != entry.value.size())

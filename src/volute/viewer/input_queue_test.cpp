@@ -130,7 +130,8 @@ TEST(KeyNamed, IsByTheLayoutsLetters) {
   EXPECT_EQ(keyNamed("z"), Key::kZ);
   EXPECT_EQ(keyNamed("Y"), Key::kY);
   EXPECT_EQ(keyNamed("+"), Key::kPlus);
-  EXPECT_EQ(keyNamed("b"), std::nullopt);
+  EXPECT_EQ(keyNamed("b"), Key::kB);
+  EXPECT_EQ(keyNamed("j"), std::nullopt);
   EXPECT_EQ(keyNamed("\u00df"), std::nullopt);
   EXPECT_EQ(keyNamed(""), std::nullopt);
 }

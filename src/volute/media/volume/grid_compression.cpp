@@ -298,7 +298,14 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
                 "--bounds is for one grid, and {} has {}: choose one with --field", path,
                 all.size());
   }
-  for (const auto& [name, rms] : how.rms) VOLUTE_TRY(grids->choose(name, path));
+  for (const auto& [name, rms] : how.rms) {
+    VOLUTE_ASSIGN(const auto found, grids->choose(name, path));
+    if (std::ranges::find(chosen, found[0]) == chosen.end()) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: an error is stated for grid '{}', which is not to be compressed", path,
+                  name);
+    }
+  }
   for (const auto& [names, what] : {std::pair(&asBytes, "kept as they are, without loss"),
                                     std::pair(&leftOut, "left out, as they hold no volume")}) {
     if (!names->empty())

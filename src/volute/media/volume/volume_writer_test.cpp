@@ -95,7 +95,7 @@ TEST_F(VolumeWriterTest, GridsOfAFileAreCompressedAgain) {
   InputOptions input;
   input.grid = "emission";
   EXPECT_THAT(compressVolume(file, out, how, input, reading_, team_).error().message,
-              HasSubstr("is for several grids"));
+              HasSubstr("which is not to be compressed"));
   how.rms.clear();
   how.frames = {1, std::nullopt, 1};
   const auto one = compressVolume(file, out, how, input, reading_, team_);
