@@ -536,7 +536,7 @@ class Step(ring.TestCase):
 class Memory(ring.TestCase):
     def test_volumes_too_large_are_refused_before_any_work(self):
         before = self.files()
-        for resolution, limit, words in (("512", "500M", "A volume of 512 x 512 x 512 voxels needs 5.4 GB"),
+        for resolution, limit, words in (("512", "500M", "A volume of 512 x 512 x 512 voxels needs 5.37 GB"),
                                          ("1500", "1G", "1 to 1024 voxels an axis")):
             result = support.volute("reconstruct", self.path("capture.json"), "-o", self.path("x.npy"), "--resolution",
                                     resolution, "--max-memory", limit)
