@@ -215,7 +215,7 @@ class EveryVerb(support.TestCase):
         self.path("signs.json").write_text(json.dumps({"signs": [
             {"name": str(i), "position": [0.1 * i, 0, 2], "normal": [0, 1, 0]} for i in range(20)]}))
         self.stops("visibility", self.path("a.vtu"), "--quantity", "extinction", "--signs", self.path("signs.json"), "-o",
-                   self.path("out"), "--step", "0.02", after=0.8)
+                   self.path("out"), "--step", "0.04", after=0.8)
         self.reader_gone(self.path("a.vtu"))
 
 
