@@ -343,7 +343,7 @@ class Job {
                                           {"source", request_.profile.citation},
                                           {"applies", request_.profile.applies}};
     }
-    page_.report["document"] = documentJson();
+    VOLUTE_ASSIGN(page_.report["document"], documentJson());
     page_.report["signs"] = Json::array();
     for (const SightTarget& target : survey_.signs)
       page_.report["signs"].push_back(signJson(target));
@@ -398,7 +398,7 @@ class Job {
   }
 
   /// What a signed report says of itself; null where it is not stated.
-  Json documentJson() {
+  Result<Json> documentJson() {
     const auto& [name, project, author, date, inputs] = request_.document;
     const auto stated = [](const std::string& text) { return text.empty() ? Json() : Json(text); };
     Json json = {
@@ -410,10 +410,12 @@ class Job {
       const auto bytes = std::filesystem::file_size(input, error);
       if (error)
         continue;  // a folder
-      const Result<std::string> sum = bytes <= kMax ? sha256Of(input) : std::string();
-      json["inputs"].push_back({{"file", input.string()},
-                                {"bytes", bytes},
-                                {"sha256", sum && !sum->empty() ? Json(*sum) : Json()}});
+      std::string sum;
+      if (bytes <= kMax) {
+        VOLUTE_ASSIGN(sum, sha256Of(input));
+      }
+      json["inputs"].push_back(
+          {{"file", input.string()}, {"bytes", bytes}, {"sha256", stated(sum)}});
     }
     return json;
   }
