@@ -108,7 +108,7 @@ Status checkFilm(const CaptureCamera& camera, int firstFrame, int lastFrame,
   if (*there < wanted) {
     return fail(ErrorCode::kNotFound,
                 "camera {}, frame {}: the film {} has {} frames, so that it ends with frame {}; "
-                "choose with --frames those that all cameras have",
+                "choose frames that all cameras have",
                 camera.name, lastFrame, pictures.video.string(), *there,
                 static_cast<int>(std::floor(pictures.videoStart - shift +
                                             pictures.placeInFilm(*there - 1) / pictures.rate)));

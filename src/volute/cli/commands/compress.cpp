@@ -118,7 +118,7 @@ Command compressCommand() {
           "the whole file. The error reported is measured on the written data; unless an option "
           "sets another target, the relative RMS is at most 0.003. Values become float32: the "
           "rounding of float64 and of large integers counts in the errors, and a target finer than "
-          "that is refused. NaN and infinities are refused, with frame, index and place; --keep "
+          "that is refused. NaN and infinities are refused, with grid, frame and voxel; --keep "
           "and "
           "--not-finite accept them.\n\nRelative RMS "
           "is the RMS error over the support, the voxels and channels that are active or not "
