@@ -69,7 +69,6 @@ GlWalls wallsOf(const SmokeAt& smoke, const TriangleScene& others) {
   return {{state.locator, &state.locator->mesh()},
           {{glPart(GlSmoke{state.locator, state.extinction, state.source})}},
           smoke.lights().lamps,
-          state.lampShares,
           *smoke.walls(),
           smoke.lights().ambient,
           others};

@@ -29,7 +29,6 @@ struct GlWalls {
   std::shared_ptr<const TetMesh> mesh;
   GlScene media{};  ///< that the lamps shine through
   std::span<const Lamp> lamps{};
-  std::span<const std::vector<float>> shares{};  ///< of each lamp's light, at each vertex
   Rgb color = Rgb::Ones();
   Rgb ambient = Rgb::Zero();
   TriangleScene blocks{};  ///< other things that stand in the light

@@ -36,7 +36,7 @@ Result<GlTriangles> GlTriangles::make(std::span<const Triangle> triangles) {
     }
     boxes.push_back(box);
   }
-  BoxTree tree(boxes);
+  const BoxTree tree(boxes);
   std::vector<Corner> corners;
   for (const std::int32_t item : tree.items) {
     const Triangle& triangle = triangles[static_cast<std::size_t>(item)];
@@ -47,7 +47,6 @@ Result<GlTriangles> GlTriangles::make(std::span<const Triangle> triangles) {
   }
   made.nodes = makeBuffer(std::span<const BoxTree::Node>(tree.nodes));
   made.corners = makeBuffer(std::span<const Corner>(corners));
-  made.order = std::move(tree.items);
   return made;
 }
 

@@ -15,10 +15,9 @@ struct GlTriangles {
   /// Which triangles stop a ray: all, or those whose front or whose back it comes to.
   enum class Sides { kBoth = 0, kFront = 1, kBack = -1 };
 
-  Vec3 middle = Vec3::Zero();       ///< of their bounds [m]
-  Box3 bounds{};                    ///< [m]
-  double reach = 0;                 ///< [m] from the middle to the farthest corner
-  std::vector<std::int32_t> order;  ///< places in the list, in the order that shaders have them in
+  Vec3 middle = Vec3::Zero();  ///< of their bounds [m]
+  Box3 bounds{};               ///< [m]
+  double reach = 0;            ///< [m] from the middle to the farthest corner
   GlBuffer nodes, corners;
 
   /// kTooLarge where they do not fit into one of the device's buffers.

@@ -22,7 +22,6 @@ extern const char* const kTriangles;
 extern const char* const kSurfacesHit;
 extern const char* const kSurfacesShadow;
 extern const char* const kSurfacesLight;
-extern const char* const kWallsLight;
 extern const char* const kLamp;
 extern const char* const kSigns;
 extern const char* const kSignsDeferred;

@@ -14,21 +14,13 @@ namespace {
 using Sides = GlTriangles::Sides;
 
 constexpr float kNoSurface = 3e38F;
-constexpr float kLift = 2e-6F;   ///< of a shadow's ray, as surfaces_shadow.glsl has it
-constexpr float kAlike = 0.01F;  ///< shares of a lamp's light are, as scene/smoke_walls.cpp has it
+constexpr float kLift = 2e-6F;  ///< of a shadow's ray, as surfaces_shadow.glsl has it
 constexpr const char* kGeometry = "geometry";
 constexpr const char* kWalls = "walls";
 
 Result<GlProgram> computeProgram(std::vector<ShaderPart> parts) {
   const ShaderStage stage{GL_COMPUTE_SHADER, std::move(parts)};
   return GlProgram::link({&stage, 1});
-}
-
-Result<GlProgram> hitProgram(bool walls) {
-  return computeProgram({{"settings", fmt::format("#define WALLS {}\n", walls ? 1 : 0)},
-                         {"ray.glsl", glsl::kRay},
-                         {"triangles.glsl", glsl::kTriangles},
-                         {"surfaces_hit.glsl", glsl::kSurfacesHit}});
 }
 
 void bindLamp(const GlProgram& program, const Lamp& lamp, const Vec3& origin) {
@@ -50,22 +42,18 @@ void bindTexture(const GlProgram& program, const char* name, GLuint unit, GLuint
   glBindTextureUnit(unit, texture);
 }
 
-/// The boundary of a mesh, with fronts inwards, and the vertices of each triangle.
-std::vector<Triangle> wallsOf(const TetMesh& mesh,
-                              std::vector<std::array<std::int32_t, 3>>& vertices) {
+/// The boundary of a mesh, with fronts inwards.
+std::vector<Triangle> wallsOf(const TetMesh& mesh) {
   std::vector<Triangle> walls;
   const auto points = mesh.vertices();
   for (const std::int32_t f : mesh.boundary()) {
     const TetFace& face = mesh.faces()[f];
-    auto [a, b, c] = face.vertices;
+    const auto [a, b, c] = face.vertices;
     Triangle wall{{points[a], points[b], points[c]}};
     const Vec3& inner = points[mesh.tets()[face.first / 4][face.first % 4]];
-    if (wall.normal().dot(inner - points[a]) < 0) {
-      std::swap(b, c);
+    if (wall.normal().dot(inner - points[a]) < 0)
       std::swap(wall.corners[1], wall.corners[2]);
-    }
     walls.push_back(wall);
-    vertices.push_back({a, b, c});
   }
   return walls;
 }
@@ -73,10 +61,18 @@ std::vector<Triangle> wallsOf(const TetMesh& mesh,
 }  // namespace
 
 Status SurfacePasses::prepare(const Camera& camera) {
-  if (!shadow_) {
-    VOLUTE_ASSIGN(shadow_, computeProgram({{"triangles.glsl", glsl::kTriangles},
-                                           {"lamp.glsl", glsl::kLamp},
-                                           {"surfaces_shadow.glsl", glsl::kSurfacesShadow}}));
+  if (!programs_) {
+    VOLUTE_ASSIGN(auto hit, computeProgram({{"ray.glsl", glsl::kRay},
+                                            {"triangles.glsl", glsl::kTriangles},
+                                            {"surfaces_hit.glsl", glsl::kSurfacesHit}}));
+    VOLUTE_ASSIGN(auto shadow, computeProgram({{"triangles.glsl", glsl::kTriangles},
+                                               {"lamp.glsl", glsl::kLamp},
+                                               {"surfaces_shadow.glsl", glsl::kSurfacesShadow}}));
+    VOLUTE_ASSIGN(auto light,
+                  computeProgram({{"surfaces_light.glsl", "const float NOWHERE = 3e38;"},
+                                  {"lamp.glsl", glsl::kLamp},
+                                  {"surfaces_light.glsl", glsl::kSurfacesLight}}));
+    programs_ = Programs{std::move(hit), std::move(shadow), std::move(light)};
   }
   if (targets_.width == camera.width() && targets_.height == camera.height())
     return {};
@@ -89,14 +85,6 @@ Status SurfacePasses::prepare(const Camera& camera) {
 }
 
 Status SurfacePasses::prepareSurfaces(const TriangleScene& scene) {
-  if (!ofSurfaces_) {
-    VOLUTE_ASSIGN(auto hit, hitProgram(false));
-    VOLUTE_ASSIGN(auto light,
-                  computeProgram({{"surfaces_light.glsl", "const float NOWHERE = 3e38;"},
-                                  {"lamp.glsl", glsl::kLamp},
-                                  {"surfaces_light.glsl", glsl::kSurfacesLight}}));
-    ofSurfaces_ = Programs{std::move(hit), std::move(light)};
-  }
   // Scenes share their triangles: the same ones are at the same place.
   if (surfaces_ && surfaces_->scene.triangles().data() == scene.triangles().data())
     return {};
@@ -112,33 +100,26 @@ Status SurfacePasses::prepareSurfaces(const TriangleScene& scene) {
 }
 
 Status SurfacePasses::prepareWalls(const std::shared_ptr<const TetMesh>& mesh) {
-  if (!ofWalls_) {
-    VOLUTE_ASSIGN(auto hit, hitProgram(true));
-    VOLUTE_ASSIGN(auto light, computeProgram({{"triangles.glsl", glsl::kTriangles},
-                                              {"lamp.glsl", glsl::kLamp},
-                                              {"walls_light.glsl", glsl::kWallsLight}}));
-    ofWalls_ = Programs{std::move(hit), std::move(light)};
-  }
   if (walls_ && walls_->mesh == mesh)
     return {};
   walls_.reset();
-  std::vector<std::array<std::int32_t, 3>> vertices, ordered;
-  VOLUTE_ASSIGN(auto triangles, GlTriangles::make(wallsOf(*mesh, vertices)));
-  for (const std::int32_t item : triangles.order)
-    ordered.push_back(vertices[static_cast<std::size_t>(item)]);
-  walls_ = Walls{mesh, std::move(triangles), std::move(ordered)};
+  VOLUTE_ASSIGN(auto triangles, GlTriangles::make(wallsOf(*mesh)));
+  walls_ = Walls{mesh, std::move(triangles)};
   return {};
 }
 
-void SurfacePasses::look(const Camera& camera, const GlProgram& hit, const GlTriangles& triangles,
-                         Sides sides, const Rgb& ambient, GlPasses& passes, const char* what) {
+void SurfacePasses::look(const Camera& camera, const Occluders& seen, const GlBuffer& materials,
+                         const Rgb& ambient, GlPasses& passes, const char* what) {
+  const GlProgram& hit = programs_->hit;
+  const GlTriangles& triangles = seen.triangles;
   passes.run("surfaces", what, [&] {
     GlLens lens;
     if (!camera.distortion().none())
       lens = lensDirections(camera);
     origin_ = pictureOrigin(camera, {&triangles.bounds, 1});
     bindRays(hit, camera, origin_, {.lens = lens.directions.name(), .rest = lens.rest.name()});
-    triangles.bind(hit, origin_, sides);
+    triangles.bind(hit, origin_, seen.sides);
+    hit.bindStorage("Materials", 2, materials);
     hit.set("reach", static_cast<float>(triangles.reach));
     hit.set("ambient", Vec3(ambient));
     bindImage(0, targets_.color, GL_WRITE_ONLY, GL_RGBA32F);
@@ -152,22 +133,22 @@ void SurfacePasses::look(const Camera& camera, const GlProgram& hit, const GlTri
 void SurfacePasses::shade(const Lamp& lamp, std::span<const Occluders> occluders, GlPasses& passes,
                           const char* what) {
   passes.run("shadows", what, [&] {
-    bindLamp(*shadow_, lamp, origin_);
-    shadow_->set("lift", kLift);
-    bindTexture(*shadow_, "normals", 0, targets_.normals.name());
-    bindTexture(*shadow_, "points", 1, targets_.points.name());
+    bindLamp(programs_->shadow, lamp, origin_);
+    programs_->shadow.set("lift", kLift);
+    bindTexture(programs_->shadow, "normals", 0, targets_.normals.name());
+    bindTexture(programs_->shadow, "points", 1, targets_.points.name());
     bindImage(0, targets_.ways, GL_READ_WRITE, GL_RGBA32F);
     bindImage(1, targets_.ends, GL_WRITE_ONLY, GL_R32F);
     for (const Occluders& some : occluders) {
-      shadow_->set("again", &some == occluders.data() ? 0 : 1);
-      some.triangles.bind(*shadow_, origin_, some.sides);
-      runOver(*shadow_, targets_.width, targets_.height);
+      programs_->shadow.set("again", &some == occluders.data() ? 0 : 1);
+      some.triangles.bind(programs_->shadow, origin_, some.sides);
+      runOver(programs_->shadow, targets_.width, targets_.height);
     }
   });
 }
 
-Status SurfacePasses::light(const Lamp& lamp, const GlProgram& light, const Attenuate& attenuate,
-                            const std::function<void()>& bind, GlPasses& passes, const char* what) {
+Status SurfacePasses::light(const Lamp& lamp, const GlBuffer& materials, const Attenuate& attenuate,
+                            GlPasses& passes, const char* what) {
   GLuint passed = 0;
   if (attenuate) {
     VOLUTE_ASSIGN(passed, attenuate({.opaque = targets_.ends.name(),
@@ -176,7 +157,8 @@ Status SurfacePasses::light(const Lamp& lamp, const GlProgram& light, const Atte
                                      .from = origin_}));
   }
   passes.run("light", what, [&] {
-    bind();
+    const GlProgram& light = programs_->light;
+    light.bindStorage("Materials", 2, materials);  // after the march has used the bindings
     bindLamp(light, lamp, origin_);
     bindTexture(light, "normals", 0, targets_.normals.name());
     bindTexture(light, "points", 1, targets_.points.name());
@@ -215,14 +197,12 @@ Result<SurfacePicture> SurfacePasses::draw(const Camera& camera, const SurfaceSc
                                            GlPasses& passes) {
   VOLUTE_TRY(prepare(camera));
   VOLUTE_TRY(prepareSurfaces(scene.geometry));
-  ofSurfaces_->hit.bindStorage("Materials", 2, surfaces_->materials);
-  look(camera, ofSurfaces_->hit, surfaces_->triangles, Sides::kBoth, scene.ambient, passes,
+  look(camera, {surfaces_->triangles, Sides::kBoth}, surfaces_->materials, scene.ambient, passes,
        kGeometry);
   const Occluders occluders[] = {{surfaces_->triangles, Sides::kBoth}};
   for (const Lamp& lamp : scene.lamps) {
     shade(lamp, occluders, passes, kGeometry);
-    const auto bind = [&] { ofSurfaces_->light.bindStorage("Materials", 2, surfaces_->materials); };
-    VOLUTE_TRY(light(lamp, ofSurfaces_->light, attenuate, bind, passes, kGeometry));
+    VOLUTE_TRY(light(lamp, surfaces_->materials, attenuate, passes, kGeometry));
   }
   SurfacePicture picture;
   passes.run("read back", [&] { picture = readBack(background); });
@@ -238,22 +218,12 @@ Result<SurfacePicture> SurfacePasses::drawWalls(const Camera& camera, const GlWa
     VOLUTE_TRY(prepareSurfaces(walls.blocks));
     occluders.push_back({surfaces_->triangles, Sides::kBoth});
   }
-  ofWalls_->hit.set("color", Vec3(walls.color));
-  look(camera, ofWalls_->hit, walls_->triangles, Sides::kFront, walls.ambient, passes, kWalls);
-  const GlProgram& shine = ofWalls_->light;
-  shine.set("color", Vec3(walls.color));
-  shine.set("alike", kAlike);
-  for (std::size_t l = 0; l < walls.lamps.size(); ++l) {
-    shade(walls.lamps[l], occluders, passes, kWalls);
-    std::vector<Texel> shares;
-    for (const auto& [a, b, c] : walls_->vertices)
-      shares.push_back({walls.shares[l][a], walls.shares[l][b], walls.shares[l][c], 0});
-    const GlBuffer corners = makeBuffer(shares);
-    const auto bind = [&] {
-      walls_->triangles.bind(shine, origin_);
-      shine.bindStorage("Shares", 2, corners);
-    };
-    VOLUTE_TRY(light(walls.lamps[l], shine, attenuate, bind, passes, kWalls));
+  const GlBuffer materials =
+      makeBuffer(std::vector<Texel>{texel(walls.color), texel(Rgb(Rgb::Zero()))});
+  look(camera, {walls_->triangles, Sides::kFront}, materials, walls.ambient, passes, kWalls);
+  for (const Lamp& lamp : walls.lamps) {
+    shade(lamp, occluders, passes, kWalls);
+    VOLUTE_TRY(light(lamp, materials, attenuate, passes, kWalls));
   }
   SurfacePicture picture;
   passes.run("read back", [&] { picture = readBack(Rgb::Zero()); });

@@ -45,11 +45,10 @@ class SurfacePasses {
   struct Walls {
     std::shared_ptr<const TetMesh> mesh;
     GlTriangles triangles;
-    std::vector<std::array<std::int32_t, 3>> vertices;  ///< in the order of the triangles
   };
 
   struct Programs {
-    GlProgram hit, light;
+    GlProgram hit, shadow, light;
   };
 
   struct Targets {
@@ -57,7 +56,7 @@ class SurfacePasses {
     GlTexture color{}, distances{}, normals{}, points{}, ways{}, ends{};
   };
 
-  /// Those that may be in a lamp's way.
+  /// Those that are seen, or may be in a lamp's way.
   struct Occluders {
     const GlTriangles& triangles;
     GlTriangles::Sides sides;
@@ -66,20 +65,18 @@ class SurfacePasses {
   Status prepare(const Camera& camera);
   Status prepareSurfaces(const TriangleScene& scene);
   Status prepareWalls(const std::shared_ptr<const TetMesh>& mesh);
-  void look(const Camera& camera, const GlProgram& hit, const GlTriangles& triangles,
-            GlTriangles::Sides sides, const Rgb& ambient, GlPasses& passes, const char* what);
+  void look(const Camera& camera, const Occluders& seen, const GlBuffer& materials,
+            const Rgb& ambient, GlPasses& passes, const char* what);
   void shade(const Lamp& lamp, std::span<const Occluders> occluders, GlPasses& passes,
              const char* what);
-  /// `bind` gives the program its buffers, after the march has used the bindings.
-  Status light(const Lamp& lamp, const GlProgram& light, const Attenuate& attenuate,
-               const std::function<void()>& bind, GlPasses& passes, const char* what);
+  Status light(const Lamp& lamp, const GlBuffer& materials, const Attenuate& attenuate,
+               GlPasses& passes, const char* what);
   SurfacePicture readBack(const Rgb& background) const;
 
   std::optional<Surfaces> surfaces_;
   std::optional<Walls> walls_;
   Targets targets_;
-  std::optional<GlProgram> shadow_;
-  std::optional<Programs> ofSurfaces_, ofWalls_;
+  std::optional<Programs> programs_;
   Vec3 origin_ = Vec3::Zero();  ///< what the points are relative to [m]
 };
 

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// What each pixel's ray meets first: how far, the normal towards the eye, and the material, or of WALLS the triangle;
-// follows ray.glsl and triangles.glsl.
+// What each pixel's ray meets first: how far, the normal towards the eye, and the material; follows ray.glsl and
+// triangles.glsl.
 
 layout(r32f, binding = 1) writeonly uniform image2D distances;  // [m] from the eye; NOWHERE where nothing is met
-layout(rgba32f, binding = 2) writeonly uniform image2D normals; // w: the material or triangle, or -1
+layout(rgba32f, binding = 2) writeonly uniform image2D normals; // w: the material, or -1
 layout(rgba32f, binding = 3) writeonly uniform image2D points;  // from the picture's origin [m]
 
-#if WALLS
-uniform vec3 color;  // of all walls
-#else
 layout(std430) readonly buffer Materials { vec4 materials[]; }; // two each: base color, emission
-#endif
 
 uniform dvec3 originInGeometry;  // the picture's origin, from the geometry's middle [m]
 uniform float reach;         // [m] from the middle to the geometry's farthest corner
@@ -38,13 +34,8 @@ void main() {
   dvec4 a = corners[3 * hit.triangle];
   vec3 normal = vec3(normalize(cross(corners[3 * hit.triangle + 1].xyz - a.xyz, corners[3 * hit.triangle + 2].xyz - a.xyz)));
   if (dot(normal, rayDirection) > 0.0) normal = -normal;
-#if WALLS
-  imageStore(normals, pixel, vec4(normal, float(hit.triangle)));
-  imageStore(picture, pixel, vec4(color * ambient, 1.0));
-#else
   int material = int(a.w);
   imageStore(normals, pixel, vec4(normal, float(material)));
   imageStore(picture, pixel, vec4(materials[2 * material + 1].rgb + materials[2 * material].rgb * ambient, 1.0));
-#endif
   imageStore(points, pixel, vec4(vec3(exactOrigin + hit.s * exactDirection), 0.0));
 }
