@@ -199,10 +199,11 @@ class Controls : public ::testing::Test {
     ASSERT_TRUE(script_->has("plan"));
   }
 
-  /// The scene without panels.
+  /// The scene without panels, as large as pictureWidth_ by pictureHeight_.
   Image picture() {
     ViewerInput& input = script_->input();
-    const int width = std::exchange(input.width, 120), height = std::exchange(input.height, 90);
+    const int width = std::exchange(input.width, pictureWidth_);
+    const int height = std::exchange(input.height, pictureHeight_);
     app().settings().panels = false;
     EXPECT_TRUE(script_->settle());
     Image image = viewer_->picture();
@@ -378,6 +379,7 @@ class Controls : public ::testing::Test {
     EXPECT_LT(difference(shown, picture()), 0.02);
   }
 
+  int pictureWidth_ = 120, pictureHeight_ = 90;
   SceneFolder folder_;
   std::chrono::seconds clock_{2};  ///< by which the next file that is replaced is younger
   std::unique_ptr<HeadlessViewer> viewer_;
