@@ -363,5 +363,38 @@ TEST_F(GlFarTest, SmallThingsInLargeOnes) {
   }
 }
 
+/// Two puffs in a box whose table of bricks no device could hold, with room for many between them.
+TEST_F(GlFarTest, PuffsInAnEmptyBox) {
+  VolumeInfo info;
+  info.x = info.y = info.z = 100'000;
+  info.bounds = {Vec3::Zero(), Vec3::Constant(1000)};
+  for (const int channels : {1, 3}) {
+    for (const Basis basis : {Basis::kBox, Basis::kTrilinear}) {
+      info.channels = channels, info.basis = basis;
+      std::vector<BrickPlace> places;
+      for (const int at : {6000, 6150}) {
+        for (int i = 0; i < 8; ++i)
+          places.push_back({at + (i & 1), at + (i >> 1 & 1), 7000 + (i >> 2)});
+      }
+      std::ranges::sort(places, isBefore);
+      auto slice = std::make_shared<BrickSlice>(info, places);
+      std::mt19937 random(5);
+      std::uniform_real_distribution<float> uniform(0, 20);
+      for (const BrickSlice::Entry& entry : slice->entries())
+        std::generate_n(slice->brick(entry.stored), BrickSlice::kVoxels * channels,
+                        [&] { return uniform(random); });
+      const AnyMedium medium(VoxelMedium(slice, 1.3, 1.5));
+      for (const int at : {6000, 6150}) {
+        const Vec3 middle = 0.08 * Vec3(at + 1, at + 1, 7001);
+        for (const Vec3& way : {Vec3(0.48, -0.6, 0.64), Vec3(0.02, -1, 0)}) {
+          const Camera camera = Camera::pinhole({middle + 2 * way, middle}, 6, kWidth, kHeight);
+          EXPECT_LE(errorOf(camera, {{glPart(GlVolume{slice, 1.3, 1.5})}}, {&medium, 1}, {}), 4e-3)
+              << channels << " " << static_cast<int>(basis) << " " << at << " " << way.transpose();
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace volute

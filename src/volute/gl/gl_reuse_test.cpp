@@ -204,11 +204,6 @@ TEST_F(GlLimitsTest, WhatIsLongerThanTexturesIsRefused) {
   const int side = static_cast<int>(gl_->device().largestTexture) + 8;
   const FogMedium fog = fogtest::fog(SplineGrid(side, 2), fogtest::profiles()[0].profile, {});
   EXPECT_NE(refusal({{glPart(GlFog{fog})}}).find("a fog map of"), std::string::npos);
-  VolumeInfo info = infoOf(1, Basis::kBox);
-  info.x = static_cast<int>(8 * (gl_->device().largestTexture3d + 1)), info.y = info.z = 1;
-  const auto slice = std::make_shared<const BrickSlice>(
-      BrickSlice::fromDense(info, std::vector<float>(info.x, 1.0F)));
-  EXPECT_NE(refusal({{glPart(GlVolume{slice, 1, 1})}}).find("table of bricks"), std::string::npos);
 }
 
 /// Just below what is refused for its length, pictures are right: software rasterisers end loops.

@@ -97,6 +97,7 @@ class ShadedMedium final : public GlMedium {
              fmt::format("#define M_CHANNELS {}\n#define M_VALUE {}\n#define M_TRILINEAR 1\n"
                          "#define M_SHADED 1\n#define M_LIT {}\n",
                          emits() ? 4 : 1, emits() ? "vec4" : "float", light_ ? 1 : 0)},
+            {"volume_table.glsl", glsl::kVolumeTable},
             {"volume_shaded.glsl", glsl::kVolumeShaded},
             {"volume.glsl", glsl::kVolume}};
   }
@@ -110,10 +111,7 @@ class ShadedMedium final : public GlMedium {
 
   /// The loop that reads a cell's corners reads their light too.
   GlNeeds needs() const override {
-    double cells = 3;
-    const CellRange& range = atlas_->bricks.range;
-    for (std::size_t axis = 0; axis < 3; ++axis) cells += range.end[axis] - range.begin[axis];
-    return {.textures = light_ ? 3 : 2, .cells = cells, .roundsPerCell = 12.1};
+    return {.textures = light_ ? 3 : 2, .cells = atlas_->bricks.mostCells, .roundsPerCell = 12.1};
   }
 
   Box3 bounds() const override {
@@ -129,8 +127,7 @@ class ShadedMedium final : public GlMedium {
       program.set(name(rest).c_str(), bindings.texture);
       glBindTextureUnit(static_cast<GLuint>(bindings.texture++), texture.name());
     };
-    program.set(name("atlasBricks").c_str(), atlas_->bricks.arranged);
-    bindTexture("bricks", atlas_->bricks.table);
+    atlas_->bricks.bind(program, prefix, bindings);
     bindTexture("atlas", atlas_->values);
     if (!light_)
       return;

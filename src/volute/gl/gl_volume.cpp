@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 #include "volute/gl/gl_part.hpp"
 #include "volute/gl/gl_voxels.hpp"
@@ -26,12 +27,14 @@ ShaderPart settings(int channels, Basis basis) {
 }
 
 /// The tree and the atlas come after the type of their values and before the march.
-std::vector<ShaderPart> volumeParts(int channels, Basis basis, ShaderPart voxels) {
-  return {settings(channels, basis),
-          {"volume settings",
-           "#if M_CHANNELS == 1\n#define M_VALUE float\n#else\n#define M_VALUE vec3\n#endif\n"},
-          std::move(voxels),
-          {"volume.glsl", glsl::kVolume}};
+std::vector<ShaderPart> volumeParts(int channels, Basis basis, std::vector<ShaderPart> voxels) {
+  std::vector<ShaderPart> parts{
+      settings(channels, basis),
+      {"volume settings",
+       "#if M_CHANNELS == 1\n#define M_VALUE float\n#else\n#define M_VALUE vec3\n#endif\n"}};
+  std::ranges::move(voxels, std::back_inserter(parts));
+  parts.push_back({"volume.glsl", glsl::kVolume});
+  return parts;
 }
 
 GlMediumTraits traitsOf(int channels, Basis basis, double emission, double extinction) {
@@ -82,7 +85,9 @@ class AtlasMedium final : public GlMedium {
   }
 
   std::vector<ShaderPart> parts() const override {
-    return volumeParts(atlas_->channels, atlas_->basis, {"volume_atlas.glsl", glsl::kVolumeAtlas});
+    return volumeParts(
+        atlas_->channels, atlas_->basis,
+        {{"volume_table.glsl", glsl::kVolumeTable}, {"volume_atlas.glsl", glsl::kVolumeAtlas}});
   }
 
   GlMediumTraits traits() const override {
@@ -90,11 +95,9 @@ class AtlasMedium final : public GlMedium {
   }
 
   GlNeeds needs() const override {
-    double cells = 3;
-    for (int axis = 0; axis < 3; ++axis)
-      cells += atlas_->bricks.range.end[axis] - atlas_->bricks.range.begin[axis];
-    return {
-        .textures = 2, .cells = cells, .roundsPerCell = atlas_->basis == Basis::kBox ? 5.0 : 12.1};
+    return {.textures = 2,
+            .cells = atlas_->bricks.mostCells,
+            .roundsPerCell = atlas_->basis == Basis::kBox ? 5.0 : 12.1};
   }
 
   Box3 bounds() const override {
@@ -105,9 +108,7 @@ class AtlasMedium final : public GlMedium {
             GlBindings& bindings) const override {
     bindCells(program, prefix, view.origin, atlas_->bricks.cells, atlas_->bricks.range,
               volume_.emission, volume_.extinction, volume_.turn, volume_.offset);
-    program.set((prefix + "atlasBricks").c_str(), atlas_->bricks.arranged);
-    program.set((prefix + "bricks").c_str(), bindings.texture);
-    glBindTextureUnit(static_cast<GLuint>(bindings.texture++), atlas_->bricks.table.name());
+    atlas_->bricks.bind(program, prefix, bindings);
     program.set((prefix + "atlas").c_str(), bindings.texture);
     glBindTextureUnit(static_cast<GLuint>(bindings.texture++), atlas_->atlas.name());
   }
@@ -232,7 +233,7 @@ class TreeMedium final : public GlMedium {
 
   std::vector<ShaderPart> parts() const override {
     return volumeParts(tree_->data->channels, volume_.basis,
-                       {"volume_tree.glsl", glsl::kVolumeTree});
+                       {{"volume_tree.glsl", glsl::kVolumeTree}});
   }
 
   GlMediumTraits traits() const override {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <set>
 
 #include "volute/gl/gl_device.hpp"
 #include "volute/grid/brick_slice.hpp"
@@ -32,12 +33,20 @@ void bindCells(const GlProgram& program, const std::string& prefix, const Vec3& 
                const Mat3& turn, const Vec3& offset) {
   const auto name = [&](const char* rest) { return prefix + rest; };
   const Vec3 unturned = turn.transpose() * (origin - offset);
-  const Vec3 inCells = (unturned - cells.origin).cwiseQuotient(cells.cell);
+  std::array<int, 3> base{}, low{}, high{};
+  Vec3 first;  // the corner that cells are counted from
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    base[axis] = std::max(range.begin[axis] >> 3, 0);
+    low[axis] = range.begin[axis] - 8 * base[axis], high[axis] = range.end[axis] - 8 * base[axis];
+    first[static_cast<Eigen::Index>(axis)] = cells.plane(static_cast<int>(axis), 8 * base[axis]);
+  }
+  const Vec3 inCells = (unturned - first).cwiseQuotient(cells.cell);
+  program.set(name("base").c_str(), base);
   program.set(name("origin").c_str(), inCells);
   program.set(name("turn").c_str(), Mat3(turn.transpose()));
   program.set(name("perMetre").c_str(), Vec3(cells.cell.cwiseInverse()));
-  program.set(name("lo").c_str(), range.begin);
-  program.set(name("hi").c_str(), range.end);
+  program.set(name("lo").c_str(), low);
+  program.set(name("hi").c_str(), high);
   program.set(name("emission").c_str(), static_cast<float>(emission));
   program.set(name("extinction").c_str(), static_cast<float>(extinction));
 }
@@ -70,14 +79,44 @@ GlTexture GlBricks::makeAtlas(GLenum format) const {
   return makeTexture3d(format, arranged[0] * side, arranged[1] * side, arranged[2] * height);
 }
 
+namespace {
+
+/// Of a ray: it meets no more cells, or empty parts of tables, than lie behind each other along the
+/// axes.
+double mostCellsOf(const MarchGrid& grid, const CellGrid& cells, const CellRange& range) {
+  double all = 3, passed = 3;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    all += range.end[axis] - range.begin[axis];
+    constexpr int kBits = BrickTable::kNodeBits;
+    std::set<int> places;
+    for (const BrickSlice::Entry& entry : grid.bricks) places.insert(entry.place[axis] + 1);
+    for (int level = 0; level < grid.table.levels(); ++level) {
+      passed += static_cast<double>(places.size() << kBits);
+      std::set<int> above;
+      for (const int place : places) above.insert(place >> kBits);
+      places = std::move(above);
+    }
+    passed += cells.count[axis] >> kBits * grid.table.levels();
+  }
+  return std::min(all, passed);
+}
+
+}  // namespace
+
+void GlBricks::bind(const GlProgram& program, const std::string& prefix,
+                    GlBindings& bindings) const {
+  program.set((prefix + "atlasBricks").c_str(), arranged);
+  program.set((prefix + "levels").c_str(), levels);
+  program.set((prefix + "topStride").c_str(), topStride);
+  program.set((prefix + "bricks").c_str(), bindings.texture);
+  glBindTextureUnit(static_cast<GLuint>(bindings.texture++), table.name());
+}
+
 Result<GlBricks> makeGlBricks(const CellGrid& cells, int side, int height, const MarchGrid& grid) {
   constexpr int kCells = BrickSlice::kSide;
   GlBricks made;
   made.cells = cells, made.range = {cells.count, {0, 0, 0}};
   made.side = side, made.height = height;
-  std::array<int, 3> count{};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    count[axis] = (cells.count[axis] + kCells - 1) / kCells;
   made.stored = static_cast<std::size_t>(grid.stored);
   for (const BrickSlice::Entry& entry : grid.bricks) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -87,21 +126,19 @@ Result<GlBricks> makeGlBricks(const CellGrid& cells, int side, int height, const
     }
   }
   VOLUTE_ASSIGN(made.arranged, arrange(static_cast<std::int64_t>(made.stored), side, height));
-  VOLUTE_TRY(checkTextureSize("a volume's table of bricks", count[0], count[1], count[2]));
-  std::vector<std::int32_t> numbers(static_cast<std::size_t>(count[0]) *
-                                        static_cast<std::size_t>(count[1]) *
-                                        static_cast<std::size_t>(count[2]),
-                                    BrickTable::kEmpty);
-  for (const auto& [place, stored] : grid.bricks) {
-    const std::size_t row =
-        static_cast<std::size_t>(place[2]) * static_cast<std::size_t>(count[1]) +
-        static_cast<std::size_t>(place[1]);
-    numbers[row * static_cast<std::size_t>(count[0]) + static_cast<std::size_t>(place[0])] = stored;
-  }
-  made.table = makeTexture3d(GL_R32I, count[0], count[1], count[2]);
+  made.levels = grid.table.levels(), made.topStride = grid.table.topStride();
+  made.mostCells = mostCellsOf(grid, cells, made.range);
+  constexpr int kSide = 1024;  // as volume_table.glsl has it
+  const auto entries = grid.table.entries();
+  const auto layers = static_cast<int>((entries.size() - 1) / (kSide * kSide)) + 1;
+  const auto rows = layers > 1 ? kSide : static_cast<int>((entries.size() - 1) / kSide) + 1;
+  VOLUTE_TRY(checkTextureSize("a volume's table of bricks", kSide, rows, layers));
+  std::vector<std::int32_t> all(entries.begin(), entries.end());
+  all.resize(static_cast<std::size_t>(layers) * static_cast<std::size_t>(rows) * kSide);
+  made.table = makeTexture3d(GL_R32I, kSide, rows, layers);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  glTextureSubImage3D(made.table.name(), 0, 0, 0, 0, count[0], count[1], count[2], GL_RED_INTEGER,
-                      GL_INT, numbers.data());
+  glTextureSubImage3D(made.table.name(), 0, 0, 0, 0, kSide, rows, layers, GL_RED_INTEGER, GL_INT,
+                      all.data());
   return made;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,13 @@ struct GlBricks {
   std::size_t stored = 0;         ///< bricks
   int side = 0, height = 0;       ///< of a brick in the atlas, along x and y, and along z [texels]
   std::array<int, 3> arranged{};  ///< bricks of the atlas along each axis
-  GlTexture table;                ///< R32I: the number of each brick, or -1
+  GlTexture table;                ///< R32I: BrickTable::entries()
+  int levels = 1;                 ///< of tables
+  std::array<std::int32_t, 3> topStride{};
+  double mostCells = 0;  ///< that one ray passes, steps over empty bricks with them
+
+  /// Sets what volume_table.glsl reads. Takes a texture.
+  void bind(const GlProgram& program, const std::string& prefix, GlBindings& bindings) const;
 
   /// An empty texture for all stored bricks.
   GlTexture makeAtlas(GLenum format) const;

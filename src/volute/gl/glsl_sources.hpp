@@ -9,6 +9,7 @@ namespace volute::glsl {
 extern const char* const kRay;
 extern const char* const kMarch;
 extern const char* const kVolume;
+extern const char* const kVolumeTable;
 extern const char* const kVolumeAtlas;
 extern const char* const kVolumeShaded;
 extern const char* const kVolumeTree;

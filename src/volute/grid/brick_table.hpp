@@ -114,7 +114,7 @@ class BrickTable {
         on = visit(BrickPlace{cell[0] - 1, cell[1] - 1, cell[2] - 1}, entry, begin, end);
         return;
       }
-      CellRange inner;
+      CellRange inner{.found = true};
       for (std::size_t axis = 0; axis < 3; ++axis) {
         inner.begin[axis] = cell[axis] << kNodeBits;
         inner.end[axis] = inner.begin[axis] + (1 << kNodeBits);

@@ -62,7 +62,7 @@ void CubicGrid::traverse(const Segment& segment, Visit&& visit) const {
       bricks, segment, [&](const BrickPlace& at, std::int32_t which, double begin, double end) {
         ++visited;
         const Brick& brick = stored[static_cast<std::size_t>(which)];
-        CellRange range;
+        CellRange range{.found = true};
         for (std::size_t axis = 0; axis < 3; ++axis) {
           range.begin[axis] = at[axis] * BrickSlice::kSide;
           range.end[axis] = std::min(range.begin[axis] + BrickSlice::kSide, cells.count[axis]);

@@ -135,8 +135,9 @@ TEST(CubicVoxels, ScatteredLightIsThatOfTheSplineTimesTheLight) {
   }
   const ShadedVoxels dark(std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values)));
   const auto lightAt = [](const Vec3& p) { return std::exp(-0.3 * p.x()); };
-  std::vector<Rgb> light;
-  for (const Vec3& p : dark.lightPoints()) light.push_back(Rgb::Constant(lightAt(p)));
+  std::vector<VoxelLight> light;
+  for (const Vec3& p : dark.lightPoints())
+    light.push_back(VoxelLight::Constant(static_cast<float>(lightAt(p))));
   const ShadedVoxels lit = dark.withLight(dark.forMeans(light));
   double plain = 0, corrected = 0, largest = 0;
   for (double x = 4; x < 20; x += 0.37) {

@@ -21,7 +21,10 @@ constexpr int kShadedSide = BrickSlice::kSide + 1;
 constexpr int kShadedCorners = kShadedSide * kShadedSide * kShadedSide;
 
 /// The first channel alone, of what is unshared.
-std::shared_ptr<const BrickSlice> firstChannel(const BrickSlice& slice) {
+std::shared_ptr<const BrickSlice> firstChannel(const std::shared_ptr<const BrickSlice>& whole) {
+  const BrickSlice& slice = *whole;
+  if (slice.channels() == 1)
+    return whole;
   VolumeInfo info;
   info.x = slice.x(), info.y = slice.y(), info.z = slice.z();
   info.bounds = slice.bounds();
@@ -87,7 +90,7 @@ struct ShadedVoxels::Counters {
 
 ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
     : slice_(unshared(std::move(slice))),
-      extinction_(firstChannel(*slice_), 0, 1),
+      extinction_(firstChannel(slice_), 0, 1),
       cells_(voxels::cellsOf(*slice_)),
       occupied_(voxels::occupiedCells(*slice_, cells_)),
       counters_(std::make_shared<Counters>()) {
@@ -104,12 +107,25 @@ ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
   march->emissionChannel = slice_->channels() == 4 ? 1 : -1;
   march->steps = stepsOf(*slice_, cells_);
   march->lightLost = 1e-4F;
-  corners_ = findCorners(*march, cells_);
+  corners_ = findCorners(*march);
   march_ = std::move(march);
 }
 
-std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const MarchGrid& grid,
-                                                                       const CellGrid& cells) {
+Vec3 ShadedVoxels::centreOf(const std::array<std::int32_t, 3>& place) const {
+  const Vec3 size(slice_->x(), slice_->y(), slice_->z());
+  const Vec3 shares =
+      (Vec3(place[0], place[1], place[2]) + Vec3::Constant(0.5)).cwiseQuotient(size);
+  return slice_->bounds().min + slice_->bounds().size().cwiseProduct(shares);
+}
+
+std::vector<Vec3> ShadedVoxels::lightPoints() const {
+  std::vector<Vec3> points;
+  points.reserve(lightPlaces().size());
+  for (const auto& place : lightPlaces()) points.push_back(centreOf(place));
+  return points;
+}
+
+std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const MarchGrid& grid) {
   auto corners = std::make_shared<Corners>();
   const std::size_t bricks = grid.bricks.size();
   corners->ofBrick.assign(bricks * kShadedCorners, -1);
@@ -121,9 +137,9 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const Mar
   std::size_t needed = 0;
   for (const auto& ofBrick : marks)
     needed += static_cast<std::size_t>(std::ranges::count(ofBrick, 1));
-  corners->points.reserve(needed), corners->places.reserve(needed);
+  corners->places.reserve(needed);
   for (std::size_t b = 0; b < bricks; ++b) {
-    corners->firstPoint.push_back(static_cast<std::int32_t>(corners->points.size()));
+    corners->firstPoint.push_back(static_cast<std::int32_t>(corners->places.size()));
     const BrickPlace& brick = grid.bricks[b].place;
     std::int32_t* out = &corners->ofBrick[b * kShadedCorners];
     for (int i = 0; i < kShadedCorners; ++i) {
@@ -153,14 +169,11 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const Mar
       }
       if (out[i] >= 0)
         continue;
-      out[i] = static_cast<std::int32_t>(corners->points.size());
-      Vec3 point;
-      for (int axis = 0; axis < 3; ++axis)
-        point[axis] = cells.plane(axis, brick[axis] * BrickSlice::kSide + place[axis]);
-      corners->points.push_back(point);
-      corners->places.push_back({brick[0] * BrickSlice::kSide + place[0],
-                                 brick[1] * BrickSlice::kSide + place[1],
-                                 brick[2] * BrickSlice::kSide + place[2]});
+      out[i] = static_cast<std::int32_t>(corners->places.size());
+      // A cell's first corner is the voxel before it.
+      corners->places.push_back({brick[0] * BrickSlice::kSide + place[0] - 1,
+                                 brick[1] * BrickSlice::kSide + place[1] - 1,
+                                 brick[2] * BrickSlice::kSide + place[2] - 1});
     }
   }
   return corners;
@@ -169,7 +182,6 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const Mar
 std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCentres(const BrickSlice& slice) {
   auto centres = std::make_shared<Corners>();
   centres->ofVoxel.assign(slice.storedBricks() * BrickSlice::kVoxels, -1);
-  const Vec3 voxel = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
   for (const BrickSlice::Entry& entry : slice.entries()) {
     const float* values = slice.brick(entry.stored);
     for (int i = 0; i < BrickSlice::kVoxels; ++i) {
@@ -178,16 +190,15 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCentres(const Bri
       const int x = entry.place[0] * BrickSlice::kSide + i % BrickSlice::kSide,
                 y = entry.place[1] * BrickSlice::kSide + i / BrickSlice::kSide % BrickSlice::kSide,
                 z = entry.place[2] * BrickSlice::kSide + i / BrickSlice::kSide / BrickSlice::kSide;
-      centres->ofVoxel[slice.placeOf(x, y, z)] = static_cast<std::int32_t>(centres->points.size());
-      centres->points.push_back(slice.bounds().min +
-                                voxel.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5)));
+      centres->ofVoxel[slice.placeOf(x, y, z)] = static_cast<std::int32_t>(centres->places.size());
       centres->places.push_back({x, y, z});
     }
   }
   return centres;
 }
 
-std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& place) const {
+std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& voxel) const {
+  const std::array<std::int32_t, 3> place{voxel[0] + 1, voxel[1] + 1, voxel[2] + 1};  // in cells
   // Most are inside of a brick.
   if (place[0] >= 0 && place[1] >= 0 && place[2] >= 0 && place[0] <= cells_.count[0] &&
       place[1] <= cells_.count[1] && place[2] <= cells_.count[2]) {
@@ -233,10 +244,10 @@ std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& place) con
   return -1;
 }
 
-std::vector<Rgb> ShadedVoxels::forMeans(std::span<const Rgb> light) const {
+std::vector<VoxelLight> ShadedVoxels::forMeans(std::span<const VoxelLight> light) const {
   if (!march_)
     return {light.begin(), light.end()};
-  std::vector<Rgb> out(light.size());
+  std::vector<VoxelLight> out(light.size());
   // By the brick that has a point first; its neighbours are mostly there.
   parallelRanges(corners_->firstPoint.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
@@ -245,7 +256,7 @@ std::vector<Rgb> ShadedVoxels::forMeans(std::span<const Rgb> light) const {
         if (points[corner] < corners_->firstPoint[b])
           continue;
         const auto i = static_cast<std::size_t>(points[corner]);
-        Rgb differences = Rgb::Zero();
+        VoxelLight differences = VoxelLight::Zero();
         for (std::size_t axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
           const auto step = static_cast<int>(stride);
           const int at = corner / step % kShadedSide;
@@ -261,7 +272,7 @@ std::vector<Rgb> ShadedVoxels::forMeans(std::span<const Rgb> light) const {
             differences += light[static_cast<std::size_t>(before)] +
                            light[static_cast<std::size_t>(after)] - 2 * light[i];
         }
-        out[i] = (light[i] - differences / 12).max(0.5 * light[i]).min(1.5 * light[i]);
+        out[i] = (light[i] - differences / 12).max(0.5F * light[i]).min(1.5F * light[i]);
       }
     }
   });
@@ -271,7 +282,7 @@ std::vector<Rgb> ShadedVoxels::forMeans(std::span<const Rgb> light) const {
 /// Between voxels the spline of products K_i L_i is K L plus a sixth of its second derivative, and
 /// the spline of K is K plus a sixth of its own: what is asked for, the product of the latter with
 /// L, has coefficients K_i L_i - sum over neighbours n of K_n (L_n - L_i) / 6.
-ShadedVoxels ShadedVoxels::withSplines(std::span<const Rgb> light) const {
+ShadedVoxels ShadedVoxels::withSplines(std::span<const VoxelLight> light) const {
   VolumeInfo info;
   info.x = slice_->x(), info.y = slice_->y(), info.z = slice_->z();
   info.channels = 4;
@@ -299,9 +310,9 @@ ShadedVoxels ShadedVoxels::withSplines(std::span<const Rgb> light) const {
         if (point < 0)
           continue;
         differences += static_cast<double>(slice_->value(at[0], at[1], at[2], 0)) *
-                       (light[static_cast<std::size_t>(point)] - light[i]);
+                       (light[static_cast<std::size_t>(point)] - light[i]).cast<double>();
       }
-      const Rgb plain = own * light[i];
+      const Rgb plain = own * light[i].cast<double>();
       const Rgb scattered = (plain - differences / 6).max(0.5 * plain).min(1.5 * plain);
       const std::size_t voxel = slice_->placeOf(place[0], place[1], place[2]);
       float* out = slice->brick(static_cast<std::int32_t>(voxel / BrickSlice::kVoxels)) +
@@ -318,11 +329,12 @@ ShadedVoxels ShadedVoxels::withSplines(std::span<const Rgb> light) const {
 namespace {
 
 /// Whether all of it is the brightest, made darker.
-bool isOneColor(std::span<const Rgb> light, const Rgb& largest) {
+bool isOneColor(std::span<const VoxelLight> light, const Rgb& largest) {
   constexpr double kSame = 1e-6;
   const double brightest = largest.maxCoeff();
   const Rgb color = largest / brightest;
-  return std::ranges::all_of(light, [&](const Rgb& one) {
+  return std::ranges::all_of(light, [&](const VoxelLight& voxel) {
+    const Rgb one = voxel.cast<double>();
     const double share = (one * color).sum() / color.square().sum();
     return ((one - share * color).abs() <= kSame * brightest).all();
   });
@@ -330,19 +342,20 @@ bool isOneColor(std::span<const Rgb> light, const Rgb& largest) {
 
 }  // namespace
 
-ShadedVoxels ShadedVoxels::withLight(std::vector<Rgb> given) const {
-  const std::span<const Rgb> light = given;
-  VOLUTE_ASSERT(light.size() == corners_->points.size());
+ShadedVoxels ShadedVoxels::withLight(std::vector<VoxelLight> given) const {
+  const std::span<const VoxelLight> light = given;
+  VOLUTE_ASSERT(light.size() == corners_->places.size());
   if (!march_)
     return withSplines(light);
   ShadedVoxels lit = *this;
   Rgb largest = Rgb::Zero();
-  for (const Rgb& one : light) largest = largest.max(one);
+  for (const VoxelLight& one : light) largest = largest.max(one.cast<double>());
   if (!(largest.maxCoeff() > 0)) {
     lit.light_ = nullptr;
     return lit;
   }
-  lit.light_ = std::make_shared<const std::vector<Rgb>>(std::move(given));  // `light` still sees it
+  lit.light_ =
+      std::make_shared<const std::vector<VoxelLight>>(std::move(given));  // `light` still sees it
   const int channels = slice_->channels();
   auto march = std::make_shared<MarchGrid>(*march_);
   march->lightChannel = channels;
@@ -352,8 +365,8 @@ ShadedVoxels ShadedVoxels::withLight(std::vector<Rgb> given) const {
     march->lightScale[c] = static_cast<float>(largest[c] / (levels * levels));
   }
   const Rgb perLargest = 1 / largest.max(1e-300);
-  const auto valueOf = [&](const Rgb& one) {
-    const Rgb shares = one * perLargest;
+  const auto valueOf = [&](const VoxelLight& one) {
+    const Rgb shares = one.cast<double>() * perLargest;
     return march->oneColor ? static_cast<float>(shares.maxCoeff()) : packLight(shares);
   };
   const std::size_t bricks = march_->bricks.size();
@@ -400,7 +413,8 @@ Rgb ShadedVoxels::lightAt(std::int32_t brick, const std::array<int, 3>& cell, in
         (cell[static_cast<std::size_t>(axis)] % BrickSlice::kSide + (corner >> axis & 1)) * stride;
   const std::int32_t point = corners_->ofBrick[static_cast<std::size_t>(brick) * kShadedCorners +
                                                static_cast<std::size_t>(place)];
-  return point < 0 ? Rgb(Rgb::Zero()) : (*light_)[static_cast<std::size_t>(point)];
+  return point < 0 ? Rgb(Rgb::Zero())
+                   : Rgb((*light_)[static_cast<std::size_t>(point)].cast<double>());
 }
 
 Rgb ShadedVoxels::emission(const Vec3& point) const {

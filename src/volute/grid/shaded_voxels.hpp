@@ -12,6 +12,9 @@
 
 namespace volute {
 
+/// Light at a voxel.
+using VoxelLight = Eigen::Array3f;
+
 /// One instant of a volume that absorbs, may send light of its own, and may scatter light that
 /// reaches it:
 ///   extinction = K,   emission = J + K * L
@@ -31,16 +34,22 @@ class ShadedVoxels {
 
   /// Where light is to be known: the centres of all voxels in cells in which K is not zero, up to
   /// one voxel outside of the volume [m]; over the cubic basis those of voxels with K > 0.
-  const std::vector<Vec3>& lightPoints() const { return corners_->points; }
+  std::vector<Vec3> lightPoints() const;
+
+  /// The same as voxels; -1 is one before the first.
+  std::span<const std::array<std::int32_t, 3>> lightPlaces() const { return corners_->places; }
+
+  /// [m]
+  Vec3 centreOf(const std::array<std::int32_t, 3>& place) const;
 
   /// From light at each of lightPoints() what L is to be there, so that between them its means are
   /// right to the fourth order: less a twelfth of its second differences. What is interpolated
   /// between values of e^-t would else be too bright everywhere. Over the cubic basis it is the
   /// light itself.
-  std::vector<Rgb> forMeans(std::span<const Rgb> light) const;
+  std::vector<VoxelLight> forMeans(std::span<const VoxelLight> light) const;
 
   /// The same with light: L at each of lightPoints().
-  ShadedVoxels withLight(std::vector<Rgb> light) const;
+  ShadedVoxels withLight(std::vector<VoxelLight> light) const;
 
   Box3 bounds() const { return extinction_.bounds(); }
 
@@ -77,14 +86,14 @@ class ShadedVoxels {
  private:
   bool marchesLight() const;
 
-  /// The corners of a brick of cells, 9 a side, and which of points is at each; -1: none is needed.
+  /// The corners of a brick of cells, 9 a side, and which of the places is at each; -1: none is
+  /// needed.
   struct Corners {
-    std::vector<Vec3> points;
-    std::vector<std::array<std::int32_t, 3>> places;  ///< of the points, in cells
+    std::vector<std::array<std::int32_t, 3>> places;  ///< voxels
     std::vector<std::int32_t> ofBrick;                ///< shape (bricks, 9, 9, 9)
     std::vector<std::int32_t> firstPoint;  ///< of each brick; those before are of earlier bricks
     std::vector<std::int32_t>
-        ofVoxel;  ///< cubic: which of points is at each, of stored bricks; or -1
+        ofVoxel;  ///< cubic: which of the places is at each, of stored bricks; or -1
   };
 
   struct Counters;
@@ -92,12 +101,12 @@ class ShadedVoxels {
   static std::shared_ptr<const Corners> findCentres(const BrickSlice& slice);
 
   /// withLight() over the cubic basis.
-  ShadedVoxels withSplines(std::span<const Rgb> light) const;
+  ShadedVoxels withSplines(std::span<const VoxelLight> light) const;
 
-  /// Which of the points is at a place; -1: none.
-  std::int32_t pointAt(const std::array<std::int32_t, 3>& place) const;
+  /// Which of the places is this voxel; -1: none.
+  std::int32_t pointAt(const std::array<std::int32_t, 3>& voxel) const;
 
-  static std::shared_ptr<const Corners> findCorners(const MarchGrid& grid, const CellGrid& cells);
+  static std::shared_ptr<const Corners> findCorners(const MarchGrid& grid);
 
   /// L at a corner of a cell in a brick; 0 where it is not known.
   Rgb lightAt(std::int32_t brick, const std::array<int, 3>& cell, int corner) const;
@@ -109,7 +118,7 @@ class ShadedVoxels {
   std::shared_ptr<const MarchGrid> march_;    ///< null: cubic
   std::shared_ptr<const CubicVoxels> cubic_;  ///< of K and emission; null: trilinear
   std::shared_ptr<const Corners> corners_;
-  std::shared_ptr<const std::vector<Rgb>> light_;  ///< at corners_->points; or null
+  std::shared_ptr<const std::vector<VoxelLight>> light_;  ///< at corners_->places; or null
   std::shared_ptr<Counters> counters_;
 };
 

@@ -30,10 +30,10 @@ ShadedVoxels shadedMedium(int channels, bool lit, bool grey = false,
   const ShadedVoxels dark(std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values)));
   if (!lit)
     return dark;
-  std::vector<Rgb> light;
+  std::vector<VoxelLight> light;
   for (const Vec3& p : dark.lightPoints()) {
     const double a = std::exp(p.x()), b = 1 + std::sin(3 * p.y());
-    light.push_back(grey ? a * Rgb(1, 0.5, 0.25) : Rgb(a, b, 0.3));
+    light.push_back((grey ? Rgb(a * Rgb(1, 0.5, 0.25)) : Rgb(a, b, 0.3)).cast<float>());
   }
   return dark.withLight(light);
 }
@@ -176,9 +176,10 @@ TEST(ShadedVoxels, LightForMeansHasTheMeansOfExponentials) {
   info.basis = Basis::kTrilinear;
   const std::vector<float> values(info.frameValues(), 1);
   const ShadedVoxels medium(std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values)));
-  std::vector<Rgb> light;
-  for (const Vec3& p : medium.lightPoints()) light.push_back(Rgb::Constant(std::exp(-0.5 * p.x())));
-  const auto mean = [&](const std::vector<Rgb>& values) {
+  std::vector<VoxelLight> light;
+  for (const Vec3& p : medium.lightPoints())
+    light.push_back(VoxelLight::Constant(static_cast<float>(std::exp(-0.5 * p.x()))));
+  const auto mean = [&](const std::vector<VoxelLight>& values) {
     double sum = 0;  // over the cell from 7.5 to 8.5
     const ShadedVoxels lit = medium.withLight(values);
     for (int i = 0; i < 100; ++i) sum += lit.emission({7.5 + (i + 0.5) / 100, 8, 8})[0] / 100;

@@ -2,11 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/grid/traversal.hpp"
 
+#include <cmath>
 #include <limits>
 
 namespace volute {
 namespace {
 
+constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 int cellIndex(const CellGrid& grid, int axis, double coordinate) {
@@ -34,12 +36,18 @@ bool enterCells(const CellGrid& grid, const CellRange& range, const Segment& seg
   for (int axis = 0; axis < 3; ++axis) {
     const double direction = segment.direction[axis];
     const double origin = segment.origin[axis];
-    const double low = grid.plane(axis, range.begin[axis]);
-    const double high = grid.plane(axis, range.end[axis]);
+    double low = grid.plane(axis, range.begin[axis]);
+    double high = grid.plane(axis, range.end[axis]);
+    if (range.found) {
+      const double slack = kRounding * (std::abs(origin) + std::abs(low) + std::abs(high));
+      low -= slack, high += slack;
+    }
     if (direction == 0) {
       if (!(origin >= low && origin <= high))
         return false;
       entry.cell[axis] = cellIndex(grid, axis, origin);
+      if (range.found)
+        entry.cell[axis] = std::clamp(entry.cell[axis], range.begin[axis], range.end[axis] - 1);
       if (entry.cell[axis] < range.begin[axis] || entry.cell[axis] >= range.end[axis])
         return false;
       entry.step[axis] = 0;

@@ -28,6 +28,9 @@ struct CellGrid {
 struct CellRange {
   std::array<int, 3> begin{};
   std::array<int, 3> end{};
+  /// A walk over larger cells says that the segment is in the range: their planes may have been
+  /// rounded otherwise.
+  bool found = false;
 
   bool empty() const { return begin[0] >= end[0] || begin[1] >= end[1] || begin[2] >= end[2]; }
 };

@@ -73,7 +73,7 @@ void forMarchedCells(const MarchGrid& grid, const CellGrid& cells, const Segment
   const CellGrid bricks{cells.origin, kSide * cells.cell, {}};
   grid.table.walk(
       bricks, segment, [&](const BrickPlace& place, std::int32_t number, double begin, double end) {
-        CellRange range;
+        CellRange range{.found = true};
         for (std::size_t axis = 0; axis < 3; ++axis) {
           range.begin[axis] = place[axis] * kSide;
           range.end[axis] = std::min(range.begin[axis] + kSide, cells.count[axis]);

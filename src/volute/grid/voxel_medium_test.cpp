@@ -265,6 +265,35 @@ TEST(VoxelMedium, CoefficientsComeBack) {
   }
 }
 
+/// Where a ray parallel to an axis lies between two bricks, each of them is rounded otherwise.
+TEST(VoxelMedium, RaysOnFacesOfBricksLoseNothing) {
+  VolumeInfo info;
+  info.x = 300, info.y = 260, info.z = 411;
+  info.bounds = {Vec3::Zero(), Vec3(3, 3.1, 4.11)};
+  std::vector<BrickPlace> places;
+  for (int i = 0; i < 27; ++i) places.push_back({20 + i % 3, 5 + i / 3 % 3, 28 + i / 9});
+  const Vec3 voxel = info.bounds.size().cwiseQuotient(Vec3(info.x, info.y, info.z));
+  for (const Basis basis : {Basis::kBox, Basis::kTrilinear, Basis::kCubic}) {
+    info.basis = basis;
+    BrickSlice slice(info, places);
+    for (const BrickSlice::Entry& entry : slice.entries())
+      std::fill_n(slice.brick(entry.stored), BrickSlice::kVoxels, 2.0F);
+    const VoxelMedium medium(std::make_shared<BrickSlice>(std::move(slice)), 0, 1);
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int i = 2; i < 22; ++i) {
+        for (const double part : {0.0, 0.5}) {
+          Vec3 at = voxel.cwiseProduct(Vec3(160 + i + part, 40 + i + part, 224 + i + part));
+          at[axis] = -1;
+          const Segment ray{at, Vec3::Unit(axis), 0, 100};
+          double depth = 0;
+          medium.opticalDepth({&ray, 1}, {&depth, 1});
+          EXPECT_NEAR(depth, 48 * voxel[axis], 1e-6) << axis << " " << i << " " << part;
+        }
+      }
+    }
+  }
+}
+
 /// Tiles share bricks in the march, wherever they are in a box that no table of it could hold.
 TEST(VoxelMedium, TilesFarAwayAreWhatTheirVoxelsAre) {
   constexpr int kFar = 80000;

@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 // One instant of a volume, cell by cell along a ray; M_ stands for the medium's own prefix. Cells are voxels (box), or
 // lie between eight voxel centres (trilinear: cell i is between voxels i - 1 and i). Bricks of 8^3 cells that are empty
-// are stepped over. M_open(brick) and M_voxel(voxel) come from volume_atlas.glsl, volume_tree.glsl or, of M_SHADED
-// volumes, volume_shaded.glsl, which has M_scattered(voxel) too, where M_LIT.
+// are stepped over, 2^M_gap a side together. M_open(brick) and M_voxel(voxel) come from volume_atlas.glsl,
+// volume_tree.glsl or, of M_SHADED volumes, volume_shaded.glsl, which has M_scattered(voxel) too, where M_LIT.
 
 uniform vec3 M_origin;    // [cells] the picture's
 uniform vec3 M_perMetre;  // [cells/m]
@@ -15,12 +15,13 @@ uniform float M_extinction;  // 1/m per unit
 
 vec3 M_o, M_d;     // the ray in cells
 ivec3 M_cell;
-vec3 M_planes;     // where the ray leaves the cell, or the empty brick, on each axis
+vec3 M_planes;     // where the ray leaves the cell, or what is empty, on each axis
 float M_end;       // the ray is in this cell or gap up to here
 float M_stop;
 bool M_on;         // in a brick that is not empty
 bool M_waits;      // still before the volume
-bool M_leaps;      // in an empty brick
+bool M_leaps;      // in empty bricks, of which these are the cells
+ivec3 M_low, M_high;
 #if M_TRILINEAR
 M_VALUE M_c[8];    // coefficients of 1, x, y, xy, z, xz, yz, xyz
 #if M_LIT
@@ -69,9 +70,9 @@ void M_enter() {
   ivec3 brick = M_cell >> 3;
   M_on = M_open(brick);
   M_leaps = !M_on;
-  ivec3 low = M_on ? M_cell : brick * 8;
-  ivec3 high = M_on ? M_cell + 1 : brick * 8 + 8;
-  for (int axis = 0; axis < 3; ++axis) M_planes[axis] = M_plane(axis, low[axis], high[axis]);
+  M_low = M_on ? M_cell : ((M_base + brick + 1 >> M_gap << M_gap) - 1 - M_base) * 8;
+  M_high = M_low + (M_on ? 1 : 8 << M_gap);
+  for (int axis = 0; axis < 3; ++axis) M_planes[axis] = M_plane(axis, M_low[axis], M_high[axis]);
   M_end = min(min(M_planes.x, M_planes.y), min(M_planes.z, M_stop));
   if (M_on) M_read();
 }
@@ -109,9 +110,8 @@ void M_next() {
     if (M_planes.z < M_planes[axis]) axis = 2;
     int ahead = M_d[axis] > 0.0 ? 1 : -1;
     if (M_leaps) {
-      ivec3 brick = (M_cell >> 3) * 8;
-      M_cell = clamp(M_cellAt(M_end), brick, brick + 7);
-      M_cell[axis] = ahead > 0 ? brick[axis] + 8 : brick[axis] - 1;
+      M_cell = clamp(M_cellAt(M_end), M_low, M_high - 1);
+      M_cell[axis] = ahead > 0 ? M_high[axis] : M_low[axis] - 1;
     } else {
       M_cell[axis] += ahead;
     }

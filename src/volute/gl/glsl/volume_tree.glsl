@@ -4,6 +4,9 @@
 // tree4d/tree_node.hpp has it. The buffer holds the arrays of TreeData one after the other, as they are; M_arrays says
 // where each begins, in words.
 
+// From the volume's first brick to the one that cells and voxels here count from: floats of cells far away are coarse.
+uniform ivec3 M_base;
+
 layout(std430) readonly buffer M_Tree { uint M_words[]; };
 
 struct M_Level {
@@ -92,6 +95,7 @@ bool M_isOccupied(ivec3 brick) {  // x, y, z
 }
 
 M_VALUE M_voxel(ivec3 voxel) {
+  voxel += 8 * M_base;
   if (any(lessThan(voxel, ivec3(0))) || any(greaterThanEqual(voxel, M_extents.wzy))) return M_VALUE(0.0);
   bool occupied = M_isOccupied(voxel >> 3);
   if (!occupied && M_skips != 0) return M_VALUE(0.0);
@@ -121,8 +125,11 @@ M_VALUE M_voxel(ivec3 voxel) {
   return occupied ? clamp(value, M_range.x, M_range.y) : M_VALUE(0.0);
 }
 
+const int M_gap = 0;  // what is empty is a brick
+
 bool M_open(ivec3 brick) {
   if (M_skips == 0) return true;
+  brick += M_base;
   bool any = M_isOccupied(brick);
 #if M_TRILINEAR
   for (int i = 1; i < 8; ++i) any = any || M_isOccupied(brick - ivec3(i & 1, i >> 1 & 1, i >> 2));

@@ -6,7 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <new>
 #include <numeric>
+#include <tuple>
 
 #include "volute/base/parallel.hpp"
 #include "volute/media/volume/light_fan_rows.hpp"
@@ -16,7 +20,6 @@ namespace {
 
 constexpr int kPad = FanPlanes::kPad;  ///< zeros around a plane: as far as cubics reach, too
 constexpr double kGauss[2] = {0.21132486540518713, 0.78867513459481287};
-constexpr std::size_t kRowGrain = 16;
 
 /// Values on a plane of voxel centres, zeros around them.
 struct Plane {
@@ -103,16 +106,9 @@ void join(const Plane& before, const Plane& here, FanPlanes& both) {
     both.values[2 * i] = before.values[i], both.values[2 * i + 1] = here.values[i];
 }
 
-/// A share of one value of a plane beside a ray.
-struct Tap {
-  bool next;  ///< of the plane that is nearer to the light
-  int b, c;
-  float share;
-};
-
 /// The integral from (b, c) in one plane to (b + db, c + dc) in the next, both in voxels, times
 /// `length`: shares of the values around (0, 0).
-std::vector<Tap> tapsOf(double b, double db, double c, double dc, double length) {
+FanTaps tapsOf(double b, double db, double c, double dc, double length) {
   constexpr int kReach = 5;  // from -2 to 2 and one more
   double sums[2][kReach][kReach]{};
   const auto cuts = cutsOf(b, db, c, dc);
@@ -131,12 +127,12 @@ std::vector<Tap> tapsOf(double b, double db, double c, double dc, double length)
       }
     }
   }
-  std::vector<Tap> taps;
+  FanTaps taps;
   for (int next = 0; next < 2; ++next) {
     for (int i = 0; i < kReach; ++i) {
       for (int j = 0; j < kReach; ++j) {
         if (sums[next][i][j] != 0)
-          taps.push_back({next == 1, i - 2, j - 2, static_cast<float>(sums[next][i][j])});
+          taps.add({next, i - 2, j - 2, static_cast<float>(sums[next][i][j])});
       }
     }
   }
@@ -145,122 +141,208 @@ std::vector<Tap> tapsOf(double b, double db, double c, double dc, double length)
 
 }  // namespace
 
-LightFan::LightFan(const BrickSlice& slice, std::span<const Vec3> points)
+LightFan::LightFan(const BrickSlice& slice, std::span<const Place> places)
     : slice_(slice),
       voxel_(slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()))),
       size_{slice.x(), slice.y(), slice.z()},
-      places_(points.size()) {
-  parallelRanges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 place = (points[i] - slice_.bounds().min).cwiseQuotient(voxel_);
-      for (int axis = 0; axis < 3; ++axis)
-        places_[i][static_cast<std::size_t>(axis)] =
-            static_cast<std::int32_t>(place[axis] + 1) - 1;  // rounded down; at least -1/2
+      places_(places) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    bricks_[axis] = {size_[axis], 0}, reach_[axis] = {-1, size_[axis]};
+    for (const Place& place : places_) reach_[axis].add(place[axis]);
+    for (const BrickSlice::Entry& entry : slice.entries()) {
+      const int from = entry.place[axis] * BrickSlice::kSide;
+      bricks_[axis].add(from),
+          bricks_[axis].add(std::min(from + BrickSlice::kSide, size_[axis]) - 1);
     }
-  });
+  }
 }
 
-LightFan::Planes LightFan::planesOf(std::size_t axis, std::span<const std::int32_t> which) const {
+LightFan::Planes LightFan::planesOf(std::size_t axis) const {
+  return planesOf(axis, places_.size(), [](std::size_t i) { return static_cast<std::int32_t>(i); });
+}
+
+template <class Which>
+LightFan::Planes LightFan::planesOf(std::size_t axis, std::size_t count, Which&& which) const {
   Planes planes;
-  planes.first = -1;
-  planes.points.resize(static_cast<std::size_t>(size_[axis] + 2));
-  for (const std::int32_t i : which) {
-    const std::int32_t plane = places_[static_cast<std::size_t>(i)][axis] - planes.first;
-    planes.points[static_cast<std::size_t>(plane)].push_back(i);
-  }
+  planes.first = reach_[axis].least;
+  planes.begin.resize(static_cast<std::size_t>(reach_[axis].most - planes.first) + 2);
+  planes.points.resize(count);
+  const auto planeOf = [&](std::int32_t point) {
+    return static_cast<std::size_t>(places_[static_cast<std::size_t>(point)][axis] - planes.first);
+  };
+  for (std::size_t i = 0; i < count; ++i) ++planes.begin[planeOf(which(i)) + 1];
+  std::partial_sum(planes.begin.begin(), planes.begin.end(), planes.begin.begin());
+  std::vector<std::uint32_t> next = planes.begin;
+  for (std::size_t i = 0; i < count; ++i) planes.points[next[planeOf(which(i))]++] = which(i);
   return planes;
 }
 
-void LightFan::transmittances(const Lamp& lamp, std::span<float> out) const {
-  if (lamp.kind == Lamp::Kind::kSun)
-    fromSun((-lamp.direction).cwiseQuotient(voxel_), out);
-  else
-    fromPoint((lamp.position - slice_.bounds().min).cwiseQuotient(voxel_) - Vec3::Constant(0.5),
-              out);
+LightFan::Rows LightFan::rowsOf(std::size_t axis) const {
+  const Across across(axis);
+  const auto entries = slice_.entries();
+  Rows rows;
+  rows.entries.resize(entries.size());
+  std::iota(rows.entries.begin(), rows.entries.end(), 0U);
+  const auto keyOf = [&](std::uint32_t entry) {
+    const BrickPlace& place = entries[entry].place;
+    const int row = place[across.row];
+    return std::tuple(place[axis], row & 1, row, place[across.column]);
+  };
+  std::ranges::sort(rows.entries, {}, keyOf);
+  rows.layers.resize(static_cast<std::size_t>(size_[axis] / BrickSlice::kSide) + 1);
+  for (std::size_t begin = 0, end = 0; begin < rows.entries.size(); begin = end) {
+    const auto [layer, odd, row, column] = keyOf(rows.entries[begin]);
+    while (end < rows.entries.size() && std::get<2>(keyOf(rows.entries[end])) == row &&
+           std::get<0>(keyOf(rows.entries[end])) == layer)
+      ++end;
+    rows.layers[static_cast<std::size_t>(layer)][static_cast<std::size_t>(odd)].push_back(
+        std::span(rows.entries).subspan(begin, end - begin));
+  }
+  return rows;
 }
 
-/// All rays meet a plane at the same place between its values, so that a step from plane to plane
-/// is one weighted sum of them.
-void LightFan::fromSun(const Vec3& towards, std::span<float> out) const {
-  Eigen::Index main = 0;
-  towards.cwiseAbs().maxCoeff(&main);
-  const auto axis = static_cast<std::size_t>(main);
-  const Across across(axis);
-  const Vec3 step = towards / std::abs(towards[main]);
-  const double length = step.cwiseProduct(voxel_).norm();
-  const double tb = step[static_cast<Eigen::Index>(across.row)],
-               tc = step[static_cast<Eigen::Index>(across.column)];
-  const int rows = size_[across.row], columns = size_[across.column], count = size_[axis];
-  std::vector<std::int32_t> all(places_.size());
-  std::iota(all.begin(), all.end(), 0);
-  const Planes planes = planesOf(axis, all);
-  Plane near(rows, columns), here(rows, columns), nearDepth(rows, columns), depth(rows, columns);
-  Plane half(rows, columns), atCentres(rows, columns);
-  double fb = 0, fc = 0;  // where between values the rays meet the plane
-  const int away = step[main] > 0 ? -1 : 1;
-  int k = away < 0 ? count : -1;
-  fill(slice_, axis, k, near);
-  for (const std::int32_t i : planes.points[static_cast<std::size_t>(k - planes.first)])
-    out[static_cast<std::size_t>(i)] = 1;
-  for (int passed = 0; passed <= count; ++passed) {
-    k += away;
-    fill(slice_, axis, k, here);
-    const auto wrapped = [](double x) {
-      const double rest = x - std::floor(x);
-      return rest > 1 - 1e-9 ? 0.0 : rest;
+/// Rays to a sun through the volume, a voxel apart on planes across its main axis. Each ray keeps
+/// its number from plane to plane, so that what nothing shades is never touched.
+struct LightFan::SunRays {
+  std::size_t axis;
+  Across across;
+  int away;     ///< from a plane to the next that is farther from the sun: -1 or 1
+  double b, c;  ///< voxels on the way from a plane towards the sun
+  double length;
+  int first, last;  ///< planes, from the one nearest to the sun on
+  int firstB, firstC;
+  std::size_t rows, columns;
+
+  SunRays(const LightFan& fan, const Vec3& towards, std::size_t main)
+      : axis(main),
+        across(main),
+        away(towards[static_cast<Eigen::Index>(main)] > 0 ? -1 : 1),
+        first(away < 0 ? fan.bricks_[main].most : fan.bricks_[main].least),
+        last(away < 0 ? fan.reach_[main].least : fan.reach_[main].most) {
+    const Vec3 step = towards / std::abs(towards[static_cast<Eigen::Index>(main)]);
+    length = step.cwiseProduct(fan.voxel_).norm();
+    b = step[static_cast<Eigen::Index>(across.row)];
+    c = step[static_cast<Eigen::Index>(across.column)];
+    constexpr int kAround = 16;  // what whole bricks, taps and cubics reach
+    const auto reached = [&](std::size_t side, double slope, int& begin) {
+      const int shift = static_cast<int>(std::floor(slope * steps()));
+      begin = fan.reach_[side].least + std::min(shift, 0) - kAround;
+      return static_cast<std::size_t>(fan.reach_[side].most + std::max(shift, 0) + kAround - begin);
     };
-    const double before[2] = {fb, fc};
-    fb = wrapped(fb - tb), fc = wrapped(fc - tc);
-    const int sb = static_cast<int>(std::lround(fb + tb - before[0]));
-    const int sc = static_cast<int>(std::lround(fc + tc - before[1]));
-    const auto taps = tapsOf(fb, tb, fc, tc, length);
-    const bool clear = near.empty && here.empty;
-    const auto forRows = [&](int from, int to, auto&& body) {
-      parallelRanges(static_cast<std::size_t>(to - from), kRowGrain,
-                     [&](std::size_t begin, std::size_t end) {
-                       for (std::size_t b = begin; b < end; ++b) body(from + static_cast<int>(b));
-                     });
-    };
-    forRows(-3, rows + 3, [&](int b) {
-      float* sum = depth.row(b);
-      const float* old = nearDepth.row(b + sb) + sc;
-      for (int c = -3; c < columns + 3; ++c) sum[c] = old[c];
-      for (const Tap& tap : taps) {
-        if (clear)
-          break;
-        const float* from = (tap.next ? near : here).row(b + tap.b) + tap.c;
-        for (int c = -3; c < columns + 3; ++c) sum[c] += tap.share * from[c];
-      }
-    });
-    // At the centres: along rows, then along columns.
-    const int ib = fb > 0 ? -1 : 0, ic = fc > 0 ? -1 : 0;
-    const auto alongB = cubicShares(fb > 0 ? 1 - fb : 0), alongC = cubicShares(fc > 0 ? 1 - fc : 0);
-    forRows(-3, rows + 3, [&](int b) {
-      const float* from = depth.row(b) + ic;
-      float* to = half.row(b);
-      for (int c = -1; c <= columns; ++c) {
-        to[c] = alongC[0] * from[c - 1] + alongC[1] * from[c] + alongC[2] * from[c + 1] +
-                alongC[3] * from[c + 2];
-      }
-    });
-    forRows(-1, rows + 1, [&](int b) {
-      const float* from[4];
-      for (int i = 0; i < 4; ++i) from[i] = half.row(b + ib + i - 1);
-      float* to = atCentres.row(b);
-      for (int c = -1; c <= columns; ++c) {
-        to[c] = alongB[0] * from[0][c] + alongB[1] * from[1][c] + alongB[2] * from[2][c] +
-                alongB[3] * from[3][c];
-      }
-    });
-    const auto& points = planes.points[static_cast<std::size_t>(k - planes.first)];
+    rows = reached(across.row, b, firstB);
+    columns = reached(across.column, c, firstC) + FanBrick::kLanes;
+  }
+
+  /// After the first plane.
+  int steps() const { return std::max(away * (last - first), 0); }
+
+  /// Where ray 0 meets the plane after so many steps: at a value, and a share of the way to the
+  /// next.
+  static std::pair<int, double> place(double slope, int passed) {
+    const double at = -slope * passed;
+    const double whole = std::floor(at + 1e-9);
+    return {static_cast<int>(whole), std::max(at - whole, 0.0)};
+  }
+
+  std::size_t rayAt(int rayB, int rayC) const {
+    return static_cast<std::size_t>(rayB - firstB) * columns +
+           static_cast<std::size_t>(rayC - firstC);
+  }
+};
+
+bool LightFan::transmittances(const Lamp& lamp, std::span<float> out) const {
+  constexpr std::size_t kSparse = 16, kRays = std::size_t{1} << 24;
+  if (slice_.basis() != Basis::kTrilinear)
+    return false;
+  if (lamp.kind == Lamp::Kind::kSun) {
+    const Vec3 towards = (-lamp.direction).cwiseQuotient(voxel_);
+    Eigen::Index main = 0;
+    towards.cwiseAbs().maxCoeff(&main);
+    const SunRays rays(*this, towards, static_cast<std::size_t>(main));
+    if (rays.rows > std::max(kRays, 8 * places_.size()) / rays.columns)
+      return false;
+    fromSun(rays, out);
+    return true;
+  }
+  const std::size_t voxels = static_cast<std::size_t>(size_[0]) *
+                             static_cast<std::size_t>(size_[1]) *
+                             static_cast<std::size_t>(size_[2]);
+  if (kSparse * places_.size() < voxels)
+    return false;
+  fromPoint((lamp.position - slice_.bounds().min).cwiseQuotient(voxel_) - Vec3::Constant(0.5), out);
+  return true;
+}
+
+/// All rays meet a plane at the same place between its values, so that what a brick adds on a step
+/// from plane to plane is one weighted sum of its values.
+void LightFan::fromSun(const SunRays& rays, std::span<float> out) const {
+  struct Free {
+    void operator()(float* memory) const { std::free(memory); }
+  };
+
+  // Of untouched pages nothing is there.
+  const std::unique_ptr<float, Free> memory(
+      static_cast<float*>(std::calloc(rays.rows * rays.columns, sizeof(float))));
+  if (!memory)
+    throw std::bad_alloc();
+  float* const depths = memory.get();
+  const Planes planes = planesOf(rays.axis);
+  const Rows rows = rowsOf(rays.axis);
+  constexpr int kSide = BrickSlice::kSide;
+  const auto forPoints = [&](int plane, auto&& depthOf) {
+    const auto points = planes.at(plane);
     parallelRanges(points.size(), 2048, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const Place& place = places_[static_cast<std::size_t>(points[i])];
-        const float found = atCentres.row(place[across.row])[place[across.column]];
-        out[static_cast<std::size_t>(points[i])] = std::exp(-std::max(found, 0.0F));
+        const auto point = static_cast<std::size_t>(points[i]);
+        out[point] = std::exp(-std::max(depthOf(places_[point]), 0.0F));
       }
     });
-    std::swap(near, here), std::swap(nearDepth, depth);
+  };
+  const Span& reach = reach_[rays.axis];
+  for (int plane = rays.away > 0 ? reach.least : reach.most; rays.away * (rays.first - plane) > 0;
+       plane += rays.away)
+    forPoints(plane, [](const Place&) { return 0.0F; });
+  for (int passed = 0; passed <= rays.steps(); ++passed) {
+    const int here = rays.first + passed * rays.away, near = here - rays.away;
+    const auto [ib, fb] = SunRays::place(rays.b, passed);
+    const auto [ic, fc] = SunRays::place(rays.c, passed);
+    const FanTaps taps = tapsOf(fb, rays.b, fc, rays.c, rays.length);
+    const auto addBrick = [&](const BrickSlice::Entry& entry) {
+      FanBrick brick;
+      const float* values = slice_.brick(entry.stored);
+      const int from = entry.place[rays.axis] * kSide;
+      for (const int side : {0, 1}) {
+        const int plane = (side == 0 ? here : near) - from;
+        if (plane >= 0 && plane < kSide)
+          brick.take(side, values, rays.axis, plane);
+      }
+      const int row = entry.place[rays.across.row] * kSide - ib,
+                column = entry.place[rays.across.column] * kSide - ic;
+      addFanBrick(brick, taps, depths + rays.rayAt(row, column), rays.columns);
+    };
+    // Rows of bricks beside each other add to the same rays: every second one at a time.
+    const int layers[2] = {here >> 3, near >> 3};
+    for (int l = 0; l < (layers[0] == layers[1] ? 1 : 2); ++l) {
+      for (const auto& some : rows.at(layers[l])) {
+        parallelRanges(some.size(), 4, [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) {
+            for (const std::uint32_t entry : some[i]) addBrick(slice_.entries()[entry]);
+          }
+        });
+      }
+    }
+    const int toB = ib + (fb > 0 ? 1 : 0), toC = ic + (fc > 0 ? 1 : 0);
+    const auto alongB = cubicShares(fb > 0 ? 1 - fb : 0), alongC = cubicShares(fc > 0 ? 1 - fc : 0);
+    forPoints(here, [&](const Place& place) {
+      const float* from = depths + rays.rayAt(place[rays.across.row] - toB - 1,
+                                              place[rays.across.column] - toC - 1);
+      float sum = 0;
+      for (std::size_t r = 0; r < 4; ++r, from += rays.columns) {
+        sum += alongB[r] * (alongC[0] * from[0] + alongC[1] * from[1] + alongC[2] * from[2] +
+                            alongC[3] * from[3]);
+      }
+      return sum;
+    });
   }
 }
 
@@ -303,7 +385,7 @@ void LightFan::inPyramid(const Vec3& lamp, std::size_t axis, int sign,
     begin[s] = static_cast<int>(std::floor(least[s] * perSlope)) - 1;
     count[s] = static_cast<int>(std::floor(most[s] * perSlope)) + 3 - begin[s];
   }
-  const Planes planes = planesOf(axis, which);
+  const Planes planes = planesOf(axis, which.size(), [&](std::size_t i) { return which[i]; });
   const int rows = size_[across.row], columns = size_[across.column];
   Plane before(rows, columns), here(rows, columns);
   FanPlanes both(rows, columns);
@@ -356,7 +438,7 @@ void LightFan::inPyramid(const Vec3& lamp, std::size_t axis, int sign,
                        }
                      });
     }
-    const auto& points = planes.points[static_cast<std::size_t>(k - planes.first)];
+    const auto points = planes.at(k);
     const double perFar = perSlope / far;
     parallelRanges(points.size(), 1024, [&](std::size_t first, std::size_t end) {
       for (std::size_t p = first; p < end; ++p) {

@@ -88,6 +88,29 @@ void AddRow(const FanPlanes& planes, const FanRow& row, std::size_t count, float
   }
 }
 
+void AddBrick(const FanBrick& brick, const FanTaps& taps, float* ray, std::size_t width) {
+  const hn::CappedTag<float, FanBrick::kLanes> d;
+  const int first = -taps.maxC;
+  const float* from[FanTaps::kMax];
+  for (std::size_t t = 0; t < taps.count; ++t) {
+    const FanTap& tap = taps.taps[t];
+    from[t] = brick.planes.data() + tap.plane * FanBrick::kPlane +
+              (FanBrick::kPad - taps.maxB + tap.b) * FanBrick::kWidth + FanBrick::kPad + first +
+              tap.c;
+  }
+  float* out = ray - static_cast<std::ptrdiff_t>(width) * taps.maxB + first;
+  const int rows = FanBrick::kSide + taps.maxB - taps.minB;
+  for (int row = 0; row < rows; ++row, out += width) {
+    for (int c = 0; c < FanBrick::kLanes; c += static_cast<int>(hn::Lanes(d))) {
+      auto sum = hn::LoadU(d, out + c);
+      for (std::size_t t = 0; t < taps.count; ++t)
+        sum = hn::Add(sum, hn::Mul(hn::Set(d, taps.taps[t].share),
+                                   hn::LoadU(d, from[t] + row * FanBrick::kWidth + c)));
+      hn::StoreU(sum, d, out + c);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace volute
@@ -99,12 +122,17 @@ namespace volute {
 namespace {
 
 HWY_EXPORT(AddRow);
+HWY_EXPORT(AddBrick);
 
 }  // namespace
 
 void addFanRow(const FanPlanes& planes, const FanRow& row, std::size_t count, float scale,
                const float* lengths, float* depths) {
   HWY_DYNAMIC_DISPATCH(AddRow)(planes, row, count, scale, lengths, depths);
+}
+
+void addFanBrick(const FanBrick& brick, const FanTaps& taps, float* ray, std::size_t width) {
+  HWY_DYNAMIC_DISPATCH(AddBrick)(brick, taps, ray, width);
 }
 
 }  // namespace volute

@@ -2,7 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace volute {
@@ -36,5 +39,50 @@ constexpr std::size_t kFanRays = 16;
 /// exact, part by part between the faces of cells.
 void addFanRow(const FanPlanes& planes, const FanRow& row, std::size_t count, float scale,
                const float* lengths, float* depths);
+
+/// A share of one value beside a ray on its way between two planes.
+struct FanTap {
+  int plane;  ///< 1: the one that is nearer to the light
+  int b, c;
+  float share;
+};
+
+/// All of a step between planes.
+struct FanTaps {
+  static constexpr std::size_t kMax = 50;  ///< 5 x 5 on each plane
+
+  void add(const FanTap& tap) {
+    taps[count++] = tap;
+    minB = std::min(minB, tap.b), maxB = std::max(maxB, tap.b);
+    maxC = std::max(maxC, tap.c);
+  }
+
+  std::array<FanTap, kMax> taps;
+  std::size_t count = 0;
+  int minB = 2, maxB = -2, maxC = -2;
+};
+
+/// A brick's 8 x 8 values on two planes, zeros around them.
+struct FanBrick {
+  static constexpr int kSide = 8, kPad = 4, kLanes = 16, kWidth = kLanes + 2 * kPad;
+  static constexpr int kPlane = (kSide + 2 * kPad) * kWidth;
+
+  /// @param values  of a brick, 8^3
+  void take(int side, const float* values, std::size_t axis, int plane) {
+    constexpr int kStride[3] = {1, kSide, kSide * kSide};
+    const int row = kStride[axis == 2 ? 1 : 2], column = kStride[axis == 0 ? 1 : 0];
+    values += plane * kStride[axis];
+    float* to = planes.data() + side * kPlane + kPad * kWidth + kPad;
+    for (int b = 0; b < kSide; ++b) {
+      for (int c = 0; c < kSide; ++c) to[b * kWidth + c] = values[b * row + c * column];
+    }
+  }
+
+  std::array<float, 2 * kPlane> planes{};
+};
+
+/// Adds what a brick gives to rays in rows of `width`.
+/// @param ray  the one of the brick's first value
+void addFanBrick(const FanBrick& brick, const FanTaps& taps, float* ray, std::size_t width);
 
 }  // namespace volute

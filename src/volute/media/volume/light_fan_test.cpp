@@ -32,16 +32,14 @@ std::shared_ptr<const BrickSlice> fanVolume(const std::function<float(const Vec3
   return std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values));
 }
 
-std::vector<Vec3> centresOf(const BrickSlice& slice) {
-  const Vec3 voxel = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
-  std::vector<Vec3> points;
+std::vector<std::array<std::int32_t, 3>> centresOf(const BrickSlice& slice) {
+  std::vector<std::array<std::int32_t, 3>> places;
   for (int z = -1; z <= slice.z(); ++z) {
     for (int y = -1; y <= slice.y(); ++y) {
-      for (int x = -1; x <= slice.x(); ++x)
-        points.push_back(slice.bounds().min + voxel.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5)));
+      for (int x = -1; x <= slice.x(); ++x) places.push_back({x, y, z});
     }
   }
-  return points;
+  return places;
 }
 
 struct FanError {
@@ -53,9 +51,13 @@ FanError fanError(const std::shared_ptr<const BrickSlice>& slice, const Lamp& la
   const VoxelMedium medium(slice, 0, 1);
   const auto points = centresOf(*slice);
   std::vector<float> found(points.size());
-  LightFan(*slice, points).transmittances(lamp, found);
+  EXPECT_TRUE(LightFan(*slice, points).transmittances(lamp, found));
+  const Vec3 voxel = slice->bounds().size().cwiseQuotient(Vec3(slice->x(), slice->y(), slice->z()));
   std::vector<Segment> ways;
-  for (const Vec3& point : points) ways.push_back(lamp.towards(point));
+  for (const auto& [x, y, z] : points) {
+    ways.push_back(
+        lamp.towards(slice->bounds().min + voxel.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5))));
+  }
   std::vector<double> depths(points.size());
   medium.opticalDepth(ways, depths);
   FanError error;
@@ -174,6 +176,57 @@ TEST(LightFan, StaysNearInNoise) {
   const auto slice = fanVolume([&](const Vec3&) { return std::max(0.0F, uniform(random)); });
   for (const Vec3& way : kWays) EXPECT_LT(fanError(slice, sunFrom(way)).mean, 2.5e-2);
   EXPECT_LT(fanError(slice, pointAt(Vec3(0, 2.5, 1.4))).mean, 2.5e-2);
+}
+
+/// Puffs in a large box, of which most rays touch nothing.
+TEST(LightFan, OfSunsInASparseVolumeIsOneRayForEachPoint) {
+  VolumeInfo info;
+  info.x = 300, info.y = 260, info.z = 411;
+  info.bounds = {Vec3(0, 0, 0), Vec3(3, 3.1, 4.11)};
+  info.basis = Basis::kTrilinear;
+  std::vector<BrickPlace> bricks;
+  std::vector<std::array<std::int32_t, 3>> places;
+  const BrickPlace corners[] = {{3, 30, 2}, {20, 5, 28}, {34, 29, 48}};
+  for (const BrickPlace& corner : corners) {
+    for (int i = 0; i < 27; ++i)
+      bricks.push_back({corner[0] + i % 3, corner[1] + i / 3 % 3, corner[2] + i / 9});
+    for (int i = 0; i < 13 * 13 * 13; ++i) {
+      places.push_back({8 * corner[0] - 1 + 2 * (i % 13), 8 * corner[1] - 1 + 2 * (i / 13 % 13),
+                        8 * corner[2] - 1 + 2 * (i / 169)});
+    }
+  }
+  std::ranges::sort(bricks, isBefore);
+  auto slice = std::make_shared<BrickSlice>(info, bricks);
+  for (const BrickSlice::Entry& entry : slice->entries()) {
+    const BrickPlace& corner = corners[entry.place[2] < 10 ? 0 : entry.place[2] < 40 ? 1 : 2];
+    for (int i = 0; i < BrickSlice::kVoxels; ++i) {
+      const int at[3] = {entry.place[0] * 8 + i % 8, entry.place[1] * 8 + i / 8 % 8,
+                         entry.place[2] * 8 + i / 64};
+      if (at[0] < info.x && at[1] < info.y && at[2] < info.z)
+        slice->brick(entry.stored)[i] = 2 + std::sin(0.3F * at[0]) + std::cos(0.4F * at[1]);
+      for (std::size_t axis = 0; axis < 3; ++axis)  // fades towards the puff's faces
+        slice->brick(entry.stored)[i] *= std::sin(0.1309F * (at[axis] - 8 * corner[axis] + 0.5F));
+    }
+  }
+  const VoxelMedium medium(slice, 0, 1);
+  const Vec3 voxel = slice->bounds().size().cwiseQuotient(Vec3(info.x, info.y, info.z));
+  for (const Vec3& way : kWays) {
+    const Lamp sun = sunFrom(way);
+    std::vector<float> found(places.size());
+    ASSERT_TRUE(LightFan(*slice, places).transmittances(sun, found));
+    std::vector<Segment> ways;
+    for (const auto& [x, y, z] : places)
+      ways.push_back(sun.towards(voxel.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5))));
+    std::vector<double> depths(places.size());
+    medium.opticalDepth(ways, depths);
+    double mean = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double off = std::abs(static_cast<double>(found[i]) - std::exp(-depths[i]));
+      EXPECT_LT(off, 0.03) << way.transpose();
+      mean += off / static_cast<double>(places.size());
+    }
+    EXPECT_LT(mean, 1e-3) << way.transpose();
+  }
 }
 
 TEST(LightFan, NothingTakesNothing) {

@@ -51,63 +51,60 @@ const std::array<Way, 14>& ways() {
   return kWays;
 }
 
-/// A value between eight that are on a lattice of every kCoarse-th voxel.
-class CoarseLattice {
+}  // namespace
+
+/// Even light on a lattice of every kCoarse-th voxel, from the voxel before the first on.
+class VolumeLight::Coarse {
  public:
-  CoarseLattice(const BrickSlice& slice, std::span<const Vec3> points)
-      : voxel_(slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()))),
-        origin_(slice.bounds().min - 0.5 * voxel_),
-        // Points reach one voxel beyond the volume; cells need the node behind them.
-        count_{slice.x() / kCoarse + 3, slice.y() / kCoarse + 3, slice.z() / kCoarse + 3},
-        node_(count_, points.size()) {
-    for (const Vec3& point : points) {
-      const auto [cell, place] = find(point);
+  Coarse(const BrickSlice& slice, std::span<const Place> places)
+      // Places reach one voxel beyond the volume; cells need the node behind them.
+      : node_({slice.x() / kCoarse + 3, slice.y() / kCoarse + 3, slice.z() / kCoarse + 3},
+              places.size() / (kCoarse * kCoarse)) {
+    Place last{-1, -1, -1};
+    for (const Place& place : places) {
+      const Place cell = cellOf(place);
+      if (cell == last)
+        continue;
+      last = cell;
       for (int i = 0; i < 8; ++i) {
         const BrickPlace node{cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)};
         if (node_.at(node) >= 0)
           continue;
         node_.set(node, static_cast<std::int32_t>(nodes.size()));
-        const Vec3 at(cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2));
-        nodes.push_back(origin_ + kCoarse * voxel_.cwiseProduct(at));
+        nodes.push_back({kCoarse * node[0] - 1, kCoarse * node[1] - 1, kCoarse * node[2] - 1});
       }
     }
+    light.resize(nodes.size(), Rgb::Zero());
   }
 
-  Rgb at(const Vec3& point, std::span<const Rgb> values) const {
-    const auto [cell, place] = find(point);
+  /// Between the eight nodes around a place.
+  Rgb at(const Place& place) const {
+    const Place cell = cellOf(place);
+    double shares[3][2];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      shares[axis][1] = static_cast<double>(place[axis] + 1 - kCoarse * cell[axis]) / kCoarse;
+      shares[axis][0] = 1 - shares[axis][1];
+    }
     Rgb sum = Rgb::Zero();
     for (int i = 0; i < 8; ++i) {
-      double share = 1;
-      for (int axis = 0; axis < 3; ++axis) share *= (i >> axis & 1) ? place[axis] : 1 - place[axis];
-      sum += share * values[static_cast<std::size_t>(
-                         node_.at(cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)))];
+      const double share = shares[0][i & 1] * shares[1][i >> 1 & 1] * shares[2][i >> 2];
+      if (share > 0)
+        sum += share * light[static_cast<std::size_t>(node_.at(
+                           cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)))];
     }
     return sum;
   }
 
-  std::vector<Vec3> nodes;
+  std::vector<Place> nodes;
+  std::vector<Rgb> light;
 
  private:
-  std::pair<std::array<int, 3>, Vec3> find(const Vec3& point) const {
-    const Vec3 place = (point - origin_).cwiseQuotient(kCoarse * voxel_);
-    std::array<int, 3> cell{};
-    Vec3 rest;
-    for (int axis = 0; axis < 3; ++axis) {
-      constexpr double kRounding = 1e-6;  // points of a voxel's centre must not fall below it
-      int& at = cell[static_cast<std::size_t>(axis)];
-      at = std::clamp(static_cast<int>(std::floor(place[axis] + kRounding)), 0,
-                      count_[static_cast<std::size_t>(axis)] - 2);
-      rest[axis] = std::clamp(place[axis] - at, 0.0, 1.0);
-    }
-    return {cell, rest};
+  static Place cellOf(const Place& place) {
+    return {(place[0] + 1) / kCoarse, (place[1] + 1) / kCoarse, (place[2] + 1) / kCoarse};
   }
 
-  Vec3 voxel_, origin_;
-  std::array<int, 3> count_;
   BrickTable node_;  // numbers of nodes
 };
-
-}  // namespace
 
 VolumeLight::VolumeLight(ShadedVoxels volume, VolumeLighting lighting)
     : volume_(std::move(volume)), lighting_(std::move(lighting)) {}
@@ -184,24 +181,37 @@ std::vector<Lamp> VolumeLight::lampsOf(const BrickSlice& slice, double scale, st
 
 /// Light that is scattered evenly: on a coarse lattice, since it changes slowly.
 void VolumeLight::addSurrounding() const {
-  const auto& points = volume_.lightPoints();
   const bool surrounded = lighting_.surrounding.maxCoeff() > 0;
   const std::vector<Lamp> fires =
       lighting_.ownFire ? lampsOf(volume_, kMaxFires) : std::vector<Lamp>();
   if (!surrounded && fires.empty())
     return;
-  const CoarseLattice lattice(volume_.slice(), points);
-  std::vector<Rgb> light(lattice.nodes.size(), Rgb::Zero());
-  const std::size_t rays = (surrounded ? ways().size() : 0) + fires.size();
+  auto coarse = std::make_shared<Coarse>(volume_.slice(), volume_.lightPlaces());
+  std::vector<Rgb>& light = coarse->light;
+  const LightFan fan(volume_.slice(), coarse->nodes);
+  std::vector<Way> marched;
+  for (const Way& way : ways()) {
+    if (!surrounded)
+      break;
+    Lamp sky;
+    sky.kind = Lamp::Kind::kSun;
+    sky.direction = -way.direction;
+    std::vector<float> passes(light.size());
+    if (!fan.transmittances(sky, passes)) {
+      marched.push_back(way);
+      continue;
+    }
+    for (std::size_t i = 0; i < light.size(); ++i)
+      light[i] += passes[i] * way.share * lighting_.surrounding;
+  }
+  const std::size_t rays = std::max<std::size_t>(marched.size() + fires.size(), 1);
   parallelRanges(light.size(), 1 + kLightGrain / rays, [&](std::size_t begin, std::size_t end) {
     std::vector<Segment> segments;
     std::vector<Rgb> sent;
     for (std::size_t i = begin; i < end; ++i) {
       segments.clear(), sent.clear();
-      const Vec3& node = lattice.nodes[i];
-      for (const Way& way : ways()) {
-        if (!surrounded)
-          break;
+      const Vec3 node = volume_.centreOf(coarse->nodes[i]);
+      for (const Way& way : marched) {
         segments.push_back({node, way.direction, 0, std::numeric_limits<double>::infinity()});
         sent.push_back(way.share * lighting_.surrounding);
       }
@@ -214,35 +224,21 @@ void VolumeLight::addSurrounding() const {
       for (std::size_t k = 0; k < segments.size(); ++k) light[i] += passes[k] * sent[k];
     }
   });
-  even_.resize(points.size());
-  parallelRanges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) even_[i] = lattice.at(points[i], light);
-  });
-}
-
-/// Where many voxels are light points, rays through all of the volume cost less.
-bool VolumeLight::fans() const {
-  constexpr std::size_t kSparse = 16;
-  const BrickSlice& slice = volume_.slice();
-  const std::size_t voxels = static_cast<std::size_t>(slice.x()) *
-                             static_cast<std::size_t>(slice.y()) *
-                             static_cast<std::size_t>(slice.z());
-  return slice.basis() == Basis::kTrilinear && kSparse * volume_.lightPoints().size() >= voxels;
+  even_ = std::move(coarse);
 }
 
 /// How much of a lamp's light arrives at each light point.
 void VolumeLight::addShares(std::size_t lamp) const {
-  const auto& points = volume_.lightPoints();
-  lampShares_[lamp].resize(points.size());
-  const bool fan = fans();
-  if (fan)
-    LightFan(volume_.slice(), points).transmittances(lighting_.lamps[lamp], lampShares_[lamp]);
+  const auto places = volume_.lightPlaces();
+  lampShares_[lamp].resize(places.size());
+  const bool fan =
+      LightFan(volume_.slice(), places).transmittances(lighting_.lamps[lamp], lampShares_[lamp]);
   if (fan && !lighting_.blocks)
     return;
-  parallelRanges(points.size(), kLightGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(places.size(), kLightGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<Segment> segments;
     for (std::size_t i = begin; i < end; ++i)
-      segments.push_back(lighting_.lamps[lamp].towards(points[i]));
+      segments.push_back(lighting_.lamps[lamp].towards(volume_.centreOf(places[i])));
     const std::span<float> shares(&lampShares_[lamp][begin], end - begin);
     if (!fan)
       transmittances(volume_, segments, shares);
@@ -317,27 +313,31 @@ Rgb scatteredTo(const Lamp& lamp, const Vec3& point, const Vec3* way, double sha
 
 ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   gather();
-  if (lampShares_.empty() && even_.empty())
+  if (lampShares_.empty() && !even_)
     return volume_;
-  const auto& points = volume_.lightPoints();
-  std::vector<Rgb> light(points.size());
-  parallelRanges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
+  const auto places = volume_.lightPlaces();
+  std::vector<VoxelLight> light(places.size());
+  parallelRanges(places.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      Rgb sum = even_.empty() ? Rgb(Rgb::Zero()) : even_[i];
+      Rgb sum = even_ ? even_->at(places[i]) : Rgb(Rgb::Zero());
+      const Vec3 point = volume_.centreOf(places[i]);
       Vec3 way = Vec3::Zero();  // from the point to the eye
       if (view)
-        way = view->parallel ? Vec3(-view->at) : Vec3((view->at - points[i]).normalized());
+        way = view->parallel ? Vec3(-view->at) : Vec3((view->at - point).normalized());
       for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) {
         if (const float share = lampShares_[l][i]; share != 0)
-          sum += scatteredTo(lighting_.lamps[l], points[i], view ? &way : nullptr, share,
+          sum += scatteredTo(lighting_.lamps[l], point, view ? &way : nullptr, share,
                              lighting_.asymmetry);
       }
-      light[i] = lighting_.albedo * sum;
+      sum *= lighting_.albedo;
       if (!lighting_.colors.empty())
-        light[i] *= lighting_.colors[i];
+        sum *= lighting_.colors[i];
+      light[i] = sum.cast<float>();
     }
   });
-  return volume_.withLight(volume_.forMeans(light));
+  auto means = volume_.forMeans(light);
+  light = {};
+  return volume_.withLight(std::move(means));
 }
 
 ShadedVoxels VolumeLight::seenFrom(const View& view) const {
@@ -356,7 +356,7 @@ std::uint64_t VolumeLight::memoryBytes() const {
   const std::uint64_t points = slice.values().size();
   const std::uint64_t colors = 3 * sizeof(float);  // of the fire, and of what is seen
   return slice.bytes() + slice.values().size_bytes() +
-         points * (2 * colors + sizeof(Rgb) + lighting_.lamps.size() * sizeof(float));
+         points * (2 * colors + sizeof(VoxelLight) + lighting_.lamps.size() * sizeof(float));
 }
 
 ShadedVoxels VolumeLight::seen() const {

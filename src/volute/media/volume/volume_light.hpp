@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -72,9 +73,11 @@ class VolumeLight {
   const BrickSlice& slice() const { return volume_.slice(); }
 
  private:
+  using Place = std::array<std::int32_t, 3>;
+  class Coarse;
+
   void gather() const;
   void addShares(std::size_t lamp) const;
-  bool fans() const;
   void addSurrounding() const;
   ShadedVoxels shaded(const std::optional<View>& view) const;
 
@@ -82,7 +85,7 @@ class VolumeLight {
   VolumeLighting lighting_;
   mutable std::once_flag gathered_;
   mutable std::vector<std::vector<float>> lampShares_;  ///< of each lamp, at each light point: 0..1
-  mutable std::vector<Rgb> even_;  ///< A + F at each light point; empty: neither is there
+  mutable std::shared_ptr<const Coarse> even_;          ///< A + F; null: neither is there
   mutable std::mutex guard_;
   mutable std::shared_ptr<const VolumeLight> inMore_;  ///< withLamps()
   mutable std::optional<View> lastView_;

@@ -304,7 +304,7 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, 
     };
   }
   ShadedVoxels volume(std::move(slice));
-  if (lit && layer_.appearance().scatters()) {
+  if (lit && layer_.appearance().scatters() && !layer_.appearance().colors.empty()) {
     VOLUTE_ASSIGN(lighting.colors, layer_.colorsAt(moment, volume.lightPoints()));
   }
   light_ = std::make_shared<const VolumeLight>(std::move(volume), std::move(lighting));
