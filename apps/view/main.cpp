@@ -36,7 +36,9 @@ Status run(const Arguments& arguments, Context& context) {
                           arguments.find<double>("time"),
                           size.width,
                           size.height,
-                          {.renderer = renderer, .cpu = cpuMayDraw("a picture").has_value()},
+                          {.renderer = renderer,
+                           .cpu = cpuMayDraw("a picture").has_value(),
+                           .scale = arguments.get<double>("interface-scale")},
                           arguments.find<std::string>("compare").value_or("")};
   if (path.empty() && !start.other.empty())
     return fail(ErrorCode::kInvalidArgument, "--compare: expected a FILE to compare it with");

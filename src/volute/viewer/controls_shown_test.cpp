@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // What of a file is shown: choices that its fields and files offer; several files in one scene.
+#include <unistd.h>
+
 #include "volute/viewer/controls_testing.hpp"
 
 namespace volute {
@@ -252,6 +254,67 @@ TEST_F(ShownControls, TheLoopAndMarksAreSetByKeys) {
   EXPECT_NEAR(timeline.time(), 1.4, 1e-9) << "from the loop's beginning again";
   script_->press(Key::kL);
   EXPECT_FALSE(timeline.loopsPart());
+}
+
+/// As after a crash: the file of a process that is no longer there.
+TEST_F(ShownControls, AnUnsavedSceneIsOfferedAfterACrash) {
+  const std::string recent = folder_.path("state/recent");
+  const std::filesystem::path unsaved = folder_.path("state/unsaved");
+  const auto restart = [&] {
+    script_.reset();
+    viewer_.reset();
+    auto made = HeadlessViewer::create(documentOpener({.maxMemory = kViewerMemory}),
+                                       ViewerOptions{.recent = recent});
+    ASSERT_TRUE(made) << made.error().message;
+    viewer_ = std::move(*made);
+    begin(kWide, kTall);
+  };
+  ASSERT_NO_FATAL_FAILURE(restart());
+  open("smoke.json");
+  app().document().set(parameterAt("/media/0/C"), {5});
+  load();
+  script_->frames(3);
+  const std::filesystem::path own = unsaved / (std::to_string(::getpid()) + ".json");
+  ASSERT_TRUE(std::filesystem::exists(own));
+  const std::filesystem::path dead = unsaved / "999999999.json";  // no process has this number
+  const auto nameBeside = [](std::filesystem::path scene) {
+    return scene.replace_extension(".name");
+  };
+  std::filesystem::copy_file(own, dead);
+  std::filesystem::copy_file(nameBeside(own), nameBeside(dead));
+  ASSERT_NO_FATAL_FAILURE(restart());
+  EXPECT_FALSE(std::filesystem::exists(own)) << "that one ended as it should";
+  script_->frames(3);
+  ASSERT_TRUE(script_->click("restore 0"));
+  load();
+  ASSERT_EQ(app().document().error(), "");
+  EXPECT_EQ(valueOf("/media/0/C"), std::vector<double>{5});
+  EXPECT_TRUE(app().document().info()->changed) << "no file has it";
+  EXPECT_EQ(app().settings().sceneName, folder_.path("smoke.json"));
+  script_->close();
+  ASSERT_TRUE(app().leaving().asked());
+  script_->frames(2);
+  ASSERT_TRUE(script_->click("leave save"));
+  load();
+  EXPECT_TRUE(app().leaving().ends());
+  std::ifstream stream(folder_.path("smoke.json"));
+  EXPECT_EQ(nlohmann::json::parse(stream)["media"][0]["C"], 5);
+  ASSERT_NO_FATAL_FAILURE(restart());
+  EXPECT_FALSE(std::filesystem::exists(dead)) << "it was saved";
+  script_->frames(3);
+  EXPECT_FALSE(script_->has("restore 0"));
+}
+
+TEST_F(ShownControls, AScreenshotIsAsLargeInPixelsAtAnyScaleOfTheInterface) {
+  script_.reset(), viewer_.reset();  // one interface at a time
+  Progress quiet;
+  const ViewerStart start{
+      .path = folder_.path("blob.npy"), .width = 900, .height = 600, .options = {.scale = 2}};
+  const auto shot =
+      viewerScreenshot(documentOpener({.maxMemory = kViewerMemory}), start, true, quiet);
+  ASSERT_TRUE(shot) << shot.error().message;
+  EXPECT_EQ(shot->width, 900);
+  EXPECT_EQ(shot->height, 600);
 }
 
 }  // namespace

@@ -78,6 +78,7 @@ struct DocumentInfo {
   std::string sceneName{};  ///< where save() would go unless a person says otherwise
   bool editable = false;    ///< edit() works
   bool changed = false;     ///< it is no longer what its file, or the last one that was saved, says
+  std::string unsaved{};    ///< then the scene, as a file anywhere has it
   bool canUndo = false, canRedo = false;                    ///< what set() and edit() did
   std::uint64_t snapshotMemory = std::uint64_t{256} << 20;  ///< for snapshots that are kept [bytes]
   std::string path{};                                       ///< as it was opened

@@ -45,6 +45,26 @@ void chooseFile(ViewerApp& app, const std::filesystem::path& path) {
   app.takeFile(path.string());
 }
 
+/// Scenes that a viewer had when it ended without asking.
+void lostPart(ViewerApp& app) {
+  const auto all = app.recovery().lost();
+  if (all.empty())
+    return;
+  ImGui::Spacing();
+  wrappedText("Scenes with changes that were not saved when the viewer ended:");
+  for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 4); ++i) {
+    const std::string number = fmt::format("{}", i);
+    if (markedButton(app, ("Restore###restore" + number).c_str(), "restore " + number))
+      app.leaving().leaveFor(all[i].scene.string());
+    ImGui::SameLine();
+    if (markedButton(app, ("Discard###discard" + number).c_str(), "discard " + number))
+      Recovery::remove(all[i]);
+    ImGui::SameLine();
+    ImGui::TextUnformatted(nameOf(all[i].name).c_str());
+    hint(all[i].name);
+  }
+}
+
 }  // namespace
 
 /// What to do where nothing is open.
@@ -71,6 +91,7 @@ void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
   if (ImGui::Button("Open a file   Ctrl O", {-1, 34}))
     app.document().askToOpen();
   app.window().mark("Open a file");
+  lostPart(app);
   const auto recent = app.document().files().recent().names();  // it changes when one is opened
   if (!recent.empty()) {
     ImGui::Spacing();

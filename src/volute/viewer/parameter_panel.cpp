@@ -300,6 +300,8 @@ void parametersPart(ViewerApp& app) {
     if (!open)
       continue;
     if (parameter.section != section) {
+      if (parameter.section.empty())
+        ImGui::Separator();  // the section ends
       section = parameter.section;
       shown = sectionPart(app, parameters, parameter);
     }

@@ -9,6 +9,7 @@
 #include "volute/base/write_file.hpp"
 #include "volute/scene/scene_end.hpp"
 #include "volute/scene/scene_names.hpp"
+#include "volute/viewer/recovery.hpp"
 #include "volute/viewer/watched_files.hpp"
 
 namespace volute {
@@ -114,6 +115,10 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
     VOLUTE_TRY(document->scene_.reconsider(progress));
     document->saved_ = document->scene_.json();
   }
+  if (const auto name = Recovery::nameOf(path)) {
+    document->file_ = *name;
+    document->saved_ = {};  // nowhere
+  }
   return std::unique_ptr<Document>(std::move(document));
 }
 
@@ -199,6 +204,11 @@ DocumentInfo SceneDocument::info() const {
   info.sceneName = file_;
   info.editable = true;
   info.changed = scene_.json() != saved_;
+  if (info.changed) {
+    Json json = scene_.json();
+    moveAllNames(json, file_, "/nowhere/scene.json");
+    info.unsaved = json.dump(2) + "\n";
+  }
   info.canUndo = history_.canUndo();
   info.canRedo = history_.canRedo();
   info.snapshotMemory = options_.maxMemory / 4;

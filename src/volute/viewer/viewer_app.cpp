@@ -47,7 +47,9 @@ ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice d
       view_(settings_, document_, playback_, std::move(picture)),
       tools_{{settings_, document_}, {view_, document_}},
       leaving_(leaveActions()),
-      comparison_(std::move(open)) {
+      comparison_(std::move(open)),
+      recovery_(options.recent.empty() ? options.recent
+                                       : options.recent.parent_path() / "unsaved") {
   lowerWorkerPriority();
   if (options_.renderer)
     settings_.look.renderer = static_cast<int>(*options_.renderer);
@@ -112,8 +114,10 @@ void ViewerApp::takeDocument(const DocumentNews& news, const ViewerInput& input)
     tools_.painting.drop();
     tools_.pointer.place("");
     playback_.begin(news.begun->value_or(info.firstTime));
-    document_.files().recent().add(info.path);
+    if (!Recovery::nameOf(info.path))
+      document_.files().recent().add(info.path);
     comparison_.end();
+    recovery_.adopt(info.path);
   }
   tools_.painting.take(info, news.another);
   if (news.another || news.otherTimes)
@@ -267,6 +271,8 @@ Status ViewerApp::frame(const ViewerInput& input) {
   if (const auto chosen = document_.files().takeChosen())
     takeFile(*chosen);
   takeLoaded(input);
+  if (document_.info())
+    recovery_.keep(document_.info()->unsaved, settings_.sceneName);
   notes_.update(seenWork(), document_.message());
   usePanels(input);
   {

@@ -10,6 +10,7 @@
 
 #include "volute/gl/gl_device.hpp"
 #include "volute/viewer/comparison.hpp"
+#include "volute/viewer/recovery.hpp"
 #include "volute/viewer/viewer_input.hpp"
 #include "volute/viewer/viewer_tools.hpp"
 #include "volute/viewer/viewer_window.hpp"
@@ -53,6 +54,8 @@ class ViewerApp {
   ViewerTools& tools() { return tools_; }
 
   Comparison& comparison() { return comparison_; }
+
+  const Recovery& recovery() const { return recovery_; }
 
   ViewerWindow& window() { return window_; }
 
@@ -129,6 +132,7 @@ class ViewerApp {
   LeaveQuestion leaving_;
   Comparison comparison_;
   ViewerWindow window_;
+  Recovery recovery_;
   WorkNotes notes_;
   FrameCosts costs_;
   bool timeAsked_ = false;  ///< a person said at which time to begin

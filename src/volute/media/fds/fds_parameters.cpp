@@ -177,11 +177,17 @@ void addCaseParameters(ParameterGroup& group, const FdsLayer& layer) {
   if (!index.devices.empty())
     group.add("devices", "devices", Parameter::Kind::kFlag, {look.devices ? 1.0 : 0.0}).help =
         help("devices");
+  group.section("");
+}
+
+void addCaseLook(ParameterGroup& group, const FdsLayer& layer) {
+  const FdsLook& look = layer.description().fds;
   group.section("building");
-  addCuts(group, layer, help("cut"));
+  addCuts(group, layer, fdsFields().at("cut").help);
   group.section("fire");
   if (layer.burns() || !look.fire)
-    group.add("fire", "fire", Parameter::Kind::kFlag, {look.fire ? 1.0 : 0.0}).help = help("fire");
+    group.add("fire", "fire", Parameter::Kind::kFlag, {look.fire ? 1.0 : 0.0}).help =
+        fdsFields().at("fire").help;
   addFire(group, layer);
   group.section("");
 }

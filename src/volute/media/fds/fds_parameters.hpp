@@ -9,9 +9,12 @@
 
 namespace volute {
 
-/// What of a case can be shown beside its smoke, as its files have it: sources, slices,
-/// isosurfaces, particles, devices, planes that cut the building, fire.
+/// What of a case can be shown, as its files have it: sources, slices, isosurfaces, particles,
+/// devices.
 void addCaseParameters(ParameterGroup& group, const FdsLayer& layer);
+
+/// How it looks: planes that cut the building, fire.
+void addCaseLook(ParameterGroup& group, const FdsLayer& layer);
 
 /// Sets one of those in the entry of a scene. False, with nothing changed, for all others.
 bool setCaseParameter(nlohmann::ordered_json& entry, const FdsLayer& layer, const std::string& key,

@@ -176,8 +176,10 @@ class FdsKind final : public MediumKind {
 
   void addParameters(ParameterGroup& group, const OrderedJson& entry, const SceneMedium& medium,
                      MediumFacts facts) const override {
-    addCaseParameters(group, dynamic_cast<const FdsSceneMedium&>(medium).layer());
+    const FdsLayer& layer = dynamic_cast<const FdsSceneMedium&>(medium).layer();
+    addCaseParameters(group, layer);
     MediumKind::addParameters(group, entry, medium, facts);
+    addCaseLook(group, layer);
   }
 
   bool setParameter(OrderedJson& entry, const SceneMedium& medium, const std::string& key,
