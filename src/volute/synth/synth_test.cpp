@@ -8,8 +8,10 @@
 
 #include "volute/base/checksum.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/synth/fluid.hpp"
 #include "volute/synth/noise.hpp"
+#include "volute/synth/puffs.hpp"
 
 namespace volute {
 namespace {
@@ -167,6 +169,36 @@ TEST(Fluid, ProjectionReachesTheAskedDivergenceAndNothingPassesTheFloor) {
       for (int i = 0; i < size; ++i) ASSERT_EQ(fluid.velocity()[2].at(i, j, 0), 0);
     }
   }
+}
+
+TEST(Puffs, AreSparseAndTheSameInAnyOrder) {
+  PuffSource source({.size = 128, .frames = 3, .seed = 2});
+  ASSERT_TRUE(source.info().validate("puffs"));
+  EXPECT_TRUE(source.hasTopology());
+  Bricks first, second;
+  ASSERT_TRUE(static_cast<FrameSource&>(source).readBricks(2, second));
+  ASSERT_TRUE(static_cast<FrameSource&>(source).readBricks(0, first));
+  EXPECT_NE(first.checksum(), second.checksum());
+  const double share =
+      static_cast<double>(second.activeVoxels()) / static_cast<double>(source.info().frameValues());
+  EXPECT_GT(share, 0.002);
+  EXPECT_LT(share, 0.04);
+  EXPECT_LT(second.bytes(), source.brickBytes() * 2);
+  for (std::size_t l = 0; l < second.leaves().size(); ++l) {
+    for (const float value : second.values(l))
+      EXPECT_TRUE(value == 0 || (value > 0.02F && value <= 2));
+  }
+  // A dense frame, and layers of one.
+  std::vector<float> values(source.info().frameValues());
+  ASSERT_TRUE(source.readFrame(2, values));
+  EXPECT_EQ(Bricks::fromDense(source.info(), values).checksum(), second.checksum());
+  Bricks upper;
+  ASSERT_TRUE(source.readBricks(2, 64, 128, upper));
+  for (const Bricks::Leaf& leaf : upper.leaves()) EXPECT_GE(leaf.origin[2], 64);
+  const ThreadLimit limit(1);
+  Bricks again;
+  ASSERT_TRUE(static_cast<FrameSource&>(source).readBricks(2, again));
+  EXPECT_EQ(again.checksum(), second.checksum());
 }
 
 }  // namespace

@@ -1,33 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include "volute/base/file_name.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
+#include "volute/media/volume/volume_input.hpp"
 #include "volute/media/volume/volume_writer.hpp"
 #include "volute/synth/hall_files.hpp"
+#include "volute/synth/puffs.hpp"
 #include "volute/synth/synth.hpp"
 #include "volute/synth/valley_files.hpp"
 
 namespace volute::cli {
 namespace {
 
-Result<SynthOptions> optionsOf(const Arguments& arguments) {
+/// 512 voxels on a side, 16 frames.
+std::unique_ptr<FrameSource> puffsOf(const Arguments& arguments) {
+  PuffOptions options;
+  options.size = arguments.findGiven<int>("size").value_or(options.size);
+  options.frames = arguments.findGiven<int>("frames").value_or(options.frames);
+  options.seed = static_cast<std::uint32_t>(arguments.get<int>("seed"));
+  return std::make_unique<PuffSource>(options);
+}
+
+Result<std::unique_ptr<FrameSource>> sourceOf(const Arguments& arguments, Context& context) {
   SynthOptions options;
+  const int size = arguments.get<int>("size");
+  if (size % 8 != 0)
+    return fail(ErrorCode::kInvalidArgument, "--size: '{}' is not a multiple of 8", size);
   const std::string& kind = arguments.positional(0);
+  if (kind == "puffs")
+    return puffsOf(arguments);
   if (kind == "smoke") {
     options.kind = SynthKind::kSmoke;
   } else if (kind != "fire" && kind != "flame") {
     return fail(ErrorCode::kInvalidArgument,
-                "'{}' is unknown; expected fire, flame, smoke, valley, hall or ball", kind);
+                "'{}' is unknown; expected fire, flame, smoke, puffs, valley, hall or ball", kind);
   }
   options.channels = kind == "flame" || arguments.flag("scalar") ? 1 : 3;
-  options.size = arguments.get<int>("size");
+  options.size = size;
   options.frames = arguments.get<int>("frames");
   options.seed = static_cast<std::uint32_t>(arguments.get<int>("seed"));
-  if (options.size % 8 != 0) {
-    return fail(ErrorCode::kInvalidArgument, "--size: '{}' is not a multiple of 8", options.size);
-  }
-  return options;
+  VOLUTE_ASSIGN(auto source, SyntheticSource::create(options, context.progress));
+  return source;
 }
 
 /// The valley is a folder of pictures, the hall and the ball are smoke on meshes of tets.
@@ -62,12 +77,19 @@ Status writeFiles(const Arguments& arguments, Report& report, Context& context) 
 
 Status writeVolumes(const Arguments& arguments, Report& report, Context& context) {
   const auto target = arguments.get<std::string>("output");
-  VOLUTE_ASSIGN(const auto options, optionsOf(arguments));
   VOLUTE_TRY(checkTarget(target, context));
-  VOLUTE_ASSIGN(auto source, SyntheticSource::create(options, context.progress));
+  VOLUTE_ASSIGN(auto source, sourceOf(arguments, context));
   const VolumeInfo& info = source->info();
+  const bool sparse = isVolutePath(target) || extensionOf(target) == ".vdb";
+  if (const std::uint64_t bytes = 4 * std::uint64_t{info.frameValues()};
+      !sparse && bytes > context.maxMemory) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: a frame of {} x {} x {} voxels needs {} MiB as an array, more than the {} MiB "
+                "allowed; write .vdb or .volute",
+                target, info.x, info.y, info.z, bytes >> 20, context.maxMemory >> 20);
+  }
   const std::string provenance =
-      fmt::format("synthesized {}, seed {}", arguments.positional(0), options.seed);
+      fmt::format("synthesized {}, seed {}", arguments.positional(0), arguments.get<int>("seed"));
   VOLUTE_ASSIGN(auto writer,
                 namingOptions(VolumeWriter::open({{source.get(), arguments.get<double>("rms")}},
                                                  target, provenance, context, context.team),
@@ -79,7 +101,12 @@ Status writeVolumes(const Arguments& arguments, Report& report, Context& context
 }
 
 Status runSynthesize(const Arguments& arguments, Context& context) {
+  constexpr int kLargest = 128;  // of all but puffs
   const std::string& kind = arguments.positional(0);
+  if (const int size = arguments.get<int>("size"); size > kLargest && kind != "puffs") {
+    return fail(ErrorCode::kInvalidArgument,
+                "--size: '{}' is more than {}; only puffs may have more", size, kLargest);
+  }
   Report report;
   VOLUTE_TRY(kind == "valley" || kind == "hall" || kind == "ball"
                  ? writeFiles(arguments, report, context)
@@ -97,20 +124,24 @@ Command synthesizeCommand() {
       .summary = "Synthesizes fire, smoke, a valley for fog or a hall on fire from a seed",
       .examples = {"volute synthesize fire -o fire.npy --size 64 --frames 48 --seed 7",
                    "volute synthesize smoke -o smoke_%04d.vdb --frames 10",
+                   "volute synthesize puffs -o puffs_%04d.vdb --size 512 --frames 4",
                    "volute synthesize valley -o valley --pixels 640x360",
                    "volute synthesize hall -o hall.pvd"},
       .description =
           "fire is emission in linear RGB [radiance/m], mostly empty and fast; flame is its "
           "luminance only; smoke is coloured density [1/m], slow and dense. The volume is a cube "
           "of 2 m, at 25 frames per second. The same seed gives the same values on every "
-          "machine.\n\nvalley is a frame for volute fog, in a folder: color.exr, depth.exr, "
+          "machine.\n\npuffs is a sparse density [1/m], twelve drifting puffs that fill one per "
+          "cent "
+          "of the cube: 16 frames of 512 voxels a side.\n\nvalley is a frame for volute fog, in a "
+          "folder: color.exr, depth.exr, "
           "camera.json and the painted fogmap.png with --size pixels on each side; with --frames "
           "a flight: color_%04d.png, depth_%04d.exr and camera_%04d.json. The map's cells have a "
           "side of 512 m / size.\n\nhall is a hall of 28 x 12 x 6 m beside a room on fire, as a "
           "tetrahedral mesh with the field soot [g/m3], one .vtu file for each of --frames (31) "
           "times, --interval apart; for volute render and volute visibility. It is a formula, not "
           "a simulation. ball is a ball of the same smoke in a box, one .vtu file.",
-      .positionals = {{.name = "KIND", .help = "fire, flame, smoke, valley, hall or ball"}},
+      .positionals = {{.name = "KIND", .help = "fire, flame, smoke, puffs, valley, hall or ball"}},
       .options = {{.name = "output",
                    .letter = 'o',
                    .kind = kFile,
@@ -122,10 +153,11 @@ Command synthesizeCommand() {
                   {.name = "size",
                    .kind = kInteger,
                    .value = "N",
-                   .help = "voxels on each side, a multiple of 8; pixels of the valley's map",
+                   .help = "voxels on each side, a multiple of 8, at most 128, of puffs 4096; "
+                           "pixels of the valley's map",
                    .initial = "64",
                    .least = 16,
-                   .most = 128},
+                   .most = 4096},
                   {.name = "frames",
                    .kind = kInteger,
                    .value = "N",
