@@ -6,6 +6,7 @@ import hashlib
 import json
 import math
 import pathlib
+import resource
 
 import support
 from sight_cases import FdsCase, Mesh, write_pvd, write_vtu
@@ -532,6 +533,23 @@ class Areas(Cases):
         self.assertIn("less than 1.8 m of head room", places[0])
         self.assertIn("on top of things", places[0])
 
+    def test_areas_are_closed_lines_of_a_drawing(self):
+        case = self.rooms()
+        body = "0 SECTION 2 HEADER 9 $INSUNITS 70 4 0 ENDSEC 0 SECTION 2 TABLES 0 LAYER 2 areas 70 0 62 -7 0 ENDSEC 0 SECTION 2 ENTITIES "
+        for layer, left, right in (("walls", 0, 20000), ("areas", 0, 2000), ("areas", 2000, 4000)):
+            body += f"0 LWPOLYLINE 8 {layer} 70 1 10 {left} 20 0 10 {right} 20 0 10 {right} 20 4000 10 {left} 20 4000 "
+        body += "0 TEXT 8 areas 10 100 20 100 1 office 0 ENDSEC 0 EOF"
+        self.path("plan.dxf").write_text(body.replace(" ", "\n") + "\n")
+        words = ("visibility", case, "--signs", self.signs(), "--step", 0.5, "--maps", "aset", "--underlay", self.path("plan.dxf"))
+        self.works(*words, "--area-layer", "AREAS", "-o", self.path("out"))
+        areas = {one["name"]: one for one in self.report("out")["areas"]}
+        self.assertEqual([areas[name]["kind"] for name in ("office", "AREAS 2")], ["area", "area"])
+        self.assertEqual(areas["office"]["points"], areas["AREAS 2"]["points"])
+        self.assertGreater(areas["office"]["points"], 10)
+        self.assertIn("has no layer 'rooms'", self.fails(1, *words, "--area-layer", "rooms", "-o", self.path("no")))
+        self.path("areas.json").write_text(json.dumps({"areas": [{"name": "mine", "polygon": [[0, 0], [1, 0], [1, 1]]}]}))
+        self.assertIn("overlaps area 'mine'", self.fails(1, *words, "--area-layer", "areas", "--areas", self.path("areas.json"), "-o", self.path("no")))
+
     def test_areas_elsewhere_are_refused(self):
         case = self.rooms()
         self.path("areas.json").write_text(json.dumps({"areas": [{"name": "far", "polygon": [[50, 0], [60, 0], [60, 9]]}]}))
@@ -550,6 +568,20 @@ class Memory(Cases):
         said = self.fails(1, "visibility", case, "--signs", signs, "--height", 1.5, "--step", 0.005, "--maps", "aset", "--max-memory", "256M",
                           "-o", self.path("out"))
         self.assertIn("more than the 256 MiB allowed", said)
+
+    def test_of_a_large_plan_is_what_is_allowed(self):
+        """The report, too: its rows are not kept as a tree of numbers."""
+        case = self.case("a", smoke=lambda t, *_: 0.01 * t)
+        sign = {"normal": [1, 0, 0], "C": 3}
+        self.path("many.json").write_text(json.dumps({"signs": [{"name": f"s{i}", "position": [0.01, 0.1 + 0.05 * i, 1.5], **sign}
+                                                               for i in range(20)]}))
+        self.works("visibility", case, "--signs", self.path("many.json"), "--height", 1.5, "--step", 0.05, "--maps", "aset", "--max-memory",
+                   "192M", "-o", self.path("out"))
+        used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+        self.assertLess(used, 192 + 128)
+        report = self.report("out")
+        self.assertEqual(len(report["aset"]), 21)
+        self.assertEqual(len(report["aset"][3]["rows"][5]), report["eyes"]["nx"])
 
 
 class Sweep(Cases):

@@ -105,8 +105,18 @@ Result<FdsSmokeFile> FdsSmokeFile::open(const std::filesystem::path& path, const
   VOLUTE_ASSIGN(auto file, FortranFile::open(path));
   std::array<std::int32_t, 8> words{};
   VOLUTE_ASSIGN(const std::uint64_t offset, file.readInto(0, std::span(words), "the header"));
-  VOLUTE_TRY(
-      checkHeader<8>(file, words, {1, 0, 0, mesh.cells(0), 0, mesh.cells(1), 0, mesh.cells(2)}));
+  // FDS calls the same layout 0 or 1; in version 2 frames have their own largest values.
+  constexpr int kLikely = 9;
+  if (words[0] == 1 && words[1] > 1 && words[1] <= kLikely) {
+    return fail(
+        ErrorCode::kUnsupported,
+        "{}: byte 8: version {} of 3D smoke; expected 0 or 1: let FDS write SMOKE3D_VERSION=1, or "
+        "slices of EXTINCTION COEFFICIENT",
+        path.string(), words[1]);
+  }
+  VOLUTE_TRY(checkHeader<8>(
+      file, words,
+      {1, words[1] == 1 ? 1 : 0, 0, mesh.cells(0), 0, mesh.cells(1), 0, mesh.cells(2)}));
   FdsSmokeFile smoke(std::move(file), mesh.nodeCount());
   VOLUTE_TRY(smoke.findFrames(offset));
   return smoke;

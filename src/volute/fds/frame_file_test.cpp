@@ -192,8 +192,16 @@ TEST(FrameFile, everyFlippedBitOfHeadersAndMarkersIsRefused) {
           bytes[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
           fdswriter::saveBytes(folder / "flipped", bytes);
           const auto file = kind.open(folder / "flipped");
+          constexpr std::size_t kVersion = 8;  // of 3D smoke, whose 0 and 1 are the same
+          const bool version = kind.name == "s3d" && bit / 8 == kVersion;
+          if (version && bit == 8 * kVersion) {
+            EXPECT_TRUE(file);
+            continue;
+          }
           ASSERT_FALSE(file) << kind.name << " byte " << bit / 8 << " bit " << bit % 8;
-          EXPECT_EQ(file.error().code, ErrorCode::kInvalidData) << file.error().message;
+          EXPECT_TRUE(file.error().code == ErrorCode::kInvalidData ||
+                      (version && file.error().code == ErrorCode::kUnsupported))
+              << file.error().message;
           EXPECT_THAT(file.error().message, HasSubstr("flipped: byte "));
           ++flips;
         }

@@ -409,8 +409,17 @@ Status SmvReader::handle(std::string_view line) {
     return {};
   const std::string_view keyword = line.substr(0, line.find_first_of(" \t"));
   const auto found = handlers.find(keyword);
-  if (found == handlers.end())
+  if (found == handlers.end()) {
+    // Smoke by another name than the two above is written in another way, too.
+    if (keyword.starts_with("SMOK") && unreadSmoke_.empty()) {
+      unreadSmoke_ = keyword;
+      index_.remarks.push_back(fmt::format(
+          "{}: 3D smoke that the index calls {} is in a format that is not read, and left out; FDS "
+          "writes one that is (SMOKF3D) with SMOKE3D_VERSION=1",
+          lines_.path().string(), keyword));
+    }
     return {};
+  }
   return (this->*found->second)(line.substr(keyword.size()));
 }
 

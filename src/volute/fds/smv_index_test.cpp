@@ -142,6 +142,19 @@ TEST(SmvIndex, readsWhatAnyVersionWrites) {
   ASSERT_TRUE(older);
   EXPECT_EQ(older->slices[0].nodes, (FdsNodeBox{{0, 0, 1}, {2, 2, 1}}));
   EXPECT_FALSE(older->smoke[0].massExtinction);
+  // Smoke in a format that is not read is said, once.
+  auto later = made();
+  later.files =
+      "SMOKH3D     1  8700.\n b.s3d\n SOOT DENSITY\n rho\n kg/m3\n"
+      "SMOKH3D     1\n c.s3d\n HRRPUV\n hrrpuv\n kW/m3\n";
+  const auto newer = readText(folder, later.text());
+  ASSERT_TRUE(newer);
+  EXPECT_THAT(newer->smoke, SizeIs(0));
+  EXPECT_EQ(std::ranges::count_if(newer->remarks,
+                                  [](const std::string& one) {
+                                    return one.find("calls SMOKH3D") != std::string::npos;
+                                  }),
+            1);
 }
 
 TEST(SmvIndex, devicesAreActiveFromTheirEventsOn) {

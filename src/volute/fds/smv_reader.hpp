@@ -112,6 +112,7 @@ class SmvReader {
   bool cutOff_ = false;                          // the file ended within a block
   std::map<std::string, int> skippedSlices_;
   std::string inputName_;
+  std::string unreadSmoke_;            // the keyword of smoke in another format
   std::map<std::string, int> owners_;  // of files: meshes
   std::map<std::filesystem::path, std::map<std::string, std::vector<std::string>>>
       folders_;            // names in them by lower case

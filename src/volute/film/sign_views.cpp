@@ -82,7 +82,7 @@ std::pair<const SightTarget*, bool> nearestInSight(const Vec3& eye,
   const SightTarget* nearest = nullptr;
   bool inSight = false;
   for (std::size_t s = 0; s < signs.size(); ++s) {
-    const bool seen = !sightings[s].blocked && sightings[s].visibility > 0;
+    const bool seen = !sightings[s].blocked && sightings[s].limit > 0;
     const bool nearer = !nearest || (signs[s].target - eye).norm() < (nearest->target - eye).norm();
     if ((seen && !inSight) || (seen == inSight && nearer)) {
       nearest = &signs[s];

@@ -12,6 +12,7 @@
 
 #include "volute/base/input_file.hpp"
 #include "volute/base/number_word.hpp"
+#include "volute/base/suggest.hpp"
 #include "volute/math/vec.hpp"
 
 namespace volute {
@@ -77,14 +78,15 @@ std::optional<double> unitOf(int code) {
 
 class DxfReader {
  public:
-  DxfReader(std::filesystem::path path, std::uint64_t maxMemory)
-      : path_(std::move(path)), maxMemory_(maxMemory) {}
+  DxfReader(std::filesystem::path path, std::uint64_t maxMemory, std::string_view layer)
+      : path_(std::move(path)), maxMemory_(maxMemory), layer_(layer) {}
 
   Result<DxfDrawing> read() {
     VOLUTE_TRY(load());
     VOLUTE_TRY(readSections());
-    for (const Entity& entity : model_) VOLUTE_TRY(draw(entity, Placement(), 0));
-    if (drawing_.lines.empty()) {
+    for (const Entity& entity : model_) VOLUTE_TRY(draw(entity, Placement(), entity.text(8), 0));
+    VOLUTE_TRY(checkLayer());
+    if (drawing_.lines.empty() && drawing_.outlines.empty()) {
       return fail(ErrorCode::kInvalidData, "{}: has no lines to draw{}", path_.string(),
                   hidden_ > 0 ? "; its layers are off or frozen" : "");
     }
@@ -96,6 +98,30 @@ class DxfReader {
   tl::unexpected<Error> fault(int line, fmt::format_string<Args...> format, Args&&... args) const {
     return fail(ErrorCode::kInvalidData, "{}: line {}: {}", path_.string(), line,
                 fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  /// Names of layers are the same in capitals.
+  static bool isSame(std::string_view one, std::string_view other) {
+    return std::ranges::equal(one, other, {}, lower, lower);
+  }
+
+  static char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+  static std::string lowered(std::string_view text) {
+    std::string out(text);
+    std::ranges::transform(out, out.begin(), lower);
+    return out;
+  }
+
+  Status checkLayer() const {
+    if (layer_.empty() ||
+        std::ranges::any_of(layers_, [&](const std::string& one) { return isSame(one, layer_); }))
+      return {};
+    const std::vector<std::string_view> names(layers_.begin(), layers_.end());
+    const auto near = nearest(layer_, names);
+    return fail(ErrorCode::kNotFound, "{}: has no layer '{}'{}", path_.string(), layer_,
+                near.empty() ? fmt::format("; its layers are {}", fmt::join(names, ", "))
+                             : fmt::format("; did you mean '{}'?", near));
   }
 
   Status load() {
@@ -225,10 +251,11 @@ class DxfReader {
   void readLayer(const Entity& layer) {
     constexpr int kFrozen = 1;
     int flags = 0, color = 0;
+    layers_.emplace(layer.text(2));
     readNumber(layer.text(70), flags);
     readNumber(layer.text(62), color);
     if ((flags & kFrozen) || color < 0)
-      offLayers_.insert(std::string(layer.text(2)));
+      offLayers_.insert(lowered(layer.text(2)));
   }
 
   /// The old polylines' points are entities of their own: they become values of the polyline.
@@ -477,7 +504,8 @@ class DxfReader {
     return {};
   }
 
-  Status addInsert(const Entity& entity, const Placement& place, int depth) {
+  Status addInsert(const Entity& entity, const Placement& place, std::string_view layer,
+                   int depth) {
     constexpr int kDeepest = 16, kMaxCopies = 10000;
     const auto found = blocks_.find(std::string(entity.text(2)));
     if (found == blocks_.end()) {
@@ -505,8 +533,11 @@ class DxfReader {
         ++visits_;
         Placement inner{sx * x, sy * y, at + column * dx * x + row * dy * y};
         inner.origin -= inner.x * found->second.base.x() + inner.y * found->second.base.y();
-        for (const Entity& part : found->second.entities)
-          VOLUTE_TRY(draw(part, place.after(inner), depth + 1));
+        for (const Entity& part : found->second.entities) {
+          const std::string_view own = part.text(8);
+          VOLUTE_TRY(
+              draw(part, place.after(inner), own == "0" || own.empty() ? layer : own, depth + 1));
+        }
       }
     }
     return {};
@@ -514,17 +545,81 @@ class DxfReader {
 
   bool isHidden(const Entity& entity) const {
     return entity.text(67) == "1" || entity.text(60) == "1" ||
-           offLayers_.contains(std::string(entity.text(8)));
+           offLayers_.contains(lowered(entity.text(8)));
   }
 
-  Status draw(const Entity& entity, const Placement& outer, int depth) {
+  /// What is on the layer that is asked for, drawn or not.
+  Status keep(const Entity& entity, const Placement& outer) {
+    VOLUTE_ASSIGN(const double up, number(entity, 230, 1));
+    const Placement place = up < 0 ? outer.after({Vec2(-1, 0), Vec2(0, 1), Vec2::Zero()}) : outer;
+    if (entity.kind == "TEXT" || entity.kind == "MTEXT") {
+      VOLUTE_ASSIGN(const Vec2 at, point(entity, 10));
+      std::string text;
+      for (const Pair& pair : entity.pairs) {
+        if (pair.code == 3 || pair.code == 1)
+          text += pair.value;
+      }
+      if (entity.kind == "MTEXT")
+        text = plain(text);
+      drawing_.texts.push_back({place.at(at), std::string(trimmed(text))});
+      return {};
+    }
+    if (entity.kind != "LWPOLYLINE" && entity.kind != "POLYLINE" && entity.kind != "CIRCLE")
+      return {};
+    const std::size_t first = drawing_.lines.size();
+    VOLUTE_TRY(entity.kind == "CIRCLE" ? addRound(entity, true, place)
+                                       : addPolyline(entity, place));
+    DrawnOutline outline{{}, entity.line};
+    for (std::size_t i = first; i < drawing_.lines.size(); ++i)
+      outline.points.push_back(drawing_.lines[i].from);
+    const bool closed =
+        outline.points.size() > 2 && (drawing_.lines.back().to - outline.points.front()).norm() <=
+                                         1e-6 * (1 + outline.points.front().norm());
+    drawing_.lines.resize(first);
+    if (closed)
+      drawing_.outlines.push_back(std::move(outline));
+    else
+      ++drawing_.open;
+    return {};
+  }
+
+  /// MTEXT without what says how it looks: "{\\fArial|b0;Hall\\P2}" is "Hall 2".
+  static std::string plain(std::string_view text) {
+    constexpr std::string_view kUntilSemicolon = "ACFHQTWfp";
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      if (text[i] == '{' || text[i] == '}')
+        continue;
+      if (text[i] != '\\' || i + 1 == text.size()) {
+        out += text[i];
+      } else if (const char code = text[++i]; code == 'P' || code == '~') {
+        out += ' ';
+      } else if (code == '\\' || code == '{' || code == '}') {
+        out += code;
+      } else if (kUntilSemicolon.find(code) != std::string_view::npos) {
+        i = std::min(text.find(';', i), text.size() - 1);
+      }
+    }
+    return out;
+  }
+
+  /// @param layer  its own, or that of the block on which it is inserted
+  Status draw(const Entity& entity, const Placement& outer, std::string_view layer, int depth) {
     constexpr std::uint64_t kMaxVisits = 100'000'000;
     if ((visits_ += 1 + entity.pairs.size()) > kMaxVisits)
       return fail(ErrorCode::kTooLarge,
                   "{}: more than {} values to draw, blocks within blocks counted", path_.string(),
                   kMaxVisits);
+    layers_.emplace(layer);
+    if (!layer_.empty() && isSame(layer, layer_) && entity.text(67) != "1")
+      VOLUTE_TRY(keep(entity, outer));
     if (isHidden(entity)) {
       ++hidden_;
+      if (layer_.empty() || entity.kind != "INSERT")
+        return {};
+      const std::size_t shown = drawing_.lines.size();
+      VOLUTE_TRY(addInsert(entity, outer, layer, depth));
+      drawing_.lines.resize(shown);
       return {};
     }
     const std::string_view kind = entity.kind;
@@ -549,13 +644,15 @@ class DxfReader {
     if (kind == "SOLID" || kind == "TRACE")  // whose third and fourth corner are exchanged
       return addRing(entity, {10, 11, 13, 12}, place);
     if (kind == "INSERT")
-      return addInsert(entity, place, depth);
+      return addInsert(entity, place, layer, depth);
     ++drawing_.left[shown(kind)];
     return {};
   }
 
   std::filesystem::path path_;
   std::uint64_t maxMemory_;
+  std::string layer_;             // the one that is asked for
+  std::set<std::string> layers_;  // all
   std::string text_;
   std::size_t at_ = 0;
   int line_ = 0;
@@ -571,8 +668,9 @@ class DxfReader {
 
 }  // namespace
 
-Result<DxfDrawing> readDxf(const std::filesystem::path& path, std::uint64_t maxMemory) {
-  return DxfReader(path, maxMemory).read();
+Result<DxfDrawing> readDxf(const std::filesystem::path& path, std::uint64_t maxMemory,
+                           std::string_view layer) {
+  return DxfReader(path, maxMemory, layer).read();
 }
 
 }  // namespace volute

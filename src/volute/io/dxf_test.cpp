@@ -189,6 +189,35 @@ TEST_F(Dxf, whatIsHiddenIsNotDrawnAndTheRestIsCounted) {
   EXPECT_THAT(refusal(fileOf(pairs("0 LINE 8 off" + line), layers)), HasSubstr("off or frozen"));
 }
 
+TEST_F(Dxf, closedLinesAndTextsOfALayerAreKeptThoughItIsOff) {
+  const std::string layers =
+      pairs("0 SECTION 2 TABLES 0 LAYER 2 Areas 70 0 62 -7 0 LAYER 2 walls 70 0 62 7 0 ENDSEC") +
+      pairs(
+          "0 SECTION 2 BLOCKS 0 BLOCK 2 room 10 0 20 0 0 LWPOLYLINE 8 0 70 1 10 0 20 0 10 1 20 0 "
+          "10 1 20 1 0 ENDBLK 0 ENDSEC");
+  const std::string text =
+      fileOf(pairs("0 LWPOLYLINE 8 AREAS 70 1 10 0 20 0 10 4 20 0 10 4 20 3 10 0 20 3") +
+                 pairs("0 LWPOLYLINE 8 AREAS 70 0 10 9 20 0 10 9 20 1") +
+                 pairs("0 LWPOLYLINE 8 walls 70 1 10 0 20 0 10 1 20 0 10 1 20 1") +
+                 pairs("0 CIRCLE 8 Areas 10 8 20 8 40 1") +
+                 pairs("0 INSERT 8 AREAS 2 room 10 20 20 5 41 2 42 2") +
+                 pairs("0 MTEXT 8 AREAS 10 1 20 1 1 {\\fArial|b0;Hall\\PNorth}") +
+                 pairs("0 TEXT 8 walls 10 1 20 1 1 other"),
+             layers);
+  const auto file = std::filesystem::path(::testing::TempDir()) / "layers.dxf";
+  ASSERT_TRUE(writeFile(file, text));
+  const auto drawing = readDxf(file, 64 << 20, "areas");
+  ASSERT_TRUE(drawing) << drawing.error().message;
+  ASSERT_EQ(drawing->outlines.size(), 3u);
+  EXPECT_EQ(drawing->outlines[0].points.at(2), Vec2(4, 3));
+  EXPECT_EQ(drawing->outlines[2].points.at(2), Vec2(22, 7)) << "a block's layer 0 is where it is";
+  EXPECT_EQ(drawing->open, 1);
+  ASSERT_EQ(drawing->texts.size(), 1u);
+  EXPECT_EQ(drawing->texts[0].text, "Hall North");
+  EXPECT_EQ(drawing->lines.size(), 3u) << "what is off is not drawn";
+  EXPECT_THAT(readDxf(file, 64 << 20, "area").error().message, HasSubstr("did you mean"));
+}
+
 TEST_F(Dxf, damagedFilesAreRefusedWithTheirLine) {
   EXPECT_THAT(refusal(fileOf(pairs("0 LINE 10 x1 20 0 11 1 21 1"))),
               HasSubstr("line 8: 'x1' is no number (group 10)"));

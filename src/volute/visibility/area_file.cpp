@@ -75,6 +75,22 @@ double turnOf(std::span<const Vec2> polygon) {
   return sum;
 }
 
+/// What is wrong with a polygon; empty: nothing.
+std::string faultOf(std::span<const Vec2> polygon) {
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    for (std::size_t j = i + 1; j < polygon.size(); ++j) {
+      const auto at = crossing(polygon[i], polygon[(i + 1) % polygon.size()], polygon[j],
+                               polygon[(j + 1) % polygon.size()]);
+      if (at)
+        return fmt::format("crosses itself at {}", placeText(*at));
+    }
+  }
+  return std::abs(turnOf(polygon)) < 2 * kTouch * kTouch ? "has no area" : "";
+}
+
+constexpr std::size_t kMaxAreas = 1000;
+constexpr std::size_t kMaxPoints = 10'000;  // of a polygon: it is compared with itself
+
 struct Storey {
   std::string name;
   double low = 0, high = 0;
@@ -139,11 +155,10 @@ class AreaReader {
   }
 
   Result<std::vector<Vec2>> points(const char* key, std::size_t least) const {
-    constexpr std::size_t kMax = 10'000;
     if (!has(key) || !json_[key].is_array() || json_[key].size() < least ||
-        json_[key].size() > kMax) {
-      return wrong(key,
-                   fmt::format("expected a list of {} to {} points [x, y] in metres", least, kMax));
+        json_[key].size() > kMaxPoints) {
+      return wrong(key, fmt::format("expected a list of {} to {} points [x, y] in metres", least,
+                                    kMaxPoints));
     }
     std::vector<Vec2> points;
     for (std::size_t i = 0; i < json_[key].size(); ++i) {
@@ -162,16 +177,8 @@ class AreaReader {
     VOLUTE_ASSIGN(auto polygon, points("polygon", 3));
     if (polygon.front() == polygon.back())
       polygon.pop_back();
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-      for (std::size_t j = i + 1; j < polygon.size(); ++j) {
-        const auto at = crossing(polygon[i], polygon[(i + 1) % polygon.size()], polygon[j],
-                                 polygon[(j + 1) % polygon.size()]);
-        if (at)
-          return wrong("polygon", fmt::format("crosses itself at {}", placeText(*at)));
-      }
-    }
-    if (std::abs(turnOf(polygon)) < 2 * kTouch * kTouch)
-      return wrong("polygon", "has no area");
+    if (const std::string fault = faultOf(polygon); !fault.empty())
+      return wrong("polygon", fault);
     return polygon;
   }
 
@@ -248,14 +255,14 @@ bool share(const NamedArea& one, const NamedArea& other) {
   return one.low < other.high && other.low < one.high;
 }
 
-/// What one area says of others.
-Status checkTogether(std::span<const NamedArea> areas, std::span<const std::string> paths,
-                     const std::string& file) {
+}  // namespace
+
+Status checkTogether(std::span<const NamedArea> areas, std::span<const std::string> from) {
   for (std::size_t i = 0; i < areas.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (areas[i].name == areas[j].name) {
-        return fail(ErrorCode::kInvalidData, "{}: {}/name: '{}' is the name of {} as well", file,
-                    paths[i], areas[i].name, paths[j]);
+        return fail(ErrorCode::kInvalidData, "{}: '{}' is the name of {} as well", from[i],
+                    areas[i].name, from[j]);
       }
       const bool polygons =
           areas[i].kind == NamedArea::Kind::kArea && areas[j].kind == NamedArea::Kind::kArea;
@@ -263,23 +270,20 @@ Status checkTogether(std::span<const NamedArea> areas, std::span<const std::stri
         continue;
       if (const auto at = overlap(areas[i].outline, areas[j].outline)) {
         return fail(ErrorCode::kInvalidData,
-                    "{}: {}: area '{}' overlaps area '{}' ({}), at {}; expected areas beside each "
+                    "{}: area '{}' overlaps area '{}' ({}), at {}; expected areas beside each "
                     "other, or on different storeys",
-                    file, paths[i], areas[i].name, areas[j].name, paths[j], placeText(*at));
+                    from[i], areas[i].name, areas[j].name, from[j], placeText(*at));
       }
     }
     for (const std::string& member : areas[i].members) {
       const auto* found = std::ranges::find(areas, member, &NamedArea::name).base();
       if (found == areas.data() + areas.size() || found->kind == NamedArea::Kind::kRoute) {
-        return fail(ErrorCode::kInvalidData, "{}: {}/areas: there is no area or exit '{}'", file,
-                    paths[i], member);
+        return fail(ErrorCode::kInvalidData, "{}: there is no area or exit '{}'", from[i], member);
       }
     }
   }
   return {};
 }
-
-}  // namespace
 
 bool NamedArea::contains(const Vec2& point) const {
   if (kind == Kind::kArea)
@@ -341,14 +345,13 @@ std::optional<Vec2> overlap(std::span<const Vec2> one, std::span<const Vec2> oth
 }
 
 Result<std::vector<NamedArea>> readAreas(const std::string& file) {
-  constexpr std::size_t kMax = 1000;
   constexpr std::array<std::string_view, 4> kNames{"storeys", "areas", "routes", "exits"};
   VOLUTE_ASSIGN(const auto json, readJson(file));
   VOLUTE_TRY(AreaReader(json, file, "").checkNames(kNames));
   for (const auto name : kNames) {
-    if (json.contains(name) && (!json[name].is_array() || json[name].size() > kMax))
+    if (json.contains(name) && (!json[name].is_array() || json[name].size() > kMaxAreas))
       return fail(ErrorCode::kInvalidData, "{}: /{}: expected a list of at most {}", file, name,
-                  kMax);
+                  kMaxAreas);
   }
   const auto listOf = [&](const char* name) { return json.value(name, nlohmann::json::array()); };
   std::vector<Storey> storeys;
@@ -373,8 +376,9 @@ Result<std::vector<NamedArea>> readAreas(const std::string& file) {
         std::pair("routes", NamedArea::Kind::kRoute)}) {
     const auto list = listOf(name);
     for (std::size_t i = 0; i < list.size(); ++i) {
-      paths.push_back(fmt::format("/{}/{}", name, i));
-      VOLUTE_ASSIGN(auto area, AreaReader(list[i], file, paths.back()).area(kind, storeys));
+      const std::string path = fmt::format("/{}/{}", name, i);
+      paths.push_back(fmt::format("{}: {}", file, path));
+      VOLUTE_ASSIGN(auto area, AreaReader(list[i], file, path).area(kind, storeys));
       areas.push_back(std::move(area));
     }
   }
@@ -384,7 +388,42 @@ Result<std::vector<NamedArea>> readAreas(const std::string& file) {
                 "\"polygon\": [[0, 0], [6, 0], [6, 4], [0, 4]]}}]}}",
                 file);
   }
-  VOLUTE_TRY(checkTogether(areas, paths, file));
+  VOLUTE_TRY(checkTogether(areas, paths));
+  return areas;
+}
+
+Result<std::vector<NamedArea>> areasOfOutlines(std::vector<PlanOutline> outlines,
+                                               std::span<const std::pair<Vec2, std::string>> texts,
+                                               const std::string& layer, const std::string& file) {
+  if (outlines.empty() || outlines.size() > kMaxAreas) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: the layer '{}' has {} closed lines; expected 1 to {}, each around an area",
+                file, layer, outlines.size(), kMaxAreas);
+  }
+  std::vector<NamedArea> areas;
+  std::vector<std::string> from;
+  for (PlanOutline& outline : outlines) {
+    NamedArea area;
+    area.name = std::move(outline.name);
+    area.outline = std::move(outline.points);
+    from.push_back(fmt::format("{}: {}", file, outline.where));
+    if (area.outline.size() > 1 && area.outline.front() == area.outline.back())
+      area.outline.pop_back();
+    if (area.outline.size() < 3 || area.outline.size() > kMaxPoints) {
+      return fail(ErrorCode::kInvalidData, "{}: an area of {} points; expected 3 to {}",
+                  from.back(), area.outline.size(), kMaxPoints);
+    }
+    if (const std::string fault = faultOf(area.outline); !fault.empty())
+      return fail(ErrorCode::kInvalidData, "{}: the area {}", from.back(), fault);
+    for (const auto& [at, text] : texts) {
+      if (area.name.empty() && isInside(area.outline, at))
+        area.name = text;
+    }
+    if (area.name.empty())
+      area.name = fmt::format("{} {}", layer, areas.size() + 1);
+    areas.push_back(std::move(area));
+  }
+  VOLUTE_TRY(checkTogether(areas, from));
   return areas;
 }
 

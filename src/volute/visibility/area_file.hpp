@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "volute/base/result.hpp"
@@ -46,6 +47,25 @@ struct NamedArea {
 /// metres. Refused, with the place in the file: polygons that cross themselves, areas of a storey
 /// that overlap, names that are there twice or not at all.
 [[nodiscard]] Result<std::vector<NamedArea>> readAreas(const std::string& file);
+
+/// A closed line of a drawing.
+struct PlanOutline {
+  std::string name;   ///< empty: not known
+  std::string where;  ///< in its file, for people
+  std::vector<Vec2> points;
+};
+
+/// Areas of each storey from what is drawn on a layer. Those without a name have that of the text
+/// within them, else the layer's with a number. Refused as in areas.json, and where there are none.
+/// @param texts  where each begins
+[[nodiscard]] Result<std::vector<NamedArea>> areasOfOutlines(
+    std::vector<PlanOutline> outlines, std::span<const std::pair<Vec2, std::string>> texts,
+    const std::string& layer, const std::string& file);
+
+/// Refuses areas whose names are there twice, and those of a storey that overlap.
+/// @param from  where each is from, for people
+[[nodiscard]] Status checkTogether(std::span<const NamedArea> areas,
+                                   std::span<const std::string> from);
 
 /// Refuses areas of storeys of which no plan is made.
 [[nodiscard]] Status checkStoreys(std::span<const NamedArea> areas, std::span<const double> heights,

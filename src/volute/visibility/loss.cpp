@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
@@ -14,6 +13,9 @@ namespace volute {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
+
+// What stands between an eye and a sign.
+constexpr unsigned char kOpen = 1, kCovered = 2;
 
 /// A part of the way from one time to the next, 0 to 1; none where begin > end.
 struct Span {
@@ -118,64 +120,115 @@ void LevelWatch::note(std::size_t place, double now, double value, const StoredS
 
 SignLoss::SignLoss(std::span<const SightTarget> signs, std::vector<std::vector<std::size_t>> sets,
                    std::size_t eyes, std::vector<double> factors)
-    : sets_(std::move(sets)),
-      factors_(std::move(factors)),
-      eyes_(eyes),
-      limits_(signs.size() * eyes),
-      lines_(limits_.size()) {
-  factors_.resize(sets_.size(), 1);
-  for (const SightTarget& sign : signs) signs_.push_back(&sign);
-  loss_.assign(sets_.size(), {LossTimes(eyes), LossTimes(eyes), LossTimes(eyes)});
+    : eyes_(eyes),
+      signs_(signs.size()),
+      times_{kNever, -kNever},
+      depth_(signs.size() * eyes),
+      state_(depth_.size()) {
+  for (auto& members : sets) losses_.push_back({std::move(members), 1, true, {}, {}, {}});
+  for (const double factor : factors)
+    losses_.push_back({losses_.front().members, factor, false, {}, {}, {}});
+  for (Set& set : losses_) set.middle.resize(eyes);
+}
+
+void SignLoss::splitBounds() {
+  low_.assign(depth_.begin(), depth_.end());
+  high_ = low_;
+  for (Set& set : losses_) {
+    set.worst = set.middle;
+    if (set.hasBest)
+      set.best = set.middle;
+  }
 }
 
 void SignLoss::update(double now, std::span<const Sighting> sightings) {
-  VOLUTE_ASSERT(sightings.size() == lines_.size());
+  VOLUTE_ASSERT(sightings.size() == depth_.size());
+  if (times_.size() == 2 || times_.back() != now)
+    times_.push_back(now);
+  VOLUTE_ASSERT(times_.size() <= kMaxTimes + 2);
+  if (low_.empty() && std::ranges::any_of(sightings, [](const Sighting& one) {
+        return one.covered && (one.low != one.depth || one.high != one.depth);
+      }))
+    splitBounds();
   constexpr std::size_t kEyes = 256;
   parallelRanges(eyes_, kEyes, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t eye = begin; eye < end; ++eye) updateEye(eye, now, sightings);
+    for (std::size_t eye = begin; eye < end; ++eye) updateEye(eye, sightings);
   });
-  before_ = now;
+  last_ = times_.size() - 1;
   begun_ = true;
 }
 
 void SignLoss::loseAll() {
-  for (Bounds& one : loss_) {
-    for (LossTimes* times : {&one.middle, &one.worst, &one.best})
-      std::ranges::fill(times->known, -kNever);
+  for (Set& set : losses_) {
+    for (auto* losses : {&set.middle, &set.worst, &set.best}) {
+      for (Loss& loss : *losses) loss.known = Loss::kNeverKnown;
+    }
   }
 }
 
-void SignLoss::updateEye(std::size_t eye, double now, std::span<const Sighting> sightings) {
-  std::vector<Line> fresh(signs_.size());
-  for (std::size_t s = 0; s < signs_.size(); ++s) {
-    const std::size_t at = s * eyes_ + eye;
-    const Sighting& sighting = sightings[at];
-    if (!begun_) {
-      const SafetySign& sign = signs_[s]->sign;
-      const double cosine = std::cos(sighting.angle * (std::numbers::pi / 180));
-      limits_[at] = sign.law.c * sign.angle.factor(cosine);
-    }
-    fresh[s] = {sighting.depth, sighting.low, sighting.high, !sighting.blocked && limits_[at] > 0,
-                sighting.covered};
+LossTimes SignLoss::timesOf(const std::vector<Loss>& losses) const {
+  LossTimes times(losses.size());
+  for (std::size_t i = 0; i < losses.size(); ++i) {
+    times.down[i] = times_[losses[i].down];
+    times.none[i] = losses[i].none;
+    times.up[i] = times_[losses[i].up];
+    if (losses[i].known != Loss::kAlways)
+      times.lose(i, times_[losses[i].known]);
   }
-  const double last = begun_ ? before_ : now;
-  const auto follow = [&](std::size_t set, LossTimes& loss, double Line::* depth) {
+  return times;
+}
+
+LossTimes SignLoss::latest(std::size_t set) const {
+  VOLUTE_ASSERT(losses_[set].hasBest);
+  return timesOf(losses_[set].best.empty() ? losses_[set].middle : losses_[set].best);
+}
+
+void SignLoss::updateEye(std::size_t eye, std::span<const Sighting> sightings) {
+  const auto at = [&](std::size_t sign) { return sign * eyes_ + eye; };
+  const std::uint64_t nowPlace = times_.size() - 1;
+  const double now = times_.back();
+  const auto isOpen = [&](std::size_t line) {
+    return !sightings[line].blocked && sightings[line].limit > 0;
+  };
+
+  // What of a line is compared, at the time before and now.
+  struct Depth {
+    double before = 0, now = 0;
+  };
+
+  const auto middleOf = [&](std::size_t line) {
+    const Sighting& fresh = sightings[line];
+    return Depth{depth_[line], fresh.covered ? fresh.depth : fresh.low};
+  };
+  const auto lowOf = [&](std::size_t line) {
+    return low_.empty() ? middleOf(line) : Depth{low_[line], sightings[line].low};
+  };
+  const auto highOf = [&](std::size_t line) {
+    return high_.empty() ? middleOf(line) : Depth{high_[line], sightings[line].high};
+  };
+  thread_local std::vector<Span> spans;
+  const auto follow = [&](const Set& set, Loss& loss, const auto& depthOf) {
     // How far from the time before on some sign is seen without a gap.
     double reach = begun_ ? 0 : 1;
     bool seen = false, begins = false;
     bool perhaps = false;  // on lines that are not known everywhere
-    std::vector<Span> spans;
-    for (const std::size_t s : sets_[set]) {
-      const std::size_t at = s * eyes_ + eye;
-      const double limit = factors_[set] * limits_[at];
-      seen |= fresh[s].open && fresh[s].covered && fresh[s].*depth <= limit;
-      perhaps |= fresh[s].open && !fresh[s].covered && fresh[s].low <= limit;
-      if (!begun_ || !lines_[at].open)
+    spans.clear();
+    for (const std::size_t sign : set.members) {
+      const std::size_t line = at(sign);
+      const double limit = set.factor * sightings[line].limit;
+      const bool covered = sightings[line].covered;
+      if (isOpen(line)) {
+        seen |= covered && depthOf(line).now <= limit;
+        perhaps |= !covered && lowOf(line).now <= limit;
+      }
+      if (!begun_ || (state_[line] & kOpen) == 0)
         continue;
-      if (lines_[at].covered && fresh[s].covered)
-        spans.push_back(atMost(limit, lines_[at].*depth, fresh[s].*depth));
-      else
-        perhaps |= std::min(lines_[at].low, fresh[s].low) <= limit;
+      if (covered && (state_[line] & kCovered) != 0) {
+        spans.push_back(atMost(limit, depthOf(line).before, depthOf(line).now));
+      } else {
+        const Depth low = lowOf(line);
+        perhaps |= std::min(low.before, low.now) <= limit;
+      }
     }
     std::ranges::sort(spans, {}, &Span::begin);
     for (const Span& span : spans) {
@@ -188,23 +241,42 @@ void SignLoss::updateEye(std::size_t eye, double now, std::span<const Sighting> 
       reach = 0;
     if (reach >= 1 && seen)
       return;
-    if (perhaps)
-      loss.lose(eye, begun_ ? last : -kNever);
-    else if (!loss.complete(eye) && !seen)
-      loss.note(eye, now, now, now);
-    else if (loss.complete(eye))
-      loss.note(eye, last, last + reach * (now - last), now);
+    const std::uint64_t last = begun_ ? last_ : nowPlace;
+    const bool complete = loss.known == Loss::kAlways;
+    if (perhaps) {
+      const std::uint64_t until = begun_ ? last : Loss::kNeverKnown;
+      if (complete || times_[until] < times_[loss.known])
+        loss.known = until;
+    } else if (complete || !seen) {
+      const double from = times_[last];
+      loss.down = complete ? last : nowPlace;
+      loss.none = complete ? from + reach * (now - from) : now;
+      loss.up = nowPlace;
+    }
   };
-  for (std::size_t set = 0; set < sets_.size(); ++set) {
-    if (loss_[set].best.up[eye] < kNever)
+  for (Set& set : losses_) {
+    const Loss& longest = !set.best.empty() ? set.best[eye] : set.middle[eye];
+    if (longest.up != Loss::kNever)
       continue;  // lost at any depth
-    if (loss_[set].middle.up[eye] == kNever)
-      follow(set, loss_[set].middle, &Line::depth);
-    if (loss_[set].worst.up[eye] == kNever)
-      follow(set, loss_[set].worst, &Line::high);
-    follow(set, loss_[set].best, &Line::low);
+    if (set.middle[eye].up == Loss::kNever)
+      follow(set, set.middle[eye], middleOf);
+    if (!set.worst.empty() && set.worst[eye].up == Loss::kNever)
+      follow(set, set.worst[eye], highOf);
+    if (!set.best.empty())
+      follow(set, set.best[eye], lowOf);
   }
-  for (std::size_t s = 0; s < signs_.size(); ++s) lines_[s * eyes_ + eye] = fresh[s];
+  for (std::size_t sign = 0; sign < signs_; ++sign) {
+    const std::size_t line = at(sign);
+    const Sighting& fresh = sightings[line];
+    depth_[line] = fresh.covered ? fresh.depth : fresh.low;
+    if (!low_.empty()) {
+      constexpr float kMax = std::numeric_limits<float>::infinity();
+      const auto low = static_cast<float>(fresh.low), high = static_cast<float>(fresh.high);
+      low_[line] = low > fresh.low ? std::nextafter(low, -kMax) : low;
+      high_[line] = high < fresh.high ? std::nextafter(high, kMax) : high;
+    }
+    state_[line] = (isOpen(line) ? kOpen : 0) | (fresh.covered ? kCovered : 0);
+  }
 }
 
 }  // namespace volute

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <string_view>
@@ -110,53 +111,74 @@ class LevelWatch {
 /// linear, as the smoke is, and what is opaque is as at the first of them; times at which something
 /// opaque comes or goes are given twice, with what was and with what is. Where a sign may be seen
 /// on lines alone on which the smoke is not known everywhere, nothing is known.
+///
+/// What is kept of each eye is small, as there may be millions: times are positions in a list, and
+/// bounds are followed apart from when they first differ.
 class SignLoss {
  public:
   /// @param sets  positions in `signs`, any number of sets.
-  /// @param factors  of each set: what C is multiplied by, or the extinction divided; empty: 1.
+  /// @param factors  each for one more set, of the first set's signs, whose C are multiplied by it,
+  /// or the extinction divided. latest() is not known of these.
   SignLoss(std::span<const SightTarget> signs, std::vector<std::vector<std::size_t>> sets,
            std::size_t eyes, std::vector<double> factors = {});
 
   /// @param sightings  as lookAround gives them at `now`, the same eyes each time; `now` ascends.
   void update(double now, std::span<const Sighting> sightings);
 
-  /// What is kept of an eye for each set, and for each sign.
-  static constexpr std::size_t kBytesOfSet = 96, kBytesOfSign = 40;
+  /// Calls of update() at different times, one less.
+  static constexpr std::size_t kMaxTimes = (std::size_t{1} << 21) - 3;
+
+  /// [bytes] that are kept of an eye for each set, for each factor, and for each sign.
+  static constexpr std::size_t kBytesOfSet = 48, kBytesOfFactor = 32, kBytesOfSign = 17;
 
   /// Nothing is known of what was before the first time.
   void loseAll();
 
   /// At the field's depths.
-  const LossTimes& times(std::size_t set) const { return loss_[set].middle; }
+  LossTimes times(std::size_t set) const { return timesOf(losses_[set].middle); }
 
   /// At the largest depths that its rounding allows.
-  const LossTimes& earliest(std::size_t set) const { return loss_[set].worst; }
+  LossTimes earliest(std::size_t set) const { return timesOf(worst(losses_[set])); }
 
   /// At the smallest.
-  const LossTimes& latest(std::size_t set) const { return loss_[set].best; }
+  LossTimes latest(std::size_t set) const;
 
  private:
-  struct Bounds {
-    LossTimes middle, worst, best;
+  /// Positions in times_.
+  struct Loss {
+    std::uint64_t down : 21 = kNever, up : 21 = kNever, known : 21 = kAlways;
+    double none = std::numeric_limits<double>::infinity();
+
+    // Both are the same time: infinite.
+    static constexpr std::uint64_t kNever = 0, kAlways = 0, kNeverKnown = 1;
   };
 
-  /// What of a sighting is needed at the next time.
-  struct Line {
-    double depth = 0, low = 0, high = 0;
-    bool open = false;     ///< nothing opaque, not averted
-    bool covered = false;  ///< the smoke is known on all of it
+  struct Set {
+    std::vector<std::size_t> members;
+    double factor = 1;
+    bool hasBest = true;
+    std::vector<Loss> middle, worst, best;  // the last two are empty while bounds do not differ
   };
 
-  void updateEye(std::size_t eye, double now, std::span<const Sighting> sightings);
+  static const std::vector<Loss>& worst(const Set& set) {
+    return set.worst.empty() ? set.middle : set.worst;
+  }
 
-  std::vector<std::vector<std::size_t>> sets_;
-  std::vector<double> factors_;
+  LossTimes timesOf(const std::vector<Loss>& losses) const;
+  void splitBounds();
+  void updateEye(std::size_t eye, std::span<const Sighting> sightings);
+
   std::size_t eyes_;
-  std::vector<double> limits_;  // shape (sign, eye): C times the angle law's factor
-  std::vector<const SightTarget*> signs_;
-  std::vector<Bounds> loss_;
-  std::vector<Line> lines_;  // shape (sign, eye), of the time before
-  double before_ = 0;
+  std::size_t signs_;
+  std::vector<Set> losses_;
+  std::vector<double> times_;  // infinity, -infinity, and those of update()
+
+  // Of each line at the time before, shape (sign, eye). The depth of lines on which the smoke is
+  // not known everywhere is what is known of it.
+  std::vector<double> depth_;
+  std::vector<float> low_, high_;     // rounded outwards; empty: as depth_
+  std::vector<unsigned char> state_;  // kOpen, kCovered
+  std::uint64_t last_ = 0;            // the time before
   bool begun_ = false;
 };
 

@@ -279,7 +279,7 @@ Result<std::string> PlanTenability::sensitivity(const Sight& sight, Json& report
     return firstLoss(times, RoundTime::kNone, people_);
   };
   const auto varied = [&](std::size_t v) {
-    return firstOf(combined(*sight.varied[v], sight.in, varied_[v], nullptr));
+    return firstOf(combined(sight.varied[v], sight.in, varied_[v], nullptr));
   };
   const auto at = [&](RoundTime round) {
     FirstLoss loss = firstLoss(all_, round, people_);
@@ -293,7 +293,7 @@ Result<std::string> PlanTenability::sensitivity(const Sight& sight, Json& report
       {"spacing of the stored times", "the one before", "the one after", at(RoundTime::kDown),
        at(RoundTime::kUp)},
       {"rounding and caps of the files", "rounded up", "rounded down", firstOf(all_),
-       firstOf(combined(*sight.latest, sight.in, varied_.back(), nullptr))},
+       firstOf(combined(sight.latest, sight.in, varied_.back(), nullptr))},
       {"brief losses between stored times", "within 2 % of a limit counts", "as stored",
        varied(kBrief), firstOf(all_)},
       {"C of the signs", "33 % lower", "33 % higher", varied(kLowC), varied(kHighC)},
@@ -636,7 +636,7 @@ void PlanTenability::find(AreaFindings& found) const {
 
 Result<std::string> PlanTenability::finish(const Sight& sight, Json& report,
                                            std::vector<PlanArray>& arrays, Json& verdict) {
-  all_ = combined(*sight.earliest, sight.in, {}, &which_);
+  all_ = combined(sight.earliest, sight.in, {}, &which_);
   Json json = Json::object();
   json["criteria"] = criteriaJson(meter_);
   report["sources"] = sourcesJson(*survey_, &meter_);

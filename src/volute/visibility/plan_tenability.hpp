@@ -36,10 +36,10 @@ class PlanTenability {
 
   /// Losses of sight of all signs.
   struct Sight {
-    const LossTimes* earliest = nullptr;   ///< by depths that are rounded up
-    const LossTimes* latest = nullptr;     ///< rounded down
-    std::vector<const LossTimes*> varied;  ///< of each of variations(), rounded up
-    std::vector<bool> in;                  ///< where one is seen before there is smoke
+    LossTimes earliest;             ///< by depths that are rounded up
+    LossTimes latest;               ///< rounded down
+    std::vector<LossTimes> varied;  ///< of each of variations(), rounded up
+    std::vector<bool> in;           ///< where one is seen before there is smoke
   };
 
   /// Writes maps, adds to the report, the arrays of aset.vti and the verdict, and returns its part

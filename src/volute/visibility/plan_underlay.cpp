@@ -42,12 +42,20 @@ std::string sizeText(const Vec2& size) {
 Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const UnderlayOptions& options,
                                  std::vector<std::string>& remarks) {
   const std::string name = file.string();
-  VOLUTE_ASSIGN(const DxfDrawing drawing, readDxf(file, options.maxMemory));
+  VOLUTE_ASSIGN(const DxfDrawing drawing, readDxf(file, options.maxMemory, options.areaLayer));
   constexpr double kFar = std::numeric_limits<double>::infinity();
   Vec2 low(kFar, kFar), high(-kFar, -kFar);
+  const auto reach = [&](const Vec2& point) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  };
   for (const DrawnLine& line : drawing.lines) {
-    low = low.cwiseMin(line.from).cwiseMin(line.to);
-    high = high.cwiseMax(line.from).cwiseMax(line.to);
+    reach(line.from);
+    reach(line.to);
+  }
+  if (drawing.lines.empty()) {
+    for (const DrawnOutline& outline : drawing.outlines)
+      std::ranges::for_each(outline.points, reach);
   }
   const Vec2 size = high - low;
   if (!(size.maxCoeff() > 0))
@@ -89,6 +97,22 @@ Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const Underl
   underlay.max = place(high);
   for (const DrawnLine& line : drawing.lines)
     underlay.lines.emplace_back(place(line.from), place(line.to));
+  if (!options.areaLayer.empty()) {
+    std::vector<PlanOutline> outlines;
+    for (const DrawnOutline& outline : drawing.outlines) {
+      auto& made = outlines.emplace_back(PlanOutline{"", fmt::format("line {}", outline.line), {}});
+      for (const Vec2& point : outline.points) made.points.push_back(place(point));
+    }
+    std::vector<std::pair<Vec2, std::string>> texts;
+    for (const DrawnText& text : drawing.texts) texts.emplace_back(place(text.at), text.text);
+    VOLUTE_ASSIGN(underlay.areas,
+                  areasOfOutlines(std::move(outlines), texts, options.areaLayer, name));
+    if (drawing.open > 0) {
+      remarks.push_back(
+          fmt::format("{}: {} lines of the layer '{}' are not closed: they are no areas", name,
+                      drawing.open, options.areaLayer));
+    }
+  }
   return underlay;
 }
 
@@ -152,6 +176,11 @@ Result<PlanUnderlay> readUnderlay(const std::filesystem::path& file, const Under
   const std::string extension = extensionOf(file);
   if (extension == ".dxf")
     return readDrawing(file, options, remarks);
+  if (!options.areaLayer.empty()) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: areas are read from layers of .dxf drawings, of which it is none",
+                file.string());
+  }
   if (extension == ".svg")
     return readSvg(file, options);
   if (extension == ".pdf" || extension == ".dwg") {

@@ -12,6 +12,7 @@
 #include "volute/base/result.hpp"
 #include "volute/image/image.hpp"
 #include "volute/math/vec2.hpp"
+#include "volute/visibility/area_file.hpp"
 
 namespace volute {
 
@@ -20,12 +21,17 @@ struct PlanUnderlay {
   Image picture{};                              ///< linear RGB; white is not drawn; may be empty
   Vec2 min = Vec2::Zero(), max = Vec2::Zero();  ///< where it ends [m]
   std::vector<std::pair<Vec2, Vec2>> lines{};   ///< from, to [m]
+  std::vector<NamedArea> areas{};               ///< what is drawn on UnderlayOptions::areaLayer
 };
 
 struct UnderlayOptions {
   Vec2 min = Vec2::Zero(), max = Vec2::Zero();      ///< where the case ends [m]
   std::optional<std::pair<Vec2, Vec2>> place = {};  ///< the drawing's own ends, where stated [m]
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
+
+  /// A layer whose closed lines are areas, named by the text within them, else by the layer and a
+  /// number; empty: none.
+  std::string areaLayer = {};
 };
 
 /// A picture (.svg too, by rsvg-convert where it is installed) lies over the whole case; a .dxf

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "volute/base/program.hpp"
@@ -63,6 +64,44 @@ TEST_F(Underlay, itsPlaceCanBeStated) {
   ASSERT_TRUE(underlay);
   EXPECT_LT((underlay->min - Vec2(2, 3)).norm() + (underlay->max - Vec2(8, 5)).norm(), 1e-12);
   EXPECT_THAT(remarks_, ElementsAre());
+}
+
+TEST_F(Underlay, closedLinesOfALayerAreAreas) {
+  const auto file = std::filesystem::path(::testing::TempDir()) / "areas.dxf";
+  const auto write = [&](const std::string& entities) {
+    std::string text = "0 SECTION 2 HEADER 9 $INSUNITS 70 4 0 ENDSEC 0 SECTION 2 ENTITIES " +
+                       entities + " 0 ENDSEC 0 EOF\n";
+    std::ranges::replace(text, ' ', '\n');
+    ASSERT_TRUE(writeFile(file, text));
+  };
+  const std::string office =
+      "0 LWPOLYLINE 8 A 70 1 10 0 20 0 10 6000 20 0 10 6000 20 4000 10 0 20 4000";
+  const std::string hall =
+      "0 LWPOLYLINE 8 A 70 1 10 6000 20 0 10 20000 20 0 10 20000 20 10000 10 6000 20 10000";
+  options_.areaLayer = "A";
+  write(office + " " + hall + " 0 TEXT 8 A 10 100 20 100 1 office");
+  const auto underlay = readUnderlay(file, options_, remarks_);
+  ASSERT_TRUE(underlay) << underlay.error().message;
+  ASSERT_EQ(underlay->areas.size(), 2u);
+  EXPECT_EQ(underlay->areas[0].name, "office");
+  EXPECT_EQ(underlay->areas[1].name, "A 2");
+  EXPECT_TRUE(underlay->areas[0].contains(Vec2(3, 2)));
+  EXPECT_FALSE(underlay->areas[0].contains(Vec2(7, 2)));
+  EXPECT_TRUE(underlay->areas[1].isAt(17)) << "on each storey";
+  // What areas.json refuses is refused here.
+  write(office + " " + office);
+  EXPECT_THAT(readUnderlay(file, options_, remarks_).error().message,
+              HasSubstr("overlaps area 'A 1'"));
+  write(office + " 0 TEXT 8 A 10 100 20 100 1 x " + hall + " 0 TEXT 8 A 10 7000 20 100 1 x");
+  EXPECT_THAT(readUnderlay(file, options_, remarks_).error().message, HasSubstr("is the name of"));
+  write("0 LWPOLYLINE 8 A 70 1 10 0 20 0 10 2000 20 2000 10 2000 20 0 10 0 20 2000");
+  EXPECT_THAT(readUnderlay(file, options_, remarks_).error().message,
+              HasSubstr("crosses itself at x = 1, y = 1 m"));
+  write("0 LINE 8 A 10 0 20 0 11 2000 21 2000");
+  EXPECT_THAT(readUnderlay(file, options_, remarks_).error().message,
+              HasSubstr("has 0 closed lines"));
+  EXPECT_THAT(readUnderlay("plan.png", options_, remarks_).error().message,
+              HasSubstr("layers of .dxf drawings"));
 }
 
 TEST_F(Underlay, otherFilesAreRefusedWithWhatToDo) {

@@ -13,6 +13,17 @@ Json rowsBy(const PlanValues& values, At&& at) {
   const FloorPlan& plan = *values.plan;
   std::vector<Json> all(plan.size());
   for (std::size_t i = 0; i < values.places.size(); ++i) all[values.places[i]] = at(i);
+  if (values.parts != nullptr) {
+    std::string text;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      text += i == 0 ? "[\n[" : (i % static_cast<std::size_t>(plan.nx) == 0 ? "],\n[" : ",");
+      if (all[i].is_number_float())
+        appendJson(text, all[i].get<double>());
+      else
+        text += all[i].dump(-1, ' ', false, Json::error_handler_t::replace);
+    }
+    return values.parts->add(text += "]\n]");
+  }
   Json rows = Json::array();
   for (int y = 0; y < plan.ny; ++y) {
     Json row = Json::array();

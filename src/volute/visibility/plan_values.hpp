@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "volute/report/json.hpp"
+#include "volute/report/json_parts.hpp"
 #include "volute/visibility/floor_plan.hpp"
 
 namespace volute {
@@ -14,6 +14,7 @@ namespace volute {
 struct PlanValues {
   const FloorPlan* plan = nullptr;
   std::span<const std::size_t> places;  ///< of each eye in the plan
+  JsonParts* parts = nullptr;           ///< where rows wait for their file; null: in the tree
 
   /// NaN where there is no eye. Shape (y, x).
   std::vector<float> cells(std::span<const double> values) const;

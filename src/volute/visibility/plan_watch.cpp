@@ -48,9 +48,16 @@ class PlanWatch final : public Watch {
           "and {:g} m; expected a height where there is gas",
           survey.height, survey.bounds.min[2], survey.bounds.max[2]);
     }
-    const std::size_t sets = survey.sets.size() + variations().size();
-    const std::size_t levels = 2 + survey.criteria.size() + variations().size();
-    VOLUTE_TRY(survey.checkMemory(eyes_.size(), sets * SignLoss::kBytesOfSet +
+    const auto ofSmoke = std::ranges::count_if(survey.criteria, [](const Criterion& one) {
+      return !one.law && one.quantity == Air::kExtinction;
+    });
+    const auto thicknesses = 1 + std::ranges::count_if(variations(), [](const Variation& one) {
+                               return one.smoke != 1;
+                             });
+    const std::size_t levels = (survey.extinctionLimit > 0 ? 1 : 0) + survey.criteria.size() +
+                               static_cast<std::size_t>(ofSmoke * thicknesses);
+    VOLUTE_TRY(survey.checkMemory(eyes_.size(), survey.sets.size() * SignLoss::kBytesOfSet +
+                                                    variations().size() * SignLoss::kBytesOfFactor +
                                                     survey.signs.size() * SignLoss::kBytesOfSign +
                                                     levels * LevelWatch::kBytesOfPlace + kPlace));
     if (const auto remark = survey.rset ? survey.rset->placesBeside(survey.bounds) : "";
@@ -73,11 +80,8 @@ class PlanWatch final : public Watch {
     }
     std::vector<std::vector<std::size_t>> members;
     for (const SignSet& set : survey.sets) members.push_back(set.members);
-    std::vector<double> factors(members.size(), 1);
-    for (const Variation& one : variations()) {
-      members.push_back(survey.sets[0].members);
-      factors.push_back(one.onSigns());
-    }
+    std::vector<double> factors;
+    for (const Variation& one : variations()) factors.push_back(one.onSigns());
     losses_.emplace(survey.signs, std::move(members), eyes_.size(), std::move(factors));
     if (survey.extinctionLimit > 0)
       local_.emplace(eyes_.size(), survey.extinctionLimit);
@@ -170,10 +174,10 @@ class PlanWatch final : public Watch {
     AreaFindings found{eyes_, nullptr, {}, {}, use_.are(PlanUse::Kind::kPeople)};
     const LossTimes signs = sightLosses();
     if (tenability_) {
-      PlanTenability::Sight sight{&losses_->earliest(0), &losses_->latest(0), {}, hidden_[0]};
+      PlanTenability::Sight sight{losses_->earliest(0), losses_->latest(0), {}, hidden_[0]};
       sight.in.flip();
       for (std::size_t i = 0; i < variations().size(); ++i)
-        sight.varied.push_back(&losses_->earliest(survey_->sets.size() + i));
+        sight.varied.push_back(losses_->earliest(survey_->sets.size() + i));
       VOLUTE_ASSIGN(tenability, tenability_->finish(sight, report, arrays, verdict));
       tenability_->find(found);
     } else {
@@ -302,7 +306,7 @@ class PlanWatch final : public Watch {
   }
 
   static bool inSight(const Sighting& sighting) {
-    return !sighting.blocked && sighting.covered && sighting.visibility > 0;
+    return !sighting.blocked && sighting.covered && sighting.limit > 0;
   }
 
   void updateLocal(const SurveyTime& at) { local_->update(at.time, at.extinction); }
@@ -337,7 +341,7 @@ class PlanWatch final : public Watch {
     picture.marks = emptyMarks(plan_);
     for (std::size_t i = 0; i < places_.size(); ++i) {
       const Sighting& sighting = at.sightings[s * eyes_.size() + i];
-      picture.values[places_[i]] = sighting.visibility;
+      picture.values[places_[i]] = sighting.visibility();
       picture.marks[places_[i]] = sighting.visible    ? PlanMark::kValue
                                   : inSight(sighting) ? PlanMark::kLost
                                                       : PlanMark::kHidden;
@@ -362,8 +366,8 @@ class PlanWatch final : public Watch {
                        {of("optical_depth", [](const Sighting& x) { return x.depth; }),
                         of("optical_depth_low", [](const Sighting& x) { return x.low; }),
                         of("optical_depth_high", [](const Sighting& x) { return x.high; }),
-                        of("mean_extinction", [](const Sighting& x) { return x.meanExtinction; }),
-                        of("visibility", [](const Sighting& x) { return x.visibility; }),
+                        of("mean_extinction", [](const Sighting& x) { return x.meanExtinction(); }),
+                        of("visibility", [](const Sighting& x) { return x.visibility(); }),
                         of("blocked", [](const Sighting& x) { return x.blocked ? 1 : 0; }),
                         of("visible", [](const Sighting& x) { return x.visible ? 1 : 0; })});
       if (done[s] && survey_->pictured(at.index)) {
@@ -376,7 +380,7 @@ class PlanWatch final : public Watch {
     return {};
   }
 
-  PlanValues planValues() const { return {&plan_, places_}; }
+  PlanValues planValues() const { return {&plan_, places_, survey_->parts.get()}; }
 
   Json rowsOf(std::span<const double> values) const { return planValues().rows(values); }
 
@@ -414,7 +418,7 @@ class PlanWatch final : public Watch {
   }
 
   Json asetJson(std::size_t set) const {
-    const LossTimes& loss = losses_->times(set);
+    const LossTimes loss = losses_->times(set);
     Json names = Json::array();
     for (const std::size_t s : survey_->sets[set].members)
       names.push_back(survey_->signs[s].sign.name);

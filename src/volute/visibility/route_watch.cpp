@@ -346,10 +346,10 @@ class RouteWatch final : public Watch {
     const std::size_t eyes = eyes_.size(), signs = survey_->signs.size();
     Json routes = Json::array();
     for (std::size_t r = 0; r < routes_.size(); ++r) {
-      const auto anySign = [&](bool Sighting::* what) {
+      const auto anySign = [&](auto&& is) {
         return shareOf(r, [&](std::size_t i) {
           bool any = false;
-          for (std::size_t s = 0; s < signs; ++s) any |= at.sightings[s * eyes + i].*what;
+          for (std::size_t s = 0; s < signs; ++s) any |= is(at.sightings[s * eyes + i]);
           return any;
         });
       };
@@ -359,9 +359,9 @@ class RouteWatch final : public Watch {
             shareOf(r, [&](std::size_t i) { return at.sightings[s * eyes + i].visible; });
       }
       routes.push_back({{"time", at.time},
-                        {"any", anySign(&Sighting::visible)},
-                        {"any_low", anySign(&Sighting::certainly)},
-                        {"any_high", anySign(&Sighting::possibly)},
+                        {"any", anySign([](const Sighting& one) { return one.visible; })},
+                        {"any_low", anySign([](const Sighting& one) { return one.certainly; })},
+                        {"any_high", anySign([](const Sighting& one) { return one.possibly; })},
                         {"signs", bySign}});
     }
     coverage_.push_back(std::move(routes));
@@ -388,8 +388,8 @@ class RouteWatch final : public Watch {
         const auto mix = [&](double Sighting::* what) {
           return before.*what + share * (after.*what - before.*what);
         };
-        walk_[i].push_back(judged(survey_->signs[s].sign, before, mix(&Sighting::depth),
-                                  mix(&Sighting::low), mix(&Sighting::high)));
+        walk_[i].push_back(
+            judged(before, mix(&Sighting::depth), mix(&Sighting::low), mix(&Sighting::high)));
       }
     }
   }

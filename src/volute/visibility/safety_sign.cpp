@@ -65,31 +65,35 @@ std::string_view nameOf(Seen seen) {
   return seen == Seen::kYes ? "yes" : (seen == Seen::kNo ? "no" : "cannot tell");
 }
 
-Sighting judged(const SafetySign& sign, Sighting sighting, double depth, double low, double high) {
-  const double factor = sign.angle.factor(std::cos(sighting.angle * (std::numbers::pi / 180)));
-  const double most = sign.law.c * factor;
+double Sighting::visibility() const {
+  if (!(limit > 0))
+    return 0;
+  if (!covered)
+    return kNoNumber;
+  const double mean = meanExtinction();
+  return mean > 0 ? limit / mean : kInfinity;
+}
+
+Sighting judged(Sighting sighting, double depth, double low, double high) {
   sighting.depth = sighting.covered ? depth : kNoNumber;
   sighting.low = low;
   sighting.high = sighting.covered ? high : kInfinity;
-  sighting.meanExtinction = sighting.distance > 0 ? sighting.depth / sighting.distance : 0;
-  sighting.visibility =
-      factor > 0 ? factor * visibilityDistance(sighting.meanExtinction, sign.law) : 0;
-  if (!sighting.covered && factor > 0)
-    sighting.visibility = kNoNumber;
-  const bool open = !sighting.blocked && factor > 0;
-  sighting.visible = open && sighting.depth <= most;
-  sighting.certainly = open && sighting.high <= most;
-  sighting.possibly = open && sighting.low <= most;
+  const bool open = !sighting.blocked && sighting.limit > 0;
+  sighting.visible = open && sighting.depth <= sighting.limit;
+  sighting.certainly = open && sighting.high <= sighting.limit;
+  sighting.possibly = open && sighting.low <= sighting.limit;
   return sighting;
 }
 
 Sighting judge(const SafetySign& sign, const Vec3& eye, const Sight& sight) {
   Sighting sighting;
   sighting.distance = (eye - sign.position).norm();
-  sighting.angle = degrees(std::acos(cosineOf(sign, eye, sighting.distance)));
+  const double cosine = cosineOf(sign, eye, sighting.distance);
+  sighting.angle = static_cast<float>(degrees(std::acos(cosine)));
+  sighting.limit = sign.law.c * sign.angle.factor(cosine);
   sighting.covered = sight.covered;
   sighting.blocked = sight.blocked;
-  return judged(sign, sighting, sight.depth, sight.low, sight.high);
+  return judged(sighting, sight.depth, sight.low, sight.high);
 }
 
 }  // namespace volute

@@ -51,20 +51,25 @@ enum class Seen : unsigned char {
 
 std::string_view nameOf(Seen seen);  ///< "no", "yes", "cannot tell"
 
-/// What an eye makes of a sign at one time.
+/// What an eye makes of a sign at one time. A survey holds one of each eye and sign.
 struct Sighting {
-  double distance = 0;  ///< [m]
-  double angle = 0;     ///< [degrees] between the sign's normal and the direction to the eye
-  bool covered = true;
-  bool blocked = false;
   double depth = 0, low = 0, high = 0;  ///< see Sight; NaN, the known part, infinity if not covered
-  double meanExtinction = 0;            ///< depth / distance [1/m]
+  double distance = 0;                  ///< [m]
+  double limit = 0;                     ///< largest depth at which the sign is seen, C factor; 0:
+                                        ///< it cannot be read from there
+  float angle = 0;  ///< [degrees] between the sign's normal and the direction to the eye
+  bool covered : 1 = true;
+  bool blocked : 1 = false;
+  bool visible : 1 = false;    ///< in sight, depth <= limit
+  bool certainly : 1 = false;  ///< so at any depth up to `high`
+  bool possibly : 1 = false;   ///< so at some depth from `low` up
+
+  /// [1/m].
+  double meanExtinction() const { return distance > 0 ? depth / distance : 0; }
+
   /// From how far the sign would be seen through smoke of that mean extinction at that angle [m]:
-  /// C factor / K; infinite in clear air, 0 from where it cannot be read.
-  double visibility = 0;
-  bool visible = false;    ///< in sight, distance <= visibility
-  bool certainly = false;  ///< so at any depth up to `high`
-  bool possibly = false;   ///< so at some depth from `low` up
+  /// C factor / K; infinite in clear air, 0 from where it cannot be read, NaN if not covered.
+  double visibility() const;
 
   /// By the bounds of the depth.
   Seen seen() const { return certainly ? Seen::kYes : (possibly ? Seen::kCannotTell : Seen::kNo); }
@@ -74,6 +79,6 @@ struct Sighting {
 Sighting judge(const SafetySign& sign, const Vec3& eye, const Sight& sight);
 
 /// The same with another depth on the same line, between two stored times, say.
-Sighting judged(const SafetySign& sign, Sighting sighting, double depth, double low, double high);
+Sighting judged(Sighting sighting, double depth, double low, double high);
 
 }  // namespace volute

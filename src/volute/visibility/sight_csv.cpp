@@ -47,8 +47,8 @@ void appendRow(std::string& out, const std::string& head, const std::string& sig
   appendField(out, sighting.depth);
   appendField(out, sighting.low);
   appendField(out, sighting.high);
-  appendField(out, sighting.meanExtinction);
-  appendField(out, sighting.visibility);
+  appendField(out, sighting.meanExtinction());
+  appendField(out, sighting.visibility());
   appendFlag(out, sighting.visible);
   out += ',';
   out += nameOf(sighting.seen());

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <memory>
 #include <optional>
 
 #include "volute/base/ordered_delivery.hpp"
@@ -120,8 +122,18 @@ class Job {
     survey_.north = field_.north();
     survey_.field = &field_;
     survey_.maxMemory = request_.maxMemory;
+    // Rows are made, then handed over with the sightings; other ranks' lines wait here.
+    const bool text = request_.sightFile == SightFile::kCsv;
+    survey_.bytesOfLine = (team_.size() > 1 ? 2 : 1) * sizeof(Sighting) +
+                          (text ? 2 : 1) * bytesOfRow(SightRowMaker::kManyRows);
     if (watch_.wantsChanges())
       changes_ = field_.changes();
+    if (survey_.times.size() + changes_.size() > SignLoss::kMaxTimes) {
+      return fail(ErrorCode::kTooLarge,
+                  "{} stored times, and {} at which something opaque comes or goes: expected at "
+                  "most {} together: take fewer frames",
+                  survey_.times.size(), changes_.size(), SignLoss::kMaxTimes);
+    }
     for (const std::string& remark : field_.remarks()) log_.remark(remark);
     for (const std::string& remark : request_.remarks) log_.remark(remark);
     VOLUTE_TRY(team_.agree(openFolder()));
@@ -164,7 +176,7 @@ class Job {
 
   static constexpr std::size_t paddedSize(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
 
-  static_assert(sizeof(Lengths) % 8 == 0 && sizeof(Sighting) % 8 == 0);
+  static_assert(sizeof(Lengths) % 8 == 0 && sizeof(Sighting) == 48);
 
   Status openFolder() {
     if (!team_.leads())
@@ -180,6 +192,8 @@ class Job {
     const std::string own = team_.leads() ? folder_->path().string() : std::string();
     VOLUTE_ASSIGN(const auto all, team_.gatherTexts(own));
     survey_.folder = all.front();
+    if (team_.leads())
+      survey_.parts = std::make_shared<JsonParts>(survey_.folder);
     return {};
   }
 
@@ -240,14 +254,23 @@ class Job {
     const std::uint64_t lines = eyes.size() * survey_.signs.size();
     constexpr std::uint64_t kEye = 160;  // itself, and what is asked of its place
     VOLUTE_TRY(survey_.checkMemory(eyes.size(), kEye));
-    std::vector<Sighting> sightings(lines);
-    lookout_.look(instant, survey_.signs, eyes, sightings, looksAgain());
     const bool smoke =
         survey_.extinctionLimit > 0 || !survey_.criteria.empty() || watch_.wantsExtinction();
-    std::vector<double> extinction(smoke ? eyes.size() : 0);
-    std::vector<double> high(extinction.size());
+    const std::size_t points = smoke ? eyes.size() : 0;
+    // All is worked out where it is handed over, as there may be millions of lines.
+    const std::size_t start = bytes.size();
+    const std::size_t size =
+        sizeof(Lengths) + lines * sizeof(Sighting) + 2 * points * sizeof(double);
+    bytes.reserve(start + size + (stored ? lines * bytesOfRow(lines) : 0));
+    bytes.resize(start + size);
+    auto* const firstSighting = reinterpret_cast<Sighting*>(bytes.data() + start + sizeof(Lengths));
+    std::uninitialized_value_construct_n(firstSighting, lines);
+    const std::span sightings(firstSighting, lines);
+    const std::span extinction(reinterpret_cast<double*>(firstSighting + lines), points);
+    const std::span high(extinction.data() + points, points);
+    lookout_.look(instant, survey_.signs, eyes, sightings, looksAgain());
     parallelRanges(extinction.size(), 512, [&](std::size_t begin, std::size_t end) {
-      const auto part = [&](auto& all) { return std::span(all).subspan(begin, end - begin); };
+      const auto part = [&](auto all) { return std::span(all).subspan(begin, end - begin); };
       std::vector<double> low(end - begin);
       instant.extinction(part(eyes), part(extinction));
       instant.extinctionBounds(part(eyes), low, part(high));
@@ -266,19 +289,22 @@ class Job {
       VOLUTE_TRY(drawn);
       VOLUTE_ASSIGN(rows, std::move(made));
     }
-    const Lengths lengths{
-        time,          stored,           rows.packed, sightings.size(), extinction.size(),
-        rows.textSize, rows.bytes.size()};
+    const Lengths lengths{time,   stored,        rows.packed,      lines,
+                          points, rows.textSize, rows.bytes.size()};
+    std::memcpy(bytes.data() + start, &lengths, sizeof lengths);
     rows.bytes.resize(paddedSize(rows.bytes.size()));
-    const std::array parts{std::as_bytes(std::span(&lengths, 1)),
-                           std::as_bytes(std::span(sightings)),
-                           std::as_bytes(std::span(extinction)), std::as_bytes(std::span(high)),
-                           std::as_bytes(std::span(rows.bytes))};
-    std::size_t size = bytes.size();
-    for (const auto part : parts) size += part.size();
-    bytes.reserve(size);
-    for (const auto part : parts) bytes.insert(bytes.end(), part.begin(), part.end());
+    const auto text = std::as_bytes(std::span(rows.bytes));
+    bytes.insert(bytes.end(), text.begin(), text.end());
     return {};
+  }
+
+  /// What a row of the table takes, more or less, of so many at a time.
+  std::uint64_t bytesOfRow(std::uint64_t rows) const {
+    constexpr std::uint64_t kText = 160, kPacked = 40;
+    if (request_.sightFile == SightFile::kNone)
+      return 0;
+    return request_.sightFile == SightFile::kCsv || rows < SightRowMaker::kManyRows ? kText
+                                                                                    : kPacked;
   }
 
   /// What look() gave, in the order of times, on rank 0.
@@ -365,9 +391,10 @@ class Job {
         }
       }
     }
-    VOLUTE_TRY(writeFile(folder_->path() / kMark, dumpJson(page_.report) + "\n"));
+    VOLUTE_TRY(survey_.parts->write(folder_->path() / kMark, page_.report));
     if (watch_.hasPage())
       VOLUTE_TRY(writeFile(folder_->path() / "curves.csv", curvesCsv()));
+    survey_.parts.reset();
     return folder_->commit();
   }
 

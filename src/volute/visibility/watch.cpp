@@ -103,7 +103,7 @@ class PointWatch : public Watch {
     report["eyes"] = {{"kind", "points"}, {"count", points_.size()}};
     report["aset"] = Json::array();
     for (std::size_t set = 0; set < survey_->sets.size(); ++set) {
-      const LossTimes& loss = losses_->times(set);
+      const LossTimes loss = losses_->times(set);
       Json json = {{"set", survey_->sets[set].name},
                    {"times_interpolated", timesOf(loss.answers(RoundTime::kNone))},
                    {"times_up", timesOf(loss.answers(RoundTime::kUp))},
@@ -294,8 +294,7 @@ bool Survey::pictured(std::size_t time) const {
 }
 
 Status Survey::checkMemory(std::uint64_t eyes, std::uint64_t kept) const {
-  // A line three times: worked out, handed over, taken in order.
-  const std::uint64_t need = eyes * (3 * sizeof(Sighting) * signs.size() + kept);
+  const std::uint64_t need = eyes * (bytesOfLine * signs.size() + kept);
   if (need <= maxMemory)
     return {};
   return fail(ErrorCode::kTooLarge,

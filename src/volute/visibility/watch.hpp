@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "volute/base/progress.hpp"
-#include "volute/report/json.hpp"
+#include "volute/report/json_parts.hpp"
 #include "volute/tenability/criterion.hpp"
 #include "volute/tenability/walking_speed.hpp"
 #include "volute/visibility/area_file.hpp"
@@ -60,10 +60,12 @@ struct Survey {
   std::optional<Rset> rset;         ///< what plans are compared with
 
   std::vector<Vec3> fires;  ///< besides what the case says: x, y and radius [m] of where it burns
-  std::vector<NamedArea> areas;  ///< for verdicts of their own
+  std::vector<NamedArea> areas;                ///< for verdicts of their own
+  std::shared_ptr<JsonParts> parts = nullptr;  ///< of the report; may be null
   bool everywhere = false;  ///< verdicts of plans are of all points, not of those for people alone
 
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes] of all that is kept of eyes
+  std::uint64_t bytesOfLine = sizeof(Sighting);      ///< while a time is looked at, its rows too
 
   /// kTooLarge where so many eyes need more than maxMemory: what they see at one time, and
   /// @param kept  [bytes] that are kept of each all along.

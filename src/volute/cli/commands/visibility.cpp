@@ -38,9 +38,11 @@ Result<std::vector<double>> heightsOf(const Arguments& arguments) {
 Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context& context,
                                        std::vector<std::string>& remarks) {
   for (const char* option : {"route", "eyes", "trajectories"}) {
-    if (arguments.given("areas") && arguments.given(option))
-      return fail(ErrorCode::kInvalidArgument, "--areas: areas are of plans; --{} has none",
-                  option);
+    for (const char* areas : {"areas", "area-layer"}) {
+      if (arguments.given(areas) && arguments.given(option))
+        return fail(ErrorCode::kInvalidArgument, "--{}: areas are of plans; --{} has none", areas,
+                    option);
+    }
   }
   std::optional<double> height;
   if (arguments.given("height")) {
@@ -124,6 +126,7 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
     return nullptr;
   UnderlayOptions options{bounds.min.head<2>(), bounds.max.head<2>()};
   options.maxMemory = maxMemory;
+  options.areaLayer = arguments.find<std::string>("area-layer").value_or("");
   if (const auto text = arguments.find<std::string>("underlay-bounds")) {
     const auto ends = parseNumbers(*text).value_or(std::vector<double>());
     if (ends.size() != 4 || !(ends[0] < ends[2] && ends[1] < ends[3])) {
@@ -218,6 +221,14 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   VOLUTE_ASSIGN(const auto field, fieldOf(arguments, context, request));
   VOLUTE_ASSIGN(request.survey.underlay,
                 underlayOf(arguments, field->bounds(), context.maxMemory, request.remarks));
+  if (arguments.given("area-layer")) {
+    auto& areas = request.survey.areas;
+    std::vector<std::string> from(areas.size(), arguments.find<std::string>("areas").value_or(""));
+    const auto& drawn = request.survey.underlay->areas;
+    areas.insert(areas.end(), drawn.begin(), drawn.end());
+    from.resize(areas.size(), arguments.get<std::string>("underlay"));
+    VOLUTE_TRY(checkTogether(areas, from));
+  }
   if (const auto name = arguments.find<std::string>("sight-limit"))
     request.remarks.push_back(limitRemark(*name, request.survey.extinctionLimit));
   request.maxMemory = context.maxMemory;
@@ -337,6 +348,12 @@ std::vector<Option> visibilityOptionTable() {
        .value = "AREAS.json",
        .help = "areas, routes and exits of a plan by name, with verdicts of their own; without it, "
                "and beside it, the rooms that the plan's walls make"},
+      {.name = "area-layer",
+       .kind = kText,
+       .value = "LAYER",
+       .help = "closed lines of this layer of the .dxf drawing are areas too, named by the text "
+               "within them",
+       .beside = "underlay"},
       {.name = "everywhere",
        .help = "verdicts of a plan are of all its points; otherwise of those where people are: a "
                "floor at most 2.5 m below the eyes, head room, not on top of things, not in the "
