@@ -27,9 +27,7 @@ GlVolume glVolumeOf(const VolumeAt& volume) {
 
 /// The part holds on to what the volume's light is computed from, not to the volume.
 GlShadedVolume glShadedOf(const VolumeAt& volume) {
-  return {[light = volume.light(), place = volume.placement()](const Camera& camera) {
-            return seenFrom(*light, place, camera);
-          },
+  return {[light = volume.light()](const Camera& camera) { return seenFrom(*light, camera); },
           [light = volume.light()] { light->prepare(); }, volume.factor(), volume.placement().turn,
           volume.placement().offset};
 }
@@ -91,8 +89,6 @@ Status drawable(const MediumAt&) {
 Status drawable(const VolumeAt& volume) {
   if (volume.info().basis == Basis::kCubic)
     return fail(ErrorCode::kUnsupported, "a volume over the cubic basis");
-  if (shears(volume.placement()))
-    return fail(ErrorCode::kUnsupported, "a sheared volume");
   return {};
 }
 

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/gl_testing.hpp"
 #include "volute/grid/sequence.hpp"
-#include "volute/medium/turned_medium.hpp"
+#include "volute/medium/affine_medium.hpp"
 
 namespace volute {
 using namespace gltest;
@@ -40,15 +40,19 @@ TEST_F(GlRendererTest, OpticalDepthsAreThoseOfTheReference) {
               1e-4);
 }
 
-TEST_F(GlRendererTest, VolumesMayBeTurnedAndMirrored) {
+TEST_F(GlRendererTest, VolumesMayBeTurnedMirroredAndSheared) {
   const auto slice = sliceOf(1, Basis::kTrilinear);
   Mat3 turn;
   turn << 0.6, 0, 0.8, 0, -1, 0, 0.8, 0, -0.6;
+  Mat3 shear;
+  shear << 1, 0.4, 0, 0, 1.5, 0.2, 0, 0, 0.7;
   const Vec3 offset(0.3, 6, 1.5);
-  const AnyMedium medium(TurnedMedium(AnyMedium(VoxelMedium(slice, 1, 2)), turn, offset));
-  for (const Camera& camera : cameras(medium.bounds()))
-    EXPECT_LE(errorOf(camera, {{glPart(GlVolume{slice, 1, 2, turn, offset})}}, {&medium, 1}, {}),
-              kBar);
+  for (const Mat3& place : {turn, Mat3(turn * shear)}) {
+    const AnyMedium medium(AffineMedium(AnyMedium(VoxelMedium(slice, 1, 2)), {place, offset}));
+    for (const Camera& camera : cameras(medium.bounds()))
+      EXPECT_LE(errorOf(camera, {{glPart(GlVolume{slice, 1, 2, place, offset})}}, {&medium, 1}, {}),
+                kBar);
+  }
 }
 
 TEST_F(GlRendererTest, OpaqueSurfacesHideWhatIsBehindThem) {

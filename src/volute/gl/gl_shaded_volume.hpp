@@ -19,7 +19,7 @@ struct GlShadedVolume {
   std::function<ShadedVoxels(const Camera& camera)> seenFrom;  ///< how it looks to a camera
   std::function<void()> prepare{};  ///< does what does not depend on the camera; may be empty
   double factor = 1;                ///< of what it absorbs and sends, as ScaledMedium has it
-  Mat3 turn = Mat3::Identity();     ///< orthogonal; its points are turned, then moved
+  Mat3 turn = Mat3::Identity();     ///< linear; its points are turned, then moved
   Vec3 offset = Vec3::Zero();       ///< [m]
 };
 

@@ -16,7 +16,7 @@ struct GlVolume {
   std::shared_ptr<const BrickSlice> slice;
   double emission = 1;           ///< radiance per metre per unit
   double extinction = 0;         ///< 1/m per unit
-  Mat3 turn = Mat3::Identity();  ///< orthogonal; points of the slice are turned by it, then moved
+  Mat3 turn = Mat3::Identity();  ///< linear; points of the slice are turned by it, then moved
   Vec3 offset = Vec3::Zero();    ///< [m]
 };
 

@@ -8,6 +8,7 @@
 
 #include "volute/gl/gl_device.hpp"
 #include "volute/grid/brick_slice.hpp"
+#include "volute/medium/affine_medium.hpp"
 
 namespace volute {
 
@@ -20,19 +21,14 @@ CellGrid cellsOf(const Box3& bounds, const std::array<int, 3>& voxels, Basis bas
 
 Box3 turnedBounds(const CellGrid& cells, const Mat3& turn, const Vec3& offset) {
   const Vec3 size = cells.cell.cwiseProduct(Vec3(cells.count[0], cells.count[1], cells.count[2]));
-  Box3 box;
-  for (int i = 0; i < 8; ++i) {
-    const Vec3 share(i & 1, i >> 1 & 1, i >> 2);
-    box.extend(turn * (cells.origin + size.cwiseProduct(share)) + offset);
-  }
-  return box;
+  return AffineMap(turn, offset).around({cells.origin, cells.origin + size});
 }
 
 void bindCells(const GlProgram& program, const std::string& prefix, const Vec3& origin,
                const CellGrid& cells, const CellRange& range, double emission, double extinction,
                const Mat3& turn, const Vec3& offset) {
   const auto name = [&](const char* rest) { return prefix + rest; };
-  const Vec3 unturned = turn.transpose() * (origin - offset);
+  const AffineMap place(turn, offset);
   std::array<int, 3> base{}, low{}, high{};
   Vec3 first;  // the corner that cells are counted from
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -40,10 +36,10 @@ void bindCells(const GlProgram& program, const std::string& prefix, const Vec3& 
     low[axis] = range.begin[axis] - 8 * base[axis], high[axis] = range.end[axis] - 8 * base[axis];
     first[static_cast<Eigen::Index>(axis)] = cells.plane(static_cast<int>(axis), 8 * base[axis]);
   }
-  const Vec3 inCells = (unturned - first).cwiseQuotient(cells.cell);
+  const Vec3 inCells = (place.toOwn(origin) - first).cwiseQuotient(cells.cell);
   program.set(name("base").c_str(), base);
   program.set(name("origin").c_str(), inCells);
-  program.set(name("turn").c_str(), Mat3(turn.transpose()));
+  program.set(name("turn").c_str(), place.inverse());
   program.set(name("perMetre").c_str(), Vec3(cells.cell.cwiseInverse()));
   program.set(name("lo").c_str(), low);
   program.set(name("hi").c_str(), high);

@@ -4,8 +4,11 @@
 
 #include <array>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "volute/grid/index_box.hpp"
 #include "volute/math/box.hpp"
 #include "volute/math/vec.hpp"
 
@@ -51,6 +54,9 @@ class PlacedFrames {
 
   /// From the space of VolumeInfo::bounds to the world, in each frame; empty: that is the world.
   virtual const std::vector<GridMatrix>& places() const = 0;
+
+  /// The file of a frame, and the index that the volume's first voxel has there.
+  virtual std::pair<std::string, VoxelIndex> fileOf(int frame) const = 0;
 };
 
 }  // namespace volute

@@ -11,7 +11,7 @@
 #include "volute/grid/brick_slice.hpp"
 #include "volute/grid/grid_matrix.hpp"
 #include "volute/grid/voxel_medium.hpp"
-#include "volute/medium/skewed_medium.hpp"
+#include "volute/medium/affine_medium.hpp"
 
 namespace volute {
 namespace {
@@ -33,9 +33,9 @@ VolumeInfo boxInfo(Basis basis) {
   return info;
 }
 
-SkewedMedium skewed(const VolumeInfo& info, const std::vector<float>& values, const Vec3& offset) {
+AffineMedium skewed(const VolumeInfo& info, const std::vector<float>& values, const Vec3& offset) {
   auto slice = std::make_shared<const BrickSlice>(BrickSlice::fromDense(info, values));
-  return SkewedMedium(AnyMedium(VoxelMedium(std::move(slice), 0.5, 1.0)), skew(), offset);
+  return {AnyMedium(VoxelMedium(std::move(slice), 0.5, 1.0)), {skew(), offset}};
 }
 
 std::vector<Segment> someSegments() {
@@ -75,32 +75,6 @@ TEST(SkewedVoxels, DepthOfABlockIsItsLength) {
     EXPECT_NEAR(depths[i], length, 1e-6 * std::max(1.0, length));
   }
   EXPECT_GT(hits, 40);
-}
-
-TEST(SkewedVoxels, PiecesAgreeWithPoints) {
-  const VolumeInfo info = boxInfo(Basis::kTrilinear);
-  std::mt19937 random(3);
-  std::vector<float> values(512);
-  for (float& value : values) value = std::uniform_real_distribution<float>(0, 1)(random);
-  const auto medium = skewed(info, values, Vec3(1, 2, 3));
-  const auto segments = someSegments();
-  std::vector<std::vector<Piece>> pieces(segments.size());
-  std::vector<double> depths(segments.size());
-  medium.pieces(segments, pieces);
-  medium.opticalDepth(segments, depths);
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    double depth = 0;
-    for (const Piece& piece : pieces[i]) {
-      const double middle = 0.5 * (piece.end - piece.begin);
-      const Vec3 at = segments[i].at(piece.begin + middle);
-      EXPECT_NEAR(piece.extinction(middle), medium.extinction(at), 1e-5);
-      EXPECT_NEAR(piece.emission[0](middle), medium.emission(at)[0], 1e-5);
-      depth += piece.extinction.integral(piece.end - piece.begin);
-      EXPECT_TRUE((at.array() >= medium.bounds().min.array() - 1e-9).all() &&
-                  (at.array() <= medium.bounds().max.array() + 1e-9).all());
-    }
-    EXPECT_NEAR(depth, depths[i], 1e-5 * std::max(1.0, depth));
-  }
 }
 
 TEST(GridMatrix, ASpaceOfItsOwnAndBack) {

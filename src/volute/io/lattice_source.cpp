@@ -394,6 +394,12 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
 
   const std::vector<GridMatrix>& places() const override { return places_; }
 
+  std::pair<std::string, VoxelIndex> fileOf(int frame) const override {
+    const auto i = static_cast<std::size_t>(frame);
+    const auto& shift = shifts_[i];
+    return {files_[i].path.string(), box_.shifted({-shift[0], -shift[1], -shift[2]}).begin};
+  }
+
   std::vector<std::string> otherGrids() const override { return others_; }
 
   Status readFrame(int index, std::span<float> values) override {

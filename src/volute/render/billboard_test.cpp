@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "volute/grid/voxel_medium.hpp"
-#include "volute/medium/turned_medium.hpp"
+#include "volute/medium/affine_medium.hpp"
 #include "volute/render/render.hpp"
 
 namespace volute {
@@ -137,14 +137,14 @@ TEST(Billboard, BrightFireHidesWhatIsBehindWhenAlphaIsIntensity) {
   EXPECT_LT(seen(BillboardAlpha::kIntensity), 30);
 }
 
-TEST(TurnedMedium, TurnsVoxelsWithTheirFastPath) {
+TEST(AffineMedium, TurnsVoxelsWithTheirFastPath) {
   const VoxelMedium plain = blob(1.5, 0.8);
   const Mat3 turn =
       (Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()) * Eigen::AngleAxisd(0.4, Vec3::UnitX()))
           .toRotationMatrix() *
       Vec3(1, -1, 1).asDiagonal();
   const Vec3 offset(4, -2, 1);
-  const TurnedMedium turned(AnyMedium(plain), turn, offset);
+  const AffineMedium turned(AnyMedium(plain), {turn, offset});
   // The camera turned as well sees the same.
   const View3 view{Vec3(3, -6, 2), Vec3(0.1, 0, 0.2), Vec3::UnitZ()};
   const auto moved = [&](const Vec3& p) { return Vec3(turn * p + offset); };

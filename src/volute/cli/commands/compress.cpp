@@ -70,7 +70,8 @@ Status runCompress(const Arguments& arguments, Context& context) {
   how.stated.up = arguments.find<std::string>("up").value_or(std::string(1, '\0')).front();
   how.rmsOverAll = rmsOverAll(arguments);
   how.keep = gridNames(arguments.find<std::string>("keep").value_or(""));
-  how.replaceNotFinite = arguments.get<std::string>("not-finite") == "background";
+  if (arguments.get<std::string>("not-finite") == "background")
+    how.notFinite = NotFinite::kBackground;
   how.dropUncoded = arguments.get<std::string>("uncoded") == "drop";
   CompressOptions& options = how.options;
   options.target = targetOf(arguments);

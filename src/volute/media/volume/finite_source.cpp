@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "volute/grid/bricks.hpp"
+#include "volute/grid/grid_matrix.hpp"
 #include "volute/grid/rounding_source.hpp"
 
 namespace volute {
@@ -17,69 +18,6 @@ namespace {
 bool isFinite(float value) {
   return std::isfinite(value);
 }
-
-class FiniteSource final : public RoundingSource {
- public:
-  explicit FiniteSource(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}
-
-  const VolumeInfo& info() const override { return source_->info(); }
-
-  std::vector<std::string> otherGrids() const override { return source_->otherGrids(); }
-
-  Status readFrame(int index, std::span<float> values) override {
-    VOLUTE_TRY(source_->readFrame(index, values));
-    return replace(index, values);
-  }
-
-  bool readsLayers() const override { return source_->readsLayers(); }
-
-  Status readLayers(int index, int first, int end, std::span<float> values) override {
-    VOLUTE_TRY(source_->readLayers(index, first, end, values));
-    return replace(index, values);
-  }
-
-  double rounding() const override { return roundingOf(*source_); }
-
-  Status readBricks(int index, int first, int end, Bricks& bricks) override {
-    VOLUTE_TRY(source_->readBricks(index, first, end, bricks));
-    Bricks finite(bricks.channels(), bricks.background());
-    for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
-      const auto from = std::as_const(bricks).values(i);
-      const auto to = finite.addLeaf(bricks.leaves()[i]);
-      for (std::size_t k = 0; k < from.size(); ++k)
-        to[k] = isFinite(from[k]) ? from[k] : bricks.background()[k / Bricks::kVoxels];
-    }
-    for (Bricks::Tile tile : bricks.tiles()) {
-      for (std::size_t c = 0; c < tile.value.size(); ++c)
-        tile.value[c] = isFinite(tile.value[c]) ? tile.value[c] : bricks.background()[c];
-      finite.addTile(tile);
-    }
-    bricks = std::move(finite);
-    return {};
-  }
-
-  bool hasTopology() const override { return source_->hasTopology(); }
-
-  std::uint64_t brickBytes() const override { return source_->brickBytes(); }
-
- private:
-  Status replace(int index, std::span<float> values) {
-    if (std::ranges::all_of(values, isFinite))
-      return {};
-    std::array<float, 3> background{};
-    if (source_->hasTopology()) {
-      Bricks bricks;
-      VOLUTE_TRY(source_->readBricks(index, 0, 1, bricks));
-      background = bricks.background();
-    }
-    const auto channels = static_cast<std::size_t>(info().channels);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] = isFinite(values[i]) ? values[i] : background[i % channels];
-    return {};
-  }
-
-  std::unique_ptr<FrameSource> source_;
-};
 
 /// Of a frame, in its volume.
 std::optional<std::pair<VoxelIndex, float>> notFiniteIn(const Bricks& bricks) {
@@ -105,42 +43,121 @@ std::optional<std::pair<VoxelIndex, float>> notFiniteIn(const Bricks& bricks) {
   return std::nullopt;
 }
 
-}  // namespace
+class FiniteSource final : public RoundingSource {
+ public:
+  FiniteSource(std::unique_ptr<FrameSource> source, NotFinite what, std::string path)
+      : source_(std::move(source)),
+        placed_(dynamic_cast<const PlacedFrames*>(source_.get())),
+        refuses_(what == NotFinite::kRefuse),
+        path_(std::move(path)) {}
 
-std::unique_ptr<FrameSource> asFinite(std::unique_ptr<FrameSource> source) {
-  return std::make_unique<FiniteSource>(std::move(source));
-}
+  const VolumeInfo& info() const override { return source_->info(); }
 
-std::optional<std::string> firstNotFinite(FrameSource& source, const GridDescription* description) {
-  const VolumeInfo& info = source.info();
-  Bricks bricks;
-  for (int frame = 0; frame < info.frames; ++frame) {
-    if (!source.readBricks(frame, bricks))
-      return std::nullopt;
-    const auto found = notFiniteIn(bricks);
-    if (!found)
-      continue;
-    VoxelIndex index = found->first;
-    Vec3 place = info.bounds.min;
+  std::vector<std::string> otherGrids() const override { return source_->otherGrids(); }
+
+  Status readFrame(int index, std::span<float> values) override {
+    VOLUTE_TRY(source_->readFrame(index, values));
+    return replace(index, 0, values);
+  }
+
+  bool readsLayers() const override { return source_->readsLayers(); }
+
+  Status readLayers(int index, int first, int end, std::span<float> values) override {
+    VOLUTE_TRY(source_->readLayers(index, first, end, values));
+    return replace(index, first, values);
+  }
+
+  double rounding() const override { return roundingOf(*source_); }
+
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    VOLUTE_TRY(source_->readBricks(index, first, end, bricks));
+    const auto bad = notFiniteIn(bricks);
+    if (!bad)
+      return {};
+    if (refuses_)
+      return refuse(index, bad->first, bad->second);
+    Bricks finite(bricks.channels(), bricks.background());
+    for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+      const auto from = std::as_const(bricks).values(i);
+      const auto to = finite.addLeaf(bricks.leaves()[i]);
+      for (std::size_t k = 0; k < from.size(); ++k)
+        to[k] = isFinite(from[k]) ? from[k] : bricks.background()[k / Bricks::kVoxels];
+    }
+    for (Bricks::Tile tile : bricks.tiles()) {
+      for (std::size_t c = 0; c < tile.value.size(); ++c)
+        tile.value[c] = isFinite(tile.value[c]) ? tile.value[c] : bricks.background()[c];
+      finite.addTile(tile);
+    }
+    bricks = std::move(finite);
+    return {};
+  }
+
+  bool hasTopology() const override { return source_->hasTopology(); }
+
+  std::uint64_t brickBytes() const override { return source_->brickBytes(); }
+
+ private:
+  /// @param first  layer of the values
+  Status replace(int index, int first, std::span<float> values) {
+    const auto bad = std::ranges::find_if_not(values, isFinite);
+    if (bad == values.end())
+      return {};
+    const auto channels = static_cast<std::size_t>(info().channels);
+    if (refuses_) {
+      const std::int64_t x = info().x, y = info().y;
+      const auto voxel = (bad - values.begin()) / static_cast<std::int64_t>(channels);
+      return refuse(index, {voxel % x, voxel / x % y, voxel / x / y + first}, *bad);
+    }
+    std::array<float, 3> background{};
+    if (source_->hasTopology()) {
+      Bricks bricks;
+      VOLUTE_TRY(source_->readBricks(index, 0, 1, bricks));
+      background = bricks.background();
+    }
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = isFinite(values[i]) ? values[i] : background[i % channels];
+    return {};
+  }
+
+  Status refuse(int index, VoxelIndex voxel, float value) const {
+    const VolumeInfo& of = info();
+    Vec3 place = of.bounds.min;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<Eigen::Index>(axis);
-      place[a] += (static_cast<double>(index[axis]) + 0.5) * info.voxelSize()[a];
-      if (!description)
-        continue;
-      index[axis] += description->begin[axis];
-      if (!description->shifts.empty())
-        index[axis] -= description->shifts[static_cast<std::size_t>(frame)][axis];
+      place[a] += (static_cast<double>(voxel[axis]) + 0.5) * of.voxelSize()[a];
     }
-    if (description && !description->matrices.empty()) {
-      const auto matrix = description->places()[static_cast<std::size_t>(frame)];
-      place = linearOf(matrix) * place + offsetOf(matrix);
+    std::string file = path_, what = "voxel";
+    if (placed_) {
+      const auto& [name, first] = placed_->fileOf(index);
+      file = name, what = "index";
+      for (std::size_t axis = 0; axis < 3; ++axis) voxel[axis] += first[axis];
+      if (!placed_->places().empty()) {
+        const GridMatrix& matrix = placed_->places()[static_cast<std::size_t>(index)];
+        place = linearOf(matrix) * place + offsetOf(matrix);
+      }
     }
-    return fmt::format(
-        "frame {}: the value at index ({}, {}, {}), which is ({:.6g}, {:.6g}, {:.6g}) m, is {}",
-        info.frameText(static_cast<std::size_t>(frame)), index[0], index[1], index[2], place.x(),
-        place.y(), place.z(), std::isnan(found->second) ? "not a number" : "infinite");
+    return fail(ErrorCode::kInvalidData,
+                "{}: grid '{}', frame {}: the value at {} ({}, {}, {}), which is ({:.6g}, {:.6g}, "
+                "{:.6g}) m, is {}; expected finite values: mend the input, or have compress keep "
+                "the grid as it is or take the background for them",
+                file, of.name, of.frameText(static_cast<std::size_t>(index)), what, voxel[0],
+                voxel[1], voxel[2], place.x(), place.y(), place.z(),
+                std::isnan(value) ? "not a number" : "infinite");
   }
-  return std::nullopt;
+
+  std::unique_ptr<FrameSource> source_;
+  const PlacedFrames* placed_;
+  bool refuses_;
+  std::string path_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> asFinite(std::unique_ptr<FrameSource> source, NotFinite what,
+                                      const std::string& path) {
+  if (what == NotFinite::kKeep)
+    return source;
+  return std::make_unique<FiniteSource>(std::move(source), what, path);
 }
 
 }  // namespace volute

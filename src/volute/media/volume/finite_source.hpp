@@ -3,21 +3,22 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "volute/grid/frame_source.hpp"
-#include "volute/grid/grid_description.hpp"
 
 namespace volute {
 
-/// `source` with its background where values are no finite numbers; they stay active where they
-/// were.
-std::unique_ptr<FrameSource> asFinite(std::unique_ptr<FrameSource> source);
+/// What becomes of values that are no finite numbers.
+enum class NotFinite {
+  kKeep,
+  kRefuse,      ///< an error with file, grid, frame, the voxel as the file counts it, and its place
+  kBackground,  ///< the background instead; they stay active where they were
+};
 
-/// The first value of a source that is no finite number: its frame, its voxel as the file counts
-/// it, and where that is in the world. Nothing where there is none, or a frame cannot be read.
-/// @param description  of the grid; null: voxels count from the first one
-std::optional<std::string> firstNotFinite(FrameSource& source, const GridDescription* description);
+/// @param source  as it was opened: a PlacedFrames names its files and indices
+/// @param path  of the input
+std::unique_ptr<FrameSource> asFinite(std::unique_ptr<FrameSource> source, NotFinite what,
+                                      const std::string& path);
 
 }  // namespace volute

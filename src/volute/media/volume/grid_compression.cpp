@@ -96,9 +96,8 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   if (grid.empty)
     return {};
   VOLUTE_ASSIGN(auto source, grids_.source(chosen_[i]));
+  source = asFinite(std::move(source), how_.notFinite, target_);
   source = asStated(std::move(source), how_.stated);
-  if (how_.replaceNotFinite)
-    source = asFinite(std::move(source));
   VOLUTE_ASSIGN(auto positions, selectPositions(source->info(), how_.frames));
   VOLUTE_ASSIGN(source, selectFrames(std::move(source), how_.frames));
   positions_ = std::move(positions);
@@ -112,17 +111,6 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   GridProgress progress(reading_.progress, grid.name);
   auto report = compress(*source, file, options, progress, team_);
   if (!report) {
-    if (report.error().code == ErrorCode::kInvalidData && leads) {
-      std::optional<GridDescription> description;
-      if (grid.description)
-        description = grid.description->of(*positions_);
-      if (const auto found = firstNotFinite(*source, description ? &*description : nullptr)) {
-        return fail(ErrorCode::kInvalidData,
-                    "grid '{}', {}; only finite values are coded: keep the grid as it is, replace "
-                    "such values by the background, or mend the input",
-                    grid.name, *found);
-      }
-    }
     return fail(report.error().code, "{}",
                 errorIn(grid, report.error().message, leads ? file : ""));
   }
@@ -243,6 +231,39 @@ bool wantsDescription(const VolumeGrid& grid, bool cropped) {
   return grid.empty || grid.name.starts_with('[') || one.half || !plainPlace || !plainType ||
          !plainClass || !plainMetadata || !inAllFrames || one.background != std::array<double, 3>{};
 }
+
+/// The one grid of files that are no cache, whose voxels do not lie along the axes or move.
+class PlacedGrid final : public VolumeGrids {
+ public:
+  PlacedGrid(std::string path, InputOptions options, const VolumeInput& input, Reading& reading)
+      : path_(std::move(path)), options_(std::move(options)), reading_(reading) {
+    const VolumeInfo& info = input.source->info();
+    const Vec3 voxel = info.voxelSize(), origin = info.bounds.min + 0.5 * voxel;
+    GridDescription grid;
+    grid.type = info.channels == 3 ? "vec3s" : "float";
+    grid.map = "AffineMap";
+    grid.voxelSize = {voxel.x(), voxel.y(), voxel.z()};
+    grid.origin = {origin.x(), origin.y(), origin.z()};
+    for (const GridMatrix& place : input.places) {
+      const Mat3 linear = linearOf(place);
+      grid.matrices.push_back(
+          gridMatrix(linear * voxel.asDiagonal(), linear * origin + offsetOf(place)));
+      const MetadataList none;
+      grid.metadata.add(&none);
+    }
+    grids_.push_back({info.name, std::move(grid)});
+  }
+
+  Result<std::unique_ptr<FrameSource>> source(std::size_t) const override {
+    VOLUTE_ASSIGN(auto input, openVolume(path_, options_, reading_));
+    return std::move(input.source);
+  }
+
+ private:
+  std::string path_;
+  InputOptions options_;
+  Reading& reading_;
+};
 
 void remarkOnTimes(const std::string& path, const VolumeInfo& info, Reading& reading) {
   if (info.frames > 1 && info.timesAssumed)
@@ -387,11 +408,15 @@ Result<Report> compressVolume(const std::string& path, const std::string& target
   VOLUTE_ASSIGN(auto report, compressCache(path, target, how, input, reading, team));
   if (report)
     return *std::move(report);
-  VOLUTE_ASSIGN(auto volume, openVolume(path, input, reading));
-  VOLUTE_TRY(alongAxesOnly(volume, path, "only of .vdb files its matrix is kept"));
-  volume.source = asStated(std::move(volume.source), how.stated);
-  if (how.replaceNotFinite)
-    volume.source = asFinite(std::move(volume.source));
+  InputOptions finite = input;
+  finite.notFinite = how.notFinite;
+  finite.stated = how.stated;
+  VOLUTE_ASSIGN(auto volume, openVolume(path, finite, reading));
+  if (!volume.places.empty()) {
+    const PlacedGrid grid(path, std::move(finite), volume, reading);
+    VOLUTE_ASSIGN(const auto result, compressGrids(grid, {0}, target, how, reading, team));
+    return compressionReport(target, result, result.grids[0].info.frames, std::nullopt);
+  }
   remarkOnTimes(path, volume.source->info(), reading);
   const bool whole =
       how.frames == FrameRange{} && !input.bounds && volume.source->otherGrids().empty();

@@ -22,8 +22,8 @@ struct GridCompression {
   FrameRange frames{};
   StatedInfo stated{};
   std::vector<std::string> keep{};  ///< grids that are kept as bytes though they are volumes
-  bool replaceNotFinite = false;    ///< values that are no finite numbers become background
-  bool dropUncoded = false;         ///< what is no volume is left out, not kept as bytes
+  NotFinite notFinite = NotFinite::kRefuse;
+  bool dropUncoded = false;  ///< what is no volume is left out, not kept as bytes
 };
 
 /// A grid that was kept as its bytes.

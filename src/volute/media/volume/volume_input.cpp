@@ -152,6 +152,7 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
 Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
                                Reading& reading) {
   VOLUTE_ASSIGN(auto input, openAsStated(path, options, reading));
+  input.source = asFinite(std::move(input.source), options.notFinite, path);
   input.source = asStated(std::move(input.source), options.stated);
   return input;
 }

@@ -14,6 +14,7 @@
 #include "volute/io/image_file.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/media/reading.hpp"
+#include "volute/media/volume/finite_source.hpp"
 
 namespace volute {
 
@@ -27,6 +28,7 @@ struct InputOptions {
   bool byLayers = false;              ///< frames may be larger than memory; see SourceOptions
   std::optional<RawLayout> raw{};     ///< of files without a header
   StatedInfo stated{};
+  NotFinite notFinite = NotFinite::kKeep;
 };
 
 /// An open volume of any format.

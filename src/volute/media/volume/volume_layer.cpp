@@ -21,48 +21,6 @@ namespace {
 
 constexpr double kRounding = 1e-12;
 
-Status refuseValue(const std::string& path, const VolumeInfo& info, int position,
-                   const VoxelIndex& voxel, float value) {
-  return fail(ErrorCode::kInvalidData,
-              "{}: frame {}: voxel x {}, y {}, z {} is {}; expected finite values", path,
-              info.frameText(position), voxel[0], voxel[1], voxel[2], value);
-}
-
-Status checkFinite(std::span<const float> frame, const VolumeInfo& info, const std::string& path,
-                   int position) {
-  for (std::size_t i = 0; i < frame.size(); ++i) {
-    if (std::isfinite(frame[i]))
-      continue;
-    const auto voxel = static_cast<std::int64_t>(i / info.channels);
-    return refuseValue(path, info, position,
-                       {voxel % info.x, voxel / info.x % info.y, voxel / info.x / info.y},
-                       frame[i]);
-  }
-  return {};
-}
-
-Status checkFinite(const Bricks& bricks, const VolumeInfo& info, const std::string& path,
-                   int position) {
-  for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
-    const auto values = bricks.values(i);
-    const auto bad = std::ranges::find_if_not(values, [](float v) { return std::isfinite(v); });
-    if (bad == values.end())
-      continue;
-    VoxelIndex voxel = bricks.leaves()[i].origin;
-    const auto at = (bad - values.begin()) % Bricks::kVoxels;
-    voxel[0] += at % 8, voxel[1] += at / 8 % 8, voxel[2] += at / 64;
-    return refuseValue(path, info, position, voxel, *bad);
-  }
-  for (const Bricks::Tile& tile : bricks.tiles()) {
-    for (int c = 0; c < info.channels; ++c) {
-      const float value = tile.value[static_cast<std::size_t>(c)];
-      if (!std::isfinite(value))
-        return refuseValue(path, info, position, tile.origin, value);
-    }
-  }
-  return {};
-}
-
 /// Of a level set what is inside, with an edge of one voxel.
 Bricks insideOf(const Bricks& distances, double voxel) {
   const auto inside = [&](float value) {
@@ -147,6 +105,18 @@ Placement VolumeLayer::placeOf(int position) const {
   const Mat3 linear = world.turn * world.scale.asDiagonal() * linearOf(own);
   Placement place;
   place.scale = linear.colwise().norm().transpose();
+  // Of a sheared voxel the longest diagonal is as long as that of its box, for whoever divides it
+  // into steps.
+  const Vec3 edges =
+      place.scale.cwiseProduct(fileBounds().size()).cwiseQuotient(Vec3(info_.x, info_.y, info_.z));
+  double longest = edges.norm();
+  for (int corner = 0; corner < 4; ++corner) {
+    const Vec3 signs(corner & 1 ? -1 : 1, corner & 2 ? -1 : 1, 1);
+    longest =
+        std::max(longest, (linear * edges.cwiseProduct(signs).cwiseQuotient(place.scale)).norm());
+  }
+  if (constexpr double kSame = 1e-9; longest > (1 + kSame) * edges.norm())
+    place.scale *= longest / edges.norm();
   place.turn = linear * place.scale.cwiseInverse().asDiagonal();
   place.offset = world.turn * world.scale.cwiseProduct(offsetOf(own)) + world.offset;
   return place;
@@ -165,12 +135,6 @@ Placement VolumeLayer::placementAt(int position) const {
   Placement place = placeOf(position);
   place.scale = Vec3::Ones();
   return place;
-}
-
-bool shears(const Placement& placement) {
-  constexpr double kRight = 1e-7;
-  const Mat3 square = placement.turn.transpose() * placement.turn - Mat3::Identity();
-  return square.cwiseAbs().maxCoeff() > kRight;
 }
 
 /// From the file's axes to ones whose z points upwards.
@@ -250,7 +214,9 @@ Box3 VolumeLayer::boundsInScene() const {
 
 Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOptions& options,
                                       const Appearance& appearance, Reading& reading) {
-  VOLUTE_ASSIGN(auto input, openVolume(path, options, reading));
+  InputOptions finite = options;
+  finite.notFinite = NotFinite::kRefuse;
+  VOLUTE_ASSIGN(auto input, openVolume(path, finite, reading));
   const std::uint64_t bytes = 2 * input.source->brickBytes();  // as they are read, and to be drawn
   if (bytes > reading.maxMemory) {
     return fail(
@@ -262,7 +228,7 @@ Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOption
     reading.progress.remark(fmt::format("{}: its {} axis points upwards, as it says", path, up));
   VolumeLayer layer(std::move(input), appearance);
   layer.path_ = path;
-  layer.options_ = options;
+  layer.options_ = std::move(finite);
   layer.progress_ = &reading.progress;
   layer.maxMemory_ = reading.maxMemory;
   VOLUTE_TRY(layer.chooseInterpolation(reading.progress));
@@ -493,7 +459,6 @@ Result<BrickSlice> VolumeLayer::readSlice(FrameSource& source, int position) {
   VolumeInfo info = info_;
   info.channels = source.info().channels;
   const auto fromDense = [&](std::span<const float> values) -> Result<BrickSlice> {
-    VOLUTE_TRY(checkFinite(values, source.info(), path_, position));
     return BrickSlice::fromDense(info, values);
   };
   if (!source.info().levelSet && !source.hasTopology()) {
@@ -504,7 +469,6 @@ Result<BrickSlice> VolumeLayer::readSlice(FrameSource& source, int position) {
   }
   Bricks bricks;
   VOLUTE_TRY(source.readBricks(position, bricks));
-  VOLUTE_TRY(checkFinite(bricks, source.info(), path_, position));
   if (source.info().levelSet)
     bricks = insideOf(bricks, source.info().voxelSize().minCoeff());
   const auto tooLarge = [&](std::string_view what, std::uint64_t bytes) {

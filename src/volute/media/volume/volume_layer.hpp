@@ -81,9 +81,6 @@ struct TreeCounts {
   std::uint64_t nodesVisited = 0;  ///< summed over all frames
 };
 
-/// Whether its axes are not at right angles.
-bool shears(const Placement& placement);
-
 /// What a tree gave, over the basis and at the place that `info` says.
 BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info);
 

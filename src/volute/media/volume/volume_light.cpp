@@ -20,11 +20,11 @@ constexpr std::size_t kLightGrain = 512;  // rays that are marched together
 constexpr int kCoarse = 4;                // voxels between places where even light is known
 constexpr std::size_t kMaxFires = 48;
 
-/// Transmittances of the volume along segments.
-void transmittances(const ShadedVoxels& volume, std::span<const Segment> segments,
-                    std::span<float> out) {
+/// Transmittances of the volume along segments of the world.
+void transmittances(const ShadedVoxels& volume, const AffineMap& place,
+                    std::span<const Segment> segments, std::span<float> out) {
   std::vector<Radiance> light(segments.size());
-  volume.absorption().radiance(segments, light);
+  AffineMedium(AnyMedium(volume.absorption()), place).radiance(segments, light);
   for (std::size_t i = 0; i < light.size(); ++i)
     out[i] = static_cast<float>(light[i].transmittance);
 }
@@ -132,17 +132,19 @@ struct Glow {
 
   /// A lamp of its power. What a voxel emits goes everywhere: its power per solid angle is radiance
   /// per metre times volume. Inside of it no light is stronger than at its rim.
-  Lamp lamp(const Vec3& voxel, double scale) const {
+  /// @param voxel  its edges
+  Lamp lamp(const Mat3& voxel, double scale) const {
     Lamp made;
     made.position = moment / weight;
-    made.intensity = scale * voxel.prod() * power;
+    made.intensity = scale * std::abs(voxel.determinant()) * power;
     const double spread = std::sqrt(std::max(square / weight - made.position.squaredNorm(), 0.0));
     made.radius = std::max(spread, 0.5 * voxel.norm());
     return made;
   }
 };
 
-Glow glowOf(const BrickSlice& slice, const BrickSlice::Entry& entry, const Vec3& voxel) {
+Glow glowOf(const BrickSlice& slice, const BrickSlice::Entry& entry, const Vec3& voxel,
+            const AffineMap& space) {
   Glow glow;
   const auto [bx, by, bz] = entry.place;
   const int channels = slice.channels(), first = channels == 4 ? 1 : 0;
@@ -153,37 +155,39 @@ Glow glowOf(const BrickSlice& slice, const BrickSlice::Entry& entry, const Vec3&
     if (!(sent.sum() > 0))
       continue;
     const Vec3 place(bx * 8 + i % 8 + 0.5, by * 8 + i / 8 % 8 + 0.5, bz * 8 + i / 64 + 0.5);
-    glow.add(sent, slice.bounds().min + place.cwiseProduct(voxel));
+    glow.add(sent, space.toWorld(slice.bounds().min + place.cwiseProduct(voxel)));
   }
   return glow;
 }
 
 }  // namespace
 
-std::vector<Lamp> VolumeLight::lampsOf(const BrickSlice& slice, double scale, std::size_t most) {
+std::vector<Lamp> VolumeLight::lampsOf(const BrickSlice& slice, const AffineMap& place,
+                                       double scale, std::size_t most) {
   const Vec3 voxel = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
   std::map<std::array<int, 3>, Glow> glows;
   for (const BrickSlice::Entry& entry : slice.entries()) {
-    const Glow here = glowOf(slice, entry, voxel);
+    const Glow here = glowOf(slice, entry, voxel, place);
     if (here.weight > 0)
       glows[entry.place] = here;
   }
   while (glows.size() > std::max<std::size_t>(most, 1)) {
     std::map<std::array<int, 3>, Glow> larger;
-    for (const auto& [place, glow] : glows)
-      larger[{place[0] / 2, place[1] / 2, place[2] / 2}].add(glow);
+    for (const auto& [at, glow] : glows) larger[{at[0] / 2, at[1] / 2, at[2] / 2}].add(glow);
     glows = std::move(larger);
   }
   std::vector<Lamp> lamps;
-  for (const auto& [place, glow] : glows) lamps.push_back(glow.lamp(voxel, scale));
+  const Mat3 edges = place.linear() * voxel.asDiagonal();
+  for (const auto& [at, glow] : glows) lamps.push_back(glow.lamp(edges, scale));
   return lamps;
 }
 
 /// Light that is scattered evenly: on a coarse lattice, since it changes slowly.
 void VolumeLight::addSurrounding() const {
   const bool surrounded = lighting_.surrounding.maxCoeff() > 0;
-  const std::vector<Lamp> fires =
-      lighting_.ownFire ? lampsOf(volume_, kMaxFires) : std::vector<Lamp>();
+  const std::vector<Lamp> fires = lighting_.ownFire && volume_.slice().channels() == 4
+                                      ? lampsOf(volume_.slice(), lighting_.place, 1, kMaxFires)
+                                      : std::vector<Lamp>();
   if (!surrounded && fires.empty())
     return;
   auto coarse = std::make_shared<Coarse>(volume_.slice(), volume_.lightPlaces());
@@ -197,7 +201,7 @@ void VolumeLight::addSurrounding() const {
     sky.kind = Lamp::Kind::kSun;
     sky.direction = -way.direction;
     std::vector<float> passes(light.size());
-    if (!fan.transmittances(sky, passes)) {
+    if (!fanned(fan, sky, passes)) {
       marched.push_back(way);
       continue;
     }
@@ -210,7 +214,7 @@ void VolumeLight::addSurrounding() const {
     std::vector<Rgb> sent;
     for (std::size_t i = begin; i < end; ++i) {
       segments.clear(), sent.clear();
-      const Vec3 node = volume_.centreOf(coarse->nodes[i]);
+      const Vec3 node = placeOf(coarse->nodes[i]);
       for (const Way& way : marched) {
         segments.push_back({node, way.direction, 0, std::numeric_limits<double>::infinity()});
         sent.push_back(way.share * lighting_.surrounding);
@@ -220,11 +224,21 @@ void VolumeLight::addSurrounding() const {
         sent.push_back(fire.irradiance(node) / (4 * std::numbers::pi));
       }
       std::vector<float> passes(segments.size());
-      transmittances(volume_, segments, passes);
+      transmittances(volume_, lighting_.place, segments, passes);
       for (std::size_t k = 0; k < segments.size(); ++k) light[i] += passes[k] * sent[k];
     }
   });
   even_ = std::move(coarse);
+}
+
+/// Whether rays of its fan, which measure lengths in the volume's space, say what arrives.
+bool VolumeLight::fanned(const LightFan& fan, const Lamp& lamp, std::span<float> out) const {
+  if (!lighting_.place.keepsLengths())
+    return false;
+  Lamp own = lamp;
+  own.position = lighting_.place.toOwn(lamp.position);
+  own.direction = lighting_.place.inverse() * lamp.direction;
+  return fan.transmittances(own, out);
 }
 
 /// How much of a lamp's light arrives at each light point.
@@ -232,16 +246,16 @@ void VolumeLight::addShares(std::size_t lamp) const {
   const auto places = volume_.lightPlaces();
   lampShares_[lamp].resize(places.size());
   const bool fan =
-      LightFan(volume_.slice(), places).transmittances(lighting_.lamps[lamp], lampShares_[lamp]);
+      fanned(LightFan(volume_.slice(), places), lighting_.lamps[lamp], lampShares_[lamp]);
   if (fan && !lighting_.blocks)
     return;
   parallelRanges(places.size(), kLightGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<Segment> segments;
     for (std::size_t i = begin; i < end; ++i)
-      segments.push_back(lighting_.lamps[lamp].towards(volume_.centreOf(places[i])));
+      segments.push_back(lighting_.lamps[lamp].towards(placeOf(places[i])));
     const std::span<float> shares(&lampShares_[lamp][begin], end - begin);
     if (!fan)
-      transmittances(volume_, segments, shares);
+      transmittances(volume_, lighting_.place, segments, shares);
     if (!lighting_.blocks)
       return;
     std::vector<std::uint8_t> blocked(segments.size());
@@ -320,7 +334,7 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   parallelRanges(places.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Rgb sum = even_ ? even_->at(places[i]) : Rgb(Rgb::Zero());
-      const Vec3 point = volume_.centreOf(places[i]);
+      const Vec3 point = placeOf(places[i]);
       Vec3 way = Vec3::Zero();  // from the point to the eye
       if (view)
         way = view->parallel ? Vec3(-view->at) : Vec3((view->at - point).normalized());

@@ -10,10 +10,13 @@
 
 #include "volute/grid/shaded_voxels.hpp"
 #include "volute/lighting/lamp.hpp"
+#include "volute/medium/affine_medium.hpp"
 
 namespace volute {
 
-/// What a volume does with light, and which light there is, in the volume's own place.
+class LightFan;
+
+/// What a volume does with light, and which light there is.
 struct VolumeLighting {
   Rgb albedo = Rgb::Zero();  ///< share of the extinguished light that is scattered
   double asymmetry = 0;      ///< g of Henyey and Greenstein's phase function, -1 < g < 1
@@ -22,6 +25,7 @@ struct VolumeLighting {
   Blocks blocks;                  ///< what stands between lamps and volume; may be empty
   std::vector<Rgb> colors{};      ///< of the albedo, at each light point; empty: none
   bool ownFire = true;            ///< what the volume emits is light for it, too
+  AffineMap place{};              ///< from the volume's own space to that of lamps and views
 };
 
 /// Single scattering in a volume at one instant:
@@ -57,15 +61,12 @@ class VolumeLight {
   /// Where a volume's fire is, and how strong: lamps that shine everywhere, for whole bricks, or
   /// for cubes of them where there would be more than `most`.
   /// @param slice  one channel or three of light, or four, of which the last three are
+  /// @param place  of the volume; the lamps are in the world
   /// @param scale  [radiance/m] of a unit
-  static std::vector<Lamp> lampsOf(const BrickSlice& slice, double scale, std::size_t most);
-
-  static std::vector<Lamp> lampsOf(const ShadedVoxels& volume, std::size_t most) {
-    return volume.slice().channels() == 4 ? lampsOf(volume.slice(), 1, most) : std::vector<Lamp>();
-  }
+  static std::vector<Lamp> lampsOf(const BrickSlice& slice, const AffineMap& place, double scale,
+                                   std::size_t most);
 
   /// The same in the light of more lamps; the last one is kept.
-  /// @param lamps  in the volume's own place
   std::shared_ptr<const VolumeLight> withLamps(std::span<const Lamp> lamps) const;
 
   const VolumeLighting& lighting() const { return lighting_; }
@@ -78,6 +79,13 @@ class VolumeLight {
 
   void gather() const;
   void addShares(std::size_t lamp) const;
+  bool fanned(const LightFan& fan, const Lamp& lamp, std::span<float> out) const;
+
+  /// Of a voxel, in the world.
+  Vec3 placeOf(const std::array<std::int32_t, 3>& voxel) const {
+    return lighting_.place.toWorld(volume_.centreOf(voxel));
+  }
+
   void addSurrounding() const;
   ShadedVoxels shaded(const std::optional<View>& view) const;
 

@@ -3,8 +3,7 @@
 #include "volute/media/volume/volume_medium.hpp"
 
 #include "volute/media/volume/volume_grids.hpp"
-#include "volute/medium/skewed_medium.hpp"
-#include "volute/medium/turned_medium.hpp"
+#include "volute/medium/affine_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
 
 namespace volute {
@@ -83,25 +82,24 @@ const std::shared_ptr<const BrickSlice>& VolumeAt::slice() const {
   return slice_;
 }
 
+AffineMap VolumeAt::place() const {
+  return {placement_.turn, placement_.offset};
+}
+
 void VolumeAt::addPlaced(AnyMedium medium, std::vector<AnyMedium>& media) const {
-  const Placement& place = placement();
-  if (shears(place))
-    media.emplace_back(SkewedMedium(std::move(medium), place.turn, place.offset));
-  else if (!place.turns() && place.offset == Vec3::Zero())
+  if (place().isIdentity())
     media.push_back(std::move(medium));
   else
-    media.emplace_back(TurnedMedium(std::move(medium), place.turn, place.offset));
+    media.emplace_back(AffineMedium(std::move(medium), place()));
 }
 
 void VolumeAt::addMedia(std::vector<AnyMedium>& media) const {
   addPlaced(light_ ? scaledBy(factor_, AnyMedium(light_->seen())) : AnyMedium(medium()), media);
 }
 
-ShadedVoxels seenFrom(const VolumeLight& light, const Placement& placement, const Camera& camera) {
+ShadedVoxels seenFrom(const VolumeLight& light, const Camera& camera) {
   const bool parallel = camera.isOrthographic();
-  return light.seenFrom(
-      {parallel, placement.turn.transpose() *
-                     (parallel ? camera.forward() : Vec3(camera.eye() - placement.offset))});
+  return light.seenFrom({parallel, parallel ? camera.forward() : camera.eye()});
 }
 
 Status VolumeAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
@@ -109,7 +107,7 @@ Status VolumeAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media
     addMedia(media);
     return {};
   }
-  const ShadedVoxels seen = seenFrom(*light_, placement(), camera);
+  const ShadedVoxels seen = seenFrom(*light_, camera);
   {
     const std::lock_guard lock(shadedGuard_);
     shaded_.push_back(seen);
@@ -125,14 +123,9 @@ std::vector<Lamp> VolumeAt::lightSources() const {
   std::vector<Lamp> lamps;
   if (light_) {
     if (light_->slice().channels() == 4)
-      lamps = VolumeLight::lampsOf(light_->slice(), 1, kMaxLamps);
+      lamps = VolumeLight::lampsOf(light_->slice(), place(), 1, kMaxLamps);
   } else if (emission_ > 0) {
-    lamps = VolumeLight::lampsOf(*slice(), emission_, kMaxLamps);
-  }
-  const double room = std::abs(placement_.turn.determinant());  // of a cubic metre
-  for (Lamp& lamp : lamps) {
-    lamp.position = placement_.turn * lamp.position + placement_.offset;
-    lamp.intensity *= room;
+    lamps = VolumeLight::lampsOf(*slice(), place(), emission_, kMaxLamps);
   }
   return lamps;
 }
@@ -140,10 +133,7 @@ std::vector<Lamp> VolumeAt::lightSources() const {
 std::shared_ptr<const MediumAt> VolumeAt::litBy(const MediaLight& light) const {
   if (!light_ || !(light_->lighting().albedo.maxCoeff() > 0) || light.lamps.empty())
     return nullptr;
-  std::vector<Lamp> inVolume(light.lamps.begin(), light.lamps.end());
-  for (Lamp& lamp : inVolume)
-    lamp.position = placement_.turn.transpose() * (lamp.position - placement_.offset);
-  return std::shared_ptr<const MediumAt>(new VolumeAt(*this, light_->withLamps(inVolume)));
+  return std::shared_ptr<const MediumAt>(new VolumeAt(*this, light_->withLamps(light.lamps)));
 }
 
 /// The values, and what VoxelMedium makes of them.
@@ -245,12 +235,6 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
                 layer_.path());
   }
   if (layer_.appearance().shaded()) {
-    if (shears(layer_.placementAt(position))) {
-      return fail(ErrorCode::kUnsupported,
-                  "{}: frame {}: its grid is sheared; light in such a grid is not computed: show "
-                  "emission and extinction alone, without a preset",
-                  layer_.path(), layer_.info().frameText(static_cast<std::size_t>(position)));
-    }
     if (request.tree) {
       return fail(
           ErrorCode::kUnsupported,
@@ -285,24 +269,7 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, 
   lighting.ownFire = false;
   if (lit)
     lighting = lighting_;
-  const auto inVolume = [&](const Vec3& point) {
-    return Vec3(place.turn.transpose() * (point - place.offset));
-  };
-  for (Lamp& lamp : lighting.lamps) {
-    lamp.position = inVolume(lamp.position);
-    lamp.direction = place.turn.transpose() * lamp.direction;
-  }
-  if (lighting.blocks) {
-    lighting.blocks = [blocks = lighting.blocks, turn = place.turn, offset = place.offset](
-                          std::span<const Segment> segments, std::span<std::uint8_t> blocked) {
-      std::vector<Segment> inScene(segments.begin(), segments.end());
-      for (Segment& segment : inScene) {
-        segment.origin = turn * segment.origin + offset;
-        segment.direction = turn * segment.direction;
-      }
-      blocks(inScene, blocked);
-    };
-  }
+  lighting.place = {place.turn, place.offset};
   ShadedVoxels volume(std::move(slice));
   if (lit && layer_.appearance().scatters() && !layer_.appearance().colors.empty()) {
     VOLUTE_ASSIGN(lighting.colors, layer_.colorsAt(moment, volume.lightPoints()));

@@ -66,6 +66,7 @@ class VolumeAt final : public MediumAt {
   VolumeAt(const VolumeLayer& layer, int position, double factor);
   /// The same in other light.
   VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> light);
+  AffineMap place() const;
   void addPlaced(AnyMedium medium, std::vector<AnyMedium>& media) const;
 
   VolumeInfo info_;
@@ -83,8 +84,8 @@ class VolumeAt final : public MediumAt {
   mutable std::vector<ShadedVoxels> shaded_;  ///< whose counts are asked for
 };
 
-/// How a lit or burning volume looks to a camera, before the placement turns and moves it.
-ShadedVoxels seenFrom(const VolumeLight& light, const Placement& placement, const Camera& camera);
+/// How a lit or burning volume looks to a camera, in its own space.
+ShadedVoxels seenFrom(const VolumeLight& light, const Camera& camera);
 
 /// A volume file in a scene.
 class VolumeMedium : public SceneMedium {

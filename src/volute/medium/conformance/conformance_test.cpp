@@ -4,20 +4,21 @@
 
 #include <Eigen/Geometry>
 
+#include "volute/medium/affine_medium.hpp"
 #include "volute/medium/conformance/dummy_media.hpp"
-#include "volute/medium/turned_medium.hpp"
 
 namespace volute {
 namespace {
 
-/// Turned about a slanted axis, mirrored and moved.
-conformance::MediumUnderTest turned(AnyMedium medium) {
-  const Mat3 turn = Eigen::AngleAxisd(0.8, Vec3(1, -2, 0.5).normalized()).toRotationMatrix() *
-                    Vec3(1, 1, -1).asDiagonal();
+/// Turned about a slanted axis, mirrored, sheared if so, and moved.
+conformance::MediumUnderTest turned(AnyMedium medium, double shear = 0) {
+  Mat3 skew = Vec3(1, 1, -1).asDiagonal();
+  skew(0, 1) = shear, skew(1, 2) = -0.5 * shear, skew(2, 2) -= 0.3 * shear;
+  const Mat3 turn = Eigen::AngleAxisd(0.8, Vec3(1, -2, 0.5).normalized()).toRotationMatrix() * skew;
   conformance::Traits traits;
   // The suite's Simpson ends near jumps that do not lie along the axes.
   traits.tolerance.quadrature = 5e-3;
-  return conformance::underTest(TurnedMedium(std::move(medium), turn, Vec3(0.3, -1, 2)), traits);
+  return conformance::underTest(AffineMedium(std::move(medium), {turn, Vec3(0.3, -1, 2)}), traits);
 }
 
 }  // namespace
@@ -27,5 +28,6 @@ VOLUTE_CONFORMANCE(Atmosphere, conformance::atmosphereUnderTest());
 VOLUTE_CONFORMANCE(TwoBoxes, conformance::twoBoxesUnderTest());
 VOLUTE_CONFORMANCE(TurnedVoxels, turned(conformance::trilinearVoxelsUnderTest().medium));
 VOLUTE_CONFORMANCE(TurnedBoxes, turned(conformance::twoBoxesUnderTest().medium));
+VOLUTE_CONFORMANCE(ShearedVoxels, turned(conformance::trilinearVoxelsUnderTest().medium, 0.6));
 
 }  // namespace volute
