@@ -473,8 +473,6 @@ UNKNOWABLE = {
     ("scene: light", "scale", "*"): "a direction has no length",
     ("json", "scale", "*"): NUMBERS,
     ("lines of sight", "scale", "*"): "lines may begin and end anywhere around the volume",
-    ("FDS devices", "unit", "furlongs"): "a device in an unknown unit is left out, which the report says",
-    (".npz", "fill", "a changed byte"): "unpacked arrays are read a frame at a time, without the checksum of the whole",
     ("capture.json", "fill", "null"): "null is a member that is not stated",
     ("lines of sight", "time", "going back"): "the order of lines decides which are held out, and so the smoothness that is chosen",
     (".exr", "fill", "nan"): "the figures of the comparison are null",

@@ -188,7 +188,8 @@ class Tenability(Cases):
             self.assertEqual((hot["rows"][1][x], hot["rows_up"][1][x], hot["rows_known"][1][x]), (None, None, 30))
         self.assertIsNone(hot["worst_value"][1][3])
         self.assertIs(fed["rows_known"][1][3], True)
-        self.assertIn("temperature is stored from 0 to 30 s", json.dumps(report["verdict"]))
+        self.assertIn("temperature is stored from 0 to 30 s by slice3d-temperature-cells", json.dumps(report["verdict"]))
+        self.assertIn("where it burns is not known", json.dumps(report["verdict"]))
         margin = report["tenability"]["margin"]
         self.assertFalse(margin["known"])
         self.assertNotIn("least", margin)
@@ -320,6 +321,12 @@ class Tenability(Cases):
                    "fridolf", "-o", self.path("out"))
         (route,) = self.report("out")["routes"]
         self.assertAlmostEqual(route["arrival"], 15 / (1.2 - 0.34 * 1.5), 2)
+        words = ("visibility", case, "--signs", self.signs(), "--route", self.path("route.csv"), "--height", 1.5, "-o", self.path("out"), "--slowed")
+        self.works(*words, "fridolf:0.2,2,0.3")
+        (route,) = self.report("out")["routes"]
+        self.assertAlmostEqual(route["arrival"], 15 / (1.2 - 0.2 * 0.5), 2)
+        self.assertEqual(self.report("out")["walk"]["slowed_by_smoke"]["coefficients"]["at least [m/s]"], 0.3)
+        self.assertIn("expected three coefficients behind the colon", self.fails(2, *words, "fridolf:0.2"))
 
     def test_what_is_not_stored_is_said_and_the_rest_goes_on(self):
         self.works("visibility", self.case(more=[]), "--signs", self.signs(), "--height", 1.5, "--step", 2, "-o", self.path("out"))

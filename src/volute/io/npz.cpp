@@ -65,6 +65,9 @@ class Archive {
   /// The first `count` bytes, unpacked.
   Result<std::vector<std::byte>> unpacked(const Member& member, std::uint64_t count) const;
 
+  /// The checksum of what is not packed, where that is quick.
+  Status check(const Member& member, std::uint64_t begin) const;
+
  private:
   tl::unexpected<Error> damaged(std::string_view what) const {
     return fail(ErrorCode::kInvalidData, "{}: {}; expected what numpy.savez writes", where_, what);
@@ -199,6 +202,20 @@ Result<std::uint64_t> Archive::begin(const Member& member) const {
   return begin;
 }
 
+Status Archive::check(const Member& member, std::uint64_t begin) const {
+  constexpr std::uint64_t kQuick = std::uint64_t{256} << 20, kPiece = std::uint64_t{1} << 20;
+  if (member.size > kQuick)
+    return {};
+  std::uint32_t sum = 0;
+  for (std::uint64_t at = 0; at < member.size; at += kPiece) {
+    VOLUTE_ASSIGN(const auto piece, bytes(begin + at, std::min(kPiece, member.size - at)));
+    sum = crc32(piece, sum);
+  }
+  if (sum != member.crc)
+    return damaged(fmt::format("'{}' differs from its checksum", member.name));
+  return {};
+}
+
 Result<std::vector<std::byte>> Archive::unpacked(const Member& member, std::uint64_t count) const {
   VOLUTE_ASSIGN(const std::uint64_t begin, this->begin(member));
   count = std::min(count, member.size);
@@ -270,6 +287,7 @@ Result<NpzArray> openNpzArray(const std::filesystem::path& path, const SourceOpt
   }
   if (member.method == kStored) {
     VOLUTE_ASSIGN(const std::uint64_t begin, archive.begin(member));
+    VOLUTE_TRY(archive.check(member, begin));
     return NpzArray{NumberFile(std::move(file), begin, member.size), member.name, others};
   }
   if (member.size > options.maxMemory) {

@@ -135,13 +135,24 @@ TEST(Criterion, SaysWhatItNeeds) {
 }
 
 TEST(WalkingSpeed, FallsWithSmoke) {
-  EXPECT_EQ(walkingSpeed(SpeedLaw::kNone, 1.2, 5), 1.2);
-  EXPECT_EQ(walkingSpeed(SpeedLaw::kFridolf, 1.2, 0.9), 1.2);
-  EXPECT_NEAR(walkingSpeed(SpeedLaw::kFridolf, 1.2, 2), 1.2 - 0.34 * 1.5, 1e-12);
-  EXPECT_EQ(walkingSpeed(SpeedLaw::kFridolf, 1.2, 100), 0.2);
-  EXPECT_NEAR(walkingSpeed(SpeedLaw::kFrantzichNilsson, 1.2, 0.706), 1.2 * 0.943, 1e-12);
-  EXPECT_NEAR(walkingSpeed(SpeedLaw::kFrantzichNilsson, 1.2, 100), 0.12, 1e-12);
-  EXPECT_EQ(walkingSpeed(SpeedLaw::kFridolf, 1.2, kUnknown), 1.2);
+  const SpeedLaw fridolf = speedLaw("fridolf").value();
+  const SpeedLaw frantzich = speedLaw("frantzich-nilsson").value();
+  EXPECT_EQ(walkingSpeed(SpeedLaw(), 1.2, 5), 1.2);
+  EXPECT_EQ(walkingSpeed(fridolf, 1.2, 0.9), 1.2);
+  EXPECT_NEAR(walkingSpeed(fridolf, 1.2, 2), 1.2 - 0.34 * 1.5, 1e-12);
+  EXPECT_EQ(walkingSpeed(fridolf, 1.2, 100), 0.2);
+  EXPECT_NEAR(walkingSpeed(frantzich, 1.2, 0.706), 1.2 * 0.943, 1e-12);
+  EXPECT_NEAR(walkingSpeed(frantzich, 1.2, 100), 0.12, 1e-12);
+  EXPECT_EQ(walkingSpeed(fridolf, 1.2, kUnknown), 1.2);
+  const SpeedLaw own = speedLaw("fridolf:0.2,4,0.3").value();
+  EXPECT_TRUE(isOwn(own) && !isOwn(fridolf));
+  EXPECT_NEAR(walkingSpeed(own, 1.2, 1.5), 1.2 - 0.2 * 2, 1e-12);
+  EXPECT_NEAR(walkingSpeed(own, 1.2, 100), 1.2 - 0.2 * 3.97, 1e-12);
+  EXPECT_NEAR(walkingSpeed(speedLaw("frantzich-nilsson:0.7,-0.1,0.05").value(), 1, 3.5), 0.5,
+              1e-12);
+  for (const char* wrong : {"fridolf:", "fridolf:1,2", "fridolf:1,2,3,4", "fridolf:a,3,0.2",
+                            "fridolf:0.34,0,0.2", "none:1,2,3", "frantzich-nilsson:0.7,0.1,0.1"})
+    EXPECT_FALSE(speedLaw(wrong)) << wrong;
 }
 
 }  // namespace

@@ -345,7 +345,8 @@ Json PlanTenability::criterionJson(std::size_t c) const {
   return json;
 }
 
-/// Where and when what a criterion takes in is stored.
+/// Where and when what a criterion takes in is stored: a time that is not known may lack a source
+/// then, or one that reaches these places.
 std::string PlanTenability::storedWords(std::size_t c) const {
   const Criterion& criterion = meter_.criteria()[c];
   std::string words;
@@ -353,15 +354,21 @@ std::string PlanTenability::storedWords(std::size_t c) const {
   const auto taken = criterion.taken();
   all.insert(all.end(), taken.begin(), taken.end());
   for (const Air one : all) {
+    const std::string name(quantityOf(one).name);
     std::string spans;
     for (const ServedSource& source : meter_.air().sources(one)) {
-      if (source.times > 0)
-        spans += fmt::format("{}{:.4g} to {:.4g} s", spans.empty() ? "" : ", ", source.stored.from,
-                             source.stored.until);
+      if (source.times == 0)
+        continue;
+      // "temperature (slice-temperature)"
+      std::string from = source.description;
+      if (from.starts_with(name + " (") && from.ends_with(')'))
+        from = from.substr(name.size() + 2, from.size() - name.size() - 3);
+      spans += fmt::format("{} from {:.4g} to {:.4g} s by {}{}", spans.empty() ? "" : ",",
+                           source.stored.from, source.stored.until, from,
+                           source.served ? "" : ", which reaches none of these places");
     }
     if (!spans.empty())
-      words += fmt::format("{}{} is stored from {}", words.empty() ? "" : "; ",
-                           quantityOf(one).name, spans);
+      words += fmt::format("{}{} is stored{}", words.empty() ? "" : "; ", name, spans);
   }
   return words.empty() ? words : " (" + words + ")";
 }

@@ -105,7 +105,12 @@ std::string PlanUse::words() const {
   add(Kind::kLow, fmt::format("which have less than {:g} m of head room", kHeadRoom));
   add(Kind::kTop, "which are on top of things, a step away from any floor");
   add(Kind::kNamed, fmt::format("which are in areas named as not for people ({})", areas));
-  return words.empty() ? words : "not counted: " + words;
+  if (!words.empty())
+    words.insert(0, "not counted: ");
+  if (fireUnknown)
+    words += fmt::format("{}where it burns is not known, so that the fire's own place counts, too",
+                         words.empty() ? "" : "; ");
+  return words;
 }
 
 PlanUse planUse(const Survey& survey, const SightInstant& first, const FloorPlan& plan,
@@ -128,6 +133,7 @@ PlanUse planUse(const Survey& survey, const SightInstant& first, const FloorPlan
     fires = std::move(*found);
   else
     progress.remark(found.error().message + ": where the fire is, is not known");
+  use.fireUnknown = fires.empty() && survey.fires.empty();
   for (std::size_t i = 0; i < eyes.size(); ++i) {
     const Vec3& eye = eyes[i];
     const double floor = std::isnan(floors[i]) ? eye.z() - PlanUse::kReach : floors[i];

@@ -28,16 +28,17 @@ struct PlanUse {
   static constexpr double kStep = 0.3, kSlope = 0.8;  ///< [m], [m/m]
   static constexpr double kTopOfThings = 6;  ///< smaller surfaces without a step are furniture [m2]
 
-  std::vector<Kind> kinds;  ///< of each eye
-  std::string firesFrom{};  ///< how the fire's place is known; empty: no point is in it
-  std::string areas{};      ///< names of areas that are not for people
+  std::vector<Kind> kinds;   ///< of each eye
+  std::string firesFrom{};   ///< how the fire's place is known; empty: no point is in it
+  std::string areas{};       ///< names of areas that are not for people
+  bool fireUnknown = false;  ///< neither the case nor the user says where it burns
 
   /// One for each eye.
   std::vector<bool> are(Kind kind) const;
 
   std::size_t count(Kind kind) const;
 
-  /// "not counted: ..."; empty where all points count.
+  /// "not counted: ...", and whether the fire's own place is; empty where all points count.
   std::string words() const;
 };
 

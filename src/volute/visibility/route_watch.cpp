@@ -81,10 +81,10 @@ class RouteWatch final : public Watch {
 
   std::vector<Vec3> eyes(double) const override { return eyes_; }
 
-  bool wantsExtinction() const override { return walking_.slowed != SpeedLaw::kNone; }
+  bool wantsExtinction() const override { return !walking_.slowed.isNone(); }
 
   Status take(const SurveyTime& at) override {
-    if (walking_.slowed != SpeedLaw::kNone)
+    if (!walking_.slowed.isNone())
       walkThroughSmoke(at);
     if (at.stored)
       noteCoverage(at);
@@ -100,9 +100,14 @@ class RouteWatch final : public Watch {
     noteEnds();
     report["eyes"] = {{"kind", "routes"}, {"step", survey_->step}, {"count", eyes_.size()}};
     report["walk"] = {{"speed", walking_.speed}, {"start", walking_.start}};
-    const SpeedLawInfo& law = speedLaws()[static_cast<std::size_t>(walking_.slowed)];
-    report["walk"]["slowed_by_smoke"] = {
-        {"law", law.name}, {"source", law.source}, {"source_checked", law.checked}};
+    const SpeedLawInfo& law = infoOf(walking_.slowed);
+    Json coefficients = Json::object();
+    for (std::size_t i = 0; i < law.coefficients.size() && !walking_.slowed.isNone(); ++i)
+      coefficients[std::string(law.coefficients[i])] = walking_.slowed.coefficients[i];
+    report["walk"]["slowed_by_smoke"] = {{"law", law.name},
+                                         {"coefficients", coefficients},
+                                         {"source", speedSource()},
+                                         {"source_checked", law.checked}};
     if (meter_)
       report["tenability"]["criteria"] = criteriaJson(*meter_);
     report["sources"] = sourcesJson(*survey_, meter_ ? &*meter_ : nullptr);
@@ -126,6 +131,14 @@ class RouteWatch final : public Watch {
   }
 
  private:
+  std::string speedSource() const {
+    const std::string source(infoOf(walking_.slowed).source);
+    return isOwn(walking_.slowed)
+               ? fmt::format("{}, the user's own coefficients, in the law of: {}",
+                             fmt::join(walking_.slowed.coefficients, ", "), source)
+               : source;
+  }
+
   void addStations(std::size_t r) {
     const auto along = stationsOf(routes_[r], survey_->step);
     const double length = routes_[r].length();
@@ -133,9 +146,8 @@ class RouteWatch final : public Watch {
       const double before = i > 0 ? along[i - 1] : along[i];
       const double after = i + 1 < along.size() ? along[i + 1] : along[i];
       stations_.push_back({r, along[i], 0.5 * (after - before) / length,
-                           walking_.slowed == SpeedLaw::kNone
-                               ? walking_.start + along[i] / walking_.speed
-                               : (i == 0 ? walking_.start : kNotYet)});
+                           walking_.slowed.isNone() ? walking_.start + along[i] / walking_.speed
+                                                    : (i == 0 ? walking_.start : kNotYet)});
       eyes_.push_back(routes_[r].at(along[i]));
     }
   }
@@ -167,7 +179,7 @@ class RouteWatch final : public Watch {
     if (time < walking_.start)
       return std::numeric_limits<double>::quiet_NaN();
     const double length = routes_[r].length();
-    if (walking_.slowed == SpeedLaw::kNone) {
+    if (walking_.slowed.isNone()) {
       const double along = (time - walking_.start) * walking_.speed;
       return along <= length ? along : std::numeric_limits<double>::quiet_NaN();
     }
@@ -482,8 +494,7 @@ class RouteWatch final : public Watch {
     }
     return fmt::format(
                "<p>A person who starts at {:g} s and walks at {:g} m/s in clear air ({}):</p>\n",
-               walking_.start, walking_.speed,
-               speedLaws()[static_cast<std::size_t>(walking_.slowed)].source) +
+               walking_.start, walking_.speed, speedSource()) +
            htmlTable({"route", "length [m]", "arrives [s]", "share of the way with a sign in view"},
                      rows);
   }

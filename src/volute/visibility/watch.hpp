@@ -136,7 +136,7 @@ std::unique_ptr<Watch> planWatch();
 struct Walk {
   double speed = 1.2;  ///< in clear air [m/s]
   double start = 0;    ///< [s]
-  SpeedLaw slowed = SpeedLaw::kNone;
+  SpeedLaw slowed{};
 };
 
 /// Points along routes, and people who walk them.

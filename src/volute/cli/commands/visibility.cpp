@@ -60,7 +60,8 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     VOLUTE_ASSIGN(const auto text, textOf(*file, context));
     VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
     VOLUTE_ASSIGN(auto routes, routesOf(points, *file));
-    VOLUTE_ASSIGN(const auto slowed, speedLaw(arguments.get<std::string>("slowed")));
+    VOLUTE_ASSIGN(const auto slowed,
+                  ofOption("slowed", speedLaw(arguments.get<std::string>("slowed"))));
     return routeWatch(std::move(routes),
                       {arguments.get<double>("speed"), arguments.get<double>("start"), slowed});
   }
@@ -327,11 +328,11 @@ std::vector<Option> visibilityOptionTable() {
        .help = "start time of the walk [s]",
        .initial = "0"},
       {.name = "slowed",
-       .kind = kChoice,
+       .kind = kText,
        .value = "LAW",
-       .help = "how smoke slows walkers down",
-       .initial = "none",
-       .choices = {"none", "fridolf", "frantzich-nilsson"}},
+       .help = "how smoke slows walkers down: none, fridolf, frantzich-nilsson, or one of these "
+               "with coefficients: fridolf:0.34,3,0.2",
+       .initial = "none"},
       {.name = "criteria",
        .kind = kText,
        .value = "WHICH",

@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <limits>
 #include <optional>
 #include <set>
 
 #include "volute/base/parallel.hpp"
+#include "volute/base/printable.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_input.hpp"
+#include "volute/io/unit.hpp"
 #include "volute/media/fds/fds_devices.hpp"
 #include "volute/report/sha256.hpp"
 
@@ -51,6 +54,11 @@ constexpr Stored kStored[] = {
     {"carbon-dioxide", "carbon dioxide"},
     {"oxygen", "oxygen"},
 };
+
+/// In which criteria have a quantity.
+std::string_view unitOf(std::string_view quantity) {
+  return quantity == "temperature" ? "C" : quantity == "radiant-flux" ? "kW/m2" : "mol/mol";
+}
 
 class FdsPoints final : public PointField {
  public:
@@ -159,10 +167,7 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
         error = fds.error();
     }
   }
-  const std::string_view unit = quantity == "temperature"    ? "C"
-                                : quantity == "radiant-flux" ? "kW/m2"
-                                                             : "mol/mol";
-  auto devices = fdsDevicePoints(index, spellings, unit, quantity);
+  auto devices = fdsDevicePoints(index, spellings, unitOf(quantity), quantity);
   if (devices && *devices)
     sources.push_back(std::move(*devices));
   else if (!devices && !error)
@@ -331,6 +336,25 @@ CaseFacts fdsFacts(const SmvIndex& index) {
       facts.remarks.push_back(fmt::format(
           "{} of {} devices have no column in the table of devices: '{}'{}", missing.size(),
           index.devices.size(), missing.front(), missing.size() > 1 ? " and others" : ""));
+    }
+    std::vector<std::string> unread;
+    for (const FdsDevice& device : index.devices) {
+      const auto curve = std::ranges::find(facts.devices, device.label, &FactCurve::name);
+      const std::string measured = measuredBy(index, device);
+      const auto* stored = std::ranges::find_if(kStored, [&](const Stored& one) {
+        return std::ranges::equal(one.fds, measured, {},
+                                  [](unsigned char c) { return std::toupper(c); });
+      });
+      if (curve != facts.devices.end() && stored != std::end(kStored) && !curve->unit.empty() &&
+          !unitChange(curve->unit, unitOf(stored->name)))
+        unread.push_back(fmt::format("'{}' ({} in '{}')", device.label, measured, curve->unit));
+    }
+    if (!unread.empty()) {
+      facts.remarks.push_back(
+          fmt::format("{} of {} devices are left out, because their column is in a unit that is "
+                      "not known: {}{}",
+                      unread.size(), index.devices.size(), printable(unread.front()),
+                      unread.size() > 1 ? " and others" : ""));
     }
   }
   return facts;

@@ -274,7 +274,18 @@ std::string quantityOf(const FdsDevice& device, const FdsInput::Device* said) {
   return said->species.empty() ? quantity : speciesOf(said->species) + " " + quantity;
 }
 
+/// What the input file says of a device; null: nothing.
+const FdsInput::Device* saidOf(const SmvIndex& index, const FdsDevice& device) {
+  const auto& devices = inputOf(index).devices;
+  const auto found = devices.find(device.label);
+  return found == devices.end() ? nullptr : &found->second;
+}
+
 }  // namespace
+
+std::string measuredBy(const SmvIndex& index, const FdsDevice& device) {
+  return quantityOf(device, saidOf(index, device));
+}
 
 Result<FdsCurves> readCurves(const SmvIndex& index, std::string_view kind,
                              const WantedCurve& wanted) {
@@ -296,9 +307,8 @@ Result<std::unique_ptr<PointField>> fdsDevicePoints(const SmvIndex& index,
   std::map<std::string, Wanted> wanted;  // by label
   std::set<std::string> twice, left;
   for (const FdsDevice& device : index.devices) {
-    const auto entry = inputOf(index).devices.find(device.label);
-    const FdsInput::Device* said = entry == inputOf(index).devices.end() ? nullptr : &entry->second;
-    const std::string measured = quantityOf(device, said);
+    const FdsInput::Device* said = saidOf(index, device);
+    const std::string measured = measuredBy(index, device);
     const auto found = std::ranges::find_if(
         quantities, [&](const FdsQuantity& one) { return capitals(one.name) == measured; });
     // Means over a volume, extremes over time, and numbers that only the input's factor explains

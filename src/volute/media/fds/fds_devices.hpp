@@ -37,6 +37,10 @@ struct FdsQuantity {
   double factor = 1;      ///< of what the criteria mean
 };
 
+/// What a device measures, in capitals, with its species, as the input file says, else the index:
+/// "OXYGEN VOLUME FRACTION".
+[[nodiscard]] std::string measuredBy(const SmvIndex& index, const FdsDevice& device);
+
 /// What devices say within 0.3 m of each, of several at one place the largest; null where there are
 /// none with columns. A device has the quantity and species that the input file says, else those
 /// of the index; its unit is that of its column, and is turned into `unit`. `quantity` is the name

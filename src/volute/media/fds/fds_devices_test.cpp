@@ -153,5 +153,16 @@ TEST_F(FdsDevices, OfSeveralAtOnePlaceTheWorstCounts) {
   EXPECT_EQ(valueAt(*field, 0, 1.1), 5.59);
 }
 
+TEST_F(FdsDevices, AColumnInAnUnknownUnitIsTold) {
+  device("T1", "TEMPERATURE");
+  device("T2", "TEMPERATURE");
+  device("V", "VELOCITY");
+  const auto facts =
+      fdsFacts(read("s,furlong,C,knot\nTime,\"T1\",\"T2\",\"V\"\n0,20,20,1\n10,50,60,1\n"));
+  EXPECT_THAT(facts.remarks, Contains(HasSubstr("1 of 3 devices are left out, because their column "
+                                                "is in a unit that is not known: 'T1' (TEMPERATURE "
+                                                "in 'furlong')")));
+}
+
 }  // namespace
 }  // namespace volute
