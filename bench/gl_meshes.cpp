@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

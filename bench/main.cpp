@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "bench/benchmark.hpp"
 #include "volute/base/parallel.hpp"

@@ -18,7 +18,9 @@ namespace {
 
 /// Prints Volute's remarks.
 class Remarks final : public volute::Progress {
-  void remark(std::string_view message) override { fmt::print(stderr, "{}\n", message); }
+  void remark(const volute::Remark& remark) override {
+    fmt::print(stderr, "{}\n", remark.sentence);
+  }
 };
 
 volute::Status takePicture(const char* file, double time, const char* picture) {

@@ -7,8 +7,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
-#include "volute/media/field.hpp"
+#include "volute/media/field_members.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_renderer.hpp"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // What `volute view` runs; the command's options are declared in volute/cli/commands/view.cpp.
+#include <nlohmann/json.hpp>
+
 #include "volute/base/output_file.hpp"
 #include "volute/capture/open_capture.hpp"
 #include "volute/cli/commands/commands.hpp"
@@ -10,6 +12,7 @@
 #include "volute/film/film_job.hpp"
 #include "volute/gl/gl_device.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/lighting/light_cache.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/viewer/headless_viewer.hpp"
 #include "volute/viewer/open_document.hpp"
@@ -69,10 +72,8 @@ Status run(const Arguments& arguments, Context& context) {
   if (extensionOf(*target) != ".png")
     return fail(ErrorCode::kInvalidArgument, "--screenshot: '{}' is no .png", *target);
   VOLUTE_TRY(checkTarget(*target));
-  VOLUTE_ASSIGN(
-      const Image image,
-      namingOptions(viewerScreenshot(open, start, !arguments.flag("no-panels"), context.progress),
-                    arguments));
+  VOLUTE_ASSIGN(const Image image,
+                viewerScreenshot(open, start, !arguments.flag("no-panels"), context.progress));
   return writeImage(*target, image);
 }
 

@@ -16,6 +16,7 @@
 #include <thread>
 #include <utility>
 
+#include "volute/base/advice.hpp"
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
 #include "volute/grid/array_source.hpp"
@@ -55,15 +56,23 @@ inline const char* nameOf(ErrorCode code) {
   return "Error";
 }
 
+/// A setting as an argument: renderer="cpu".
+inline std::string argumentText(const std::string& setting, const std::string& value) {
+  return value.empty() ? setting : fmt::format("{}=\"{}\"", setting, value);
+}
+
 inline void translateFailures() {
   py::register_local_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown)
         std::rethrow_exception(thrown);
     } catch (const Failure& failure) {
-      const py::object type =
-          py::module_::import("volute._errors").attr(nameOf(failure.error.code));
-      PyErr_SetString(type.ptr(), failure.error.message.c_str());
+      const Error& error = failure.error;
+      const py::object type = py::module_::import("volute._errors").attr(nameOf(error.code));
+      const py::object made = type(fullText(error, argumentText));
+      made.attr("path") = error.path.empty() ? py::object(py::none()) : py::str(error.path);
+      made.attr("member") = error.member.empty() ? py::object(py::none()) : py::str(error.member);
+      PyErr_SetObject(type.ptr(), made.ptr());
     }
   });
 }
@@ -89,9 +98,9 @@ class PythonProgress final : public Progress {
     guarded([&] { listener_.attr("report")(py::str(stage.data(), stage.size()), done, total); });
   }
 
-  void remark(std::string_view message) override {
+  void remark(const Remark& remark) override {
     if (!listener_.is_none())
-      guarded([&] { listener_.attr("remark")(py::str(message.data(), message.size())); });
+      guarded([&] { listener_.attr("remark")(py::str(fullText(remark, argumentText))); });
   }
 
   bool cancelled() const override {

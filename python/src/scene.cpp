@@ -10,6 +10,7 @@
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "bridge.hpp"
@@ -342,7 +343,8 @@ class Sight {
     times_.assign(field_->times().begin(), field_->times().end());
     bounds_ = field_->bounds();
     description_ = field_->description();
-    remarks_ = field_->remarks();
+    remarks_.clear();
+    for (const volute::Remark& remark : field_->remarks()) remarks_.push_back(remark.sentence);
     return {};
   }
 

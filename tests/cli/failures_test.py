@@ -219,7 +219,7 @@ class Failures(support.TestCase):
     def test_the_grid_that_is_taken_is_named(self):
         source = self.write_vti("three.vti", "heat", "density", "fuel")
         made = self.works("compress", source, "-o", self.path("x.volute"), "--rms", "0.1")
-        self.assertIn("the grid 'density' is read; it also has heat, fuel (--field chooses)", made.message)
+        self.assertIn("the grid 'density' is read; it also has heat, fuel; choose one with --field", made.message)
         chosen = self.works("compress", source, "-o", self.path("x.volute"), "--rms", "0.1", "--grid", "heat")
         self.assertNotIn("also has", chosen.message)
 

@@ -109,7 +109,7 @@ class Fds(support.TestCase):
         self.path("case_2.sf").write_bytes(whole[:-1])
         said = self.works("info", self.case, "--json").json
         self.assertEqual(said["frames"], 1)
-        self.assertIn("within frame 1", said["remarks"][0])
+        self.assertIn("within frame 1", said["remarks"][0]["sentence"])
 
     def test_a_mesh_cut_between_frames_is_told_by_every_command(self):
         path = self.path("case_1.sf")
@@ -117,7 +117,7 @@ class Fds(support.TestCase):
         said = self.works("info", self.case, "--json").json
         self.assertEqual([(one["file"], one["mesh"], one["state"], one["frames"]) for one in said["data_files"]],
                          [("case_1.sf", 1, "short", 1), ("case_2.sf", 2, "whole", 2)])
-        self.assertIn("1 of 2 stored times are left out (10 to 10 s)", said["remarks"][0])
+        self.assertIn("1 of 2 stored times are left out (10 to 10 s)", said["remarks"][0]["sentence"])
         self.assertIn("case_1.sf: has fewer frames (1, the last at 0 s) than case_2.sf (mesh 2: 2, the last at 10 s)",
                       self.works("info", self.case).text)
         eye = ("--eye", "1.5,-1,0.5", "--target", "1.5,0,0.5", "--ortho", "1", "--size", "4x4")

@@ -502,7 +502,7 @@ def result_of(folder, form):
         data = b"".join(data[at + 4:at + 4 + int.from_bytes(data[at - 4:at], "big")] for at in (m.start() for m in re.finditer(b"IDAT", data)))
     if not form.result and done.returncode == 0:
         said = json.loads(done.stdout)
-        message += "".join(f"volute: {remark}\n" for remark in said.pop("remarks", []))
+        message += "".join(f"volute: {remark['sentence']}\n" for remark in said.pop("remarks", []))
         for key in ("file", "bytes", "bytes_a", "bytes_b", "pictures"):
             said.pop(key, None)
         data = json.dumps(said, sort_keys=True).encode()

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Help, exit codes, and what wrong usage is answered with."""
+import zipfile
+
 import support
 from support import volute
 
@@ -87,6 +89,22 @@ class Usage(support.TestCase):
         self.assertIn("exposure", result.message)
         quiet = self.works("render", self.path("in.volute"), "-o", self.path("x.png"), "--size", "8x8", "--quiet")
         self.assertEqual((quiet.text, quiet.message), ("", ""))
+
+    def test_remarks_are_in_the_results_and_errors_where_they_are_strict(self):
+        source = self.path("two.npz")
+        numpy_file = self.make_npy("one.npy").read_bytes()
+        with zipfile.ZipFile(source, "w") as archive:
+            archive.writestr("density.npy", numpy_file)
+            archive.writestr("heat.npy", numpy_file)
+        made = self.works("compress", source, "-o", self.path("x.volute"), "--rms", "0.1", "--json")
+        said = [remark for remark in made.json["remarks"] if "also has heat" in remark["sentence"]]
+        self.assertEqual([remark["code"] for remark in said], ["assumed"])
+        self.assertIn("choose one with --field", made.message)
+        (self.path("x.volute")).unlink()
+        strict = self.fails(1, "compress", source, "-o", self.path("x.volute"), "--rms", "0.1", "--strict")
+        self.assertIn("also has heat", strict)
+        self.assertFalse(self.path("x.volute").exists())
+        self.works("compress", source, "--field", "heat", "-o", self.path("x.volute"), "--rms", "0.1", "--strict")
 
     def test_results_that_cannot_be_written_are_an_error(self):
         with open("/dev/full", "wb") as full:

@@ -3,6 +3,9 @@
 #include "puffs/puff.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "volute/media/field_members.hpp"
 
 namespace volute {
 namespace {

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "volute/medium/conformance.hpp"
 #include "volute/scene/scene.hpp"

@@ -2,8 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <string_view>
-
 #include "volute/base/progress.hpp"
 
 namespace volute {
@@ -13,7 +11,7 @@ class CancelOnly final : public Progress {
  public:
   explicit CancelOnly(Progress& outer) : outer_(outer) {}
 
-  void remark(std::string_view message) override { outer_.remark(message); }
+  void remark(const Remark& remark) override { outer_.remark(remark); }
 
   bool cancelled() const override { return outer_.cancelled(); }
 

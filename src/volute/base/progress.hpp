@@ -4,6 +4,8 @@
 
 #include <string_view>
 
+#include "volute/base/remark.hpp"
+
 namespace volute {
 
 /// What a long call reports to, and asks whether to go on. The default says nothing and never
@@ -20,8 +22,8 @@ class Progress {
   /// What is going on within the stage, in a few words that replace the last ones: "frame 12".
   virtual void detail(std::string_view text) { (void)text; }
 
-  /// A remark worth a person's attention that does not stop the work.
-  virtual void remark(std::string_view message) { (void)message; }
+  /// Something worth a person's attention that does not stop the work.
+  virtual void remark(const Remark& remark) { (void)remark; }
 
   /// True once the caller wants to stop; the long call then fails with ErrorCode::kCancelled and
   /// leaves nothing behind.

@@ -20,18 +20,24 @@ class RemarkLog final : public Progress {
 
   void detail(std::string_view text) override { next_.detail(text); }
 
-  void remark(std::string_view message) override {
-    remarks_.emplace_back(message);
-    next_.remark(message);
+  void remark(const Remark& remark) override {
+    remarks_.push_back(remark);
+    next_.remark(remark);
   }
 
   bool cancelled() const override { return next_.cancelled(); }
 
-  const std::vector<std::string>& remarks() const { return remarks_; }
+  const std::vector<Remark>& remarks() const { return remarks_; }
+
+  std::vector<std::string> sentences() const {
+    std::vector<std::string> sentences;
+    for (const Remark& remark : remarks_) sentences.push_back(remark.sentence);
+    return sentences;
+  }
 
  private:
   Progress& next_;
-  std::vector<std::string> remarks_;
+  std::vector<Remark> remarks_;
 };
 
 }  // namespace volute

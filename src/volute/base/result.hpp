@@ -2,11 +2,14 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <string>
+#include <string_view>
 #include <tl/expected.hpp>
 #include <utility>
+
+#include "volute/base/hint.hpp"
 
 namespace volute {
 
@@ -22,11 +25,18 @@ enum class ErrorCode {
   kCancelled,        ///< the caller asked to stop
 };
 
-/// One sentence for people: what, where (file, frame, byte, JSON path), what was expected, what to
-/// do.
+/// "invalid-data".
+std::string_view errorName(ErrorCode code);
+
+/// What went wrong, for people and for programs.
 struct Error {
   ErrorCode code = ErrorCode::kInvalidData;
+  /// One sentence: what, where (file, frame, byte, JSON path), what was expected. It names no
+  /// option of a command and no argument of a function: these are in `hints`.
   std::string message;
+  std::string path{};    ///< the file; empty: not known, or none
+  std::string member{};  ///< the place in the file; without a file the setting: "bounds"
+  Hints hints{};         ///< settings that would help
 };
 
 /// A value or an Error. Functions that return one are marked [[nodiscard]].
@@ -34,11 +44,54 @@ template <class T>
 using Result = tl::expected<T, Error>;
 using Status = Result<void>;
 
+[[nodiscard]] tl::unexpected<Error> failWith(ErrorCode code, Hints hints, fmt::string_view format,
+                                             fmt::format_args args);
+
 /// `return fail(ErrorCode::kNotFound, "{}: no grid named '{}'", file, grid);`
 template <class... Args>
 [[nodiscard]] tl::unexpected<Error> fail(ErrorCode code, fmt::format_string<Args...> format,
                                          Args&&... args) {
-  return tl::unexpected<Error>(Error{code, fmt::format(format, std::forward<Args>(args)...)});
+  return failWith(code, {}, format, fmt::make_format_args(args...));
+}
+
+/// `return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"), "{}: needs {} MiB", file, size);`
+template <class... Args>
+[[nodiscard]] tl::unexpected<Error> fail(ErrorCode code, Hint hint,
+                                         fmt::format_string<Args...> format, Args&&... args) {
+  return failWith(code, {std::move(hint)}, format, fmt::make_format_args(args...));
+}
+
+template <class... Args>
+[[nodiscard]] tl::unexpected<Error> fail(ErrorCode code, Hints hints,
+                                         fmt::format_string<Args...> format, Args&&... args) {
+  return failWith(code, std::move(hints), format, fmt::make_format_args(args...));
+}
+
+/// About a setting, which each interface names in its own terms: failFor("slice", kInvalidArgument,
+/// "'{}' is not a plane", text) is "--slice: 'w' is not a plane" for the command.
+template <class... Args>
+[[nodiscard]] tl::unexpected<Error> failFor(std::string_view setting, ErrorCode code, Hint hint,
+                                            fmt::format_string<Args...> format, Args&&... args) {
+  auto failed = failWith(code, {std::move(hint)}, format, fmt::make_format_args(args...));
+  failed.value().member = setting;
+  return failed;
+}
+
+template <class... Args>
+[[nodiscard]] tl::unexpected<Error> failFor(std::string_view setting, ErrorCode code,
+                                            fmt::format_string<Args...> format, Args&&... args) {
+  auto failed = failWith(code, {}, format, fmt::make_format_args(args...));
+  failed.value().member = setting;
+  return failed;
+}
+
+/// The same result; an error that names neither file nor setting yet is one in `path`, at `member`.
+template <class T>
+[[nodiscard]] Result<T> ofFile(Result<T> result, std::string_view path,
+                               std::string_view member = {}) {
+  if (!result && result.error().path.empty() && result.error().member.empty())
+    result.error().path = path, result.error().member = member;
+  return result;
 }
 
 }  // namespace volute

@@ -7,9 +7,11 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "volute/base/advice.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/base/version.hpp"
 #include "volute/codec/compress.hpp"
@@ -78,7 +80,9 @@ volute_status guarded(Call&& call) noexcept {
     const Status done = call();
     if (done)
       return VOLUTE_OK;
-    lastError = done.error().message;
+    lastError = fullText(done.error(), [](const std::string& setting, const std::string& value) {
+      return value.empty() ? setting : fmt::format("{} {}", setting, value);
+    });
     return statusOf(done.error().code);
   } catch (const std::bad_alloc&) {
     lastError.clear();  // needs no memory
@@ -252,7 +256,7 @@ Result<volute_drawing*> openDrawing(const std::string& path, const char* members
   SceneOptions options;
   if (members) {
     options.members = nlohmann::ordered_json::parse(members, nullptr, /*allow_exceptions=*/false);
-    if (!options.members.is_object()) {
+    if (!options.members->is_object()) {
       return fail(ErrorCode::kInvalidArgument,
                   "volute_drawing_open: members are no JSON object; expected {{\"name\": value}}");
     }

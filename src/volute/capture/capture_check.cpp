@@ -23,8 +23,8 @@ Status checkCapture(const Capture& capture, const std::vector<std::string>& held
   }
   for (const GeometryFault& fault : checkGeometry(capture)) faults.push_back(fault.message);
   if (!faults.empty() && !force)
-    return fail(ErrorCode::kInvalidData, "{}: {} (--force goes on)", capture.file.string(),
-                faults.front());
+    return fail(ErrorCode::kInvalidData, Hint::set("force").so("goes on"), "{}: {}",
+                capture.file.string(), faults.front());
   for (const auto& fault : faults) progress.remark("warning: " + fault);
   if (fitted == 0)
     return fail(ErrorCode::kInvalidArgument, "no camera is left to reconstruct from");

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "volute/capture/background.hpp"
 #include "volute/capture/testing.hpp"

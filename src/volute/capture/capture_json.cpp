@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "volute/capture/importers.hpp"
 #include "volute/capture/json_value.hpp"

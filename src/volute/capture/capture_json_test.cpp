@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "volute/capture/testing.hpp"
 
 namespace volute {
@@ -112,7 +114,7 @@ TEST(CaptureJson, MissingPartsAreNamed) {
   EXPECT_TRUE(failsWith(openJson(folder, json), "cameras[2] (c): has no pictures"));
   json = ringJson();
   json.erase("volume");
-  EXPECT_TRUE(failsWith(openJson(folder, json), "--bounds"));
+  EXPECT_TRUE(failsWith(openJson(folder, json), "where the volume is"));
   json["cameras"].clear();
   EXPECT_TRUE(failsWith(openJson(folder, json), "has no cameras"));
 }

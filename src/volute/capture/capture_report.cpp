@@ -3,6 +3,7 @@
 #include "volute/capture/capture_report.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "volute/capture/image_name.hpp"
 #include "volute/capture/open_capture.hpp"

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "volute/capture/capture_images.hpp"
 #include "volute/capture/testing.hpp"
 #include "volute/io/film.hpp"

@@ -2,12 +2,15 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/capture/importers.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "volute/capture/testing.hpp"
 #include "volute/io/json_file.hpp"
@@ -613,7 +616,7 @@ TEST_F(Importers, OpenCvRotationVectors) {
 TEST_F(Importers, WithoutPicturesAPatternIsAskedFor) {
   writeColmapText(folder, "\n");
   options.images.reset();
-  EXPECT_TRUE(failsWith(openCapture(folder / "text", options), "--images PATTERN"));
+  EXPECT_TRUE(failsWith(openCapture(folder / "text", options), "has no pictures"));
   options.images = (folder / "f_%04d.exr").string();
   EXPECT_TRUE(failsWith(openCapture(folder / "text", options), "{camera} is missing"));
 }

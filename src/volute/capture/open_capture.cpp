@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 #include <unordered_map>
@@ -108,9 +109,9 @@ Status nameCameras(CaptureDraft& draft, const std::optional<ImageName>& images) 
         !camera.pictureName.empty() && sameCalibration(before->calibration, camera.calibration);
     if (!same) {
       return fail(
-          ErrorCode::kInvalidData,
+          ErrorCode::kInvalidData, Hint::set("images").so("with {camera} says where the name is"),
           "{}: a second camera '{}', other than {}; expected cameras that stand still, each "
-          "with a name of its own (--images with {{camera}} says where the name is)",
+          "with a name of its own",
           camera.where, camera.name, before->where);
     }
   }
@@ -234,9 +235,8 @@ Result<std::vector<int>> findFrames(const std::filesystem::path& file, const Cap
   } else if (frames.empty()) {
     if (film)
       return framesOfFilms(draft, maxMemory);
-    return fail(ErrorCode::kNotFound,
-                "{}: no picture is called {}; --images PATTERN says where they are", file.string(),
-                draft.cameras.front().pictures.image);
+    return fail(ErrorCode::kNotFound, Hint::set("images").so("says where they are"),
+                "{}: no picture is called {}", file.string(), draft.cameras.front().pictures.image);
   }
   return frames;
 }
@@ -261,9 +261,9 @@ Status checkNumbers(CaptureDraft& draft, const std::vector<int>& all,
       continue;
     if (chosen.size() > 1) {
       return fail(
-          ErrorCode::kInvalidData,
+          ErrorCode::kInvalidData, Hint::set("frames"),
           "{} ({}): its picture {} has no frame number in its name, and there are {} frames; "
-          "expected %04d, %d or #### where the number stands, or --frames N for one frame",
+          "expected %04d, %d or #### where the number stands, or one frame",
           camera.where, camera.name, image, chosen.size());
     }
     draft.remarks.push_back(
@@ -291,11 +291,9 @@ Status completeSize(CameraDraft& camera, std::uint64_t maxMemory) {
   }
   const auto frames = framesThere(camera.pictures.image);
   if (frames.empty()) {
-    return fail(
-        ErrorCode::kNotFound,
-        "{}: states no image size, and there is no picture{} to take it from; --images says "
-        "where they are",
-        camera.where, camera.pictures.image.empty() ? "" : " " + camera.pictures.image);
+    return fail(ErrorCode::kNotFound, Hint::set("images").so("says where they are"),
+                "{}: states no image size, and there is no picture{} to take it from", camera.where,
+                camera.pictures.image.empty() ? "" : " " + camera.pictures.image);
   }
   const auto image = readImage(frameFile(camera.pictures.image, frames.front()),
                                {.raw = true, .maxMemory = maxMemory});
@@ -319,17 +317,15 @@ Result<CaptureVolume> chooseVolume(const std::filesystem::path& file, const Capt
   const auto bounds = options.bounds ? options.bounds : draft.bounds;
   auto resolution = options.resolution ? options.resolution : draft.resolution;
   if (!bounds) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{}: does not say where the volume is; state its outer faces in metres with "
-                "--bounds X0,Y0,Z0,X1,Y1,Z1",
+    return fail(ErrorCode::kInvalidArgument, Hint::set("bounds"),
+                "{}: does not say where the volume is; state its outer faces in metres",
                 file.string());
   }
   if (!resolution) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "{}: does not say how fine the volume is; state its voxels with --resolution N: about "
-        "one for every two pixels that the volume is wide in a picture",
-        file.string());
+    return fail(ErrorCode::kInvalidArgument, Hint::set("resolution"),
+                "{}: does not say how fine the volume is; state its voxels: about "
+                "one for every two pixels that the volume is wide in a picture",
+                file.string());
   }
   if ((*resolution)[1] == 0)
     resolution = cubicResolution(*bounds, (*resolution)[0]);
@@ -434,8 +430,8 @@ Result<Capture> openCapture(const std::filesystem::path& file, const CaptureOpti
   VOLUTE_ASSIGN(auto draft, openDraft(file, options, images));
   for (const CameraDraft& camera : draft.cameras) {
     if (camera.pictures.image.empty() && camera.pictures.video.empty()) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "{} ({}): has no pictures; say where they are with --images PATTERN, in which "
+      return fail(ErrorCode::kInvalidArgument, Hint::set("images"),
+                  "{} ({}): has no pictures; state a pattern of their names, in which "
                   "{{camera}} is the camera's name and %04d the frame",
                   camera.where, camera.name);
     }

@@ -88,15 +88,4 @@ class Arguments {
   std::span<const Option> options_;
 };
 
-/// What a library says of a member of a request, "frames: ...", as said of the option of that name,
-/// "--frames: ...".
-Error namingOption(Error error, const Arguments& arguments);
-
-template <class T>
-Result<T> namingOptions(Result<T> result, const Arguments& arguments) {
-  if (!result)
-    result.error() = namingOption(std::move(result.error()), arguments);
-  return result;
-}
-
 }  // namespace volute::cli

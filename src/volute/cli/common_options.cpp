@@ -22,6 +22,10 @@ std::span<const Option> commonOptions() {
        .help = "refuse scenes and captures that name files outside their own folder"},
       {.name = "json", .help = "print the results as one JSON object"},
       {.name = "quiet", .letter = 'q', .help = "print no progress and no remarks"},
+      {.name = "strict",
+       .help =
+           "fail where something is assumed, left out, damaged, changed or doubtful, instead of "
+           "remarking on it"},
       {.name = "verbose", .letter = 'v', .help = "print more remarks"},
       {.name = "help", .letter = 'h', .help = "show this help"},
       {.name = "version", .help = "show the version"},

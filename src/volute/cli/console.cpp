@@ -44,8 +44,12 @@ std::string timeLeft(double done, double total, double elapsed) {
 
 }  // namespace
 
-Console::Console(std::string command, Volume volume)
-    : command_(std::move(command)), volume_(volume), terminal_(::isatty(STDERR_FILENO) == 1) {
+Console::Console(std::string command, Volume volume, SettingText settings, bool strict)
+    : command_(std::move(command)),
+      volume_(volume),
+      settings_(settings ? std::move(settings) : [](const auto&, const auto&) { return ""; }),
+      strict_(strict),
+      terminal_(::isatty(STDERR_FILENO) == 1) {
   const char* kind = std::getenv("TERM");
   if (kind && std::string_view(kind) == "dumb")
     terminal_ = false;
@@ -112,15 +116,27 @@ void Console::writeLine(double done, double total, double elapsed) {
   }
 }
 
-void Console::remark(std::string_view message) {
+void Console::remark(const Remark& remark) {
+  remarks_.push_back(remark);
   if (volume_ == Volume::kQuiet)
     return;
   clear();
-  say("volute {}: {}\n", command_, printableMessage(message));
+  say("volute {}: {}\n", command_, printableMessage(fullText(remark, settings_)));
+}
+
+Status Console::strictness() const {
+  const auto found = std::ranges::find_if(
+      remarks_, [](const Remark& remark) { return remark.code != RemarkCode::kNote; });
+  if (!strict_ || found == remarks_.end())
+    return {};
+  Error error{ErrorCode::kInvalidData, found->sentence};
+  error.path = found->file, error.member = found->file.empty() ? "" : found->place;
+  error.hints = found->hints;
+  return tl::unexpected<Error>(std::move(error));
 }
 
 bool Console::cancelled() const {
-  return Interrupt::requested();
+  return Interrupt::requested() || !strictness();
 }
 
 void Console::clear() {

@@ -6,8 +6,11 @@
 
 #include <chrono>
 #include <cstdio>
+#include <span>
 #include <string>
+#include <vector>
 
+#include "volute/base/advice.hpp"
 #include "volute/base/progress.hpp"
 
 namespace volute::cli {
@@ -25,15 +28,24 @@ class Console final : public Progress {
   enum class Volume { kQuiet, kNormal, kVerbose };
 
   /// `command` opens each remark: "volute compress: ...".
-  Console(std::string command, Volume volume);
+  /// @param strict  the first remark that is more than a note ends the command
+  Console(std::string command, Volume volume, SettingText settings = {}, bool strict = false);
   ~Console() override;
 
   void report(std::string_view stage, double done, double total) override;
 
   void detail(std::string_view text) override { detail_ = text; }
 
-  void remark(std::string_view message) override;
+  void remark(const Remark& remark) override;
   bool cancelled() const override;
+
+  std::span<const Remark> remarks() const { return remarks_; }
+
+  /// With `strict`: the error that the first remark of that kind is, if there was one.
+  Status strictness() const;
+
+  /// How the command writes a setting.
+  const SettingText& settings() const { return settings_; }
 
   /// Ends the line of a bar, so that something else can be written.
   void clear();
@@ -47,6 +59,9 @@ class Console final : public Progress {
 
   std::string command_;
   Volume volume_;
+  SettingText settings_;
+  bool strict_;
+  std::vector<Remark> remarks_;
   bool terminal_;
   bool barShown_ = false;
   std::string stage_;

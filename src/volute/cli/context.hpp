@@ -31,6 +31,9 @@ struct Context : Reading {
   void print(const Report& report) const;
   void print(std::string_view text) const;
 
+  /// An object, completed by the remarks so far.
+  void printJson(Json results) const;
+
   /// The parent folder of `target` is searched for half-written files when a second Ctrl-C ends the
   /// program.
   static void watch(const std::filesystem::path& target);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "volute/cli/file_kind.hpp"
 #include "volute/cli/parse.hpp"

@@ -186,11 +186,4 @@ Result<std::size_t> findCommandWord(const std::vector<std::string>& words) {
   return words.size() - rest.size();
 }
 
-Error namingOption(Error error, const Arguments& arguments) {
-  const std::string name = error.message.substr(0, error.message.find(':'));
-  if (std::ranges::find(arguments.options(), name, &Option::name) != arguments.options().end())
-    error.message.insert(0, "--");
-  return error;
-}
-
 }  // namespace volute::cli

@@ -13,6 +13,7 @@
 #include <exception>
 #include <new>
 
+#include "volute/base/advice.hpp"
 #include "volute/base/interrupt.hpp"
 #include "volute/base/output_name.hpp"
 #include "volute/base/parallel.hpp"
@@ -35,6 +36,21 @@ namespace {
 constexpr int kDone = 0;
 constexpr int kCouldNot = 1;
 constexpr int kWrongUsage = 2;
+
+/// Settings as options of a command.
+SettingText optionsOf(const Command& command) {
+  return [&command](const std::string& setting, const std::string& value) -> std::string {
+    std::string option = setting;
+    std::ranges::replace(option, '_', '-');
+    const std::string name = option.substr(0, option.find('['));
+    const auto has = [&](std::span<const Option> options) {
+      return std::ranges::find(options, name, &Option::name) != options.end();
+    };
+    if (!has(command.options) && !has(commonOptions()))
+      return "";
+    return value.empty() ? "--" + option : fmt::format("--{} {}", option, value);
+  };
+}
 
 int wrongUsage(const Error& error) {
   letFirstRankSpeak();
@@ -106,7 +122,9 @@ void nameOutputs(const Command& command, Arguments& arguments, Progress& progres
       continue;
     const std::string name = derivedOutput(arguments.positional(0), option.derived);
     arguments.set(option.name, name, false);
-    progress.remark(fmt::format("writes {}; --{} gives another name", name, option.name));
+    progress.remark({RemarkCode::kNote,
+                     fmt::format("writes {}", name),
+                     {Hint::set(option.name).so("gives another name")}});
   }
 }
 
@@ -114,11 +132,13 @@ int runCommand(const Command& command, Arguments arguments, const std::vector<st
   Interrupt::name(command.name);
   auto team = openTeamFor(command, words);
   if (!team) {
-    say("volute {}: {}\n", command.name, printableMessage(team.error().message));
+    say("volute {}: {}\n", command.name,
+        printableMessage(fullText(team.error(), optionsOf(command))));
     return kCouldNot;
   }
   const ThreadLimit threads(arguments.find<int>("threads").value_or(0));
-  Console console(std::string(command.name), volumeOf(arguments));
+  Console console(std::string(command.name), volumeOf(arguments), optionsOf(command),
+                  arguments.flag("strict"));
   if ((*team)->size() > 1)
     Interrupt::keepExitCode();
   Context context{{console, arguments.get<Bytes>("max-memory").count}, **team, &console};
@@ -132,6 +152,11 @@ int runCommand(const Command& command, Arguments arguments, const std::vector<st
     if (!status && command.name == "help")
       endByBrokenPipe();
   }
+  if (const Status strict = console.strictness(); !strict)
+    status = strict;
+  const auto wording = optionsOf(command);
+  if (!status)
+    status.error() = {status.error().code, fullText(status.error(), wording)};
   status = context.team.agree(status);
   console.clear();
   // Launchers take the code of any process that failed.
@@ -147,7 +172,7 @@ int parseAndRun(const Command& command, const std::vector<std::string>& words) {
   if (!arguments) {
     letFirstRankSpeak();
     say("volute {0}: {1}\nSee 'volute help {0}'.\n", command.name,
-        printableMessage(arguments.error().message));
+        printableMessage(fullText(arguments.error(), optionsOf(command))));
     return kWrongUsage;
   }
   if (arguments->flag("help"))

@@ -3,6 +3,8 @@
 #include "volute/cli/ranks.hpp"
 
 #include <fmt/ranges.h>
+
+#include <nlohmann/json.hpp>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif

@@ -2,8 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/scene_arguments.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "volute/cli/file_kind.hpp"
 #include "volute/film/render_request.hpp"
+#include "volute/lighting/light_cache.hpp"
 #include "volute/scene/kinds.hpp"
 
 namespace volute::cli {
@@ -36,22 +39,25 @@ Result<OrderedJson> mediumMembers(const std::string& path, const Arguments& argu
 }
 
 Error aboutOptions(Error error, const std::string& path) {
-  const std::string begin = path + ": /media/0";
-  const std::size_t at = error.message.find(begin);
-  if (isScenePath(path) || at == std::string::npos)
+  constexpr std::string_view kEntry = "/media/0";
+  const std::string place = fmt::format("{}: {}", path, error.member);
+  if (isScenePath(path) || error.path != path || !error.member.starts_with(kEntry) ||
+      !error.message.starts_with(place))
     return error;
-  std::size_t end = at + begin.size();
-  if (error.message[end] != '/') {
-    error.message.replace(at, begin.size(), path);
+  const std::string_view rest = std::string_view(error.member).substr(kEntry.size());
+  const std::string_view text = std::string_view(error.message).substr(place.size());
+  if (!rest.starts_with('/')) {
+    error.message = fmt::format("{}{}{}", path, rest, text);
     return error;
   }
-  const std::size_t first = end + 1;
-  end = std::min(error.message.find_first_of(":[ ", first), error.message.size());
-  const std::string member = error.message.substr(first, end - first);
-  const std::string option = optionOfMember(mediumKindOf(path, true)->fields(), member);
+  const std::size_t end = std::min(rest.find_first_of("/[", 1), rest.size());
+  const std::string option =
+      optionOfMember(mediumKindOf(path, true)->fields(), std::string(rest.substr(1, end - 1)));
   if (option.empty())
     return error;
-  error.message.replace(at, end - at, fmt::format("--{}", option));
+  error.member = fmt::format("{}{}", option, rest.substr(end));
+  error.message = text.starts_with(": ") ? text.substr(2) : text;
+  error.path.clear();
   error.code = ErrorCode::kInvalidArgument;
   return error;
 }
@@ -63,7 +69,7 @@ Result<SceneOptions> sceneOptions(const std::string& path, const Arguments& argu
   options.files.partial = arguments.flag("partial");
   VOLUTE_ASSIGN(options.members, mediumMembers(path, arguments));
   if (isScenePath(path) && arguments.given("basis"))
-    options.overrides["basis"] = arguments.get<std::string>("basis");
+    (*options.overrides)["basis"] = arguments.get<std::string>("basis");
   return options;
 }
 
@@ -98,23 +104,23 @@ std::vector<Option> lightCacheOptions() {
            .initial = "1G"}};
 }
 
-Result<std::optional<LightCache>> lightCache(const Arguments& arguments, Context& context) {
+Result<std::shared_ptr<const LightCache>> lightCache(const Arguments& arguments, Context& context) {
   const auto limit =
       arguments.find<Bytes>("cache-size").value_or(Bytes()).count;  // not of all commands
   const auto folder = arguments.find<std::string>("cache");
   if (limit == 0 || folder == "none")
-    return std::nullopt;
+    return nullptr;
   if (folder) {
     VOLUTE_ASSIGN(auto cache, LightCache::open(*folder, limit));
-    return cache;
+    return std::make_shared<const LightCache>(std::move(cache));
   }
   if (LightCache::usualFolder().empty())
-    return std::nullopt;
+    return nullptr;
   auto cache = LightCache::open(LightCache::usualFolder(), limit);
   if (cache)
-    return std::optional(std::move(*cache));
+    return std::make_shared<const LightCache>(std::move(*cache));
   context.progress.remark("light is not kept: " + cache.error().message);
-  return std::nullopt;
+  return nullptr;
 }
 
 Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, bool gl) {

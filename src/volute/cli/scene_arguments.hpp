@@ -25,8 +25,8 @@ std::vector<Option> mediumOptions(FieldUse use = FieldUse::kAll);
 
 /// Where light that lamps throw into media is kept.
 std::vector<Option> lightCacheOptions();
-[[nodiscard]] Result<std::optional<LightCache>> lightCache(const Arguments& arguments,
-                                                           Context& context);
+[[nodiscard]] Result<std::shared_ptr<const LightCache>> lightCache(const Arguments& arguments,
+                                                                   Context& context);
 
 /// A scene, or any other file as a scene of its own, with the options above. Errors name the file
 /// or the option; one that would change nothing is refused.

@@ -69,7 +69,7 @@ Result<std::unique_ptr<Team>> openTeam() {
   if (!launch->mpi) {
     return fail(ErrorCode::kUnsupported,
                 "{} says that {} processes were started, but not by MPI, so they would all do the "
-                "same; start them with 'srun --mpi=pmix' or mpirun, or one alone",
+                "same; start them with mpirun or srun (of its PMIx kind), or one alone",
                 launch->variable, launch->size);
   }
   VOLUTE_ASSIGN(auto team, makeTeam(nullptr));

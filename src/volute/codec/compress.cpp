@@ -1074,10 +1074,10 @@ Result<CompressReport> Compressor::run() {
 
 tl::unexpected<Error> tooLarge(const VolumeInfo& info, std::uint64_t needed,
                                const CompressOptions& options) {
-  return fail(ErrorCode::kTooLarge,
+  return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
               "{} frames of {} x {} x {} voxels, which are compressed together, need {} MiB of "
               "memory, more than the {} MiB "
-              "allowed; raise --max-memory",
+              "allowed",
               std::min(info.frames, BlockGrid::kSide), info.x, info.y, info.z,
               (needed + (1 << 20) - 1) >> 20, options.maxMemory >> 20);
 }

@@ -208,8 +208,8 @@ Status checkSizes(const InputFile& file, const FileHead& head, std::uint64_t bud
                 file.size(), head.headBytes);
   }
   if (head.headBytes > budget) {
-    return fail(ErrorCode::kTooLarge,
-                "{}: has a head of {} MiB, more than the {} MiB allowed; raise --max-memory", path,
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+                "{}: has a head of {} MiB, more than the {} MiB allowed", path,
                 head.headBytes >> 20, budget >> 20);
   }
   return {};
@@ -514,10 +514,9 @@ Result<std::uint64_t> indexLimit(const FileHead& head, const std::string& path,
   for (const int side : {info.frames, info.z, info.y, info.x}) blocks *= (side + 15) / 16;
   const double bytes = blocks * (sizeof(SegmentEntry) + 9);
   if (bytes > static_cast<double>(budget) / 2) {
-    return fail(
-        ErrorCode::kTooLarge,
-        "{}: needs {:.0f} MiB for its index, more than the {} MiB allowed; raise --max-memory",
-        path, bytes / (1 << 20), budget >> 21);
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+                "{}: needs {:.0f} MiB for its index, more than the {} MiB allowed", path,
+                bytes / (1 << 20), budget >> 21);
   }
   return static_cast<std::uint64_t>(blocks) * kMaxEntryBytes;
 }
@@ -621,9 +620,8 @@ Status readGrids(GridTable& table, const AllChunks& chunks, std::size_t wanted,
     VOLUTE_TRY(readInfoChunk(content, path, one));
     held += 16 * static_cast<std::uint64_t>(one.info.frames) + one.parameters.size();
     if (held > budget / 8) {
-      return fail(ErrorCode::kTooLarge,
-                  "{}: what its {} grids say of their frames takes more than the {} MiB allowed; "
-                  "raise --max-memory",
+      return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+                  "{}: what its {} grids say of their frames takes more than the {} MiB allowed",
                   path, table.rows.size(), budget >> 23);
     }
     one.info.levelSet = grid.description && grid.description->gridClass == "level set";

@@ -129,9 +129,9 @@ Result<std::unique_ptr<ExtractSource>> ExtractSource::create(
   if (source->keepsTopology() && source->extraction_.bricks)
     return source;
   if (2 * frame > source->extraction_.maxMemory) {
-    return fail(ErrorCode::kTooLarge,
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
                 "the region needs {} MiB of memory, more than the {} MiB allowed; take a smaller "
-                "region, or raise --max-memory",
+                "region",
                 (2 * frame >> 20) + 1, source->extraction_.maxMemory >> 20);
   }
   source->framesAtOnce_ = std::min<std::size_t>(

@@ -129,15 +129,14 @@ struct VoluteReader::Impl {
   Status readKeptPart(std::size_t part, std::vector<std::byte>& packed) const;
 };
 
-// "fire.volute: block 7 (frames 16-31), byte 9000: its checksum is wrong; --partial shows what is
-// intact"
+// "fire.volute: block 7 (frames 16-31), byte 9000: its checksum is wrong"
 tl::unexpected<Error> VoluteReader::Impl::blame(std::size_t block, std::uint64_t offset,
                                                 ErrorCode code, std::string_view what) const {
   const auto first = static_cast<std::size_t>(grid.origin(block)[0]);
   const auto last = first + static_cast<std::size_t>(grid.extents(block)[0]) - 1;
-  return fail(code, "{}: block {} (frames {}-{}), byte {}: {}; --partial shows what is intact",
-              file.path().string(), block, head.info.frameText(first), head.info.frameText(last),
-              offset, what);
+  return fail(code, Hint::set("partial").so("shows what is intact"),
+              "{}: block {} (frames {}-{}), byte {}: {}", file.path().string(), block,
+              head.info.frameText(first), head.info.frameText(last), offset, what);
 }
 
 Result<std::shared_ptr<const PageContent>> VoluteReader::Impl::page(std::size_t number) const {
@@ -439,9 +438,9 @@ Result<VoluteReader> VoluteReader::open(const std::filesystem::path& path, const
   VOLUTE_ASSIGN(InputFile file, InputFile::open(path));
   VOLUTE_ASSIGN(FileHead head, readHead(file, options.maxMemory, options.grid));
   if (file.size() < head.fileBytes && !options.partial) {
-    return fail(ErrorCode::kTruncated,
-                "{}: is truncated: it ends at byte {} of {}; --partial shows what is intact",
-                path.string(), file.size(), head.fileBytes);
+    return fail(ErrorCode::kTruncated, Hint::set("partial").so("shows what is intact"),
+                "{}: is truncated: it ends at byte {} of {}", path.string(), file.size(),
+                head.fileBytes);
   }
   return VoluteReader(std::make_unique<Impl>(std::move(file), options, std::move(head)));
 }

@@ -62,11 +62,10 @@ Status FdsCase::checkSize() const {
     cells += heldMeshes_[i] ? static_cast<double>(index_.meshes[i].cellCount()) : 0;
   if (cells <= static_cast<double>(options_.maxMemory))
     return {};
-  return fail(
-      ErrorCode::kTooLarge,
-      "{}: its meshes have {:.3g} cells, which need {:.3g} GB; {:.3g} GB are allowed: raise "
-      "--max-memory",
-      index_.path.string(), cells, cells * 1e-9, static_cast<double>(options_.maxMemory) * 1e-9);
+  return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+              "{}: its meshes have {:.3g} cells, which need {:.3g} GB; {:.3g} GB are allowed",
+              index_.path.string(), cells, cells * 1e-9,
+              static_cast<double>(options_.maxMemory) * 1e-9);
 }
 
 Status FdsCase::chooseSource(const FdsOptions& options) {
@@ -186,8 +185,7 @@ void FdsCase::weighSources(const FdsOptions& options) {
       others += (others.empty() ? "" : ", ") + sources_[i].name;
   }
   remarks_.push_back(
-      fmt::format("{}: {} is read from {} ({} stored times): {}; the case also has {} "
-                  "(--field NAME takes another)",
+      fmt::format("{}: {} is read from {} ({} stored times): {}; the case also has {}",
                   index_.path.string(), options.quantity.empty() ? "smoke" : options.quantity,
                   sources_[chosen_].name, times, reason, others));
 }
@@ -328,9 +326,9 @@ Status FdsCase::buildGrid() {
     bytes += 3 * perValue * static_cast<double>(part->lattice.valueCount());  // two and one between
   }
   if (bytes > static_cast<double>(options_.maxMemory)) {
-    return fail(ErrorCode::kTooLarge,
-                "{}: its frames need {:.3g} GB, {:.3g} GB are allowed: raise --max-memory",
-                index_.path.string(), bytes * 1e-9, static_cast<double>(options_.maxMemory) * 1e-9);
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+                "{}: its frames need {:.3g} GB, {:.3g} GB are allowed", index_.path.string(),
+                bytes * 1e-9, static_cast<double>(options_.maxMemory) * 1e-9);
   }
   noteGaps(lattices);
   VOLUTE_ASSIGN(grid_, FdsGrid::create(std::move(lattices), std::move(held)));

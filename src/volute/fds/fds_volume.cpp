@@ -71,8 +71,9 @@ Status FdsVolume::placeVoxels(const Options& options) {
   }
   if (4 * total > static_cast<double>(options.read.maxMemory) || total > 2e9) {
     return fail(ErrorCode::kTooLarge,
+                {Hint::set("bounds").so("takes a part"), Hint::raise("max_memory")},
                 "{}: {} x {} x {} voxels of the finest cell size need {:.3g} GB, {:.3g} GB are "
-                "allowed: take a part with --bounds, or raise --max-memory",
+                "allowed",
                 name, count[0], count[1], count[2], 4e-9 * total,
                 static_cast<double>(options.read.maxMemory) * 1e-9);
   }

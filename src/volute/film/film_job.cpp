@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "volute/base/cancel_only.hpp"
@@ -34,17 +35,17 @@ std::vector<const MediumInfo*> contouredIn(const Scene& scene) {
 Status checkConcentrations(std::span<const MediumInfo* const> media) {
   for (const MediumInfo* medium : media) {
     if (!medium->mass) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "slice-shows: concentration: {}, which tells no mass per volume; choose "
-                  "visibility or extinction",
-                  medium->noMass);
+      return failFor("slice_shows", ErrorCode::kInvalidArgument,
+                     "concentration: {}, which tells no mass per volume; choose "
+                     "visibility or extinction",
+                     medium->noMass);
     }
     if (medium->mass->field != media.front()->mass->field) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "slice-shows: concentration: {} holds {} and {} {}, which have no scale in "
-                  "common; choose visibility or extinction",
-                  media.front()->file, media.front()->mass->field, medium->file,
-                  medium->mass->field);
+      return failFor("slice_shows", ErrorCode::kInvalidArgument,
+                     "concentration: {} holds {} and {} {}, which have no scale in "
+                     "common; choose visibility or extinction",
+                     media.front()->file, media.front()->mass->field, medium->file,
+                     medium->mass->field);
     }
   }
   return {};
@@ -68,9 +69,9 @@ Status checkContour(const Contour& contour, const Scene& scene) {
   }
   const double low = bounds.min[contour.axis], high = bounds.max[contour.axis];
   if (!(contour.place >= low && contour.place < high)) {
-    return fail(ErrorCode::kInvalidArgument,
-                "slice: {}={:g} misses the mesh, which reaches from {:.6g} to {:.6g} m along {}",
-                "xyz"[contour.axis], contour.place, low, high, "xyz"[contour.axis]);
+    return failFor("slice", ErrorCode::kInvalidArgument,
+                   "{}={:g} misses the mesh, which reaches from {:.6g} to {:.6g} m along {}",
+                   "xyz"[contour.axis], contour.place, low, high, "xyz"[contour.axis]);
   }
   return contour.shows == Contour::Shows::kConcentration ? checkConcentrations(media) : Status();
 }
@@ -335,7 +336,7 @@ Status checkTogether(const FilmJob& job) {
   else if (job.contour)
     beyond = "has no slices and isosurfaces";
   else if (!job.layers.empty())
-    beyond = "gives one --aov at a time";
+    beyond = "gives one layer at a time";
   else if (job.scene.media().size() != 1 || !job.scene.media().front()->info().shared)
     beyond = "is of one medium, that lies in several pieces or meshes";
   else if (!job.scene.geometry().empty() && !job.scene.description().lights.lamps.empty() &&
@@ -351,9 +352,8 @@ Status checkPictureMemory(const Camera& camera, std::uint64_t maxMemory) {
   const std::uint64_t bytes = kBytesAPixel * camera.width() * camera.height();
   if (bytes <= maxMemory)
     return {};
-  return fail(ErrorCode::kTooLarge,
-              "a picture of {} x {} pixels needs {} MiB of memory, more than the {} MiB allowed; "
-              "raise --max-memory",
+  return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+              "a picture of {} x {} pixels needs {} MiB of memory, more than the {} MiB allowed",
               camera.width(), camera.height(), (bytes >> 20) + 1, maxMemory >> 20);
 }
 

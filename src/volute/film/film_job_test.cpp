@@ -84,7 +84,7 @@ class StoppedDrawer final : public SceneRenderer {
 };
 
 struct Remarks final : Progress {
-  void remark(std::string_view message) override { heard += message; }
+  void remark(const Remark& remark) override { heard += remark.sentence; }
 
   std::string heard;
 };

@@ -40,7 +40,8 @@ Result<std::vector<FilmFrame>> steadyFrames(const FrameRequest& request, const S
   std::vector<FilmFrame> frames;
   for (int n = begin; n < end; n += range.step) frames.push_back({n, n / request.rate});
   if (frames.empty())
-    return fail(ErrorCode::kInvalidArgument, "frames: there is no frame from {} to {}", begin, end);
+    return failFor("frames", ErrorCode::kInvalidArgument, "there is no frame from {} to {}", begin,
+                   end);
   return fitting(std::move(frames), request.target);
 }
 
@@ -51,9 +52,9 @@ Result<std::vector<FilmFrame>> framesOfFilm(double first, double last,
   constexpr double kMaximum = 1e6;
   const double count = std::round((last - first) / speed * request.rate) + 1;
   if (count > kMaximum) {
-    return fail(ErrorCode::kInvalidArgument,
-                "speed: a film of {:.0f} s at {:g} has {:.0f} pictures; choose a higher speed",
-                last - first, speed, count);
+    return failFor("speed", ErrorCode::kInvalidArgument,
+                   "a film of {:.0f} s at {:g} has {:.0f} pictures; choose a higher speed",
+                   last - first, speed, count);
   }
   std::vector<FilmFrame> frames;
   for (int i = 0; i < static_cast<int>(count); ++i)
@@ -151,10 +152,10 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
   const FrameRange range = request.frames.value_or(FrameRange{});
   VOLUTE_ASSIGN(const auto positions, positionsOf(info, range));
   if (film && info.interpolates && range.step > 1) {
-    return fail(ErrorCode::kInvalidArgument,
-                "frames: a film of {} has {:g} pictures a second between the first and the last "
-                "chosen frame, whatever the step ({}); leave it out, or write single pictures",
-                info.kind, request.rate, range.step);
+    return failFor("frames", ErrorCode::kInvalidArgument,
+                   "a film of {} has {:g} pictures a second between the first and the last "
+                   "chosen frame, whatever the step ({}); leave it out, or write single pictures",
+                   info.kind, request.rate, range.step);
   }
   const auto at = [&](int position) { return static_cast<std::size_t>(position); };
   if (film && info.interpolates) {
@@ -176,8 +177,8 @@ Result<ChosenFrames> chooseFrames(const FrameRequest& request, Scene& scene, Pro
     return chosen;
   auto& frames = chosen.frames;
   if (!takesSeveral(request.target)) {
-    return fail(ErrorCode::kInvalidArgument,
-                "orbit: a single picture shows no turn; write a film, or put %04d into the name");
+    return failFor("orbit", ErrorCode::kInvalidArgument,
+                   "a single picture shows no turn; write a film, or put %04d into the name");
   }
   if (frames.size() == 1) {
     constexpr double kSecondsOfATurn = 10;

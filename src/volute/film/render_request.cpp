@@ -38,12 +38,12 @@ PictureStyle styleOf(const RenderRequest& request, const FilmJob& job) {
 void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions& options) {
   options.files.measured = use.measured;
   options.files.byTree = use.tree;
-  if (!use.depth || isScenePath(path) || options.members.contains("extinction"))
+  if (!use.depth || isScenePath(path) || options.members->contains("extinction"))
     return;
   registerUsualMedia();
   // Fire does not absorb by default; an optical depth of nothing would say nothing.
   if (mediumKindOf(path, true)->fields().find("extinction"))
-    options.members["extinction"] = 1;
+    (*options.members)["extinction"] = 1;
 }
 
 Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemory,
@@ -82,14 +82,15 @@ Result<Development> developmentOf(const RenderRequest& request, const FilmJob& j
   for (const auto& medium : job.scene.media()) {
     if (medium->info().channels == 1)
       continue;
-    return fail(ErrorCode::kInvalidArgument,
-                "colormap: is for volumes with one channel and for optical depths; {}",
-                medium->info().measured ? "this shows " + medium->info().kind : "this one is RGB");
+    return failFor(
+        "colormap", ErrorCode::kInvalidArgument,
+        "is for volumes with one channel and for optical depths; {}",
+        medium->info().measured ? "this shows " + medium->info().kind : "this one is RGB");
   }
   if (!job.scene.geometry().empty()) {
-    return fail(ErrorCode::kInvalidArgument,
-                "colormap: is for volumes with one channel and for optical depths; this shows "
-                "surfaces");
+    return failFor("colormap", ErrorCode::kInvalidArgument,
+                   "is for volumes with one channel and for optical depths; this shows "
+                   "surfaces");
   }
   return development;
 }

@@ -3,6 +3,7 @@
 #include "volute/film/sign_views.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/cancel_only.hpp"
 #include "volute/base/write_file.hpp"

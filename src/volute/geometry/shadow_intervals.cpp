@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/geometry/shadow_intervals.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

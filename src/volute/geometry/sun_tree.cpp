@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/geometry/sun_tree.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <Eigen/Geometry>  // cross()
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -30,7 +29,11 @@ struct Triangle {
   std::uint32_t material = 0;  ///< its place in the scene's list
 
   /// (b - a) x (c - a): towards the front, twice the area long [m2].
-  Vec3 normal() const { return (corners[1] - corners[0]).cross(corners[2] - corners[0]); }
+  Vec3 normal() const {
+    const Vec3 a = corners[1] - corners[0], b = corners[2] - corners[0];
+    return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
+            a.x() * b.y() - a.y() * b.x()};
+  }
 };
 
 /// What a file of geometry holds.

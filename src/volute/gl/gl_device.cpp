@@ -46,9 +46,9 @@ Status findLibraries() {
       continue;
     }
     return fail(
-        ErrorCode::kUnsupported,
+        ErrorCode::kUnsupported, Hint::set("renderer", "cpu").so("does without"),
         "there is no OpenGL here: {} is missing; install libegl1, libgl1 and libgl1-mesa-dri "
-        "or the graphics card's driver (volute render --renderer cpu does without)",
+        "or the graphics card's driver",
         name);
   }
   return {};
@@ -123,10 +123,13 @@ EGLContext contextOn(EGLDisplay display, const EGLint* version) {
 }
 
 Error tooOld(const std::string& version, const std::string& renderer) {
-  return Error{ErrorCode::kUnsupported,
-               fmt::format("OpenGL 4.5 is needed, and {} has {}; update the graphics driver "
-                           "(volute render --renderer cpu does without)",
-                           renderer.empty() ? "this driver" : renderer, version)};
+  return Error{
+      ErrorCode::kUnsupported,
+      fmt::format(
+          "OpenGL 4.5 is needed, and {} has {}; update the graphics driver " renderer.empty()
+              ? "this driver"
+              : renderer,
+          version)};
 }
 
 /// What an old driver has, where there is one.
@@ -199,9 +202,8 @@ Status checkTextureSize(std::string_view what, std::int64_t width, std::int64_t 
   const std::int64_t most = limit(depth ? GL_MAX_3D_TEXTURE_SIZE : GL_MAX_TEXTURE_SIZE);
   if (std::max({width, height, depth}) <= most)
     return {};
-  return fail(ErrorCode::kTooLarge,
-              "{} of {} x {}{} texels is larger than the {} a side that the graphics device has; "
-              "render with --renderer cpu",
+  return fail(ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
+              "{} of {} x {}{} texels is larger than the {} a side that the graphics device has",
               what, width, height, depth ? fmt::format(" x {}", depth) : "", most);
 }
 
@@ -238,9 +240,9 @@ Result<HeadlessGl> HeadlessGl::create(Wanted wanted) {
     return fail(ErrorCode::kUnsupported,
                 "no graphics hardware here has OpenGL 4.5 without a display");
   return fail(
-      ErrorCode::kUnsupported,
+      ErrorCode::kUnsupported, Hint::set("renderer", "cpu").so("does without"),
       "no driver here has OpenGL without a display; install libgl1-mesa-dri or the graphics card's "
-      "driver (volute render --renderer cpu does without)");
+      "driver");
 }
 
 HeadlessGl::HeadlessGl(HeadlessGl&& other) noexcept

@@ -185,9 +185,8 @@ Result<GlFdsData> makeFdsData(const FdsField& field) {
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
   const std::size_t bytes = 4 * wordsOf(field);
   if (std::cmp_greater(bytes, most)) {
-    return fail(ErrorCode::kTooLarge,
-                "an FDS case of {} MiB does not fit in the graphics device's buffers of {} MiB; "
-                "render with --renderer cpu",
+    return fail(ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
+                "an FDS case of {} MiB does not fit in the graphics device's buffers of {} MiB",
                 bytes >> 20, most >> 20);
   }
   return GlFdsData(field);

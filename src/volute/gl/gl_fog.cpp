@@ -228,8 +228,8 @@ class SunlitFogPart final : public GlPart {
     std::shared_ptr<const GlTriangles> shade;
     if (fog_->scattering().shadows) {
       if (picture.shade.empty()) {
-        return fail(ErrorCode::kUnsupported,
-                    "fog in the shadows of surfaces that OpenGL does not know; use --renderer cpu");
+        return fail(ErrorCode::kUnsupported, Hint::set("renderer", "cpu"),
+                    "fog in the shadows of surfaces that OpenGL does not know");
       }
       // Scenes share their triangles: the same ones are at the same place.
       const auto held = std::make_shared<const TriangleScene>(picture.shade);

@@ -32,17 +32,17 @@ Status checkNeeds(std::span<const std::unique_ptr<GlMedium>> media, const GlDevi
   }
   if (kRayTextures + all.textures > device.textureUnits || all.storage > device.storageBindings) {
     return fail(
-        ErrorCode::kTooLarge,
+        ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
         "{} media need {} textures and {} buffers at a time, the graphics device has {} and "
-        "{}; render fewer, or with --renderer cpu",
+        "{}; render fewer",
         media.size(), kRayTextures + all.textures, all.storage, device.textureUnits,
         device.storageBindings);
   }
   if (rounds > device.loopRounds()) {
     return fail(
-        ErrorCode::kTooLarge,
+        ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
         "rays pass up to {:.0f} cells of these media, more than the software rasteriser '{}' "
-        "can go through; render with --renderer cpu",
+        "can go through",
         all.cells, device.renderer);
   }
   return {};
@@ -53,9 +53,9 @@ Status checkNeeds(std::span<const std::unique_ptr<GlMedium>> media, const GlDevi
 Status checkPictureSize(const Camera& camera, const GlDevice& device) {
   if (camera.width() <= device.largestTexture && camera.height() <= device.largestTexture)
     return {};
-  return fail(ErrorCode::kTooLarge,
+  return fail(ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
               "a picture of {} x {} pixels is larger than the {} a side that the graphics device "
-              "has; use --renderer cpu",
+              "has",
               camera.width(), camera.height(), device.largestTexture);
 }
 

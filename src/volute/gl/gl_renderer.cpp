@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/gl_renderer.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -224,8 +226,8 @@ Result<Image> GlRenderer::render(const Camera& camera, const GlScene& scene,
                       static_cast<GLsizei>(texels.size() * sizeof(float)), texels.data());
   });
   if (const GLenum error = glGetError(); error != GL_NO_ERROR)
-    return fail(ErrorCode::kIo, "the graphics device failed with error 0x{:x}; try --renderer cpu",
-                error);
+    return fail(ErrorCode::kIo, Hint::set("renderer", "cpu"),
+                "the graphics device failed with error 0x{:x}", error);
   for (std::size_t i = 0; i < pixels; ++i) {
     const float* texel = &texels[4 * i];
     if (!colors) {

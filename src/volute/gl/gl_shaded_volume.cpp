@@ -165,9 +165,8 @@ class ShadedPart final : public GlPart {
   Result<std::unique_ptr<GlMedium>> medium(const GlPicture& picture) const override {
     const std::shared_ptr<const MarchGrid> grid = volume_.seenFrom(picture.camera).march();
     if (!grid || !grid->fits) {
-      return fail(
-          ErrorCode::kTooLarge,
-          "a volume of more than 8 GiB is not rendered by OpenGL; render with --renderer cpu");
+      return fail(ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
+                  "a volume of more than 8 GiB is not rendered by OpenGL");
     }
     VOLUTE_ASSIGN(auto atlas, picture.resources.upload<GlShadedAtlas>(
                                   grid->slice, name(), [&] { return makeShadedAtlas(*grid); }));

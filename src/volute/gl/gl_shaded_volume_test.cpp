@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+
 #include "volute/gl/gl_part.hpp"
 #include "volute/gl/gl_snapshot.hpp"
 #include "volute/gl/gl_testing.hpp"

@@ -78,9 +78,8 @@ Result<GlMesh> makeMesh(const TetMesh& mesh) {
   GLint64 most = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
   if (static_cast<std::int64_t>(16 * mesh.tets().size()) > most) {
-    return fail(ErrorCode::kTooLarge,
-                "a mesh of {} tetrahedra does not fit in the graphics device's buffers of {} MiB; "
-                "render with --renderer cpu",
+    return fail(ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
+                "a mesh of {} tetrahedra does not fit in the graphics device's buffers of {} MiB",
                 mesh.tets().size(), most >> 20);
   }
   GlMesh made;

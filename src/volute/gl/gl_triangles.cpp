@@ -14,9 +14,8 @@ Result<GlTriangles> GlTriangles::make(std::span<const Triangle> triangles) {
   GLint64 most = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
   if (std::cmp_greater(3 * triangles.size() * sizeof(Corner), most)) {
-    return fail(ErrorCode::kTooLarge,
-                "{} triangles do not fit in the graphics device's buffers of {} MiB; render with "
-                "--renderer cpu",
+    return fail(ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
+                "{} triangles do not fit in the graphics device's buffers of {} MiB",
                 triangles.size(), most >> 20);
   }
   GlTriangles made;

@@ -61,9 +61,8 @@ Result<GlVolumeAtlas> makeVolumeAtlas(const BrickSlice& slice) {
   const std::shared_ptr<const BrickSlice> alias(std::shared_ptr<void>(), &slice);
   const auto grid = makeMarchGrid(alias, cells, 0, 0);
   if (!grid->fits)
-    return fail(
-        ErrorCode::kTooLarge,
-        "a volume of more than 8 GiB is not rendered by OpenGL; render with --renderer cpu");
+    return fail(ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
+                "a volume of more than 8 GiB is not rendered by OpenGL");
   GlVolumeAtlas made;
   made.channels = slice.channels(), made.basis = slice.basis();
   const int side = grid->trilinear ? kSide + 1 : kSide;
@@ -172,9 +171,9 @@ Result<GlTreeData> makeTreeData(const Tree4d& tree) {
   GLint64 most = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
   if (static_cast<std::int64_t>(tree.memoryBytes()) > most) {
-    return fail(ErrorCode::kTooLarge,
+    return fail(ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
                 "a tree of {} MiB does not fit in the graphics device's buffers of {} MiB; render "
-                "fewer frames, or with --renderer cpu",
+                "fewer frames",
                 tree.memoryBytes() >> 20, most >> 20);
   }
   GlTreeData made;

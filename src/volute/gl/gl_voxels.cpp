@@ -61,9 +61,9 @@ Result<std::array<int, 3>> arrange(std::int64_t count, int side, int height) {
   std::int64_t z = (count + std::int64_t{x} * y - 1) / (std::int64_t{x} * y);
   if (z > up) {
     return fail(
-        ErrorCode::kTooLarge,
+        ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
         "a volume has {} bricks that are not empty, and the graphics device's textures hold "
-        "{}; render with --renderer cpu",
+        "{}",
         count, std::int64_t{across} * across * up);
   }
   return std::array<int, 3>{x, y, static_cast<int>(std::max<std::int64_t>(z, 1))};

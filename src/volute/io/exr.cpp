@@ -10,6 +10,7 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstring>

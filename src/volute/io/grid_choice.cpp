@@ -61,7 +61,7 @@ Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::st
                   listed(entries));
     }
     if (named == entries.end() || !named->usable) {
-      return fail(ErrorCode::kInvalidArgument, "{}: which {}? It has {}; choose one with --field",
+      return fail(ErrorCode::kInvalidArgument, Hint::choose("field"), "{}: which {}? It has {}",
                   file, noun, listed(entries));
     }
   }

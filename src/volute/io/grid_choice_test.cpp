@@ -30,8 +30,8 @@ TEST(ChooseGrid, AsksWhereTheUsualOneIsNotThere) {
   const auto chosen = chooseGrid(smoke, "", "f.vdb", {.usual = "emission"});
   ASSERT_FALSE(chosen);
   EXPECT_THAT(chosen.error().message,
-              AllOf(HasSubstr("which grid?"), HasSubstr("density (float), temperature (float)"),
-                    HasSubstr("--field")));
+              AllOf(HasSubstr("which grid?"), HasSubstr("density (float), temperature (float)")));
+  EXPECT_EQ(chosen.error().hints, Hints{Hint::choose("field")});
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/lattice_source.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -256,9 +258,8 @@ Status checkSize(const IndexBox& box, int channels, std::uint64_t maxMemory,
   });
   if (!huge && (byLayers || bytes <= static_cast<double>(maxMemory)))
     return {};
-  return fail(ErrorCode::kTooLarge,
-              "{}: a frame of {} x {} x {} voxels needs {:.0f} MiB, more than the {} MiB allowed; "
-              "give --bounds, or more --max-memory",
+  return fail(ErrorCode::kTooLarge, {Hint::set("bounds"), Hint::raise("max_memory")},
+              "{}: a frame of {} x {} x {} voxels needs {:.0f} MiB, more than the {} MiB allowed",
               where, box.size(0), box.size(1), box.size(2), bytes / (1 << 20),
               static_cast<double>(maxMemory) / (1 << 20));
 }
@@ -356,8 +357,10 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
     if (isDefault && !options_.bounds && places.box.empty())
       takeOneWithVoxels(grid, frames, places);
     if (!unchosen_.empty() && options_.remark) {
-      options_.remark(fmt::format("{}: the grid '{}' is read; it also has {} (--field chooses)",
-                                  files_[0].path.string(), grid, unchosen_));
+      options_.remark({RemarkCode::kAssumed,
+                       fmt::format("{}: the grid '{}' is read; it also has {}",
+                                   files_[0].path.string(), grid, unchosen_),
+                       {Hint::choose("field")}});
     }
     tellWhereMissing();
     shifts_ = std::move(places.shifts);
@@ -377,9 +380,9 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
     if (options_.bounds) {
       VOLUTE_ASSIGN(box, toIndexBox(frames.front(), *options_.bounds, where));
     } else if (box.empty()) {
-      return fail(ErrorCode::kInvalidData,
-                  "{}: grid '{}' has no active voxels in any of the {} frames; give --bounds",
-                  where, grid, files_.size());
+      return fail(ErrorCode::kInvalidData, Hint::set("bounds"),
+                  "{}: grid '{}' has no active voxels in any of the {} frames", where, grid,
+                  files_.size());
     }
     hasBricks_ = std::ranges::any_of(frames, [](const auto& frame) { return frame.bricks; });
     VOLUTE_TRY(checkSize(box, frames.front().channels, options_.maxMemory, where,
@@ -564,9 +567,10 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
     }
     const std::size_t more = frames.size() - std::min(frames.size(), kNamed), count = frames.size();
     frames.resize(count - more);
-    options_.remark(fmt::format("{}: it is taken as empty in {} of {} frames: {}{}",
-                                known_->missing, count, files_.size(), fmt::join(frames, ", "),
-                                more > 0 ? fmt::format(" and {} more", more) : ""));
+    options_.remark({RemarkCode::kAssumed,
+                     fmt::format("{}: it is taken as empty in {} of {} frames: {}{}",
+                                 known_->missing, count, files_.size(), fmt::join(frames, ", "),
+                                 more > 0 ? fmt::format(" and {} more", more) : "")});
   }
 
   /// Where the grid that is meant is empty in all frames: another one that is not, if there is one.
@@ -584,8 +588,9 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
       if (!found || found->box.empty())
         continue;
       if (options_.remark) {
-        options_.remark(fmt::format("{}: the grid '{}' is empty, so '{}' is read instead",
-                                    files_[0].path.string(), emptyGrid, other));
+        options_.remark({RemarkCode::kFallback,
+                         fmt::format("{}: the grid '{}' is empty, so '{}' is read instead",
+                                     files_[0].path.string(), emptyGrid, other)});
       }
       grid = other, frames = std::move(its), places = std::move(*found);
       unchosen_.clear();
@@ -613,7 +618,7 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
     info_.times =
         statedTimes(files_, frames, known_ ? known_->present : std::vector<bool>(), remark);
     if (!remark.empty() && options_.remark)
-      options_.remark(remark);
+      options_.remark({RemarkCode::kAssumed, remark});
     info_.fillDefaults();
   }
 

@@ -231,9 +231,9 @@ Status checkMemory(const MeshSize& size, const std::string& file, const MeshOpti
                       (kPerTet + static_cast<double>(options.perTet)) * tets;
   if (need <= static_cast<double>(options.maxMemory))
     return {};
-  return fail(ErrorCode::kTooLarge,
+  return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
               "{}: a mesh of {} points and {} cells needs about {:.0f} MiB, more than the {} MiB "
-              "allowed; raise --max-memory",
+              "allowed",
               file, size.points, size.cells, need / (1 << 20), options.maxMemory >> 20);
 }
 

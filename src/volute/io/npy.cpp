@@ -273,8 +273,10 @@ Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
   if (extensionOf(path) == ".npz") {
     VOLUTE_ASSIGN(auto array, openNpzArray(path, options));
     if (options.grid.empty() && !array.others.empty() && options.remark) {
-      options.remark(fmt::format("{}: the array '{}' is read; it also has {}", path.string(),
-                                 array.name, fmt::join(array.others, ", ")));
+      options.remark({RemarkCode::kAssumed,
+                      fmt::format("{}: the array '{}' is read; it also has {}", path.string(),
+                                  array.name, fmt::join(array.others, ", ")),
+                      {Hint::choose("field")}});
     }
     return openArray(std::move(array.file), array.name, std::move(array.others), options);
   }

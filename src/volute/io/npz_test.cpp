@@ -103,7 +103,7 @@ TEST(Npz, AnArrayIsChosenByItsName) {
       writeBytes(folder / "a.npz", archiveOf(severalArrays(deflated), wide));
       SourceOptions options;
       std::string remark;
-      options.remark = [&](const std::string& text) { remark = text; };
+      options.remark = [&](const Remark& text) { remark = text.sentence; };
       ASSERT_VALUE(const auto usual, readSequence(folder / "a.npz", options));
       EXPECT_EQ(usual.values, makeBlob(1, 6, 7, 8).values);
       EXPECT_THAT(remark, HasSubstr("'density' is read; it also has heat"));

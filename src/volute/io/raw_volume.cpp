@@ -59,10 +59,9 @@ Result<VolumeInfo> infoOf(const InputFile& file, const SourceOptions& options,
   const std::uint64_t limit = options.maxMemory;
   constexpr std::uint64_t kPerFrame = sizeof(int) + sizeof(double);
   if ((!options.byLayers && 4 * info.frameValues() > limit) || count * kPerFrame > limit) {
-    return fail(ErrorCode::kTooLarge,
-                "{}: {} frames of {} x {} x {} voxels need more than the {} MiB allowed; raise "
-                "--max-memory",
-                where, count, info.x, info.y, info.z, limit >> 20);
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+                "{}: {} frames of {} x {} x {} voxels need more than the {} MiB allowed", where,
+                count, info.x, info.y, info.z, limit >> 20);
   }
   if (options.bounds)
     info.bounds = *options.bounds;
@@ -129,9 +128,8 @@ class RawSource final : public RoundingSource {
 Status checkNoGrid(const std::filesystem::path& path, const SourceOptions& options) {
   if (options.grid.empty())
     return {};
-  return fail(ErrorCode::kInvalidArgument,
-              "{}: a raw file has no named grids; leave out --field {}", path.string(),
-              options.grid);
+  return fail(ErrorCode::kInvalidArgument, Hint::leaveOut("field"),
+              "{}: a raw file has no grid named '{}'", path.string(), options.grid);
 }
 
 }  // namespace

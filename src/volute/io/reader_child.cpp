@@ -112,13 +112,13 @@ class SharedValues {
 template <class Function>
 Result<std::string> guarded(Function&& function) {
   constexpr const char* kMemory =
-      "reading it needs more memory than is allowed; the file is damaged, or raise --max-memory";
+      "reading it needs more memory than is allowed, or the file is damaged";
   try {
     return function();
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kTooLarge, "{}", kMemory);
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"), kMemory);
   } catch (const std::length_error&) {
-    return fail(ErrorCode::kTooLarge, "{}", kMemory);
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"), kMemory);
   } catch (const std::exception& error) {
     return fail(ErrorCode::kInvalidData, "{}", error.what());
   }
@@ -137,7 +137,7 @@ Result<std::string> guarded(Function&& function) {
     ReaderHeader reply;
     if (!result)
       reply.code = static_cast<std::int32_t>(result.error().code);
-    if (!sendReaderMessage(kSocket, reply, result ? *result : result.error().message))
+    if (!sendReaderMessage(kSocket, reply, result ? *result : errorText(result.error())))
       break;
   }
   ::_exit(0);

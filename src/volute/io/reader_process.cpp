@@ -287,9 +287,12 @@ Result<std::string> ReaderProcess::call(const std::string& file, std::string_vie
   if (reply.code < 0)
     return text;
   // What a library threw does not know the file.
-  if (!text.starts_with(file))
-    text = fmt::format("{}: {}", file, text);
-  return tl::unexpected<Error>(Error{codeOf(reply.code), std::move(text)});
+  Error error = detail::errorOf(codeOf(reply.code), text);
+  if (!error.message.starts_with(file))
+    error.message = fmt::format("{}: {}", file, error.message);
+  if (error.path.empty() && error.member.empty())
+    error.path = file;
+  return tl::unexpected<Error>(std::move(error));
 }
 
 }  // namespace volute

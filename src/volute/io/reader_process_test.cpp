@@ -46,7 +46,8 @@ Result<std::string> misbehave(std::string_view request, std::span<float> values)
   if (request == "throw")
     throw std::runtime_error("odd bytes");
   if (request == "fail")
-    return fail(ErrorCode::kUnsupported, "file: no such thing");
+    return failFor("bounds", ErrorCode::kUnsupported, Hint::raise("max_memory").so("helps"),
+                   "file: no such thing");
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
   return std::string(request) + "!";
 }
@@ -166,10 +167,13 @@ TEST(ReaderProcess, AChildThatWaitsForALockIsForkedAgain) {
   EXPECT_GT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(2)) << "it was not held";
 }
 
-TEST(ReaderProcess, ErrorsKeepTheirCodeAndNameTheFile) {
+TEST(ReaderProcess, ErrorsKeepTheirCodeAndHintsAndNameTheFile) {
   ReaderProcess process(misbehave);
-  EXPECT_EQ(process.call("file", "fail", 0, kLimits).error().code, ErrorCode::kUnsupported);
-  EXPECT_EQ(process.call("file", "fail", 0, kLimits).error().message, "file: no such thing");
+  const Error error = process.call("file", "fail", 0, kLimits).error();
+  EXPECT_EQ(error.code, ErrorCode::kUnsupported);
+  EXPECT_EQ(error.message, "file: no such thing");
+  EXPECT_EQ(error.member, "bounds");
+  EXPECT_EQ(error.hints, Hints{Hint::raise("max_memory").so("helps")});
   EXPECT_EQ(process.call("file", "throw", 0, kLimits).error().message, "file: odd bytes");
 }
 

@@ -52,9 +52,9 @@ Result<ReaderProcess::Serve> serveSurfaces(std::string_view parameters) {
 Status checkMemory(const std::string& file, std::uint64_t triangles, std::uint64_t maxMemory) {
   if (triangles <= maxMemory / sizeof(Triangle))
     return {};
-  return fail(ErrorCode::kTooLarge,
-              "{}: {} triangles need more than the {} MiB of memory allowed; raise --max-memory",
-              file, triangles, maxMemory >> 20);
+  return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+              "{}: {} triangles need more than the {} MiB of memory allowed", file, triangles,
+              maxMemory >> 20);
 }
 
 /// A .vtp is one file; glTF names others below its folder.

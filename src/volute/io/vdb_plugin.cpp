@@ -907,10 +907,11 @@ class VdbReader final : public LatticeReader {
       const auto topology = all ? grid : file.readTopology(index);
       if (!crop && box.begin == whole.begin &&
           !whole.contains(toIndexBox(topology->evalActiveVoxelBoundingBox()))) {
-        return fail(ErrorCode::kInvalidData,
-                    "{}: grid '{}' has voxels outside the box that its metadata state; the file is "
-                    "damaged, or give --bounds",
-                    path.string(), wanted);
+        return fail(
+            ErrorCode::kInvalidData, Hint::set("bounds"),
+            "{}: grid '{}' has voxels outside the box that its metadata state; the file may be "
+            "damaged",
+            path.string(), wanted);
       }
       auto bricks = bricksOfGrid(*grid, *topology, part, rounding);
       if (!bricks)

@@ -51,11 +51,10 @@ Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& outpu
     return NpySink::create(output, info);
   const bool vdb = extension == ".vdb";
   if (!vdb && extension != ".vti" && extension != ".pvd") {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "output: '{}' has an unknown format; expected {}.npy, %04d.vdb, %04d.vti, .pvd or -{}",
-        output.string(), options.orVolute ? ".volute, " : "",
-        extension == ".volute" ? "; volute compress writes .volute files" : "");
+    return failFor("output", ErrorCode::kInvalidArgument,
+                   "'{}' has an unknown format; expected {}.npy, %04d.vdb, %04d.vti, .pvd or -{}",
+                   output.string(), options.orVolute ? ".volute, " : "",
+                   extension == ".volute" ? "; volute compress writes .volute files" : "");
   }
   VOLUTE_ASSIGN(const LatticePlugin* plugin, vdb ? loadVdbWriter() : loadVtkPlugin());
   return createLatticeSink(output, info, plugin->makeWriter({.half = options.half}));

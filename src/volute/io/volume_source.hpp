@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 #include "volute/grid/frame_source.hpp"
 
@@ -35,8 +36,7 @@ struct SourceOptions {
   bool byLayers = false;              ///< a frame may take more: the caller reads it by layers
   std::optional<RawLayout> raw{};     ///< layout of files without a header
   std::string usualGrid = "density";  ///< default grid of several
-  std::function<void(const std::string&)>
-      remark{};  ///< receives remarks on chosen and ignored grids
+  std::function<void(const Remark&)> remark{};  ///< receives remarks on chosen and ignored grids
 };
 
 /// Opens a sequence of volumes according to `input`: a .npy or .vdb file, a pattern of such files

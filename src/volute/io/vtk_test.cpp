@@ -264,7 +264,7 @@ TEST(Vtk, TheTimeThatAFileStatesIsItsTime) {
   std::filesystem::rename(folder / "a_0.vti", folder / "a_3.vti");  // 2.5, 10, 0
   std::vector<std::string> remarks;
   SourceOptions options;
-  options.remark = [&](const std::string& remark) { remarks.push_back(remark); };
+  options.remark = [&](const Remark& remark) { remarks.push_back(remark.sentence); };
   ASSERT_VALUE(const auto other, readSequence(folder / "a_%d.vti", options));
   EXPECT_EQ(other.info.times.size(), 3U);
   ASSERT_EQ(remarks.size(), 1U);

@@ -3,8 +3,10 @@
 #include "volute/media/camera_file.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "volute/io/json_file.hpp"
+#include "volute/media/field_members.hpp"
 
 namespace volute {
 namespace {

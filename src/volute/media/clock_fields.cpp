@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/clock_fields.hpp"
 
+#include "volute/media/field_members.hpp"
 #include "volute/media/field_sliders.hpp"
 
 namespace volute {

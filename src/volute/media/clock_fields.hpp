@@ -3,7 +3,7 @@
 #pragma once
 
 #include "volute/media/clock.hpp"
-#include "volute/media/field.hpp"
+#include "volute/media/field_members.hpp"
 
 namespace volute {
 

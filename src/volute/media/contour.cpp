@@ -62,9 +62,8 @@ Result<Contour> parseSlice(std::string_view text) {
       return slice;
     }
   }
-  return fail(ErrorCode::kInvalidArgument,
-              "--slice: '{}' is not a plane; expected x, y or z and a place in metres, as z=1.8",
-              text);
+  return failFor("slice", ErrorCode::kInvalidArgument,
+                 "'{}' is not a plane; expected x, y or z and a place in metres, as z=1.8", text);
 }
 
 double largestOn(const Contour& slice, std::span<const std::shared_ptr<const MediumAt>> media) {

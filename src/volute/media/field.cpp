@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/suggest.hpp"
 #include "volute/io/json_values.hpp"
@@ -191,7 +192,8 @@ Status readField(const FieldRow& field, const FieldValue& value, const FieldOrig
   if (const auto good = checkValue(field, value); !good) {
     const FieldFault& wrong = good.error();
     Error error = origin.wrong(field, wrong.message).value();
-    if (!wrong.at.empty())
+    error.member += wrong.at;
+    if (!origin.options())
       error.message.insert(origin.place(field).size(), wrong.at);
     return tl::unexpected(std::move(error));
   }
@@ -289,20 +291,25 @@ const FieldRow& FieldTable::at(std::string_view wanted) const {
 }
 
 std::string FieldOrigin::place(const FieldRow& field) const {
-  return options() ? fmt::format("--{}", field.optionName(outer))
-                   : fmt::format("{}: {}/{}", file, path, field.name);
+  return options() ? field.optionName(outer) : fmt::format("{}: {}/{}", file, path, field.name);
 }
 
 tl::unexpected<Error> FieldOrigin::wrong(const FieldRow& field, std::string_view message) const {
-  return fail(options() ? ErrorCode::kInvalidArgument : ErrorCode::kInvalidData, "{}: {}",
-              place(field), message);
+  if (options())
+    return failFor(place(field), ErrorCode::kInvalidArgument, "{}", message);
+  auto failed = fail(ErrorCode::kInvalidData, "{}: {}", place(field), message);
+  failed.value().path = file;
+  failed.value().member = fmt::format("{}/{}", path, field.name);
+  return failed;
 }
 
 tl::unexpected<Error> FieldOrigin::wrong(std::string_view message) const {
-  if (!options())
-    return fail(ErrorCode::kInvalidData, "{}: {}: {}", file, path, message);
-  return outer.empty() ? fail(ErrorCode::kInvalidArgument, "{}", message)
-                       : fail(ErrorCode::kInvalidArgument, "--{}: {}", outer, message);
+  if (options())
+    return failFor(outer, ErrorCode::kInvalidArgument, "{}", message);
+  auto failed = fail(ErrorCode::kInvalidData, "{}: {}: {}", file, path, message);
+  failed.value().path = file;
+  failed.value().member = path;
+  return failed;
 }
 
 FieldOrigin FieldOrigin::within(const FieldRow& field) const {
@@ -362,6 +369,16 @@ nlohmann::ordered_json writeFields(const FieldTable& table, const void* object,
         withFiles(field, value, [&](const std::string& name) { return nameBeside(file, name); });
   }
   return json;
+}
+
+Status eachEntry(
+    const FieldValue& json, const FieldOrigin& origin,
+    const std::function<Status(const FieldValue& entry, const FieldOrigin& origin)>& read) {
+  if (!json.is_array())
+    return origin.wrong("expected a list");
+  for (std::size_t i = 0; i < json.size(); ++i)
+    VOLUTE_TRY(read(json[i], {origin.file, fmt::format("{}/{}", origin.path, i)}));
+  return {};
 }
 
 }  // namespace volute

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/media/field.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "volute/media/clock_fields.hpp"
+#include "volute/media/field_members.hpp"
 #include "volute/media/field_sliders.hpp"
 
 namespace volute {
@@ -125,7 +126,8 @@ TEST(Fields, ErrorsSayWhereWhatWasFoundAndWhatWasExpected) {
             at + "/width: size says the same; leave one out");
   EXPECT_EQ(wrongly("3"), at + ": expected a puffs object");
   const auto option = readAs<Puffs>(puffFields(), Json{{"file", "x"}, {"width", -1}}, {});
-  EXPECT_EQ(option.error().message, "--width: -1 is out of range; expected more than 0");
+  EXPECT_EQ(option.error().member, "width");
+  EXPECT_EQ(option.error().message, "-1 is out of range; expected more than 0");
   EXPECT_EQ(option.error().code, ErrorCode::kInvalidArgument);
 }
 

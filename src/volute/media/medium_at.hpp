@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <vector>
@@ -134,7 +134,7 @@ class MediumAt {
   }
 
   /// What rays have looked at so far, by names of `render --stats`.
-  virtual nlohmann::ordered_json counts() const { return nlohmann::ordered_json::object(); }
+  virtual nlohmann::ordered_json counts() const;
 };
 
 /// Adds the numbers of `more` to those of the same names, those of objects within likewise.

@@ -3,6 +3,7 @@
 #include "volute/media/medium_kind.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "volute/media/ray_sight.hpp"
@@ -11,6 +12,14 @@
 namespace volute {
 
 using OrderedJson = nlohmann::ordered_json;
+
+OrderedJson MediumAt::counts() const {
+  return OrderedJson::object();
+}
+
+OrderedJson SceneMedium::counts() const {
+  return OrderedJson::object();
+}
 
 void addCounts(OrderedJson& sum, const OrderedJson& more) {
   for (const auto& [name, value] : more.items()) {
@@ -22,6 +31,11 @@ void addCounts(OrderedJson& sum, const OrderedJson& more) {
     else
       to = (to.is_null() ? 0 : to.get<std::uint64_t>()) + value.get<std::uint64_t>();
   }
+}
+
+std::vector<OrderedJson> MediumKind::alternatives(const OrderedJson& entry) const {
+  (void)entry;
+  return {};
 }
 
 std::optional<int> sceneVersionOf(const nlohmann::json& format) {

@@ -4,15 +4,13 @@
 
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "volute/base/team.hpp"
-#include "volute/lighting/light_cache.hpp"
-#include "volute/lighting/light_memory.hpp"
 #include "volute/media/field_sliders.hpp"
 #include "volute/media/reading.hpp"
 #include "volute/media/scene_lights.hpp"
@@ -29,6 +27,9 @@ inline constexpr std::string_view kSceneFormat = "volute-scene-2";
 /// The version that a scene's "format" names; nothing when it is none that can be read.
 std::optional<int> sceneVersionOf(const nlohmann::json& format);
 
+class LightCache;
+class LightMemory;
+
 /// How the files of a scene are read, for all kinds of media.
 struct OpenOptions {
   bool partial = false;  ///< read the intact part of damaged files
@@ -36,8 +37,8 @@ struct OpenOptions {
   /// Defaults for measurements instead of appearance: the files' own basis.
   bool measured = true;
   bool byTree = false;  ///< pictures are drawn from the tree, which holds values and no light
-  std::optional<LightCache> lightCache{};      ///< cache on disk for the light of lamps
-  std::shared_ptr<LightMemory> lightMemory{};  ///< consulted before it; may be null
+  std::shared_ptr<const LightCache> lightCache{};  ///< on disk, for the light of lamps; may be null
+  std::shared_ptr<LightMemory> lightMemory{};      ///< consulted before it; may be null
   /// The team whose ranks each hold a share of a mesh in pieces and draw pictures together, with
   /// the same calls in the same order; null: this process holds everything.
   Team* holders = nullptr;
@@ -150,10 +151,7 @@ class MediumKind {
 
   /// Alternative entries if one cannot be opened; the first that can be opened is taken.
   virtual std::vector<nlohmann::ordered_json> alternatives(
-      const nlohmann::ordered_json& entry) const {
-    (void)entry;
-    return {};
-  }
+      const nlohmann::ordered_json& entry) const;
 
   /// Adds the parameters that a user may change. By default the sliders of the entry's members.
   virtual void addParameters(ParameterGroup& group, const nlohmann::ordered_json& entry,

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace volute {
 namespace {

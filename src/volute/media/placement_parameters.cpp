@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 namespace volute {

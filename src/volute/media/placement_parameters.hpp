@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "volute/media/field_sliders.hpp"
 #include "volute/media/placement.hpp"

@@ -17,7 +17,7 @@ class RaySight final : public SightField {
 
   std::string description() const override;
 
-  std::vector<std::string> remarks() const override { return medium_->remarks; }
+  std::vector<Remark> remarks() const override { return medium_->remarks; }
 
   std::span<const double> times() const override { return medium_->info().times; }
 

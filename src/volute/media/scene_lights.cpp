@@ -3,7 +3,10 @@
 #include "volute/media/scene_lights.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
+
+#include "volute/media/field_members.hpp"
 
 namespace volute {
 namespace {

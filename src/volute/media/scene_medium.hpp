@@ -150,7 +150,7 @@ class SceneMedium {
   virtual std::vector<std::string> files() const { return {info_.file}; }
 
   /// What was done since it was opened, by names of `render --stats`.
-  virtual nlohmann::ordered_json counts() const { return nlohmann::ordered_json::object(); }
+  virtual nlohmann::ordered_json counts() const;
 
   /// Whether check() has nothing to look for.
   virtual bool checked() const { return true; }
@@ -164,7 +164,7 @@ class SceneMedium {
   virtual bool damaged() const { return false; }
 
   /// What was said when its files were opened.
-  std::vector<std::string> remarks{};
+  std::vector<Remark> remarks{};
 
  protected:
   MediumInfo info_;

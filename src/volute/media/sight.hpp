@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 #include "volute/math/box.hpp"
 #include "volute/math/vec.hpp"
@@ -320,7 +321,7 @@ class SightField {
   virtual std::string tallerSource() const { return ""; }
 
   /// What its reader has to say.
-  virtual std::vector<std::string> remarks() const { return {}; }
+  virtual std::vector<Remark> remarks() const { return {}; }
 
   /// When it is stored [s], ascending.
   virtual std::span<const double> times() const = 0;

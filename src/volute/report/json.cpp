@@ -3,6 +3,7 @@
 #include "volute/report/json.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace volute {
 

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <nlohmann/json.hpp>
+
 #include "volute/report/json_text.hpp"
 
 namespace volute {

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include "volute/base/input_file.hpp"

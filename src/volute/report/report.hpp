@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "volute/math/box.hpp"
-#include "volute/report/json_text.hpp"
+#include "volute/report/json.hpp"
 
 namespace volute {
 

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/report/team_stats.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "volute/base/process_usage.hpp"
 
 namespace volute {

@@ -3,6 +3,7 @@
 #include "volute/scene/describe_file.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "volute/io/image_file.hpp"
 #include "volute/media/medium_kind.hpp"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/read_text.hpp"
 #include "volute/base/remark_log.hpp"
@@ -85,7 +86,7 @@ Result<Scene> Scene::open(const std::string& path, const SceneOptions& options,
   const MediumKind* kind = mediumKindOf(path, options.assume);
   OrderedJson json = kind->sceneOf(std::filesystem::path(path).filename().string());
   OrderedJson& entry = json["media"][0];
-  entry.update(options.members);
+  entry.update(*options.members);
   const std::string assumption = options.assume ? kind->assume(json) : "";
   auto scene = make(json, path, options, progress);
   if (!scene && scene.error().code != ErrorCode::kCancelled && options.assume) {
@@ -130,7 +131,7 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
   std::vector<std::shared_ptr<SceneMedium>> earlier = media_, media(entries.size());
   for (std::size_t i = 0; same && sameLights && i < entries.size(); ++i) {
     const MediumEntry& before = description_.media[i];
-    if (before.kind != entries[i].kind || before.json != entries[i].json)
+    if (before.kind != entries[i].kind || *before.json != *entries[i].json)
       continue;
     media[i] = media_[i];
     std::erase(earlier, media[i]);
@@ -140,15 +141,15 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
       continue;
     const MediumEntry& entry = entries[i];
     Reading reading{progress, options_.maxMemory, options_.files.volumes.get()};
-    nlohmann::json json = entry.json;
-    for (const auto& [name, value] : options_.overrides.items()) {
+    nlohmann::json json = *entry.json;
+    for (const auto& [name, value] : options_.overrides->items()) {
       if (entry.kind->fields().find(name))
         json[name] = value;
     }
     MediumContext context{reading, options_.files, description.lights,  geometry_,
                           path_,   entry.path,     description.version, same ? media_[i] : nullptr,
                           &earlier};
-    VOLUTE_ASSIGN(media[i], entry.kind->open(json, context));
+    VOLUTE_ASSIGN(media[i], ofFile(entry.kind->open(json, context), path_, entry.path));
   }
   return media;
 }
@@ -178,7 +179,7 @@ Status Scene::change(OrderedJson json, Progress& progress) {
   const nlohmann::json plain = json;
   VOLUTE_ASSIGN(auto description, parseScene(plain, path_));
   const bool sameLights =
-      json.value("lights", OrderedJson()) == json_.value("lights", OrderedJson());
+      json.value("lights", OrderedJson()) == json_->value("lights", OrderedJson());
   VOLUTE_ASSIGN(auto media, openMedia(description, sameLights, progress));
   std::swap(media_, media);
   std::swap(description_, description);
@@ -196,7 +197,7 @@ Status Scene::change(OrderedJson json, Progress& progress) {
 Status Scene::reconsider(Progress& progress) {
   if (isFile_ || assumption_.empty() || media_.empty())
     return {};
-  OrderedJson json = json_;
+  OrderedJson json = *json_;
   const MediumKind* kind = mediumKindOf(path_, options_.assume);
   std::string guessed = kind->guess(json["media"][0], *media_.front());
   if (guessed.empty())
@@ -208,7 +209,7 @@ Status Scene::reconsider(Progress& progress) {
 
 void Scene::note(OrderedJson json) {
   json_ = std::move(json);
-  const nlohmann::json meant = upgradedScene(json_);
+  const nlohmann::json meant = upgradedScene(*json_);
   for (MediumEntry& entry : description_.media)
     entry.json = meant.at(nlohmann::json::json_pointer(entry.path));
 }
@@ -341,8 +342,8 @@ std::vector<std::string> Scene::files() const {
     for (std::string& file : medium->files()) files.push_back(std::move(file));
   }
   for (const SceneGeometry& geometry : description_.geometry) files.push_back(geometry.file);
-  const auto signs = json_.find("signs");
-  if (signs == json_.end() || !signs->is_array())
+  const auto signs = json_->find("signs");
+  if (signs == json_->end() || !signs->is_array())
     return files;
   for (const auto& sign : *signs) {
     if (const std::string picture = sign.value("picture", ""); !picture.empty())

@@ -4,12 +4,13 @@
 
 #include <cstdint>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "volute/io/kept_json.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/scene/scene_file.hpp"
 #include "volute/scene/snapshot.hpp"
@@ -21,9 +22,9 @@ struct SceneOptions {
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes]
   OpenOptions files{};
   /// Members of the medium of a file that is not a scene, as in a scene's entry.
-  nlohmann::ordered_json members = nlohmann::ordered_json::object();
+  KeptJson<nlohmann::ordered_json> members{};
   /// Members that override those of all media whose kind has them.
-  nlohmann::ordered_json overrides = nlohmann::ordered_json::object();
+  KeptJson<nlohmann::ordered_json> overrides{};
   /// Make assumptions about what only the user knows of such a file, so that it can be shown.
   bool assume = false;
 };
@@ -51,7 +52,7 @@ class Scene {
   /// Whether path() is a scene file, not a medium alone.
   bool isFile() const { return isFile_; }
 
-  const nlohmann::ordered_json& json() const { return json_; }
+  const nlohmann::ordered_json& json() const { return *json_; }
 
   const SceneDescription& description() const { return description_; }
 
@@ -125,7 +126,7 @@ class Scene {
   std::string path_;  ///< names in the JSON are found from its folder
   bool isFile_ = true;
   SceneOptions options_;
-  nlohmann::ordered_json json_;
+  KeptJson<nlohmann::ordered_json> json_;
   SceneDescription description_;
   std::vector<std::shared_ptr<SceneMedium>> media_;
   TriangleScene geometry_;  ///< the scene's own

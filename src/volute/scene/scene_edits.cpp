@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/placement_parameters.hpp"

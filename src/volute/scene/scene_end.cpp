@@ -29,9 +29,10 @@ Status checkSceneTime(const Scene& scene, double time) {
   }
   if (!longest || time <= endOf(*longest) + kRounding * (1 + std::abs(endOf(*longest))))
     return {};
-  return fail(ErrorCode::kInvalidArgument,
-              "time: {:g} s is past the end: {} has {} frames from {:g} to {:g} s", time,
-              longest->file, longest->times.size(), longest->times.front(), longest->times.back());
+  return failFor("time", ErrorCode::kInvalidArgument,
+                 "{:g} s is past the end: {} has {} frames from {:g} to {:g} s", time,
+                 longest->file, longest->times.size(), longest->times.front(),
+                 longest->times.back());
 }
 
 }  // namespace volute

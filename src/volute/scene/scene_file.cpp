@@ -3,6 +3,7 @@
 #include "volute/scene/scene_file.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/suggest.hpp"
 #include "volute/io/json_values.hpp"

@@ -2,11 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "volute/io/kept_json.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/scene_lights.hpp"
@@ -19,8 +20,8 @@ namespace volute {
 /// An entry of one of a scene's lists of media.
 struct MediumEntry {
   const MediumKind* kind = nullptr;
-  std::string path;     ///< in the scene: "/media/0"
-  nlohmann::json json;  ///< what is there
+  std::string path;               ///< in the scene: "/media/0"
+  KeptJson<nlohmann::json> json;  ///< what is there
 };
 
 /// What a scene file says, but for what its media make of their entries.

@@ -2,10 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/scene_geometry.hpp"
 
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "volute/base/file_name.hpp"
 #include "volute/io/surface_file.hpp"
+#include "volute/media/field_members.hpp"
 #include "volute/media/placement.hpp"
 
 namespace volute {

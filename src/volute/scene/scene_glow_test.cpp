@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "volute/io/image_file.hpp"
@@ -80,7 +81,7 @@ class SceneGlow : public testing::Test {
 
   class Heard : public Progress {
    public:
-    void remark(std::string_view said) override { remarks += std::string(said) + "\n"; }
+    void remark(const Remark& said) override { remarks += said.sentence + "\n"; }
 
     std::string remarks;
   };

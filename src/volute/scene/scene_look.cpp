@@ -2,6 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/scene_look.hpp"
 
+#include <nlohmann/json.hpp>
+
+#include "volute/media/field_members.hpp"
+
 namespace volute {
 
 const FieldTable& lookFields() {

@@ -3,6 +3,7 @@
 #include "volute/scene/scene_names.hpp"
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "volute/media/medium_kind.hpp"
 

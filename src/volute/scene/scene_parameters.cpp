@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "volute/scene/scene.hpp"
 
@@ -65,11 +66,11 @@ std::vector<Parameter> Scene::parameters() const {
     const MediumEntry& entry = description_.media[i];
     const MediumInfo& info = media_[i]->info();
     ParameterGroup group(out, fmt::format("{}: {}", info.kind, nameOfFile(info.file)), entry.path);
-    entry.kind->addParameters(group, json_.at(OrderedJson::json_pointer(entry.path)), *media_[i],
+    entry.kind->addParameters(group, json_->at(OrderedJson::json_pointer(entry.path)), *media_[i],
                               factsOf(info, !description_.lights.suns.empty()));
   }
-  addList(out, json_, "lights");
-  addList(out, json_, "signs");
+  addList(out, *json_, "lights");
+  addList(out, *json_, "signs");
   const Rgb& behind = description_.background;
   ParameterGroup(out, "background", "")
       .add("radiance", "background", Parameter::Kind::kColor, {behind[0], behind[1], behind[2]})
@@ -83,7 +84,7 @@ Result<OrderedJson> Scene::with(const std::string& path, const std::vector<doubl
   if (found == all.end())
     return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such parameter", path);
   VOLUTE_TRY(checkValue(*found, value));
-  OrderedJson json = json_;
+  OrderedJson json = *json_;
   const OrderedJson put = jsonOf(*found, value);
   const OrderedJson::json_pointer pointer(path);
   const std::string key = pointer.back();

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/parallel.hpp"
 #include "volute/base/stopwatch.hpp"
@@ -14,6 +15,11 @@
 #include "volute/scene/surface_stack.hpp"
 
 namespace volute {
+
+nlohmann::ordered_json SceneRenderer::stats() {
+  return nlohmann::ordered_json::object();
+}
+
 namespace {
 
 /// 1 for each pixel whose ray meets the bounds of one of the media.

@@ -55,7 +55,7 @@ class SceneRenderer {
   virtual std::string_view name() const = 0;
 
   /// Statistics for `render --stats`; an empty object: none.
-  virtual nlohmann::ordered_json stats() { return nlohmann::ordered_json::object(); }
+  virtual nlohmann::ordered_json stats();
 
  protected:
   /// A snapshot and a camera, while a picture is rendered.

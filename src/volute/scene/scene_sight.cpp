@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "volute/media/ray_sight.hpp"
 #include "volute/scene/kinds.hpp"
@@ -142,7 +143,7 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
   Reading reading{progress, options.maxMemory, options.files.volumes.get()};
   MediumContext context{reading,      options.files, scene.description().lights,  scene.geometry(),
                         scene.path(), entry.path,    scene.description().version, scene.media()[0]};
-  VOLUTE_ASSIGN(auto only, entry.kind->openSight(entry.json, context));
+  VOLUTE_ASSIGN(auto only, entry.kind->openSight(*entry.json, context));
   if (!scene.geometry().empty()) {
     only->wrap(
         [surfaces = scene.geometry()](std::shared_ptr<const SightInstant> media) {
@@ -162,7 +163,7 @@ Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Sce
   }
   const MediumKind& kind = *mediumKindOf(path, false);
   auto entry = kind.sceneOf(std::filesystem::path(path).filename().string())["media"][0];
-  entry.update(options.members);
+  entry.update(*options.members);
   Reading reading{progress, options.maxMemory, options.files.volumes.get()};
   const SceneLights lights;
   const TriangleScene geometry;
@@ -172,23 +173,25 @@ Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Sce
 
 Result<std::unique_ptr<SightField>> openSight(const std::string& path, const SceneOptions& options,
                                               std::span<const double> heights,
-                                              std::vector<std::string>& remarks,
-                                              Progress& progress) {
+                                              std::vector<Remark>& remarks, Progress& progress) {
   VOLUTE_ASSIGN(auto field, openSight(path, options, progress));
   const double low = field->bounds().min.z(), high = field->bounds().max.z();
   const bool outside = std::ranges::any_of(heights, [&](double z) { return z < low || z > high; });
   // A scene says itself which source it shows; members are for a file alone.
-  if (!outside || isScenePath(path) || options.members.contains("field"))
+  if (!outside || isScenePath(path) || options.members->contains("field"))
     return field;
   const std::string taller = field->tallerSource();
   if (taller.empty())
     return field;
   SceneOptions other = options;
-  other.members["field"] = taller;
-  remarks.push_back(fmt::format(
-      "{} reaches from z = {:g} to {:g} m only, and eyes or signs are outside; {} is read "
-      "instead (--field NAME selects another source)",
-      field->description(), low, high, taller));
+  (*other.members)["field"] = taller;
+  remarks.push_back(
+      {RemarkCode::kFallback,
+       fmt::format(
+           "{} reaches from z = {:g} to {:g} m only, and eyes or signs are outside; {} is read "
+           "instead",
+           field->description(), low, high, taller),
+       {Hint::choose("field")}});
   return openSight(path, other, progress);
 }
 

@@ -25,7 +25,7 @@ namespace volute {
 [[nodiscard]] Result<std::unique_ptr<SightField>> openSight(const std::string& path,
                                                             const SceneOptions& options,
                                                             std::span<const double> heights,
-                                                            std::vector<std::string>& remarks,
+                                                            std::vector<Remark>& remarks,
                                                             Progress& progress);
 
 }  // namespace volute

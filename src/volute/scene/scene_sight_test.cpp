@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "volute/base/file_name.hpp"
 #include "volute/media/ray_sight.hpp"
 #include "volute/scene/kinds.hpp"
@@ -77,7 +79,7 @@ TEST(OpenSight, ALayerGivesWayToATallerSourceWhereLinesLeaveIt) {
   EXPECT_THAT(remarks, IsEmpty());
   EXPECT_EQ(sourceFor({1.5, 2.5}), "tall");
   EXPECT_THAT(remarks, ElementsAre(HasSubstr("from z = 1 to 2 m only")));
-  options.members["field"] = "mine";
+  (*options.members)["field"] = "mine";
   EXPECT_EQ(sourceFor({2.5}), "mine");
   EXPECT_THAT(remarks, IsEmpty());
   mediumKinds().erase(mediumKinds().begin());

@@ -2,7 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/scene_signs.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "volute/io/image_file.hpp"
+#include "volute/media/field_members.hpp"
 #include "volute/media/field_sliders.hpp"
 #include "volute/media/law_field.hpp"
 

@@ -3,6 +3,7 @@
 #include "volute/scene/scene_tables.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "volute/media/medium_kind.hpp"
 #include "volute/scene/field_pages.hpp"

@@ -14,8 +14,8 @@ namespace volute {
 
 Status writeHall(const HallFiles& files, const std::filesystem::path& target, Progress& progress) {
   if (extensionOf(target) != ".pvd") {
-    return fail(ErrorCode::kInvalidArgument, "--output: '{}' is no .pvd series of meshes",
-                target.string());
+    return failFor("output", ErrorCode::kInvalidArgument, "'{}' is no .pvd series of meshes",
+                   target.string());
   }
   const auto mesh = hallMesh(files.cell, files.seed);
   std::vector<SeriesFile> series;
@@ -35,7 +35,7 @@ Status writeBall(const std::filesystem::path& target, std::uint32_t seed) {
   constexpr double kSoot = 0.5, kRadius = 0.75;  // [g/m3], [m]
   const Vec3 centre(0.2, 0.1, 1.5);
   if (extensionOf(target) != ".vtu") {
-    return fail(ErrorCode::kInvalidArgument, "--output: '{}' is no .vtu file", target.string());
+    return failFor("output", ErrorCode::kInvalidArgument, "'{}' is no .vtu file", target.string());
   }
   const auto mesh = boxMesh({Vec3(-3, -3, 0), Vec3(3, 3, 4)}, {48, 48, 32}, 0.2, seed);
   std::vector<float> soot;

@@ -42,7 +42,7 @@ Status writeValley(const ValleyFiles& files, const std::filesystem::path& folder
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!std::filesystem::is_directory(folder, error))
-    return fail(ErrorCode::kIo, "--output: cannot make the folder '{}'", folder.string());
+    return failFor("output", ErrorCode::kIo, "cannot make the folder '{}'", folder.string());
   const Valley valley(files.seed);
   VOLUTE_TRY(writeMap(valley.fogMap(files.mapSize), folder / "fogmap.png"));
   if (files.geometry)

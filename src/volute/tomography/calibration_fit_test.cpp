@@ -373,8 +373,7 @@ TEST(CalibrationFit, NeedsNoTablesAndSaysWhenMemoryDoesNotSuffice) {
   const auto none = refineCalibration(frames, scene.geometry, {.maxMemory = 1 << 20}, progress);
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, ErrorCode::kTooLarge);
-  EXPECT_NE(none.error().message.find("more than the 1 MiB that are allowed (--max-memory)"),
-            std::string::npos)
+  EXPECT_NE(none.error().message.find("more than the 1 MiB that are allowed"), std::string::npos)
       << none.error().message;
 }
 

@@ -91,9 +91,9 @@ Status LevelFit::begin(std::span<const CameraCorrection> corrections, Progress& 
     return fail(ErrorCode::kNotFound, "The visual hull is empty");
   support_ = std::make_shared<const Support>(geometry_, Basis::kTrilinear, hull);
   if (const std::uint64_t needed = ownBytes(); needed > maxMemory_)
-    return fail(ErrorCode::kTooLarge,
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
                 "refining it on voxels of {} x {} x {} needs {} MiB, more than the {} MiB that are "
-                "allowed (--max-memory)",
+                "allowed",
                 geometry_.resolution[0], geometry_.resolution[1], geometry_.resolution[2],
                 (needed >> 20) + 1, maxMemory_ >> 20);
   volume_.assign(4 * support_->size(), 0);

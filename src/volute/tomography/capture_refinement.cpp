@@ -409,11 +409,14 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
     progress.remark("the calibration is not refined before that is mended");
   if (!result.used)
     return result;
-  progress.remark(fmt::format(
-      "calibration refined with the volume on frame{} {}: {:.1f} % of the pictures are not "
-      "explained, instead of {:.1f} % (relative L2, coarse voxels; --refine never leaves it)",
-      result.frames.size() == 1 ? "" : "s", fmt::join(result.frames, ", "), 100 * result.after,
-      100 * result.before));
+  progress.remark(
+      {RemarkCode::kChanged,
+       fmt::format(
+           "calibration refined with the volume on frame{} {}: {:.1f} % of the pictures are not "
+           "explained, instead of {:.1f} % (relative L2, coarse voxels)",
+           result.frames.size() == 1 ? "" : "s", fmt::join(result.frames, ", "), 100 * result.after,
+           100 * result.before),
+       {Hint::set("refine", "never").so("leaves it")}});
   for (const std::string& text : describeCorrections(result)) progress.remark(text);
   for (const std::string& text : outstandingCorrections(result))
     progress.remark("warning: " + text);

@@ -121,12 +121,11 @@ Status checkMemory(const VolumeGeometry& geometry, std::uint64_t fixed, std::uin
                                : std::string("take smaller images");
   return fail(
       ErrorCode::kTooLarge,
+      Hint{Hint::Change::kRaise, "max_memory", fmt::format("{}G", ((fixed + growing) >> 30) + 1)},
       "The reconstruction of {} x {} x {} voxels needs {:.3g} GB, {:.3g} GB of them for "
-      "pictures and rays, more than the {:.3g} GB that are allowed; {}, one ray a pixel, or "
-      "allow more (--max-memory {}G)",
+      "pictures and rays, more than the {:.3g} GB that are allowed; {}, or one ray a pixel",
       n[0], n[1], n[2], static_cast<double>(fixed + growing) * 1e-9,
-      static_cast<double>(fixed) * 1e-9, static_cast<double>(maxMemory) * 1e-9, remedy,
-      ((fixed + growing) >> 30) + 1);
+      static_cast<double>(fixed) * 1e-9, static_cast<double>(maxMemory) * 1e-9, remedy);
 }
 
 /// Rows of pixels that count for the projector.
@@ -192,13 +191,13 @@ Status checkVolumeSize(const VolumeGeometry& geometry, std::uint64_t maxMemory) 
                 n[0], n[1], n[2]);
   if (const std::uint64_t needed = volumeBytes(geometry); needed > maxMemory) {
     return fail(ErrorCode::kTooLarge,
+                Hint{Hint::Change::kRaise, "max_memory", fmt::format("{}G", (needed >> 30) + 1)},
                 "A volume of {} x {} x {} voxels needs {:.3g} GB at least, more than the {:.3g} GB "
-                "that are allowed; take a lower resolution (the values of {} would fit), "
-                "or allow more (--max-memory {}G and what pictures and rays need)",
+                "that are allowed; take a lower resolution (the values of {} would fit); "
+                "pictures and rays need memory besides",
                 n[0], n[1], n[2], static_cast<double>(needed) * 1e-9,
                 static_cast<double>(maxMemory) * 1e-9,
-                fitting(n, static_cast<double>(needed), static_cast<double>(maxMemory)),
-                (needed >> 30) + 1);
+                fitting(n, static_cast<double>(needed), static_cast<double>(maxMemory)));
   }
   return {};
 }

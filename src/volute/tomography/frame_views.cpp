@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/frame_views.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace volute {
@@ -28,9 +30,8 @@ Result<ViewReader> ViewReader::open(const Capture& capture, const std::vector<st
     if (!camera) {
       std::vector<std::string> names;
       for (const CaptureCamera& known : capture.cameras) names.push_back(known.name);
-      return fail(ErrorCode::kInvalidArgument,
-                  "--hold-out: there is no camera '{}'; the capture has {}", name,
-                  fmt::join(names, ", "));
+      return failFor("hold_out", ErrorCode::kInvalidArgument,
+                     "there is no camera '{}'; the capture has {}", name, fmt::join(names, ", "));
     }
     marks[*camera] = 1;
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "volute/report/json.hpp"
 #include "volute/tomography/layout.hpp"
@@ -108,10 +109,10 @@ Result<std::unique_ptr<HoldOutRotation>> HoldOutRotation::run(
   constexpr std::size_t kFewestLeft = 3;
   const std::size_t n = capture.cameras.size();
   if (n <= kFewestLeft)
-    return fail(ErrorCode::kInvalidArgument,
-                "--hold-out auto leaves out one camera of {}, which leaves too few to reconstruct "
-                "from; expected at least {} cameras",
-                n, kFewestLeft + 1);
+    return failFor("hold_out", ErrorCode::kInvalidArgument,
+                   "auto leaves out one camera of {}, which leaves too few to reconstruct "
+                   "from; expected at least {} cameras",
+                   n, kFewestLeft + 1);
   std::unique_ptr<HoldOutRotation> rotation(new HoldOutRotation);
   std::vector<ReconstructedFrames*> all;
   for (std::size_t v = 0; v < n; ++v) {

@@ -32,8 +32,10 @@ void CameraLayout::remark(bool all, Progress& progress) const {
   const std::size_t pairs = angles.size();
   constexpr std::string_view kWhat = "degrees between lines of sight, modulo 180";
   if (pairs > kNarrowest && !all) {
-    progress.remark(fmt::format("{}, the {} narrowest of {} pairs (--verbose: all): {}", kWhat,
-                                kNarrowest, pairs, narrowest(kNarrowest)));
+    progress.remark({RemarkCode::kNote,
+                     fmt::format("{}, the {} narrowest of {} pairs: {}", kWhat, kNarrowest, pairs,
+                                 narrowest(kNarrowest)),
+                     {Hint::set("verbose").so("lists all")}});
   } else if (pairs > 0) {
     progress.remark(fmt::format("{}: {}", kWhat, narrowest(pairs)));
   }

@@ -209,9 +209,9 @@ Status checkLines(std::span<const LineMeasurement> lines, const VolumeGeometry& 
   const std::uint64_t needed = geometry.voxels() * kUnknownBytes + lines.size() * kLineBytes;
   if (needed > maxMemory) {
     return fail(
-        ErrorCode::kTooLarge,
+        ErrorCode::kTooLarge, Hint::raise("max_memory"),
         "{} lines through {} voxels need {} MiB, more than the {} MiB that are allowed; take "
-        "a lower resolution or allow more (--max-memory)",
+        "a lower resolution",
         lines.size(), geometry.voxels(), (needed >> 20) + 1, maxMemory >> 20);
   }
   const auto beside = linesBeside(lines, geometry);

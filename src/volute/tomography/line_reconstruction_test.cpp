@@ -260,7 +260,7 @@ TEST_F(LineFileTest, FramesBecomeVolumes) {
   EXPECT_EQ(all->records[0]["lines"], 61);
   EXPECT_TRUE(all->records[0]["spread"].is_null());
   EXPECT_GT(all->mean("residual"), 0);
-  EXPECT_THAT(heard.remarks(), Contains(HasSubstr("box around the lines' ends")));
+  EXPECT_THAT(heard.sentences(), Contains(HasSubstr("box around the lines' ends")));
 
   where.bounds = kGeometry.bounds;
   const auto refused = reconstructLineFile(file, where, {}, false, heard);
@@ -269,7 +269,7 @@ TEST_F(LineFileTest, FramesBecomeVolumes) {
   const auto rest = reconstructLineFile(file, where, {}, true, heard);
   ASSERT_TRUE(rest) << rest.error().message;
   EXPECT_EQ(rest->records[0]["lines"], 60);
-  EXPECT_THAT(heard.remarks(), Contains(HasSubstr("1 of 61 lines of frame 4 miss the volume")));
+  EXPECT_THAT(heard.sentences(), Contains(HasSubstr("1 of 61 lines of frame 4 miss the volume")));
   EXPECT_EQ(rest->volumes.info.x, 8);
   EXPECT_EQ(rest->volumes.info.y, 6);
 

@@ -3,6 +3,7 @@
 #include "volute/tomography/line_volumes.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "volute/report/json.hpp"
 
@@ -25,15 +26,17 @@ Result<VolumeGeometry> geometryOf(const LineFile& lines, const CaptureOptions& w
     }
     if (!geometry.bounds.size().allFinite() || geometry.bounds.empty())
       return fail(
-          ErrorCode::kInvalidArgument,
+          ErrorCode::kInvalidArgument, Hint::set("bounds"),
           "{}: does not say where the volume is, as its lines have no ends or are flat; state "
-          "its outer faces in metres with --bounds X0,Y0,Z0,X1,Y1,Z1",
+          "its outer faces in metres",
           file);
     const Vec3 &low = geometry.bounds.min, &high = geometry.bounds.max;
-    progress.remark(fmt::format(
-        "{}: the volume is the box around the lines' ends, {:g},{:g},{:g},{:g},{:g},{:g} "
-        "(--bounds)",
-        file, low.x(), low.y(), low.z(), high.x(), high.y(), high.z()));
+    progress.remark(
+        {RemarkCode::kAssumed,
+         fmt::format(
+             "{}: the volume is the box around the lines' ends, {:g},{:g},{:g},{:g},{:g},{:g}",
+             file, low.x(), low.y(), low.z(), high.x(), high.y(), high.z()),
+         {Hint::set("bounds")}});
   }
   geometry.resolution = where.resolution.value_or(std::array{kUsual, 0, 0});
   if (geometry.resolution[1] == 0)
@@ -82,11 +85,10 @@ Status checkSizes(const LineFile& lines, const VolumeGeometry& geometry, std::ui
   const std::uint64_t bytes = 4 * geometry.voxels() * lines.frames.size();
   if (bytes <= maxMemory / 2)
     return {};
-  return fail(
-      ErrorCode::kTooLarge,
-      "{} frames of {} voxels need {} MiB, more than half of the {} MiB that are allowed; take "
-      "them in parts with --frames, or allow more (--max-memory)",
-      lines.frames.size(), geometry.voxels(), bytes >> 20, maxMemory >> 20);
+  return fail(ErrorCode::kTooLarge,
+              {Hint::set("frames").so("takes them in parts"), Hint::raise("max_memory")},
+              "{} frames of {} voxels need {} MiB, more than half of the {} MiB that are allowed",
+              lines.frames.size(), geometry.voxels(), bytes >> 20, maxMemory >> 20);
 }
 
 }  // namespace

@@ -138,9 +138,8 @@ void checkSaturation(const Counts& counts, const std::string& name, const Pictur
   const auto text = fmt::format("{}: {:.1f} % of the lit pixels are saturated and do not count",
                                 name, 100 * share);
   if (share > limits.saturated) {
-    findings.faults.push_back(
-        fmt::format("{}, more than the {:.1f} % allowed (--max-saturated); expose less", text,
-                    100 * limits.saturated));
+    findings.faults.push_back(fmt::format("{}, more than the {:.1f} % allowed; expose less", text,
+                                          100 * limits.saturated));
   } else {
     findings.warnings.push_back(text);
   }

@@ -15,18 +15,18 @@ namespace {
 
 Status checkPattern(const ImageName& name, std::size_t cameras, std::size_t frames) {
   if (extensionOf(name.text()) != ".exr") {
-    return fail(ErrorCode::kInvalidArgument,
-                "output: '{}' does not end in .exr, which holds linear values", name.text());
+    return failFor("output", ErrorCode::kInvalidArgument,
+                   "'{}' does not end in .exr, which holds linear values", name.text());
   }
   if (cameras > 1 && !name.hasCamera()) {
-    return fail(ErrorCode::kInvalidArgument,
-                "output: pictures of {} cameras do not fit into '{}'; put {{camera}} into its name",
-                cameras, name.text());
+    return failFor("output", ErrorCode::kInvalidArgument,
+                   "pictures of {} cameras do not fit into '{}'; put {{camera}} into its name",
+                   cameras, name.text());
   }
   if (frames > 1 && !name.hasFrame()) {
-    return fail(ErrorCode::kInvalidArgument,
-                "output: pictures of {} frames do not fit into '{}'; put %04d into its name",
-                frames, name.text());
+    return failFor("output", ErrorCode::kInvalidArgument,
+                   "pictures of {} frames do not fit into '{}'; put %04d into its name", frames,
+                   name.text());
   }
   return {};
 }
@@ -36,11 +36,9 @@ Status checkMemory(const VolumeInfo& info, std::uint64_t maxMemory) {
   const std::uint64_t bytes = 4 * info.frameValues() + 48 * std::uint64_t{info.voxels()};
   if (bytes <= maxMemory)
     return {};
-  return fail(
-      ErrorCode::kTooLarge,
-      "a frame of {} x {} x {} voxels needs {} MiB of memory, more than the {} MiB allowed; "
-      "raise --max-memory",
-      info.x, info.y, info.z, (bytes >> 20) + 1, maxMemory >> 20);
+  return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+              "a frame of {} x {} x {} voxels needs {} MiB of memory, more than the {} MiB allowed",
+              info.x, info.y, info.z, (bytes >> 20) + 1, maxMemory >> 20);
 }
 
 /// One channel becomes three.
@@ -66,10 +64,10 @@ Result<std::vector<std::string>> projectedPictures(const ProjectedFrames& subjec
       const std::string picture = own.image.empty() ? "" : frameFile(own.image, number);
       for (const std::string& kept : {picture, own.background.string(), own.mask.string()}) {
         if (!kept.empty() && std::filesystem::exists(target) && isSameFile(target, kept)) {
-          return fail(ErrorCode::kInvalidArgument,
-                      "output: {} is a picture of the capture (camera {}) and would be replaced; "
-                      "give another name, or remove it first",
-                      target, camera.name);
+          return failFor("output", ErrorCode::kInvalidArgument,
+                         "{} is a picture of the capture (camera {}) and would be replaced; "
+                         "give another name, or remove it first",
+                         target, camera.name);
         }
       }
       targets.push_back(target);
@@ -94,8 +92,8 @@ Status projectFrames(ProjectedFrames& subject, const Capture& capture, const Ima
     const auto colour = inColour(values, info.channels);
     for (const CaptureCamera& camera : capture.cameras) {
       if (progress.cancelled())
-        return fail(ErrorCode::kCancelled, "stopped: frame {}, camera {} was not written", number,
-                    camera.name);
+        return failFor("stopped", ErrorCode::kCancelled, "frame {}, camera {} was not written",
+                       number, camera.name);
       const Image image =
           projectVolume(colour, geometry, subject.basis, camera.camera, raysPerPixel);
       VOLUTE_TRY(writeImage(name.file(camera.name, number), image));

@@ -84,7 +84,7 @@ class CoarseProgress final : public Progress {
 
   void report(std::string_view, double, double) override { whole_.report("coarse volume", 0, 0); }
 
-  void remark(std::string_view message) override { whole_.remark(message); }
+  void remark(const Remark& remark) override { whole_.remark(remark); }
 
   bool cancelled() const override { return whole_.cancelled(); }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/cancel_only.hpp"
@@ -43,8 +44,11 @@ class FrameProgress final : public Progress {
 
   void detail(std::string_view text) override { detail_ = text; }
 
-  void remark(std::string_view message) override {
-    whole_.remark(fmt::format("frame {}: {}", number_, message));
+  void remark(const Remark& remark) override {
+    Remark ofFrame = remark;
+    ofFrame.sentence = fmt::format("frame {}: {}", number_, remark.sentence);
+    ofFrame.place = fmt::format("frame {}", number_);
+    whole_.remark(ofFrame);
   }
 
   bool cancelled() const override { return whole_.cancelled(); }
@@ -151,7 +155,9 @@ void ReconstructedFrames::warn(const std::string& text) {
   if (shown_.insert(kind).second) {
     progress_.remark("warning: " + text);
   } else if (!more_) {
-    progress_.remark("warning: it is so in more frames; --report writes them all");
+    progress_.remark({RemarkCode::kDoubtful,
+                      "warning: it is so in more frames",
+                      {Hint::set("report").so("writes them all")}});
     more_ = true;
   }
 }
@@ -257,7 +263,8 @@ Result<std::vector<std::string>> ReconstructedFrames::examine(const FrameViews& 
                                                               const PictureFindings& findings) {
   std::vector<std::string> warnings = findings.warnings;
   if (!findings.faults.empty() && !settings_.force)
-    return fail(ErrorCode::kInvalidData, "{} (--force goes on)", findings.faults.front());
+    return fail(ErrorCode::kInvalidData, Hint::set("force").so("goes on"), "{}",
+                findings.faults.front());
   warnings.insert(warnings.end(), findings.faults.begin(), findings.faults.end());
   if (findings.dark)
     warnings.push_back(fmt::format("frame {}: no camera sees any {}; the volume is 0", views.frame,

@@ -2,7 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/reconstruction_report.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "volute/report/json.hpp"
 #include "volute/tomography/layout.hpp"

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/singular_values.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/checksum.hpp"
 #include "volute/base/input_file.hpp"

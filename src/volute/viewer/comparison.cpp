@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "volute/viewer/error_text.hpp"
+
 namespace volute {
 
 Status Comparison::begin(const std::string& path, const PictureMakers& makers) {
@@ -31,7 +33,7 @@ void Comparison::update(const PictureRequest& request, double time) {
     document.loader().request(time);
   document.loader().setOpenGl(picture.mayUseGl(request.renderer));
   if (const Status drawn = picture.update(request); !drawn)
-    document.refuseScene(drawn.error().message);
+    document.refuseScene(viewerText(drawn.error()));
 }
 
 bool Comparison::settled(const PictureRequest& request) const {

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 // How files get in and changes out: the empty window, the list, the questions; and the hands on the
 // camera that need no panel.
+#include <nlohmann/json.hpp>
+
 #include "volute/viewer/controls_testing.hpp"
 
 namespace volute {

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 // Where media are, when, and how fog thins with height; volumes as billboards; units that were
 // taken wrongly. Driven by the input layer.
+#include <nlohmann/json.hpp>
+
 #include "volute/viewer/controls_testing.hpp"
 #include "volute/viewer/scene_document.hpp"
 

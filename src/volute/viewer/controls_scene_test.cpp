@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // Signs and lights that come and go, and painted fog that is not lost: driven by the input layer.
+#include <nlohmann/json.hpp>
+
 #include "volute/viewer/controls_testing.hpp"
 
 namespace volute {

@@ -3,6 +3,8 @@
 // What of a file is shown: choices that its fields and files offer; several files in one scene.
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
+
 #include "volute/viewer/controls_testing.hpp"
 
 namespace volute {

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 // The maps of fog in a SceneDocument that a person paints.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "volute/io/image_file.hpp"
 #include "volute/media/fog/fog_scene_medium.hpp"

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "volute/base/thread_priority.hpp"
+#include "volute/viewer/error_text.hpp"
 
 namespace volute {
 namespace {
@@ -405,7 +406,7 @@ bool Loader::openNow(const std::string& path) {
   path_ = path;
   if (!document) {
     if (document.error().code != ErrorCode::kCancelled)
-      state_.error = document.error().message;
+      state_.error = viewerText(document.error());
     return false;
   }
   state_.error.clear();
@@ -440,7 +441,7 @@ void Loader::changeNow(const DocumentChange& what) {
   const std::lock_guard lock(mutex_);
   opened_.swap(info);
   if (!done) {
-    state_.error = done.error().message;
+    state_.error = viewerText(done.error());
     return;
   }
   state_.error.clear();
@@ -494,7 +495,7 @@ void Loader::deliver(Result<ViewScene> scene, double time, bool coarse) {
     if (std::exchange(errorIsOfScene_, false))
       state_.error.clear();
   } else if (scene.error().code != ErrorCode::kCancelled) {
-    state_.error = scene.error().message;
+    state_.error = viewerText(scene.error());
     errorIsOfScene_ = true;
   }
 }

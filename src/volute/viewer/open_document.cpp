@@ -18,9 +18,9 @@ Result<std::unique_ptr<Document>> openCaptureAt(const std::string& path,
   const std::size_t n = times.size();
   if (options.beginAt && path == options.file && n > 1 &&
       *options.beginAt > 2 * times[n - 1] - times[n - 2]) {
-    return fail(ErrorCode::kInvalidArgument,
-                "time: {:g} s is past the end: {} has {} frames from {:g} to {:g} s",
-                *options.beginAt, path, n, times.front(), times.back());
+    return failFor("time", ErrorCode::kInvalidArgument,
+                   "{:g} s is past the end: {} has {} frames from {:g} to {:g} s", *options.beginAt,
+                   path, n, times.front(), times.back());
   }
   return document;
 }

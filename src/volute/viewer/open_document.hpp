@@ -20,7 +20,8 @@ struct DocumentOptions {
   std::string file{};                                ///< that `members` are said of
   /// Of its entry in a scene, where it is a file alone.
   nlohmann::ordered_json members = nlohmann::ordered_json::object();
-  std::optional<LightCache> lightCache{};  ///< where light of lamps in smoke is looked for and kept
+  std::shared_ptr<const LightCache>
+      lightCache{};  ///< where light of lamps in smoke is looked for and kept
   GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
   std::optional<double> beginAt{};  ///< [s] `file` must have something there
   std::vector<std::string> more{};  ///< files that are shown beside `file`

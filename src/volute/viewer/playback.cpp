@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/viewer/error_text.hpp"
+
 namespace volute {
 namespace {
 
@@ -81,7 +83,7 @@ void Playback::beginFilm(const FilmOrder& order, const PictureMakers& makers) {
   timeline_.play(false);
   auto film = FilmExport::begin(order, makers);
   if (!film)
-    return document_.say(film.error().message);
+    return document_.say(viewerText(film.error()));
   film_ = std::move(*film);
   document_.loader().freeze();
 }
@@ -117,10 +119,10 @@ void Playback::goOnWithFilm(const ViewPicture& picture) {
         {.time = *wanted, .openGl = picture.mayUseGl(film_->order().renderer)});
   }
   if (filmScene_ && !*filmScene_)
-    return endFilm(fmt::format("{}: {}", film_->order().target, filmScene_->error().message));
+    return endFilm(fmt::format("{}: {}", film_->order().target, viewerText(filmScene_->error())));
   const bool there = wanted && filmScene_ && (*filmScene_)->time == *wanted;
   if (const Status done = film_->step(there ? (*filmScene_)->scene : nullptr); !done)
-    endFilm(done.error().message);
+    endFilm(viewerText(done.error()));
 }
 
 }  // namespace volute

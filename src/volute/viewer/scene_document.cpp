@@ -2,11 +2,15 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/scene_document.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/remark_log.hpp"
 #include "volute/base/write_file.hpp"
+#include "volute/lighting/light_memory.hpp"
 #include "volute/scene/scene_end.hpp"
 #include "volute/scene/scene_names.hpp"
 #include "volute/viewer/recovery.hpp"
@@ -95,9 +99,10 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
   if (options.beginAt && path == options.file)
     VOLUTE_TRY(checkSceneTime(opened, *options.beginAt));
   std::unique_ptr<SceneDocument> document(new SceneDocument(path, std::move(opened), options));
-  document->sceneRemarks_ = heard.remarks();
+  document->sceneRemarks_ = heard.sentences();
   for (const auto& medium : document->scene_.media()) {
-    for (const std::string& remark : medium->remarks) std::erase(document->sceneRemarks_, remark);
+    for (const Remark& remark : medium->remarks)
+      std::erase(document->sceneRemarks_, remark.sentence);
   }
   if (path == options.file) {
     for (const std::string& more : options.more) {
@@ -125,7 +130,7 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
 std::vector<std::string> SceneDocument::remarks() const {
   std::vector<std::string> remarks = sceneRemarks_;
   for (const auto& medium : scene_.media())
-    remarks.insert(remarks.end(), medium->remarks.begin(), medium->remarks.end());
+    for (const Remark& remark : medium->remarks) remarks.push_back(remark.sentence);
   if (!scene_.assumption().empty())
     remarks.push_back(scene_.assumption());
   for (std::string& remark : remarks) remark = withoutPlace(std::move(remark), path_);

@@ -3,6 +3,7 @@
 // The part of a SceneDocument that is one instant of it.
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "volute/gl/gl_part.hpp"

@@ -4,6 +4,7 @@
 // way is up, what is under the pointer, what has just been done.
 #include <imgui.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

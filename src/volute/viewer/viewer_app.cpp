@@ -12,6 +12,7 @@
 #include "volute/base/stopwatch.hpp"
 #include "volute/base/thread_priority.hpp"
 #include "volute/scene/scene.hpp"
+#include "volute/viewer/error_text.hpp"
 #include "volute/viewer/panels.hpp"
 
 namespace volute {
@@ -156,7 +157,7 @@ void ViewerApp::takeFile(const std::string& path) {
   if (!document_.choosesToCompare())
     return leaving_.leaveFor(path);
   if (const Status begun = comparison_.begin(path, view_.picture().makers()); !begun)
-    document_.say(begun.error().message);
+    document_.say(viewerText(begun.error()));
 }
 
 void ViewerApp::saveScene() {

@@ -66,8 +66,8 @@ class Window {
   static Result<std::unique_ptr<Window>> create(int width, int height) {
     std::unique_ptr<Window> window(new Window);
     if (!glfwInit()) {
-      return fail(ErrorCode::kUnsupported,
-                  "no display to open a window; --screenshot OUT.png needs none");
+      return fail(ErrorCode::kUnsupported, Hint::set("screenshot").so("needs none"),
+                  "no display to open a window");
     }
     window->started_ = true;
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);

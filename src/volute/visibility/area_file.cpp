@@ -2,9 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/visibility/area_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/suggest.hpp"
 #include "volute/io/json_file.hpp"

@@ -2,10 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/visibility/criteria_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "volute/base/suggest.hpp"

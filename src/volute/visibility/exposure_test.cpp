@@ -259,7 +259,7 @@ TEST(Rset, IsANumberAMapOrPeople) {
   EXPECT_THAT(Rset::parse("x,y,rset\n1,2,-20\n", "m.csv").error().message,
               HasSubstr("line 2: rset is -20 s; expected 0 or more"));
   EXPECT_EQ(Rset::read("45.5", 100).value().at(points, 1)[0], 45.5);
-  EXPECT_THAT(Rset::read("-1", 100).error().message, HasSubstr("rset: -1: expected seconds >= 0"));
+  EXPECT_THAT(Rset::read("-1", 100).error().message, HasSubstr("-1: expected seconds >= 0"));
   EXPECT_EQ(Rset::read("none.csv", 100).error().code, ErrorCode::kNotFound);
   const Box3 room{Vec3(0, 0, 0), Vec3(9, 4, 3)};
   EXPECT_EQ(map.placesBeside(room), "");

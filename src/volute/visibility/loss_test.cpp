@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "volute/visibility/eyes.hpp"
 #include "volute/visibility/testing.hpp"

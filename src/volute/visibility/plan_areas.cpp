@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "volute/base/write_file.hpp"
@@ -402,9 +403,9 @@ Status addRequired(const Survey& survey, double height, Progress& progress, Plan
                     height, missing, names));
     return {};
   }
-  return fail(ErrorCode::kInvalidArgument,
-              "rset: no room or area of the plan at z = {:g} m is named {}; expected some of {}",
-              height, missing, names);
+  return failFor("rset", ErrorCode::kInvalidArgument,
+                 "no room or area of the plan at z = {:g} m is named {}; expected some of {}",
+                 height, missing, names);
 }
 
 }  // namespace

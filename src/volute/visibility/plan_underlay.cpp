@@ -88,7 +88,7 @@ Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const Underl
       origin = options.min - begin;
       remarks.push_back(fmt::format(
           "{}: lies apart from the case, from ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) m; its lower "
-          "left corner is moved to the case's (--underlay-bounds places it)",
+          "left corner is moved to the case's",
           name, begin.x(), begin.y(), end.x(), end.y()));
     }
   }

@@ -3,6 +3,7 @@
 #include "volute/visibility/plan_values.hpp"
 
 #include <limits>
+#include <nlohmann/json.hpp>
 
 namespace volute {
 namespace {

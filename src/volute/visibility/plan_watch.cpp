@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "volute/base/parallel.hpp"
@@ -42,11 +45,10 @@ class PlanWatch final : public Watch {
       }
     }
     if (eyes_.empty()) {
-      return fail(
-          ErrorCode::kInvalidArgument,
-          "--height: nobody can look from z = {:g} m: the case knows smoke between z = {:g} "
-          "and {:g} m; expected a height where there is gas",
-          survey.height, survey.bounds.min[2], survey.bounds.max[2]);
+      return failFor("height", ErrorCode::kInvalidArgument,
+                     "nobody can look from z = {:g} m: the case knows smoke between z = {:g} "
+                     "and {:g} m; expected a height where there is gas",
+                     survey.height, survey.bounds.min[2], survey.bounds.max[2]);
     }
     const auto ofSmoke = std::ranges::count_if(survey.criteria, [](const Criterion& one) {
       return !one.law && one.quantity == Air::kExtinction;
@@ -68,15 +70,18 @@ class PlanWatch final : public Watch {
     excludeAreas();
     if (survey.maps == Survey::Maps::kSome && survey.times.size() > Survey::kPicturedTimes) {
       progress.remark(
-          fmt::format("maps are drawn at {} of the {} stored times, and written as values (.vti) "
-                      "at all; --maps "
-                      "all draws all, --maps aset leaves both out",
-                      Survey::kPicturedTimes, survey.times.size()));
+          {RemarkCode::kNote,
+           fmt::format("maps are drawn at {} of the {} stored times, and written as values (.vti) "
+                       "at all",
+                       Survey::kPicturedTimes, survey.times.size()),
+           {Hint::set("maps", "all").so("draws all"), Hint::set("maps", "aset").so("draws none")}});
     } else if (survey.maps == Survey::Maps::kAll &&
                survey.signs.size() * survey.times.size() > 2000) {
-      progress.remark(fmt::format(
-          "{} maps are drawn; --maps some draws {} times of each sign, --frames takes fewer times",
-          survey.signs.size() * survey.times.size(), Survey::kPicturedTimes));
+      progress.remark({RemarkCode::kNote,
+                       fmt::format("{} maps are drawn", survey.signs.size() * survey.times.size()),
+                       {Hint::set("maps", "some")
+                            .so(fmt::format("draws {} times of each sign", Survey::kPicturedTimes)),
+                        Hint::set("frames").so("takes fewer times")}});
     }
     std::vector<std::vector<std::size_t>> members;
     for (const SignSet& set : survey.sets) members.push_back(set.members);

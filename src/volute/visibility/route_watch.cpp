@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "volute/io/image_file.hpp"
@@ -48,11 +49,11 @@ class RouteWatch final : public Watch {
     const auto lost =
         std::ranges::count_if(places, [](Place place) { return place != Place::kGas; });
     if (lost == static_cast<std::ptrdiff_t>(eyes_.size())) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "--route: no point of the routes is where the case has smoke, {:g} .. {:g}, {:g} "
-                  ".. {:g}, {:g} .. {:g} m; check the coordinates and --height",
-                  survey.bounds.min[0], survey.bounds.max[0], survey.bounds.min[1],
-                  survey.bounds.max[1], survey.bounds.min[2], survey.bounds.max[2]);
+      return failFor("route", ErrorCode::kInvalidArgument, Hint::set("height"),
+                     "no point of the routes is where the case has smoke, {:g} .. {:g}, {:g} "
+                     ".. {:g}, {:g} .. {:g} m; check the coordinates",
+                     survey.bounds.min[0], survey.bounds.max[0], survey.bounds.min[1],
+                     survey.bounds.max[1], survey.bounds.min[2], survey.bounds.max[2]);
     }
     if (lost > 0)
       progress.remark(fmt::format(

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/visibility/rset.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -165,8 +167,8 @@ Result<Rset> Rset::read(const std::string& secondsOrFile, std::uint64_t most) {
   if (readNumber(secondsOrFile, seconds)) {
     if (seconds >= 0)
       return Rset(seconds);
-    return fail(ErrorCode::kInvalidArgument, "rset: {}: expected seconds >= 0, or a file",
-                secondsOrFile);
+    return failFor("rset", ErrorCode::kInvalidArgument, "{}: expected seconds >= 0, or a file",
+                   secondsOrFile);
   }
   VOLUTE_ASSIGN(const auto text, readText(secondsOrFile, most));
   return parse(text, secondsOrFile);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/write_file.hpp"
 #include "volute/io/image_file.hpp"

@@ -143,10 +143,9 @@ class SightPacker {
           std::pair(ZSTD_c_jobSize, kJob)}) {
       if (const auto code = ZSTD_CCtx_setParameter(context.get(), parameter, value);
           ZSTD_isError(code) != 0) {
-        return fail(
-            ErrorCode::kUnsupported,
-            "sight.csv.zst: Zstandard was built here without threads ({}); choose --sight csv",
-            ZSTD_getErrorName(code));
+        return fail(ErrorCode::kUnsupported, Hint::set("sight", "csv"),
+                    "sight.csv.zst: Zstandard was built here without threads ({})",
+                    ZSTD_getErrorName(code));
       }
     }
     return context;

@@ -25,7 +25,7 @@ Result<SightEngine> SightEngine::open(std::shared_ptr<SightField> field,
                                       std::span<const Criterion> criteria, Progress& progress) {
   SightEngine engine;
   engine.field_ = std::move(field);
-  for (const std::string& remark : engine.field_->remarks()) progress.remark(remark);
+  for (const Remark& remark : engine.field_->remarks()) progress.remark(remark);
   VOLUTE_ASSIGN(const auto first, engine.stored(0));
   VOLUTE_ASSIGN(engine.signs_, placeSigns(*first, signs, engine.field_->bounds(), progress));
   const ExposureMeter meter(AirField::open(*engine.field_, criteria), criteria, 0);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/suggest.hpp"
 #include "volute/io/json_values.hpp"

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/read_text.hpp"
 #include "volute/base/write_file.hpp"

@@ -2,11 +2,14 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/visibility/survey_job.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "volute/base/ordered_delivery.hpp"
@@ -39,7 +42,7 @@ Result<std::vector<SignSet>> setsOf(const SurveyRequest& request) {
     for (const std::string& name : names) {
       const auto found = std::ranges::find(request.signs, name, &SafetySign::name);
       if (found == request.signs.end())
-        return fail(ErrorCode::kInvalidArgument, "--set: no sign is named '{}'", name);
+        return failFor("set", ErrorCode::kInvalidArgument, "no sign is named '{}'", name);
       set.members.push_back(static_cast<std::size_t>(found - request.signs.begin()));
     }
     sets.push_back(std::move(set));
@@ -134,7 +137,7 @@ class Job {
                   "most {} together: take fewer frames",
                   survey_.times.size(), changes_.size(), SignLoss::kMaxTimes);
     }
-    for (const std::string& remark : field_.remarks()) log_.remark(remark);
+    for (const Remark& remark : field_.remarks()) log_.remark(remark);
     for (const std::string& remark : request_.remarks) log_.remark(remark);
     VOLUTE_TRY(team_.agree(openFolder()));
     VOLUTE_TRY(shareFolder());
@@ -379,7 +382,7 @@ class Job {
     VOLUTE_ASSIGN(page_.body, watch_.finish(page_.report));
     VOLUTE_ASSIGN(const auto views, pictures_.finish(survey_, page_.report));
     page_.body += views;
-    page_.report["remarks"] = log_.remarks();
+    page_.report["remarks"] = log_.sentences();
     if (watch_.hasPage()) {
       VOLUTE_TRY(writeSurveyPage(folder_->path() / "report.html", page_));
       if (request_.pdf) {
@@ -387,7 +390,7 @@ class Job {
             printPdf(folder_->path() / "report.html", folder_->path() / "report.pdf");
         if (!printed) {
           log_.remark(printed.error().message);
-          page_.report["remarks"] = log_.remarks();
+          page_.report["remarks"] = log_.sentences();
         }
       }
     }

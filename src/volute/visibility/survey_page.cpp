@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "volute/report/line_plot.hpp"
 #include "volute/report/page.hpp"

@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 
 class Remarks final : public Progress {
  public:
-  void remark(std::string_view text) override { text_ += text; }
+  void remark(const Remark& remark) override { text_ += remark.sentence; }
 
   std::string text_;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <span>
@@ -244,10 +245,12 @@ class TrajectoryWatch final : public Watch {
     noteEnds();
     report["sources"] = sourcesJson(*survey_, meter_ ? &*meter_ : nullptr);
     if (!outside_.empty()) {
-      progress_->remark(fmt::format(
-          "{} of {} people are at some stored time inside something solid or where the case has no "
-          "smoke, the first of them {}: check their coordinates and --height",
-          outside_.size(), people_.people(), *outside_.begin()));
+      progress_->remark(
+          {RemarkCode::kDoubtful,
+           fmt::format("{} of {} people are at some stored time inside something solid or where "
+                       "the case has no smoke, the first of them {}: check their coordinates",
+                       outside_.size(), people_.people(), *outside_.begin()),
+           {Hint::set("height")}});
     }
     if (meter_) {
       report["tenability"]["ids"] = std::vector<int>(people_.ids().begin(), people_.ids().end());

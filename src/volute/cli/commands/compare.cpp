@@ -3,6 +3,7 @@
 #include "volute/image/compare.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/file_kind.hpp"

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <nlohmann/json.hpp>
+
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/file_kind.hpp"
 #include "volute/cli/ranks.hpp"
@@ -52,13 +54,13 @@ Status runExtract(const Arguments& arguments, Context& context) {
                       ? extractFds(path, target, request, extracted, context)
                       : extractVolute(path, target, request, extracted, context, context.team);
   if (!status && status.error().code == ErrorCode::kTooLarge && !request.region)
-    status.error().message += "; choose a part with --region, or raise --max-memory";
-  VOLUTE_TRY(namingOptions(std::move(status), arguments));
+    status.error().hints = {Hint::set("region").so("takes a part"), Hint::raise("max_memory")};
+  VOLUTE_TRY(std::move(status));
   if (!several)
     return {};
   VOLUTE_TRY(writeStats(arguments, context, {{"outputs", outputs}}));
   if (context.json)
-    context.print(dumpJson({{"outputs", outputs}}));
+    context.printJson({{"outputs", outputs}});
   return {};
 }
 

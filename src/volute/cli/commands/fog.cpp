@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "volute/base/stopwatch.hpp"
@@ -209,7 +211,7 @@ Status runFog(const Arguments& arguments, Context& context) {
     const FogFrame names{0, arguments.get<std::string>("color"),
                          arguments.get<std::string>("depth"), arguments.get<std::string>("camera")};
     VOLUTE_ASSIGN(const auto range, rangeOf(arguments, names.color));
-    VOLUTE_ASSIGN(const auto frames, namingOptions(fogFrames(names, range), arguments));
+    VOLUTE_ASSIGN(const auto frames, fogFrames(names, range));
     if (frames.size() > 1 && !isFilmPath(target) && !namesSeries(target)) {
       return fail(ErrorCode::kInvalidArgument,
                   "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",

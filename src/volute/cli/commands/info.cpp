@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <nlohmann/json.hpp>
+
 #include "volute/capture/capture_report.hpp"
 #include "volute/capture/open_capture.hpp"
 #include "volute/cli/commands/commands.hpp"
@@ -15,7 +17,7 @@ namespace {
 Status showGl(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto report, describeGl());
   if (context.json && arguments.positionals().empty())
-    context.print(dumpJson(report.json()));
+    context.printJson(report.json());
   else if (context.json)
     return fail(ErrorCode::kInvalidArgument, "--gl with --json takes no FILE");
   else
@@ -49,8 +51,7 @@ Status runInfo(const Arguments& arguments, Context& context) {
       context.print(fmt::format("{}{}", files.size() > 1 ? "\n" : "", found.report.text()));
   }
   if (context.json)
-    context.print(
-        dumpJson(paths.size() == 1 ? files[0] : nlohmann::ordered_json{{"files", files}}));
+    context.printJson(paths.size() == 1 ? files[0] : nlohmann::ordered_json{{"files", files}});
   if (damaged)
     return fail(ErrorCode::kInvalidData, "parts are damaged or cannot be used; the rest was shown");
   return {};

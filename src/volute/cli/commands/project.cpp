@@ -69,8 +69,7 @@ Status runProject(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto capture, openCalibration(arguments.positional(1), options));
   remarkOn(capture, context);
   VOLUTE_ASSIGN(auto subject, openSubject(arguments.positional(0), arguments, capture, context));
-  VOLUTE_ASSIGN(const auto targets,
-                namingOptions(projectedPictures(subject, capture, name), arguments));
+  VOLUTE_ASSIGN(const auto targets, projectedPictures(subject, capture, name));
   for (const std::string& target : targets) VOLUTE_TRY(checkTarget(target));
   const VolumeInfo& info = subject.source->info();
   Capture placed = capture;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/file_name.hpp"
 #include "volute/base/write_file.hpp"
@@ -128,9 +129,8 @@ Result<std::vector<std::string>> heldOutOf(const Arguments& arguments, bool& inT
 Result<VolumeWriter> openWriter(std::vector<WrittenGrid> grids, const std::string& target,
                                 const std::string& from, const Arguments& arguments,
                                 Context& context) {
-  return namingOptions(VolumeWriter::open(std::move(grids), target, "reconstructed from " + from,
-                                          context, context.team),
-                       arguments);
+  return VolumeWriter::open(std::move(grids), target, "reconstructed from " + from, context,
+                            context.team);
 }
 
 /// What leaving out each camera said, and the file of error bars.
@@ -145,9 +145,7 @@ Status addRotation(HoldOutRotation& rotation, const Arguments& arguments, const 
   const auto file = arguments.find<std::string>("error-bars");
   if (!file)
     return {};
-  VOLUTE_ASSIGN(
-      auto sink,
-      namingOptions(createSink(*file, rotation.errorBars().info(), {.orVolute = true}), arguments));
+  VOLUTE_ASSIGN(auto sink, createSink(*file, rotation.errorBars().info(), {.orVolute = true}));
   return copyFrames(rotation.errorBars(), *sink, "writing error bars", context.progress);
 }
 

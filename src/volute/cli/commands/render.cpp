@@ -109,7 +109,7 @@ Result<std::unique_ptr<SceneRenderer>> rendererOf(const Arguments& arguments, bo
     auto renderer = openGlRenderer(name == "auto", method);
     if (renderer || name == "gl") {
       if (!renderer)
-        renderer.error().message += "; or choose --renderer cpu";
+        renderer.error().hints = {Hint::set("renderer", "cpu")};
       return renderer;
     }
   }
@@ -135,7 +135,7 @@ Result<std::optional<Contour>> contourOf(const Arguments& arguments, const Scene
     contour.visibility = *surface;
   }
   contour.c = scene.law().c;
-  VOLUTE_TRY(namingOptions(checkContour(contour, scene), arguments));
+  VOLUTE_TRY(checkContour(contour, scene));
   return contour;
 }
 
@@ -238,7 +238,7 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target,
         "--frames");
   }
   VOLUTE_ASSIGN(job.contour, contourOf(arguments, scene));
-  VOLUTE_TRY(namingOptions(prepare(job, request, context.maxMemory, context.progress), arguments));
+  VOLUTE_TRY(prepare(job, request, context.maxMemory, context.progress));
   if (!job.reason.empty())
     context.progress.remark(job.reason + "; --time or --frames choose others");
   remarkOnCamera(job, context.progress);
@@ -289,7 +289,7 @@ Status runRender(const Arguments& arguments, Context& context) {
     VOLUTE_TRY(checkFolderIsShared(target, context.team));
   VOLUTE_ASSIGN(const auto request, requestOf(arguments, target));
   VOLUTE_ASSIGN(auto job, makeJob(arguments, target, request, context));
-  VOLUTE_ASSIGN(auto development, namingOptions(developmentOf(request, job), arguments));
+  VOLUTE_ASSIGN(auto development, developmentOf(request, job));
   VOLUTE_ASSIGN(development.film, filmStyleOf(arguments, target));
   VOLUTE_TRY(
       writeFilm(job, target, development, context.maxMemory, context.progress, context.team));
@@ -302,7 +302,7 @@ Status runRender(const Arguments& arguments, Context& context) {
         .add("tone", std::string(nameOf(development.style.tone)));
     auto json = report.json();
     json.update(stats);
-    context.print(dumpJson(json));
+    context.printJson(std::move(json));
   }
   return {};
 }

@@ -90,10 +90,8 @@ Status writeVolumes(const Arguments& arguments, Report& report, Context& context
   }
   const std::string provenance =
       fmt::format("synthesized {}, seed {}", arguments.positional(0), arguments.get<int>("seed"));
-  VOLUTE_ASSIGN(auto writer,
-                namingOptions(VolumeWriter::open({{source.get(), arguments.get<double>("rms")}},
-                                                 target, provenance, context, context.team),
-                              arguments));
+  VOLUTE_ASSIGN(auto writer, VolumeWriter::open({{source.get(), arguments.get<double>("rms")}},
+                                                target, provenance, context, context.team));
   report.add("output", target);
   addSize(report, info);
   report.add("channels", info.channels, fmt::format("{}", info.channels));

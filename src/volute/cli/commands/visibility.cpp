@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "volute/base/read_text.hpp"
@@ -202,8 +204,7 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   VOLUTE_ASSIGN(request.profile, criteriaOf(arguments.get<std::string>("criteria")));
   request.survey.criteria = request.profile.criteria;
   if (const auto rset = arguments.find<std::string>("rset")) {
-    VOLUTE_ASSIGN(request.survey.rset,
-                  namingOptions(Rset::read(*rset, context.maxMemory / 16), arguments));
+    VOLUTE_ASSIGN(request.survey.rset, Rset::read(*rset, context.maxMemory / 16));
     VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
     for (std::string& remark : request.survey.rset->remarks(heights))
       request.remarks.push_back(std::move(remark));

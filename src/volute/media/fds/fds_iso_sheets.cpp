@@ -168,8 +168,8 @@ Result<std::vector<AnyMedium>> FdsIsoSheets::stored(double time) const {
     constexpr std::uint64_t kInMemory = 12;  // times as large as in the file, with a tree of boxes
     bytes += kInMemory * file->bytesOf(frame);
     if (maxMemory_ > 0 && bytes > maxMemory_) {
-      return fail(ErrorCode::kTooLarge,
-                  "isosurfaces of {} at {:g} s need {} MiB or more, and --max-memory is {} MiB",
+      return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+                  "isosurfaces of {} at {:g} s need {} MiB or more, more than the {} MiB allowed",
                   quantity_, file->frames().times[frame], bytes >> 20, maxMemory_ >> 20);
     }
     VOLUTE_ASSIGN(FdsIsoFrame read, file->readFrame(frame));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_files.hpp"
@@ -67,7 +68,7 @@ void addDevices(Report& report, const SmvIndex& index) {
     }
   }
   if (list.size() > kShown)
-    text += fmt::format("\n  and {} more (--json lists all)", list.size() - kShown);
+    text += fmt::format("\n  and {} more (JSON lists all)", list.size() - kShown);
   report.add("devices", list, text);
 }
 

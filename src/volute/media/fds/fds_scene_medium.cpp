@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/parallel.hpp"
 #include "volute/base/remark_log.hpp"

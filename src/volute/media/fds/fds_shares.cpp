@@ -40,9 +40,9 @@ Status checkShares(const SmokeDescription& description, const SmvIndex& index, i
       const Vec3 common = one.max.cwiseMin(other.max) - one.min.cwiseMax(other.min);
       if (shareOf[a] == shareOf[b] || common.minCoeff() < kTouch)
         continue;
-      return fail(ErrorCode::kUnsupported,
+      return fail(ErrorCode::kUnsupported, Hint::set("fire", "0").so("leaves the fire out"),
                   "{}: meshes {} and {} overlap, so two ranks cannot hold one each where there is "
-                  "fire: leave the fire out (--fire 0), or start fewer ranks",
+                  "fire; start fewer ranks",
                   description.file, a + 1, b + 1);
     }
   }

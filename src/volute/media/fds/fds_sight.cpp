@@ -493,8 +493,8 @@ std::string FdsSight::description() const {
   return text;
 }
 
-std::vector<std::string> FdsSight::remarks() const {
-  std::vector<std::string> remarks(case_.remarks().begin(), case_.remarks().end());
+std::vector<Remark> FdsSight::remarks() const {
+  std::vector<Remark> remarks(case_.remarks().begin(), case_.remarks().end());
   for (const FdsCase& other : others_) {
     if (isBeyond(other.times(), case_.times())) {
       remarks.push_back(fmt::format(

@@ -79,7 +79,7 @@ class FdsSight final : public SightField {
 
   std::string tallerSource() const override;
 
-  std::vector<std::string> remarks() const override;
+  std::vector<Remark> remarks() const override;
 
   std::span<const double> times() const override { return times_; }
 

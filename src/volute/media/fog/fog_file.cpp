@@ -2,10 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fog/fog_file.hpp"
 
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "volute/base/number_word.hpp"
 #include "volute/media/clock_fields.hpp"
+#include "volute/media/field_members.hpp"
 #include "volute/media/fog/fog_parameters.hpp"
 
 namespace volute {

@@ -380,7 +380,7 @@ Result<std::vector<FogFrame>> fogFrames(const FogFrame& names,
       frames.back().number = number;
     }
     if (frames.empty())
-      return fail(ErrorCode::kInvalidArgument, "frames: no picture is chosen");
+      return failFor("frames", ErrorCode::kInvalidArgument, "no picture is chosen");
     return frames;
   }
   const FrameRange range = chosen.value_or(FrameRange{});
@@ -396,7 +396,8 @@ Result<std::vector<FogFrame>> fogFrames(const FogFrame& names,
     frames.push_back({file.number, file.path.string(), std::move(depth), std::move(camera)});
   }
   if (frames.empty())
-    return fail(ErrorCode::kInvalidArgument, "frames: no picture of '{}' is chosen", names.color);
+    return failFor("frames", ErrorCode::kInvalidArgument, "no picture of '{}' is chosen",
+                   names.color);
   return frames;
 }
 

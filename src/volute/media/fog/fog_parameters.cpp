@@ -3,6 +3,7 @@
 #include "volute/media/fog/fog_parameters.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace volute {
 namespace {

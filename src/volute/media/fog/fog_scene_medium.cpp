@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fog/fog_scene_medium.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "volute/base/remark_log.hpp"
 #include "volute/fog/polar_fog.hpp"
 #include "volute/io/frame_pattern.hpp"

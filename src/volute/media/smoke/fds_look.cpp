@@ -3,9 +3,11 @@
 #include "volute/media/smoke/fds_look.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/number_word.hpp"
 #include "volute/media/clock_fields.hpp"
+#include "volute/media/field_members.hpp"
 #include "volute/media/smoke/scene_smoke.hpp"
 
 namespace volute {

@@ -25,8 +25,10 @@ Result<std::unique_ptr<MeshSight>> MeshSight::open(MeshSource source,
 
 void MeshSight::remarkOnOthers() {
   if (!otherFields_.empty()) {
-    remarks_.push_back(fmt::format("{}: the field '{}' is read; it also has {} (--field chooses)",
-                                   name_, fieldName_, otherFields_));
+    remarks_.push_back(
+        {RemarkCode::kAssumed,
+         fmt::format("{}: the field '{}' is read; it also has {}", name_, fieldName_, otherFields_),
+         {Hint::choose("field")}});
   }
 }
 
@@ -63,9 +65,9 @@ Result<std::shared_ptr<const SightInstant>> MeshSight::readOwn(std::size_t time)
   model_.extinction(frame.values, density, extinction);
   for (const float value : extinction) {
     if (!std::isfinite(value)) {
-      return fail(ErrorCode::kInvalidData,
+      return fail(ErrorCode::kInvalidData, {Hint::choose("field"), Hint::set("quantity")},
                   "{}: field '{}' at {} s gives an extinction of {} 1/m; a visibility of 0 m has "
-                  "none: check --field and --quantity",
+                  "none",
                   name_, frame.field, times()[time], value);
     }
   }

@@ -34,7 +34,7 @@ class MeshSight final : public SightField {
                        nameOf(model_.quantity));
   }
 
-  std::vector<std::string> remarks() const override { return remarks_; }
+  std::vector<Remark> remarks() const override { return remarks_; }
 
   /// Nobody chose the field.
   void remarkOnOthers();
@@ -60,7 +60,7 @@ class MeshSight final : public SightField {
   std::optional<MeshSource> density_;
   SmokeModel model_;
   std::string name_, fieldName_, otherFields_;
-  std::vector<std::string> remarks_;
+  std::vector<Remark> remarks_;
   std::vector<MeshAirField> air_;
   std::uint64_t maxMemory_ = std::uint64_t{4} << 30;
   std::optional<std::vector<MeshFieldSummary>> fields_;  // when they were asked for

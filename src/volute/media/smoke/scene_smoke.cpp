@@ -3,12 +3,14 @@
 #include "volute/media/smoke/scene_smoke.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include "volute/base/input_file.hpp"
 #include "volute/fds/smv_index.hpp"
 #include "volute/io/mesh_source.hpp"
 #include "volute/media/clock_fields.hpp"
+#include "volute/media/field_members.hpp"
 #include "volute/media/law_field.hpp"
 #include "volute/media/smoke/fds_look.hpp"
 #include "volute/media/smoke/mesh_air.hpp"

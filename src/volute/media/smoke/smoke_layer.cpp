@@ -69,9 +69,10 @@ Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
       reading.progress.remark(unit);
   }
   if (description.field.empty() && !frame.others.empty()) {
-    reading.progress.remark(
-        fmt::format("{}: the field '{}' is read; it also has {} (--field chooses)",
-                    description.file, frame.field, frame.others));
+    reading.progress.remark({RemarkCode::kAssumed,
+                             fmt::format("{}: the field '{}' is read; it also has {}",
+                                         description.file, frame.field, frame.others),
+                             {Hint::choose("field")}});
   }
   return layer;
 }
@@ -245,7 +246,7 @@ std::string SmokeLayer::lightKey(const Step& step, const Lamp& lamp) const {
 }
 
 std::vector<float> SmokeLayer::lightOf(const Step& step, const Lamp& lamp) {
-  const std::optional<LightCache>& cache = lighting_->cache;
+  const LightCache* const cache = lighting_->cache.get();
   LightMemory* const memory = lighting_->memory.get();
   const std::string key = cache || memory ? lightKey(step, lamp) : "";
   std::optional<std::vector<float>> kept;

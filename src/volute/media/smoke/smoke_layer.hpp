@@ -33,10 +33,10 @@ struct SmokeState {
 /// What lights smoke, and where computed light is kept.
 struct SmokeLighting {
   SceneLights lights;
-  std::optional<LightCache> cache;
-  Blocks blocks;                          ///< other opaque things; may be empty
-  std::string blocksKey;                  ///< stands for them in the cache
-  std::shared_ptr<LightMemory> memory{};  ///< asked before the cache; may be null
+  std::shared_ptr<const LightCache> cache{};  ///< may be null
+  Blocks blocks;                              ///< other opaque things; may be empty
+  std::string blocksKey;                      ///< stands for them in the cache
+  std::shared_ptr<LightMemory> memory{};      ///< asked before the cache; may be null
 };
 
 /// What was done, summed over all pictures.

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "volute/io/testing.hpp"
 #include "volute/io/vtu_writer.hpp"
 #include "volute/media/smoke/smoke_parameters.hpp"
@@ -102,7 +104,7 @@ TEST_F(SmokeLayerTest, AnErrorLeavesTheLayerAsItWas) {
 
 TEST_F(SmokeLayerTest, SaysThatSmokeLooksLikeClearAirAndWhichUnitItMayHave) {
   struct Remarks final : Progress {
-    void remark(std::string_view message) override { heard += message; }
+    void remark(const Remark& remark) override { heard += remark.sentence; }
 
     std::string heard;
   };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <initializer_list>
+#include <nlohmann/json.hpp>
 
 #include "volute/media/smoke/smoke_layer.hpp"
 #include "volute/optics/smoke_potential.hpp"

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "volute/base/remark_log.hpp"
@@ -108,7 +109,7 @@ class MeshPicture final : public MediumPicture {
 };
 
 std::shared_ptr<const SmokeLighting> lightingOf(const MediumContext& context) {
-  SmokeLighting lighting{context.lights, std::nullopt, blocksOf(context.geometry),
+  SmokeLighting lighting{context.lights, nullptr, blocksOf(context.geometry),
                          keyOf(context.geometry), context.options.lightMemory};
   if (!context.lights.lamps.empty())
     lighting.cache = context.options.lightCache;

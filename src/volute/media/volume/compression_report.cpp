@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "volute/media/volume/volume_writer.hpp"
 #include "volute/report/json_text.hpp"

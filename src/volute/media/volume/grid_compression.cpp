@@ -32,7 +32,7 @@ class GridProgress final : public Progress {
 
   void detail(std::string_view text) override { next_.detail(text); }
 
-  void remark(std::string_view message) override { next_.remark(message); }
+  void remark(const Remark& remark) override { next_.remark(remark); }
 
   bool cancelled() const override { return next_.cancelled(); }
 
@@ -278,8 +278,8 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
   if (input.raw || (one && input.bounds) || !VolumeGrids::mayBe(path)) {
     if (how.rms.empty())
       return std::nullopt;
-    return fail(ErrorCode::kInvalidArgument,
-                "--rms-of is for several grids, and this is one: say --rms");
+    return failFor("rms_of", ErrorCode::kInvalidArgument, Hint::set("rms"),
+                   "is for several grids, and this is one");
   }
   InputOptions unverified = input;  // who reads it says what is damaged
   unverified.verify = false;
@@ -315,9 +315,8 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
                          !wantsDescription(all[chosen[0]], input.bounds.has_value())))
     return std::nullopt;
   if (input.bounds) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--bounds is for one grid, and {} has {}: choose one with --field", path,
-                all.size());
+    return failFor("bounds", ErrorCode::kInvalidArgument, Hint::choose("field"),
+                   "is for one grid, and {} has {}", path, all.size());
   }
   for (const auto& [name, rms] : how.rms) {
     VOLUTE_ASSIGN(const auto found, grids->choose(name, path));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "volute/grid/fitted_source.hpp"
 #include "volute/media/volume/volume_grids.hpp"

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/codec/extract_source.hpp"
@@ -177,7 +178,8 @@ Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
   if (team.size() == 1) {
     for (std::int64_t i = 0; i < frames; ++i) {
       if (reading.progress.cancelled())
-        return fail(ErrorCode::kCancelled, "stopped: extracting frame {} of {}", i + 1, frames);
+        return failFor("stopped", ErrorCode::kCancelled, "extracting frame {} of {}", i + 1,
+                       frames);
       VOLUTE_TRY(readFrames(sources, static_cast<int>(i), values));
       VOLUTE_TRY(sink->writeFrame(values));
       reading.progress.report("extracting", static_cast<double>(i + 1),
@@ -212,7 +214,8 @@ Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
         const auto at = static_cast<std::size_t>(row);
         for (std::size_t i = begins[at]; i < begins[at + 1]; ++i) {
           if (reading.progress.cancelled())
-            return fail(ErrorCode::kCancelled, "stopped: extracting frame {} of {}", i + 1, frames);
+            return failFor("stopped", ErrorCode::kCancelled, "extracting frame {} of {}", i + 1,
+                           frames);
           VOLUTE_TRY(readFrames(sources, static_cast<int>(i), values));
           OrderedDelivery::Bytes bytes;
           for (const Bricks& grid : values) {
@@ -461,10 +464,9 @@ Status extractVolute(const std::string& path, const std::string& target,
     }
   }
   if (request.region && names.size() > 1) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--region is for one grid, as each has voxels of its own; {} has {}: choose one "
-                "with --field",
-                path, fmt::join(names, ", "));
+    return fail(ErrorCode::kInvalidArgument, Hint::choose("field"),
+                "a region is of one grid, as each has voxels of its own; {} has {}", path,
+                fmt::join(names, ", "));
   }
   const auto turned = [](const VolumeGrid& grid) {
     return grid.description && !grid.description->matrices.empty();
@@ -476,11 +478,10 @@ Status extractVolute(const std::string& path, const std::string& target,
   if (asCache && !each)
     return extractor.cache(names, target, main->info());
   if (names.size() > 1 && !each) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "{} has {} grids ({}), and '{}' holds one: choose one with --field, put {{grid}} into "
-        "the name, or write %04d.vdb files, which hold all",
-        path, names.size(), fmt::join(names, ", "), target);
+    return fail(ErrorCode::kInvalidArgument, Hint::choose("field"),
+                "{} has {} grids ({}), and '{}' holds one: put {{grid}} into "
+                "the name, or write %04d.vdb files, which hold all",
+                path, names.size(), fmt::join(names, ", "), target);
   }
   OutputNames outputs;
   for (const std::string& taken : request.taken) VOLUTE_TRY(outputs.add(taken, "another output"));

@@ -3,7 +3,9 @@
 #include "volute/media/volume/volume_fields.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
+#include "volute/media/field_members.hpp"
 #include "volute/media/placement_parameters.hpp"
 
 namespace volute {

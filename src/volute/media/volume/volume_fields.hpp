@@ -5,7 +5,7 @@
 #include <string>
 
 #include "volute/media/clock_fields.hpp"
-#include "volute/media/field.hpp"
+#include "volute/media/field_members.hpp"
 #include "volute/media/volume/volume_layer.hpp"
 #include "volute/media/volume/volume_preset.hpp"
 #include "volute/render/billboard.hpp"

@@ -129,10 +129,10 @@ Result<std::vector<std::size_t>> VolumeGrids::choose(const std::string& list,
   }
   for (const std::string& name : gridNames(list)) {
     if (name.empty())
-      return fail(ErrorCode::kInvalidArgument, "--field: '{}' has an empty name", list);
+      return failFor("field", ErrorCode::kInvalidArgument, "'{}' has an empty name", list);
     VOLUTE_ASSIGN(const std::size_t index, chooseGrid(entries, name, path));
     if (std::ranges::find(chosen, index) != chosen.end())
-      return fail(ErrorCode::kInvalidArgument, "--field: '{}' names '{}' twice", list, name);
+      return failFor("field", ErrorCode::kInvalidArgument, "'{}' names '{}' twice", list, name);
     chosen.push_back(index);
   }
   return chosen;

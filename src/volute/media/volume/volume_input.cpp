@@ -15,8 +15,8 @@ namespace {
 
 Status refuseVolumeOptions(const std::string& path, const InputOptions& options) {
   if (options.bounds) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{}: a .volute file states its bounds; --bounds is for other inputs", path);
+    return fail(ErrorCode::kInvalidArgument, Hint::leaveOut("bounds"),
+                "{}: a .volute file states its bounds", path);
   }
   return {};
 }
@@ -83,8 +83,10 @@ Result<std::shared_ptr<const VoluteReader>> openGrid(const std::string& path,
     if (grid.info.name != reader->info().name)
       others += (others.empty() ? "" : ", ") + grid.info.name;
   }
-  reading.progress.remark(fmt::format("{}: the grid '{}' is read; it also has {} (--field chooses)",
-                                      path, reader->info().name, others));
+  reading.progress.remark(
+      {RemarkCode::kAssumed,
+       fmt::format("{}: the grid '{}' is read; it also has {}", path, reader->info().name, others),
+       {Hint::choose("field")}});
   return reader;
 }
 
@@ -136,7 +138,7 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
   source.maxMemory = reading.maxMemory;
   source.byLayers = options.byLayers;
   source.raw = options.raw;
-  source.remark = [&](const std::string& text) { reading.progress.remark(text); };
+  source.remark = [&](const Remark& remark) { reading.progress.remark(remark); };
   VOLUTE_ASSIGN(input.source, openSource(path, source));
   if (const auto* placed = dynamic_cast<const PlacedFrames*>(input.source.get()))
     input.places = placed->places();

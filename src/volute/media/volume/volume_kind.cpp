@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // How volumes and billboards are written down, opened and changed by a person.
+#include <nlohmann/json.hpp>
+
 #include "volute/base/remark_log.hpp"
 #include "volute/fds/smv_index.hpp"
 #include "volute/media/light_blockers.hpp"

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/volume/volume_layer.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -219,10 +221,9 @@ Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOption
   VOLUTE_ASSIGN(auto input, openVolume(path, finite, reading));
   const std::uint64_t bytes = 2 * input.source->brickBytes();  // as they are read, and to be drawn
   if (bytes > reading.maxMemory) {
-    return fail(
-        ErrorCode::kTooLarge,
-        "{}: a frame needs {} MiB of memory, more than the {} MiB allowed; raise --max-memory",
-        path, (bytes >> 20) + 1, reading.maxMemory >> 20);
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+                "{}: a frame needs {} MiB of memory, more than the {} MiB allowed", path,
+                (bytes >> 20) + 1, reading.maxMemory >> 20);
   }
   if (const char up = input.source->info().up; up != 0 && up != 'z' && options.stated.up == 0)
     reading.progress.remark(fmt::format("{}: its {} axis points upwards, as it says", path, up));

@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/volume/volume_medium.hpp"
 
+#include <Eigen/LU>
+#include <nlohmann/json.hpp>
+
 #include "volute/media/volume/volume_grids.hpp"
 #include "volute/medium/affine_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
@@ -300,10 +303,8 @@ Result<std::optional<std::string>> VolumeMedium::check(Progress& progress) {
   damaged_ = !integrity.complete();
   if (!damaged_)
     return std::nullopt;
-  const std::string& fault = integrity.firstFault;
-  return fmt::format("{}; {} of {} parts are whole and shown",
-                     fault.substr(0, fault.find("; --partial")), integrity.intactSegments,
-                     integrity.segments);
+  return fmt::format("{}; {} of {} parts are whole and shown", integrity.firstFault,
+                     integrity.intactSegments, integrity.segments);
 }
 
 Status BillboardAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {

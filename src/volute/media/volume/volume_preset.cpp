@@ -365,8 +365,9 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
   if (preset == VolumePreset::kAuto && !light.empty() && grids.named()) {
     if (light != grids.mainName() && input.grid.empty()) {
       input.grid = light;
-      reading.progress.remark(
-          fmt::format("{}: shown by the light of '{}' (--field chooses)", path, light));
+      reading.progress.remark({RemarkCode::kAssumed,
+                               fmt::format("{}: shown by the light of '{}'", path, light),
+                               {Hint::choose("field")}});
     }
     return VolumePreset::kNone;
   }
@@ -424,8 +425,9 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
                             : fmt::format("as hot as '{}' says", flames.temperature));
     appearance.flames = flames;
   }
-  reading.progress.remark(
-      fmt::format("{}: shown as {} (--preset none: plain values as light)", path, text));
+  reading.progress.remark({RemarkCode::kAssumed,
+                           fmt::format("{}: shown as {}", path, text),
+                           {Hint::set("preset", "none").so("shows plain values as light")}});
   return choice.preset;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "volute/codec/kept_grids.hpp"
 #include "volute/grid/bricks.hpp"

@@ -104,8 +104,9 @@ TEST_F(VolumeWriterTest, GridsOfAFileAreCompressedAgain) {
   EXPECT_FALSE(one->json().contains("input_bytes"));
   input = {};
   input.bounds = Box3{{0, 0, 0}, {1, 1, 1}};
-  EXPECT_THAT(compressVolume(file, out, how, input, reading_, team_).error().message,
-              HasSubstr("--bounds is for one grid"));
+  const auto refused = compressVolume(file, out, how, input, reading_, team_);
+  EXPECT_EQ(refused.error().member, "bounds");
+  EXPECT_THAT(refused.error().message, HasSubstr("is for one grid"));
 }
 
 }  // namespace

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/base/advice.hpp"
+
+#include <gtest/gtest.h>
+
+namespace volute {
+namespace {
+
+/// An interface that has all settings but "absent".
+std::string named(const std::string& setting, const std::string& value) {
+  if (setting == "absent")
+    return "";
+  return value.empty() ? "<" + setting + ">" : "<" + setting + " " + value + ">";
+}
+
+TEST(Advice, NamesOnlyWhatTheInterfaceHas) {
+  EXPECT_EQ(
+      adviceText({Hint::set("bounds"), Hint::raise("absent"), Hint::raise("max_memory")}, named),
+      "give <bounds>, or raise <max_memory>");
+  EXPECT_EQ(adviceText({Hint::set("renderer", "cpu")}, named), "use <renderer cpu>");
+  EXPECT_EQ(adviceText({Hint::set("partial").so("shows the rest")}, named),
+            "<partial> shows the rest");
+  EXPECT_EQ(adviceText({Hint::choose("field"), Hint::leaveOut("up"), Hint::lower("size")}, named),
+            "choose one with <field>, or leave out <up>, or lower <size>");
+  EXPECT_EQ(adviceText({{Hint::Change::kRaise, "max_memory", "3G"}}, named),
+            "raise <max_memory> to 3G");
+  EXPECT_EQ(adviceText({Hint::set("absent")}, named), "");
+}
+
+TEST(Advice, AnErrorBeginsWithTheSettingUnlessItIsOfAFile) {
+  Error error = failFor("slice", ErrorCode::kInvalidArgument, Hint::leaveOut("slice"),
+                        "'{}' is not a plane", "w")
+                    .value();
+  EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(fullText(error, named), "<slice>: 'w' is not a plane; leave out <slice>");
+  error.member = "absent";
+  EXPECT_EQ(fullText(error, named), "absent: 'w' is not a plane; leave out <slice>");
+  error.path = "s.json", error.member = "/media/0";
+  EXPECT_EQ(fullText(error, named), "'w' is not a plane; leave out <slice>");
+}
+
+TEST(Advice, OfFileKeepsWhatIsKnown) {
+  const Result<int> plain = fail(ErrorCode::kIo, "no");
+  EXPECT_EQ(ofFile(plain, "a.json", "/media/1").error().path, "a.json");
+  EXPECT_EQ(ofFile(plain, "a.json", "/media/1").error().member, "/media/1");
+  const Result<int> ofSetting = failFor("field", ErrorCode::kIo, "no");
+  EXPECT_EQ(ofFile(ofSetting, "a.json").error().path, "");
+  EXPECT_EQ(*ofFile(Result<int>(3), "a.json"), 3);
+}
+
+}  // namespace
+}  // namespace volute
