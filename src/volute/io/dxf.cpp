@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/dxf.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
