@@ -68,7 +68,7 @@ TEST(OpenSight, ALayerGivesWayToATallerSourceWhereLinesLeaveIt) {
   registerUsualMedia();
   mediumKinds().insert(mediumKinds().begin(), &kind);
   Progress quiet;
-  std::vector<std::string> remarks;
+  std::vector<Remark> remarks;
   SceneOptions options;
   const auto sourceFor = [&](std::vector<double> heights) {
     remarks.clear();
@@ -78,7 +78,8 @@ TEST(OpenSight, ALayerGivesWayToATallerSourceWhereLinesLeaveIt) {
   EXPECT_EQ(sourceFor({1, 2}), "flat");
   EXPECT_THAT(remarks, IsEmpty());
   EXPECT_EQ(sourceFor({1.5, 2.5}), "tall");
-  EXPECT_THAT(remarks, ElementsAre(HasSubstr("from z = 1 to 2 m only")));
+  EXPECT_THAT(remarks, ElementsAre(::testing::Field(&Remark::sentence,
+                                                    HasSubstr("from z = 1 to 2 m only"))));
   (*options.members)["field"] = "mine";
   EXPECT_EQ(sourceFor({2.5}), "mine");
   EXPECT_THAT(remarks, IsEmpty());

@@ -40,7 +40,7 @@ struct UnderlayOptions {
 /// moved to its lower left corner. What was chosen, and what is not drawn, is added to `remarks`.
 [[nodiscard]] Result<PlanUnderlay> readUnderlay(const std::filesystem::path& file,
                                                 const UnderlayOptions& options,
-                                                std::vector<std::string>& remarks);
+                                                std::vector<Remark>& remarks);
 
 /// What is transparent in a picture becomes white.
 /// @param alpha  of the same size, one channel: 0 transparent, 1 opaque

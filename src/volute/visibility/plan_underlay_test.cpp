@@ -33,7 +33,7 @@ class Underlay : public ::testing::Test {
   }
 
   UnderlayOptions options_{Vec2(0, 0), Vec2(20, 10), {}, 64 << 20};
-  std::vector<std::string> remarks_;
+  std::vector<Remark> remarks_;
 };
 
 TEST_F(Underlay, aDrawingLiesWhereItsCoordinatesSay) {
@@ -48,14 +48,17 @@ TEST_F(Underlay, aUnitThatIsNotStatedIsThatOfTheCasesSize) {
   const auto underlay = readUnderlay(rectangle(0, 0, 1950, 980, 0), options_, remarks_);
   ASSERT_TRUE(underlay);
   EXPECT_LT((underlay->max - Vec2(19.5, 9.8)).norm(), 1e-12);
-  EXPECT_THAT(remarks_, ElementsAre(HasSubstr("taken as cm, by its size of 1950 x 980")));
+  EXPECT_THAT(remarks_,
+              ElementsAre(::testing::Field(&Remark::sentence,
+                                           HasSubstr("taken as cm, by its size of 1950 x 980"))));
 }
 
 TEST_F(Underlay, aDrawingApartFromTheCaseIsMovedToItsCorner) {
   const auto underlay = readUnderlay(rectangle(500, 500, 518, 509, 6), options_, remarks_);
   ASSERT_TRUE(underlay);
   EXPECT_LT((underlay->min - Vec2(0, 0)).norm() + (underlay->max - Vec2(18, 9)).norm(), 1e-12);
-  EXPECT_THAT(remarks_, ElementsAre(HasSubstr("lies apart from the case")));
+  EXPECT_THAT(remarks_, ElementsAre(::testing::Field(&Remark::sentence,
+                                                     HasSubstr("lies apart from the case"))));
 }
 
 TEST_F(Underlay, itsPlaceCanBeStated) {

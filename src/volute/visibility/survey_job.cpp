@@ -138,7 +138,7 @@ class Job {
                   survey_.times.size(), changes_.size(), SignLoss::kMaxTimes);
     }
     for (const Remark& remark : field_.remarks()) log_.remark(remark);
-    for (const std::string& remark : request_.remarks) log_.remark(remark);
+    for (const Remark& remark : request_.remarks) log_.remark(remark);
     VOLUTE_TRY(team_.agree(openFolder()));
     VOLUTE_TRY(shareFolder());
     VOLUTE_TRY(begin());

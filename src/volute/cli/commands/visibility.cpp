@@ -38,7 +38,7 @@ Result<std::vector<double>> heightsOf(const Arguments& arguments) {
 }
 
 Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context& context,
-                                       std::vector<std::string>& remarks) {
+                                       std::vector<Remark>& remarks) {
   for (const char* option : {"route", "eyes", "trajectories"}) {
     for (const char* areas : {"areas", "area-layer"}) {
       if (arguments.given(areas) && arguments.given(option))
@@ -123,7 +123,7 @@ Result<std::vector<Vec3>> firesOf(const Arguments& arguments) {
 /// A drawing of the building over maps.
 Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& arguments,
                                                        const Box3& bounds, std::uint64_t maxMemory,
-                                                       std::vector<std::string>& remarks) {
+                                                       std::vector<Remark>& remarks) {
   const auto file = arguments.find<std::string>("underlay");
   if (!file)
     return nullptr;
