@@ -123,13 +123,10 @@ EGLContext contextOn(EGLDisplay display, const EGLint* version) {
 }
 
 Error tooOld(const std::string& version, const std::string& renderer) {
-  return Error{
-      ErrorCode::kUnsupported,
-      fmt::format(
-          "OpenGL 4.5 is needed, and {} has {}; update the graphics driver " renderer.empty()
-              ? "this driver"
-              : renderer,
-          version)};
+  return fail(ErrorCode::kUnsupported, Hint::set("renderer", "cpu").so("does without"),
+              "OpenGL 4.5 is needed, and {} has {}; update the graphics driver",
+              renderer.empty() ? "this driver" : renderer, version)
+      .value();
 }
 
 /// What an old driver has, where there is one.
