@@ -18,7 +18,7 @@ struct SurveyRequest {
   FrameRange frames;                           ///< of stored times, by their numbers
   Survey survey;                               ///< the numbers of it
   CriteriaProfile profile;                     ///< what Survey::criteria are; for the report
-  std::vector<Remark> remarks{};          ///< that the results begin with
+  std::vector<Remark> remarks{};               ///< that the results begin with
   std::string output;
   SightFile sightFile = SightFile::kAuto;
   bool pdf = false;  ///< print report.html as report.pdf; a remark where that cannot be
