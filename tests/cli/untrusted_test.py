@@ -139,6 +139,23 @@ class Outputs(support.TestCase):
         self.fails(2, "extract", volume, "-o", self.path("x_%04d.vti"), "--stats", self.path("x_0001.vti"))
         self.works("extract", volume, "-o", self.path("x.npy"), "--stats", self.path("x.json"))
 
+    def test_links_lead_to_one_file(self):
+        volume = self.make_volute()
+        self.path("s.json").symlink_to("x.npy")
+        for _ in range(2):  # before there is an x.npy, and with it
+            self.assertIn("two outputs have the name", self.fails(2, "extract", volume, "-o", self.path("x.npy"), "--stats", self.path("s.json")))
+            self.works("extract", volume, "-o", self.path("x.npy"))
+
+    def test_no_frame_that_is_read_is_replaced(self):
+        volume = self.make_volute()
+        self.path("in").mkdir()
+        self.works("extract", volume, "-o", self.path("in/a_%04d.npy"))
+        frame = sorted(self.path("in").iterdir())[0]
+        before = frame.read_bytes()
+        for name in (self.path("in/a_%04d.npy"), self.path("in")):
+            self.assertIn("would be replaced", self.fails(2, "compress", name, "-o", self.path("y.volute"), "--stats", frame))
+            self.assertEqual(frame.read_bytes(), before)
+
     def test_names_of_grids_lead_nowhere(self):
         self.path("res/x").mkdir(parents=True)
         self.path("victim").mkdir()

@@ -15,7 +15,7 @@ namespace {
 
 Status checkOne(std::string_view option, const std::string& output, const std::string& input,
                 const std::string& reader) {
-  if (!isSameFile(output, input))
+  if (!replaces(output, input))
     return {};
   return fail(ErrorCode::kInvalidArgument,
               "--{}: {} is read{} and would be replaced; give another name", option, output,

@@ -14,19 +14,41 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The same for all spellings of a file, whether it is there or not.
-fs::path placeOf(const std::string& name) {
+/// The same for all spellings of a file, whether it is there or not, and for links to it.
+fs::path placeOf(const fs::path& name) {
+  constexpr int kMostLinks = 40;  // as Linux follows
+  fs::path target = fs::absolute(name);
   std::error_code error;
-  const auto place = fs::weakly_canonical(fs::absolute(name), error);
-  return error ? fs::absolute(name).lexically_normal() : place;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(target, error); ++i) {
+    const auto next = fs::read_symlink(target, error);
+    if (error)
+      break;
+    target = target.parent_path() / next;
+  }
+  const auto place = fs::weakly_canonical(target, error);
+  return error ? target.lexically_normal() : place;
 }
 
-/// Whether `file` is one of the pattern's.
+/// Whether `file` is one of the pattern's, or one of these is a link to it.
 bool isOneOf(const fs::path& file, const fs::path& pattern) {
-  if (file.parent_path() != pattern.parent_path())
-    return false;
   const auto parsed = FramePattern::parse(pattern);
-  return parsed && parsed->match(file.filename().string()).has_value();
+  if (!parsed || FramePattern::parse(file))
+    return false;
+  if (file.parent_path() == pattern.parent_path() && parsed->match(file.filename().string()))
+    return true;
+  std::error_code error;
+  for (fs::directory_iterator at(pattern.parent_path(), error), end; !error && at != end;
+       at.increment(error)) {
+    std::error_code ignored;
+    if (at->is_symlink(ignored) && parsed->match(at->path().filename().string()) &&
+        placeOf(at->path()) == file)
+      return true;
+  }
+  return false;
+}
+
+bool isSame(const fs::path& place, const fs::path& other) {
+  return place == other || isOneOf(place, other) || isOneOf(other, place);
 }
 
 }  // namespace
@@ -41,7 +63,7 @@ Status OutputNames::add(const std::string& name, std::string_view what) {
   }
   const fs::path place = placeOf(name);
   for (const auto& [other, otherWhat] : names_) {
-    if (place == other || isOneOf(place, other) || isOneOf(other, place)) {
+    if (isSame(place, other)) {
       return fail(ErrorCode::kInvalidArgument,
                   "two outputs have the name {}: {} and {}; give one of them another", name,
                   otherWhat, what);
@@ -49,6 +71,18 @@ Status OutputNames::add(const std::string& name, std::string_view what) {
   }
   names_.emplace_back(place, what);
   return {};
+}
+
+bool replaces(const std::string& output, const std::string& input) {
+  const fs::path place = placeOf(output);
+  std::error_code error;
+  if (fs::is_directory(input, error)) {
+    // What volumes in a folder are called.
+    const std::string extension = extensionOf(place);
+    return (extension == ".vdb" || extension == ".npy") && fs::exists(place, error) &&
+           place.parent_path() == placeOf(input);
+  }
+  return isSameFile(output, input) || isSame(place, placeOf(input));
 }
 
 Status checkNamePart(std::string_view name, const std::string& what) {

@@ -12,7 +12,8 @@
 
 namespace volute {
 
-/// The outputs of one run, no two of which may have one name, however it is spelt.
+/// The outputs of one run, no two of which may have one name, however it is spelt and whichever
+/// links lead there.
 class OutputNames {
  public:
   /// @param name  a file, or a pattern with the number of a frame
@@ -23,6 +24,10 @@ class OutputNames {
  private:
   std::vector<std::pair<std::filesystem::path, std::string>> names_;
 };
+
+/// Whether `output` is read as `input`, which may be a file, a pattern or a folder of numbered
+/// files, through links too.
+[[nodiscard]] bool replaces(const std::string& output, const std::string& input);
 
 /// Whether a name that a file gives may be part of an output's name: no slash, which would lead to
 /// another folder, no control character, and neither "." nor "..". Else kInvalidData.

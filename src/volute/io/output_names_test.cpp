@@ -35,6 +35,39 @@ TEST(OutputNames, NoTwoHaveOneNameHoweverItIsSpelt) {
   EXPECT_TRUE(names.add(base + "/sub/f_0012.png", "statistics"));
 }
 
+TEST(OutputNames, LinksLeadToOneFile) {
+  const TempFolder folder;
+  const std::string base = folder.path().string();
+  std::filesystem::create_symlink("x.npy", folder / "to_x.npy");
+  std::filesystem::create_symlink("to_x.npy", folder / "to_link.npy");
+  std::filesystem::create_symlink("s.json", folder / "f_0003.png");
+  for (const char* link : {"/to_x.npy", "/to_link.npy"}) {  // whether x.npy is there or not
+    OutputNames names;
+    ASSERT_TRUE(names.add(base + "/x.npy", "the volume"));
+    EXPECT_FALSE(names.add(base + link, "statistics")) << link;
+  }
+  OutputNames names;
+  ASSERT_TRUE(names.add(base + "/f_%04d.png", "pictures"));
+  EXPECT_FALSE(names.add(base + "/s.json", "statistics"));
+}
+
+TEST(OutputNames, WhatIsReadIsNotReplaced) {
+  const TempFolder folder;
+  const std::string base = folder.path().string();
+  std::filesystem::create_directory(folder / "in");
+  writeBytes(folder / "in" / "a_0001.npy", "x");
+  std::filesystem::create_symlink("in/a_0001.npy", folder / "link.json");
+  std::filesystem::create_hard_link(folder / "in" / "a_0001.npy", folder / "hard.json");
+  for (const char* input : {"/in/a_0001.npy", "/in/a_%04d.npy", "/in"}) {
+    EXPECT_TRUE(replaces(base + "/in/a_0001.npy", base + input)) << input;
+    EXPECT_TRUE(replaces(base + "/link.json", base + input)) << input;
+    EXPECT_FALSE(replaces(base + "/in/a.json", base + input)) << input;
+    EXPECT_FALSE(replaces(base + "/a_0001.npy", base + input)) << input;
+  }
+  EXPECT_TRUE(replaces(base + "/hard.json", base + "/in/a_0001.npy"));
+  EXPECT_TRUE(replaces(base + "/in/a_%04d.npy", base + "/in/a_%04d.npy"));
+}
+
 TEST(OutputNames, AreNotLongerThanFileSystemsTake) {
   OutputNames names;
   EXPECT_TRUE(names.add(std::string(251, 'x') + ".npy", "the volume"));

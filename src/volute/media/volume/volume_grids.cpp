@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <set>
 
 #include "volute/codec/kept_grids.hpp"
 #include "volute/io/frame_pattern.hpp"
@@ -98,6 +100,12 @@ Result<std::unique_ptr<VolumeGrids>> VolumeGrids::open(const std::string& path,
   source.bounds = options.bounds;
   source.maxMemory = reading.maxMemory;
   source.byLayers = options.byLayers;
+  // A grid may be read several times.
+  source.remark = [&progress = reading.progress,
+                   said = std::make_shared<std::set<std::string>>()](const std::string& text) {
+    if (said->insert(text).second)
+      progress.remark(text);
+  };
   VOLUTE_ASSIGN(auto cache, GridCache::open(path, source));
   return std::make_unique<VdbGrids>(std::move(cache));
 }

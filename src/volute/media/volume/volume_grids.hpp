@@ -31,6 +31,7 @@ class VolumeGrids {
   /// Whether `path` is of a kind that may have several grids.
   static bool mayBe(const std::string& path);
 
+  /// @param reading  is told, while the grids are read, which frames lack one; it outlives them
   [[nodiscard]] static Result<std::unique_ptr<VolumeGrids>> open(const std::string& path,
                                                                  const InputOptions& options,
                                                                  Reading& reading);
