@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tenability/walking_speed.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
