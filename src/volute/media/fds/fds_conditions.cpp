@@ -345,14 +345,15 @@ CaseFacts fdsFacts(const SmvIndex& index) {
         return std::ranges::equal(one.fds, measured, {},
                                   [](unsigned char c) { return std::toupper(c); });
       });
-      if (curve != facts.devices.end() && stored != std::end(kStored) && !curve->unit.empty() &&
-          !unitChange(curve->unit, unitOf(stored->name)))
-        unread.push_back(fmt::format("'{}' ({} in '{}')", device.label, measured, curve->unit));
+      if (curve == facts.devices.end() || stored == std::end(kStored))
+        continue;
+      if (const std::string why = misfit(*curve, unitOf(stored->name)); !why.empty())
+        unread.push_back(fmt::format("'{}' ({} {})", device.label, measured, why));
     }
     if (!unread.empty()) {
       facts.remarks.push_back(
-          fmt::format("{} of {} devices are left out, because their column is in a unit that is "
-                      "not known: {}{}",
+          fmt::format("{} of {} devices are left out, because their column is in no unit of what "
+                      "they measure: {}{}",
                       unread.size(), index.devices.size(), printable(unread.front()),
                       unread.size() > 1 ? " and others" : ""));
     }

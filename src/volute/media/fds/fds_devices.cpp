@@ -287,6 +287,22 @@ std::string measuredBy(const SmvIndex& index, const FdsDevice& device) {
   return quantityOf(device, saidOf(index, device));
 }
 
+std::string misfit(const FactCurve& curve, std::string_view unit) {
+  constexpr double kMostRounded = 1.01;  // of a fraction
+  const auto change = unitChange(curve.unit.empty() ? unit : curve.unit, unit);
+  if (!change)
+    return fmt::format("in '{}'", printable(curve.unit));
+  if (unit != "mol/mol" || curve.values.empty())
+    return "";
+  const double most = std::ranges::max(curve.values);
+  if ((*change)(most) <= kMostRounded)
+    return "";
+  const std::string stated =
+      curve.unit.empty() ? "without a unit" : fmt::format("in '{}'", printable(curve.unit));
+  return fmt::format("up to {:.4g} {}, where a fraction is at most 1: in {}?", most, stated,
+                     most <= 100 ? "%" : "ppm");
+}
+
 Result<FdsCurves> readCurves(const SmvIndex& index, std::string_view kind,
                              const WantedCurve& wanted) {
   FdsCurves found;
@@ -342,11 +358,11 @@ Result<std::unique_ptr<PointField>> fdsDevicePoints(const SmvIndex& index,
       left.insert(label + " (no column of that name)");
   }
   for (FactCurve& curve : read->curves) {
-    const auto change = unitChange(curve.unit.empty() ? unit : curve.unit, unit);
-    if (!change) {
-      left.insert(fmt::format("{} (in '{}')", curve.name, curve.unit));
+    if (const std::string why = misfit(curve, unit); !why.empty()) {
+      left.insert(fmt::format("{} ({})", curve.name, why));
       continue;
     }
+    const auto change = unitChange(curve.unit.empty() ? unit : curve.unit, unit);
     const Wanted& one = wanted.at(curve.name);
     for (double& value : curve.values) value = one.factor * (*change)(value);
     devices.push_back({one.device->position, std::move(curve)});

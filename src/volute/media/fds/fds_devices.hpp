@@ -41,6 +41,10 @@ struct FdsQuantity {
 /// "OXYGEN VOLUME FRACTION".
 [[nodiscard]] std::string measuredBy(const SmvIndex& index, const FdsDevice& device);
 
+/// Why a column is no quantity with that unit: "in 'kg/kg'", "up to 20.9 mol/mol, which is at most
+/// 1: in %?"; empty where it is.
+[[nodiscard]] std::string misfit(const FactCurve& curve, std::string_view unit);
+
 /// What devices say within 0.3 m of each, of several at one place the largest; null where there are
 /// none with columns. A device has the quantity and species that the input file says, else those
 /// of the index; its unit is that of its column, and is turned into `unit`. `quantity` is the name

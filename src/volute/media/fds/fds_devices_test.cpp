@@ -160,8 +160,34 @@ TEST_F(FdsDevices, AColumnInAnUnknownUnitIsTold) {
   const auto facts =
       fdsFacts(read("s,furlong,C,knot\nTime,\"T1\",\"T2\",\"V\"\n0,20,20,1\n10,50,60,1\n"));
   EXPECT_THAT(facts.remarks, Contains(HasSubstr("1 of 3 devices are left out, because their column "
-                                                "is in a unit that is not known: 'T1' (TEMPERATURE "
-                                                "in 'furlong')")));
+                                                "is in no unit of what they measure: 'T1' "
+                                                "(TEMPERATURE in 'furlong')")));
+}
+
+TEST_F(FdsDevices, AFractionAboveOneIsNotUsed) {
+  const std::string input =
+      "&DEVC ID='O', QUANTITY='VOLUME FRACTION', SPEC_ID='OXYGEN', XYZ=1,.5,.5 /\n";
+  device("O", "VOLUME FRACTION");
+
+  const struct {
+    const char *unit, *values, *says;
+  } wrong[] = {{"", "20.9", "up to 20.9 without a unit, where a fraction is at most 1: in %?"},
+               {"mol/mol", "20.9", "up to 20.9 in 'mol/mol', where a fraction"},
+               {"%", "209000", "up to 2.09e+05 in '%', where a fraction is at most 1: in ppm?"},
+               {"kg/kg", "0.23", "in 'kg/kg'"}};
+
+  for (const auto& one : wrong) {
+    const auto index = read(
+        fmt::format("s,{}\nTime,\"O\"\n0,{}\n10,8\n", one.unit, one.values).c_str(), input.c_str());
+    const auto field = fdsConditions(index, "oxygen", 1 << 20);
+    ASSERT_FALSE(field) << one.unit;
+    EXPECT_THAT(field.error().message, HasSubstr(one.says));
+    EXPECT_THAT(fdsFacts(index).remarks, Contains(HasSubstr(one.says)));
+  }
+  for (const char* right : {"s,%\nTime,\"O\"\n0,20.9\n", "s,\nTime,\"O\"\n0,1.0001\n"}) {
+    const auto field = fdsConditions(read(right, input.c_str()), "oxygen", 1 << 20);
+    EXPECT_TRUE(field) << right;
+  }
 }
 
 }  // namespace

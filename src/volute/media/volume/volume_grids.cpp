@@ -102,9 +102,9 @@ Result<std::unique_ptr<VolumeGrids>> VolumeGrids::open(const std::string& path,
   source.byLayers = options.byLayers;
   // A grid may be read several times.
   source.remark = [&progress = reading.progress,
-                   said = std::make_shared<std::set<std::string>>()](const std::string& text) {
-    if (said->insert(text).second)
-      progress.remark(text);
+                   said = std::make_shared<std::set<std::string>>()](const Remark& remark) {
+    if (said->insert(remark.sentence).second)
+      progress.remark(remark);
   };
   VOLUTE_ASSIGN(auto cache, GridCache::open(path, source));
   return std::make_unique<VdbGrids>(std::move(cache));
