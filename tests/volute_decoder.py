@@ -206,12 +206,13 @@ def inverse(values, mask, wavelet, halved):
 class Codec:
     def __init__(self, number, data, channels):
         r = Reader(data)
-        self.topology, self.background, self.inactive = number == 3, np.zeros(channels, f32), None
+        self.topology, self.background, self.inactive, self.bent = number == 3, np.zeros(channels, f32), None, None
         if self.topology:
-            one_value = r.unpack("B")
-            check(one_value < 2, "parameters of another version")
+            flags = r.unpack("B")
+            check(flags < 4, "parameters of another version")
             self.background = np.array(r.floats(channels), f32)
-            self.inactive = np.array(r.floats(channels), f32) if one_value else None
+            self.inactive = np.array(r.floats(channels), f32) if flags & 1 else None
+            self.bent = r.unpack("2d") if flags & 2 else None
         self.unit, self.step, self.max_error = f32(2.0**r.zigzag()), r.unpack("d"), r.unpack("d")
         self.one, self.more = r.varint(), r.zigzag()
         self.color = np.array(r.unpack("9f"), f32).reshape(3, 3) if channels == 3 else np.ones((1, 1), f32)
@@ -375,7 +376,11 @@ def decode_block(codec, segments, shape, channels, low, high):
     for c in range(channels):
         inverse(coefficients[c], mask, wavelet, halved)
     values = np.stack([np.where(mask, functools.reduce(np.add, codec.color[:, c, None, None, None, None] * coefficients) * codec.unit, f32(0))
-                       for c in range(channels)], -1).clip(low, high)
+                       for c in range(channels)], -1)
+    if codec.bent:
+        t = codec.bent[0] * abs(values.astype(np.float64))
+        values = np.copysign(t * (t + codec.bent[1]), values).astype(f32)
+    values = values.clip(low, high)
     if codec.topology:
         known(codec, values, states, coded)
     for place, value in apart:

@@ -46,6 +46,19 @@ class Frozen(unittest.TestCase):
                     subprocess.run([VOLUTE, "extract", DATA / file, *field, "-o", out], check=True, stdout=subprocess.DEVNULL)
                     self.assertEqual(zlib.crc32(np.load(out).tobytes()), crc)
 
+    def test_bent_values(self):
+        rng = np.random.default_rng(3)
+        for channels in (1, 3):
+            z, y, x = np.mgrid[:20, :18, :21] / 20.0
+            ball = np.maximum(0, 0.3 - (z - 0.5)**2 - (y - 0.4)**2 - (x - 0.5)**2)[None, ..., None] * np.arange(1, 4)[:, None, None, None, None]
+            values = (ball**3 * rng.choice([-30, 40], channels) + 0.01 * ball * rng.random((3, 20, 18, 21, channels))).astype(np.float32)
+            with self.subTest(channels=channels), tempfile.TemporaryDirectory() as folder:
+                source, packed, out = (pathlib.Path(folder) / name for name in ("a.npy", "a.volute", "b.npy"))
+                np.save(source, values)
+                subprocess.run([VOLUTE, "compress", source, "-o", packed, "--quiet"], check=True, stdout=subprocess.DEVNULL)
+                subprocess.run([VOLUTE, "extract", packed, "-o", out], check=True, stdout=subprocess.DEVNULL)
+                np.testing.assert_array_equal(volute_decoder.read(packed).reshape(values.shape), np.load(out).reshape(values.shape))
+
     def test_damage_is_found(self):
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "damaged.volute"

@@ -3,7 +3,7 @@
 # SPDX-FileCopyrightText: The Volute authors
 """Which error of `volute compress` nobody sees.
 
-    tools/default_quality.py VOLUTE FILE... [--rms 0.003,0.001] [--over support|all] [--frame N]
+    tools/default_quality.py VOLUTE FILE... [--quality look,draft] [--rms 0.003,0.001] [--over support|all] [--frame N]
 
 Compresses each file with each error and draws one frame of it from eight sides, 512 x 512, as emission and (one channel)
 as lit smoke, without tone curve or dithering. At an exposure that makes the brightest thousandth of the original white, and
@@ -93,12 +93,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("volute", type=pathlib.Path)
     parser.add_argument("files", nargs="+", type=pathlib.Path)
-    parser.add_argument("--rms", default="0.003,0.001,0.0005")
+    parser.add_argument("--quality", default="look,draft")
+    parser.add_argument("--rms", default="")
     parser.add_argument("--over", default="support")
     parser.add_argument("--frame", type=int)
     parser.add_argument("--sides", type=int, default=8)
     asked = parser.parse_args()
-    print("| set | look | RMS | bytes | over 2 of 255 [%] | largest | at +3 stops [%] | largest |\n|---|---|--:|--:|--:|--:|--:|--:|")
+    print("| set | look | quality or RMS | bytes | over 2 of 255 [%] | largest | at +3 stops [%] | largest |\n|---|---|---|--:|--:|--:|--:|--:|")
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         for file in asked.files:
@@ -113,9 +114,11 @@ def main():
                 dense = float(re.search(r"extinction ([\d.e+]+)", said)[1])
                 looks["lit"] = {"emission": 0, "extinction": dense, "albedo": [0.9] * 3, "asymmetry": 0.3}
             originals = {look: views(asked.volute, file.resolve(), said, bounds, frame, folder, asked.sides) for look, said in looks.items()}
-            for rms in asked.rms.split(","):
+            settings = [(word, ("--quality", word)) for word in asked.quality.split(",") if word]
+            settings += [(rms, ("--rms", rms, "--rms-over", asked.over)) for rms in asked.rms.split(",") if rms]
+            for rms, options in settings:
                 packed = folder / "packed.volute"
-                run(asked.volute, "compress", file, "-o", packed, "--rms", rms, "--rms-over", asked.over, "--quiet")
+                run(asked.volute, "compress", file, "-o", packed, *options, "--quiet")
                 for look, original in originals.items():
                     bright = original.max(axis=3)
                     white = 1 / np.quantile(bright[bright > 0], 0.999)

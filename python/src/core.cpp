@@ -376,8 +376,9 @@ py::dict compressFrames(const py::object& frames, const Shape& shape,
                         const py::object& listener) {
   using namespace py::literals;
   using Kind = ErrorTarget::Kind;
-  constexpr std::array<std::pair<std::string_view, Kind>, 6> kKinds{
+  constexpr std::array<std::pair<std::string_view, Kind>, 7> kKinds{
       {{"rms", Kind::kRms},
+       {"look", Kind::kLook},
        {"rms_over_all", Kind::kRmsOverAll},
        {"psnr", Kind::kPsnr},
        {"ratio", Kind::kRatio},

@@ -98,7 +98,7 @@ class Compressed:
     def open(self) -> Volume: ...
 
 def open(path: Path, *, grid: Optional[str] = ..., partial: bool = ..., max_memory: int = ..., cache: int = ...) -> Volume: ...
-def compress(frames: Union[npt.ArrayLike, Frames, Iterable[npt.ArrayLike]], path: Path, *, rms: Optional[float] = ..., rms_over: str = ...,
+def compress(frames: Union[npt.ArrayLike, Frames, Iterable[npt.ArrayLike]], path: Path, *, quality: Optional[str] = ..., rms: Optional[float] = ..., rms_over: str = ...,
              psnr: Optional[float] = ..., ratio: Optional[float] = ..., size: Optional[float] = ...,
              max_error: Optional[float] = ..., bounds: Optional[npt.ArrayLike] = ..., times: Optional[Sequence[float]] = ...,
              frame_numbers: Optional[Sequence[int]] = ..., name: Optional[str] = ..., unit: Optional[str] = ...,

@@ -38,7 +38,7 @@ class Compressed:
                 f"at most {self.max_error:.3g}; {self.seconds:.2f} s>")
 
 
-def compress(frames, path, *, rms=None, rms_over="support", psnr=None, ratio=None, size=None, max_error=None, bounds=None, times=None,
+def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=None, ratio=None, size=None, max_error=None, bounds=None, times=None,
              frame_numbers=None, name=None, unit=None, basis=None, wavelet="auto", effort=5, fast=False, provenance="",
              max_memory=4 << 30, progress=None):
     """Compresses a sequence of volumes into the .volute file `path`, which appears only when complete.
@@ -50,7 +50,8 @@ def compress(frames, path, *, rms=None, rms_over="support", psnr=None, ratio=Non
         Values become float32. The rounding of float64 and of large integers counts in the errors; a target that it alone misses is
         refused. NaN, infinities and masked values are refused.
     One of:
-        rms: relative RMS error at most this [default 0.003], over voxels that are not 0 and of their range (rms_over="support"),
+        quality: "look" (default: pictures look the same as the original's), "draft" (smaller) or "measure" (for numbers)
+        rms: relative RMS error at most this, over voxels that are not 0 and of their range (rms_over="support"),
             or over all voxels and of (max - min) of the whole (rms_over="all")
         psnr: over all voxels, at least [dB]; ratio: float32 bytes / file bytes at least; size: at most [bytes];
         max_error: absolute error of every value at most [unit of the values]
@@ -70,7 +71,13 @@ def compress(frames, path, *, rms=None, rms_over="support", psnr=None, ratio=Non
                if value is not None}
     if len(targets) > 1:
         raise ValueError(f"{' and '.join(targets)} exclude each other; give one of them")
-    (target, value), = (targets or {"rms": 3e-3}).items()
+    words = {"draft": ("look", 4e-3), "look": ("look", 7e-4), "measure": ("rms", 1e-4)}
+    if quality is not None and quality not in words:
+        raise ValueError(f"quality={quality!r}: expected draft, look or measure")
+    if quality is not None and targets:
+        raise ValueError(f"quality and {', '.join(targets)} exclude each other; give one of them")
+    usual = ("rms", 3e-3) if rms_over == "all" and quality is None else words[quality or "look"]
+    target, value = next(iter(targets.items()), usual)
     if rms_over not in ("support", "all"):
         raise ValueError(f"rms_over={rms_over!r}: expected 'support' or 'all'")
     if target == "rms" and rms_over == "all":

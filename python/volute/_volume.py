@@ -196,7 +196,7 @@ class Volume(Frames):
         self.max_error = header["max_error"]
         #: (minimum, maximum) of the original
         self.value_range = header["value_range"]
-        #: what was asked of the compression: ("support-rms", 0.003), ("rms", 0.003) over all voxels, ..
+        #: what was asked of the compression: ("look", 0.0007), ("support-rms", 0.003), ("rms", 0.003) over all voxels, ..
         self.target = header["target"]
         self.provenance, self.written_by = header["provenance"], header["written_by"]
 

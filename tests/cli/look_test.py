@@ -123,7 +123,8 @@ class Look(support.TestCase):
             values = pictures.read_exr(self.path("x.exr")).values
             middle = values[3 * (3 * 8 + 3):3 * (3 * 8 + 5)]
             for value, before in zip(middle, expected, strict=True):
-                self.assertAlmostEqual(value, before, delta=1e-4 * max(1, before))
+                # Between the rays of a fan of light there are cubics.
+                self.assertAlmostEqual(value, before, delta=(1e-3 if preset == "smoke" else 1e-4) * max(1, before))
 
     def test_contradictions_are_refused(self):
         said = self.fails(1, "render", self.scene(albedo=[0.5, 0.5, 0.5]), "-o", self.path("x.png"))

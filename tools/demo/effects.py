@@ -7,9 +7,9 @@ from plan import Build, Chapter, Choice, Command, Drawn, Fact, Picture, Section,
 from words import NBSP, bytes_of, percent, ratio
 
 BUILD_SECONDS = 420  # of CPU time, with an empty cache
-# The haze of this error is invisible three stops up; the chapter measures that, and two coarser ones, in every run.
-RMS = "1e-4"
-COARSER = ("3e-4", "3e-3")
+# The default, whose haze is invisible three stops up; the chapter measures that, and two coarser ones, in every run.
+USUAL = "look"
+COARSER = ("draft", "3e-3")
 EXPOSURE = 2.4  # before the tone curve
 BRIGHT = 6.4  # three stops above what a display shows, without one
 LOOK = "--eye 0,-4.2,1.25 --target 0,0,1 --fov 30 --basis trilinear"
@@ -17,12 +17,16 @@ FIRE, BACK = "effects/fire/fire_%04d.vdb", "effects/back/fire_%04d.vdb"
 SIGMA, PROFILE = 0.05, "exponential:2,9"
 
 
-def volute(rms):
-    return "effects/fire.volute" if rms == RMS else f"effects/fire_{rms}.volute"
+def volute(quality):
+    return "effects/fire.volute" if quality == USUAL else f"effects/fire_{quality}.volute"
 
 
-def bright(rms):
-    return f"effects/bright_{rms}.png"
+def option(quality):
+    return f"--quality {quality}" if quality in ("look", "draft") else f"--rms {quality}"
+
+
+def bright(quality):
+    return f"effects/bright_{quality}.png"
 
 
 def fire(scale):
@@ -39,20 +43,20 @@ def fire(scale):
     steps = [
         Step(("effects/fire/",), f"volute synthesize fire -o {FIRE} --size {voxels} --frames {frames}"),
         picture(FIRE, "effects/original.png", "effects/fire/", EXPOSURE),
-        Step((volute(RMS),), f"volute compress {FIRE} -o {volute(RMS)} --rms {RMS} --fast", reads=("effects/fire/",)),
-        picture(volute(RMS), "effects/fire.png", volute(RMS), EXPOSURE),
-        Step(("effects/fire.mp4",), f"volute render {volute(RMS)} -o effects/fire.mp4 {look} --exposure {EXPOSURE}",
-             reads=(volute(RMS),)),
-        Step(("effects/back/",), f"volute extract {volute(RMS)} -o {BACK}", reads=(volute(RMS),)),
+        Step((volute(USUAL),), f"volute compress {FIRE} -o {volute(USUAL)} --fast", reads=("effects/fire/",)),
+        picture(volute(USUAL), "effects/fire.png", volute(USUAL), EXPOSURE),
+        Step(("effects/fire.mp4",), f"volute render {volute(USUAL)} -o effects/fire.mp4 {look} --exposure {EXPOSURE}",
+             reads=(volute(USUAL),)),
+        Step(("effects/back/",), f"volute extract {volute(USUAL)} -o {BACK}", reads=(volute(USUAL),)),
         picture(FIRE, "effects/original.exr", "effects/fire/"),
         picture(BACK, "effects/back.exr", "effects/back/"),
         Step(("effects/difference.png",), work=errors.difference, arguments=("effects/original.exr", "effects/back.exr", "effects/difference.png"),
              reads=("effects/original.exr", "effects/back.exr")),
         picture(FIRE, "effects/bright_original.png", "effects/fire/", BRIGHT)]
     for rms in COARSER:
-        steps.append(Step((volute(rms),), f"volute compress {FIRE} -o {volute(rms)} --rms {rms} --fast", reads=("effects/fire/",)))
+        steps.append(Step((volute(rms),), f"volute compress {FIRE} -o {volute(rms)} {option(rms)} --fast", reads=("effects/fire/",)))
     exrs = []
-    for rms in (RMS, *COARSER):
+    for rms in (USUAL, *COARSER):
         exrs.append(f"effects/fire_{rms}.exr")
         steps += [picture(volute(rms), bright(rms), volute(rms), BRIGHT), picture(volute(rms), exrs[-1], volute(rms))]
     steps.append(Step(("effects/haze.json",), work=errors.haze, arguments=("effects/original.exr", tuple(exrs), BRIGHT, "effects/haze.json"),
@@ -62,8 +66,8 @@ def fire(scale):
 
 def haze_table(results):
     lit = results.report("effects/haze.json")["lit"]
-    rows = [[f"`--rms {rms}`", bytes_of(results.size(volute(rms))), ratio(results, "effects/fire/", volute(rms)),
-             percent(lit[f"effects/fire_{rms}.exr"]["share"]), lit[f"effects/fire_{rms}.exr"]["brightest"]] for rms in (RMS, *COARSER)]
+    rows = [[f"`{option(rms)}`", bytes_of(results.size(volute(rms))), ratio(results, "effects/fire/", volute(rms)),
+             percent(lit[f"effects/fire_{rms}.exr"]["share"]), lit[f"effects/fire_{rms}.exr"]["brightest"]] for rms in (USUAL, *COARSER)]
     return {"caption": "Black pixels are those that the original's picture, three stops up, stores as 0 in all channels. One frame of this run's "
                        "fire, compressed with `--fast`.",
             "columns": ["setting", "file on disk", "ratio to the .vdb files", "black pixels lit", "brightest of them, of 255"], "rows": rows}
@@ -73,7 +77,7 @@ def fire_section(scale):
     voxels, frames = scale.pick((64, 64), (48, 24))
 
     def disk(results):
-        return (f"{bytes_of(results.size('effects/fire/'))} of .vdb files become {bytes_of(results.size(volute(RMS)))}; raw float32 "
+        return (f"{bytes_of(results.size('effects/fire/'))} of .vdb files become {bytes_of(results.size(volute(USUAL)))}; raw float32 "
                 f"would take {bytes_of(frames * voxels ** 3 * 3 * 4)}")
 
     return Section(
@@ -81,7 +85,7 @@ def fire_section(scale):
         (f"{frames} frames of {voxels}³ RGB voxels at 25 frames per second, one .vdb file per frame, as a simulation writes them. `volute compress` "
          "turns them into one .volute file with random access to every frame; the film is rendered from that file.",
          "In Blender: Add, Volume, Import OpenVDB, and select all files of [effects/back](effects/back/); the grid is called `emission`."),
-        (Fact(lambda r: ratio(r, "effects/fire/", volute(RMS)), ".vdb files to .volute, on disk", ("effects/fire/", volute(RMS))),
+        (Fact(lambda r: ratio(r, "effects/fire/", volute(USUAL)), ".vdb files to .volute, on disk", ("effects/fire/", volute(USUAL))),
          Fact(lambda r: percent(r.report("effects/difference.png")["relative_l2"]), "relative L2 error of a picture of the restored files",
               ("effects/difference.png",)),
          Wipe(("effects/original.png", ".vdb"), ("effects/fire.png", ".volute"), "Before and after", disk),
@@ -90,7 +94,7 @@ def fire_section(scale):
          Picture("effects/difference.png", "Difference between pictures of the original and the restored files",
                  lambda r: "Length of the RGB difference in linear light; viridis, from violet (0) to yellow "
                            f"({percent(r.report('effects/difference.png')['largest'])} of the brightest channel)"),
-         Command(volute(RMS), "The compressed file"),
+         Command(volute(USUAL), "The compressed file"),
          Command("effects/back/", "Back to .vdb files, for Blender, Houdini or Nuke")), columns=3)
 
 
@@ -98,11 +102,11 @@ def haze_section():
     return Section(
         "Which error to choose",
         ("When compositors raise the exposure, coding errors appear as haze where nothing burns. Here is one frame three stops up (eight times as "
-         f"bright), at three settings. This page uses `--rms {RMS}`.",),
-        (Choice((("effects/bright_original.png", "original"), *((bright(rms), f"--rms {rms}") for rms in (RMS, *COARSER))),
+         "bright), at three settings: the default, a draft, and an error that is the same for all values.",),
+        (Choice((("effects/bright_original.png", "original"), *((bright(rms), option(rms)) for rms in (USUAL, *COARSER))),
                 "Three stops up", "Move the slider and look at the black around the flame"),
          Command("effects/haze.json", "Measures the share of black pixels that are lit, from the linear values of the frame", wide=False),
-         Drawn("table", haze_table, ("effects/haze.json", *map(volute, (RMS, *COARSER))))), columns=2)
+         Drawn("table", haze_table, ("effects/haze.json", *map(volute, (USUAL, *COARSER))))), columns=2)
 
 
 def smoke(scale):
@@ -111,7 +115,7 @@ def smoke(scale):
     at = f"{look} --time {frames / 2 / 25:g}"
     return [
         Step(("effects/smoke/",), f"volute synthesize smoke -o effects/smoke/smoke_%04d.vdb --scalar --size {voxels} --frames {frames}"),
-        Step(("effects/smoke.volute",), f"volute compress effects/smoke/smoke_%04d.vdb -o effects/smoke.volute --rms {RMS} --fast",
+        Step(("effects/smoke.volute",), f"volute compress effects/smoke/smoke_%04d.vdb -o effects/smoke.volute --fast",
              reads=("effects/smoke/",)),
         Step(("effects/smoke_plain.png",), f"volute render effects/smoke.volute -o effects/smoke_plain.png {at} --preset none",
              reads=("effects/smoke.volute",)),
@@ -132,6 +136,29 @@ def smoke_section(scale):
          Fact(lambda r: ratio(r, "effects/smoke/", "effects/smoke.volute"), ".vdb files to .volute, on disk",
               ("effects/smoke/", "effects/smoke.volute")),
          Command("effects/smoke.volute", lambda r: f"The compressed file, {bytes_of(r.size('effects/smoke.volute'))}", wide=False)))
+
+
+def puffs(scale):
+    """A cache that is large and nearly empty."""
+    voxels, frames, pixels = scale.pick((512, 4, 512), (256, 2, 384))
+    return [
+        Step(("effects/puffs/",), f"volute synthesize puffs -o effects/puffs/puffs_%04d.vdb --size {voxels} --frames {frames}"),
+        Step(("effects/puffs.volute",), "volute compress effects/puffs/puffs_%04d.vdb -o effects/puffs.volute --fast", reads=("effects/puffs/",)),
+        Step(("effects/puffs.png",), f"volute render effects/puffs.volute -o effects/puffs.png --size {pixels}x{pixels}",
+             reads=("effects/puffs.volute",))]
+
+
+def puffs_section(scale):
+    voxels, frames = scale.pick((512, 4), (256, 2))
+    return Section(
+        "A large cache, nearly empty",
+        (f"{frames} frames of {voxels}³ voxels, of which one per cent hold smoke, as production caches are. Reading, compressing, lighting and "
+         "rendering take what is in them, not the box around it; which voxels are active comes back without loss.",),
+        (Picture("effects/puffs.png", "Twelve puffs", "The default look of a density: lit by a sun and the sky"),
+         Fact(lambda r: ratio(r, "effects/puffs/", "effects/puffs.volute"), ".vdb files to .volute, on disk", ("effects/puffs/", "effects/puffs.volute")),
+         Command("effects/puffs.volute",
+                 lambda r: f"The compressed file, {bytes_of(r.size('effects/puffs.volute'))}; raw float32 would take {bytes_of(frames * voxels ** 3 * 4)}",
+                 wide=False)))
 
 
 def put_fog(out, *more, folder="effects/valley", cell=8, degree=2, frames="", makes=None, reads=()):
@@ -160,8 +187,8 @@ def evening(scale):
     scene, out = "effects/fire_in_fog.json", "effects/fire_in_fog.png"
     time, pixels = scale.pick((1.28, (640, 360)), (0.48, (320, 180)))
     return [
-        Step((scene,), work=fire_in_fog.write_scene, arguments=("effects/valley/", volute(RMS), scene, pixels, SIGMA), reads=("effects/valley/",)),
-        Step((out,), f"volute render {scene} -o {out} --time {time} --exposure 2", reads=(scene, "effects/valley/", volute(RMS)))]
+        Step((scene,), work=fire_in_fog.write_scene, arguments=("effects/valley/", volute(USUAL), scene, pixels, SIGMA), reads=("effects/valley/",)),
+        Step((out,), f"volute render {scene} -o {out} --time {time} --exposure 2", reads=(scene, "effects/valley/", volute(USUAL)))]
 
 
 def evening_section():
@@ -197,6 +224,6 @@ def chapter(scale):
         "effects", "Effects", "A sequence of volumes is compressed, rendered, filmed, and converted back to .vdb for Blender; fog is painted over a valley.",
         # The first picture needs only the command and the .vdb reader; the other readers are built after it.
         (Build("volute", BUILD_SECONDS), Build("volute_io_vdb", 35), *fire(scale)[:2], Build("volute-plugins", 55), *fire(scale)[2:],
-         *valley(scale), *evening(scale), *smoke(scale)),
-        (fire_section(scale), haze_section(), valley_section(scale), evening_section(), smoke_section(scale)),
+         *valley(scale), *evening(scale), *smoke(scale), *puffs(scale)),
+        (fire_section(scale), haze_section(), valley_section(scale), evening_section(), smoke_section(scale), puffs_section(scale)),
         door=("effects/fire_in_fog.png", "effects/fire.png", "effects/original.png"))

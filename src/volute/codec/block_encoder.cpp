@@ -229,6 +229,9 @@ CodedPart codedPart(std::span<const float> values, const BlockShape& shape,
     }
   }
   part.full = std::ranges::find(part.support, 0) == part.support.end();
+  if (parameters.bends()) {
+    for (float& value : part.values) value = parameters.bent(value);
+  }
   return part;
 }
 
@@ -570,7 +573,8 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
     if (parameters_.sparse &&
         !isCoded(states[i / static_cast<std::size_t>(shape.channels)], parameters_))
       continue;
-    const double error = (values[i] - nothing) / step;
+    const double error =
+        ((parameters_.bends() ? parameters_.bent(values[i]) : values[i]) - nothing) / step;
     leftOut += error * error;
     greatest = std::max(greatest, std::abs(values[i] - nothing));
   }

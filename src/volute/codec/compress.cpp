@@ -177,6 +177,7 @@ class Compressor {
   Status shareSurvey();
   Status shareTiles();
   void settleRange();
+  void bend(double strongest);
   std::vector<std::uint64_t> sampleOf(std::span<const std::uint64_t> blocks,
                                       std::uint64_t oneOf) const;
   Status encodeAll(double step, Way way);
@@ -512,10 +513,22 @@ void Compressor::settleRange() {
   }
   if (greatest > 0)
     parameters_.exponent = std::clamp(std::ilogb(greatest) + 1, -126, 127);
-  const bool overSupport = options_.target.kind == Kind::kRms;
+  const bool overSupport = options_.target.isOverSupport();
+  if (options_.target.kind == Kind::kLook)
+    bend(std::max(std::abs(support_.low), std::abs(support_.high)));
   const double spread = overSupport ? supportVoxels_ : voxels;
   goal_.setRange(overSupport ? support_.low : least, overSupport ? support_.high : most, greatest,
                  spread * info_.channels, least == most);
+}
+
+// Values of `strongest` stay what they are, and below kFaint of that a step is of one size.
+void Compressor::bend(double strongest) {
+  constexpr double kFaint = 0.005 * 0.005;
+  if (!(strongest > 1e-25 && strongest < 1e25))
+    return;
+  const double knee = std::sqrt(kFaint * strongest);
+  parameters_.bendScale = (std::sqrt(strongest + knee * knee) - knee) / strongest;
+  parameters_.bendOffset = 2 * knee;
 }
 
 Status Compressor::survey() {
@@ -895,6 +908,7 @@ double Compressor::outcomeOfTry() const {
     case Kind::kMaxError:
       return error_.maximum;
     case Kind::kRms:
+    case Kind::kLook:
       return support_.rms;
     default:
       return relativeRms_;
@@ -912,8 +926,8 @@ tl::unexpected<Error> Compressor::unreachable() const {
               "{}: {} = {} cannot be reached: the rounding of float32 leaves a relative RMS of "
               "{:.3g} and a maximum error of {:.3g}; ask for more",
               target_.string(), nameOf(options_.target.kind), options_.target.value,
-              options_.target.kind == Kind::kRms ? support_.rms + overSupport(rounding_)
-                                                 : relativeRms_ + overAll(rounding_),
+              options_.target.isOverSupport() ? support_.rms + overSupport(rounding_)
+                                              : relativeRms_ + overAll(rounding_),
               error_.maximum + rounding_);
 }
 

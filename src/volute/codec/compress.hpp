@@ -2,10 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "volute/base/progress.hpp"
@@ -30,10 +32,30 @@ struct ErrorTarget {
     kRatio,       ///< raw float32 bytes / file bytes >= value
     kSize,        ///< file bytes <= value
     kMaxError,    ///< |decoded - original| <= value at every voxel
+    /// As kRms, of values that are coded the finer the fainter they are: for pictures, in which an
+    /// error shows by its share of what is around it.
+    kLook,
   };
-  Kind kind = Kind::kRms;
-  double value = 3e-3;
+  Kind kind = Kind::kLook;
+  double value = kLookRms;
+
+  /// Of kLook: what pictures do not show, measured by tools/default_quality.py.
+  static constexpr double kLookRms = 7e-4;
+
+  bool isOverSupport() const { return kind == Kind::kRms || kind == Kind::kLook; }
 };
+
+/// "draft": smaller, errors are seen in pictures that are made bright. "look": a picture of it and
+/// one of the original look the same. "measure": numbers as near as those of 16-bit floats.
+struct QualityWord {
+  std::string_view word;
+  ErrorTarget target;
+};
+
+inline constexpr std::array<QualityWord, 3> kQualityWords{
+    {{"draft", {ErrorTarget::Kind::kLook, 4e-3}},
+     {"look", {ErrorTarget::Kind::kLook, ErrorTarget::kLookRms}},
+     {"measure", {ErrorTarget::Kind::kRms, 1e-4}}}};
 
 struct CompressOptions {
   ErrorTarget target;

@@ -16,6 +16,8 @@ std::string_view nameOf(ErrorTarget::Kind kind) {
   switch (kind) {
     case Kind::kRms:
       return "support-rms";
+    case Kind::kLook:
+      return "look";
     case Kind::kRmsOverAll:
       return "rms";
     case Kind::kPsnr:
@@ -42,7 +44,7 @@ void CompressionGoal::leaveRoomForHalves() {
     const double relative = this->relative(rounding);
     return std::sqrt(std::max(rms * rms / 4, rms * rms - relative * relative));
   };
-  if (target_.kind == Kind::kRms || target_.kind == Kind::kRmsOverAll)
+  if (target_.isOverSupport() || target_.kind == Kind::kRmsOverAll)
     goal_ = left(goal_);
   else if (target_.kind == Kind::kPsnr)
     goal_ = -20 * std::log10(left(std::pow(10, -goal_ / 20)));
@@ -82,6 +84,7 @@ StepSearch::Problem CompressionGoal::problem() const {
   const double value = goal_;
   switch (target_.kind) {
     case Kind::kRms:
+    case Kind::kLook:
     case Kind::kRmsOverAll:
       problem.target = value;
       break;

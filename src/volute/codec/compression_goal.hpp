@@ -12,7 +12,7 @@
 
 namespace volute {
 
-/// "support-rms", "rms", "psnr", "ratio", "size", "max-error".
+/// "support-rms", "look", "rms", "psnr", "ratio", "size", "max-error".
 std::string_view nameOf(ErrorTarget::Kind kind);
 
 /// What is asked of a compression, and the quantisation steps that should give it.

@@ -24,8 +24,8 @@ constexpr std::uint16_t kMinor = 0;
 constexpr std::size_t kPrologueBytes = 36;
 constexpr std::size_t kChunkFrameBytes = 24;  // type, flags, size and two checksums
 constexpr std::uint32_t kSkippable = 1;
-constexpr std::array<std::string_view, 6> kTargets{"rms",  "psnr",      "ratio",
-                                                   "size", "max-error", "support-rms"};
+constexpr std::array<std::string_view, 7> kTargets{"rms",       "psnr",        "ratio", "size",
+                                                   "max-error", "support-rms", "look"};
 
 // ---- writing
 

@@ -378,7 +378,11 @@ Result<JoinReport> encodeAgain(const std::vector<Part>& parts, FrameSource& fram
   CompressOptions how;
   const auto support = supportOf(parts, errors.most);
   const double reached = support ? support->rms : errors.relative(errors.rms);
-  how.target = {support ? ErrorTarget::Kind::kRms : ErrorTarget::Kind::kRmsOverAll,
+  const bool look = std::ranges::all_of(
+      parts, [](const Part& part) { return part.head.header.targetKind == "look"; });
+  how.target = {!support ? ErrorTarget::Kind::kRmsOverAll
+                : look   ? ErrorTarget::Kind::kLook
+                         : ErrorTarget::Kind::kRms,
                 options.rms.value_or(std::max(kFinest, reached))};
   how.provenance = joinedProvenance(parts);
   how.maxMemory = options.maxMemory;

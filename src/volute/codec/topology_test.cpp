@@ -146,7 +146,8 @@ TEST(Topology, ComesBackForEveryTarget) {
   for (const ErrorTarget target :
        {ErrorTarget{Kind::kRms, 3e-3}, ErrorTarget{Kind::kRms, 0.5},
         ErrorTarget{Kind::kRmsOverAll, 0.1}, ErrorTarget{Kind::kPsnr, 60},
-        ErrorTarget{Kind::kRatio, 50}, ErrorTarget{Kind::kMaxError, 0.02}}) {
+        ErrorTarget{Kind::kRatio, 50}, ErrorTarget{Kind::kMaxError, 0.02},
+        ErrorTarget{Kind::kLook, 3e-3}}) {
     CompressOptions options;
     options.target = target;
     const auto kept = throughFile({volume(37, 40, 44), puffs(18)}, options);

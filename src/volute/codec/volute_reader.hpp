@@ -40,7 +40,7 @@ struct VoluteHeader {
   int codec = 0;           ///< bit stream of the blocks; docs/format.md
   std::string writtenBy;   ///< program and version
   std::string provenance;  ///< what it was made from
-  std::string targetKind;  ///< support-rms, rms (over all), psnr, ratio, size or max-error
+  std::string targetKind;  ///< support-rms, look, rms (over all), psnr, ratio, size, max-error
   double targetValue = 0;
   double reachedRms = 0;                  ///< relative RMS over all values: RMS / (max - min)
   double reachedMaxError = 0;             ///< absolute

@@ -54,10 +54,12 @@ std::span<const BlockMode> allBlockModes() {
 std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int channels) {
   ByteWriter out;
   if (parameters.sparse) {
-    out.u8(parameters.inactive ? 1 : 0);
+    out.u8((parameters.inactive ? 1 : 0) | (parameters.bends() ? 2 : 0));
     for (int c = 0; c < channels; ++c) out.f32(parameters.background[static_cast<std::size_t>(c)]);
     for (int c = 0; parameters.inactive && c < channels; ++c)
       out.f32((*parameters.inactive)[static_cast<std::size_t>(c)]);
+    if (parameters.bends())
+      out.f64(parameters.bendScale), out.f64(parameters.bendOffset);
   }
   out.zigzag(parameters.exponent);
   out.f64(parameters.step);
@@ -86,10 +88,16 @@ Result<WaveletParameters> readParameters(std::uint32_t codec, std::span<const st
   };
   if (parameters.sparse) {
     const int flags = in.u8();
-    finite = flags <= 1;
+    finite = flags <= 3;
     readColour(parameters.background);
-    if (flags == 1)
+    if (flags & 1)
       readColour(parameters.inactive.emplace());
+    if (flags & 2) {
+      parameters.bendScale = in.f64();
+      parameters.bendOffset = in.f64();
+      finite = finite && within(parameters.bendScale, 1e-30, 1e30) &&
+               within(parameters.bendOffset, 0, 1e30);
+    }
   }
   const std::int64_t exponent = in.zigzag();
   parameters.step = in.f64();
@@ -137,6 +145,9 @@ void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
   for (int c = 0; c < shape.channels; ++c)
     shapeInverse(planes.subspan(c * voxels, voxels), support, shape.extents, mode.wavelet, levels);
   parameters.color.merge(planes, shape.channels, parameters.unit(), values);
+  if (parameters.bends()) {
+    for (float& value : values) value = parameters.unbent(value);
+  }
   // NaN, which only a damaged file can make, becomes the minimum.
   constexpr float kLargest = std::numeric_limits<float>::max();
   const float range = std::min(stream.valueMax / 2 - stream.valueMin / 2, kLargest / 4);

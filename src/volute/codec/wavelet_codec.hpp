@@ -62,6 +62,9 @@ struct WaveletParameters {
   /// What all voxels hold that are valued and not active, where that is one value: such voxels are
   /// not coded.
   std::optional<std::array<float, 3>> inactive{};
+  /// Codec 3: values are coded as bent() ones if bendScale is above 0, which makes faint ones finer
+  /// than strong ones.
+  double bendScale = 0, bendOffset = 0;
   /// Values beyond are kept as they are, for a writer of codec 3.
   float outlierLow = -std::numeric_limits<float>::infinity();
   float outlierHigh = std::numeric_limits<float>::infinity();
@@ -74,6 +77,19 @@ struct WaveletParameters {
   double shown(std::int32_t q) const {
     const int m = q < 0 ? -q : q;
     return m == 0 ? 0 : m == 1 ? one / 256.0 : m + more / 256.0;
+  }
+
+  bool bends() const { return bendScale > 0; }
+
+  float bent(float value) const {
+    const double half = 0.5 * bendOffset, size = std::abs(static_cast<double>(value));
+    return static_cast<float>(
+        std::copysign((std::sqrt(size + half * half) - half) / bendScale, value));
+  }
+
+  float unbent(float value) const {
+    const double t = bendScale * std::abs(static_cast<double>(value));
+    return static_cast<float>(std::copysign(t * (t + bendOffset), value));
   }
 
   /// 2^exponent.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <numeric>
 
 #include "volute/base/parallel.hpp"
 #include "volute/codec/block_row.hpp"
@@ -66,7 +67,9 @@ Result<Gathered> gather(BlockRow& rows, const VolumeInfo& info, Progress& progre
 
 Result<Tree4d> buildWithStep(BlockRow& rows, const VolumeInfo& info, const Gathered& gathered,
                              double step, Progress& progress) {
-  TreeBuilder builder(info, step, gathered.minimum, gathered.maximum);
+  std::vector<std::uint64_t> all(rows.grid().count());
+  std::iota(all.begin(), all.end(), std::uint64_t{0});
+  TreeBuilder builder(info, std::move(all), step, gathered.minimum, gathered.maximum);
   VOLUTE_TRY(forEachBlock(
       rows, "building the tree", progress,
       [&](std::size_t block, std::span<const float> values) { builder.addBlock(block, values); }));

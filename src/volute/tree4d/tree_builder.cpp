@@ -33,7 +33,8 @@ TreeLevels treeLevels(const VolumeInfo& info) {
   return {levels, std::min(levels, kBlockLevels)};
 }
 
-TreeBuilder::TreeBuilder(const VolumeInfo& info, double step, float minimum, float maximum)
+TreeBuilder::TreeBuilder(const VolumeInfo& info, std::vector<std::uint64_t> blocks, double step,
+                         float minimum, float maximum)
     : info_(info),
       grid_(info),
       totalLevels_(treeLevels(info).total),
@@ -41,23 +42,32 @@ TreeBuilder::TreeBuilder(const VolumeInfo& info, double step, float minimum, flo
       step_(step),
       minimum_(minimum),
       maximum_(maximum),
-      blocks_(grid_.count()),
-      blockOccupied_(grid_.count()),
-      blockBoxes_(grid_.count()) {}
+      numbers_(std::move(blocks)),
+      blocks_(numbers_.size()),
+      blockOccupied_(numbers_.size()),
+      blockBoxes_(numbers_.size()) {}
+
+std::size_t TreeBuilder::slotOf(std::size_t block) const {
+  const auto found = std::ranges::lower_bound(numbers_, block);
+  VOLUTE_ASSERT(found != numbers_.end() && *found == block);
+  return static_cast<std::size_t>(found - numbers_.begin());
+}
 
 void TreeBuilder::addBlock(std::size_t block, std::span<const float> values) {
   VOLUTE_ASSERT(values.size() == grid_.values(block));
-  noteOccupied(block, values);
-  blocks_[block] =
+  const std::size_t slot = slotOf(block);
+  noteOccupied(slot, values);
+  blocks_[slot] =
       buildSubtree({grid_.extents(block), info_.channels, 0, blockLevels_}, values, {}, step_);
 }
 
-void TreeBuilder::noteOccupied(std::size_t block, std::span<const float> values) {
+void TreeBuilder::noteOccupied(std::size_t slot, std::span<const float> values) {
+  const std::size_t block = numbers_[slot];
   const auto e = grid_.extents(block);
   const auto origin = grid_.origin(block);
   constexpr int kBricks = BlockGrid::kSide / BrickSlice::kSide;
-  auto& occupied = blockOccupied_[block];
-  auto& boxes = blockBoxes_[block];
+  auto& occupied = blockOccupied_[slot];
+  auto& boxes = blockBoxes_[slot];
   occupied.assign(static_cast<std::size_t>(e[0]) * kBricks * kBricks * kBricks, 0);
   boxes.assign(e[0], {});
   std::size_t i = 0;
@@ -78,22 +88,22 @@ void TreeBuilder::noteOccupied(std::size_t block, std::span<const float> values)
 }
 
 QuantisedSubtree TreeBuilder::buildUpperTree() const {
-  std::vector<float> means;
-  std::vector<std::uint8_t> hasNode;
-  for (const QuantisedSubtree& block : blocks_) {
-    if (block.mean.empty()) {  // never added
-      means.insert(means.end(), info_.channels, 0.0f);
-      hasNode.push_back(0);
-      continue;
-    }
-    means.insert(means.end(), block.mean.begin(), block.mean.end());
-    hasNode.push_back(!block.empty);
-  }
-  if (totalLevels_ == blockLevels_) {  // one block: its root is the root
+  const auto channels = static_cast<std::size_t>(info_.channels);
+  if (totalLevels_ == blockLevels_ && !blocks_.empty()) {  // one block: its root is the root
     QuantisedSubtree upper;
     upper.mean = blocks_[0].mean;
     upper.leaves = {0};
     return upper;
+  }
+  std::vector<float> means(grid_.count() * channels, 0.0f);
+  std::vector<std::uint8_t> hasNode(grid_.count(), 0);
+  for (std::size_t slot = 0; slot < blocks_.size(); ++slot) {
+    const QuantisedSubtree& block = blocks_[slot];
+    if (block.mean.empty())  // never added
+      continue;
+    std::ranges::copy(block.mean,
+                      means.begin() + static_cast<std::ptrdiff_t>(numbers_[slot] * channels));
+    hasNode[numbers_[slot]] = block.empty ? 0 : 1;
   }
   return buildSubtree({grid_.counts(), info_.channels, blockLevels_, totalLevels_ - blockLevels_},
                       means, hasNode, step_);
@@ -104,7 +114,7 @@ std::vector<SubtreeLevel> TreeBuilder::joinLevels(const QuantisedSubtree& upper)
   std::ranges::copy(upper.levels, levels.begin() + blockLevels_);
   for (int l = 0; l < blockLevels_; ++l) {
     for (std::uint32_t block : upper.leaves) {
-      const SubtreeLevel& part = blocks_[block].levels[l];
+      const SubtreeLevel& part = blocks_[slotOf(block)].levels[l];
       levels[l].masks.insert(levels[l].masks.end(), part.masks.begin(), part.masks.end());
       levels[l].children.insert(levels[l].children.end(), part.children.begin(),
                                 part.children.end());
@@ -141,10 +151,10 @@ Tree4d TreeBuilder::finish() {
   data.occupied.assign((frameBricks * info_.frames + 63) / 64, 0);
   std::vector<VoxelBox> boxes(info_.frames);
   constexpr int kBricks = BlockGrid::kSide / BrickSlice::kSide;
-  for (std::size_t block = 0; block < grid_.count(); ++block) {
-    const auto origin = grid_.origin(block);
-    for (std::size_t i = 0; i < blockOccupied_[block].size(); ++i) {
-      if (!blockOccupied_[block][i])
+  for (std::size_t slot = 0; slot < numbers_.size(); ++slot) {
+    const auto origin = grid_.origin(numbers_[slot]);
+    for (std::size_t i = 0; i < blockOccupied_[slot].size(); ++i) {
+      if (!blockOccupied_[slot][i])
         continue;
       const std::size_t t = origin[0] + i / (kBricks * kBricks * kBricks);
       const std::size_t z = origin[1] / BrickSlice::kSide + i / (kBricks * kBricks) % kBricks;
@@ -153,8 +163,8 @@ Tree4d TreeBuilder::finish() {
       const std::size_t bit = ((t * data.bricks[0] + z) * data.bricks[1] + y) * data.bricks[2] + x;
       data.occupied[bit >> 6] |= std::uint64_t{1} << (bit & 63);
     }
-    for (std::size_t t = 0; t < blockBoxes_[block].size(); ++t)
-      extend(boxes[origin[0] + t], blockBoxes_[block][t]);
+    for (std::size_t t = 0; t < blockBoxes_[slot].size(); ++t)
+      extend(boxes[origin[0] + t], blockBoxes_[slot][t]);
   }
 
   blocks_.clear();

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -25,16 +26,19 @@ TreeLevels treeLevels(const VolumeInfo& info);
 class TreeBuilder {
  public:
   /// Values are clamped to [minimum, maximum] when they are read.
-  TreeBuilder(const VolumeInfo& info, double step, float minimum, float maximum);
+  /// @param blocks  of BlockGrid(info), ascending, that will be added; all others are zero
+  TreeBuilder(const VolumeInfo& info, std::vector<std::uint64_t> blocks, double step, float minimum,
+              float maximum);
 
-  /// Block `block` of BlockGrid(info), shape (t, z, y, x, c). Each block once; different blocks may
-  /// come from different threads.
+  /// One of them, shape (t, z, y, x, c). Each block once; different blocks may come from different
+  /// threads.
   void addBlock(std::size_t block, std::span<const float> values);
 
   Tree4d finish();
 
  private:
-  void noteOccupied(std::size_t block, std::span<const float> values);
+  std::size_t slotOf(std::size_t block) const;
+  void noteOccupied(std::size_t slot, std::span<const float> values);
   QuantisedSubtree buildUpperTree() const;
   std::vector<SubtreeLevel> joinLevels(const QuantisedSubtree& upper) const;
 
@@ -44,6 +48,7 @@ class TreeBuilder {
   int blockLevels_;
   double step_;
   float minimum_, maximum_;
+  std::vector<std::uint64_t> numbers_;  // of the blocks that are added
   std::vector<QuantisedSubtree> blocks_;
   std::vector<std::vector<std::uint8_t>> blockOccupied_;  // per block: one a frame and brick of 8^3
   std::vector<std::vector<VoxelBox>>

@@ -3,7 +3,9 @@
 // Tree4d::load: blocks from a .volute file.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <mutex>
+#include <numeric>
 
 #include "volute/base/parallel.hpp"
 #include "volute/tree4d/tree4d.hpp"
@@ -19,8 +21,6 @@ Result<Tree4d> Tree4d::load(const VoluteReader& reader, const LoadOptions& optio
   double step = 0.25 * header.reachedRms * range * std::sqrt(12.0);
   if (!(step > 0))
     step = std::max(range, 1.0) * 1e-6;
-  TreeBuilder builder(info, step, static_cast<float>(header.valueMin),
-                      static_cast<float>(header.valueMax));
   const BlockGrid& grid = reader.blocks();
   Status status;
   std::mutex mutex;
@@ -28,17 +28,40 @@ Result<Tree4d> Tree4d::load(const VoluteReader& reader, const LoadOptions& optio
   const int endRow =
       std::clamp((std::min(options.endFrame, info.frames) - 1) / BlockGrid::kSide + 1, firstRow + 1,
                  grid.counts()[0]);
-  const std::size_t first = firstRow * grid.rowCount();
-  const std::size_t end = endRow * grid.rowCount();
-  for (std::size_t row = first; row < end; row += grid.rowCount()) {
+  // Means, nodes' places and entries of all blocks, and a bit for each brick of a frame.
+  constexpr std::uint64_t kBytesABlock = 64;
+  const std::uint64_t bytes = kBytesABlock * grid.count();
+  if (bytes > reader.maxMemory()) {
+    return fail(ErrorCode::kTooLarge,
+                "a tree over {} x {} x {} voxels needs {} MiB of memory, more than the {} MiB "
+                "allowed, whatever is in them; draw its bricks",
+                info.x, info.y, info.z, (bytes >> 20) + 1, reader.maxMemory() >> 20);
+  }
+  const std::uint64_t first = firstRow * grid.rowCount(), end = endRow * grid.rowCount();
+  std::vector<std::uint64_t> blocks;
+  if (reader.background() == std::array<float, 3>{}) {
+    VOLUTE_ASSIGN(const auto occupied, reader.occupied());
+    std::ranges::copy_if(occupied, std::back_inserter(blocks),
+                         [&](std::uint64_t block) { return block >= first && block < end; });
+  } else {
+    blocks.resize(end - first);
+    std::iota(blocks.begin(), blocks.end(), first);
+  }
+  if (blocks.empty())
+    blocks.push_back(first);
+  TreeBuilder builder(info, blocks, step, static_cast<float>(header.valueMin),
+                      static_cast<float>(header.valueMax));
+  constexpr std::size_t kAtOnce = 256;
+  for (std::size_t done = 0; done < blocks.size(); done += kAtOnce) {
     if (progress.cancelled())
-      return fail(ErrorCode::kCancelled, "stopped: {} of {} blocks were loaded", row - first,
-                  end - first);
-    parallelFor(grid.rowCount(), [&](std::size_t i) {
-      std::vector<float> values(grid.values(row + i));
-      Status read = reader.readBlock(row + i, values, options.levels);
+      return fail(ErrorCode::kCancelled, "stopped: {} of {} blocks were loaded", done,
+                  blocks.size());
+    parallelFor(std::min(kAtOnce, blocks.size() - done), [&](std::size_t i) {
+      const std::uint64_t block = blocks[done + i];
+      std::vector<float> values(grid.values(block));
+      Status read = reader.readBlock(block, values, options.levels);
       if (read) {
-        builder.addBlock(row + i, values);
+        builder.addBlock(block, values);
       } else {
         const std::lock_guard lock(mutex);
         if (status)
@@ -46,8 +69,8 @@ Result<Tree4d> Tree4d::load(const VoluteReader& reader, const LoadOptions& optio
       }
     });
     VOLUTE_TRY(status);
-    progress.report("loading", static_cast<double>(row + grid.rowCount() - first),
-                    static_cast<double>(end - first));
+    progress.report("loading", static_cast<double>(std::min(done + kAtOnce, blocks.size())),
+                    static_cast<double>(blocks.size()));
   }
   return builder.finish();
 }
