@@ -3,6 +3,7 @@
 #include "volute/film/render_request.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <utility>
 

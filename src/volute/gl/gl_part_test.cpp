@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/gl_part.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "volute/gl/gl_part_table.hpp"
 #include "volute/gl/gl_testing.hpp"
 #include "volute/render/scaled_medium.hpp"

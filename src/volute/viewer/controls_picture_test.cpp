@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // The viewer's controls that are no parameters of a document: picture, files.
+#include <nlohmann/json.hpp>
+
 #include "volute/viewer/controls_testing.hpp"
 #include "volute/viewer/panels.hpp"
 

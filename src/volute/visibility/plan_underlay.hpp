@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 #include "volute/image/image.hpp"
 #include "volute/math/vec2.hpp"

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "volute/grid/sequence.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/media/volume/grid_compression.hpp"
