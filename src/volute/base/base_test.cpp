@@ -25,6 +25,7 @@
 #include "volute/base/input_file.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/base/printable.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/base/thread_priority.hpp"
@@ -263,6 +264,36 @@ TEST(ThreadPriority, WorkersLetOthersFirstAndTheLoopsCallerDoesNot) {
     EXPECT_GT(found.size(), 1u);
   }
   EXPECT_EQ(niceness(), ours);
+}
+
+TEST(Error, LongNamesAreCut) {
+  const std::string name(15000000, 'x');
+  const Error error = fail(ErrorCode::kInvalidData, "a.json: /{}: is unknown", name).value();
+  EXPECT_LT(error.message.size(), 300u);
+  EXPECT_TRUE(error.message.starts_with("a.json: /xxx")) << error.message;
+  EXPECT_TRUE(error.message.ends_with(": is unknown")) << error.message;
+  const std::string accents = [] {
+    std::string text;
+    for (int i = 0; i < 2000; ++i) text += "\xC3\xA9";
+    return text;
+  }();
+  for (const std::string& text : {accents, "a" + accents}) {
+    const std::string cut = fail(ErrorCode::kInvalidData, "{}", text).value().message;
+    EXPECT_LT(cut.size(), 300u);
+    EXPECT_EQ(asUtf8(cut), cut) << "characters stay whole";
+    EXPECT_NE(cut.find("bytes)...\xC3\xA9"), std::string::npos);
+  }
+  const std::string spaced = fail(ErrorCode::kInvalidData, "{}",
+                                  [] {
+                                    std::string text;
+                                    for (int i = 0; i < 1000000; ++i) text += "x ";
+                                    return text;
+                                  }())
+                                 .value()
+                                 .message;
+  EXPECT_LT(spaced.size(), 100000u);
+  const std::string path(1000, 'p');
+  EXPECT_EQ(fail(ErrorCode::kNotFound, "{}: a", path).value().message, path + ": a");
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -43,7 +45,11 @@ class RouteWatch final : public Watch {
 
   Status begin(const Survey& survey, const SightInstant& first, Progress& progress) override {
     survey_ = &survey;
-    for (std::size_t r = 0; r < routes_.size(); ++r) addStations(r);
+    firstStations_ = {0};
+    for (std::size_t r = 0; r < routes_.size(); ++r) {
+      addStations(r);
+      firstStations_.push_back(stations_.size());
+    }
     std::vector<Place> places(eyes_.size());
     first.places(eyes_, places);
     const auto lost =
@@ -158,11 +164,9 @@ class RouteWatch final : public Watch {
     for (std::size_t r = 0; r < routes_.size(); ++r) {
       std::vector<SightLine> lines;
       std::vector<double> from;
-      for (std::size_t i = 1; i < stations_.size(); ++i) {
-        if (stations_[i].route == r && stations_[i - 1].route == r) {
-          lines.push_back({eyes_[i - 1], eyes_[i]});
-          from.push_back(stations_[i - 1].along);
-        }
+      for (std::size_t i = firstStations_[r] + 1; i < firstStations_[r + 1]; ++i) {
+        lines.push_back({eyes_[i - 1], eyes_[i]});
+        from.push_back(stations_[i - 1].along);
       }
       std::vector<Sight> sights(lines.size());
       first.look(lines, sights);
@@ -202,13 +206,8 @@ class RouteWatch final : public Watch {
     for (double& k : extinction) k = std::isnan(k) ? 0 : k;
     if (extinction_.empty())
       extinction_ = extinction;
-    std::size_t first = 0;
-    for (std::size_t r = 0; r < routes_.size(); ++r) {
-      std::size_t end = first;
-      while (end < stations_.size() && stations_[end].route == r) ++end;
-      walkOn(r, first, end, at.time, extinction);
-      first = end;
-    }
+    for (std::size_t r = 0; r < routes_.size(); ++r)
+      walkOn(r, firstStations_[r], firstStations_[r + 1], at.time, extinction);
     extinction_ = std::move(extinction);
     smokeTime_ = at.time;
   }
@@ -248,11 +247,7 @@ class RouteWatch final : public Watch {
     if (!meter_)
       return;
     for (std::size_t r = 0; r < routes_.size(); ++r) {
-      double arrival = kNotYet;
-      for (const Station& station : stations_) {
-        if (station.route == r)
-          arrival = station.arrival;
-      }
+      const double arrival = stations_[firstStations_[r + 1] - 1].arrival;
       if (arrival > survey_->times.back() && !storedPlace(survey_->times, arrival))
         meter_->lose(r);
     }
@@ -348,8 +343,8 @@ class RouteWatch final : public Watch {
   template <class Seen>
   double shareOf(std::size_t route, Seen&& seen) const {
     double share = 0;
-    for (std::size_t i = 0; i < stations_.size(); ++i) {
-      if (stations_[i].route == route && seen(i))
+    for (std::size_t i = firstStations_[route]; i < firstStations_[route + 1]; ++i) {
+      if (seen(i))
         share += stations_[i].share;
     }
     return std::min(share, 1.0);
@@ -413,9 +408,7 @@ class RouteWatch final : public Watch {
     for (const Json& record : coverage_) json["coverage"].push_back(record[r]);
     Json walk = Json::array();
     double seen = 0, known = 0;
-    for (std::size_t i = 0; i < stations_.size(); ++i) {
-      if (stations_[i].route != r)
-        continue;
+    for (std::size_t i = firstStations_[r]; i < firstStations_[r + 1]; ++i) {
       Json record = {{"time", jsonNumber(stations_[i].arrival)},
                      {"along", stations_[i].along},
                      {"position", {eyes_[i][0], eyes_[i][1], eyes_[i][2]}}};
@@ -522,7 +515,8 @@ class RouteWatch final : public Watch {
   std::pair<double, std::vector<double>> smokeBefore_;  // the same, at the last stored one
   double smokeTime_ = 0;
   std::optional<ExposureMeter> meter_;
-  std::vector<Station> stations_;
+  std::vector<Station> stations_;           // of one route after the other
+  std::vector<std::size_t> firstStations_;  // of each route, and the end
   std::vector<Vec3> eyes_;
   FloorPlan plan_;
   Json coverage_;                            // of each time, a list of routes
