@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <nlohmann/json.hpp>
+
 #include "fuzz/input_folder.hpp"
 #include "volute/io/json_file.hpp"
 #include "volute/scene/kinds.hpp"
@@ -22,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const volute::TriangleScene nothing;
   for (const volute::MediumEntry& entry : scene->media) {
     volute::MediumContext context{reading, options, scene->lights, nothing, file, entry.path};
-    (void)entry.kind->open(entry.json, context);
+    (void)entry.kind->open(*entry.json, context);
   }
   return 0;
 }
