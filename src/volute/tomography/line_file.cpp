@@ -148,7 +148,8 @@ Status LineReader::readValue(LineMeasurement& one) const {
     return fail(
         ErrorCode::kInvalidData,
         "{}: transmittance is {:g}, which lets no depth be told; expected more than 0 (about "
-        "1 where there is no smoke)",
+        "1 where there is no smoke): of a line that is too dark to measure, state the least "
+        "that the instrument can tell from dark, as 0.001, or leave the line out",
         table_.where(), one.value);
   }
   if (lines_.hasSigma)
@@ -188,12 +189,13 @@ Status LineReader::checkSigns() {
   if (!lines_.opticalDepths)
     return {};
   double sum = 0;
-  std::size_t rows = 0, negative = 0;
+  std::size_t rows = 0, negative = 0, below = 0;
   for (const auto& [key, frame] : frames_) {
     for (const LineMeasurement& one : frame.lines) {
       constexpr double kNoise = 0.05;  // of what says no sigma
       sum += one.value;
       ++rows;
+      below += one.value < 0 ? 1 : 0;
       negative += one.value < -(lines_.hasSigma ? 3 * one.sigma : kNoise) ? 1 : 0;
     }
   }
@@ -209,6 +211,13 @@ Status LineReader::checkSigns() {
                     "than without; "
                     "extinction is 0 at least, so that they stay unexplained",
                     file_, negative, rows));
+  }
+  constexpr double kMostly = 0.75;  // noise alone makes half of them negative
+  if (negative == 0 && static_cast<double>(below) > kMostly * static_cast<double>(rows)) {
+    lines_.remarks.push_back(
+        fmt::format("{}: {} of {} optical depths are negative: more light with smoke than without "
+                    "(a transmittance above 1); check the light that they are relative to",
+                    file_, below, rows));
   }
   return {};
 }

@@ -101,7 +101,7 @@ double LineVolumes::mean(const char* figure) const {
 
 Result<LineVolumes> reconstructLineFile(const std::string& file, const CaptureOptions& where,
                                         const LineOptions& how, bool leaveOut, Progress& progress) {
-  constexpr double kOften = 0.5;
+  constexpr double kOften = 0.5, kUnexplained = 0.9;
   VOLUTE_ASSIGN(auto lines, readLines(file));
   for (const std::string& remark : lines.remarks) progress.remark(remark);
   VOLUTE_TRY(choose(lines, where.frames));
@@ -116,7 +116,7 @@ Result<LineVolumes> reconstructLineFile(const std::string& file, const CaptureOp
   VOLUTE_TRY(info.validate(file));
   LineOptions half = how;
   half.maxMemory = where.maxMemory / 2;
-  bool told = false;
+  bool told = false, unexplainedTold = false;
   for (LineFrame& frame : lines.frames) {
     progress.detail(fmt::format("frame {}", frame.number));
     if (leaveOut)
@@ -130,6 +130,14 @@ Result<LineVolumes> reconstructLineFile(const std::string& file, const CaptureOp
           "lines pass {:.0f} % of the voxels of frame {}: what is between is guessed from its "
           "neighbours",
           100 * found->crossed, frame.number));
+    }
+    if (found->residual > kUnexplained && !std::exchange(unexplainedTold, true)) {
+      progress.remark(Remark(
+          RemarkCode::kDoubtful,
+          fmt::format("warning: frame {}: the volume explains next to nothing of what was measured "
+                      "(residual {:.3g} of 1); check the lines' places, the quantity and its sign, "
+                      "unless there is noise alone",
+                      frame.number, found->residual)));
     }
     result.records.push_back({{"frame", frame.number},
                               {"lines", frame.lines.size()},
