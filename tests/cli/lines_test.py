@@ -73,6 +73,22 @@ class Lines(support.TestCase):
         self.path("wrong.csv").write_text("x,y,z,dx,dy,dz,value\n0,0,0,1,0,0,1\n0,0,1,1,0,0,1\n")
         self.assertIn("--bounds", self.fails(2, "reconstruct", self.path("wrong.csv"), "-o", out))
 
+    def transmittances(self, value):
+        """Lines from wall to wall whose transmittances are all `value`."""
+        chance = random.Random(3)
+        rows = [[chance.uniform(0, 4), 0, chance.uniform(0, 2), chance.uniform(0, 4), 3, chance.uniform(0, 2), value] for _ in range(60)]
+        self.path("t.csv").write_text("x0,y0,z0,x1,y1,z1,transmittance\n" + "".join(",".join(f"{x:.4f}" for x in row) + "\n" for row in rows))
+        return ["reconstruct", self.path("t.csv"), "-o", self.path("t.npy"), "--bounds", "0,0,0,4,3,2", "--resolution", 8]
+
+    def test_what_explains_nothing_is_told(self):
+        said = self.works(*self.transmittances(1.03)).message
+        self.assertIn("60 of 60 optical depths are negative: more light with smoke than without", said)
+        self.assertIn("the volume explains next to nothing of what was measured", said)
+        said = self.works(*self.transmittances(0.5)).message
+        self.assertNotIn("explains next to nothing", said)
+        self.assertNotIn("are negative", said)
+        self.assertIn("state the least that the instrument can tell from dark, as 0.001", self.fails(1, *self.transmittances(0)))
+
 
 if __name__ == "__main__":
     support.main()
