@@ -212,6 +212,12 @@ class Places(support.TestCase):
         for verb in (("compress", "-o", self.path("x.volute")), ("render", "-o", self.path("x.png"))):
             text = self.fails(1, verb[0], self.blocks / "flat.vdb", *verb[1:])
             self.assertIn("flat.vdb, grid 'density': the grid's matrix is not finite, or makes it flat", text)
+        upright = self.blocks / "upright_%04d.vdb"
+        for verb in (("compress", "-o", self.path("x.volute")), ("render", "-o", self.path("x.png"), "--size", "16x16")):
+            text = self.fails(1, verb[0], upright, *verb[1:])
+            self.assertIn("upright_0002.vdb: grid 'density', frame 2: the file does not say which axis points upwards, but", text)
+            self.assertIn("upright_0001.vdb says that y points upwards; expected one up axis in all frames", text)
+            self.works(verb[0], upright, *verb[1:], "--file-up", "y")
         self.assertIn("so that no voxel of one is one of the other", self.fails(1, "compare", self.blocks / "turned.vdb", self.blocks / "skewed.vdb"))
         for name in ("turned", "skewed"):
             lit = ("render", self.blocks / f"{name}.vdb", "--preset", "smoke", "--size", "48x48")

@@ -354,6 +354,7 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
     if (!known_)
       VOLUTE_TRY(describeAll(grid, frames));
     VOLUTE_ASSIGN(auto places, latticePlaces(files_, frames));
+    VOLUTE_TRY(checkUp(frames, grid));
     if (isDefault && !options_.bounds && places.box.empty())
       takeOneWithVoxels(grid, frames, places);
     if (!unchosen_.empty() && options_.remark) {
@@ -552,6 +553,24 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
       frames[i].time = std::numeric_limits<double>::quiet_NaN();
     }
     known_ = KnownGrid{grid, frames, std::move(present), {}, std::move(missing->message)};
+    return {};
+  }
+
+  /// One sequence has one up axis.
+  Status checkUp(const std::vector<LatticeFrame>& frames, const std::string& grid) const {
+    const auto said = [](const LatticeFrame& frame) {
+      return frame.up ? fmt::format("says that {} points upwards", frame.up)
+                      : std::string("does not say which axis points upwards");
+    };
+    for (std::size_t i = 1; i < frames.size() && !options_.upStated; ++i) {
+      if (frames[i].up == frames[0].up)
+        continue;
+      return fail(ErrorCode::kInvalidData,
+                  "{}: grid '{}', frame {}: the file {}, but {} {}; expected one up axis in all "
+                  "frames: state it",
+                  files_[i].path.string(), grid, files_[i].frameText(), said(frames[i]),
+                  files_[0].path.string(), said(frames[0]));
+    }
     return {};
   }
 

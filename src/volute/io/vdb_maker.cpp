@@ -139,13 +139,14 @@ void make(const std::filesystem::path& folder, int frame) {
 
 /// A block of 10^3 voxels of 1 that begins at the index 0, in several places.
 void place(const std::filesystem::path& folder) {
-  const auto write = [&](const std::string& name, const math::Transform::Ptr& transform) {
+  const auto write = [&](const std::string& name, const math::Transform::Ptr& transform,
+                         const MetaMap& file = {}) {
     const auto grid = FloatGrid::create();
     grid->setName("density");
     grid->setGridClass(GRID_FOG_VOLUME);
     grid->fill(CoordBBox(Coord(0), Coord(9)), 1.f);
     grid->setTransform(transform);
-    io::File(folder / (name + ".vdb")).write(GridPtrVec{grid});
+    io::File(folder / (name + ".vdb")).write(GridPtrVec{grid}, file);
   };
   const auto affine = [](const math::Mat4d& matrix) {
     return std::make_shared<math::Transform>(std::make_shared<math::AffineMap>(matrix));
@@ -167,6 +168,11 @@ void place(const std::filesystem::path& folder) {
     write("moving_000" + std::to_string(frame),
           std::make_shared<math::Transform>(std::make_shared<math::UniformScaleTranslateMap>(
               frame == 3 ? .2 : .1, Vec3d(.02 * frame, 0, 0))));
+  // Half of them by a program whose up axis is y.
+  MetaMap houdini;
+  setMeta(houdini, "creator", std::string("Houdini/GEO_VDBTranslator"));
+  const auto unit = math::Transform::createLinearTransform(.1);
+  write("upright_0001", unit, houdini), write("upright_0002", unit);
   // As flat as OpenVDB lets through.
   write("flat", affine(rows({.1, 0, 0, 0, .1, 1e-12, 0, 0, 0, 0, .1, 0, 0, 0, 0, 1})));
 }

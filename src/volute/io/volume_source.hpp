@@ -36,6 +36,7 @@ struct SourceOptions {
   bool byLayers = false;              ///< a frame may take more: the caller reads it by layers
   std::optional<RawLayout> raw{};     ///< layout of files without a header
   std::string usualGrid = "density";  ///< default grid of several
+  bool upStated = false;              ///< whatever files say of their up axes
   std::function<void(const Remark&)> remark{};  ///< receives remarks on chosen and ignored grids
 };
 

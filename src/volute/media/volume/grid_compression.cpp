@@ -283,6 +283,7 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
   }
   InputOptions unverified = input;  // who reads it says what is damaged
   unverified.verify = false;
+  unverified.stated = how.stated;
   VOLUTE_ASSIGN(const auto grids, VolumeGrids::open(path, unverified, reading));
   const auto& all = grids->grids();
   VOLUTE_ASSIGN(const auto named, grids->choose(input.grid, path));

@@ -142,7 +142,11 @@ const FieldTable& volumeFields() {
        .option = {.value = "HOW", .scene = true}},
       {.name = "velocity_scale",
        .access = member<&SceneVolume::appearance, &Appearance::velocityScale>(),
-       .help = "velocity of one unit of the velocity grid", .unit = "m/s"},
+       .help = "factor applied to the velocity grid"},
+      {.name = "velocity_unit", .type = kChoice,
+       .access = member<&SceneVolume::appearance, &Appearance::velocityUnit>(),
+       .help = "unit of the velocity grid; a frame is from one whole frame number to the next",
+       .choices = kVelocityUnits, .option = {.value = "UNIT", .scene = true}},
       {.name = "up", .type = kChoice, .access = customMember<SceneVolume, upOf, setUp>(),
        .help = "up axis of the file, which is turned upwards before the transform; if not given, what "
                "the file says, else z", .choices = kUps, .option = {.value = "AXIS", .name = "file-up"}},

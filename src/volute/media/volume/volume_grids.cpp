@@ -100,6 +100,7 @@ Result<std::unique_ptr<VolumeGrids>> VolumeGrids::open(const std::string& path,
   source.bounds = options.bounds;
   source.maxMemory = reading.maxMemory;
   source.byLayers = options.byLayers;
+  source.upStated = options.stated.up != 0;
   // A grid may be read several times.
   source.remark = [&progress = reading.progress,
                    said = std::make_shared<std::set<std::string>>()](const Remark& remark) {

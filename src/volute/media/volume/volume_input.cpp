@@ -137,6 +137,7 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
   source.bounds = options.bounds;
   source.maxMemory = reading.maxMemory;
   source.byLayers = options.byLayers;
+  source.upStated = options.stated.up != 0;
   source.raw = options.raw;
   source.remark = [&](const Remark& remark) { reading.progress.remark(remark); };
   VOLUTE_ASSIGN(input.source, openSource(path, source));

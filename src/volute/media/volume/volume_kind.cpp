@@ -25,7 +25,8 @@ bool sameGrids(const Appearance& a, const Appearance& b) {
     return std::array<std::string, 3>{flames.field, flames.temperature,
                                       one.scatters() ? one.colors : ""};
   };
-  return of(a) == of(b) && a.interpolation == b.interpolation && a.velocityScale == b.velocityScale;
+  return of(a) == of(b) && a.interpolation == b.interpolation &&
+         a.velocityScale == b.velocityScale && a.velocityUnit == b.velocityUnit;
 }
 
 /// Lights of a picture that somebody takes: a sun from the left, and what is around. Beside fire,

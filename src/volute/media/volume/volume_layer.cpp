@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -319,12 +320,6 @@ Status VolumeLayer::chooseInterpolation(Progress& progress) {
     interpolation_ = Interpolation::kNone;
     return {};
   }
-  if (hasPlaces() && interpolation_ != Interpolation::kLinear) {
-    progress.remark(fmt::format(
-        "{}: its grid is turned: its frames go over into each other in place, not along velocities",
-        path_));
-    interpolation_ = Interpolation::kLinear;
-  }
   if (interpolation_ == Interpolation::kLinear)
     return {};
   std::vector<std::string> grids = input_->source->otherGrids();
@@ -359,8 +354,9 @@ Status VolumeLayer::chooseInterpolation(Progress& progress) {
         velocities_.empty()
             ? fmt::format("{}: no grid of velocities: its frames go over into each other in place",
                           path_)
-            : fmt::format("{}: moved along '{}' between its frames, in units of {:g} m/s", path_,
-                          fmt::join(velocities_, "', '"), appearance_.velocityScale));
+            : fmt::format("{}: moved along '{}' between its frames, in units of {:g} {}", path_,
+                          fmt::join(velocities_, "', '"), appearance_.velocityScale,
+                          kVelocityUnits[static_cast<std::size_t>(appearance_.velocityUnit)]));
   }
   return {};
 }
@@ -528,6 +524,20 @@ Result<Velocities> VolumeLayer::velocitiesOf(int position) {
   return all;
 }
 
+Mat3 VolumeLayer::velocityStep(int position) const {
+  const auto at = static_cast<std::size_t>(position);
+  const double frames = info_.frameScale.frame(info_.frameNumbers[at + 1]) -
+                        info_.frameScale.frame(info_.frameNumbers[at]);
+  const bool perSecond = appearance_.velocityUnit == VelocityUnit::kMetresPerSecond;
+  const double span = perSecond ? info_.times[at + 1] - info_.times[at] : frames;
+  const double times = span * appearance_.velocityScale;
+  if (appearance_.velocityUnit == VelocityUnit::kVoxelsPerFrame)
+    return times * Mat3::Identity();
+  const Vec3 voxel = input_->source->info().voxelSize();  // the file's, before its placement
+  const Mat3 toGrid = hasPlaces() ? Mat3(linearOf(input_->places[at]).inverse()) : Mat3::Identity();
+  return (times * voxel.cwiseInverse()).asDiagonal() * toGrid;
+}
+
 Result<std::shared_ptr<const VoxelPaths>> VolumeLayer::pathsAt(double moment) {
   if (interpolation_ != Interpolation::kVelocity)
     return std::shared_ptr<const VoxelPaths>();
@@ -536,12 +546,8 @@ Result<std::shared_ptr<const VoxelPaths>> VolumeLayer::pathsAt(double moment) {
   const int position = static_cast<int>(moment);
   VOLUTE_ASSIGN(const auto before, velocitiesOf(position));
   VOLUTE_ASSIGN(const auto after, velocitiesOf(position + 1));
-  const double seconds = info_.times[static_cast<std::size_t>(position) + 1] -
-                         info_.times[static_cast<std::size_t>(position)];
-  const Vec3 voxel = input_->source->info().voxelSize();  // the file's, before its placement
-  const Vec3 step = (appearance_.velocityScale * seconds * Vec3::Ones()).cwiseQuotient(voxel);
   paths_ = std::make_shared<const VoxelPaths>(
-      pathsBetween(info_, before, after, step, moment - position));
+      pathsBetween(info_, before, after, velocityStep(position), moment - position));
   pathsMoment_ = moment;
   return paths_;
 }

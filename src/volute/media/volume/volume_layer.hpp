@@ -40,6 +40,11 @@ enum class Interpolation {
   kVelocity,  ///< both, moved along the velocities to where they are then
 };
 
+/// What a grid of velocities is in. Its vectors are those of the file's world, whatever OpenVDB's
+/// type of them, but for voxels, which lie along the grid's axes.
+enum class VelocityUnit { kMetresPerSecond, kVoxelsPerFrame, kMetresPerFrame };
+constexpr std::string_view kVelocityUnits[] = {"m/s", "voxels/frame", "m/frame"};
+
 /// Whether what a volume emits is light for surfaces and other media.
 enum class LightsScene {
   kAuto,  ///< where flames burn in it
@@ -61,7 +66,8 @@ struct Appearance {
   Placement placement;
   Clock clock;
   Interpolation interpolation = Interpolation::kNone;
-  double velocityScale = 1;  ///< [m/s] of one unit of the grid of velocities
+  double velocityScale = 1;  ///< multiplies the grid of velocities
+  VelocityUnit velocityUnit = VelocityUnit::kMetresPerSecond;
 
   bool scatters() const { return extinction > 0 && albedo.maxCoeff() > 0; }
 
@@ -197,6 +203,8 @@ class VolumeLayer {
   /// Null where frames go over into each other in place.
   [[nodiscard]] Result<std::shared_ptr<const VoxelPaths>> pathsAt(double moment);
   [[nodiscard]] Result<Velocities> velocitiesOf(int position);
+  /// From a velocity to its way until the next frame [voxels].
+  Mat3 velocityStep(int position) const;
 
   [[nodiscard]] Result<BrickSlice> sliceFromTree(int position);
 

@@ -134,7 +134,7 @@ std::vector<BrickPlace> placesOf(std::span<const std::shared_ptr<const BrickSlic
 
 // Where nothing moves in either frame, nothing goes anywhere.
 VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const Velocities& after,
-                        const Vec3& step, double share) {
+                        const Mat3& step, double share) {
   VoxelPaths paths;
   Velocities both = before;
   both.insert(both.end(), after.begin(), after.end());
@@ -147,21 +147,19 @@ VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const 
   paths.from.resize(paths.places.size() * BrickSlice::kVoxels);
   paths.to.resize(paths.from.size());
   const Flow early(before), late(after);
-  VoxelPlace back, ahead;
-  for (int axis = 0; axis < 3; ++axis) {
-    back[axis] = static_cast<float>(-share * step[axis]);
-    ahead[axis] = static_cast<float>((1 - share) * step[axis]);
-  }
+  const Eigen::Matrix3f back = (-share * step).cast<float>(),
+                        ahead = ((1 - share) * step).cast<float>();
   forVoxels(info, paths.places, [&](std::size_t brick, std::size_t voxel, const VoxelPlace& place) {
     const VoxelPlace a = early.read(place), b = late.read(place);
     const auto speed = [](const VoxelPlace& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
     const VoxelPlace& first = speed(a) >= speed(b) ? a : b;  // what moves may not have come yet
-    const auto follow = [&](const Flow& velocity, const VoxelPlace& times) {
-      VoxelPlace way{times[0] * first[0], times[1] * first[1], times[2] * first[2]};
-      for (int i = 0; i < kIterations; ++i) {
-        const VoxelPlace v = velocity.read(sum(place, way));
-        way = {times[0] * v[0], times[1] * v[1], times[2] * v[2]};
-      }
+    const auto follow = [&](const Flow& velocity, const Eigen::Matrix3f& times) {
+      const auto wayOf = [&](const VoxelPlace& v) {
+        const Eigen::Vector3f way = times * Eigen::Vector3f(v[0], v[1], v[2]);
+        return VoxelPlace{way[0], way[1], way[2]};
+      };
+      VoxelPlace way = wayOf(first);
+      for (int i = 0; i < kIterations; ++i) way = wayOf(velocity.read(sum(place, way)));
       return way;
     };
     paths.from[brick * BrickSlice::kVoxels + voxel] = follow(early, back);

@@ -26,10 +26,10 @@ using Velocities = std::vector<std::shared_ptr<const BrickSlice>>;
 /// The paths along a velocity that is known in both frames: straight ones, found by iterating
 ///   from = -share step v_before(x + from),  to = (1 - share) step v_after(x + to),
 /// with v interpolated between voxels and 0 outside.
-/// @param step  [voxels] along each axis, between the frames, of a velocity of 1
+/// @param step  [voxels] from a velocity to its way between the frames
 /// @param share  of the time between the frames that has gone by, 0..1
 VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const Velocities& after,
-                        const Vec3& step, double share);
+                        const Mat3& step, double share);
 
 /// What is between two frames: (1 - share) of the one before and share of the one after it, each
 /// along the paths, or in place where there are none.

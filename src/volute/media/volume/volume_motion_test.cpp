@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "volute/io/testing.hpp"
@@ -72,7 +73,8 @@ TEST(VolumeMotion, AMovedBlobIsBetweenItsPlaces) {
                    second = BrickSlice::fromDense(info, after);
   const Velocities moving = velocitiesOf(velocity);
   for (const double share : {0.25, 0.5, 0.9}) {
-    const VoxelPaths paths = pathsBetween(info, moving, moving, Vec3(kMoved / 2, 1, 1), share);
+    const VoxelPaths paths =
+        pathsBetween(info, moving, moving, Mat3(Vec3(kMoved / 2, 1, 1).asDiagonal()), share);
     auto out = dense(blendFrames(info, first, second, share, &paths));
     // Its frames are interpolated between voxels where it moves by parts of one.
     EXPECT_LT(furthest(out, blob(12 + share * kMoved)), share == 0.9 ? 0.06 : 1e-5) << share;
@@ -91,7 +93,7 @@ TEST(VolumeMotion, PathsFollowVelocitiesThatChange) {
   for (std::size_t i = 0; i < info.voxels(); ++i)
     velocity[3 * i] = 0.1F * static_cast<float>(i % kLong);
   const Velocities growing = velocitiesOf(velocity);
-  const VoxelPaths paths = pathsBetween(info, growing, growing, Vec3::Ones(), 0.5);
+  const VoxelPaths paths = pathsBetween(info, growing, growing, Mat3::Identity(), 0.5);
   for (const int x : {5, 15, 30}) {
     const std::size_t at = paths.table.at(x / 8, 0, 0) * 512 + (7 * 8 + 7) * 8 + x % 8;
     EXPECT_NEAR(paths.from[at][0], -0.05 * x / 1.05, 1e-4);
@@ -114,7 +116,10 @@ TEST(VolumeMotion, NothingIsMadeWhereNothingIsOrMoves) {
 }
 
 /// A cache of the moved blob, with a grid of velocities or without; empty: there is no OpenVDB.
-std::string writeBlobs(const TempFolder& folder, bool moving) {
+/// @param unit  what [m/s] are in it
+/// @param turn  of the grids, and so of the velocities
+std::string writeBlobs(const TempFolder& folder, bool moving, double unit = 1,
+                       const Mat3& turn = Mat3::Identity()) {
   std::vector<GridTarget> targets;
   const auto add = [&](std::string name, int channels) {
     GridTarget target{longVolume(channels), {}};
@@ -123,6 +128,8 @@ std::string writeBlobs(const TempFolder& folder, bool moving) {
     target.description.map = "UniformScaleTranslateMap";
     target.description.voxelSize = {0.1, 0.1, 0.1};
     target.description.origin = {0.05, 0.05, 0.05};
+    if (turn != Mat3::Identity())
+      target.description.matrices.assign(2, gridMatrix(0.1 * turn, Vec3(3, 2, 1)));
     targets.push_back(target);
   };
   add("density", 1);
@@ -137,7 +144,9 @@ std::string writeBlobs(const TempFolder& folder, bool moving) {
   for (int frame = 0; frame < 2; ++frame) {
     // 12 voxels of 0.1 m in 1/25 s.
     std::vector<float> velocity(3 * longVolume(1).voxels(), 0);
-    for (std::size_t i = 0; i < velocity.size(); i += 3) velocity[i] = 12 * 0.1 * 25;
+    const Vec3 speed = 12 * 0.1 * 25 / unit * turn.col(0);
+    for (std::size_t i = 0; i < velocity.size(); ++i)
+      velocity[i] = static_cast<float>(speed[static_cast<Eigen::Index>(i % 3)]);
     std::vector values{Bricks::fromDense(targets[0].info, blob(12 + frame * kMoved))};
     if (moving)
       values.push_back(Bricks::fromDense(targets[1].info, velocity));
@@ -180,6 +189,42 @@ TEST(VolumeMotion, ALayerMovesAlongTheVelocitiesOfItsFile) {
   EXPECT_LT(furthest(show(Interpolation::kNone, middle), blob(12)), 1e-6);
   EXPECT_LT(furthest(show(Interpolation::kVelocity, 0), blob(12)), 1e-6);
   EXPECT_LT(furthest(show(Interpolation::kVelocity, 7), blob(12 + kMoved)), 1e-6);
+}
+
+/// The same puff with its velocities in other units, and in grids that are turned or sheared.
+TEST(VolumeMotion, VelocitiesHaveAUnitAndAreThoseOfTheWorld) {
+  Mat3 sheared = Eigen::AngleAxisd(M_PI / 6, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  sheared = sheared * (Mat3() << 1, 0.4, 0, 0, 1, 0.2, 0, 0, 1).finished();
+  const Mat3 turned = Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()).toRotationMatrix();
+
+  struct Case {
+    VelocityUnit unit;
+    double size;  // [m/s]
+  };
+
+  Progress progress;
+  Reading reading{progress, 1 << 30};
+  for (const Mat3& turn : {Mat3(Mat3::Identity()), turned, sheared}) {
+    for (const Case& one :
+         {Case{VelocityUnit::kMetresPerSecond, 1}, Case{VelocityUnit::kMetresPerFrame, 25},
+          Case{VelocityUnit::kVoxelsPerFrame, 2.5}}) {
+      const bool voxels = one.unit == VelocityUnit::kVoxelsPerFrame;
+      if (voxels && turn != Mat3::Identity())
+        continue;
+      const TempFolder folder;
+      const std::string file = writeBlobs(folder, true, one.size, turn);
+      if (file.empty())
+        GTEST_SKIP() << "built without OpenVDB";
+      Appearance appearance;
+      appearance.interpolation = Interpolation::kVelocity;
+      appearance.velocityUnit = one.unit;
+      auto layer = VolumeLayer::open(file, {.grid = "density"}, appearance, reading);
+      ASSERT_TRUE(layer) << layer.error().message;
+      const auto moved = shownAt(*layer, 0.5 / 25), expected = blob(12 + kMoved / 2);
+      ASSERT_EQ(moved.size(), expected.size());
+      EXPECT_LT(furthest(moved, expected), 1e-4) << turn << ' ' << one.size;
+    }
+  }
 }
 
 TEST(VolumeMotion, ALayerWithoutVelocitiesSaysSo) {
