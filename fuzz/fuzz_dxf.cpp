@@ -9,7 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const volute::fuzz::InputFolder folder("dxf");
   const auto file = folder.save("a.dxf", volute::fuzz::textOf(data, size));
   volute::UnderlayOptions options{{0, 0}, {20, 10}, {}, 1 << 20};
-  std::vector<std::string> remarks;
+  std::vector<volute::Remark> remarks;
   const auto underlay = volute::readUnderlay(file, options, remarks);
   if (!underlay)
     return 0;

@@ -313,8 +313,9 @@ class Sight {
     });
     py::array_t<SignSight> out({times.size(), signCount, from.size()});
     std::ranges::transform(all, out.mutable_data(), [](const Sighting& s) {
-      return SignSight{s.distance,   s.angle,   s.depth,   s.low,     s.high,      s.meanExtinction,
-                       s.visibility, s.covered, s.blocked, s.visible, s.certainly, s.possibly};
+      return SignSight{s.distance,         s.angle,        s.depth,   s.low,     s.high,
+                       s.meanExtinction(), s.visibility(), s.covered, s.blocked, s.visible,
+                       s.certainly,        s.possibly};
     });
     return out;
   }

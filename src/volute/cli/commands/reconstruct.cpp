@@ -127,8 +127,7 @@ Result<std::vector<std::string>> heldOutOf(const Arguments& arguments, bool& inT
 }
 
 Result<VolumeWriter> openWriter(std::vector<WrittenGrid> grids, const std::string& target,
-                                const std::string& from, const Arguments& arguments,
-                                Context& context) {
+                                const std::string& from, Context& context) {
   return VolumeWriter::open(std::move(grids), target, "reconstructed from " + from, context,
                             context.team);
 }
@@ -171,8 +170,8 @@ Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Ar
   std::vector<WrittenGrid> grids{{&frames, rms}};
   if (velocity)
     grids.push_back({velocity, std::max(rms, kVelocityRms)});
-  VOLUTE_ASSIGN(auto writer, openWriter(std::move(grids), target, capture.file.filename().string(),
-                                        arguments, context));
+  VOLUTE_ASSIGN(auto writer,
+                openWriter(std::move(grids), target, capture.file.filename().string(), context));
   VOLUTE_TRY(frames.solveAll(context.team));
   if (velocity)
     VOLUTE_TRY(velocity->solveAll(context.team));
@@ -226,8 +225,8 @@ Status runLines(const Arguments& arguments, Context& context) {
   report.add("output", target)
       .add("grid", info.name, info.unit.empty() ? info.name : info.name + " [" + info.unit + "]");
   addSize(report, info);
-  VOLUTE_ASSIGN(auto writer, openWriter({{&source, arguments.get<double>("rms")}}, target, file,
-                                        arguments, context));
+  VOLUTE_ASSIGN(auto writer,
+                openWriter({{&source, arguments.get<double>("rms")}}, target, file, context));
   VOLUTE_TRY(writer.write(report));
   const double leftOut = found.mean("left_out"), residual = found.mean("residual");
   report
