@@ -218,7 +218,9 @@ TEST(VolumeMotion, VelocitiesHaveAUnitAndAreThoseOfTheWorld) {
       Appearance appearance;
       appearance.interpolation = Interpolation::kVelocity;
       appearance.velocityUnit = one.unit;
-      auto layer = VolumeLayer::open(file, {.grid = "density"}, appearance, reading);
+      InputOptions input;
+      input.grid = "density";
+      auto layer = VolumeLayer::open(file, input, appearance, reading);
       ASSERT_TRUE(layer) << layer.error().message;
       const auto moved = shownAt(*layer, 0.5 / 25), expected = blob(12 + kMoved / 2);
       ASSERT_EQ(moved.size(), expected.size());
