@@ -247,7 +247,7 @@ DEVC = {
     "missing": [("the time", '"Time"', '"Tim"', False)],
     "time": [("going back", "20,90", "5,90", False), ("minutes", "s,C", "min,C", None), ("fortnights", "s,C", "fortnight,C", False)],
     "case": [("names in capitals", '"Time","T1"', '"TIME","t1"', True)],
-    "locale": [("semicolons and commas", r"s,C\n(.*),(.*)\n0,20\n10,50\n20,90", r"s;C\n\1;\2\n0;20\n10;50,0\n20;90,0", False)],
+    "locale": [("semicolons and commas", r"s,C\n(.*),(.*)\n0,20\n10,50\n20,90", r"s;C\n\1;\2\n0;20\n10;50,0\n20;90,0", True)],
     "length": [("a cell too few", "10,50", "10", False)],
     "name": [("another device", '"T1"', '"T2"', False)],
 }

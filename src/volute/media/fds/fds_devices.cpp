@@ -66,7 +66,14 @@ class CurveReader {
     VOLUTE_ASSIGN(const auto names, lines.next());
     if (!units || !names)
       return fail(ErrorCode::kTruncated, "{}: has no line of names yet", path_);
-    const std::string time(fieldsOf(*names, ',')[0]), unit(fieldsOf(*units, ',')[0]);
+    constexpr std::string_view kMark = "\xEF\xBB\xBF";  // of a spreadsheet
+    const std::string_view unitNames =
+        std::string_view(*units).substr(units->starts_with(kMark) ? kMark.size() : 0);
+    // FDS and spreadsheets write 1,5;2,5 where that is what people write.
+    if (unitNames.find(';') != unitNames.npos && unitNames.find(',') == unitNames.npos)
+      separator_ = ';';
+    const std::string time(fieldsOf(*names, separator_)[0]);
+    const std::string unit(fieldsOf(unitNames, separator_)[0]);
     if (capitals(time).find("TIME") == time.npos) {
       return fail(ErrorCode::kInvalidData, "{}: its first column is '{}'; expected Time", path_,
                   printable(time));
@@ -77,7 +84,7 @@ class CurveReader {
                   printable(unit));
     }
     seconds_ = *change;
-    choose(asUtf8(*units), asUtf8(*names), wanted);
+    choose(asUtf8(unitNames), asUtf8(*names), wanted);
     for (std::size_t row = 0; row < kMaxRows && !curves_.empty(); ++row) {
       VOLUTE_ASSIGN(const auto line, lines.next());
       if (!line)
@@ -90,7 +97,7 @@ class CurveReader {
 
  private:
   void choose(const std::string& units, const std::string& names, const WantedCurve& wanted) {
-    const auto unitCells = fieldsOf(units, ','), nameCells = fieldsOf(names, ',');
+    const auto unitCells = fieldsOf(units, separator_), nameCells = fieldsOf(names, separator_);
     std::map<std::string, int> times;
     for (const std::string_view name : nameCells) ++times[std::string(name)];
     std::set<std::string> twice;
@@ -114,9 +121,17 @@ class CurveReader {
     }
   }
 
+  std::optional<double> valueOf(std::string_view cell) const {
+    if (separator_ == ',')
+      return fortranNumber(cell);
+    std::string point(cell);
+    std::ranges::replace(point, ',', '.');
+    return fortranNumber(point);
+  }
+
   void take(std::string_view line, int number) {
-    const auto cells = fieldsOf(line, ',');
-    auto time = fortranNumber(cells[0]);
+    const auto cells = fieldsOf(line, separator_);
+    auto time = valueOf(cells[0]);
     if (time)
       time = seconds_(*time);
     if (!time) {
@@ -128,7 +143,7 @@ class CurveReader {
     last_ = *time;
     for (std::size_t c = 0; c < curves_.size(); ++c) {
       const auto value =
-          columns_[c] < cells.size() ? fortranNumber(cells[columns_[c]]) : std::optional<double>();
+          columns_[c] < cells.size() ? valueOf(cells[columns_[c]]) : std::optional<double>();
       if (!value) {
         ++badCells_;
         bad_.insert(curves_[c].name);
@@ -171,6 +186,7 @@ class CurveReader {
   }
 
   std::string path_;
+  char separator_ = ',';
   UnitChange seconds_;
   FdsCurves& found_;
   std::vector<FactCurve> curves_;

@@ -153,6 +153,17 @@ TEST_F(FdsDevices, OfSeveralAtOnePlaceTheWorstCounts) {
   EXPECT_EQ(valueAt(*field, 0, 1.1), 5.59);
 }
 
+TEST_F(FdsDevices, DecimalCommasAndAByteOrderMarkAreRead) {
+  device("T1", "TEMPERATURE");
+  device("T2", "TEMPERATURE");
+  const auto index = read(
+      "\xEF\xBB\xBFs;C;K\n\"Time\";\"T1\";\"T2\"\n 0,0E+00; 20,5;293,15\n10,0;5,05E+01;333,15\n");
+  const auto temperature = fdsConditions(index, "temperature", 1 << 30).value();
+  EXPECT_NEAR(valueAt(*temperature, 0, 1), 20.5, 1e-9);
+  EXPECT_NEAR(valueAt(*temperature, 5, 1), 35.5, 1e-9);
+  EXPECT_NEAR(valueAt(*temperature, 10, 2), 60, 1e-9);
+}
+
 TEST_F(FdsDevices, AColumnInAnUnknownUnitIsTold) {
   device("T1", "TEMPERATURE");
   device("T2", "TEMPERATURE");
