@@ -25,11 +25,11 @@ Status checkCapture(const Capture& capture, const std::vector<std::string>& held
   if (!faults.empty() && !force)
     return fail(ErrorCode::kInvalidData, Hint::set("force").so("goes on"), "{}: {}",
                 capture.file.string(), faults.front());
-  for (const auto& fault : faults) progress.remark("warning: " + fault);
+  for (const auto& fault : faults) progress.remark({RemarkCode::kDoubtful, "warning: " + fault});
   if (fitted == 0)
     return fail(ErrorCode::kInvalidArgument, "no camera is left to reconstruct from");
   VOLUTE_ASSIGN(const auto missing, checkPicturesThere(capture, force, maxMemory));
-  for (const auto& text : missing) progress.remark("warning: " + text);
+  for (const auto& text : missing) progress.remark({RemarkCode::kLeftOut, "warning: " + text});
   return {};
 }
 

@@ -58,7 +58,9 @@ Result<CaptureOptions> captureOptionsOf(const Arguments& arguments, const Contex
 
 void remarkOn(const Capture& capture, Context& context) {
   for (const auto& remark : capture.remarks)
-    context.progress.remark(fmt::format("{}: {}", capture.file.string(), remark));
+    context.progress.remark(
+        Remark(RemarkCode::kAssumed, fmt::format("{}: {}", capture.file.string(), remark))
+            .in(capture.file.string()));
 }
 
 }  // namespace volute::cli

@@ -134,7 +134,8 @@ Result<Image> FilmJob::pictureOf(const Snapshot& snapshot, const Camera& camera,
   if (image || !mayFallBack || renderer->name() != "gl" ||
       image.error().code == ErrorCode::kCancelled)
     return image;
-  progress.remark(fmt::format("the CPU draws, since OpenGL does not: {}", image.error().message));
+  progress.remark({RemarkCode::kFallback,
+                   fmt::format("the CPU draws, since OpenGL does not: {}", image.error().message)});
   renderer = std::make_unique<CpuRenderer>();
   VOLUTE_TRY(cpuMayDraw("this picture"));
   return drawn();

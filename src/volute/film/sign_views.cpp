@@ -136,10 +136,12 @@ Status SignViews::begin(const Survey& survey, const SightInstant& first) {
     const auto [nearest, seen] = nearestInSight(eye, survey.signs, first);
     const Vec3 target = nearest->target;
     if (!seen) {
-      reading_->progress.remark(fmt::format(
-          "from {:g}, {:g}, {:g} m no sign is in sight, even in clear air; the picture looks "
-          "towards the nearest, {}",
-          eye.x(), eye.y(), eye.z(), nearest->sign.name));
+      reading_->progress.remark(
+          {RemarkCode::kDoubtful,
+           fmt::format(
+               "from {:g}, {:g}, {:g} m no sign is in sight, even in clear air; the picture looks "
+               "towards the nearest, {}",
+               eye.x(), eye.y(), eye.z(), nearest->sign.name)});
     }
     const Json lamps = lit_ ? lampsBetween(eye, target, first, survey.bounds) : evenLight();
     // In even light clear air is as bright as the light.

@@ -358,10 +358,11 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
     if (isDefault && !options_.bounds && places.box.empty())
       takeOneWithVoxels(grid, frames, places);
     if (!unchosen_.empty() && options_.remark) {
-      options_.remark({RemarkCode::kAssumed,
-                       fmt::format("{}: the grid '{}' is read; it also has {}",
-                                   files_[0].path.string(), grid, unchosen_),
-                       {Hint::choose("field")}});
+      options_.remark(Remark(RemarkCode::kAssumed,
+                             fmt::format("{}: the grid '{}' is read; it also has {}",
+                                         files_[0].path.string(), grid, unchosen_),
+                             {Hint::choose("field")})
+                          .in(files_[0].path.string()));
     }
     tellWhereMissing();
     shifts_ = std::move(places.shifts);
@@ -607,9 +608,10 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
       if (!found || found->box.empty())
         continue;
       if (options_.remark) {
-        options_.remark({RemarkCode::kFallback,
-                         fmt::format("{}: the grid '{}' is empty, so '{}' is read instead",
-                                     files_[0].path.string(), emptyGrid, other)});
+        options_.remark(Remark(RemarkCode::kFallback,
+                               fmt::format("{}: the grid '{}' is empty, so '{}' is read instead",
+                                           files_[0].path.string(), emptyGrid, other))
+                            .in(files_[0].path.string()));
       }
       grid = other, frames = std::move(its), places = std::move(*found);
       unchosen_.clear();

@@ -273,10 +273,11 @@ Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
   if (extensionOf(path) == ".npz") {
     VOLUTE_ASSIGN(auto array, openNpzArray(path, options));
     if (options.grid.empty() && !array.others.empty() && options.remark) {
-      options.remark({RemarkCode::kAssumed,
-                      fmt::format("{}: the array '{}' is read; it also has {}", path.string(),
-                                  array.name, fmt::join(array.others, ", ")),
-                      {Hint::choose("field")}});
+      options.remark(Remark(RemarkCode::kAssumed,
+                            fmt::format("{}: the array '{}' is read; it also has {}", path.string(),
+                                        array.name, fmt::join(array.others, ", ")),
+                            {Hint::choose("field")})
+                         .in(path.string()));
     }
     return openArray(std::move(array.file), array.name, std::move(array.others), options);
   }

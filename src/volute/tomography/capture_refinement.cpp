@@ -308,7 +308,7 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
   result.capture = capture;
   const auto leave = [&](std::string_view why) {
     if (refine == Refine::kAlways)
-      progress.remark(fmt::format("calibration not refined: {}", why));
+      progress.remark({RemarkCode::kDoubtful, fmt::format("calibration not refined: {}", why)});
     return result;
   };
   const bool flat = std::ranges::any_of(
@@ -329,7 +329,8 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
     if (error.code == ErrorCode::kCancelled)
       return tl::unexpected<Error>(error);
     if (error.code == ErrorCode::kTooLarge && refine == Refine::kAuto)
-      progress.remark(fmt::format("calibration not refined: {}", error.message));
+      progress.remark(
+          {RemarkCode::kDoubtful, fmt::format("calibration not refined: {}", error.message)});
     result.capture = capture;
     result.gainsTaken = false;
     return leave(error.message);
@@ -404,7 +405,8 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
                                         std::uint64_t maxMemory, Progress& progress) {
   VOLUTE_ASSIGN(auto result, refined(capture, heldOut, refine, maxMemory, progress));
   for (const std::string& text : result.faults)
-    progress.remark("warning: " + text + (result.gainsTaken ? "; that was taken" : ""));
+    progress.remark({RemarkCode::kDoubtful,
+                     "warning: " + text + (result.gainsTaken ? "; that was taken" : "")});
   if (!result.faults.empty() && !result.used && !result.gainsTaken)
     progress.remark("the calibration is not refined before that is mended");
   if (!result.used)
@@ -419,7 +421,7 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
        {Hint::set("refine", "never").so("leaves it")}});
   for (const std::string& text : describeCorrections(result)) progress.remark(text);
   for (const std::string& text : outstandingCorrections(result))
-    progress.remark("warning: " + text);
+    progress.remark({RemarkCode::kDoubtful, "warning: " + text});
   return result;
 }
 

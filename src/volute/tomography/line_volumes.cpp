@@ -32,11 +32,13 @@ Result<VolumeGeometry> geometryOf(const LineFile& lines, const CaptureOptions& w
           file);
     const Vec3 &low = geometry.bounds.min, &high = geometry.bounds.max;
     progress.remark(
-        {RemarkCode::kAssumed,
-         fmt::format(
-             "{}: the volume is the box around the lines' ends, {:g},{:g},{:g},{:g},{:g},{:g}",
-             file, low.x(), low.y(), low.z(), high.x(), high.y(), high.z()),
-         {Hint::set("bounds")}});
+        Remark(
+            RemarkCode::kAssumed,
+            fmt::format(
+                "{}: the volume is the box around the lines' ends, {:g},{:g},{:g},{:g},{:g},{:g}",
+                file, low.x(), low.y(), low.z(), high.x(), high.y(), high.z()),
+            {Hint::set("bounds")})
+            .in(file));
   }
   geometry.resolution = where.resolution.value_or(std::array{kUsual, 0, 0});
   if (geometry.resolution[1] == 0)
@@ -50,8 +52,9 @@ void leaveOutBeside(LineFrame& frame, const VolumeGeometry& geometry, const std:
   if (beside.empty())
     return;
   progress.remark(
-      fmt::format("warning: {}: {} of {} lines of frame {} miss the volume and are left out", file,
-                  beside.size(), frame.lines.size(), frame.number));
+      {RemarkCode::kLeftOut,
+       fmt::format("warning: {}: {} of {} lines of frame {} miss the volume and are left out", file,
+                   beside.size(), frame.lines.size(), frame.number)});
   for (auto at = beside.rbegin(); at != beside.rend(); ++at)
     frame.lines.erase(frame.lines.begin() + static_cast<std::ptrdiff_t>(*at));
 }
@@ -103,7 +106,7 @@ Result<LineVolumes> reconstructLineFile(const std::string& file, const CaptureOp
                                         const LineOptions& how, bool leaveOut, Progress& progress) {
   constexpr double kOften = 0.5, kUnexplained = 0.9;
   VOLUTE_ASSIGN(auto lines, readLines(file));
-  for (const std::string& remark : lines.remarks) progress.remark(remark);
+  for (const std::string& remark : lines.remarks) progress.remark({RemarkCode::kAssumed, remark});
   VOLUTE_TRY(choose(lines, where.frames));
   VOLUTE_ASSIGN(const auto geometry, geometryOf(lines, where, file, progress));
   VOLUTE_TRY(checkSizes(lines, geometry, where.maxMemory));
@@ -126,10 +129,12 @@ Result<LineVolumes> reconstructLineFile(const std::string& file, const CaptureOp
       return fail(found.error().code, "{}, frame {}: {}", file, frame.number,
                   found.error().message);
     if (found->crossed < kOften && !std::exchange(told, true)) {
-      progress.remark(fmt::format(
-          "lines pass {:.0f} % of the voxels of frame {}: what is between is guessed from its "
-          "neighbours",
-          100 * found->crossed, frame.number));
+      progress.remark(
+          {RemarkCode::kDoubtful,
+           fmt::format(
+               "lines pass {:.0f} % of the voxels of frame {}: what is between is guessed from its "
+               "neighbours",
+               100 * found->crossed, frame.number)});
     }
     if (found->residual > kUnexplained && !std::exchange(unexplainedTold, true)) {
       progress.remark(Remark(

@@ -153,7 +153,7 @@ void ReconstructedFrames::warn(const std::string& text) {
       kind += text[i];
   }
   if (shown_.insert(kind).second) {
-    progress_.remark("warning: " + text);
+    progress_.remark({RemarkCode::kDoubtful, "warning: " + text});
   } else if (!more_) {
     progress_.remark({RemarkCode::kDoubtful,
                       "warning: it is so in more frames",

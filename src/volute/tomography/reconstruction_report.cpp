@@ -177,7 +177,7 @@ Status addResidualOfFile(ReconstructedFrames& frames, FrameSource& written, Json
         "compression {:.1f} %; a smaller error of the file keeps more",
         100 * after, 100 * before);
     json["warnings"].push_back(text);
-    progress.remark("warning: " + text);
+    progress.remark({RemarkCode::kDoubtful, "warning: " + text});
   }
   return {};
 }

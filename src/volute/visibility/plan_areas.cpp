@@ -74,7 +74,8 @@ Status addNamed(const Survey& survey, std::span<const Vec3> eyes, Progress& prog
                                    (high - survey.bounds.max.head<2>()).maxCoeff());
     if (beyond > kBeyond)
       progress.remark(
-          fmt::format("{} '{}' reaches {:.3g} m beyond the case", area.kind, area.name, beyond));
+          {RemarkCode::kDoubtful,
+           fmt::format("{} '{}' reaches {:.3g} m beyond the case", area.kind, area.name, beyond)});
     if (named.kind == NamedArea::Kind::kArea) {
       for (const std::size_t eye : area.eyes) areas.of[eye] = static_cast<int>(areas.areas.size());
     }
@@ -399,8 +400,9 @@ Status addRequired(const Survey& survey, double height, Progress& progress, Plan
   for (const PlanAreas::Area& area : areas.areas) names += (names.empty() ? "" : ", ") + area.name;
   if (found > 0) {
     progress.remark(
-        fmt::format("rset: no room or area of the plan at z = {:g} m is named {}; it has {}",
-                    height, missing, names));
+        {RemarkCode::kDoubtful,
+         fmt::format("rset: no room or area of the plan at z = {:g} m is named {}; it has {}",
+                     height, missing, names)});
     return {};
   }
   return failFor("rset", ErrorCode::kInvalidArgument,

@@ -64,7 +64,8 @@ Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const Underl
   for (const auto& [kind, count] : drawing.left)
     left += fmt::format("{}{} {}", left.empty() ? "" : ", ", count, kind);
   if (!left.empty())
-    remarks.push_back({RemarkCode::kLeftOut, fmt::format("{}: not drawn: {}", name, left)});
+    remarks.push_back(
+        Remark(RemarkCode::kLeftOut, fmt::format("{}: not drawn: {}", name, left)).in(name));
   PlanUnderlay underlay;
   Vec2 scale(1, 1), origin(0, 0);
   if (options.place) {
@@ -80,19 +81,22 @@ Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const Underl
     } else {
       const Unit unit = unitBySize(size, ofCase);
       scale *= unit.meters;
-      remarks.push_back(
-          {RemarkCode::kAssumed, fmt::format("{}: states no unit; taken as {}, by its size of {}",
-                                             name, unit.name, sizeText(size))});
+      remarks.push_back(Remark(RemarkCode::kAssumed,
+                               fmt::format("{}: states no unit; taken as {}, by its size of {}",
+                                           name, unit.name, sizeText(size)))
+                            .in(name));
     }
     const Vec2 begin = scale.cwiseProduct(low), end = scale.cwiseProduct(high);
     if ((begin.array() > options.max.array()).any() || (end.array() < options.min.array()).any()) {
       origin = options.min - begin;
       remarks.push_back(
-          {RemarkCode::kAssumed,
-           fmt::format("{}: lies apart from the case, from ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) m; "
-                       "its lower left corner is moved to the case's",
-                       name, begin.x(), begin.y(), end.x(), end.y()),
-           {Hint::set("underlay_bounds").so("places it")}});
+          Remark(RemarkCode::kAssumed,
+                 fmt::format(
+                     "{}: lies apart from the case, from ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) m; "
+                     "its lower left corner is moved to the case's",
+                     name, begin.x(), begin.y(), end.x(), end.y()),
+                 {Hint::set("underlay_bounds").so("places it")})
+              .in(name));
     }
   }
   const auto place = [&](const Vec2& p) -> Vec2 { return origin + scale.cwiseProduct(p); };

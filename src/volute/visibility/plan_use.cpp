@@ -124,15 +124,17 @@ PlanUse planUse(const Survey& survey, const SightInstant& first, const FloorPlan
   const auto none = static_cast<std::size_t>(
       std::ranges::count_if(floors, [](double z) { return std::isnan(z); }));
   if (none == eyes.size()) {
-    progress.remark(fmt::format(
-        "no point of the plan at z = {:g} m has a floor within {:g} m below it: all points count",
-        eyes.front().z(), PlanUse::kReach));
+    progress.remark(
+        {RemarkCode::kAssumed, fmt::format("no point of the plan at z = {:g} m has a floor within "
+                                           "{:g} m below it: all points count",
+                                           eyes.front().z(), PlanUse::kReach)});
   }
   std::vector<FirePlace> fires;
   if (auto found = survey.field->fires())
     fires = std::move(*found);
   else
-    progress.remark(found.error().message + ": where the fire is, is not known");
+    progress.remark(
+        {RemarkCode::kAssumed, found.error().message + ": where the fire is, is not known"});
   use.fireUnknown = fires.empty() && survey.fires.empty();
   for (std::size_t i = 0; i < eyes.size(); ++i) {
     const Vec3& eye = eyes[i];
@@ -153,7 +155,7 @@ PlanUse planUse(const Survey& survey, const SightInstant& first, const FloorPlan
   findTops(plan, places, floors, use);
   if (use.count(PlanUse::Kind::kPeople) > 0)
     return use;
-  progress.remark("no point of the plan is for people: all points count");
+  progress.remark({RemarkCode::kAssumed, "no point of the plan is for people: all points count"});
   return {std::vector(eyes.size(), PlanUse::Kind::kPeople)};
 }
 

@@ -95,10 +95,11 @@ class PlanWatch final : public Watch {
                           shownSigns(survey.sets[0].members));
     if (tenability_ ? tenability_->smokeIsLate() : survey.field->beginsBefore()) {
       losses_->loseAll();
-      progress.remark(fmt::format(
-          "the smoke is stored from {:g} s on, and the case begins before: what is lost until then "
-          "is not known",
-          survey.field->times().front()));
+      progress.remark(
+          {RemarkCode::kDoubtful, fmt::format("the smoke is stored from {:g} s on, and the case "
+                                              "begins before: what is lost until then "
+                                              "is not known",
+                                              survey.field->times().front())});
     }
     hidden_.assign(survey.sets.size(), std::vector<bool>(eyes_.size(), true));
     inView_.assign(survey.signs.size(), false);

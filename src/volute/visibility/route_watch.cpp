@@ -62,9 +62,10 @@ class RouteWatch final : public Watch {
                      survey.bounds.max[1], survey.bounds.min[2], survey.bounds.max[2]);
     }
     if (lost > 0)
-      progress.remark(fmt::format(
-          "{} of {} points of the routes are inside something solid or where the case has no smoke",
-          lost, eyes_.size()));
+      progress.remark(
+          {RemarkCode::kDoubtful, fmt::format("{} of {} points of the routes are inside something "
+                                              "solid or where the case has no smoke",
+                                              lost, eyes_.size())});
     noteWalls(first, progress);
     // At the routes' own height, to draw them on.
     auto plan = floorPlan(first, survey.bounds, eyes_[0][2], survey.step);

@@ -95,7 +95,7 @@ Result<SurveySummary> surveyStoreys(
     VOLUTE_TRY(writeStoreysPage(page, heights, pages));
     if (pdf) {
       if (const auto printed = printPdf(page, folder / "report.pdf"); !printed)
-        progress.remark(printed.error().message);
+        progress.remark({RemarkCode::kLeftOut, printed.error().message});
     }
     const Json report = {{"format", "volute-visibility-1"},
                          {"case", pages.front().report["case"]},

@@ -65,9 +65,10 @@ Result<std::vector<SightTarget>> placeSigns(const SightInstant& instant,
     }
     if (moved > 0) {
       progress.remark(
-          fmt::format("sign '{}' is inside something solid or outside of the smoke: sight lines "
-                      "end {:.2f} m in front of it",
-                      sign.name, moved));
+          {RemarkCode::kChanged,
+           fmt::format("sign '{}' is inside something solid or outside of the smoke: sight lines "
+                       "end {:.2f} m in front of it",
+                       sign.name, moved)});
     }
     // On a wall's face: the end of the line does not count as blocked.
     targets.push_back({sign, sign.position + moved * sign.normal});

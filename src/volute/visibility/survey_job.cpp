@@ -389,7 +389,7 @@ class Job {
         const auto printed =
             printPdf(folder_->path() / "report.html", folder_->path() / "report.pdf");
         if (!printed) {
-          log_.remark(printed.error().message);
+          log_.remark({RemarkCode::kLeftOut, printed.error().message});
           page_.report["remarks"] = log_.sentences();
         }
       }
@@ -454,10 +454,10 @@ class Job {
   void addFacts() {
     auto facts = field_.facts();
     if (!facts) {
-      log_.remark(facts.error().message);
+      log_.remark({RemarkCode::kLeftOut, facts.error().message});
       return;
     }
-    for (const std::string& remark : facts->remarks) log_.remark(remark);
+    for (const std::string& remark : facts->remarks) log_.remark({RemarkCode::kLeftOut, remark});
     Json& title = page_.report["title_block"] = Json::object();
     for (const auto& [name, value] : facts->title) title[name] = value;
     title["analysis"] = "Volute " VOLUTE_VERSION;

@@ -59,10 +59,11 @@ class PointWatch : public Watch {
     first.places(points_, places);
     for (std::size_t i = 0; i < points_.size(); ++i) {
       if (places[i] != Place::kGas) {
-        progress.remark(fmt::format(
-            "eye {} at {:g}, {:g}, {:g} m is {}", i + 1, points_[i][0], points_[i][1],
-            points_[i][2],
-            places[i] == Place::kSolid ? "inside something solid" : "where the case has no smoke"));
+        progress.remark({RemarkCode::kDoubtful,
+                         fmt::format("eye {} at {:g}, {:g}, {:g} m is {}", i + 1, points_[i][0],
+                                     points_[i][1], points_[i][2],
+                                     places[i] == Place::kSolid ? "inside something solid"
+                                                                : "where the case has no smoke")});
       }
     }
     std::vector<std::vector<std::size_t>> sets;
@@ -144,9 +145,11 @@ class TrajectoryWatch final : public Watch {
     survey_ = &survey;
     progress_ = &progress;
     if (people_.end() < survey.times.front() || people_.begin() > survey.times.back()) {
-      progress.remark(fmt::format(
-          "people walk from {:g} to {:g} s, the smoke is there from {:g} to {:g} s: nobody looks",
-          people_.begin(), people_.end(), survey.times.front(), survey.times.back()));
+      progress.remark(
+          {RemarkCode::kDoubtful,
+           fmt::format("people walk from {:g} to {:g} s, the smoke is there from {:g} to {:g} s: "
+                       "nobody looks",
+                       people_.begin(), people_.end(), survey.times.front(), survey.times.back())});
     }
     if (!survey.criteria.empty()) {
       meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
@@ -217,10 +220,11 @@ class TrajectoryWatch final : public Watch {
         meter_->lose(placeOf(id));
     }
     if (longer > 0) {
-      progress_->remark(fmt::format(
-          "{} of {} people are on their way before {:g} s or after {:g} s, where the smoke is not "
-          "known: what they take in is not known",
-          longer, people_.people(), first, last));
+      progress_->remark(
+          {RemarkCode::kDoubtful, fmt::format("{} of {} people are on their way before {:g} s or "
+                                              "after {:g} s, where the smoke is not "
+                                              "known: what they take in is not known",
+                                              longer, people_.people(), first, last)});
     }
   }
 

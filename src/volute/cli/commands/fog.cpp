@@ -57,11 +57,11 @@ std::vector<std::string> lostIn(const std::string& target, const FramePixels& fr
 
 void tell(const FoggedFrame& frame, const std::string& target, Progress& progress) {
   progress.remark(frame.depth);
-  for (const std::string& remark : frame.remarks) progress.remark(remark);
+  for (const std::string& remark : frame.remarks) progress.remark({RemarkCode::kAssumed, remark});
   const auto lost = lostIn(target, frame.pixels);
   if (!lost.empty()) {
-    progress.remark(
-        fmt::format("{}: does not keep {}; a .exr does", target, fmt::join(lost, ", ")));
+    progress.remark({RemarkCode::kLeftOut, fmt::format("{}: does not keep {}; a .exr does", target,
+                                                       fmt::join(lost, ", "))});
   }
 }
 

@@ -74,7 +74,8 @@ Status runProject(const Arguments& arguments, Context& context) {
   const VolumeInfo& info = subject.source->info();
   Capture placed = capture;
   placed.volume = {info.bounds, {info.x, info.y, info.z}};
-  for (const GeometryFault& fault : checkGeometry(placed)) context.progress.remark(fault.message);
+  for (const GeometryFault& fault : checkGeometry(placed))
+    context.progress.remark({RemarkCode::kDoubtful, fault.message});
   const int rays = arguments.get<std::string>("rays-per-pixel") == "1" ? 1 : 4;
   VOLUTE_TRY(projectFrames(subject, capture, name, rays, context.maxMemory, context.progress));
   Report report;

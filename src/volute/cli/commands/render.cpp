@@ -81,7 +81,8 @@ Status takeLaw(const Arguments& arguments, Scene& scene, Progress& progress) {
     if (!scene.isFile())
       return fail(ErrorCode::kInvalidArgument, "--C: {}", kIdleC);
     progress.remark(
-        fmt::format("{}: {}/C: {}", scene.path(), scene.description().media[i].path, kIdleC));
+        {RemarkCode::kDoubtful,
+         fmt::format("{}: {}/C: {}", scene.path(), scene.description().media[i].path, kIdleC)});
   }
   return {};
 }

@@ -162,7 +162,8 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
     }
     std::ranges::sort(layer.events_);
   }
-  for (const std::string& remark : layer.case_->remarks()) reading.progress.remark(remark);
+  for (const std::string& remark : layer.case_->remarks())
+    reading.progress.remark({RemarkCode::kLeftOut, remark});
   if (!layer.isClear()) {
     reading.progress.remark(fmt::format("{}: extinction from {} ({})", description.file,
                                         layer.case_->source().name, layer.source()));
@@ -215,10 +216,13 @@ void FdsLayer::showWhatThereIs(FdsLook& look, Reading& reading) const {
     others.insert("surfaces of " + iso.labels.quantity);
   if (!index.particles.empty())
     others.insert("particles");
-  reading.progress.remark(fmt::format("{}: stores no smoke; shown: {}. The case has {}",
-                                      description_.file, fmt::join(shown, ", "),
-                                      others.empty() ? "nothing else that can be shown"
-                                                     : fmt::format("{}", fmt::join(others, ", "))));
+  reading.progress.remark(
+      Remark(RemarkCode::kAssumed,
+             fmt::format("{}: stores no smoke; shown: {}. The case has {}", description_.file,
+                         fmt::join(shown, ", "),
+                         others.empty() ? "nothing else that can be shown"
+                                        : fmt::format("{}", fmt::join(others, ", "))))
+          .in(description_.file));
 }
 
 bool FdsLayer::readsTheSame(const SmokeDescription& a, const SmokeDescription& b) {
@@ -293,7 +297,7 @@ Status FdsLayer::openFire(Reading& reading) {
   flame_.cutoff = look.cutoff.value_or(case_->index().fireCutoff.value_or(flame_.cutoff));
   for (const std::string& remark : heat_->remarks()) {
     if (std::ranges::find(case_->remarks(), remark) == case_->remarks().end())
-      reading.progress.remark(remark);
+      reading.progress.remark({RemarkCode::kLeftOut, remark});
   }
   brightest_ = flame_.temperature;
   if (const auto hottest = glows_ ? heat_->largestSaid() : std::nullopt)

@@ -44,7 +44,8 @@ class FogKind final : public MediumKind {
       VOLUTE_ASSIGN(auto layer, FogLayer::open(fog, suns, reading));
       if (!context.geometry.empty() && !suns.empty() &&
           !shadowsFog(context.geometry, suns, layer.fogAt(0)))
-        heard.remark(fmt::format("{}: the scene's geometry shadows none of this fog", fog.where));
+        heard.remark({RemarkCode::kDoubtful,
+                      fmt::format("{}: the scene's geometry shadows none of this fog", fog.where)});
       medium = std::make_shared<FogSceneMedium>(std::move(layer));
       medium->remarks = heard.remarks();
     }

@@ -17,7 +17,8 @@ Result<std::unique_ptr<MeshSight>> MeshSight::open(MeshSource source,
   std::unique_ptr<MeshSight> sight(
       new MeshSight(std::move(source), std::move(density), model, name));
   if (const std::string absent = sight->source_.absentText(); !absent.empty())
-    sight->remarks_.push_back(fmt::format("{}: {}", name, absent));
+    sight->remarks_.push_back(
+        Remark(RemarkCode::kLeftOut, fmt::format("{}: {}", name, absent)).in(name));
   VOLUTE_ASSIGN(sight->first_, sight->read(0));
   sight->bounds_ = sight->locator_->mesh().bounds();
   return sight;
@@ -25,10 +26,11 @@ Result<std::unique_ptr<MeshSight>> MeshSight::open(MeshSource source,
 
 void MeshSight::remarkOnOthers() {
   if (!otherFields_.empty()) {
-    remarks_.push_back(
-        {RemarkCode::kAssumed,
-         fmt::format("{}: the field '{}' is read; it also has {}", name_, fieldName_, otherFields_),
-         {Hint::choose("field")}});
+    remarks_.push_back(Remark(RemarkCode::kAssumed,
+                              fmt::format("{}: the field '{}' is read; it also has {}", name_,
+                                          fieldName_, otherFields_),
+                              {Hint::choose("field")})
+                           .in(name_));
   }
 }
 
@@ -52,7 +54,7 @@ Result<std::shared_ptr<const SightInstant>> MeshSight::readOwn(std::size_t time)
                   compareDimensions(*frame.dimensions, model_,
                                     fmt::format("{}: field '{}'", name_, frame.field)));
     if (!unit.empty())
-      remarks_.push_back(unit);
+      remarks_.push_back({RemarkCode::kDoubtful, unit});
   }
   fieldName_ = frame.field;
   otherFields_ = frame.others;

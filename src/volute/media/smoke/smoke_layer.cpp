@@ -42,7 +42,9 @@ Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
     VOLUTE_ASSIGN(files->densitySource, MeshSource::open(description.file, options));
   }
   if (const std::string absent = files->source.absentText(); !absent.empty())
-    reading.progress.remark(fmt::format("{}: {}", description.file, absent));
+    reading.progress.remark(
+        Remark(RemarkCode::kLeftOut, fmt::format("{}: {}", description.file, absent))
+            .in(description.file));
   SmokeLayer layer(description, std::move(files));
   layer.lighting_ = std::move(lighting);
   layer.progress_ = &reading.progress;
@@ -66,13 +68,14 @@ Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
                   compareDimensions(*frame.dimensions, description.model,
                                     fmt::format("{}: field '{}'", description.file, frame.field)));
     if (!unit.empty())
-      reading.progress.remark(unit);
+      reading.progress.remark({RemarkCode::kDoubtful, unit});
   }
   if (description.field.empty() && !frame.others.empty()) {
-    reading.progress.remark({RemarkCode::kAssumed,
-                             fmt::format("{}: the field '{}' is read; it also has {}",
-                                         description.file, frame.field, frame.others),
-                             {Hint::choose("field")}});
+    reading.progress.remark(Remark(RemarkCode::kAssumed,
+                                   fmt::format("{}: the field '{}' is read; it also has {}",
+                                               description.file, frame.field, frame.others),
+                                   {Hint::choose("field")})
+                                .in(description.file));
   }
   return layer;
 }
@@ -161,9 +164,10 @@ void SmokeLayer::remarkOn(const Stored& stored, double most) {
       description_.file, stored.frame.field, nameOf(model.quantity), most,
       description_.law.c / most, description_.law.c, soot));
   if (soot > kMuchSoot) {
-    progress_->remark(fmt::format(
-        "that is much for soot (fires in rooms: 1e-6 to 1e-3 kg/m3); check the quantity and the "
-        "unit"));
+    progress_->remark(
+        {RemarkCode::kDoubtful, fmt::format("that is much for soot (fires in rooms: 1e-6 to 1e-3 "
+                                            "kg/m3); check the quantity and the "
+                                            "unit")});
   }
   remarkOnThinSmoke(stored, most);
 }
@@ -189,13 +193,16 @@ void SmokeLayer::remarkOnThinSmoke(const Stored& stored, double most) {
       break;
     }
   }
-  progress_->remark(fmt::format(
-      "{}: step {}: {}: no ray through the whole case meets an optical "
-      "depth above {:.2g}, which takes {:.2g} % of the light (soot in rooms on fire: 1e-6 to "
-      "1e-3 kg/m3); {}",
-      description_.file, stored.index,
-      clear ? "this looks like clear air" : "this is little for a fire", depth,
-      -100 * std::expm1(-depth), slip));
+  progress_->remark(
+      Remark(RemarkCode::kDoubtful,
+             fmt::format("{}: step {}: {}: no ray through the whole case meets an optical "
+                         "depth above {:.2g}, which takes {:.2g} % of the light (soot in rooms on "
+                         "fire: 1e-6 to "
+                         "1e-3 kg/m3); {}",
+                         description_.file, stored.index,
+                         clear ? "this looks like clear air" : "this is little for a fire", depth,
+                         -100 * std::expm1(-depth), slip))
+          .in(description_.file));
 }
 
 Result<std::shared_ptr<const SmokeLayer::Stored>> SmokeLayer::readStep(std::size_t index) {
@@ -226,8 +233,10 @@ Result<std::shared_ptr<const SmokeLayer::Stored>> SmokeLayer::readStep(std::size
     stored->meshHash.add(frame.mesh->tets());
   }
   if (frame.clamped > 0) {
-    progress_->remark(fmt::format("{}: step {}: {} negative values taken as 0", description_.file,
-                                  index, frame.clamped));
+    progress_->remark(
+        Remark(RemarkCode::kChanged, fmt::format("{}: step {}: {} negative values taken as 0",
+                                                 description_.file, index, frame.clamped))
+            .in(description_.file));
   }
   counts_.clamped += frame.clamped;
   ++counts_.stepsRead;

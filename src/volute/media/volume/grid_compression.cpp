@@ -267,7 +267,9 @@ class PlacedGrid final : public VolumeGrids {
 
 void remarkOnTimes(const std::string& path, const VolumeInfo& info, Reading& reading) {
   if (info.frames > 1 && info.timesAssumed)
-    reading.progress.remark(fmt::format("{}: no times are stated; 25 frames a second", path));
+    reading.progress.remark(Remark(RemarkCode::kAssumed,
+                                   fmt::format("{}: no times are stated; 25 frames a second", path))
+                                .in(path));
 }
 
 /// The grids of a cache; nothing where one grid is to be compressed by itself.
@@ -343,7 +345,8 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
   const bool allFrames = how.frames == FrameRange{};
   if (const auto gaps = missingNumbers(full->info.frameNumbers, full->info.frameScale);
       !gaps.empty() && allFrames)
-    reading.progress.remark(fmt::format("{}: {}", path, gaps));
+    reading.progress.remark(
+        Remark(RemarkCode::kDoubtful, fmt::format("{}: {}", path, gaps)).in(path));
   remarkOnTimes(path, full->info, reading);
   const bool whole = allFrames && chosen.size() + kept.size() == all.size();
   return compressionReport(target, result, full->info.frames,

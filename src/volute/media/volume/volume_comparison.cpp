@@ -94,9 +94,11 @@ Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
   grid.overAll = request.overAll;
   VOLUTE_ASSIGN(grid.whole, compare(*a, *b, reading.progress, &grid.byFrame));
   if (grid.whole.backgroundsDiffer) {
-    reading.progress.remark(fmt::format(
-        "'{}': the two have other backgrounds, so that they differ where nothing is stored",
-        grid.name));
+    reading.progress.remark(
+        {RemarkCode::kDoubtful,
+         fmt::format(
+             "'{}': the two have other backgrounds, so that they differ where nothing is stored",
+             grid.name)});
   }
   grid.frameNumbers = a->info().frameNumbers;
   grid.frameScale = a->info().frameScale;
@@ -213,7 +215,8 @@ Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::stri
     const bool known = std::ranges::any_of(
         first.grids(), [&](const VolumeGrid& one) { return one.name == grid.name; });
     if (!known && request.fields.empty())
-      reading.progress.remark(fmt::format("'{}' is in {} alone", grid.name, b));
+      reading.progress.remark(
+          {RemarkCode::kLeftOut, fmt::format("'{}' is in {} alone", grid.name, b)});
   }
   if (!errors.empty())
     all.errors = sideBySide(errors);

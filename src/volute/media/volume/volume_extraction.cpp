@@ -101,9 +101,11 @@ KeptTarget keptTarget(const std::shared_ptr<const VoluteReader>& main, const std
     for (auto tried = partial && bytes ? main->keptBytes(grid, frame) : nullptr; tried;) {
       const auto part = tried->next();
       if (!part) {
-        reading.progress.remark(fmt::format(
-            "{}; '{}' is left out of frame {}", part.error().message, main->kept().grids[grid].name,
-            main->info().frameText(static_cast<std::size_t>(frame))));
+        reading.progress.remark(
+            {RemarkCode::kLeftOut,
+             fmt::format("{}; '{}' is left out of frame {}", part.error().message,
+                         main->kept().grids[grid].name,
+                         main->info().frameText(static_cast<std::size_t>(frame)))});
         return nullptr;
       }
       if (part->empty())
@@ -459,8 +461,11 @@ Status extractVolute(const std::string& path, const std::string& target,
                   target, fmt::join(kept, "', '"));
     }
     if (!kept.empty()) {
-      reading.progress.remark(fmt::format("{}: left out, as only whole .vdb files hold them: '{}'",
-                                          path, fmt::join(kept, "', '")));
+      reading.progress.remark(
+          Remark(RemarkCode::kLeftOut,
+                 fmt::format("{}: left out, as only whole .vdb files hold them: '{}'", path,
+                             fmt::join(kept, "', '")))
+              .in(path));
     }
   }
   if (request.region && names.size() > 1) {
@@ -496,7 +501,9 @@ Status extractVolute(const std::string& path, const std::string& target,
     if (std::ranges::find(names, name) == names.end())
       continue;
     if (grids->grids()[i].empty && names.size() > 1) {
-      reading.progress.remark(fmt::format("{}: '{}' is empty and is left out", path, name));
+      reading.progress.remark(
+          Remark(RemarkCode::kLeftOut, fmt::format("{}: '{}' is empty and is left out", path, name))
+              .in(path));
       continue;
     }
     const std::string own = nameOfGrid(target, name);
@@ -517,7 +524,7 @@ Status extractFds(const std::string& path, const std::string& target,
     const Status status =
         extractor.fds(filledIn(target, kMeshWord, fmt::format("{:04}", mesh + 1)), mesh);
     if (!status && status.error().code == ErrorCode::kNotFound) {
-      reading.progress.remark(status.error().message);
+      reading.progress.remark({RemarkCode::kLeftOut, status.error().message});
       continue;
     }
     VOLUTE_TRY(status);

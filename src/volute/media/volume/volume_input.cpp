@@ -55,7 +55,9 @@ Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path, 
   if (partial && verify) {
     const Integrity integrity = reader->verify();
     if (!integrity.complete())
-      reading.progress.remark(fmt::format("{}: {}", path, integrityText(integrity, *reader)));
+      reading.progress.remark(Remark(RemarkCode::kDamaged,
+                                     fmt::format("{}: {}", path, integrityText(integrity, *reader)))
+                                  .in(path));
   }
   return reader;
 }
@@ -83,10 +85,11 @@ Result<std::shared_ptr<const VoluteReader>> openGrid(const std::string& path,
     if (grid.info.name != reader->info().name)
       others += (others.empty() ? "" : ", ") + grid.info.name;
   }
-  reading.progress.remark(
-      {RemarkCode::kAssumed,
-       fmt::format("{}: the grid '{}' is read; it also has {}", path, reader->info().name, others),
-       {Hint::choose("field")}});
+  reading.progress.remark(Remark(RemarkCode::kAssumed,
+                                 fmt::format("{}: the grid '{}' is read; it also has {}", path,
+                                             reader->info().name, others),
+                                 {Hint::choose("field")})
+                              .in(path));
   return reader;
 }
 
@@ -146,7 +149,10 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
   remarkOnFiles(path, reading);
   const VolumeInfo& info = input.source->info();
   if (const auto gaps = missingNumbers(info.frameNumbers, info.frameScale); !gaps.empty())
-    reading.progress.remark(fmt::format("{}: {}; volumes between are interpolated", path, gaps));
+    reading.progress.remark(
+        Remark(RemarkCode::kAssumed,
+               fmt::format("{}: {}; volumes between are interpolated", path, gaps))
+            .in(path));
   return input;
 }
 
@@ -177,7 +183,8 @@ void remarkOnFiles(const std::string& path, Reading& reading) {
     extension = kind ? *kind : "";
   }
   if (const auto leftOut = leftOutFiles(path, extension); !leftOut.empty())
-    reading.progress.remark(fmt::format("{}: {}", path, leftOut));
+    reading.progress.remark(
+        Remark(RemarkCode::kLeftOut, fmt::format("{}: {}", path, leftOut)).in(path));
 }
 
 std::optional<std::uint64_t> bytesOnDisk(const std::string& path) {

@@ -136,8 +136,10 @@ class VolumeKind final : public MediumKind {
         !(lighting.surrounding.maxCoeff() > 0))
       addStudio(preset, context.version, lighting);
     if (appearance.extinction > 0 && !appearance.scatters() && !context.lights.suns.empty()) {
-      heard.remark(fmt::format("{}: {}: it scatters no light of the sun; say its albedo",
-                               context.file, context.path));
+      heard.remark(Remark(RemarkCode::kDoubtful,
+                          fmt::format("{}: {}: it scatters no light of the sun; say its albedo",
+                                      context.file, context.path))
+                       .in(context.file, context.path));
     }
     VOLUTE_ASSIGN(auto medium, volumeOf(volume.file, volume.input, appearance, context));
     medium->remarks.insert(medium->remarks.begin(), heard.remarks().begin(), heard.remarks().end());

@@ -309,7 +309,9 @@ Status VolumeLayer::chooseInterpolation(Progress& progress) {
   if (interpolation_ == Interpolation::kNone)
     return {};
   if (info_.frames < 2) {
-    progress.remark(fmt::format("{}: one frame alone is not interpolated", path_));
+    progress.remark(
+        Remark(RemarkCode::kFallback, fmt::format("{}: one frame alone is not interpolated", path_))
+            .in(path_));
     interpolation_ = Interpolation::kNone;
     return {};
   }

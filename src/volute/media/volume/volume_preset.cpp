@@ -365,9 +365,10 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
   if (preset == VolumePreset::kAuto && !light.empty() && grids.named()) {
     if (light != grids.mainName() && input.grid.empty()) {
       input.grid = light;
-      reading.progress.remark({RemarkCode::kAssumed,
-                               fmt::format("{}: shown by the light of '{}'", path, light),
-                               {Hint::choose("field")}});
+      reading.progress.remark(Remark(RemarkCode::kAssumed,
+                                     fmt::format("{}: shown by the light of '{}'", path, light),
+                                     {Hint::choose("field")})
+                                  .in(path));
     }
     return VolumePreset::kNone;
   }
@@ -376,10 +377,13 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
     appearance.emission = 0;
     appearance.extinction = rounded(kDepthOfAVoxel / grids.info().voxelSize().minCoeff());
     appearance.albedo = Rgb::Constant(kSmokeAlbedo);
-    reading.progress.remark(fmt::format(
-        "{}: '{}' is a level set; its inside is shown as dense matter of extinction {:.3g}, not as "
-        "a surface",
-        path, grids.mainName(), appearance.extinction));
+    reading.progress.remark(
+        Remark(RemarkCode::kAssumed,
+               fmt::format("{}: '{}' is a level set; its inside is shown as dense "
+                           "matter of extinction {:.3g}, not as "
+                           "a surface",
+                           path, grids.mainName(), appearance.extinction))
+            .in(path));
     input.grid = grids.named() ? grids.mainName() : input.grid;
     return VolumePreset::kSmoke;
   }
@@ -425,9 +429,9 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
                             : fmt::format("as hot as '{}' says", flames.temperature));
     appearance.flames = flames;
   }
-  reading.progress.remark({RemarkCode::kAssumed,
-                           fmt::format("{}: shown as {}", path, text),
-                           {Hint::set("preset", "none").so("shows plain values as light")}});
+  reading.progress.remark(Remark(RemarkCode::kAssumed, fmt::format("{}: shown as {}", path, text),
+                                 {Hint::set("preset", "none").so("shows plain values as light")})
+                              .in(path));
   return choice.preset;
 }
 
