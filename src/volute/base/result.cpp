@@ -13,12 +13,12 @@ namespace {
 
 /// Names in files can be as long as the files. What is no sentence, having no spaces, is cut.
 std::string cutLongWords(std::string message) {
-  constexpr std::size_t kLongest = 1024, kKept = 80, kMost = 65536;
+  constexpr std::size_t kLongest = 1024, kKept = 80, kMaxMessage = 65536;
   if (message.size() <= kLongest)
     return message;
   const auto begins = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80; };
   std::string out;
-  for (auto at = message.begin(); at != message.end() && out.size() < kMost;) {
+  for (auto at = message.begin(); at != message.end() && out.size() < kMaxMessage;) {
     auto end =
         std::find_if(at, message.end(), [](unsigned char c) { return std::isspace(c) != 0; });
     const auto length = static_cast<std::size_t>(end - at);
@@ -36,7 +36,7 @@ std::string cutLongWords(std::string message) {
       out += *end++;
     at = end;
   }
-  if (out.size() >= kMost)
+  if (out.size() >= kMaxMessage)
     out += "...";
   return out;
 }

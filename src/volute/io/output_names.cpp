@@ -16,10 +16,10 @@ namespace fs = std::filesystem;
 
 /// The same for all spellings of a file, whether it is there or not, and for links to it.
 fs::path placeOf(const fs::path& name) {
-  constexpr int kMostLinks = 40;  // as Linux follows
+  constexpr int kMaxLinks = 40;  // as Linux follows
   fs::path target = fs::absolute(name);
   std::error_code error;
-  for (int i = 0; i < kMostLinks && fs::is_symlink(target, error); ++i) {
+  for (int i = 0; i < kMaxLinks && fs::is_symlink(target, error); ++i) {
     const auto next = fs::read_symlink(target, error);
     if (error)
       break;

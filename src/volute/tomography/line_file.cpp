@@ -212,8 +212,8 @@ Status LineReader::checkSigns() {
                     "extinction is 0 at least, so that they stay unexplained",
                     file_, negative, rows));
   }
-  constexpr double kMostly = 0.75;  // noise alone makes half of them negative
-  if (negative == 0 && static_cast<double>(below) > kMostly * static_cast<double>(rows)) {
+  constexpr double kNearlyAll = 0.75;  // noise alone makes half of them negative
+  if (negative == 0 && static_cast<double>(below) > kNearlyAll * static_cast<double>(rows)) {
     lines_.remarks.push_back(
         fmt::format("{}: {} of {} optical depths are negative: more light with smoke than without "
                     "(a transmittance above 1); check the light that they are relative to",

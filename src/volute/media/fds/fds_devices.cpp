@@ -304,14 +304,14 @@ std::string measuredBy(const SmvIndex& index, const FdsDevice& device) {
 }
 
 std::string misfit(const FactCurve& curve, std::string_view unit) {
-  constexpr double kMostRounded = 1.01;  // of a fraction
+  constexpr double kMaxRounded = 1.01;  // of a fraction
   const auto change = unitChange(curve.unit.empty() ? unit : curve.unit, unit);
   if (!change)
     return fmt::format("in '{}'", printable(curve.unit));
   if (unit != "mol/mol" || curve.values.empty())
     return "";
   const double most = std::ranges::max(curve.values);
-  if ((*change)(most) <= kMostRounded)
+  if ((*change)(most) <= kMaxRounded)
     return "";
   const std::string stated =
       curve.unit.empty() ? "without a unit" : fmt::format("in '{}'", printable(curve.unit));
