@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/packed_error.hpp"
 #include "volute/base/stopwatch.hpp"
 
 namespace volute {
@@ -18,8 +19,9 @@ constexpr std::byte kWell{0xFF};
 
 std::vector<std::byte> messageOf(const Status& status, std::span<const std::byte> bytes) {
   std::vector<std::byte> message{status ? kWell : static_cast<std::byte>(status.error().code)};
+  const std::string error = status ? "" : packed(status.error());
   if (!status)
-    bytes = std::as_bytes(std::span(status.error().message));
+    bytes = std::as_bytes(std::span(error));
   message.insert(message.end(), bytes.begin(), bytes.end());
   return message;
 }
@@ -27,7 +29,7 @@ std::vector<std::byte> messageOf(const Status& status, std::span<const std::byte
 Error errorIn(std::span<const std::byte> message) {
   std::string text(message.size() - 1, '\0');
   std::memcpy(text.data(), message.data() + 1, text.size());
-  return {static_cast<ErrorCode>(message[0]), std::move(text)};
+  return unpacked(static_cast<ErrorCode>(message[0]), text);
 }
 
 }  // namespace

@@ -229,5 +229,16 @@ TEST(OrderedDelivery, AnErrorOfTheTakerEndsAll) {
   });
 }
 
+TEST(Team, AnErrorKeepsItsSettingAndHints) {
+  Team team;
+  const Status failed = failFor("bounds", ErrorCode::kTooLarge,
+                                Hint::raise("max_memory").so("holds all"), "it is large");
+  const Error agreed = team.agree(failed).error();
+  EXPECT_EQ(agreed.code, ErrorCode::kTooLarge);
+  EXPECT_EQ(agreed.message, "it is large");
+  EXPECT_EQ(agreed.member, "bounds");
+  EXPECT_EQ(agreed.hints, failed.error().hints);
+}
+
 }  // namespace
 }  // namespace volute

@@ -152,18 +152,17 @@ int runCommand(const Command& command, Arguments arguments, const std::vector<st
     if (!status && command.name == "help")
       endByBrokenPipe();
   }
-  if (const Status strict = console.strictness(); !strict)
-    status = strict;
-  const auto wording = optionsOf(command);
-  if (!status)
-    status.error() = {status.error().code, fullText(status.error(), wording)};
-  status = context.team.agree(status);
+  const Status strict = console.strictness();
+  status = context.team.agree(strict ? status : strict);
+  if (!strict)
+    status = strict;  // a team keeps its first error: that the work was stopped
   console.clear();
   // Launchers take the code of any process that failed.
   if (status || !context.team.leads())
     return kDone;
   std::fflush(stdout);
-  say("volute {}: {}\n", command.name, printableMessage(status.error().message));
+  say("volute {}: {}\n", command.name,
+      printableMessage(fullText(status.error(), optionsOf(command))));
   return status.error().code == ErrorCode::kInvalidArgument ? kWrongUsage : kCouldNot;
 }
 

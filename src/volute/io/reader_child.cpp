@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "volute/base/packed_error.hpp"
 #include "volute/io/confinement.hpp"
 #include "volute/io/reader_message.hpp"
 
@@ -137,7 +138,7 @@ Result<std::string> guarded(Function&& function) {
     ReaderHeader reply;
     if (!result)
       reply.code = static_cast<std::int32_t>(result.error().code);
-    if (!sendReaderMessage(kSocket, reply, result ? *result : errorText(result.error())))
+    if (!sendReaderMessage(kSocket, reply, result ? *result : packed(result.error())))
       break;
   }
   ::_exit(0);

@@ -7,8 +7,6 @@
 #include <string>
 #include <string_view>
 
-#include "volute/base/result.hpp"
-
 namespace volute::detail {
 
 /// Replies and requests of a reader's process are at most this many bytes.
@@ -24,10 +22,6 @@ struct ReaderHeader {
 /// `descriptors` go along. False when the other end is gone.
 bool sendReaderMessage(int socket, const ReaderHeader& header, std::string_view text,
                        std::span<const int> descriptors = {});
-
-/// An error without its code, as the text of a reply.
-std::string errorText(const Error& error);
-Error errorOf(ErrorCode code, std::string_view text);
 
 /// False when the other end is gone or sent something else. Descriptors that nobody asked for are
 /// closed by the system.

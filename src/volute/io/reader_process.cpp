@@ -18,6 +18,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "volute/base/packed_error.hpp"
 #include "volute/io/reader_child.hpp"
 #include "volute/io/reader_helper.hpp"
 #include "volute/io/reader_message.hpp"
@@ -287,7 +288,7 @@ Result<std::string> ReaderProcess::call(const std::string& file, std::string_vie
   if (reply.code < 0)
     return text;
   // What a library threw does not know the file.
-  Error error = detail::errorOf(codeOf(reply.code), text);
+  Error error = unpacked(codeOf(reply.code), text);
   if (!error.message.starts_with(file))
     error.message = fmt::format("{}: {}", file, error.message);
   if (error.path.empty() && error.member.empty())

@@ -92,8 +92,8 @@ Status projectFrames(ProjectedFrames& subject, const Capture& capture, const Ima
     const auto colour = inColour(values, info.channels);
     for (const CaptureCamera& camera : capture.cameras) {
       if (progress.cancelled())
-        return failFor("stopped", ErrorCode::kCancelled, "frame {}, camera {} was not written",
-                       number, camera.name);
+        return fail(ErrorCode::kCancelled, "stopped: frame {}, camera {} was not written", number,
+                    camera.name);
       const Image image =
           projectVolume(colour, geometry, subject.basis, camera.camera, raysPerPixel);
       VOLUTE_TRY(writeImage(name.file(camera.name, number), image));

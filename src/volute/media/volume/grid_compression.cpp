@@ -268,7 +268,8 @@ class PlacedGrid final : public VolumeGrids {
 void remarkOnTimes(const std::string& path, const VolumeInfo& info, Reading& reading) {
   if (info.frames > 1 && info.timesAssumed)
     reading.progress.remark(Remark(RemarkCode::kAssumed,
-                                   fmt::format("{}: no times are stated; 25 frames a second", path))
+                                   fmt::format("{}: no times are stated; 25 frames a second", path),
+                                   {Hint::set("fps")})
                                 .in(path));
 }
 

@@ -180,8 +180,7 @@ Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
   if (team.size() == 1) {
     for (std::int64_t i = 0; i < frames; ++i) {
       if (reading.progress.cancelled())
-        return failFor("stopped", ErrorCode::kCancelled, "extracting frame {} of {}", i + 1,
-                       frames);
+        return fail(ErrorCode::kCancelled, "stopped: extracting frame {} of {}", i + 1, frames);
       VOLUTE_TRY(readFrames(sources, static_cast<int>(i), values));
       VOLUTE_TRY(sink->writeFrame(values));
       reading.progress.report("extracting", static_cast<double>(i + 1),
@@ -216,8 +215,7 @@ Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
         const auto at = static_cast<std::size_t>(row);
         for (std::size_t i = begins[at]; i < begins[at + 1]; ++i) {
           if (reading.progress.cancelled())
-            return failFor("stopped", ErrorCode::kCancelled, "extracting frame {} of {}", i + 1,
-                           frames);
+            return fail(ErrorCode::kCancelled, "stopped: extracting frame {} of {}", i + 1, frames);
           VOLUTE_TRY(readFrames(sources, static_cast<int>(i), values));
           OrderedDelivery::Bytes bytes;
           for (const Bricks& grid : values) {
