@@ -305,6 +305,14 @@ TEST_F(ShownControls, AnUnsavedSceneIsOfferedAfterACrash) {
   EXPECT_FALSE(std::filesystem::exists(dead)) << "it was saved";
   script_->frames(3);
   EXPECT_FALSE(script_->has("restore 0"));
+  std::filesystem::create_directories(unsaved);
+  std::ofstream(dead) << "{}";
+  std::ofstream(nameBeside(dead)) << "other.json\n";
+  script_->frames(3);
+  ASSERT_TRUE(script_->click("discard 0"));
+  script_->frames(3);
+  EXPECT_FALSE(script_->has("restore 0"));
+  EXPECT_FALSE(std::filesystem::exists(dead));
 }
 
 TEST_F(ShownControls, AScreenshotIsAsLargeInPixelsAtAnyScaleOfTheInterface) {
