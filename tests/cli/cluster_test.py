@@ -157,9 +157,12 @@ class SameBytes(Cluster):
                 self.succeeds(ranks, "compress", source, "-o", self.path("ours.volute"), *options, "--stats", self.path("stats.json"))
                 self.assertEqual(self.path("ours.volute").read_bytes(), self.path("alone.volute").read_bytes(), (ranks, options))
                 # Of one rank a unit has all layers of blocks, of several those that keep a rank's threads busy: here all as well.
-                # The way through the units that is kept chooses modes at the same time, or is one more.
-                stages = {stage for entry in json.loads(self.path("stats.json").read_text())["ranks"] for stage in entry["units"]}
-                self.check_units(self.path("stats.json"), "compressing" if "compressing" in stages else "choosing modes", 3, ranks)
+                self.check_compressed(3, ranks)
+
+    def check_compressed(self, count, ranks):
+        """The way through the units that is kept chooses modes at the same time, or is one more."""
+        stages = {stage for entry in json.loads(self.path("stats.json").read_text())["ranks"] for stage in entry["units"]}
+        self.check_units(self.path("stats.json"), "compressing" if "compressing" in stages else "choosing modes", count, ranks)
 
     @staticmethod
     def reads(name):
@@ -189,7 +192,7 @@ class SameBytes(Cluster):
             # A .vdb has no box but that of its active voxels.
             depth = self.works("info", self.path("ours.volute"), "--json").json["size"][2]
             self.assertEqual(depth > 32, not source.endswith(".vdb"), source)
-            self.check_units(self.path("stats.json"), "compressing", 2 * -(-depth // 16), 3)
+            self.check_compressed(2 * -(-depth // 16), 3)
         self.works("compress", self.path("in.npy"), "-o", self.path("npy.volute"), "--rms", "0.01")
         self.works("compress", self.path("in.raw"), "-o", self.path("raw.volute"), "--rms", "0.01", *raw)
         self.works("extract", self.path("npy.volute"), "-o", self.path("npy.npy"))
@@ -803,7 +806,7 @@ class BadInput(Cluster):
         shape, values = support.plume(40, 12)
         values[30 * 12 ** 3 + 5] = float("nan")
         support.write_npy(self.path("in.npy"), shape, values)
-        self.assertIn("frame 30, voxel (5, 0, 0)", self.says(3, "compress", self.path("in.npy"), "-o", self.path("x.volute"), "--rms", "0.01"))
+        self.assertIn("frame 30: the value at voxel (5, 0, 0)", self.says(3, "compress", self.path("in.npy"), "-o", self.path("x.volute"), "--rms", "0.01"))
 
     def test_ctrl_c(self):
         packed = self.make_volute(frames=12, size=16)

@@ -87,7 +87,9 @@ class Failures(support.TestCase):
             if "this build has no" in made.message:
                 self.skipTest(made.message)
             self.assertEqual(made.code, 0, made.message)
-        self.assertIn("expected voxels along the axes", self.compress_fails(self.path("s_%04d.vti")))
+        self.works("compress", self.path("s_%04d.vti"), "-o", self.path("x.volute"), "--rms", "0.01")  # each frame in its place
+        self.assertEqual(self.works("info", self.path("x.volute"), "--json").json["size"], [24, 24, 24])
+        self.assertIn("expected whole .vdb files", self.fails(1, "extract", self.path("x.volute"), "-o", self.path("y_%04d.vti")))
 
     def test_wrong_grid_lists_those_there_are(self):
         made = volute("synthesize", "flame", "-o", self.path("s.vdb"), "--size", "16", "--frames", "1")
