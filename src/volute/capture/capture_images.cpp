@@ -85,7 +85,8 @@ Status checkFilm(const CaptureCamera& camera, int firstFrame, int lastFrame,
   const PictureSource& pictures = camera.pictures;
   auto film = FilmReader::open(pictures.video, maxMemory);
   if (!film)
-    return fail(film.error().code, "camera {}: {}", camera.name, film.error().message);
+    return fail(film.error().code, film.error().hints, "camera {}: {}", camera.name,
+                film.error().message);
   if (film->info().width != camera.camera.width() ||
       film->info().height != camera.camera.height()) {
     return fail(ErrorCode::kInvalidData,
@@ -106,7 +107,8 @@ Status checkFilm(const CaptureCamera& camera, int firstFrame, int lastFrame,
   const int wanted = last.number + (last.share > 0 ? 2 : 1);
   const auto there = picturesOfFilm(pictures, maxMemory);
   if (!there)
-    return fail(there.error().code, "camera {}: {}", camera.name, there.error().message);
+    return fail(there.error().code, there.error().hints, "camera {}: {}", camera.name,
+                there.error().message);
   if (*there < wanted) {
     return fail(ErrorCode::kNotFound,
                 "camera {}, frame {}: the film {} has {} frames, so that it ends with frame {}; "
@@ -175,7 +177,7 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   stored.linear = extensionOf(path) == ".exr";
   auto image = readImage(path, options);
   if (!image)
-    return fail(image.error().code, "{}: {}", name, image.error().message);
+    return fail(image.error().code, image.error().hints, "{}: {}", name, image.error().message);
   stored.image = std::move(*image);
   VOLUTE_TRY(checkSize(camera, stored.image, name));
   VOLUTE_ASSIGN(const auto alpha, readAlpha(path, options));
@@ -191,7 +193,7 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   } else if (!stored.linear) {
     auto curve = readStoredCurve(path);
     if (!curve)
-      return fail(curve.error().code, "{}: {}", name, curve.error().message);
+      return fail(curve.error().code, curve.error().hints, "{}: {}", name, curve.error().message);
     if (*curve) {
       VOLUTE_ASSIGN(stored.response, Response::table(std::move(**curve)));
     }
@@ -228,7 +230,8 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
   if (film == films_.end()) {
     auto opened = FilmFrames::open(pictures.video, maxMemory_);
     if (!opened)
-      return fail(opened.error().code, "{}: {}", name, opened.error().message);
+      return fail(opened.error().code, opened.error().hints, "{}: {}", name,
+                  opened.error().message);
     film = films_.emplace(camera, std::move(*opened)).first;
   }
   if (number < 0) {
@@ -237,7 +240,7 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
   }
   auto image = film->second.frame(number);
   if (!image)
-    return fail(image.error().code, "{}: {}", name, image.error().message);
+    return fail(image.error().code, image.error().hints, "{}: {}", name, image.error().message);
   VOLUTE_TRY(checkSize(camera, *image, name));
   Stored stored;
   stored.image = std::move(*image);
@@ -278,7 +281,7 @@ Status CaptureImages::openMask(std::size_t camera) {
   const std::string name = fmt::format("camera {}, mask", capture_->cameras[camera].name);
   const auto image = readImage(path, {.raw = true, .maxMemory = maxMemory_});
   if (!image)
-    return fail(image.error().code, "{}: {}", name, image.error().message);
+    return fail(image.error().code, image.error().hints, "{}: {}", name, image.error().message);
   VOLUTE_TRY(checkSize(camera, *image, name));
   auto& mask = masks_[camera];
   const auto channels = static_cast<std::size_t>(image->channels);

@@ -84,7 +84,8 @@ void takeTimesOfFilm(CameraDraft& camera, double rate, std::vector<std::string>&
   if (pictures.video.empty())
     return;
   auto film = FilmReader::open(pictures.video, maxMemory);
-  const auto times = film ? film->restOfTimes(kMaxPictures) : fail(film.error().code, "");
+  const auto times =
+      film ? film->restOfTimes(kMaxPictures) : fail(film.error().code, film.error().hints, "");
   if (!times || times->empty())
     return;  // which is told when its pictures are wanted
   pictures.filmPictures = static_cast<int>(times->size());
@@ -170,7 +171,8 @@ Result<std::vector<int>> framesOfFilms(const CaptureDraft& draft, std::uint64_t 
       continue;
     const auto count = picturesOfFilm(pictures, maxMemory);
     if (!count)
-      return fail(count.error().code, "camera {}: {}", camera.name, count.error().message);
+      return fail(count.error().code, count.error().hints, "camera {}: {}", camera.name,
+                  count.error().message);
     const double begin = pictures.videoStart - pictures.frameShift;
     const double end = begin + pictures.placeInFilm(*count - 1) / pictures.rate;
     if (!latest || begin > first)

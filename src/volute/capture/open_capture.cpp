@@ -274,7 +274,7 @@ Status checkNumbers(CaptureDraft& draft, const std::vector<int>& all,
 }
 
 tl::unexpected<Error> ofCamera(const CameraDraft& camera, const Error& error) {
-  return fail(error.code, "camera {}: {}", camera.name, error.message);
+  return fail(error.code, error.hints, "camera {}: {}", camera.name, error.message);
 }
 
 /// Calibrations that leave the size out mean that of the pictures.

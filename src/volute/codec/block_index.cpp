@@ -106,8 +106,9 @@ Result<std::vector<std::byte>> readPage(const InputFile& file, std::uint64_t off
   }
   auto content = unpack(bytes, limit);
   if (!content)
-    return fail(content.error().code, "{}: the page of its index at byte {} {}",
-                file.path().string(), offset, content.error().message);
+    return fail(content.error().code, content.error().hints,
+                "{}: the page of its index at byte {} {}", file.path().string(), offset,
+                content.error().message);
   return content;
 }
 
@@ -305,7 +306,7 @@ Result<FrameTiles> readTilePage(const InputFile& file, const TilePage& page, int
   ByteReader in(content);
   FrameTiles tiles;
   const auto blame = [&](const Error& error) {
-    return fail(error.code, "{}: the page of tiles at byte {} is malformed: {}",
+    return fail(error.code, error.hints, "{}: the page of tiles at byte {} is malformed: {}",
                 file.path().string(), page.offset, error.message);
   };
   for (int frame = first; frame < end; ++frame) {

@@ -525,7 +525,8 @@ Result<std::vector<std::byte>> unpackChunk(std::span<const std::byte> payload, s
                                            const std::string& path, std::string_view name) {
   auto content = unpack(payload, limit);
   if (!content)
-    return fail(content.error().code, "{}: the {} chunk {}", path, name, content.error().message);
+    return fail(content.error().code, content.error().hints, "{}: the {} chunk {}", path, name,
+                content.error().message);
   return content;
 }
 

@@ -121,8 +121,8 @@ Status EncodedUnits::open(const std::filesystem::path& target) {
   for (std::size_t tier = 0; tier < kWaveletTiers.size(); ++tier) {
     auto spool = Spool::create(folder);
     if (!spool)
-      return fail(spool.error().code, "{}: cannot be written: {}", target.string(),
-                  spool.error().message);
+      return fail(spool.error().code, spool.error().hints, "{}: cannot be written: {}",
+                  target.string(), spool.error().message);
     spools_.push_back(std::move(*spool));
   }
   return {};

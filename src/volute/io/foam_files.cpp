@@ -262,7 +262,8 @@ Status checkFile(const std::filesystem::path& path, std::string_view kind) {
   const auto checked = checkFoamText(content, kind);
   if (checked)
     return {};
-  return fail(checked.error().code, "{}: {}", file->string(), checked.error().message);
+  return fail(checked.error().code, checked.error().hints, "{}: {}", file->string(),
+              checked.error().message);
 }
 
 Status checkMesh(const std::filesystem::path& folder) {

@@ -180,7 +180,8 @@ Result<FramePattern> FramePattern::parse(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
   const auto field = findFrameField(name);
   if (!field)
-    return fail(field.error().code, "{}: {}", path.string(), field.error().message);
+    return fail(field.error().code, field.error().hints, "{}: {}", path.string(),
+                field.error().message);
   if (!*field) {
     return fail(ErrorCode::kInvalidArgument,
                 "{}: no frame number in the file's name; expected one, as %04d, %d, #### or $F4",

@@ -118,7 +118,7 @@ Result<std::optional<StoredColor>> colorOf(const PngState& state, const std::str
   };
   auto color = settled();
   if (!color) {
-    return fail(color.error().code,
+    return fail(color.error().code, color.error().hints,
                 "{}: {}; expected a picture in sRGB, or one that states gAMA; "
                 "convert it to sRGB",
                 name, color.error().message);

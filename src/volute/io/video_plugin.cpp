@@ -460,7 +460,7 @@ class AvFilmDecoder final : public FilmDecoder {
     const auto color = colorOfCodePoints(wide ? frame.color_primaries : kRec709,
                                          power ? static_cast<int>(curve) : kSrgb);
     if (!color)
-      return fail(color.error().code, "{}: {}", name_, color.error().message);
+      return fail(color.error().code, color.error().hints, "{}: {}", name_, color.error().message);
     linear_.resize(levels);
     for (std::size_t i = 0; i < levels; ++i) {
       const double value = static_cast<double>(i) / static_cast<double>(levels - 1);

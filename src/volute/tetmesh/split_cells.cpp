@@ -133,7 +133,8 @@ Result<SplitCells> splitCells(const CellSoup& soup, std::string_view name) {
     if (done)
       done = cutter.cut(static_cast<std::int32_t>(i), faces);
     if (!done)
-      return fail(done.error().code, "{}: cell {} {}", name, i, done.error().message);
+      return fail(done.error().code, done.error().hints, "{}: cell {} {}", name, i,
+                  done.error().message);
   }
   return out;
 }

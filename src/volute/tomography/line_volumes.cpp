@@ -126,7 +126,7 @@ Result<LineVolumes> reconstructLineFile(const std::string& file, const CaptureOp
       leaveOutBeside(frame, geometry, file, progress);
     const auto found = reconstructLines(frame.lines, geometry, half, progress);
     if (!found)
-      return fail(found.error().code, "{}, frame {}: {}", file, frame.number,
+      return fail(found.error().code, found.error().hints, "{}, frame {}: {}", file, frame.number,
                   found.error().message);
     if (found->crossed < kOften && !std::exchange(told, true)) {
       progress.remark(

@@ -386,7 +386,8 @@ Result<Reconstruction> ReconstructedFrames::fit(int index, FrameViews& views,
     return fail(ErrorCode::kInvalidData, "{}",
                 explainEmptyHull(views, geometry(), settings_.tomography.noiseSigma));
   }
-  return fail(result.error().code, "frame {}: {}", views.frame, result.error().message);
+  return fail(result.error().code, result.error().hints, "frame {}: {}", views.frame,
+              result.error().message);
 }
 
 /// A camera whose picture of a neighbouring frame fits what the others saw better than its own.

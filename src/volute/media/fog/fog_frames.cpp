@@ -22,7 +22,7 @@ Result<std::string> nameOf(const std::string& name, int number) {
 
 /// The library's error, of a file.
 tl::unexpected<Error> in(const std::string& path, const Error& error) {
-  return fail(error.code, "{}: {}", path, error.message);
+  return fail(error.code, error.hints, "{}: {}", path, error.message);
 }
 
 Image channelsOf(const Image& image, int first, int count) {

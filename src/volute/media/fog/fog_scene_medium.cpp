@@ -129,7 +129,8 @@ Status FogAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) c
   else if (polar.error().code == ErrorCode::kUnsupported)
     addMedia(media);
   else
-    return fail(polar.error().code, "{}: {}", layer_.description().where, polar.error().message);
+    return fail(polar.error().code, polar.error().hints, "{}: {}", layer_.description().where,
+                polar.error().message);
   return {};
 }
 

@@ -111,7 +111,7 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   GridProgress progress(reading_.progress, grid.name);
   auto report = compress(*source, file, options, progress, team_);
   if (!report) {
-    return fail(report.error().code, "{}",
+    return fail(report.error().code, report.error().hints, "{}",
                 errorIn(grid, report.error().message, leads ? file : ""));
   }
   done_.back().info = source->info();

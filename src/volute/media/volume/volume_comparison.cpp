@@ -148,7 +148,8 @@ Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, cons
   align(sourceA, outside(grid), sourceB, outside(other));
   auto compared = compareSources(std::move(sourceA), std::move(sourceB), request, reading, errors);
   if (!compared)
-    return fail(compared.error().code, "grid '{}': {}", grid.name, compared.error().message);
+    return fail(compared.error().code, compared.error().hints, "grid '{}': {}", grid.name,
+                compared.error().message);
   compared->name = grid.name;
   if (request.drawErrors) {
     const double range = compared->whole.maxA - compared->whole.minA;
