@@ -177,7 +177,7 @@ class SameBytes(Cluster):
         if sys.byteorder == "little":
             swapped.byteswap()
         self.path("in.raw").write_bytes(b"header" + swapped.tobytes())
-        self.works("compress", self.path("in.npy"), "-o", self.path("in.volute"), "--fast")
+        self.works("compress", self.path("in.npy"), "-o", self.path("in.volute"), "--rms", "0.003", "--fast")
         for name in ("vdb_%04d.vdb", "vti_%04d.vti"):
             if self.reads(name):
                 self.works("extract", self.path("in.volute"), "-o", self.path(name))
