@@ -65,7 +65,7 @@ volute::Status evacuate(const char* file, const char* signFile) {
         volute::Vec3 way = goal->target - place;
         way.z() = 0;
         const double reach =
-            kStep * volute::walkingSpeed(volute::SpeedLaw::kFridolf, 1.2, smoke[a]);
+            kStep * volute::walkingSpeed(*volute::speedLaw("fridolf"), 1.2, smoke[a]);
         if (way.norm() < std::max(reach, 0.5)) {
           ++out;
           continue;

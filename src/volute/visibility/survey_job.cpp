@@ -255,7 +255,7 @@ class Job {
                 Bytes& bytes) {
     const auto eyes = watch_.eyes(time);
     const std::uint64_t lines = eyes.size() * survey_.signs.size();
-    constexpr std::uint64_t kEye = 160;  // itself, and what is asked of its place
+    constexpr std::uint64_t kEye = 640;  // itself, what is asked of its place, rows of tables
     VOLUTE_TRY(survey_.checkMemory(eyes.size(), kEye));
     const bool smoke =
         survey_.extinctionLimit > 0 || !survey_.criteria.empty() || watch_.wantsExtinction();
