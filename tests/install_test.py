@@ -36,6 +36,7 @@ int main() {
 LAYOUT = """
 #include <cstdio>
 
+#include <nlohmann/json.hpp>
 #include <volute/volute.hpp>
 
 int main() {

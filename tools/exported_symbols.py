@@ -4,7 +4,8 @@
 """What a shared library shows: `exported_symbols.py --nm NM --headers FILE.. --archives FILE.. -o FILE`.
 
 Writes a linker's version script with the symbols of the archives whose outermost name (volute::VoluteReader of one of its members)
-is declared in one of the headers, and hides all others. Inline functions stay where they are compiled."""
+is declared in one of the headers, and hides all others. Inline functions stay where they are compiled; members of templates are
+shown where a header says that the library has them (`extern template class`)."""
 import argparse
 import pathlib
 import re
@@ -15,6 +16,7 @@ NOISE = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+
 NAMESPACE = re.compile(r"(?:inline\s+)?namespace\s+([\w:\s]*)$")
 TYPE = re.compile(r"\b(?:struct|class|union|enum(?:\s+(?:class|struct))?)\s+(?:\[\[[^\]]*\]\]\s*)*(\w+)")
 CALLED = re.compile(r"(\w+)\s*\(")
+INSTANTIATED = re.compile(r"\bextern\s+template\s+(?:class|struct)\s+(\w+)")
 VARIABLE = re.compile(r"\bextern\b.*\b(\w+)(?:\[[^\]]*\])*$", re.S)
 PREFIX = re.compile(r"^(?:vtable for |VTT for |typeinfo name for |typeinfo for |guard variable for |(?:non-)?virtual thunk to )+")
 
@@ -78,12 +80,17 @@ def main():
     parser.add_argument("--version", default="VOLUTE_0")
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
-    names = set().union(*(declared(header.read_text()) for header in arguments.headers))
+    texts = [header.read_text() for header in arguments.headers]
+    names = set().union(*map(declared, texts))
+    instantiated = {name for text in texts for name in INSTANTIATED.findall(text)}
     listed = subprocess.run([arguments.nm, "--defined-only", "--extern-only", "--no-sort", *arguments.archives], stdout=subprocess.PIPE, check=True,
                             text=True).stdout
-    mangled = sorted({line.split()[2] for line in listed.splitlines() if re.match(r"[0-9a-f]+ [TDBRV] _Z", line)})
+    defined = re.findall(r"^[0-9a-f]+ ([TDBRVW]) (_Z\S+)$", listed, re.M)
+    weak = {symbol for kind, symbol in defined if kind == "W"}
+    mangled = sorted({symbol for kind, symbol in defined})
     plain = subprocess.run(["c++filt"], input="\n".join(mangled), stdout=subprocess.PIPE, check=True, text=True).stdout.splitlines()
-    shown = [symbol for symbol, name in zip(mangled, plain) if is_declared(name, names)]
+    shown = [symbol for symbol, name in zip(mangled, plain)
+             if is_declared(name, names) and (symbol not in weak or instantiated & set(qualified(name)[:-1]))]
     if not shown:
         sys.exit("exported_symbols.py: the headers declare nothing of what the archives hold")
     lines = "".join(f"    {symbol};\n" for symbol in shown)
