@@ -600,7 +600,7 @@ class Contours(SmokeCase):
             self.assertIn(words[0], self.fails(2, *out, *words))
         self.assertFalse(self.path("x.png").exists())
         self.make_volute()
-        self.assertIn("slice: is for media on a mesh", self.fails(2, "render", self.path("in.volute"), "-o", self.path("x.png"), "--slice", "z=0"))
+        self.assertIn("--slice: is for media on a mesh", self.fails(2, "render", self.path("in.volute"), "-o", self.path("x.png"), "--slice", "z=0"))
 
 
 if __name__ == "__main__":

@@ -57,8 +57,8 @@ Status checkContour(const Contour& contour, const Scene& scene) {
   const bool slice = contour.kind == Contour::Kind::kSlice;
   const auto media = contouredIn(scene);
   if (media.empty()) {
-    return fail(ErrorCode::kInvalidArgument, "{}: is for media on a mesh; there is none",
-                slice ? "slice" : "isosurface");
+    return failFor(slice ? "slice" : "isosurface", ErrorCode::kInvalidArgument,
+                   "is for media on a mesh; there is none");
   }
   if (!slice)
     return {};

@@ -4,8 +4,6 @@
 
 #include <cmath>
 
-#include "volute/viewer/error_text.hpp"
-
 namespace volute {
 
 Status Comparison::begin(const std::string& path, const PictureMakers& makers) {
@@ -33,7 +31,7 @@ void Comparison::update(const PictureRequest& request, double time) {
     document.loader().request(time);
   document.loader().setOpenGl(picture.mayUseGl(request.renderer));
   if (const Status drawn = picture.update(request); !drawn)
-    document.refuseScene(viewerText(drawn.error()));
+    document.refuseScene(drawn.error());
 }
 
 bool Comparison::settled(const PictureRequest& request) const {

@@ -104,8 +104,8 @@ Result<Image> viewerScreenshot(OpenDocument open, const ViewerStart& start, bool
   input.height = static_cast<int>(start.height / input.scale);
   input.columns = start.width, input.rows = start.height;
   VOLUTE_TRY(viewer->settle(input, progress));
-  if (!app.document().error().empty())
-    return fail(ErrorCode::kInvalidData, "{}", app.document().error());
+  if (app.document().failure())
+    return tl::unexpected(*app.document().failure());
   return viewer->picture();
 }
 

@@ -7,7 +7,6 @@
 #include <iterator>
 
 #include "volute/base/thread_priority.hpp"
-#include "volute/viewer/error_text.hpp"
 
 namespace volute {
 namespace {
@@ -406,10 +405,10 @@ bool Loader::openNow(const std::string& path) {
   path_ = path;
   if (!document) {
     if (document.error().code != ErrorCode::kCancelled)
-      state_.error = viewerText(document.error());
+      state_.error = document.error();
     return false;
   }
-  state_.error.clear();
+  state_.error.reset();
   ring_.setLimit(memory);
   opened_.swap(info);
   loaded_.swap(before);
@@ -441,10 +440,10 @@ void Loader::changeNow(const DocumentChange& what) {
   const std::lock_guard lock(mutex_);
   opened_.swap(info);
   if (!done) {
-    state_.error = viewerText(done.error());
+    state_.error = done.error();
     return;
   }
-  state_.error.clear();
+  state_.error.reset();
   if (!done->empty())
     state_.message = std::move(*done);
   ++changes_;
@@ -493,9 +492,9 @@ void Loader::deliver(Result<ViewScene> scene, double time, bool coarse) {
       gone = ring_.add(time, loaded->scene, ahead_);
     loaded_.swap(loaded);
     if (std::exchange(errorIsOfScene_, false))
-      state_.error.clear();
+      state_.error.reset();
   } else if (scene.error().code != ErrorCode::kCancelled) {
-    state_.error = viewerText(scene.error());
+    state_.error = scene.error();
     errorIsOfScene_ = true;
   }
 }

@@ -22,7 +22,7 @@ struct LoaderState {
   bool busy = false;
   std::string stage;              ///< what it does
   double share = 0;               ///< 0..1; negative when nobody knows
-  std::string error;              ///< the last one, until something succeeds
+  std::optional<Error> error{};   ///< the last one, until something succeeds
   std::string message;            ///< what was done last
   std::vector<double> decoded{};  ///< times whose snapshots are kept, ascending [s]
 };

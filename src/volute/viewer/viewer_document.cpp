@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/viewer_document.hpp"
 
+#include "volute/viewer/error_text.hpp"
+
 namespace volute {
 
 void ViewerDocument::open(const std::string& path, std::optional<double> time) {
@@ -10,8 +12,14 @@ void ViewerDocument::open(const std::string& path, std::optional<double> time) {
   loader_.open(path, time);
 }
 
-void ViewerDocument::refuseScene(const std::string& why) {
-  error_ = sceneError_ = why;
+void ViewerDocument::setFailure(std::optional<Error> failure) {
+  failure_ = std::move(failure);
+  error_ = failure_ ? viewerText(*failure_) : "";
+}
+
+void ViewerDocument::refuseScene(Error why) {
+  sceneFailure_ = std::move(why);
+  setFailure(sceneFailure_);
   scene_.reset();
 }
 
@@ -26,7 +34,7 @@ std::optional<DocumentNews> ViewerDocument::take() {
     return std::nullopt;
   changes_ = changes;
   loading_ = std::move(told->state);
-  error_ = loading_.error.empty() ? sceneError_ : loading_.error;
+  setFailure(loading_.error ? loading_.error : sceneFailure_);
   if (loading_.message != lastMessage_)
     message_ = lastMessage_ = loading_.message;
   DocumentNews news{.idle = told->idle, .frozen = std::move(told->frozen)};
@@ -52,7 +60,7 @@ std::optional<DocumentNews> ViewerDocument::take() {
     if (scene_)
       loader_.discard(std::move(scene_->scene));
     scene_ = std::move(*told->loaded);
-    sceneError_.clear();
+    sceneFailure_.reset();
     news.scene = true;
   }
   return news;

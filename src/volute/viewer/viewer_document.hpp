@@ -41,10 +41,14 @@ class ViewerDocument {
 
   const LoaderState& loading() const { return loading_; }
 
+  /// Why nothing is shown or was done, in the viewer's words; empty: no error.
   const std::string& error() const { return error_; }
 
+  /// The same as it came.
+  const std::optional<Error>& failure() const { return failure_; }
+
   /// The scene cannot be drawn.
-  void refuseScene(const std::string& why);
+  void refuseScene(Error why);
 
   /// What was done last.
   const std::string& message() const { return message_; }
@@ -92,6 +96,7 @@ class ViewerDocument {
 
  private:
   void change(std::function<Result<std::string>(Document&, Progress&)> what);
+  void setFailure(std::optional<Error> failure);
 
   Loader loader_;
   LoaderState loading_;
@@ -101,8 +106,9 @@ class ViewerDocument {
   int edits_ = 0;                                       ///< that were asked for
   DocumentFiles files_;
   bool desktop_ = false, toCompare_ = false;
+  std::optional<Error> failure_;
+  std::optional<Error> sceneFailure_;  ///< why the scene that was loaded last cannot be shown
   std::string error_, message_, lastMessage_;
-  std::string sceneError_;  ///< why the scene that was loaded last cannot be shown
   std::optional<std::optional<double>> opening_;  ///< at this time, if a person said so
   int changes_ = 0;
 };

@@ -7,7 +7,6 @@
 
 #include "volute/image/picture_style.hpp"
 #include "volute/image/srgb.hpp"
-#include "volute/viewer/error_text.hpp"
 
 namespace volute {
 
@@ -117,7 +116,7 @@ Rgb ViewerView::backgroundShown() const {
 void ViewerView::draw(const PictureRequest& request) {
   document_.loader().setOpenGl(picture_.mayUseGl(request.renderer));
   if (const Status drawn = picture_.update(request); !drawn)
-    document_.refuseScene(viewerText(drawn.error()));
+    document_.refuseScene(drawn.error());
   // At once, and better once the picture is fine.
   const DocumentInfo* document = document_.info();
   const LoadedScene* scene = document_.scene();
