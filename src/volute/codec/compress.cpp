@@ -178,6 +178,7 @@ class Compressor {
   Status shareTiles();
   void settleRange();
   void bend(double strongest);
+  double roundingToHalves() const;
   std::vector<std::uint64_t> sampleOf(std::span<const std::uint64_t> blocks,
                                       std::uint64_t oneOf) const;
   Status encodeAll(double step, Way way);
@@ -529,6 +530,25 @@ void Compressor::bend(double strongest) {
   const double knee = std::sqrt(kFaint * strongest);
   parameters_.bendScale = (std::sqrt(strongest + knee * knee) - knee) / strongest;
   parameters_.bendOffset = 2 * knee;
+}
+
+// The RMS of rounding to 16-bit floats, of the values that errors are taken over.
+double Compressor::roundingToHalves() const {
+  constexpr int kLeastExponent = -14, kBits = 10;  // below, halves are evenly spaced
+  double squares = 0;
+  for (std::uint32_t bin = 0; bin < histogram_.size(); ++bin) {
+    const float value = leastOf(bin);
+    const bool outlier =
+        parameters_.sparse && (value < parameters_.outlierLow || value > parameters_.outlierHigh);
+    if (histogram_[bin] == 0 || value == 0 || outlier)
+      continue;
+    const double spacing = std::ldexp(1.0, std::max(std::ilogb(value), kLeastExponent) - kBits);
+    squares += static_cast<double>(histogram_[bin]) * spacing * spacing / 12;
+  }
+  const double voxels = options_.target.isOverSupport()
+                            ? supportVoxels_
+                            : static_cast<double>(info_.voxels()) * info_.frames;
+  return std::sqrt(squares / std::max(1.0, voxels * info_.channels));
 }
 
 Status Compressor::survey() {
@@ -1057,7 +1077,7 @@ Result<CompressReport> Compressor::run() {
   VOLUTE_TRY(units_.open(target_));
   VOLUTE_TRY(survey());
   if (options_.halves)
-    goal_.leaveRoomForHalves();
+    goal_.leaveRoomForHalves(roundingToHalves());
   VOLUTE_TRY(goal_.leaveRoomFor(rounding_));
   if (goal_.isMaxError())
     // What is decoded is rounded to a float as well.

@@ -72,6 +72,39 @@ TEST(Compress, EveryKindOfTargetIsMetAndNotWasted) {
   }
 }
 
+// The nearest 16-bit float.
+float asHalf(float value) {
+  if (value == 0)
+    return 0;
+  const int bits = 10 - std::max(std::ilogb(value), -14);
+  return std::ldexp(std::nearbyint(std::ldexp(value, bits)), -bits);
+}
+
+TEST(Compress, HalvesMeetTheTargetAndWasteNothing) {
+  Sequence sequence = plumes(18, 16, 20, 33);
+  std::ranges::transform(sequence.values, sequence.values.begin(), asHalf);
+  for (const Kind kind : {Kind::kRms, Kind::kLook, Kind::kRmsOverAll}) {
+    for (const double rms : {3e-3, 7e-4, 3e-4, 1e-4}) {
+      const ScratchFile file;
+      CompressOptions options;
+      options.halves = true;
+      const auto report = compressTo(file.path(), sequence, {kind, rms}, options);
+      ASSERT_TRUE(report) << report.error().message;
+      const bool overAll = kind == Kind::kRmsOverAll;
+      EXPECT_GT(overAll ? report->relativeRms : report->support.rms,
+                (rms > 5e-4 ? 0.9 : 0.45) * rms);
+      Sequence decoded = readBack(file.path()).value();
+      std::ranges::transform(decoded.values, decoded.values.begin(), asHalf);
+      const double share = overAll ? 1 : report->support.share;
+      const double range = overAll ? report->valueMax - report->valueMin
+                                   : report->support.high - report->support.low;
+      const double whole = differenceOf(sequence, decoded).relativeRms *
+                           (report->valueMax - report->valueMin) / range / std::sqrt(share);
+      EXPECT_LE(whole, rms) << rms;
+    }
+  }
+}
+
 /// A strong ball and a faint one of the same shape: the faint one's own error, against that of an
 /// error that is the same for all values. Values of both signs.
 TEST(Compress, LookKeepsWhatIsFaint) {
