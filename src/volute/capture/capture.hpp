@@ -29,6 +29,8 @@ struct PicturePlace {
 /// Where the pictures of one camera are, and what their values mean.
 struct PictureSource {
   std::string image;            ///< the files: %04d, %d or #### stands for the frame; empty: a film
+  int pages = 1;                ///< above 1: of one file, a .tif, whose page n is picture number n
+  bool linear = false;          ///< the files hold floats, which are light
   std::filesystem::path video;  ///< the film; empty: files
   double videoStart = 0;        ///< the frame at which the film's first picture, or file number 0,
                                 ///< was taken
@@ -45,18 +47,28 @@ struct PictureSource {
                                      ///< that cancels out, on its optical depths
   double exponent = 1;               ///< a power of the linear values, 1 = white, before white
                                      ///< and gain: mends a response that is nearly right
-  /// Of .png files and films; .exr files are linear. Without it what each .png states, else sRGB.
+  /// Of integers and films; floats (.exr, .pfm, some .tif and .npy) are linear. Without it what
+  /// each .png or .tif states, else sRGB.
   std::optional<Response> response;
   /// A channel that reads this or more is saturated: a stored value, 1 = white. Without it 250/255
-  /// for films, nothing for .exr files, and for .png files 1, or less where many pixels read one
-  /// largest value.
+  /// for films, nothing for floats, and for integers 1, or less where many pixels read one largest
+  /// value.
   std::optional<double> saturation;
-  int bits = 0;      ///< of the values in .png files of 16 bits: white is 2^bits - 1; 0: 2^16 - 1
-  double black = 0;  ///< the stored value of darkness in .png files and films, 1 = white
+  int bits = 0;      ///< of the values in files of 16 bits: white is 2^bits - 1; 0: 2^16 - 1
+  double black = 0;  ///< the stored value of darkness in integers and films, 1 = white
 
   /// What shows frame `n`: a whole picture where one was taken within a hundredth of the time
   /// between pictures, else two.
   PicturePlace placeOf(int frame) const;
+
+  /// The file of picture `number`.
+  std::filesystem::path fileOf(int number) const;
+
+  /// Whether the file of picture `number` is there and has it; of files alone.
+  bool isThere(int number) const;
+
+  /// The numbers of the pictures that are there, ascending; of files alone.
+  std::vector<int> numbersThere() const;
 
   /// Where picture `number` of the film lies, see filmPlaces.
   double placeInFilm(int number) const {

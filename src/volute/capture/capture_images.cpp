@@ -15,7 +15,7 @@
 #include "volute/capture/image_name.hpp"
 #include "volute/capture/optical_depth.hpp"
 #include "volute/image/srgb.hpp"
-#include "volute/io/image_file.hpp"
+#include "volute/io/stored_picture.hpp"
 
 namespace volute {
 namespace {
@@ -136,6 +136,12 @@ std::string countsText(const Capture& capture, std::span<const std::size_t> ther
                      more > 0 ? fmt::format(" and {} more cameras fewer too", more) : "");
 }
 
+/// "picture c_0004.png", "page 4 of c.tif".
+std::string nameOfPicture(const PictureSource& pictures, int number) {
+  const std::string file = pictures.fileOf(number).string();
+  return pictures.pages == 1 ? "picture " + file : fmt::format("page {} of {}", number, file);
+}
+
 /// One channel becomes three.
 Image inColour(Image image) {
   if (image.channels == 3)
@@ -170,18 +176,16 @@ Status CaptureImages::checkSize(std::size_t camera, const Image& image,
 
 Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
                                                       const std::filesystem::path& path,
-                                                      const std::string& name) const {
+                                                      const std::string& name, int page) const {
   const auto& pictures = capture_->cameras[camera].pictures;
-  const ImageReadOptions options{.raw = true, .maxMemory = maxMemory_};
   Stored stored;
-  stored.linear = extensionOf(path) == ".exr";
-  auto image = readImage(path, options);
-  if (!image)
-    return fail(image.error().code, image.error().hints, "{}: {}", name, image.error().message);
-  stored.image = std::move(*image);
+  auto read = readStoredPicture(path, maxMemory_, page);
+  if (!read)
+    return fail(read.error().code, read.error().hints, "{}: {}", name, read.error().message);
+  stored.linear = read->linear;
+  stored.image = std::move(read->image);
   VOLUTE_TRY(checkSize(camera, stored.image, name));
-  VOLUTE_ASSIGN(const auto alpha, readAlpha(path, options));
-  stored.transparentShare = alpha ? shareBelowOne(*alpha) : 0;
+  stored.transparentShare = read->alpha ? shareBelowOne(*read->alpha) : 0;
   if (!stored.linear && stored.transparentShare > 0) {
     return fail(ErrorCode::kInvalidData,
                 "{}: {:.1f} % of the pixels of {} are transparent, so their light is unknown; "
@@ -190,20 +194,16 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   }
   if (pictures.response) {
     stored.response = *pictures.response;
-  } else if (!stored.linear) {
-    auto curve = readStoredCurve(path);
-    if (!curve)
-      return fail(curve.error().code, curve.error().hints, "{}: {}", name, curve.error().message);
-    if (*curve) {
-      VOLUTE_ASSIGN(stored.response, Response::table(std::move(**curve)));
-    }
+  } else if (read->curve) {
+    VOLUTE_ASSIGN(stored.response, Response::table(std::move(*read->curve)));
   }
   constexpr double kNever = std::numeric_limits<double>::infinity();
   stored.saturation = pictures.saturation.value_or(stored.linear ? kNever : 1);
   stored.mosaic = isMosaic(stored.image);
   if (stored.linear)
     return stored;
-  VOLUTE_TRY(scaleBits(stored.image, pictures.bits, name));
+  const bool fewer = pictures.bits != 0 && read->largest != std::ldexp(1.0, pictures.bits) - 1;
+  VOLUTE_TRY(scaleBits(stored.image, fewer ? pictures.bits : 0, name));
   if (!pictures.saturation && pictures.bits == 0)
     stored.plateau = plateauOf(stored.image);
   if (stored.plateau)
@@ -217,14 +217,15 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
   const auto& pictures = capture_->cameras[camera].pictures;
   const std::string name = nameOf(camera, frame);
   if (pictures.video.empty()) {
-    const std::filesystem::path path = frameFile(pictures.image, number);
+    const std::filesystem::path path = pictures.fileOf(number);
     std::error_code error;
-    if (!std::filesystem::exists(path, error))
-      return fail(ErrorCode::kNotFound, "{}: there is no picture {}", name, path.string());
+    if (!pictures.isThere(number))
+      return fail(ErrorCode::kNotFound, "{}: there is no {}", name,
+                  nameOfPicture(pictures, number));
     if (std::filesystem::file_size(path, error) == 0 && !error)
       return fail(ErrorCode::kNotFound, "{}: the picture {} is empty, 0 bytes", name,
                   path.string());
-    return readFile(camera, path, name);
+    return readFile(camera, path, name, pictures.pages == 1 ? 0 : number);
   }
   auto film = films_.find(camera);
   if (film == films_.end()) {
@@ -279,15 +280,16 @@ Status CaptureImages::openMask(std::size_t camera) {
   if (path.empty())
     return {};
   const std::string name = fmt::format("camera {}, mask", capture_->cameras[camera].name);
-  const auto image = readImage(path, {.raw = true, .maxMemory = maxMemory_});
-  if (!image)
-    return fail(image.error().code, image.error().hints, "{}: {}", name, image.error().message);
-  VOLUTE_TRY(checkSize(camera, *image, name));
+  const auto stored = readStoredPicture(path, maxMemory_);
+  if (!stored)
+    return fail(stored.error().code, stored.error().hints, "{}: {}", name, stored.error().message);
+  const Image& image = stored->image;
+  VOLUTE_TRY(checkSize(camera, image, name));
   auto& mask = masks_[camera];
-  const auto channels = static_cast<std::size_t>(image->channels);
-  mask.resize(image->pixels.size() / channels);
-  for (std::size_t i = 0; i < image->pixels.size(); ++i)
-    mask[i / channels] |= image->pixels[i] > 0 ? 1 : 0;
+  const auto channels = static_cast<std::size_t>(image.channels);
+  mask.resize(image.pixels.size() / channels);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    mask[i / channels] |= image.pixels[i] > 0 ? 1 : 0;
   if (std::ranges::none_of(mask, [](char m) { return m != 0; })) {
     return fail(ErrorCode::kInvalidData, "{}: {} is 0 everywhere, so no pixel counts", name,
                 path.string());
@@ -538,10 +540,9 @@ PicturesThere lookForPictures(const Capture& capture) {
       const bool beyond = shifted < capture.frames.front() || shifted > capture.frames.back();
       const PicturePlace place = camera.pictures.placeOf(frame);
       const int next = place.number + (place.share > 0 ? 1 : 0);
-      const bool second = !std::filesystem::exists(frameFile(camera.pictures.image, next), error);
-      const int number = second ? next : place.number;
-      const auto path = frameFile(camera.pictures.image, number);
-      const bool exists = std::filesystem::exists(path, error);
+      const int number = camera.pictures.isThere(next) ? place.number : next;
+      const auto path = camera.pictures.fileOf(number);
+      const bool exists = camera.pictures.isThere(number);
       const bool is = exists && std::filesystem::file_size(path, error) != 0;
       if (beyond && !is) {
         --seeing;
@@ -558,9 +559,10 @@ PicturesThere lookForPictures(const Capture& capture) {
       incomplete = true;
       found.gone[i].push_back(frame);
       if (found.first.empty()) {
-        found.first = fmt::format("camera {}, frame {}: {}", camera.name, frame,
-                                  exists ? fmt::format("the picture {} is empty, 0 bytes", path)
-                                         : fmt::format("there is no picture {}", path));
+        found.first =
+            fmt::format("camera {}, frame {}: {}", camera.name, frame,
+                        exists ? fmt::format("the picture {} is empty, 0 bytes", path.string())
+                               : "there is no " + nameOfPicture(camera.pictures, number));
       }
     }
     if (incomplete && seeing < kFewestCameras && !found.thin)
@@ -598,7 +600,7 @@ Result<std::vector<std::string>> checkPicturesThere(const Capture& capture, bool
           "camera {}: has no picture of frames {} to {}: of the first it would be {}; check "
           "its frame_shift, video_start or start_time",
           camera.name, capture.frames.front(), capture.frames.back(),
-          frameFile(camera.pictures.image, camera.pictures.placeOf(capture.frames.front()).number));
+          nameOfPicture(camera.pictures, camera.pictures.placeOf(capture.frames.front()).number));
     }
     if (found.gone[i].empty())
       continue;

@@ -31,7 +31,7 @@ struct CameraPicture {
   double saturatedShare = 0;             ///< of the pixels that are not masked
   double opaqueShare = 0;       ///< of the pixels with a lit background, those without light
   double maskedShare = 0;       ///< of all pixels
-  double transparentShare = 0;  ///< of all pixels of an .exr, those with alpha < 1
+  double transparentShare = 0;  ///< of all pixels of floats, those with alpha < 1
   bool grey = false;            ///< one channel in the file
   bool mosaic = false;          ///< brightness goes by the place in blocks of 2 x 2 pixels
   std::optional<StoredPlateau> plateau;  ///< that was taken as saturation, for none is stated
@@ -65,7 +65,7 @@ class CaptureImages {
   struct Stored {
     Image image;
     double saturation = 0;                 // a channel that reads this or more is saturated
-    bool linear = false;                   // .exr
+    bool linear = false;                   // floats
     Response response = Response::srgb();  // of others
     double transparentShare = 0;
     std::optional<StoredPlateau> plateau;
@@ -94,7 +94,7 @@ class CaptureImages {
   [[nodiscard]] Result<Seen> readAt(std::size_t camera, int frame);
   [[nodiscard]] Result<Stored> readStored(std::size_t camera, int number, int frame);
   [[nodiscard]] Result<Stored> readFile(std::size_t camera, const std::filesystem::path& path,
-                                        const std::string& name) const;
+                                        const std::string& name, int page = 0) const;
   [[nodiscard]] Status checkSize(std::size_t camera, const Image& image,
                                  const std::string& name) const;
   void subtractBackground(std::size_t camera, CameraPicture& picture) const;

@@ -168,6 +168,93 @@ TEST_F(CaptureImagesTest, FewBitsInFilesOfSixteen) {
   EXPECT_FALSE(bytes.plateau.has_value());
 }
 
+/// A grey .tif of 16 bits with a page of one value for each of `levels`.
+std::string stackOf(const std::vector<int>& levels) {
+  std::string bytes("II*\0", 4);
+  const auto put = [&]<class T>(T value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  constexpr std::uint32_t kPixels = 2 * kWidth * kHeight;
+  constexpr std::uint32_t kEntries = 9;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    put(static_cast<std::uint32_t>(bytes.size() + 4 + kPixels));  // where the directory is
+    const auto pixels = static_cast<std::uint32_t>(bytes.size());
+    for (std::uint32_t j = 0; j < kPixels / 2; ++j) put(static_cast<std::uint16_t>(levels[i]));
+    put(static_cast<std::uint16_t>(kEntries));
+    const auto entry = [&](int tag, int type, std::uint32_t value) {
+      put(static_cast<std::uint16_t>(tag));
+      put(static_cast<std::uint16_t>(type));
+      put(std::uint32_t{1});
+      put(value);
+    };
+    entry(256, 3, kWidth);
+    entry(257, 3, kHeight);
+    entry(258, 3, 16);
+    entry(259, 3, 1);
+    entry(262, 3, 1);
+    entry(273, 4, pixels);
+    entry(277, 3, 1);
+    entry(278, 3, kHeight);
+    entry(279, 4, kPixels);
+  }
+  put(std::uint32_t{0});
+  return bytes;
+}
+
+TEST_F(CaptureImagesTest, PagesOfATiffAreFrames) {
+  json.erase("frames");
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = fmt::format("stack {}.tif", i);
+    testing::writeText(folder / name, stackOf({6553, 13107, 19661 + i}));
+    json["cameras"][static_cast<std::size_t>(i)]["image"] = name;
+  }
+  ASSERT_VALUE(const auto second, readPicture(0, 1));
+  EXPECT_NEAR(second.radiance.at(3, 3), 0.2, 1e-5);
+  ASSERT_VALUE(const auto third, readPicture(2, 2));
+  EXPECT_NEAR(third.radiance.at(3, 3), 19663.0 / 65535, 1e-6);
+  EXPECT_EQ(capture->frames, (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(capture->cameras[0].pictures.pages, 3);
+
+  json["frames"] = {1, 2, 3};  // the last is nowhere
+  ASSERT_FALSE(readPicture(0, 3));
+  const auto there = checkPicturesThere(*capture, false, 1 << 30);
+  EXPECT_TRUE(failsWith(there, "there is no page 3 of")) << "of too few cameras";
+
+  testing::writeText(folder / "f_0001.tif", stackOf({1, 2}));
+  json["cameras"][1]["image"] = "f_%04d.tif";
+  EXPECT_TRUE(failsWith(readPicture(0, 1), "holds 2 pictures; expected one in each numbered file"));
+}
+
+TEST_F(CaptureImagesTest, StillsOfLaboratories) {
+  json["cameras"][0]["image"] = "p_%04d.pgm";
+  json["cameras"][1]["image"] = "q_%04d.npy";
+  std::string grey = fmt::format("P5\n{} {}\n4095\n", kWidth, kHeight);
+  std::string floats = "\x93NUMPY";
+  floats += std::string("\x01\0\x76\0", 4) +
+            fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}", kHeight,
+                        kWidth);
+  floats.resize(127, ' ');
+  floats += '\n';
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    grey += std::string("\x04\x00", 2);  // 1024
+    const float value = 3.5F;
+    floats.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  testing::writeText(folder / "p_0004.pgm", grey);
+  testing::writeText(folder / "q_0004.npy", floats);
+  for (const int bits : {0, 12}) {  // the file says it already
+    json["cameras"][0]["bits"] = bits == 0 ? 16 : bits;
+    ASSERT_VALUE(const auto read, readPicture(0, 4));
+    EXPECT_NEAR(read.radiance.at(3, 3), 1024.0 / 4095, 1e-5);
+    if (bits == 0)
+      json["cameras"][0].erase("bits");
+  }
+  ASSERT_VALUE(const auto light, readPicture(1, 4));
+  EXPECT_EQ(light.radiance.at(3, 3), 3.5F);
+  EXPECT_TRUE(capture->cameras[1].pictures.linear);
+  EXPECT_FALSE(capture->cameras[0].pictures.linear);
+}
+
 TEST_F(CaptureImagesTest, BlackLevels) {
   constexpr float kBlack = 64.0F / 1023;
   json["volume"] = {{"min", {-.2, -.2, -.2}}, {"max", {.2, .2, .2}}, {"resolution", {8, 8, 8}}};

@@ -20,10 +20,8 @@ std::size_t picturesThere(const CaptureCamera& camera, const std::vector<int>& f
     return std::filesystem::exists(camera.pictures.video, ignored) ? frames.size() : 0;
   return static_cast<std::size_t>(std::ranges::count_if(frames, [&](int frame) {
     const PicturePlace place = camera.pictures.placeOf(frame);
-    const auto there = [&](int number) {
-      return std::filesystem::exists(frameFile(camera.pictures.image, number), ignored);
-    };
-    return there(place.number) && (place.share == 0 || there(place.number + 1));
+    return camera.pictures.isThere(place.number) &&
+           (place.share == 0 || camera.pictures.isThere(place.number + 1));
   }));
 }
 

@@ -3,7 +3,10 @@
 #include "volute/capture/image_name.hpp"
 
 #include <filesystem>
+#include <numeric>
 #include <regex>
+
+#include "volute/capture/capture.hpp"
 
 namespace volute {
 namespace {
@@ -125,6 +128,24 @@ std::vector<int> framesThere(const std::string& pattern) {
   const auto files = parsed->list();
   for (std::size_t i = 0; files && i < files->size(); ++i) frames.push_back((*files)[i].number);
   return frames;
+}
+
+std::filesystem::path PictureSource::fileOf(int number) const {
+  return frameFile(image, number);
+}
+
+bool PictureSource::isThere(int number) const {
+  std::error_code error;
+  return std::filesystem::exists(fileOf(number), error) &&
+         (pages == 1 || (number >= 0 && number < pages));
+}
+
+std::vector<int> PictureSource::numbersThere() const {
+  if (pages == 1)
+    return framesThere(image);
+  std::vector<int> numbers(static_cast<std::size_t>(pages));
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return numbers;
 }
 
 }  // namespace volute

@@ -15,8 +15,8 @@
 #include "volute/capture/image_name.hpp"
 #include "volute/capture/importers.hpp"
 #include "volute/io/film_frames.hpp"
-#include "volute/io/image_file.hpp"
 #include "volute/io/json_file.hpp"
+#include "volute/io/stored_picture.hpp"
 
 namespace volute {
 namespace {
@@ -188,8 +188,8 @@ Result<std::vector<int>> framesOfFiles(const std::filesystem::path& file,
   std::map<int, int> seen;  // how many cameras see a frame
   std::vector<std::vector<int>> own;
   for (const CameraDraft& camera : draft.cameras) {
-    const auto numbers = framesThere(camera.pictures.image);
-    const bool one = !namesSeries(camera.pictures.image);
+    const auto numbers = camera.pictures.numbersThere();
+    const bool one = !namesSeries(camera.pictures.image) && camera.pictures.pages == 1;
     own.push_back(
         one ? numbers
             : framesShown(camera.pictures, std::set<int>(numbers.begin(), numbers.end())));
@@ -217,6 +217,39 @@ Result<std::vector<int>> framesOfFiles(const std::filesystem::path& file,
   std::vector<int> frames;
   for (const auto& [frame, cameras] : seen) frames.push_back(frame);
   return frames;
+}
+
+tl::unexpected<Error> ofCamera(const CameraDraft& camera, const Error& error) {
+  return fail(error.code, error.hints, "camera {}: {}", camera.name, error.message);
+}
+
+/// What the first picture of each camera says of all of them.
+Status completeKinds(CaptureDraft& draft, std::uint64_t maxMemory) {
+  for (CameraDraft& camera : draft.cameras) {
+    PictureSource& pictures = camera.pictures;
+    const std::string extension = extensionOf(pictures.video);
+    if (pictures.image.empty() && (extension == ".tif" || extension == ".tiff")) {
+      pictures.image = pictures.video.string();  // a stack is a film of stills
+      pictures.video.clear();
+    }
+    const auto numbers = pictures.numbersThere();
+    if (pictures.image.empty() || numbers.empty())
+      continue;
+    const auto path = pictures.fileOf(numbers.front());
+    const auto kind = pictureKind(path, maxMemory);
+    if (!kind)
+      return ofCamera(camera, kind.error());
+    pictures.linear = kind->linear;
+    if (kind->pages > 1 && namesSeries(pictures.image)) {
+      return fail(
+          ErrorCode::kInvalidData,
+          "camera {}: {} holds {} pictures; expected one in each numbered file, or one file "
+          "without a number whose pages are the frames",
+          camera.name, path.string(), kind->pages);
+    }
+    pictures.pages = kind->pages;
+  }
+  return {};
 }
 
 /// All frames of the capture: those that are stated, else those of which there are pictures; of
@@ -257,7 +290,7 @@ Status checkNumbers(CaptureDraft& draft, const std::vector<int>& all,
                     const std::vector<int>& chosen) {
   for (const CameraDraft& camera : draft.cameras) {
     const std::string& image = camera.pictures.image;
-    if (image.empty() || namesSeries(image) || all.size() < 2)
+    if (image.empty() || namesSeries(image) || camera.pictures.pages > 1 || all.size() < 2)
       continue;
     if (chosen.size() > 1) {
       return fail(
@@ -273,10 +306,6 @@ Status checkNumbers(CaptureDraft& draft, const std::vector<int>& all,
   return {};
 }
 
-tl::unexpected<Error> ofCamera(const CameraDraft& camera, const Error& error) {
-  return fail(error.code, error.hints, "camera {}: {}", camera.name, error.message);
-}
-
 /// Calibrations that leave the size out mean that of the pictures.
 Status completeSize(CameraDraft& camera, std::uint64_t maxMemory) {
   Calibration& calibration = camera.calibration;
@@ -289,17 +318,16 @@ Status completeSize(CameraDraft& camera, std::uint64_t maxMemory) {
     calibration.width = film->info().width, calibration.height = film->info().height;
     return {};
   }
-  const auto frames = framesThere(camera.pictures.image);
-  if (frames.empty()) {
+  const auto numbers = camera.pictures.numbersThere();
+  if (numbers.empty()) {
     return fail(ErrorCode::kNotFound, Hint::set("images").so("says where they are"),
                 "{}: states no image size, and there is no picture{} to take it from", camera.where,
                 camera.pictures.image.empty() ? "" : " " + camera.pictures.image);
   }
-  const auto image = readImage(frameFile(camera.pictures.image, frames.front()),
-                               {.raw = true, .maxMemory = maxMemory});
-  if (!image)
-    return ofCamera(camera, image.error());
-  calibration.width = image->width, calibration.height = image->height;
+  const auto picture = readStoredPicture(camera.pictures.fileOf(numbers.front()), maxMemory);
+  if (!picture)
+    return ofCamera(camera, picture.error());
+  calibration.width = picture->image.width, calibration.height = picture->image.height;
   return {};
 }
 
@@ -436,6 +464,7 @@ Result<Capture> openCapture(const std::filesystem::path& file, const CaptureOpti
                   camera.where, camera.name);
     }
   }
+  VOLUTE_TRY(completeKinds(draft, options.maxMemory));
   VOLUTE_ASSIGN(const auto all, findFrames(file, draft, options.frames, options.maxMemory));
   VOLUTE_ASSIGN(auto frames, chooseFrames(all, options.frames));
   VOLUTE_TRY(checkNumbers(draft, all, frames));

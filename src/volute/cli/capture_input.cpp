@@ -25,20 +25,22 @@ Result<std::array<int, 3>> parseResolution(const std::string& text) {
 
 std::vector<Option> captureOptionTable() {
   using enum ValueKind;
-  return {{.name = "images",
-           .kind = kText,
-           .value = "PATTERN",
-           .help = "paths of the pictures, if the calibration lacks them or to override it: "
-                   "{camera} is the camera's name, %04d or #### the frame"},
-          {.name = "bounds",
-           .kind = kBounds,
-           .value = "X0,Y0,Z0,X1,Y1,Z1",
-           .help = "outer faces of the volume [m]; if not given, those of the capture"},
-          {.name = "color",
-           .kind = kText,
-           .value = "CURVE",
-           .help = "how .png files and films store light: linear, srgb or gamma:G; if not given, "
-                   "as in the capture, else srgb (.exr files are linear)"}};
+  return {
+      {.name = "images",
+       .kind = kText,
+       .value = "PATTERN",
+       .help = "paths of the pictures, if the calibration lacks them or to override it: "
+               "{camera} is the camera's name, %04d or #### the frame"},
+      {.name = "bounds",
+       .kind = kBounds,
+       .value = "X0,Y0,Z0,X1,Y1,Z1",
+       .help = "outer faces of the volume [m]; if not given, those of the capture"},
+      {.name = "color",
+       .kind = kText,
+       .value = "CURVE",
+       .help =
+           "how pictures of integers and films store light: linear, srgb or gamma:G; if not given, "
+           "as in the capture, else srgb (floats are linear)"}};
 }
 
 Result<CaptureOptions> captureOptionsOf(const Arguments& arguments, const Context& context) {

@@ -26,7 +26,7 @@ std::filesystem::path namedFolder() {
 /// The Debian package of a plug-in: volute-vdb has volute_io_vdb.so.
 std::string packageOf(std::string_view name) {
   constexpr std::string_view kReader = "volute_io_", kOther = "volute_";
-  if (name == "volute_io_gltf")
+  if (name == "volute_io_gltf" || name == "volute_io_tiff")
     return "volute";
   name.remove_prefix((name.starts_with(kReader) ? kReader : kOther).size());
   return fmt::format("volute-{}", name);
@@ -148,6 +148,11 @@ Result<const SurfacePlugin*> loadGltfPlugin() {
 Result<const FilmPlugin*> loadFilmPlugin() {
   return load<FilmPlugin>(VOLUTE_HAS_VIDEO, "volute_io_video", "voluteFilmPlugin", "libav",
                           "VOLUTE_WITH_VIDEO");
+}
+
+Result<const StillPlugin*> loadTiffPlugin() {
+  return load<StillPlugin>(VOLUTE_HAS_TIFF, "volute_io_tiff", "voluteTiffPlugin", "libtiff",
+                           "VOLUTE_WITH_TIFF");
 }
 
 }  // namespace volute

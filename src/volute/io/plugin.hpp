@@ -6,6 +6,7 @@
 #include "volute/io/film.hpp"
 #include "volute/io/lattice.hpp"
 #include "volute/io/mesh.hpp"
+#include "volute/io/still.hpp"
 #include "volute/io/surface.hpp"
 
 namespace volute {
@@ -21,6 +22,7 @@ namespace volute {
 [[nodiscard]] Result<const SurfacePlugin*> loadVtkSurfacePlugin();
 [[nodiscard]] Result<const SurfacePlugin*> loadGltfPlugin();
 [[nodiscard]] Result<const FilmPlugin*> loadFilmPlugin();
+[[nodiscard]] Result<const StillPlugin*> loadTiffPlugin();
 
 /// What `function` of another plug-in, lib/volute/NAME.so, returns, of whatever build it is: what
 /// it returns must say. `library` is what it needs, for the error.

@@ -313,21 +313,7 @@ Result<std::optional<std::vector<double>>> readPngCurve(const std::filesystem::p
   state.headerOnly = true;
   VOLUTE_TRY(readPngFile(path, {}, state));
   VOLUTE_ASSIGN(const auto color, colorOf(state, path.string()));
-  if (!color || !color->curves[0])
-    return std::nullopt;
-  if (!color->sameCurves) {
-    return fail(
-        ErrorCode::kUnsupported,
-        "{}: its color profile has another curve for each channel; expected one for all, as "
-        "of sRGB; convert it to sRGB",
-        path.string());
-  }
-  constexpr int kSteps = 4096;
-  std::vector<double> linear;
-  for (int i = 0; i <= kSteps; ++i)
-    linear.push_back(std::max({color->curves[0](static_cast<double>(i) / kSteps), 0.0,
-                               linear.empty() ? 0.0 : linear.back()}));
-  return linear;
+  return color ? sampledCurve(*color, path) : std::optional<std::vector<double>>();
 }
 
 Result<StoredPng> readStoredPng(const std::filesystem::path& path, std::uint64_t maxMemory) {

@@ -227,4 +227,22 @@ Result<StoredColor> colorOfCodePoints(int primaries, int curve) {
   return color;
 }
 
+Result<std::optional<std::vector<double>>> sampledCurve(const StoredColor& color,
+                                                        const std::filesystem::path& path) {
+  if (!color.curves[0])
+    return std::nullopt;
+  if (!color.sameCurves) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: its color profile has another curve for each channel; expected one for all, "
+                "as of sRGB; convert it to sRGB",
+                path.string());
+  }
+  constexpr int kSteps = 4096;
+  std::vector<double> linear;
+  for (int i = 0; i <= kSteps; ++i)
+    linear.push_back(std::max({color.curves[0](static_cast<double>(i) / kSteps), 0.0,
+                               linear.empty() ? 0.0 : linear.back()}));
+  return linear;
+}
+
 }  // namespace volute

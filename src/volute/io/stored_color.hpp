@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "volute/base/result.hpp"
 #include "volute/math/vec.hpp"
@@ -38,5 +40,10 @@ struct StoredColor {
 /// Of PNG's cICP: the numbers of primaries and curve in ITU-T H.273. kUnsupported in half a
 /// sentence for curves of video and of high dynamic range.
 [[nodiscard]] Result<StoredColor> colorOfCodePoints(int primaries, int curve);
+
+/// The light of evenly spaced stored values, 0 to 1, ascending; nothing: sRGB's curve. kUnsupported
+/// where channels have different curves.
+[[nodiscard]] Result<std::optional<std::vector<double>>> sampledCurve(
+    const StoredColor& color, const std::filesystem::path& path);
 
 }  // namespace volute

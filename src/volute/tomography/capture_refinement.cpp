@@ -12,7 +12,6 @@
 #include <numeric>
 #include <optional>
 
-#include "volute/base/file_name.hpp"
 #include "volute/report/json.hpp"
 #include "volute/tomography/capture_faults.hpp"
 #include "volute/tomography/frame_views.hpp"
@@ -175,10 +174,10 @@ class Refiner {
     return refineCalibration(frames, geometry(), options, progress_);
   }
 
-  /// Whether its exponent means anything: .exr files are linear, and an exponent of light is a
+  /// Whether its exponent means anything: floats are linear, and an exponent of light is a
   /// factor of optical depths, which the gain has.
   bool hasResponse(const TomographyView& view) const {
-    return !view.opticalDepth && extensionOf(known(view.name).pictures.image) != ".exr";
+    return !view.opticalDepth && !known(view.name).pictures.linear;
   }
 
   /// Pictures of one frame [bytes].

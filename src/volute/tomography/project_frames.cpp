@@ -61,7 +61,7 @@ Result<std::vector<std::string>> projectedPictures(const ProjectedFrames& subjec
     for (const int position : subject.positions) {
       const int number = subject.numbers[static_cast<std::size_t>(position)];
       const std::string target = name.file(camera.name, number);
-      const std::string picture = own.image.empty() ? "" : frameFile(own.image, number);
+      const std::string picture = own.image.empty() ? "" : own.fileOf(number).string();
       for (const std::string& kept : {picture, own.background.string(), own.mask.string()}) {
         if (!kept.empty() && std::filesystem::exists(target) && isSameFile(target, kept)) {
           return failFor("output", ErrorCode::kInvalidArgument,

@@ -8,7 +8,6 @@
 #include <filesystem>
 
 #include "volute/base/version.hpp"
-#include "volute/capture/image_name.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
 
 namespace volute {
@@ -62,8 +61,7 @@ std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionS
       fmt::format("{} {}\n", capture.measured == Measured::kAbsorption, fmt::join(heldOut, "/"));
   for (const CaptureCamera& camera : capture.cameras) {
     text += describe(camera);
-    for (const int frame : capture.emptyFrames)
-      text += stateOf(frameFile(camera.pictures.image, frame));
+    for (const int frame : capture.emptyFrames) text += stateOf(camera.pictures.fileOf(frame));
   }
   if (settings.singleScattering) {
     for (const CaptureLamp& lamp : capture.lighting.lamps)
@@ -79,9 +77,11 @@ std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionS
     std::string own = common + (begin ? "" : keys.back());
     for (const CaptureCamera& camera : capture.cameras) {
       const PicturePlace place = camera.pictures.placeOf(frame);
-      own += stateOf(frameFile(camera.pictures.image, place.number));
+      own += stateOf(camera.pictures.fileOf(place.number));
       if (place.share > 0)
-        own += stateOf(frameFile(camera.pictures.image, place.number + 1));
+        own += stateOf(camera.pictures.fileOf(place.number + 1));
+      if (camera.pictures.pages > 1)  // all of one file
+        own += fmt::format("page {:.6f}\n", place.number + place.share);
     }
     keys.push_back(digestOf(own));
   }

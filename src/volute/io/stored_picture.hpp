@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/image/image.hpp"
+
+namespace volute {
+
+/// A picture of a camera as its file stores it.
+struct StoredPicture {
+  Image image;                   ///< integers / `largest`; floats as they are
+  std::optional<Image> alpha{};  ///< 0 = transparent; one channel; nothing: it has none
+  bool linear = false;           ///< floats, which are light
+  double largest = 65535;        ///< the integer that is 1
+  /// The light of evenly spaced stored values, 0 to 1, where the file states another curve than
+  /// sRGB's.
+  std::optional<std::vector<double>> curve{};
+};
+
+/// What is known of pictures before they are decoded.
+struct PictureKind {
+  bool linear = false;  ///< floats
+  int pages = 1;        ///< pictures in the file: pages of a .tif
+};
+
+/// Reads a picture of a camera: .png and .exr; .tif (unsigned integers of 1 to 16 or of 32 bits, or
+/// floats, in strips or tiles; confined, by libtiff); .pgm, .ppm, .pnm and .pfm; .npy of shape
+/// (height, width) or (height, width, 3), of unsigned integers or floats.
+/// @param page  of a file with several pictures, from 0
+/// @param maxMemory  [bytes] that the pixels may take
+[[nodiscard]] Result<StoredPicture> readStoredPicture(const std::filesystem::path& path,
+                                                      std::uint64_t maxMemory, int page = 0);
+
+[[nodiscard]] Result<PictureKind> pictureKind(const std::filesystem::path& path,
+                                              std::uint64_t maxMemory);
+
+}  // namespace volute
