@@ -117,8 +117,7 @@ class FilmPictures final : public PictureWriter {
  public:
   FilmPictures(std::unique_ptr<FilmWriter> film, const Development& development)
       : film_(std::move(film)), development_(development) {
-    if (development_.film.bits > 8)
-      development_.style.dither = false;  // that is to 8 bits
+    development_.style.dither = false;  // the writer does that where it rounds
   }
 
   Status write(const Image& image, int, const PictureText& text) override {

@@ -17,8 +17,9 @@ namespace volute {
 
 /// How a film is encoded.
 struct FilmStyle {
-  /// 8 or 10 bits a channel. Encoders drop the dithering of 8 bits, so that dark gradients have
-  /// bands there; 10 bits have four times as many levels, and not every player shows them.
+  /// 8 or 10 bits a channel. Of the dithering of 8 bits encoders drop a part, so that dark
+  /// gradients have weak bands; 10 bits have four times as many levels, and not every player shows
+  /// them.
   int bits = 8;
   /// Constant rate factor of the encoder, 0 (best, large) to 51; nothing: 16 for .mp4, 20 for
   /// .webm.
@@ -40,7 +41,8 @@ class FilmWriter {
 
   virtual ~FilmWriter() = default;
 
-  /// Appends linear RGB, or grey with one channel, encoded as sRGB and clamped to 0..1.
+  /// Appends linear RGB, or grey with one channel, encoded as sRGB and clamped to 0..1, with
+  /// dithering to the film's bits.
   [[nodiscard]] virtual Status addFrame(const Image& linear) = 0;
 
   /// After the last frame; without it no file appears.

@@ -11,6 +11,7 @@ extern "C" {
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -83,15 +84,41 @@ struct Encoding {
 
 const std::array<Encoding, 2>& encodings() {
   static const std::array<Encoding, 2> kEncodings{
-      // Without cpu-independent x264 lets memory that it never wrote decide about some bits.
+      // Without cpu-independent x264 lets memory that it never wrote decide about some bits;
+      // aq-mode 3
+      // spends more of them on dark gradients.
       {{".mp4",
         "libx264",
-        {{"crf", "16"}, {"preset", "medium"}, {"x264-params", "cpu-independent=1"}}},
+        {{"crf", "16"}, {"preset", "medium"}, {"x264-params", "cpu-independent=1:aq-mode=3"}}},
        {".webm",
         "libvpx-vp9",
         {{"crf", "20"}, {"deadline", "good"}, {"cpu-used", "4"}, {"row-mt", "1"}}}}};
   return kEncodings;
 }
+
+/// sRGB's values of 16 bits, from a table; within a hundredth of a step before rounding.
+class StoredWord {
+ public:
+  StoredWord() : table_(kSteps + 2) {
+    for (std::size_t i = 0; i < table_.size(); ++i)
+      table_[i] = static_cast<float>(65535 * srgbEncode(static_cast<double>(i) / kSteps));
+  }
+
+  std::uint16_t operator()(float linear) const {
+    if (!(linear > 0))
+      return 0;
+    const float place = std::min(linear, 1.0F) * kSteps;
+    const auto first = static_cast<std::size_t>(place);
+    const float share = place - static_cast<float>(first);
+    return static_cast<std::uint16_t>(table_[first] + share * (table_[first + 1] - table_[first]) +
+                                      0.5F);
+  }
+
+ private:
+  static constexpr int kSteps = 1 << 16;
+
+  std::vector<float> table_;
+};
 
 class AvFilmWriter final : public FilmWriter {
  public:
@@ -197,15 +224,17 @@ class AvFilmWriter final : public FilmWriter {
 
   Status openScaler() {
     const int width = codec_->width, height = codec_->height;
-    const AVPixelFormat rgb = deep() ? AV_PIX_FMT_RGB48 : AV_PIX_FMT_RGB24;
-    scaler_.reset(sws_getContext(width, height, rgb, width, height, codec_->pix_fmt, kExact,
+    // From 16 bits the scaler dithers what the codec stores. Dithered RGB of 8 bits would be
+    // rounded again, to bands.
+    constexpr AVPixelFormat kRgb = AV_PIX_FMT_RGB48;
+    scaler_.reset(sws_getContext(width, height, kRgb, width, height, codec_->pix_fmt, kExact,
                                  nullptr, nullptr, nullptr));
     if (!scaler_)
       return check(AVERROR(ENOMEM));
     const int* matrix = sws_getCoefficients(SWS_CS_ITU709);
     sws_setColorspaceDetails(scaler_.get(), matrix, 1, matrix, 0, 0, 1 << 16, 1 << 16);
     frame_ = makeFrame(codec_->pix_fmt, width, height);
-    rgb_ = makeFrame(rgb, width, height);
+    rgb_ = makeFrame(kRgb, width, height);
     return check(frame_ && rgb_ ? 0 : AVERROR(ENOMEM));
   }
 
@@ -213,32 +242,17 @@ class AvFilmWriter final : public FilmWriter {
 
   /// sRGB in the codec's even size: the last column and row are repeated.
   void fillRgb(const Image& linear) {
-    if (deep())
-      fillRows(toSrgb16(linear), linear.channels);
-    else
-      fillRows(toSrgb8(linear), linear.channels);
-  }
-
-  static std::vector<std::uint16_t> toSrgb16(const Image& linear) {
-    std::vector<std::uint16_t> values(linear.pixels.size());
-    std::ranges::transform(linear.pixels, values.begin(), [](float value) {
-      const double shown = value > 0 ? srgbEncode(std::min<double>(value, 1)) : 0;
-      return static_cast<std::uint16_t>(std::lround(65535 * shown));
-    });
-    return values;
-  }
-
-  template <class Value>
-  void fillRows(const std::vector<Value>& values, int imageChannels) {
-    const auto channels = static_cast<std::size_t>(imageChannels);
+    const auto channels = static_cast<std::size_t>(linear.channels);
     const std::size_t row = static_cast<std::size_t>(width_) * channels;
     for (int y = 0; y < codec_->height; ++y) {
-      const Value* from = &values[std::size_t(std::min(y, height_ - 1)) * row];
-      auto* to = reinterpret_cast<Value*>(rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0]);
+      const float* from = &linear.pixels[std::size_t(std::min(y, height_ - 1)) * row];
+      auto* to =
+          reinterpret_cast<std::uint16_t*>(rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0]);
       if (channels == 3) {
-        to = std::copy_n(from, row, to);
+        to = std::transform(from, from + row, to, std::cref(stored_));
       } else {
-        for (int x = 0; x < width_; ++x) to = std::fill_n(to, 3, from[std::size_t(x) * channels]);
+        for (int x = 0; x < width_; ++x)
+          to = std::fill_n(to, 3, stored_(from[std::size_t(x) * channels]));
       }
       if (codec_->width > width_)
         std::copy_n(to - 3, 3, to);
@@ -265,6 +279,7 @@ class AvFilmWriter final : public FilmWriter {
   OutputPtr output_;
   AVStream* stream_ = nullptr;
   CodecPtr codec_;
+  StoredWord stored_;
   FramePtr rgb_;    // what the caller gave
   FramePtr frame_;  // the same for the encoder
   PacketPtr packet_;
