@@ -534,7 +534,7 @@ void Compressor::bend(double strongest) {
 
 // The RMS of rounding to 16-bit floats, of the values that errors are taken over.
 double Compressor::roundingToHalves() const {
-  constexpr int kLeastExponent = -14, kBits = 10;  // below, halves are evenly spaced
+  constexpr int kMinExponent = -14, kBits = 10;  // below, halves are evenly spaced
   double squares = 0;
   for (std::uint32_t bin = 0; bin < histogram_.size(); ++bin) {
     const float value = leastOf(bin);
@@ -542,7 +542,7 @@ double Compressor::roundingToHalves() const {
         parameters_.sparse && (value < parameters_.outlierLow || value > parameters_.outlierHigh);
     if (histogram_[bin] == 0 || value == 0 || outlier)
       continue;
-    const double spacing = std::ldexp(1.0, std::max(std::ilogb(value), kLeastExponent) - kBits);
+    const double spacing = std::ldexp(1.0, std::max(std::ilogb(value), kMinExponent) - kBits);
     squares += static_cast<double>(histogram_[bin]) * spacing * spacing / 12;
   }
   const double voxels = options_.target.isOverSupport()
