@@ -6,6 +6,7 @@
 
 Numbers in comments are sections of docs/format.md. It checks every checksum that it meets and refuses what it does not know.
 """
+import bisect
 import ctypes
 import functools
 import itertools
@@ -86,12 +87,13 @@ def sum_class(number):
 
 # The bits of a segment.
 class Bits:
-    def __init__(self, data, contexts):
-        self.data, self.contexts = data, contexts
+    def __init__(self, data, contexts, shared=False):
+        self.data, self.contexts, self.shared = data, contexts, shared
         self.range, self.code, self.at = 2**64 - 1, int.from_bytes(data[:8].ljust(8, b"\0"), "big"), 8
         self.evens = 0
     def bit(self, number):
-        state = self.contexts[number]
+        return self.coded(self.contexts[number])
+    def coded(self, state):
         p, n = state
         bound = (self.range >> 16) * p
         if self.code < bound:
@@ -106,6 +108,8 @@ class Bits:
         state[0], state[1] = min(max(p, 64), 65472), min(n + 1, 250)
         return bit
     def even(self):
+        if self.shared:
+            return self.coded([32768, 0])
         byte = self.data[-1 - self.evens // 8]
         self.evens += 1
         return byte >> ((self.evens - 1) % 8) & 1
@@ -122,6 +126,17 @@ class Bits:
         value = self.below_first(bits)
         return -value if self.even() else value
 
+# Probabilities in tables.
+def probability(index):
+    return min(max(32 * index**2 if index <= 32 else 65536 - 32 * (64 - index)**2, 64), 65472)
+
+# A difference of indices: negative, longer are contexts.
+def difference(bits, negative, longer):
+    down, size = bits.bit(negative), 1
+    while size < 63 and bits.bit(longer + min(size, 8) - 1):
+        size += 1
+    return -size if down else size
+
 # The contexts of the file (8.3).
 def context_table(data):
     if not data:
@@ -132,13 +147,108 @@ def context_table(data):
     for _ in range(CONTEXTS):
         before = bits.bit(present + before)
         if before and not bits.bit(zero):
-            down, size = bits.bit(negative), 1
-            while size < 63 and bits.bit(longer + min(size, 8) - 1):
-                size += 1
-            last = min(max(last - size if down else last + size, 1), 63)
-        p = 32 * last**2 if last <= 32 else 65536 - 32 * (64 - last)**2
-        contexts.append([min(max(p, 64), 65472), 40 if before else 2])
+            last = min(max(last + difference(bits, negative, longer), 1), 63)
+        contexts.append([probability(last), 40 if before else 2])
     return contexts
+
+# ---- 10.4: symbols -----------------------------------------------------------------------------
+
+CELLS, COEFFICIENTS = 4 * 10 * 6 * 4, 4 * 7 * 16 * 4 * 2
+LENGTH, LONGER = CELLS + COEFFICIENTS, CELLS + COEFFICIENTS + 16
+ORDER = [1, 2, 4, 8, 3, 5, 6, 9, 10, 12, 7, 11, 13, 14, 15]
+
+# Where symbols begin among 2^15 places, for each context.
+def symbol_table(data):
+    def guess(context):
+        if context < CELLS:
+            return [8 + 5 * (context // 24 % 10)] + 14 * [24]
+        if context < LENGTH:
+            near, siblings = (context - CELLS) // 8 % 16, (context - CELLS) // 2 % 4
+            return [min(63, 10 + 3 * near + 3 * siblings)] + 14 * [16 + 2 * near]
+        return 15 * [24]
+    bits, before, last, tables = Bits(data, [[32768, 0] for _ in range(2 + 3 * 4 + 32)]), 0, None, []
+    present, more, zero, negative, longer = 0, 2, 6, 10, 14
+    for context in range(LONGER + 1):
+        if not data or context in (0, CELLS, LENGTH):
+            last = guess(context)
+        symbols = 2 if context < CELLS else 16
+        before = bits.bit(present + before) if data else 0
+        for s in range(symbols - 1) if before else ():
+            kind = min(s, 3)
+            if s and not bits.bit(more + kind):
+                break
+            if not bits.bit(zero + kind):
+                last[s] = min(max(last[s] + difference(bits, negative + kind, longer + 8 * kind), 1), 63)
+        left, begins = 2**15 - symbols, [0]
+        for s in range(symbols - 1):
+            greater = left * probability(last[s]) >> 16
+            begins.append(begins[-1] + left - greater + 1)
+            left = greater
+        tables.append(begins + [2**15])
+    return tables
+
+# The symbols of a segment, from its end backwards.
+class Symbols:
+    def __init__(self, data, tables):
+        self.data, self.at, self.tables, self.lanes = data, len(data), tables, []
+        head = self.byte()
+        e = head >> 1 & 15
+        self.lanes.append(2**(16 + e) + (head >> 5) + sum(self.byte() << (3 + 8 * i) for i in range((20 + e) // 8)))
+        check(self.lanes[0] < 2**(17 + e), "a string of symbols is malformed")
+        for _ in range(3 if head & 1 else 0):
+            e = self.bits(4, 0)
+            low = self.bits(16, 0)
+            self.lanes.append(2**(16 + e) + (self.bits(e, 0) << 16) + low)
+    def byte(self):
+        self.at -= 1
+        check(self.at >= 0, "a string of symbols is too short")
+        return self.data[self.at]
+    def settle(self, lane, x):
+        self.lanes[lane] = x << 16 | self.byte() << 8 | self.byte() if x < 2**16 else x
+    def bits(self, count, lane):
+        lane %= len(self.lanes)
+        x = self.lanes[lane]
+        self.settle(lane, x >> count)
+        return x & ((1 << count) - 1)
+    def symbol(self, context, lane):
+        lane %= len(self.lanes)
+        x, begins = self.lanes[lane], self.tables[context]
+        place = x & (2**15 - 1)
+        s = bisect.bisect_right(begins, place) - 1
+        self.settle(lane, (begins[s + 1] - begins[s]) * (x >> 15) + place - begins[s])
+        return s
+    # What follows the last symbol.
+    def signs(self, count):
+        check(all(x >> 16 == 1 for x in self.lanes), "a string of symbols is malformed")
+        bits = sum((x & 0xFFFF) << 16 * i for i, x in enumerate(self.lanes))
+        for have in range(16 * len(self.lanes), count, 8):
+            bits |= self.byte() << have
+        check(bits >> count == 0, "a string of symbols is malformed")
+        return [bits >> i & 1 for i in range(count)]
+
+NEAR = [sum(n > limit for limit in (0, 1, 2, 4, 6, 10, 15, 22, 34, 51, 76, 115, 172, 258, 387)) for n in range(389)]
+
+# The coefficients `places` of a cell that is not empty: fills q and mags.
+def cell_by_symbols(symbols, j, q, mags, places, around, above):
+    seen = [0] * 16
+    for i, k in enumerate(ORDER):
+        if k not in places:
+            continue
+        near = NEAR[min(388, around[k] + above[k] // 2)]
+        beside = sum(seen[k & ~b] for b in (1, 2, 4, 8) if k & b and k & ~b)
+        siblings = sum(beside > limit for limit in (0, 2, 7))
+        orientation = bin(k & 7).count("1") + (k >> 3) * 4 - 1
+        s = symbols.symbol(CELLS + (((j * 7 + orientation) * 16 + near) * 4 + siblings) * 2 + (above[k] > 0), i)
+        seen[k], m = s, s
+        if s == 15:
+            length = symbols.symbol(LENGTH + near, i)
+            if length == 15:
+                length += symbols.symbol(LONGER, i)
+            check(length < 30, "a coefficient is too great")
+            high = symbols.bits(length - 15, i) if length > 15 else 0
+            m = 14 + (1 << length) + (high << 15) + symbols.bits(min(length, 15), i)
+        mags[k] = min(m, 255)
+        q[places[k]] = m
 
 # ---- 8.6: the transform ------------------------------------------------------------------------
 
@@ -206,17 +316,19 @@ def inverse(values, mask, wavelet, halved):
 class Codec:
     def __init__(self, number, data, channels):
         r = Reader(data)
-        self.topology, self.background, self.inactive, self.bent = number == 3, np.zeros(channels, f32), None, None
-        if self.topology:
+        self.topology, self.by_symbols, self.background, self.inactive, self.bent = False, False, np.zeros(channels, f32), None, None
+        if number == 3:
             flags = r.unpack("B")
-            check(flags < 4, "parameters of another version")
+            check(flags < 16, "parameters of another version")
+            self.by_symbols, self.topology = flags & 4, not flags & 8
             self.background = np.array(r.floats(channels), f32)
             self.inactive = np.array(r.floats(channels), f32) if flags & 1 else None
             self.bent = r.unpack("2d") if flags & 2 else None
         self.unit, self.step, self.max_error = f32(2.0**r.zigzag()), r.unpack("d"), r.unpack("d")
         self.one, self.more = r.varint(), r.zigzag()
         self.color = np.array(r.unpack("9f"), f32).reshape(3, 3) if channels == 3 else np.ones((1, 1), f32)
-        self.contexts = context_table(data[r.at:])
+        self.contexts = context_table(r.bytes() if self.by_symbols else data[r.at:])
+        self.tables = symbol_table(data[r.at:]) if self.by_symbols else None
 
 def halvings(n):
     return (n - 1).bit_length()
@@ -277,7 +389,7 @@ BACK = [(2, tuple(-(i == a) for i in range(4))) for a in range(4)] + [
     for a in range(4) for b in range(a + 1, 4) for d in (-1, 1)]
 
 # One component of one stride: fills q (t, z, y, x) and mags (cells and 16).
-def decode_cells(bits, j, q, mags, coarse, mask, halved):
+def decode_cells(bits, j, q, mags, coarse, mask, halved, symbols, found):
     shape = q.shape
     spacing, count = cell_grid(j, halved, shape)
     high = [k for k in range(1, 16) if all(j < halved[a] for a in range(4) if k & (8 >> a))]
@@ -289,28 +401,35 @@ def decode_cells(bits, j, q, mags, coarse, mask, halved):
                 places[k] = place
         if not places:
             continue
-        around = [0] * 16
+        around, sums = [0] * 16, 0
         for weight, offset in BACK:
             other = tuple(c + o for c, o in zip(cell, offset))
             if all(0 <= c < n for c, n in zip(other, count)):
                 for k, m in enumerate(mags[other]):
                     around[k] += weight * int(m)
+                sums += weight * min(255, int(mags[other].sum()))
         above = [0] * 16
         if coarse is not None:
             above = [int(m) for m in coarse[tuple(c // 2 if j + 1 < halved[a] else c for a, c in enumerate(cell))]]
         total = len(places)
         members = sum(total > limit for limit in (3, 7, 14))
+        if symbols:
+            parents = Z[(min(255, sum(above)) + 1) // 2]
+            if symbols.symbol(((j * 10 + S[(sums + 2) // 4]) * 6 + parents) * 4 + members, cell[3]):
+                cell_by_symbols(symbols, j, q, mags[cell], places, around, above)
+                found += [places[k] for k in ORDER if k in places and q[places[k]]]
+            continue
         if not bits.bit(context("cell", j, S[(sum(around) + 2) // 4], Z[(sum(above) + 1) // 2], members)):
             continue
-        found = False
+        any_before = False
         for at, k in enumerate(sorted(places)):
             siblings = sum(int(mags[cell][k & ~b]) for b in (1, 2, 4, 8) if k & b and k & ~b)
             highs, parent = bin(k).count("1"), 2 * above[k]
             every = W[(around[k] + parent + 2 * siblings + 1) // 2]
-            if found or at + 1 < total:
+            if any_before or at + 1 < total:
                 if not bits.bit(context("zero", j, highs, S[(around[k] + 1) // 2], Z[parent], Z[siblings])):
                     continue
-            found, m = True, 1
+            any_before, m = True, 1
             while m <= 15 and bits.bit(context("size", j, highs, every, m)):
                 m += 1
             if m > 15:
@@ -334,7 +453,7 @@ def decode_block(codec, segments, shape, channels, low, high):
     if not segments[0]:
         return nothing
     contexts = [list(c) for c in codec.contexts]
-    bits = Bits(segments[0], contexts)
+    bits = Bits(segments[0], contexts, codec.by_symbols)
     coded, apart = np.ones(shape, bool), []
     if codec.topology:
         states = topology(bits, shape)
@@ -361,7 +480,8 @@ def decode_block(codec, segments, shape, channels, low, high):
             if not segments[tier]:
                 coarse = None
                 continue
-            bits = Bits(segments[tier], contexts)
+            bits = Bits(segments[tier], contexts, codec.by_symbols)
+        symbols, order = Symbols(segments[tier], codec.tables) if codec.by_symbols else None, []
         for level in tier_levels:
             j = levels - 1 - level
             if not 0 <= j < max(halved):
@@ -369,8 +489,12 @@ def decode_block(codec, segments, shape, channels, low, high):
             count = cell_grid(j, halved, shape)[1]
             mags = [np.zeros((*count, 16), np.int64) for _ in range(channels)]
             for c in range(channels):
-                decode_cells(bits, j, q[c], mags[c], coarse[c] if coarse else None, mask, halved)
+                found = []
+                decode_cells(bits, j, q[c], mags[c], coarse[c] if coarse else None, mask, halved, symbols, found)
+                order += [(c, *place) for place in found]
             coarse = mags
+        for place, negative in zip(order, symbols.signs(len(order)) if symbols else ()):
+            q[place] *= 1 - 2 * negative
     sized = np.where(abs(q) > 1, abs(q) + codec.more / 256, abs(q) * (codec.one / 256)) * np.sign(q)
     coefficients = (sized * (codec.step / norms(shape, halved, wavelet))).astype(f32)
     for c in range(channels):

@@ -28,6 +28,9 @@ FROZEN = {
     ("codec3_dense.volute", None): 0x9A6A84A2,  # all voxels active or not by their values
     ("codec3_cache.volute", "density"): 0xBD24EE3B,  # joined from two parts, tiles in the second
     ("codec3_cache.volute", "temperature"): 0x95B1822D,
+    ("codec3_symbols.volute", None): 0xDCB87C60,  # symbols in one lane and in four, escapes, no topology
+    ("codec3_symbols_rgb.volute", None): 0x6DAD8EF3,  # symbols on supports, a maximum error
+    ("codec3_symbols_bent.volute", None): 0xFB31BE9F,  # symbols of bent values, with topology
 }
 
 

@@ -145,6 +145,9 @@ class ArithmeticDecoder {
     return value;
   }
 
+  /// How many bytes bits have depended on, at most.
+  std::size_t reached() const { return next_; }
+
   /// False when bytes are left that no bit depended on.
   bool usedAll() const { return next_ >= evenBegin_ + static_cast<std::size_t>(evenLeft_ / 8); }
 

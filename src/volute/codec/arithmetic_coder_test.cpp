@@ -9,6 +9,7 @@
 #include <random>
 
 #include "volute/codec/contexts.hpp"
+#include "volute/codec/symbol_coder.hpp"
 
 namespace volute {
 namespace {
@@ -131,6 +132,61 @@ TEST(Contexts, AnyTableIsOne) {
     for (const AdaptiveBit& state : contextsOf(bytes)) {
       ASSERT_GE(state.one, AdaptiveBit::kMin);
       ASSERT_LE(state.one, 65536 - AdaptiveBit::kMin);
+    }
+  }
+}
+
+TEST(SymbolCoder, WhatWasWrittenComesBack) {
+  std::mt19937 random(5);
+  const auto tables = symbolsOfTable({});
+  for (const std::size_t count : {0, 1, 5, 60, 3000}) {
+    struct Item {
+      unsigned context, symbol;  // or plain bits
+      int bits;
+    };
+
+    std::vector<Item> items;
+    std::vector<bool> signs;
+    SymbolWriter out;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto lane = static_cast<unsigned>(i % kLanes);
+      if (random() % 8 == 0) {
+        const int bits = static_cast<int>(random() % 16);
+        items.push_back({0, static_cast<unsigned>(random() & ((1u << bits) - 1)), bits});
+        out.bits(items.back().symbol, bits, lane);
+        continue;
+      }
+      const auto context = static_cast<unsigned>(random() % symbol::kCount);
+      const auto all = static_cast<unsigned>(symbol::symbolsOf(context));
+      items.push_back({context, static_cast<unsigned>(random() % all), -1});
+      out.symbol(context, items.back().symbol, lane);
+      signs.push_back(random() % 2 == 0);
+      out.sign(signs.back());
+    }
+    auto bytes = out.finish(tables);
+    bytes.insert(bytes.begin(), std::byte{0xA5});  // what stands before it is not read
+    SymbolReader in(bytes);
+    for (std::size_t i = 0; i < count; ++i) {
+      const unsigned lane = static_cast<unsigned>(i % kLanes) & (in.lanes() - 1);
+      const Item& item = items[i];
+      ASSERT_EQ(item.bits < 0 ? in.symbol(tables[item.context], lane) : in.bits(item.bits, lane),
+                item.symbol);
+    }
+    std::size_t at = 0;
+    in.signs(signs.size(), [&](std::uint32_t sign) { EXPECT_EQ(sign != 0, signs[at++]); });
+    EXPECT_TRUE(in.good());
+    EXPECT_EQ(in.left(), 1u);
+  }
+}
+
+TEST(SymbolTables, AnyBytesGiveSymbolsThatAddUp) {
+  std::mt19937 random(6);
+  for (int round = 0; round < 30; ++round) {
+    std::vector<std::byte> table(static_cast<std::size_t>(round) * 50);
+    for (std::byte& byte : table) byte = static_cast<std::byte>(random());
+    for (const SymbolEnds& one : symbolsOfTable(table)) {
+      for (std::size_t s = 0; s + 1 < one.ends.size(); ++s) ASSERT_GE(one.ends[s + 1], one.ends[s]);
+      ASSERT_EQ(one.ends.back(), (1 << symbol::kProbabilityBits) - 1);
     }
   }
 }

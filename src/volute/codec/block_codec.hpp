@@ -69,6 +69,9 @@ class BlockDecoder {
                                       std::span<float> values,
                                       BlockStates* states = nullptr) const = 0;
 
+  /// Whether blocks say what their voxels are.
+  virtual bool hasTopology() const = 0;
+
   /// What voxels are that no block says anything of.
   virtual std::array<float, 3> background() const = 0;
 

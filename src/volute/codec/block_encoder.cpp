@@ -10,8 +10,10 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/codec/block_syntax.hpp"
+#include "volute/codec/cell_field.hpp"
 #include "volute/codec/cost_estimate.hpp"
 #include "volute/codec/mode_search.hpp"
+#include "volute/codec/symbol_coder.hpp"
 
 namespace volute {
 namespace {
@@ -50,6 +52,7 @@ struct WriteBits {
   Contexts& contexts;
   Training& training;
   ArithmeticEncoder out{};
+  bool shared = false;  ///< the end of the string is not of bits
 
   bool bit(unsigned context, bool value) {
     training.counts.add(context, value);
@@ -58,10 +61,80 @@ struct WriteBits {
   }
 
   bool even(bool value) {
-    out.even(value);
+    AdaptiveBit half;
+    if (shared)
+      out.bit(half, value);
+    else
+      out.even(value);
     return value;
   }
 };
+
+/// Symbols that are written.
+struct WriteSymbols {
+  SymbolCounts& counts;
+  SymbolWriter out{};
+
+  void symbol(unsigned context, unsigned symbol, unsigned lane) {
+    ++counts[context][symbol];
+    out.symbol(context, symbol, lane);
+  }
+
+  void bits(std::uint32_t value, int count, unsigned lane) { out.bits(value, count, lane); }
+
+  void sign(bool negative) { out.sign(negative); }
+};
+
+/// Symbols that are counted and not kept.
+struct PriceSymbols {
+  const SymbolPrices& prices;
+  std::uint64_t price = 0;
+
+  void symbol(unsigned context, unsigned symbol, unsigned) { price += prices[context][symbol]; }
+
+  void bits(std::uint32_t, int count, unsigned) {
+    price += static_cast<std::uint64_t>(kUnit) * static_cast<unsigned>(count);
+  }
+
+  void sign(bool) { price += static_cast<std::uint64_t>(kUnit); }
+};
+
+/// A magnitude that is not 0, behind the symbol that says so. `context`: of that symbol.
+template <class Symbols>
+void codeEscape(Symbols& out, unsigned context, std::int32_t magnitude, unsigned lane) {
+  const auto rest = static_cast<std::uint32_t>(magnitude - (symbol::kEscape - 1));
+  const int length = static_cast<int>(std::bit_width(rest)) - 1;
+  out.symbol(symbol::kLength + CellField::nearClassOf(context),
+             static_cast<unsigned>(std::min(length, symbol::kEscape)), lane);
+  if (length >= symbol::kEscape)
+    out.symbol(symbol::kLonger, static_cast<unsigned>(length - symbol::kEscape), lane);
+  const int low = std::min(length, 15);
+  if (length > 15)
+    out.bits(rest >> 15 & ((1u << (length - 15)) - 1), length - 15, lane);
+  out.bits(rest & ((1u << low) - 1), low, lane);
+}
+
+/// The coefficients `existing` of a cell in which one is not zero, and before them that it is so.
+template <class Symbols>
+void codeCell(Symbols& out, unsigned context, const std::uint16_t contexts[16],
+              std::uint16_t existing, const std::int32_t q[16], unsigned x) {
+  out.symbol(context, 1, x % kLanes);
+  std::uint8_t m[16] = {};
+  for (unsigned i = 0; i < kCellOrder.size(); ++i) {
+    const int k = kCellOrder[i];
+    if ((existing >> k & 1) == 0)
+      continue;
+    const unsigned own = contexts[k] + siblingStep(siblingSum(k, m));
+    const std::int32_t magnitude = std::abs(q[k]);
+    const std::int32_t s = std::min(magnitude, symbol::kEscape);
+    out.symbol(own, static_cast<unsigned>(s), i % kLanes);
+    m[k] = static_cast<std::uint8_t>(s);
+    if (s == symbol::kEscape)
+      codeEscape(out, own, magnitude, i % kLanes);
+    if (s != 0)
+      out.sign(q[k] < 0);
+  }
+}
 
 /// Bits that are counted and not kept.
 struct PriceBits {
@@ -114,6 +187,43 @@ class CellQuantiser {
       const int k = std::countr_zero(left);
       kept += chooseOne(contexts, c, k, m, sizes[k], q);
       m[k] = static_cast<std::uint8_t>(std::min(q[k], kRemembered));
+      dropped += sizes[k] * sizes[k];
+    }
+    if (dropped < kept)
+      std::fill(q, q + 16, 0);
+  }
+
+  /// The same where cells are coded by symbols.
+  void choose(unsigned context, const std::uint16_t contexts[16], std::uint16_t existing,
+              const double sizes[16], std::int32_t q[16]) const {
+    const SymbolPrices& prices = parameters_.symbolPrices;
+    double kept = kLambda / kUnit * prices[context][1];
+    double dropped = kLambda / kUnit * prices[context][0];
+    std::uint8_t m[16] = {};
+    for (const int k : kCellOrder) {
+      if ((existing >> k & 1) == 0)
+        continue;
+      const unsigned own = contexts[k] + siblingStep(siblingSum(k, m));
+      const auto costOf = [&](std::int32_t magnitude) {
+        PriceSymbols price{prices};
+        price.symbol(own, static_cast<unsigned>(std::min(magnitude, symbol::kEscape)), 0);
+        if (magnitude >= symbol::kEscape)
+          codeEscape(price, own, magnitude, 0);
+        if (magnitude > 0)
+          price.sign(false);
+        return squaredError(sizes[k], magnitude) +
+               kLambda / kUnit * static_cast<double>(price.price);
+      };
+      double cost = costOf(q[k]);
+      if (q[k] > 0) {
+        const double lower = costOf(q[k] - 1);
+        if (lower < cost) {
+          cost = lower;
+          --q[k];
+        }
+      }
+      kept += cost;
+      m[k] = static_cast<std::uint8_t>(std::min(q[k], symbol::kEscape));
       dropped += sizes[k] * sizes[k];
     }
     if (dropped < kept)
@@ -281,6 +391,8 @@ class BlockWriting {
     if (mode.shaped)
       support_ = part.support;
     walk_.emplace(shape_, mode_, support_, memories_);
+    thread_local std::array<ComponentFields, 3> fields;  // as costly to get as to use
+    fieldWalk_.emplace(shape_, mode_, support_, fields);
   }
 
   Contexts& contexts() { return contexts_; }
@@ -295,6 +407,12 @@ class BlockWriting {
   /// Codes the head, if the tier has it, and the coefficients.
   template <class Bits>
   void code(Bits& bits, std::size_t tier, Training* training);
+
+  /// The same in two, where cells are coded by symbols.
+  template <class Bits>
+  void codeHead(Bits& bits);
+  template <class Symbols>
+  void codeSymbols(Symbols& out, std::size_t tier, Training* training);
 
   /// Goes past a tier that is left out.
   void skip(std::size_t tier);
@@ -315,12 +433,11 @@ class BlockWriting {
   bool hasAny(const CellLevel& level, const float* plane) const;
 
   template <class Bits>
-  void codeHead(Bits& bits);
-  template <class Bits>
   bool codeOneCell(Bits& bits, float* at, const CellLevel& level, std::uint16_t existing,
                    CellContext& context, const auto& neighbours, std::int32_t* q,
                    Training* training);
   void settle(float& coefficient, double norm, double size, std::int32_t q, Training* training);
+  void settleZeros(const CellLevel& level, float* at, std::uint16_t existing);
 
   /// Of a level: what a coefficient is worth in steps.
   const std::array<double, 16>& inSteps(const CellLevel& level) {
@@ -344,6 +461,7 @@ class BlockWriting {
   Contexts contexts_;
   std::array<ComponentMemory, 3> memories_;
   std::optional<BlockWalk> walk_;
+  std::optional<FieldWalk> fieldWalk_;
   double squaredError_ = 0;
 };
 
@@ -476,16 +594,73 @@ void BlockWriting::code(Bits& bits, std::size_t tier, Training* training) {
                });
 }
 
+void BlockWriting::settleZeros(const CellLevel& level, float* at, std::uint16_t existing) {
+  const auto& inSteps = this->inSteps(level);
+  for (unsigned left = existing; left != 0; left &= left - 1) {
+    const int k = std::countr_zero(left);
+    const double size = std::abs(at[level.offset[k]]) * inSteps[static_cast<std::size_t>(k)];
+    settle(at[level.offset[k]], level.norm[k], size, 0, nullptr);
+  }
+}
+
+template <class Symbols>
+void BlockWriting::codeSymbols(Symbols& out, std::size_t tier, Training* training) {
+  fieldWalk_->cells(
+      strides(tier), [](auto&&...) {},
+      [&](int c, const CellLevel& level, CellField& field, std::ptrdiff_t place,
+          std::ptrdiff_t position, std::uint16_t existing, unsigned context,
+          const CellField::Entry* parent, unsigned x) {
+        float* at = plane(c).data() + position;
+        double sizes[16] = {};
+        std::int32_t q[16] = {};
+        double greatest = 0;
+        const auto& inSteps = this->inSteps(level);
+        for (unsigned left = existing; left != 0; left &= left - 1) {
+          const auto k = static_cast<std::size_t>(std::countr_zero(left));
+          sizes[k] = std::abs(at[level.offset[k]]) * inSteps[k];
+          greatest = std::max(greatest, sizes[k]);
+        }
+        bool any = rounded(greatest) != 0;
+        std::uint16_t contexts[16];
+        if (any) {
+          for (std::size_t k = 1; k < 16; ++k) q[k] = rounded(sizes[k]);
+          field.contexts(place, parent, static_cast<unsigned>(level.stride), contexts);
+          quantiser_.choose(context, contexts, existing, sizes, q);
+          any = std::any_of(q, q + 16, [](std::int32_t value) { return value != 0; });
+        }
+        if (!any) {
+          out.symbol(context, 0, x % kLanes);
+          settleZeros(level, at, existing);
+          return;
+        }
+        unsigned sum = 0;
+        std::uint8_t m[16] = {};
+        for (unsigned left = existing; left != 0; left &= left - 1) {
+          const auto k = static_cast<std::size_t>(std::countr_zero(left));
+          float& value = at[level.offset[k]];
+          m[k] = static_cast<std::uint8_t>(std::min(q[k], kRemembered));
+          sum += m[k];
+          if (value < 0)
+            q[k] = -q[k];
+          settle(value, level.norm[k], sizes[k], q[k], training);
+        }
+        codeCell(out, context, contexts, existing, q, x);
+        field.remember(place, m, sum);
+      });
+}
+
 void BlockWriting::skip(std::size_t tier) {
+  if (parameters_.bySymbols) {
+    fieldWalk_->cells(
+        strides(tier), [](auto&&...) {},
+        [&](int c, const CellLevel& level, CellField&, std::ptrdiff_t, std::ptrdiff_t position,
+            std::uint16_t existing,
+            auto&&...) { settleZeros(level, plane(c).data() + position, existing); });
+    return;
+  }
   walk_->cells(strides(tier), [&](int c, const CellLevel& level, std::ptrdiff_t position,
                                   std::uint16_t existing, const auto&, const auto&, const auto*) {
-    float* at = plane(c).data() + position;
-    const auto& inSteps = this->inSteps(level);
-    for (unsigned left = existing; left != 0; left &= left - 1) {
-      const int k = std::countr_zero(left);
-      const double size = std::abs(at[level.offset[k]]) * inSteps[static_cast<std::size_t>(k)];
-      settle(at[level.offset[k]], level.norm[k], size, 0, nullptr);
-    }
+    settleZeros(level, plane(c).data() + position, existing);
     return false;
   });
 }
@@ -536,6 +711,11 @@ bool codeCorrectionsOf(WriteBits& bits, BlockWriting& block, const BlockShape& s
 
 void Training::add(const Training& other) {
   counts.add(other.counts);
+  if (symbols.empty())
+    symbols = other.symbols;
+  else if (!other.symbols.empty())
+    for (std::size_t i = 0; i < symbols.size(); ++i)
+      for (std::size_t s = 0; s < symbols[i].size(); ++s) symbols[i][s] += other.symbols[i][s];
   oneSum += other.oneSum;
   oneCount += other.oneCount;
   moreSum += other.moreSum;
@@ -557,6 +737,11 @@ void Training::apply(WaveletParameters& parameters) const {
         static_cast<double>(bits) / static_cast<double>(oneCount + moreCount);
   parameters.table = contextTable(counts);
   parameters.contexts = contextsOf(parameters.table);
+  if (!parameters.bySymbols || symbols.empty())
+    return;
+  parameters.symbolTable = symbolTable(symbols);
+  parameters.symbols = symbolsOfTable(parameters.symbolTable);
+  parameters.symbolPrices = pricesOf(parameters.symbols);
 }
 
 std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
@@ -589,13 +774,18 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
   const auto costOf = [&](const BlockMode& mode) {
     BlockWriting block(parameters_, components, part, shape, mode, false);
     PriceBits bits{block.contexts()};
+    PriceSymbols symbols{parameters_.symbolPrices};
+    if (parameters_.bySymbols)
+      block.codeHead(bits);
     for (std::size_t tier = 0; tier < kWaveletTiers.size(); ++tier) {
-      if (block.hasAny(tier))
-        block.code(bits, tier, nullptr);
-      else
+      if (!block.hasAny(tier))
         block.skip(tier);
+      else if (parameters_.bySymbols)
+        block.codeSymbols(symbols, tier, nullptr);
+      else
+        block.code(bits, tier, nullptr);
     }
-    return block.squaredError() + kLambda / kUnit * static_cast<double>(bits.price);
+    return block.squaredError() + kLambda / kUnit * static_cast<double>(bits.price + symbols.price);
   };
   const CostEstimate estimate(parameters_, kLambda);
   std::optional<double> ofSupport;  // codec 3 has its topology in any mode
@@ -633,7 +823,7 @@ std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> 
     if (!parameters_.sparse)
       return tiers;
     Contexts contexts(parameters_.contexts);
-    WriteBits bits{contexts, training};
+    WriteBits bits{contexts, training, {}, parameters_.bySymbols};
     codeStates(bits, shape.extents, std::span(topology), room);
     bits.bit(context::kCoded, false);
     tiers[0] = bits.out.finish();
@@ -641,6 +831,8 @@ std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> 
       tiers[0].push_back(std::byte{0});
     return tiers;
   }
+  if (parameters_.bySymbols)
+    training.symbols.resize(symbol::kCount);
   CodedPart part = codedPart(values, shape, states, parameters_);
   const auto components = parameters_.color.split(part.values, shape.channels, parameters_.unit());
   const BlockMode simple = simplest(*mode, shape, part.full && parameters_.sparse);
@@ -650,7 +842,8 @@ std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> 
   for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
     const bool last = tier + 1 == tiers.size();
     const bool corrects = last && parameters_.maxError > 0;
-    WriteBits bits{block.contexts(), training};
+    WriteBits bits{block.contexts(), training, {}, parameters_.bySymbols};
+    WriteSymbols symbols{training.symbols};
     if (tier == 0 && parameters_.sparse) {
       codeStates(bits, shape.extents, std::span(topology), room);
       bits.bit(context::kCoded, true);
@@ -658,7 +851,11 @@ std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> 
       others = bits.out.size();
     }
     bool any = block.hasAny(tier);
-    if (any || corrects)
+    if (parameters_.bySymbols && tier == 0)
+      block.codeHead(bits);
+    if ((any || corrects) && parameters_.bySymbols)
+      block.codeSymbols(symbols, tier, &training);
+    else if (any || corrects)
       block.code(bits, tier, &training);
     if (corrects)
       any |= codeCorrectionsOf(bits, block, shape, parameters_.sparse ? simple : *mode, values,
@@ -668,7 +865,12 @@ std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> 
         block.skip(tier);
       continue;
     }
-    tiers[tier] = bits.out.finish();
+    if (!parameters_.bySymbols || tier == 0 || corrects)
+      tiers[tier] = bits.out.finish();
+    if (parameters_.bySymbols) {
+      const auto coded = symbols.out.finish(parameters_.symbols);
+      tiers[tier].insert(tiers[tier].end(), coded.begin(), coded.end());
+    }
     if (tiers[tier].empty())
       tiers[tier].push_back(std::byte{0});
     training.bits += 8 * static_cast<std::int64_t>(tiers[tier].size());

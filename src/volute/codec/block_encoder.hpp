@@ -15,6 +15,7 @@ namespace volute {
 /// stand for. Whole numbers, so the order of blocks does not matter.
 struct Training {
   ContextCounts counts;
+  SymbolCounts symbols;  ///< of cells that are coded by symbols; else empty
   /// Magnitudes quantised to 1, and to more (less what they were quantised to), in 1/65536.
   std::int64_t oneSum = 0, oneCount = 0, moreSum = 0, moreCount = 0;
   std::int64_t bits = 0;  ///< of all, without topology and outliers

@@ -93,6 +93,8 @@ constexpr double kSameModes = 1.5;
 
 // Of a grid with more blocks than this to a row a part of them tells what all are like.
 constexpr std::size_t kManyBlocks = 2048;
+// Tables of symbols are worth their bytes, and learn enough, from so many blocks on.
+constexpr std::uint64_t kBlocksForSymbols = 32;
 // At least so many blocks tell it.
 constexpr std::uint64_t kFewBlocks = 96;
 
@@ -148,9 +150,10 @@ class Compressor {
     // A field that states no topology, judged over all of its voxels, pays for none.
     const bool overAll =
         options.target.kind == Kind::kRmsOverAll || options.target.kind == Kind::kPsnr;
+    parameters_.extended = true;
     parameters_.sparse = source.hasTopology() || !overAll;
-    head_.header.codec = codec();
-    units_.setChecked(parameters_.sparse);
+    head_.header.codec = static_cast<int>(kSparseCodec);
+    units_.setChecked(true);
     head_.header.writtenBy = "volute " VOLUTE_VERSION;
     head_.header.provenance = options.provenance;
     head_.header.targetKind = nameOf(options.target.kind);
@@ -221,8 +224,6 @@ class Compressor {
   tl::unexpected<Error> unreachable() const;
   Result<CompressReport> write();
   Status completeUnits();
-
-  int codec() const { return static_cast<int>(parameters_.sparse ? kSparseCodec : kWaveletCodec); }
 
   StreamInfo stream() const {
     return {info_.channels, static_cast<float>(head_.header.valueMin),
@@ -410,6 +411,11 @@ Status Compressor::shareSurvey() {
   VOLUTE_TRY(team_.sum(std::span(&blocks_, 1)));
   oneOf_ =
       std::clamp<std::uint64_t>(blocks_ / kFewBlocks, 1, static_cast<std::uint64_t>(effort_.oneOf));
+  parameters_.bySymbols = blocks_ >= kBlocksForSymbols;
+  if (parameters_.bySymbols) {
+    parameters_.symbols = symbolsOfTable({});
+    parameters_.symbolPrices = pricesOf(parameters_.symbols);
+  }
   VOLUTE_TRY(team_.sum(histogram_));
   VOLUTE_ASSIGN(const auto facts, gatherValues(team_, std::span<const SupportFacts>(facts_)));
   const std::size_t frames = facts_.size();
@@ -795,13 +801,19 @@ Status Compressor::shareErrors() {
 Status Compressor::shareTraining() {
   auto& seen = training_.counts.seen;
   std::vector<std::uint64_t> numbers;
+  training_.symbols.resize(symbol::kCount);
   for (const auto& counts : seen) numbers.insert(numbers.end(), counts.begin(), counts.end());
+  for (const auto& counts : training_.symbols)
+    numbers.insert(numbers.end(), counts.begin(), counts.end());
   for (const std::int64_t number : {training_.oneSum, training_.oneCount, training_.moreSum,
                                     training_.moreCount, training_.bits})
     numbers.push_back(static_cast<std::uint64_t>(number));
   VOLUTE_TRY(team_.sum(numbers));
   auto number = numbers.begin();
   for (auto& counts : seen) {
+    for (std::uint32_t& count : counts) count = static_cast<std::uint32_t>(*number++);
+  }
+  for (auto& counts : training_.symbols) {
     for (std::uint32_t& count : counts) count = static_cast<std::uint32_t>(*number++);
   }
   for (std::int64_t* sum : {&training_.oneSum, &training_.oneCount, &training_.moreSum,
@@ -865,8 +877,7 @@ Status Compressor::encodeAll(double proposed, Way way) {
   }
   training_ = {};
   head_.parameters = writeParameters(parameters_, info_.channels);
-  VOLUTE_ASSIGN(head_.decoder, openWaveletDecoder(static_cast<std::uint32_t>(codec()),
-                                                  head_.parameters, stream()));
+  VOLUTE_ASSIGN(head_.decoder, openWaveletDecoder(kSparseCodec, head_.parameters, stream()));
   if (store_) {
     for (const EncodedUnits::Unit& done : units_.units()) store_->dropBytes(way_, done.number);
   }
@@ -912,8 +923,6 @@ void Compressor::noteErrors() {
   support_.worstFrame = static_cast<int>(place);
   head_.header.reachedRms = relativeRms_ + overAll(options_.sourceRms + rounding_);
   head_.header.reachedMaxError = error_.maximum + options_.sourceMaxError + rounding_;
-  if (!parameters_.sparse)
-    return;
   head_.header.support = support_;
   // What the source is off is spread over its support, at worst.
   head_.header.support->rms += overSupport(

@@ -16,18 +16,6 @@ constexpr std::uint8_t kGuessedSeen = 2;
 // Fewer bits than this cannot pay for an entry.
 constexpr std::uint32_t kWorthAnEntry = 6;
 
-std::uint16_t probabilityOf(int index) {
-  const int near = index <= 32 ? 32 * index * index : 65536 - 32 * (64 - index) * (64 - index);
-  return static_cast<std::uint16_t>(std::clamp(near, AdaptiveBit::kMin, 65536 - AdaptiveBit::kMin));
-}
-
-int indexOf(const std::array<std::uint32_t, 2>& seen) {
-  const double one = (seen[1] + 0.4) / (static_cast<double>(seen[0]) + seen[1] + 0.8);
-  const double near = std::sqrt(std::min(one, 1 - one) * 65536 / 32);
-  const int index = static_cast<int>(std::lround(one <= 0.5 ? near : 64 - near));
-  return std::clamp(index, 1, kGreatestIndex);
-}
-
 /// How the entries themselves are coded: whether there is one (after one, after none), and its
 /// difference from the last: zero, sign, size.
 struct TableBits {
@@ -35,6 +23,18 @@ struct TableBits {
 };
 
 }  // namespace
+
+std::uint16_t probabilityOfIndex(int index) {
+  const int near = index <= 32 ? 32 * index * index : 65536 - 32 * (64 - index) * (64 - index);
+  return static_cast<std::uint16_t>(std::clamp(near, AdaptiveBit::kMin, 65536 - AdaptiveBit::kMin));
+}
+
+int indexOfCounts(const std::array<std::uint32_t, 2>& seen) {
+  const double one = (seen[1] + 0.4) / (static_cast<double>(seen[0]) + seen[1] + 0.8);
+  const double near = std::sqrt(std::min(one, 1 - one) * 65536 / 32);
+  const int index = static_cast<int>(std::lround(one <= 0.5 ? near : 64 - near));
+  return std::clamp(index, 1, kGreatestIndex);
+}
 
 void ContextCounts::add(const ContextCounts& other) {
   for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -64,7 +64,7 @@ std::vector<std::byte> contextTable(const ContextCounts& counts) {
     before = present;
     if (!present)
       continue;
-    const int index = indexOf(seen);
+    const int index = indexOfCounts(seen);
     const int difference = index - last;
     last = index;
     out.bit(bits.zero, difference == 0);
@@ -100,7 +100,7 @@ Contexts contextsOf(std::span<const std::byte> table) {
       while (size < kGreatestIndex && in.bit(bits.longer[std::min(size, 8) - 1])) ++size;
       last = std::clamp(last + (negative ? -size : size), 1, kGreatestIndex);
     }
-    state = {probabilityOf(last), before ? kTrainedSeen : kGuessedSeen};
+    state = {probabilityOfIndex(last), before ? kTrainedSeen : kGuessedSeen};
   }
   return contexts;
 }

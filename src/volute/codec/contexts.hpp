@@ -67,6 +67,11 @@ struct ContextCounts {
   void add(const ContextCounts& other);
 };
 
+/// Probabilities in tables are numbers from 1 to 63, finer near 0 and near 1: of a 1 in 1/65536,
+/// and the number for what was seen.
+std::uint16_t probabilityOfIndex(int index);
+int indexOfCounts(const std::array<std::uint32_t, 2>& seen);
+
 /// What blocks begin with before anything is known of a file.
 Contexts untrainedContexts();
 

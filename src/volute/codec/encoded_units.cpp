@@ -51,15 +51,20 @@ std::vector<std::byte> EncodedUnitRecord::toBytes() const {
   for (const std::int64_t number :
        {training.oneSum, training.oneCount, training.moreSum, training.moreCount, training.bits})
     record.zigzag(number);
-  const auto& seen = training.counts.seen;
-  for (std::size_t at = 0, before = 0; at < seen.size(); ++at) {
-    if (seen[at][0] == 0 && seen[at][1] == 0)
-      continue;
-    record.varint(at - before);
-    record.varint(seen[at][0]);
-    record.varint(seen[at][1]);
-    before = at;
-  }
+  const auto putCounts = [&](const auto& all) {
+    std::uint64_t put = 0;
+    for (const auto& counts : all) put += std::ranges::any_of(counts, std::identity()) ? 1 : 0;
+    record.varint(put);
+    for (std::size_t at = 0, before = 0; at < all.size(); ++at) {
+      if (std::ranges::none_of(all[at], std::identity()))
+        continue;
+      record.varint(at - before);
+      for (const std::uint32_t count : all[at]) record.varint(count);
+      before = at;
+    }
+  };
+  putCounts(training.counts.seen);
+  putCounts(training.symbols);
   return record.take();
 }
 
@@ -93,14 +98,18 @@ std::optional<EncodedUnitRecord> EncodedUnitRecord::fromBytes(std::span<const st
   for (std::int64_t* number : {&training.oneSum, &training.oneCount, &training.moreSum,
                                &training.moreCount, &training.bits})
     *number = in.zigzag();
-  for (std::size_t at = 0; in.remaining() > 0;) {
-    at += in.varint();
-    if (at >= training.counts.seen.size())
-      return std::nullopt;
-    training.counts.seen[at] = {static_cast<std::uint32_t>(in.varint()),
-                                static_cast<std::uint32_t>(in.varint())};
-  }
-  if (!in.ok())
+  const auto getCounts = [&](auto& all) {
+    std::uint64_t count = in.varint();
+    for (std::size_t at = 0; in.ok() && count > 0; --count) {
+      at += in.varint();
+      if (at >= all.size())
+        return false;
+      for (std::uint32_t& seen : all[at]) seen = static_cast<std::uint32_t>(in.varint());
+    }
+    return in.ok();
+  };
+  training.symbols.resize(symbol::kCount);
+  if (!getCounts(training.counts.seen) || !getCounts(training.symbols) || in.remaining() > 0)
     return std::nullopt;
   return record;
 }

@@ -110,11 +110,13 @@ VolumeInfo joinedInfo(const std::vector<Part>& parts, const Rate& rate) {
 /// Blocks of 16 frames keep their places in the joined file, and all are of one codec.
 bool canCopy(const std::vector<Part>& parts) {
   const int codec = parts.front().head.header.codec;
+  const bool topology = parts.front().head.decoder->hasTopology();
   return std::ranges::all_of(
              parts.begin(), parts.end() - 1,
              [](const Part& part) { return part.head.info.frames % BlockGrid::kSide == 0; }) &&
-         std::ranges::all_of(parts,
-                             [&](const Part& part) { return part.head.header.codec == codec; });
+         std::ranges::all_of(parts, [&](const Part& part) {
+           return part.head.header.codec == codec && part.head.decoder->hasTopology() == topology;
+         });
 }
 
 /// The parts of all, as the file lists them; none where all blocks are read alike.

@@ -21,7 +21,7 @@ struct VoluteReader::Impl {
       : file(std::move(openFile)), options(chosen), head(std::move(readHead)), grid(head.info) {
     indexRequests = static_cast<std::uint64_t>(head.requests);
     indexBytes = head.bytesRead;
-    if (!sparse()) {
+    if (!paged()) {
       // Codec 2 has its index in the head: one page, which is there.
       head.pages.pages = {IndexPage{.blocks = head.blocks.size()}};
       pages = {
@@ -69,7 +69,7 @@ struct VoluteReader::Impl {
     if (pageMemory <= options.maxMemory / 8)
       return;
     pageMemory = bytes;
-    if (sparse())
+    if (paged())
       std::ranges::fill(pages, nullptr);
     std::ranges::fill(tilePages, nullptr);
   }
@@ -94,7 +94,7 @@ struct VoluteReader::Impl {
   /// What is nowhere else said. Without topology the cache's own background, where there is one.
   std::array<float, 3> backgroundOf(int row) const {
     const auto& description = head.grids[head.grid].description;
-    if (sparse() || !description)
+    if (paged() || !description)
       return head.decoderOf(row).background();
     std::array<float, 3> background{};
     for (std::size_t c = 0; c < 3; ++c)
@@ -102,7 +102,7 @@ struct VoluteReader::Impl {
     return background;
   }
 
-  bool sparse() const { return head.header.codec == static_cast<int>(kSparseCodec); }
+  bool paged() const { return head.header.codec == static_cast<int>(kSparseCodec); }
 
   /// The blocks of the file in row `row`.
   Result<std::vector<std::uint64_t>> blocksOf(int row) const {
@@ -295,7 +295,9 @@ Status VoluteReader::Impl::readBlockBricks(std::size_t block, int first, int end
   std::vector<float> values(grid.values(block));
   BlockStates states;
   VOLUTE_TRY(decodeBlock(block, values, 99, &states));
-  const std::array<float, 3> background = backgroundOf(grid.coordinate(block)[0]);
+  const int row = grid.coordinate(block)[0];
+  const std::array<float, 3> background = backgroundOf(row);
+  const bool topology = head.decoderOf(row).hasTopology();
   constexpr int kSide = Bricks::kSide;
   for (int t = std::max(0, first - o[0]); t < std::min(e[0], end - o[0]); ++t) {
     Bricks& frame = bricks[static_cast<std::size_t>(o[0] + t - first)];
@@ -307,17 +309,17 @@ Status VoluteReader::Impl::readBlockBricks(std::size_t block, int first, int end
           const auto visit = [&](const auto& body) {
             for (int z = z0; z < std::min(z0 + kSide, e[1]); ++z)
               for (int y = y0; y < std::min(y0 + kSide, e[2]); ++y) {
-                const std::size_t row = ((static_cast<std::size_t>(t) * e[1] + z) * e[2] + y) *
-                                        static_cast<std::size_t>(e[3]);
+                const std::size_t line = ((static_cast<std::size_t>(t) * e[1] + z) * e[2] + y) *
+                                         static_cast<std::size_t>(e[3]);
                 for (int x = x0; x < std::min(x0 + kSide, e[3]); ++x)
-                  body(row + static_cast<std::size_t>(x), static_cast<std::size_t>(z - z0),
+                  body(line + static_cast<std::size_t>(x), static_cast<std::size_t>(z - z0),
                        kSide * (y - y0) + x - x0);
               }
           };
           visit([&](std::size_t at, std::size_t z, int bit) {
             bool valued = states[at] != VoxelState::kEmpty,
                  active = states[at] == VoxelState::kActive;
-            if (!sparse()) {
+            if (!topology) {
               // Without topology: what is not the background.
               const float* value = &values[at * channels];
               valued = active = !std::equal(value, value + channels, background.begin());
@@ -367,7 +369,8 @@ Status VoluteReader::Impl::readPart(std::size_t block, const Index4& begin, cons
   const Index4 origin = grid.origin(block);
   const Index4 extents = grid.extents(block);
   const auto channels = static_cast<std::size_t>(grid.channels());
-  std::vector<float> decoded(grid.values(block));
+  thread_local std::vector<float> decoded;  // as costly to get as to use
+  decoded.resize(grid.values(block));
   VOLUTE_TRY(decodeBlock(block, decoded, levels));
   Index4 low{}, high{};
   for (std::size_t axis = 0; axis < 4; ++axis) {
@@ -584,7 +587,7 @@ std::array<float, 3> VoluteReader::background() const {
 }
 
 bool VoluteReader::hasTopology() const {
-  return impl_->sparse();
+  return impl_->head.decoder->hasTopology();
 }
 
 Result<std::vector<std::uint64_t>> VoluteReader::occupied() const {

@@ -16,6 +16,9 @@ namespace {
 constexpr std::array kTimeLevels{0, 1, 2, 4};
 constexpr std::array kWavelets{Wavelet::kHaar, Wavelet::kCdf53, Wavelet::kCdf97};
 
+// What the parameters of codec 3 begin with.
+constexpr int kHasInactive = 1, kBent = 2, kBySymbols = 4, kWithoutTopology = 8;
+
 bool within(double value, double least, double most) {
   return value >= least && value <= most;
 }
@@ -53,8 +56,10 @@ std::span<const BlockMode> allBlockModes() {
 
 std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int channels) {
   ByteWriter out;
-  if (parameters.sparse) {
-    out.u8((parameters.inactive ? 1 : 0) | (parameters.bends() ? 2 : 0));
+  if (parameters.extended || parameters.sparse) {
+    out.u8(static_cast<std::uint8_t>(
+        (parameters.inactive ? kHasInactive : 0) | (parameters.bends() ? kBent : 0) |
+        (parameters.bySymbols ? kBySymbols : 0) | (parameters.sparse ? 0 : kWithoutTopology)));
     for (int c = 0; c < channels; ++c) out.f32(parameters.background[static_cast<std::size_t>(c)]);
     for (int c = 0; parameters.inactive && c < channels; ++c)
       out.f32((*parameters.inactive)[static_cast<std::size_t>(c)]);
@@ -69,16 +74,20 @@ std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int 
   if (channels == 3) {
     for (float value : parameters.color.rows) out.f32(value);
   }
+  if (parameters.bySymbols)
+    out.varint(parameters.table.size());
   out.bytes(parameters.table);
+  if (parameters.bySymbols)
+    out.bytes(parameters.symbolTable);
   return out.take();
 }
 
 Result<WaveletParameters> readParameters(std::uint32_t codec, std::span<const std::byte> bytes,
                                          int channels) {
-  constexpr std::uint64_t kMaxTableBytes = 4 * context::kCount;
+  constexpr std::uint64_t kMaxTableBytes = 4 * context::kCount + 64 * symbol::kCount;
   WaveletParameters parameters;
   ByteReader in(bytes);
-  parameters.sparse = codec == kSparseCodec;
+  parameters.extended = codec == kSparseCodec;
   bool finite = true;
   const auto readColour = [&](std::array<float, 3>& value) {
     for (int c = 0; c < channels; ++c) {
@@ -86,13 +95,15 @@ Result<WaveletParameters> readParameters(std::uint32_t codec, std::span<const st
       finite = finite && std::isfinite(value[static_cast<std::size_t>(c)]);
     }
   };
-  if (parameters.sparse) {
+  if (parameters.extended) {
     const int flags = in.u8();
-    finite = flags <= 3;
+    finite = flags < 2 * kWithoutTopology;
+    parameters.bySymbols = (flags & kBySymbols) != 0;
+    parameters.sparse = (flags & kWithoutTopology) == 0;
     readColour(parameters.background);
-    if (flags & 1)
+    if ((flags & kHasInactive) != 0)
       readColour(parameters.inactive.emplace());
-    if (flags & 2) {
+    if ((flags & kBent) != 0) {
       parameters.bendScale = in.f64();
       parameters.bendOffset = in.f64();
       finite = finite && within(parameters.bendScale, 1e-30, 1e30) &&
@@ -121,9 +132,16 @@ Result<WaveletParameters> readParameters(std::uint32_t codec, std::span<const st
   parameters.exponent = static_cast<int>(exponent);
   parameters.one = static_cast<int>(one);
   parameters.more = static_cast<int>(more);
-  const auto table = in.bytes(in.remaining());
+  const auto table = in.bytes(parameters.bySymbols ? in.varint() : in.remaining());
+  if (!in.ok())
+    return fail(ErrorCode::kInvalidData, "parameters whose tables are longer than they are");
   parameters.table.assign(table.begin(), table.end());
   parameters.contexts = contextsOf(table);
+  if (parameters.bySymbols) {
+    const auto symbols = in.bytes(in.remaining());
+    parameters.symbolTable.assign(symbols.begin(), symbols.end());
+    parameters.symbols = symbolsOfTable(symbols);
+  }
   return parameters;
 }
 
@@ -153,15 +171,25 @@ void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
   const float range = std::min(stream.valueMax / 2 - stream.valueMin / 2, kLargest / 4);
   const float low = coarse ? std::max(stream.valueMin, -kLargest / 2) - 2 * range : stream.valueMin;
   const float high = coarse ? std::min(stream.valueMax, kLargest / 2) + 2 * range : stream.valueMax;
-  for (float& value : values) {
+  const auto clamped = [=](float value) {
     const float least = low < value ? value : low;
-    value = high < least ? high : least;
+    return high < least ? high : least;
+  };
+  // By sixteens, which compilers make vectors of.
+  constexpr std::size_t kMany = 16;
+  std::size_t i = 0;
+  for (; i + kMany <= values.size(); i += kMany) {
+    float some[kMany];
+    for (std::size_t j = 0; j < kMany; ++j) some[j] = values[i + j];
+    for (float& value : some) value = clamped(value);
+    for (std::size_t j = 0; j < kMany; ++j) values[i + j] = some[j];
   }
+  for (; i < values.size(); ++i) values[i] = clamped(values[i]);
   if (support.empty() || coarse)
     return;
   const float outside = std::min(stream.valueMax, std::max(stream.valueMin, 0.0f));
   if (shape.channels == 1) {
-    for (std::size_t i = 0; i < voxels; ++i) values[i] = support[i] != 0 ? values[i] : outside;
+    for (std::size_t v = 0; v < voxels; ++v) values[v] = support[v] != 0 ? values[v] : outside;
   } else {
     for (std::size_t i = 0; i < voxels; ++i)
       for (std::size_t c = 0; c < 3; ++c)

@@ -15,6 +15,7 @@
 #include "volute/codec/color_transform.hpp"
 #include "volute/codec/contexts.hpp"
 #include "volute/codec/subbands.hpp"
+#include "volute/codec/symbol_tables.hpp"
 #include "volute/wavelet/shape_adaptive.hpp"
 
 // Codecs 2 and 3: what their readers and their writers share. docs/format.md, section 8.
@@ -57,6 +58,7 @@ struct WaveletParameters {
   /// What a quantised magnitude m stands for: one, for 1; m + more for greater ones. In 1/256.
   int one = 256, more = 0;
   double maxError = 0;                ///< > 0: corrections keep every voxel within it
+  bool extended = false;              ///< codec 3
   bool sparse = false;                ///< codec 3: blocks begin with their topology
   std::array<float, 3> background{};  ///< of what is empty
   /// What all voxels hold that are valued and not active, where that is one value: such voxels are
@@ -72,6 +74,11 @@ struct WaveletParameters {
   double coefficientBits = 6;
   std::vector<std::byte> table;  ///< contextTable()
   Contexts contexts = untrainedContexts();
+  /// Codec 3: cells are coded by symbols, from these tables, instead of by bits.
+  bool bySymbols = false;
+  std::vector<std::byte> symbolTable;  ///< volute::symbolTable()
+  std::vector<SymbolEnds> symbols{};   ///< what it says
+  SymbolPrices symbolPrices{};         ///< of them, for a writer
 
   /// The magnitude, in steps, that is shown for q.
   double shown(std::int32_t q) const {

@@ -62,7 +62,8 @@ RoundTrip roundTrip(const Block& block, const WaveletParameters& parameters,
   result.tiers =
       BlockEncoder(parameters, stream).encode(block.values, block.shape, {}, mode, training);
   const auto decoder =
-      openWaveletDecoder(kWaveletCodec, writeParameters(parameters, block.shape.channels), stream);
+      openWaveletDecoder(parameters.extended ? kSparseCodec : kWaveletCodec,
+                         writeParameters(parameters, block.shape.channels), stream);
   EXPECT_TRUE(decoder);
   result.decoded.resize(block.values.size());
   const auto status =
@@ -70,6 +71,16 @@ RoundTrip roundTrip(const Block& block, const WaveletParameters& parameters,
   EXPECT_TRUE(status) << status.error().message;
   result.mode = (*decoder)->describe(result.tiers, block.shape).value();
   return result;
+}
+
+// Of codec 3, with cells by symbols.
+WaveletParameters bySymbols(double step) {
+  WaveletParameters parameters;
+  parameters.step = step;
+  parameters.extended = parameters.bySymbols = true;
+  parameters.symbols = symbolsOfTable({});
+  parameters.symbolPrices = pricesOf(parameters.symbols);
+  return parameters;
 }
 
 double rmsBetween(std::span<const float> a, std::span<const float> b) {
@@ -93,6 +104,37 @@ TEST(WaveletCodec, EveryModeComesBackWithinItsStep) {
   }
 }
 
+TEST(WaveletCodec, EveryModeComesBackBySymbols) {
+  for (int channels : {1, 3}) {
+    const Block block = ball({16, 16, 16, 16}, channels, 1);
+    for (const BlockMode& mode : allBlockModes()) {
+      const auto result = roundTrip(block, bySymbols(0.02), mode);
+      EXPECT_EQ(result.mode, describe(mode));
+      EXPECT_LT(rmsBetween(block.values, result.decoded), 0.012) << describe(mode);
+    }
+  }
+}
+
+TEST(WaveletCodec, TablesOfSymbolsMakeBlocksSmaller) {
+  const Block block = ball({16, 16, 16, 16}, 1, 1);
+  WaveletParameters parameters = bySymbols(0.02);
+  Training training;
+  const BlockEncoder encoder(parameters, infoOf(block));
+  const auto bytes = [&] {
+    std::size_t sum = 0;
+    for (const auto& tier : encoder.encode(block.values, block.shape, {}, BlockMode{}, training))
+      sum += tier.size();
+    return static_cast<double>(sum);
+  };
+  const double guessed = bytes();
+  training.apply(parameters);
+  EXPECT_LT(bytes(), 0.97 * guessed);
+  const auto again = readParameters(kSparseCodec, writeParameters(parameters, 1), 1).value();
+  EXPECT_EQ(again.symbolTable, parameters.symbolTable);
+  for (unsigned i = 0; i < symbol::kCount; ++i)
+    ASSERT_EQ(again.symbols[i].ends, parameters.symbols[i].ends) << i;
+}
+
 TEST(WaveletCodec, ASupportIsExact) {
   const Block block = ball({16, 16, 16, 16}, 3, 2);
   WaveletParameters parameters;
@@ -111,7 +153,7 @@ RC_GTEST_PROP(WaveletCodec, AnyBlockInAnyModeComesBack, ()) {
   const Block block = ball({side(), side(), side(), side()}, *rc::gen::element(1, 3),
                            *rc::gen::arbitrary<unsigned>());
   const BlockMode mode = allBlockModes()[*rc::gen::inRange<std::size_t>(0, 24)];
-  WaveletParameters parameters;
+  WaveletParameters parameters = *rc::gen::arbitrary<bool>() ? bySymbols(1) : WaveletParameters();
   parameters.exponent = *rc::gen::inRange(-3, 4);
   parameters.step = 0.01 / parameters.unit();
   const auto result = roundTrip(block, parameters, mode);
@@ -123,13 +165,14 @@ TEST(WaveletCodec, CorrectionsKeepTheMaximumError) {
   const Block block = ball({7, 16, 11, 16}, 3, 3);
   for (double bound : {0.1, 0.01, 1e-4}) {
     for (double factor : {0.5, 2.0, 20.0}) {
-      WaveletParameters parameters;
-      parameters.step = factor * bound;
-      parameters.maxError = bound;
-      for (const BlockMode& mode : {BlockMode{}, BlockMode{true, Wavelet::kCdf53, 0}}) {
-        const auto result = roundTrip(block, parameters, mode);
-        for (std::size_t i = 0; i < block.values.size(); ++i)
-          ASSERT_LE(std::abs(static_cast<double>(block.values[i]) - result.decoded[i]), bound);
+      for (WaveletParameters parameters : {WaveletParameters(), bySymbols(1)}) {
+        parameters.step = factor * bound;
+        parameters.maxError = bound;
+        for (const BlockMode& mode : {BlockMode{}, BlockMode{true, Wavelet::kCdf53, 0}}) {
+          const auto result = roundTrip(block, parameters, mode);
+          for (std::size_t i = 0; i < block.values.size(); ++i)
+            ASSERT_LE(std::abs(static_cast<double>(block.values[i]) - result.decoded[i]), bound);
+        }
       }
     }
   }
@@ -182,14 +225,15 @@ TEST(WaveletCodec, HostileBytesGiveErrorsOrFiniteValues) {
   std::mt19937 random(11);
   for (int channels : {1, 3}) {
     const BlockShape shape{{16, 7, 16, 9}, channels};
-    WaveletParameters parameters;
-    parameters.step = 1e300;
-    parameters.maxError = 1e30;
-    const auto decoder =
-        openWaveletDecoder(kWaveletCodec, writeParameters(parameters, channels), {channels, -1, 1});
-    ASSERT_TRUE(decoder);
     std::vector<float> values(shape.values());
-    for (int round = 0; round < 100; ++round) {
+    for (int round = 0; round < 200; ++round) {
+      WaveletParameters parameters = round % 2 == 0 ? WaveletParameters() : bySymbols(1);
+      parameters.step = 1e300;
+      parameters.maxError = 1e30;
+      const auto decoder =
+          openWaveletDecoder(round % 2 == 0 ? kWaveletCodec : kSparseCodec,
+                             writeParameters(parameters, channels), {channels, -1, 1});
+      ASSERT_TRUE(decoder);
       std::vector<std::vector<std::byte>> tiers(1 + random() % 3);
       for (auto& tier : tiers) {
         tier.resize(random() % 4 == 0 ? 0 : random() % 4000);

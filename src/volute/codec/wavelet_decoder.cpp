@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
 #include "volute/base/assert.hpp"
 #include "volute/codec/block_codec.hpp"
 #include "volute/codec/block_syntax.hpp"
+#include "volute/codec/cell_field.hpp"
+#include "volute/codec/symbol_coder.hpp"
 #include "volute/codec/wavelet_codec.hpp"
 
 namespace volute {
@@ -16,10 +19,14 @@ namespace {
 struct ReadBits {
   AdaptiveBit* contexts;
   ArithmeticDecoder in;
+  bool shared = false;  ///< the end of the string is not of bits
 
   bool bit(unsigned context, bool) { return in.bit(contexts[context]); }
 
-  bool even(bool) { return in.even(); }
+  bool even(bool) {
+    AdaptiveBit half;
+    return shared ? in.bit(half) : in.even();
+  }
 };
 
 /// A reader for some bits in a row, whose state can stay in registers.
@@ -61,6 +68,8 @@ struct Scratch {
   std::vector<float> planes;
   std::vector<std::uint8_t> support;
   std::array<ComponentMemory, 3> memories;
+  std::array<ComponentFields, 3> fields;
+  std::vector<std::uint32_t> signs;  ///< where they belong
   BlockStates states;
 };
 
@@ -74,8 +83,18 @@ class BlockReading {
         planes_(scratch.planes),
         support_(scratch.support),
         memories_(scratch.memories),
+        fields_(scratch.fields),
+        signs_(scratch.signs),
         states_(scratch.states) {
-    contexts_ = parameters.contexts;
+    // Of contexts only what is used: copies of this size cost as much as decoding.
+    const Contexts& first = parameters.contexts;
+    contexts_.resize(first.size());
+    const auto copy = [&](unsigned begin, unsigned end) {
+      std::copy(first.begin() + begin, first.begin() + end, contexts_.begin() + begin);
+    };
+    copy(0, parameters.bySymbols ? context::kCell : context::kCount);
+    if (parameters.bySymbols)
+      copy(context::kCorrected, context::kCount);
     planes_.assign(shape.values(), 0);
     support_.clear();
     states_.clear();
@@ -102,6 +121,8 @@ class BlockReading {
   void readHead(ReadBits& bits);
   bool readTopology(ReadBits& bits);
   void readCells(ReadBits& bits, BlockWalk& walk, const TierStrides& strides);
+  bool readStart(ReadBits& bits, std::optional<BlockWalk>& walk);
+  void readSymbols(SymbolReader& reader, FieldWalk& walk, const TierStrides& strides, int least);
   void readScaling(ReadBits& bits, const BlockWalk& walk);
   void readCorrections(ReadBits& bits);
 
@@ -111,6 +132,8 @@ class BlockReading {
   std::vector<float>& planes_;
   std::vector<std::uint8_t>& support_;
   std::span<ComponentMemory> memories_;
+  std::span<ComponentFields> fields_;
+  std::vector<std::uint32_t>& signs_;
   BlockStates& states_;
   std::vector<Outlier> outliers_;
   bool coded_ = true, full_ = false;
@@ -182,6 +205,90 @@ void BlockReading::readCells(ReadBits& bits, BlockWalk& walk, const TierStrides&
              });
 }
 
+// The cells of a tier. Signs follow behind all of them.
+// @param least  the least stride that is wanted
+void BlockReading::readSymbols(SymbolReader& reader, FieldWalk& walk, const TierStrides& strides,
+                               int least) {
+  const Dequantiser dequantise(parameters_);
+  const SymbolEnds* tables = parameters_.symbols.data();
+  const unsigned mask = reader.lanes() - 1;
+  SymbolReader in = reader;
+  float shown[16][16];  // of each coefficient, by its symbol
+  float* plane = nullptr;
+  const bool wantsAll = least <= 0;
+  signs_.resize(planes_.size());
+  std::uint32_t* sign = signs_.data();
+  // What a coefficient is that has the greatest symbol.
+  const auto escape = [&](unsigned context, unsigned lane) -> std::int32_t {
+    int length = static_cast<int>(
+        in.symbol(tables[symbol::kLength + CellField::nearClassOf(context)], lane));
+    if (length == symbol::kEscape)
+      length += static_cast<int>(in.symbol(tables[symbol::kLonger], lane));
+    if (length >= kMaxBits) {
+      in.refuse();
+      length = 0;
+    }
+    std::uint32_t rest = 1;
+    if (length > 15)
+      rest = rest << (length - 15) | in.bits(length - 15, lane);
+    const int low = std::min(length, 15);
+    rest = rest << low | in.bits(low, lane);
+    return std::min(static_cast<std::int32_t>(rest), (1 << kMaxBits) - symbol::kEscape) +
+           symbol::kEscape - 1;
+  };
+  walk.cells(
+      strides,
+      [&](int c, const CellLevel& level) {
+        const bool wanted = wantsAll || level.stride >= least;
+        plane = planes_.data() + static_cast<std::size_t>(c) * shape_.voxels();
+        for (int k = 1; k < 16; ++k) {
+          for (int s = 0; s < 16; ++s)
+            shown[k][s] =
+                wanted && s > 0 ? dequantise(s, level.norm[static_cast<std::size_t>(k)]) : 0;
+        }
+      },
+      [&](int, const CellLevel& level, CellField& field, std::ptrdiff_t at, std::ptrdiff_t position,
+          std::uint16_t existing, unsigned context, const CellField::Entry* parent, unsigned x) {
+        if (in.symbol(tables[context], x & mask) == 0)
+          return;
+        std::uint16_t contexts[16];
+        field.contexts(at, parent, static_cast<unsigned>(level.stride), contexts);
+        alignas(16) std::uint8_t m[16] = {};
+        float* cell = plane + position;
+        const auto base = static_cast<std::uint32_t>(cell - planes_.data());
+        unsigned sum = 0;
+#pragma GCC unroll 15
+        for (unsigned i = 0; i < kCellOrder.size(); ++i) {
+          const unsigned k = kCellOrder[i];
+          if ((existing >> k & 1) == 0)
+            continue;
+          const unsigned own = contexts[k] + siblingStep(siblingSum(static_cast<int>(k), m));
+          const unsigned s = in.symbol(tables[own], i & mask);
+          float value = shown[k][s];
+          m[k] = static_cast<std::uint8_t>(s);
+          sum += s;
+          if (s == symbol::kEscape) [[unlikely]] {
+            const std::int32_t q = escape(own, i & mask);
+            m[k] = static_cast<std::uint8_t>(std::min(q, kRemembered));
+            sum += m[k] - s;
+            if (wantsAll || level.stride >= least)
+              value = dequantise(q, level.norm[k]);
+          }
+          const auto offset = static_cast<std::uint32_t>(level.offset[k]);
+          cell[offset] = value;
+          *sign = base + offset;
+          sign += s != 0 ? 1 : 0;
+        }
+        field.remember(at, m, sum);
+      });
+  const std::uint32_t* place = signs_.data();
+  in.signs(static_cast<std::size_t>(sign - place), [&](std::uint32_t negative) {
+    float& value = planes_[*place++];
+    value = std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) ^ negative << 31);
+  });
+  reader = in;
+}
+
 void BlockReading::readCorrections(ReadBits& bits) {
   if (!(parameters_.maxError > 0) || !bits.bit(context::kEnd, false))
     return;
@@ -189,39 +296,67 @@ void BlockReading::readCorrections(ReadBits& bits) {
   codeCorrections(bits, shape_, corrections_);
 }
 
+// What stands before the coefficients; false where it is malformed. A block of topology alone ends
+// with it.
+bool BlockReading::readStart(ReadBits& bits, std::optional<BlockWalk>& walk) {
+  if (parameters_.sparse) {
+    if (!readTopology(bits))
+      return false;
+    if (!coded_)
+      return true;
+  }
+  readHead(bits);
+  walk.emplace(shape_, mode_, support_, memories_);
+  readScaling(bits, *walk);
+  return true;
+}
+
 Status BlockReading::read(Tiers tiers, int levels) {
   std::optional<BlockWalk> walk;
+  std::optional<FieldWalk> fieldWalk;
+  const bool whole = levels >= shape_.levels();
   for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
-    const TierStrides strides = stridesOfTier(shape_, tier, levels);
+    // Symbols of a tier are read as one.
+    const TierStrides strides =
+        stridesOfTier(shape_, tier, parameters_.bySymbols ? shape_.levels() : levels);
+    const bool last = tier + 1 == kWaveletTiers.size();
     if (tiers[tier].empty()) {
       // Zeros, which the next tier's contexts see.
-      if (walk)
+      if (fieldWalk)
+        fieldWalk->cells(strides, [](auto&&...) {}, [](auto&&...) {});
+      else if (walk)
         walk->cells(strides, [](auto&&...) { return false; });
       continue;
     }
     // A block that has anything has it in tier 0, with the mode.
     if (tier > 0 && !walk)
       return malformed(tier);
-    ReadBits bits{contexts_.data(), ArithmeticDecoder(tiers[tier])};
-    if (strides.scaling && parameters_.sparse) {
-      if (!readTopology(bits))
+    ReadBits bits{contexts_.data(), ArithmeticDecoder(tiers[tier]), parameters_.bySymbols};
+    if (strides.scaling) {
+      if (!readStart(bits, walk))
         return malformed(tier);
       if (!coded_) {
         const bool alone = std::ranges::all_of(tiers.subspan(1), [](auto& t) { return t.empty(); });
         return alone && bits.in.usedAll() ? Status() : Status(malformed(tier));
       }
+      if (parameters_.bySymbols)
+        fieldWalk.emplace(shape_, mode_, support_, fields_);
     }
-    if (strides.scaling) {
-      readHead(bits);
-      walk.emplace(shape_, mode_, support_, memories_);
-      readScaling(bits, *walk);
-    }
-    readCells(bits, *walk, strides);
-    if (levels < shape_.levels())
+    if (!parameters_.bySymbols) {
+      readCells(bits, *walk, strides);
+      if (whole && last)
+        readCorrections(bits);
+      if (whole && !bits.in.usedAll())
+        return malformed(tier);
       continue;
-    if (tier + 1 == kWaveletTiers.size())
+    }
+    const bool hasBits = strides.scaling || (last && parameters_.maxError > 0);
+    if (last && whole)
       readCorrections(bits);
-    if (!bits.in.usedAll())
+    SymbolReader symbols(tiers[tier]);
+    readSymbols(symbols, *fieldWalk, strides, shape_.levels() - levels);
+    const bool usedAll = symbols.left() <= (hasBits ? bits.in.reached() : 0);
+    if (!symbols.good() || (!usedAll && (whole || !last)))
       return malformed(tier);
   }
   return {};
@@ -255,7 +390,8 @@ class WaveletDecoder final : public BlockDecoder {
     VOLUTE_ASSERT(values.size() == shape.values() && tiers.size() <= kWaveletTiers.size());
     const auto channels = static_cast<std::size_t>(shape.channels);
     if (std::ranges::all_of(tiers, [](const auto& tier) { return tier.empty(); })) {
-      const std::array<float, 3> empty = background();
+      const std::array<float, 3> empty =
+          parameters_.sparse ? background() : std::array{zero(), zero(), zero()};
       for (std::size_t i = 0; i < values.size(); ++i) values[i] = empty[i % channels];
       if (states)
         states->assign(shape.voxels(), VoxelState::kEmpty);
@@ -282,8 +418,10 @@ class WaveletDecoder final : public BlockDecoder {
     return {};
   }
 
+  bool hasTopology() const override { return parameters_.sparse; }
+
   std::array<float, 3> background() const override {
-    if (parameters_.sparse)
+    if (parameters_.extended)
       return parameters_.background;
     return {zero(), zero(), zero()};
   }
@@ -292,7 +430,7 @@ class WaveletDecoder final : public BlockDecoder {
     if (tiers.empty() || tiers[0].empty())
       return "empty";
     Contexts contexts = parameters_.contexts;
-    ReadBits bits{contexts.data(), ArithmeticDecoder(tiers[0])};
+    ReadBits bits{contexts.data(), ArithmeticDecoder(tiers[0]), parameters_.bySymbols};
     BlockMode mode;
     if (!parameters_.sparse) {
       codeMode(bits, mode);

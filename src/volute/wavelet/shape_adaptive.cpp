@@ -15,16 +15,15 @@ namespace volute::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// A few lines side by side, one in each lane. What lies beyond their ends is zero and not in the
-/// support. Never MulAdd: it rounds differently from CPU to CPU.
+/// A few lines side by side, one in each lane, without gaps. What lies beyond their ends is zero
+/// and not in the support. Never MulAdd: it rounds differently from CPU to CPU.
 template <class D, bool kShaped>
 struct Strip {
   using F = hn::Vec<D>;
   D d;
   const LiftingRows& rows;
-  std::size_t lane;
 
-  HWY_INLINE float* at(std::size_t i) const { return rows.samples + i * rows.stride + lane; }
+  HWY_INLINE float* at(std::size_t i) const { return rows.samples + i * rows.stride; }
 
   HWY_INLINE F get(std::size_t i) const {
     return i < rows.count ? hn::LoadU(d, at(i)) : hn::Zero(d);
@@ -34,7 +33,7 @@ struct Strip {
     if (i >= rows.count)
       return hn::Zero(d);
     if constexpr (kShaped)
-      return hn::LoadU(d, rows.support + i * rows.stride + lane);
+      return hn::LoadU(d, rows.support + i * rows.stride);
     else
       return hn::Set(d, 1.0f);
   }
@@ -97,8 +96,6 @@ struct Strip {
   }
 
   HWY_INLINE void lift(Wavelet wavelet, bool inverse) const {
-    if (empty())
-      return;
     const LiftingSteps steps_ = liftingSteps(wavelet);
     if (wavelet == Wavelet::kHaar) {
       haar(inverse ? 1 / kRootTwo : kRootTwo);
@@ -112,15 +109,38 @@ struct Strip {
   }
 };
 
+/// Lifts lines from `lane` on as long as they fill a vector. They are copied beside each other
+/// first: rows far apart, by powers of two, would push each other out of the cache.
+template <bool kShaped, class D>
+void liftStrips(D d, const LiftingRows& rows, Wavelet wavelet, bool inverse, std::size_t& lane) {
+  const std::size_t lanes = hn::Lanes(d);
+  HWY_ALIGN float samples[kLongestSide * hn::MaxLanes(d)];
+  HWY_ALIGN float support[kLongestSide * hn::MaxLanes(d)];
+  const LiftingRows near{samples, support, rows.count, lanes, lanes};
+  for (; lane + lanes <= rows.lines; lane += lanes) {
+    for (std::size_t i = 0; i < rows.count; ++i)
+      hn::Store(hn::LoadU(d, rows.samples + i * rows.stride + lane), d, samples + i * lanes);
+    const Strip<D, kShaped> strip{d, near};
+    if (strip.empty())
+      continue;
+    if constexpr (kShaped) {
+      for (std::size_t i = 0; i < rows.count; ++i)
+        hn::Store(hn::LoadU(d, rows.support + i * rows.stride + lane), d, support + i * lanes);
+    }
+    strip.lift(wavelet, inverse);
+    for (std::size_t i = 0; i < rows.count; ++i)
+      hn::StoreU(hn::Load(d, samples + i * lanes), d, rows.samples + i * rows.stride + lane);
+  }
+}
+
 template <bool kShaped>
 void liftLanes(const LiftingRows& rows, Wavelet wavelet, bool inverse) {
-  const hn::ScalableTag<float> wide;
-  const hn::CappedTag<float, 1> one;
   std::size_t lane = 0;
-  for (; lane + hn::Lanes(wide) <= rows.lines; lane += hn::Lanes(wide))
-    Strip<decltype(wide), kShaped>{wide, rows, lane}.lift(wavelet, inverse);
-  for (; lane < rows.lines; ++lane)
-    Strip<decltype(one), kShaped>{one, rows, lane}.lift(wavelet, inverse);
+  liftStrips<kShaped>(hn::ScalableTag<float>(), rows, wavelet, inverse, lane);
+  // What is left of a block at its coarse levels has short rows.
+  liftStrips<kShaped>(hn::CappedTag<float, 8>(), rows, wavelet, inverse, lane);
+  liftStrips<kShaped>(hn::CappedTag<float, 4>(), rows, wavelet, inverse, lane);
+  liftStrips<kShaped>(hn::CappedTag<float, 1>(), rows, wavelet, inverse, lane);
 }
 
 void LiftRows(const LiftingRows& rows, Wavelet wavelet, bool inverse) {
