@@ -154,7 +154,10 @@ TEST(Trajectories, AreReadAsPathfinderWritesThem) {
   EXPECT_THAT(walk.remarks(), Contains(HasSubstr("z is the floor there: eyes are 1.8 m above it")));
   EXPECT_THAT(walk.remarks(), Contains(HasSubstr("not used of its columns: v, distance")));
   EXPECT_EQ(Trajectories::parse(kText, "o.csv", {}, 1.2)->at(1)[0].eye[2], 4.2);
-  EXPECT_EQ(Trajectories::parse(kText, "o.csv", 2.5)->at(1)[0].eye[2], 2.5);
+  const auto level = Trajectories::parse(kText, "o.csv", 2.5).value();
+  EXPECT_EQ(level.at(1)[0].eye[2], 2.5);
+  EXPECT_THAT(level.remarks(),
+              Contains(HasSubstr("o.csv: its z is not used: all eyes are at z = 2.5 m")));
   // Without ids; time goes back for the first person.
   const auto named =
       Trajectories::parse("t,name,active,x,y,z\n2,Ann,1,1,2,0\n1,Bob,1,5,2,0\n1,Ann,1,3,2,0\n",

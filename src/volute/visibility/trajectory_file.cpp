@@ -86,6 +86,9 @@ class Walks {
           "two walks of one person become one",
           backAt_, back_ > 1 ? fmt::format(", and at {} lines more", back_ - 1) : std::string()));
     }
+    if (height_ && !std::isnan(*height_) && zIs != HeightOf::kNothing)
+      remarks.push_back(
+          fmt::format("{}: its z is not used: all eyes are at z = {:g} m", file_, *height_));
     if (height_ || zIs == HeightOf::kEyes)
       return remarks;
     remarks.push_back(fmt::format(

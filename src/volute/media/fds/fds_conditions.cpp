@@ -55,15 +55,18 @@ constexpr Stored kStored[] = {
     {"oxygen", "oxygen"},
 };
 
+constexpr std::string_view kFraction = "mol/mol";
+
 /// In which criteria have a quantity.
 std::string_view unitOf(std::string_view quantity) {
-  return quantity == "temperature" ? "C" : quantity == "radiant-flux" ? "kW/m2" : "mol/mol";
+  return quantity == "temperature" ? "C" : quantity == "radiant-flux" ? "kW/m2" : kFraction;
 }
 
 class FdsPoints final : public PointField {
  public:
-  FdsPoints(FdsCase fds, double factor, std::string_view quantity)
-      : case_(std::move(fds)), factor_(factor), quantity_(quantity) {}
+  /// `change` is from what is stored to what criteria mean, `factor` of the quantity after it.
+  FdsPoints(FdsCase fds, UnitChange change, double factor, std::string_view quantity)
+      : case_(std::move(fds)), change_(change), factor_(factor), quantity_(quantity) {}
 
   std::string description() const override {
     return fmt::format("{} ({}{})", quantity_, case_.source().name, factor_ == 1 ? "" : " / 4");
@@ -88,12 +91,21 @@ class FdsPoints final : public PointField {
         out[i] = b == nullptr ? now : (1 - share) * now + share * valueAt(*b, points[i]);
       }
     });
-    return {};
+    if (unitOf(quantity_) != kFraction)
+      return {};
+    constexpr double kMaxRounded = 1.01;
+    const auto many = std::ranges::find_if(out, [](double value) { return value > kMaxRounded; });
+    if (many == out.end())
+      return {};
+    return fail(ErrorCode::kInvalidData,
+                "{}: {} is {:.4g} mol/mol at {:g} s; expected a fraction of at most 1: the file is "
+                "damaged, or in another unit than it says",
+                case_.index().path.string(), case_.source().name, *many, time);
   }
 
  private:
   double valueAt(const FdsField& field, const Vec3& point) const {
-    return field.cellAt(point) == FdsCell::kGas ? factor_ * field.extinction(point)
+    return field.cellAt(point) == FdsCell::kGas ? factor_ * change_(field.extinction(point))
                                                 : std::numeric_limits<double>::quiet_NaN();
   }
 
@@ -117,10 +129,30 @@ class FdsPoints final : public PointField {
   }
 
   FdsCase case_;
+  UnitChange change_;
   double factor_;
   std::string quantity_;
   std::array<std::optional<std::pair<std::size_t, FdsField>>, 2> held_;
 };
+
+/// From the unit of a source's files, which is to be one, to another.
+Result<UnitChange> unitChangeOf(const SmvIndex& index, const FdsSource& source,
+                                std::string_view to) {
+  std::set<std::string> units;
+  for (const FdsSourcePart& part : source.parts) {
+    units.insert(source.kind == FdsFileKind::kPlot
+                     ? index.plots[part.entry].labels[source.plotVariable].unit
+                     : index.slices[part.entry].labels.unit);
+  }
+  const auto change = unitChange(*units.begin(), to);
+  if (units.size() == 1 && change)
+    return *change;
+  std::string stated;
+  for (const std::string& unit : units)
+    stated += fmt::format("{}'{}'", stated.empty() ? "" : " and ", printable(unit));
+  return fail(ErrorCode::kInvalidData, "{} is in {}; expected {}, or another unit of it",
+              source.name, stated, to);
+}
 
 std::string cellsText(const SmvIndex& index) {
   double least = std::numeric_limits<double>::infinity(), most = 0, count = 0;
@@ -156,13 +188,19 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
       continue;
     names += (names.empty() ? "" : " or ") + std::string(stored.fds);
     for (const FdsSource& source : findSources(index, stored.fds)) {
+      const auto change = unitChangeOf(index, source, unitOf(quantity));
+      if (!change) {
+        error = error.value_or(change.error());
+        continue;
+      }
       FdsOptions options;
       options.quantity = stored.fds;
       options.source = source.name;
       options.maxMemory = maxMemory;
       auto fds = FdsCase::open(index, options);
       if (fds)
-        sources.push_back(std::make_unique<FdsPoints>(std::move(*fds), stored.factor, quantity));
+        sources.push_back(
+            std::make_unique<FdsPoints>(std::move(*fds), *change, stored.factor, quantity));
       else if (!error)
         error = fds.error();
     }
@@ -337,7 +375,8 @@ CaseFacts fdsFacts(const SmvIndex& index) {
           "{} of {} devices have no column in the table of devices: '{}'{}", missing.size(),
           index.devices.size(), missing.front(), missing.size() > 1 ? " and others" : ""));
     }
-    std::vector<std::string> unread;
+    std::vector<std::string> unread, unnamed;
+    DeviceUnits units(index);
     for (const FdsDevice& device : index.devices) {
       const auto curve = std::ranges::find(facts.devices, device.label, &FactCurve::name);
       const std::string measured = measuredBy(index, device);
@@ -347,8 +386,17 @@ CaseFacts fdsFacts(const SmvIndex& index) {
       });
       if (curve == facts.devices.end() || stored == std::end(kStored))
         continue;
-      if (const std::string why = misfit(*curve, unitOf(stored->name)); !why.empty())
+      if (const std::string why = units.misfit(*curve, unitOf(stored->name)); !why.empty())
         unread.push_back(fmt::format("'{}' ({} {})", device.label, measured, why));
+      else if (curve->unit.empty())
+        unnamed.push_back(fmt::format("'{}' in {}", device.label, unitOf(stored->name)));
+    }
+    if (!unnamed.empty()) {
+      facts.remarks.push_back(
+          fmt::format("{} of {} devices have columns without a unit, which are taken in the unit "
+                      "that FDS writes: {}{}",
+                      unnamed.size(), index.devices.size(), printable(unnamed.front()),
+                      unnamed.size() > 1 ? " and others" : ""));
     }
     if (!unread.empty()) {
       facts.remarks.push_back(

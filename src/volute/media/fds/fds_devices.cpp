@@ -57,8 +57,10 @@ std::string namesOf(const std::set<std::string>& names) {
 /// Reads one table.
 class CurveReader {
  public:
-  CurveReader(const std::filesystem::path& path, FdsCurves& found)
-      : path_(path.string()), found_(found) {}
+  /// `spans` are those of the names of earlier tables, and of this one afterwards.
+  CurveReader(const std::filesystem::path& path, FdsCurves& found,
+              std::map<std::string, StoredSpan>& spans)
+      : path_(path.string()), found_(found), spans_(spans) {}
 
   Status read(const WantedCurve& wanted) {
     VOLUTE_ASSIGN(auto lines, TextLines::open(path_, kLongestLine));
@@ -113,11 +115,10 @@ class CurveReader {
       columns_.push_back(i);
     }
     if (!twice.empty()) {
-      found_.remarks.push_back(
-          fmt::format("{}: several columns have one name, so that it is not known which device is "
-                      "which: {} are "
-                      "left out",
-                      path_, namesOf(twice)));
+      leftOut(
+          "several columns have one name, so that it is not known which device is which: {} are "
+          "left out",
+          namesOf(twice));
     }
   }
 
@@ -169,26 +170,41 @@ class CurveReader {
 
   void finish() {
     if (badCells_ > 0) {
-      found_.remarks.push_back(
-          fmt::format("{}: {} cells hold no number and are left out (line {} is the first): of {}",
-                      path_, badCells_, firstBad_, namesOf(bad_)));
+      leftOut("{} cells hold no number and are left out (line {} is the first): of {}", badCells_,
+              firstBad_, namesOf(bad_));
     }
     if (badTimes_ > 0)
-      found_.remarks.push_back(
-          fmt::format("{}: {} lines without a time are left out", path_, badTimes_));
+      leftOut("{} lines without a time are left out", badTimes_);
     if (restarts_ > 0) {
-      found_.remarks.push_back(
-          fmt::format("{}: times go back ({}{}): FDS was started again, and the later lines count",
-                      path_, firstRestart_, restarts_ > 1 ? ", and again" : ""));
+      leftOut("times go back ({}{}): FDS was started again, and the later lines count",
+              firstRestart_, restarts_ > 1 ? ", and again" : "");
     }
     std::erase_if(curves_, [](const FactCurve& curve) { return curve.times.empty(); });
+    std::set<std::string> again;
+    for (const FactCurve& curve : curves_) {
+      const StoredSpan own{curve.times.front(), curve.times.back()};
+      const auto [other, isNew] = spans_.emplace(curve.name, own);
+      if (!isNew && other->second.from < own.until && own.from < other->second.until)
+        again.insert(curve.name);
+    }
+    if (!again.empty()) {
+      leftOut("an earlier table has values at the same times, of which the worse count: of {}",
+              namesOf(again));
+    }
     std::ranges::move(curves_, std::back_inserter(found_.curves));
+  }
+
+  template <class... Arguments>
+  void leftOut(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
+    found_.remarks.push_back(path_ + ": " +
+                             fmt::format(text, std::forward<Arguments>(arguments)...));
   }
 
   std::string path_;
   char separator_ = ',';
   UnitChange seconds_;
   FdsCurves& found_;
+  std::map<std::string, StoredSpan>& spans_;
   std::vector<FactCurve> curves_;
   std::vector<std::size_t> columns_;  // of each curve
   double last_ = -std::numeric_limits<double>::infinity();
@@ -303,27 +319,52 @@ std::string measuredBy(const SmvIndex& index, const FdsDevice& device) {
   return quantityOf(device, saidOf(index, device));
 }
 
-std::string misfit(const FactCurve& curve, std::string_view unit) {
+std::string DeviceUnits::misfit(const FactCurve& curve, std::string_view unit) {
   constexpr double kMaxRounded = 1.01;  // of a fraction
+  constexpr double kNoRoom = 200;       // [degrees C] from the first time on
   const auto change = unitChange(curve.unit.empty() ? unit : curve.unit, unit);
   if (!change)
     return fmt::format("in '{}'", printable(curve.unit));
-  if (unit != "mol/mol" || curve.values.empty())
+  if (curve.values.empty())
+    return "";
+  if (unit == "C" && curve.unit.empty()) {
+    const double least = std::ranges::min(curve.values);
+    return least < kNoRoom ? "" : fmt::format("never below {:.4g} without a unit: in K?", least);
+  }
+  if (unit != "mol/mol")
     return "";
   const double most = std::ranges::max(curve.values);
-  if ((*change)(most) <= kMaxRounded)
+  if ((*change)(most) > kMaxRounded) {
+    const std::string stated =
+        curve.unit.empty() ? "without a unit" : fmt::format("in '{}'", printable(curve.unit));
+    return fmt::format("up to {:.4g} {}, where a fraction is at most 1: in {}?", most, stated,
+                       most <= 100 ? "%" : "ppm");
+  }
+  if (!curve.unit.empty())
     return "";
-  const std::string stated =
-      curve.unit.empty() ? "without a unit" : fmt::format("in '{}'", printable(curve.unit));
-  return fmt::format("up to {:.4g} {}, where a fraction is at most 1: in {}?", most, stated,
-                     most <= 100 ? "%" : "ppm");
+  if (!unnamed_) {
+    unnamed_ = "";
+    const auto all = readCurves(index_, "devc", [&](const auto& name, const auto& columnUnit) {
+      const auto device = std::ranges::find(index_.devices, name, &FdsDevice::label);
+      return columnUnit.empty() && device != index_.devices.end() &&
+             measuredBy(index_, *device).ends_with("VOLUME FRACTION");
+    });
+    for (const FactCurve& one : all ? all->curves : std::vector<FactCurve>()) {
+      if (std::ranges::max(one.values) > kMaxRounded) {
+        unnamed_ = fmt::format("without a unit, as '{}', which is up to {:.4g}: in % or ppm?",
+                               printable(one.name), std::ranges::max(one.values));
+      }
+    }
+  }
+  return *unnamed_;
 }
 
 Result<FdsCurves> readCurves(const SmvIndex& index, std::string_view kind,
                              const WantedCurve& wanted) {
   FdsCurves found;
+  std::map<std::string, StoredSpan> spans;
   for (const std::filesystem::path& path : tablesOf(index, kind))
-    VOLUTE_TRY(CurveReader(path, found).read(wanted));
+    VOLUTE_TRY(CurveReader(path, found, spans).read(wanted));
   return found;
 }
 
@@ -373,8 +414,9 @@ Result<std::unique_ptr<PointField>> fdsDevicePoints(const SmvIndex& index,
     if (std::ranges::find(read->curves, label, &FactCurve::name) == read->curves.end())
       left.insert(label + " (no column of that name)");
   }
+  DeviceUnits units(index);
   for (FactCurve& curve : read->curves) {
-    if (const std::string why = misfit(curve, unit); !why.empty()) {
+    if (const std::string why = units.misfit(curve, unit); !why.empty()) {
       left.insert(fmt::format("{} ({})", curve.name, why));
       continue;
     }

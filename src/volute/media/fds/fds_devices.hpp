@@ -27,7 +27,8 @@ struct FdsCurves {
 
 /// The wanted columns of the case's tables of that kind ("devc", "hrr"), as the index names them,
 /// else CHID_kind.csv. Where FDS was started again and times go back, the later lines count. A name
-/// that two columns have is nobody's. kNotFound where there is no such file.
+/// that two columns have is nobody's; of one that two tables have there are two curves. kNotFound
+/// where there is no such file.
 [[nodiscard]] Result<FdsCurves> readCurves(const SmvIndex& index, std::string_view kind,
                                            const WantedCurve& wanted);
 
@@ -41,9 +42,21 @@ struct FdsQuantity {
 /// "OXYGEN VOLUME FRACTION".
 [[nodiscard]] std::string measuredBy(const SmvIndex& index, const FdsDevice& device);
 
-/// Why a column is no quantity with that unit: "in 'kg/kg'", "up to 20.9 mol/mol, which is at most
-/// 1: in %?"; empty where it is.
-[[nodiscard]] std::string misfit(const FactCurve& curve, std::string_view unit);
+/// Whether columns are quantities with a unit. One that names none is taken as it should be, unless
+/// its values, or for fractions those of another of the case's devices without a unit, speak
+/// against it.
+class DeviceUnits {
+ public:
+  explicit DeviceUnits(const SmvIndex& index) : index_(index) {}
+
+  /// Why it is not: "in 'kg/kg'", "up to 20.9 mol/mol, where a fraction is at most 1: in %?"; empty
+  /// where it is.
+  [[nodiscard]] std::string misfit(const FactCurve& curve, std::string_view unit);
+
+ private:
+  const SmvIndex& index_;
+  std::optional<std::string> unnamed_;  // what speaks against fractions without a unit, when asked
+};
 
 /// What devices say within 0.3 m of each, of several at one place the largest; null where there are
 /// none with columns. A device has the quantity and species that the input file says, else those

@@ -15,6 +15,11 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
+/// Remarks of which one has this text.
+auto tells(const std::string& text) {
+  return Contains(HasSubstr(text));
+}
+
 /// A case of one mesh with devices at x = 1, 2, 3 ... m.
 class FdsDevices : public ::testing::Test {
  protected:
@@ -91,10 +96,9 @@ TEST_F(FdsDevices, ABadCellIsThatCellAlone) {
   EXPECT_NEAR(valueAt(*field, 5, 2), 10, 1e-12) << "between its numbers";
   EXPECT_NEAR(valueAt(*field, 10, 2), 0, 1e-12);
   EXPECT_NEAR(valueAt(*field, 5, 3), 30, 1e-9);
-  EXPECT_THAT(
-      fdsFacts(index).remarks,
-      Contains(HasSubstr("2 cells hold no number and are left out (line 3 is the first): of "
-                         "T1, T2")));
+  EXPECT_THAT(fdsFacts(index).remarks,
+              tells("2 cells hold no number and are left out (line 3 is the first): of "
+                    "T1, T2"));
 }
 
 TEST_F(FdsDevices, NamesAreLatin1OrUtf8) {
@@ -112,8 +116,7 @@ TEST_F(FdsDevices, ARestartReplacesWhatCameBefore) {
   auto field = fdsConditions(index, "temperature", 1 << 20).value();
   EXPECT_THAT(field->times(), ElementsAre(0, 5, 9));
   EXPECT_EQ(valueAt(*field, 5, 1), 25);
-  EXPECT_THAT(fdsFacts(index).remarks,
-              Contains(HasSubstr("times go back (line 6, from 10 to 5 s)")));
+  EXPECT_THAT(fdsFacts(index).remarks, tells("times go back (line 6, from 10 to 5 s)"));
 }
 
 TEST_F(FdsDevices, TheFirstColumnIsTimeInItsUnit) {
@@ -124,9 +127,9 @@ TEST_F(FdsDevices, TheFirstColumnIsTimeInItsUnit) {
   EXPECT_THAT(field->times(), ElementsAre(0, 60));
   EXPECT_THAT(field->description(), HasSubstr("T2 (no column of that name)"));
   EXPECT_THAT(fdsFacts(read("C,s\n\"T1\",Time\n20,0\n")).remarks,
-              Contains(HasSubstr("its first column is 'T1'; expected Time")));
+              tells("its first column is 'T1'; expected Time"));
   EXPECT_THAT(fdsFacts(read("fortnight,C\nTime,\"T1\"\n20,0\n")).remarks,
-              Contains(HasSubstr("its times are in 'fortnight'; expected s")));
+              tells("its times are in 'fortnight'; expected s"));
 }
 
 TEST_F(FdsDevices, WhatIsNoValueAtAPointIsLeftOutAndNamed) {
@@ -142,7 +145,7 @@ TEST_F(FdsDevices, WhatIsNoValueAtAPointIsLeftOutAndNamed) {
   EXPECT_THAT(field->description(), HasSubstr("mean (MEAN)"));
   EXPECT_THAT(field->description(), HasSubstr("scaled (CONVERSION_FACTOR without UNITS)"));
   EXPECT_THAT(field->description(), HasSubstr("odd (in 'furlong')"));
-  EXPECT_THAT(fdsFacts(index).remarks, Contains(HasSubstr("several columns have one name")));
+  EXPECT_THAT(fdsFacts(index).remarks, tells("several columns have one name"));
 }
 
 TEST_F(FdsDevices, OfSeveralAtOnePlaceTheWorstCounts) {
@@ -170,9 +173,81 @@ TEST_F(FdsDevices, AColumnInAnUnknownUnitIsTold) {
   device("V", "VELOCITY");
   const auto facts =
       fdsFacts(read("s,furlong,C,knot\nTime,\"T1\",\"T2\",\"V\"\n0,20,20,1\n10,50,60,1\n"));
-  EXPECT_THAT(facts.remarks, Contains(HasSubstr("1 of 3 devices are left out, because their column "
-                                                "is in no unit of what they measure: 'T1' "
-                                                "(TEMPERATURE in 'furlong')")));
+  EXPECT_THAT(facts.remarks, tells("1 of 3 devices are left out, because their column "
+                                   "is in no unit of what they measure: 'T1' "
+                                   "(TEMPERATURE in 'furlong')"));
+}
+
+TEST_F(FdsDevices, AColumnWithoutAUnitIsTakenAsFdsWritesItAndTold) {
+  const std::string input =
+      "&DEVC ID='CO', QUANTITY='VOLUME FRACTION', SPEC_ID='CARBON MONOXIDE' /\n"
+      "&DEVC ID='O', QUANTITY='VOLUME FRACTION', SPEC_ID='OXYGEN' /\n";
+  device("CO", "VOLUME FRACTION");
+  device("O", "VOLUME FRACTION");
+  device("T", "TEMPERATURE");
+  const auto index = read("s,,,\nTime,\"CO\",\"O\",\"T\"\n0,0,0.2,20\n10,0.3,0.1,90\n", input);
+  EXPECT_EQ(valueAt(*fdsConditions(index, "carbon-monoxide", 1 << 20).value(), 10, 1), 0.3);
+  EXPECT_EQ(valueAt(*fdsConditions(index, "temperature", 1 << 20).value(), 10, 3), 90);
+  EXPECT_THAT(fdsFacts(index).remarks,
+              tells("3 of 3 devices have columns without a unit, which are taken in the unit that "
+                    "FDS writes: 'CO' in mol/mol and others"));
+
+  const auto percent = read("s,,,\nTime,\"CO\",\"O\",\"T\"\n0,0,20.9,293\n10,0.3,10,350\n", input);
+  EXPECT_THAT(fdsConditions(percent, "carbon-monoxide", 1 << 20).error().message,
+              HasSubstr("CO (without a unit, as 'O', which is up to 20.9: in % or ppm?)"));
+  EXPECT_THAT(fdsConditions(percent, "temperature", 1 << 20).error().message,
+              HasSubstr("T (never below 293 without a unit: in K?)"));
+  EXPECT_THAT(fdsFacts(percent).remarks, tells("3 of 3 devices are left out"));
+}
+
+TEST_F(FdsDevices, OfTwoTablesOfOneDeviceTheWorseCountsAndItIsTold) {
+  device("T", "TEMPERATURE");
+  index_.files += "CSVF\n devc\n made_devc.csv\nCSVF\n devc\n made_2_devc.csv\n";
+  fdswriter::saveText(folder_ / "made_2_devc.csv", "s,C\nTime,\"T\"\n5,60\n15,60\n");
+  const auto index = read("s,C\nTime,\"T\"\n0,20\n10,20\n");
+  const auto field = fdsConditions(index, "temperature", 1 << 20).value();
+  EXPECT_EQ(valueAt(*field, 2, 1), 20);
+  EXPECT_EQ(valueAt(*field, 7, 1), 60);
+  EXPECT_EQ(valueAt(*field, 15, 1), 60);
+  EXPECT_THAT(fdsFacts(index).remarks,
+              tells("made_2_devc.csv: an earlier table has values at the same times, of which the "
+                    "worse count: of T"));
+  fdswriter::saveText(folder_ / "made_2_devc.csv", "s,C\nTime,\"T\"\n10,60\n15,60\n");
+  EXPECT_TRUE(fdsFacts(index).remarks.empty()) << "one after the other, as after a restart";
+}
+
+TEST_F(FdsDevices, SlicesAreReadInTheirUnit) {
+  const struct {
+    const char* unit;
+    double stored, value;
+  } right[] = {{"C", 80, 80}, {"K", 353.15, 80}, {"F", 176, 80}};
+
+  fdswriter::Slice slice{{0, 1, 0, 1, 0, 1}, "TEMPERATURE", "temp", "C"};
+  const auto conditions = [&](double value, const char* quantity) {
+    fdswriter::sliceFile(slice, {{0, std::vector<float>(8, static_cast<float>(value))}})
+        .save(folder_ / "t.sf");
+    index_.files.clear();
+    index_.slice(1, slice, "t.sf", false);
+    return fdsConditions(read(""), quantity, 1 << 20);
+  };
+  for (const auto& one : right) {
+    slice.unit = one.unit;
+    EXPECT_NEAR(valueAt(*conditions(one.stored, "temperature").value(), 0, 1), one.value, 1e-4);
+  }
+  slice.unit = "";
+  EXPECT_THAT(conditions(80, "temperature").error().message,
+              HasSubstr("slice3d-temperature is in ''; expected C"));
+  slice.quantity = "CARBON MONOXIDE VOLUME FRACTION";
+  slice.unit = "ppm";
+  EXPECT_NEAR(valueAt(*conditions(1200, "carbon-monoxide").value(), 0, 1), 0.0012, 1e-9);
+  slice.unit = "kg/kg";
+  EXPECT_THAT(conditions(0.2, "carbon-monoxide").error().message, HasSubstr("is in 'kg/kg'"));
+  slice.unit = "mol/mol";
+  auto percent = conditions(20.9, "carbon-monoxide").value();
+  double value = 0;
+  const Vec3 point(1, 0.5, 0.5);
+  EXPECT_THAT(percent->at(0, {&point, 1}, {&value, 1}).error().message,
+              HasSubstr("is 20.9 mol/mol at 0 s; expected a fraction of at most 1"));
 }
 
 TEST_F(FdsDevices, AFractionAboveOneIsNotUsed) {
@@ -193,7 +268,7 @@ TEST_F(FdsDevices, AFractionAboveOneIsNotUsed) {
     const auto field = fdsConditions(index, "oxygen", 1 << 20);
     ASSERT_FALSE(field) << one.unit;
     EXPECT_THAT(field.error().message, HasSubstr(one.says));
-    EXPECT_THAT(fdsFacts(index).remarks, Contains(HasSubstr(one.says)));
+    EXPECT_THAT(fdsFacts(index).remarks, tells(one.says));
   }
   for (const char* right : {"s,%\nTime,\"O\"\n0,20.9\n", "s,\nTime,\"O\"\n0,1.0001\n"}) {
     const auto field = fdsConditions(read(right, input.c_str()), "oxygen", 1 << 20);
