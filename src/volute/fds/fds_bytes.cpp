@@ -12,12 +12,6 @@
 // What the bytes and words of a case stand for.
 
 namespace volute {
-namespace {
-
-constexpr double kHalfWord = 1.0;  // steps of .s16: how FDS rounds is not known
-
-}  // namespace
-
 /// What bytes of .s3d stand for.
 Status FdsCase::findBytes() {
   if (source().kind != FdsFileKind::kSmoke)
@@ -262,6 +256,8 @@ Result<SmokeScale> FdsCase::scaleOf(const Part& part, std::size_t frame) const {
     scale.cellLength = part.cellLength;
   } else if (kind == FdsFileKind::kSmoke || kind == FdsFileKind::kSmokeDensity) {
     scale.bytes = SmokeScale::Bytes::kDensity;
+    if (kind == FdsFileKind::kSmokeDensity)
+      scale.rounding = SmokeScale::Rounding::kNearest;
     const double time = part.file->frames().times[frame];
     const std::size_t column = kind == FdsFileKind::kSmokeDensity ? 4 : 2;
     const auto row = std::ranges::find_if(part.sizeRows, [&](const FdsSizeRow& one) {
@@ -276,8 +272,7 @@ Result<SmokeScale> FdsCase::scaleOf(const Part& part, std::size_t frame) const {
     }
     scale.largestDensity = row->columns[column];
   } else if (kind == FdsFileKind::kSmoke16) {
-    VOLUTE_ASSIGN(const double step, static_cast<const FdsSmoke16File&>(*part.file).step(frame));
-    scale.step = kHalfWord * step;
+    VOLUTE_ASSIGN(scale.step, static_cast<const FdsSmoke16File&>(*part.file).step(frame));
   }
   return scale;
 }

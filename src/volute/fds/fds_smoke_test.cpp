@@ -106,8 +106,9 @@ void saveSmoke(const Folder& folder, const Cells& cells, const Indices& solid, W
   for (const double one : k) density.push_back(one / kKm);
   const double densest = *std::max_element(density.begin(), density.end());
   std::vector<std::uint8_t> densityBytes;
+  const bool rounded = writing == Writing::kOpacityAndDensity;  // by FDS, else cut off here
   for (const double one : density)
-    densityBytes.push_back(static_cast<std::uint8_t>(254 * one / densest));
+    densityBytes.push_back(static_cast<std::uint8_t>(254 * one / densest + (rounded ? 0.5 : 0)));
   const std::vector<std::uint8_t> zeros(k.size(), 0);
   const auto opacity = opacityBytes(k, dx);
   const auto& bytes = writing == Writing::kDensity ? densityBytes : opacity;
@@ -182,6 +183,16 @@ RC_GTEST_PROP(FdsSmoke, theTrueDepthLiesWithinTheBand, ()) {
     RC_ASSERT(depth.low <= expected * (1 + 1e-6));
     RC_ASSERT(depth.high >= expected * (1 - 1e-6));
   }
+}
+
+TEST(FdsSmoke, clearAirInWordsIsClear) {
+  const Folder folder;
+  const Indices solid{1, 3, 1, 3, 0, 2};
+  saveSmoke(folder, randomCells(kFirst, solid, 3, 5), solid, Writing::kWords);
+  FdsCase read = opened(folder / "made.smv");
+  const FdsDepth depth = depthOf(fieldAt(read, 0), between({0.1, 0.1, 0.5}, {0.9, 0.1, 0.5}));
+  EXPECT_EQ(depth.value, 0);
+  EXPECT_EQ(depth.high, 0);
 }
 
 TEST(FdsSmoke, aSignOnAWallIsSeenThroughTheSmokeThatIsThere) {

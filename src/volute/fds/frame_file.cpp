@@ -194,6 +194,16 @@ Status FdsSmokeFile::readFrame(std::size_t frame, std::span<float> out) const {
   return {};
 }
 
+namespace {
+
+/// Of words, which FDS cuts off. Where all values of a frame are one, it writes a range of 1 and
+/// words of 0, which are exact.
+double stepOf(float least, float most) {
+  return most == least + 1.0F ? 0 : (static_cast<double>(most) - least) / 65535;
+}
+
+}  // namespace
+
 Result<FdsSmoke16File> FdsSmoke16File::open(const std::filesystem::path& path,
                                             const FdsMesh& mesh) {
   VOLUTE_ASSIGN(auto file, FortranFile::open(path));
@@ -238,7 +248,7 @@ Status FdsSmoke16File::readFrame(std::size_t frame, std::span<float> out) const 
   VOLUTE_ASSIGN(const FrameHead head, readHead(offset, frameName("range", frame)));
   std::vector<std::uint8_t> bytes(2 * values_);
   VOLUTE_TRY(file_.readInto(offset, std::span(bytes), frameName("values", frame)));
-  const double step = (static_cast<double>(head.most) - head.least) / 65535;
+  const double step = stepOf(head.least, head.most);
   for (std::size_t i = 0; i < values_; ++i) {
     const int stored = 256 * bytes[2 * i] + bytes[2 * i + 1];
     out[i] = static_cast<float>(head.least + step * stored);
@@ -250,7 +260,7 @@ Result<double> FdsSmoke16File::step(std::size_t frame) const {
   std::uint64_t offset = frames_.offsets[frame];
   VOLUTE_TRY(readTime(file_, offset, frame));
   VOLUTE_ASSIGN(const FrameHead head, readHead(offset, frameName("range", frame)));
-  return (static_cast<double>(head.most) - head.least) / 65535;
+  return stepOf(head.least, head.most);
 }
 
 Result<FdsPlotFiles> FdsPlotFiles::open(std::vector<FdsPlotEntry> entries, int variable,

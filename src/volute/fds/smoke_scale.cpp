@@ -10,9 +10,10 @@ namespace volute {
 namespace {
 
 constexpr double kLargestByte = 254;
-constexpr double kSlack = 1e-4;  // of a byte: FDS may compute in single precision
-constexpr double kFloat = 1e-6;  // what rounding to float may take from a band, relative
-constexpr double kNoise = 1e-4;  // [1/m]; what is more negative is no extinction
+constexpr double kSlack = 1e-4;      // of a byte: FDS may compute in single precision
+constexpr double kWordSlack = 0.02;  // of a 16-bit step, for the same reason
+constexpr double kFloat = 1e-6;      // what rounding to float may take from a band, relative
+constexpr double kNoise = 1e-4;      // [1/m]; what is more negative is no extinction
 
 SmokeBand widened(double value, double low, double high) {
   return {static_cast<float>(value), static_cast<float>(std::max(0.0, low) * (1 - kFloat)),
@@ -41,7 +42,8 @@ SmokeBand SmokeScale::band(float stored) const {
   }
   if (bytes == Bytes::kDensity) {
     const double perByte = massExtinction * largestDensity / kLargestByte;
-    const double most = std::min(stored + 1.0, kLargestByte);
+    const double above = rounding == Rounding::kNearest ? 0.5 : 1.0;
+    const double most = std::min(stored + above, kLargestByte);
     return widened(stored * perByte, (stored - 0.5) * perByte, most * perByte);
   }
   if (bytes == Bytes::kHeat) {
@@ -82,9 +84,10 @@ SmokeBand SmokeScale::band(float stored) const {
     case SmokeQuantity::kSootDensity: {
       if (massExtinction * stored < -kNoise)
         return {kNan, kNan, kNan};
-      const double least = std::max(0.0, massExtinction * (stored - step));
-      const double value = std::max(0.0, massExtinction * stored);
-      return widened(value, least, massExtinction * (stored + step));
+      const double slack = kWordSlack * step;
+      const double middle = stored > 0 ? massExtinction * (stored + 0.5 * step) : 0;
+      return widened(middle, massExtinction * (stored - slack),
+                     std::max(middle, massExtinction * (stored + step + slack)));
     }
     default: {
       if (stored < -kNoise)
