@@ -112,7 +112,9 @@ Records smoke16File(std::array<int, 3> cells,
   file.split = split;
   for (const auto& [time, values] : frames) {
     const float least = static_cast<float>(*std::min_element(values.begin(), values.end()));
-    const float most = static_cast<float>(*std::max_element(values.begin(), values.end()));
+    float most = static_cast<float>(*std::max_element(values.begin(), values.end()));
+    if (most == least)
+      most = least + 1;
     std::vector<std::uint8_t> head;
     const auto count = static_cast<std::int32_t>(values.size());
     append(head, &count, 4);
@@ -121,10 +123,10 @@ Records smoke16File(std::array<int, 3> cells,
     append(head, &most, 4);
     std::vector<std::uint8_t> words;
     for (const double value : values) {
-      const double share = most > least ? (value - least) / (static_cast<double>(most) - least) : 0;
-      const auto word = static_cast<unsigned>(std::lround(std::clamp(share, 0.0, 1.0) * 65535));
-      words.push_back(static_cast<std::uint8_t>(word >> 8));
-      words.push_back(static_cast<std::uint8_t>(word & 255));
+      const float word = 65535 * (static_cast<float>(value) - least) / (most - least);
+      const auto cut = static_cast<unsigned>(std::clamp(word, 0.0F, 65535.0F));
+      words.push_back(static_cast<std::uint8_t>(cut >> 8));
+      words.push_back(static_cast<std::uint8_t>(cut & 255));
     }
     file.time(time);
     file.values(head);
@@ -133,6 +135,39 @@ Records smoke16File(std::array<int, 3> cells,
     file.values(words);
   }
   return file;
+}
+
+Records geometryFile(const std::vector<float>& vertices, const std::vector<std::int32_t>& corners,
+                     const std::vector<std::int32_t>& surfaces) {
+  using Words = std::vector<std::int32_t>;
+  Records file;
+  file.values(Words{1}, true);
+  file.values(Words{2}, true);
+  file.values(Words{0, 0, 1}, true);
+  file.time(0);
+  file.values(Words{static_cast<std::int32_t>(vertices.size() / 3),
+                    static_cast<std::int32_t>(surfaces.size()), 0});
+  if (!vertices.empty())
+    file.values(vertices);
+  if (!surfaces.empty()) {
+    file.values(corners);
+    file.values(surfaces);
+    file.values(std::vector<float>(6 * surfaces.size(), 0));
+  }
+  file.time(0);
+  file.values(Words{0, 0, 0});
+  return file;
+}
+
+Records boxGeometry(std::array<float, 3> min, std::array<float, 3> max, std::int32_t surface) {
+  std::vector<float> vertices;
+  for (int i = 0; i < 8; ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      vertices.push_back((i >> axis & 1) != 0 ? max[axis] : min[axis]);
+  }
+  return geometryFile(vertices, {1, 5, 7, 1, 7, 3, 2, 4, 8, 2, 8, 6, 1, 2, 6, 1, 6, 5,
+                                 3, 7, 8, 3, 8, 4, 1, 3, 4, 1, 4, 2, 5, 6, 8, 5, 8, 7},
+                      std::vector<std::int32_t>(12, surface));
 }
 
 Records isoFile(const std::vector<float>& levels, const std::vector<Triangles>& frames,
@@ -235,9 +270,12 @@ void Index::event(const std::string& keyword, int mesh, int number, double time)
 
 std::string Index::text() const {
   std::string out = fmt::format(
-      "TITLE\n made for a test\n\nFDSVERSION\n{}\n\nCHID\n made\n\nNMESHES\n {}\n\nALBEDO\n 0.3\n\n"
+      "TITLE\n {}\n\nFDSVERSION\n{}\n\nCHID\n {}\n\nNMESHES\n {}\n\nALBEDO\n 0.3\n\n"
       "SURFACE\n INERT\n 5000.00 1.00\n 0 1.0 1.0 1.0 0.8 0.4 1.0\n null\n\n",
-      version, meshes.size());
+      title, version, chid, meshes.size());
+  for (const std::string& surface : surfaces)
+    out +=
+        fmt::format("SURFACE\n {}\n 5000.00 1.00\n 0 1.0 1.0 1.0 0.2 0.1 1.0\n null\n\n", surface);
   if (!input.empty())
     out += fmt::format("INPF\n {}\n\n", input);
   for (const Mesh& mesh : meshes) {
@@ -264,13 +302,21 @@ std::string Index::text() const {
       out += fmt::format("{:5}{:5}{:5}{:5}{:5}{:5}   -3   -1  1.0 0.5 0.25 1.0\n", o.i1, o.i2, o.j1,
                          o.j2, o.k1, o.k2);
     }
-    out += fmt::format("\nVENT\n {} 0\n", mesh.openings.size());
+    out += fmt::format("\nVENT\n {} 0\n", mesh.openings.size() + mesh.vents.size());
     for (std::size_t i = 0; i < mesh.openings.size(); ++i)
       out += fmt::format("  0.0 0.0 0.0 0.0 0.0 0.0 {} 2\n", i + 1);
+    for (const Vent& v : mesh.vents) {
+      out += fmt::format("  {:.5f} {:.5f} {:.5f} {:.5f} {:.5f} {:.5f} {} {}\n", p[0][v.at.i1],
+                         p[0][v.at.i2], p[1][v.at.j1], p[1][v.at.j2], p[2][v.at.k1], p[2][v.at.k2],
+                         100, v.surface);
+    }
     for (const Indices& v : mesh.openings) {
       out +=
           fmt::format("{:5}{:5}{:5}{:5}{:5}{:5}  -99    2\n", v.i1, v.i2, v.j1, v.j2, v.k1, v.k2);
     }
+    for (const auto& [v, surface] : mesh.vents)
+      out +=
+          fmt::format("{:5}{:5}{:5}{:5}{:5}{:5}   99    0\n", v.i1, v.i2, v.j1, v.j2, v.k1, v.k2);
     out += "\nCVENT\n    0\n\n";
   }
   return out + files;

@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-// Writes small FDS cases for tests, as FDS would. It shares no code with the reader.
+// Writes small FDS cases, as FDS would: those of tests, and what is synthesized. It shares no code
+// with the reader.
 
 namespace volute::fdswriter {
 
@@ -64,6 +65,13 @@ Records smoke16File(std::array<int, 3> cells,
                     std::size_t split = 0);
 Records plotFile(std::array<int, 3> cells, const std::vector<float>& fiveVariables);
 
+/// Walls made of triangles (.ge) that stay, and none that moves.
+/// @param corners  three of each triangle, from 1
+Records geometryFile(const std::vector<float>& vertices, const std::vector<std::int32_t>& corners,
+                     const std::vector<std::int32_t>& surfaces);
+/// A closed box of 12 triangles, facing outwards.
+Records boxGeometry(std::array<float, 3> min, std::array<float, 3> max, std::int32_t surface);
+
 /// Triangles with their levels' numbers, from 1, at a time.
 struct Triangles {
   float time = 0;
@@ -91,14 +99,23 @@ Records particleFile(const std::vector<std::vector<std::array<std::string, 2>>>&
 
 /// The text of a .smv file.
 struct Index {
+  struct Vent {
+    Indices at;       ///< flat
+    int surface = 1;  ///< 1: the first of `surfaces`
+  };
+
   struct Mesh {
     Planes planes;
     std::vector<Indices> obstructions;
     std::vector<Indices> openings;  ///< OPEN vents
     bool evacuation = false;        ///< of FDS+Evac
+    std::vector<Vent> vents{};
   };
 
   std::string version = "FDS6.7.5-0-g71f025606-release";
+  std::string title = "made for a test";
+  std::string chid = "made";
+  std::vector<std::string> surfaces;  ///< besides INERT
   std::vector<Mesh> meshes;
   std::string files;  ///< what comes after the meshes
   std::string input;  ///< INPF; empty: it is not named

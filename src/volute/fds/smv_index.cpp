@@ -9,6 +9,7 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/printable.hpp"
 #include "volute/fds/fds_input.hpp"
+#include "volute/fds/geometry_file.hpp"
 #include "volute/fds/smv_reader.hpp"
 
 namespace volute {
@@ -359,7 +360,13 @@ Status SmvReader::readEvent(std::string_view rest, bool ofVent, bool shown) {
 }
 
 Status SmvReader::readGeometry(std::string_view) {
-  ++geometries_;
+  VOLUTE_ASSIGN(auto path, file("the name of a geometry file"));
+  index_.others.push_back({std::string(kFdsWallsKind), -1, std::move(path)});
+  return {};
+}
+
+Status SmvReader::readCutFaces(std::string_view) {
+  ++cutFaces_;
   return {};
 }
 
@@ -403,7 +410,7 @@ Status SmvReader::handle(std::string_view line) {
       {"OPEN_VENT", &SmvReader::openVent},
       {"CLOSE_VENT", &SmvReader::closeVent},
       {"GEOM", &SmvReader::readGeometry},
-      {"CGEOM", &SmvReader::readGeometry},
+      {"CGEOM", &SmvReader::readCutFaces},
   };
   if (line.empty() || line[0] < 'A' || line[0] > 'Z')
     return {};
@@ -502,13 +509,29 @@ Status SmvReader::finish() {
     index_.remarks.push_back(fmt::format("{}: ends within line {}: what it names there is left out",
                                          name, lines_.lineNumber() + 1));
   }
-  if (geometries_ > 0) {
+  int walls = 0;
+  std::string lost;
+  std::erase_if(index_.others, [&](const FdsOtherFile& other) {
+    std::error_code code;
+    if (other.kind != kFdsWallsKind)
+      return false;
+    const bool there = std::filesystem::exists(other.file, code);
+    ++(there ? walls : cutFaces_);
+    if (!there)
+      lost = ": " + printable(other.file.filename().string());
+    return !there;
+  });
+  if (!lost.empty() || (cutFaces_ > 0 && walls == 0)) {
     index_.remarks.push_back(fmt::format(
-        "{}: warning: walls made of triangles (GEOM: {} of them) are not read. They are not drawn "
-        "and block no sight line, so that signs may count as seen through them; the gas of cells "
-        "that they cut, and what lies within them, counts as the files have it (.s3d: clear). "
-        "Results near them are not to be relied upon",
-        name, geometries_));
+        "{}: warning: walls made of triangles (GEOM) are not there{}: they are not drawn and block "
+        "no sight line, so that signs may count as seen through them",
+        name, lost));
+  }
+  if (walls > 0 || cutFaces_ > 0) {
+    index_.remarks.push_back(fmt::format(
+        "{}: the gas of cells that walls made of triangles (GEOM) cut counts as the files have it "
+        "(.s3d: clear in their corners within walls): values beside such walls are less certain",
+        name));
   }
   for (const auto& [quantity, number] : skippedSlices_) {
     index_.remarks.push_back(fmt::format(

@@ -180,14 +180,20 @@ TEST(SmvIndex, devicesAreActiveFromTheirEventsOn) {
   EXPECT_THAT(wrong.error().message, HasSubstr("the number of a device, 1 to 2, not 3"));
 }
 
-TEST(SmvIndex, wallsOfTrianglesAreNamedAsMissing) {
+TEST(SmvIndex, wallsOfTrianglesAreNamedAndMissedWhereTheyAreNotThere) {
   const Folder folder;
   auto text = made();
-  text.files += "GEOM 1\n made.ge\n";
-  const auto index = readText(folder, text.text());
-  ASSERT_TRUE(index) << index.error().message;
-  ASSERT_THAT(index->remarks, SizeIs(1));
-  EXPECT_THAT(index->remarks[0], HasSubstr("block no sight line"));
+  text.files += "GEOM 1\n made.ge\n FACE 0.0 0.0 0.0 0 ! 9 9 9 1.0 12\n";
+  const auto without = readText(folder, text.text());
+  ASSERT_TRUE(without) << without.error().message;
+  ASSERT_THAT(without->remarks, SizeIs(2));
+  EXPECT_THAT(without->remarks[0], HasSubstr("(GEOM) are not there: made.ge: they are not drawn"));
+  EXPECT_TRUE(without->others.empty());
+  fdswriter::geometryFile({}, {}, {}).save(folder / "made.ge");
+  const auto with = readText(folder, text.text());
+  ASSERT_THAT(with->others, SizeIs(1));
+  ASSERT_THAT(with->remarks, SizeIs(1));
+  EXPECT_THAT(with->remarks[0], HasSubstr("values beside such walls are less certain"));
 }
 
 TEST(SmvIndex, nodesThatDoNotReachTheEndsOfTheMeshAreRefused) {

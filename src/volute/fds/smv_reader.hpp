@@ -94,6 +94,7 @@ class SmvReader {
   Status closeVent(std::string_view rest) { return readEvent(rest, true, false); }
 
   Status readGeometry(std::string_view);
+  Status readCutFaces(std::string_view);
 
   Result<FdsMesh*> lastMesh();
   Result<FdsNodeBox> nodeBox(std::span<const double> indices);
@@ -108,7 +109,7 @@ class SmvReader {
   std::array<int, 3> cells_{};                   // of the mesh that is being read
   std::optional<std::array<double, 6>> extent_;  // of that mesh by PDIM [m]
   std::vector<int> blocks_;                      // of each mesh: 1 with obstructions, 2 with vents
-  int geometries_ = 0;                           // blocks of triangles
+  int cutFaces_ = 0;                             // blocks of GEOM's triangles, cut by cells
   bool cutOff_ = false;                          // the file ended within a block
   std::map<std::string, int> skippedSlices_;
   std::string inputName_;

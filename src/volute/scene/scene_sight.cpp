@@ -6,93 +6,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "volute/media/occluded_sight.hpp"
 #include "volute/media/ray_sight.hpp"
 #include "volute/scene/kinds.hpp"
 
 namespace volute {
 namespace {
-
-/// Another instant, with surfaces in the way. Derives from the pure interface, not from
-/// BasicSightInstant, so that no function of the other instant is lost.
-class BehindSurfaces final : public SightInstant {
- public:
-  BehindSurfaces(std::shared_ptr<const SightInstant> media, TriangleScene surfaces)
-      : media_(std::move(media)), surfaces_(std::move(surfaces)) {}
-
-  void look(std::span<const SightLine> lines, std::span<Sight> sights) const override {
-    media_->look(lines, sights);
-    const auto behind = occluded(lines);
-    for (std::size_t i = 0; i < sights.size(); ++i) sights[i].blocked |= behind[i] != 0;
-  }
-
-  void bounds(std::span<const SightLine> lines, std::span<double> low,
-              std::span<double> high) const override {
-    media_->bounds(lines, low, high);
-  }
-
-  void blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const override {
-    media_->blocked(lines, out);
-    const auto behind = occluded(lines);
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] |= behind[i];
-  }
-
-  void places(std::span<const Vec3> points, std::span<Place> places) const override {
-    media_->places(points, places);
-  }
-
-  void extinction(std::span<const Vec3> points, std::span<double> extinction) const override {
-    media_->extinction(points, extinction);
-  }
-
-  void extinctionBounds(std::span<const Vec3> points, std::span<double> low,
-                        std::span<double> high) const override {
-    media_->extinctionBounds(points, low, high);
-  }
-
-  void floors(std::span<const Vec3> points, double drop, std::span<double> z) const override {
-    media_->floors(points, drop, z);
-    // Or a surface, if it is higher.
-    std::vector<Segment> down;
-    for (const Vec3& point : points) down.push_back({point, Vec3(0, 0, -1), 0, drop});
-    std::vector<Hit> hits(points.size());
-    surfaces_.nearest(down, hits);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (hits[i].found() && !(points[i].z() - hits[i].distance < z[i]))
-        z[i] = points[i].z() - hits[i].distance;
-    }
-  }
-
-  std::vector<PlanShape> shapes(double z) const override { return media_->shapes(z); }
-
-  std::uint64_t geometry() const override { return media_->geometry(); }
-
-  void weigh(const SightLine& line, std::vector<SightWeight>& weights,
-             Sight& sight) const override {
-    media_->weigh(line, weights, sight);
-    sight.blocked |= occluded({&line, 1}).front() != 0;
-  }
-
-  SightData data() const override { return media_->data(); }
-
- private:
-  static constexpr double kShort = 1e-9;  ///< a target on a surface is seen
-
-  std::vector<std::uint8_t> occluded(std::span<const SightLine> lines) const {
-    std::vector<Segment> segments;
-    for (const SightLine& line : lines) {
-      const double length = line.length();
-      const Vec3 way = line.target - line.eye;
-      segments.push_back(
-          {line.eye, length > 0 ? Vec3(way / length) : Vec3::UnitX(), 0, length * (1 - kShort)});
-    }
-    std::vector<std::uint8_t> blocked(lines.size(), 0);
-    surfaces_.occluded(segments, blocked);
-    return blocked;
-  }
-
-  std::shared_ptr<const SightInstant> media_;
-  TriangleScene surfaces_;
-};
 
 /// All media of a scene, along rays, with its surfaces in the way.
 class SceneSight final : public SightField {
@@ -124,7 +43,7 @@ class SceneSight final : public SightField {
     auto media = sightThrough(std::move(all));
     if (snapshot.geometry.empty())
       return media;
-    return std::make_shared<const BehindSurfaces>(std::move(media), snapshot.geometry);
+    return std::make_shared<const OccludedSight>(std::move(media), snapshot.geometry);
   }
 
  private:
@@ -147,7 +66,7 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
   if (!scene.geometry().empty()) {
     only->wrap(
         [surfaces = scene.geometry()](std::shared_ptr<const SightInstant> media) {
-          return std::make_shared<const BehindSurfaces>(std::move(media), surfaces);
+          return std::make_shared<const OccludedSight>(std::move(media), surfaces);
         },
         scene.bounds());
   }

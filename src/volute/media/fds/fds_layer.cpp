@@ -19,6 +19,7 @@
 #include "volute/image/srgb.hpp"
 #include "volute/media/fds/fds_light.hpp"
 #include "volute/media/fds/fds_shares.hpp"
+#include "volute/media/fds/fds_walls.hpp"
 #include "volute/media/smoke/shared_picture.hpp"
 
 namespace volute {
@@ -156,6 +157,15 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
   }
   std::ranges::sort(layer.events_);
   layer.shell_ = std::make_shared<const FdsBuilding>(layer.case_->index(), layer.caseTime(0));
+  std::vector<std::string> moving;
+  VOLUTE_ASSIGN(auto walls, fdsWalls(layer.case_->index(), moving));
+  for (const std::string& remark : moving) reading.progress.remark({RemarkCode::kLeftOut, remark});
+  if (!walls.triangles.empty() && description.fds.building == FdsBuildingView::kOpen) {
+    reading.progress.remark(
+        {RemarkCode::kLeftOut,
+         "walls made of triangles (GEOM) are not drawn in an open building, which they may close"});
+  }
+  layer.walls_ = std::make_shared<const TriangleMesh>(std::move(walls));
   if (description.fds.devices) {
     for (const FdsDevice& device : layer.case_->index().devices) {
       for (const FdsEvent& event : device.events) layer.events_.push_back(event.time);
@@ -646,6 +656,14 @@ void FdsLayer::addBuilding(double time, const std::optional<Vec3>& eye, Triangle
     const auto material = addMaterial(to, {linear(quad, across.normalized()), Rgb::Zero()});
     to.triangles.push_back({{c[0], c[1], c[2]}, material});
     to.triangles.push_back({{c[0], c[2], c[3]}, material});
+  }
+  if (description_.fds.building != FdsBuildingView::kOpen) {
+    const auto first = static_cast<std::uint32_t>(to.materials.size());
+    to.materials.insert(to.materials.end(), walls_->materials.begin(), walls_->materials.end());
+    for (Triangle triangle : walls_->triangles) {
+      triangle.material += first;
+      to.triangles.push_back(triangle);
+    }
   }
   if (open == 0)
     return;

@@ -171,7 +171,8 @@ class FdsLayer {
   std::optional<FdsSliceSheet> slice_;
   std::optional<FdsIsoSheets> iso_;
   std::optional<FdsParticleCloud> particles_;
-  std::shared_ptr<const FdsBuilding> shell_;  // at the first time
+  std::shared_ptr<const FdsBuilding> shell_;   // at the first time
+  std::shared_ptr<const TriangleMesh> walls_;  // of triangles
   std::vector<double> events_;  // of obstructions, and of devices where they are shown; ascending
 };
 

@@ -13,6 +13,7 @@
 #include "volute/media/fds/fds_parameters.hpp"
 #include "volute/media/fds/fds_report.hpp"
 #include "volute/media/fds/fds_sight.hpp"
+#include "volute/media/fds/fds_walls.hpp"
 #include "volute/media/light_blockers.hpp"
 #include "volute/media/smoke/shared_picture.hpp"
 #include "volute/media/smoke/smoke_scene_medium.hpp"
@@ -147,8 +148,14 @@ class FdsKind final : public MediumKind {
     std::vector<FdsCase> others;
     if (smoke.field.empty())
       others = fillingSources(fds, options);
+    std::vector<std::string> remarks;
+    VOLUTE_ASSIGN(auto mesh, fdsWalls(fds.index(), remarks));
+    for (const std::string& remark : remarks)
+      context.reading.progress.remark({RemarkCode::kLeftOut, remark});
+    VOLUTE_ASSIGN(auto walls,
+                  TriangleScene::build(std::move(mesh.triangles), std::move(mesh.materials)));
     return std::make_unique<FdsSight>(std::move(fds), smoke.file, options.maxMemory,
-                                      std::move(others));
+                                      std::move(others), std::move(walls));
   }
 
   bool opens(const std::string& path) const override { return isSmvPath(path); }

@@ -12,6 +12,7 @@
 #include "volute/fds/fds_march.hpp"
 #include "volute/media/fds/fds_conditions.hpp"
 #include "volute/media/fds/fds_devices.hpp"
+#include "volute/media/occluded_sight.hpp"
 
 namespace volute {
 namespace {
@@ -467,9 +468,10 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
 }
 
 FdsSight::FdsSight(FdsCase fds, std::string name, std::uint64_t maxMemory,
-                   std::vector<FdsCase> others)
+                   std::vector<FdsCase> others, TriangleScene walls)
     : case_(std::move(fds)),
       others_(std::move(others)),
+      walls_(std::move(walls)),
       times_(case_.times().begin(), case_.times().end()),
       name_(std::move(name)),
       maxMemory_(maxMemory) {
@@ -600,7 +602,10 @@ Result<std::shared_ptr<const SightInstant>> FdsSight::readOwnAt(double when) {
   auto instant =
       std::make_shared<FdsInstant>(std::move(field), best->obstructions(when), geometry_);
   instant->addBorders(case_.index(), when);
-  return std::shared_ptr<const SightInstant>(std::move(instant));
+  if (walls_.empty())
+    return std::shared_ptr<const SightInstant>(std::move(instant));
+  return std::make_shared<const OccludedSight>(std::move(instant), walls_,
+                                               OccludedSight::Surfaces::kBodies);
 }
 
 Result<std::unique_ptr<PointField>> FdsSight::conditions(std::string_view quantity) {

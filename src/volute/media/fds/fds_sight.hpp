@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "volute/fds/fds_case.hpp"
+#include "volute/geometry/triangle_scene.hpp"
 #include "volute/media/sight.hpp"
 
 namespace volute {
@@ -67,9 +68,10 @@ class FdsSight final : public SightField {
  public:
   /// `name` is the case's, for people; `maxMemory` of the frames of each of its other quantities.
   /// @param others  serve where and when `fds` does not know, see fillingSources()
+  /// @param walls  besides obstructions: closed bodies, see fdsWalls()
   explicit FdsSight(FdsCase fds, std::string name = "",
                     std::uint64_t maxMemory = std::uint64_t{4} << 30,
-                    std::vector<FdsCase> others = {});
+                    std::vector<FdsCase> others = {}, TriangleScene walls = {});
 
   std::string description() const override;
 
@@ -112,6 +114,7 @@ class FdsSight final : public SightField {
 
   FdsCase case_;
   std::vector<FdsCase> others_;
+  TriangleScene walls_;
   std::vector<double> times_;
   std::optional<double> begin_;  // when it was asked for
   std::string name_;

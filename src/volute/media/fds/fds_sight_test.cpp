@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "volute/fds/fds_case_testing.hpp"
+#include "volute/media/fds/fds_walls.hpp"
 
 namespace volute {
 namespace {
@@ -97,6 +98,46 @@ TEST(FdsInstant, BlocksOfCellsBoundEveryLine) {
     EXPECT_GT(tight, 1000);
     EXPECT_GT(uncovered, 50);
   }
+}
+
+TEST(FdsSight, WallsOfTrianglesBlockAndCarry) {
+  const Folder folder;
+  fdswriter::Index index;
+  index.meshes.push_back({{{{0, 1, 2, 3, 4, 5, 6}, {0, 1, 2, 3, 4}, {0, 1, 2, 3}}}, {}, {}});
+  const fdswriter::Slice slice{{0, 6, 0, 4, 0, 3}};
+  fdswriter::sliceFile(slice, {{0, std::vector<float>(7 * 5 * 4, 0.1F)}}).save(folder / "k.sf");
+  index.slice(1, slice, "k.sf", false);
+  index.files += "GEOM 1\n made.ge\n";
+  fdswriter::boxGeometry({2.2F, 1, 0}, {3.4F, 3, 1.2F}, 0).save(folder / "made.ge");
+  index.save(folder / "made.smv");
+  FdsCase fds = opened(folder / "made.smv");
+  std::vector<std::string> remarks;
+  auto mesh = fdsWalls(fds.index(), remarks).value();
+  EXPECT_TRUE(remarks.empty());
+  FdsSight sight(std::move(fds), "made", 1 << 30, {},
+                 TriangleScene::build(mesh.triangles, mesh.materials).value());
+  const auto instant = sight.readAt(0).value();
+
+  const SightLine lines[] = {
+      {{0.5, 2, 1}, {5, 2, 1}}, {{0.5, 2, 1.5}, {5, 2, 1.5}}, {{0.5, 0.5, 1}, {5, 0.5, 1}}};
+  std::vector<Sight> sights(3);
+  instant->look(lines, sights);
+  EXPECT_TRUE(sights[0].blocked);
+  EXPECT_FALSE(sights[1].blocked) << "above it";
+  EXPECT_FALSE(sights[2].blocked) << "beside it";
+  const Vec3 points[] = {{3, 2, 0.6}, {3, 2, 2.9}, {1, 2, 0.6}};
+  std::vector<Place> places(3);
+  instant->places(points, places);
+  EXPECT_EQ(places[0], Place::kSolid);
+  EXPECT_EQ(places[1], Place::kGas);
+  EXPECT_EQ(places[2], Place::kGas);
+  std::vector<double> z(3), k(3);
+  instant->floors(points, 2.5, z);
+  EXPECT_NEAR(z[1], 1.2, 1e-6) << "its top carries people";
+  EXPECT_NEAR(z[2], 0, 1e-9);
+  instant->extinction(points, k);
+  EXPECT_TRUE(std::isnan(k[0]));
+  EXPECT_NEAR(k[2], 0.1, 1e-6);
 }
 
 TEST(FdsSight, ASliceNamesTheSourceThatFillsItsMesh) {
