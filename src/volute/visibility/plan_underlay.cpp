@@ -16,6 +16,7 @@
 #include "volute/io/confinement.hpp"
 #include "volute/io/dxf.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/visibility/svg_layer.hpp"
 
 namespace volute {
 namespace {
@@ -37,6 +38,17 @@ Unit unitBySize(const Vec2& size, const Vec2& ofCase) {
 
 std::string sizeText(const Vec2& size) {
   return fmt::format("{:.4g} x {:.4g}", size.x(), size.y());
+}
+
+/// Remarks of lines of a layer that are no areas.
+void remarkOfLines(int lines, std::string_view what, const UnderlayOptions& options,
+                   const std::string& name, std::vector<Remark>& remarks) {
+  if (lines > 0) {
+    remarks.push_back(Remark(RemarkCode::kLeftOut,
+                             fmt::format("{}: {} lines of the layer '{}' {}: they are no areas",
+                                         name, lines, options.areaLayer, what))
+                          .in(name));
+  }
 }
 
 Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const UnderlayOptions& options,
@@ -114,11 +126,7 @@ Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const Underl
     for (const DrawnText& text : drawing.texts) texts.emplace_back(place(text.at), text.text);
     VOLUTE_ASSIGN(underlay.areas,
                   areasOfOutlines(std::move(outlines), texts, options.areaLayer, name));
-    if (drawing.open > 0) {
-      remarks.push_back(
-          fmt::format("{}: {} lines of the layer '{}' are not closed: they are no areas", name,
-                      drawing.open, options.areaLayer));
-    }
+    remarkOfLines(drawing.open, "are not closed", options, name, remarks);
   }
   return underlay;
 }
@@ -139,7 +147,8 @@ Result<PlanUnderlay> readPicture(const std::filesystem::path& file,
 
 /// As a picture, by librsvg's program, which is given no more memory than this one, a minute, and
 /// no file but this one: what the drawing names beside it is not drawn.
-Result<PlanUnderlay> readSvg(const std::filesystem::path& file, const UnderlayOptions& options) {
+Result<PlanUnderlay> readSvg(const std::filesystem::path& file, const UnderlayOptions& options,
+                             std::vector<Remark>& remarks) {
   VOLUTE_TRY(InputFile::open(file));
   const std::string converter = findProgram({"rsvg-convert"});
   if (converter.empty()) {
@@ -173,6 +182,19 @@ Result<PlanUnderlay> readSvg(const std::filesystem::path& file, const UnderlayOp
                 "{}: not a drawing that {} can read within a minute and {} MiB of memory",
                 file.string(), converter, options.maxMemory >> 20);
   }
+  if (options.areaLayer.empty())
+    return read;
+  VOLUTE_ASSIGN(auto layer, readSvgLayer(file, options.areaLayer));
+  const auto place = [&](const Vec2& share) -> Vec2 {
+    return read->min + share.cwiseProduct(read->max - read->min);
+  };
+  for (PlanOutline& outline : layer.outlines)
+    std::ranges::transform(outline.points, outline.points.begin(), place);
+  for (auto& [at, text] : layer.texts) at = place(at);
+  VOLUTE_ASSIGN(read->areas, areasOfOutlines(std::move(layer.outlines), layer.texts,
+                                             options.areaLayer, file.string()));
+  remarkOfLines(layer.open, "are not closed", options, file.string(), remarks);
+  remarkOfLines(layer.curved, "are curves", options, file.string(), remarks);
   return read;
 }
 
@@ -183,13 +205,13 @@ Result<PlanUnderlay> readUnderlay(const std::filesystem::path& file, const Under
   const std::string extension = extensionOf(file);
   if (extension == ".dxf")
     return readDrawing(file, options, remarks);
+  if (extension == ".svg")
+    return readSvg(file, options, remarks);
   if (!options.areaLayer.empty()) {
     return fail(ErrorCode::kUnsupported,
-                "{}: areas are read from layers of .dxf drawings, of which it is none",
+                "{}: areas are read from layers of .dxf and .svg drawings, of which it is none",
                 file.string());
   }
-  if (extension == ".svg")
-    return readSvg(file, options);
   if (extension == ".pdf" || extension == ".dwg") {
     return fail(ErrorCode::kUnsupported,
                 "{}: a drawing is a .png, .svg or .dxf file; save it as one of these",

@@ -104,7 +104,7 @@ TEST_F(Underlay, closedLinesOfALayerAreAreas) {
   EXPECT_THAT(readUnderlay(file, options_, remarks_).error().message,
               HasSubstr("has 0 closed lines"));
   EXPECT_THAT(readUnderlay("plan.png", options_, remarks_).error().message,
-              HasSubstr("layers of .dxf drawings"));
+              HasSubstr("layers of .dxf and .svg drawings"));
 }
 
 TEST_F(Underlay, otherFilesAreRefusedWithWhatToDo) {

@@ -353,7 +353,8 @@ std::vector<Option> visibilityOptionTable() {
       {.name = "area-layer",
        .kind = kText,
        .value = "LAYER",
-       .help = "closed lines of this layer of the .dxf drawing are areas too, named by the text "
+       .help = "closed lines of this layer of the .dxf or .svg drawing are areas too, named by the "
+               "text "
                "within them",
        .beside = "underlay"},
       {.name = "everywhere",
