@@ -7,15 +7,18 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/io/vtu_writer.hpp"
+#include "volute/synth/hall_case.hpp"
 #include "volute/tetmesh/hall_smoke.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 
 namespace volute {
 
 Status writeHall(const HallFiles& files, const std::filesystem::path& target, Progress& progress) {
+  if (extensionOf(target) == ".smv")
+    return writeHallCase(files, target, progress);
   if (extensionOf(target) != ".pvd") {
-    return failFor("output", ErrorCode::kInvalidArgument, "'{}' is no .pvd series of meshes",
-                   target.string());
+    return failFor("output", ErrorCode::kInvalidArgument,
+                   "'{}' is no .pvd series of meshes, and no .smv of an FDS case", target.string());
   }
   const auto mesh = hallMesh(files.cell, files.seed);
   std::vector<SeriesFile> series;
@@ -25,7 +28,7 @@ Status writeHall(const HallFiles& files, const std::filesystem::path& target, Pr
     const double time = i * files.interval;
     series.push_back({fmt::format("{}_{:04d}.vtu", target.stem().string(), i), time});
     VOLUTE_TRY(writeVtu(target.parent_path() / series.back().name, *mesh, "soot",
-                        hallSmoke(*mesh, time, files.seed)));
+                        hallSmoke(mesh->vertices(), time, files.seed)));
     progress.report("synthesizing", i + 1, files.steps);
   }
   return writePvd(target, series);

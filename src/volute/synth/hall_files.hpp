@@ -10,15 +10,15 @@
 
 namespace volute {
 
-/// A made-up fire in a hall, as a .pvd series: see hallSmoke().
+/// A made-up fire in a hall, as a .pvd series or an FDS case: see hallSmoke().
 struct HallFiles {
   std::uint32_t seed = 1;
   double cell = 0.4;    ///< size of the mesh's cells [m]
-  int steps = 31;       ///< one .vtu file each
+  int steps = 31;       ///< one .vtu file each, or frame of the FDS case
   double interval = 5;  ///< between steps [s]
 };
 
-/// `target` ends in .pvd; the steps are beside it.
+/// `target` ends in .pvd or .smv; the other files are beside it.
 [[nodiscard]] Status writeHall(const HallFiles& files, const std::filesystem::path& target,
                                Progress& progress);
 

@@ -108,14 +108,14 @@ double inHall(const Vec3& p, const Layers& layers, double eddy) {
 
 }  // namespace
 
-std::vector<float> hallSmoke(const TetMesh& hall, double time, std::uint32_t seed) {
+std::vector<float> hallSmoke(std::span<const Vec3> points, double time, std::uint32_t seed) {
   constexpr double kClear = 2e-4;  // [g/m3]; less is air
   const Eddies eddies(seed);
   const Layers layers(time);
-  std::vector<float> soot(hall.vertices().size());
+  std::vector<float> soot(points.size());
   parallelRanges(soot.size(), 2048, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3& p = hall.vertices()[i];
+      const Vec3& p = points[i];
       const double eddy = std::clamp(eddies.at(p, time), -1.3, 1.3);
       const double value = p.x() > kWall ? inRoom(p, layers, time, eddy) : inHall(p, layers, eddy);
       soot[i] = static_cast<float>(std::max(value - kClear, 0.0));

@@ -124,7 +124,7 @@ Command synthesizeCommand() {
                    "volute synthesize smoke -o smoke_%04d.vdb --frames 10",
                    "volute synthesize puffs -o puffs_%04d.vdb --size 512 --frames 4",
                    "volute synthesize valley -o valley --pixels 640x360",
-                   "volute synthesize hall -o hall.pvd"},
+                   "volute synthesize hall -o hall.pvd", "volute synthesize hall -o hall.smv"},
       .description =
           "fire is emission in linear RGB [radiance/m], mostly empty and fast; flame is its "
           "luminance only; smoke is coloured density [1/m], slow and dense. The volume is a cube "
@@ -137,8 +137,9 @@ Command synthesizeCommand() {
           "a flight: color_%04d.png, depth_%04d.exr and camera_%04d.json. The map's cells have a "
           "side of 512 m / size.\n\nhall is a hall of 28 x 12 x 6 m beside a room on fire, as a "
           "tetrahedral mesh with the field soot [g/m3], one .vtu file for each of --frames (31) "
-          "times, --interval apart; for volute render and volute visibility. It is a formula, not "
-          "a simulation. ball is a ball of the same smoke in a box, one .vtu file.",
+          "times, --interval apart, or as an FDS case (-o hall.smv) with its burner, soot, "
+          "temperature, CO, CO2 and O2; for volute render and volute visibility. It is a formula, "
+          "not a simulation. ball is a ball of the same smoke in a box, one .vtu file.",
       .positionals = {{.name = "KIND", .help = "fire, flame, smoke, puffs, valley, hall or ball"}},
       .options = {{.name = "output",
                    .letter = 'o',
@@ -146,7 +147,7 @@ Command synthesizeCommand() {
                    .value = "OUT",
                    .help = ".npy, .volute, a pattern %04d.vdb or %04d.vti, or - for a .npy on "
                            "standard output; "
-                           "the valley's folder; the hall's .pvd, the ball's .vtu",
+                           "the valley's folder; the hall's .pvd or .smv, the ball's .vtu",
                    .required = true},
                   {.name = "size",
                    .kind = kInteger,
