@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Every command of docs/tutorials runs as it stands, in the order of its page, in an empty folder."""
+import json
 import os
 import pathlib
 import re
@@ -31,13 +32,25 @@ class Tutorials(support.TestCase):
             self.assertEqual(done.returncode, 0, f"{block}\n{done.stdout}\n{done.stderr}")
         for file in left:
             self.assertGreater((folder / file).stat().st_size, 0, file)
+        return folder
 
     def test_effects(self):
         self.follow("effects", "cache.png", "cache.volute", "cache.mp4", "scene.png", "middle_0004.vdb")
 
     def test_fire_safety(self):
-        self.follow("fire-safety", "hall.png", "seen/report.html", "seen/visibility.json", "signed/areas.csv", "people/visibility.json",
-                    "margin/margin.png", "walked/report.html")
+        folder = self.follow("fire-safety", "hall.png", "seen/report.html", "seen/visibility.json", "signed/areas.csv",
+                             "people/visibility.json", "margin/margin.png", "walked/report.html", "of_the_mesh/report.html")
+        results = {name: json.loads((folder / name / "visibility.json").read_text()) for name in ("seen", "margin", "walked", "people")}
+        # The room on fire is lost first: after the beginning, beside the fire, before the hall.
+        first = results["seen"]["verdict"][0]
+        self.assertTrue(first["known"])
+        self.assertEqual(first["time"], 20)
+        self.assertGreater(first["position"][0], 20.6)
+        self.assertIn("ASET - RSET: the smallest margin is 9", " ".join(one["sentence"] for one in results["margin"]["verdict"]))
+        # Nobody loses anything before the start.
+        self.assertIn("starts at 30 s", results["walked"]["verdict"][0]["sentence"])
+        self.assertIn("reached on the way: visibility at 30 s", results["walked"]["verdict"][0]["sentence"])
+        self.assertEqual([one["people"] for one in results["people"]["people"]][:8], [0, 0, 1, 1, 1, 1, 1, 1])
 
     def test_cameras(self):
         self.follow("cameras", "capture.volute", "report.html", "new.png", "new.mp4", "fire.npy")

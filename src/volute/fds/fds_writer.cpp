@@ -299,13 +299,26 @@ std::string Index::text() const {
                          ++ordinal);
     }
     for (const Indices& o : mesh.obstructions) {
-      out += fmt::format("{:5}{:5}{:5}{:5}{:5}{:5}   -3   -1  1.0 0.5 0.25 1.0\n", o.i1, o.i2, o.j1,
-                         o.j2, o.k1, o.k2);
+      out += fmt::format("{:5}{:5}{:5}{:5}{:5}{:5}   {}\n", o.i1, o.i2, o.j1, o.j2, o.k1, o.k2,
+                         wallColour);
     }
-    out += fmt::format("\nVENT\n {} 0\n", mesh.openings.size() + mesh.vents.size());
+    const int x = static_cast<int>(p[0].size()) - 1, y = static_cast<int>(p[1].size()) - 1,
+              z = static_cast<int>(p[2].size()) - 1;
+    std::vector<Vent> vents = mesh.vents;
+    if (mesh.closed) {
+      for (const Indices& side : {Indices{0, 0, 0, y, 0, z},
+                                  {x, x, 0, y, 0, z},
+                                  {0, x, 0, 0, 0, z},
+                                  {0, x, y, y, 0, z},
+                                  {0, x, 0, y, 0, 0},
+                                  {0, x, 0, y, z, z}})
+        vents.push_back({side, 0});
+    }
+    out +=
+        fmt::format("\nVENT\n {} {}\n", mesh.openings.size() + vents.size(), mesh.closed ? 6 : 0);
     for (std::size_t i = 0; i < mesh.openings.size(); ++i)
       out += fmt::format("  0.0 0.0 0.0 0.0 0.0 0.0 {} 2\n", i + 1);
-    for (const Vent& v : mesh.vents) {
+    for (const Vent& v : vents) {
       out += fmt::format("  {:.5f} {:.5f} {:.5f} {:.5f} {:.5f} {:.5f} {} {}\n", p[0][v.at.i1],
                          p[0][v.at.i2], p[1][v.at.j1], p[1][v.at.j2], p[2][v.at.k1], p[2][v.at.k2],
                          100, v.surface);
@@ -314,7 +327,7 @@ std::string Index::text() const {
       out +=
           fmt::format("{:5}{:5}{:5}{:5}{:5}{:5}  -99    2\n", v.i1, v.i2, v.j1, v.j2, v.k1, v.k2);
     }
-    for (const auto& [v, surface] : mesh.vents)
+    for (const auto& [v, surface] : vents)
       out +=
           fmt::format("{:5}{:5}{:5}{:5}{:5}{:5}   99    0\n", v.i1, v.i2, v.j1, v.j2, v.k1, v.k2);
     out += "\nCVENT\n    0\n\n";

@@ -110,12 +110,14 @@ struct Index {
     std::vector<Indices> openings;  ///< OPEN vents
     bool evacuation = false;        ///< of FDS+Evac
     std::vector<Vent> vents{};
+    bool closed = false;  ///< FDS's own walls are around it
   };
 
   std::string version = "FDS6.7.5-0-g71f025606-release";
   std::string title = "made for a test";
   std::string chid = "made";
   std::vector<std::string> surfaces;  ///< besides INERT
+  std::string wallColour = "-3   -1  1.0 0.5 0.25 1.0";
   std::vector<Mesh> meshes;
   std::string files;  ///< what comes after the meshes
   std::string input;  ///< INPF; empty: it is not named

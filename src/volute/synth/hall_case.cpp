@@ -67,12 +67,18 @@ HallAir hallCaseAir(double soot) {
 Status writeHallCase(const HallFiles& files, const std::filesystem::path& target,
                      Progress& progress) {
   const Box3 hall{Vec3::Zero(), Vec3(28, 12, 6)};  // as hallMesh()
-  const Box3 seat{Vec3(23.8, 5.5, 0), Vec3(24.8, 6.5, 0)};
-  const std::vector<Box3> walls = {
-      {Vec3(20, 0, 0), Vec3(20.6, 4.8, 6)},     {Vec3(20, 7.2, 0), Vec3(20.6, 12, 6)},
-      {Vec3(20, 4.8, 2.6), Vec3(20.6, 7.2, 6)}, {Vec3(8, 0, 4.8), Vec3(8.6, 12, 6)},
-      {Vec3(5, 3, 0), Vec3(5.7, 3.7, 6)},       {Vec3(5, 8.4, 0), Vec3(5.7, 9.1, 6)},
-      {Vec3(12, 3, 0), Vec3(12.7, 3.7, 6)},     {Vec3(12, 8.4, 0), Vec3(12.7, 9.1, 6)}};
+  // It burns on a stack of goods, so that nobody stands in the column of smoke.
+  const Box3 stack{Vec3(22.6, 4.3, 0), Vec3(26.1, 7.7, 2.4)};
+  const Box3 seat{Vec3(23.8, 5.5, 2.4), Vec3(24.8, 6.5, 2.4)};
+  const std::vector<Box3> walls = {{Vec3(20, 0, 0), Vec3(20.6, 4.8, 6)},
+                                   {Vec3(20, 7.2, 0), Vec3(20.6, 12, 6)},
+                                   {Vec3(20, 4.8, 2.6), Vec3(20.6, 7.2, 6)},
+                                   {Vec3(8, 0, 4.8), Vec3(8.6, 12, 6)},
+                                   {Vec3(5, 3, 0), Vec3(5.7, 3.7, 6)},
+                                   {Vec3(5, 8.4, 0), Vec3(5.7, 9.1, 6)},
+                                   {Vec3(12, 3, 0), Vec3(12.7, 3.7, 6)},
+                                   {Vec3(12, 8.4, 0), Vec3(12.7, 9.1, 6)},
+                                   stack};
   Planes planes;
   for (int axis = 0; axis < 3; ++axis) {
     const double size = hall.size()[axis];
@@ -87,7 +93,8 @@ Status writeHallCase(const HallFiles& files, const std::filesystem::path& target
   index.chid = name;
   index.input = name + ".fds";
   index.surfaces = {"BURNER"};
-  fdswriter::Index::Mesh mesh{planes, {}, {}, false, {{indicesOf(planes, seat), 1}}};
+  fdswriter::Index::Mesh mesh{planes, {}, {}, false, {{indicesOf(planes, seat), 1}}, true};
+  index.wallColour = "-1   -1";
   for (const Box3& wall : walls) mesh.obstructions.push_back(indicesOf(planes, wall));
   index.meshes = {mesh};
   index.files = fmt::format("ENDF\n {}.end\n\nCSVF\n hrr\n {}_hrr.csv\n\n", name, name);
@@ -133,12 +140,14 @@ Status writeHallCase(const HallFiles& files, const std::filesystem::path& target
     index.slice(1, slice, file, false);
   }
   VOLUTE_TRY(writeFile(folder / (name + "_hrr.csv"), heat));
-  VOLUTE_TRY(writeFile(folder / (name + ".fds"),
-                       fmt::format("&HEAD CHID='{}', TITLE='{}' /\n"
-                                   "&REAC FUEL='MADE UP', SOOT_YIELD={:g}, CO_YIELD={:g} /\n"
-                                   "&SURF ID='BURNER', HRRPUA={:g}, COLOR='RED' /\n"
-                                   "&VENT SURF_ID='BURNER', XB=23.8,24.8,5.5,6.5,0,0 /\n&TAIL /\n",
-                                   name, index.title, kSootYield, kMonoxideYield, kHeatRelease)));
+  VOLUTE_TRY(
+      writeFile(folder / (name + ".fds"),
+                fmt::format("&HEAD CHID='{}', TITLE='{}' /\n"
+                            "&REAC FUEL='MADE UP', SOOT_YIELD={:g}, CO_YIELD={:g} /\n"
+                            "&SURF ID='BURNER', HRRPUA={:g}, COLOR='RED' /\n"
+                            "&OBST XB=22.6,26.1,4.3,7.7,0,2.4 /\n"
+                            "&VENT SURF_ID='BURNER', XB=23.8,24.8,5.5,6.5,2.4,2.4 /\n&TAIL /\n",
+                            name, index.title, kSootYield, kMonoxideYield, kHeatRelease)));
   VOLUTE_TRY(writeFile(folder / (name + ".end"), ""));
   return writeFile(target, index.text());
 }

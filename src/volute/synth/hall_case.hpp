@@ -8,7 +8,8 @@ namespace volute {
 
 /// The hall and its fire as an FDS case with the files that FDS would write: the index, the input
 /// file with the burner, 3D slices of soot, temperature, CO, CO2 and O2, and the heat release.
-/// Temperature and gases follow from the soot by the yields of hallCaseAir().
+/// It burns on a stack of goods. Temperature and gases follow from the soot by the yields of
+/// hallCaseAir().
 /// @param target  ends in .smv
 [[nodiscard]] Status writeHallCase(const HallFiles& files, const std::filesystem::path& target,
                                    Progress& progress);
