@@ -3,12 +3,13 @@
 #include <cmath>
 
 #include "fuzz/input_folder.hpp"
+#include "volute/fds/geometry_file.hpp"
 #include "volute/fds/iso_file.hpp"
 #include "volute/fds/particle_file.hpp"
 
-// An input is an .iso file and a .prt5 file with two classes of particles, the same bytes for both.
-// Errors are fine; places outside of the mesh, or triangles of vertices that are not there, are
-// not.
+// An input is an .iso, a .ge, and a .prt5 file with two classes of particles, the same bytes for
+// all. Errors are fine; places outside of the mesh, or triangles of vertices that are not there,
+// are not.
 
 namespace {
 
@@ -29,6 +30,14 @@ void lookAtSurfaces(const volute::FdsIsoFile& iso, const volute::FdsMesh& mesh) 
     }
     for (const auto level : frame->levels)
       require(static_cast<std::size_t>(level) < iso.levels().size());
+  }
+}
+
+void lookAtWalls(const volute::FdsGeometry& walls) {
+  require(walls.surfaces.size() == walls.triangles.size());
+  for (const auto& triangle : walls.triangles) {
+    for (const auto corner : triangle)
+      require(static_cast<std::size_t>(corner) < walls.vertices.size());
   }
 }
 
@@ -64,6 +73,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto path = folder.save("a", volute::fuzz::textOf(data, size));
   if (const auto iso = volute::FdsIsoFile::open({0, path, {}}, mesh))
     lookAtSurfaces(*iso, mesh);
+  if (const auto walls = volute::readGeometryFile(path))
+    lookAtWalls(*walls);
   if (const auto particles = volute::FdsParticleFile::open({0, {0, 1}, path}))
     lookAtParticles(*particles);
   return 0;

@@ -15,6 +15,7 @@ import pathlib
 import random
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -132,6 +133,17 @@ class Samples:
         import fds_test
         fds_test.add_stored(lambda name: folder / name, fds_test.write_case(lambda name: folder / name))
 
+    def walls(self, folder):
+        """The case, and a box of triangles in it."""
+        self.looking(self.fds)(folder)
+        corners = [c for i in range(8) for c in (0.3 + 0.4 * (i & 1), 0.3 + 0.4 * (i >> 1 & 1), 0.3 * (i >> 2))]
+        faces = [1, 5, 7, 1, 7, 3, 2, 4, 8, 2, 8, 6, 1, 2, 6, 1, 6, 5, 3, 7, 8, 3, 8, 4, 1, 3, 4, 1, 4, 2, 5, 6, 8, 5, 8, 7]
+        records = [struct.pack("<i", 1), struct.pack("<i", 2), struct.pack("<3i", 0, 0, 1), struct.pack("<f", 0), struct.pack("<3i", 8, 12, 0),
+                   struct.pack("<24f", *corners), struct.pack("<36i", *faces), bytes(48), bytes(288), struct.pack("<f", 0), bytes(12)]
+        (folder / "case.ge").write_bytes(b"".join(struct.pack("<i", len(r)) + r + struct.pack("<i", len(r)) for r in records))
+        with open(folder / "case.smv", "a") as index:
+            index.write("GEOM 1\n case.ge\n")
+
     def scene(self, geometry):
         def make(folder):
             import geometry_test
@@ -217,6 +229,7 @@ def formats(samples):
         Format("OpenFOAM field", "10/soot", 110, mesh("a.foam"), samples.looking(samples.foam)),
         Format("FDS .smv", "case.smv", 120, ["visibility", "case.smv", *signs], samples.looking(samples.fds)),
         Format("FDS .sf", "case_1.sf", 150, ["visibility", "case.smv", *signs], samples.looking(samples.fds)),
+        Format("FDS .ge", "case.ge", 100, ["visibility", "case.smv", *signs], samples.walls),
         Format("FDS .iso", "case_1.iso", 200, [*stored, "--fds-iso", "TEMPERATURE"], samples.stored),
         Format("FDS .prt5", "case_2.prt5", 200, [*stored, "--fds-particles", "all"], samples.stored),
         Format("DXF underlay", "a.dxf", 250, ["visibility", "case.smv", "--signs", "signs.json", "--height", "0.6", "--step", "0.25",

@@ -5,8 +5,10 @@ import csv
 import hashlib
 import json
 import math
+import os
 import pathlib
 import resource
+import subprocess
 
 import support
 from sight_cases import FdsCase, Mesh, write_pvd, write_vtu
@@ -556,6 +558,44 @@ class Areas(Cases):
         self.assertIn("has no layer 'rooms'", self.fails(1, *words, "--area-layer", "rooms", "-o", self.path("no")))
         self.path("areas.json").write_text(json.dumps({"areas": [{"name": "mine", "polygon": [[0, 0], [1, 0], [1, 1]]}]}))
         self.assertIn("overlaps area 'mine'", self.fails(1, *words, "--area-layer", "areas", "--areas", self.path("areas.json"), "-o", self.path("no")))
+
+    def test_areas_are_closed_lines_of_a_layer_of_an_svg(self):
+        """Its picture is made by another program, here by one that always makes the same."""
+        case = self.rooms()
+        (self.path("bin")).mkdir()
+        subprocess.run([support.PROGRAM, "synthesize", "flame", "-o", self.path("f.npy"), "--size", "16", "--frames", "1", "-q"], check=True)
+        subprocess.run([support.PROGRAM, "render", self.path("f.npy"), "-o", self.path("bin/plan.png"), "--size", "20x4", "-q"], check=True)
+        converter = self.path("bin/rsvg-convert")
+        converter.write_text('#!/bin/sh\nexec cat "${0%/*}/plan.png"\n')
+        converter.chmod(0o755)
+        self.path("plan.svg").write_text(
+            "<svg viewBox='0 0 200 40'><g inkscape:label='Rooms' transform='scale(10)'>"
+            "<path inkscape:label='office' d='M0 0h2v4H0z'/><rect x='2' y='0' width='2' height='4'/><circle r='1'/></g></svg>")
+        words = ("visibility", case, "--signs", self.signs(), "--step", 0.5, "--maps", "aset", "--underlay", self.path("plan.svg"),
+                 "--underlay-bounds", "0,0,20,4")
+        path = os.environ | {"PATH": f"{self.path('bin')}:{os.environ['PATH']}"}
+        result = self.works(*words, "--area-layer", "rooms", "-o", self.path("out"), env=path)
+        self.assertIn("1 lines of the layer 'rooms' are curves: they are no areas", result.message)
+        areas = {one["name"]: one for one in self.report("out")["areas"]}
+        self.assertEqual(areas["office"]["points"], areas["rooms 2"]["points"])
+        self.assertGreater(areas["office"]["points"], 10)
+        self.assertIn("no group is labelled 'walls'; it has 'Rooms'",
+                      self.fails(1, *words, "--area-layer", "walls", "-o", self.path("no"), env=path))
+
+    def test_a_storey_without_a_floor_is_told(self):
+        """Eyes 5 m above the only floor."""
+        case = FdsCase([Mesh("hall", (0, 20, 0, 4, 0, 8), (20, 4, 8))], TIMES, lambda t, *_: 0.001 * t).write(self.folder)
+        result = self.works("visibility", case, "--signs", self.signs(), "--height", 5.5, "--step", 1, "-o", self.path("out"))
+        self.assertIn("no point of the plan at z = 5.5 m has a floor within 2.5 m below it: all points count", result.message)
+
+    def test_quantities_in_units_of_something_else_are_not_used(self):
+        case = self.case(more=[("TEMPERATURE", "K", lambda t, *_: 293.15 + t), ("CARBON MONOXIDE VOLUME FRACTION", "kg/kg", lambda *_: 0.001)])
+        self.works("visibility", case, "--signs", self.signs(), "--height", 1.5, "--step", 1, "-o", self.path("out"))
+        report = self.report("out")
+        (hot,) = (one for one in report["tenability"]["criteria"] if one["name"] == "temperature")
+        self.assertEqual(hot["rows"][1][3], 40)  # 20 + t
+        gaps = {one["name"]: one.get("not_assessed", "") for one in report["tenability"]["criteria"]}
+        self.assertIn("slice3d-carbon-monoxide-volume-fraction-cells is in 'kg/kg'; expected mol/mol", gaps["fed-gas-iso"])
 
     def test_areas_elsewhere_are_refused(self):
         case = self.rooms()
