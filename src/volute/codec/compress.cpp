@@ -41,6 +41,8 @@ constexpr std::size_t kBatch = 64;
 constexpr std::uint64_t kBatchBytesAValue = 32;
 // A step this much finer than the one that modes were chosen for asks again about blocks left out.
 constexpr double kFinerStep = 0.75;
+// How the step goes with the error, where nothing tells it.
+constexpr double kErrorPower = 1.2;
 
 // The first 16 bits of a value tell it to 1/128.
 constexpr unsigned kHistogramShift = 16;
@@ -193,7 +195,7 @@ class Compressor {
   Result<std::optional<EncodedUnitRecord>> recall(Way way, EncodedUnits::Unit& done);
   Status shareErrors();
   Status shareTraining();
-  Status shareBlockCount();
+  Status shareDone(Way way);
   Status shareModes(Way way);
   Status shareSegments();
   std::optional<BlockMode> chooseMode(std::size_t block, std::span<const float> values,
@@ -252,13 +254,14 @@ class Compressor {
   SupportError support_;
   double supportVoxels_ = 0;  // of all frames
   EffortPlan effort_;
-  bool sampled_ = false;       // so many blocks to a row that a part of them is surveyed
-  std::uint64_t blocks_ = 0;   // that hold something
-  std::uint64_t oneOf_ = 1;    // of so many one tells what all are like
-  double doneShare_ = 1;       // of all blocks, that the last way went through
-  bool chosenBefore_ = false;  // modes_ are those of another step, else a guess
-  double chosenStep_ = 0;      // at which modes_ were chosen
-  bool stepsAlike_ = false;    // the same and that before
+  bool sampled_ = false;        // so many blocks to a row that a part of them is surveyed
+  std::uint64_t blocks_ = 0;    // that hold something
+  std::uint64_t oneOf_ = 1;     // of so many one tells what all are like
+  double doneShare_ = 1;        // of the support, that the last way went through
+  double power_ = kErrorPower;  // how the step goes with the error
+  bool chosenBefore_ = false;   // modes_ are those of another step, else a guess
+  double chosenStep_ = 0;       // at which modes_ were chosen
+  bool stepsAlike_ = false;     // the same and that before
   QuantisationModel model_;
   std::optional<UnitStore> store_;  // of finished units, where that is asked for
   std::uint64_t content_ = 0;       // a digest of all values, for it
@@ -631,6 +634,7 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<Bl
   const BlockGrid::Index4 origin = grid.origin(block);
   std::size_t worst = 0;
   for (std::size_t i = 0; i < states.size(); ++i) {
+    result.error.voxels += states[i] == VoxelState::kEmpty ? 0 : 1;
     if (parameters_.sparse && states[i] == VoxelState::kEmpty)
       continue;
     for (std::size_t c = 0; c < channels; ++c) {
@@ -822,12 +826,20 @@ Status Compressor::shareTraining() {
   return {};
 }
 
-// How many blocks the last way went through.
-Status Compressor::shareBlockCount() {
+// What of the support the last way went through: its blocks' voxels, for blocks hold from few to
+// all; tiles are of no block, and where there are some blocks are counted instead.
+Status Compressor::shareDone(Way way) {
+  doneShare_ = 1;
+  if (!isOfSome(way) || blocks_ == 0)
+    return {};
   std::uint64_t done = 0;
   for (const EncodedUnits::Unit& unit : units_.units()) done += unit.blocks.size();
   VOLUTE_TRY(team_.sum(std::span(&done, 1)));
-  doneShare_ = blocks_ > 0 ? static_cast<double>(done) / static_cast<double>(blocks_) : 1;
+  const bool tiles =
+      std::ranges::any_of(head_.tiles, [](const auto& frame) { return !frame.empty(); });
+  doneShare_ = tiles || error_.voxels == 0
+                   ? static_cast<double>(done) / static_cast<double>(blocks_)
+                   : error_.voxels / supportVoxels_;
   return {};
 }
 
@@ -894,7 +906,7 @@ Status Compressor::encodeAll(double proposed, Way way) {
                             [&](std::int64_t number) { return doUnit(number, way); }));
   chosenBefore_ = chosenBefore_ || way == Way::kChoose;
   VOLUTE_TRY(shareErrors());
-  VOLUTE_TRY(shareBlockCount());
+  VOLUTE_TRY(shareDone(way));
   noteErrors();
   if (choosesModes(way))
     VOLUTE_TRY(shareModes(way));
@@ -1055,17 +1067,23 @@ Status Compressor::searchSmallest() {
 
 double Compressor::betterStep() const {
   return goal_.betterStep(parameters_.step * parameters_.unit(), outcomeOfTry(),
-                          0.5 + 0.5 * effort_.nearness);
+                          0.5 + 0.5 * effort_.nearness, power_);
 }
 
 // Modes and step from some blocks: how all came out with them is near what was asked for.
 Result<double> Compressor::stepFromSome(double first) {
-  constexpr double kFar = 1.15;
+  constexpr double kFar = 1.15, kTellsPower = 0.1, kGreatestPower = 1.4;
   VOLUTE_TRY(encodeAll(first, Way::kLearn));
+  const double learnt = std::max(outcomeOfTry(), 1e-30);
   double step = betterStep();
   const int tries = blocks_ < kFewBlocks ? 3 : 2;
   for (int i = 0; i < tries; ++i) {
     VOLUTE_TRY(encodeAll(step, Way::kTry));
+    // At fine steps the error goes as they do, at coarse ones less.
+    const double steps = std::log(step / first);
+    const double errors = std::log(std::max(outcomeOfTry(), 1e-30) / learnt);
+    if (std::abs(steps) > kTellsPower && steps * errors > 0)
+      power_ = std::clamp(steps / errors, 1.0, kGreatestPower);
     const double better = betterStep();
     const double change = std::max(better / step, step / better);
     step = better;

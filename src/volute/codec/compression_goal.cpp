@@ -124,10 +124,10 @@ double CompressionGoal::firstStep(const QuantisationModel& model) const {
   return within(coarse);
 }
 
-double CompressionGoal::betterStep(double step, double outcome, double aim) const {
+double CompressionGoal::betterStep(double step, double outcome, double aim,
+                                   double errorPower) const {
   constexpr double kMaxChange = 6;
-  // How the step goes with the error, and with the size.
-  const double power = isSize() ? -1.3 : 1.2;
+  const double power = isSize() ? -1.3 : errorPower;
   const double change = std::pow(aim * problem().target / std::max(outcome, 1e-30), power);
   return within(step * std::clamp(change, 1 / kMaxChange, kMaxChange));
 }

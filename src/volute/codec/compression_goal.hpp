@@ -64,7 +64,8 @@ class CompressionGoal {
   double firstStep(const QuantisationModel& model) const;
 
   /// The step that should come to the part `aim` of the goal, from what another gave.
-  double betterStep(double step, double outcome, double aim) const;
+  /// @param errorPower  the power of the error that the step goes with
+  double betterStep(double step, double outcome, double aim, double errorPower) const;
 
  private:
   double within(double step) const;

@@ -12,6 +12,7 @@ namespace volute {
 
 void CodingError::add(const CodingError& other) {
   for (std::size_t i = 0; i < squaredOf.size(); ++i) squaredOf[i] += other.squaredOf[i];
+  voxels += other.voxels;
   if (other.maximum > maximum || (other.maximum == maximum && other.place < place)) {
     maximum = other.maximum;
     place = other.place;
@@ -43,6 +44,7 @@ std::vector<std::byte> EncodedUnitRecord::toBytes() const {
     for (const double squared : layer.error.squaredOf) record.f64(squared);
     record.f64(layer.error.maximum);
     record.u64(layer.error.place);
+    record.f64(layer.error.voxels);
   }
   for (const auto& [size, crc] : segments) {
     record.u32(size);
@@ -89,6 +91,7 @@ std::optional<EncodedUnitRecord> EncodedUnitRecord::fromBytes(std::span<const st
     for (double& squared : layer.error.squaredOf) squared = in.f64();
     layer.error.maximum = in.f64();
     layer.error.place = in.u64();
+    layer.error.voxels = in.f64();
   }
   for (std::size_t i = 0; i < blocks * kWaveletTiers.size(); ++i) {
     const std::uint32_t size = in.u32();

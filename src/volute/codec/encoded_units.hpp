@@ -27,6 +27,7 @@ struct CodingError {
   std::array<double, BlockGrid::kSide> squaredOf{};  ///< sums, of each frame of a row
   double maximum = 0;
   std::uint64_t place = 0;  ///< of the maximum: the voxel's number in C order (t, z, y, x)
+  double voxels = 0;        ///< of the support
 
   void add(const CodingError& other);
 
