@@ -3,8 +3,10 @@
 #include "volute/codec/volute_reader.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <mutex>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "volute/codec/container.hpp"
@@ -388,14 +390,18 @@ Status VoluteReader::Impl::readPart(std::size_t block, const Index4& begin, cons
   Index4 blockEnd{};
   for (std::size_t axis = 0; axis < 4; ++axis) blockEnd[axis] = origin[axis] + extents[axis];
   const std::size_t line = static_cast<std::size_t>(high[3] - low[3]) * channels;
-  for (int t = low[0]; t < high[0]; ++t) {
-    for (int z = low[1]; z < high[1]; ++z) {
-      for (int y = low[2]; y < high[2]; ++y) {
-        std::copy_n(decoded.data() + place(t, z, y, origin, blockEnd), line,
-                    values.data() + place(t, z, y, begin, end));
-      }
-    }
-  }
+  const auto copyLines = [&](auto size) {
+    for (int t = low[0]; t < high[0]; ++t)
+      for (int z = low[1]; z < high[1]; ++z)
+        for (int y = low[2]; y < high[2]; ++y)
+          std::memcpy(values.data() + place(t, z, y, begin, end),
+                      decoded.data() + place(t, z, y, origin, blockEnd), size * sizeof(float));
+  };
+  // A size that is known needs no call for each line.
+  if (line == BlockGrid::kSide)
+    copyLines(std::integral_constant<std::size_t, BlockGrid::kSide>());
+  else
+    copyLines(line);
   return {};
 }
 

@@ -162,7 +162,12 @@ void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
   const AxisLevels levels = blockLevels(shape.extents, mode.timeLevels);
   for (int c = 0; c < shape.channels; ++c)
     shapeInverse(planes.subspan(c * voxels, voxels), support, shape.extents, mode.wavelet, levels);
-  parameters.color.merge(planes, shape.channels, parameters.unit(), values);
+  // Of one channel in one go with what follows.
+  const bool direct = shape.channels == 1 && !parameters.bends();
+  const float* from = direct ? planes.data() : values.data();
+  const float unit = direct ? parameters.unit() : 1;
+  if (!direct)
+    parameters.color.merge(planes, shape.channels, parameters.unit(), values);
   if (parameters.bends()) {
     for (float& value : values) value = parameters.unbent(value);
   }
@@ -180,11 +185,11 @@ void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
   std::size_t i = 0;
   for (; i + kMany <= values.size(); i += kMany) {
     float some[kMany];
-    for (std::size_t j = 0; j < kMany; ++j) some[j] = values[i + j];
+    for (std::size_t j = 0; j < kMany; ++j) some[j] = from[i + j] * unit;
     for (float& value : some) value = clamped(value);
     for (std::size_t j = 0; j < kMany; ++j) values[i + j] = some[j];
   }
-  for (; i < values.size(); ++i) values[i] = clamped(values[i]);
+  for (; i < values.size(); ++i) values[i] = clamped(from[i] * unit);
   if (support.empty() || coarse)
     return;
   const float outside = std::min(stream.valueMax, std::max(stream.valueMin, 0.0f));

@@ -392,7 +392,8 @@ class WaveletDecoder final : public BlockDecoder {
     if (std::ranges::all_of(tiers, [](const auto& tier) { return tier.empty(); })) {
       const std::array<float, 3> empty =
           parameters_.sparse ? background() : std::array{zero(), zero(), zero()};
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] = empty[i % channels];
+      for (std::size_t i = 0; i < values.size(); i += channels)
+        std::copy_n(empty.begin(), channels, values.begin() + static_cast<std::ptrdiff_t>(i));
       if (states)
         states->assign(shape.voxels(), VoxelState::kEmpty);
       return {};

@@ -17,20 +17,33 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// A few lines side by side, one in each lane, without gaps. What lies beyond their ends is zero
 /// and not in the support. Never MulAdd: it rounds differently from CPU to CPU.
-template <class D, bool kShaped>
+///
+/// kCount: their samples, where that is known, so that all of them stay in registers; else 0.
+template <class D, bool kShaped, std::size_t kCount>
 struct Strip {
   using F = hn::Vec<D>;
   D d;
   const LiftingRows& rows;
 
-  HWY_INLINE float* at(std::size_t i) const { return rows.samples + i * rows.stride; }
+  HWY_INLINE std::size_t count() const { return kCount != 0 ? kCount : rows.count; }
 
-  HWY_INLINE F get(std::size_t i) const {
-    return i < rows.count ? hn::LoadU(d, at(i)) : hn::Zero(d);
+  /// Calls visit for every second sample from `first` on.
+  template <class Visit>
+  HWY_INLINE void everySecond(std::size_t first, const Visit& visit) const {
+    if constexpr (kCount != 0) {
+#pragma GCC unroll 16
+      for (std::size_t i = 0; i < kCount; i += 2) visit(first + i);
+    } else {
+      for (std::size_t i = first; i < rows.count; i += 2) visit(i);
+    }
   }
 
+  HWY_INLINE float* at(std::size_t i) const { return rows.samples + i * rows.stride; }
+
+  HWY_INLINE F get(std::size_t i) const { return i < count() ? hn::LoadU(d, at(i)) : hn::Zero(d); }
+
   HWY_INLINE F in(std::size_t i) const {
-    if (i >= rows.count)
+    if (i >= count())
       return hn::Zero(d);
     if constexpr (kShaped)
       return hn::LoadU(d, rows.support + i * rows.stride);
@@ -42,7 +55,7 @@ struct Strip {
   HWY_INLINE void step(std::size_t i, F factor) const {
     F before = get(i - 1);
     F after = get(i + 1);
-    if (kShaped || i == 0 || i + 1 == rows.count) {
+    if (kShaped || i == 0 || i + 1 == count()) {
       const F two = hn::Set(d, 2.0f);
       before = hn::Mul(hn::Sub(two, in(i + 1)), before);
       after = hn::Mul(hn::Sub(two, in(i - 1)), after);
@@ -55,13 +68,13 @@ struct Strip {
 
   HWY_INLINE void steps(std::size_t first, double factor) const {
     const F f = hn::Set(d, static_cast<float>(factor));
-    for (std::size_t i = first; i < rows.count; i += 2) step(i, f);
+    everySecond(first, [&](std::size_t i) HWY_ATTR { step(i, f); });
   }
 
   /// Multiplies sample i by `paired`, or by `alone` where no neighbour is in the support.
   HWY_INLINE void scale(std::size_t i, double paired, double alone) const {
     F factor = hn::Set(d, static_cast<float>(paired));
-    if (kShaped || rows.count == 1) {
+    if (kShaped || count() == 1) {
       const auto none = hn::Eq(hn::Add(in(i - 1), in(i + 1)), hn::Zero(d));
       factor = hn::IfThenElse(none, hn::Set(d, static_cast<float>(alone)), factor);
     }
@@ -69,30 +82,23 @@ struct Strip {
   }
 
   HWY_INLINE void scaleAll(double low, double high, double loneLow) const {
-    for (std::size_t i = 0; i < rows.count; i += 2) scale(i, low, loneLow);
-    for (std::size_t i = 1; i < rows.count; i += 2) scale(i, high, 1.0);
+    everySecond(0, [&](std::size_t i) HWY_ATTR { scale(i, low, loneLow); });
+    everySecond(1, [&](std::size_t i) HWY_ATTR { scale(i, high, 1.0); });
   }
 
   /// (a, b) becomes ((a + b) / sqrt 2, (a - b) / sqrt 2); a lone a is multiplied by `alone`, a lone
   /// b stays.
   HWY_INLINE void haar(double alone) const {
     const F half = hn::Set(d, static_cast<float>(1 / kRootTwo));
-    for (std::size_t i = 0; i < rows.count; i += 2) {
+    for (std::size_t i = 0; i < count(); i += 2) {
       const F a = get(i);
       const F b = get(i + 1);
       const auto both = hn::Ne(hn::Mul(in(i), in(i + 1)), hn::Zero(d));
       const F lone = hn::Mul(a, hn::Set(d, static_cast<float>(alone)));
       hn::StoreU(hn::IfThenElse(both, hn::Mul(hn::Add(a, b), half), lone), d, at(i));
-      if (i + 1 < rows.count)
+      if (i + 1 < count())
         hn::StoreU(hn::IfThenElse(both, hn::Mul(hn::Sub(a, b), half), b), d, at(i + 1));
     }
-  }
-
-  /// Whether there is anything: zeros stay zeros.
-  HWY_INLINE bool empty() const {
-    F any = hn::Zero(d);
-    for (std::size_t i = 0; i < rows.count; ++i) any = hn::Max(any, hn::Abs(get(i)));
-    return hn::AllFalse(d, hn::Ne(any, hn::Zero(d)));
   }
 
   HWY_INLINE void lift(Wavelet wavelet, bool inverse) const {
@@ -111,24 +117,29 @@ struct Strip {
 
 /// Lifts lines from `lane` on as long as they fill a vector. They are copied beside each other
 /// first: rows far apart, by powers of two, would push each other out of the cache.
-template <bool kShaped, class D>
+template <bool kShaped, std::size_t kCount, class D>
 void liftStrips(D d, const LiftingRows& rows, Wavelet wavelet, bool inverse, std::size_t& lane) {
   const std::size_t lanes = hn::Lanes(d);
   HWY_ALIGN float samples[kLongestSide * hn::MaxLanes(d)];
   HWY_ALIGN float support[kLongestSide * hn::MaxLanes(d)];
   const LiftingRows near{samples, support, rows.count, lanes, lanes};
+  const Strip<D, kShaped, kCount> strip{d, near};
+  const std::size_t count = strip.count();
   for (; lane + lanes <= rows.lines; lane += lanes) {
-    for (std::size_t i = 0; i < rows.count; ++i)
-      hn::Store(hn::LoadU(d, rows.samples + i * rows.stride + lane), d, samples + i * lanes);
-    const Strip<D, kShaped> strip{d, near};
-    if (strip.empty())
+    auto any = hn::Zero(d);  // zeros stay zeros
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto row = hn::LoadU(d, rows.samples + i * rows.stride + lane);
+      hn::Store(row, d, samples + i * lanes);
+      any = hn::Max(any, hn::Abs(row));
+    }
+    if (hn::AllFalse(d, hn::Ne(any, hn::Zero(d))))
       continue;
     if constexpr (kShaped) {
-      for (std::size_t i = 0; i < rows.count; ++i)
+      for (std::size_t i = 0; i < count; ++i)
         hn::Store(hn::LoadU(d, rows.support + i * rows.stride + lane), d, support + i * lanes);
     }
     strip.lift(wavelet, inverse);
-    for (std::size_t i = 0; i < rows.count; ++i)
+    for (std::size_t i = 0; i < count; ++i)
       hn::StoreU(hn::Load(d, samples + i * lanes), d, rows.samples + i * rows.stride + lane);
   }
 }
@@ -136,11 +147,14 @@ void liftStrips(D d, const LiftingRows& rows, Wavelet wavelet, bool inverse, std
 template <bool kShaped>
 void liftLanes(const LiftingRows& rows, Wavelet wavelet, bool inverse) {
   std::size_t lane = 0;
-  liftStrips<kShaped>(hn::ScalableTag<float>(), rows, wavelet, inverse, lane);
+  if (!kShaped && rows.count == kLongestSide)
+    liftStrips<kShaped, kLongestSide>(hn::ScalableTag<float>(), rows, wavelet, inverse, lane);
+  else
+    liftStrips<kShaped, 0>(hn::ScalableTag<float>(), rows, wavelet, inverse, lane);
   // What is left of a block at its coarse levels has short rows.
-  liftStrips<kShaped>(hn::CappedTag<float, 8>(), rows, wavelet, inverse, lane);
-  liftStrips<kShaped>(hn::CappedTag<float, 4>(), rows, wavelet, inverse, lane);
-  liftStrips<kShaped>(hn::CappedTag<float, 1>(), rows, wavelet, inverse, lane);
+  liftStrips<kShaped, 0>(hn::CappedTag<float, 8>(), rows, wavelet, inverse, lane);
+  liftStrips<kShaped, 0>(hn::CappedTag<float, 4>(), rows, wavelet, inverse, lane);
+  liftStrips<kShaped, 0>(hn::CappedTag<float, 1>(), rows, wavelet, inverse, lane);
 }
 
 void LiftRows(const LiftingRows& rows, Wavelet wavelet, bool inverse) {
@@ -148,6 +162,51 @@ void LiftRows(const LiftingRows& rows, Wavelet wavelet, bool inverse) {
     liftLanes<true>(rows, wavelet, inverse);
   else
     liftLanes<false>(rows, wavelet, inverse);
+}
+
+/// to(j, i) = from(i, j), i < rows, j < columns, both without gaps.
+void turn(const float* from, std::size_t rows, std::size_t columns, float* to) {
+#if HWY_TARGET != HWY_SCALAR
+  if (rows % 4 == 0 && columns % 4 == 0) {
+    const hn::FixedTag<float, 4> d;
+    for (std::size_t i = 0; i < rows; i += 4) {
+      for (std::size_t j = 0; j < columns; j += 4) {
+        const float* at = from + i * columns + j;
+        const auto r0 = hn::LoadU(d, at), r1 = hn::LoadU(d, at + columns);
+        const auto r2 = hn::LoadU(d, at + 2 * columns), r3 = hn::LoadU(d, at + 3 * columns);
+        const auto low01 = hn::InterleaveLower(d, r0, r1), high01 = hn::InterleaveUpper(d, r0, r1);
+        const auto low23 = hn::InterleaveLower(d, r2, r3), high23 = hn::InterleaveUpper(d, r2, r3);
+        float* out = to + j * rows + i;
+        hn::StoreU(hn::ConcatLowerLower(d, low23, low01), d, out);
+        hn::StoreU(hn::ConcatUpperUpper(d, low23, low01), d, out + rows);
+        hn::StoreU(hn::ConcatLowerLower(d, high23, high01), d, out + 2 * rows);
+        hn::StoreU(hn::ConcatUpperUpper(d, high23, high01), d, out + 3 * rows);
+      }
+    }
+    return;
+  }
+#endif
+  for (std::size_t j = 0; j < columns; ++j) {
+    for (std::size_t i = 0; i < rows; ++i) to[j * rows + i] = from[i * columns + j];
+  }
+}
+
+/// Lines of `count` samples, one after the other: x becomes the slowest axis for a while, some
+/// lines at a time.
+void LiftLines(float* samples, const float* support, std::size_t lines, std::size_t count,
+               Wavelet wavelet, bool inverse) {
+  constexpr std::size_t kLines = 16;
+  HWY_ALIGN float turned[kLongestSide * kLines];
+  HWY_ALIGN float turnedSupport[kLongestSide * kLines];
+  for (std::size_t first = 0; first < lines; first += kLines) {
+    const std::size_t n = HWY_MIN(kLines, lines - first);
+    float* some = samples + first * count;
+    turn(some, n, count, turned);
+    if (support != nullptr)
+      turn(support + first * count, n, count, turnedSupport);
+    LiftRows({turned, support != nullptr ? turnedSupport : nullptr, count, n, n}, wavelet, inverse);
+    turn(turned, count, n, some);
+  }
 }
 
 }  // namespace volute::HWY_NAMESPACE
@@ -166,6 +225,7 @@ namespace volute {
 namespace {
 
 HWY_EXPORT(LiftRows);
+HWY_EXPORT(LiftLines);
 
 using Extents = std::array<int, 4>;
 
@@ -182,7 +242,9 @@ class Level {
   void lift(int axis, Wavelet wavelet, bool inverse) const {
     const auto count = static_cast<std::size_t>(extents_[axis]);
     if (axis == 3)
-      return liftAlongX(wavelet, inverse);
+      return HWY_DYNAMIC_DISPATCH(LiftLines)(samples_.data(),
+                                             support_.empty() ? nullptr : support_.data(),
+                                             samples_.size() / count, count, wavelet, inverse);
     std::size_t lines = 1;
     for (int a = axis + 1; a < 4; ++a) lines *= static_cast<std::size_t>(extents_[a]);
     const std::size_t slab = count * lines;
@@ -195,34 +257,6 @@ class Level {
  private:
   static void run(const LiftingRows& rows, Wavelet wavelet, bool inverse) {
     HWY_DYNAMIC_DISPATCH(LiftRows)(rows, wavelet, inverse);
-  }
-
-  // x becomes the slowest axis for a while, some lines at a time.
-  void liftAlongX(Wavelet wavelet, bool inverse) const {
-    constexpr std::size_t kLines = 16;
-    const auto count = static_cast<std::size_t>(extents_[3]);
-    float turned[kLongestSide * kLines];
-    float turnedSupport[kLongestSide * kLines];
-    const std::size_t lines = samples_.size() / count;
-    for (std::size_t first = 0; first < lines; first += kLines) {
-      const std::size_t n = std::min(kLines, lines - first);
-      float* samples = samples_.data() + first * count;
-      if (std::all_of(samples, samples + n * count, [](float value) { return value == 0; }))
-        continue;
-      turn(samples, n, count, turned, n);
-      if (!support_.empty())
-        turn(support_.data() + first * count, n, count, turnedSupport, n);
-      run({turned, support_.empty() ? nullptr : turnedSupport, count, n, n}, wavelet, inverse);
-      turn(turned, count, n, samples, count);
-    }
-  }
-
-  // to(j, i) = from(i, j), i < rows, j < columns.
-  static void turn(const float* from, std::size_t rows, std::size_t columns, float* to,
-                   std::size_t stride) {
-    for (std::size_t j = 0; j < columns; ++j) {
-      for (std::size_t i = 0; i < rows; ++i) to[j * stride + i] = from[i * columns + j];
-    }
   }
 
   std::span<float> samples_;
