@@ -53,6 +53,30 @@ class Package(unittest.TestCase):
     def tearDownClass(cls):
         cls.folder.cleanup()
 
+    def test_bricks_of_a_box_beyond_all_memory(self):
+        """Two bricks in a box of 100,000^3 voxels."""
+        values = np.zeros((1, 8, 8, 24), np.float32)
+        values[..., :8] = 1 + np.arange(8)
+        values[..., 16:] = 2
+        volute.compress(values, self.path / "near.volute", max_error=1e-3, bounds=((0, 0, 0), (24, 8, 8)))
+        near, far = str(self.path / "near_%04d.vdb"), self.path / "far.volute"
+        subprocess.run([COMMAND, "extract", self.path / "near.volute", "-o", near], check=True, capture_output=True)
+        subprocess.run([COMMAND, "compress", near, "--bounds=-50000,-50000,-50000,50000,50000,50000", "-o", far, "--max-error", "1e-3"],
+                       check=True, capture_output=True)
+        v = volute.open(far)
+        self.assertEqual(v.shape, (1, 100000, 100000, 100000))
+        held = v.bricks(0)
+        order = np.argsort(held.positions[:, 2])
+        self.assertEqual(held.positions[order].tolist(), [[50000, 50000, 50000], [50000, 50000, 50016]])
+        self.assertEqual(held.values.shape, (2, 8, 8, 8))
+        self.assertTrue(held.active.all())
+        np.testing.assert_allclose(held.values[order[0]], values[0, ..., :8], atol=2e-3)
+        np.testing.assert_allclose(held.values[order[1]], values[0, ..., 16:], atol=2e-3)
+        self.assertEqual(float(held.background), 0)
+        np.testing.assert_allclose(v[0, 50000:50008, 50000:50008, 50000:50024], values[0], atol=2e-3)
+        with self.assertRaisesRegex(volute.TooLarge, "v.bricks"):
+            np.asarray(v)
+
     def test_what_a_file_says(self):
         v = volute.open(self.file)
         self.assertEqual(v.shape, (20, 24, 20, 18))

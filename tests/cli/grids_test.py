@@ -133,6 +133,63 @@ class EveryType(support.TestCase):
 
 
 @unittest.skipUnless("VDB_MAKER" in os.environ, "this build has no OpenVDB")
+class Extremes(support.TestCase):
+    """What the format allows and hardly anybody expects."""
+
+    def setUp(self):
+        super().setUp()
+        self.made = self.path("extremes")
+        self.made.mkdir()
+        subprocess.run([os.environ["VDB_MAKER"], "extremes", str(self.made)], check=True)
+
+    def within(self, megabytes, *arguments):
+        code, message, peak = self.peak(*arguments)
+        self.assertLess(peak, megabytes << 20, message)
+        return code, message
+
+    def test_tiles_of_a_million_million_voxels_stay_tiles(self):
+        file, packed = self.made / "tiles.vdb", self.path("x.volute")
+        for arguments in (("info", file), ("compress", file, "-o", packed), ("info", packed), ("compare", file, packed),
+                          ("extract", packed, "-o", self.path("x_%04d.vdb"))):
+            code, message = self.within(160, *arguments)
+            self.assertEqual(code, 0, message)
+        self.assertEqual(self.works("compare", file, packed, "--json").json["max_error"], 0)
+        done = subprocess.run([os.environ["VDB_MAKER"], "compare", str(file), str(self.path("x_0000.vdb")), "0"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        for source, advice in ((file, "give --bounds, or raise --max-memory"), (packed, "raise --max-memory")):
+            code, message = self.within(160, "render", source, "-o", self.path("x.png"))
+            self.assertEqual(code, 1)
+            self.assertRegex(message, rf"the tiles of 'density' need \d+ MiB of memory, more than the 4096 MiB allowed; {advice}")
+        near = "--bounds=-2.125,-0.125,-0.125,7.875,7.875,7.875"
+        code, message = self.within(160, "render", file, near, "-o", self.path("x.png"))
+        self.assertEqual(code, 0, message)
+
+    def test_corners_beyond_32_bits(self):
+        file = self.made / "corners.vdb"
+        for arguments in (("info", file), ("compress", file, "-o", self.path("x.volute")), ("render", file, "-o", self.path("x.png"))):
+            code, message = self.within(160, *arguments)
+            self.assertEqual(code, 1)
+            self.assertIn("indices from (-2147483648, -2147483648, -2147483648) to (2147483647, 2147483647, 2147483647)", message)
+        near = "--bounds=-1.125,-1.125,-1.125,1.125,1.125,1.125"
+        self.works("compress", file, near, "-o", self.path("x.volute"))
+
+    def test_backgrounds_that_differ_between_frames(self):
+        text = self.fails(1, "compress", self.made / "background_%04d.vdb", "-o", self.path("x.volute"))
+        self.assertIn("grid 'density', frame 2: its background is 0.5, but 0 in the frames before", text)
+        self.assertFalse(self.path("x.volute").exists())
+
+    def test_inactive_voxels_that_are_no_numbers(self):
+        file, packed = self.made / "hidden.vdb", self.path("x.volute")
+        self.assertEqual(self.works("info", file, "--json").json["grids"][0]["active_voxels"], 512)
+        self.works("compress", file, "-o", packed)
+        self.works("extract", packed, "-o", self.path("x_%04d.vdb"))
+        self.assertEqual(self.works("compare", file, self.path("x_0000.vdb"), "--json").json["outside_error"], 0)
+        # A background that is no number counts as 0.
+        self.works("compress", self.made / "unset.vdb", "-o", packed)
+        self.works("render", packed, "-o", self.path("x.png"), "--size", "16x16")
+
+
+@unittest.skipUnless("VDB_MAKER" in os.environ, "this build has no OpenVDB")
 class Places(support.TestCase):
     """A block of 10^3 voxels of 1 whose grid is turned, sheared, mirrored, or moves: nothing of it is resampled."""
 

@@ -209,6 +209,22 @@ class Mount(support.TestCase):
         self.assertLess(after[0] - before[0], 3000, "KiB")
         self.assertLessEqual(after[1], before[1] + 2)
 
+    def test_memory_is_of_what_is_in_a_box(self):
+        """Two bricks in a box of 100,000^3 voxels."""
+        support.write_npy(self.path("in.npy"), (2, 8, 8, 24), [i % 7 if x % 24 // 8 != 1 else 0 for i, x in enumerate(range(2 * 64 * 24))])
+        self.works("compress", self.path("in.npy"), "-o", self.path("near.volute"), "--bounds", "0,0,0,24,8,8")
+        self.works("extract", self.path("near.volute"), "-o", self.path("near_%04d.vdb"))
+        far = self.path("far.volute")
+        self.works("compress", self.path("near_%04d.vdb"), "--bounds=-50000,-50000,-50000,50000,50000,50000", "-o", far)
+        process, folder = self.mount(far)
+        expected = self.extracted(far)
+        self.assertEqual(len(expected), 2)
+        for name, data in expected.items():
+            self.assertEqual((folder / name).read_bytes(), data, name)
+        status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+        peak = int(next(line for line in status.splitlines() if line.startswith("VmHWM")).split()[1])
+        self.assertLess(peak, 160 << 10, "KiB")
+
     def test_a_damaged_block_is_an_error(self):
         file = self.make_volute(frames=18, size=20)
         data = bytearray(file.read_bytes())

@@ -10,12 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/assert.hpp"
 #include "volute/grid/bricks.hpp"
 
 namespace volute {
 namespace {
 
 constexpr std::int64_t kSmallCube = 2 * Bricks::kSide;  // compared voxel by voxel
+constexpr std::size_t kFewTiles = 64;
 
 double errorBetween(float a, float b) {
   if (a == b || (std::isnan(a) && std::isnan(b)))
@@ -103,18 +105,20 @@ struct FramePart {
     return part;
   }
 
-  /// Whether all of a box is one tile or background.
+  /// Whether all of a box is one tile, the last one, or background.
   bool isUniform(const IndexBox& box) const {
-    return leaves.empty() &&
-           (tiles.empty() || (tiles.size() == 1 && frame->tiles()[tiles[0]].box().contains(box)));
+    return leaves.empty() && std::ranges::all_of(tiles, [&](std::uint32_t tile) {
+             return frame->tiles()[tile].box().contains(box);
+           });
   }
 
   const std::array<float, 3>& uniform() const {
-    return tiles.empty() ? frame->background() : frame->tiles()[tiles[0]].value;
+    return tiles.empty() ? frame->background() : frame->tiles()[tiles.back()].value;
   }
 
   bool uniformIsSupport() const {
-    return !tiles.empty() && (frame->tiles()[tiles[0]].active || uniform() != frame->background());
+    return !tiles.empty() &&
+           (frame->tiles()[tiles.back()].active || uniform() != frame->background());
   }
 
   /// Values of a small box, shape (c, z, y, x), and which voxels are of the support.
@@ -164,7 +168,36 @@ struct FramePart {
   }
 };
 
-/// Two frames, by cubes that are cut in eight until they are alike all over, or small.
+/// A plane across an axis.
+struct Cut {
+  std::size_t axis = 0;
+  std::int64_t at = 0;
+};
+
+/// The face of a tile that cuts a box most evenly; there is one where isUniform() is not.
+Cut faceThrough(const IndexBox& box, const FramePart& a, const FramePart& b) {
+  Cut best;
+  double evenness = -1;
+  for (const FramePart* part : {&a, &b}) {
+    for (const std::uint32_t tile : part->tiles) {
+      const IndexBox faces = part->frame->tiles()[tile].box();
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (const std::int64_t at : {faces.begin[axis], faces.end[axis]}) {
+          const auto before = static_cast<double>(at - box.begin[axis]),
+                     after = static_cast<double>(box.end[axis] - at);
+          const double share = std::min(before, after) / (before + after);
+          if (before > 0 && after > 0 && share > evenness)
+            best = {axis, at}, evenness = share;
+        }
+      }
+    }
+  }
+  VOLUTE_ASSERT(evenness > 0);
+  return best;
+}
+
+/// Two frames, by cubes that are cut in eight until they are alike all over, or small, or hold
+/// nothing but a few tiles, which cut them then.
 class FrameComparison {
  public:
   FrameComparison(const IndexBox& whole, int channels, Histogram& histogram)
@@ -189,6 +222,13 @@ class FrameComparison {
       const bool support = a.uniformIsSupport();
       for (std::size_t c = 0; c < channels_; ++c)
         add(a.uniform()[c], b.uniform()[c], support, voxelsIn(box), box.begin);
+      return;
+    }
+    if (a.leaves.empty() && b.leaves.empty() && a.tiles.size() + b.tiles.size() <= kFewTiles) {
+      const Cut cut = faceThrough(box, a, b);
+      IndexBox near = box, far = box;
+      near.end[cut.axis] = far.begin[cut.axis] = cut.at;
+      for (const IndexBox& part : {near, far}) visit(part, a.within(part), b.within(part));
       return;
     }
     const std::int64_t half = cube.size(0) / 2;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/sequence.hpp"
 
 namespace volute {
@@ -51,6 +52,80 @@ TEST(Compare, ConstantFirstHasNoRange) {
   Difference difference;
   difference.add(std::vector<float>{1, 1}, std::vector<float>{1, 2});
   EXPECT_TRUE(std::isinf(difference.relativeRms()));
+}
+
+/// One frame.
+class OneFrame final : public FrameSource {
+ public:
+  OneFrame(VolumeInfo info, Bricks bricks) : info_(std::move(info)), bricks_(std::move(bricks)) {
+    info_.frames = 1;
+    info_.fillDefaults();
+  }
+
+  using FrameSource::readBricks;
+
+  const VolumeInfo& info() const override { return info_; }
+
+  Status readFrame(int, std::span<float> values) override {
+    bricks_.toDense({{0, 0, 0}, {info_.x, info_.y, info_.z}}, values);
+    return {};
+  }
+
+  Status readBricks(int, int, int, Bricks& bricks) override {
+    bricks = bricks_;
+    return {};
+  }
+
+  bool hasTopology() const override { return true; }
+
+ private:
+  VolumeInfo info_;
+  Bricks bricks_;
+};
+
+/// 2 x 2 x 4 tiles beside a leaf, so that no face is at a multiple of their side.
+Bricks tilesBesideALeaf(std::int64_t side, float odd) {
+  Bricks bricks;
+  for (int i = 0; i < 16; ++i)
+    bricks.addTile({{8 + side * (i & 1), side * (i >> 1 & 1), side * (i >> 2)},
+                    side,
+                    true,
+                    {i == 13 ? odd : 0.5F, 0, 0}});
+  Bricks::Leaf leaf;
+  leaf.active[0] = leaf.valued[0] = 3;
+  const auto values = bricks.addLeaf(leaf);
+  values[0] = 1, values[1] = 2;
+  bricks.sort();
+  return bricks;
+}
+
+TEST(Compare, TilesAreComparedWithoutTheirVoxels) {
+  const auto compareAt = [](std::int64_t side, bool crop) {
+    VolumeInfo info;
+    info.x = static_cast<int>(2 * side + 8), info.y = static_cast<int>(2 * side),
+    info.z = static_cast<int>(4 * side) - (crop ? 3 : 0);
+    OneFrame a(info, tilesBesideALeaf(side, 0.5F)), b(info, tilesBesideALeaf(side, 0.75F));
+    Progress progress;
+    return compare(a, b, progress).value();
+  };
+  // Against every voxel.
+  VolumeInfo info;
+  info.x = 40, info.y = 32, info.z = 61;
+  Sequence a = makeSequence(1, 61, 32, 40), b = a;
+  tilesBesideALeaf(16, 0.5F).toDense({{0, 0, 0}, {40, 32, 61}}, a.values);
+  tilesBesideALeaf(16, 0.75F).toDense({{0, 0, 0}, {40, 32, 61}}, b.values);
+  SequenceSource sourceA(a), sourceB(b);
+  Progress progress;
+  const Difference dense = compare(sourceA, sourceB, progress).value();
+  const Difference small = compareAt(16, true);
+  EXPECT_DOUBLE_EQ(small.rms(), dense.rms());
+  EXPECT_EQ(small.supportValues, dense.supportValues);
+  EXPECT_EQ(small.values, dense.values);
+  // 10^12 voxels.
+  const Difference large = compareAt(4096, false);
+  EXPECT_EQ(large.supportValues, (std::uint64_t{16} << 36) + 2);
+  EXPECT_DOUBLE_EQ(large.supportSquares, std::ldexp(0.25 * 0.25, 36));
+  EXPECT_EQ(large.worst, (VoxelIndex{8 + 4096, 0, 3 * 4096}));
 }
 
 TEST(Compare, DifferentSizesAreRefused) {

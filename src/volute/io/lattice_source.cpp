@@ -258,6 +258,13 @@ Status checkSize(const IndexBox& box, int channels, std::uint64_t maxMemory,
   });
   if (!huge && (byLayers || bytes <= static_cast<double>(maxMemory)))
     return {};
+  if (huge) {
+    return fail(ErrorCode::kTooLarge, Hint::set("bounds"),
+                "{}: voxels lie at indices from ({}, {}, {}) to ({}, {}, {}); those up to {} on "
+                "either side of 0 can be counted, in boxes as wide as that",
+                where, box.begin[0], box.begin[1], box.begin[2], box.end[0] - 1, box.end[1] - 1,
+                box.end[2] - 1, kMax);
+  }
   return fail(ErrorCode::kTooLarge, {Hint::set("bounds"), Hint::raise("max_memory")},
               "{}: a frame of {} x {} x {} voxels needs {:.0f} MiB, more than the {} MiB allowed",
               where, box.size(0), box.size(1), box.size(2), bytes / (1 << 20),

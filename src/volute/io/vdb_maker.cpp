@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // Writes a cache with every type, class, transform and metadata of OpenVDB, and compares two such
-// caches, for tests: volute_vdb_maker make FOLDER; volute_vdb_maker compare A B TOLERANCE.
+// caches, for tests: volute_vdb_maker make FOLDER; volute_vdb_maker compare A B TOLERANCE;
+// volute_vdb_maker extremes FOLDER.
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/points/PointAttribute.h>
@@ -177,6 +178,41 @@ void place(const std::filesystem::path& folder) {
   write("flat", affine(rows({.1, 0, 0, 0, .1, 1e-12, 0, 0, 0, 0, .1, 0, 0, 0, 0, 1})));
 }
 
+/// What is within the format and beyond what anybody expects.
+void makeExtremes(const std::filesystem::path& folder) {
+  const auto write = [&](const std::string& name, const FloatGrid::Ptr& grid) {
+    grid->setName("density");
+    grid->setGridClass(GRID_FOG_VOLUME);
+    grid->setTransform(math::Transform::createLinearTransform(.25));
+    io::File(folder / (name + ".vdb")).write(GridPtrVec{grid});
+  };
+  const auto block = [](const Coord& at, float background = 0, float value = 1) {
+    const auto grid = FloatGrid::create(background);
+    for (int i = 0; i < 512; ++i)
+      grid->tree().setValue(at.offsetBy(i & 7, i >> 3 & 7, i >> 6), value + .001f * (i % 7));
+    return grid;
+  };
+  // 2 x 2 x 4 constant regions of 4096^3: 1.1e12 voxels.
+  const auto tiles = block(Coord(-8, 0, 0));
+  for (int i = 0; i < 16; ++i)
+    tiles->tree().addTile(3, Coord(4096 * (i & 1), 4096 * (i >> 1 & 1), 4096 * (i >> 2)), .5f,
+                          true);
+  write("tiles", tiles);
+  // From one end of 32 bits to the other.
+  const auto corners = block(Coord(-2147483647 - 1));
+  corners->tree().setValue(Coord(2147483647), 1.f);
+  write("corners", corners);
+  write("background_0001", block(Coord(0)));
+  write("background_0002", block(Coord(0), .5f));
+  const auto hidden = block(Coord(0));
+  hidden->tree().setValueOff(Coord(9, 0, 0), std::numeric_limits<float>::quiet_NaN());
+  hidden->tree().setValueOff(Coord(10, 0, 0), std::numeric_limits<float>::infinity());
+  write("hidden", hidden);
+  const auto unset = FloatGrid::create(std::numeric_limits<float>::quiet_NaN());
+  unset->tree().setValue(Coord(0), 1.f);
+  write("unset", unset);
+}
+
 int differences = 0;
 
 template <class... Text>
@@ -310,6 +346,10 @@ int main(int count, char** arguments) {
   }
   if (verb == "place" && count == 3) {
     place(arguments[2]);
+    return 0;
+  }
+  if (verb == "extremes" && count == 3) {
+    makeExtremes(arguments[2]);
     return 0;
   }
   if (verb == "compare" && count == 5)

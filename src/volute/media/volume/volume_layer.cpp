@@ -471,7 +471,10 @@ Result<BrickSlice> VolumeLayer::readSlice(FrameSource& source, int position) {
   if (source.info().levelSet)
     bricks = insideOf(bricks, source.info().voxelSize().minCoeff());
   const auto tooLarge = [&](std::string_view what, std::uint64_t bytes) {
-    return fail(ErrorCode::kTooLarge,
+    std::vector<Hint> hints{Hint::raise("max_memory")};
+    if (!isVolutePath(path_))  // a .volute file has its own bounds
+      hints.insert(hints.begin(), Hint::set("bounds"));
+    return fail(ErrorCode::kTooLarge, std::move(hints),
                 "{}: frame {}: {} of '{}' need {} MiB of memory, more than the {} MiB allowed",
                 path_, info.frameText(position), what, source.info().name, (bytes >> 20) + 1,
                 maxMemory_ >> 20);

@@ -103,7 +103,7 @@ struct GridRange {
 
 Result<GridRange> rangeOf(FrameSource& source) {
   constexpr int kSide = Bricks::kSide, kPlane = kSide * kSide;
-  constexpr std::int64_t kLargest = 4096;  // tiles beyond have no columns of their own
+  constexpr std::int64_t kLargest = 512;  // of a tile beyond one column stands for all
   const VolumeInfo& info = source.info();
   const IndexBox whole{{0, 0, 0}, {info.x, info.y, info.z}};
   GridRange range;
@@ -143,10 +143,11 @@ Result<GridRange> rangeOf(FrameSource& source) {
         if (std::isfinite(tile.value[c]))
           extend(tile.value[c]);
       }
-      if (part.empty() || !(tile.value[0] > 0) || tile.side > kLargest)
+      if (part.empty() || !(tile.value[0] > 0))
         continue;
-      for (std::int64_t y = 0; y < tile.side; y += kSide) {
-        for (std::int64_t x = 0; x < tile.side; x += kSide) {
+      const std::int64_t apart = tile.side > kLargest ? tile.side : kSide;
+      for (std::int64_t y = 0; y < tile.side; y += apart) {
+        for (std::int64_t x = 0; x < tile.side; x += apart) {
           for (double& sum : columnsAt(tile.origin[0] + x, tile.origin[1] + y))
             sum += step * static_cast<double>(part.size(2)) * tile.value[0];
         }
