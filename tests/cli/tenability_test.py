@@ -523,8 +523,9 @@ class Areas(Cases):
         page = (self.path("out") / "report.html").read_text()
         self.assertIn("<h1>Hall &lt;A&gt;</h1>", page)
         self.assertIn(sums["signs.json"], page)
-        order = [page.index(f"<h2>{title}</h2>") for title in ("Verdict", "The study", "Signs and criteria of sight", "Rooms and areas",
-                                                              "Sensitivity of the ASET", "Limits of validity", "Input files", "Signatures")]
+        order = [page.index(f"<h2>{title}</h2>") for title in (
+            "Verdict", "The study", "Signs and criteria of sight", "Criteria of tenability", "Sources", "Rooms and areas", "Tenability",
+            "Available safe egress time by visibility", "Sensitivity of the ASET", "Limits of validity", "Input files", "Signatures")]
         self.assertEqual(order, sorted(order))
 
     def test_nobody_stands_on_furniture_or_under_low_ceilings(self):

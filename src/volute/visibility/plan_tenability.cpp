@@ -642,13 +642,14 @@ void PlanTenability::find(AreaFindings& found) const {
     found.margins = &margins_;
 }
 
-Result<std::string> PlanTenability::finish(const Sight& sight, Json& report,
-                                           std::vector<PlanArray>& arrays, Json& verdict) {
+Result<PlanTenability::Parts> PlanTenability::finish(const Sight& sight, Json& report,
+                                                     std::vector<PlanArray>& arrays,
+                                                     Json& verdict) {
   all_ = combined(sight.earliest, sight.in, {}, &which_);
   Json json = Json::object();
   json["criteria"] = criteriaJson(meter_);
   report["sources"] = sourcesJson(*survey_, &meter_);
-  std::string page = volute::criteriaTable(meter_) + sourcesTable(report["sources"]);
+  std::string criteria = volute::criteriaTable(meter_) + sourcesTable(report["sources"]);
   std::string figures;
   const auto asRows = [&](std::span<const Json> values) { return values_.rowsOfJson(values); };
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
@@ -704,7 +705,8 @@ Result<std::string> PlanTenability::finish(const Sight& sight, Json& report,
   VOLUTE_ASSIGN(const auto left, margin(json, arrays, verdict));
   report["tenability"] = std::move(json);
   VOLUTE_ASSIGN(const auto sensible, sensitivity(sight, report));
-  return page + "<h2>Tenability</h2>\n" + times + kinds + left + figures + sensible;
+  return Parts{std::move(criteria), "<h2>Tenability</h2>\n" + times + kinds + left + figures,
+               sensible};
 }
 
 }  // namespace volute

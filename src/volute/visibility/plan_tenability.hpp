@@ -42,10 +42,15 @@ class PlanTenability {
     std::vector<bool> in;           ///< where one is seen before there is smoke
   };
 
-  /// Writes maps, adds to the report, the arrays of aset.vti and the verdict, and returns its part
+  /// Of the page, each with its headings.
+  struct Parts {
+    std::string criteria, results, sensitivity;
+  };
+
+  /// Writes maps, adds to the report, the arrays of aset.vti and the verdict, and returns its parts
   /// of the page.
-  [[nodiscard]] Result<std::string> finish(const Sight& sight, Json& report,
-                                           std::vector<PlanArray>& arrays, Json& verdict);
+  [[nodiscard]] Result<Parts> finish(const Sight& sight, Json& report,
+                                     std::vector<PlanArray>& arrays, Json& verdict);
 
   /// What is told of parts of the plan; after finish().
   void find(AreaFindings& found) const;

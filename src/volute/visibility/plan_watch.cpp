@@ -176,7 +176,7 @@ class PlanWatch final : public Watch {
     Json verdict = Json::array();
     addVerdict(verdict);
     const std::string sensitivity = addSensitivity(report);
-    std::string tenability;
+    PlanTenability::Parts tenability;
     AreaFindings found{eyes_, nullptr, {}, {}, use_.are(PlanUse::Kind::kPeople)};
     const LossTimes signs = sightLosses();
     if (tenability_) {
@@ -202,7 +202,9 @@ class PlanWatch final : public Watch {
     VOLUTE_TRY(writePlanVti(survey_->folder / "aset.vti", plan_, arrays));
     VOLUTE_TRY(writePlanCsv(survey_->folder / "maps.csv", plan_, arrays));
     VOLUTE_ASSIGN(const auto shown, shownMaps());
-    return areas + tenability + "<h2>Available safe egress time by visibility</h2>\n" + page +
+    // As ISO/TR 13387-1 and BS 7974 list what a report has: criteria, results, what they depend on.
+    return tenability.criteria + areas + tenability.results +
+           "<h2>Available safe egress time by visibility</h2>\n" + page + tenability.sensitivity +
            sensitivity + shown;
   }
 
