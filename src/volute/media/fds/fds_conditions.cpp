@@ -145,7 +145,7 @@ Result<UnitChange> unitChangeOf(const SmvIndex& index, const FdsSource& source,
                      : index.slices[part.entry].labels.unit);
   }
   const auto change = unitChange(*units.begin(), to);
-  if (units.size() == 1 && change)
+  if (units.size() == 1 && !units.begin()->empty() && change)
     return *change;
   std::string stated;
   for (const std::string& unit : units)

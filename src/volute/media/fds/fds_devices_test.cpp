@@ -240,6 +240,8 @@ TEST_F(FdsDevices, SlicesAreReadInTheirUnit) {
   slice.quantity = "CARBON MONOXIDE VOLUME FRACTION";
   slice.unit = "ppm";
   EXPECT_NEAR(valueAt(*conditions(1200, "carbon-monoxide").value(), 0, 1), 0.0012, 1e-9);
+  slice.unit = "";
+  EXPECT_THAT(conditions(0.2, "carbon-monoxide").error().message, HasSubstr("is in ''"));
   slice.unit = "kg/kg";
   EXPECT_THAT(conditions(0.2, "carbon-monoxide").error().message, HasSubstr("is in 'kg/kg'"));
   slice.unit = "mol/mol";
