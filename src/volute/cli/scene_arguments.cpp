@@ -82,7 +82,8 @@ Result<Scene> openScene(const std::string& path, const Arguments& arguments, Con
   addUsualMembers(path,
                   {.measured = measured,
                    .depth = arguments.given("aov"),
-                   .tree = arguments.find<std::string>("volume-method") == "tree"},
+                   .tree = arguments.find<std::string>("volume-method") == "tree",
+                   .moves = arguments.given("shutter")},
                   options);
   auto opened = Scene::open(path, options, context.progress);
   if (!opened)

@@ -187,6 +187,51 @@ Result<Image> FilmJob::drawUntilStopped(const Snapshot& snapshot, const Camera& 
 }
 
 Result<Image> FilmJob::picture(const FilmFrame& frame, Progress& progress) {
+  if (!(shutter > 0))
+    return pictureAt(frame, progress);
+  constexpr int kMaxInstants = 81;
+  constexpr double kError = 1.0 / 256;
+  Image mean;
+  std::vector<double> sum;
+  double change = 0;
+  // The middles of fewer parts are among those of three times as many.
+  for (int count = 1;; count *= 3) {
+    for (int part = 0; part < count; ++part) {
+      if (count > 1 && part % 3 == 1)
+        continue;
+      FilmFrame instant = frame;
+      instant.time += (part + 0.5) / count * shutter;
+      VOLUTE_ASSIGN(auto image, pictureAt(instant, progress));
+      sum.resize(image.pixels.size());
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += image.pixels[i];
+      if (mean.pixels.empty())
+        mean = std::move(image);
+    }
+    double brightest = 0;
+    change = 0;
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+      const double now = sum[i] / count;
+      change = std::max(change, std::abs(now - mean.pixels[i]));
+      brightest = std::max(brightest, std::abs(now));
+      mean.pixels[i] = static_cast<float>(now);
+    }
+    change = brightest > 0 ? change / brightest : 0;
+    if (count == 1 || (change > kError && count < kMaxInstants))
+      continue;
+    if (change > kError && totals.shutterError <= kError) {
+      progress.remark({RemarkCode::kDoubtful,
+                       fmt::format("frame {}: the light while the shutter is open is the mean of "
+                                   "{} instants, and a third of them differs by {:.2g} of the "
+                                   "brightest value",
+                                   frame.number, count, change)});
+    }
+    totals.shutterInstants = std::max(totals.shutterInstants, count);
+    totals.shutterError = std::max(totals.shutterError, change);
+    return mean;
+  }
+}
+
+Result<Image> FilmJob::pictureAt(const FilmFrame& frame, Progress& progress) {
   Result<Snapshot> snapshot = [&] {
     const Stopwatch watch(totals.snapshots);
     return scene.at({.time = frame.time,
@@ -275,6 +320,10 @@ OrderedJson FilmJob::stats() const {
                             {"peak_memory_bytes", peakMemoryBytes()}};
   json.update(media);
   json.update(last);
+  if (shutter > 0) {
+    json["shutter"] = {
+        {"seconds", shutter}, {"instants", totals.shutterInstants}, {"error", totals.shutterError}};
+  }
   const PictureLaw law = scene.law();
   json["mode"] = contour ? modeOf(*contour) : std::string(nameOf(law.mode));
   if (contour ? contour->shows == Contour::Shows::kVisibility : law.mode == PictureMode::kThreshold)

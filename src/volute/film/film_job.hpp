@@ -28,6 +28,8 @@ struct FilmTotals {
   int pictures = 0;
   PictureCounts counts;
   nlohmann::ordered_json media = nlohmann::ordered_json::object();  ///< MediumAt::counts()
+  int shutterInstants = 0;  ///< of the picture that took the most
+  double shutterError = 0;  ///< the largest of all pictures, in shares of its brightest value
 };
 
 /// A scene, who renders it, and the frames of its film: one for a single picture. Made by setting
@@ -47,6 +49,7 @@ struct FilmJob {
   bool together = false;  ///< ranks draw each picture together: they hold shares of a medium
   bool measured = true;   ///< light as it is: no tone curve, no smoothed edges
   int samples = 1;        ///< rays in a pixel where there are edges
+  double shutter = 0;     ///< [s] of the scene from a frame's time on, over which light is averaged
   PictureStyle style{};   ///< by which edges are found
   std::optional<CameraDescription> way{};  ///< of a camera that moves
   double orbit = 0;                        ///< [radians], over all frames
@@ -63,8 +66,11 @@ struct FilmJob {
   [[nodiscard]] Result<std::vector<ImageChannel>> layersAt(const FilmFrame& frame,
                                                            Progress& progress);
 
-  /// The linear picture of a frame, RGB or what options.aov names. Errors: what the media cannot
-  /// read at that time, what the renderer cannot draw (kUnsupported, kTooLarge), kCancelled.
+  /// The linear picture of a frame, RGB or what options.aov names. With a shutter the mean over the
+  /// middles of 3, 9, 27 or 81 equal parts of the time that it is open: as many as it takes until
+  /// three times as many change no value by more than 1/256 of the brightest. Errors: what the
+  /// media cannot read at that time, what the renderer cannot draw (kUnsupported, kTooLarge),
+  /// kCancelled.
   [[nodiscard]] Result<Image> picture(const FilmFrame& frame, Progress& progress);
 
   /// What the picture of a frame says about itself; the legend only where it is asked for.
@@ -75,6 +81,7 @@ struct FilmJob {
 
  private:
   Camera cameraAt(const FilmFrame& frame) const;
+  [[nodiscard]] Result<Image> pictureAt(const FilmFrame& frame, Progress& progress);
   [[nodiscard]] Result<Image> pictureOf(const Snapshot& snapshot, const Camera& camera,
                                         Progress& progress, PictureCounts& counts);
   [[nodiscard]] Result<Image> draw(const Snapshot& snapshot, const Camera& camera, int rays,

@@ -39,9 +39,14 @@ PictureStyle styleOf(const RenderRequest& request, const FilmJob& job) {
 void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions& options) {
   options.files.measured = use.measured;
   options.files.byTree = use.tree;
-  if (!use.depth || isScenePath(path) || options.members->contains("extinction"))
+  if (isScenePath(path) || (!use.depth && !use.moves))
     return;
   registerUsualMedia();
+  if (use.moves && !options.members->contains("interpolate") &&
+      mediumKindOf(path, true)->fields().find("interpolate"))
+    (*options.members)["interpolate"] = "auto";
+  if (!use.depth || options.members->contains("extinction"))
+    return;
   // Fire does not absorb by default; an optical depth of nothing would say nothing.
   if (mediumKindOf(path, true)->fields().find("extinction"))
     (*options.members)["extinction"] = 1;
@@ -71,6 +76,25 @@ Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemo
   job.way = std::move(seen.description);
   job.measured = request.measured || request.aov != Aov::kNone;
   job.samples = job.measured || job.contour ? 1 : request.samples;
+  if (!(request.shutter > 0))
+    return {};
+  if (request.aov != Aov::kNone || job.contour || !job.layers.empty()) {
+    return failFor("shutter", ErrorCode::kInvalidArgument,
+                   "averages light; depths, slices and layers are of an instant");
+  }
+  double frame = request.frames.speed / job.framesPerSecond;
+  if (job.frames.size() < 2 && leader && leader->info().times.size() > 1) {
+    const auto& times = leader->info().times;
+    frame = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  }
+  job.shutter = request.shutter * frame;
+  if (std::ranges::none_of(media, [](const auto& medium) { return medium->info().interpolates; }) &&
+      !(job.way && !job.way->keys.empty())) {
+    progress.remark(
+        {RemarkCode::kDoubtful,
+         "nothing moves while the shutter is open, as no medium is interpolated between "
+         "its frames"});
+  }
   return {};
 }
 

@@ -24,7 +24,9 @@ struct RenderRequest {
   double exposure = 0;  ///< a factor of light; 0: brightest parts near white
   /// Else filmic; for what shows measured transmittance none, or a shoulder where flames are in it.
   std::optional<ToneCurve> tone{};
-  double bloom = 0;                  ///< PictureStyle::glow
+  double bloom = 0;  ///< PictureStyle::glow
+  /// Of the time from a frame to the next, in which the shutter is open: 0.5 is 180 degrees.
+  double shutter = 0;
   int samples = 8;                   ///< rays in a pixel where there are edges
   std::optional<ColorMap> colors{};  ///< of what has one channel
   std::optional<bool> legend{};      ///< else that of media which want one
@@ -35,10 +37,11 @@ struct RenderUse {
   bool measured = false;
   bool depth = false;  ///< for its optical depth
   bool tree = false;   ///< InstantRequest::tree
+  bool moves = false;  ///< what is between its frames is shown, as through a shutter
 };
 
 /// Sets options.files.measured and byTree, and adds what pictures of a file alone take for granted
-/// and `options.members` leave open: an extinction for depths.
+/// and `options.members` leave open: an extinction for depths, interpolation.
 void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions& options);
 
 /// Sets frames, camera, options, rate, orbit, legend and samples of a job whose scene and renderer

@@ -188,6 +188,7 @@ Result<RenderRequest> requestOf(const Arguments& arguments, const std::string& t
   }
   request.bloom = arguments.find<double>("bloom").value_or(0);
   request.samples = arguments.get<int>("samples");
+  request.shutter = arguments.find<double>("shutter").value_or(0);
   const auto map = arguments.get<std::string>("colormap");
   if (map != "grey")
     request.colors = map == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;
@@ -202,7 +203,7 @@ Status takePartial(const Arguments& arguments, int ranks, FilmJob& job) {
   if (!arguments.flag("partial"))
     return {};
   job.partial = job.frames.size() == 1 && ranks == 1 && !job.contour &&
-                job.options.aov == Aov::kNone && job.layers.empty();
+                job.options.aov == Aov::kNone && job.layers.empty() && !(job.shutter > 0);
   if (job.partial) {
     Interrupt::expectWriting();
     return {};
@@ -392,6 +393,15 @@ std::vector<Option> renderOptionTable() {
        .help = "share of the light that glows around its source; the total is preserved",
        .least = 0,
        .most = 1},
+      {.name = "shutter",
+       .kind = kNumber,
+       .value = "S",
+       .help =
+           "motion blur: the mean of the light from each frame on, over S of the time to the next "
+           "frame (0.5: 180 degrees), of as many instants as change no value by more than 1/256 "
+           "of the brightest; a file alone moves as --interpolate auto says",
+       .most = 1,
+       .positive = true},
       {.name = "samples",
        .kind = kInteger,
        .value = "N",
@@ -458,10 +468,11 @@ Command renderCommand() {
           "factor for all pictures, from the middle one, and prints it. Without --time and "
           "--frames, a film or a pattern shows all frames; a single still shows the first frame "
           "with visible content, for an FDS case a time with smoke in its rooms, for a scene 0 s.",
-      .positionals = {{.name = "FILE",
-                       .help = "a volume (.volute, .npy, .npz, .vdb, .vti, .pvd), smoke on a mesh "
-                               "(.vtu, .vtk, .pvd, .case, .e, "
-                               ".foam), an FDS case (.smv) or a scene (.json)"}},
+      .positionals =
+          {{.name = "FILE",
+            .help = "a volume (.volute, .npy, .npz, .vdb, .nvdb, .vti, .pvd), smoke on a mesh "
+                    "(.vtu, .vtk, .pvd, .case, .e, "
+                    ".foam), an FDS case (.smv) or a scene (.json)"}},
       .options = renderOptionTable(),
       .oneOf = {{{"time", "frames"}, false},
                 {{"legend", "no-legend"}, false},
