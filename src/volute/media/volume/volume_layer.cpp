@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -102,8 +104,33 @@ VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
   }
 }
 
-Placement VolumeLayer::placeOf(int position) const {
-  const GridMatrix& own = input_->places[static_cast<std::size_t>(position)];
+GridMatrix VolumeLayer::filePlaceAt(double moment) const {
+  const auto position = static_cast<std::size_t>(moment);
+  const double share = moment - static_cast<double>(position);
+  const GridMatrix& before = input_->places[position];
+  if (share == 0 || position + 1 >= input_->places.size() || before == input_->places[position + 1])
+    return before;
+  const GridMatrix& after = input_->places[position + 1];
+  // What leads from one to the other is a turn and a stretch.
+  const Mat3 step = linearOf(before).inverse() * linearOf(after);
+  const Eigen::JacobiSVD<Mat3> parts(step, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Mat3 turn = parts.matrixU() * parts.matrixV().transpose();
+  if (!(turn.determinant() > 0))
+    return before;
+  const Mat3 stretch =
+      parts.matrixV() * parts.singularValues().asDiagonal() * parts.matrixV().transpose();
+  const Eigen::Quaterniond half =
+      Eigen::Quaterniond::Identity().slerp(share, Eigen::Quaterniond(turn));
+  const Mat3 linear = linearOf(before) * half.toRotationMatrix() *
+                      ((1 - share) * Mat3::Identity() + share * stretch);
+  const Vec3 middle = 0.5 * (fileBounds().min + fileBounds().max);
+  const Vec3 there = (1 - share) * (linearOf(before) * middle + offsetOf(before)) +
+                     share * (linearOf(after) * middle + offsetOf(after));
+  return gridMatrix(linear, there - linear * middle);
+}
+
+Placement VolumeLayer::placeAt(double moment) const {
+  const GridMatrix own = filePlaceAt(moment);
   const Placement world = placed(appearance_);
   const Mat3 linear = world.turn * world.scale.asDiagonal() * linearOf(own);
   Placement place;
@@ -125,17 +152,17 @@ Placement VolumeLayer::placeOf(int position) const {
   return place;
 }
 
-VolumeInfo VolumeLayer::infoAt(int position) const {
+VolumeInfo VolumeLayer::infoAt(double moment) const {
   VolumeInfo info = info_;
   if (hasPlaces())
-    info.bounds = scaled(fileBounds(), placeOf(position).scale, Vec3::Zero());
+    info.bounds = scaled(fileBounds(), placeAt(moment).scale, Vec3::Zero());
   return info;
 }
 
-Placement VolumeLayer::placementAt(int position) const {
+Placement VolumeLayer::placementAt(double moment) const {
   if (!hasPlaces())
     return placement_;
-  Placement place = placeOf(position);
+  Placement place = placeAt(moment);
   place.scale = Vec3::Ones();
   return place;
 }
@@ -169,7 +196,7 @@ Box3 VolumeLayer::uprightBounds() const {
 }
 
 void VolumeLayer::setAppearance(const Appearance& appearance) {
-  shadedMoment_ = -1;
+  shadedMoment_ = pathsMoment_ = -1;
   const Placement before = placed(std::exchange(appearance_, appearance));
   info_.basis = appearance_.basis.value_or(input_->source->info().basis);
   if (slice_ && slice_->basis() != info_.basis)
@@ -315,13 +342,6 @@ Status VolumeLayer::chooseInterpolation(Progress& progress) {
     interpolation_ = Interpolation::kNone;
     return {};
   }
-  const auto& places = input_->places;
-  if (std::ranges::any_of(places, [&](const GridMatrix& place) { return place != places[0]; })) {
-    progress.remark(fmt::format(
-        "{}: its grid moves between frames, so that frames are shown until the next one", path_));
-    interpolation_ = Interpolation::kNone;
-    return {};
-  }
   if (interpolation_ == Interpolation::kLinear)
     return {};
   std::vector<std::string> grids = input_->source->otherGrids();
@@ -381,7 +401,7 @@ Status VolumeLayer::openOthers(Reading& reading) {
     return name.empty() || name == input_->source->info().name;
   });
   if (names.empty())
-    return {};
+    return checkVelocities(reading);
   // All grids over the voxels of the main one, and over all that one of them reaches.
   const Box3 box = options_.bounds.value_or(fileBounds());
   Box3 reached = box;
@@ -416,6 +436,7 @@ Status VolumeLayer::openOthers(Reading& reading) {
       continue;  // where nothing else is, it moves nothing
     reached.extend(info.bounds.min), reached.extend(info.bounds.max);
   }
+  VOLUTE_TRY(checkVelocities(reading));
   const VolumeInfo wide = widenedTo(input_->source->info(), options_.bounds ? box : reached);
   const auto checkDense = [&](const FrameSource& source) -> Status {
     if ((onOneLattice(source.info(), wide) && source.hasTopology()) ||
@@ -529,7 +550,57 @@ Result<Velocities> VolumeLayer::velocitiesOf(int position) {
   return all;
 }
 
-Mat3 VolumeLayer::velocityStep(int position) const {
+Status VolumeLayer::checkVelocities(Reading& reading) {
+  if (interpolation_ != Interpolation::kVelocity || velocities_.size() != 1)
+    return {};
+  const std::string& name = velocities_[0];
+  const bool main = name == input_->source->info().name;
+  if (!main && !others_.at(name))
+    return {};
+  vectors_ = main ? input_->vectors : others_.at(name)->vectors;
+  using enum VectorKind::Type;
+  if (vectors_.type != kCovariantNormalize && vectors_.type != kContravariantAbsolute)
+    return {};
+  const std::string what = fmt::format(
+      "{}: the vectors of '{}' are {}, as the file says ({})", path_, name,
+      vectors_.type == kCovariantNormalize ? "normals" : "places", vectorTypeName(vectors_.type));
+  if (appearance_.interpolation == Interpolation::kVelocity) {
+    return fail(ErrorCode::kInvalidData,
+                "{}; expected velocities (contravariant relative); linear goes over from frame to "
+                "frame in place",
+                what);
+  }
+  reading.progress.remark(
+      Remark(RemarkCode::kFallback, what + ", so that frames go over into each other in place")
+          .in(path_));
+  interpolation_ = Interpolation::kLinear;
+  velocities_.clear();
+  return {};
+}
+
+VoxelMap VolumeLayer::voxelToFile(const GridMatrix& place) const {
+  const Vec3 voxel = input_->source->info().voxelSize();
+  const Vec3 first = fileBounds().min + 0.5 * voxel;
+  const Mat3 linear = linearOf(place);
+  return {linear * voxel.asDiagonal(), linear * first + offsetOf(place)};
+}
+
+BetweenFrames VolumeLayer::instantAt(double moment) const {
+  const auto position = static_cast<std::size_t>(moment);
+  BetweenFrames instant{moment - static_cast<double>(position)};
+  const auto& places = input_->places;
+  if (!hasPlaces() || places[position] == places[position + 1])
+    return instant;
+  const VoxelMap here = voxelToFile(filePlaceAt(moment));
+  const auto into = [&](const GridMatrix& place) -> VoxelMap {
+    const VoxelMap back = voxelToFile(place).inverse();
+    return {back.linear * here.linear, back.linear * here.offset + back.offset};
+  };
+  instant.before = into(places[position]), instant.after = into(places[position + 1]);
+  return instant;
+}
+
+Mat3 VolumeLayer::velocityStep(int position, int in) const {
   const auto at = static_cast<std::size_t>(position);
   const double frames = info_.frameScale.frame(info_.frameNumbers[at + 1]) -
                         info_.frameScale.frame(info_.frameNumbers[at]);
@@ -539,8 +610,21 @@ Mat3 VolumeLayer::velocityStep(int position) const {
   if (appearance_.velocityUnit == VelocityUnit::kVoxelsPerFrame)
     return times * Mat3::Identity();
   const Vec3 voxel = input_->source->info().voxelSize();  // the file's, before its placement
-  const Mat3 toGrid = hasPlaces() ? Mat3(linearOf(input_->places[at]).inverse()) : Mat3::Identity();
-  return (times * voxel.cwiseInverse()).asDiagonal() * toGrid;
+  const Mat3 toGrid = hasPlaces()
+                          ? Mat3(linearOf(input_->places[static_cast<std::size_t>(in)]).inverse())
+                          : Mat3::Identity();
+  const Mat3 fromWorld = voxel.cwiseInverse().asDiagonal() * toGrid;
+  if (vectors_.local)
+    return times * fromWorld * vectorTurn(vectors_.type, fromWorld.inverse());
+  // Velocities turn with the volume, wherever it is placed, gradients otherwise. What does not is
+  // said to be invariant, and so is what nobody has said anything of: Houdini writes that then.
+  const VectorKind::Type type = vectors_.type == VectorKind::Type::kInvariant
+                                    ? VectorKind::Type::kContravariantRelative
+                                    : vectors_.type;
+  const Placement& placement = appearance_.placement;
+  const Mat3 moved = placement.turn * placement.scale.asDiagonal(), up = upright();
+  const Mat3 fromScene = up.transpose() * moved.inverse();
+  return times * fromWorld * fromScene * vectorTurn(type, moved) * up;
 }
 
 Result<std::shared_ptr<const VoxelPaths>> VolumeLayer::pathsAt(double moment) {
@@ -552,7 +636,8 @@ Result<std::shared_ptr<const VoxelPaths>> VolumeLayer::pathsAt(double moment) {
   VOLUTE_ASSIGN(const auto before, velocitiesOf(position));
   VOLUTE_ASSIGN(const auto after, velocitiesOf(position + 1));
   paths_ = std::make_shared<const VoxelPaths>(
-      pathsBetween(info_, before, after, velocityStep(position), moment - position));
+      pathsBetween(info_, before, after, velocityStep(position, position),
+                   velocityStep(position, position + 1), instantAt(moment)));
   pathsMoment_ = moment;
   return paths_;
 }
@@ -571,7 +656,7 @@ Result<VolumeLayer::Slice> VolumeLayer::readAt(FrameSource& source, double momen
   VolumeInfo info = info_;
   info.channels = before->channels();
   return std::make_shared<const BrickSlice>(
-      blendFrames(info, *before, *after, moment - position, paths.get()));
+      blendFrames(info, *before, *after, instantAt(moment), paths.get()));
 }
 
 Result<std::vector<BrickPlace>> VolumeLayer::allBricks(const std::string& why) const {
@@ -616,7 +701,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double mome
   };
   const auto flames = appearance_.flames;
   const bool emits = flames || appearance_.emission != 0;
-  VolumeInfo info = infoAt(static_cast<int>(moment));
+  VolumeInfo info = infoAt(moment);
   info.channels = emits ? 4 : 1;
   if (info.basis == Basis::kBox)
     info.basis = Basis::kTrilinear;
@@ -701,7 +786,7 @@ Result<std::vector<Rgb>> VolumeLayer::colorsAt(double moment, std::span<const Ve
     }
   }
   // Colours may be of the smoke or times its density: the brightest channel of each is 1.
-  const Box3 bounds = infoAt(static_cast<int>(moment)).bounds;
+  const Box3 bounds = infoAt(moment).bounds;
   const Vec3 voxel = bounds.size().cwiseQuotient(Vec3(info_.x, info_.y, info_.z));
   std::vector<Rgb> colors(points.size(), Rgb::Ones());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -765,7 +850,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::sliceAt(double moment, bo
   } else {
     VOLUTE_ASSIGN(slice_, readAt(*input_->source, moment));
     // One that was kept may have been read for another place.
-    const VolumeInfo info = infoAt(static_cast<int>(moment));
+    const VolumeInfo info = infoAt(moment);
     if (slice_->basis() != info.basis || slice_->bounds().min != info.bounds.min ||
         slice_->bounds().max != info.bounds.max)
       slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, info));

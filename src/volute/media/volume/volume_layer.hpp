@@ -40,8 +40,9 @@ enum class Interpolation {
   kVelocity,  ///< both, moved along the velocities to where they are then
 };
 
-/// What a grid of velocities is in. Its vectors are those of the file's world, whatever OpenVDB's
-/// type of them, but for voxels, which lie along the grid's axes.
+/// What a grid of velocities is in. Its vectors are those of the file's world, which turn with its
+/// placement as OpenVDB's type of them says (VectorKind); voxels, and vectors that OpenVDB calls
+/// local, lie along the grid's axes.
 enum class VelocityUnit { kMetresPerSecond, kVoxelsPerFrame, kMetresPerFrame };
 constexpr std::string_view kVelocityUnits[] = {"m/s", "voxels/frame", "m/frame"};
 
@@ -119,9 +120,9 @@ class VolumeLayer {
   /// Its file says how it is turned, mirrored, sheared or moved.
   bool hasPlaces() const { return !input_->places.empty(); }
 
-  /// info() and placement() of the frame at a position, which differ where the file's grid moves.
-  VolumeInfo infoAt(int position) const;
-  Placement placementAt(int position) const;
+  /// info() and placement() at a moment, which differ where the file's grid moves.
+  VolumeInfo infoAt(double moment) const;
+  Placement placementAt(double moment) const;
 
   /// It looks otherwise from now on, or is elsewhere, or at another time: nothing is read again for
   /// that. A frame that is held is made again only where the scale is another; else bounds stay
@@ -203,8 +204,14 @@ class VolumeLayer {
   /// Null where frames go over into each other in place.
   [[nodiscard]] Result<std::shared_ptr<const VoxelPaths>> pathsAt(double moment);
   [[nodiscard]] Result<Velocities> velocitiesOf(int position);
-  /// From a velocity to its way until the next frame [voxels].
-  Mat3 velocityStep(int position) const;
+  /// From a velocity to its way between the frame at a position and the next one, in the voxels of
+  /// the frame at `in` [voxels].
+  Mat3 velocityStep(int position, int in) const;
+  /// From a place among the file's voxels, 0 at the centre of the first, to its world.
+  VoxelMap voxelToFile(const GridMatrix& place) const;
+  BetweenFrames instantAt(double moment) const;
+  /// What the other grids say of the velocities; an error where they are none.
+  [[nodiscard]] Status checkVelocities(Reading& reading);
 
   [[nodiscard]] Result<BrickSlice> sliceFromTree(int position);
 
@@ -213,8 +220,11 @@ class VolumeLayer {
   static constexpr int kTreeFrames = BlockGrid::kSide;
 
   Mat3 upright() const;
-  /// From the file's own space to the scene, in a frame of a file that has places.
-  Placement placeOf(int position) const;
+  /// From the own space of a file that has places to its world. Between frames the grid turns and
+  /// grows evenly from one to the other; where one mirrors the other it jumps.
+  GridMatrix filePlaceAt(double moment) const;
+  /// The same to the scene.
+  Placement placeAt(double moment) const;
   Placement placed(const Appearance& appearance) const;
 
   std::string path_;
@@ -245,6 +255,7 @@ class VolumeLayer {
 
   Interpolation interpolation_ = Interpolation::kNone;  ///< that is done
   std::vector<std::string> velocities_;                 ///< one grid of three channels, or three
+  VectorKind vectors_{};                                ///< of the former
   std::vector<KeptFrame> kept_;
   double pathsMoment_ = -1;
   std::shared_ptr<const VoxelPaths> paths_;

@@ -32,9 +32,9 @@ MediumInfo infoOf(const VolumeLayer& layer) {
 
 }  // namespace
 
-VolumeAt::VolumeAt(const VolumeLayer& layer, int position, double factor)
-    : info_(layer.infoAt(position)),
-      placement_(layer.placementAt(position)),
+VolumeAt::VolumeAt(const VolumeLayer& layer, double moment, double factor)
+    : info_(layer.infoAt(moment)),
+      placement_(layer.placementAt(moment)),
       emission_(layer.appearance().emission),
       extinction_(factor * layer.appearance().extinction),
       factor_(factor),
@@ -49,9 +49,9 @@ VolumeAt::VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> lig
       lightsScene_(other.lightsScene_),
       light_(std::move(light)) {}
 
-VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, int position,
+VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, double moment,
                    double factor)
-    : VolumeAt(layer, position, factor) {
+    : VolumeAt(layer, moment, factor) {
   slice_ = std::move(slice);
 }
 
@@ -62,9 +62,9 @@ VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const Tree4d> tree,
   position_ = position;
 }
 
-VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light, int position,
-                   double factor)
-    : VolumeAt(layer, position, factor) {
+VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light,
+                   double moment, double factor)
+    : VolumeAt(layer, moment, factor) {
   light_ = std::move(light);
 }
 
@@ -247,7 +247,7 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
     }
     VOLUTE_ASSIGN(auto light, lightAt(moment, request.lit));
     block_ = position / BlockGrid::kSide;
-    return std::make_shared<const VolumeAt>(layer_, std::move(light), position, request.factor);
+    return std::make_shared<const VolumeAt>(layer_, std::move(light), moment, request.factor);
   }
   if (request.coarse && !inMemory(request.time) && !layer_.isLevelSet()) {
     VOLUTE_ASSIGN(auto slice, coarseSlice(position, progress));
@@ -260,14 +260,14 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   }
   VOLUTE_ASSIGN(auto slice, layer_.sliceAt(moment));
   block_ = position / BlockGrid::kSide;
-  return std::make_shared<const VolumeAt>(layer_, std::move(slice), position, request.factor);
+  return std::make_shared<const VolumeAt>(layer_, std::move(slice), moment, request.factor);
 }
 
 Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, bool lit) {
   if (moment == lightMoment_ && (lightIsWhole_ || !lit))
     return light_;
   VOLUTE_ASSIGN(auto slice, layer_.shadedSliceAt(moment));
-  const Placement place = layer_.placementAt(static_cast<int>(moment));
+  const Placement place = layer_.placementAt(moment);
   VolumeLighting lighting;
   lighting.ownFire = false;
   if (lit)

@@ -15,7 +15,7 @@ namespace volute {
 class VolumeAt final : public MediumAt {
  public:
   /// @param factor  of the appearance's extinction
-  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, int position,
+  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, double moment,
            double factor);
 
   /// The frame at a position of a tree. Its bricks are only made for who asks for them.
@@ -23,7 +23,7 @@ class VolumeAt final : public MediumAt {
            double factor);
 
   /// One that burns or is lit; its light is the same from all cameras.
-  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light, int position,
+  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light, double moment,
            double factor);
 
   void addMedia(std::vector<AnyMedium>& media) const override;
@@ -63,7 +63,7 @@ class VolumeAt final : public MediumAt {
   const std::shared_ptr<const BrickSlice>& slice() const;
 
  private:
-  VolumeAt(const VolumeLayer& layer, int position, double factor);
+  VolumeAt(const VolumeLayer& layer, double moment, double factor);
   /// The same in other light.
   VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> light);
   AffineMap place() const;

@@ -114,6 +114,65 @@ VoxelPlace sum(const VoxelPlace& a, const VoxelPlace& b) {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
+/// Maps the places of voxels.
+class PlaceMap {
+ public:
+  explicit PlaceMap(const VoxelMap& map) : map_(map), identity_(map.isIdentity()) {}
+
+  VoxelPlace operator()(const VoxelPlace& at) const {
+    if (identity_)
+      return at;
+    const Vec3 place = map_.linear * Vec3(at[0], at[1], at[2]) + map_.offset;
+    return {static_cast<float>(place[0]), static_cast<float>(place[1]),
+            static_cast<float>(place[2])};
+  }
+
+ private:
+  VoxelMap map_;
+  bool identity_;
+};
+
+/// Adds the bricks of a volume into which those of `slices` reach, which lie in a frame.
+/// @param toFrame  from the volume's voxels to that frame's
+void addPlaces(const VolumeInfo& info, std::span<const std::shared_ptr<const BrickSlice>> slices,
+               const VoxelMap& toFrame, std::vector<BrickPlace>& all) {
+  const std::vector<BrickPlace> own = placesOf(slices);
+  if (toFrame.isIdentity()) {
+    all.insert(all.end(), own.begin(), own.end());
+    return;
+  }
+  const VoxelMap back = toFrame.inverse();
+  const BrickSlice shape(info);
+  const int count[3] = {shape.bricksX(), shape.bricksY(), shape.bricksZ()};
+  for (const BrickPlace& place : own) {
+    Vec3 low = Vec3::Constant(1e9), high = -low;
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3 at;
+      for (int axis = 0; axis < 3; ++axis)
+        at[axis] = place[static_cast<std::size_t>(axis)] * kMotionSide +
+                   (corner >> axis & 1 ? kMotionSide : -1);
+      const Vec3 there = back.linear * at + back.offset;
+      low = low.cwiseMin(there), high = high.cwiseMax(there);
+    }
+    int first[3], last[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto brick = [&](double at) {
+        return static_cast<int>(std::floor(std::clamp(at, -1e8, 1e8) / kMotionSide));
+      };
+      first[axis] = std::max(brick(std::floor(low[axis])), 0);
+      last[axis] = std::min(brick(std::ceil(high[axis])), count[axis] - 1);
+    }
+    for (int z = first[2]; z <= last[2]; ++z)
+      for (int y = first[1]; y <= last[1]; ++y)
+        for (int x = first[0]; x <= last[0]; ++x) all.push_back({x, y, z});
+  }
+}
+
+void settle(std::vector<BrickPlace>& places) {
+  std::ranges::sort(places, isBefore);
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+}
+
 }  // namespace
 
 std::vector<BrickPlace> placesOf(std::span<const std::shared_ptr<const BrickSlice>> slices) {
@@ -125,20 +184,18 @@ std::vector<BrickPlace> placesOf(std::span<const std::shared_ptr<const BrickSlic
     ++some;
     for (const BrickSlice::Entry& entry : slice->entries()) places.push_back(entry.place);
   }
-  if (some > 1) {
-    std::ranges::sort(places, isBefore);
-    places.erase(std::unique(places.begin(), places.end()), places.end());
-  }
+  if (some > 1)
+    settle(places);
   return places;
 }
 
 // Where nothing moves in either frame, nothing goes anywhere.
 VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const Velocities& after,
-                        const Mat3& step, double share) {
+                        const Mat3& early, const Mat3& late, const BetweenFrames& instant) {
   VoxelPaths paths;
-  Velocities both = before;
-  both.insert(both.end(), after.begin(), after.end());
-  paths.places = placesOf(both);
+  addPlaces(info, before, instant.before, paths.places);
+  addPlaces(info, after, instant.after, paths.places);
+  settle(paths.places);
   const BrickSlice shape(info);
   paths.table =
       BrickTable({shape.bricksX(), shape.bricksY(), shape.bricksZ()}, paths.places.size());
@@ -146,53 +203,58 @@ VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const 
     paths.table.set(paths.places[i], static_cast<std::int32_t>(i));
   paths.from.resize(paths.places.size() * BrickSlice::kVoxels);
   paths.to.resize(paths.from.size());
-  const Flow early(before), late(after);
-  const Eigen::Matrix3f back = (-share * step).cast<float>(),
-                        ahead = ((1 - share) * step).cast<float>();
+  const Flow earlier(before), later(after);
+  const PlaceMap toBefore(instant.before), toAfter(instant.after);
+  const Eigen::Matrix3f back = (-instant.share * early).cast<float>(),
+                        ahead = ((1 - instant.share) * late).cast<float>();
   forVoxels(info, paths.places, [&](std::size_t brick, std::size_t voxel, const VoxelPlace& place) {
-    const VoxelPlace a = early.read(place), b = late.read(place);
+    const VoxelPlace atBefore = toBefore(place), atAfter = toAfter(place);
+    const VoxelPlace a = earlier.read(atBefore), b = later.read(atAfter);
+    const auto wayOf = [](const VoxelPlace& v, const Eigen::Matrix3f& times) {
+      const Eigen::Vector3f way = times * Eigen::Vector3f(v[0], v[1], v[2]);
+      return VoxelPlace{way[0], way[1], way[2]};
+    };
     const auto speed = [](const VoxelPlace& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
     const VoxelPlace& first = speed(a) >= speed(b) ? a : b;  // what moves may not have come yet
-    const auto follow = [&](const Flow& velocity, const Eigen::Matrix3f& times) {
-      const auto wayOf = [&](const VoxelPlace& v) {
-        const Eigen::Vector3f way = times * Eigen::Vector3f(v[0], v[1], v[2]);
-        return VoxelPlace{way[0], way[1], way[2]};
-      };
-      VoxelPlace way = wayOf(first);
-      for (int i = 0; i < kIterations; ++i) way = wayOf(velocity.read(sum(place, way)));
+    const auto follow = [&](const Flow& velocity, const VoxelPlace& at,
+                            const Eigen::Matrix3f& times) {
+      VoxelPlace way = wayOf(first, times);
+      for (int i = 0; i < kIterations; ++i) way = wayOf(velocity.read(sum(at, way)), times);
       return way;
     };
-    paths.from[brick * BrickSlice::kVoxels + voxel] = follow(early, back);
-    paths.to[brick * BrickSlice::kVoxels + voxel] = follow(late, ahead);
+    paths.from[brick * BrickSlice::kVoxels + voxel] = follow(earlier, atBefore, back);
+    paths.to[brick * BrickSlice::kVoxels + voxel] = follow(later, atAfter, ahead);
   });
   return paths;
 }
 
 BrickSlice blendFrames(const VolumeInfo& info, const BrickSlice& before, const BrickSlice& after,
-                       double share, const VoxelPaths* paths) {
-  const auto late = static_cast<float>(share), early = 1 - late;
+                       const BetweenFrames& instant, const VoxelPaths* paths) {
+  const auto late = static_cast<float>(instant.share), early = 1 - late;
   const auto alias = [](const BrickSlice& slice) {
     return std::shared_ptr<const BrickSlice>(std::shared_ptr<void>(), &slice);
   };
-  std::vector<BrickPlace> places = placesOf(std::array{alias(before), alias(after)});
-  if (paths) {
+  std::vector<BrickPlace> places;
+  addPlaces(info, std::array{alias(before)}, instant.before, places);
+  addPlaces(info, std::array{alias(after)}, instant.after, places);
+  if (paths)
     places.insert(places.end(), paths->places.begin(), paths->places.end());
-    std::ranges::sort(places, isBefore);
-    places.erase(std::unique(places.begin(), places.end()), places.end());
-  }
+  settle(places);
   BrickSlice out(info, places);
   const int channels = info.channels;
   const Between a(before), b(after);
+  const PlaceMap toBefore(instant.before), toAfter(instant.after);
   forVoxels(info, places, [&](std::size_t brick, std::size_t voxel, const VoxelPlace& place) {
     const std::int32_t path = paths ? paths->table.at(places[brick]) : BrickTable::kEmpty;
     float from[3], to[3];
+    const VoxelPlace atBefore = toBefore(place), atAfter = toAfter(place);
     if (path >= 0) {
       const std::size_t at = static_cast<std::size_t>(path) * BrickSlice::kVoxels + voxel;
-      a.read(sum(place, paths->from[at]), from);
-      b.read(sum(place, paths->to[at]), to);
+      a.read(sum(atBefore, paths->from[at]), from);
+      b.read(sum(atAfter, paths->to[at]), to);
     } else {
-      a.read(place, from);
-      b.read(place, to);
+      a.read(atBefore, from);
+      b.read(atAfter, to);
     }
     float* values = out.brick(static_cast<std::int32_t>(brick)) + voxel;
     for (int c = 0; c < channels; ++c)

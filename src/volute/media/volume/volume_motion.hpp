@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <Eigen/LU>
 #include <array>
 #include <span>
 #include <vector>
@@ -23,18 +24,37 @@ struct VoxelPaths {
 /// Velocities in a frame: one slice of three channels, or three of one; null: 0 everywhere.
 using Velocities = std::vector<std::shared_ptr<const BrickSlice>>;
 
+/// An affine map of places among voxels; 0 is the centre of the first.
+struct VoxelMap {
+  Mat3 linear = Mat3::Identity();
+  Vec3 offset = Vec3::Zero();
+
+  bool isIdentity() const { return linear == Mat3::Identity() && offset == Vec3::Zero(); }
+
+  VoxelMap inverse() const {
+    const Mat3 back = linear.inverse();
+    return {back, -(back * offset)};
+  }
+};
+
+/// An instant between two frames, whose grids may lie elsewhere in the world than that of the
+/// instant.
+struct BetweenFrames {
+  double share = 0;            ///< of the time between the frames that has gone by, 0..1
+  VoxelMap before{}, after{};  ///< from a voxel of the instant to the same place in either frame
+};
+
 /// The paths along a velocity that is known in both frames: straight ones, found by iterating
-///   from = -share step v_before(x + from),  to = (1 - share) step v_after(x + to),
-/// with v interpolated between voxels and 0 outside.
-/// @param step  [voxels] from a velocity to its way between the frames
-/// @param share  of the time between the frames that has gone by, 0..1
+///   from = -share before v_before(x + from),  to = (1 - share) after v_after(x + to),
+/// with v interpolated between voxels and 0 outside, and x where it is in either frame.
+/// @param early, late  [voxels] from a velocity in either frame to its way between the frames
 VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const Velocities& after,
-                        const Mat3& step, double share);
+                        const Mat3& early, const Mat3& late, const BetweenFrames& instant);
 
 /// What is between two frames: (1 - share) of the one before and share of the one after it, each
-/// along the paths, or in place where there are none.
+/// along the paths, or, where there are none, at the same place in the world.
 BrickSlice blendFrames(const VolumeInfo& info, const BrickSlice& before, const BrickSlice& after,
-                       double share, const VoxelPaths* paths);
+                       const BetweenFrames& instant, const VoxelPaths* paths);
 
 /// All places of bricks of some slices, in the order of isBefore(); null ones have none.
 std::vector<BrickPlace> placesOf(std::span<const std::shared_ptr<const BrickSlice>> slices);
