@@ -215,6 +215,7 @@ def formats(samples):
         Format(".npy", "a.npy", 128, lattice, samples.npy),
         Format(".npz", "a.npz", 60, lattice, samples.npz),
         Format(".vdb", "a_0000.vdb", 2000, lattice, samples.converted("a_%04d.vdb"), ["vdb_print", "-l", "FILE"]),
+        Format(".nvdb", "a_0000.nvdb", 2000, lattice, samples.converted("a_%04d.nvdb")),
         Format(".vti", "a_0000.vti", 700, lattice, samples.converted("a_%04d.vti")),
         Format(".vtu, text", "0.vtu", 300, mesh("0.vtu"), samples.looking(samples.series)),
         Format(".vtu, appended", "a.vtu", 600, info, samples.ball),

@@ -81,6 +81,11 @@ class EveryType(support.TestCase):
         folder = self.make()
         said = self.works("compress", folder, "-o", self.path("x.volute"), "--keep", "holes", "--max-error", "1e-3", "--json")
         self.assertIn("kept as they are, without loss", said.message)
+        self.assertIn("volute resample makes a volume of a frustum", said.message)
+        listed = {one["name"]: one for one in self.works("info", folder / "all_0001.vdb", "--json").json["grids"]}
+        self.assertEqual((listed["burnt"]["minimum"], listed["burnt"]["maximum"]), (0, 1))
+        self.assertEqual(listed["id"]["maximum"], 3 * listed["big id"]["maximum"] / 2**40)
+        self.assertNotIn(" nan ", self.works("info", folder / "all_0001.vdb").text)
         self.assertLessEqual(self.UNCODED | {"holes"}, {one["name"] for one in said.json["kept"]})
         listed = self.works("info", self.path("x.volute"), "--json").json
         self.assertEqual(listed["kept"], said.json["kept"])
@@ -119,6 +124,17 @@ class EveryType(support.TestCase):
                       self.fails(1, "render", folder / "all_0001.vdb", "-o", self.path("x.png"), "--field", "holes"))
         said = self.works("compress", folder, "-o", self.path("z.volute"), "--field", "holes", "--not-finite", "background", "--json").json
         self.assertGreater(said["bytes"], 0)
+
+    def test_what_is_kept_and_too_large_is_refused_first(self):
+        source = self.make() / "all_0001.vdb"
+        data = source.read_bytes()
+        end = struct.pack("<q", len(data))
+        self.assertEqual(data.count(end), 1)  # of the last grid, the frustum
+        source.write_bytes(data.replace(end, struct.pack("<q", 100 << 30)))
+        os.truncate(source, 100 << 30)
+        text = self.fails(1, "compress", source, "-o", self.path("x.volute"), "--field", "density[0],frustum")
+        self.assertIn("all_0001.vdb: grid 'frustum' is kept as it is (with a frustum) and takes 102399 MiB, more than the", text)
+        self.assertIn("--uncoded drop", text)
 
     def test_damage_of_what_is_kept(self):
         folder = self.make()
@@ -285,8 +301,116 @@ class Places(support.TestCase):
                 self.works(*lit, "-o", self.path("gl.exr"), "--renderer", "gl")
                 off = max(abs(a - b) for a, b in zip(read_exr(self.path("gl.exr")).values, cpu))
                 self.assertLess(off, 3e-3 * max(cpu), name)
+        said = self.works("info", self.blocks / "frustum.vdb", "--json").json["grids"][0]
+        self.assertTrue(said["frustum"])
+        self.assertFalse(said["usable"])
+        for verb in (("compress", "-o", self.path("x.volute")), ("render", "-o", self.path("x.png"))):
+            text = self.fails(1, verb[0], self.blocks / "frustum.vdb", *verb[1:])
+            self.assertIn("frustum", text)
+            self.assertIn("volute resample makes", text)
         self.assertIn("bounds along the axes do not crop it", self.fails(2, "compress", self.blocks / "turned.vdb", "-o", self.path("x.volute"),
                                                                          "--bounds=0,0,0,1,1,1"))
+
+
+@unittest.skipUnless("VDB_MAKER" in os.environ, "this build has no OpenVDB")
+class Resampled(Places):
+    """The same blocks on other voxels."""
+    test_depth_is_where_the_matrix_says = test_what_moves_between_frames = test_images_whose_voxels_grow = None
+    test_there_and_back = test_words = None
+
+    def mass(self, file, *more):
+        """Of a volume in all frames, the sum of its values times the size of its voxels."""
+        said = self.works("resample", file, "-o", self.path("m.npy"), *more, "--json").json
+        shape, values = read_npy(self.path("m.npy").read_bytes())
+        voxel = math.prod(said["grids"][0]["voxel_size"])
+        return [voxel * sum(values[i * len(values) // shape[0]:(i + 1) * len(values) // shape[0]]) for i in range(shape[0])]
+
+    def test_what_is_turned_comes_to_lie_along_the_axes(self):
+        for name, shear, mass in (("turned", 0, 2), ("skewed", 0.04, 2)):
+            for target in ("straight.vdb", "straight.volute", "straight.nvdb", "straight.vti"):
+                self.works("resample", self.blocks / f"{name}.vdb", "-o", self.path(target), "--voxel-size", "0.04")
+                self.assertNotIn("matrix", {key for key, value in self.works("info", self.path(target), "--json").json.items() if value})
+                for i, j, inside in ((5, 5, True), (1, 1, True), (8, 8, True), (10.6, 5, False), (5, -1.6, False), (-1.6, 9, False)):
+                    depth = self.depth(self.path(target), *self.place(i, j, shear))
+                    self.assertAlmostEqual(depth, 1 if inside else 0, delta=2e-3, msg=(name, target, i, j))
+            self.assertAlmostEqual(self.mass(self.blocks / f"{name}.vdb", "--voxel-size", "0.04")[0], mass, delta=2e-3 * mass)
+            self.assertAlmostEqual(self.mass(self.blocks / f"{name}.vdb", "--voxel-size", "0.23")[0], mass, delta=2e-2 * mass)
+        self.assertAlmostEqual(self.mass(self.blocks / "mirrored.vdb")[0], 1, delta=1e-5)
+        for one, expected in zip(self.mass(self.blocks / "moving_%04d.vdb", "--voxel-size", "0.05"), (1, 1, 8)):
+            self.assertAlmostEqual(one, expected, delta=2e-3 * expected)
+
+    def test_a_frustum_is_sampled(self):
+        source = self.blocks / "frustum.vdb"
+        for target in ("box.vdb", "box.volute", "box.npy"):
+            self.works("resample", source, "-o", self.path(target), "--voxel-size", "0.005")
+        # Along the axis and where only its far end reaches; the lattice states no place for .npy.
+        for target in ("box.vdb", "box.volute"):
+            bounds = self.works("info", self.path(target), "--json").json["bounds"]
+            middle = (bounds[0] + bounds[3]) / 2
+            self.assertAlmostEqual(self.depth(self.path(target), middle, middle), 0.5, delta=2e-3)
+            self.assertAlmostEqual(self.depth(self.path(target), middle + 0.075, middle), 0.25, delta=0.03)
+            self.assertEqual(self.depth(self.path(target), middle + 0.12, middle), 0)
+        coarse = self.works("resample", source, "-o", self.path("own.vdb"), "--json").json["grids"][0]
+        self.assertGreater(min(coarse["voxel_size"]), 0.01)
+
+    def test_lattices(self):
+        turned = self.blocks / "turned.vdb"
+        # Its own voxels, stated: values and topology are those of the file.
+        info = self.works("info", turned, "--json").json
+        self.works("resample", turned, "-o", self.path("same.vdb"), "--like", turned)
+        said = self.works("compare", turned, self.path("same.vdb"), "--json").json
+        self.assertEqual(said["max_error"], 0)
+        for numbers in ("0.2,0,0,5, 0,0.2,0,6, 0,0,0.2,7".replace(" ", ""), "0.1,0.02,0,0,0,0.1,0,0,0,0,0.1,0,0,0,0,1"):
+            self.works("resample", turned, "-o", self.path("m.vdb"), "--matrix", numbers)
+            back = self.works("info", self.path("m.vdb"), "--json").json
+            self.assertEqual(bool(back.get("matrix")), numbers.startswith("0.1"))
+        self.assertTrue(info["matrix"])
+        said = self.works("resample", turned, "-o", self.path("b.npy"), "--bounds=3,2,1,3.55,2.5,2", "--voxel-size", "0.1", "--json").json
+        self.assertEqual(said["grids"][0]["size"], [6, 5, 10])
+        self.assertIn("cannot say", self.fails(2, "resample", turned, "-o", self.path("x.npy"), "--like", turned))
+        self.assertIn("flat", self.fails(2, "resample", turned, "-o", self.path("x.vdb"), "--matrix", "1,0,0,0,1,0,0,0,0,0,1,0"))
+        self.assertIn("three rows of four", self.fails(2, "resample", turned, "-o", self.path("x.vdb"), "--matrix", "1,2,3"))
+        self.assertIn("above 0", self.fails(2, "resample", turned, "-o", self.path("x.vdb"), "--voxel-size", "0"))
+        text = self.fails(1, "resample", turned, "-o", self.path("x.vdb"), "--voxel-size", "1e-12")
+        self.assertIn("--voxel-size", text)
+        text = self.fails(1, "resample", turned, "-o", self.path("x.vdb"), "--voxel-size", "1e-3", "--max-memory", "64M")
+        self.assertIn("raise --voxel-size", text)
+
+    def test_other_files(self):
+        values = [float(1 + i % 7) for i in range(8 * 8 * 8)]
+        write_npy(self.path("a.npy"), (8, 8, 8), values)
+        said = self.works("resample", self.path("a.npy"), "-o", self.path("b.npy"), "--voxel-size", "0.25", "--basis", "box", "--json").json
+        self.assertEqual(said["grids"][0]["size"], [4, 4, 4])
+        _, half = read_npy(self.path("b.npy").read_bytes())
+        self.assertAlmostEqual(sum(half) * 8, sum(values), delta=1e-3)
+        self.works("resample", CACHE, "-o", self.path("c_%04d.vdb"))
+        grids = {one["name"]: one for one in self.works("info", self.path("c_0101.vdb"), "--json").json["grids"]}
+        self.assertEqual(grids["velocity"]["class"], "staggered")
+        self.assertTrue(grids["density"]["half"])
+        self.assertNotIn("flame", [one["name"] for one in self.works("info", self.path("c_0100.vdb"), "--json").json["grids"]])
+        self.works("resample", CACHE, "-o", self.path("c.volute"), "--frames", "101:102", "--field", "density,solid", "--voxel-size", "0.2")
+        self.assertEqual([one["name"] for one in self.works("info", self.path("c.volute"), "--json").json["grids"]], ["density", "solid"])
+
+    def test_nanovdb(self):
+        self.works("extract", CACHE, "-o", self.path("n_%04d.nvdb"))
+        self.works("extract", CACHE, "-o", self.path("v_%04d.vdb"))
+        said = self.works("compare", self.path("v_%04d.vdb"), self.path("n_%04d.nvdb"), "--json").json
+        self.assertEqual(sorted(one["name"] for one in said["grids"]), NAMES)
+        for one in said["grids"]:
+            self.assertLessEqual(one["relative_rms"], 1e-3, one)  # halves are floats there
+            if one["name"] in ("temperature", "velocity", "solid") and not one["empty"]:
+                self.assertLessEqual(one["max_error"], 0 if one["name"] == "temperature" else 1e-2, one)
+        self.works("compress", self.path("n_%04d.nvdb"), "-o", self.path("n.volute"))
+        self.works("render", self.path("n_0101.nvdb"), "-o", self.path("n.png"), "--size", "32x32")
+        data = bytearray(self.path("n_0101.nvdb").read_bytes())
+        for what, expected in (((7, b"2"), "of a newer kind"), ((8, struct.pack("<I", 33 << 21)), "version 33.0.0"),
+                               ((len(data) // 2, bytes([data[len(data) // 2] ^ 1])), "damaged")):
+            broken = bytearray(data)
+            broken[what[0]:what[0] + len(what[1])] = what[1]
+            self.path("broken.nvdb").write_bytes(broken)
+            self.assertIn(expected, self.fails(1, "compress", self.path("broken.nvdb"), "-o", self.path("x.volute")))
+        self.path("broken.nvdb").write_bytes(data[:len(data) // 2])
+        self.assertIn("broken.nvdb", self.fails(1, "render", self.path("broken.nvdb"), "-o", self.path("x.png")))
 
 
 class Grids(support.TestCase):

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Volumes through the program and back, measured here with code of our own."""
+import json
 import math
 import pathlib
 import shutil
 import subprocess
 
 import support
+from pictures import read_exr
 from render_test import read_png
 from support import read_npy, volute, write_npy
 
@@ -141,11 +143,43 @@ class Volumes(support.TestCase):
         self.assertGreater(farthest(turned, lying), 50)
         self.assertIn("--up: 0,0,0 is no direction", self.fails(2, "render", self.path("y.npy"), "-o", self.path("u.png"), "--up", "0,0,0"))
 
+    def test_a_shutter_averages_light_over_time(self):
+        frames = [[float((x - 3 * f - 3) ** 2 + (y - 4) ** 2 + (z - 4) ** 2 < 9) for z in range(8) for y in range(8) for x in range(12)] for f in range(3)]
+        write_npy(self.path("s.npy"), (3, 8, 8, 12), sum(frames, []))
+
+        def light(*more):
+            self.works("render", self.path("s.npy"), "-o", self.path("s.exr"), "--size", "24x16", "--renderer", "cpu", "--measured", "--fps", "10",
+                       "--eye", "0.5,-3,0.3", "--target", "0.5,0.3,0.3", "--fov", "20", "--stats", self.path("s.json"), *more)
+            return read_exr(self.path("s.exr")).values
+
+        # What is emitted is linear in time between frames; what is absorbed is not.
+        blurred = light("--time", "0", "--shutter", "0.5")
+        for a, b in zip(blurred, light("--time", "0.025", "--interpolate", "linear")):
+            self.assertAlmostEqual(a, b, delta=1e-5)
+        self.assertGreater(max(abs(a - b) for a, b in zip(blurred, light("--time", "0"))), 0.05)
+        dense = ("--extinction", "8", "--background", "1,1,1")
+        blurred = light("--time", "0.05", "--shutter", "1", *dense)
+        said = json.loads(self.path("s.json").read_text())["shutter"]
+        self.assertAlmostEqual(said["seconds"], 0.1)
+        self.assertLessEqual(said["error"], 1 / 256)
+        mean = [0] * len(blurred)
+        for i in range(24):
+            for k, value in enumerate(light("--time", str(0.05 + (i + 0.5) / 240), "--interpolate", "linear", *dense)):
+                mean[k] += value / 24
+        self.assertLess(max(abs(a - b) for a, b in zip(blurred, mean)), max(mean) / 256)
+        still = self.works("render", self.path("s.npy"), "-o", self.path("s.png"), "--size", "24x16", "--shutter", "0.5", "--interpolate", "none")
+        self.assertIn("nothing moves while the shutter is open", still.message)
+        self.assertIn("--shutter", self.fails(2, "render", self.path("s.npy"), "-o", self.path("s.exr"), "--shutter", "0.5", "--aov", "optical-depth"))
+        self.works("render", self.path("s.npy"), "-o", self.path("s_%04d.png"), "--size", "24x16", "--shutter", "0.5", "--frames", "0:2")
+
     def test_a_rate_that_is_given_is_kept(self):
         shape, values = support.plume(5, 8)
         write_npy(self.path("a.npy"), shape, values)
         said = self.works("compress", self.path("a.npy"), "-o", self.path("a.volute"))
         self.assertIn("no times are stated; 25 frames a second", said.message)
+        self.works("compress", self.path("a.npy"), "-o", self.path("f.volute"), "--fps", "24000/1001")
+        self.assertAlmostEqual(self.works("info", self.path("f.volute"), "--json").json["times"][1], 4 * 1001 / 24000, places=12)
+        self.assertIn("24000/1001", self.fails(2, "compress", self.path("a.npy"), "-o", self.path("f.volute"), "--fps", "24/0"))
         said = self.works("compress", self.path("a.npy"), "-o", self.path("b.volute"), "--fps", "24")
         self.assertNotIn("25 frames", said.message)
         end = lambda file: self.works("info", file, "--json").json["times"][1]

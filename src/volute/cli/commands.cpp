@@ -12,7 +12,8 @@ std::span<const Command> commands() {
   static const std::vector<Command> table = {
       infoCommand(),       compressCommand(), extractCommand(),     compareCommand(),
       synthesizeCommand(), projectCommand(),  reconstructCommand(), joinCommand(),
-      renderCommand(),     fogCommand(),      visibilityCommand(),  sweepCommand(),
+      resampleCommand(),   renderCommand(),   fogCommand(),         visibilityCommand(),
+      sweepCommand(),
 #ifdef VOLUTE_WITH_VIEWER
       viewCommand(),
 #endif

@@ -39,6 +39,7 @@ struct Option {
   double most = std::numeric_limits<double>::infinity();
   bool positive = false;  ///< the number must be greater than zero
   bool below = false;     ///< and less than `most`
+  bool fraction = false;  ///< kNumber: 24000/1001 is one too
   /// kOutput: what is written without the option: the input's name with this at its end instead of
   /// its extension, in the current folder, and a number where there is such a file already.
   std::string_view derived = {};

@@ -40,6 +40,8 @@ constexpr int kWrongUsage = 2;
 /// Settings as options of a command.
 SettingText optionsOf(const Command& command) {
   return [&command](const std::string& setting, const std::string& value) -> std::string {
+    if (setting == "resample")  // another command's doing
+      return "volute resample";
     std::string option = setting;
     std::ranges::replace(option, '_', '-');
     const std::string name = option.substr(0, option.find('['));

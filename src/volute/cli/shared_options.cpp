@@ -32,6 +32,7 @@ Option rateOption(std::string help, std::string initial, std::vector<std::string
           .initial = std::move(initial),
           .most = 1e6,
           .positive = true,
+          .fraction = true,
           .aliases = std::move(aliases)};
 }
 

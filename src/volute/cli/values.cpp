@@ -77,6 +77,18 @@ Result<double> parseNumber(std::string_view text) {
   return value;
 }
 
+Result<double> parseFraction(std::string_view text) {
+  const auto parts = split(text, '/');
+  double above = 0, below = 1;
+  if (parts.size() > 2 || !readNumber(parts[0], above) || !std::isfinite(above) ||
+      (parts.size() == 2 &&
+       (!readNumber(parts[1], below) || !std::isfinite(below) || below == 0))) {
+    return fail(ErrorCode::kInvalidArgument,
+                "'{}' is not a finite number; expected one like 25, 23.976 or 24000/1001", text);
+  }
+  return above / below;
+}
+
 Result<std::vector<double>> parseNumbers(std::string_view text) {
   std::vector<double> numbers;
   for (const auto part : split(text, ',')) {
@@ -211,7 +223,7 @@ Result<Value> parseValue(const Option& option, std::string_view text) {
     case ValueKind::kChoice:
       return parseChoice(option, text);
     case ValueKind::kNumber: {
-      VOLUTE_ASSIGN(const double number, parseNumber(text));
+      VOLUTE_ASSIGN(const double number, option.fraction ? parseFraction(text) : parseNumber(text));
       VOLUTE_TRY(checkLimits(option, number, text));
       return number;
     }

@@ -35,6 +35,8 @@ std::vector<std::string_view> split(std::string_view text, char separator);
 /// The errors of these are one sentence (kInvalidArgument) with the offending text and what was
 /// expected.
 [[nodiscard]] Result<double> parseNumber(std::string_view text);
+/// The same, or 24000/1001.
+[[nodiscard]] Result<double> parseFraction(std::string_view text);
 /// Numbers with commas between.
 [[nodiscard]] Result<std::vector<double>> parseNumbers(std::string_view text);
 [[nodiscard]] Result<int> parseInteger(std::string_view text);

@@ -69,6 +69,10 @@ Status GridCache::collect(const std::vector<LatticeCache>& files) {
         first = one;
       if (one && one->traits.problem[0] != '\0')
         grid.problem = one->traits.problem;
+      if (one && one->traits.problem[0] != '\0' && one->traits.memory > grid.mostBytes) {
+        grid.mostBytes = one->traits.memory;
+        grid.mostBytesIn = known.present.size();
+      }
       grid.places.push_back(one ? static_cast<int>(one - file.grids.data()) : -1);
       grid.description.metadata.add(one ? &one->metadata : nullptr);
       known.present.push_back(one != nullptr);

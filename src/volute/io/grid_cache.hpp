@@ -20,7 +20,9 @@ struct CacheGrid {
   bool empty = false;     ///< in all frames
   std::string problem{};  ///< why it is no volume, "of type int32", and has no description; else ""
   std::string type{};     ///< of a value
-  std::vector<int> places{};  ///< of each file: which of its grids this is; -1: none
+  std::uint64_t mostBytes = 0;  ///< of what is no volume, in the file of any frame
+  std::size_t mostBytesIn = 0;  ///< the position of that file
+  std::vector<int> places{};    ///< of each file: which of its grids this is; -1: none
 };
 
 /// The .vdb files of a simulation, with all their grids. Frames need not have the same grids.
@@ -30,6 +32,8 @@ class GridCache {
   /// @param options  of how to read its grids; `grid` is not used
   [[nodiscard]] static Result<GridCache> open(const std::filesystem::path& input,
                                               const SourceOptions& options);
+
+  const std::filesystem::path& file(std::size_t position) const { return files_[position].path; }
 
   /// In the order of the first file that has them.
   const std::vector<CacheGrid>& grids() const { return grids_; }

@@ -13,10 +13,12 @@
 
 #include "volute/base/result.hpp"
 #include "volute/grid/bricks.hpp"
+#include "volute/grid/frustum_sampling.hpp"
 #include "volute/grid/grid_description.hpp"
 #include "volute/grid/grid_matrix.hpp"
 #include "volute/grid/index_box.hpp"
 #include "volute/grid/kept_bytes.hpp"
+#include "volute/grid/vector_kind.hpp"
 #include "volute/grid/volume_info.hpp"
 
 namespace volute {
@@ -41,6 +43,7 @@ struct LatticeFrame {
   char up = 0;               ///< the axis that points upwards for what wrote the file; 0: unknown
   bool bricks = false;       ///< LatticeReader::readBricks() gives its topology
   std::uint64_t memory = 0;  ///< [bytes] that its bricks take, about; 0: unknown
+  VectorKind vectors{};      ///< of three channels
 };
 
 /// What a file says of one of its grids, and what is in it. Trivially copyable, as LatticeFrame.
@@ -56,6 +59,7 @@ struct GridFacts {
   std::uint64_t memory = 0;           ///< [bytes] in OpenVDB's tree
   double least = 0, most = 0;  ///< of all values, of all channels; NaN where they are no numbers
   bool half = false;           ///< stored as 16-bit floats
+  bool frustum = false;        ///< its voxels widen with the distance, as no matrix says
   bool readable = false;       ///< LatticeReader::read() takes it
   char problem[kMaxProblem + 1] =
       {};  ///< why nothing is known of its voxels; empty: they were read
@@ -71,7 +75,7 @@ struct GridTraits {
   char problem[kMaxProblem + 1] = {};  ///< why it is no volume, "of type int32"; empty: it is one
   std::array<double, 3> background{};
   std::uint64_t voxels = 0;
-  std::uint64_t memory = 0;  ///< [bytes]
+  std::uint64_t memory = 0;  ///< [bytes]; of what is no volume those in the file, 0: unknown
   bool half = false;
 };
 
@@ -129,6 +133,9 @@ class LatticeReader {
 
   /// Whether readBricks() gives the topology that files have.
   virtual bool hasBricks() const { return false; }
+
+  /// How grids with a frustum are read from now on; null: they are refused.
+  virtual void sampleFrusta(const FrustumSampling* how) { (void)how; }
 
   /// What is in `box`, some layers of `whole`, with its topology; voxel (0, 0, 0) is the lattice's.
   /// Leaves and tiles across the box's border are whole. Errors as read().

@@ -62,6 +62,7 @@ Status checkFrame(LatticeFrame& frame, const std::string& file) {
   frame.others[LatticeFrame::kMaxName] = '\0';
   settleFlag(frame.bricks);
   settleFlag(frame.turned);
+  settleFlag(frame.vectors.local);
   bool sound = frame.channels == 1 || frame.channels == 3;
   for (int axis = 0; axis < 3; ++axis) {
     sound = sound && std::isfinite(frame.origin[axis]) && std::isfinite(frame.voxelSize[axis]) &&
@@ -69,6 +70,8 @@ Status checkFrame(LatticeFrame& frame, const std::string& file) {
     for (const std::int64_t index : {frame.box.begin[axis], frame.box.end[axis]})
       sound = sound && index > -kFarthest && index < kFarthest;
   }
+  sound = sound && frame.vectors.type <= VectorKind::Type::kContravariantAbsolute &&
+          frame.vectors.type >= VectorKind::Type::kUnstated;
   if (sound && (!frame.turned || isSound(frame.matrix)))
     return {};
   return fail(ErrorCode::kInvalidData, "{}: its reader describes a grid that cannot be", file);
@@ -135,6 +138,7 @@ Result<std::vector<GridFacts>> decodeGridFacts(std::string_view message) {
     grid.name[GridFacts::kMaxName] = '\0';
     grid.type[GridFacts::kMaxType] = grid.gridClass[GridFacts::kMaxType] = '\0';
     settleFlag(grid.half);
+    settleFlag(grid.frustum);
     settleFlag(grid.readable);
     grids.push_back(grid);
   }

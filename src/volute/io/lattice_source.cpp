@@ -23,12 +23,14 @@ namespace {
 /// chosen after the child was forked.
 struct Request {
   bool describe = false;
-  bool list = false;    ///< of all grids
-  bool cache = false;   ///< describe all grids
-  bool bricks = false;  ///< read() as bricks: first their size, then they themselves
-  bool keep = false;    ///< keep() the grid at `offset`: its size
-  bool fetch = false;   ///< what the last one of `cache` and `keep` made, from byte `offset` on
-  bool flag = false;    ///< needBox when describing, crop when reading
+  bool list = false;     ///< of all grids
+  bool cache = false;    ///< describe all grids
+  bool bricks = false;   ///< read() as bricks: first their size, then they themselves
+  bool keep = false;     ///< keep() the grid at `offset`: its size
+  bool fetch = false;    ///< what the last one of `cache` and `keep` made, from byte `offset` on
+  bool flag = false;     ///< needBox when describing, crop when reading
+  bool sampled = false;  ///< frusta are read as `frusta` say
+  FrustumSampling frusta{};
   std::uint64_t offset = 0, limit = 0;
   IndexBox whole;  ///< of the volume
   IndexBox box;    ///< what is read of it
@@ -71,6 +73,7 @@ Result<std::string> serve(LatticeReader& reader, Held& held, const std::filesyst
   kept.reset();
   held.bytes = {};
   VOLUTE_TRY(InputFile::check(path));
+  reader.sampleFrusta(request.sampled ? &request.frusta : nullptr);
   if (request.list) {
     VOLUTE_ASSIGN(const auto grids, reader.list(path));
     return detail::encodeGridFacts(grids);
@@ -342,7 +345,7 @@ std::vector<std::string> namesIn(std::string_view list) {
   return names;
 }
 
-class LatticeSource final : public RoundingSource, public PlacedFrames {
+class LatticeSource final : public RoundingSource, public PlacedFrames, public VectorFrames {
  public:
   LatticeSource(std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
                 const SourceOptions& options, std::optional<KnownGrid> known)
@@ -405,6 +408,8 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
   const VolumeInfo& info() const override { return info_; }
 
   const std::vector<GridMatrix>& places() const override { return places_; }
+
+  VectorKind vectors() const override { return vectors_; }
 
   std::pair<std::string, VoxelIndex> fileOf(int frame) const override {
     const auto i = static_cast<std::size_t>(frame);
@@ -501,7 +506,13 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
     request.box.begin[2] = request.whole.begin[2] + first;
     request.box.end[2] = request.whole.begin[2] + end;
     grid_.copy(request.grid, LatticeFrame::kMaxName);
+    sample(request);
     return request;
+  }
+
+  void sample(Request& request) const {
+    request.sampled = options_.frusta.has_value();
+    request.frusta = options_.frusta.value_or(FrustumSampling());
   }
 
   Result<LatticeFrame> describe(std::size_t index, const std::string& grid) {
@@ -511,10 +522,15 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
     request.flag = !options_.bounds;
     grid.copy(request.grid, LatticeFrame::kMaxName);
     options_.usualGrid.copy(request.usual, LatticeFrame::kMaxName);
+    sample(request);
     VOLUTE_ASSIGN(const std::string reply,
                   process_.call(path.string(), toMessage(request) + path.string(), 0,
                                 limitsFor(path, 0, options_.maxMemory)));
-    return detail::decodeFrame(reply, path.string());
+    VOLUTE_ASSIGN(auto frame, detail::decodeFrame(reply, path.string()));
+    // The first one settles the lattice of all.
+    if (options_.frusta && options_.frusta->indexToWorld == GridMatrix{} && !frame.turned)
+      options_.frusta->indexToWorld = alongAxes(frame.voxelSize, frame.origin);
+    return frame;
   }
 
   /// `grid`, or the one that is meant where it is empty, in all files. Simulations leave out what
@@ -642,6 +658,7 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
     info_.frameScale = files_.front().scale;
     info_.up = frames.front().up;
     info_.levelSet = frames.front().levelSet;
+    vectors_ = frames.front().vectors;
     std::string remark;
     info_.times =
         statedTimes(files_, frames, known_ ? known_->present : std::vector<bool>(), remark);
@@ -660,6 +677,7 @@ class LatticeSource final : public RoundingSource, public PlacedFrames {
   IndexBox box_;          // on the first frame's lattice
   std::vector<std::array<std::int64_t, 3>> shifts_;
   std::vector<GridMatrix> places_;
+  VectorKind vectors_;
   bool hasBricks_ = false;
   std::uint64_t memory_ = 0;  // of the bricks of a frame, about
   VolumeInfo info_;

@@ -174,6 +174,8 @@ void place(const std::filesystem::path& folder) {
   setMeta(houdini, "creator", std::string("Houdini/GEO_VDBTranslator"));
   const auto unit = math::Transform::createLinearTransform(.1);
   write("upright_0001", unit, houdini), write("upright_0002", unit);
+  // 10 voxels of 0.01 m at z = 0, twice as wide at z = 0.5.
+  write("frustum", math::Transform::createFrustumTransform(BBoxd(Vec3d(0), Vec3d(10)), .5, 5, .1));
   // As flat as OpenVDB lets through.
   write("flat", affine(rows({.1, 0, 0, 0, .1, 1e-12, 0, 0, 0, 0, .1, 0, 0, 0, 0, 1})));
 }

@@ -16,13 +16,17 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <optional>
 #include <sstream>
 
 #include "volute/base/checksum.hpp"
+#include "volute/base/file_name.hpp"
 #include "volute/grid/bricks.hpp"
+#include "volute/grid/resample.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice.hpp"
+#include "volute/io/nano_grids.hpp"
 
 namespace volute {
 namespace {
@@ -30,11 +34,20 @@ namespace {
 constexpr const char* kTimeKey = "volute:time";
 constexpr std::string_view kLevelSet = "level set";
 
-/// An OpenVDB file over a stream that throws at every short read, which OpenVDB's own File does not
-/// notice.
+/// An error that comes out where others are exceptions.
+struct Refused {
+  Error error;
+};
+
+/// An OpenVDB file, or a NanoVDB one as if it were, over a stream that throws at every short read,
+/// which OpenVDB's own File does not notice.
 class VdbFile final : public openvdb::io::Archive {
  public:
   explicit VdbFile(const std::filesystem::path& path) : path_(path) {
+    if (isNanoFile(path)) {
+      takeNanoGrids();
+      return;
+    }
     stream_.exceptions(std::ios::badbit | std::ios::failbit | std::ios::eofbit);
     stream_.open(path, std::ios::binary);
     const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path));
@@ -138,6 +151,23 @@ class VdbFile final : public openvdb::io::Archive {
     openvdb::GridBase::Ptr grid;
     std::string foreignType{};
   };
+
+  void takeNanoGrids() {
+    auto grids = readNanoGrids(path_);
+    if (!grids)
+      throw Refused{std::move(grids.error())};
+    whole_ = true;
+    std::map<std::string, int> seen;
+    for (const auto& grid : *grids) ++seen[grid->getName()];
+    std::map<std::string, int> numbers;
+    for (auto& grid : *grids) {
+      const std::string own = grid->getName();
+      const std::string name = own.empty() || seen[own] > 1
+                                   ? openvdb::io::GridDescriptor::addSuffix(own, numbers[own]++)
+                                   : own;
+      grids_.push_back({{name, grid->type()}, std::move(grid)});
+    }
+  }
 
   /// As GridDescriptor::read(), which refuses types that are not registered.
   void readDescriptor(Entry& entry) {
@@ -359,6 +389,8 @@ template <class Function>
 auto guarded(const std::filesystem::path& file, Function&& function) -> decltype(function()) {
   try {
     return function();
+  } catch (Refused& refused) {
+    return tl::unexpected(std::move(refused.error));
   } catch (const std::ios_base::failure&) {
     return fail(ErrorCode::kTruncated,
                 "{}: ends before its data do, or points outside itself; the file is damaged",
@@ -368,6 +400,9 @@ auto guarded(const std::filesystem::path& file, Function&& function) -> decltype
                 error.what());
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(ErrorCode::kIo, "{}: cannot read: {}", file.string(), error.code().message());
+  } catch (const std::runtime_error& error) {  // NanoVDB's
+    return fail(ErrorCode::kInvalidData, "{}: not a whole NanoVDB file: {}", file.string(),
+                error.what());
   }
 }
 
@@ -395,17 +430,19 @@ std::vector<GridEntry> entriesOf(const VdbFile& file, const std::string& wanted)
   return entries;
 }
 
+bool isFrustum(const openvdb::GridBase& grid) {
+  return !grid.transform().isLinear();
+}
+
 /// Fills voxelSize and origin, and the matrix where voxels do not lie along the axes.
 Status readTransform(const openvdb::GridBase& grid, const std::string& where, LatticeFrame& frame) {
-  const auto& transform = grid.transform();
-  if (!transform.isLinear()) {
-    return fail(ErrorCode::kUnsupported,
-                "{}: the grid has a frustum transform, which no matrix says; resample it to a "
-                "regular grid",
+  if (isFrustum(grid)) {
+    return fail(ErrorCode::kUnsupported, Hint::set("resample").so("makes such voxels"),
+                "{}: the grid has a frustum, which no matrix says; expected voxels of one shape",
                 where);
   }
   // OpenVDB multiplies row vectors: (i, j, k, 1) * matrix.
-  const openvdb::Mat4R matrix = transform.baseMap()->getAffineMap()->getMat4();
+  const openvdb::Mat4R matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
   bool straight = true;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column)
@@ -440,6 +477,79 @@ IndexBox toIndexBox(const openvdb::CoordBBox& box) {
     result.end[axis] = std::int64_t{box.max()[axis]} + 1;
   }
   return result;
+}
+
+/// From the indices of a lattice to those of a grid with a frustum.
+class FrustumLattices final : public LatticeMap {
+ public:
+  FrustumLattices(const openvdb::math::Transform& transform, const GridMatrix& indexToWorld)
+      : transform_(transform),
+        linear_(linearOf(indexToWorld)),
+        offset_(offsetOf(indexToWorld)),
+        back_(linear_.inverse()) {}
+
+  Vec3 toOld(const Vec3& index) const override {
+    const Vec3 world = linear_ * index + offset_;
+    const auto at = transform_.worldToIndex(openvdb::Vec3d(world.x(), world.y(), world.z()));
+    return {at.x(), at.y(), at.z()};
+  }
+
+  Vec3 toNew(const Vec3& index) const override {
+    const auto at = transform_.indexToWorld(openvdb::Vec3d(index.x(), index.y(), index.z()));
+    return back_ * (Vec3(at.x(), at.y(), at.z()) - offset_);
+  }
+
+  /// Around a box of the grid's voxels.
+  IndexBox around(const openvdb::CoordBBox& box) const {
+    IndexBox all;
+    if (box.empty())
+      return all;
+    Box3 bounds;
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3 at;
+      for (int axis = 0; axis < 3; ++axis)
+        at[axis] = corner >> axis & 1 ? box.max()[axis] + 1 : box.min()[axis] - 1;
+      bounds.extend(toNew(at));
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      constexpr double kFarthest = 1e9;
+      const auto a = static_cast<std::size_t>(axis);
+      all.begin[a] = std::llround(std::clamp(std::floor(bounds.min[axis]), -kFarthest, kFarthest));
+      all.end[a] = std::llround(std::clamp(std::ceil(bounds.max[axis]), -kFarthest, kFarthest)) + 1;
+    }
+    return all;
+  }
+
+ private:
+  const openvdb::math::Transform& transform_;
+  Mat3 linear_;
+  Vec3 offset_;
+  Mat3 back_;
+};
+
+/// As readTransform(), of a grid with a frustum that is sampled; cubes as small as its voxels in
+/// the middle where the lattice is not said.
+Status readSampledPlace(const openvdb::GridBase& grid, const openvdb::GridBase& topology,
+                        const FrustumSampling& how, const std::string& where, LatticeFrame& frame) {
+  GridMatrix matrix = how.indexToWorld;
+  const openvdb::CoordBBox box = topology.evalActiveVoxelBoundingBox();
+  if (matrix == GridMatrix{}) {
+    const openvdb::Vec3d middle =
+        box.empty() ? openvdb::Vec3d(0) : 0.5 * (box.min().asVec3d() + box.max().asVec3d());
+    const openvdb::Vec3d size = grid.transform().voxelSize(middle);
+    const double side = std::min({size[0], size[1], size[2]});
+    matrix = alongAxes({side, side, side}, {0.5 * side, 0.5 * side, 0.5 * side});
+  }
+  if (!isSound(matrix)) {
+    return fail(ErrorCode::kInvalidData, "{}: the grid's frustum is not finite, or makes it flat",
+                where);
+  }
+  const GridSpace space = spaceOf(matrix);
+  frame.matrix = matrix;
+  frame.voxelSize = space.voxelSize, frame.origin = space.origin;
+  frame.turned = matrix != alongAxes(space.voxelSize, space.origin);
+  frame.box = FrustumLattices(grid.transform(), matrix).around(box);
+  return {};
 }
 
 /// The box of active voxels as the writer noted it. Believed when it can hold the noted number of
@@ -594,20 +704,26 @@ std::uint64_t notedBrickBytes(const openvdb::GridBase& grid) {
 }
 
 /// Extremes over the active values of what has numbers.
-template <class Grid>
-bool addRange(const openvdb::GridBase& base, GridFacts& facts) {
-  if (!base.isType<Grid>())
-    return false;
-  using Traits = Channels<typename Grid::ValueType>;
-  double least = std::numeric_limits<double>::infinity(), most = -least;
-  for (auto it = static_cast<const Grid&>(base).cbeginValueOn(); it; ++it) {
-    float values[Traits::kCount];
-    Traits::store(*it, values);
-    for (const float value : values)
-      least = std::min<double>(least, value), most = std::max<double>(most, value);
-  }
-  facts.least = least <= most ? least : 0, facts.most = least <= most ? most : 0;
-  return true;
+template <class... Grids>
+void addRange(const openvdb::GridBase& base, GridFacts& facts) {
+  facts.least = facts.most = std::numeric_limits<double>::quiet_NaN();
+  const auto take = [&]<class Grid>() {
+    if (!base.isType<Grid>())
+      return;
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    const auto add = [&](auto value) {
+      least = std::min(least, static_cast<double>(value));
+      most = std::max(most, static_cast<double>(value));
+    };
+    for (auto it = static_cast<const Grid&>(base).cbeginValueOn(); it; ++it) {
+      if constexpr (openvdb::VecTraits<typename Grid::ValueType>::IsVec)
+        for (int c = 0; c < 3; ++c) add((*it)[c]);
+      else
+        add(*it);
+    }
+    facts.least = least <= most ? least : 0, facts.most = least <= most ? most : 0;
+  };
+  (take.template operator()<Grids>(), ...);
 }
 
 void putText(std::string_view text, char* to, std::size_t most) {
@@ -630,12 +746,13 @@ GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid) {
   else if (placed.error().code == ErrorCode::kInvalidData)
     putText("its matrix is not finite, or makes it flat", facts.problem, GridFacts::kMaxProblem);
   facts.readable = facts.readable && placed;
+  facts.frustum = isFrustum(grid);
   facts.voxels = grid.activeVoxelCount();
   facts.memory = grid.memUsage();
   facts.half = grid.saveFloatAsHalf();
-  if (!addRange<openvdb::FloatGrid>(grid, facts) && !addRange<openvdb::DoubleGrid>(grid, facts) &&
-      !addRange<openvdb::Vec3SGrid>(grid, facts) && !addRange<openvdb::Vec3DGrid>(grid, facts))
-    facts.least = facts.most = std::numeric_limits<double>::quiet_NaN();
+  using namespace openvdb;
+  addRange<FloatGrid, DoubleGrid, Vec3SGrid, Vec3DGrid, BoolGrid, Int32Grid, Int64Grid, Vec3IGrid>(
+      grid, facts);
   return facts;
 }
 
@@ -746,6 +863,7 @@ Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
             GridTraits::kMaxText);
   putText(grid.transform().mapType(), traits.map, GridTraits::kMaxText);
   traits.half = grid.saveFloatAsHalf();
+  traits.memory = file.bytesOf(index);  // of what is kept as it is
   result.frame.channels =
       grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>() ? 3 : 1;
   if (file.name(index).size() > LatticeFrame::kMaxName) {
@@ -762,12 +880,13 @@ Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
       !status) {
     if (status.error().code != ErrorCode::kUnsupported)
       return tl::unexpected(status.error());
-    putText("with a frustum transform", traits.problem, GridTraits::kMaxProblem);
+    putText("with a frustum", traits.problem, GridTraits::kMaxProblem);
     return result;
   }
   if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
     result.frame.time = time->value();
   result.frame.up = upAxisOf(file.metadata());
+  result.frame.vectors = vectorKindOf(listMetadata(grid));
   const auto tree = file.readTopology(index);
   result.frame.box = toIndexBox(tree->evalActiveVoxelBoundingBox());
   (void)(addBackground<openvdb::FloatGrid>(*tree, traits) ||
@@ -806,12 +925,20 @@ class VdbReader final : public LatticeReader {
       otherGrids(entries, index, LatticeFrame::kMaxName).copy(frame.others, LatticeFrame::kMaxName);
       frame.channels =
           grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>() ? 3 : 1;
-      VOLUTE_TRY(readTransform(grid, fmt::format("{}, grid '{}'", path.string(), name), frame));
+      frame.vectors = vectorKindOf(listMetadata(grid));
+      const std::string where = fmt::format("{}, grid '{}'", path.string(), name);
+      const bool sampled = frusta_ && isFrustum(grid);
+      if (sampled)
+        VOLUTE_TRY(readSampledPlace(grid, *file.readTopology(index), *frusta_, where, frame));
+      else
+        VOLUTE_TRY(readTransform(grid, where, frame));
       if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
         frame.time = time->value();
       frame.up = upAxisOf(file.metadata());
       frame.levelSet = entries[index].type == kLevelSet;
       frame.bricks = true;
+      if (sampled)
+        return frame;
       frame.memory = notedBrickBytes(grid);
       const auto noted = notedBox(grid);
       if (noted)
@@ -901,6 +1028,16 @@ class VdbReader final : public LatticeReader {
         return openvdb::Coord(static_cast<int>(at[0] - less), static_cast<int>(at[1] - less),
                               static_cast<int>(at[2] - less));
       };
+      if (frusta_ && isFrustum(file.grid(index))) {
+        const auto grid = file.readTree(index);
+        const auto bricks = bricksOfGrid(*grid, *grid, openvdb::CoordBBox::inf(), rounding);
+        if (!bricks)
+          return changedType(path, wanted);
+        // The process has a limit of its own.
+        return resampled(*bricks,
+                         FrustumLattices(file.grid(index).transform(), frusta_->indexToWorld), box,
+                         frusta_->basis, std::numeric_limits<std::uint64_t>::max());
+      }
       const openvdb::CoordBBox part(toCoord(box.begin, 0), toCoord(box.end, 1));
       const bool all = box.begin == whole.begin && box.end == whole.end;
       const auto grid = file.readTree(index, all ? nullptr : &part);
@@ -915,11 +1052,22 @@ class VdbReader final : public LatticeReader {
       }
       auto bricks = bricksOfGrid(*grid, *topology, part, rounding);
       if (!bricks)
-        return fail(ErrorCode::kUnsupported, "{}: grid '{}' changed its type", path.string(),
-                    wanted);
+        return changedType(path, wanted);
       return *std::move(bricks);
     });
   }
+
+  void sampleFrusta(const FrustumSampling* how) override {
+    frusta_ = how ? std::optional(*how) : std::nullopt;
+  }
+
+ private:
+  static tl::unexpected<Error> changedType(const std::filesystem::path& path,
+                                           const std::string& grid) {
+    return fail(ErrorCode::kUnsupported, "{}: grid '{}' changed its type", path.string(), grid);
+  }
+
+  std::optional<FrustumSampling> frusta_;
 };
 
 /// Puts what is in a frame into an empty grid, as it was.
@@ -1158,6 +1306,10 @@ class VdbWriter final : public LatticeWriter {
       grid->setTransform(makeTransform(info));
       grid->setSaveFloatAsHalf(options_.half);
       grid->insertMeta(kTimeKey, openvdb::DoubleMetadata(info.times[frame]));
+      if (extensionOf(target) == ".nvdb") {
+        writeNanoGrids(stream, {grid});
+        return {};
+      }
       VdbOutput(packing()).writeTo(stream, grid);
       overwriteIdentifier(stream, bricks.checksum(), info.frameNumbers[frame]);
       return {};
@@ -1167,6 +1319,18 @@ class VdbWriter final : public LatticeWriter {
   Status writeGrids(const std::filesystem::path& temporary, const std::filesystem::path& target,
                     std::span<const GridFrame> frames, const MetadataList* metadata) override {
     return written(temporary, target, [&](std::ofstream& stream) -> Status {
+      if (extensionOf(target) == ".nvdb") {
+        std::vector<openvdb::GridBase::Ptr> grids;
+        for (const GridFrame& frame : frames) {
+          if (frame.kept)
+            return fail(ErrorCode::kUnsupported, "{}: takes no grids as their bytes",
+                        target.string());
+          VOLUTE_ASSIGN(const auto grid, cacheGrid(frame, target.string()));
+          grids.push_back(grid);
+        }
+        writeNanoGrids(stream, grids);
+        return {};
+      }
       openvdb::MetaMap ofFile;
       if (metadata)
         putMetadata(*metadata, ofFile);

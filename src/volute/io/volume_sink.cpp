@@ -11,6 +11,7 @@
 #include "volute/io/lattice_sink.hpp"
 #include "volute/io/npy.hpp"
 #include "volute/io/plugin.hpp"
+#include "volute/io/volume_source.hpp"
 
 namespace volute {
 namespace {
@@ -49,12 +50,13 @@ Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& outpu
   const std::string extension = extensionOf(output);
   if (extension == ".npy" || output == "-")
     return NpySink::create(output, info);
-  const bool vdb = extension == ".vdb";
+  const bool vdb = isVdbPath(output);
   if (!vdb && extension != ".vti" && extension != ".pvd") {
-    return failFor("output", ErrorCode::kInvalidArgument,
-                   "'{}' has an unknown format; expected {}.npy, %04d.vdb, %04d.vti, .pvd or -{}",
-                   output.string(), options.orVolute ? ".volute, " : "",
-                   extension == ".volute" ? "; volute compress writes .volute files" : "");
+    return failFor(
+        "output", ErrorCode::kInvalidArgument,
+        "'{}' has an unknown format; expected {}.npy, %04d.vdb, %04d.nvdb, %04d.vti, .pvd or -{}",
+        output.string(), options.orVolute ? ".volute, " : "",
+        extension == ".volute" ? "; volute compress writes .volute files" : "");
   }
   VOLUTE_ASSIGN(const LatticePlugin* plugin, vdb ? loadVdbWriter() : loadVtkPlugin());
   return createLatticeSink(output, info, plugin->makeWriter({.half = options.half}));

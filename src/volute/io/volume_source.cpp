@@ -85,6 +85,11 @@ Result<std::vector<LatticeFile>> listLatticeFiles(const std::filesystem::path& i
   return extensionOf(input) == ".pvd" ? listCollection(input) : singleFile(input);
 }
 
+bool isVdbPath(const std::filesystem::path& path) {
+  const std::string extension = extensionOf(path);
+  return extension == ".vdb" || extension == ".nvdb";
+}
+
 Result<std::string> volumesIn(const std::filesystem::path& folder) {
   const auto holds = [&](std::string_view extension) {
     const auto files = listNumberedFiles(folder, extension);
@@ -126,12 +131,12 @@ Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& inp
       return openNpySequence(files, options);
     }
   }
-  const bool vdb = extension == ".vdb" || folder;
+  const bool vdb = isVdbPath(input) || folder;
   const bool vtk = extension == ".vti" || extension == ".pvd";
   if (!vdb && !vtk) {
     return fail(ErrorCode::kUnsupported,
                 "{}: not a known kind of volume; expected .npy, .npz or .vdb (a file, a pattern or "
-                "a folder of them), .vti or .pvd",
+                "a folder of them), .nvdb, .vti or .pvd",
                 input.string());
   }
   VOLUTE_ASSIGN(auto files, listLatticeFiles(input));

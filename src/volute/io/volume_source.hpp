@@ -13,6 +13,7 @@
 #include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 #include "volute/grid/frame_source.hpp"
+#include "volute/grid/frustum_sampling.hpp"
 
 namespace volute {
 
@@ -36,7 +37,8 @@ struct SourceOptions {
   bool byLayers = false;              ///< a frame may take more: the caller reads it by layers
   std::optional<RawLayout> raw{};     ///< layout of files without a header
   std::string usualGrid = "density";  ///< default grid of several
-  bool upStated = false;              ///< whatever files say of their up axes
+  std::optional<FrustumSampling> frusta{};      ///< how they are read; else they are refused
+  bool upStated = false;                        ///< whatever files say of their up axes
   std::function<void(const Remark&)> remark{};  ///< receives remarks on chosen and ignored grids
 };
 
@@ -46,6 +48,9 @@ struct SourceOptions {
 /// in the file, including NaN and infinities.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& input,
                                                               const SourceOptions& options);
+
+/// By the name's end: .vdb, or .nvdb of NanoVDB.
+bool isVdbPath(const std::filesystem::path& path);
 
 /// The kind of the numbered volume files in a folder: ".vdb" or ".npy"; ".vdb" if there are none.
 /// kInvalidArgument if there are both.

@@ -24,9 +24,9 @@ extern char** environ;
 namespace volute {
 namespace {
 
-constexpr std::string_view kKnown[] = {".json", ".volute", ".vdb",  ".npy", ".npz",
-                                       ".vti",  ".pvd",    ".vtu",  ".smv", ".png",
-                                       ".exr",  ".yml",    ".yaml", ".foam"};
+constexpr std::string_view kKnown[] = {".json", ".volute", ".vdb", ".nvdb", ".npy",
+                                       ".npz",  ".vti",    ".pvd", ".vtu",  ".smv",
+                                       ".png",  ".exr",    ".yml", ".yaml", ".foam"};
 
 bool onPath(const std::string& program) {
   const char* path = std::getenv("PATH");

@@ -20,6 +20,7 @@ Command mountCommand();
 Command projectCommand();
 Command reconstructCommand();
 Command renderCommand();
+Command resampleCommand();
 Command fogCommand();
 Command sweepCommand();
 Command synthesizeCommand();

@@ -140,7 +140,8 @@ Command compressCommand() {
           "are finest around 0: the surface of a level set, slow velocities, small differences.",
       .positionals =
           {{.name = "INPUT",
-            .help = "a volume: .npy, .npz, .vdb, .vti, .pvd, .volute, a pattern or a folder"}},
+            .help =
+                "a volume: .npy, .npz, .vdb, .nvdb, .vti, .pvd, .volute, a pattern or a folder"}},
       .options =
           {outputOption("OUT.volute", "the file to write", ".volute"),
            {.name = "quality",

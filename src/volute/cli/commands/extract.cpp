@@ -92,7 +92,7 @@ Command extractCommand() {
           "obstructions; with {mesh} in OUT, each mesh separately.",
       .positionals = {{.name = "IN", .help = "a .volute file, or the .smv of an FDS case"}},
       .options = {outputOption("OUT",
-                               ".npy, a pattern %04d.vdb or %04d.vti with the frame's "
+                               ".npy, a pattern %04d.vdb, %04d.nvdb or %04d.vti with the frame's "
                                "number, or - for a .npy on standard output"),
                   framesOption(),
                   fieldsOption("grids of a file with several; if not given, all; or the source of "

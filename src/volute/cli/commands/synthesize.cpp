@@ -80,7 +80,7 @@ Status writeVolumes(const Arguments& arguments, Report& report, Context& context
   VOLUTE_TRY(checkTarget(target, context));
   VOLUTE_ASSIGN(auto source, sourceOf(arguments, context));
   const VolumeInfo& info = source->info();
-  const bool sparse = isVolutePath(target) || extensionOf(target) == ".vdb";
+  const bool sparse = isVolutePath(target) || isVdbPath(target);
   if (const std::uint64_t bytes = 4 * std::uint64_t{info.frameValues()};
       !sparse && bytes > context.maxMemory) {
     return fail(ErrorCode::kTooLarge,

@@ -304,14 +304,26 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
       continue;
     }
     const bool dropped = how.dropUncoded && !asked;
+    if (!dropped && all[i].keptBytes > reading.maxMemory) {
+      return fail(ErrorCode::kTooLarge,
+                  {Hint::raise("max_memory"), Hint::set("uncoded", "drop").so("leaves it out")},
+                  "{}: grid '{}' is kept as it is ({}) and takes {} MiB, more than the {} MiB of "
+                  "memory allowed",
+                  all[i].keptIn, all[i].name, all[i].kept, all[i].keptBytes >> 20,
+                  reading.maxMemory >> 20);
+    }
     (dropped ? leftOut : asBytes)
         .push_back(fmt::format("'{}' ({})", all[i].name, asked ? "as asked" : all[i].kept));
     if (!dropped)
       kept.push_back(i);
   }
+  const bool frusta =
+      std::ranges::any_of(named, [&](std::size_t i) { return all[i].kept == "with a frustum"; });
+  const Hints wayOut =
+      frusta ? Hints{Hint::set("resample").so("makes a volume of a frustum")} : Hints();
   if (chosen.empty() && !named.empty()) {
     asBytes.insert(asBytes.end(), leftOut.begin(), leftOut.end());
-    return fail(ErrorCode::kUnsupported,
+    return fail(ErrorCode::kUnsupported, wayOut,
                 "{}: no grid can be compressed: {}; a .volute holds one volume at least", path,
                 fmt::join(asBytes, ", "));
   }
@@ -333,7 +345,9 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
   for (const auto& [names, what] : {std::pair(&asBytes, "kept as they are, without loss"),
                                     std::pair(&leftOut, "left out, as they hold no volume")}) {
     if (!names->empty())
-      reading.progress.remark(fmt::format("{}: {}: {}", path, what, fmt::join(*names, ", ")));
+      reading.progress.remark({RemarkCode::kNote,
+                               fmt::format("{}: {}: {}", path, what, fmt::join(*names, ", ")),
+                               wayOut});
   }
   remarkOnFiles(path, reading);
   for (const std::size_t i : chosen) {

@@ -315,7 +315,7 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
                 "expected whole .vdb files at full resolution, or .npy",
                 target, reader->info().name);
   }
-  extraction.bricks = extensionOf(target) == ".vdb";
+  extraction.bricks = isVdbPath(target);
   const std::uint64_t needed = 8 * extraction.region.voxels() * reader->info().channels;
   if (!extraction.bricks && needed > reading_.maxMemory) {
     const Region fits =
@@ -474,10 +474,10 @@ Status extractVolute(const std::string& path, const std::string& target,
   const auto turned = [](const VolumeGrid& grid) {
     return grid.description && !grid.description->matrices.empty();
   };
-  const bool asCache =
-      extensionOf(target) == ".vdb" && !request.region && (names.size() > 1 || described) &&
-      !(request.level > 0 &&
-        std::ranges::any_of(chosen, [&](std::size_t i) { return turned(grids->grids()[i]); }));
+  const bool asCache = isVdbPath(target) && !request.region && (names.size() > 1 || described) &&
+                       !(request.level > 0 && std::ranges::any_of(chosen, [&](std::size_t i) {
+                           return turned(grids->grids()[i]);
+                         }));
   if (asCache && !each)
     return extractor.cache(names, target, main->info());
   if (names.size() > 1 && !each) {

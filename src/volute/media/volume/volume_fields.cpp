@@ -93,7 +93,7 @@ const FieldTable& volumeFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "file", .type = kFile, .access = member<&SceneVolume::file>(),
-       .help = "a volume: .volute, .npy, .npz, .vdb, .vti, .pvd or .smv, or a pattern or folder of "
+       .help = "a volume: .volute, .npy, .npz, .vdb, .nvdb, .vti, .pvd or .smv, or a pattern or folder of "
        "numbered files", .required = true},
       {.name = "field", .type = kText,
        .access = member<&SceneVolume::input, &InputOptions::grid>(),

@@ -21,7 +21,8 @@ class VdbGrids final : public VolumeGrids {
     for (const CacheGrid& grid : cache_.grids()) {
       const bool volume = grid.problem.empty();
       grids_.push_back({grid.name, volume ? std::optional(grid.description) : std::nullopt,
-                        grid.empty, grid.type, grid.problem});
+                        grid.empty, grid.type, grid.problem, grid.mostBytes,
+                        cache_.file(grid.mostBytesIn).string()});
     }
     fileMetadata_ = cache_.fileMetadata();
   }
@@ -82,7 +83,7 @@ class VoluteGrids final : public VolumeGrids {
 }  // namespace
 
 bool VolumeGrids::mayBe(const std::string& path) {
-  if (isVolutePath(path) || extensionOf(path) == ".vdb")
+  if (isVolutePath(path) || isVdbPath(path))
     return true;
   std::error_code error;
   return std::filesystem::is_directory(path, error) && listNumberedFiles(path, ".vdb").has_value();

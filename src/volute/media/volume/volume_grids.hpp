@@ -21,6 +21,8 @@ struct VolumeGrid {
   std::string type{};  ///< of a value, where there is no description
   /// Why it is no volume and is kept as bytes, "of type int32"; empty: it is one.
   std::string kept{};
+  std::uint64_t keptBytes = 0;  ///< that it takes in `keptIn`, the most of all frames; 0: unknown
+  std::string keptIn{};         ///< a file
 };
 
 /// All grids of a cache: .vdb files or a .volute.

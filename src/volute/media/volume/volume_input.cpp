@@ -119,8 +119,11 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
     VOLUTE_TRY(refuseVolumeOptions(path, options));
     VOLUTE_ASSIGN(input.reader, openGrid(path, options, reading));
     input.source = frameSource(input.reader);
-    if (const auto& description = input.reader->grid().description)
+    if (const auto& description = input.reader->grid().description) {
       input.places = description->places();
+      if (!description->metadata.lists.empty())
+        input.vectors = vectorKindOf(description->metadata.lists.front());
+    }
     return input;
   }
   if (!options.raw && isSmvPath(path)) {
@@ -142,10 +145,13 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
   source.byLayers = options.byLayers;
   source.upStated = options.stated.up != 0;
   source.raw = options.raw;
+  source.frusta = options.frusta;
   source.remark = [&](const Remark& remark) { reading.progress.remark(remark); };
   VOLUTE_ASSIGN(input.source, openSource(path, source));
   if (const auto* placed = dynamic_cast<const PlacedFrames*>(input.source.get()))
     input.places = placed->places();
+  if (const auto* vectors = dynamic_cast<const VectorFrames*>(input.source.get()))
+    input.vectors = vectors->vectors();
   remarkOnFiles(path, reading);
   const VolumeInfo& info = input.source->info();
   if (const auto gaps = missingNumbers(info.frameNumbers, info.frameScale); !gaps.empty())

@@ -11,6 +11,7 @@
 #include "volute/codec/volute_reader.hpp"
 #include "volute/grid/grid_matrix.hpp"
 #include "volute/grid/select_frames.hpp"
+#include "volute/grid/vector_kind.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/media/reading.hpp"
@@ -28,6 +29,7 @@ struct InputOptions {
   bool byLayers = false;              ///< frames may be larger than memory; see SourceOptions
   std::optional<RawLayout> raw{};     ///< of files without a header
   StatedInfo stated{};
+  std::optional<FrustumSampling> frusta{};  ///< SourceOptions::frusta
   NotFinite notFinite = NotFinite::kKeep;
 };
 
@@ -38,6 +40,7 @@ struct VolumeInput {
   std::vector<float> frame{};                  ///< room for one, for who reads them in turn
   /// From the space of the source's bounds to the world, in each frame; empty: that is the world.
   std::vector<GridMatrix> places{};
+  VectorKind vectors{};  ///< of three channels
 };
 
 /// An error unless the volume lies along the axes, in one place: of who makes something of its

@@ -279,7 +279,7 @@ std::optional<std::filesystem::path> firstVdb(const std::string& path) {
     const auto files = listNumberedFiles(path, ".vdb");
     return files ? std::optional(files->front().path) : std::nullopt;
   }
-  if (extensionOf(path) != ".vdb")
+  if (!isVdbPath(path))
     return std::nullopt;
   if (namesSeriesOfFiles(path)) {
     const auto pattern = FramePattern::parse(path);
@@ -346,15 +346,20 @@ Status addGrids(Report& report, const std::filesystem::path& file, Reading& read
                     {"minimum", jsonNumber(grid.least)},
                     {"maximum", jsonNumber(grid.most)},
                     {"memory_bytes", grid.memory},
+                    {"frustum", grid.frustum},
                     {"usable", grid.readable},
                     {"problem", grid.problem}});
-    text += fmt::format("\n  {:<16} {}{}{}, ", grid.name, grid.type, grid.half ? " (half)" : "",
-                        grid.gridClass[0] != '\0' ? fmt::format(", {}", grid.gridClass) : "");
+    text += fmt::format("\n  {:<16} {}{}{}{}, ", grid.name, grid.type, grid.half ? " (half)" : "",
+                        grid.gridClass[0] != '\0' ? fmt::format(", {}", grid.gridClass) : "",
+                        grid.frustum ? ", a frustum" : "");
     text += grid.problem[0] != '\0' ? fmt::format("not readable: {}", grid.problem)
-            : empty                 ? std::string("empty")
-                    : fmt::format("{} x {} x {}, {:.4g} to {:.4g}, {} voxels not empty, {}",
-                                  size(0), size(1), size(2), grid.least, grid.most, grid.voxels,
-                                  bytesText(grid.memory));
+            : empty
+                ? std::string("empty")
+                : fmt::format("{} x {} x {}, {}{} voxels not empty, {}", size(0), size(1), size(2),
+                              std::isfinite(grid.least)
+                                  ? fmt::format("{:.4g} to {:.4g}, ", grid.least, grid.most)
+                                  : "",
+                              grid.voxels, bytesText(grid.memory));
   }
   report.add("grids", list, text);
   return {};

@@ -14,7 +14,9 @@ namespace {
 /// A source that somebody else owns.
 class BorrowedSource final : public RoundingSource {
  public:
-  explicit BorrowedSource(FrameSource& source) : source_(source) {}
+  /// @param description  learns how much is in its frames; null: nobody does
+  BorrowedSource(FrameSource& source, GridDescription* description)
+      : source_(source), description_(description) {}
 
   const VolumeInfo& info() const override { return source_.info(); }
 
@@ -25,7 +27,12 @@ class BorrowedSource final : public RoundingSource {
   double rounding() const override { return roundingOf(source_); }
 
   Status readBricks(int index, int first, int end, Bricks& bricks) override {
-    return source_.readBricks(index, first, end, bricks);
+    VOLUTE_TRY(source_.readBricks(index, first, end, bricks));
+    if (description_ && first == 0 && end == info().z) {
+      description_->voxels = std::max(description_->voxels, bricks.activeVoxels());
+      description_->memory = std::max(description_->memory, bricks.bytes());
+    }
+    return {};
   }
 
   bool hasTopology() const override { return source_.hasTopology(); }
@@ -34,21 +41,28 @@ class BorrowedSource final : public RoundingSource {
 
  private:
   FrameSource& source_;
+  GridDescription* description_;
 };
 
 /// The grids of one file.
 class WrittenGrids final : public VolumeGrids {
  public:
-  explicit WrittenGrids(std::span<const WrittenGrid> written) : written_(written) {
-    for (const WrittenGrid& grid : written) grids_.push_back({grid.frames->info().name});
+  WrittenGrids(std::span<const WrittenGrid> written, FrameMetadata fileMetadata)
+      : written_(written) {
+    for (const WrittenGrid& grid : written)
+      grids_.push_back({grid.frames->info().name, grid.description});
+    for (VolumeGrid& grid : grids_)
+      descriptions_.push_back(grid.description ? &*grid.description : nullptr);
+    fileMetadata_ = std::move(fileMetadata);
   }
 
   Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const override {
-    return std::make_unique<BorrowedSource>(*written_[grid].frames);
+    return std::make_unique<BorrowedSource>(*written_[grid].frames, descriptions_[grid]);
   }
 
  private:
   std::span<const WrittenGrid> written_;
+  std::vector<GridDescription*> descriptions_;  // those of grids_
 };
 
 }  // namespace
@@ -60,7 +74,7 @@ void addSize(Report& report, const VolumeInfo& info) {
 }
 
 bool holdsSeveralGrids(const std::string& target) {
-  return isVolutePath(target) || namesEachGrid(target) || extensionOf(target) == ".vdb";
+  return isVolutePath(target) || namesEachGrid(target) || isVdbPath(target);
 }
 
 Status VolumeWriter::writeVolute(Report& report) {
@@ -68,7 +82,7 @@ Status VolumeWriter::writeVolute(Report& report) {
   options.target = {ErrorTarget::Kind::kRms, grids_[0].rms};
   options.provenance = provenance_;
   options.maxMemory = reading_->maxMemory;
-  if (grids_.size() == 1) {
+  if (grids_.size() == 1 && !grids_[0].description) {
     VOLUTE_ASSIGN(const auto written,
                   compress(*grids_[0].frames, target_, options, reading_->progress, *team_));
     report.add("bytes", written.fileBytes, bytesText(written.fileBytes))
@@ -81,8 +95,8 @@ Status VolumeWriter::writeVolute(Report& report) {
     how.rms[grid.frames->info().name] = grid.rms;
     all.push_back(all.size());
   }
-  VOLUTE_ASSIGN(const auto written,
-                compressGrids(WrittenGrids(grids_), all, target_, how, *reading_, *team_));
+  VOLUTE_ASSIGN(const auto written, compressGrids(WrittenGrids(grids_, fileMetadata_), all, target_,
+                                                  how, *reading_, *team_));
   report.add("bytes", written.fileBytes, bytesText(written.fileBytes));
   for (const std::size_t i : all) {
     const CompressedGrid& grid = written.grids[i];
@@ -106,26 +120,32 @@ Status VolumeWriter::writeCache() {
 }
 
 Result<VolumeWriter> VolumeWriter::open(std::vector<WrittenGrid> grids, std::string target,
-                                        std::string provenance, Reading& reading, Team& team) {
+                                        std::string provenance, Reading& reading, Team& team,
+                                        FrameMetadata fileMetadata) {
   VolumeWriter writer(std::move(grids), std::move(target), std::move(provenance), reading, team);
-  const bool several = writer.grids_.size() > 1;
-  const bool each = several && namesEachGrid(writer.target_) && !isVolutePath(writer.target_);
+  writer.fileMetadata_ = std::move(fileMetadata);
+  const bool each = namesEachGrid(writer.target_) && !isVolutePath(writer.target_);
+  // .vdb files hold all grids, and what is to be said of them.
+  const bool cache = !each && (writer.grids_.size() > 1 ||
+                               (isVdbPath(writer.target_) && writer.grids_[0].description));
   if (!team.leads() || isVolutePath(writer.target_))
     return writer;
   std::vector<GridTarget> targets;
   for (const WrittenGrid& grid : writer.grids_) {
     const VolumeInfo& info = grid.frames->info();
-    if (several && !each) {
+    if (cache) {
       targets.push_back(
-          {info, {.type = info.channels == 3 ? "vec3s" : "float", .gridClass = "fog volume"}});
+          {info, grid.description.value_or(GridDescription{
+                     .type = info.channels == 3 ? "vec3s" : "float", .gridClass = "fog volume"})});
       continue;
     }
     const std::string own = each ? nameOfGrid(writer.target_, info.name) : writer.target_;
     VOLUTE_ASSIGN(auto sink, createSink(own, info, {.orVolute = true}));
     writer.sinks_.push_back(std::move(sink));
   }
-  if (several && !each) {
-    VOLUTE_ASSIGN(writer.cache_, createCacheSink(writer.target_, std::move(targets), {}));
+  if (cache) {
+    VOLUTE_ASSIGN(writer.cache_,
+                  createCacheSink(writer.target_, std::move(targets), writer.fileMetadata_));
   }
   return writer;
 }

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "volute/base/team.hpp"
 #include "volute/grid/frame_source.hpp"
+#include "volute/grid/grid_description.hpp"
 #include "volute/io/volume_sink.hpp"
 #include "volute/media/reading.hpp"
 #include "volute/report/report.hpp"
@@ -18,6 +20,8 @@ namespace volute {
 struct WrittenGrid {
   FrameSource* frames = nullptr;
   double rms = 1e-3;  ///< relative RMS error that it may have in a .volute
+  /// What .vdb and .volute files say of it beside its values; of its frames and first voxel.
+  std::optional<GridDescription> description{};
 };
 
 /// Adds "frames" and "size", in voxels.
@@ -33,9 +37,10 @@ class VolumeWriter {
   /// Before the long work: a target that cannot be written ("output: ...") is told now. All but the
   /// target must outlive it.
   /// @param provenance  of a .volute
+  /// @param fileMetadata  of the frames of a cache
   [[nodiscard]] static Result<VolumeWriter> open(std::vector<WrittenGrid> grids, std::string target,
                                                  std::string provenance, Reading& reading,
-                                                 Team& team);
+                                                 Team& team, FrameMetadata fileMetadata = {});
 
   /// Adds bytes and errors of a .volute to the report. Collective.
   [[nodiscard]] Status write(Report& report);
@@ -54,6 +59,7 @@ class VolumeWriter {
 
   std::vector<WrittenGrid> grids_;
   std::string target_, provenance_;
+  FrameMetadata fileMetadata_;
   Reading* reading_;
   Team* team_;
   std::vector<std::unique_ptr<FrameSink>> sinks_;  // of each grid, where it has a file of its own
