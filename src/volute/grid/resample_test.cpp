@@ -106,9 +106,9 @@ TEST(Resample, TheSumStaysWhereVoxelsGrow) {
 }
 
 /// A frame that is as it is.
-class OneFrame final : public FrameSource {
+class StillFrame final : public FrameSource {
  public:
-  OneFrame(const VolumeInfo& info, Bricks bricks) : info_(info), bricks_(std::move(bricks)) {}
+  StillFrame(const VolumeInfo& info, Bricks bricks) : info_(info), bricks_(std::move(bricks)) {}
 
   const VolumeInfo& info() const override { return info_; }
 
@@ -153,12 +153,12 @@ Bricks sparse(float background = 0) {
 TEST(Resample, OneLatticeKeepsLeavesAndTiles) {
   const Lattice same{gridMatrix(Mat3::Identity(), Vec3::Constant(0.5)),
                      {{0, 0, 0}, {100'000, 100'000, 100'000}}};
-  auto source = resampleTo(std::make_unique<OneFrame>(wide(), sparse()), {}, same,
+  auto source = resampleTo(std::make_unique<StillFrame>(wide(), sparse()), {}, same,
                            Basis::kTrilinear, kMemory);
   EXPECT_EQ(read(*source).checksum(), sparse().checksum());
   // Moved by whole voxels: a lattice whose index 0 is elsewhere.
   const Lattice moved{gridMatrix(Mat3::Identity(), Vec3(16.5, 16.5, 16.5)), {{0, 0, 0}, {8, 8, 8}}};
-  source = resampleTo(std::make_unique<OneFrame>(wide(), sparse()), {}, moved, Basis::kTrilinear,
+  source = resampleTo(std::make_unique<StillFrame>(wide(), sparse()), {}, moved, Basis::kTrilinear,
                       kMemory);
   const Bricks part = read(*source);
   ASSERT_EQ(part.tiles().size(), 1U);
@@ -171,7 +171,7 @@ TEST(Resample, SparseFramesStaySparse) {
   const Lattice half{gridMatrix(0.5 * Mat3::Identity(), Vec3::Constant(0.25)),
                      {{0, 0, 0}, {200'000, 200'000, 200'000}}};
   auto source =
-      resampleTo(std::make_unique<OneFrame>(wide(), sparse(1)), {}, half, Basis::kBox, kMemory);
+      resampleTo(std::make_unique<StillFrame>(wide(), sparse(1)), {}, half, Basis::kBox, kMemory);
   const Bricks made = read(*source);
   EXPECT_EQ(made.background()[0], 1);
   EXPECT_EQ(made.activeVoxels(), 8u * (512 + 4));
@@ -188,7 +188,7 @@ TEST(Resample, SparseFramesStaySparse) {
 TEST(Resample, TooMuchIsRefusedBeforeItIsMade) {
   const Lattice fine{gridMatrix(1e-3 * Mat3::Identity(), Vec3::Zero()),
                      {{0, 0, 0}, {1'000'000, 1'000'000, 1'000'000}}};
-  const auto source = resampleTo(std::make_unique<OneFrame>(wide(), sparse()), {}, fine,
+  const auto source = resampleTo(std::make_unique<StillFrame>(wide(), sparse()), {}, fine,
                                  Basis::kTrilinear, 1 << 20);
   Bricks bricks;
   const Status status = source->readBricks(0, bricks);
