@@ -77,6 +77,7 @@ std::span<const Benchmark> benchmarks();
 [[nodiscard]] Status benchGl(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchTomography(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchSmoke(const BenchInput& input, BenchRows& rows, Progress& progress);
+[[nodiscard]] Status benchSparse(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchTree(const BenchInput& input, BenchRows& rows, Progress& progress);
 
 [[nodiscard]] Status benchVisibility(const BenchInput& input, BenchRows& rows, Progress& progress);

@@ -23,6 +23,11 @@ std::span<const Benchmark> benchmarks() {
        "smoke on tetrahedra, steady and new, eye fixed and turning or moving, with an exit sign "
        "and without; least of several frames; ratios to VTK's projected tetrahedra",
        benchSmoke},
+      {"sparse",
+       "a cache of puffs that fill 1 % of their box, as .vdb files of halves: files, CPU time and "
+       "memory of Volute, OpenVDB and NanoVDB at equal error over what is in use, without reading "
+       "of .vdb files; ratios to OpenVDB's size",
+       benchSparse},
 #ifdef VOLUTE_WITH_GL
       {"gl",
        "the papers' tables of frame rates by OpenGL on the device there is; ratios to the "
