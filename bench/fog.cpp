@@ -18,7 +18,6 @@
 #include "volute/camera/camera.hpp"
 #include "volute/fog/fog_march.hpp"
 #include "volute/fog/polar_table.hpp"
-#include "volute/fog/sun_shadow.hpp"
 #include "volute/synth/valley.hpp"
 
 namespace volute::bench {
@@ -264,11 +263,6 @@ Status benchChange(Run& run) {
     run.add(fmt::format("512 x 512: decomposed anew, degree {}, 3 levels", degree),
             1e3 * seconds[0], "ms");
   }
-  VOLUTE_ASSIGN(const FogProfile exponential, FogProfile::exponential(0, 4));
-  VOLUTE_ASSIGN(const FogMedium fog, makeFog(fogMap(256), exponential));
-  VOLUTE_TRY(SunShadow::make(fog, Vec3(1, 0.5, 0.6)));
-  const auto seconds = minSeconds({[&] { (void)SunShadow::make(fog, Vec3(1, 0.5, 0.6)); }}, 3);
-  run.add("256 x 256: shadow maps of a sun, exponential profile", 1e3 * seconds[0], "ms");
   return {};
 }
 

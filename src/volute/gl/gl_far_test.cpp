@@ -89,11 +89,10 @@ Thing polarFogAt(const Vec3& offset) {
 }
 
 Thing sunlitFogAt(const Vec3& offset) {
-  const Sun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)}};
-  const SunlitFog lit =
-      SunlitFog::make(fogAt(offset, 1), suns, {.albedo = Rgb(0.9, 0.8, 0.7), .asymmetry = 0.5})
-          .value();
-  return {"fog in the sun", AnyMedium(lit), {{glPart(GlSunlitFog{lit})}}};
+  const Lamp sun = lampOf({Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)});
+  const FogMedium fog = fogAt(offset, 1);
+  const LitMedium lit = litFog(fog, {&sun, 1}, {{Rgb(0.9, 0.8, 0.7), 0.5}});
+  return {"fog in the sun", AnyMedium(lit), {{glPart(GlLitFog{fog, lit})}}};
 }
 
 Thing fdsAt(const Vec3& offset, bool nodal) {

@@ -8,7 +8,7 @@
 
 #include "volute/camera/camera.hpp"
 #include "volute/fog/polar_table.hpp"
-#include "volute/fog/sunlit_fog.hpp"
+#include "volute/lighting/lit_medium.hpp"
 
 namespace volute {
 
@@ -23,13 +23,14 @@ struct GlFog {
   std::function<std::optional<PolarOptions>(const Camera& camera)> polar{};
 };
 
-/// SunlitFog's twin. Surfaces that shadow it are the scene's `shade`.
-struct GlSunlitFog {
-  SunlitFog fog;
+/// litFog()'s twin. Surfaces that shadow it are the scene's `shade`.
+struct GlLitFog {
+  FogMedium fog;
+  LitMedium lit;
   double factor = 1;
 };
 
 std::shared_ptr<const GlPart> glPart(GlFog fog);
-std::shared_ptr<const GlPart> glPart(GlSunlitFog fog);
+std::shared_ptr<const GlPart> glPart(GlLitFog fog);
 
 }  // namespace volute

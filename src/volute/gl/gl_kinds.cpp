@@ -49,8 +49,8 @@ GlParts partsOf(const BillboardAt& board, const GlSnapshotOptions&) {
 }
 
 GlParts partsOf(const FogAt& fog, const GlSnapshotOptions& options) {
-  if (fog.sunlit())
-    return {glPart(GlSunlitFog{*fog.sunlit(), fog.factor()})};
+  if (fog.lit())
+    return {glPart(GlLitFog{fog.fog(), *fog.lit(), fog.factor()})};
   GlFog part{fog.fog(), fog.factor()};
   if (options.tables)
     part.polar = [layer = fog.layer()](const Camera& camera) { return layer.polarFor(camera); };
@@ -90,12 +90,6 @@ Status drawable(const VolumeAt& volume) {
   if (volume.info().basis == Basis::kCubic)
     return fail(ErrorCode::kUnsupported, "a volume over the cubic basis");
   return {};
-}
-
-Status drawable(const FogAt& fog) {
-  if (!fog.lampLit())
-    return {};
-  return fail(ErrorCode::kUnsupported, "fog in the light of a fire");
 }
 
 Status drawable(const BillboardAt& board) {

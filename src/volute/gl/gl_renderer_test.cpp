@@ -313,13 +313,11 @@ TEST_F(GlRendererTest, SmokeVolumeAndFogOverlap) {
 
 TEST_F(GlRendererTest, RefusesWhatItCannotRender) {
   const FogMedium fog = fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[0].profile, {});
-  const Sun sun;
-  const SunlitFog among =
-      SunlitFog::make(fog, {&sun, 1},
-                      {.shadows = [](const Segment&, std::size_t, std::vector<Interval>&) {}})
-          .value();
+  const Lamp sun = lampOf({});
+  const LitMedium among =
+      litFog(fog, {&sun, 1}, {{}, [](const Segment&, const Lamp&, std::vector<Interval>&) {}});
   const Camera camera = Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 16, 16);
-  const auto image = renderer_->render(camera, {{glPart(GlSunlitFog{among})}}, {}, quiet_);
+  const auto image = renderer_->render(camera, {{glPart(GlLitFog{fog, among})}}, {}, quiet_);
   ASSERT_FALSE(image);
   EXPECT_EQ(image.error().code, ErrorCode::kUnsupported);
   const std::vector<float> wrong(5, 1.0F);

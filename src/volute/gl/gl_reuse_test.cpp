@@ -117,8 +117,8 @@ TEST_F(GlReuseTest, WaysToDrawOneMediumLeaveEachOtherOnTheDevice) {
 
 TEST_F(GlReuseTest, SunsAreUploadedOnce) {
   const FogMedium fog = fogtest::fog(fogtest::map(9, 8), fogtest::profiles()[0].profile, {});
-  const Sun sun{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)};
-  const GlScene scene{{glPart(GlSunlitFog{SunlitFog::make(fog, {&sun, 1}, {}).value()})}};
+  const Lamp sun = lampOf({Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)});
+  const GlScene scene{{glPart(GlLitFog{fog, litFog(fog, {&sun, 1}, {})})}};
   EXPECT_EQ(timesFor(scene, "upload"), 2) << "the map and the sun";
   EXPECT_EQ(timesFor(scene, "upload"), 0);
   EXPECT_EQ(timesFor(scene.scaled(0.5), "upload"), 0);

@@ -196,8 +196,8 @@ TEST_F(GlSceneTest, BillboardsAreThoseOfTheCpu) {
 }
 
 TEST_F(GlSceneTest, SunsLightFog) {
-  const Sun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)},
-                      {Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)}};
+  const Lamp suns[] = {lampOf({Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)}),
+                       lampOf({Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)})};
   for (const auto& [name, profile] : fogtest::profiles()) {
     const int degree = name == "slab" ? 1 : 2;
     const FogMedium fog =
@@ -205,13 +205,11 @@ TEST_F(GlSceneTest, SunsLightFog) {
     for (const int count : {1, 2}) {
       if (count == 2 && name != "linear")
         continue;
-      const SunlitFog lit = SunlitFog::make(fog, std::span(suns).first(count),
-                                            {.albedo = Rgb(0.9, 0.8, 0.7), .asymmetry = 0.5})
-                                .value();
+      const LitMedium lit = litFog(fog, std::span(suns).first(count), {{Rgb(0.9, 0.8, 0.7), 0.5}});
       const AnyMedium medium(lit);
       const Camera camera =
           Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 70, kWidth, kHeight);
-      EXPECT_LE(errorOf(camera, {{glPart(GlSunlitFog{lit})}}, {&medium, 1},
+      EXPECT_LE(errorOf(camera, {{glPart(GlLitFog{fog, lit})}}, {&medium, 1},
                         {.background = Rgb(0.2, 0.1, 0.4)}),
                 kScene)
           << name << ", suns " << count;
@@ -220,18 +218,12 @@ TEST_F(GlSceneTest, SunsLightFog) {
 }
 
 TEST_F(GlSceneTest, SurfacesThrowShadowsIntoSunlitFog) {
-  const Sun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)},
-                      {Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)}};
+  const Lamp suns[] = {lampOf({Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)}),
+                       lampOf({Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)})};
   const TriangleScene geometry = room();
-  const auto shadows = [&](const Segment& segment, std::size_t sun, std::vector<Interval>& dark) {
-    geometry.shadows(segment, {suns[sun].towards}, dark);
-  };
   const FogMedium fog = fogtest::fog(fogtest::map(9, 8, 1, 1), fogtest::profiles()[0].profile,
                                      {.degree = 2, .color = Rgb(0.1, 0.1, 0.2)}, 0.3, 0.8);
-  const SunlitFog lit =
-      SunlitFog::make(fog, suns,
-                      {.albedo = Rgb(0.9, 0.8, 0.7), .asymmetry = 0.5, .shadows = shadows})
-          .value();
+  const LitMedium lit = litFog(fog, suns, {{Rgb(0.9, 0.8, 0.7), 0.5}, shadowsOf(geometry)});
   const AnyMedium medium(lit);
   const Vec3 target(0.1, 3, 1);
   for (const Camera& camera :
@@ -239,8 +231,37 @@ TEST_F(GlSceneTest, SurfacesThrowShadowsIntoSunlitFog) {
         Camera::pinhole({Vec3(0.4, 3.1, 1.2), Vec3(-2, 5, 1.5)}, 70, kWidth, kHeight),
         Camera::orthographic({Vec3(3.2, -1.3, 2.9), target}, 6.1, kWidth, kHeight)}) {
     const auto seen = renderSurfaces(camera, {geometry}, Rgb::Zero(), quiet_).value();
-    EXPECT_LE(errorOf(camera, {{glPart(GlSunlitFog{lit})}, geometry}, {&medium, 1}, {}, seen.depth),
-              kScene);
+    EXPECT_LE(
+        errorOf(camera, {{glPart(GlLitFog{fog, lit})}, geometry}, {&medium, 1}, {}, seen.depth),
+        kScene);
+  }
+}
+
+/// A fire and a spot, a puff between, and surfaces.
+TEST_F(GlSceneTest, LampsLightFogThroughAllMedia) {
+  Lamp fire, spot;
+  fire.position = Vec3(0.5, 3.4, 1.2), fire.radius = 0.3, fire.intensity = Rgb(3, 2, 1);
+  spot.position = Vec3(-1.5, 4, 3), spot.direction = Vec3(0.4, -0.1, -1).normalized();
+  spot.coneCosine = 0.8, spot.edge = 0.3, spot.intensity = Rgb(2, 3, 4);
+  const Lamp lamps[] = {fire, spot};
+  const TriangleScene geometry = room();
+  const FogMedium fog = fogtest::fog(fogtest::map(9, 8, 1, 1), fogtest::profiles()[0].profile,
+                                     {.degree = 2, .color = Rgb(0.1, 0.1, 0.2)}, 0.3, 0.8);
+  const Smoke puff(boxMesh({Vec3(-0.5, 2.5, 0.5), Vec3(0.3, 3.3, 1.5)}, {3, 3, 3}, 0.2, 1), false,
+                   2);
+  const LitMedium lit = litFog(fog, lamps,
+                               {.scattering = {Rgb(0.9, 0.8, 0.7), 0.5},
+                                .shadows = shadowsOf(geometry),
+                                .between = {AnyMedium(puff.medium())}});
+  const AnyMedium medium(lit);
+  const Vec3 target(0.1, 3, 1);
+  for (const Camera& camera :
+       {Camera::pinhole({Vec3(-3.1, -2.2, 4.1), target}, 45, kWidth, kHeight),
+        Camera::pinhole({Vec3(0.4, 3.1, 1.2), Vec3(-2, 5, 1.5)}, 70, kWidth, kHeight)}) {
+    const auto seen = renderSurfaces(camera, {geometry}, Rgb::Zero(), quiet_).value();
+    EXPECT_LE(
+        errorOf(camera, {{glPart(GlLitFog{fog, lit})}, geometry}, {&medium, 1}, {}, seen.depth),
+        5e-3);
   }
 }
 

@@ -17,6 +17,9 @@
 #include "volute/gl/gl_smoke.hpp"
 #include "volute/gl/gl_volume.hpp"
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/media/fog/lit_fog.hpp"
+#include "volute/media/light_blockers.hpp"
+#include "volute/media/scene_lights.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
 

@@ -29,6 +29,7 @@ extern const char* const kSignsDeferred;
 extern const char* const kBillboard;
 extern const char* const kSheet;
 extern const char* const kFogSun;
+extern const char* const kLightField;
 extern const char* const kFogShade;
 extern const char* const kFogPolarTable;
 extern const char* const kFogPicture;

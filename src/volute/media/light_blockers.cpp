@@ -26,6 +26,15 @@ Blocks blocksOf(const TriangleScene& geometry) {
   };
 }
 
+ShadowsOn shadowsOf(const TriangleScene& geometry) {
+  if (geometry.empty())
+    return {};
+  return [geometry](const Segment& segment, const Lamp& lamp, std::vector<Interval>& dark) {
+    const bool sun = lamp.kind == Lamp::Kind::kSun;
+    geometry.shadows(segment, {sun ? Vec3(-lamp.direction) : lamp.position, sun}, dark);
+  };
+}
+
 std::string keyOf(const TriangleScene& geometry) {
   ContentHash hash;
   for (const Triangle& triangle : geometry.triangles()) {

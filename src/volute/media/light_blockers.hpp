@@ -5,12 +5,15 @@
 #include <string>
 
 #include "volute/geometry/triangle_scene.hpp"
-#include "volute/lighting/lamp.hpp"
+#include "volute/lighting/lit_medium.hpp"
 
 namespace volute {
 
 /// What stands between lamps and a medium; empty where there is no geometry.
 Blocks blocksOf(const TriangleScene& geometry);
+
+/// The same by intervals of segments, exactly.
+ShadowsOn shadowsOf(const TriangleScene& geometry);
 
 /// Stands for the triangles where computed light is kept.
 std::string keyOf(const TriangleScene& geometry);

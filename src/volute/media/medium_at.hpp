@@ -55,10 +55,9 @@ struct WallHit {
   Vec3 normal = Vec3::UnitX();  ///< unit, into the medium
 };
 
-/// What glows, as lamps, and what is in its light's way.
+/// What glows in a scene, as lamps, and what is in the way of all lights.
 struct MediaLight {
   std::span<const Lamp> lamps;
-  Blocks blocks{};                       ///< opaque things; may be empty
   std::span<const AnyMedium> between{};  ///< all other media, with their physical extinction
 };
 
@@ -71,6 +70,9 @@ class MediumAt {
 
   /// Appends what rays from anywhere meet: one medium, or several that overlap.
   virtual void addMedia(std::vector<AnyMedium>& media) const = 0;
+
+  /// The same as far as light that is in its way is concerned: what it sends may be left out.
+  virtual void addExtinction(std::vector<AnyMedium>& media) const { addMedia(media); }
 
   /// The same for rays from a camera's eye, where something faster serves them, or where it depends
   /// on the eye.
@@ -98,8 +100,8 @@ class MediumAt {
   /// scene's place. Nothing takes from their light yet. Empty: it lights nothing but itself.
   virtual std::vector<Lamp> lightSources() const { return {}; }
 
-  /// The same in the light of other media besides all that shines at it anyway; null: that changes
-  /// nothing of it.
+  /// The same in the light of other media besides all that shines at it anyway, and in their
+  /// shadow; null: that changes nothing of it.
   virtual std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const {
     (void)light;
     return nullptr;

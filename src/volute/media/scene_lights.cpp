@@ -38,14 +38,6 @@ Status setSunDirection(Sun& sun, const FieldValue& value) {
   return {};
 }
 
-Lamp lampOf(const Sun& sun) {
-  Lamp lamp;
-  lamp.kind = Lamp::Kind::kSun;
-  lamp.direction = -sun.towards.normalized();
-  lamp.intensity = sun.irradiance;
-  return lamp;
-}
-
 Lamp lampOf(const SpotDescription& spot) {
   Lamp lamp;
   lamp.position = spot.position;
@@ -120,6 +112,14 @@ Status addLight(const nlohmann::json& json, const FieldOrigin& origin, SceneLigh
 }
 
 }  // namespace
+
+Lamp lampOf(const Sun& sun) {
+  Lamp lamp;
+  lamp.kind = Lamp::Kind::kSun;
+  lamp.direction = -sun.towards.normalized();
+  lamp.intensity = sun.irradiance;
+  return lamp;
+}
 
 const FieldTable& sunFields() {
   using enum FieldType;

@@ -18,6 +18,8 @@ struct SceneLights {
   Rgb ambient = Rgb::Zero();  ///< radiance that comes from everywhere, whatever is in the way
 };
 
+Lamp lampOf(const Sun& sun);
+
 /// Of the kinds of lights.
 std::span<const FieldTable* const> lightTables();
 const FieldTable& sunFields();

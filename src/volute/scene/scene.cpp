@@ -294,15 +294,13 @@ Result<Snapshot> Scene::at(const InstantRequest& request, Progress& progress) {
 
 void Scene::shine(Snapshot& snapshot, Progress& progress) {
   if (media_.size() < 2 && snapshot.geometry.empty())
-    return;  // there is nothing else to be lit
+    return;  // there is nothing else to be lit, or in the way
   std::vector<std::vector<Lamp>> lamps;
   std::size_t count = 0;
   for (const auto& medium : snapshot.media) {
     lamps.push_back(medium->lightSources());
     count += lamps.back().size();
   }
-  if (count == 0)
-    return;
   const std::vector<std::shared_ptr<const MediumAt>> plain = snapshot.media;
   for (std::size_t i = 0; i < plain.size(); ++i) {
     std::vector<Lamp> others;
@@ -310,20 +308,20 @@ void Scene::shine(Snapshot& snapshot, Progress& progress) {
       if (k != i)
         others.insert(others.end(), lamps[k].begin(), lamps[k].end());
     }
-    if (others.empty())
-      continue;
     std::vector<AnyMedium> between;
     for (std::size_t k = 0; k < plain.size(); ++k) {
       if (k != i)
-        plain[k]->addMedia(between);
+        plain[k]->addExtinction(between);
     }
+    if (others.empty() && between.empty())
+      continue;
     for (AnyMedium& medium : between) medium = scaledBy(1 / snapshot.law.factor(), medium);
-    if (auto lit = plain[i]->litBy({others, blocksOf(geometry_), between}))
+    if (auto lit = plain[i]->litBy({others, between}))
       snapshot.media[i] = std::move(lit);
   }
   for (const auto& some : lamps)
     snapshot.lights.lamps.insert(snapshot.lights.lamps.end(), some.begin(), some.end());
-  if (toldOfGlow_)
+  if (count == 0 || toldOfGlow_)
     return;
   toldOfGlow_ = true;
   Rgb power = Rgb::Zero();

@@ -162,13 +162,46 @@ TEST_F(SceneGlow, FogScattersItAndTheGroundKeepsIt) {
   ASSERT_TRUE(writeImage((folder_ / "fog.png").string(), white));
   const Snapshot snapshot = at(fog + "," + fire(R"(, "emission": 2, "lights_scene": "always")"));
   const auto* lit = dynamic_cast<const FogAt*>(snapshot.media[0].get());
-  ASSERT_TRUE(lit && lit->lampLit());
+  ASSERT_TRUE(lit && lit->lit());
   std::vector<AnyMedium> media;
   lit->addMedia(media);
   const double r2 = 36;
   const double expected = 0.01 * 2 * power_ / r2 / (4 * std::numbers::pi) * std::exp(-0.01 * 6);
   EXPECT_NEAR(media[0].emission(Vec3(6, 0, 8))[0] / expected, 1, 0.03);
-  EXPECT_EQ(media[0].emission(Vec3(1, 0, -15))[0], 0) << "below the ground";
+  const Segment below{Vec3(-5, 0, -15), Vec3::UnitX(), 0, 10};
+  Radiance light;
+  media[0].radiance({&below, 1}, {&light, 1});
+  EXPECT_EQ(light.emitted[0], 0) << "below the ground";
+}
+
+/// A cube of smoke straight above another one, in the sun, and fog around both.
+TEST_F(SceneGlow, MediaShadowVolumes) {
+  const auto cube = [](double bottom, double extinction) {
+    return R"({"kind": "volume", "file": "smoke.npy", "emission": 0, "albedo": [0.9, 0.9, 0.9], "extinction": )" +
+           std::to_string(extinction) + R"(, "transform": [1,0,0,-0.5, 0,1,0,-0.5, 0,0,1,)" +
+           std::to_string(bottom) + ", 0,0,0,1]}";
+  };
+  const std::string fog =
+      R"({"kind": "fog", "map": "fog.png", "origin": [-80, -80, 0], "cell": 40, "degree": 1,
+          "sigma_max": 0.01, "profile": {"kind": "slab", "bottom": -20, "top": 40}, "color": [0, 0, 0]})";
+  Image white(4, 4, 1);
+  std::ranges::fill(white.pixels, 1.0F);
+  ASSERT_TRUE(writeImage((folder_ / "fog.png").string(), white));
+  const std::string sun =
+      R"(, "lights": [{"kind": "sun", "direction": [0, 0, -1], "radiance": [2, 2, 2]}])";
+  const auto lightAt = [&](const std::string& media, const Vec3& point) {
+    const Snapshot snapshot = at(media, sun);
+    std::vector<AnyMedium> all;
+    snapshot.media[0]->addMedia(all);
+    return all[0].emission(point)[0];
+  };
+  const Vec3 point(0.1, -0.2, 8);
+  const double open = lightAt(cube(7.5, 0.5), point);
+  EXPECT_GT(open, 0);
+  EXPECT_NEAR(lightAt(cube(7.5, 0.5) + "," + cube(12, 0.7), point) / open, std::exp(-0.7), 5e-3);
+  EXPECT_NEAR(lightAt(cube(7.5, 0.5) + "," + cube(2, 0.7), point) / open, 1, 1e-6)
+      << "what is below casts no shadow";
+  EXPECT_NEAR(lightAt(cube(7.5, 0.5) + "," + fog, point) / open, std::exp(-0.01 * 32), 5e-3);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "volute/io/image_file.hpp"
 #include "volute/media/fog/fog_export.hpp"
 #include "volute/media/fog/fog_frames.hpp"
+#include "volute/media/light_blockers.hpp"
 #include "volute/media/scene_lights.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/scene/scene_geometry.hpp"
@@ -98,17 +99,17 @@ Result<FogDescription> fogOf(const Arguments& arguments, const std::string& map)
 }
 
 /// --sun, --sun-radiance: at most one.
-Result<std::vector<Sun>> sunsOf(const Arguments& arguments) {
+Result<std::vector<Lamp>> sunsOf(const Arguments& arguments) {
   if (!arguments.given("sun"))
-    return std::vector<Sun>{};
+    return std::vector<Lamp>{};
   VOLUTE_ASSIGN(const auto members, membersOf(sunFields(), arguments));
   VOLUTE_ASSIGN(const auto sun, readAs<Sun>(sunFields(), members, {}));
-  return std::vector{sun};
+  return std::vector{lampOf(sun)};
 }
 
 /// What shadows the sun in the fog.
 Result<TriangleScene> addGeometry(const Arguments& arguments, FogDescription& description,
-                                  const std::vector<Sun>& suns, const Context& context) {
+                                  const Context& context) {
   const auto file = arguments.find<std::string>("geometry");
   if (!file)
     return TriangleScene();
@@ -118,13 +119,13 @@ Result<TriangleScene> addGeometry(const Arguments& arguments, FogDescription& de
                             : up == "z" ? UpAxis::kZ
                                         : UpAxis::kFormat};
   VOLUTE_ASSIGN(auto geometry, loadGeometry({entry}, context));
-  description.scattering.shadows = fogShadows(geometry, suns);
+  description.shadows = shadowsOf(geometry);
   return geometry;
 }
 
 /// Geometry that is elsewhere costs time and changes nothing.
 void tellOfShadows(const Arguments& arguments, const TriangleScene& geometry,
-                   const std::vector<Sun>& suns, const FogMedium& fog, Progress& progress) {
+                   const std::vector<Lamp>& suns, const FogMedium& fog, Progress& progress) {
   if (!arguments.given("geometry") || shadowsFog(geometry, suns, fog))
     return;
   const auto text = [](const Vec3& p) {
@@ -198,7 +199,7 @@ Status runFog(const Arguments& arguments, Context& context) {
     VOLUTE_TRY(checkUse(arguments));
   VOLUTE_ASSIGN(auto description, fogOf(arguments, arguments.positional(0)));
   VOLUTE_ASSIGN(const auto suns, sunsOf(arguments));
-  VOLUTE_ASSIGN(const auto geometry, addGeometry(arguments, description, suns, context));
+  VOLUTE_ASSIGN(const auto geometry, addGeometry(arguments, description, context));
   VOLUTE_ASSIGN(const auto layer, FogLayer::open(description, suns, context));
   tellOfShadows(arguments, geometry, suns, layer.fogAt(0), context.progress);
   Report report;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// The parts of a ray that surfaces keep a sun from, as geometry/shadow_intervals.cpp finds them: where the plane through
-// the ray and the sun cuts triangles. M_ stands for the medium's own prefix, @ for the sun's number. Follows fog_sun.glsl.
+// The parts of a ray that surfaces keep a lamp from, as geometry/shadow_intervals.cpp finds them: where the plane through
+// the ray and the lamp cuts triangles. M_ stands for the medium's own prefix, @ for the lamp's number. Follows light_field.glsl.
 // A ray with more than MOST parts in shadow loses the narrowest lights between them.
 
 const int M_MOST@ = 24;
@@ -55,10 +55,11 @@ float M_most@(vec3 f, vec3 centre, vec3 across) { return dot(f, centre) + dot(ab
 
 void M_findDark@() {
   M_darkCount@ = 0;
-  vec3 way = M_sunWay@;
+  vec3 way = M_towards@(rayOrigin);
+  float near = M_lampIsSun@ != 0 ? 0.0 : 1.0;
   vec3 normal = cross(rayDirection, way);
-  if (dot(normal, normal) < 1e-12) {  // towards the sun or away from it: a little aside
-    way = normalize(way + 1e-5 * (abs(way.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0)));
+  if (dot(normal, normal) < 1e-12 * dot(way, way)) {  // towards the lamp or away from it: a little aside
+    way += 1e-5 * length(way) * (abs(rayDirection.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0));
     normal = cross(rayDirection, way);
   }
   float square = dot(normal, normal);
@@ -77,7 +78,8 @@ void M_findDark@() {
     vec3 centre = 0.5 * (low.xyz + high.xyz) - origin;
     vec3 size = 0.5 * (high.xyz - low.xyz);
     if (abs(dot(normal, centre)) > dot(abs(normal), size) + 1e-5 || M_most@(across, centre, size) < 0.0 ||
-        M_most@(along, centre, size) < from || -M_most@(-along, centre, size) > rayEnd)
+        (near > 0.0 && -M_most@(-across, centre, size) > 1.0) || M_most@(along + near * from * across, centre, size) < from ||
+        (rayEnd < 1e30 && -M_most@(-(along + near * rayEnd * across), centre, size) > rayEnd))
       continue;
     int first = floatBitsToInt(low.w);
     int count = floatBitsToInt(high.w);
@@ -108,9 +110,15 @@ void M_findDark@() {
       if (cuts < 2) continue;
       float a0 = dot(along, cut[0]), a1 = dot(along, cut[1]);
       float c0 = dot(across, cut[0]), c1 = dot(across, cut[1]);
-      if (max(c0, c1) <= 0.0) continue;
-      if (c0 < 0.0) a0 += (a1 - a0) * c0 / (c0 - c1);
-      if (c1 < 0.0) a1 += (a0 - a1) * c1 / (c1 - c0);
+      if (max(c0, c1) <= 0.0 || (near > 0.0 && min(c0, c1) >= 1.0)) continue;
+      float slope = c0 != c1 ? (a1 - a0) / (c1 - c0) : 0.0;  // before the lamp, and behind the ray
+      vec2 c = clamp(vec2(c0, c1), 0.0, near > 0.0 ? 1.0 : FARTHEST);
+      a0 += slope * (c.x - c0);
+      a1 += slope * (c.y - c1);
+      if (near > 0.0) {
+        a0 = c.x < 1.0 ? a0 / (1.0 - c.x) : sign(a0) * FARTHEST;
+        a1 = c.y < 1.0 ? a1 / (1.0 - c.y) : sign(a1) * FARTHEST;
+      }
       float begin = max(min(a0, a1), from);
       float end = min(max(a0, a1), rayEnd);
       if (begin < end) M_addDark@(begin, end);

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // How much fog lies between a place and a sun, as fog/sun_shadow.cpp has it; M_ stands for the medium's own prefix, and
-// @ for the sun's number. Follows fog_walk.glsl. Places are from the picture's origin [m].
+// @ for the lamp's number. Follows fog_walk.glsl. Places are from the picture's origin [m].
 
 uniform sampler2D M_sunMaps@;    // (rho, I_0, I_1, S), read by texelFetch
 uniform vec3 M_sunWay@;          // to the sun, unit length
 uniform vec3 M_sunCorner@;       // of the maps, from the picture's origin [m]; z: the step from one texel to the next
 uniform float M_sunDecay@;       // [1/m]
-uniform vec3 M_sunLight@;        // albedo times irradiance
-uniform float M_sunAsymmetry@;   // of the phase function
 
 vec4 M_sunMapsAt@(vec2 at) {
   ivec2 shape = textureSize(M_sunMaps@, 0);
@@ -70,11 +68,9 @@ float M_sunZone@(vec4 zone, vec2 heights, vec3 place) {
   return depth;
 }
 
-// What a unit of extinction at a place sends back along the ray, of this sun's light.
-vec3 M_sun@(vec3 place) {
+// The share of its light that the fog lets through.
+float M_known@(vec3 place) {
   float depth = 0.0;
   for (int zone = 0; zone < FOG_ZONES; ++zone) depth += M_sunZone@(fogZones[zone], fogZoneHeights[zone], place);
-  float g = M_sunAsymmetry@;
-  float phase = (1.0 - g * g) / (12.566370614359172 * pow(1.0 + g * g - 2.0 * g * dot(M_sunWay@, rayDirection), 1.5));
-  return M_sunLight@ * (phase * exp(-max(depth, 0.0)));
+  return exp(-max(depth, 0.0));
 }

@@ -270,15 +270,24 @@ Result<FdsField> FdsLayer::fieldAt(double time, bool lit) const {
   return inLight(field, time);
 }
 
-Result<FdsField> FdsLayer::inLight(const FdsField& field, double time) const {
-  if (lights_.lamps.empty())
+Result<FdsField> FdsLayer::inLight(const FdsField& field, double time,
+                                   const MediaLight& other) const {
+  std::vector<Lamp> lamps = lights_.lamps;
+  lamps.insert(lamps.end(), other.lamps.begin(), other.lamps.end());
+  if (lamps.empty())
     return field.withSource(description_.albedo * lights_.ambient);
+  std::vector<LightField> others;
+  for (std::size_t i = 0; i < lamps.size() && !other.between.empty(); ++i) {
+    others.emplace_back(lamps[i], std::vector(other.between.begin(), other.between.end()),
+                        field.bounds());
+  }
   VOLUTE_ASSIGN(auto light, fdsLight(field, case_->obstructions(caseTime(time)),
-                                     {.lamps = lights_.lamps,
+                                     {.lamps = lamps,
                                       .ambient = lights_.ambient,
                                       .albedo = description_.albedo,
                                       .density = description_.model.scale,
                                       .blocks = blocks_,
+                                      .others = others,
                                       .holders = holders_}));
   return field.withLight(std::move(light));
 }

@@ -17,6 +17,7 @@
 #include "volute/media/fds/fds_iso_sheets.hpp"
 #include "volute/media/fds/fds_particle_cloud.hpp"
 #include "volute/media/fds/fds_slice.hpp"
+#include "volute/media/medium_at.hpp"
 #include "volute/media/reading.hpp"
 #include "volute/media/scene_lights.hpp"
 #include "volute/media/scene_medium.hpp"
@@ -53,6 +54,10 @@ class FdsLayer {
 
   /// Whether flames are shown.
   bool burns() const { return heat_ != nullptr; }
+
+  /// A field of that time as lamps light it: those of the scene and of other media, through them.
+  [[nodiscard]] Result<FdsField> inLight(const FdsField& field, double time,
+                                         const MediaLight& other = {}) const;
 
   /// Whether what smoke sends is not the same everywhere, or it burns somewhere at some time.
   bool shines() const { return heat_ != nullptr || !lights_.lamps.empty(); }
@@ -155,7 +160,6 @@ class FdsLayer {
   Status dimFire(Reading& reading);
   Result<FdsFlame> flameOf(double caseTime) const;
   std::string fireLaw() const;
-  Result<FdsField> inLight(const FdsField& field, double time) const;
   Result<double> luminanceAt(double caseTime) const;
   void addDevices(double time, TriangleMesh& to) const;
 

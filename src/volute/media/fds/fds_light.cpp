@@ -81,8 +81,9 @@ Box3 heldBox(const FdsGrid& grid) {
 
 /// How much of a lamp's light comes to each point.
 Result<std::vector<float>> sharesOf(const FdsField& field, const FdsObstructions& obstructions,
-                                    const FdsLamps& lamps, const Lamp& lamp,
+                                    const FdsLamps& lamps, std::size_t number,
                                     std::span<const Vec3> points) {
+  const Lamp& lamp = lamps.lamps[number];
   const Box3 bounds = field.bounds();
   std::vector<Segment> ways;
   for (const Vec3& point : points) {
@@ -113,6 +114,8 @@ Result<std::vector<float>> sharesOf(const FdsField& field, const FdsObstructions
     shares[i] = hidden[i] != 0 || others[i] != 0
                     ? 0.0F
                     : static_cast<float>(std::exp(-lamps.density * depths[i]));
+    if (!lamps.others.empty() && shares[i] > 0)
+      shares[i] *= static_cast<float>(lamps.others[number].at(points[i]).share);
   }
   return shares;
 }
@@ -181,7 +184,7 @@ Result<std::vector<std::shared_ptr<const FdsLight>>> fdsLight(const FdsField& fi
     if (asks)
       gas = gasOf(lattices[all[round].lattice], field.cells(all[round].lattice), all[round]);
     std::vector<std::vector<float>> shares;
-    for (const Lamp& lamp : lamps.lamps) {
+    for (std::size_t lamp = 0; lamp < lamps.lamps.size(); ++lamp) {
       VOLUTE_ASSIGN(auto share, sharesOf(field, obstructions, lamps, lamp, gas.middles));
       shares.push_back(std::move(share));
     }

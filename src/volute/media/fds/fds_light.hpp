@@ -9,18 +9,19 @@
 #include "volute/base/team.hpp"
 #include "volute/fds/fds_field.hpp"
 #include "volute/fds/obstructions.hpp"
-#include "volute/lighting/lamp.hpp"
+#include "volute/lighting/light_field.hpp"
 
 namespace volute {
 
 /// What lights the smoke of an FDS case.
 struct FdsLamps {
   std::span<const Lamp> lamps;
-  Rgb ambient = Rgb::Zero();  ///< from everywhere, whatever is in the way
-  Rgb albedo = Rgb::Zero();   ///< share of what smoke takes that it sends on
-  double density = 1;         ///< the smoke is so many times as thick as the field
-  Blocks blocks{};            ///< opaque things besides the obstructions; may be empty
-  Team* holders = nullptr;    ///< whose ranks hold a share of the field each; null: this holds all
+  Rgb ambient = Rgb::Zero();             ///< from everywhere, whatever is in the way
+  Rgb albedo = Rgb::Zero();              ///< share of what smoke takes that it sends on
+  double density = 1;                    ///< the smoke is so many times as thick as the field
+  Blocks blocks{};                       ///< opaque things besides the obstructions; may be empty
+  std::span<const LightField> others{};  ///< other media, one for each lamp; empty: none
+  Team* holders = nullptr;  ///< whose ranks hold a share of the field each; null: this holds all
 };
 
 /// Light that smoke scatters once, the same in all directions, for FdsField::withLight(). What a

@@ -164,5 +164,25 @@ TEST(FdsLight, RanksThatHoldAShareEachFindTheLightOfTheWhole) {
   }
 }
 
+/// The room's smoke once more, as if it were another medium's.
+TEST(FdsLight, PassesThroughOtherMedia) {
+  const Room room;
+  Lamp lamp;
+  lamp.position = Vec3(1, 1, 1.75);
+  lamp.intensity = Rgb(10, 20, 30);
+  const LightField other(lamp, {AnyMedium(*room.field)}, room.field->bounds());
+  const auto lightOf = [&](double density, std::span<const LightField> others) {
+    const FdsLamps lamps{
+        .lamps = {&lamp, 1}, .albedo = Rgb::Ones(), .density = density, .others = others};
+    return room.field->withLight(fdsLight(*room.field, *room.obstructions, lamps).value());
+  };
+  const FdsField veiled = lightOf(2, {&other, 1}), expected = lightOf(3, {});
+  for (const Vec3& point : {Vec3(1.5, 1, 1), Vec3(3, 1, 1.5), Vec3(4.5, 0.5, 1)}) {
+    const double light = expected.emission(point)[2];
+    EXPECT_GT(light, 0);
+    EXPECT_NEAR(veiled.emission(point)[2], light, 5e-3 * expected.emission(Vec3(1, 1, 1.5))[2]);
+  }
+}
+
 }  // namespace
 }  // namespace volute

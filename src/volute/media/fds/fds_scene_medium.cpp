@@ -205,6 +205,15 @@ void FdsAt::addMedia(std::vector<AnyMedium>& media) const {
   media.insert(media.end(), sheets_.begin(), sheets_.end());
 }
 
+std::shared_ptr<const MediumAt> FdsAt::litBy(const MediaLight& light) const {
+  if (!relit_ || shares_)
+    return nullptr;
+  auto smoke = relit_(smoke_, light);
+  if (!smoke)  // only ranks can fail
+    return nullptr;
+  return std::make_shared<const FdsAt>(std::move(*smoke), factor_, fire_, sheets_);
+}
+
 std::shared_ptr<MediumPicture> FdsAt::picture(std::shared_ptr<MediumPicture>) const {
   return shares_ ? std::make_shared<FdsSharesPicture>(*this, smoke_, *shares_) : nullptr;
 }
@@ -233,8 +242,12 @@ Result<std::shared_ptr<const MediumAt>> FdsSceneMedium::at(const InstantRequest&
   std::optional<FdsShares> shares;
   if (layer_.holders())
     shares = FdsShares{layer_.holders(), scale, layer_.shines()};
+  const auto relit = [layer = layer_, time = request.time](const FdsField& field,
+                                                           const MediaLight& light) {
+    return layer.inLight(field, time, light);
+  };
   return std::make_shared<const FdsAt>(std::move(smoke), request.factor * scale, std::move(fire),
-                                       std::move(sheets), shares);
+                                       std::move(sheets), shares, relit);
 }
 
 Result<std::optional<FirstTime>> FdsSceneMedium::firstTime(Progress& progress) {

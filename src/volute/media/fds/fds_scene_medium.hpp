@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <functional>
+
 #include "volute/media/fds/fds_layer.hpp"
 #include "volute/media/medium_kind.hpp"
 
@@ -17,17 +19,24 @@ struct FdsShares {
 /// Smoke and fire of an FDS case at one instant.
 class FdsAt final : public MediumAt {
  public:
+  /// The smoke in the light and the shadow of other media.
+  using Relit = std::function<Result<FdsField>(const FdsField& smoke, const MediaLight& light)>;
+
   /// @param factor  of the smoke's extinction and of what it scatters
   /// @param shares  nothing: this process holds all
   FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire, std::vector<AnyMedium> sheets,
-        std::optional<FdsShares> shares = {})
+        std::optional<FdsShares> shares = {}, Relit relit = {})
       : smoke_(std::move(smoke)),
         factor_(factor),
         fire_(std::move(fire)),
         sheets_(std::move(sheets)),
-        shares_(shares) {}
+        shares_(shares),
+        relit_(std::move(relit)) {}
 
   void addMedia(std::vector<AnyMedium>& media) const override;
+
+  /// Where this process holds all of it.
+  std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
 
   bool drawsItself() const override { return shares_.has_value(); }
 
@@ -50,6 +59,7 @@ class FdsAt final : public MediumAt {
   std::optional<FdsFlame> fire_;
   std::vector<AnyMedium> sheets_;
   std::optional<FdsShares> shares_;
+  Relit relit_;
 };
 
 /// An FDS case in a scene: smoke, fire and the building.

@@ -221,11 +221,11 @@ const FieldTable& fogFields() {
        .option = {.value = "R,G,B", .name = "fog-color", .initial = "0.8,0.85,0.9"},
        .slider = {.label = "colour"}},
       {.name = "albedo", .type = kColor,
-       .access = member<&Fog::scattering, &SunScattering::albedo>(),
+       .access = member<&Fog::scattering, &Scattering::albedo>(),
        .help = "scattered share of the extinction; the rest is absorbed",
        .least = 0, .most = 1, .option = {.value = "R,G,B", .beside = "sun"},
        .slider = {.label = "albedo", .shown = sunsShine}},
-      {.name = "asymmetry", .access = member<&Fog::scattering, &SunScattering::asymmetry>(),
+      {.name = "asymmetry", .access = member<&Fog::scattering, &Scattering::asymmetry>(),
        .help = "mean cosine of the scattering angle of sunlight: above 0 forward, 0.6 to 0.9 for "
                "droplets", .least = -0.999, .most = 0.999,
        .option = {.value = "G", .beside = "sun"},

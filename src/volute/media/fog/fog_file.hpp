@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "volute/fog/fog_medium.hpp"
-#include "volute/fog/sunlit_fog.hpp"
+#include "volute/lighting/lit_medium.hpp"
 #include "volute/media/clock.hpp"
 #include "volute/media/field.hpp"
 
@@ -60,7 +60,8 @@ struct FogDescription {
   std::optional<FogTopDescription> top;
   Vec3 wind = Vec3::Zero();  ///< [m/s], in the scene's time
   Clock clock;
-  SunScattering scattering;
+  Scattering scattering;
+  ShadowsOn shadows{};  ///< of the scene's geometry; may be empty
   /// Pictures by a table of polar prefix sums where it serves (degree 1 to 3, no dropped details,
   /// no top, no exponential profile, no suns): |dT| < 1/512. Else every ray is walked, exactly.
   bool polar = false;

@@ -119,16 +119,7 @@ std::optional<PolarSector> sectorOf(const Camera& camera) {
 
 }  // namespace
 
-std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> fogShadows(
-    const TriangleScene& geometry, const std::vector<Sun>& suns) {
-  if (geometry.empty())
-    return {};
-  return [geometry, suns](const Segment& segment, std::size_t sun, std::vector<Interval>& dark) {
-    geometry.shadows(segment, {suns[sun].towards}, dark);
-  };
-}
-
-bool shadowsFog(const TriangleScene& geometry, const std::vector<Sun>& suns, const FogMedium& fog) {
+bool shadowsFog(const TriangleScene& geometry, std::span<const Lamp> lamps, const FogMedium& fog) {
   constexpr std::size_t kTriangles = 4096;
   const auto triangles = geometry.triangles();
   const std::size_t step = std::max<std::size_t>(1, triangles.size() / kTriangles);
@@ -136,8 +127,10 @@ bool shadowsFog(const TriangleScene& geometry, const std::vector<Sun>& suns, con
   for (std::size_t i = 0; i < triangles.size(); i += step) {
     const auto& corners = triangles[i].corners;
     const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3;
-    for (const Sun& sun : suns)
-      behind.push_back({middle, -sun.towards, 0, std::numeric_limits<double>::infinity()});
+    for (const Lamp& lamp : lamps) {
+      const Segment way = lamp.towards(middle);
+      behind.push_back({middle, -way.direction, 0, std::numeric_limits<double>::infinity()});
+    }
   }
   std::vector<double> depths(behind.size());
   fog.opticalDepth(behind, depths);
@@ -164,11 +157,11 @@ FogDescription registered(FogDescription fog) {
 
 }  // namespace
 
-Result<FogLayer> FogLayer::open(const FogDescription& said, std::vector<Sun> suns,
+Result<FogLayer> FogLayer::open(const FogDescription& said, std::vector<Lamp> lamps,
                                 Reading& reading) {
   FogLayer layer;
   layer.description_ = said;
-  layer.suns_ = std::move(suns);
+  layer.lamps_ = std::move(lamps);
   layer.readAt_ = said.placement.origin;
   const FogDescription description = registered(said);
   VOLUTE_ASSIGN(auto maps, loadMaps(description, reading));
@@ -225,10 +218,10 @@ bool FogLayer::readsTheSame(const FogDescription& a, const FogDescription& b) {
          (a.options.color == b.options.color).all();
 }
 
-FogLayer FogLayer::with(const FogDescription& description, std::vector<Sun> suns) const {
+FogLayer FogLayer::with(const FogDescription& description, std::vector<Lamp> lamps) const {
   FogLayer layer = *this;
   layer.description_ = description;
-  layer.suns_ = std::move(suns);
+  layer.lamps_ = std::move(lamps);
   if (still_)
     layer.still_ = std::make_shared<const FogMedium>(still_->withProfile(description.profile));
   if (sequence_) {
@@ -300,15 +293,8 @@ Result<FogMedium> FogLayer::bordered(const FogMedium& map, const Vec3& blown) co
   return FogMedium::make(filled, map.profile(), map.options());
 }
 
-Result<SunlitFog> FogLayer::sunlitAt(double time) const {
-  auto lit = SunlitFog::make(fogAt(time), suns_, description_.scattering);
-  if (!lit)
-    return at(description_.where, lit.error());
-  return lit;
-}
-
 std::optional<PolarOptions> FogLayer::polarFor(const Camera& camera) const {
-  const bool serves = suns_.empty() && description_.options.degree > 0 && !camera.isOrthographic();
+  const bool serves = lamps_.empty() && description_.options.degree > 0 && !camera.isOrthographic();
   if (!description_.polar || !serves)
     return std::nullopt;
   return PolarOptions{.sector = sectorOf(camera)};

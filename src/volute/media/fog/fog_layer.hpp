@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,7 +10,6 @@
 #include "volute/camera/camera.hpp"
 #include "volute/fog/fog_sequence.hpp"
 #include "volute/fog/polar_table.hpp"
-#include "volute/fog/sunlit_fog.hpp"
 #include "volute/geometry/triangle_scene.hpp"
 #include "volute/media/fog/fog_file.hpp"
 #include "volute/media/reading.hpp"
@@ -19,27 +17,23 @@
 
 namespace volute {
 
-/// What SunScattering::shadows of fog under these suns is; empty where there is no geometry.
-std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> fogShadows(
-    const TriangleScene& geometry, const std::vector<Sun>& suns);
-
 /// Whether any of its surfaces takes sunlight from the fog.
-bool shadowsFog(const TriangleScene& geometry, const std::vector<Sun>& suns, const FogMedium& fog);
+bool shadowsFog(const TriangleScene& geometry, std::span<const Lamp> lamps, const FogMedium& fog);
 
 /// Fog whose maps are in memory: gives the medium at any time.
 class FogLayer {
  public:
   /// Reads the maps. Errors begin with FogDescription::where or with the name of a map.
   [[nodiscard]] static Result<FogLayer> open(const FogDescription& description,
-                                             std::vector<Sun> suns, Reading& reading);
+                                             std::vector<Lamp> lamps, Reading& reading);
 
   /// Whether with() serves: both differ at most in profile, wind, clock, scattering, path and, for
   /// fog without a top, in the origin.
   static bool readsTheSame(const FogDescription& a, const FogDescription& b);
 
   /// This fog under a description, which readsTheSame() as its own, but for what its map was saved
-  /// as since, and other suns: no map is read again.
-  FogLayer with(const FogDescription& description, std::vector<Sun> suns) const;
+  /// as since, and other lamps: no map is read again.
+  FogLayer with(const FogDescription& description, std::vector<Lamp> lamps) const;
 
   const FogDescription& description() const { return description_; }
 
@@ -49,14 +43,11 @@ class FogLayer {
   /// The same as if there were clear air beyond its border: its coefficients are the map's.
   FogMedium mapAt(double time) const;
 
-  /// Fog that suns light, as it is seen by any camera.
-  [[nodiscard]] Result<SunlitFog> sunlitAt(double time) const;
-
   /// How a polar table for a camera is to be made; nothing where the fog is to be walked.
   std::optional<PolarOptions> polarFor(const Camera& camera) const;
 
-  /// Whether suns light it.
-  bool sunlit() const { return !suns_.empty(); }
+  /// That light it.
+  std::span<const Lamp> lamps() const { return lamps_; }
 
   /// The same with another map of the same size [1/m], at all times.
   FogLayer withMap(std::span<const double> coefficients) const;
@@ -81,7 +72,7 @@ class FogLayer {
 
   FogDescription description_;
   Vec3 readAt_ = Vec3::Zero();  ///< the origin of the maps as they are held [m]
-  std::vector<Sun> suns_;
+  std::vector<Lamp> lamps_;
   std::vector<double> times_;
   std::shared_ptr<const FogSequence> sequence_;
   std::shared_ptr<const FogMedium> still_;  ///< instead, where there is a top

@@ -8,6 +8,7 @@
 #include "volute/fog/polar_fog.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/media/fog/fog_parameters.hpp"
+#include "volute/media/light_blockers.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/render/scaled_medium.hpp"
 
@@ -28,22 +29,22 @@ class FogKind final : public MediumKind {
   Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
                                             MediumContext& context) const override {
     VOLUTE_ASSIGN(auto fog, parseFog(entry, {context.file, context.path}));
-    const auto& suns = context.lights.suns;
-    fog.scattering.shadows = fogShadows(context.geometry, suns);
+    const auto& lamps = context.lights.lamps;
+    fog.shadows = shadowsOf(context.geometry);
     const auto before = context.take<FogSceneMedium>([&](const FogSceneMedium& other) {
       return FogLayer::readsTheSame(other.description(), fog);
     });
     const auto last = std::dynamic_pointer_cast<FogSceneMedium>(context.before);
     std::shared_ptr<FogSceneMedium> medium;
     if (before) {
-      medium = std::make_shared<FogSceneMedium>(before->layer().with(fog, suns));
+      medium = std::make_shared<FogSceneMedium>(before->layer().with(fog, lamps));
       medium->remarks = before->remarks;
     } else {
       RemarkLog heard(context.reading.progress);
       Reading reading = context.reading.with(heard);
-      VOLUTE_ASSIGN(auto layer, FogLayer::open(fog, suns, reading));
-      if (!context.geometry.empty() && !suns.empty() &&
-          !shadowsFog(context.geometry, suns, layer.fogAt(0)))
+      VOLUTE_ASSIGN(auto layer, FogLayer::open(fog, lamps, reading));
+      if (!context.geometry.empty() && !lamps.empty() &&
+          !shadowsFog(context.geometry, lamps, layer.fogAt(0)))
         heard.remark({RemarkCode::kDoubtful,
                       fmt::format("{}: the scene's geometry shadows none of this fog", fog.where)});
       medium = std::make_shared<FogSceneMedium>(std::move(layer));
@@ -87,38 +88,88 @@ class FogKind final : public MediumKind {
 
 }  // namespace
 
-FogAt::FogAt(FogLayer layer, double time, double factor, std::optional<SunlitFog> sunlit)
+namespace {
+
+/// Two lamps as one.
+Lamp together(const Lamp& a, const Lamp& b) {
+  const double share = b.intensity.sum() / (a.intensity.sum() + b.intensity.sum());
+  Lamp one = a;
+  one.position = (1 - share) * a.position + share * b.position;
+  one.intensity = a.intensity + b.intensity;
+  one.radius = std::max((a.position - one.position).norm() + a.radius,
+                        (b.position - one.position).norm() + b.radius);
+  return one;
+}
+
+/// Fires as a few lamps: the nearest ones are one in fog.
+std::vector<Lamp> fewFires(std::span<const Lamp> fires) {
+  constexpr std::size_t kMaxFires = 3;
+  std::vector<Lamp> few;
+  for (const Lamp& fire : fires) {
+    if (fire.intensity.sum() > 0)
+      few.push_back(fire);
+  }
+  while (few.size() > kMaxFires) {
+    std::size_t a = 0, b = 1;
+    for (std::size_t i = 0; i < few.size(); ++i) {
+      for (std::size_t k = i + 1; k < few.size(); ++k) {
+        if ((few[i].position - few[k].position).norm() < (few[a].position - few[b].position).norm())
+          a = i, b = k;
+      }
+    }
+    few[a] = together(few[a], few[b]);
+    few.erase(few.begin() + static_cast<std::ptrdiff_t>(b));
+  }
+  return few;
+}
+
+}  // namespace
+
+FogAt::FogAt(FogLayer layer, double time, double factor, std::vector<Lamp> lamps, FogLight light)
     : layer_(std::move(layer)),
       time_(time),
       fog_(layer_.fogAt(time)),
       factor_(factor),
-      sunlit_(std::move(sunlit)) {}
+      lamps_(std::move(lamps)),
+      light_(std::move(light)) {}
+
+const std::optional<LitMedium>& FogAt::lit() const {
+  std::call_once(made_, [&] {
+    if (!lamps_.empty() && light_.scattering.albedo.maxCoeff() > 0)
+      lit_ = litFog(fog_, lamps_, light_);
+  });
+  return lit_;
+}
 
 void FogAt::addMedia(std::vector<AnyMedium>& media) const {
-  AnyMedium fog = lampLit_ ? AnyMedium(*lampLit_) : sunlit_ ? AnyMedium(*sunlit_) : AnyMedium(fog_);
-  media.push_back(scaledBy(factor_, std::move(fog)));
+  media.push_back(scaledBy(factor_, lit() ? AnyMedium(*lit()) : AnyMedium(fog_)));
+}
+
+void FogAt::addExtinction(std::vector<AnyMedium>& media) const {
+  media.push_back(scaledBy(factor_, AnyMedium(fog_)));
 }
 
 std::shared_ptr<const MediumAt> FogAt::litBy(const MediaLight& light) const {
-  const SunScattering& scattering = layer_.description().scattering;
-  if (light.lamps.empty() || !(scattering.albedo.maxCoeff() > 0))
+  std::vector<Lamp> lamps = lamps_;
+  const std::vector<Lamp> fires = fewFires(light.lamps);
+  lamps.insert(lamps.end(), fires.begin(), fires.end());
+  if (lamps.empty())
     return nullptr;
-  auto lit = std::make_shared<FogAt>(layer_, time_, factor_, sunlit_);
-  const AnyMedium density(fog_);
-  lit->lampLit_.emplace(
-      sunlit_ ? AnyMedium(*sunlit_) : density, density, light.lamps,
-      LampScattering{scattering.albedo, scattering.asymmetry, light.between, light.blocks});
-  return lit;
+  FogLight veiled = light_;
+  veiled.between.assign(light.between.begin(), light.between.end());
+  return std::make_shared<const FogAt>(layer_, time_, factor_, std::move(lamps), std::move(veiled));
 }
 
 std::shared_ptr<const MediumAt> FogAt::quick() const {
-  if (!sunlit_ || !sunlit_->scattering().shadows)
+  if (!light_.shadows || lamps_.empty())
     return nullptr;
-  return std::make_shared<const FogAt>(layer_, time_, factor_, sunlit_->withoutShadows());
+  FogLight open = light_;
+  open.shadows = {};
+  return std::make_shared<const FogAt>(layer_, time_, factor_, lamps_, std::move(open));
 }
 
 Status FogAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
-  const auto options = sunlit_ || lampLit_ ? std::nullopt : layer_.polarFor(camera);
+  const auto options = lit() ? std::nullopt : layer_.polarFor(camera);
   if (!options) {
     addMedia(media);
     return {};
@@ -149,12 +200,13 @@ FogSceneMedium::FogSceneMedium(FogLayer layer) : layer_(std::move(layer)) {
 Result<std::shared_ptr<const MediumAt>> FogSceneMedium::at(const InstantRequest& request,
                                                            Progress&) {
   FogLayer layer = shown();
-  std::optional<SunlitFog> lit;
-  if (layer.sunlit()) {
-    VOLUTE_ASSIGN(lit, layer.sunlitAt(request.time));
-  }
+  std::vector<Lamp> lamps;
+  if (request.lit)
+    lamps.assign(layer.lamps().begin(), layer.lamps().end());
+  const FogDescription& fog = layer.description();
+  FogLight light{fog.scattering, fog.shadows, {}};
   return std::make_shared<const FogAt>(std::move(layer), request.time, request.factor,
-                                       std::move(lit));
+                                       std::move(lamps), std::move(light));
 }
 
 std::vector<std::string> FogSceneMedium::files() const {

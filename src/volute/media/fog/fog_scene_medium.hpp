@@ -2,8 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include "volute/lighting/lamp_lit_medium.hpp"
+#include <mutex>
+
 #include "volute/media/fog/fog_layer.hpp"
+#include "volute/media/fog/lit_fog.hpp"
 #include "volute/media/medium_kind.hpp"
 
 namespace volute {
@@ -11,10 +13,12 @@ namespace volute {
 /// Fog at one instant.
 class FogAt final : public MediumAt {
  public:
-  /// @param sunlit  the same fog in the light of suns, where any shine
-  FogAt(FogLayer layer, double time, double factor, std::optional<SunlitFog> sunlit);
+  /// @param lamps  that shine at it
+  FogAt(FogLayer layer, double time, double factor, std::vector<Lamp> lamps, FogLight light);
 
   void addMedia(std::vector<AnyMedium>& media) const override;
+
+  void addExtinction(std::vector<AnyMedium>& media) const override;
 
   /// By a polar table where the fog's description asks for one and it serves.
   Status addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const override;
@@ -23,12 +27,10 @@ class FogAt final : public MediumAt {
 
   std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
 
-  /// The same in the light of other media, where any shine at it.
-  const std::optional<LampLitMedium>& lampLit() const { return lampLit_; }
-
   const FogMedium& fog() const { return fog_; }
 
-  const std::optional<SunlitFog>& sunlit() const { return sunlit_; }
+  /// The same in the light of lamps, where any shine at it.
+  const std::optional<LitMedium>& lit() const;
 
   double factor() const { return factor_; }
 
@@ -39,8 +41,10 @@ class FogAt final : public MediumAt {
   double time_;
   FogMedium fog_;
   double factor_;
-  std::optional<SunlitFog> sunlit_;
-  std::optional<LampLitMedium> lampLit_;
+  std::vector<Lamp> lamps_;
+  FogLight light_;
+  mutable std::once_flag made_;
+  mutable std::optional<LitMedium> lit_;  ///< when somebody asks for it
 };
 
 /// A map of fog in a scene. Its map can be painted.

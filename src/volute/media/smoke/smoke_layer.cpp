@@ -342,6 +342,7 @@ Result<SmokeState> SmokeLayer::at(double time) {
         state.lampShares[l] = between(from->lampShares[l], to->lampShares[l], share);
     }
   }
+  state.albedo = description_.albedo;
   const SceneLights& lights = lighting_->lights;
   if (!lights.lamps.empty() || !lights.ambient.isZero(0)) {
     state.source = scatteredLight(state.locator->mesh().vertices(), lights.lamps, state.lampShares,

@@ -28,6 +28,7 @@ struct SmokeState {
   /// Of one unit of concentration [1/m], unitOfConcentration(); 0: the field holds no mass.
   double extinctionOfUnit = 0;
   std::shared_ptr<const MeshWalls> walls{};  ///< of the mesh; null: not made yet
+  Rgb albedo = Rgb::Zero();                  ///< share of what it takes from light that it sends on
 };
 
 /// What lights smoke, and where computed light is kept.

@@ -240,6 +240,26 @@ std::shared_ptr<MediumPicture> SmokeAt::picture(std::shared_ptr<MediumPicture> e
   return picture;
 }
 
+std::shared_ptr<const MediumAt> SmokeAt::litBy(const MediaLight& light) const {
+  std::vector<Lamp> lamps = lighting_->lights.lamps;
+  VOLUTE_ASSERT(state_.lampShares.size() == lamps.size());
+  lamps.insert(lamps.end(), light.lamps.begin(), light.lamps.end());
+  if (holders_ || lamps.empty() || !(state_.albedo.maxCoeff() > 0))
+    return nullptr;
+  std::vector<std::vector<float>> shares = state_.lampShares;
+  if (!light.lamps.empty()) {
+    const LampPaths paths(state_.locator);
+    for (const Lamp& lamp : light.lamps)
+      shares.push_back(paths.shares(state_.extinction, lamp, lighting_->blocks));
+  }
+  const std::span<const Vec3> vertices = state_.locator->mesh().vertices();
+  for (std::size_t l = 0; l < lamps.size() && !light.between.empty(); ++l)
+    veil(lamps[l], light.between, vertices, shares[l]);
+  SmokeState state = state_;
+  state.source = scatteredLight(vertices, lamps, shares, state.albedo, lighting_->lights.ambient);
+  return std::make_shared<const SmokeAt>(std::move(state), factor_, lighting_, walls_);
+}
+
 std::optional<WallHit> SmokeAt::wallOn(const Segment& ray) const {
   return wallLeft(*state_.locator, ray);
 }

@@ -23,6 +23,9 @@ class SmokeAt final : public MediumAt {
 
   bool drawsItself() const override { return true; }
 
+  /// Where this process holds all of it; its walls see no more than before.
+  std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
+
   std::uint64_t memoryBytes() const override {
     return 3 * state_.extinction.size() * sizeof(float);
   }

@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "volute/media/smoke/smoke_scene_medium.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
+#include "volute/tetmesh/tet_medium.hpp"
 
 namespace volute {
 namespace {
@@ -228,6 +231,35 @@ TEST(LookAtWalls, KnowsFromEarlierPictures) {
   ASSERT_TRUE(first && second);
   EXPECT_EQ(first->color.pixels, second->color.pixels);
   EXPECT_LT(known.walks() - walks, walks);
+}
+
+/// The hall's smoke once more, half as thick, as if it were another medium's; and a second lamp.
+TEST(SmokeAt, IsLitThroughOtherMediaAndByWhatGlows) {
+  SmokeState state = hall().smoke;
+  state.albedo = Rgb(0.9, 0.8, 0.7);
+  const auto lighting =
+      std::make_shared<const SmokeLighting>(SmokeLighting{hall().lights, nullptr, {}, {}, nullptr});
+  const SmokeAt smoke(state, 1, lighting, std::nullopt);
+  std::vector<float> half = state.extinction;
+  for (float& k : half) k *= 0.5F;
+  const std::vector<AnyMedium> between{AnyMedium(TetMedium(state.locator, half))};
+  const auto lit = smoke.litBy({hall().lights.lamps, between});
+  ASSERT_TRUE(lit);
+  const auto& source = dynamic_cast<const SmokeAt&>(*lit).state().source;
+  std::vector<float> shares = state.lampShares[0];
+  for (float& share : shares) share = std::pow(share, 1.5F);
+  const std::vector<std::vector<float>> both{shares, shares};
+  const std::vector<Lamp> lamps{hall().lights.lamps[0], hall().lights.lamps[0]};
+  const auto expected =
+      scatteredLight(state.locator->mesh().vertices(), lamps, both, state.albedo, Rgb::Zero());
+  ASSERT_EQ(source.size(), expected.size());
+  const float brightest = *std::ranges::max_element(expected);
+  double most = 0;
+  for (std::size_t i = 0; i < source.size(); ++i)
+    most = std::max<double>(most, std::abs(source[i] - expected[i]));
+  EXPECT_LT(most, 5e-3 * brightest);
+  const SmokeAt black(hall().smoke, 1, lighting, std::nullopt);
+  EXPECT_FALSE(black.litBy({hall().lights.lamps, between})) << "it scatters nothing";
 }
 
 }  // namespace

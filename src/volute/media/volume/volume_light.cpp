@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "volute/base/parallel.hpp"
+#include "volute/lighting/light_field.hpp"
 #include "volute/math/phase_function.hpp"
 #include "volute/media/volume/light_fan.hpp"
 
@@ -267,7 +268,8 @@ void VolumeLight::addShares(std::size_t lamp) const {
   });
 }
 
-std::shared_ptr<const VolumeLight> VolumeLight::withLamps(std::span<const Lamp> lamps) const {
+std::shared_ptr<const VolumeLight> VolumeLight::withLamps(
+    std::span<const Lamp> lamps, std::span<const AnyMedium> between) const {
   const std::lock_guard lock(guard_);
   const std::size_t own = lighting_.lamps.size();
   const auto same = [&] {
@@ -277,7 +279,7 @@ std::shared_ptr<const VolumeLight> VolumeLight::withLamps(std::span<const Lamp> 
              a.radius == b.radius && a.kind == b.kind && a.direction == b.direction;
     });
   };
-  if (inMore_ && same())
+  if (inMore_ && between.empty() && same())
     return inMore_;
   gather();
   auto more = std::make_shared<VolumeLight>(volume_, lighting_);
@@ -286,8 +288,16 @@ std::shared_ptr<const VolumeLight> VolumeLight::withLamps(std::span<const Lamp> 
     more->lampShares_ = lampShares_, more->even_ = even_;
     more->lampShares_.resize(more->lighting_.lamps.size());
     for (std::size_t l = own; l < more->lampShares_.size(); ++l) more->addShares(l);
+    if (!between.empty()) {
+      std::vector<Vec3> points;
+      for (const Place& place : volume_.lightPlaces()) points.push_back(placeOf(place));
+      for (std::size_t l = 0; l < more->lampShares_.size(); ++l)
+        veil(more->lighting_.lamps[l], between, points, more->lampShares_[l]);
+    }
   });
-  return inMore_ = std::move(more);
+  if (between.empty())
+    inMore_ = more;
+  return more;
 }
 
 void VolumeLight::gather() const {

@@ -67,9 +67,14 @@ class VolumeLight {
                                    std::size_t most);
 
   /// The same in the light of more lamps; the last one is kept.
-  std::shared_ptr<const VolumeLight> withLamps(std::span<const Lamp> lamps) const;
+  /// @param between  other media that all lamps' light passes through
+  std::shared_ptr<const VolumeLight> withLamps(std::span<const Lamp> lamps,
+                                               std::span<const AnyMedium> between = {}) const;
 
   const VolumeLighting& lighting() const { return lighting_; }
+
+  /// Without the light.
+  const ShadedVoxels& volume() const { return volume_; }
 
   const BrickSlice& slice() const { return volume_.slice(); }
 

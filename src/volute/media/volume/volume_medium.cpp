@@ -100,6 +100,13 @@ void VolumeAt::addMedia(std::vector<AnyMedium>& media) const {
   addPlaced(light_ ? scaledBy(factor_, AnyMedium(light_->seen())) : AnyMedium(medium()), media);
 }
 
+void VolumeAt::addExtinction(std::vector<AnyMedium>& media) const {
+  if (!light_)
+    addMedia(media);
+  else
+    addPlaced(scaledBy(factor_, AnyMedium(light_->volume())), media);
+}
+
 ShadedVoxels seenFrom(const VolumeLight& light, const Camera& camera) {
   const bool parallel = camera.isOrthographic();
   return light.seenFrom({parallel, parallel ? camera.forward() : camera.eye()});
@@ -134,9 +141,11 @@ std::vector<Lamp> VolumeAt::lightSources() const {
 }
 
 std::shared_ptr<const MediumAt> VolumeAt::litBy(const MediaLight& light) const {
-  if (!light_ || !(light_->lighting().albedo.maxCoeff() > 0) || light.lamps.empty())
+  if (!light_ || !(light_->lighting().albedo.maxCoeff() > 0) ||
+      (light.lamps.empty() && light_->lighting().lamps.empty()))
     return nullptr;
-  return std::shared_ptr<const MediumAt>(new VolumeAt(*this, light_->withLamps(light.lamps)));
+  return std::shared_ptr<const MediumAt>(
+      new VolumeAt(*this, light_->withLamps(light.lamps, light.between)));
 }
 
 /// The values, and what VoxelMedium makes of them.

@@ -27,6 +27,7 @@ class VolumeAt final : public MediumAt {
            double factor);
 
   void addMedia(std::vector<AnyMedium>& media) const override;
+  void addExtinction(std::vector<AnyMedium>& media) const override;
   Status addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const override;
   nlohmann::ordered_json counts() const override;
   /// Of what it emits, unless its appearance says that it lights nothing.

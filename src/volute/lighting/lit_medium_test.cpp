@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/lighting/lamp_lit_medium.hpp"
+#include "volute/lighting/lit_medium.hpp"
 
 #include <gtest/gtest.h>
 
@@ -56,27 +56,33 @@ Lamp lampAt(const Vec3& place, const Rgb& intensity = Rgb(100, 50, 20)) {
   return lamp;
 }
 
-LampLitMedium lit(std::span<const Lamp> lamps, const LampScattering& scattering) {
-  const AnyMedium even{EvenBox()};
-  return {even, even, lamps, scattering};
+LitMedium lit(std::span<const Lamp> lamps, const Scattering& scattering,
+              const std::vector<AnyMedium>& between = {}, const ShadowsOn& shadows = {}) {
+  std::vector<AnyMedium> media{AnyMedium(EvenBox())};
+  media.insert(media.end(), between.begin(), between.end());
+  std::vector<LightField> fields;
+  for (const Lamp& lamp : lamps) fields.emplace_back(lamp, media, EvenBox().box);
+  return {AnyMedium(EvenBox()),
+          std::move(fields),
+          {scattering, {Vec3::Constant(-41), Vec3::Constant(41)}, 4, shadows}};
 }
 
-TEST(LampLitMedium, SendsWhatArrivesAtAPoint) {
+TEST(LitMedium, SendsWhatArrivesAtAPoint) {
   const Lamp lamp = lampAt(Vec3(1, 2, 3));
-  const LampLitMedium medium = lit({&lamp, 1}, {.albedo = Rgb(0.9, 0.8, 0.7)});
+  const LitMedium medium = lit({&lamp, 1}, {.albedo = Rgb(0.9, 0.8, 0.7)});
   for (const Vec3& away : {Vec3(3, 1, -2), Vec3(-9, 4, 7), Vec3(0.2, -20, 1)}) {
     const double far = away.norm();
     const Rgb expected = kEven * Rgb(0.9, 0.8, 0.7) * lamp.intensity / (far * far) *
                          std::exp(-kEven * far) / (4 * kPi);
     const Rgb found = medium.emission(lamp.position + away);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c] / expected[c], 1, 5e-3);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c] / expected[c], 1, 1e-2);
   }
 }
 
 /// All light that a ball around the lamp scatters is what it does not let out.
-TEST(LampLitMedium, ScattersTheLampsPower) {
+TEST(LitMedium, ScattersTheLampsPower) {
   const Lamp lamp = lampAt(Vec3::Zero());
-  const LampLitMedium medium = lit({&lamp, 1}, {});
+  const LitMedium medium = lit({&lamp, 1}, {});
   constexpr double kRadius = 30;
   double sum = 0;
   for (int i = 0; i < 60; ++i) {  // even shells
@@ -101,9 +107,9 @@ std::vector<Segment> raysAround(const Vec3& place) {
   return rays;
 }
 
-TEST(LampLitMedium, FastPathIsTheIntegralOfItsFormula) {
+TEST(LitMedium, FastPathIsTheIntegralOfItsFormula) {
   const Lamp lamp = lampAt(Vec3(1, 2, 3));
-  const LampLitMedium medium = lit({&lamp, 1}, {.albedo = Rgb::Constant(0.9), .asymmetry = 0.6});
+  const LitMedium medium = lit({&lamp, 1}, {.albedo = Rgb::Constant(0.9), .asymmetry = 0.6});
   const auto rays = raysAround(lamp.position);
   std::vector<Radiance> fast(rays.size());
   medium.radiance(rays, fast);
@@ -122,13 +128,13 @@ TEST(LampLitMedium, FastPathIsTheIntegralOfItsFormula) {
   const double brightest = *std::ranges::max_element(expected);
   EXPECT_GT(brightest, 0.1);
   for (std::size_t i = 0; i < rays.size(); ++i)
-    EXPECT_NEAR(fast[i].emitted[0], expected[i], 1e-2 * brightest) << i;
+    EXPECT_NEAR(fast[i].emitted[0], expected[i], 5e-3 * brightest) << i;
 }
 
-TEST(LampLitMedium, FastPathIsThatOfItsPieces) {
+TEST(LitMedium, FastPathIsThatOfItsPieces) {
   const Lamp lamps[] = {lampAt(Vec3(0, 0, 0)), lampAt(Vec3(1, 0.5, 2), Rgb(30, 30, 60)),
                         lampAt(Vec3(-1, 1, 3))};
-  const LampLitMedium medium = lit(lamps, {.asymmetry = 0.3});
+  const LitMedium medium = lit(lamps, {.asymmetry = 0.3});
   auto rays = raysAround(Vec3(0, 0, 1));
   for (const Segment& ray : raysAround(Vec3(0, 25, -20))) rays.push_back(ray);
   std::vector<Radiance> fast(rays.size()), exact(rays.size());
@@ -142,31 +148,69 @@ TEST(LampLitMedium, FastPathIsThatOfItsPieces) {
   }
 }
 
-TEST(LampLitMedium, WhatIsBetweenTakesItsShare) {
+/// From the formula by many steps: a sheet of smoke between lamp and fog, and a wall.
+TEST(LitMedium, WhatIsBetweenTakesItsShareAndWallsAll) {
   const Lamp lamp = lampAt(Vec3::Zero());
-  const AnyMedium thin(EvenBox{{Vec3(5, -40, -40), Vec3(7, 40, 40)}});
-  const Blocks ground = [](std::span<const Segment> segments, std::span<std::uint8_t> blocked) {
-    for (std::size_t i = 0; i < segments.size(); ++i) blocked[i] = segments[i].origin.z() < -10;
+  const Box3 sheet{Vec3(5, -40, -40), Vec3(7, 40, 40)};
+  const auto below = [](const Segment& segment, const Lamp&, std::vector<Interval>& dark) {
+    dark.clear();  // a floor at z = -0.1 keeps all that is below it dark
+    const double at = (-0.1 - segment.origin.z()) / segment.direction.z();
+    const Interval part =
+        segment.direction.z() < 0 ? Interval{at, segment.end} : Interval{segment.begin, at};
+    if (!part.intersect({segment.begin, segment.end}).empty())
+      dark.push_back(part.intersect({segment.begin, segment.end}));
   };
-  const LampLitMedium plain = lit({&lamp, 1}, {});
-  const LampLitMedium shadowed = lit({&lamp, 1}, {.between = {&thin, 1}, .blocks = ground});
-  const Vec3 behind(12, 0.3, 0.2), before(3, 0.3, 0.2), below(1, 0, -25), above(1, 0, 25);
-  EXPECT_NEAR(shadowed.emission(behind)[0] / plain.emission(behind)[0], std::exp(-2 * kEven), 2e-2);
-  EXPECT_NEAR(shadowed.emission(before)[0] / plain.emission(before)[0], 1, 1e-9);
-  EXPECT_EQ(shadowed.emission(below)[0], 0);
-  EXPECT_NEAR(shadowed.emission(above)[0] / plain.emission(above)[0], 1, 1e-2);
+  const LitMedium medium = lit({&lamp, 1}, {}, {AnyMedium(EvenBox{sheet})}, below);
+  for (const Segment& ray : {Segment{Vec3(12, 3, 9), Vec3(-0.1, 0.2, -1).normalized(), 0, 30},
+                             Segment{Vec3(-20, 2, 0.5), Vec3(1, 0, 0.01).normalized(), 0, 50},
+                             Segment{Vec3(9, 0, -5), Vec3(0.1, 0.1, 1).normalized(), 0, 12}}) {
+    Radiance fast, pieces;
+    medium.radiance({&ray, 1}, {&fast, 1});
+    radianceByPieces(medium, {&ray, 1}, {&pieces, 1});
+    double sum = 0;
+    constexpr int kSteps = 40000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double s = ray.end * (i + 0.5) / kSteps;
+      const Vec3 point = ray.at(s);
+      if (point.z() < -0.1)
+        continue;
+      const double far = point.norm(), near = std::max(far, lamp.radius);
+      const double inSheet =
+          sheet.intersect(Vec3::Zero(), point / far).intersect({0, far}).length();
+      sum += kEven * std::exp(-kEven * (s + far + inSheet)) * 100 / (near * near) / (4 * kPi) *
+             ray.end / kSteps;
+    }
+    EXPECT_NEAR(fast.emitted[0], sum, 5e-3 * sum + 1e-5);
+    EXPECT_NEAR(pieces.emitted[0], sum, 5e-3 * sum + 1e-5);
+  }
+}
+
+/// Edges of shadows that are almost at one place cut steps that have no length to speak of.
+TEST(LitMedium, EdgesAtOnePlaceDoNoHarm) {
+  const Lamp lamp = lampAt(Vec3(1, 2, 3));
+  const auto dots = [](const Segment&, const Lamp&, std::vector<Interval>& dark) {
+    dark.clear();
+    for (const double s : {5.0, 9.0, 13.0, 33.0})
+      dark.push_back({s, s + 8e-15 * s}), dark.push_back({s + 12e-15 * s, s + 1e-13 * s});
+  };
+  const LitMedium plain = lit({&lamp, 1}, {}), dotted = lit({&lamp, 1}, {}, {}, dots);
+  const Segment ray{Vec3(-9, 2, 4), Vec3::UnitX(), 0, 40};
+  Radiance expected, light;
+  plain.radiance({&ray, 1}, {&expected, 1});
+  dotted.radiance({&ray, 1}, {&light, 1});
+  EXPECT_NEAR(light.emitted[0] / expected.emitted[0], 1, 5e-3);
 }
 
 /// Evenly scattering, so that a point has what rays have; as far as light is known between the
 /// places where it was found.
-conformance::MediumUnderTest lampLitUnderTest() {
+conformance::MediumUnderTest litUnderTest() {
   const Lamp lamp = lampAt(Vec3(3, -2, 60));  // outside of it, where nothing is steep
   conformance::Traits traits;
   traits.tolerance = {.closedForm = 1e-2, .points = 1e-2, .quadrature = 1e-2, .fineSteps = 1e-2};
   return conformance::underTest(lit({&lamp, 1}, {}), traits);
 }
 
-VOLUTE_CONFORMANCE(LampLit, lampLitUnderTest());
+VOLUTE_CONFORMANCE(Lit, litUnderTest());
 
 }  // namespace
 }  // namespace volute

@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/lighting/lit_medium.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numbers>
+
+#include "volute/math/phase_function.hpp"
+#include "volute/medium/integrate.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kEvenly = 1 / (4 * std::numbers::pi);
+constexpr double kLightTolerance = 2e-4;
+constexpr int kMaxCuts = 12;
+constexpr int kLitTerms = 8;  ///< of a piece's light: more cost more than the cuts that they save
+constexpr double kGoneEfolds = 30;  ///< e-folds after which nothing is left
+constexpr int kMaxSteps = 4096;
+constexpr int kMaxParts = 64;         ///< of a step
+constexpr double kPartDepth = 0.125;  ///< optical depth of a part
+constexpr double kPartReach = 0.25;   ///< of the distance from a lamp: a part's length
+constexpr double kStepLost = 1e-4;    ///< of the light that all steps may scatter towards the eye
+
+/// The mean of 1 / max(distance, radius)^2 from a lamp on a part of a ray.
+double meanInverseSquare(const Lamp& lamp, const Segment& ray, double begin, double end) {
+  const double nearest = (lamp.position - ray.origin).dot(ray.direction);
+  const double miss = (ray.at(nearest) - lamp.position).norm();
+  const double a = begin - nearest, b = end - nearest, middle = 0.5 * (a + b);
+  const double inside = std::hypot(miss, a * b <= 0 ? 0.0 : std::min(std::abs(a), std::abs(b)));
+  if (inside < lamp.radius) {
+    const double reach = std::max(std::hypot(miss, middle), lamp.radius);
+    return 1 / (reach * reach);
+  }
+  if (!(b - a > 1e-9 * (std::abs(middle) + miss))) {
+    const double reach = std::max(std::hypot(miss, middle), lamp.radius);
+    return 1 / (reach * reach);
+  }
+  if (miss < 1e-3 * std::abs(middle))
+    return 1 / (a * b);
+  return (std::atan(b / miss) - std::atan(a / miss)) / (miss * (b - a));
+}
+
+/// Where in a part, 0..1, the light that it sends comes from in the mean; light that is linear
+/// there is exact.
+double centroid(double depth) {
+  return depth < 1e-3 ? 0.5 - depth / 12 : 1 / depth - 1 / std::expm1(depth);
+}
+
+/// curve * (a + b s + c s^2).
+Polynomial timesParabola(const Polynomial& curve, double a, double b, double c) {
+  Polynomial out = curve.timesLine(a, b);
+  if (c != 0)
+    out += curve.timesLine(0, 1).timesLine(0, c);
+  return out;
+}
+
+bool isDark(std::span<const Interval> dark, double s) {
+  const auto next = std::ranges::upper_bound(dark, s, {}, &Interval::begin);
+  return next != dark.begin() && s < std::prev(next)->end;
+}
+
+}  // namespace
+
+/// A segment, its part that is lit, and what surfaces leave of that to each lamp.
+class LitMedium::Ray {
+ public:
+  Ray(const LitMedium& medium, const Segment& segment)
+      : segment_(segment),
+        lit_(medium.options_.lit.intersect(segment.origin, segment.direction)
+                 .intersect({segment.begin, segment.end})) {
+    const std::span<const LightField> fields = medium.fields_;
+    dark_.resize(fields.size());
+    if (medium.options_.shadows && !lit_.empty()) {
+      const Segment part{segment.origin, segment.direction, lit_.begin, lit_.end};
+      for (std::size_t i = 0; i < fields.size(); ++i)
+        medium.options_.shadows(part, fields[i].lamp(), dark_[i]);
+    }
+    reached_.assign(fields.size(), 1);
+    for (const LightField& field : fields) {
+      const Lamp& lamp = field.lamp();
+      if (lamp.kind != Lamp::Kind::kSun)  // there the phase jumps
+        nearest_.push_back((lamp.position - segment.origin).dot(segment.direction));
+      phases_.push_back(lamp.kind == Lamp::Kind::kSun
+                            ? henyeyGreenstein(medium.options_.scattering.asymmetry,
+                                               -lamp.direction.dot(segment.direction))
+                            : 0);
+    }
+  }
+
+  const Segment& segment() const { return segment_; }
+
+  const Interval& lit() const { return lit_; }
+
+  /// The ends of the parts of (begin, end) on which it is dark or light for each lamp alike, and
+  /// before or behind it.
+  std::vector<double> edges(double begin, double end) const {
+    std::vector<double> edges;
+    for (const auto& dark : dark_) {
+      auto part = std::ranges::upper_bound(dark, begin, {}, &Interval::end);
+      for (; part != dark.end() && part->begin < end; ++part) {
+        for (const double edge : {part->begin, part->end}) {
+          if (edge > begin && edge < end)
+            edges.push_back(edge);
+        }
+      }
+    }
+    std::ranges::copy_if(nearest_, std::back_inserter(edges),
+                         [&](double s) { return s > begin && s < end; });
+    std::ranges::sort(edges);
+    edges.push_back(end);
+    return edges;
+  }
+
+  /// From now on lamps reach it as they reach this place.
+  void stand(double s) {
+    for (std::size_t i = 0; i < dark_.size(); ++i) reached_[i] = !isDark(dark_[i], s);
+  }
+
+  bool reached(std::size_t lamp) const { return reached_[lamp] != 0; }
+
+  double phase(std::size_t lamp) const { return phases_[lamp]; }
+
+ private:
+  Segment segment_;
+  Interval lit_;
+  std::vector<std::vector<Interval>> dark_;
+  std::vector<char> reached_;
+  std::vector<double> phases_;   ///< of suns
+  std::vector<double> nearest_;  ///< to other lamps
+};
+
+LitMedium::LitMedium(AnyMedium medium, std::vector<LightField> fields, Options options)
+    : medium_(std::move(medium)), fields_(std::move(fields)), options_(std::move(options)) {}
+
+Rgb LitMedium::source(const Ray& ray, const Vec3& point) const {
+  Rgb sum = Rgb::Zero();
+  for (std::size_t i = 0; i < fields_.size(); ++i) {
+    if (!ray.reached(i))
+      continue;
+    const Lamp& lamp = fields_[i].lamp();
+    double phase = ray.phase(i);
+    if (lamp.kind != Lamp::Kind::kSun) {
+      const Vec3 away = point - lamp.position;
+      const double distance = away.norm();
+      phase = distance > 0 ? henyeyGreenstein(options_.scattering.asymmetry,
+                                              -away.dot(ray.segment().direction) / distance)
+                           : kEvenly;
+    }
+    const Rgb arriving = lamp.irradiance(point);
+    if ((arriving > 0).any())
+      sum += fields_[i].at(point).share * phase * arriving;
+  }
+  return options_.scattering.albedo * sum;
+}
+
+double LitMedium::evenFor(const Vec3& point) const {
+  double even = std::numeric_limits<double>::infinity();
+  for (const LightField& field : fields_) even = std::min(even, field.evenFor(point));
+  return even;
+}
+
+Rgb LitMedium::emission(const Vec3& point) const {
+  Rgb sum = Rgb::Zero();
+  if (options_.lit.contains(point)) {
+    for (const LightField& field : fields_)
+      sum += field.at(point).share * kEvenly * field.lamp().irradiance(point);
+  }
+  return medium_.emission(point) + medium_.extinction(point) * options_.scattering.albedo * sum;
+}
+
+void LitMedium::cut(const Ray& ray, const Piece& piece, int cuts, std::vector<Piece>& out) const {
+  const double length = piece.end - piece.begin;
+  const auto at = [&](double share) {
+    return source(ray, ray.segment().at(piece.begin + share * length));
+  };
+  const int room = kLitTerms - piece.extinction.terms();  // degrees that may be added
+  const Rgb first = at(0), middle = at(0.5), last = at(1);
+  // The light as a + b x + c x^2 with x from 0 to 1.
+  const Rgb c = room >= 2 ? Rgb(2 * (first + last - 2 * middle)) : Rgb(Rgb::Zero());
+  const Rgb a = room >= 1 ? first : middle;
+  const Rgb b = room >= 1 ? Rgb(last - first - c) : Rgb(Rgb::Zero());
+  double error = 0;
+  for (const double x : {0.25, 0.75}) {
+    const Rgb there = at(x);
+    error = std::max(error, (a + b * x + c * x * x - there).abs().maxCoeff() -
+                                kLightTolerance * there.maxCoeff());
+  }
+  if (error > 0 && cuts < kMaxCuts) {
+    const double half = piece.begin + 0.5 * length;
+    cut(ray, clipped(piece, piece.begin, half), cuts + 1, out);
+    cut(ray, clipped(piece, half, piece.end), cuts + 1, out);
+    return;
+  }
+  Piece lit = piece;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    lit.emission[k] +=
+        timesParabola(piece.extinction, a[k], b[k] / length, c[k] / (length * length));
+  }
+  out.push_back(lit);
+}
+
+void LitMedium::pieces(std::span<const Segment> segments,
+                       std::span<std::vector<Piece>> pieces) const {
+  std::vector<std::vector<Piece>> plain(segments.size());
+  medium_.pieces(segments, plain);
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    pieces[i].clear();
+    Ray ray(*this, segments[i]);
+    for (const Piece& piece : plain[i]) {
+      const bool endless = !std::isfinite(piece.end);
+      const double last =
+          endless && piece.decay > 0 ? piece.begin + kGoneEfolds / piece.decay : piece.end;
+      const double begin = std::clamp(ray.lit().begin, piece.begin, last);
+      const double end = std::clamp(ray.lit().end, begin, last);
+      if (piece.extinction.isZero() || !(begin < end)) {
+        pieces[i].push_back(piece);
+        continue;
+      }
+      if (begin > piece.begin)
+        pieces[i].push_back(clipped(piece, piece.begin, begin));
+      double from = begin;
+      for (const double to : ray.edges(begin, end)) {
+        ray.stand(0.5 * (from + to));
+        cut(ray, clipped(piece, from, to), 0, pieces[i]);
+        from = to;
+      }
+      if (end < piece.end)
+        pieces[i].push_back(clipped(piece, end, piece.end));
+    }
+  }
+}
+
+void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
+  std::vector<Ray> rays;
+  std::vector<Segment> steps;
+  std::vector<std::size_t> begins;
+  std::vector<Radiance> parts;
+  for (std::size_t first = 0; first < segments.size(); first += kSegmentsAtOnce) {
+    const std::size_t count = std::min(kSegmentsAtOnce, segments.size() - first);
+    rays.clear(), steps.clear(), begins.clear();
+    for (const Segment& segment : segments.subspan(first, count)) {
+      const Ray& ray = rays.emplace_back(*this, segment);
+      begins.push_back(steps.size());
+      Segment step = segment;
+      const auto until = [&](double s) {
+        step.end = s;
+        if (!step.empty())
+          steps.push_back(step);
+        step.begin = s;
+      };
+      if (!ray.lit().empty()) {
+        until(ray.lit().begin);
+        for (const double edge : ray.edges(ray.lit().begin, ray.lit().end)) {
+          const double from = step.begin, length = edge - from;
+          const int pieces =
+              std::clamp(static_cast<int>(std::min(length / options_.step, 1e6)) + 1, 1, kMaxSteps);
+          int left = kMaxSteps;
+          for (int k = 1; k <= pieces; ++k) {
+            const double to = k == pieces ? edge : from + length * k / pieces;
+            for (; left > 0; --left) {  // finer in shadows of media
+              const double even = evenFor(segment.at(step.begin));
+              if (step.begin + 1.5 * even >= to)
+                break;
+              until(step.begin + even);
+            }
+            until(to);
+          }
+        }
+      }
+      until(segment.end);
+    }
+    begins.push_back(steps.size());
+    parts.resize(steps.size());
+    medium_.radiance(steps, parts);
+    for (std::size_t i = 0; i < count; ++i) {
+      Radiance sum;
+      for (std::size_t k = begins[i]; k < begins[i + 1]; ++k) add(rays[i], steps[k], parts[k], sum);
+      out[first + i] = sum;
+    }
+  }
+}
+
+/// One more step behind those of `sum`.
+void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, Radiance& sum) const {
+  sum.emitted += sum.transmittance * own.emitted;
+  const double before = sum.transmittance;
+  sum.transmittance *= own.transmittance;
+  const Interval& lit = ray.lit();
+  const double middle = 0.5 * (step.begin + step.end);
+  const double lost = kStepLost * (step.end - step.begin) / lit.length();
+  if (!(before * (1 - own.transmittance) > lost) || !(middle > lit.begin && middle < lit.end))
+    return;
+  ray.stand(middle);
+  const double depth = -std::log(std::max(own.transmittance, 1e-300)),
+               length = step.end - step.begin;
+  const int thick = static_cast<int>(std::min(depth / kPartDepth, 1e3)) + 1;
+  Rgb light = Rgb::Zero();
+  for (std::size_t i = 0; i < fields_.size(); ++i) {
+    if (!ray.reached(i))
+      continue;
+    const LightField& field = fields_[i];
+    const Lamp& lamp = field.lamp();
+    const bool sun = lamp.kind == Lamp::Kind::kSun;
+    int count = thick;
+    LightField::Sample seen =
+        field.at(step.at(step.begin + length * (thick > 1 ? 0.5 : centroid(depth))));
+    if (seen.cell > 0)
+      count = std::max(count, static_cast<int>(std::min(length / seen.cell, 1e3)));
+    if (!sun) {
+      const double nearest =
+          std::clamp((lamp.position - step.origin).dot(step.direction), step.begin, step.end);
+      const double distance = (step.at(nearest) - lamp.position).norm();
+      count = std::max(count, static_cast<int>(std::min(
+                                  length / (kPartReach * std::max(distance, lamp.radius)), 1e3)) +
+                                  1);
+    }
+    count = std::min(count, kMaxParts);
+    double passed = 1, share = 0;
+    const double each = std::exp(-depth / count), place = centroid(depth / count);
+    for (int part = 0; part < count && passed > kStepLost; ++part) {
+      const double begin = step.begin + length * part / count, end = begin + length / count;
+      const Vec3 point = step.at(begin + place * (end - begin));
+      double arriving = ray.phase(i);
+      if (!sun) {
+        const Vec3 away = point - lamp.position;
+        const double distance = away.norm();
+        const double cosine = distance > 0 ? -away.dot(step.direction) / distance : 0;
+        const double middle = (step.at(0.5 * (begin + end)) - lamp.position).norm();
+        const double nearer = std::max(middle, lamp.radius) / std::max(distance, lamp.radius);
+        arriving = henyeyGreenstein(options_.scattering.asymmetry, cosine) * lamp.coneShare(point) *
+                   meanInverseSquare(lamp, step, begin, end) * nearer * nearer;
+      }
+      if (count > 1)
+        seen = arriving > 0 ? field.at(point) : LightField::Sample{};
+      share += passed * (1 - each) * arriving * seen.share;
+      passed *= each;
+    }
+    light += share * lamp.intensity;
+  }
+  sum.emitted += before * options_.scattering.albedo * light;
+}
+
+}  // namespace volute

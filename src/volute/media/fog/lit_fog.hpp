@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "volute/fog/fog_medium.hpp"
+#include "volute/fog/sun_shadow.hpp"
+#include "volute/lighting/lit_medium.hpp"
+
+namespace volute {
+
+/// What stands in the light of lamps that shine at a fog, and what it does with it.
+struct FogLight {
+  Scattering scattering{};
+  ShadowsOn shadows{};               ///< may be empty
+  std::vector<AnyMedium> between{};  ///< other media, with their physical extinction
+};
+
+/// A box outside of which a fog is too thin to be lit; finite.
+Box3 litBox(const FogMedium& fog);
+
+/// The way of a sun through a fog.
+struct SunInFog final : KnownDepth {
+  SunShadow maps;
+
+  explicit SunInFog(SunShadow made) : maps(std::move(made)) {}
+
+  double opticalDepth(const Vec3& point) const override { return maps.opticalDepth(point); }
+};
+
+/// Fog in the light of lamps that reach it through itself and other media.
+LitMedium litFog(const FogMedium& fog, std::span<const Lamp> lamps, const FogLight& light);
+
+}  // namespace volute
