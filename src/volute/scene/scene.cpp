@@ -310,7 +310,8 @@ void Scene::shine(Snapshot& snapshot, Progress& progress) {
     }
     std::vector<AnyMedium> between;
     for (std::size_t k = 0; k < plain.size(); ++k) {
-      if (k != i)
+      // Of what ranks share each knows its own part: they would not agree.
+      if (k != i && !media_[k]->info().shared)
         plain[k]->addExtinction(between);
     }
     if (others.empty() && between.empty())

@@ -71,11 +71,15 @@ std::shared_ptr<const KnownDepth> shadowOf(const FogMedium& fog, const Lamp& lam
 
 LitMedium litFog(const FogMedium& fog, std::span<const Lamp> lamps, const FogLight& light) {
   constexpr double kFinest = 1 / 8.0;  // of a cell
+  constexpr double kSunTolerance = 2e-3, kLampTolerance = 4e-3;
   const Box3 lit = litBox(fog);
   std::vector<LightField> fields;
   for (const Lamp& lamp : lamps) {
     std::vector<AnyMedium> media = light.between;
-    const LightFieldOptions options{.finest = kFinest * fog.cell(), .known = shadowOf(fog, lamp)};
+    const bool sun = lamp.kind == Lamp::Kind::kSun;
+    const LightFieldOptions options{.tolerance = sun ? kSunTolerance : kLampTolerance,
+                                    .finest = kFinest * fog.cell(),
+                                    .known = shadowOf(fog, lamp)};
     if (!options.known)
       media.emplace_back(QuickFog{fog.finest()});
     fields.emplace_back(lamp, std::move(media), lit, options);

@@ -101,9 +101,9 @@ void VolumeAt::addMedia(std::vector<AnyMedium>& media) const {
 }
 
 void VolumeAt::addExtinction(std::vector<AnyMedium>& media) const {
-  if (!light_)
+  if (!light_ && extinction_ != 0)
     addMedia(media);
-  else
+  else if (light_)
     addPlaced(scaledBy(factor_, AnyMedium(light_->volume())), media);
 }
 
