@@ -198,7 +198,8 @@ def evening_section():
          f"{fire_in_fog.FIRE_METRES}{NBSP}m high. `volute view effects/fire_in_fog.json` opens it in a window, where fog can be painted with a "
          "brush (the demo compiles the viewer last; `./dev view demo/effects/fire_in_fog.json` does at any time).",),
         (Picture("effects/fire_in_fog.png", "A bonfire in the fog at dusk", "Fire and fog add up along each ray and end at surfaces; "
-                                                                            "linear light, exposure 2, sRGB"),), columns=1)
+                                                                            "a lamp in the fire, ten times its power, lights surfaces and "
+                                                                            "fog; linear light, exposure 2, sRGB"),), columns=1)
 
 
 def valley_section(scale):
