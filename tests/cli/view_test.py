@@ -36,7 +36,7 @@ class View(support.TestCase):
         self.assertEqual(first, self.frame(self.volume(), "--no-panels"))
 
     def test_a_time_past_the_end_is_refused(self):
-        message = self.fails(1, "view", self.volume(), "--time", "99", "--screenshot", self.path("s.png"), "--size", "160x100")
+        message = self.fails(2, "view", self.volume(), "--time", "99", "--screenshot", self.path("s.png"), "--size", "160x100")
         self.assertIn("--time: 99 s is past the end", message)
         self.assertIn("2 frames from 0 to 0.04 s", message)
         self.assertFalse(self.path("s.png").exists())

@@ -70,7 +70,9 @@ class LitMedium::Ray {
  public:
   Ray(const LitMedium& medium, const Segment& segment)
       : segment_(segment),
+        // Steps begin where the medium does: it is even in each.
         lit_(medium.options_.lit.intersect(segment.origin, segment.direction)
+                 .intersect(medium.bounds().intersect(segment.origin, segment.direction))
                  .intersect({segment.begin, segment.end})) {
     const std::span<const LightField> fields = medium.fields_;
     dark_.resize(fields.size());
