@@ -51,8 +51,11 @@ TEST(OutputName, KeepsPercentAndHashOfAFileThatIsThere) {
       std::filesystem::temp_directory_path() / ("volute_output_name_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   std::filesystem::current_path(folder);
-  for (const char* name : {"take##.volute", "smoke_50%.volute"}) std::ofstream(name) << 'x';
-  EXPECT_EQ(derivedOutput("take##.volute", ".png"), "take##.png");
+  for (const char* name : {"take##.volute", "x%04d.volute", "smoke_50%.volute"})
+    std::ofstream(name) << 'x';
+  // But for what an output would read as numbers.
+  EXPECT_EQ(derivedOutput("take##.volute", ".png"), "take.png");
+  EXPECT_EQ(derivedOutput("x%04d.volute", ".png"), "x.png");
   EXPECT_EQ(derivedOutput("smoke_50%.volute", ".png"), "smoke_50%.png");
   EXPECT_EQ(derivedOutput("a%20b.volute", ".png"), "a%20b.png");
   EXPECT_EQ(derivedOutput("take#2.volute", ".png"), "take#2.png");

@@ -57,6 +57,10 @@ std::string derivedOutput(const std::string& input, std::string_view end) {
   if (const auto field = findFrameField(path.filename().string());
       namesSeriesOfFiles(path) && field && *field)
     stem.resize(std::min((*field)->begin, stem.size()));
+  // A file that is called like a pattern, which its output is not.
+  const std::string plain = stem + std::string(end);
+  if (const auto field = findFrameField(plain); namesSeries(plain) && field && *field)
+    stem.resize((*field)->begin);
   while (!stem.empty() && (stem.back() == '_' || stem.back() == '.' || stem.back() == '-'))
     stem.pop_back();
   if (stem.empty())
