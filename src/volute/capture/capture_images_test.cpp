@@ -100,8 +100,15 @@ TEST_F(CaptureImagesTest, PngFilesMayStateHowTheyStoreLight) {
   ASSERT_TRUE(testing::ok(writeMap(folder / "p_0004.png", light)));  // states that it is linear
   ASSERT_VALUE(const auto linear, readPicture(0, 4));
   EXPECT_NEAR(linear.radiance.at(2, 2, 1), 0.25, 1e-4);
+  const auto told = [&] {
+    return std::ranges::count_if(capture->remarks, [](const std::string& text) {
+      return text.find("which counts") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(told(), 0);
   json["color"] = "srgb";  // what the capture states counts
   ASSERT_VALUE(const auto stated, readPicture(0, 4));
+  EXPECT_EQ(told(), 1) << "the file says that it is linear";
   EXPECT_NEAR(stated.radiance.at(2, 2, 1), 0.0508, 1e-3);
 }
 

@@ -240,6 +240,13 @@ Status completeKinds(CaptureDraft& draft, std::uint64_t maxMemory) {
     if (!kind)
       return ofCamera(camera, kind.error());
     pictures.linear = kind->linear;
+    const std::string color = pictures.response ? pictures.response->name() : "";
+    if (!kind->stated.empty() && !color.empty() && (color == "linear") != kind->statesLight) {
+      draft.remarks.push_back(fmt::format(
+          "camera {}: {} states {}, and the capture says that it is {}, which counts: are its "
+          "values really stored so?",
+          camera.name, path.filename().string(), kind->stated, color));
+    }
     if (kind->pages > 1 && namesSeries(pictures.image)) {
       return fail(
           ErrorCode::kInvalidData,

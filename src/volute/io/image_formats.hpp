@@ -13,6 +13,10 @@ namespace volute {
                                                         const ImageReadOptions& options);
 [[nodiscard]] Result<std::optional<std::vector<double>>> readPngCurve(
     const std::filesystem::path& path);
+
+/// How a .png says that it stores light: "sRGB", "gAMA 1", "an ICC profile", "cICP 1, 13"; empty:
+/// it does not.
+[[nodiscard]] Result<std::string> readPngColorName(const std::filesystem::path& path);
 [[nodiscard]] Status writePng(const std::filesystem::path& path, const Image& image,
                               const ImageNotes& notes);
 [[nodiscard]] Status writePngMap(const std::filesystem::path& path, const Image& map);

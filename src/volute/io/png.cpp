@@ -316,6 +316,19 @@ Result<std::optional<std::vector<double>>> readPngCurve(const std::filesystem::p
   return color ? sampledCurve(*color, path) : std::optional<std::vector<double>>();
 }
 
+Result<std::string> readPngColorName(const std::filesystem::path& path) {
+  PngState state;
+  state.headerOnly = true;
+  VOLUTE_TRY(readPngFile(path, {}, state));
+  if (state.codePoints)
+    return fmt::format("cICP {}, {}", (*state.codePoints)[0], (*state.codePoints)[1]);
+  if (state.srgb)
+    return "sRGB";
+  if (!state.profile.empty())
+    return "an ICC profile";
+  return state.gamma > 0 ? fmt::format("gAMA {:.4g}", state.gamma) : "";
+}
+
 Result<StoredPng> readStoredPng(const std::filesystem::path& path, std::uint64_t maxMemory) {
   PngState state;
   VOLUTE_TRY(readPngFile(path, {.maxMemory = maxMemory}, state));

@@ -394,6 +394,14 @@ Result<PictureKind> pictureKind(const std::filesystem::path& path, std::uint64_t
     VOLUTE_ASSIGN(const PictureArray array, openPictureArray(path));
     return PictureKind{isFloat(array.header.type.kind)};
   }
+  if (extension == ".png") {
+    PictureKind kind;
+    VOLUTE_ASSIGN(kind.stated, readPngColorName(path));
+    // Curve 8 of H.273 is linear.
+    kind.statesLight = kind.stated == "gAMA 1" ||
+                       (kind.stated.starts_with("cICP") && kind.stated.ends_with(", 8"));
+    return kind;
+  }
   return PictureKind{extension == ".exr" || extension == ".pfm"};
 }
 

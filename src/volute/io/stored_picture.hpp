@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "volute/base/result.hpp"
@@ -24,8 +25,10 @@ struct StoredPicture {
 
 /// What is known of pictures before they are decoded.
 struct PictureKind {
-  bool linear = false;  ///< floats
-  int pages = 1;        ///< pictures in the file: pages of a .tif
+  bool linear = false;       ///< floats
+  int pages = 1;             ///< pictures in the file: pages of a .tif
+  std::string stated{};      ///< how a .png says that it stores light: "sRGB", "gAMA 1"; or empty
+  bool statesLight = false;  ///< that is linear light
 };
 
 /// Reads a picture of a camera: .png and .exr; .tif (unsigned integers of 1 to 16 or of 32 bits, or
