@@ -232,6 +232,15 @@ TEST_F(CaptureImagesTest, PagesOfATiffAreFrames) {
   EXPECT_TRUE(failsWith(readPicture(0, 1), "holds 2 pictures; expected one in each numbered file"));
 }
 
+TEST_F(CaptureImagesTest, AnEmptyFirstPictureIsThatOfItsFrameAlone) {
+  json["cameras"][0]["image"] = "p_%04d.png";
+  testing::writeText(folder / "p_0004.png", "");
+  write("p_0005.png", picture(0.25f));
+  ASSERT_VALUE(const auto second, readPicture(0, 5));
+  EXPECT_GT(second.radiance.at(2, 2, 1), 0.1);
+  EXPECT_TRUE(failsWith(readPicture(0, 4), "is empty, 0 bytes"));
+}
+
 TEST_F(CaptureImagesTest, StillsOfLaboratories) {
   json["cameras"][0]["image"] = "p_%04d.pgm";
   json["cameras"][1]["image"] = "q_%04d.npy";

@@ -223,7 +223,8 @@ tl::unexpected<Error> ofCamera(const CameraDraft& camera, const Error& error) {
   return fail(error.code, error.hints, "camera {}: {}", camera.name, error.message);
 }
 
-/// What the first picture of each camera says of all of them.
+/// What the first whole picture of each camera says of all of them. What is wrong with others is
+/// told when they are read.
 Status completeKinds(CaptureDraft& draft, std::uint64_t maxMemory) {
   for (CameraDraft& camera : draft.cameras) {
     PictureSource& pictures = camera.pictures;
@@ -235,10 +236,14 @@ Status completeKinds(CaptureDraft& draft, std::uint64_t maxMemory) {
     const auto numbers = pictures.numbersThere();
     if (pictures.image.empty() || numbers.empty())
       continue;
-    const auto path = pictures.fileOf(numbers.front());
-    const auto kind = pictureKind(path, maxMemory);
+    auto path = pictures.fileOf(numbers.front());
+    auto kind = pictureKind(path, maxMemory);
+    for (std::size_t i = 1; !kind && i < numbers.size(); ++i) {
+      path = pictures.fileOf(numbers[i]);
+      kind = pictureKind(path, maxMemory);
+    }
     if (!kind)
-      return ofCamera(camera, kind.error());
+      continue;
     pictures.linear = kind->linear;
     const std::string color = pictures.response ? pictures.response->name() : "";
     if (!kind->stated.empty() && !color.empty() && (color == "linear") != kind->statesLight) {
