@@ -7,12 +7,15 @@
 #pragma GCC diagnostic ignored "-Wextra"
 #include <nanovdb/util/GridValidator.h>
 #include <nanovdb/util/IO.h>
-#include <nanovdb/util/NanoToOpenVDB.h>
 #include <nanovdb/util/OpenToNanoVDB.h>
 #pragma GCC diagnostic pop
 
 #include <cstring>
 #include <fstream>
+#include <memory>
+#include <type_traits>
+
+#include "volute/io/vdb_grid.hpp"
 
 namespace volute {
 namespace {
@@ -27,6 +30,95 @@ nanovdb::io::Header headerOf(const std::filesystem::path& path) {
   return header;
 }
 
+template <class Value>
+Value valueOf(const auto& value) {
+  static_assert(sizeof(Value) == sizeof value);
+  Value made;
+  std::memcpy(static_cast<void*>(&made), &value, sizeof made);
+  return made;
+}
+
+/// A kind of NanoVDB's values in OpenVDB: its packed ones (Fp4 to FpN) are float.
+template <class Kind>
+struct OpenKind {
+  using Type = std::conditional_t<std::is_arithmetic_v<Kind>, Kind, float>;
+};
+
+template <class T>
+struct OpenKind<nanovdb::Vec3<T>> {
+  using Type = openvdb::math::Vec3<T>;
+};
+
+template <>
+struct OpenKind<nanovdb::ValueMask> {
+  using Type = openvdb::ValueMask;
+};
+
+/// Copies a leaf, or an inner node with all below it, to an empty tree of OpenVDB.
+template <class To, class Node>
+std::unique_ptr<To> copied(const Node& from) {
+  using Value = typename To::ValueType;
+  const auto& at = from.origin();
+  auto to = std::make_unique<To>(openvdb::Coord(at[0], at[1], at[2]), Value());
+  for (openvdb::Index i = 0; i < To::NUM_VALUES; ++i) {
+    const bool active = from.valueMask().isOn(i);
+    if constexpr (To::LEVEL == 0) {
+      if constexpr (std::is_same_v<typename To::BuildType, openvdb::ValueMask>)
+        to->setActiveState(i, active);
+      else
+        active ? to->setValueOn(i, valueOf<Value>(from.getValue(i)))
+               : to->setValueOff(i, valueOf<Value>(from.getValue(i)));
+    } else if (from.childMask().isOn(i)) {
+      using Child = typename To::ChildNodeType;
+      to->addChild(copied<Child>(*from.data()->getChild(i)).release());
+    } else {
+      to->addTile(i, valueOf<Value>(from.data()->mTable[i].value), active);
+    }
+  }
+  return to;
+}
+
+openvdb::GridClass classOf(nanovdb::GridClass of) {
+  switch (of) {
+    case nanovdb::GridClass::LevelSet:
+      return openvdb::GRID_LEVEL_SET;
+    case nanovdb::GridClass::FogVolume:
+      return openvdb::GRID_FOG_VOLUME;
+    case nanovdb::GridClass::Staggered:
+      return openvdb::GRID_STAGGERED;
+    default:
+      return openvdb::GRID_UNKNOWN;
+  }
+}
+
+/// The same as nanovdb::nanoToOpenVDB(), which instantiates each type's trees.
+template <class Kind>
+openvdb::GridBase::Ptr toOpenVdb(const nanovdb::NanoGrid<Kind>& grid) {
+  using Tree = typename openvdb::tree::Tree4<typename OpenKind<Kind>::Type>::Type;
+  using Root = typename Tree::RootNodeType;
+  using Value = typename Tree::ValueType;
+  const auto made = emptyGrid<openvdb::Grid<Tree>>(valueOf<Value>(grid.tree().background()));
+  made->setName(grid.gridName());
+  made->setGridClass(classOf(grid.gridClass()));
+  const nanovdb::Map& map = grid.map();
+  auto matrix = openvdb::math::Mat4d::identity();
+  matrix.setMat3(openvdb::math::Mat3d(map.mMatD));
+  matrix.transpose();  // NanoVDB's is the transposed of OpenVDB's
+  matrix.setTranslation(openvdb::Vec3d(map.mVecD));
+  made->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+  Root& root = made->tree().root();
+  const auto* from = grid.tree().root().data();
+  for (std::uint32_t i = 0; i < from->mTableSize; ++i) {
+    const auto* tile = from->tile(i);
+    const auto at = tile->origin();
+    if (tile->isChild())
+      root.addChild(copied<typename Root::ChildNodeType>(*from->getChild(tile)).release());
+    else
+      root.addTile({at[0], at[1], at[2]}, valueOf<Value>(tile->value), tile->state);
+  }
+  return made;
+}
+
 /// Of any kind that OpenVDB has too.
 template <class... Kinds>
 openvdb::GridBase::Ptr toOpenVdb(const nanovdb::GridHandle<>& handle, bool& sound) {
@@ -37,9 +129,22 @@ openvdb::GridBase::Ptr toOpenVdb(const nanovdb::GridHandle<>& handle, bool& soun
       return;
     sound = grid->gridSize() == handle.size() && nanovdb::isValid(*grid, true);
     if (sound)
-      made = nanovdb::nanoToOpenVDB(*grid);
+      made = toOpenVdb<Kind>(*grid);
   };
   (take.template operator()<Kinds>(), ...);
+  return made;
+}
+
+/// Nothing for a type that is none of these.
+template <class... Grids>
+nanovdb::GridHandle<> toNanoVdb(const openvdb::GridBase::Ptr& grid) {
+  nanovdb::GridHandle<> made;
+  const auto take = [&]<class Grid>() {
+    if (const auto one = openvdb::GridBase::grid<Grid>(grid))
+      made = nanovdb::openToNanoVDB<nanovdb::HostBuffer, typename Grid::TreeType>(
+          *one, nanovdb::StatsMode::Default, nanovdb::ChecksumMode::Full);
+  };
+  (take.template operator()<Grids>(), ...);
   return made;
 }
 
@@ -99,11 +204,16 @@ Result<std::vector<openvdb::GridBase::Ptr>> readNanoGrids(const std::filesystem:
 }
 
 void writeNanoGrids(std::ostream& stream, const std::vector<openvdb::GridBase::Ptr>& grids) {
-  using namespace nanovdb;
-  std::vector<GridHandle<>> handles;
-  for (const auto& grid : grids)
-    handles.push_back(openToNanoVDB(grid, StatsMode::Default, ChecksumMode::Full));
-  io::writeGrids<HostBuffer, std::vector>(stream, handles, io::Codec::NONE);
+  using namespace openvdb;
+  std::vector<nanovdb::GridHandle<>> handles;
+  for (const auto& grid : grids) {
+    handles.push_back(toNanoVdb<FloatGrid, DoubleGrid, Vec3fGrid, Vec3dGrid>(grid));
+    if (!handles.back())
+      throw std::runtime_error("grid '" + grid->getName() + "' is of OpenVDB's type " +
+                               grid->valueType() + ", which is not written as NanoVDB");
+  }
+  nanovdb::io::writeGrids<nanovdb::HostBuffer, std::vector>(stream, handles,
+                                                            nanovdb::io::Codec::NONE);
 }
 
 }  // namespace volute

@@ -27,6 +27,7 @@
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice.hpp"
 #include "volute/io/nano_grids.hpp"
+#include "volute/io/vdb_grid.hpp"
 
 namespace volute {
 namespace {
@@ -193,7 +194,7 @@ class VdbFile final : public openvdb::io::Archive {
       OPENVDB_THROW(openvdb::IoError,
                     "a grid of type " << type << " cannot be where the file says");
     entry.foreignType = type;
-    entry.grid = openvdb::MaskGrid::create();
+    entry.grid = emptyGrid<openvdb::MaskGrid>(false);
     entry.grid->setName(openvdb::io::GridDescriptor::stripSuffix(name));
   }
 
@@ -1131,9 +1132,9 @@ openvdb::GridBase::Ptr makeGrid(const Bricks& bricks) {
   const auto& b = bricks.background();
   typename Grid::Ptr grid;
   if constexpr (Channels<Value>::kCount == 3)
-    grid = Grid::create(Value(b[0], b[1], b[2]));
+    grid = emptyGrid<Grid>(Value(b[0], b[1], b[2]));
   else
-    grid = Grid::create(static_cast<Value>(b[0]));
+    grid = emptyGrid<Grid>(static_cast<Value>(b[0]));
   putBricks(bricks, {0, 0, 0}, *grid);
   return grid;
 }
@@ -1161,10 +1162,10 @@ typename Grid::Ptr gridOver(const GridDescription& description) {
   const auto& b = description.background;
   if constexpr (Channels<Value>::kCount == 3) {
     using Scalar = typename Value::ValueType;
-    return Grid::create(
+    return emptyGrid<Grid>(
         Value(static_cast<Scalar>(b[0]), static_cast<Scalar>(b[1]), static_cast<Scalar>(b[2])));
   } else {
-    return Grid::create(static_cast<Value>(b[0]));
+    return emptyGrid<Grid>(static_cast<Value>(b[0]));
   }
 }
 
