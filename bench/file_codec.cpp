@@ -25,8 +25,7 @@ class VoluteCodec final : public FileCodec {
   Status decode(const VolumeInfo& info, const std::filesystem::path& folder,
                 std::span<float> values) const override {
     VOLUTE_ASSIGN(const auto reader, VoluteReader::open(file(folder)));
-    constexpr std::size_t kRow = BlockGrid::kSide;
-    const std::size_t row = kRow * info.frameValues();
+    const std::size_t row = static_cast<std::size_t>(reader.blocks().frames()) * info.frameValues();
     for (int i = 0; i < reader.blocks().counts()[0]; ++i) {
       const std::size_t begin = i * row;
       VOLUTE_TRY(reader.readRow(i, values.subspan(begin, std::min(row, values.size() - begin))));

@@ -317,10 +317,13 @@ class Codec:
     def __init__(self, number, data, channels):
         r = Reader(data)
         self.topology, self.by_symbols, self.background, self.inactive, self.bent = False, False, np.zeros(channels, f32), None, None
+        self.frames, self.means = 16, False
         if number == 3:
             flags = r.unpack("B")
-            check(flags < 16, "parameters of another version")
+            more = r.unpack("B") if flags & 16 else 0
+            check(flags < 32 and more & 7 <= 4 and more < 16, "parameters of another version")
             self.by_symbols, self.topology = flags & 4, not flags & 8
+            self.frames, self.means = 16 >> (more & 7), more & 8
             self.background = np.array(r.floats(channels), f32)
             self.inactive = np.array(r.floats(channels), f32) if flags & 1 else None
             self.bent = r.unpack("2d") if flags & 2 else None
@@ -539,7 +542,9 @@ class Grid:
         self.tiers = [r.varint() for _ in range(r.varint())]
         self.parameters, self.parts = r.bytes(), []
         check(self.tiers == [3, 1, 1], "tiers of another codec")
-        self.blocks = [-(-n // 16) for n in (self.frames, *self.size)]
+        first = Codec(codec, self.parameters, self.channels)
+        self.means, self.sides = first.means, (first.frames, 16, 16, 16)
+        self.blocks = [-(-n // side) for n, side in zip((self.frames, *self.size), self.sides)]
     def read_parts(self, data):
         r, row = Reader(data), 0
         for _ in range(r.varint()):
@@ -566,7 +571,7 @@ class Grid:
         starts = list(itertools.accumulate(step for step, _, _ in self.tile_pages)) + [self.blocks[0]]
         for i, (_, size, crc) in enumerate(self.tile_pages):
             r = page(size, crc)
-            for frame in range(16 * starts[i], min(16 * starts[i + 1], self.frames)):
+            for frame in range(self.sides[0] * starts[i], min(self.sides[0] * starts[i + 1], self.frames)):
                 origin, value = [0, 0, 0], [0.0] * self.channels
                 for _ in range(r.varint()):
                     what = r.unpack("B")
@@ -580,6 +585,7 @@ class Grid:
             for tier, total in zip(self.sizes, totals):
                 tier += [r.varint() for _ in range(count)]
                 check(sum(tier[-count:]) == total, "a page's sizes do not add up")
+            [r.zigzag() for _ in range(count * self.channels if self.means else 0)]
             check(r.at == len(r.data), "a page is too long")
         return at
     def segment(self, data, tier, i):
@@ -593,7 +599,7 @@ class Grid:
         codecs = [Codec(self.codec, parameters or self.parameters, self.channels) for *_, parameters in parts]
         values = np.empty((self.frames, *self.size, self.channels), f32)
         for codec, (row, *_) in zip(codecs, parts):
-            values[16 * row:] = codec.background
+            values[self.sides[0] * row:] = codec.background
         ends = list(offsets)
         for i, number in enumerate(self.numbers):
             t, z, y, x = np.unravel_index(number, self.blocks)
@@ -603,8 +609,8 @@ class Grid:
             for tier in range(len(self.tiers)):
                 ends[tier] += self.sizes[tier][i]
                 segments.append(self.segment(data[ends[tier] - self.sizes[tier][i]:ends[tier]], tier, i))
-            corner = [16 * int(n) for n in (t, z, y, x)]
-            shape = tuple(min(16, n - c) for n, c in zip((self.frames, *self.size), corner))
+            corner = [side * int(n) for side, n in zip(self.sides, (t, z, y, x))]
+            shape = tuple(min(side, n - c) for side, n, c in zip(self.sides, (self.frames, *self.size), corner))
             place = tuple(slice(c, c + n) for c, n in zip(corner, shape))
             values[place] = decode_block(codec, segments, shape, self.channels, f32(low), f32(high))
         for frame, tiles in enumerate(self.tiles if self.codec == 3 else ()):

@@ -30,6 +30,7 @@ FROZEN = {
     ("codec3_cache.volute", "temperature"): 0x95B1822D,
     ("codec3_symbols.volute", None): 0xDCB87C60,  # symbols in one lane and in four, escapes, no topology
     ("codec3_symbols_rgb.volute", None): 0x6DAD8EF3,  # symbols on supports, a maximum error
+    ("codec3_frames.volute", None): 0xDEC7F7E6,  # blocks of 4 frames, means in the index
     ("codec3_symbols_bent.volute", None): 0xFB31BE9F,  # symbols of bent values, with topology
 }
 

@@ -38,11 +38,11 @@ struct AxisPart {
 };
 
 /// What is asked for on an axis, by blocks.
-std::vector<AxisPart> partsOf(const std::vector<std::int64_t>& indices) {
+std::vector<AxisPart> partsOf(const std::vector<std::int64_t>& indices, int side) {
   std::vector<AxisPart> parts;
   for (std::size_t place = 0; place < indices.size(); ++place) {
-    const auto block = static_cast<int>(indices[place] / BlockGrid::kSide);
-    const auto from = static_cast<int>(indices[place] % BlockGrid::kSide);
+    const auto block = static_cast<int>(indices[place] / side);
+    const auto from = static_cast<int>(indices[place] % side);
     auto part = std::ranges::find(parts.rbegin(), parts.rend(), block, &AxisPart::block);
     if (part == parts.rend()) {
       parts.push_back({block, {}});
@@ -77,7 +77,7 @@ class Gather {
       : reader_(reader), levels_(levels) {
     for (std::size_t axis = 0; axis < 4; ++axis) {
       sizes_[axis] = indices[axis].size();
-      parts_[axis] = partsOf(indices[axis]);
+      parts_[axis] = partsOf(indices[axis], reader.blocks().sides()[axis]);
     }
   }
 
@@ -108,7 +108,12 @@ class Gather {
     const std::size_t block = grid.blockAt(at);
     const BlockGrid::Index4 extents = grid.extents(block);
     std::vector<float> decoded(grid.values(block));
-    VOLUTE_TRY(reader_.readBlock(block, decoded, levels_));
+    FrameSpan wanted{grid.frames(), 0};
+    for (const Run& run : part[0]->runs) {
+      wanted.first = std::min(wanted.first, run.from);
+      wanted.end = std::max(wanted.end, run.from + run.length);
+    }
+    VOLUTE_TRY(reader_.readBlock(block, decoded, levels_, wanted));
     const auto channels = static_cast<std::size_t>(grid.channels());
     eachIndex(*part[0], [&](std::size_t t, int fromT) {
       eachIndex(*part[1], [&](std::size_t z, int fromZ) {
@@ -209,9 +214,8 @@ class File {
     if (frame < 0 || frame >= info.frames)
       throw py::index_error(fmt::format("there is no frame {}; it has {}", frame, info.frames));
     Bricks held;
-    run(py::none(), [&](Progress&) {
-      return reader_.readBricks(frame / BlockGrid::kSide, frame, frame + 1, std::span(&held, 1));
-    });
+    run(py::none(),
+        [&](Progress&) { return reader_.readBricks(frame, frame + 1, std::span(&held, 1)); });
     constexpr py::ssize_t kSide = Bricks::kSide;
     const auto leaves = static_cast<py::ssize_t>(held.leaves().size());
     const auto tiles = static_cast<py::ssize_t>(held.tiles().size());
@@ -372,8 +376,8 @@ class PythonFrames final : public FrameSource {
 py::dict compressFrames(const py::object& frames, const Shape& shape,
                         const std::filesystem::path& path, const std::string& target, double value,
                         const py::dict& said, double rounding, const std::string& wavelet,
-                        int effort, const std::string& provenance, std::uint64_t maxMemory,
-                        const py::object& listener) {
+                        int effort, const std::string& access, const std::string& provenance,
+                        std::uint64_t maxMemory, const py::object& listener) {
   using namespace py::literals;
   using Kind = ErrorTarget::Kind;
   constexpr std::array<std::pair<std::string_view, Kind>, 7> kKinds{
@@ -391,6 +395,9 @@ py::dict compressFrames(const py::object& frames, const Shape& shape,
   options.target = {kind->second, value};
   options.wavelet = wavelet;
   options.effort = effort;
+  options.access = access == "frame"  ? Access::kFrame
+                   : access == "film" ? Access::kFilm
+                                      : Access::kAny;
   options.provenance = provenance;
   options.maxMemory = maxMemory;
   VolumeInfo info = infoOf(shape, said);
@@ -504,6 +511,8 @@ PYBIND11_MODULE(_core, m) {
       .def_property_readonly("info", &File::info)
       .def_property_readonly("grids", &File::grids)
       .def_property_readonly("header", &File::header)
+      .def_property_readonly("block_frames",
+                             [](const File& file) { return file.reader().blocks().frames(); })
       .def_property_readonly("bytes_read",
                              [](const File& file) { return file.reader().bytesRead(); })
       .def_property_readonly("blocks_decoded",
@@ -514,7 +523,7 @@ PYBIND11_MODULE(_core, m) {
       .def("verify", &File::verify, "listener"_a);
 
   m.def("compress", &compressFrames, "frames"_a, "shape"_a, "path"_a, "target"_a, "value"_a,
-        "said"_a, "rounding"_a, "wavelet"_a, "effort"_a, "provenance"_a, "max_memory"_a,
+        "said"_a, "rounding"_a, "wavelet"_a, "effort"_a, "access"_a, "provenance"_a, "max_memory"_a,
         "listener"_a);
   m.def("to_float32", &toFloat32, "array"_a);
   m.def(

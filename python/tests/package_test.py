@@ -205,6 +205,17 @@ class Package(unittest.TestCase):
                 volute.compress(frames, self.path / "py.volute", psnr=50, provenance=name)
                 self.assertEqual((self.path / "py.volute").read_bytes(), (self.path / "cli.volute").read_bytes(), name)
 
+    def test_access_says_what_is_read_most(self):
+        for access, frames in (("frame", 4), ("film", 16)):
+            v = volute.compress(self.values, self.path / "access.volute", rms=1e-3, access=access).open()
+            self.assertEqual(v.chunks[0], frames)
+            whole = np.asarray(v)
+            np.testing.assert_array_equal(np.stack(list(v)), whole)
+            for key in (13, slice(3, 19, 5), [17, 2, 9]):
+                np.testing.assert_array_equal(v[key], whole[key])
+        with self.assertRaisesRegex(ValueError, "access='seldom'"):
+            volute.compress(self.values, self.path / "access.volute", access="seldom")
+
     def test_every_type_and_layout_gives_the_same_file(self):
         whole = np.round(100 * self.values[:3])
         volute.compress(whole, self.path / "expected.volute", rms=1e-3)

@@ -102,7 +102,7 @@ def compress(frames: Union[npt.ArrayLike, Frames, Iterable[npt.ArrayLike]], path
              psnr: Optional[float] = ..., ratio: Optional[float] = ..., size: Optional[float] = ...,
              max_error: Optional[float] = ..., bounds: Optional[npt.ArrayLike] = ..., times: Optional[Sequence[float]] = ...,
              frame_numbers: Optional[Sequence[int]] = ..., name: Optional[str] = ..., unit: Optional[str] = ...,
-             basis: Optional[str] = ..., wavelet: str = ..., effort: int = ..., fast: bool = ..., provenance: str = ...,
+             basis: Optional[str] = ..., wavelet: str = ..., effort: int = ..., fast: bool = ..., access: Optional[str] = ..., provenance: str = ...,
              max_memory: int = ..., progress: Progress = ...) -> Compressed: ...
 
 def set_threads(count: int = ...) -> int: ...

@@ -39,7 +39,7 @@ class Compressed:
 
 
 def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=None, ratio=None, size=None, max_error=None, bounds=None, times=None,
-             frame_numbers=None, name=None, unit=None, basis=None, wavelet="auto", effort=5, fast=False, provenance="",
+             frame_numbers=None, name=None, unit=None, basis=None, wavelet="auto", effort=5, fast=False, access=None, provenance="",
              max_memory=4 << 30, progress=None):
     """Compresses a sequence of volumes into the .volute file `path`, which appears only when complete.
 
@@ -61,6 +61,8 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     name, unit: of the values ("density", "1/m"). basis: "box" (constant in voxels), "trilinear" or "cubic" (B-splines).
         Defaults are taken from `frames` if that is a Volume, an FDS case or a DataArray.
     wavelet: auto, haar, cdf53 or cdf97. effort: 1, the fastest, to 9, the smallest files. fast: effort 2. provenance: a text stored in the file.
+    access: what is read most: "frame", single frames, decoded in a quarter of the time, from a file that may be larger; "film", all frames in order.
+        Default: what costs next to nothing of both.
     progress: a function (stage, done, total), or True for a bar. An exception raised in it, or Ctrl-C, stops the work; no file is left behind.
 
     The file has the same bytes as from `volute compress`, except for the provenance, on any number of cores."""
@@ -90,9 +92,11 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     effort = 2 if fast else whole("effort", effort)
     if not 1 <= effort <= 9:
         raise ValueError(f"effort={effort}: expected 1 to 9")
+    if access not in (None, "frame", "film"):
+        raise ValueError(f"access={access!r}: expected 'frame' or 'film'")
     given = dict(bounds=bounds, times=times, frame_numbers=frame_numbers, name=name, unit=unit, basis=basis)
     with Listener(progress) as listener:
         source, shape, said, rounding = volume(frames, given, os.path.dirname(path) or ".")
-        report = _core.compress(source, shape, path, target, value, said, rounding, wavelet, effort, str(provenance),
+        report = _core.compress(source, shape, path, target, value, said, rounding, wavelet, effort, access or "", str(provenance),
                                 whole("max_memory", max_memory), listener)
     return Compressed(path, **report)

@@ -172,9 +172,9 @@ Bricks = collections.namedtuple("Bricks", "positions values active tile_position
 class Volume(Frames):
     """A .volute file as a lazy array: `v[t]`, `v[10:20, ::2, z0:z1]`, `np.asarray(v)`.
 
-    Slicing decodes only the blocks needed, of 16 frames x 16 x 16 x 16 voxels each, on all cores; other blocks are not
+    Slicing decodes only the blocks needed, of 16 frames (or fewer) x 16 x 16 x 16 voxels each, on all cores; other blocks are not
     read. Results are NumPy arrays of float32 (buffer protocol and DLPack without copies). Frames read in order
-    are decoded together, 16 at a time, as long as these fit in `cache` bytes. Threads may share one.
+    are decoded together, those of a block, as long as these fit in `cache` bytes. Threads may share one.
 
     In a file with several grids it is one of them; `grids` lists them, and `v.grid("velocity")` opens another."""
 
@@ -183,6 +183,7 @@ class Volume(Frames):
         partial: of a damaged file the intact, coarser part is shown."""
         max_memory, cache = int(max_memory), int(cache)
         self._file = _core.File(os.fspath(path), partial, max_memory, grid or "")
+        self._block = self._file.block_frames
         self._options = {"partial": partial, "max_memory": max_memory, "cache": cache}
         super().__init__(path, self._file.info)
         self._cache = cache
@@ -216,7 +217,7 @@ class Volume(Frames):
     @property
     def chunks(self):
         """Sides of the blocks that are decoded together, in the order of `shape`; for dask.array.from_array(v, v.chunks)."""
-        return tuple(min(BLOCK, side) for side in self.shape[:4]) + self.shape[4:]
+        return tuple(min(block, side) for block, side in zip((self._block, BLOCK, BLOCK, BLOCK), self.shape)) + self.shape[4:]
 
     @property
     def file_bytes(self):
@@ -261,17 +262,18 @@ class Volume(Frames):
     def to_dask(self):
         """A dask array of the whole, with one task for every few blocks."""
         import dask.array
-        sides = (BLOCK,) + tuple(min(4 * BLOCK, side) for side in self.shape[1:4]) + self.shape[4:]
+        sides = (self._block,) + tuple(min(4 * BLOCK, side) for side in self.shape[1:4]) + self.shape[4:]
         return dask.array.from_array(self, chunks=sides, name=False, asarray=False)
 
     def __iter__(self):
-        """Frames, shape (z, y, x[, c]); each block is decoded once where 16 frames fit in the cache."""
-        for first in range(0, len(self), BLOCK):
-            if 4 * BLOCK * (self.size // len(self)) <= self._cache:
-                values = self._decode_row(first // BLOCK)
+        """Frames, shape (z, y, x[, c]); each block is decoded once where its frames fit in the cache."""
+        block = self._block
+        for first in range(0, len(self), block):
+            if 4 * block * (self.size // len(self)) <= self._cache:
+                values = self._decode_row(first // block)
                 yield from values if self.ndim == 5 else values[..., 0]
             else:
-                yield from (self[i] for i in range(first, min(first + BLOCK, len(self))))
+                yield from (self[i] for i in range(first, min(first + block, len(self))))
 
     def bricks(self, frame):
         """What a frame holds, as large as that: a Bricks with
@@ -310,18 +312,18 @@ class Volume(Frames):
 
     def _from_row(self, index):
         """A copy of a whole frame, where it follows the one that was read last: these are decoded together. Else None."""
-        row, place = divmod(index, BLOCK)
+        row, place = divmod(index, self._block)
         with self._lock:
             if self._row[0] != row:
                 follows = place > 0 and self._last == index - 1
                 self._last = index
-                if not follows or 4 * BLOCK * (self.size // len(self)) > self._cache:
+                if not follows or 4 * self._block * (self.size // len(self)) > self._cache:
                     return None
                 self._row = (row, self._decode_row(row))
             return self._row[1][place:place + 1].copy()
 
     def _decode_row(self, row):
-        frames = np.arange(row * BLOCK, min((row + 1) * BLOCK, len(self)))
+        frames = np.arange(row * self._block, min((row + 1) * self._block, len(self)))
         return self._file.read(frames, *(np.arange(side) for side in self.shape[1:4]))
 
     def __reduce__(self):

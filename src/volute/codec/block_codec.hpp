@@ -29,6 +29,11 @@ struct BlockShape {
   int levels() const;
 };
 
+/// Frames first <= t < end of a block.
+struct FrameSpan {
+  int first = 0, end = BlockGrid::kSide;
+};
+
 /// What a voxel of a block is beside its value.
 enum class VoxelState : std::uint8_t {
   kEmpty,   ///< the background, or in a tile
@@ -54,6 +59,13 @@ class BlockDecoder {
  public:
   virtual ~BlockDecoder() = default;
 
+  /// How many frames a block has, but perhaps the last ones.
+  virtual int blockFrames() const = 0;
+
+  /// Whether the index has the mean of each block, and what such a mean is.
+  virtual bool hasMeans() const = 0;
+  virtual float mean(std::int64_t quantised) const = 0;
+
   /// How many levels each tier holds, coarse to fine; 5 in all.
   virtual std::span<const int> tierLevels() const = 0;
 
@@ -65,9 +77,12 @@ class BlockDecoder {
   /// any bytes: kInvalidData, in a message that wants a subject, or finite values.
   /// @param states  filled with what the voxels are, where it is not null; of a codec without
   /// topology all are active, but for those of a block without bytes
+  /// @param wanted  what other frames of `values` hold is not said
+  /// @param means   of the block, of each channel, where they are known: for coarse levels
   [[nodiscard]] virtual Status decode(Tiers tiers, int levels, const BlockShape& shape,
-                                      std::span<float> values,
-                                      BlockStates* states = nullptr) const = 0;
+                                      std::span<float> values, BlockStates* states = nullptr,
+                                      FrameSpan wanted = {},
+                                      std::span<const float> means = {}) const = 0;
 
   /// Whether blocks say what their voxels are.
   virtual bool hasTopology() const = 0;

@@ -716,11 +716,9 @@ void Training::add(const Training& other) {
   else if (!other.symbols.empty())
     for (std::size_t i = 0; i < symbols.size(); ++i)
       for (std::size_t s = 0; s < symbols[i].size(); ++s) symbols[i][s] += other.symbols[i][s];
-  oneSum += other.oneSum;
-  oneCount += other.oneCount;
-  moreSum += other.moreSum;
-  moreCount += other.moreCount;
-  bits += other.bits;
+  const auto own = sums();
+  const auto theirs = other.sums();
+  for (std::size_t i = 0; i < own.size(); ++i) *own[i] += *theirs[i];
 }
 
 void Training::apply(WaveletParameters& parameters) const {
@@ -808,6 +806,41 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
   ModeSearch coded(search.cheapest(static_cast<std::size_t>(choice.coded)), simple, costOf);
   coded.tryAll();
   return coded.minCost() < leftOut ? coded.best() : std::nullopt;
+}
+
+void BlockEncoder::addLengthCosts(std::span<const float> values, const BlockShape& shape,
+                                  std::span<const VoxelState> states, LengthCosts& lengths) const {
+  const CostEstimate estimate(parameters_, kLambda);
+  const std::size_t voxels = shape.voxels() / static_cast<std::size_t>(shape.extents[0]);
+  const auto costOf = [&](int first, int frames, int timeLevels) {
+    BlockShape part = shape;
+    part.extents[0] = std::min(frames, shape.extents[0] - first);
+    const std::size_t begin = static_cast<std::size_t>(first) * voxels;
+    const auto channels = static_cast<std::size_t>(shape.channels);
+    const CodedPart coded =
+        codedPart(values.subspan(begin * channels, part.values()), part,
+                  states.empty() ? states : states.subspan(begin, part.voxels()), parameters_);
+    const BlockMode mode{parameters_.sparse && !coded.full, Wavelet::kCdf53, timeLevels};
+    const auto components =
+        parameters_.color.split(coded.values, shape.channels, parameters_.unit());
+    return estimate.of(transformed(parameters_, components, coded, part, mode), part, mode);
+  };
+  constexpr int kShortest = LengthCosts::kFrames.back();
+  std::array<double, BlockGrid::kSide / kShortest> still{};  // without time levels
+  for (int first = 0; first < shape.extents[0]; first += kShortest)
+    still[static_cast<std::size_t>(first / kShortest)] = costOf(first, kShortest, 0);
+  for (std::size_t i = 0; i < lengths.costs.size(); ++i) {
+    const int frames = LengthCosts::kFrames[i];
+    double all = 0;
+    for (int first = 0; first < shape.extents[0]; first += frames) {
+      double apart = 0;
+      for (int t = first; t < std::min(first + frames, shape.extents[0]); t += kShortest)
+        apart += still[static_cast<std::size_t>(t / kShortest)];
+      all += std::min(apart, costOf(first, frames, 4));
+    }
+    lengths.costs[i] += std::llround(256 * all / kLambda);
+  }
+  ++lengths.blocks;
 }
 
 std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> values,

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,6 +12,14 @@
 
 namespace volute {
 
+/// What blocks of 16, 8 and 4 frames would cost, by an estimate, in 1/256 bits beyond what the
+/// shortest ones must have; and what those of 16 took.
+struct LengthCosts {
+  static constexpr std::array<int, 3> kFrames{16, 8, 4};
+  std::array<std::int64_t, kFrames.size()> costs{};
+  std::int64_t blocks = 0, bits = 0;
+};
+
 /// What a way through blocks teaches about a stream: its contexts, and what quantised magnitudes
 /// stand for. Whole numbers, so the order of blocks does not matter.
 struct Training {
@@ -19,6 +28,20 @@ struct Training {
   /// Magnitudes quantised to 1, and to more (less what they were quantised to), in 1/65536.
   std::int64_t oneSum = 0, oneCount = 0, moreSum = 0, moreCount = 0;
   std::int64_t bits = 0;  ///< of all, without topology and outliers
+  LengthCosts lengths;    ///< of blocks that were asked for them
+
+  /// All of the sums.
+  std::array<std::int64_t*, 10> sums() {
+    return {&oneSum,         &oneCount,         &moreSum,          &moreCount,
+            &bits,           &lengths.costs[0], &lengths.costs[1], &lengths.costs[2],
+            &lengths.blocks, &lengths.bits};
+  }
+
+  std::array<const std::int64_t*, 10> sums() const {
+    return {&oneSum,         &oneCount,         &moreSum,          &moreCount,
+            &bits,           &lengths.costs[0], &lengths.costs[1], &lengths.costs[2],
+            &lengths.blocks, &lengths.bits};
+  }
 
   void add(const Training& other);
 
@@ -52,6 +75,10 @@ class BlockEncoder {
   std::optional<BlockMode> choose(std::span<const float> values, const BlockShape& shape,
                                   std::span<const VoxelState> states,
                                   const ModeChoice& choice) const;
+
+  /// Adds what the block of 16 frames would cost if it were cut in time.
+  void addLengthCosts(std::span<const float> values, const BlockShape& shape,
+                      std::span<const VoxelState> states, LengthCosts& lengths) const;
 
   /// The tiers of a block; all empty without a mode, but for the topology. Adds to `training` what
   /// is in them.

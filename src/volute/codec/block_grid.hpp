@@ -10,8 +10,8 @@
 
 namespace volute {
 
-/// How a sequence is cut into blocks of 16 frames x 16^3 voxels; those at the upper border are
-/// smaller. Axes are always (t, z, y, x). Blocks are numbered in C order, t slowest.
+/// How a sequence is cut into blocks of 16 frames, or fewer, x 16^3 voxels; those at the upper
+/// border are smaller. Axes are always (t, z, y, x). Blocks are numbered in C order, t slowest.
 class BlockGrid {
  public:
   static constexpr int kSide = 16;
@@ -19,21 +19,36 @@ class BlockGrid {
 
   BlockGrid() = default;
 
-  explicit BlockGrid(const VolumeInfo& info)
-      : extents_{info.frames, info.z, info.y, info.x}, channels_(info.channels) {
-    for (int axis = 0; axis < 4; ++axis) counts_[axis] = (extents_[axis] + kSide - 1) / kSide;
+  /// @param frames  of a block, 1 to kSide
+  explicit BlockGrid(const VolumeInfo& info, int frames = kSide)
+      : extents_{info.frames, info.z, info.y, info.x},
+        sides_{frames, kSide, kSide, kSide},
+        channels_(info.channels) {
+    for (int axis = 0; axis < 4; ++axis)
+      counts_[axis] = (extents_[axis] + sides_[axis] - 1) / sides_[axis];
   }
 
   std::size_t count() const {
     return static_cast<std::size_t>(counts_[0]) * counts_[1] * counts_[2] * counts_[3];
   }
 
-  /// Blocks of one row: the same 16 frames.
+  /// Blocks of one row: the same frames.
   std::size_t rowCount() const {
     return static_cast<std::size_t>(counts_[1]) * counts_[2] * counts_[3];
   }
 
   const Index4& counts() const { return counts_; }
+
+  /// Of a block that is not cut off by the upper border.
+  const Index4& sides() const { return sides_; }
+
+  /// Frames of a row of blocks, but perhaps of the last.
+  int frames() const { return sides_[0]; }
+
+  int rowOf(int frame) const { return frame / sides_[0]; }
+
+  /// The frame after the last one of a row.
+  int endOfRow(int row) const { return std::min((row + 1) * sides_[0], extents_[0]); }
 
   const Index4& volumeExtents() const { return extents_; }
 
@@ -56,14 +71,14 @@ class BlockGrid {
   /// First voxel and frame of a block.
   Index4 origin(std::size_t block) const {
     Index4 c = coordinate(block);
-    for (int& i : c) i *= kSide;
+    for (int axis = 0; axis < 4; ++axis) c[axis] *= sides_[axis];
     return c;
   }
 
-  /// Its size: kSide, or less at the upper border.
+  /// Its size: sides(), or less at the upper border.
   Index4 extents(std::size_t block) const {
     Index4 e = origin(block);
-    for (int axis = 0; axis < 4; ++axis) e[axis] = std::min(kSide, extents_[axis] - e[axis]);
+    for (int axis = 0; axis < 4; ++axis) e[axis] = std::min(sides_[axis], extents_[axis] - e[axis]);
     return e;
   }
 
@@ -85,6 +100,7 @@ class BlockGrid {
 
  private:
   Index4 extents_{};
+  Index4 sides_{kSide, kSide, kSide, kSide};
   Index4 counts_{};
   int channels_ = 1;
 };

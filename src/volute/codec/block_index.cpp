@@ -121,16 +121,16 @@ std::uint64_t PageTable::bytes() const {
   return sum;
 }
 
-WrittenPages writePages(std::span<const std::uint64_t> blocks,
-                        std::span<const SegmentEntry> segments, std::size_t tiers,
-                        const FrameTiles& tiles, int channels) {
+WrittenPages writePages(const PageContent& all, std::size_t tiers, const FrameTiles& tiles,
+                        int channels, int frames) {
+  const std::span<const std::uint64_t> blocks = all.blocks;
   ByteWriter pages, tileList, blockList;
   std::size_t tilePages = 0, blockPages = 0;
-  const auto rows = (tiles.size() + BlockGrid::kSide - 1) / BlockGrid::kSide;
+  const auto framesARow = static_cast<std::size_t>(frames);
+  const std::size_t rows = (tiles.size() + framesARow - 1) / framesARow;
   const auto tilesOf = [&](std::size_t row) {
-    const std::size_t first = row * BlockGrid::kSide;
-    return std::span(tiles).subspan(first,
-                                    std::min<std::size_t>(BlockGrid::kSide, tiles.size() - first));
+    const std::size_t first = row * framesARow;
+    return std::span(tiles).subspan(first, std::min(framesARow, tiles.size() - first));
   };
   for (std::size_t row = 0, before = 0; row < rows;) {
     ByteWriter content;
@@ -161,9 +161,18 @@ WrittenPages writePages(std::span<const std::uint64_t> blocks,
     std::array<std::uint64_t, kMaxBlockTiers> sizes{};
     for (std::size_t tier = 0; tier < tiers; ++tier) {
       for (std::size_t i = first; i < first + count; ++i) {
-        const std::uint32_t size = segments[tier * blocks.size() + i].size;
+        const std::uint32_t size = all.segments[tier * blocks.size() + i].size;
         content.varint(size);
         sizes[tier] += size;
+      }
+    }
+    const std::size_t meansABlock = all.means.size() / blocks.size();
+    for (std::size_t c = 0; c < meansABlock; ++c) {
+      std::int64_t last = 0;
+      for (std::size_t i = first; i < first + count; ++i) {
+        const std::int64_t mean = all.means[i * meansABlock + c];
+        content.zigzag(mean - last);
+        last = mean;
       }
     }
     blockList.varint(blocks[first] - before);
@@ -261,7 +270,10 @@ Result<PageContent> readIndexPage(const InputFile& file, const IndexPage& page,
                 file.path().string(), page.offset, what);
   };
   // Zeros pack well, but not without end.
-  const std::uint64_t limit = page.blocks * (kNumberBytes + kSizeBytes * tiers);
+  const std::size_t means =
+      decoder.hasMeans() ? static_cast<std::size_t>(grid.channels()) : std::size_t{0};
+  const std::uint64_t limit =
+      page.blocks * (kNumberBytes + kSizeBytes * tiers + kNumberBytes * means);
   constexpr std::uint64_t kMaxPacked = 4096;
   if (page.blocks / kMaxPacked > page.bytes)
     return wrong("an impossible number of blocks");
@@ -293,6 +305,18 @@ Result<PageContent> readIndexPage(const InputFile& file, const IndexPage& page,
     if (offset != page.begins[tier] + page.sizes[tier])
       return wrong(fmt::format("sizes in tier {} that do not add up", tier));
   }
+  constexpr std::int64_t kGreatestMean = std::int64_t{1} << 52;
+  all.means.resize(all.blocks.size() * means);
+  for (std::size_t c = 0; c < means; ++c) {
+    std::int64_t last = 0;
+    for (std::size_t i = 0; i < all.blocks.size(); ++i) {
+      const std::int64_t step = in.zigzag();
+      if (!in.ok() || step < -2 * kGreatestMean || step > 2 * kGreatestMean ||
+          (last += step) < -kGreatestMean || last > kGreatestMean)
+        return wrong(fmt::format("block {} an impossible mean", all.blocks[i]));
+      all.means[i * means + c] = last;
+    }
+  }
   if (in.remaining() != 0)
     return wrong("more than its blocks");
   return all;
@@ -301,8 +325,8 @@ Result<PageContent> readIndexPage(const InputFile& file, const IndexPage& page,
 Result<FrameTiles> readTilePage(const InputFile& file, const TilePage& page, int endRow,
                                 const BlockGrid& grid, std::uint64_t budget) {
   VOLUTE_ASSIGN(const auto content, readPage(file, page.offset, page.bytes, page.crc, budget));
-  const int first = page.firstRow * BlockGrid::kSide;
-  const int end = std::min(endRow * BlockGrid::kSide, grid.volumeExtents()[0]);
+  const int first = page.firstRow * grid.frames();
+  const int end = grid.endOfRow(endRow - 1);
   ByteReader in(content);
   FrameTiles tiles;
   const auto blame = [&](const Error& error) {

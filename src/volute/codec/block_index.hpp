@@ -59,6 +59,7 @@ struct PageTable {
 struct PageContent {
   std::vector<std::uint64_t> blocks;   ///< ascending
   std::vector<SegmentEntry> segments;  ///< tier by tier
+  std::vector<std::int64_t> means{};   ///< block by block, of each channel; or none
 };
 
 /// The pages of a grid, and the chunk that lists them.
@@ -66,10 +67,9 @@ struct WrittenPages {
   std::vector<std::byte> chunk, pages;
 };
 
-/// @param segments  tier by tier, block by block of `blocks`
-WrittenPages writePages(std::span<const std::uint64_t> blocks,
-                        std::span<const SegmentEntry> segments, std::size_t tiers,
-                        const FrameTiles& tiles, int channels);
+/// @param frames  of a row of blocks
+WrittenPages writePages(const PageContent& content, std::size_t tiers, const FrameTiles& tiles,
+                        int channels, int frames);
 
 /// Where the segments of one tier of one grid stand.
 struct TierPlace {

@@ -59,6 +59,22 @@ BlockRow::BlockRow(FrameSource& source)
       minimum_(SupportFacts().least),
       maximum_(SupportFacts().most) {}
 
+void BlockRow::cutBy(int frames) {
+  grid_ = BlockGrid(source_.info(), frames);
+  row_ = -1;
+}
+
+std::uint64_t BlockRow::occupiedBy(int frames) const {
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < leaves_.size(); ++i) {
+    const auto part = [&](const Piece& piece) {
+      return std::pair(piece.block, static_cast<int>(piece.frame) / frames);
+    };
+    count += i == 0 || part(leaves_[i]) != part(leaves_[i - 1]) ? 1 : 0;
+  }
+  return count;
+}
+
 std::uint64_t BlockRow::bytesNeeded(const FrameSource& source, int layers) {
   const VolumeInfo& info = source.info();
   const int z = std::min(info.z, layers * kBlock);
@@ -83,8 +99,8 @@ Status BlockRow::load(int row, int firstLayer, int endLayer) {
     return {};
   row_ = -1;
   const VolumeInfo& info = source_.info();
-  const int first = row * kBlock;
-  const int frames = std::min(kBlock, info.frames - first);
+  const int first = row * grid_.frames();
+  const int frames = grid_.endOfRow(row) - first;
   firstLayer_ = firstLayer;
   endLayer_ = endLayer;
   const IndexBox box = loadedBox();
@@ -144,7 +160,7 @@ Status BlockRow::index(int frame) {
   const VolumeInfo& info = source_.info();
   const Bricks& bricks = frames_[static_cast<std::size_t>(frame)];
   const IndexBox box = loadedBox();
-  const int firstFrame = row_ * kBlock;
+  const int firstFrame = row_ * grid_.frames();
   constexpr std::size_t kLeavesATask = 256;
   const std::size_t count = bricks.leaves().size();
   const std::size_t tasks = (count + kLeavesATask - 1) / kLeavesATask;

@@ -29,11 +29,17 @@ struct SupportFacts {
   void add(const SupportFacts& other);
 };
 
-/// The frames of one row of blocks (16 frames), or some layers of blocks of them, read from a
-/// source and cut into blocks. As large as what is in them.
+/// The frames of one row of blocks (16 frames, or fewer), or some layers of blocks of them, read
+/// from a source and cut into blocks. As large as what is in them.
 class BlockRow {
  public:
   explicit BlockRow(FrameSource& source);
+
+  /// From now on blocks have so many frames.
+  void cutBy(int frames);
+
+  /// How many blocks of fewer frames would hold something, of what is loaded.
+  std::uint64_t occupiedBy(int frames) const;
 
   /// What load() holds at most, for so many layers of blocks of all [bytes].
   static std::uint64_t bytesNeeded(const FrameSource& source, int layers);

@@ -100,6 +100,11 @@ constexpr std::uint64_t kBlocksForSymbols = 32;
 // At least so many blocks tell it.
 constexpr std::uint64_t kFewBlocks = 96;
 
+// How much shorter blocks may add to a file where nothing says what is read.
+constexpr double kLittle = 0.005;
+// Bytes of a block beside its coefficients: its place in the index, checksums, ends of strings.
+constexpr double kBytesABlock = 32;
+
 double shareOf(std::span<const VoxelState> states) {
   const auto empty = std::ranges::count(states, VoxelState::kEmpty);
   return 1 - static_cast<double>(empty) / static_cast<double>(states.size());
@@ -140,6 +145,7 @@ class Compressor {
         team_(team),
         info_(source.info()),
         row_(source),
+        layersAUnit_(layersAUnit),
         plan_(row_.grid(), layersAUnit),
         goal_(options.target, info_),
         modes_(static_cast<std::size_t>(plan_.count())),
@@ -153,6 +159,7 @@ class Compressor {
     const bool overAll =
         options.target.kind == Kind::kRmsOverAll || options.target.kind == Kind::kPsnr;
     parameters_.extended = true;
+    parameters_.means = true;
     parameters_.sparse = source.hasTopology() || !overAll;
     head_.header.codec = static_cast<int>(kSparseCodec);
     units_.setChecked(true);
@@ -186,6 +193,8 @@ class Compressor {
   double roundingToHalves() const;
   std::vector<std::uint64_t> sampleOf(std::span<const std::uint64_t> blocks,
                                       std::uint64_t oneOf) const;
+  void cutBy(int frames);
+  Status chooseLength();
   Status encodeAll(double step, Way way);
   Status openStore();
   Status doUnit(std::int64_t number, Way way);
@@ -204,6 +213,7 @@ class Compressor {
                                       const std::optional<BlockMode>& before) const;
   Result<EncodedBlock> encodeBlock(std::size_t block, std::optional<BlockMode>& mode, Way way,
                                    Training& training);
+  std::vector<std::int64_t> meansOf(std::span<const float> values) const;
   Status checkCancelled() const;
   Status searchStep(double first);
   Status searchSmallest();
@@ -238,6 +248,7 @@ class Compressor {
   Team& team_;
   const VolumeInfo& info_;
   BlockRow row_;
+  int layersAUnit_;
   UnitPlan plan_;
   CompressionGoal goal_;
   FileHead head_;
@@ -254,8 +265,9 @@ class Compressor {
   SupportError support_;
   double supportVoxels_ = 0;  // of all frames
   EffortPlan effort_;
-  bool sampled_ = false;        // so many blocks to a row that a part of them is surveyed
-  std::uint64_t blocks_ = 0;    // that hold something
+  bool sampled_ = false;      // so many blocks to a row that a part of them is surveyed
+  std::uint64_t blocks_ = 0;  // that hold something
+  std::array<std::uint64_t, LengthCosts::kFrames.size()> blocksBy_{};  // the same, by their frames
   std::uint64_t oneOf_ = 1;     // of so many one tells what all are like
   double doneShare_ = 1;        // of the support, that the last way went through
   double power_ = kErrorPower;  // how the step goes with the error
@@ -356,7 +368,7 @@ Status Compressor::surveyUnit(std::int64_t number) {
   const BlockGrid& grid = row_.grid();
   const UnitPlan::Unit unit = plan_.unit(number);
   VOLUTE_TRY(row_.load(unit.row, unit.firstLayer, unit.endLayer));
-  const auto firstFrame = static_cast<std::size_t>(unit.row * BlockGrid::kSide);
+  const auto firstFrame = static_cast<std::size_t>(unit.row * grid.frames());
   for (std::size_t i = 0; i < row_.facts().size(); ++i) facts_[firstFrame + i].add(row_.facts()[i]);
   row_.visitValues([&](float value, std::uint64_t count) { histogram_[binOf(value)] += count; });
   inactive_.add(row_.inactiveValue());
@@ -370,7 +382,8 @@ Status Compressor::surveyUnit(std::int64_t number) {
   const std::vector<std::uint64_t> sample = sampleOf(row_.occupied(), oneOf);
   // Sizes of coefficients need fewer blocks than colours do.
   const std::uint64_t oneOfModel = row_.grid().count() > 2 * kFewBlocks ? 4 : 1;
-  blocks_ += row_.occupied().size();
+  for (std::size_t i = 0; i < blocksBy_.size(); ++i)
+    blocksBy_[i] += row_.occupiedBy(LengthCosts::kFrames[i]);
   // A digest is of all of them.
   const auto occupied =
       options_.work.empty() ? std::span<const std::uint64_t>(sample) : row_.occupied();
@@ -411,9 +424,8 @@ Status Compressor::surveyUnit(std::int64_t number) {
 
 Status Compressor::shareSurvey() {
   VOLUTE_TRY(team_.sum(model_.counts()));
-  VOLUTE_TRY(team_.sum(std::span(&blocks_, 1)));
-  oneOf_ =
-      std::clamp<std::uint64_t>(blocks_ / kFewBlocks, 1, static_cast<std::uint64_t>(effort_.oneOf));
+  VOLUTE_TRY(team_.sum(blocksBy_));
+  cutBy(options_.access == Access::kFrame ? LengthCosts::kFrames.back() : BlockGrid::kSide);
   parameters_.bySymbols = blocks_ >= kBlocksForSymbols;
   if (parameters_.bySymbols) {
     parameters_.symbols = symbolsOfTable({});
@@ -451,6 +463,42 @@ Status Compressor::shareSurvey() {
     VOLUTE_ASSIGN(parameters_.color, team_.broadcast(ColorTransform::of(all)));
   }
   return shareTiles();
+}
+
+// From now on blocks have so many frames.
+void Compressor::cutBy(int frames) {
+  // Fewer frames than a block has make one row in any case.
+  const int own = info_.frames <= frames ? BlockGrid::kSide : frames;
+  const auto& all = LengthCosts::kFrames;
+  blocks_ = blocksBy_[static_cast<std::size_t>(std::ranges::find(all, own) - all.begin())];
+  oneOf_ =
+      std::clamp<std::uint64_t>(blocks_ / kFewBlocks, 1, static_cast<std::uint64_t>(effort_.oneOf));
+  if (own == parameters_.blockFrames)
+    return;
+  parameters_.blockFrames = own;
+  row_.cutBy(own);
+  plan_ = UnitPlan(row_.grid(), layersAUnit_);
+  modes_.assign(static_cast<std::size_t>(plan_.count()), {});
+  someModes_.assign(modes_.size(), {});
+}
+
+// As few frames as cost little, after a first way through some blocks.
+Status Compressor::chooseLength() {
+  if (options_.access != Access::kAny)
+    return {};
+  const LengthCosts& lengths = training_.lengths;
+  int chosen = BlockGrid::kSide;
+  for (std::size_t i = 1; i < lengths.costs.size() && lengths.bits > 0; ++i) {
+    const double more = static_cast<double>(lengths.costs[i] - lengths.costs[0]) / 256;
+    const double blocks =
+        static_cast<double>(lengths.blocks) *
+        (static_cast<double>(blocksBy_[i]) / static_cast<double>(blocksBy_[0]) - 1);
+    if (more + 8 * kBytesABlock * blocks <= kLittle * static_cast<double>(lengths.bits))
+      chosen = LengthCosts::kFrames[i];
+  }
+  VOLUTE_ASSIGN(chosen, team_.broadcast(chosen));
+  cutBy(chosen);
+  return {};
 }
 
 // All ranks get the tiles of all.
@@ -627,6 +675,14 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<Bl
     mode = chooseMode(block, values, coded, encoder, std::nullopt);
   EncodedBlock result;
   result.tiers = encoder.encode(values, shape, coded, mode, training);
+  // Every second block is enough to tell lengths apart.
+  if (way == Way::kLearn && options_.access == Access::kAny && mode && block % 2 == 0 &&
+      grid.frames() == BlockGrid::kSide && info_.frames > LengthCosts::kFrames.back()) {
+    encoder.addLengthCosts(values, shape, coded, training.lengths);
+    for (const auto& tier : result.tiers)
+      training.lengths.bits += 8 * static_cast<std::int64_t>(tier.size());
+  }
+  result.means = meansOf(values);
   BlockStates decodedStates;
   VOLUTE_TRY(head_.decoder->decode(result.tiers, shape.levels(), shape, decoded, &decodedStates));
   const auto channels = static_cast<std::size_t>(shape.channels);
@@ -660,6 +716,18 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<Bl
   }
   result.error.place = result.error.maximum > 0 ? place : 0;
   return result;
+}
+
+std::vector<std::int64_t> Compressor::meansOf(std::span<const float> values) const {
+  const auto channels = static_cast<std::size_t>(info_.channels);
+  std::array<double, 3> sums{};
+  for (std::size_t i = 0; i < values.size(); i += channels)
+    for (std::size_t c = 0; c < channels; ++c) sums[c] += values[i + c];
+  std::vector<std::int64_t> means;
+  for (std::size_t c = 0; c < channels; ++c)
+    means.push_back(parameters_.quantisedMean(sums[c] * static_cast<double>(channels) /
+                                              static_cast<double>(values.size())));
+  return means;
 }
 
 Status Compressor::encodeUnit(Way way, EncodedUnits::Unit& done, EncodedUnitRecord& record) {
@@ -728,6 +796,7 @@ Status Compressor::keep(Way way, const EncodedUnits::Unit& done, EncodedUnitReco
                       modes.begin() + static_cast<std::ptrdiff_t>(done.blocks.size()));
   record.blocks = done.blocks;
   record.segments = done.segments;
+  record.means = done.means;
   VOLUTE_ASSIGN(const auto bytes, units_.bytesOf(done));
   return store_->store(way_, done.number, record.toBytes(), bytes);
 }
@@ -755,6 +824,7 @@ Result<std::optional<EncodedUnitRecord>> Compressor::recall(Way way, EncodedUnit
     return none;
   done.blocks = record->blocks;
   done.segments = record->segments;
+  done.means = record->means;
   if (done.hasBytes) {
     done.sizes = sizes;
     VOLUTE_TRY(units_.appendBytes(done, bytes));
@@ -771,9 +841,9 @@ Status Compressor::openStore() {
   ByteWriter all;
   all.string(head_.header.writtenBy);
   all.u64(content_);
-  for (const int number :
-       {info_.frames, info_.z, info_.y, info_.x, info_.channels, options_.effort,
-        static_cast<int>(options_.target.kind), static_cast<int>(plan_.unitsARow())})
+  for (const int number : {info_.frames, info_.z, info_.y, info_.x, info_.channels, options_.effort,
+                           static_cast<int>(options_.target.kind),
+                           static_cast<int>(options_.access), static_cast<int>(plan_.unitsARow())})
     all.u32(static_cast<std::uint32_t>(number));
   all.f64(goal_.value());
   all.string(options_.wavelet);
@@ -794,7 +864,7 @@ Status Compressor::shareErrors() {
     error_.add(layer.error);
     const std::size_t row = layer.layer / (plan_.layers() / static_cast<std::size_t>(row_.rows()));
     for (std::size_t t = 0; t < layer.error.squaredOf.size(); ++t) {
-      const std::size_t frame = row * BlockGrid::kSide + t;
+      const std::size_t frame = row * static_cast<std::size_t>(row_.grid().frames()) + t;
       if (frame < frameSquares_.size())
         frameSquares_[frame] += layer.error.squaredOf[t];
     }
@@ -809,9 +879,8 @@ Status Compressor::shareTraining() {
   for (const auto& counts : seen) numbers.insert(numbers.end(), counts.begin(), counts.end());
   for (const auto& counts : training_.symbols)
     numbers.insert(numbers.end(), counts.begin(), counts.end());
-  for (const std::int64_t number : {training_.oneSum, training_.oneCount, training_.moreSum,
-                                    training_.moreCount, training_.bits})
-    numbers.push_back(static_cast<std::uint64_t>(number));
+  for (const std::int64_t* number : training_.sums())
+    numbers.push_back(static_cast<std::uint64_t>(*number));
   VOLUTE_TRY(team_.sum(numbers));
   auto number = numbers.begin();
   for (auto& counts : seen) {
@@ -820,9 +889,7 @@ Status Compressor::shareTraining() {
   for (auto& counts : training_.symbols) {
     for (std::uint32_t& count : counts) count = static_cast<std::uint32_t>(*number++);
   }
-  for (std::int64_t* sum : {&training_.oneSum, &training_.oneCount, &training_.moreSum,
-                            &training_.moreCount, &training_.bits})
-    *sum = static_cast<std::int64_t>(*number++);
+  for (std::int64_t* sum : training_.sums()) *sum = static_cast<std::int64_t>(*number++);
   return {};
 }
 
@@ -1023,6 +1090,7 @@ Result<CompressReport> Compressor::write() {
   report.valueMin = head_.header.valueMin;
   report.valueMax = head_.header.valueMax;
   report.blocks = head_.blocks.size();
+  report.blockFrames = parameters_.blockFrames;
   return report;
 }
 
@@ -1076,6 +1144,7 @@ Result<double> Compressor::stepFromSome(double first) {
   VOLUTE_TRY(encodeAll(first, Way::kLearn));
   const double learnt = std::max(outcomeOfTry(), 1e-30);
   double step = betterStep();
+  VOLUTE_TRY(chooseLength());
   const int tries = blocks_ < kFewBlocks ? 3 : 2;
   for (int i = 0; i < tries; ++i) {
     VOLUTE_TRY(encodeAll(step, Way::kTry));
@@ -1113,6 +1182,7 @@ Result<CompressReport> Compressor::run() {
   double step = goal_.firstStep(model_);
   if (goal_.isSize() || goal_.isMaxError()) {
     VOLUTE_TRY(encodeAll(step, Way::kLearn));
+    VOLUTE_TRY(chooseLength());
   } else {
     VOLUTE_ASSIGN(step, stepFromSome(step));
   }

@@ -57,8 +57,13 @@ inline constexpr std::array<QualityWord, 3> kQualityWords{
      {"look", {ErrorTarget::Kind::kLook, ErrorTarget::kLookRms}},
      {"measure", {ErrorTarget::Kind::kRms, 1e-4}}}};
 
+/// What is read most, which says how many frames a block has: kFrame, single frames (4); kFilm, all
+/// of them in order (16). kAny: as few as cost next to nothing.
+enum class Access { kAny, kFrame, kFilm };
+
 struct CompressOptions {
   ErrorTarget target;
+  Access access = Access::kAny;
   std::string wavelet = "auto";   ///< auto, haar, cdf53 or cdf97: allowed for blocks
   std::optional<BlockMode> mode;  ///< one mode for all blocks, for experiments
   int effort = kDefaultEffort;    ///< 1, the fastest, to 9, the smallest files
@@ -92,14 +97,15 @@ struct CompressReport {
   std::vector<FaintFrame> faintFrames{};
   double valueMin = 0, valueMax = 0;
   std::size_t blocks = 0;
+  int blockFrames = 0;  ///< of a block
   double seconds = 0;
 };
 
-/// Compresses `source` into the .volute file `target`. Holds a row of blocks (16 frames) in memory,
-/// or, if that is too much and the source can be read by layers, some layers of it, for any number
-/// of frames. NaN and Inf are refused with frame and voxel. The bytes are the same for any number
-/// of threads and ranks. Rank 0 writes; the others need only the source, and space for their share
-/// in the target's folder or in that for temporary files. Collective.
+/// Compresses `source` into the .volute file `target`. Holds a row of blocks (up to 16 frames) in
+/// memory, or, if that is too much and the source can be read by layers, some layers of it, for any
+/// number of frames. NaN and Inf are refused with frame and voxel. The bytes are the same for any
+/// number of threads and ranks. Rank 0 writes; the others need only the source, and space for their
+/// share in the target's folder or in that for temporary files. Collective.
 [[nodiscard]] Result<CompressReport> compress(FrameSource& source,
                                               const std::filesystem::path& target,
                                               const CompressOptions& options, Progress& progress,

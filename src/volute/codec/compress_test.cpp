@@ -605,6 +605,38 @@ TEST(Compress, RanksWithDifferentSequencesAreRefused) {
   EXPECT_TRUE(std::filesystem::is_empty(file.folder()));
 }
 
+// Blocks of few frames where single frames are read, of many where all are.
+TEST(Compress, AccessSaysHowManyFramesABlockHas) {
+  for (const int frames : {3, 16, 37}) {
+    const Sequence sequence = plumes(frames, 16, 20, 33);
+    for (const Kind kind : {Kind::kRmsOverAll, Kind::kLook, Kind::kMaxError, Kind::kSize}) {
+      const double value = kind == Kind::kMaxError ? 0.01 : kind == Kind::kSize ? 30000 : 3e-3;
+      CompressOptions options;
+      options.access = Access::kFrame;
+      const auto shorter = checkedRoundTrip(sequence, {kind, value}, options);
+      EXPECT_EQ(shorter.blockFrames, frames > 4 ? 4 : 16);
+      options.access = Access::kFilm;
+      EXPECT_EQ(checkedRoundTrip(sequence, {kind, value}, options).blockFrames, 16);
+    }
+  }
+}
+
+// What moves fast gains nothing from long blocks.
+TEST(Compress, BlocksAreShortWhereThatCostsNothing) {
+  Sequence noise = makeSequence(32, 32, 32, 32);
+  std::uint32_t seed = 7;
+  for (float& value : noise.values) {
+    seed = seed * 1664525u + 1013904223u;
+    value = static_cast<float>(seed >> 8) * 0x1p-24f;
+  }
+  EXPECT_EQ(checkedRoundTrip(noise, {Kind::kRmsOverAll, 1e-2}).blockFrames, 4);
+  Sequence still = plumes(32, 32, 32, 32);
+  for (int t = 1; t < 32; ++t)
+    std::ranges::copy(still.frame(0), still.values.begin() +
+                                          static_cast<std::ptrdiff_t>(t * still.frame(0).size()));
+  EXPECT_EQ(checkedRoundTrip(still, {Kind::kRmsOverAll, 3e-3}).blockFrames, 16);
+}
+
 TEST(Compress, MetadataComesBackBitForBit) {
   Sequence sequence = plumes(5, 3, 4, 5, 3);
   sequence.info.name = "Größe";

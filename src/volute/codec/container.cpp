@@ -440,6 +440,9 @@ Status readPartsChunk(std::span<const std::byte> content, const std::string& pat
     if (!decoder)
       return malformed(decoder.error().message);
     part.decoder = std::move(*decoder);
+    if (part.decoder->blockFrames() != head.decoder->blockFrames() ||
+        part.decoder->hasMeans() != head.decoder->hasMeans())
+      return malformed("a part whose blocks or index are unlike those of the others");
     head.parts.push_back(std::move(part));
   }
   if (in.remaining() != 0)
@@ -680,8 +683,9 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
   for (const FileHead& head : heads) {
     if (!paged)
       break;
-    pages.push_back(writePages(head.blocks, head.segments, head.decoder->tierLevels().size(),
-                               head.tiles, head.info.channels));
+    pages.push_back(writePages({head.blocks, head.segments, head.means},
+                               head.decoder->tierLevels().size(), head.tiles, head.info.channels,
+                               head.decoder->blockFrames()));
     pageBytes += pages.back().pages.size();
   }
   if (!grids.empty()) {
@@ -823,12 +827,12 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
   const Chunks& own = chunks.grids[stream];
   if (!own.parts.empty()) {
     VOLUTE_ASSIGN(const auto content, unpackChunk(own.parts, budget / 32, path, "PART"));
-    VOLUTE_TRY(readPartsChunk(content, path, BlockGrid(head.info).counts()[0], head));
+    VOLUTE_TRY(readPartsChunk(content, path, head.blockGrid().counts()[0], head));
   }
   if (paged) {
     VOLUTE_ASSIGN(const auto content, unpackChunk(own.index, budget / 16, path, "INDX"));
     const std::size_t tiers = head.decoder->tierLevels().size();
-    auto table = readPageTable(content, BlockGrid(head.info), tiers, pagesBegin, places);
+    auto table = readPageTable(content, head.blockGrid(), tiers, pagesBegin, places);
     if (!table) {
       return fail(ErrorCode::kInvalidData, "{}: the INDX chunk is malformed: {}", path,
                   table.error().message);
@@ -859,7 +863,7 @@ Status readPages(const InputFile& file, std::uint64_t maxMemory, FileHead& head)
   if (head.header.codec != static_cast<int>(kSparseCodec))
     return {};
   const std::uint64_t budget = std::max(maxMemory, std::uint64_t{64} << 20);
-  const BlockGrid grid(head.info);
+  const BlockGrid grid = head.blockGrid();
   const std::size_t tiers = head.decoder->tierLevels().size();
   std::uint64_t count = 0;
   for (const IndexPage& page : head.pages.pages) count += page.blocks;
@@ -874,8 +878,10 @@ Status readPages(const InputFile& file, std::uint64_t maxMemory, FileHead& head)
     VOLUTE_ASSIGN(auto content, readIndexPage(file, page, grid, *head.decoder));
     all.push_back(std::move(content));
   }
-  for (const PageContent& page : all)
+  for (const PageContent& page : all) {
     head.blocks.insert(head.blocks.end(), page.blocks.begin(), page.blocks.end());
+    head.means.insert(head.means.end(), page.means.begin(), page.means.end());
+  }
   for (std::size_t tier = 0; tier < tiers; ++tier) {
     for (const PageContent& page : all) {
       const auto own = static_cast<std::ptrdiff_t>(page.blocks.size());
@@ -887,7 +893,7 @@ Status readPages(const InputFile& file, std::uint64_t maxMemory, FileHead& head)
     const int end =
         i + 1 < head.pages.tiles.size() ? head.pages.tiles[i + 1].firstRow : grid.counts()[0];
     VOLUTE_ASSIGN(auto tiles, readTilePage(file, head.pages.tiles[i], end, grid, budget / 4));
-    head.tiles.resize(static_cast<std::size_t>(head.pages.tiles[i].firstRow) * BlockGrid::kSide);
+    head.tiles.resize(static_cast<std::size_t>(head.pages.tiles[i].firstRow * grid.frames()));
     head.tiles.insert(head.tiles.end(), tiles.begin(), tiles.end());
   }
   return {};

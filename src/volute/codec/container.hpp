@@ -42,9 +42,10 @@ struct FileHead {
   std::vector<std::uint64_t> blocks;
   /// Tier by tier, block by block of `blocks`, as in the file.
   std::vector<SegmentEntry> segments;
-  FrameTiles tiles{};           ///< empty, or of each frame
-  PageTable pages{};            ///< of codec 3: where the three above are
-  std::uint64_t headBytes = 0;  ///< up to the pages, or the segments where there are none
+  std::vector<std::int64_t> means{};  ///< as PageContent has them, of `blocks`
+  FrameTiles tiles{};                 ///< empty, or of each frame
+  PageTable pages{};                  ///< of codec 3: where the three above are
+  std::uint64_t headBytes = 0;        ///< up to the pages, or the segments where there are none
   std::uint64_t fileBytes = 0;
   int requests = 0;             ///< in which the head was read
   std::uint64_t bytesRead = 0;  ///< in them
@@ -53,6 +54,8 @@ struct FileHead {
   std::size_t grid = 0;
   FrameMetadata fileMetadata{};
   KeptTable kept{};  ///< of the file; of several heads that are written, the first one's
+
+  BlockGrid blockGrid() const { return BlockGrid(info, decoder->blockFrames()); }
 
   /// Of the part that a row of blocks is of.
   const BlockDecoder& decoderOf(int row) const {

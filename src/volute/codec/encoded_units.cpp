@@ -50,9 +50,9 @@ std::vector<std::byte> EncodedUnitRecord::toBytes() const {
     record.u32(size);
     record.u32(crc);
   }
-  for (const std::int64_t number :
-       {training.oneSum, training.oneCount, training.moreSum, training.moreCount, training.bits})
-    record.zigzag(number);
+  record.varint(means.size());
+  for (const std::int64_t mean : means) record.zigzag(mean);
+  for (const std::int64_t* number : training.sums()) record.zigzag(*number);
   const auto putCounts = [&](const auto& all) {
     std::uint64_t put = 0;
     for (const auto& counts : all) put += std::ranges::any_of(counts, std::identity()) ? 1 : 0;
@@ -97,10 +97,12 @@ std::optional<EncodedUnitRecord> EncodedUnitRecord::fromBytes(std::span<const st
     const std::uint32_t size = in.u32();
     record.segments.emplace_back(size, in.u32());
   }
+  const std::uint64_t means = in.varint();
+  if (!in.ok() || means > in.remaining())
+    return std::nullopt;
+  for (std::uint64_t i = 0; i < means; ++i) record.means.push_back(in.zigzag());
   Training& training = record.training;
-  for (std::int64_t* number : {&training.oneSum, &training.oneCount, &training.moreSum,
-                               &training.moreCount, &training.bits})
-    *number = in.zigzag();
+  for (std::int64_t* number : training.sums()) *number = in.zigzag();
   const auto getCounts = [&](auto& all) {
     std::uint64_t count = in.varint();
     for (std::size_t at = 0; in.ok() && count > 0; --count) {
@@ -155,6 +157,7 @@ EncodedUnits::Unit EncodedUnits::begin(std::int64_t number) const {
 
 Status EncodedUnits::append(std::uint64_t number, const EncodedBlock& block, Unit& unit) {
   unit.blocks.push_back(number);
+  unit.means.insert(unit.means.end(), block.means.begin(), block.means.end());
   for (std::size_t tier = 0; tier < spools_.size(); ++tier) {
     std::vector<std::byte> bytes = block.tiers[tier];
     const std::uint32_t crc = crc32(bytes);
@@ -196,6 +199,8 @@ Status EncodedUnits::shareSegments(FileHead& head) {
         out.u32(size);
         out.u32(crc);
       }
+      out.varint(unit.means.size());
+      for (const std::int64_t mean : unit.means) out.zigzag(mean);
     }
     return team_.post(team_.rank(), out.take(), std::numeric_limits<std::uint64_t>::max());
   }
@@ -213,13 +218,18 @@ Status EncodedUnits::shareSegments(FileHead& head) {
         const std::uint32_t size = in.u32();
         unit.segments.emplace_back(size, in.u32());
       }
+      unit.means.resize(static_cast<std::size_t>(in.varint()));
+      for (std::int64_t& mean : unit.means) mean = in.zigzag();
       all.push_back(std::move(unit));
     }
   }
   std::ranges::sort(all, {}, &Unit::number);
   head.blocks.clear();
-  for (const Unit& unit : all)
+  head.means.clear();
+  for (const Unit& unit : all) {
     head.blocks.insert(head.blocks.end(), unit.blocks.begin(), unit.blocks.end());
+    head.means.insert(head.means.end(), unit.means.begin(), unit.means.end());
+  }
   // Codec 2 has all blocks, without bytes where there is nothing.
   const std::vector<std::uint64_t> occupied = head.blocks;
   if (head.header.codec == static_cast<int>(kWaveletCodec)) {

@@ -42,6 +42,7 @@ struct LayerError {
 
 struct EncodedBlock {
   std::vector<std::vector<std::byte>> tiers;
+  std::vector<std::int64_t> means;  ///< of each channel, for the index
   CodingError error;
 };
 
@@ -54,6 +55,7 @@ struct EncodedUnitRecord {
   std::vector<std::optional<BlockMode>> modes;  ///< of each
   std::vector<LayerError> layers;
   std::vector<SegmentSize> segments;  ///< block by block, tier by tier
+  std::vector<std::int64_t> means;    ///< block by block, of each channel
   Training training;
 
   std::vector<std::byte> toBytes() const;
@@ -80,6 +82,7 @@ class EncodedUnits {
     std::int64_t number = 0;
     std::vector<std::uint64_t> blocks{};  ///< that hold something, ascending
     std::vector<SegmentSize> segments{};  ///< block by block, tier by tier
+    std::vector<std::int64_t> means{};    ///< block by block, of each channel
     std::array<std::uint64_t, kWaveletTiers.size()> begins{}, sizes{};
     bool hasBytes = true;
   };

@@ -154,12 +154,13 @@ std::vector<std::size_t> ExtractSource::blocksOfRow(int row) const {
 
 Status ExtractSource::load(std::size_t index) {
   const auto& positions = extraction_.positions;
-  const int row = positions[index] / kSide;
+  const BlockGrid& grid = reader_->blocks();
+  const int row = grid.rowOf(positions[index]);
   firstLoaded_ = index;
   loaded_ = 0;
   std::size_t count = 0;
   while (count < framesAtOnce_ && index + count < positions.size() &&
-         positions[index + count] / kSide == row)
+         grid.rowOf(positions[index + count]) == row)
     ++count;
   row_.assign(count * frameValues(), 0.0f);
   const auto blocks = blocksOfRow(row);
@@ -185,10 +186,15 @@ Status ExtractSource::loadBlock(std::size_t block) {
   const int channels = info_.channels;
   std::vector<float> values(grid.values(block));
 
-  // The coarsest levels are read together; with all of them means come out better.
+  // The mean of a block stands apart. Other coarse levels are read together; with all of them means
+  // come out better.
   constexpr int kReadTogether = 3;
-  VOLUTE_TRY(reader_->readBlock(block, values,
-                                std::max(kReadTogether, grid.levels(block) - extraction_.level)));
+  const int levels = grid.levels(block) - extraction_.level;
+  const auto frames =
+      std::span(extraction_.positions).subspan(firstLoaded_, row_.size() / frameValues());
+  const auto [first, last] = std::ranges::minmax(frames);
+  VOLUTE_TRY(reader_->readBlock(block, values, levels > 1 ? std::max(kReadTogether, levels) : 1,
+                                {first - origin[0], last + 1 - origin[0]}));
 
   const int x0 = std::max(origin[3], r.begin[0]), x1 = std::min(origin[3] + extents[3], r.end[0]);
   const int y0 = std::max(origin[2], r.begin[1]), y1 = std::min(origin[2] + extents[2], r.end[1]);
@@ -271,7 +277,7 @@ Region fittingRegion(const VoluteReader& reader, std::span<const int> positions,
   for (const std::uint64_t block : occupied) {
     const auto origin = grid.origin(static_cast<std::size_t>(block));
     const bool chosen = std::ranges::any_of(
-        positions, [&](int position) { return position / kSide == origin[0] / kSide; });
+        positions, [&](int position) { return grid.rowOf(position) == grid.rowOf(origin[0]); });
     for (std::size_t axis = 0; axis < 3 && chosen; ++axis) {
       const int first = origin[3 - axis];
       region.begin[axis] = std::min(region.begin[axis], first);

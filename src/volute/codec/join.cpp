@@ -107,15 +107,18 @@ VolumeInfo joinedInfo(const std::vector<Part>& parts, const Rate& rate) {
   return joined;
 }
 
-/// Blocks of 16 frames keep their places in the joined file, and all are of one codec.
+/// Blocks keep their places in the joined file, and all are of one codec and one length.
 bool canCopy(const std::vector<Part>& parts) {
   const int codec = parts.front().head.header.codec;
-  const bool topology = parts.front().head.decoder->hasTopology();
+  const BlockDecoder& first = *parts.front().head.decoder;
   return std::ranges::all_of(
              parts.begin(), parts.end() - 1,
-             [](const Part& part) { return part.head.info.frames % BlockGrid::kSide == 0; }) &&
+             [&](const Part& part) { return part.head.info.frames % first.blockFrames() == 0; }) &&
          std::ranges::all_of(parts, [&](const Part& part) {
-           return part.head.header.codec == codec && part.head.decoder->hasTopology() == topology;
+           const BlockDecoder& decoder = *part.head.decoder;
+           return part.head.header.codec == codec && decoder.hasTopology() == first.hasTopology() &&
+                  decoder.blockFrames() == first.blockFrames() &&
+                  decoder.hasMeans() == first.hasMeans();
          });
 }
 
@@ -133,7 +136,7 @@ std::vector<FilePart> partsOf(const std::vector<Part>& parts) {
       one.firstRow += row;
       all.push_back(std::move(one));
     }
-    row += BlockGrid(head.info).counts()[0];
+    row += head.blockGrid().counts()[0];
   }
   const auto same = [](const FilePart& a, const FilePart& b) {
     return a.parameters == b.parameters && a.valueMin == b.valueMin && a.valueMax == b.valueMax;
@@ -319,12 +322,14 @@ FileHead headOf(const std::vector<Part>& parts, const Errors& errors, const Rate
   joinTargets(parts, head.header);
   head.segments.clear();
   head.blocks.clear();
+  head.means.clear();
   head.tiles.clear();
   head.kept = {};
   std::uint64_t before = 0;  // blocks
   for (const Part& part : parts) {
     for (const std::uint64_t block : part.head.blocks) head.blocks.push_back(before + block);
-    before += BlockGrid(part.info()).count();
+    before += part.head.blockGrid().count();
+    head.means.insert(head.means.end(), part.head.means.begin(), part.head.means.end());
     FrameTiles tiles = part.head.tiles;
     tiles.resize(static_cast<std::size_t>(part.info().frames));
     head.tiles.insert(head.tiles.end(), tiles.begin(), tiles.end());

@@ -34,10 +34,11 @@ struct JoinReport {
 /// Puts .volute files together in the order of their frame numbers, which must not
 /// overlap. Times that begin anew in each part go on in the steps of the first.
 ///
-/// Blocks of 16 frames are copied byte for byte, and no value changes, when all parts but the last
-/// have a multiple of 16 frames and the same volume; the file lists what its parts do not have in
-/// common. Otherwise the parts are decoded and encoded again. That adds an error to theirs; the
-/// file states their sum, which the error to the originals does not exceed.
+/// Blocks are copied byte for byte, and no value changes, when those of all parts have as many
+/// frames, all parts but the last have a multiple of that, and all the same volume; the file lists
+/// what its parts do not have in common. Otherwise the parts are decoded and encoded again. That
+/// adds an error to theirs; the file states their sum, which the error to the originals does not
+/// exceed.
 ///
 /// Of files with several grids, or with what a cache says of its one, each grid is joined by
 /// itself. Its volume becomes the least around those of all files, with the cache's background

@@ -311,6 +311,33 @@ TEST_F(JoinGridsTest, BlocksOfEachGridAreCopied) {
   EXPECT_EQ(metadata.at(16)->front().value, "b.volute");
 }
 
+// Shorter blocks let files of any multiple of their frames be copied.
+TEST(Join, BlocksOfOneLengthAreCopied) {
+  const Sequence whole = plumes(24, 9, 10, 12);
+  const ScratchFile scratch("joined.volute");
+  const auto packed = [&](const char* name, int begin, int end, Access access) {
+    CompressOptions options;
+    options.access = access;
+    const auto path = scratch.folder() / name;
+    EXPECT_TRUE(testing::compressTo(path, partOf(whole, begin, end),
+                                    {ErrorTarget::Kind::kRms, 1e-3}, options));
+    return path;
+  };
+  Progress progress;
+  const auto first = packed("a.volute", 0, 12, Access::kFrame);
+  const auto second = packed("b.volute", 12, 24, Access::kFrame);
+  const auto copied = join({first, second}, scratch.path(), {}, progress);
+  ASSERT_TRUE(copied) << copied.error().message;
+  EXPECT_TRUE(copied->copied);
+  const auto all = readBack(scratch.path()), a = readBack(first), b = readBack(second);
+  EXPECT_TRUE(std::ranges::equal(a->values, std::span(all->values).first(a->values.size())));
+  EXPECT_TRUE(std::ranges::equal(b->values, std::span(all->values).last(b->values.size())));
+  const auto long16 = packed("c.volute", 12, 24, Access::kFilm);
+  const auto again = join({first, long16}, scratch.path(), {}, progress);
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_FALSE(again->copied);
+}
+
 // What grows in one file and is not there yet in another.
 TEST_F(JoinGridsTest, GridsThatGrowHaveTheBackgroundElsewhere) {
   const Sequence whole = plumes(32, 9, 10, 24);

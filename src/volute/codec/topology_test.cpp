@@ -326,7 +326,7 @@ TEST(Topology, ABoxBeyondAllMemoryHoldsTwoPuffs) {
   const auto reader = VoluteReader::open(file.path());
   ASSERT_TRUE(reader) << reader.error().message;
   std::vector<Bricks> back(3);
-  const auto read = reader->readBricks(0, 0, 3, back);
+  const auto read = reader->readBricks(0, 3, back);
   ASSERT_TRUE(read) << read.error().message;
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(back[i].tiles().size(), 1u);

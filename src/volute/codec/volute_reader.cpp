@@ -20,7 +20,10 @@ struct VoluteReader::Impl {
   using Index4 = BlockGrid::Index4;
 
   Impl(InputFile openFile, const Options& chosen, FileHead readHead)
-      : file(std::move(openFile)), options(chosen), head(std::move(readHead)), grid(head.info) {
+      : file(std::move(openFile)),
+        options(chosen),
+        head(std::move(readHead)),
+        grid(head.blockGrid()) {
     indexRequests = static_cast<std::uint64_t>(head.requests);
     indexBytes = head.bytesRead;
     if (!paged()) {
@@ -52,6 +55,7 @@ struct VoluteReader::Impl {
   struct Place {
     bool occupied = false;
     std::array<SegmentEntry, kMaxBlockTiers> segments{};
+    std::array<std::int64_t, 3> means{};
   };
 
   Result<std::shared_ptr<const PageContent>> page(std::size_t number) const;
@@ -80,13 +84,12 @@ struct VoluteReader::Impl {
   template <class Visit>
   Status visitTiles(int frame, const Visit& visit) const {
     const auto& all = head.pages.tiles;
-    const auto next =
-        std::ranges::upper_bound(all, frame / BlockGrid::kSide, {}, &TilePage::firstRow);
+    const auto next = std::ranges::upper_bound(all, grid.rowOf(frame), {}, &TilePage::firstRow);
     if (next == all.begin())
       return {};
     const auto number = static_cast<std::size_t>(next - all.begin() - 1);
     VOLUTE_ASSIGN(const auto tiles, intact(tilePage(number)));
-    const int first = all[number].firstRow * BlockGrid::kSide;
+    const int first = all[number].firstRow * grid.frames();
     if (tiles->empty())
       return {};
     for (const Bricks::Tile& tile : (*tiles)[static_cast<std::size_t>(frame - first)]) visit(tile);
@@ -123,7 +126,7 @@ struct VoluteReader::Impl {
   Result<std::vector<std::vector<std::byte>>> readTiers(std::size_t block, const Place& place,
                                                         int levels) const;
   Status decodeBlock(std::size_t block, std::span<float> values, int levels,
-                     BlockStates* states = nullptr) const;
+                     BlockStates* states = nullptr, FrameSpan wanted = {}) const;
   Status checkBox(const Index4& begin, const Index4& end, std::size_t values) const;
   Status readPart(std::size_t block, const Index4& begin, const Index4& end,
                   std::span<float> values, int levels) const;
@@ -185,6 +188,9 @@ Result<VoluteReader::Impl::Place> VoluteReader::Impl::placeOf(std::size_t block)
   const auto i = static_cast<std::size_t>(at - blocks.begin());
   for (std::size_t tier = 0; tier < tiers(); ++tier)
     place.segments[tier] = content->segments[tier * blocks.size() + i];
+  const auto channels = static_cast<std::size_t>(grid.channels());
+  for (std::size_t c = 0; c < channels && !content->means.empty(); ++c)
+    place.means[c] = content->means[i * channels + c];
   return place;
 }
 
@@ -269,19 +275,41 @@ Status VoluteReader::Impl::putTiles(std::size_t block, std::span<float> values) 
 }
 
 Status VoluteReader::Impl::decodeBlock(std::size_t block, std::span<float> values, int levels,
-                                       BlockStates* states) const {
+                                       BlockStates* states, FrameSpan wanted) const {
   // All levels of a small block are in its first tiers; the last one may have corrections.
   if (levels >= grid.levels(block))
     levels = 99;
   VOLUTE_ASSIGN(const Place place, placeOf(block));
-  VOLUTE_ASSIGN(auto bytes, readTiers(block, place, levels));
   const BlockShape shape = shapeOf(grid, block);
   const BlockDecoder& decoder = head.decoderOf(grid.coordinate(block)[0]);
+  const auto channels = static_cast<std::size_t>(shape.channels);
+  std::array<float, 3> room{};
+  std::span<const float> means;
+  if (place.occupied && decoder.hasMeans()) {
+    for (std::size_t c = 0; c < channels; ++c) room[c] = decoder.mean(place.means[c]);
+    means = std::span(room).first(channels);
+  }
+  if (levels <= 1 && !means.empty()) {
+    // With its tiles in it.
+    const std::size_t slab = values.size() / static_cast<std::size_t>(shape.extents[0]);
+    const int end = std::min(wanted.end, shape.extents[0]);
+    const std::span<float> some =
+        values.subspan(static_cast<std::size_t>(wanted.first) * slab,
+                       static_cast<std::size_t>(end - wanted.first) * slab);
+    if (channels == 1)
+      std::ranges::fill(some, means[0]);
+    for (std::size_t i = 0; channels > 1 && i < some.size(); ++i) some[i] = means[i % channels];
+    return {};
+  }
+  // Of a block with tiles, which are not among its voxels, the mean tells nothing.
+  if (!head.pages.tiles.empty())
+    means = {};
+  VOLUTE_ASSIGN(auto bytes, readTiers(block, place, levels));
   if (place.occupied)
     ++blocksDecoded;
-  Status status = decoder.decode(bytes, levels, shape, values, states);
+  Status status = decoder.decode(bytes, levels, shape, values, states, wanted, means);
   for (; !status && options.partial && !bytes.empty();
-       status = decoder.decode(bytes, levels, shape, values, states)) {
+       status = decoder.decode(bytes, levels, shape, values, states, wanted, means)) {
     bytes.pop_back();
   }
   if (!status)
@@ -296,12 +324,13 @@ Status VoluteReader::Impl::readBlockBricks(std::size_t block, int first, int end
   const auto channels = static_cast<std::size_t>(grid.channels());
   std::vector<float> values(grid.values(block));
   BlockStates states;
-  VOLUTE_TRY(decodeBlock(block, values, 99, &states));
+  const FrameSpan wanted{std::max(0, first - o[0]), std::min(e[0], end - o[0])};
+  VOLUTE_TRY(decodeBlock(block, values, 99, &states, wanted));
   const int row = grid.coordinate(block)[0];
   const std::array<float, 3> background = backgroundOf(row);
   const bool topology = head.decoderOf(row).hasTopology();
   constexpr int kSide = Bricks::kSide;
-  for (int t = std::max(0, first - o[0]); t < std::min(e[0], end - o[0]); ++t) {
+  for (int t = wanted.first; t < wanted.end; ++t) {
     Bricks& frame = bricks[static_cast<std::size_t>(o[0] + t - first)];
     for (int z0 = 0; z0 < e[1]; z0 += kSide)
       for (int y0 = 0; y0 < e[2]; y0 += kSide)
@@ -373,12 +402,13 @@ Status VoluteReader::Impl::readPart(std::size_t block, const Index4& begin, cons
   const auto channels = static_cast<std::size_t>(grid.channels());
   thread_local std::vector<float> decoded;  // as costly to get as to use
   decoded.resize(grid.values(block));
-  VOLUTE_TRY(decodeBlock(block, decoded, levels));
   Index4 low{}, high{};
   for (std::size_t axis = 0; axis < 4; ++axis) {
     low[axis] = std::max(begin[axis], origin[axis]);
     high[axis] = std::min(end[axis], origin[axis] + extents[axis]);
   }
+  VOLUTE_TRY(
+      decodeBlock(block, decoded, levels, nullptr, {low[0] - origin[0], high[0] - origin[0]}));
   // Where (t, z, y, low x) is in an array that starts at `from` and ends at `to`.
   const auto place = [channels, x = low[3]](int t, int z, int y, const Index4& from,
                                             const Index4& to) {
@@ -411,8 +441,8 @@ Status VoluteReader::Impl::readBox(const Index4& begin, const Index4& end, std::
   Index4 first{}, count{};
   std::size_t touched = 1;
   for (std::size_t axis = 0; axis < 4; ++axis) {
-    first[axis] = begin[axis] / BlockGrid::kSide;
-    count[axis] = (end[axis] - 1) / BlockGrid::kSide - first[axis] + 1;
+    first[axis] = begin[axis] / grid.sides()[axis];
+    count[axis] = (end[axis] - 1) / grid.sides()[axis] - first[axis] + 1;
     touched *= static_cast<std::size_t>(count[axis]);
   }
   return parallelTry(touched, [&](std::size_t i) {
@@ -545,11 +575,10 @@ std::uint64_t VoluteReader::blocksDecoded() const {
   return impl_->blocksDecoded;
 }
 
-Status VoluteReader::readBricks(int row, int first, int end, std::span<Bricks> bricks) const {
+Status VoluteReader::readBricks(int first, int end, std::span<Bricks> bricks) const {
   const Impl& impl = *impl_;
-  const int begin = row * BlockGrid::kSide;
-  const int last = std::min(begin + BlockGrid::kSide, impl.head.info.frames);
-  if (row < 0 || first < begin || first >= end || end > last ||
+  const int row = impl.grid.rowOf(std::max(first, 0));
+  if (first < 0 || first >= end || end > impl.grid.endOfRow(row) ||
       bricks.size() != static_cast<std::size_t>(end - first)) {
     return fail(ErrorCode::kInvalidArgument,
                 "{}: frames {}:{} were asked of row {}, with room for {}",
@@ -678,13 +707,19 @@ Result<Integrity> VoluteReader::verify(Progress& progress) const {
   return integrity;
 }
 
-Status VoluteReader::readBlock(std::size_t block, std::span<float> values, int levels) const {
+Status VoluteReader::readBlock(std::size_t block, std::span<float> values, int levels,
+                               FrameSpan wanted) const {
   if (block >= impl_->grid.count() || values.size() != impl_->grid.values(block)) {
     return fail(ErrorCode::kInvalidArgument,
                 "{}: block {} of {} was asked for with room for {} values",
                 impl_->file.path().string(), block, impl_->grid.count(), values.size());
   }
-  return impl_->decodeBlock(block, values, levels);
+  return impl_->decodeBlock(block, values, levels, nullptr, wanted);
+}
+
+Status VoluteReader::readBox(const BlockGrid::Index4& begin, const BlockGrid::Index4& end,
+                             std::span<float> values, int levels) const {
+  return impl_->readBox(begin, end, values, levels);
 }
 
 Status VoluteReader::readRegion(int frame, const std::array<int, 3>& begin,
@@ -696,11 +731,10 @@ Status VoluteReader::readRegion(int frame, const std::array<int, 3>& begin,
 
 Status VoluteReader::readRow(int row, std::span<float> values, int levels) const {
   const BlockGrid::Index4& volume = impl_->grid.volumeExtents();
-  const int first = std::clamp(row, 0, impl_->grid.counts()[0] - 1) * BlockGrid::kSide;
-  return impl_->readBox(
-      {first, 0, 0, 0},
-      {std::min(first + BlockGrid::kSide, volume[0]), volume[1], volume[2], volume[3]}, values,
-      levels);
+  const int one = std::clamp(row, 0, impl_->grid.counts()[0] - 1);
+  return impl_->readBox({one * impl_->grid.frames(), 0, 0, 0},
+                        {impl_->grid.endOfRow(one), volume[1], volume[2], volume[3]}, values,
+                        levels);
 }
 
 }  // namespace volute

@@ -14,7 +14,7 @@
 #include "volute/base/input_file.hpp"
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
-#include "volute/codec/block_grid.hpp"
+#include "volute/codec/block_codec.hpp"
 #include "volute/grid/frame_source.hpp"
 #include "volute/grid/grid_description.hpp"
 
@@ -126,23 +126,28 @@ class VoluteReader {
 
   /// Fills `values` with block `block` at full resolution, shape = blocks().extents(block) x
   /// channels, (t, z, y, x, c) in C order. `levels` < blocks().levels(block) decodes only that many
-  /// levels from the coarsest on (a preview).
-  [[nodiscard]] Status readBlock(std::size_t block, std::span<float> values, int levels = 99) const;
+  /// levels from the coarsest on (a preview); 1 is the mean of the block, for which most files need
+  /// nothing but their index.
+  /// @param wanted  frames of the block; what `values` hold in others is not said
+  [[nodiscard]] Status readBlock(std::size_t block, std::span<float> values, int levels = 99,
+                                 FrameSpan wanted = {}) const;
+
+  /// [begin, end) on the axes t, z, y, x. Decodes the blocks it intersects, in parallel.
+  [[nodiscard]] Status readBox(const BlockGrid::Index4& begin, const BlockGrid::Index4& end,
+                               std::span<float> values, int levels = 99) const;
 
   /// The region of one frame: [begin, end) in voxels on the axes z, y, x, shape (z, y, x, c).
-  /// Decodes the blocks it intersects, in parallel.
   [[nodiscard]] Status readRegion(int frame, const std::array<int, 3>& begin,
                                   const std::array<int, 3>& end, std::span<float> values,
                                   int levels = 99) const;
 
-  /// Row `row` of blocks: up to 16 frames from 16 * row on, shape (t, z, y, x, c). Decodes in
-  /// parallel.
+  /// Row `row` of blocks: their frames, shape (t, z, y, x, c).
   [[nodiscard]] Status readRow(int row, std::span<float> values, int levels = 99) const;
 
-  /// What is in the frames of row `row` whose positions are first <= frame < end, with its
-  /// topology. Decodes the blocks that hold something, in parallel.
+  /// What is in the frames first <= frame < end of one row of blocks, with its topology. Decodes
+  /// the blocks that hold something, in parallel.
   /// @param bricks  one for each frame
-  [[nodiscard]] Status readBricks(int row, int first, int end, std::span<Bricks> bricks) const;
+  [[nodiscard]] Status readBricks(int first, int end, std::span<Bricks> bricks) const;
 
   /// Bytes that the bricks of a row take, at most.
   std::uint64_t brickBytes(int row) const;

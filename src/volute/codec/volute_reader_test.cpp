@@ -306,6 +306,88 @@ TEST(VoluteReader, EachLevelBringsTheVolumeNearer) {
   }
 }
 
+// The mean of a block is in the index: nothing else of the block is read.
+TEST(VoluteReader, TheCoarsestLevelIsTheMeanOfTheBlock) {
+  for (const int channels : {1, 3}) {
+    for (const Kind kind : {Kind::kRms, Kind::kLook}) {
+      const Sequence sequence = plumes(21, 20, 20, 40, channels);
+      const ScratchFile file;
+      ASSERT_TRUE(compressTo(file.path(), sequence, {kind, 1e-3}));
+      const auto reader = VoluteReader::open(file.path());
+      ASSERT_TRUE(reader) << reader.error().message;
+      const BlockGrid& grid = reader->blocks();
+      for (std::size_t block = 0; block < grid.count(); ++block) {
+        std::vector<float> coarse(grid.values(block)), fine(coarse.size());
+        ASSERT_TRUE(reader->readBlock(block, coarse, 1));
+        EXPECT_EQ(reader->bytesRead(), 0u);
+        const auto whole = VoluteReader::open(file.path());
+        ASSERT_TRUE(whole->readBlock(block, fine));
+        for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c) {
+          double sum = 0, mean = 0;
+          for (std::size_t i = c; i < fine.size(); i += static_cast<std::size_t>(channels))
+            sum += coarse[i], mean += fine[i];
+          const double voxels = static_cast<double>(fine.size()) / channels;
+          EXPECT_NEAR(sum / voxels, mean / voxels, 5e-3) << block;
+        }
+      }
+    }
+  }
+}
+
+// Small bodies that fill a block in part keep their mass at each level.
+TEST(VoluteReader, LevelsOfPartlyFilledBlocksHaveTheirMeans) {
+  Sequence sequence = makeSequence(16, 32, 32, 32);
+  auto view = sequence.view();
+  for (int t = 0; t < 16; ++t)
+    for (int k = 0; k < 32; ++k)
+      for (int j = 0; j < 32; ++j)
+        for (int i = 0; i < 32; ++i) {
+          const bool sheet = k == 5 || (i % 16 == 9 && j % 16 < 7) || (i + j + k) % 29 == 0;
+          view(t, k, j, i, 0) = sheet ? 1.0f + 0.02f * static_cast<float>(i + t) : 0;
+        }
+  const ScratchFile file;
+  CompressOptions options;
+  options.mode = BlockMode{true, Wavelet::kCdf53, 2};
+  ASSERT_TRUE(compressTo(file.path(), sequence, {Kind::kRms, 1e-3}, options));
+  const auto reader = VoluteReader::open(file.path());
+  for (std::size_t block = 0; block < reader->blocks().count(); ++block) {
+    std::vector<float> fine(reader->blocks().values(block)), coarse(fine.size());
+    ASSERT_TRUE(reader->readBlock(block, fine));
+    double whole = 0;
+    for (const float value : fine) whole += value;
+    for (int levels = 1; levels <= 4; ++levels) {
+      ASSERT_TRUE(reader->readBlock(block, coarse, levels));
+      double sum = 0;
+      for (const float value : coarse) sum += value;
+      EXPECT_NEAR(sum, whole, 0.02 * whole) << "block " << block << ", levels " << levels;
+    }
+  }
+}
+
+// A frame alone, and a row of them, are the same.
+TEST(VoluteReader, AFrameIsTheSameAloneAndInItsRow) {
+  for (const Access access : {Access::kFrame, Access::kFilm}) {
+    const Sequence sequence = plumes(37, 17, 20, 33);
+    const ScratchFile file;
+    CompressOptions options;
+    options.access = access;
+    ASSERT_TRUE(compressTo(file.path(), sequence, {Kind::kLook, 1e-3}, options));
+    const auto all = readBack(file.path());
+    ASSERT_TRUE(all) << all.error().message;
+    const auto reader = std::make_shared<const VoluteReader>(*VoluteReader::open(file.path()));
+    for (const int frame : {36, 3, 18, 8, 30, 5}) {
+      std::vector<float> alone(sequence.info.frameValues());
+      ASSERT_TRUE(frameSource(reader)->readFrame(frame, alone));
+      EXPECT_TRUE(std::ranges::equal(alone, all->frame(frame))) << frame;
+      Bricks bricks;
+      ASSERT_TRUE(frameSource(reader)->readBricks(frame, 0, 17, bricks));
+      std::vector<float> dense(alone.size());
+      bricks.toDense({{0, 0, 0}, {33, 20, 17}}, dense);
+      EXPECT_EQ(dense, alone) << frame;
+    }
+  }
+}
+
 // Of such a block the levels are in two tiers, and corrections in the third.
 TEST(VoluteReader, AllLevelsOfASmallBlockAreTheWholeOfIt) {
   const Sequence sequence = plumes(4, 7, 4, 4, 1, 300);
@@ -344,9 +426,11 @@ void writeHugeFile(const std::filesystem::path& path, std::size_t blocks, FileHe
   info.fillDefaults();
   head.blocks.clear();
   head.segments.clear();
+  head.means.clear();
   std::uint64_t number = 12345;
   for (std::size_t i = 0; i < blocks; ++i) {
     head.blocks.push_back(number);
+    head.means.push_back(static_cast<std::int64_t>(i * 2654435761u >> 7 & 255));
     // Runs of neighbours, then a gap as to the next line of blocks, or to the next frames.
     number += i % 7 != 0 ? 1 : i % 1001 == 0 ? std::uint64_t{6250} * 6250 * 30 : 6239 + i % 13;
   }

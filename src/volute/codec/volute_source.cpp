@@ -32,18 +32,16 @@ class VoluteSource final : public FrameSource {
                   "frame {} of {} was asked for with room for {} values", index, volume.frames,
                   values.size());
     }
-    const int row = index / BlockGrid::kSide;
-    const int first = row * BlockGrid::kSide;
+    const BlockGrid& grid = reader_->blocks();
+    const int row = grid.rowOf(index);
+    const int first = row * grid.frames();
     if (row == brickRow_) {
       brickRow_ = -1;
       bricks_.clear();
     }
-    const std::size_t frames =
-        static_cast<std::size_t>(std::min(BlockGrid::kSide, volume.frames - first));
-    if (4 * frames * volume.frameValues() > reader_->maxMemory()) {
-      // No room for a row: its blocks are decoded again for each of its frames.
+    const auto frames = static_cast<std::size_t>(grid.endOfRow(row) - first);
+    if (row != row_ && (isAlone(index) || 4 * frames * volume.frameValues() > reader_->maxMemory()))
       return reader_->readRegion(index, {0, 0, 0}, {volume.z, volume.y, volume.x}, values);
-    }
     if (row != row_) {
       row_ = -1;
       values_.resize(frames * volume.frameValues());
@@ -57,19 +55,20 @@ class VoluteSource final : public FrameSource {
   }
 
   Status readBricks(int index, int first, int end, Bricks& bricks) override {
-    const int row = index / BlockGrid::kSide;
-    const int begin = row * BlockGrid::kSide;
+    const BlockGrid& grid = reader_->blocks();
+    const int row = grid.rowOf(index);
+    const int begin = row * grid.frames();
     if (row != brickRow_) {
       brickRow_ = -1;
       row_ = -1;
       values_ = {};
-      if (reader_->brickBytes(row) > reader_->maxMemory()) {
-        VOLUTE_TRY(reader_->readBricks(row, index, index + 1, std::span(&bricks, 1)));
+      if (isAlone(index) || reader_->brickBytes(row) > reader_->maxMemory()) {
+        VOLUTE_TRY(reader_->readBricks(index, index + 1, std::span(&bricks, 1)));
         return cropLayers(first, end, bricks);
       }
-      const int last = std::min(begin + BlockGrid::kSide, info().frames);
+      const int last = grid.endOfRow(row);
       bricks_.resize(static_cast<std::size_t>(last - begin));
-      VOLUTE_TRY(reader_->readBricks(row, begin, last, bricks_));
+      VOLUTE_TRY(reader_->readBricks(begin, last, bricks_));
       brickRow_ = row;
     }
     bricks = bricks_[static_cast<std::size_t>(index - begin)];
@@ -82,11 +81,20 @@ class VoluteSource final : public FrameSource {
     std::uint64_t most = 0;
     const int rows = reader_->blocks().counts()[0];
     for (int row = 0; row < rows; ++row)
-      most = std::max(most, reader_->brickBytes(row) / BlockGrid::kSide);
+      most = std::max(
+          most, reader_->brickBytes(row) / static_cast<std::uint64_t>(reader_->blocks().frames()));
     return std::min(most, FrameSource::brickBytes());
   }
 
  private:
+  /// Frames that follow each other are decoded together, a row of blocks at a time. One that
+  /// follows none, and does not begin a row, is decoded for itself, in half of the time.
+  bool isAlone(int index) {
+    const bool follows = index == last_ + 1 || index % reader_->blocks().frames() == 0;
+    last_ = index;
+    return !follows;
+  }
+
   Status cropLayers(int first, int end, Bricks& bricks) const {
     if (first > 0 || end < info().z)
       bricks.crop({{0, 0, first}, {info().x, info().y, end}});
@@ -98,6 +106,7 @@ class VoluteSource final : public FrameSource {
   int brickRow_ = -1;
   std::vector<float> values_;  // the frames of row row_
   int row_ = -1;
+  int last_ = -2;  // frame that was asked for last
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -17,7 +18,9 @@ constexpr std::array kTimeLevels{0, 1, 2, 4};
 constexpr std::array kWavelets{Wavelet::kHaar, Wavelet::kCdf53, Wavelet::kCdf97};
 
 // What the parameters of codec 3 begin with.
-constexpr int kHasInactive = 1, kBent = 2, kBySymbols = 4, kWithoutTopology = 8;
+constexpr int kHasInactive = 1, kBent = 2, kBySymbols = 4, kWithoutTopology = 8, kMore = 16;
+// What a second byte says, where kMore is set: halvings of the frames of a block, and more.
+constexpr int kFrameHalvings = 7, kMeans = 8;
 
 bool within(double value, double least, double most) {
   return value >= least && value <= most;
@@ -57,9 +60,15 @@ std::span<const BlockMode> allBlockModes() {
 std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int channels) {
   ByteWriter out;
   if (parameters.extended || parameters.sparse) {
+    const int more = std::countr_zero(static_cast<unsigned>(BlockGrid::kSide)) -
+                     std::countr_zero(static_cast<unsigned>(parameters.blockFrames)) +
+                     (parameters.means ? kMeans : 0);
     out.u8(static_cast<std::uint8_t>(
         (parameters.inactive ? kHasInactive : 0) | (parameters.bends() ? kBent : 0) |
-        (parameters.bySymbols ? kBySymbols : 0) | (parameters.sparse ? 0 : kWithoutTopology)));
+        (parameters.bySymbols ? kBySymbols : 0) | (parameters.sparse ? 0 : kWithoutTopology) |
+        (more != 0 ? kMore : 0)));
+    if (more != 0)
+      out.u8(static_cast<std::uint8_t>(more));
     for (int c = 0; c < channels; ++c) out.f32(parameters.background[static_cast<std::size_t>(c)]);
     for (int c = 0; parameters.inactive && c < channels; ++c)
       out.f32((*parameters.inactive)[static_cast<std::size_t>(c)]);
@@ -97,7 +106,11 @@ Result<WaveletParameters> readParameters(std::uint32_t codec, std::span<const st
   };
   if (parameters.extended) {
     const int flags = in.u8();
-    finite = flags < 2 * kWithoutTopology;
+    const int more = (flags & kMore) != 0 ? in.u8() : 0;
+    const int halvings = more & kFrameHalvings;
+    finite = flags < 2 * kMore && more < 2 * kMeans && (BlockGrid::kSide >> halvings) > 0;
+    parameters.blockFrames = std::max(BlockGrid::kSide >> halvings, 1);
+    parameters.means = (more & kMeans) != 0;
     parameters.bySymbols = (flags & kBySymbols) != 0;
     parameters.sparse = (flags & kWithoutTopology) == 0;
     readColour(parameters.background);
@@ -157,17 +170,26 @@ TierStrides stridesOfTier(const BlockShape& shape, std::size_t tier, int levels)
 void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
                  const BlockMode& mode, const BlockShape& shape,
                  const WaveletParameters& parameters, const StreamInfo& stream, bool coarse,
-                 std::span<float> values) {
-  const std::size_t voxels = shape.voxels();
+                 std::span<float> all, FrameSpan wanted) {
+  const std::size_t allVoxels = shape.voxels();
   const AxisLevels levels = blockLevels(shape.extents, mode.timeLevels);
   for (int c = 0; c < shape.channels; ++c)
-    shapeInverse(planes.subspan(c * voxels, voxels), support, shape.extents, mode.wavelet, levels);
+    shapeInverse(planes.subspan(c * allVoxels, allVoxels), support, shape.extents, mode.wavelet,
+                 levels, wanted.first, wanted.end);
+  const std::size_t slab = allVoxels / static_cast<std::size_t>(shape.extents[0]);
+  const std::size_t begin = static_cast<std::size_t>(wanted.first) * slab;
+  const std::size_t voxels =
+      static_cast<std::size_t>(std::min(wanted.end, shape.extents[0]) - wanted.first) * slab;
+  const auto channels = static_cast<std::size_t>(shape.channels);
+  const std::span<float> values = all.subspan(begin * channels, voxels * channels);
+  if (!support.empty())
+    support = support.subspan(begin, voxels);
   // Of one channel in one go with what follows.
   const bool direct = shape.channels == 1 && !parameters.bends();
-  const float* from = direct ? planes.data() : values.data();
+  const float* from = direct ? planes.data() + begin : values.data();
   const float unit = direct ? parameters.unit() : 1;
   if (!direct)
-    parameters.color.merge(planes, shape.channels, parameters.unit(), values);
+    parameters.color.merge(planes, shape.channels, parameters.unit(), all);
   if (parameters.bends()) {
     for (float& value : values) value = parameters.unbent(value);
   }

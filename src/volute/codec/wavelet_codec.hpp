@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -67,6 +68,8 @@ struct WaveletParameters {
   /// Codec 3: values are coded as bent() ones if bendScale is above 0, which makes faint ones finer
   /// than strong ones.
   double bendScale = 0, bendOffset = 0;
+  int blockFrames = BlockGrid::kSide;  ///< codec 3: 16, 8, 4, 2 or 1
+  bool means = false;                  ///< codec 3: the index has the mean of each block
   /// Values beyond are kept as they are, for a writer of codec 3.
   float outlierLow = -std::numeric_limits<float>::infinity();
   float outlierHigh = std::numeric_limits<float>::infinity();
@@ -105,6 +108,20 @@ struct WaveletParameters {
   /// Distance between neighbouring corrections: a little less than twice maxError, which leaves
   /// room for rounding.
   double correctionStep() const { return maxError * 2 * (1 - 1.0 / 128); }
+
+  /// Means of blocks as the index has them: (bent) values in sixteenths of a step.
+  std::int64_t quantisedMean(double value) const {
+    const double bentValue = bends() ? bent(static_cast<float>(value)) : value;
+    constexpr double kGreatest = 1e15;
+    return std::llround(std::clamp(bentValue * 16 / (step * unit()), -kGreatest, kGreatest));
+  }
+
+  float mean(std::int64_t quantised) const {
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    const double value = static_cast<double>(quantised) / 16 * step * unit();
+    const auto shown = static_cast<float>(std::clamp(value, -kLargest, kLargest));
+    return bends() ? unbent(shown) : shown;
+  }
 };
 
 std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int channels);
@@ -143,9 +160,10 @@ void applyStates(std::span<const VoxelState> states, std::span<const Outlier> ou
 /// inverse transform, colour, and what is known of the original: its range, and zeros outside of
 /// the support. With `coarse` these are left out, since they would change the means that levels
 /// are; then values stay within one range of the original's.
+/// @param wanted  frames of `values` that are filled
 void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
                  const BlockMode& mode, const BlockShape& shape,
                  const WaveletParameters& parameters, const StreamInfo& stream, bool coarse,
-                 std::span<float> values);
+                 std::span<float> values, FrameSpan wanted = {});
 
 }  // namespace volute

@@ -372,10 +372,129 @@ void BlockReading::correct(const StreamInfo& stream, std::span<float> values) co
   }
 }
 
+/// Right means of a shaped block without its finest levels. A sample of the support that has no
+/// neighbours at an odd place is a wavelet coefficient: without its level it is 0, and others
+/// are less than they should be. What becomes of a support full of ones tells by how much; what
+/// nothing is known of gets what the mean of the block leaves for it.
+/// @param levels  that were decoded
+/// @param sums    of each channel over the support, or empty where they are not known
+void fillUnknown(std::span<float> values, std::span<const std::uint8_t> support,
+                 const BlockMode& mode, const BlockShape& shape, int levels,
+                 std::span<const double> sums) {
+  constexpr float kKnown = 0.5f;
+  const AxisLevels halvings = blockLevels(shape.extents, mode.timeLevels);
+  const BlockGrid::Index4& e = shape.extents;
+  const int dropped = shape.levels() - levels;
+  const auto channels = static_cast<std::size_t>(shape.channels);
+  std::vector<float> weights(support.begin(), support.end());
+  shapeForward(weights, support, e, mode.wavelet, halvings);
+  std::array<int, 4> beside{};  // bits of places that hold nothing but dropped levels
+  for (std::size_t axis = 0; axis < 4; ++axis)
+    beside[axis] = (1 << std::min(dropped, halvings[axis])) - 1;
+  const auto eachVoxel = [&](const auto& visit) {
+    std::size_t at = 0;
+    for (int t = 0; t < e[0]; ++t)
+      for (int z = 0; z < e[1]; ++z)
+        for (int y = 0; y < e[2]; ++y)
+          for (int x = 0; x < e[3]; ++x, ++at) visit(at, BlockGrid::Index4{t, z, y, x});
+  };
+  eachVoxel([&](std::size_t at, const BlockGrid::Index4& place) {
+    for (std::size_t axis = 0; axis < 4; ++axis)
+      if ((place[axis] & beside[axis]) != 0)
+        weights[at] = 0;
+  });
+  shapeInverse(weights, support, e, mode.wavelet, halvings);
+
+  struct Mean {
+    double weight = 0;
+    std::array<double, 3> sum{};
+  };
+
+  // Of each cube of what a level leaves, in each frame.
+  const auto side = static_cast<std::size_t>(BlockGrid::kSide >> dropped);
+  std::vector<Mean> cubes(static_cast<std::size_t>(e[0]) * side * side * side);
+  const auto cubeOf = [&](const BlockGrid::Index4& place) -> Mean& {
+    std::size_t at = static_cast<std::size_t>(place[0]);
+    for (std::size_t axis = 1; axis < 4; ++axis)
+      at = at * side + static_cast<std::size_t>(place[axis] >> dropped);
+    return cubes[at];
+  };
+  eachVoxel([&](std::size_t at, const BlockGrid::Index4& place) {
+    if (support[at] == 0)
+      return;
+    Mean& cube = cubeOf(place);
+    cube.weight += weights[at];
+    for (std::size_t c = 0; c < channels; ++c) cube.sum[c] += values[at * channels + c];
+  });
+
+  struct Known : Mean {
+    std::array<double, 3> least, most;
+  };
+
+  Known known;
+  known.least.fill(std::numeric_limits<double>::infinity());
+  known.most.fill(-std::numeric_limits<double>::infinity());
+  std::vector<std::size_t> unknown;
+  eachVoxel([&](std::size_t at, const BlockGrid::Index4& place) {
+    if (support[at] == 0)
+      return;
+    const Mean& cube = cubeOf(place);
+    if (!(weights[at] > kKnown) && !(cube.weight > kKnown)) {
+      unknown.push_back(at);
+      return;
+    }
+    known.weight += 1;
+    for (std::size_t c = 0; c < channels; ++c) {
+      float& value = values[at * channels + c];
+      value = weights[at] > kKnown ? value / weights[at]
+                                   : static_cast<float>(cube.sum[c] / cube.weight);
+      known.sum[c] += value;
+      known.least[c] = std::min<double>(known.least[c], value);
+      known.most[c] = std::max<double>(known.most[c], value);
+    }
+  });
+  for (std::size_t c = 0; c < channels; ++c) {
+    double left = known.weight > 0 ? known.sum[c] / known.weight : 0;
+    if (!sums.empty() && !unknown.empty()) {
+      left = (sums[c] - known.sum[c]) / static_cast<double>(unknown.size());
+      if (known.weight > 0)
+        left = std::clamp(left, known.least[c], known.most[c]);
+    }
+    for (const std::size_t at : unknown) values[at * channels + c] = static_cast<float>(left);
+    if (sums.empty())
+      continue;
+    // What is nearly of one sign keeps it.
+    double sum = 0, sizes = 0, count = 0;
+    for (std::size_t at = 0; at < support.size(); ++at) {
+      const double value = support[at] != 0 ? values[at * channels + c] : 0;
+      sum += value;
+      sizes += std::abs(value);
+      count += support[at];
+    }
+    const double factor = sums[c] / sum;
+    const bool scales = std::abs(sum) > 0.9 * sizes && factor > 0.25 && factor < 4;
+    const double shift = (sums[c] - sum) / std::max(count, 1.0);
+    for (std::size_t at = 0; at < support.size(); ++at) {
+      float& value = values[at * channels + c];
+      if (support[at] != 0)
+        value = static_cast<float>(scales ? value * factor : value + shift);
+    }
+  }
+}
+
 class WaveletDecoder final : public BlockDecoder {
  public:
   WaveletDecoder(WaveletParameters parameters, const StreamInfo& stream)
       : parameters_(std::move(parameters)), stream_(stream) {}
+
+  int blockFrames() const override { return parameters_.blockFrames; }
+
+  bool hasMeans() const override { return parameters_.means; }
+
+  float mean(std::int64_t quantised) const override {
+    const float value = parameters_.mean(quantised);
+    return std::min(stream_.valueMax, std::max(stream_.valueMin, value));
+  }
 
   std::span<const int> tierLevels() const override { return kWaveletTiers; }
 
@@ -386,7 +505,8 @@ class WaveletDecoder final : public BlockDecoder {
   }
 
   Status decode(Tiers tiers, int levels, const BlockShape& shape, std::span<float> values,
-                BlockStates* states) const override {
+                BlockStates* states, FrameSpan wanted,
+                std::span<const float> means) const override {
     VOLUTE_ASSERT(values.size() == shape.values() && tiers.size() <= kWaveletTiers.size());
     const auto channels = static_cast<std::size_t>(shape.channels);
     if (std::ranges::all_of(tiers, [](const auto& tier) { return tier.empty(); })) {
@@ -401,15 +521,25 @@ class WaveletDecoder final : public BlockDecoder {
     thread_local Scratch scratch;
     BlockReading block(parameters_, shape, scratch);
     VOLUTE_TRY(block.read(tiers, levels));
-    const bool coarse = levels < shape.levels() || tiers.size() < kWaveletTiers.size();
+    int decoded = 0;
+    for (std::size_t tier = 0; tier < tiers.size(); ++tier) decoded += kWaveletTiers[tier];
+    decoded = std::min(decoded, levels);
+    const bool coarse = decoded < shape.levels() || tiers.size() < kWaveletTiers.size();
+    const bool shaped = !block.support().empty();
+    const bool fills = block.coded() && shaped && decoded < shape.levels();
+    if (fills)
+      wanted = {};
     if (block.coded()) {
       reconstruct(block.planes(), block.support(), block.mode(), shape, parameters_, stream_,
-                  coarse, values);
+                  coarse, values, wanted);
     } else {
       std::ranges::fill(values, zero());
     }
-    // Coarse levels are means, which a support that is cut out would change.
-    if (parameters_.sparse && (!coarse || !block.coded()))
+    if (fills)
+      fillUnknown(values, block.support(), block.mode(), shape, decoded,
+                  sumsOf(means, block, shape));
+    // The means of a block without shape reach beyond what is coded.
+    if (parameters_.sparse && (!coarse || shaped || !block.coded()))
       applyStates(block.states(), block.outliers(), parameters_, stream_, values);
     block.correct(stream_, values);
     if (states && parameters_.sparse)
@@ -451,6 +581,23 @@ class WaveletDecoder final : public BlockDecoder {
   }
 
  private:
+  /// Of each channel over the coded voxels; none where the means are not known.
+  std::vector<double> sumsOf(std::span<const float> means, const BlockReading& block,
+                             const BlockShape& shape) const {
+    std::vector<double> sums;
+    for (std::size_t c = 0; c < means.size(); ++c) {
+      double sum = static_cast<double>(means[c]) * static_cast<double>(shape.voxels());
+      for (const VoxelState state : block.states()) {
+        if (!isCoded(state, parameters_))
+          sum -=
+              state == VoxelState::kEmpty ? parameters_.background[c] : (*parameters_.inactive)[c];
+      }
+      for (const Outlier& outlier : block.outliers()) sum -= outlier.value[c];
+      sums.push_back(sum);
+    }
+    return sums;
+  }
+
   /// What coefficients of zero stand for.
   float zero() const { return std::min(stream_.valueMax, std::max(stream_.valueMin, 0.0f)); }
 

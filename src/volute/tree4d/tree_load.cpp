@@ -3,7 +3,6 @@
 // Tree4d::load: blocks from a .volute file.
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <mutex>
 #include <numeric>
 
@@ -21,7 +20,8 @@ Result<Tree4d> Tree4d::load(const VoluteReader& reader, const LoadOptions& optio
   double step = 0.25 * header.reachedRms * range * std::sqrt(12.0);
   if (!(step > 0))
     step = std::max(range, 1.0) * 1e-6;
-  const BlockGrid& grid = reader.blocks();
+  // A block of the tree is as long as the longest of files, which may take several of those.
+  const BlockGrid grid(info);
   Status status;
   std::mutex mutex;
   const int firstRow = std::clamp(options.firstFrame / BlockGrid::kSide, 0, grid.counts()[0] - 1);
@@ -41,8 +41,16 @@ Result<Tree4d> Tree4d::load(const VoluteReader& reader, const LoadOptions& optio
   std::vector<std::uint64_t> blocks;
   if (reader.background() == std::array<float, 3>{}) {
     VOLUTE_ASSIGN(const auto occupied, reader.occupied());
-    std::ranges::copy_if(occupied, std::back_inserter(blocks),
-                         [&](std::uint64_t block) { return block >= first && block < end; });
+    for (const std::uint64_t own : occupied) {
+      BlockGrid::Index4 at = reader.blocks().coordinate(static_cast<std::size_t>(own));
+      at[0] = grid.rowOf(at[0] * reader.blocks().frames());
+      const std::uint64_t block = grid.blockAt(at);
+      if (block >= first && block < end)
+        blocks.push_back(block);
+    }
+    std::ranges::sort(blocks);
+    const auto doubled = std::ranges::unique(blocks);
+    blocks.erase(doubled.begin(), doubled.end());
   } else {
     blocks.resize(end - first);
     std::iota(blocks.begin(), blocks.end(), first);
@@ -59,7 +67,10 @@ Result<Tree4d> Tree4d::load(const VoluteReader& reader, const LoadOptions& optio
     parallelFor(std::min(kAtOnce, blocks.size() - done), [&](std::size_t i) {
       const std::uint64_t block = blocks[done + i];
       std::vector<float> values(grid.values(block));
-      Status read = reader.readBlock(block, values, options.levels);
+      const BlockGrid::Index4 begin = grid.origin(block);
+      BlockGrid::Index4 after = grid.extents(block);
+      for (std::size_t axis = 0; axis < 4; ++axis) after[axis] += begin[axis];
+      Status read = reader.readBox(begin, after, values, options.levels);
       if (read) {
         builder.addBlock(block, values);
       } else {

@@ -295,9 +295,21 @@ struct Scratch {
   std::array<std::vector<float>, 5> samples, support;
 };
 
+/// What is wanted of the first axis.
+struct Wanted {
+  int first = 0, end = kLongestSide;
+
+  /// The low samples that it depends on: each lifting step reaches one sample further.
+  Wanted low(Wavelet wavelet) const {
+    const int reach = liftingSteps(wavelet).count + 1;
+    return {std::max(0, first - reach) / 2, (end + reach) / 2 + 1};
+  }
+};
+
+/// @param wanted  by the inverse
 void transform(std::span<float> samples, std::span<const float> support, const Extents& extents,
-               Wavelet wavelet, const AxisLevels& levels, bool inverse, Scratch& scratch,
-               std::size_t depth) {
+               Wavelet wavelet, const AxisLevels& levels, bool inverse, Wanted wanted,
+               Scratch& scratch, std::size_t depth) {
   if (deepest(levels) == 0)
     return;
   const Level level(samples, support, extents);
@@ -321,26 +333,39 @@ void transform(std::span<float> samples, std::span<const float> support, const E
     visitLow(extents, halved, [&](std::size_t i, std::size_t j) { low[i] = samples[j]; });
     if (!support.empty())
       visitLow(extents, halved, [&](std::size_t i, std::size_t j) { lowSupport[i] = support[j]; });
-    transform(low, lowSupport, half, wavelet, left, inverse, scratch, depth + 1);
+    transform(low, lowSupport, half, wavelet, left, inverse,
+              halved[0] ? wanted.low(wavelet) : wanted, scratch, depth + 1);
     visitLow(extents, halved, [&](std::size_t i, std::size_t j) { samples[j] = low[i]; });
   }
   if (inverse) {
-    for (int axis = 0; axis < 4; ++axis)
+    if (halved[0])
+      level.lift(0, wavelet, true);
+    // From here on no sample depends on those at other places of the first axis.
+    const int end = std::min(wanted.end, extents[0]);
+    const int count = end - wanted.first;
+    const std::size_t slab = samples.size() / static_cast<std::size_t>(extents[0]);
+    const std::size_t begin = static_cast<std::size_t>(wanted.first) * slab;
+    const std::size_t size = static_cast<std::size_t>(count) * slab;
+    const Level part(samples.subspan(begin, size),
+                     support.empty() ? support : support.subspan(begin, size),
+                     {count, extents[1], extents[2], extents[3]});
+    for (int axis = 1; axis < 4; ++axis)
       if (halved[axis])
-        level.lift(axis, wavelet, true);
+        part.lift(axis, wavelet, true);
   }
 }
 
 void transformBlock(std::span<float> samples, std::span<const std::uint8_t> support,
-                    const Extents& extents, Wavelet wavelet, const AxisLevels& levels,
-                    bool inverse) {
-  VOLUTE_ASSERT(samples.size() == sizeOf(extents) &&
+                    const Extents& extents, Wavelet wavelet, const AxisLevels& levels, bool inverse,
+                    Wanted wanted) {
+  VOLUTE_ASSERT(wanted.first >= 0 && wanted.first < std::min(wanted.end, extents[0]) &&
+                samples.size() == sizeOf(extents) &&
                 (support.empty() || support.size() == samples.size()) &&
                 *std::ranges::max_element(extents) <= kLongestSide);
   // Memory of this size costs as much to get as to use.
   thread_local Scratch scratch;
   scratch.support[0].assign(support.begin(), support.end());
-  transform(samples, scratch.support[0], extents, wavelet, levels, inverse, scratch, 1);
+  transform(samples, scratch.support[0], extents, wavelet, levels, inverse, wanted, scratch, 1);
 }
 
 int halvings(int side) {
@@ -362,12 +387,13 @@ int deepest(const AxisLevels& levels) {
 
 void shapeForward(std::span<float> samples, std::span<const std::uint8_t> support,
                   const std::array<int, 4>& extents, Wavelet wavelet, const AxisLevels& levels) {
-  transformBlock(samples, support, extents, wavelet, levels, false);
+  transformBlock(samples, support, extents, wavelet, levels, false, {});
 }
 
 void shapeInverse(std::span<float> coefficients, std::span<const std::uint8_t> support,
-                  const std::array<int, 4>& extents, Wavelet wavelet, const AxisLevels& levels) {
-  transformBlock(coefficients, support, extents, wavelet, levels, true);
+                  const std::array<int, 4>& extents, Wavelet wavelet, const AxisLevels& levels,
+                  int first, int end) {
+  transformBlock(coefficients, support, extents, wavelet, levels, true, {first, end});
 }
 
 }  // namespace volute

@@ -43,8 +43,10 @@ void shapeForward(std::span<float> samples, std::span<const std::uint8_t> suppor
 
 /// Undoes shapeForward up to rounding, given the same support. Coefficients outside it must be
 /// zero.
+/// @param first, end  the samples wanted on the first axis; what the others hold is not said
 void shapeInverse(std::span<float> coefficients, std::span<const std::uint8_t> support,
-                  const std::array<int, 4>& extents, Wavelet wavelet, const AxisLevels& levels);
+                  const std::array<int, 4>& extents, Wavelet wavelet, const AxisLevels& levels,
+                  int first = 0, int end = kLongestSide);
 
 /// The same of one line, sample by sample: the twin that the fast ones are tested against.
 void shapeForwardLine(std::span<float> samples, std::span<const std::uint8_t> support,

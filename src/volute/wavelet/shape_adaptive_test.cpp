@@ -125,6 +125,24 @@ RC_GTEST_PROP(ShapeAdaptive, InverseRestores, ()) {
   for (std::size_t i = 0; i < x.size(); ++i) RC_ASSERT(std::abs(x[i] - shaped.samples[i]) < 2e-5f);
 }
 
+// The same bits as of the whole.
+RC_GTEST_PROP(ShapeAdaptive, SomeFramesAreThoseOfTheWhole, ()) {
+  const Extents e{*rc::gen::inRange(1, 17), *rc::gen::inRange(1, 17), *rc::gen::inRange(1, 17),
+                  *rc::gen::inRange(1, 17)};
+  const Wavelet wavelet = kWavelets[*rc::gen::inRange(0, 3)];
+  const AxisLevels levels = blockLevels(e, *rc::gen::element(0, 1, 2, 4));
+  const auto shaped = randomShape(sizeOf(e), *rc::gen::element(0.1, 0.5, 0.9, 1.0),
+                                  *rc::gen::arbitrary<unsigned>());
+  const int first = *rc::gen::inRange(0, e[0]);
+  const int end = *rc::gen::inRange(first + 1, e[0] + 1);
+  auto whole = shaped.samples;
+  auto some = shaped.samples;
+  shapeInverse(whole, shaped.support, e, wavelet, levels);
+  shapeInverse(some, shaped.support, e, wavelet, levels, first, end);
+  const std::size_t frame = whole.size() / static_cast<std::size_t>(e[0]);
+  for (std::size_t i = first * frame; i < end * frame; ++i) RC_ASSERT(some[i] == whole[i]);
+}
+
 TEST(ShapeAdaptive, LineInverseRestores) {
   for (Wavelet wavelet : kWavelets) {
     for (unsigned seed = 0; seed < 200; ++seed) {

@@ -84,6 +84,8 @@ Status runCompress(const Arguments& arguments, Context& context) {
                 "--fast: is the same as --effort {}; give one of the two", kFastEffort);
   }
   options.effort = arguments.flag("fast") ? kFastEffort : arguments.get<int>("effort");
+  if (const auto access = arguments.find<std::string>("access"))
+    options.access = *access == "frame" ? Access::kFrame : Access::kFilm;
   if (const auto mode = arguments.find<std::string>("block-mode"))
     options.mode = blockModeByName(*mode);
   options.provenance = std::filesystem::path(path).filename().string();
@@ -227,6 +229,13 @@ Command compressCommand() {
             .least = kMinEffort,
             .most = kMaxEffort},
            {.name = "fast", .help = "the same as --effort 2"},
+           {.name = "access",
+            .kind = kChoice,
+            .value = "WHAT",
+            .help = "what is read most: frame, single frames, which then take a quarter of the "
+                    "time and bytes, of a file that may be larger; or film, all of them in "
+                    "order; if not given, what costs next to nothing of both",
+            .choices = {"frame", "film"}},
            {.name = "block-mode",
             .kind = kChoice,
             .value = "SUPPORT:WAVELET:TIME",

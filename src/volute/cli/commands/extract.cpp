@@ -78,12 +78,16 @@ Command extractCommand() {
            "volute extract cache.volute -o cache_%04d.vdb",
            "volute extract fire.volute -o - --frames 3 --region 0:32,0:32,16:48 | other-program"},
       .description =
-          "Reads only the blocks needed, with 16 frames in memory at a time, and reports how many "
-          "bytes were read and blocks decoded.\n\nLevel L divides the resolution by 2^L: it skips "
+          "Reads only the blocks needed, with at most 16 frames in memory at a time, and reports "
+          "how "
+          "many bytes were read and blocks decoded.\n\nLevel L divides the resolution by 2^L: it "
+          "skips "
           "the finest levels of each block, which contain details smaller than 2^L voxels in "
           "space and 2^L frames in time, and averages cubes of 2^L voxels. It is a preview: means "
-          "are accurate to some percent, and less so where a small body is surrounded by empty "
-          "space. Cubes that reach beyond the region count zeros there, and the bounds grow with "
+          "are accurate to some percent. Level 4 is the mean of each block, over all of its "
+          "frames, "
+          "and reads nothing but the index. Cubes that reach beyond the region count zeros there, "
+          "and the bounds grow with "
           "them.\n\nA .npy is float32 of shape (t,z,y,x) or (t,z,y,x,c), also for a single frame. "
           "With several grids, each .vdb file holds all of them, with the names, types, classes, "
           "transforms and metadata of the original cache; other files hold one grid, selected "

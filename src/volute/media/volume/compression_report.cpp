@@ -120,6 +120,7 @@ Report compressionReport(const std::string& target, const CompressedGrids& resul
                     {"empty", empty},
                     {"raw_bytes", one.rawBytes},
                     {"bytes", one.fileBytes},
+                    {"block_frames", one.blockFrames},
                     {"support_rms", one.support.rms},
                     {"support_share", one.support.share},
                     {"support_range", {one.support.low, one.support.high}},
@@ -183,6 +184,8 @@ Report compressionReport(const std::string& target, const VolumeInfo& info,
       .add("max_error", result.maxError,
            fmt::format("{:.6g}, in {}", result.maxError, worstPlaceText(result, info)))
       .add("max_error_at", worstPlaceJson(result, info), "")
+      .add("block_frames", result.blockFrames,
+           fmt::format("{} decoded together", result.blockFrames))
       .add("seconds", jsonNumber(result.seconds), fmt::format("{:.2f} s", result.seconds))
       .add("megabytes_per_second", jsonNumber(speed), fmt::format("{:.3g} MB/s", speed));
   return report;

@@ -219,9 +219,13 @@ void VolumeMedium::knowAs(const VolumeMedium& other) {
   remarks = other.remarks;
 }
 
+int VolumeMedium::rowOf(int position) const {
+  return layer_.reader() ? layer_.reader()->blocks().rowOf(position) : 0;
+}
+
 /// A .volute's block of frames that is not in memory takes its time.
 bool VolumeMedium::inMemory(double time) const {
-  return !layer_.reader() || layer_.positionAt(time) / BlockGrid::kSide == block_;
+  return !layer_.reader() || rowOf(layer_.positionAt(time)) == block_;
 }
 
 Result<std::shared_ptr<const BrickSlice>> VolumeMedium::coarseSlice(int position,
@@ -255,7 +259,7 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
           layer_.path());
     }
     VOLUTE_ASSIGN(auto light, lightAt(moment, request.lit));
-    block_ = position / BlockGrid::kSide;
+    block_ = rowOf(position);
     return std::make_shared<const VolumeAt>(layer_, std::move(light), moment, request.factor);
   }
   if (request.coarse && !inMemory(request.time) && !layer_.isLevelSet()) {
@@ -264,11 +268,11 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   }
   if (request.tree) {
     VOLUTE_ASSIGN(auto tree, layer_.treeAt(position));
-    block_ = position / BlockGrid::kSide;
+    block_ = rowOf(position);
     return std::make_shared<const VolumeAt>(layer_, std::move(tree), position, request.factor);
   }
   VOLUTE_ASSIGN(auto slice, layer_.sliceAt(moment));
-  block_ = position / BlockGrid::kSide;
+  block_ = rowOf(position);
   return std::make_shared<const VolumeAt>(layer_, std::move(slice), moment, request.factor);
 }
 

@@ -118,6 +118,7 @@ class VolumeMedium : public SceneMedium {
   void knowAs(const VolumeMedium& other);
 
  private:
+  int rowOf(int position) const;
   Result<std::shared_ptr<const BrickSlice>> coarseSlice(int position, Progress& progress) const;
 
   /// Of a moment; the last one is kept.

@@ -105,7 +105,9 @@ void addHeader(Report& report, const VoluteReader& reader, std::uint64_t bytes) 
       .add("format", fmt::format("{}.{}", header.versionMajor, header.versionMinor))
       .add("written_by", header.writtenBy)
       .add("provenance", header.provenance)
-      .add("blocks", occupied, fmt::format("{} of {}", occupied, reader.blocks().count()));
+      .add("blocks", occupied, fmt::format("{} of {}", occupied, reader.blocks().count()))
+      .add("block_frames", reader.blocks().frames(),
+           fmt::format("{} decoded together", reader.blocks().frames()));
 }
 
 void addIntegrity(Report& report, const Integrity& integrity, const VoluteReader& reader) {
