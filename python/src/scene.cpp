@@ -24,6 +24,7 @@
 #include "volute/io/image_file.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/media/volume/memory_volumes.hpp"
+#include "volute/media/volume/volume_writer.hpp"
 #include "volute/scene/scene_renderer.hpp"
 #include "volute/scene/scene_sight.hpp"
 #include "volute/tomography/capture_refinement.hpp"
@@ -539,6 +540,7 @@ ReconstructionSettings settingsOf(const OrderedJson& said, const Capture& captur
   take("coarse_to_fine", options.coarseToFine);
   take("warm_start", settings.warmStart);
   take("force", settings.force);
+  take("error_bars", settings.errorBars);
   if (!options.noiseSigma)
     options.noiseSigma = capture.noiseSigma;
   options.maxMemory = maxMemory;
@@ -579,7 +581,7 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
                              const py::object& listener) {
   using namespace py::literals;
   const OrderedJson said = jsonOf(optionsJson);
-  std::vector<float> values;
+  std::vector<float> values, sigma;
   VolumeInfo info;
   OrderedJson report;
   run(listener, [&](Progress& progress) -> Status {
@@ -602,35 +604,47 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
       VOLUTE_ASSIGN(report, reconstructionReport(refinement, settings, *frames));
       info = frames->info();
       if (!output.empty()) {
-        CompressOptions options;
-        options.target = {ErrorTarget::Kind::kRms, rms};
-        options.provenance = fmt::format("reconstructed from {}", capture.file.filename().string());
-        options.maxMemory = maxMemory;
-        VOLUTE_TRY(compress(*frames, output, options, progress));
-        return {};
+        std::vector<WrittenGrid> grids{{frames.get(), rms}};
+        if (settings.errorBars)
+          grids.push_back({&frames->errorBars(), std::max(rms, 5e-3)});
+        Reading reading{progress, maxMemory};
+        Team alone;
+        Report written;
+        VOLUTE_ASSIGN(auto writer, VolumeWriter::open(std::move(grids), output,
+                                                      fmt::format("reconstructed from {}",
+                                                                  capture.file.filename().string()),
+                                                      reading, alone));
+        return writer.write(written);
       }
-      if (info.rawBytes() > maxMemory) {
+      if (info.rawBytes() * (settings.errorBars ? 2 : 1) > maxMemory) {
         return fail(
             ErrorCode::kTooLarge,
             "{} MiB of values, more than the {} MiB allowed; give `output` or raise max_memory",
             (info.rawBytes() >> 20) + 1, maxMemory >> 20);
       }
       values.resize(info.values());
+      sigma.resize(settings.errorBars ? values.size() : 0);
       for (int i = 0; i < info.frames; ++i) {
-        VOLUTE_TRY(frames->readFrame(
-            i, std::span(values).subspan(i * info.frameValues(), info.frameValues())));
+        const auto begin = i * info.frameValues();
+        VOLUTE_TRY(frames->readFrame(i, std::span(values).subspan(begin, info.frameValues())));
+        if (settings.errorBars)
+          VOLUTE_TRY(frames->errorBars().readFrame(
+              i, std::span(sigma).subspan(begin, info.frameValues())));
       }
       return {};
     }();
     frames->work().leave(done.has_value());  // what was finished serves when the call is made again
     return done;
   });
-  py::object array = py::none();
-  if (output.empty())
+  py::object array = py::none(), bars = py::none();
+  if (output.empty()) {
+    if (!sigma.empty())
+      bars = owned(std::move(sigma), {info.frames, info.z, info.y, info.x, info.channels});
     array = owned(std::move(values), {info.frames, info.z, info.y, info.x, info.channels});
-  const py::dict place("bounds"_a = boundsTuple(info.bounds), "times"_a = info.times,
-                       "frame_numbers"_a = info.frameNumbers);
-  return py::make_tuple(array, place, report.dump());
+  }
+  const py::dict place("grid"_a = info.name, "bounds"_a = boundsTuple(info.bounds),
+                       "times"_a = info.times, "frame_numbers"_a = info.frameNumbers);
+  return py::make_tuple(array, place, report.dump(), bars);
 }
 
 }  // namespace

@@ -820,6 +820,18 @@ print(1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before), valu
         with self.assertRaisesRegex(TypeError, "resolutoin"):
             volute.reconstruct(capture, resolutoin=3)
 
+    def test_reconstruction_with_error_bars(self):
+        capture = self.capture()
+        found = volute.reconstruct(capture, iterations=20, regularization="none", error_bars=True)
+        self.assertEqual(found.sigma.shape, found.values.shape)
+        self.assertGreater(found.sigma.max(), 0)
+        self.assertAlmostEqual(np.linalg.norm(found.sigma) / np.linalg.norm(found.values), found.report["uncertainty"]["expected_error"],
+                               places=3)
+        written = volute.reconstruct(capture, self.path / "bars.volute", iterations=20, regularization="none", error_bars=True)
+        self.assertEqual((written.values.shape, written.sigma.shape), (found.values.shape[:4], found.sigma.shape[:4])
+                         if found.values.shape[-1] == 1 else (found.values.shape, found.sigma.shape))
+        self.assertIsNone(volute.reconstruct(capture, iterations=2, regularization="none").sigma)
+
     def test_paraview(self):
         if not shutil.which("pvpython"):
             self.skipTest("there is no ParaView")

@@ -514,6 +514,7 @@ class Reconstruction:
     times: np.ndarray  #: [s]
     frame_numbers: np.ndarray
     report: dict  #: all that was measured: residuals of each camera, iterations, warnings
+    sigma: object = None  #: with error_bars: the standard deviation of each value, of the same shape; of a file its grid 'emission_sigma'
 
 
 def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None, bounds=None, images=None, max_memory=4 << 30,
@@ -524,11 +525,13 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
     output: a .volute file to write, at a relative RMS error of `rms`; None: an array is returned.
     frames: (first, end). resolution: (x, y, z) voxels, or one number for the longest side. bounds: ((x0,y0,z0),(x1,y1,z1)) [m].
     images: the pattern of pictures, {camera} and %04d. Options as those of the command: basis, solver, iterations, regularization,
-    lambda_, sparsity, refine, rays_per_pixel, hull, coarse_to_fine, warm_start, noise_sigma, hold_out, force."""
+    lambda_, sparsity, refine, rays_per_pixel, hull, coarse_to_fine, warm_start, noise_sigma, hold_out, error_bars,
+    force. error_bars=True estimates standard deviations, too."""
     part = _part()
     known = {"basis": ("trilinear", "box"), "solver": ("apg", "mlem", "sirt", "cgls"),
              "regularization": ("auto", "none", "tv", "smooth", "wavelet"), "rays_per_pixel": (1, 4), "iterations": None, "lambda": None,
-             "sparsity": None, "refine": (True, False), "hull": None, "coarse_to_fine": None, "warm_start": None, "noise_sigma": None, "hold_out": None, "force": None}
+             "sparsity": None, "refine": (True, False), "hull": None, "coarse_to_fine": None, "warm_start": None, "noise_sigma": None, "hold_out": None,
+             "error_bars": (True, False), "force": None}
     said = {key.rstrip("_"): value for key, value in options.items() if value is not None}
     for key, value in said.items():
         if key not in known:
@@ -548,7 +551,10 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
     if output is not None and not os.fspath(output).endswith(".volute"):
         raise ValueError(f"'{os.fspath(output)}' does not end in .volute")
     with Listener(progress) as listener:
-        values, place, report = part.reconstruct(os.fspath(capture), "" if output is None else os.fspath(output), float(rms),
-                                                 _text(said), whole("max_memory", max_memory), listener)
-    return Reconstruction(values if output is None else _open(output), place["bounds"], np.asarray(place["times"]),
-                          np.asarray(place["frame_numbers"]), json.loads(report))
+        values, place, report, sigma = part.reconstruct(os.fspath(capture), "" if output is None else os.fspath(output), float(rms),
+                                                        _text(said), whole("max_memory", max_memory), listener)
+    if output is not None:
+        values = _open(output, grid=place["grid"])
+        sigma = _open(output, grid=place["grid"] + "_sigma") if said.get("error_bars") else None
+    return Reconstruction(values, place["bounds"], np.asarray(place["times"]),
+                          np.asarray(place["frame_numbers"]), json.loads(report), sigma)

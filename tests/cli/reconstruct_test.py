@@ -82,8 +82,7 @@ class Reconstruct(ring.TestCase):
         self.assertIn("c3 (held out): given", page)
 
     def test_cameras_are_left_out_in_turn(self):
-        result = self.reconstruct("--frames", "10:12", "--hold-out", "auto", "--error-bars", self.path("sigma.npy"), "--report",
-                                  self.path("r.json"), "--json")
+        result = self.reconstruct("--frames", "10:12", "--hold-out", "auto", "--report", self.path("r.json"), "--json")
         report = json.loads(self.path("r.json").read_text())
         turns = report["held_out_in_turn"]
         self.assertEqual([turn["name"] for turn in turns], list(ring.NAMES))
@@ -91,10 +90,6 @@ class Reconstruct(ring.TestCase):
         self.assertEqual(result.json["held_out_psnr"], report["held_out_psnr"])
         self.assertTrue(all(turn["residual"] > report["residual"] for turn in turns), turns)
         self.assertRegex(report["verdict"], r"^a new view comes out with \d+\.\d dB .* worst \w+ with \d+\.\d\)")
-        shape, sigma = read_npy(self.path("sigma.npy").read_bytes())
-        self.assertEqual(shape, (2, 16, 16, 16, 3))
-        self.assertGreaterEqual(min(sigma), 0)
-        self.assertGreater(max(sigma), 0)
         self.assertEqual([name for name in self.files() if ".work" in name], [])
         # What one camera alone says is that of a run that leaves it out.
         alone = self.reconstruct("--frames", "10:12", "--hold-out", "c2", "--json", output="alone.npy")
@@ -104,8 +99,34 @@ class Reconstruct(ring.TestCase):
         source = self.path("capture.json")
         self.assertIn("name no other", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--hold-out", "auto",
                                                   "--hold-out", "c2"))
-        self.assertIn("--hold-out auto", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--error-bars",
-                                                    self.path("s.npy")))
+
+    def test_error_bars_are_a_grid_beside_the_values(self):
+        result = self.reconstruct("--frames", "10:12", "--error-bars", "--report", self.path("r.json"), "--json", output="out_{grid}.npy")
+        shape, values = read_npy(self.path("out_emission.npy").read_bytes())
+        self.assertEqual(shape, (2, 16, 16, 16, 3))
+        shape, sigma = read_npy(self.path("out_emission_sigma.npy").read_bytes())
+        self.assertEqual(shape, (2, 16, 16, 16, 3))
+        self.assertGreaterEqual(min(sigma), 0)
+        report = json.loads(self.path("r.json").read_text())
+        # What is expected is about what is: the truth on voxels twice as long.
+        whole, truth = read_npy(self.path("truth.npy").read_bytes())
+        size = len(truth) // whole[0]
+        coarse = means((2,) + whole[1:], truth[:2 * size], 2)
+        self.assertTrue(0.4 < report["uncertainty"]["expected_error"] / relative(coarse, values) < 2.5)
+        for frame in report["frames"]:
+            known = frame["uncertainty"]
+            self.assertEqual(len(known["predicted_cameras"]), 2)
+            self.assertTrue(0 < known["prior_share"] < 1)
+        self.assertEqual(result.json["prior_share"], report["uncertainty"]["prior_share"])
+        self.assertIn("standard deviation there", self.path("r.html").read_text())
+        self.assertEqual([name for name in self.files() if ".work" in name], [])
+        self.reconstruct("--frames", "10", "--error-bars", output="both.volute")
+        grids = self.works("info", self.path("both.volute"), "--json").json["grids"]
+        self.assertEqual([grid["name"] for grid in grids], ["emission", "emission_sigma"])
+
+    def test_error_bars_need_a_place(self):
+        source = self.path("capture.json")
+        self.assertIn("{grid}", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--error-bars"))
 
     def test_residual_is_what_project_and_compare_say(self):
         residuals = self.reconstruct("--frames", "12", "--json").json["residuals"]

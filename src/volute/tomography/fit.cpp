@@ -7,6 +7,7 @@
 #include <random>
 
 #include "volute/tomography/diagnostics.hpp"
+#include "volute/tomography/reduced_view.hpp"
 #include "volute/tomography/temporal_prior.hpp"
 #include "volute/tomography/vector_ops.hpp"
 
@@ -191,6 +192,40 @@ double typicalValue(const LeastSquares& data, double largest) {
   return largest > 0 ? most / largest : 0;
 }
 
+std::vector<std::size_t> viewsToHoldOut(std::span<const TomographyView> views, const Vec3& centre) {
+  if (views.size() < kMinViews)
+    return {};
+  std::vector<std::pair<double, std::size_t>> nearest;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    double angle = 90;
+    for (std::size_t other = 0; other < views.size(); ++other) {
+      if (other != v)
+        angle = std::min(angle, angleBetween(views[v].camera, views[other].camera, centre));
+    }
+    nearest.emplace_back(angle, v);
+  }
+  std::ranges::sort(nearest);
+  std::vector<std::size_t> chosen{nearest[nearest.size() / 2].second};
+  if (views.size() <= kFewViews)
+    chosen.push_back(nearest[nearest.size() / 2 - 1].second);
+  return chosen;
+}
+
+int pixelsTogether(std::span<const TomographyView> views, const VolumeGeometry& geometry,
+                   const TomographyOptions& options) {
+  constexpr double kPixels = 1.8;
+  if (options.solver != TomographySolver::kApg || options.raysPerPixel == 1)
+    return 1;
+  double narrowest = 64;
+  for (const TomographyView& view : views) {
+    if (view.camera.isOrthographic() || !view.atLeast.empty())
+      return 1;
+    const double pixels = std::min(view.camera.width(), view.camera.height());
+    narrowest = std::min({narrowest, voxelInPixels(view.camera, geometry), pixels / 8 * kPixels});
+  }
+  return std::max(1, static_cast<int>(narrowest / kPixels));
+}
+
 std::vector<std::uint8_t> heldOutRows(std::size_t rows, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::vector<std::uint8_t> heldOut(rows);
@@ -256,24 +291,11 @@ std::vector<Fold> foldsOf(const FitSetup& setup) {
   if (views.size() < kMinViews) {
     folds.push_back({heldOutRows(problem.data.rows(), setup.options.seed), {}});
   } else {
-    const Vec3 centre = problem.support->geometry().bounds.centre();
-    std::vector<std::pair<double, int>> nearest;
-    for (std::size_t v = 0; v < views.size(); ++v) {
-      double angle = 90;
-      for (std::size_t other = 0; other < views.size(); ++other) {
-        if (other != v)
-          angle = std::min(angle, angleBetween(views[v].camera, views[other].camera, centre));
-      }
-      nearest.emplace_back(angle, static_cast<int>(v));
-    }
-    std::ranges::sort(nearest);
-    std::vector<int> chosen{nearest[nearest.size() / 2].second};
-    if (views.size() <= kFewViews)
-      chosen.push_back(nearest[nearest.size() / 2 - 1].second);
-    for (const int view : chosen) {
+    const auto chosen = viewsToHoldOut(views, problem.support->geometry().bounds.centre());
+    for (const std::size_t view : chosen) {
       Fold& fold = folds.emplace_back();
       for (const PixelRow& row : problem.projector->pixels())
-        fold.heldOut.push_back(row.view == view ? 1 : 0);
+        fold.heldOut.push_back(static_cast<std::size_t>(row.view) == view ? 1 : 0);
     }
   }
   for (Fold& fold : folds) fold.rest = withoutRows(problem.data, fold.heldOut);

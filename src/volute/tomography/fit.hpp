@@ -54,9 +54,15 @@ double usualSparsity(std::size_t views);
 /// A random share of the rows, chosen by `seed`: 1 for those held out of a fit.
 std::vector<std::uint8_t> heldOutRows(std::size_t rows, std::uint32_t seed);
 
-/// All rows of the camera whose nearest neighbour, in angle, is at the median distance.
-std::vector<std::uint8_t> heldOutView(const FrameProblem& problem,
-                                      std::span<const TomographyView> views);
+/// The views that are held out, each by itself, to see how well others predict it: that whose
+/// nearest neighbour, in angle, is at the median distance, of five views or fewer another one, too.
+/// None of fewer than four.
+std::vector<std::size_t> viewsToHoldOut(std::span<const TomographyView> views, const Vec3& centre);
+
+/// How many pixels on a side may become one without the volume being able to tell: a voxel stays
+/// nearly two pixels wide. 1 where single pixels say more than their mean.
+int pixelsTogether(std::span<const TomographyView> views, const VolumeGeometry& geometry,
+                   const TomographyOptions& options);
 
 /// The data with the rows held out.
 LeastSquares withoutRows(const LeastSquares& data, std::span<const std::uint8_t> heldOut);

@@ -175,6 +175,7 @@ void fillRows(std::span<const TomographyView> views, const TomographyOptions& op
   }
   const auto scale = static_cast<float>(sum > 0 ? static_cast<double>(rows.size()) / sum : 0);
   for (float& weight : data.squaredWeight) weight *= scale;
+  problem.variance = scale;
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ struct FrameProblem {
   std::unique_ptr<const Projector> projector;
   LeastSquares data;
   double hullShare = 1;
+  double variance = 0;  ///< what pixelVariance() says of a pixel with a weight of 1
 };
 
 /// What is wrong with the views, the geometry or the options; see reconstruct().

@@ -21,37 +21,6 @@ struct HoldOutRotation::Run {
 
 namespace {
 
-class ErrorBars final : public FrameSource {
- public:
-  explicit ErrorBars(std::vector<ReconstructedFrames*> runs)
-      : runs_(std::move(runs)), info_(runs_[0]->info()) {
-    info_.name = "emission_sigma";
-  }
-
-  const VolumeInfo& info() const override { return info_; }
-
-  Status readFrame(int index, std::span<float> values) override {
-    std::vector<double> sum(values.size()), squares(values.size());
-    std::vector<float> one(values.size());
-    for (ReconstructedFrames* run : runs_) {
-      VOLUTE_TRY(run->readFrame(index, one));
-      for (std::size_t i = 0; i < one.size(); ++i) {
-        sum[i] += one[i];
-        squares[i] += static_cast<double>(one[i]) * one[i];
-      }
-    }
-    const auto n = static_cast<double>(runs_.size());
-    for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] = static_cast<float>(
-          std::sqrt(std::max(0.0, (n - 1) / n * (squares[i] - sum[i] * sum[i] / n))));
-    return {};
-  }
-
- private:
-  std::vector<ReconstructedFrames*> runs_;
-  VolumeInfo info_;
-};
-
 /// Says which camera is left out; remarks of each run would come once a camera.
 class RotationProgress final : public Progress {
  public:
@@ -114,13 +83,13 @@ Result<std::unique_ptr<HoldOutRotation>> HoldOutRotation::run(
                    "from; expected at least {} cameras",
                    n, kFewestLeft + 1);
   std::unique_ptr<HoldOutRotation> rotation(new HoldOutRotation);
-  std::vector<ReconstructedFrames*> all;
   for (std::size_t v = 0; v < n; ++v) {
     const std::string& name = capture.cameras[v].name;
     auto& run = *rotation->runs_.emplace_back(std::make_unique<Run>());
     run.progress = std::make_unique<RotationProgress>(progress, name, v, n);
     Progress& own = *run.progress;
     run.settings = settings;
+    run.settings.errorBars = false;
     run.settings.causeNamed = true;  // the run with all cameras tells what is wrong
     VOLUTE_ASSIGN(run.refinement, refineCapture(capture, {name}, refine, maxMemory, own));
     const Capture& refined = run.refinement.capture;
@@ -132,9 +101,7 @@ Result<std::unique_ptr<HoldOutRotation>> HoldOutRotation::run(
     VOLUTE_ASSIGN(camera.psnr, meanOfFrames(*run.frames, v, "psnr"));
     VOLUTE_ASSIGN(camera.residual, meanOfFrames(*run.frames, v, "residual"));
     rotation->cameras_.push_back(camera);
-    all.push_back(run.frames.get());
   }
-  rotation->errorBars_ = std::make_unique<ErrorBars>(std::move(all));
   return rotation;
 }
 

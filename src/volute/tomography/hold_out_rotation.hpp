@@ -20,7 +20,7 @@ struct LeftOutCamera {
 };
 
 /// A capture reconstructed once without each of its cameras in turn: how well the cameras predict
-/// one another, and how much each voxel depends on which are there.
+/// one another.
 class HoldOutRotation {
  public:
   /// Reconstructs; the work folders beside `output` are removed with the object. `capture` must
@@ -39,11 +39,6 @@ class HoldOutRotation {
   /// The mean over the cameras [dB].
   double psnr() const;
 
-  /// Standard deviations of voxels, as the volumes without a camera differ (jackknife, Efron and
-  /// Stein 1981): sqrt((n - 1) / n sum |a_i - mean|^2) of n volumes. What all cameras get wrong
-  /// alike is no part of it.
-  FrameSource& errorBars() { return *errorBars_; }
-
   nlohmann::ordered_json json() const;
 
   /// Adds held_out_psnr, held_out_in_turn and the verdict on the capture to what
@@ -57,7 +52,6 @@ class HoldOutRotation {
 
   std::vector<std::unique_ptr<Run>> runs_;
   std::vector<LeftOutCamera> cameras_;
-  std::unique_ptr<FrameSource> errorBars_;
 };
 
 /// One sentence on a reconstruction: how near new views come, what limits that, and what would

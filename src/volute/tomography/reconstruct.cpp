@@ -92,23 +92,6 @@ class CoarseProgress final : public Progress {
   Progress& whole_;
 };
 
-/// How many pixels on a side may become one without the volume being able to tell: a voxel stays
-/// nearly two pixels wide. 1 where single pixels say more than their mean.
-int pixelsTogether(std::span<const TomographyView> views, const VolumeGeometry& geometry,
-                   const TomographyOptions& options) {
-  constexpr double kPixels = 1.8;
-  if (options.solver != TomographySolver::kApg || options.raysPerPixel == 1)
-    return 1;
-  double narrowest = 64;
-  for (const TomographyView& view : views) {
-    if (view.camera.isOrthographic() || !view.atLeast.empty())
-      return 1;
-    const double pixels = std::min(view.camera.width(), view.camera.height());
-    narrowest = std::min({narrowest, voxelInPixels(view.camera, geometry), pixels / 8 * kPixels});
-  }
-  return std::max(1, static_cast<int>(narrowest / kPixels));
-}
-
 /// The half of a resolution.
 VolumeGeometry halved(VolumeGeometry geometry) {
   for (int& n : geometry.resolution) n = std::max(1, (n + 1) / 2);

@@ -20,10 +20,13 @@
 #include "volute/tomography/project.hpp"
 #include "volute/tomography/residual.hpp"
 #include "volute/tomography/run_key.hpp"
+#include "volute/tomography/uncertainty.hpp"
 #include "volute/tomography/volume_flow.hpp"
 
 namespace volute {
 namespace {
+
+constexpr const char* kSigma = "-sigma";  // after the key of a frame
 
 /// The solver's progress within one frame as progress of the whole sequence.
 class FrameProgress final : public Progress {
@@ -131,6 +134,8 @@ Status ReconstructedFrames::begin() {
   grey_ = first.grey() || settings_.singleScattering;
   info_ = infoOf(capture_, settings_, grey_);
   VOLUTE_TRY(info_.validate("the reconstruction"));
+  errorBars_.info_ = info_;
+  errorBars_.info_.name += "_sigma";
   for (int index = 0; index < info_.frames; ++index) resumed_ += finished(index) ? 1 : 0;
   if (work_.any()) {
     progress_.remark(
@@ -193,14 +198,32 @@ Status ReconstructedFrames::solveAll(Team& team) {
   return {};
 }
 
-Status ReconstructedFrames::readFrame(int index, std::span<float> values) {
+Status ReconstructedFrames::solveUpTo(int index) {
   for (int i = chainOf(index); i <= index; ++i) {
     if (!finished(i))
       VOLUTE_TRY(solve(i));
   }
-  VOLUTE_ASSIGN(const auto colour, volume(index));
+  return {};
+}
+
+void ReconstructedFrames::toChannels(std::span<const float> colour, std::span<float> values) const {
   const std::size_t step = grey_ ? 3 : 1;
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = colour[step * i];
+}
+
+Status ReconstructedFrames::readFrame(int index, std::span<float> values) {
+  VOLUTE_TRY(solveUpTo(index));
+  VOLUTE_ASSIGN(const auto colour, volume(index));
+  toChannels(colour, values);
+  return {};
+}
+
+Status ReconstructedFrames::ErrorBars::readFrame(int index, std::span<float> values) {
+  VOLUTE_TRY(frames_.solveUpTo(index));
+  const std::string key = frames_.keys_[static_cast<std::size_t>(index)] + kSigma;
+  VOLUTE_ASSIGN(const auto colour,
+                frames_.work_.values(frames_.numberOf(index), key, frames_.colourValues()));
+  frames_.toChannels(colour, values);
   return {};
 }
 
@@ -570,6 +593,25 @@ nlohmann::ordered_json ReconstructedFrames::measured(const FrameViews& views,
   return cameras;
 }
 
+/// Before the frame itself is stored, so that both are there or none.
+Status ReconstructedFrames::addErrorBars(int index, const FrameViews& views,
+                                         const Reconstruction& result,
+                                         nlohmann::ordered_json& record) {
+  VoxelUncertainty bars;
+  bars.sigma.assign(colourValues(), 0);
+  if (result.stoppedBy != "dark") {
+    FrameProgress progress(progress_, views.frame, solved_, shares_ ? 0 : info_.frames - resumed_);
+    VOLUTE_ASSIGN(bars, estimateUncertainty(views.fitted(), geometry(), settings_.tomography,
+                                            result, progress));
+  }
+  record["uncertainty"] = {{"expected_error", jsonNumber(bars.expectedError)},
+                           {"prior_share", jsonNumber(bars.priorShare)},
+                           {"scale", bars.scale},
+                           {"predicted_cameras", bars.heldOut}};
+  return work_.store(numberOf(index), keys_[static_cast<std::size_t>(index)] + kSigma, bars.sigma,
+                     record["uncertainty"]);
+}
+
 Status ReconstructedFrames::solve(int index) {
   const auto start = std::chrono::steady_clock::now();
   const int number = numberOf(index);
@@ -601,21 +643,22 @@ Status ReconstructedFrames::solve(int index) {
   }
   for (const std::string& warning : warnings) warn(warning);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  const nlohmann::ordered_json record = {
-      {"frame", number},
-      {"iterations", result.iterations},
-      {"search_iterations", result.searchIterations},
-      {"stopped_by", result.stoppedBy},
-      {"regularization", regularizationName(result.regularization)},
-      {"lambda", jsonNumber(result.lambda)},
-      {"sparsity", jsonNumber(result.sparsity)},
-      {"choice", choiceJson(result.choice)},
-      {"hull_share", jsonNumber(result.hullShare)},
-      {"pixels", result.pixels},
-      {"held_out_pixel_error", jsonNumber(result.heldOutError)},
-      {"seconds", jsonNumber(seconds.count())},
-      {"cameras", cameras},
-      {"warnings", warnings}};
+  nlohmann::ordered_json record = {{"frame", number},
+                                   {"iterations", result.iterations},
+                                   {"search_iterations", result.searchIterations},
+                                   {"stopped_by", result.stoppedBy},
+                                   {"regularization", regularizationName(result.regularization)},
+                                   {"lambda", jsonNumber(result.lambda)},
+                                   {"sparsity", jsonNumber(result.sparsity)},
+                                   {"choice", choiceJson(result.choice)},
+                                   {"hull_share", jsonNumber(result.hullShare)},
+                                   {"pixels", result.pixels},
+                                   {"held_out_pixel_error", jsonNumber(result.heldOutError)},
+                                   {"seconds", jsonNumber(seconds.count())},
+                                   {"cameras", cameras},
+                                   {"warnings", warnings}};
+  if (settings_.errorBars)
+    VOLUTE_TRY(addErrorBars(index, views, result, record));
   ++solved_;
   for (std::size_t i = 0; i < 3 * extinction.size(); ++i) result.volume[i] = extinction[i / 3];
   return work_.store(number, keys_[static_cast<std::size_t>(index)], result.volume, record);

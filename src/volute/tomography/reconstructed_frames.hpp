@@ -27,6 +27,7 @@ struct ReconstructionSettings {
   /// that the medium sends, the same in all directions.
   bool singleScattering = false;
   bool force = false;       ///< go on in spite of faults, which become warnings
+  bool errorBars = false;   ///< standard deviations are estimated, too
   bool causeNamed = false;  ///< why cameras disagree is known: frames do not guess at it
 };
 
@@ -54,6 +55,10 @@ class ReconstructedFrames final : public FrameSource {
   const VolumeInfo& info() const override { return info_; }
 
   [[nodiscard]] Status readFrame(int index, std::span<float> values) override;
+
+  /// Standard deviations of the values, as estimateUncertainty() has them, as a grid of its own
+  /// ("emission_sigma"). Only with ReconstructionSettings::errorBars.
+  FrameSource& errorBars() { return errorBars_; }
 
   /// Reconstructs what is missing, with the progress of the whole sequence. A chain is a unit of
   /// work; ranks share the work folder. Collective.
@@ -107,7 +112,24 @@ class ReconstructedFrames final : public FrameSource {
         finished_(keys_.size(), 0),
         progress_(progress) {}
 
+  /// What the work folder has beside the values.
+  class ErrorBars final : public FrameSource {
+   public:
+    explicit ErrorBars(ReconstructedFrames& frames) : frames_(frames) {}
+
+    const VolumeInfo& info() const override { return info_; }
+
+    [[nodiscard]] Status readFrame(int index, std::span<float> values) override;
+
+   private:
+    friend class ReconstructedFrames;
+    ReconstructedFrames& frames_;
+    VolumeInfo info_;
+  };
+
   [[nodiscard]] Status begin();
+  [[nodiscard]] Status solveUpTo(int index);
+  void toChannels(std::span<const float> colour, std::span<float> values) const;
 
   int numberOf(int index) const { return capture_.frames[static_cast<std::size_t>(index)]; }
 
@@ -137,6 +159,8 @@ class ReconstructedFrames final : public FrameSource {
   [[nodiscard]] Result<std::optional<std::string>> commonShift(const FrameViews& views,
                                                                const Reconstruction& result,
                                                                bool othersWarn);
+  [[nodiscard]] Status addErrorBars(int index, const FrameViews& views,
+                                    const Reconstruction& result, nlohmann::ordered_json& record);
   std::optional<std::string> explained(std::size_t camera, const CameraDiagnosis& found,
                                        const FrameViews& views, const Reconstruction& result);
   std::optional<std::string> outOfStep(std::size_t camera, const FrameViews& views,
@@ -152,6 +176,7 @@ class ReconstructedFrames final : public FrameSource {
   std::vector<char> finished_;     // one a frame: known to be
   Progress& progress_;
   VolumeInfo info_;
+  ErrorBars errorBars_{*this};
   int resumed_ = 0;
   int solved_ = 0;       // by this run
   bool shares_ = false;  // the work with other processes, so its own progress is not that of all

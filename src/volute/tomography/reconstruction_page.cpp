@@ -80,6 +80,51 @@ Result<std::string> pictureRow(const TomographyView& view, const Image& projecte
   return htmlPictureRow({given, seen, off});
 }
 
+/// Values and their standard deviations in the plane from left to right, and up, that holds most.
+Result<std::string> errorBarRow(ReconstructedFrames& frames, int index) {
+  const VolumeInfo& info = frames.info();
+  std::vector<float> values(info.frameValues()), sigma(values.size());
+  VOLUTE_TRY(frames.readFrame(index, values));
+  VOLUTE_TRY(frames.errorBars().readFrame(index, sigma));
+  const auto channels = static_cast<std::size_t>(info.channels);
+  const auto sumAt = [&](const std::vector<float>& of, int x, int y, int z) {
+    float sum = 0;
+    const std::size_t voxel = (static_cast<std::size_t>(z) * info.y + y) * info.x + x;
+    for (std::size_t c = 0; c < channels; ++c) sum += of[channels * voxel + c];
+    return sum / static_cast<float>(channels);
+  };
+  int plane = 0;
+  double most = -1;
+  for (int y = 0; y < info.y; ++y) {
+    double sum = 0;
+    for (int z = 0; z < info.z; ++z)
+      for (int x = 0; x < info.x; ++x) sum += sumAt(values, x, y, z);
+    if (sum > most) {
+      most = sum;
+      plane = y;
+    }
+  }
+  Image value(info.x, info.z, 1), bar(info.x, info.z, 1);
+  for (int z = 0; z < info.z; ++z)
+    for (int x = 0; x < info.x; ++x) {
+      value.at(x, info.z - 1 - z, 0) = sumAt(values, x, plane, z);
+      bar.at(x, info.z - 1 - z, 0) = sumAt(sigma, x, plane, z);
+    }
+  const double top = std::max<double>(*std::ranges::max_element(value.pixels), 1e-30);
+  VOLUTE_ASSIGN(const auto first,
+                figure(colorMapped(value, ColorMap::kViridis, 0, top),
+                       fmt::format("{}, mean of the channels, in the plane of voxels y = {}; 0 "
+                                   "(dark) to {:.3g} {} (bright)",
+                                   info.name, plane, top, info.unit),
+                       frames.work().path()));
+  VOLUTE_ASSIGN(const auto second,
+                figure(colorMapped(bar, ColorMap::kViridis, 0, top / 2),
+                       fmt::format("standard deviation there; bright: half as much, {:.3g} {}",
+                                   top / 2, info.unit),
+                       frames.work().path()));
+  return htmlPictureRow({first, second});
+}
+
 /// The first frame, the middle one and the last.
 std::set<int> shownFrames(int frames) {
   return {0, frames / 2, frames - 1};
@@ -94,6 +139,10 @@ Result<std::string> pictures(const Json& report, ReconstructedFrames& frames, Pr
     VOLUTE_ASSIGN(const auto views, frames.views(index));
     const Json& record = report["frames"][static_cast<std::size_t>(index)];
     html += fmt::format("<h3>Frame {}</h3>\n", views.frame);
+    if (report.contains("uncertainty")) {
+      VOLUTE_ASSIGN(const auto bars, errorBarRow(frames, index));
+      html += bars;
+    }
     for (std::size_t i = 0; i < views.views.size(); ++i) {
       const Image seen =
           asSeenBy(views.views[i], projectVolume(volume, frames.geometry(), frames.info().basis,
@@ -164,6 +213,12 @@ std::string summary(const Json& report) {
       {"time a frame", htmlOf(report["seconds_per_frame"], "{:.2f}") + " s"}};
   if (psnr.is_number())
     rows.insert(rows.begin() + 1, {"PSNR of held-out cameras", htmlOf(psnr, "{:.2f}") + " dB"});
+  if (report.contains("uncertainty")) {
+    rows.push_back({"expected error of the voxels (relative L2)",
+                    htmlOf(report["uncertainty"]["expected_error"])});
+    rows.push_back(
+        {"energy that the pictures leave open", percentOf(report["uncertainty"]["prior_share"])});
+  }
   return fmt::format("<p>{} ({}, pixel centres at {}), {} frames, {} voxels.</p>\n",
                      htmlOf(report["capture"]), htmlOf(report["calibration"]),
                      htmlOf(report["pixel_centre"]), report["frames"].size(),

@@ -101,6 +101,7 @@ Json settingsJson(const ReconstructionSettings& settings) {
           {"temporal", options.temporal},
           {"noise_sigma", optional(options.noiseSigma)},
           {"lighting", settings.singleScattering ? "single-scattering" : "constant"},
+          {"error_bars", settings.errorBars},
           {"max_saturated", settings.limits.saturated},
           {"force", settings.force}};
 }
@@ -111,7 +112,7 @@ Result<Json> reconstructionReport(const CaptureRefinement& refinement,
                                   const VelocityFrames* velocity) {
   const Capture& capture = refinement.capture;
   Json records = Json::array(), warnings = Json::array();
-  std::vector<Json> iterations, seconds, hulls;
+  std::vector<Json> iterations, seconds, hulls, expected, prior;
   const CameraLayout layout(capture);
   const auto advice = layout.advice();
   for (int i = 0; i < frames.info().frames; ++i) {
@@ -120,6 +121,10 @@ Result<Json> reconstructionReport(const CaptureRefinement& refinement,
     iterations.push_back(record["iterations"]);
     seconds.push_back(record["seconds"]);
     hulls.push_back(record["hull_share"]);
+    if (record.contains("uncertainty")) {
+      expected.push_back(record["uncertainty"]["expected_error"]);
+      prior.push_back(record["uncertainty"]["prior_share"]);
+    }
     records.push_back(std::move(record));
   }
   for (const std::string& text : refinement.faults) warnings.push_back(text);
@@ -148,6 +153,8 @@ Result<Json> reconstructionReport(const CaptureRefinement& refinement,
   if (velocity) {
     VOLUTE_ASSIGN(json["velocity"], velocity->json());
   }
+  if (settings.errorBars)
+    json["uncertainty"] = {{"expected_error", meanOf(expected)}, {"prior_share", meanOf(prior)}};
   json["refinement"] = refinementJson(refinement);
   return json;
 }
@@ -191,6 +198,16 @@ void addSummary(const nlohmann::ordered_json& json, Report& report) {
   number("residual", "{:.4g} (relative L2 of the fitted cameras: how well they are repeated)");
   if (json.contains("file_residual"))
     number("file_residual", "{:.4g} (the same of the file as it was compressed)");
+  if (json.contains("uncertainty")) {
+    const auto& known = json["uncertainty"];
+    report
+        .add("expected_error", known["expected_error"],
+             fmt::format("{:.3g} (relative L2 of the voxels, as their standard deviations have it)",
+                         known["expected_error"].get<double>()))
+        .add("prior_share", known["prior_share"],
+             fmt::format("{:.2g} % of the energy is left open by the pictures",
+                         100 * known["prior_share"].get<double>()));
+  }
   number("iterations", "{:.1f} a frame");
   number("hull_share", "{:.4g} of the volume");
   number("seconds_per_frame", "{:.2f} s");

@@ -17,7 +17,6 @@
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
-#include "volute/grid/copy_frames.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/media/volume/volume_writer.hpp"
 #include "volute/tomography/hold_out_rotation.hpp"
@@ -51,6 +50,7 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
   settings.limits.saturated = arguments.get<double>("max-saturated");
   settings.warmStart = !arguments.flag("no-warm-start");
   settings.force = arguments.flag("force");
+  settings.errorBars = arguments.flag("error-bars");
   settings.singleScattering = arguments.get<std::string>("lighting") == "single-scattering";
   return settings;
 }
@@ -87,18 +87,18 @@ Status checkReconstructTargets(const Arguments& arguments, const std::string& ta
   }
   if (const auto refined = arguments.find<std::string>("refined"))
     VOLUTE_TRY(checkTarget(*refined));
-  if (const auto bars = arguments.find<std::string>("error-bars")) {
-    if (isVolutePath(*bars))
+  for (const char* more : {"velocity", "error-bars"}) {
+    if (arguments.flag(more) && !holdsSeveralGrids(target)) {
       return fail(ErrorCode::kInvalidArgument,
-                  "--error-bars: '{}': expected .npy, or a pattern %04d.vdb or %04d.vti", *bars);
-    VOLUTE_TRY(checkTarget(*bars, true));
+                  "--{}: '{}' holds one grid; put {{grid}} into its name, as in "
+                  "fire_{{grid}}.npy, or write a .volute or %04d.vdb",
+                  more, target);
+    }
   }
-  if (arguments.flag("velocity") && !holdsSeveralGrids(target)) {
+  if (arguments.flag("error-bars") && arguments.get<std::string>("lighting") != "constant")
     return fail(ErrorCode::kInvalidArgument,
-                "--velocity: '{}' holds one grid; put {{grid}} into its name, as in "
-                "fire_{{grid}}.npy, or write a .volute or %04d.vdb",
-                target);
-  }
+                "--error-bars: not with --lighting single-scattering; its extinction is no linear "
+                "function of the pictures");
   if (arguments.given("rms") && !isVolutePath(target)) {
     return fail(ErrorCode::kInvalidArgument,
                 "--rms is the error of a compressed file; '{}' does not end in .volute", target);
@@ -120,9 +120,6 @@ Result<std::vector<std::string>> heldOutOf(const Arguments& arguments, bool& inT
                 "--hold-out auto leaves each camera out in turn; name no other camera");
   if (inTurn)
     names.clear();
-  if (!inTurn && arguments.find<std::string>("error-bars"))
-    return fail(ErrorCode::kInvalidArgument,
-                "--error-bars: needs volumes without each camera: --hold-out auto");
   return names;
 }
 
@@ -132,20 +129,15 @@ Result<VolumeWriter> openWriter(std::vector<WrittenGrid> grids, const std::strin
                             context.team);
 }
 
-/// What leaving out each camera said, and the file of error bars.
-Status addRotation(HoldOutRotation& rotation, const Arguments& arguments, const Capture& capture,
-                   nlohmann::ordered_json& json, Report& report, Context& context) {
+/// What leaving out each camera said.
+void addRotation(HoldOutRotation& rotation, const Capture& capture, nlohmann::ordered_json& json,
+                 Report& report) {
   rotation.addTo(json, capture);
   std::vector<std::string> texts;
   for (const LeftOutCamera& camera : rotation.cameras())
     texts.push_back(fmt::format("{} {:.2f} dB, {:.3f}", camera.name, camera.psnr, camera.residual));
   report.add("verdict", json["verdict"].get<std::string>())
       .add("held_out_in_turn", json["held_out_in_turn"], fmt::format("{}", fmt::join(texts, "; ")));
-  const auto file = arguments.find<std::string>("error-bars");
-  if (!file)
-    return {};
-  VOLUTE_ASSIGN(auto sink, createSink(*file, rotation.errorBars().info(), {.orVolute = true}));
-  return copyFrames(rotation.errorBars(), *sink, "writing error bars", context.progress);
 }
 
 /// What compression cost in the pictures.
@@ -163,13 +155,15 @@ Status addFile(ReconstructedFrames& frames, const std::string& target,
 Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Arguments& arguments,
                  const CaptureRefinement& refinement, const ReconstructionSettings& settings,
                  HoldOutRotation* rotation, Context& context) {
-  constexpr double kVelocityRms = 5e-3;  // less than what the estimate is off by
+  constexpr double kEstimateRms = 5e-3;  // less than what the estimates are off by
   const Capture& capture = refinement.capture;
   const auto target = arguments.get<std::string>("output");
   const double rms = arguments.get<double>("rms");
   std::vector<WrittenGrid> grids{{&frames, rms}};
   if (velocity)
-    grids.push_back({velocity, std::max(rms, kVelocityRms)});
+    grids.push_back({velocity, std::max(rms, kEstimateRms)});
+  if (settings.errorBars)
+    grids.push_back({&frames.errorBars(), std::max(rms, kEstimateRms)});
   VOLUTE_ASSIGN(auto writer,
                 openWriter(std::move(grids), target, capture.file.filename().string(), context));
   VOLUTE_TRY(frames.solveAll(context.team));
@@ -182,7 +176,7 @@ Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Ar
   addSize(report, info);
   report.add("channels", info.channels, fmt::format("{}", info.channels));
   if (rotation)
-    VOLUTE_TRY(addRotation(*rotation, arguments, capture, json, report, context));
+    addRotation(*rotation, capture, json, report);
   VOLUTE_TRY(writer.write(report));
   VOLUTE_TRY(addFile(frames, target, settings, json, context));
   if (velocity)
@@ -386,17 +380,16 @@ std::vector<Option> reconstructOptionTable() {
        .help =
            "estimate the velocity [m/s] between frames; written as grid 'velocity' of a .volute "
            "or %04d.vdb, or to a file of its own with {grid} in OUT"},
+      {.name = "error-bars",
+       .help = "estimate the standard deviation of each voxel; written as grid 'emission_sigma' "
+               "(extinction_sigma) of a .volute or %04d.vdb, or to a file of its own with {grid} "
+               "in OUT"},
       {.name = "hold-out",
        .kind = kText,
        .value = "NAME",
        .help = "hold this camera out for comparison; auto: also reconstruct without each camera "
                "in turn, and report how well the others predict it",
        .several = true},
-      {.name = "error-bars",
-       .kind = kOutput,
-       .value = "FILE",
-       .help = "with --hold-out auto: write standard deviations of voxels to .npy, %04d.vdb or "
-               "%04d.vti"},
       {.name = "refine",
        .kind = kChoice,
        .value = "WHEN",
@@ -439,6 +432,7 @@ Command reconstructCommand() {
                    "volute reconstruct transforms.json -o fire.npy --images "
                    "'in/{camera}_%04d.png' --bounds=-1,-1,0,1,1,3 --resolution 96",
                    "volute reconstruct capture.json -o smoke.volute --velocity",
+                   "volute reconstruct capture.json -o fire_{grid}.npy --error-bars",
                    "volute reconstruct capture.json -o part2.volute --frames 100:200",
                    "volute reconstruct lamps.csv -o smoke.volute --bounds=0,0,0,6,4,3"},
       .description =
