@@ -60,6 +60,81 @@ class Look(support.TestCase):
         said = self.works("render", self.npy("thing.npy"), "-o", self.path("t.png"), *small).message
         self.assertNotIn("shown as", said)
 
+    def test_close_views_have_no_creases(self):
+        """Cubic where a voxel covers more than 3 pixels, for all pictures of a film, and never where something is measured or stated."""
+        volume = self.npy("thing.npy", size=32, frames=2)
+
+        def same(one, other, bound):
+            found = self.works("compare", self.path(one), self.path(other), "--json").json
+            (self.assertEqual(found["max_error"], 0) if bound == 0 else self.assertLess(found["max_error"], bound))
+            return found["max_error"]
+
+        def draw(name, *options, source=volume):
+            words = [*options, *(() if "--measured" in options else ("--samples", "1"))]
+            self.works("render", source, "-o", self.path(name), "--time", "0", *words, measured=False)
+
+        for preset, bound in (("none", 1e-3), ("smoke", 1e-2), ("fire", 7e-3)):
+            for extinction in ((), ("--extinction", "2")) if preset == "none" else ((),):
+                wide = ("--preset", preset, "--size", "240x180", *extinction)
+                draw("auto.exr", *wide)
+                draw("cubic.exr", *wide, "--basis", "cubic")
+                draw("trilinear.exr", *wide, "--basis", "trilinear")
+                same("auto.exr", "cubic.exr", 0)
+                most = self.brightest(self.path("cubic.exr"))
+                self.assertGreater(same("auto.exr", "trilinear.exr", 1e9), 0.8 * bound * most)
+                # Refined, it is the spline that a measurement integrates.
+                draw("exact.exr", *wide, "--basis", "cubic", "--measured")
+                same("auto.exr", "exact.exr", bound * most)
+                small = ("--preset", preset, "--size", "32x24", *extinction)
+                draw("small.exr", *small)
+                draw("small3.exr", *small, "--basis", "trilinear")
+                same("small.exr", "small3.exr", 0)
+        draw("measured.exr", "--size", "240x180", "--measured")
+        draw("box.exr", "--size", "240x180", "--measured", "--basis", "box")
+        same("measured.exr", "box.exr", 0)
+        # One look for a film: its closest view decides.
+        scene = {"format": "volute-scene-2", "background": [0, 0, 0], "media": [{"kind": "volume", "file": "thing.npy"}],
+                 "camera": {"eye": [0.5, -9, 0.5], "target": [0.5, 0.5, 0.5], "fov": 30, "size": [240, 180], "keys": [[0, 0.5, -9, 0.5, 0.5, 0.5, 0.5], [0.04, 0.5, -1.5, 0.5, 0.5, 0.5, 0.5]]}}
+        self.path("film.json").write_text(json.dumps(scene))
+        film = ("render", self.path("film.json"), "--samples", "1")
+        self.works(*film, "-o", self.path("f_%04d.exr"), "--frames", "0:2", measured=False)
+        self.works(*film, "-o", self.path("g_%04d.exr"), "--frames", "0:2", "--basis", "cubic", measured=False)
+        self.works(*film, "-o", self.path("far.exr"), "--time", "0", measured=False)
+        self.works(*film, "-o", self.path("trilinear.exr"), "--time", "0", "--basis", "trilinear", measured=False)
+        first = sorted(self.path(".").glob("f_*.exr"))[0].name
+        same(first, first.replace("f_", "g_"), 0)
+        same("far.exr", "trilinear.exr", 0)
+        self.assertGreater(same("far.exr", first, 1e9), 0)
+
+    def test_contours_are_those_of_the_spline(self):
+        """Where each row crosses some levels, against the exact spline [pixels, RMS]."""
+        volume = self.npy("thing.npy", size=12)
+
+        def crossings(*options):
+            self.works("render", volume, "-o", self.path("x.exr"), "--time", "0", "--size", "144x144", *options, measured=False)
+            picture = pictures.read_exr(self.path("x.exr"))
+            rows = [[picture.values[3 * (144 * y + x)] for x in range(144)] for y in range(144)]
+            most = 0.05
+            found = {}
+            for level in (0.1, 0.2, 0.35, 0.5):
+                for y, row in enumerate(rows):
+                    for x in range(143):
+                        a, b = row[x] - level * most, row[x + 1] - level * most
+                        if a < 0 <= b:
+                            found[level, y] = x + a / (a - b)
+                            break
+            return found
+
+        exact = crossings("--basis", "cubic", "--measured")
+
+        def off(found):
+            both = exact.keys() & found.keys()
+            self.assertGreater(len(both), 100)
+            return math.sqrt(statistics.fmean((found[at] - exact[at]) ** 2 for at in both))
+
+        self.assertLess(off(crossings()), 0.05)
+        self.assertGreater(off(crossings("--basis", "trilinear")), 0.3)
+
     def test_a_preset_is_chosen_by_name(self):
         said = self.works("render", self.npy("thing.npy"), "-o", self.path("t.png"), "--size", "8x8", "--preset", "smoke").message
         self.assertIn("shown as smoke", said)

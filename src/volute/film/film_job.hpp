@@ -22,9 +22,11 @@ namespace volute {
 /// What takes the place of a picture's mode where a contour is drawn.
 std::string modeOf(const Contour& contour);
 
-/// Milliseconds of each stage, and what was looked at, over all pictures.
+/// Milliseconds of each stage, which may run at once, and what was looked at, over all pictures.
 struct FilmTotals {
-  double open = 0, snapshots = 0, render = 0, write = 0;
+  double open = 0, snapshots = 0, render = 0;
+  double convert = 0, write = 0;  ///< the latter with the former
+  double wall = 0, cpu = 0;       ///< of all pictures, from the first to the last
   int pictures = 0;
   PictureCounts counts;
   nlohmann::ordered_json media = nlohmann::ordered_json::object();  ///< MediumAt::counts()
@@ -73,14 +75,22 @@ struct FilmJob {
   /// kCancelled.
   [[nodiscard]] Result<Image> picture(const FilmFrame& frame, Progress& progress);
 
+  /// The two halves of picture() without a shutter: what is at a frame's time, and how it looks.
+  /// The second does not use the scene.
+  [[nodiscard]] Result<Snapshot> snapshotAt(const FilmFrame& frame, Progress& progress);
+  [[nodiscard]] Result<Image> drawn(const Snapshot& snapshot, const FilmFrame& frame,
+                                    Progress& progress);
+
   /// What the picture of a frame says about itself; the legend only where it is asked for.
   PictureText textOf(const FilmFrame& frame) const;
 
   /// What was done so far, and with what.
   nlohmann::ordered_json stats() const;
 
- private:
+  /// From where a frame is seen.
   Camera cameraAt(const FilmFrame& frame) const;
+
+ private:
   [[nodiscard]] Result<Image> pictureAt(const FilmFrame& frame, Progress& progress);
   [[nodiscard]] Result<Image> pictureOf(const Snapshot& snapshot, const Camera& camera,
                                         Progress& progress, PictureCounts& counts);

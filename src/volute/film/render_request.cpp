@@ -76,6 +76,11 @@ Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemo
   job.way = std::move(seen.description);
   job.measured = request.measured || request.aov != Aov::kNone;
   job.samples = job.measured || job.contour ? 1 : request.samples;
+  if (!job.measured) {
+    std::vector<Camera> views;
+    for (const FilmFrame& frame : job.frames) views.push_back(job.cameraAt(frame));
+    job.scene.setViews(std::move(views));
+  }
   if (!(request.shutter > 0))
     return {};
   if (request.aov != Aov::kNone || job.contour || !job.layers.empty()) {

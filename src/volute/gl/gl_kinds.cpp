@@ -53,7 +53,9 @@ GlParts partsOf(const FogAt& fog, const GlSnapshotOptions& options) {
     return {glPart(GlLitFog{fog.fog(), *fog.lit(), fog.factor()})};
   GlFog part{fog.fog(), fog.factor()};
   if (options.tables)
-    part.polar = [layer = fog.layer()](const Camera& camera) { return layer.polarFor(camera); };
+    part.polar = [layer = fog.layer(), map = fog.fog()](const Camera& camera) {
+      return layer.polarFor(camera, map);
+    };
   return {glPart(std::move(part))};
 }
 
@@ -87,8 +89,11 @@ Status drawable(const MediumAt&) {
 }
 
 Status drawable(const VolumeAt& volume) {
-  if (volume.info().basis == Basis::kCubic)
-    return fail(ErrorCode::kUnsupported, "a volume over the cubic basis");
+  const Basis basis = volume.light()  ? volume.light()->slice().basis()
+                      : volume.tree() ? volume.info().basis
+                                      : volume.slice()->basis();
+  if (basis == Basis::kCubic)
+    return fail(ErrorCode::kUnsupported, "a volume that is measured over the cubic basis");
   return {};
 }
 

@@ -10,6 +10,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/grid/refined_spline.hpp"
 #include "volute/grid/voxel_cells.hpp"
 #include "volute/grid/voxel_march.hpp"
 #include "volute/medium/integrate.hpp"
@@ -57,6 +58,16 @@ int stepsOf(const BrickSlice& slice, const CellGrid& cells) {
   return static_cast<int>(steps < kMaxSteps ? std::max(steps, 1.0) : kMaxSteps);
 }
 
+std::shared_ptr<const MarchGrid> marchOf(const std::shared_ptr<const BrickSlice>& slice,
+                                         const CellGrid& cells) {
+  auto march = makeMarchGrid(slice, cells, 1, 1, false);
+  march->shaded = true;
+  march->emissionChannel = slice->channels() == 4 ? 1 : -1;
+  march->steps = stepsOf(*slice, cells);
+  march->lightLost = 1e-4F;
+  return march;
+}
+
 /// 1 where a corner, or one beside it along any axes, is not 0; of the corners of one brick.
 void markNeeded(const float* values, std::array<std::uint8_t, kShadedCorners>& marks) {
   for (int i = 0; i < kShadedCorners; ++i) marks[static_cast<std::size_t>(i)] = values[i] != 0;
@@ -102,13 +113,39 @@ ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
     corners_ = findCentres(*slice_);
     return;
   }
-  auto march = makeMarchGrid(slice_, cells_, 1, 1, false);
-  march->shaded = true;
-  march->emissionChannel = slice_->channels() == 4 ? 1 : -1;
-  march->steps = stepsOf(*slice_, cells_);
-  march->lightLost = 1e-4F;
-  corners_ = findCorners(*march);
-  march_ = std::move(march);
+  march_ = marchOf(slice_, cells_);
+  corners_ = findCorners(*march_);
+}
+
+ShadedVoxels ShadedVoxels::refining(std::shared_ptr<const BrickSlice> spline) {
+  spline = unshared(std::move(spline));
+  ShadedVoxels made(std::make_shared<const BrickSlice>(smoothedSpline(*spline)));
+  made.splines_ = std::move(spline);
+  return made;
+}
+
+ShadedVoxels ShadedVoxels::drawn() const {
+  return splines_ ? drawnFrom(*splines_) : *this;
+}
+
+std::uint64_t ShadedVoxels::drawnBytes() const {
+  return splines_ ? refinedSplineBytes(*splines_) : 0;
+}
+
+ShadedVoxels ShadedVoxels::drawnFrom(const BrickSlice& splines) const {
+  ShadedVoxels made = *this;  // with its extinction, which the means of rays are the same for
+  made.slice_ = std::make_shared<const BrickSlice>(refinedSpline(splines));
+  made.splines_ = nullptr;
+  made.cells_ = voxels::cellsOf(*made.slice_);
+  made.occupied_ = voxels::occupiedCells(*made.slice_, made.cells_);
+  made.march_ = marchOf(made.slice_, made.cells_);
+  static const auto kNone = std::make_shared<const Corners>();
+  made.corners_ = kNone;
+  made.light_ = nullptr;
+  if (made.slice_->channels() == 1)
+    made.extinction_ = VoxelMedium(made.slice_, 0, 1);
+  made.counters_ = std::make_shared<Counters>();
+  return made;
 }
 
 Vec3 ShadedVoxels::centreOf(const std::array<std::int32_t, 3>& place) const {
@@ -245,7 +282,7 @@ std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& voxel) con
 }
 
 std::vector<VoxelLight> ShadedVoxels::forMeans(std::span<const VoxelLight> light) const {
-  if (!march_)
+  if (!march_ || splines_)
     return {light.begin(), light.end()};
   std::vector<VoxelLight> out(light.size());
   // By the brick that has a point first; its neighbours are mostly there.
@@ -282,47 +319,61 @@ std::vector<VoxelLight> ShadedVoxels::forMeans(std::span<const VoxelLight> light
 /// Between voxels the spline of products K_i L_i is K L plus a sixth of its second derivative, and
 /// the spline of K is K plus a sixth of its own: what is asked for, the product of the latter with
 /// L, has coefficients K_i L_i - sum over neighbours n of K_n (L_n - L_i) / 6.
-ShadedVoxels ShadedVoxels::withSplines(std::span<const VoxelLight> light) const {
+BrickSlice ShadedVoxels::litSplines(const BrickSlice& splines,
+                                    std::span<const VoxelLight> light) const {
+  constexpr int kSide = BrickSlice::kSide, kVoxels = BrickSlice::kVoxels;
   VolumeInfo info;
-  info.x = slice_->x(), info.y = slice_->y(), info.z = slice_->z();
+  info.x = splines.x(), info.y = splines.y(), info.z = splines.z();
   info.channels = 4;
-  info.bounds = slice_->bounds();
+  info.bounds = splines.bounds();
   info.basis = Basis::kCubic;
   std::vector<BrickPlace> bricks;
-  for (const BrickSlice::Entry& entry : slice_->entries()) bricks.push_back(entry.place);
-  auto slice = std::make_shared<BrickSlice>(info, bricks);
-  for (std::int32_t b = 0; b < static_cast<std::int32_t>(bricks.size()); ++b)
-    std::copy_n(slice_->brick(b), slice_->channels() * BrickSlice::kVoxels, slice->brick(b));
-  const auto pointOf = [&](std::array<std::int32_t, 3> at) -> std::int32_t {
-    if (slice_->value(at[0], at[1], at[2], 0) == 0)
-      return -1;
-    return corners_->ofVoxel[slice_->placeOf(at[0], at[1], at[2])];
+  for (const BrickSlice::Entry& entry : splines.entries()) bricks.push_back(entry.place);
+  BrickSlice lit(info, bricks);
+  // Smoothed voxels begin one earlier.
+  const auto pointOf = [&](const std::array<std::int32_t, 3>& at) {
+    return march_ ? pointAt({at[0] + 1, at[1] + 1, at[2] + 1})
+                  : corners_->ofVoxel[splines.placeOf(at[0], at[1], at[2])];
   };
-  parallelRanges(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto& place = corners_->places[i];
-      const double own = slice_->value(place[0], place[1], place[2], 0);
-      Rgb differences = Rgb::Zero();
-      for (std::size_t way = 0; way < 6; ++way) {
-        auto at = place;
-        at[way / 2] += way % 2 == 0 ? -1 : 1;
-        const std::int32_t point = pointOf(at);
+  parallelRanges(bricks.size(), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      const float* from = splines.brick(splines.entries()[b].stored);
+      float* out = lit.brick(static_cast<std::int32_t>(b));
+      std::copy_n(from, splines.channels() * kVoxels, out);
+      for (int i = 0; i < kVoxels; ++i) {
+        if (!(from[i] > 0))
+          continue;
+        const std::array<std::int32_t, 3> place{bricks[b][0] * kSide + i % kSide,
+                                                bricks[b][1] * kSide + i / kSide % kSide,
+                                                bricks[b][2] * kSide + i / kSide / kSide};
+        const std::int32_t point = pointOf(place);
         if (point < 0)
           continue;
-        differences += static_cast<double>(slice_->value(at[0], at[1], at[2], 0)) *
-                       (light[static_cast<std::size_t>(point)] - light[i]).cast<double>();
+        const VoxelLight& own = light[static_cast<std::size_t>(point)];
+        Rgb differences = Rgb::Zero();
+        for (std::size_t way = 0; way < 6; ++way) {
+          auto at = place;
+          at[way / 2] += way % 2 == 0 ? -1 : 1;
+          const double beside = splines.value(at[0], at[1], at[2], 0);
+          const std::int32_t other = beside == 0 ? -1 : pointOf(at);
+          if (other >= 0)
+            differences += beside * (light[static_cast<std::size_t>(other)] - own).cast<double>();
+        }
+        const Rgb plain = static_cast<double>(from[i]) * own.cast<double>();
+        const Rgb scattered = (plain - differences / 6).max(0.5 * plain).min(1.5 * plain);
+        for (int c = 0; c < 3; ++c) out[(1 + c) * kVoxels + i] += static_cast<float>(scattered[c]);
       }
-      const Rgb plain = own * light[i].cast<double>();
-      const Rgb scattered = (plain - differences / 6).max(0.5 * plain).min(1.5 * plain);
-      const std::size_t voxel = slice_->placeOf(place[0], place[1], place[2]);
-      float* out = slice->brick(static_cast<std::int32_t>(voxel / BrickSlice::kVoxels)) +
-                   voxel % BrickSlice::kVoxels;
-      for (int c = 0; c < 3; ++c)
-        out[(1 + c) * BrickSlice::kVoxels] += static_cast<float>(scattered[c]);
     }
   });
+  return lit;
+}
+
+ShadedVoxels ShadedVoxels::withSplines(std::span<const VoxelLight> light) const {
+  if (splines_)
+    return drawnFrom(litSplines(*splines_, light));
   ShadedVoxels lit = *this;
-  lit.cubic_ = std::make_shared<const CubicVoxels>(std::move(slice), 1, 1);
+  lit.cubic_ = std::make_shared<const CubicVoxels>(
+      std::make_shared<const BrickSlice>(litSplines(*slice_, light)), 1, 1);
   return lit;
 }
 
@@ -345,7 +396,7 @@ bool isOneColor(std::span<const VoxelLight> light, const Rgb& largest) {
 ShadedVoxels ShadedVoxels::withLight(std::vector<VoxelLight> given) const {
   const std::span<const VoxelLight> light = given;
   VOLUTE_ASSERT(light.size() == corners_->places.size());
-  if (!march_)
+  if (!march_ || splines_)
     return withSplines(light);
   ShadedVoxels lit = *this;
   Rgb largest = Rgb::Zero();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -31,6 +32,16 @@ class ShadedVoxels {
   /// @param slice  of the trilinear or the cubic basis, in channels K, or K and J's red, green and
   /// blue; K >= 0. It scatters nothing.
   explicit ShadedVoxels(std::shared_ptr<const BrickSlice> slice);
+
+  /// Splines for pictures: lit at voxels' centres through smoothedSpline(), and drawn(), with or
+  /// without light, as refinedSpline(). Several times faster than the cubic basis.
+  static ShadedVoxels refining(std::shared_ptr<const BrickSlice> spline);
+
+  /// What is drawn where no light was given: itself, unless it is refining().
+  ShadedVoxels drawn() const;
+
+  /// What that takes, besides what is here [bytes].
+  std::uint64_t drawnBytes() const;
 
   /// Where light is to be known: the centres of all voxels in cells in which K is not zero, up to
   /// one voxel outside of the volume [m]; over the cubic basis those of voxels with K > 0.
@@ -103,6 +114,12 @@ class ShadedVoxels {
   /// withLight() over the cubic basis.
   ShadedVoxels withSplines(std::span<const VoxelLight> light) const;
 
+  /// The coefficients of what is sent and scattered.
+  BrickSlice litSplines(const BrickSlice& splines, std::span<const VoxelLight> light) const;
+
+  /// Refined splines, which take no light of their own.
+  ShadedVoxels drawnFrom(const BrickSlice& splines) const;
+
   /// Which of the places is this voxel; -1: none.
   std::int32_t pointAt(const std::array<std::int32_t, 3>& voxel) const;
 
@@ -112,6 +129,7 @@ class ShadedVoxels {
   Rgb lightAt(std::int32_t brick, const std::array<int, 3>& cell, int corner) const;
 
   std::shared_ptr<const BrickSlice> slice_;
+  std::shared_ptr<const BrickSlice> splines_{};  ///< of which slice_ is smoothed; or null
   VoxelMedium extinction_;
   CellGrid cells_;
   CellRange occupied_;

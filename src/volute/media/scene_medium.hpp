@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -145,6 +146,10 @@ class SceneMedium {
     (void)progress;
     return std::nullopt;
   }
+
+  /// From where it will be seen, in pictures that measure nothing: what nobody said of how it is
+  /// drawn is chosen, for all of them, by the closest view.
+  virtual void chooseLook(std::span<const Camera> views) { (void)views; }
 
   /// All files that it is read from.
   virtual std::vector<std::string> files() const { return {info_.file}; }

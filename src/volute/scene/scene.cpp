@@ -191,7 +191,16 @@ Status Scene::change(OrderedJson json, Progress& progress) {
   json_ = std::move(json);
   surfacesOf_.clear();
   surfaces_ = geometry_;
+  setViews(std::move(views_));
   return {};
+}
+
+void Scene::setViews(std::vector<Camera> views) {
+  views_ = std::move(views);
+  for (const auto& medium : media_) {
+    if (!views_.empty())
+      medium->chooseLook(views_);
+  }
 }
 
 Status Scene::reconsider(Progress& progress) {

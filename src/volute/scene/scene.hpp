@@ -79,6 +79,10 @@ class Scene {
   /// The scene's camera, or that of a medium alone; nothing: use one that frames bounds().
   std::optional<CameraDescription> camera() const;
 
+  /// From where pictures that measure nothing will see it: SceneMedium::chooseLook(), of media that
+  /// later changes open too.
+  void setViews(std::vector<Camera> views);
+
   /// The scene at request.time; request.factor is that of law().
   [[nodiscard]] Result<Snapshot> at(const InstantRequest& request, Progress& progress);
 
@@ -132,6 +136,7 @@ class Scene {
   TriangleScene geometry_;  ///< the scene's own
   std::string assumption_;
   std::optional<PictureLaw> law_;
+  std::vector<Camera> views_;  ///< setViews()
   bool toldOfGlow_ = false;
   TriangleScene surfaces_;                 ///< all that is opaque,
   std::vector<std::uint64_t> surfacesOf_;  ///< SceneMedium::surfacesKey() of it

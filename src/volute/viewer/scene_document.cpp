@@ -120,6 +120,11 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
     VOLUTE_TRY(document->scene_.reconsider(progress));
     document->saved_ = document->scene_.json();
   }
+  // As large as most windows are.
+  constexpr int kWidth = 1280, kHeight = 720;
+  const auto given = document->scene_.camera();
+  document->scene_.setViews({given ? makeCamera(*given, {kWidth, kHeight})
+                                   : Camera::framing(document->content(), kWidth, kHeight)});
   if (const auto name = Recovery::nameOf(path)) {
     document->file_ = *name;
     document->saved_ = {};  // nowhere

@@ -132,7 +132,8 @@ const FieldTable& volumeFields() {
       {.name = "basis", .type = kChoice,
        .access = member<&SceneVolume::appearance, &Appearance::basis>(),
        .help = "interpolation between voxel centres; cubic: B-splines, for close views; if not "
-               "given, trilinear, or the file's own basis in measured pictures",
+               "given, what the file states, else cubic where a voxel covers more than 3 pixels in "
+               "the closest view, and trilinear elsewhere; in measured pictures the file's own",
        .choices = kBases, .option = {.value = "NAME", .scene = true}},
       {.name = "interpolate", .type = kChoice,
        .access = member<&SceneVolume::appearance, &Appearance::interpolation>(),

@@ -125,6 +125,9 @@ class VolumeKind final : public MediumKind {
                           "what is lit or burns is drawn over the trilinear or the cubic basis");
     }
     // Pictures are smooth where the file does not want otherwise; measurements take its own.
+    const bool pictures = !context.options.measured && !context.options.byTree;
+    appearance.refines = pictures;
+    appearance.basisByView = pictures && context.version >= 2 && !appearance.basis;
     if (!appearance.basis && (appearance.shaded() || !context.options.measured))
       appearance.basis = Basis::kTrilinear;
     VolumeLighting lighting;

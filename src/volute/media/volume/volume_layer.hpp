@@ -64,6 +64,8 @@ struct Appearance {
       colors{};  ///< the grid (three channels, or three grids _r, _g, _b) that colours albedo
   LightsScene lightsScene = LightsScene::kAuto;
   std::optional<Basis> basis;  ///< instead of the file's
+  bool basisByView = false;    ///< nobody said it: what is seen closely is drawn over the cubic one
+  bool refines = false;        ///< a cubic basis is drawn by refinedSpline(): not for measurements
   Placement placement;
   Clock clock;
   Interpolation interpolation = Interpolation::kNone;
@@ -103,6 +105,11 @@ class VolumeLayer {
 
   /// As the file was named when it was opened.
   const std::string& path() const { return path_; }
+
+  std::uint64_t maxMemory() const { return maxMemory_; }  ///< [bytes]
+
+  /// The file's own; box where it states none.
+  Basis fileBasis() const { return input_->source->info().basis; }
 
   /// The file's, before the appearance's placement [m].
   const Box3& fileBounds() const { return input_->source->info().bounds; }

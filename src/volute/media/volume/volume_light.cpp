@@ -338,7 +338,7 @@ Rgb scatteredTo(const Lamp& lamp, const Vec3& point, const Vec3* way, double sha
 ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   gather();
   if (lampShares_.empty() && !even_)
-    return volume_;
+    return volume_.drawn();
   const auto places = volume_.lightPlaces();
   std::vector<VoxelLight> light(places.size());
   parallelRanges(places.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -379,7 +379,7 @@ std::uint64_t VolumeLight::memoryBytes() const {
   const BrickSlice& slice = volume_.slice();
   const std::uint64_t points = slice.values().size();
   const std::uint64_t colors = 3 * sizeof(float);  // of the fire, and of what is seen
-  return slice.bytes() + slice.values().size_bytes() +
+  return slice.bytes() + slice.values().size_bytes() + volume_.drawnBytes() +
          points * (2 * colors + sizeof(VoxelLight) + lighting_.lamps.size() * sizeof(float));
 }
 

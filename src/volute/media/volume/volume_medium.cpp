@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <nlohmann/json.hpp>
 
+#include "volute/grid/refined_spline.hpp"
 #include "volute/media/volume/volume_grids.hpp"
 #include "volute/medium/affine_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
@@ -28,6 +29,17 @@ MediumInfo infoOf(const VolumeLayer& layer) {
   info.channels = volume.channels;
   info.interpolates = layer.interpolates();
   return info;
+}
+
+/// How many pixels a voxel of this size [m] covers where a view is closest to bounds.
+double pixelsOfVoxel(const Camera& view, const Box3& bounds, double voxel) {
+  if (view.isOrthographic())
+    return voxel / view.pixelSize();
+  const Vec3 ahead = bounds.centre() + 0.5 * bounds.size().cwiseProduct(view.forward().cwiseSign());
+  if (!(view.forward().dot(ahead - view.eye()) > 0))
+    return 0;  // it is behind the eye
+  const Vec3 nearest = view.eye().cwiseMax(bounds.min).cwiseMin(bounds.max);
+  return voxel / (view.pixelSize() * (nearest - view.eye()).norm());
 }
 
 }  // namespace
@@ -264,7 +276,8 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   }
   if (request.coarse && !inMemory(request.time) && !layer_.isLevelSet()) {
     VOLUTE_ASSIGN(auto slice, coarseSlice(position, progress));
-    return std::make_shared<const VolumeAt>(layer_, std::move(slice), position, request.factor);
+    return std::make_shared<const VolumeAt>(layer_, drawn(std::move(slice)), position,
+                                            request.factor);
   }
   if (request.tree) {
     VOLUTE_ASSIGN(auto tree, layer_.treeAt(position));
@@ -273,7 +286,45 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   }
   VOLUTE_ASSIGN(auto slice, layer_.sliceAt(moment));
   block_ = rowOf(position);
-  return std::make_shared<const VolumeAt>(layer_, std::move(slice), moment, request.factor);
+  return std::make_shared<const VolumeAt>(layer_, drawn(std::move(slice)), moment, request.factor);
+}
+
+bool VolumeMedium::refines(const BrickSlice& slice) const {
+  return slice.basis() == Basis::kCubic && layer_.appearance().refines &&
+         refinedSplineBytes(slice) <= layer_.maxMemory() / 2;
+}
+
+std::shared_ptr<const BrickSlice> VolumeMedium::drawn(std::shared_ptr<const BrickSlice> slice) {
+  if (!refines(*slice))
+    return slice;
+  if (slice != refinedOf_) {
+    refined_ = std::make_shared<const BrickSlice>(refinedSpline(*slice));
+    refinedOf_ = std::move(slice);
+  }
+  return refined_;
+}
+
+void VolumeMedium::chooseLook(std::span<const Camera> views) {
+  constexpr double kClose = 3;  // pixels
+  Appearance appearance = layer_.appearance();
+  if (!appearance.basisByView)
+    return;
+  Basis basis = layer_.fileBasis();
+  if (basis == Basis::kBox) {
+    const VolumeInfo info = layer_.infoAt(0);
+    const double voxel =
+        std::cbrt(info.bounds.size().prod() / (static_cast<double>(info.x) * info.y * info.z));
+    const bool close = std::ranges::any_of(views, [&](const Camera& view) {
+      return pixelsOfVoxel(view, info_.bounds, voxel) > kClose;
+    });
+    basis = close ? Basis::kCubic : Basis::kTrilinear;
+  }
+  if (appearance.basis == basis)
+    return;
+  appearance.basis = basis;
+  layer_.setAppearance(appearance);
+  light_ = nullptr, lightMoment_ = -1;
+  refinedOf_ = refined_ = nullptr;
 }
 
 Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, bool lit) {
@@ -286,7 +337,8 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, 
   if (lit)
     lighting = lighting_;
   lighting.place = {place.turn, place.offset};
-  ShadedVoxels volume(std::move(slice));
+  ShadedVoxels volume =
+      refines(*slice) ? ShadedVoxels::refining(std::move(slice)) : ShadedVoxels(std::move(slice));
   if (lit && layer_.appearance().scatters() && !layer_.appearance().colors.empty()) {
     VOLUTE_ASSIGN(lighting.colors, layer_.colorsAt(moment, volume.lightPoints()));
   }

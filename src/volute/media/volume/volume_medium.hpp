@@ -96,6 +96,8 @@ class VolumeMedium : public SceneMedium {
   Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
                                              Progress& progress) override;
   bool inMemory(double time) const override;
+  /// The cubic basis where a voxel covers more than about 3 pixels, unless a basis is stated.
+  void chooseLook(std::span<const Camera> views) override;
   nlohmann::ordered_json counts() const override;
   bool checked() const override;
   Result<std::optional<std::string>> check(Progress& progress) override;
@@ -121,6 +123,10 @@ class VolumeMedium : public SceneMedium {
   int rowOf(int position) const;
   Result<std::shared_ptr<const BrickSlice>> coarseSlice(int position, Progress& progress) const;
 
+  /// Splines as finer voxels, where pictures may and memory has room for them; the last is kept.
+  std::shared_ptr<const BrickSlice> drawn(std::shared_ptr<const BrickSlice> slice);
+  bool refines(const BrickSlice& slice) const;
+
   /// Of a moment; the last one is kept.
   [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(double moment, bool lit);
 
@@ -130,6 +136,7 @@ class VolumeMedium : public SceneMedium {
   double lightMoment_ = -1;
   bool lightIsWhole_ = false;  // else of the extinction alone
   std::shared_ptr<const VolumeLight> light_;
+  std::shared_ptr<const BrickSlice> refinedOf_, refined_;
   bool checked_ = false;  ///< it was looked through for damage
   bool damaged_ = false;
   int block_ = -1;  ///< of the frames of a .volute that are in memory
