@@ -362,6 +362,23 @@ class Frames(FogCase):
                        "--path", "polar")
             self.assertEqual(self.difference("x.exr", "polar.exr"), 0, unserved)
 
+    def test_fine_maps_are_looked_up_in_pictures_and_walked_in_measurements(self):
+        for size, looked_up in ((160, True), (64, False)):
+            self.waves("map.png", size)
+            scene = {"format": "volute-scene-2", "background": [0.5] * 3,
+                     "camera": {"eye": [5, 5, 3], "target": [60, 50, 3], "fov": 30, "size": [320, 240]},
+                     "media": [{"kind": "fog", "map": "map.png", "sigma_max": 0.05, "cell": 64 / size, "profile": {"kind": "slab", "bottom": 0, "top": 8}}]}
+            self.path("scene.json").write_text(json.dumps(scene))
+            self.works("render", self.path("scene.json"), "-o", self.path("auto.exr"), measured=False)
+            self.works("render", self.path("scene.json"), "-o", self.path("measured.exr"), "--measured")
+            scene["media"][0]["path"] = "walk"
+            self.path("scene.json").write_text(json.dumps(scene))
+            self.works("render", self.path("scene.json"), "-o", self.path("walk.exr"), measured=False)
+            self.assertEqual(self.difference("walk.exr", "measured.exr"), 0)
+            difference = self.difference("walk.exr", "auto.exr")
+            self.assertLess(difference, 1e-4)
+            (self.assertGreater if looked_up else self.assertEqual)(difference, 0)
+
     def test_options_of_a_sun_need_one(self):
         for words in (("--albedo", "0.5,0.5,0.5"), ("--asymmetry", "0.5"), ("--sun-radiance", "1,1,1"), ("--geometry", "a.obj")):
             self.assertIn(f"{words[0]} has no effect without --sun", self.fails(2, *self.words(*words)))

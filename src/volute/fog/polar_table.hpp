@@ -54,8 +54,8 @@ struct PolarLayout {
 ///   slab or constant g:    t = (M_0(b) - M_0(a)) / cos E
 ///   g = g_0 + m z, z = r tan E:  t = (g_0 (M_0(b) - M_0(a)) + m tan E (M_1(b) - M_1(a))) / cos E
 /// with E the elevation. Cubic between radii, linear between azimuths; the sampled azimuths and
-/// radii are exact. |dT| is O(azimuth step^2); with the default sizes below 1/512 on painted 8-bit
-/// maps (volute bench fog), at most 1.05/512 on random noise up to 1024^2, degree 1 to 3.
+/// radii are exact. |dT| is O(azimuth step^2); with the default sizes at most 1e-4 on painted 8-bit
+/// maps (volute bench fog), 4e-4 on random noise of up to 512^2, degree 1 to 3.
 ///
 /// For one eye only: another eye needs another table.
 class PolarTable {

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
+#include <tuple>
 
 #include "volute/fog/fog_testing.hpp"
 #include "volute/fog/polar_fog.hpp"
@@ -121,6 +123,37 @@ TEST(PolarTable, HomogeneousFogIsExact) {
     for (double z : {-0.3, -0.05, 0.0, 0.2, 0.9})
       picture.add(Vec3(std::cos(turn), std::sin(turn), z).normalized(), 15);
   EXPECT_LT(worst(fog, *PolarTable::make(fog, picture.eye), picture), 1e-5);
+}
+
+/// Blobs and streaks in 256 levels, as a person paints them, or noise in every pixel.
+FogMedium largeFog(int side, bool noise) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  SplineGrid map(side, side);
+  for (int j = 0; j < side; ++j) {
+    for (int i = 0; i < side; ++i) {
+      const double x = 64.0 * i / side, y = 64.0 * j / side;
+      const double streaks =
+          0.55 + 0.45 * std::sin(1.9 * x + 0.7 * y) * std::sin(0.9 * x - 1.3 * y);
+      const double blobs =
+          std::exp(-std::pow(x - 32, 2) / 300) + std::exp(-std::pow(y - 50, 2) / 90);
+      map.at(i, j) = noise ? uniform(random) : std::round(127 * streaks * blobs) / 255;
+    }
+  }
+  for (double& value : map.c) value = value < 0.16 ? 0 : 0.06 * value;
+  return *FogMedium::make(*FogMap::fromCoefficients(map, {.cell = 65.0 / (side + 1)}),
+                          *FogProfile::slab(-50, 50), {});
+}
+
+TEST(PolarTable, LargeMapsAreWithinTheStatedError) {
+  const Picture picture = pinhole(Vec3(6.3, 7.7, 4.6), 0.74, 50);
+  const auto sector = PolarSector::of(picture.rays());
+  for (const auto& [side, noise, bound] :
+       {std::tuple(160, false, 1e-4), std::tuple(512, false, 1e-4), std::tuple(512, true, 4e-4)}) {
+    const FogMedium fog = largeFog(side, noise);
+    EXPECT_LT(worst(fog, *PolarTable::make(fog, picture.eye, {.sector = sector}), picture), bound)
+        << side;
+  }
 }
 
 TEST(PolarTable, SectorOfRaysAllAroundIsNone) {

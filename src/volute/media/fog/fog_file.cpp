@@ -169,7 +169,7 @@ const FieldTable& fogFields() {
   using enum FieldType;
   using Fog = FogDescription;
   static constexpr std::string_view kConversions[] = {"luma"};
-  static constexpr std::string_view kPaths[] = {"walk", "polar"};
+  static constexpr std::string_view kPaths[] = {"auto", "walk", "polar"};
   static constexpr std::string_view kRegistrations[] = {"pixel", "coefficient"};
   static constexpr std::string_view kBorders[] = {"zero", "repeat", "clamp"};
   static const FieldAccess kTop = [] {
@@ -211,10 +211,11 @@ const FieldTable& fogFields() {
        .help = "degree of the splines: 0 (Haar) is constant in a cell, 1 linear, 2 quadratic, 3 "
                "cubic",
        .least = 0, .most = kMaxSplineDegree, .option = {"D"}, .slider = {.label = "degree"}},
-      {.name = "path", .type = kChoice, .access = member<&Fog::polar>(),
+      {.name = "path", .type = kChoice, .access = member<&Fog::path>(),
        .help = "walk: every ray, exactly; polar: through a table for each camera position, "
-               "accurate to 1/512 of transmittance, if applicable (degree 1 to 3, slab, linear or "
-               "layers, no sun, no top, all details), else walk", .choices = kPaths,
+               "within 1e-4 of the transmittance on painted maps, if applicable (degree 1 to 3, "
+               "slab, linear or layers, no sun, no top, all details), else walk; auto: polar for "
+               "pictures of maps of 128 pixels and more, walk in measurements", .choices = kPaths,
        .option = {"HOW"}},
       {.name = "color", .type = kColor, .access = member<&Fog::options, &FogOptions::color>(),
        .help = "linear radiance of infinitely thick fog", .least = 0,

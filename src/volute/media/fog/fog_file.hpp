@@ -27,6 +27,13 @@ enum class FogBorder {
   kClamp,   ///< the pixels at the border
 };
 
+/// How rays are integrated.
+enum class FogPath {
+  kAuto,   ///< by a table where that serves and is faster: pictures of maps of 128 pixels and more
+  kWalk,   ///< every ray, exactly
+  kPolar,  ///< by a table of polar prefix sums where it serves: FogLayer::polarFor()
+};
+
 /// No fog above a map of heights.
 struct FogTopDescription {
   std::string file;
@@ -62,9 +69,7 @@ struct FogDescription {
   Clock clock;
   Scattering scattering;
   ShadowsOn shadows{};  ///< of the scene's geometry; may be empty
-  /// Pictures by a table of polar prefix sums where it serves (degree 1 to 3, no dropped details,
-  /// no top, no exponential profile, no suns): |dT| < 1/512. Else every ray is walked, exactly.
-  bool polar = false;
+  FogPath path = FogPath::kAuto;
 
   FogBorder borderInWind() const {
     return border.value_or(wind.head<2>().isZero(0) || top ? FogBorder::kZero : FogBorder::kRepeat);

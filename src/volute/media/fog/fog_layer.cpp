@@ -293,11 +293,22 @@ Result<FogMedium> FogLayer::bordered(const FogMedium& map, const Vec3& blown) co
   return FogMedium::make(filled, map.profile(), map.options());
 }
 
-std::optional<PolarOptions> FogLayer::polarFor(const Camera& camera) const {
+std::optional<PolarOptions> FogLayer::polarFor(const Camera& camera, const FogMedium& fog) const {
   const bool serves = lamps_.empty() && description_.options.degree > 0 && !camera.isOrthographic();
-  if (!description_.polar || !serves)
+  if (description_.path == FogPath::kWalk || !serves)
     return std::nullopt;
-  return PolarOptions{.sector = sectorOf(camera)};
+  const PolarOptions options{.sector = sectorOf(camera)};
+  if (description_.path == FogPath::kPolar)
+    return options;
+  // A row of the table is a walk; one looks up where that saves most of the rays.
+  constexpr int kFineMap = 128;
+  constexpr double kRaysARow = 32;
+  const auto layout = PolarLayout::of(fog, camera.eye(), options);
+  if (!layout || std::max(fog.levels().columns(), fog.levels().rows()) < kFineMap ||
+      static_cast<double>(camera.width()) * camera.height() <
+          kRaysARow * layout->azimuths * layout->sectors)
+    return std::nullopt;
+  return options;
 }
 
 }  // namespace volute

@@ -43,8 +43,9 @@ class FogLayer {
   /// The same as if there were clear air beyond its border: its coefficients are the map's.
   FogMedium mapAt(double time) const;
 
-  /// How a polar table for a camera is to be made; nothing where the fog is to be walked.
-  std::optional<PolarOptions> polarFor(const Camera& camera) const;
+  /// How a polar table of a fog of it is to be made for a camera; nothing where it is to be walked:
+  /// exactly, or since a table serves only degrees from 1 to 3 without suns.
+  std::optional<PolarOptions> polarFor(const Camera& camera, const FogMedium& fog) const;
 
   /// That light it.
   std::span<const Lamp> lamps() const { return lamps_; }

@@ -29,6 +29,8 @@ class FogKind final : public MediumKind {
   Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
                                             MediumContext& context) const override {
     VOLUTE_ASSIGN(auto fog, parseFog(entry, {context.file, context.path}));
+    if (context.options.measured && fog.path == FogPath::kAuto)
+      fog.path = FogPath::kWalk;
     const auto& lamps = context.lights.lamps;
     fog.shadows = shadowsOf(context.geometry);
     const auto before = context.take<FogSceneMedium>([&](const FogSceneMedium& other) {
@@ -169,7 +171,7 @@ std::shared_ptr<const MediumAt> FogAt::quick() const {
 }
 
 Status FogAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
-  const auto options = lit() ? std::nullopt : layer_.polarFor(camera);
+  const auto options = lit() ? std::nullopt : layer_.polarFor(camera, fog_);
   if (!options) {
     addMedia(media);
     return {};
