@@ -170,6 +170,31 @@ class Render(support.TestCase):
             self.assertEqual(made.code, 0, made.message)
             self.assertGreater(self.path(f"x.{extension}").stat().st_size, 100)
 
+    def test_stages_run_at_once_and_give_the_same(self):
+        """Reading, drawing and encoding of several pictures: the same bytes on one thread, and each stage's share."""
+        volume = self.make_volute(frames=6)
+        targets = [("%04d.png", sorted)]
+        if "this build has no" not in volute("render", self.block(), "-o", self.path("a.mp4"), "--size", "32x32").message:
+            targets.append(("x.mp4", list))
+        for name, _ in targets:
+            found = []
+            for threads in (1, 3):
+                folder = self.path(f"{threads}")
+                folder.mkdir(exist_ok=True)
+                self.works("render", volume, "-o", folder / name, "--size", "48x32", "--frames", "0:6", "--threads", threads, "--preset", "smoke",
+                           "--stats", self.path("s.json"))
+                found.append({file.name: file.read_bytes() for file in folder.iterdir()})
+                stats = json.loads(self.path("s.json").read_text())
+                self.assertEqual(stats["pictures"], 6)
+                self.assertAlmostEqual(sum(stats["stages"][key] for key in ("read", "draw", "convert", "encode")), 1, places=6)
+                self.assertEqual(stats["cores"]["threads"], threads)
+                self.assertGreater(stats["cores"]["busy"], 0)
+            self.assertEqual(found[0], found[1])
+        # A stage that fails ends all of them.
+        self.path("taken").mkdir()
+        self.path("taken/0003.png").mkdir()
+        self.fails(1, "render", volume, "-o", self.path("taken") / "%04d.png", "--size", "48x32", "--frames", "0:6", "--threads", 3)
+
     def test_statistics(self):
         self.works("render", self.make_volute(), "-o", self.path("x.png"), "--size", "8x8", "--stats", self.path("s.json"),
                    "--measured")

@@ -13,6 +13,7 @@
 
 #include "volute/base/cancel_only.hpp"
 #include "volute/base/gather_values.hpp"
+#include "volute/base/parallel.hpp"
 #include "volute/base/process_usage.hpp"
 #include "volute/image/picture_tiles.hpp"
 
@@ -231,21 +232,27 @@ Result<Image> FilmJob::picture(const FilmFrame& frame, Progress& progress) {
   }
 }
 
+Result<Snapshot> FilmJob::snapshotAt(const FilmFrame& frame, Progress& progress) {
+  const Stopwatch watch(totals.snapshots);
+  VOLUTE_ASSIGN(auto snapshot, scene.at({.time = frame.time,
+                                         .lit = options.aov == Aov::kNone && !contour,
+                                         .tree = tree,
+                                         .eye = seenFrom(camera)},
+                                        progress));
+  snapshot.background = options.background;
+  return snapshot;
+}
+
 Result<Image> FilmJob::pictureAt(const FilmFrame& frame, Progress& progress) {
-  Result<Snapshot> snapshot = [&] {
-    const Stopwatch watch(totals.snapshots);
-    return scene.at({.time = frame.time,
-                     .lit = options.aov == Aov::kNone && !contour,
-                     .tree = tree,
-                     .eye = seenFrom(camera)},
-                    progress);
-  }();
-  VOLUTE_TRY(snapshot);
-  snapshot->background = options.background;
+  VOLUTE_ASSIGN(const Snapshot snapshot, snapshotAt(frame, progress));
+  return drawn(snapshot, frame, progress);
+}
+
+Result<Image> FilmJob::drawn(const Snapshot& snapshot, const FilmFrame& frame, Progress& progress) {
   PictureCounts counts;
   Result<Image> image = [&] {
     const Stopwatch watch(totals.render);
-    return pictureOf(*snapshot, cameraAt(frame), progress, counts);
+    return pictureOf(snapshot, cameraAt(frame), progress, counts);
   }();
   VOLUTE_TRY(image);
   PictureCounts& sum = totals.counts;
@@ -255,7 +262,7 @@ Result<Image> FilmJob::pictureAt(const FilmFrame& frame, Progress& progress) {
   sum.render.rays += counts.render.rays;
   sum.render.segments += counts.render.segments;
   sum.render.pieces += counts.render.pieces;
-  for (const auto& medium : snapshot->media) addCounts(totals.media, medium->counts());
+  for (const auto& medium : snapshot.media) addCounts(totals.media, medium->counts());
   ++totals.pictures;
   return image;
 }
@@ -316,10 +323,22 @@ OrderedJson FilmJob::stats() const {
                               {"slices", totals.snapshots},
                               {"render", totals.render},
                               {"surfaces", totals.counts.surfaceMilliseconds},
+                              {"convert", totals.convert},
                               {"write", totals.write}}},
                             {"peak_memory_bytes", peakMemoryBytes()}};
   json.update(media);
   json.update(last);
+  if (totals.wall > 0) {
+    // Stages run at once: their sum may be more than the time on the wall.
+    const double all = totals.snapshots + totals.render + totals.write;
+    json["stages"] = {{"read", totals.snapshots / all},
+                      {"draw", totals.render / all},
+                      {"convert", totals.convert / all},
+                      {"encode", (totals.write - totals.convert) / all}};
+    json["cores"] = {{"threads", threadCount()},
+                     {"busy", totals.cpu / totals.wall / threadCount()},
+                     {"wall_milliseconds", totals.wall}};
+  }
   if (shutter > 0) {
     json["shutter"] = {
         {"seconds", shutter}, {"instants", totals.shutterInstants}, {"error", totals.shutterError}};

@@ -79,9 +79,9 @@ class ImageFileWriter final : public PictureWriter {
   Status write(const Image& image, int frameNumber, const PictureText& text) override {
     const auto path =
         pattern_ ? pattern_->format(frameNumber, scale_) : std::filesystem::path(target_);
-    return writeImage(path,
-                      extensionOf(target_) == ".exr" ? image : developed(image, development_, text),
-                      text.notes);
+    if (extensionOf(target_) == ".exr")
+      return writeImage(path, image, text.notes);
+    return writeImage(path, visible(image, development_, text), text.notes);
   }
 
   Status writeLayers(int width, int height, const std::vector<ImageChannel>& channels,
@@ -121,7 +121,7 @@ class FilmPictures final : public PictureWriter {
   }
 
   Status write(const Image& image, int, const PictureText& text) override {
-    return film_->addFrame(developed(image, development_, text));
+    return film_->addFrame(visible(image, development_, text));
   }
 
   Status writeLayers(int, int, const std::vector<ImageChannel>&, int, const PictureText&) override {

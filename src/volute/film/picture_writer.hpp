@@ -9,6 +9,7 @@
 
 #include "volute/base/frame_name.hpp"
 #include "volute/base/result.hpp"
+#include "volute/base/stopwatch.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/image.hpp"
 #include "volute/image/legend.hpp"
@@ -61,6 +62,18 @@ class PictureWriter {
   [[nodiscard]] virtual Status writeFrame(const FramePixels& frame, int frameNumber) = 0;
   /// After the last picture.
   [[nodiscard]] virtual Status finish() = 0;
+
+  /// Milliseconds that went into making linear pictures visible.
+  double converted() const { return converted_; }
+
+ protected:
+  Image visible(const Image& image, const Development& development, const PictureText& text) {
+    const Stopwatch watch(converted_);
+    return developed(image, development, text);
+  }
+
+ private:
+  double converted_ = 0;
 };
 
 /// Files .png or .exr, one a picture: a pattern with the frame's number, or a plain name for a

@@ -6,12 +6,16 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "volute/base/cancel_only.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/base/ordered_delivery.hpp"
+#include "volute/base/parallel.hpp"
+#include "volute/base/process_usage.hpp"
+#include "volute/base/worker.hpp"
 #include "volute/image/picture_style.hpp"
 
 namespace volute {
@@ -128,6 +132,33 @@ std::int64_t framesAUnit(std::int64_t count, int ranks) {
   return ranks > 1 && count >= kRow * kUnitsARank * ranks ? kRow : 1;
 }
 
+/// Passes on what stages say that run at once.
+class StagedProgress final : public Progress {
+ public:
+  explicit StagedProgress(Progress& outer) : outer_(outer) {}
+
+  void report(std::string_view stage, double done, double total) override {
+    const std::lock_guard lock(guard_);
+    outer_.report(stage, done, total);
+  }
+
+  void detail(std::string_view text) override {
+    const std::lock_guard lock(guard_);
+    outer_.detail(text);
+  }
+
+  void remark(const Remark& remark) override {
+    const std::lock_guard lock(guard_);
+    outer_.remark(remark);
+  }
+
+  bool cancelled() const override { return outer_.cancelled(); }
+
+ private:
+  Progress& outer_;
+  std::mutex guard_;
+};
+
 /// The pictures of a job on their way into a file or files.
 class FilmPass {
  public:
@@ -136,14 +167,30 @@ class FilmPass {
       : job_(job),
         target_(target),
         development_(development),
+        maxMemory_(maxMemory),
         progress_(progress),
-        steps_(progress),
+        steps_(progress_),
         team_(team),
         count_(static_cast<std::int64_t>(job.frames.size())),
         film_(team, count_, maximumPending(job.camera, maxMemory),
               [this](std::int64_t i, const auto& bytes) { return write(i, imageOf(bytes)); }) {}
 
   Status run() {
+    const auto begin = Clock::now();
+    const double cpu = cpuSeconds();
+    const Status done = write();
+    FilmTotals& totals = job_.totals;
+    totals.wall += std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+    totals.cpu += 1e3 * (cpuSeconds() - cpu);
+    if (writer_)
+      totals.convert += writer_->converted();
+    return done;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  Status write() {
     if (count_ > 1)
       remarkOnPictures(job_, target_, progress_);
     VOLUTE_TRY(settleExposure());
@@ -155,13 +202,15 @@ class FilmPass {
       return drawTogether();
     const std::int64_t group = isFilmPath(target_) ? 1 : framesAUnit(count_, team_.size());
     VOLUTE_TRY(team_.forUnits(
-        "rendering", (count_ + group - 1) / group, count_ > 1 ? progress_ : steps_,
+        "rendering", (count_ + group - 1) / group,
+        count_ > 1 ? static_cast<Progress&>(progress_) : steps_,
         [&](std::int64_t unit) -> Status {
           for (std::int64_t i = unit * group; i < std::min(count_, (unit + 1) * group); ++i)
             VOLUTE_TRY(take(i));
           return {};
         },
-        [&] { return isFilmPath(target_) ? film_.finish() : Status(); }));
+        [&] { return isFilmPath(target_) && !staged() ? film_.finish() : Status(); }));
+    VOLUTE_TRY(writing_.finish());
     {
       const Stopwatch watch(job_.totals.write);
       VOLUTE_TRY(writer_ ? writer_->finish() : Status());
@@ -173,8 +222,47 @@ class FilmPass {
                 100 * job_.drawnShare);
   }
 
- private:
-  using Clock = std::chrono::steady_clock;
+  /// Pictures of one process go through stages at once: one is read and decoded, another drawn, and
+  /// one before converted and encoded. What a shutter or layers need is read as it is drawn.
+  bool staged() const {
+    return team_.size() == 1 && count_ > 1 && threadCount() > 1 && job_.layers.empty() &&
+           !job_.together && !(job_.shutter > 0);
+  }
+
+  /// What is at a frame's time; the next one is read meanwhile.
+  Result<Snapshot> snapshotOf(std::int64_t i) {
+    VOLUTE_TRY(reading_.finish());
+    if (ahead_ != i)
+      return job_.snapshotAt(frame(i), each());
+    ahead_ = -1;
+    return std::move(next_);
+  }
+
+  Status readAhead(std::int64_t i, const Snapshot& now) {
+    constexpr std::uint64_t kShare = 4;  // of the memory, for what is read ahead
+    std::uint64_t bytes = 0;
+    for (const auto& medium : now.media) bytes += medium->memoryBytes();
+    if (i >= count_ || bytes > maxMemory_ / kShare)
+      return {};
+    ahead_ = i;
+    return reading_.give([this, i]() -> Status {
+      VOLUTE_ASSIGN(next_, job_.snapshotAt(frame(i), each()));
+      return {};
+    });
+  }
+
+  Status takeInStages(std::int64_t i) {
+    VOLUTE_ASSIGN(const Snapshot snapshot, snapshotOf(i));
+    auto text = job_.textOf(frame(i));  // while the scene is at that time
+    VOLUTE_TRY(readAhead(i + 1, snapshot));
+    VOLUTE_ASSIGN(auto image, job_.drawn(snapshot, frame(i), each()));
+    sayDuration();
+    return writing_.give(
+        [this, i, image = std::make_shared<const Image>(std::move(image)), text = std::move(text)] {
+          const Stopwatch watch(job_.totals.write);
+          return writer_->write(*image, frame(i).number, text);
+        });
+  }
 
   /// Rank 0 writes.
   Status drawTogether() {
@@ -231,6 +319,8 @@ class FilmPass {
       return fail(ErrorCode::kCancelled, "stopped before frame {}", frame(i).number);
     if (!job_.layers.empty())
       return writeLayers(i);
+    if (staged())
+      return takeInStages(i);
     VOLUTE_ASSIGN(const Image image, job_.picture(frame(i), each()));
     sayDuration();
     return give(i, image);
@@ -255,7 +345,8 @@ class FilmPass {
   FilmJob& job_;
   const std::string& target_;
   Development& development_;
-  Progress& progress_;
+  std::uint64_t maxMemory_;
+  StagedProgress progress_;
   CancelOnly steps_;
   Team& team_;
   std::int64_t count_;
@@ -263,6 +354,9 @@ class FilmPass {
   std::unique_ptr<PictureWriter> writer_;
   Clock::time_point begun_ = Clock::now();
   bool said_ = false;
+  Result<Snapshot> next_;           ///< of frame ahead_, once reading_ has finished
+  std::int64_t ahead_ = -1;         ///< none
+  Worker reading_{1}, writing_{2};  ///< last: they use the others
 };
 
 /// Adds what is counted and timed; what a scene has is the same on all ranks.

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/base/worker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <vector>
+
+namespace volute {
+namespace {
+
+TEST(Worker, DoesAllInOrderAndLetsFewWait) {
+  std::vector<int> done;
+  std::atomic<int> waiting{0}, most{0};
+  Worker worker(2);
+  ASSERT_TRUE(worker.finish());  // nothing to do
+  for (int i = 0; i < 50; ++i) {
+    ASSERT_TRUE(worker.give([&, i] {
+      done.push_back(i);
+      --waiting;
+      return Status();
+    }));
+    const int now = ++waiting;
+    most = std::max(most.load(), now);
+  }
+  ASSERT_TRUE(worker.finish());
+  ASSERT_EQ(done.size(), 50U);
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(done[static_cast<std::size_t>(i)], i);
+  EXPECT_LE(most, 4);  // two wait, one is done, one was just taken
+}
+
+TEST(Worker, AnErrorEndsIt) {
+  int after = 0;
+  Worker worker(1);
+  ASSERT_TRUE(worker.give([] { return fail(ErrorCode::kIo, "the disk is full"); }));
+  Status said;
+  for (int i = 0; i < 20 && said; ++i) {
+    said = worker.give([&] {
+      ++after;
+      return Status();
+    });
+  }
+  ASSERT_FALSE(worker.finish());
+  EXPECT_EQ(worker.finish().error().message, "the disk is full");
+  EXPECT_EQ(after, 0);
+}
+
+TEST(Worker, WhatHasNotBegunIsLeftUndone) {
+  std::atomic<int> done{0};
+  {
+    Worker worker(100);
+    for (int i = 0; i < 100; ++i) {
+      ASSERT_TRUE(worker.give([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        ++done;
+        return Status();
+      }));
+    }
+  }
+  EXPECT_LT(done, 100);
+}
+
+}  // namespace
+}  // namespace volute
