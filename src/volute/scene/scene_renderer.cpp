@@ -354,7 +354,12 @@ Result<Image> CpuRenderer::opticalDepth(const View& view, const RenderOptions& o
 Status CpuRenderer::addSigns(const View& view, std::span<const SignPixel> seen,
                              const RenderOptions& options, Progress& progress, Image& image) {
   RenderStats ofSigns;
-  VOLUTE_ASSIGN(const auto depth, opticalDepth(view, options, progress, ofSigns));
+  std::vector<std::uint8_t> only(image.pixels.size() / 3, 0);
+  for (const SignPixel& sign : seen) only[static_cast<std::size_t>(sign.pixel)] = 1;
+  View beforeSigns = view;
+  RenderOptions own = options;
+  beforeSigns.only = own.only = only;
+  VOLUTE_ASSIGN(const auto depth, opticalDepth(beforeSigns, own, progress, ofSigns));
   volute::addSigns(seen, view.snapshot.signs, depth, view.snapshot.law, image);
   return {};
 }

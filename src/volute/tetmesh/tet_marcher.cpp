@@ -297,6 +297,14 @@ void TetMarcher::setSource(std::span<const float> source) {
 
 void TetMarcher::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<float> depth) {
   const TetMedium twin(state_->locator, state_->extinction);
+  // Where something is in the eye there is nothing to march, and whole tiles are left out.
+  std::vector<std::uint8_t> far;
+  if (std::ranges::find(opaque, 0.0F) != opaque.end()) {
+    far.resize(opaque.size());
+    std::ranges::transform(opaque, far.begin(), [](float end) { return end > 0 ? 1 : 0; });
+    std::ranges::fill(depth, 0.0F);
+  }
+  state_->only = far;
   state_->picture(
       camera, opaque, false,
       [&](std::int32_t pixel, const MarchResult& result) { depth[pixel] = result.depth; },
@@ -305,6 +313,7 @@ void TetMarcher::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::spa
         twin.opticalDepth({&ray, 1}, {&exact, 1});
         depth[pixel] = static_cast<float>(exact);
       });
+  state_->only = {};
 }
 
 void TetMarcher::litColor(const Camera& camera, OpaqueDepth opaque, std::span<float> rgbt,
