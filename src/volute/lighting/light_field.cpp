@@ -38,7 +38,7 @@ struct Place {
 
 /// A medium may be smaller than a cell. In it and in its shadow at least, and at most, as many
 /// cells go across it.
-constexpr double kCellsAcross = 12, kMaxAcross = 192;
+constexpr double kCellsAcross = 12, kMaxAcross = 64;
 
 /// Of a sun: from a point to a place in roots.
 struct SunSpace {

@@ -17,6 +17,7 @@ namespace {
 constexpr double kEvenly = 1 / (4 * std::numbers::pi);
 constexpr double kLightTolerance = 2e-4;
 constexpr int kMaxCuts = 12;
+constexpr double kCellShare = 0.5;  ///< of a field's cell: no cuts of less
 constexpr int kLitTerms = 8;  ///< of a piece's light: more cost more than the cuts that they save
 constexpr double kGoneEfolds = 30;  ///< e-folds after which nothing is left
 constexpr int kMaxSteps = 4096;
@@ -138,8 +139,8 @@ class LitMedium::Ray {
 LitMedium::LitMedium(AnyMedium medium, std::vector<LightField> fields, Options options)
     : medium_(std::move(medium)), fields_(std::move(fields)), options_(std::move(options)) {}
 
-Rgb LitMedium::source(const Ray& ray, const Vec3& point) const {
-  Rgb sum = Rgb::Zero();
+LitMedium::Source LitMedium::source(const Ray& ray, const Vec3& point) const {
+  Source sum;
   for (std::size_t i = 0; i < fields_.size(); ++i) {
     if (!ray.reached(i))
       continue;
@@ -153,10 +154,15 @@ Rgb LitMedium::source(const Ray& ray, const Vec3& point) const {
                            : kEvenly;
     }
     const Rgb arriving = lamp.irradiance(point);
-    if ((arriving > 0).any())
-      sum += fields_[i].at(point).share * phase * arriving;
+    if (!(arriving > 0).any())
+      continue;
+    const LightField::Sample sample = fields_[i].at(point);
+    sum.light += sample.share * phase * arriving;
+    if (sample.cell > 0)
+      sum.cell = sum.cell > 0 ? std::min(sum.cell, sample.cell) : sample.cell;
   }
-  return options_.scattering.albedo * sum;
+  sum.light *= options_.scattering.albedo;
+  return sum;
 }
 
 double LitMedium::evenFor(const Vec3& point) const {
@@ -180,18 +186,20 @@ void LitMedium::cut(const Ray& ray, const Piece& piece, int cuts, std::vector<Pi
     return source(ray, ray.segment().at(piece.begin + share * length));
   };
   const int room = kLitTerms - piece.extinction.terms();  // degrees that may be added
-  const Rgb first = at(0), middle = at(0.5), last = at(1);
+  const Source centre = at(0.5);
+  const Rgb first = at(0).light, middle = centre.light, last = at(1).light;
   // The light as a + b x + c x^2 with x from 0 to 1.
   const Rgb c = room >= 2 ? Rgb(2 * (first + last - 2 * middle)) : Rgb(Rgb::Zero());
   const Rgb a = room >= 1 ? first : middle;
   const Rgb b = room >= 1 ? Rgb(last - first - c) : Rgb(Rgb::Zero());
   double error = 0;
   for (const double x : {0.25, 0.75}) {
-    const Rgb there = at(x);
+    const Rgb there = at(x).light;
     error = std::max(error, (a + b * x + c * x * x - there).abs().maxCoeff() -
                                 kLightTolerance * there.maxCoeff());
   }
-  if (error > 0 && cuts < kMaxCuts) {
+  // Between the nodes of a field the light has edges that it only has there.
+  if (error > 0 && cuts < kMaxCuts && !(length < kCellShare * centre.cell)) {
     const double half = piece.begin + 0.5 * length;
     cut(ray, clipped(piece, piece.begin, half), cuts + 1, out);
     cut(ray, clipped(piece, half, piece.end), cuts + 1, out);

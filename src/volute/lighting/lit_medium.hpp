@@ -50,7 +50,8 @@ class LitMedium {
   }
 
   /// Those of the medium, cut until a parabola through the light at begin, middle and end of each
-  /// is within 2e-4 of it (relative to the brightest) halfway between, or they were cut 12 times.
+  /// is within 2e-4 of it (relative to the brightest) halfway between, or they were cut 12 times or
+  /// are shorter than half a cell of a field.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
   /// By the medium's own fast path in steps, and the light at the middle of each, or of its parts
@@ -63,7 +64,14 @@ class LitMedium {
 
  private:
   class Ray;
-  Rgb source(const Ray& ray, const Vec3& point) const;
+
+  /// What is scattered towards the eye, of extinction 1.
+  struct Source {
+    Rgb light = Rgb::Zero();
+    double cell = 0;  ///< LightField::Sample::cell, the least of all lamps
+  };
+
+  Source source(const Ray& ray, const Vec3& point) const;
   double evenFor(const Vec3& point) const;
   void add(Ray& ray, const Segment& step, const Radiance& own, Radiance& sum) const;
   void cut(const Ray& ray, const Piece& piece, int cuts, std::vector<Piece>& out) const;
