@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -95,7 +96,7 @@ void readTilesPage(ByteReader& in) {
   require(!tiles || tiles->size() == static_cast<std::size_t>(40 - 16 * page.firstRow));
 }
 
-// Finite values within the range, or an error; the same twice.
+// Finite values within the range, or an error; the same twice, and of one frame as of all.
 void readBlock(std::uint32_t codec, ByteReader& in) {
   const unsigned flags = in.u8();
   BlockShape shape;
@@ -126,6 +127,18 @@ void readBlock(std::uint32_t codec, ByteReader& in) {
   require(states.size() == shape.voxels());
   require(std::ranges::all_of(values, [](float value) { return std::isfinite(value); }));
   require(std::ranges::equal(values, again));
+  const int frame = static_cast<int>(flags >> 4) % shape.extents[0];
+  require((*decoder)->decode(tiers, levels, shape, again, nullptr, {frame, frame + 1}).has_value());
+  const std::size_t size = values.size() / static_cast<std::size_t>(shape.extents[0]);
+  const std::size_t begin = static_cast<std::size_t>(frame) * size;
+  require(std::ranges::equal(std::span(values).subspan(begin, size),
+                             std::span(again).subspan(begin, size)));
+  const std::array<float, 3> means{0.25f, -0.5f, 1.5f};
+  require((*decoder)
+              ->decode(tiers, levels, shape, again, nullptr, {},
+                       std::span(means).first(static_cast<std::size_t>(shape.channels)))
+              .has_value());
+  require(std::ranges::all_of(again, [](float value) { return std::isfinite(value); }));
 }
 
 }  // namespace

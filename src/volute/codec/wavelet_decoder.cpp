@@ -384,7 +384,7 @@ void fillUnknown(std::span<float> values, std::span<const std::uint8_t> support,
   constexpr float kKnown = 0.5f;
   const AxisLevels halvings = blockLevels(shape.extents, mode.timeLevels);
   const BlockGrid::Index4& e = shape.extents;
-  const int dropped = shape.levels() - levels;
+  const int dropped = std::min(shape.levels() - levels, 4);
   const auto channels = static_cast<std::size_t>(shape.channels);
   std::vector<float> weights(support.begin(), support.end());
   shapeForward(weights, support, e, mode.wavelet, halvings);
