@@ -57,6 +57,7 @@ struct BenchInput {
   std::string grid{};   ///< of the truth's files; empty: the only one
   bool quick = false;   ///< fewer measurements, where there are many
   bool whole = false;   ///< smoke: errors of every pixel instead of times
+  std::string peers{};  ///< codec: a folder with sources of peers; empty: none
 };
 
 /// A set of measurements that belong together. Figures of one run are compared with each other,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// `volute bench codec`: .volute files against files of the peers that Debian has, at equal error.
-// Sizes are those of files on disk, errors those of what was decoded from them.
+// `volute bench codec`: .volute files against files of the peers that Debian has, and of those
+// whose sources are given, at equal error. Sizes are those of files on disk, errors those of what
+// was decoded from them.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -22,12 +23,13 @@ constexpr std::size_t kVolute = 0, kBaseline = 1;  ///< places in fileCodecs(); 
 
 /// A codec that this build has, and its files at the present target.
 struct Rival {
-  std::size_t place = 0;  ///< in fileCodecs()
+  std::size_t place = 0;  ///< in fileCodecs(), or behind them
+  std::string called;
   std::unique_ptr<FileCodec> codec;
   CodedFiles files;
   double seconds = 0;  ///< of what was timed last, with one thread
 
-  std::string_view name() const { return fileCodecs()[place].name; }
+  std::string_view name() const { return called; }
 
   bool hasTarget() const { return codec->setting() != FileCodec::Setting::kNone; }
 };
@@ -69,14 +71,23 @@ class Table {
   BenchRows& rows_;
 };
 
-std::vector<Rival> rivals(Table& table) {
+/// @param peers  a folder with sources of some; empty: none
+std::vector<Rival> rivals(Table& table, const std::string& peers, const ScratchFolder& scratch) {
   std::vector<Rival> list;
   for (std::size_t place = 0; place < fileCodecs().size(); ++place) {
     auto made = fileCodecs()[place].make();
     if (made)
-      list.push_back({place, std::move(*made), {}, 0});
+      list.push_back({place, std::string(fileCodecs()[place].name), std::move(*made), {}, 0});
     else
       table.addMissing(fileCodecs()[place].name, made.error());
+  }
+  for (std::size_t i = 0; i < sourceCodecs().size() && !peers.empty(); ++i) {
+    const SourceCodecEntry& entry = sourceCodecs()[i];
+    auto made = makeSourceCodec(entry, peers, scratch.path());
+    if (made)
+      list.push_back({fileCodecs().size() + i, std::string(entry.name), std::move(*made), {}, 0});
+    else
+      table.addMissing(entry.name, made.error());
   }
   return list;
 }
@@ -150,6 +161,53 @@ Status timeDecoding(Table& table, std::span<Rival> list, const Sequence& sequenc
   return {};
 }
 
+/// One frame, and a cube of 16^3 voxels through all of them: what reading less costs.
+Status timeParts(Table& table, std::span<Rival> list, const Sequence& sequence, double target,
+                 Progress& progress) {
+  const VolumeInfo& info = sequence.info;
+  const auto middle = [](int size, int wanted) {
+    const int first = std::max(0, (size - wanted) / 2);
+    return std::pair(first, std::min(size, first + wanted));
+  };
+  const auto [frame, frameEnd] = middle(info.frames, 1);
+  const auto [z, zEnd] = middle(info.z, 16);
+  const auto [y, yEnd] = middle(info.y, 16);
+  const auto [x, xEnd] = middle(info.x, 16);
+  const std::array<std::pair<std::string_view, Part>, 2> parts{
+      {{"one frame", {{frame, 0, 0, 0}, {frameEnd, info.z, info.y, info.x}}},
+       {"one region", {{0, z, y, x}, {info.frames, zEnd, yEnd, xEnd}}}}};
+  for (const auto& [figure, part] : parts) {
+    progress.report(fmt::format("{} at {}: timing {}", table.data(), target, figure), 0, 0);
+    std::vector<Contestant> race;
+    for (Rival& rival : list)
+      race.push_back({rival.codec.get(), rival.files.folder, /*threads=*/1});
+    VOLUTE_TRY(raceDecoding(info, race, progress, part));
+    double baseline = 0;
+    for (std::size_t i = 0; i < list.size(); ++i)
+      baseline = list[i].place == kBaseline ? race[i].seconds : baseline;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      table.add(figure, target, list[i].name(), 1000 * race[i].seconds, "ms",
+                baseline > 0 ? std::optional(baseline / race[i].seconds) : std::nullopt);
+    }
+  }
+  return {};
+}
+
+Status addMemory(Table& table, std::span<const Rival> list, const Sequence& sequence, double target,
+                 const ScratchFolder& scratch, Progress& progress) {
+  for (const Rival& rival : list) {
+    if (progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped before the memory of {}", rival.name());
+    VOLUTE_ASSIGN(const Memory memory,
+                  memoryOf(*rival.codec, sequence, rival.files, scratch.path() / "memory"));
+    table.add("memory of encoding", target, rival.name(), memory.encoding, "MiB", std::nullopt,
+              "beside the values");
+    table.add("memory of decoding", target, rival.name(), memory.decoding, "MiB", std::nullopt,
+              "beside the values");
+  }
+  return {};
+}
+
 /// One thread was timed when the files were made; here Volute takes all.
 Status timeEncoding(Table& table, std::span<Rival> list, const Sequence& sequence, double target,
                     Progress& progress) {
@@ -167,7 +225,8 @@ Status timeEncoding(Table& table, std::span<Rival> list, const Sequence& sequenc
   return {};
 }
 
-Status benchOne(const NamedSequence& named, Progress& progress, BenchRows& rows) {
+Status benchOne(const NamedSequence& named, const std::string& peers, Progress& progress,
+                BenchRows& rows) {
   const Sequence& sequence = named.sequence;
   const auto [low, high] = std::ranges::minmax(sequence.values);
   if (!(high > low)) {
@@ -177,13 +236,16 @@ Status benchOne(const NamedSequence& named, Progress& progress, BenchRows& rows)
   }
   VOLUTE_ASSIGN(const auto scratch, ScratchFolder::create());
   Table table(named.name, rows);
-  std::vector<Rival> list = rivals(table);
+  std::vector<Rival> list = rivals(table, peers, scratch);
   for (const double target : kTargets) {
     VOLUTE_TRY(encodeAll(list, sequence, target, scratch, named.name, progress));
     addSizes(table, list, target, static_cast<double>(sequence.info.rawBytes()));
     VOLUTE_TRY(timeDecoding(table, list, sequence, target, progress));
-    if (target == kFullTarget)
-      VOLUTE_TRY(timeEncoding(table, list, sequence, target, progress));
+    if (target != kFullTarget)
+      continue;
+    VOLUTE_TRY(timeParts(table, list, sequence, target, progress));
+    VOLUTE_TRY(addMemory(table, list, sequence, target, scratch, progress));
+    VOLUTE_TRY(timeEncoding(table, list, sequence, target, progress));
   }
   return {};
 }
@@ -192,7 +254,8 @@ Status benchOne(const NamedSequence& named, Progress& progress, BenchRows& rows)
 
 Status benchCodec(const BenchInput& input, BenchRows& rows, Progress& progress) {
   VOLUTE_ASSIGN(const auto sequences, benchSequences(input, progress, kSize));
-  for (const NamedSequence& named : sequences) VOLUTE_TRY(benchOne(named, progress, rows));
+  for (const NamedSequence& named : sequences)
+    VOLUTE_TRY(benchOne(named, input.peers, progress, rows));
   return {};
 }
 

@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "bench/own_process.hpp"
 #include "bench/timing.hpp"
 #include "bench/tolerance_search.hpp"
 #include "volute/base/parallel.hpp"
@@ -89,10 +90,16 @@ Result<CodedFiles> encodeWithin(const FileCodec& codec, const Sequence& sequence
 }
 
 Status raceDecoding(const VolumeInfo& info, std::span<Contestant> contestants,
-                    const Progress& progress) {
+                    const Progress& progress, const std::optional<Part>& part) {
   constexpr int kRounds = 5;
   constexpr std::chrono::milliseconds kTurn{50};  // at least: small volumes are decoded repeatedly
-  std::vector<float> values(info.values());
+  std::size_t count = info.values();
+  if (part) {
+    count = static_cast<std::size_t>(info.channels);
+    for (std::size_t axis = 0; axis < 4; ++axis)
+      count *= static_cast<std::size_t>(part->end[axis] - part->begin[axis]);
+  }
+  std::vector<float> values(count);
   for (Contestant& one : contestants) one.seconds = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kRounds; ++round) {
     for (Contestant& one : contestants) {
@@ -102,12 +109,35 @@ Status raceDecoding(const VolumeInfo& info, std::span<Contestant> contestants,
         if (progress.cancelled())
           return fail(ErrorCode::kCancelled, "stopped while decoding was timed");
         const Stopwatch watch(one.threads);
-        VOLUTE_TRY(one.codec->decode(info, one.folder, values));
+        VOLUTE_TRY(part ? one.codec->decodePart(info, one.folder, part->begin, part->end, values)
+                        : one.codec->decode(info, one.folder, values));
         one.seconds = std::min(one.seconds, watch.seconds());
       } while (Clock::now() - turn < kTurn);
     }
   }
   return {};
+}
+
+Result<Memory> memoryOf(const FileCodec& codec, const Sequence& sequence, const CodedFiles& files,
+                        const fs::path& scratch) {
+  std::error_code error;
+  fs::create_directories(scratch, error);
+  if (error)
+    return fail(ErrorCode::kIo, "{}: cannot create: {}", scratch.string(), error.message());
+  const double setting = files.setting;
+  VOLUTE_ASSIGN(const Outcome encoding, measured([&]() -> Result<double> {
+                  const ThreadLimit limit(1);
+                  VOLUTE_TRY(codec.encode(sequence, setting, scratch));
+                  return 0.0;
+                }));
+  std::vector<float> values(sequence.values.size(), 1.0f);
+  VOLUTE_ASSIGN(const Outcome decoding, measured([&]() -> Result<double> {
+                  const ThreadLimit limit(1);
+                  VOLUTE_TRY(codec.decode(sequence.info, files.folder, values));
+                  return 0.0;
+                }));
+  fs::remove_all(scratch, error);
+  return Memory{encoding.growth, decoding.growth};
 }
 
 }  // namespace volute::bench

@@ -35,8 +35,25 @@ struct Contestant {
   double seconds = 0;  ///< filled in: the fastest of all rounds; of CPU time for one thread
 };
 
+/// Frames and voxels [begin, end) on the axes t, z, y, x.
+struct Part {
+  BlockGrid::Index4 begin{}, end{};
+};
+
 /// Contestants take turns, so that whatever else this machine does disturbs them alike.
+/// @param part  what of the sequence is decoded; all without it
 [[nodiscard]] Status raceDecoding(const VolumeInfo& info, std::span<Contestant> contestants,
-                                  const Progress& progress);
+                                  const Progress& progress,
+                                  const std::optional<Part>& part = std::nullopt);
+
+/// What encoding and decoding hold at most beside the values themselves [MiB]. Each in a process of
+/// its own.
+struct Memory {
+  double encoding = 0, decoding = 0;
+};
+
+[[nodiscard]] Result<Memory> memoryOf(const FileCodec& codec, const Sequence& sequence,
+                                      const CodedFiles& files,
+                                      const std::filesystem::path& scratch);
 
 }  // namespace volute::bench

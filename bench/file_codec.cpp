@@ -33,6 +33,13 @@ class VoluteCodec final : public FileCodec {
     return {};
   }
 
+  Status decodePart(const VolumeInfo&, const std::filesystem::path& folder,
+                    const BlockGrid::Index4& begin, const BlockGrid::Index4& end,
+                    std::span<float> values) const override {
+    VOLUTE_ASSIGN(const auto reader, VoluteReader::open(file(folder)));
+    return reader.readBox(begin, end, values);
+  }
+
  private:
   static std::filesystem::path file(const std::filesystem::path& folder) {
     return folder / "sequence.volute";
@@ -40,6 +47,29 @@ class VoluteCodec final : public FileCodec {
 };
 
 }  // namespace
+
+void copyPart(const VolumeInfo& info, std::span<const float> frames, int first,
+              const BlockGrid::Index4& begin, const BlockGrid::Index4& end,
+              std::span<float> values) {
+  const auto channels = static_cast<std::size_t>(info.channels);
+  const auto line = static_cast<std::size_t>(end[3] - begin[3]) * channels;
+  float* to = values.data();
+  for (int t = begin[0]; t < end[0]; ++t)
+    for (int z = begin[1]; z < end[1]; ++z)
+      for (int y = begin[2]; y < end[2]; ++y, to += line) {
+        const std::size_t row = (static_cast<std::size_t>(t - first) * info.z + z) * info.y + y;
+        std::copy_n(&frames[(row * info.x + begin[3]) * channels], line, to);
+      }
+}
+
+Status FileCodec::decodePart(const VolumeInfo& info, const std::filesystem::path& folder,
+                             const BlockGrid::Index4& begin, const BlockGrid::Index4& end,
+                             std::span<float> values) const {
+  std::vector<float> all(info.values());
+  VOLUTE_TRY(decode(info, folder, all));
+  copyPart(info, all, 0, begin, end, values);
+  return {};
+}
 
 MadeCodec makeVoluteCodec() {
   return std::make_unique<VoluteCodec>();

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "volute/base/result.hpp"
+#include "volute/codec/block_grid.hpp"
 #include "volute/grid/sequence.hpp"
 
 namespace volute::bench {
@@ -35,7 +36,20 @@ class FileCodec {
   /// Fills `values`, shape (t, z, y, x, c), from the files in `folder`.
   [[nodiscard]] virtual Status decode(const VolumeInfo& info, const std::filesystem::path& folder,
                                       std::span<float> values) const = 0;
+
+  /// Fills `values` with [begin, end) on the axes t, z, y, x. As it is here: of all that is
+  /// decoded, for a codec that knows no less.
+  [[nodiscard]] virtual Status decodePart(const VolumeInfo& info,
+                                          const std::filesystem::path& folder,
+                                          const BlockGrid::Index4& begin,
+                                          const BlockGrid::Index4& end,
+                                          std::span<float> values) const;
 };
+
+/// Of frames first <= t < end of all values, shape (t, z, y, x, c), what lies in [begin, end).
+void copyPart(const VolumeInfo& info, std::span<const float> frames, int first,
+              const BlockGrid::Index4& begin, const BlockGrid::Index4& end,
+              std::span<float> values);
 
 using MadeCodec = Result<std::unique_ptr<FileCodec>>;
 
@@ -43,6 +57,23 @@ struct FileCodecEntry {
   std::string_view name;
   MadeCodec (*make)();  ///< kUnsupported when this build lacks the library
 };
+
+/// A peer whose sources are in a folder.
+struct SourceCodecEntry {
+  std::string_view name;   ///< and that of the folder
+  std::string_view build;  ///< arguments for the compiler, which runs in that folder
+  bool byFrames = false;   ///< it takes three axes at most
+};
+
+std::span<const SourceCodecEntry> sourceCodecs();
+
+/// Builds it with the system's compiler. kUnsupported, with what the compiler said, where that
+/// fails.
+/// @param sources  the folder that has the peer's
+/// @param scratch  where the library is put
+[[nodiscard]] MadeCodec makeSourceCodec(const SourceCodecEntry& entry,
+                                        const std::filesystem::path& sources,
+                                        const std::filesystem::path& scratch);
 
 /// Volute first, then its peers.
 std::span<const FileCodecEntry> fileCodecs();

@@ -7,15 +7,13 @@
 #include <nanovdb/util/GridBuilder.h>
 #include <nanovdb/util/IO.h>
 #include <nanovdb/util/NodeManager.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <functional>
 #include <limits>
 
 #include "bench/benchmark.hpp"
+#include "bench/own_process.hpp"
 #include "bench/scratch.hpp"
 #include "bench/tolerance_search.hpp"
 #include "volute/codec/compress.hpp"
@@ -33,60 +31,6 @@ namespace fs = std::filesystem;
 using Visit = std::function<Status(int frame, const Bricks& bricks)>;
 
 constexpr int kPuffSize = 256, kQuickPuffs = 128, kPuffFrames = 4;
-
-/// What a step took and came to. Crosses from its process as bytes.
-struct Outcome {
-  double seconds = 0;      ///< of CPU
-  double megabytes = 0;    ///< that it held at most
-  double value = 0;        ///< what the step found out
-  char problem[500] = {};  ///< empty: none
-};
-
-double ownCpuTime() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-double ownMegabytes() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
-}
-
-/// Runs a step in a process of its own.
-Result<Outcome> measured(const std::function<Result<double>()>& step) {
-  int ends[2];
-  if (::pipe(ends) != 0)
-    return fail(ErrorCode::kIo, "cannot make a pipe to another process");
-  const pid_t child = ::fork();
-  if (child < 0)
-    return fail(ErrorCode::kIo, "cannot start another process");
-  if (child == 0) {
-    Outcome outcome;
-    const auto value = step();
-    outcome.value = value.value_or(0);
-    if (!value)
-      value.error().message.copy(outcome.problem, sizeof outcome.problem - 1);
-    outcome.seconds = ownCpuTime();
-    outcome.megabytes = ownMegabytes();
-    ::_exit(::write(ends[1], &outcome, sizeof outcome) == sizeof outcome ? 0 : 1);
-  }
-  ::close(ends[1]);
-  Outcome outcome;
-  const bool whole = ::read(ends[0], &outcome, sizeof outcome) == sizeof outcome;
-  ::close(ends[0]);
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  if (!whole)
-    return fail(ErrorCode::kIo, "the process of a step ended early");
-  if (outcome.problem[0] != 0)
-    return fail(ErrorCode::kUnsupported, "{}", outcome.problem);
-  return outcome;
-}
 
 Result<std::unique_ptr<FrameSource>> openCache(const std::string& cache) {
   SourceOptions options;

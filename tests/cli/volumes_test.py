@@ -345,10 +345,41 @@ class Volumes(support.TestCase):
                 self.assertEqual(row["ratio"], 1, row)
         for row in errors:
             self.assertLessEqual(row["value"], float(row["labels"]["target"]), row)
+        for figure in ("decoding", "encoding", "one frame", "one region", "memory of encoding", "memory of decoding"):
+            found = {row["labels"]["codec"] for row in rows if row["labels"]["figure"] == figure}
+            self.assertGreaterEqual(found, {"Volute", "zfp 4D", "zstd -19, float32"}, figure)
         for row in rows:
             if row["labels"]["figure"] == "missing":
                 self.assertIsNone(row["value"])
                 self.assertIn("this build has no", row["note"])
+
+    def test_bench_builds_peers_of_their_sources(self):
+        # A peer that needs nothing but the functions that its adapter calls: values as they are.
+        peers = self.path("peers")
+        (peers / "SPERR" / "include").mkdir(parents=True)
+        (peers / "SPERR" / "src").mkdir()
+        functions = '''#include <stddef.h>
+namespace C_API { extern "C" {
+int sperr_comp_3d(const void*, int, size_t, size_t, size_t, size_t, size_t, size_t, int, double, size_t, void**, size_t*);
+int sperr_decomp_3d(const void*, size_t, int, size_t, size_t*, size_t*, size_t*, void**);
+} }
+'''
+        (peers / "SPERR" / "include" / "SPERR_C_API.h").write_text(functions)
+        (peers / "SPERR" / "src" / "peer.cpp").write_text('''#include "SPERR_C_API.h"
+#include <stdlib.h>
+#include <string.h>
+static int copy(const void* from, size_t size, void** to) { *to = malloc(size); memcpy(*to, from, size); return 0; }
+int C_API::sperr_comp_3d(const void* from, int, size_t x, size_t y, size_t z, size_t, size_t, size_t, int, double, size_t, void** to, size_t* size) {
+  *size = 4 * x * y * z; return copy(from, *size, to); }
+int C_API::sperr_decomp_3d(const void* from, size_t size, int, size_t, size_t*, size_t*, size_t*, void** to) { return copy(from, size, to); }
+''')
+        said = self.works("bench", "codec", "--input", self.make_npy(), "--peers", peers, "--json").json
+        rows = said["benchmarks"][0]["rows"]
+        size = [row["value"] for row in rows if row["labels"]["codec"] == "SPERR" and row["labels"]["figure"] == "size"]
+        self.assertEqual(size, [1, 1, 1])
+        missing = [row["note"] for row in rows if row["labels"]["codec"] == "SZ3"]
+        self.assertEqual(len(missing), 1)
+        self.assertIn("there is no folder SZ3", missing[0])
 
     def test_bench_says_which_peer_is_not_there(self):
         # The programs alone: first without that of the benchmarks, then without the plug-ins that lie beside them.

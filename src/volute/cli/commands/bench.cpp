@@ -43,6 +43,11 @@ Command benchCommand() {
                    .help =
                        "fewer measurements: `smoke` only 800 x 600 without a sign, `gl` a short "
                        "run of one minute, `tomography` only the best methods"},
+                  {.name = "peers",
+                   .kind = ValueKind::kFile,
+                   .value = "FOLDER",
+                   .help = "`codec`: sources of SZ3 and SPERR, in folders with these names, which "
+                           "are built with the system's compiler and measured, too"},
                   {.name = "whole-pictures",
                    .help = "`smoke`: compare every pixel with the reference in double (takes "
                            "minutes) and measure no times"},
