@@ -21,23 +21,29 @@ Status Worker::give(std::function<Status()> work) {
   std::unique_lock lock(mutex_);
   if (!thread_.joinable())
     thread_ = std::thread([this] { run(); });
-  changed_.wait(lock, [&] { return works_.size() < pending_ || !status_; });
-  if (status_)
+  changed_.wait(lock, [&] { return works_.size() < pending_ || failed(); });
+  if (!failed())
     works_.push_back(std::move(work));
   changed_.notify_all();
-  return status_;
+  return outcome();
 }
 
 Status Worker::finish() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return (works_.empty() && !busy_) || (!status_ && !busy_); });
+  changed_.wait(lock, [&] { return !busy_ && (works_.empty() || failed()); });
+  return outcome();
+}
+
+Status Worker::outcome() const {
+  if (thrown_)
+    std::rethrow_exception(thrown_);
   return status_;
 }
 
 void Worker::run() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock, [&] { return ends_ || (status_ && !works_.empty()); });
+    changed_.wait(lock, [&] { return ends_ || (!failed() && !works_.empty()); });
     if (ends_)
       return;
     const std::function<Status()> work = std::move(works_.front());
@@ -45,13 +51,18 @@ void Worker::run() {
     busy_ = true;
     lock.unlock();
     changed_.notify_all();
-    Status done = work();
+    Status done;
+    std::exception_ptr thrown;
+    try {
+      done = work();
+    } catch (...) {  // out of memory: for whoever waits
+      thrown = std::current_exception();
+    }
     lock.lock();
     busy_ = false;
-    if (!done) {
-      status_ = std::move(done);
+    status_ = std::move(done), thrown_ = thrown;
+    if (failed())
       works_.clear();
-    }
     changed_.notify_all();
   }
 }

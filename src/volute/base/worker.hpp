@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -25,7 +26,8 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// The error of an earlier work, after which nothing more is done.
+  /// The error of an earlier work, after which nothing more is done. What a work throws, give() and
+  /// finish() throw.
   [[nodiscard]] Status give(std::function<Status()> work);
 
   /// Waits for all that was given; the first error, of any work.
@@ -34,12 +36,17 @@ class Worker {
  private:
   void run();
 
+  bool failed() const { return !status_ || thrown_; }
+
+  Status outcome() const;
+
   std::size_t pending_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<Status()>> works_;
   bool busy_ = false, ends_ = false;
   Status status_;
+  std::exception_ptr thrown_;
   std::thread thread_;  ///< begins with the first work
 };
 

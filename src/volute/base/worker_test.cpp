@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <new>
 #include <vector>
 
 namespace volute {
@@ -44,6 +45,12 @@ TEST(Worker, AnErrorEndsIt) {
   ASSERT_FALSE(worker.finish());
   EXPECT_EQ(worker.finish().error().message, "the disk is full");
   EXPECT_EQ(after, 0);
+}
+
+TEST(Worker, WhatIsThrownReachesWhoWaits) {
+  Worker worker(1);
+  ASSERT_TRUE(worker.give([]() -> Status { throw std::bad_alloc(); }));
+  EXPECT_THROW((void)worker.finish(), std::bad_alloc);
 }
 
 TEST(Worker, WhatHasNotBegunIsLeftUndone) {
