@@ -77,8 +77,12 @@ Status checkContour(const Contour& contour, const Scene& scene) {
   return contour.shows == Contour::Shows::kConcentration ? checkConcentrations(media) : Status();
 }
 
+/// A volume whose colours are values is seen as it is in any scene.
 bool measuresLight(const Scene& scene) {
-  return !scene.isFile() && scene.media().front()->info().measured;
+  const bool values = std::ranges::any_of(scene.media(), [](const auto& medium) {
+    return medium->info().measured && medium->info().kind == "volume";
+  });
+  return values || (!scene.isFile() && scene.media().front()->info().measured);
 }
 
 Status cpuMayDraw(const char* what) {

@@ -35,6 +35,8 @@ struct Parameter {
   bool removable = false;     ///< likewise SceneEdit::kRemove
   std::string doubt{};        ///< why the value may be wrong
   std::vector<int> offers{};  ///< choices that would be plausible then
+  /// Of the first point of a transfer function: how often values occur, from least to most.
+  std::vector<double> counts{};
 };
 
 }  // namespace volute

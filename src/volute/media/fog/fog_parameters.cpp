@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "volute/media/knots.hpp"
+
 namespace volute {
 namespace {
 
@@ -79,16 +81,6 @@ void takeProfile(OrderedJson& json, const FogProfile& before, std::string_view k
   }
 }
 
-/// Heights do not fall from knot to knot.
-void setKnot(OrderedJson& knots, std::size_t i, const std::vector<double>& value) {
-  double height = value[0];
-  if (i > 0)
-    height = std::max(height, numberAt(knots, i - 1, 0));
-  if (i + 1 < knots.size())
-    height = std::min(height, numberAt(knots, i + 1, 0));
-  knots[i] = OrderedJson::array({height, std::clamp(value[1], 0.0, 1.0)});
-}
-
 /// The end that was drawn stays beside the other.
 void setLayer(OrderedJson& layers, std::size_t i, const std::vector<double>& value) {
   double bottom = value[0], top = value[1];
@@ -121,20 +113,11 @@ OrderedJson* listOf(OrderedJson& fog, const std::string& key) {
   return nullptr;
 }
 
-void duplicateInProfile(OrderedJson& list, std::size_t i, bool knots) {
+/// The copy stands on it.
+void duplicateLayer(OrderedJson& list, std::size_t i) {
   OrderedJson copy = list.at(i);
-  const double own = numberAt(list, i, 0);
-  if (knots) {
-    // Halfway to the next; beyond the last as far as it is from the one before.
-    const bool last = i + 1 == list.size();
-    const double other = numberAt(list, last ? i - 1 : i + 1, 0);
-    copy[0] = last ? own + std::max(own - other, kThin) : 0.5 * (own + other);
-    if (!last)
-      copy[1] = 0.5 * (numberAt(list, i, 1) + numberAt(list, i + 1, 1));
-  } else {
-    const double top = numberAt(list, i, 1);  // the copy stands on it
-    copy[0] = top, copy[1] = top + (top - own);
-  }
+  const double own = numberAt(list, i, 0), top = numberAt(list, i, 1);
+  copy[0] = top, copy[1] = top + (top - own);
   list.insert(list.begin() + static_cast<std::ptrdiff_t>(i) + 1, std::move(copy));
 }
 
@@ -171,7 +154,7 @@ bool setFog(OrderedJson& json, const FogDescription& fog, const std::string& key
   }
   if (OrderedJson* list = listOf(json, key)) {
     if (key.starts_with("profile/knots/"))
-      setKnot(*list, placeIn(key), value);
+      setKnot(*list, placeIn(key), value, 1);
     else
       setLayer(*list, placeIn(key), value);
     return true;
@@ -191,7 +174,7 @@ Result<std::optional<std::string>> editProfile(OrderedJson& fog, const std::stri
     return std::nullopt;
   const bool knots = key.starts_with("profile/knots/");
   if (more) {
-    duplicateInProfile(*list, placeIn(key), knots);
+    knots ? duplicateKnot(*list, placeIn(key), kThin) : duplicateLayer(*list, placeIn(key));
   } else if (list->size() > (knots ? 2 : 1)) {
     list->erase(placeIn(key));
   } else {

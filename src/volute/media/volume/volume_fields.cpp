@@ -75,6 +75,10 @@ bool scattersSuns(const void* volume, const MediumFacts& facts) {
   return facts.suns && (appearance.albedo > 0).any();
 }
 
+bool hasNoTransfer(const void* volume, const MediumFacts& /*facts*/) {
+  return !static_cast<const SceneVolume*>(volume)->appearance.transfer;
+}
+
 double boardStep(const void* board, const MediumFacts& /*facts*/) {
   const BillboardOptions& options = static_cast<const SceneBillboard*>(board)->options;
   return std::hypot(options.width, options.height) / 500;
@@ -102,13 +106,14 @@ const FieldTable& volumeFields() {
        .help = "two corners, the minimum first: states the extent of a .npy or .npz, crops or pads others",
        .unit = "m",
        .option = {"X0,Y0,Z0,X1,Y1,Z1"}},
-      emissionField<&SceneVolume::appearance>(),
-      extinctionField<&SceneVolume::appearance>(),
+      emissionField<&SceneVolume::appearance, true, hasNoTransfer>(),
+      extinctionField<&SceneVolume::appearance, true, hasNoTransfer>(),
       {.name = "albedo", .type = kColor,
        .access = member<&SceneVolume::appearance, &Appearance::albedo>(),
        .help = "scattered share of the extinction; the rest is absorbed",
        .least = 0, .most = 1,
-       .option = {.value = "R,G,B", .picture = true}, .slider = {.label = "albedo"}},
+       .option = {.value = "R,G,B", .picture = true},
+       .slider = {.label = "albedo", .shown = hasNoTransfer}},
       {.name = "asymmetry", .access = member<&SceneVolume::appearance, &Appearance::asymmetry>(),
        .help = "g of the Henyey-Greenstein phase function; above 0: forward scattering",
        .least = -0.99, .most = 0.99, .option = {.value = "G", .picture = true},
@@ -120,6 +125,10 @@ const FieldTable& volumeFields() {
       {.name = "flames", .type = kObject,
        .access = optionalPart<&SceneVolume::appearance, &Appearance::flames>(),
        .help = "glowing black bodies in the volume", .table = &flameFields()},
+      {.name = "transfer", .type = kObject,
+       .access = optionalPart<&SceneVolume::appearance, &Appearance::transfer>(),
+       .help = "transfer function: values as colours, instead of emission, extinction, albedo, flames "
+               "and preset", .table = &transferFields()},
       {.name = "lights_scene", .type = kChoice,
        .access = member<&SceneVolume::appearance, &Appearance::lightsScene>(),
        .help = "whether its emission lights surfaces, fog and other volumes, as up to 8 lamps; auto: "

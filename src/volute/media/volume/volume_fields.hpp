@@ -33,26 +33,35 @@ const FieldTable& billboardFields();
 
 /// Rows of what is shown as voxels are; `path` leads to an Appearance.
 /// `command`: options of commands say it too.
-template <auto path, bool command = true>
+template <auto path, bool command = true, auto shown = nullptr>
 FieldRow emissionField() {
   return {.name = "emission",
           .access = member<path, &Appearance::emission>(),
           .help = "radiance per metre that one unit of the values emits",
           .unit = "1/m",
           .option = {.value = command ? "S" : "", .picture = true},
-          .slider = {.label = "emission", .least = 0, .most = 100, .logarithmic = true, .room = 2}};
+          .slider = {.label = "emission",
+                     .least = 0,
+                     .most = 100,
+                     .logarithmic = true,
+                     .room = 2,
+                     .shown = shown}};
 }
 
-template <auto path, bool command = true>
+template <auto path, bool command = true, auto shown = nullptr>
 FieldRow extinctionField() {
-  return {
-      .name = "extinction",
-      .access = member<path, &Appearance::extinction>(),
-      .help = "extinction of one unit of the values",
-      .unit = "1/m",
-      .least = 0,
-      .option = {.value = command ? "S" : "", .more = "; with --aov 1 where it is not given"},
-      .slider = {.label = "extinction", .least = 0, .most = 100, .logarithmic = true, .room = 2}};
+  return {.name = "extinction",
+          .access = member<path, &Appearance::extinction>(),
+          .help = "extinction of one unit of the values",
+          .unit = "1/m",
+          .least = 0,
+          .option = {.value = command ? "S" : "", .more = "; with --aov 1 where it is not given"},
+          .slider = {.label = "extinction",
+                     .least = 0,
+                     .most = 100,
+                     .logarithmic = true,
+                     .room = 2,
+                     .shown = shown}};
 }
 
 }  // namespace volute

@@ -85,13 +85,15 @@ void addShown(ParameterGroup& group, const OrderedJson& entry, const VolumeMediu
   if (grids.size() > 1)
     add("field", "field", {usual, grids});
   // What is said of its light is a look of its own.
-  if (entry.contains("preset") || !entry.contains("emission"))
+  if (!appearance.transfer && (entry.contains("preset") || !entry.contains("emission")))
     add("preset", "preset", {usual, volumeFields().at("preset").choices});
   const auto bases = volumeFields().at("basis").choices;
   add("basis", "basis", {usual, appearance.shaded() ? bases.subspan(1) : bases});
   if (facts.frames > 1)
     add("between frames", "interpolate", {volumeFields().at("interpolate").choices});
   add("file's up axis", "up", {usual, volumeFields().at("up").choices});
+  addTransfer(group, appearance.transfer ? &*appearance.transfer : nullptr,
+              appearance.transfer ? medium.values() : ValueCounts());
   group.section("");
 }
 
@@ -108,15 +110,23 @@ class VolumeKind final : public MediumKind {
     Reading reading = context.reading.with(heard);
     InputOptions input = volume.input;
     input.partial = context.options.partial, input.verify = context.options.verify;
-    const bool said = entry.contains("preset") || entry.contains("emission");
+    const bool said =
+        entry.contains("preset") || entry.contains("emission") || entry.contains("transfer");
     const bool looks =
         context.version >= 2 && !said && !context.options.measured && !context.options.byTree;
-    VOLUTE_ASSIGN(const auto preset, applyPreset(looks ? VolumePreset::kAuto : volume.preset,
+    VOLUTE_ASSIGN(const auto preset, applyPreset(looks                        ? VolumePreset::kAuto
+                                                 : volume.appearance.transfer ? VolumePreset::kNone
+                                                                              : volume.preset,
                                                  volume.file, input, volume.appearance, reading));
     volume.input.grid = input.grid;
     VOLUTE_TRY(readFields(volumeFields(), entry, origin, &volume));  // what is said stands
     Appearance& appearance = volume.appearance;
-    if (entry.contains("albedo") && !(appearance.extinction > 0)) {
+    if (appearance.transfer) {
+      appearance.emission = appearance.extinction = 0;
+      appearance.albedo = Rgb::Zero();
+      appearance.flames.reset();
+    }
+    if (!appearance.transfer && entry.contains("albedo") && !(appearance.extinction > 0)) {
       return origin.wrong(FieldRow{.name = "albedo"},
                           "what extinguishes no light scatters none; say an extinction above 0");
     }
@@ -173,11 +183,21 @@ class VolumeKind final : public MediumKind {
                     const OrderedJson& value, const std::vector<double>& numbers) const override {
     if (value == kUsual)
       return entry.erase(key), true;
+    if (key.starts_with("transfer/")) {
+      const auto& volume = dynamic_cast<const VolumeMedium&>(medium);
+      return setTransfer(entry, key, value.is_string() ? value.get<std::string>() : "", numbers,
+                         volume.values(), volume.info().bounds.size().norm());
+    }
     if (!key.starts_with("transform/"))
       return false;
     setPlacement(entry, layerOf(medium).appearance().placement, medium.info().fileBounds,
                  key.substr(key.find('/') + 1), numbers);
     return true;
+  }
+
+  Result<std::optional<std::string>> editEntry(OrderedJson& entry, const std::string& key,
+                                               bool more) const override {
+    return editTransfer(entry, key, more);
   }
 };
 

@@ -700,7 +700,8 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double mome
     return slice;
   };
   const auto flames = appearance_.flames;
-  const bool emits = flames || appearance_.emission != 0;
+  const auto& transfer = appearance_.transfer;
+  const bool emits = flames || transfer || appearance_.emission != 0;
   VolumeInfo info = infoAt(moment);
   info.channels = emits ? 4 : 1;
   if (info.basis == Basis::kBox)
@@ -726,6 +727,9 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double mome
       VOLUTE_ASSIGN(places, allBricks("its flames glow where its grids are 0, which is"));
     }
   }
+  if (transfer && transfer->extinctionOf(0) > 0) {
+    VOLUTE_ASSIGN(places, allBricks("its transfer function shows the value 0, which is"));
+  }
   BrickSlice slice(info, places);
   static const std::vector<float> kZeros(std::size_t{3} * BrickSlice::kVoxels, 0);
   const auto valuesOf = [](const Slice& of, const BrickPlace& place) -> const float* {
@@ -746,6 +750,14 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double mome
         if (first[0] + i % kSide >= info.x || first[1] + i / kSide % kSide >= info.y ||
             first[2] + i / kSide / kSide >= info.z)
           continue;
+        if (transfer) {
+          const double value = scalarAt(mains + i, channels, kVoxels);
+          const double dense = transfer->extinctionOf(value);
+          out[0] = static_cast<float>(dense);
+          const Rgb sent = dense > 0 ? Rgb(dense * transfer->colorOf(value)) : Rgb(Rgb::Zero());
+          for (int c = 0; c < 3; ++c) out[(1 + c) * kVoxels] = static_cast<float>(sent[c]);
+          continue;
+        }
         float sum = 0;
         for (int c = 0; c < channels; ++c) sum += mains[c * kVoxels + i];
         out[0] = std::max(0.0F, scale * sum);

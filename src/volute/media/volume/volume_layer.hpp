@@ -10,6 +10,7 @@
 #include "volute/grid/voxel_medium.hpp"
 #include "volute/media/clock.hpp"
 #include "volute/media/placement.hpp"
+#include "volute/media/volume/transfer.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/media/volume/volume_motion.hpp"
 #include "volute/medium/any_medium.hpp"
@@ -60,6 +61,7 @@ struct Appearance {
   Rgb albedo = Rgb::Zero();  ///< share of the extinguished light that is scattered
   double asymmetry = 0;      ///< g of Henyey and Greenstein, -1 < g < 1
   std::optional<Flames> flames{};
+  std::optional<Transfer> transfer{};  ///< instead of all of the above
   std::string
       colors{};  ///< the grid (three channels, or three grids _r, _g, _b) that colours albedo
   LightsScene lightsScene = LightsScene::kAuto;
@@ -80,7 +82,7 @@ struct Appearance {
   }
 
   /// Whether it is more than one grid of emission and extinction.
-  bool shaded() const { return scatters() || flames.has_value(); }
+  bool shaded() const { return scatters() || flames.has_value() || transfer.has_value(); }
 };
 
 /// How much of the hexadeca-tree a rendering has looked at.

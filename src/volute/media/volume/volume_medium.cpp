@@ -28,6 +28,8 @@ MediumInfo infoOf(const VolumeLayer& layer) {
   info.takeFrames(layer, volume.frames, layer.appearance().clock);
   info.channels = volume.channels;
   info.interpolates = layer.interpolates();
+  if (layer.appearance().transfer)
+    info.channels = 3, info.measured = true;
   return info;
 }
 
@@ -225,8 +227,31 @@ const std::vector<std::string>& VolumeMedium::gridNames() const {
   return *gridNames_;
 }
 
+const ValueCounts& VolumeMedium::values() const {
+  if (values_)
+    return *values_;
+  values_.emplace();
+  Progress quiet;
+  VolumeLayer layer = layer_;
+  layer.setProgress(quiet);
+  if (const auto slice = layer.sliceAt(moment_))
+    values_ = ValueCounts::of(**slice);
+  return *values_;
+}
+
+MediumText VolumeMedium::text(const std::optional<Vec3>& eye) const {
+  MediumText text = SceneMedium::text(eye);
+  if (const auto& transfer = layer_.appearance().transfer) {
+    const VolumeInfo& info = layer_.info();
+    text.legend.push_back("values: " + info.name);
+    text.scale = ColorScale{transfer->map, transfer->most, transfer->least, info.unit};
+  }
+  return text;
+}
+
 void VolumeMedium::knowAs(const VolumeMedium& other) {
   gridNames_ = other.gridNames_;
+  values_ = other.values_, moment_ = other.moment_;
   checked_ = other.checked_, damaged_ = other.damaged_, block_ = other.block_;
   remarks = other.remarks;
 }
@@ -255,7 +280,7 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
                                                          Progress& progress) {
   layer_.setProgress(progress);
   const int position = layer_.positionAt(request.time);
-  const double moment = layer_.momentAt(request.time);
+  const double moment = moment_ = layer_.momentAt(request.time);
   if (request.tree && layer_.interpolates()) {
     return fail(ErrorCode::kUnsupported,
                 "{}: the tree holds frames, and nothing between them; draw its bricks, or do not "
@@ -266,8 +291,8 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
     if (request.tree) {
       return fail(
           ErrorCode::kUnsupported,
-          "{}: what is lit or burns is not drawn from the tree; draw its bricks, or leave the "
-          "preset out",
+          "{}: what is lit, burns or has a transfer function is not drawn from the tree; draw its "
+          "bricks, or leave the preset or the transfer function out",
           layer_.path());
     }
     VOLUTE_ASSIGN(auto light, lightAt(moment, request.lit));

@@ -109,6 +109,11 @@ class VolumeMedium : public SceneMedium {
   /// The grids that its file offers, looked up when first asked for; empty: it has no names.
   const std::vector<std::string>& gridNames() const;
 
+  /// How often values occur in what was shown last, looked up when first asked for.
+  const ValueCounts& values() const;
+
+  MediumText text(const std::optional<Vec3>& eye) const override;
+
   /// What shines at it; in the scene's place.
   void setLighting(VolumeLighting lighting) { lighting_ = std::move(lighting); }
 
@@ -132,6 +137,8 @@ class VolumeMedium : public SceneMedium {
 
   VolumeLayer layer_;
   mutable std::optional<std::vector<std::string>> gridNames_;
+  mutable std::optional<ValueCounts> values_;
+  double moment_ = 0;  ///< shown last
   VolumeLighting lighting_;
   double lightMoment_ = -1;
   bool lightIsWhole_ = false;  // else of the extinction alone
