@@ -298,6 +298,18 @@ Result<Snapshot> Scene::at(const InstantRequest& request, Progress& progress) {
   snapshot.background = description_.background;
   if (!request.coarse && request.lit)
     shine(snapshot, progress);
+  if (description_.clip.empty())
+    return snapshot;
+  const auto clip = std::make_shared<const SceneClip>(description_.clip);
+  for (std::size_t i = 0; i < media_.size(); ++i) {
+    if (media_[i]->info().shared) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: /clip: processes that share a mesh draw it whole; leave clip out, or use "
+                  "one process",
+                  path_);
+    }
+    snapshot.media[i] = clipped(std::move(snapshot.media[i]), clip);
+  }
   return snapshot;
 }
 

@@ -98,17 +98,32 @@ std::string addLight(OrderedJson& json, OrderedJson light, const char* what) {
   return what;
 }
 
+std::string addClip(OrderedJson& json, const SceneEdit& edit) {
+  const bool box = edit.kind == EditKind::kAddClipBox;
+  OrderedJson clip = {{"kind", box ? "box" : "plane"}};
+  if (box)
+    clip["min"] = jsonOf(edit.bounds.min), clip["max"] = jsonOf(edit.bounds.max);
+  else
+    clip["point"] = jsonOf(edit.position), clip["normal"] = jsonOf(edit.normal.normalized());
+  listOf(json, "clip").push_back(std::move(clip));
+  return box ? "a clip box is added" : "a clip plane is added";
+}
+
 /// The list that a path is of, and the place in it.
 struct EntryPlace {
   OrderedJson* list = nullptr;
   std::size_t index = 0;
-  bool sign = false;
+  const char* what = "light";
+
+  bool sign() const { return what == std::string_view("sign"); }
 
   OrderedJson& entry() const { return (*list)[index]; }
 };
 
 Result<EntryPlace> placeOf(OrderedJson& json, const std::string& path) {
-  for (const char* name : {"signs", "lights"}) {
+  constexpr std::pair<const char*, const char*> kLists[] = {
+      {"signs", "sign"}, {"lights", "light"}, {"clip", "clip"}};
+  for (const auto& [name, what] : kLists) {
     const std::string begin = fmt::format("/{}/", name);
     const std::string number = path.starts_with(begin) ? path.substr(begin.size()) : "";
     const bool digits =
@@ -118,9 +133,9 @@ Result<EntryPlace> placeOf(OrderedJson& json, const std::string& path) {
       continue;
     const auto index = static_cast<std::size_t>(std::stoul(number));
     if (index < json[name].size())
-      return EntryPlace{&json[name], index, std::string(name) == "signs"};
+      return EntryPlace{&json[name], index, what};
   }
-  return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such sign or light", path);
+  return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such sign, light or clip", path);
 }
 
 Result<std::string> duplicate(OrderedJson& json, const std::string& path) {
@@ -128,29 +143,29 @@ Result<std::string> duplicate(OrderedJson& json, const std::string& path) {
   OrderedJson copy = place.entry();
   // Along a sign's own rows, so that it stays on its wall; a lamp goes along x.
   Vec3 aside = Vec3::UnitX();
-  if (place.sign) {
+  if (place.sign()) {
     const Vec3 level = Vec3::UnitZ().cross(vectorIn(copy, "normal", Vec3::UnitX()));
     if (level.norm() > 0)
       aside = level.normalized();
     copy["name"] = freeName(*place.list, copy.value("name", "sign"));
   }
-  for (const char* key : {"position", "target"}) {
+  for (const char* key : {"position", "target", "point", "min", "max"}) {
     if (copy.contains(key))
       copy[key] = jsonOf(vectorIn(copy, key, Vec3::Zero()) + kBeside * aside);
   }
   place.list->insert(place.list->begin() + static_cast<std::ptrdiff_t>(place.index) + 1, copy);
-  return std::string(place.sign ? "the sign is there twice" : "the light is there twice");
+  return fmt::format("the {} is there twice", place.what);
 }
 
 Result<std::string> removeAt(OrderedJson& json, const std::string& path) {
   VOLUTE_ASSIGN(const EntryPlace place, placeOf(json, path));
   place.list->erase(place.index);
-  return std::string(place.sign ? "the sign is removed" : "the light is removed");
+  return fmt::format("the {} is removed", place.what);
 }
 
 Result<std::string> placeAt(OrderedJson& json, const SceneEdit& edit) {
   VOLUTE_ASSIGN(const EntryPlace place, placeOf(json, edit.path));
-  if (place.sign)
+  if (place.sign())
     placeSign(place.entry(), edit);
   else if (place.entry().value("kind", "") == "spot")
     placeSpot(place.entry(), edit);
@@ -254,6 +269,9 @@ Result<std::string> applyEdit(OrderedJson& json, const SceneEdit& edit) {
     case EditKind::kAddAmbient:
       return addLight(json, {{"kind", "ambient"}, {"radiance", {0.2, 0.2, 0.2}}},
                       "light from everywhere is added");
+    case EditKind::kAddClipBox:
+    case EditKind::kAddClipPlane:
+      return addClip(json, edit);
     case EditKind::kDuplicate:
     case EditKind::kRemove: {
       const bool more = edit.kind == EditKind::kDuplicate;

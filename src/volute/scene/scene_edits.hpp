@@ -11,17 +11,19 @@
 
 namespace volute {
 
-/// A sign or a light of a scene comes, goes or moves, or so does a knot or a layer of a fog's
-/// profile; a volume becomes a billboard, or a billboard a volume.
+/// A sign, a light or a clip of a scene comes, goes or moves, or so does a knot or a layer of a
+/// fog's profile; a volume becomes a billboard, or a billboard a volume.
 struct SceneEdit {
   enum class Kind {
     kAddSign,
     kAddSpot,  ///< a lamp that shines along `normal`
     kAddSun,
     kAddAmbient,
-    kDuplicate,  ///< of `path`, a little beside it
-    kRemove,     ///< what is at `path`
-    kPlace,      ///< a sign or a spot at `path` goes to `position` and `normal`
+    kAddClipBox,    ///< around `bounds`
+    kAddClipPlane,  ///< through `position`, without what is on the side of `normal`
+    kDuplicate,     ///< of `path`, a little beside it
+    kRemove,        ///< what is at `path`
+    kPlace,         ///< a sign or a spot at `path` goes to `position` and `normal`
     kBillboard,  ///< the volume at `path` is shown as a billboard of the same size and brightness
     kVolume,     ///< the billboard at `path` is shown as a volume, likewise
   };
@@ -31,7 +33,7 @@ struct SceneEdit {
   Vec3 position = Vec3::Zero();  ///< of what is added or placed [m]
   Vec3 normal = Vec3::UnitX();   ///< away from the wall that it is on
   double reach = 10;             ///< [m] that a spot is to light
-  Box3 bounds{};                 ///< the file's, of what becomes a billboard or a volume [m]
+  Box3 bounds{};  ///< the file's, of what becomes a billboard or a volume, or of a box [m]
 };
 
 /// Does it in a scene's JSON. Says in a sentence what was done; kInvalidArgument for a path that

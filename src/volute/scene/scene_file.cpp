@@ -39,7 +39,7 @@ void addOlder(Json& entry, const FieldTable& table) {
 /// Those of the file itself.
 Status checkMembers(const Json& json, const std::string& file) {
   constexpr std::string_view kNames[] = {"format", "camera", "background", "lights", "geometry",
-                                         "media",  "signs",  "billboards", "view"};
+                                         "media",  "signs",  "billboards", "clip",   "view"};
   for (const auto& [key, value] : json.items()) {
     if (std::ranges::find(kNames, key) != std::end(kNames))
       continue;
@@ -108,6 +108,7 @@ Result<SceneDescription> parseScene(const Json& given, const std::string& file) 
   VOLUTE_TRY(read("view", scene.look, [](const auto& look, const auto& origin) {
     return readAs<SceneLook>(lookFields(), look, origin);
   }));
+  VOLUTE_TRY(read("clip", scene.clip, parseClip));
   VOLUTE_TRY(read("signs", scene.signs, parseSigns));
   VOLUTE_TRY(parseMedia(json, "media", file, scene.media));
   VOLUTE_TRY(parseMedia(json, "billboards", file, scene.media));

@@ -11,6 +11,7 @@
 #include "volute/media/camera_file.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/scene_lights.hpp"
+#include "volute/scene/clip.hpp"
 #include "volute/scene/scene_geometry.hpp"
 #include "volute/scene/scene_look.hpp"
 #include "volute/scene/scene_signs.hpp"
@@ -33,6 +34,7 @@ struct SceneDescription {
   std::vector<MediumEntry> media;  ///< of all lists, "media" first
   std::vector<Sign> signs;
   std::vector<SceneGeometry> geometry;
+  SceneClip clip;
   std::optional<SceneLook> look;  ///< for the viewer
 };
 

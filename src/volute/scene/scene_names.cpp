@@ -18,12 +18,11 @@ std::string absolute(const std::string& path) {
   return ignored ? path : found.lexically_normal().string();
 }
 
-void moveNames(OrderedJson& names, const std::string& from, const std::string& to) {
-  if (names.is_string()) {
-    names = nameFrom(from, to, names.get<std::string>());
-  } else if (names.is_array()) {
-    for (OrderedJson& name : names) moveNames(name, from, to);
-  }
+void changeNames(OrderedJson& names, const std::function<void(std::string& name)>& change) {
+  if (names.is_string())
+    change(names.get_ref<std::string&>());
+  else if (names.is_array())
+    for (OrderedJson& name : names) changeNames(name, change);
 }
 
 }  // namespace
@@ -37,11 +36,12 @@ std::string nameFrom(const std::string& scene, const std::string& target, const 
   return below ? near.string() : file.string();
 }
 
-void moveAllNames(OrderedJson& json, const std::string& from, const std::string& to) {
+void eachName(OrderedJson& json, const std::string& from,
+              const std::function<void(std::string& name)>& change) {
   const auto move = [&](OrderedJson& entry, const std::string& key) {
     const OrderedJson::json_pointer pointer("/" + key);
     if (entry.contains(pointer))
-      moveNames(entry[pointer], from, to);
+      changeNames(entry[pointer], change);
   };
   for (const char* list : {"media", "billboards"}) {
     if (!json.contains(list))
@@ -60,6 +60,10 @@ void moveAllNames(OrderedJson& json, const std::string& from, const std::string&
   };
   each("geometry", "file");
   each("signs", "picture");
+}
+
+void moveAllNames(OrderedJson& json, const std::string& from, const std::string& to) {
+  eachName(json, from, [&](std::string& name) { name = nameFrom(from, to, name); });
 }
 
 }  // namespace volute

@@ -24,20 +24,23 @@ MediumFacts factsOf(const MediumInfo& info, bool suns) {
           .suns = suns};
 }
 
-/// Of an entry of "lights" or "signs".
+/// Of an entry of "lights", "signs" or "clip".
 const FieldTable& tableOf(std::string_view list, const OrderedJson& entry) {
-  return list == "signs" ? signFields()
-                         : **std::ranges::find(lightTables(), entry.at("kind").get<std::string>(),
-                                               &FieldTable::says);
+  if (list == "signs")
+    return signFields();
+  return **std::ranges::find(list == "clip" ? clipTables() : lightTables(),
+                             entry.at("kind").get<std::string>(), &FieldTable::says);
 }
 
-/// Of the entries of "lights" or "signs".
-void addList(std::vector<Parameter>& out, const OrderedJson& json, const std::string& list) {
+/// Of the entries of "lights", "signs" or "clip".
+void addList(std::vector<Parameter>& out, const OrderedJson& json, const std::string& list,
+             const Box3& bounds) {
   const OrderedJson entries = json.value(list, OrderedJson::array());
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const FieldTable& table = tableOf(list, entries[i]);
     const std::string number = fmt::format("{}", i + 1);
     std::string title(table.name);
+    std::ranges::replace(title, '_', ' ');
     const std::string name = entries[i].value("name", "");
     if (list == "signs")
       title += ": " + (name.empty() ? number : name);
@@ -46,7 +49,19 @@ void addList(std::vector<Parameter>& out, const OrderedJson& json, const std::st
     ParameterGroup group(out, title, fmt::format("/{}/{}", list, i));
     const auto object = table.make();
     if (readFields(table, nlohmann::json(entries[i]), {}, object.get()))
-      addSliders(group, table, object.get(), {});
+      addSliders(group, table, object.get(), {.bounds = bounds});
+  }
+}
+
+/// The end of a box that was moved stays beside the other.
+void keepApart(OrderedJson& box, const std::string& moved) {
+  constexpr double kThin = 1e-3;  // [m]
+  const bool first = moved == "min";
+  const OrderedJson& other = box.at(first ? "max" : "min");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double rest = other[axis].get<double>(), own = box[moved][axis].get<double>();
+    const double apart = std::max(kThin, 1e-9 * std::abs(rest));
+    box[moved][axis] = first ? std::min(own, rest - apart) : std::max(own, rest + apart);
   }
 }
 
@@ -69,8 +84,7 @@ std::vector<Parameter> Scene::parameters() const {
     entry.kind->addParameters(group, json_->at(OrderedJson::json_pointer(entry.path)), *media_[i],
                               factsOf(info, !description_.lights.suns.empty()));
   }
-  addList(out, *json_, "lights");
-  addList(out, *json_, "signs");
+  for (const char* list : {"lights", "signs", "clip"}) addList(out, *json_, list, bounds());
   const Rgb& behind = description_.background;
   ParameterGroup(out, "background", "")
       .add("radiance", "background", Parameter::Kind::kColor, {behind[0], behind[1], behind[2]})
@@ -105,13 +119,15 @@ Result<OrderedJson> Scene::with(const std::string& path, const std::vector<doubl
     }
     return json;
   }
-  for (const char* list : {"lights", "signs"}) {
+  for (const char* list : {"lights", "signs", "clip"}) {
     const std::string begin = fmt::format("/{}/", list);
     if (!path.starts_with(begin))
       continue;
     const std::string owner = path.substr(0, path.find('/', begin.size()));
     OrderedJson& entry = json[OrderedJson::json_pointer(owner)];
     putSlider(json, tableOf(list, entry), owner, *found, value);
+    if (begin == "/clip/" && (key == "min" || key == "max"))
+      keepApart(entry, key);
     if (begin == "/signs/" && key == "emitting")
       entry.erase("C");
     return json;

@@ -17,7 +17,8 @@ std::vector<SceneList> sceneLists() {
   std::vector<SceneList> lists = {{"media", {}},
                                   {"lights", {lightTables().begin(), lightTables().end()}},
                                   {"geometry", {&geometryFields()}},
-                                  {"signs", {&signFields()}}};
+                                  {"signs", {&signFields()}},
+                                  {"clip", {clipTables().begin(), clipTables().end()}}};
   for (const MediumKind* kind : mediumKinds()) {
     auto list = std::ranges::find(lists, kind->list(), &SceneList::name);
     if (list == lists.end())
