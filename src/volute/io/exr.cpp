@@ -9,6 +9,7 @@
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/format.h>
 
@@ -333,6 +334,9 @@ Status writeChannels(const std::filesystem::path& path, int width, int height,
   return encode(
       path, Imf::Header(width, height), [&](Imf::Header& header, Imf::FrameBuffer& buffer) {
         header.compression() = Imf::ZIP_COMPRESSION;
+        const bool colors = std::ranges::find(channels, "R", &ImageChannel::name) != channels.end();
+        if (colors)
+          Imf::addChromaticities(header, Imf::Chromaticities());  // Rec. 709's, D65
         for (const auto& [name, text] : notes) header.insert(name, Imf::StringAttribute(text));
         for (const ImageChannel& channel : channels) {
           header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));

@@ -184,6 +184,18 @@ TEST(Exr, KeepsEveryFloat) {
   }
 }
 
+TEST(Exr, SaysWhichColoursItsNumbersAre) {
+  const TempFolder folder;
+  ASSERT_TRUE(writeImage(folder / "a.exr", makePicture(5, 4, 3)));
+  ASSERT_TRUE(writeImage(folder / "b.exr", makePicture(5, 4, 1)));
+  const auto says = [&](const char* name) {
+    const auto bytes = readBytes(folder / name);
+    return std::string(bytes.begin(), bytes.end()).find("chromaticities") != std::string::npos;
+  };
+  EXPECT_TRUE(says("a.exr"));
+  EXPECT_FALSE(says("b.exr")) << "a quantity";
+}
+
 TEST(Exr, EqualInputsGiveEqualBytes) {
   const TempFolder folder;
   ASSERT_TRUE(ok(writeImage(folder / "a.exr", makePicture(40, 40, 3))));
