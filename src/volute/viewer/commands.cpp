@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "volute/viewer/language.hpp"
+
 namespace volute {
 namespace {
 
@@ -51,13 +53,28 @@ void copyCamera(App& app, const In&) {
   else
     camera["fov"] = view.fov;
   ImGui::SetClipboardText(camera.dump().c_str());
-  app.document().say("the camera is copied, as JSON");
+  app.document().say(tr("the camera is copied, as JSON"));
 }
 
 void stop(App& app, const In&) {
   ViewerSettings& settings = app.settings();
-  settings.help = settings.search = settings.painting = settings.probe = false;
+  settings.help = settings.search = settings.painting = settings.probe = settings.measuring = false;
   app.tools().pointer.place("");
+  app.tools().pointer.forgetRuler();
+}
+
+void measure(App& app, const In&) {
+  bool& on = app.settings().measuring;
+  on = !on;
+  app.tools().pointer.forgetRuler();
+  if (on)
+    app.document().say(tr("click both ends of the distance; R or Escape ends it"));
+}
+
+void filmAround(App& app, const In& input) {
+  const bool before = std::exchange(app.settings().filmTurns, true);
+  app.beginFilm(input);
+  app.settings().filmTurns = before;
 }
 
 void walkOrOrbit(App& app, const In&) {
@@ -99,7 +116,7 @@ std::span<const ViewerCommand> viewerCommands() {
   // clang-format off: a row is read as one
   static const ViewerCommand kCommands[] = {
       {"open a file", "Ctrl O", [](App& app, const In&) { app.document().askToOpen(); }, Key::kO, true},
-      {"compare with another file", "", [](App& app, const In&) { app.document().askToOpen(true); }},
+      {"compare with another file", "", [](App& app, const In&) { app.document().askToOpen(ViewerDocument::Purpose::kCompare); }},
       {"end the comparison", "", [](App& app, const In&) { app.comparison().end(); }},
       {"save the scene", "Ctrl S", [](App& app, const In&) { app.saveScene(); }, Key::kS, true},
       {"undo a change, or a stroke while painting", "Ctrl Z", undo, Key::kZ, true},
@@ -128,14 +145,19 @@ std::span<const ViewerCommand> viewerCommands() {
       {"parallel or perspective camera", "5", [](App& app, const In&) { app.view().camera().toggleParallel(); }, Key::k5},
       {"orbit (turn around things) or walk (turn the head)", "M", walkOrOrbit, Key::kM},
       {"show what is under the pointer", "P", [](App& app, const In&) { app.settings().probe = !app.settings().probe; }, Key::kP},
+      {"measure a distance by two clicks", "R", measure, Key::kR},
+      {"the next control of the panels; arrows, Enter and Space use it", "Tab", [](App&, const In&) {}},
       {"hide the panels, show them again", "H", [](App& app, const In&) { app.settings().panels = !app.settings().panels; }, Key::kH},
       {"full screen", "F11", [](App& app, const In&) { app.window().requestFullScreen(); }, Key::kF11},
       {"screenshot without panels: volute_0001.png ...", "F12", [](App& app, const In&) { app.window().requestScreenshot(); }, Key::kF12},
       {"make a film", "", [](App& app, const In& in) { app.beginFilm(in); }},
+      {"make a film once around, of a still in 10 s", "", filmAround},
       {"copy the camera, as JSON", "Ctrl C", copyCamera, Key::kC, true},
       {"open and close this help", "F1", [](App& app, const In&) { app.settings().help = !app.settings().help; }, Key::kF1},
       {"search all commands", "F3, Ctrl Space", [](App& app, const In&) { app.settings().search = true; }, Key::kF3},
       {"", "", [](App& app, const In&) { app.settings().search = true; }, Key::kSpace, true},
+      {"language: English", "", [](App& app, const In&) { app.language().choose(Language::kEnglish); }},
+      {"language: German", "", [](App& app, const In&) { app.language().choose(Language::kGerman); }},
       {"stop painting or placing, close help", "Escape", stop, Key::kEscape}};
   // clang-format on
   return kCommands;
@@ -157,7 +179,8 @@ bool isFound(const ViewerCommand& command, const std::string& words) {
     std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
     return text;
   };
-  const std::string text = lower(fmt::format("{} {}", command.name, command.keys));
+  const std::string text =
+      lower(fmt::format("{} {} {}", command.name, tr(command.name), command.keys));
   std::istringstream each(lower(words));
   for (std::string word; each >> word;) {
     if (text.find(word) == std::string::npos)

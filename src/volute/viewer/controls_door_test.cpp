@@ -140,6 +140,75 @@ TEST_F(DoorControls, AFileOfOthersIsNotReplacedUnasked) {
   EXPECT_EQ(app().document().files().replacing(), nullptr) << "it is the viewer's own by now";
 }
 
+TEST_F(DoorControls, AFileOfASceneThatMovedIsAskedFor) {
+  const std::filesystem::path now = folder_.path("elsewhere");
+  std::filesystem::create_directories(now);
+  for (const char* name : {"smoke.pvd", "smoke.vtu", "more.vtu", "ground.obj"})
+    std::filesystem::rename(folder_.path(name), now / name);
+  open("blob.npy");
+  app().open(folder_.path("smoke.json"));
+  load();
+  EXPECT_NE(app().document().error(), "");
+  script_->frames(3);
+  ASSERT_TRUE(script_->click("moved cancel"));
+  EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("blob.npy"))
+      << "nothing is lost";
+  app().open(folder_.path("smoke.json"));
+  load();
+  script_->frames(3);
+  ASSERT_NE(app().document().moved(), nullptr);
+  ASSERT_TRUE(script_->click("find moved"));
+  script_->frames(2);
+  ASSERT_NE(app().document().files().browser(), nullptr);
+  app().document().files().browse(now);
+  const std::string sought = app().document().moved() ? "" : "smoke.pvd";
+  script_->frames(3);
+  // The first one that is missing, in the order of the scene.
+  ASSERT_TRUE(script_->click("entry = " + sought));
+  ASSERT_TRUE(script_->click("open file"));
+  load();
+  ASSERT_EQ(app().document().error(), "") << "the ground is found beside it";
+  EXPECT_TRUE(app().document().info()->changed) << "no file has it";
+  EXPECT_EQ(app().settings().sceneName, folder_.path("smoke.json"));
+  app().document().files().allow(folder_.path("smoke.json"));
+  app().saveScene();
+  load();
+  app().open(folder_.path("smoke.json"));
+  load();
+  EXPECT_EQ(app().document().error(), "") << "it was saved with the new places";
+  EXPECT_EQ(app().document().moved(), nullptr);
+}
+
+TEST_F(DoorControls, AFileThatVanishesOrIsHalfWrittenKeepsThePicture) {
+  open("blob.npy");
+  const Image shown = picture();
+  const auto waitFor = [&](auto&& holds) {
+    for (int i = 0; i < 8000 && !holds(); ++i) {
+      script_->frame();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return holds();
+  };
+  const std::filesystem::path file = folder_.path("blob.npy");
+  std::string bytes(std::filesystem::file_size(file), 0);
+  std::ifstream(file, std::ios::binary).read(bytes.data(), std::ssize(bytes));
+  const auto write = [&](const std::string& what) {
+    std::ofstream(file, std::ios::binary | std::ios::trunc) << what;
+    std::filesystem::last_write_time(file, std::filesystem::last_write_time(file) + clock_++);
+  };
+  write(bytes.substr(0, bytes.size() / 2));
+  EXPECT_TRUE(waitFor([&] { return !app().document().error().empty(); })) << "half of it";
+  EXPECT_THAT(app().document().error(), ::testing::HasSubstr("blob.npy"));
+  EXPECT_LT(difference(shown, picture()), 1e-6) << "the picture stays";
+  write(bytes);
+  EXPECT_TRUE(waitFor([&] { return app().document().error().empty(); })) << "it is whole again";
+  std::filesystem::remove(file);
+  script_->frames(30);
+  EXPECT_LT(difference(shown, picture()), 1e-6) << "the picture stays";
+  ASSERT_TRUE(script_->click("exposure", 0.3)) << "and can be looked at";
+  EXPECT_NE(app().settings().look.stops, 0);
+}
+
 TEST_F(DoorControls, TheAxesTurnTheCamera) {
   script_->input().width = 900, script_->input().height = 1500;
   open("blob.npy");

@@ -1,69 +1,144 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// Panels on displays that want larger letters.
+// Panels on displays that want larger letters, in both languages, and without a mouse.
+#include <nlohmann/json.hpp>
+
+#include "volute/scene/scene_tables.hpp"
+#include "volute/viewer/commands.hpp"
 #include "volute/viewer/controls_testing.hpp"
+#include "volute/viewer/strings_german.hpp"
 
 namespace volute {
 namespace {
 
 class ScaleControls : public Controls {
  protected:
-  /// A window of so many pixels on a display that wants things so much larger.
-  void show(int columns, int rows, double scale) {
+  void show(int width, int height, double scale) {
     ViewerInput& input = script_->input();
-    input.scale = scale;
-    input.width = static_cast<int>(columns / scale), input.height = static_cast<int>(rows / scale);
-    input.columns = columns, input.rows = rows;
-    ASSERT_TRUE(script_->settle());
-    script_->frames(4);
+    input.width = width, input.height = height, input.scale = scale;
+    input.columns = static_cast<int>(width * scale), input.rows = static_cast<int>(height * scale);
+    script_->frames(6);  // panels find their places
   }
 
   void expectWhole(const std::string& what) {
-    const ViewerInput& input = script_->input();
     EXPECT_FALSE(app().window().controls().empty());
     for (const auto& [name, at] : app().window().controls()) {
       EXPECT_FALSE(at.cut) << name << " is cut off, " << what;
       EXPECT_GE(at.left, 0) << name << ", " << what;
-      EXPECT_LE(at.right, input.width) << name << ", " << what;
-      EXPECT_LE(at.bottom, input.height + 1) << name << ", " << what;
+      EXPECT_LE(at.right, script_->input().width) << name << ", " << what;
+      EXPECT_LE(at.bottom, script_->input().height + 1) << name << ", " << what;
     }
   }
 };
 
-TEST_F(ScaleControls, NothingIsCutOffAtAnyScale) {
-  open("smoke.json");
+TEST_F(ScaleControls, NothingIsCutOffAtAnyScaleInAnyLanguage) {
+  struct Display {
+    int width, height;
+    double scale;
+  };
+
+  std::vector<Display> all;
   for (const double scale : {1.0, 1.5, 2.0, 3.0}) {
-    for (const auto& [columns, rows] : {std::pair(950, 570), {1280, 800}, {660, 1060}}) {
-      if (scale > 2 && columns > 1000)
-        continue;  // larger than any display
-      const std::string what = fmt::format("{} x {} points, scale {}", columns, rows, scale);
-      SCOPED_TRACE(what);
-      ASSERT_NO_FATAL_FAILURE(
-          show(static_cast<int>(columns * scale), static_cast<int>(rows * scale), scale));
-      const Image shown = viewer_->picture();
-      EXPECT_EQ(shown.width, static_cast<int>(columns * scale));
-      EXPECT_EQ(shown.height, static_cast<int>(rows * scale));
-      expectWhole(what);
-      if (script_->has("More")) {
-        ASSERT_NO_FATAL_FAILURE(openMore());
+    all.push_back({950, 570, scale}), all.push_back({660, 1060, scale});
+    if (scale < 3)  // else larger than any display
+      all.push_back({1280, 800, scale});
+  }
+  for (const Language language : {Language::kEnglish, Language::kGerman}) {
+    app().language().choose(language);
+    for (const char* file : {"smoke.json", "fog.json", "blob.npy", "room.smv", "smoke.vtu"}) {
+      open(file);
+      const bool each = file == std::string("smoke.json");
+      for (const auto& [width, height, scale] : all) {
+        if (!each && scale != 1 && scale != 2)
+          continue;  // letters alone are as they were
+        const std::string what = fmt::format("{}, {} x {} points, scale {}, language {}", file,
+                                             width, height, scale, static_cast<int>(language));
+        show(width, height, scale);
+        const Image shown = viewer_->picture();
+        EXPECT_EQ(shown.width, static_cast<int>(width * scale));
+        EXPECT_EQ(shown.height, static_cast<int>(height * scale));
+        expectWhole(what);
+        if (script_->has("More")) {
+          ASSERT_NO_FATAL_FAILURE(openMore());
+        }
+        expectWhole(what + ", with all of the time");
+        script_->press(Key::kF1);
+        script_->frames(3);
+        EXPECT_TRUE(script_->has("help"));
+        EXPECT_FALSE(script_->has("help is cut")) << what;
+        script_->press(Key::kF1);
+        script_->frames(2);
       }
-      expectWhole(what + ", with all of the time");
-      script_->press(Key::kF1);
-      script_->frames(3);
-      EXPECT_TRUE(script_->has("help"));
-      EXPECT_FALSE(script_->has("help is cut"));
-      script_->press(Key::kF1);
-      script_->frames(2);
     }
   }
+  for (const ViewerCommand& command : viewerCommands()) app().language().of(command.name);
+  for (const SceneList& list : sceneLists()) {
+    for (const FieldTable* table : list.tables) {
+      app().language().of(table->says.empty() ? table->name : table->says, false);
+      for (const FieldRow& field : table->fields) {
+        const std::string label(field.slider.label);
+        const std::size_t bar = std::min(label.find('|'), label.size());
+        app().language().of(label.substr(0, bar), true);
+        app().language().of(bar < label.size() ? label.substr(bar + 1) : "", true);
+        app().language().of(std::string(field.slider.section), true);
+      }
+    }
+  }
+  EXPECT_EQ(app().language().missing(), std::set<std::string>()) << "no German for these";
 }
 
 TEST_F(ScaleControls, AClickHitsWhatIsThere) {
   open("smoke.json");
-  ASSERT_NO_FATAL_FAILURE(show(1900, 1140, 2));
+  show(950, 570, 2);
   const double before = app().settings().look.stops;
   ASSERT_TRUE(script_->click("exposure", 0.1));
   EXPECT_NE(app().settings().look.stops, before);
+}
+
+/// What is between braces or after a percent sign, in order.
+std::vector<std::string> placesIn(std::string_view text) {
+  std::vector<std::string> places;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '{')
+      places.emplace_back(text.substr(i, text.find('}', i) - i));
+    else if (text[i] == '%' && i + 1 < text.size() && text[i + 1] != '{' && text[i + 1] != ' ')
+      places.emplace_back(text.substr(i, text.find_first_of("dfgs", i) - i + 1));
+  }
+  return places;
+}
+
+TEST(GermanStrings, AreThereOnceAndTakeTheSameValues) {
+  std::set<std::string_view> all;
+  for (const auto& [english, german] : kGermanStrings) {
+    EXPECT_TRUE(all.insert(english).second) << english << " is there twice";
+    EXPECT_FALSE(std::string_view(german).empty()) << english;
+    EXPECT_EQ(placesIn(english), placesIn(german)) << english;
+  }
+}
+
+TEST_F(ScaleControls, TheLanguageIsChosenByItsNameAndKept) {
+  const std::string recent = folder_.path("state/recent");
+  const auto restart = [&] {
+    script_.reset(), viewer_.reset();  // one interface at a time
+    auto made = HeadlessViewer::create(documentOpener({.maxMemory = kViewerMemory}),
+                                       ViewerOptions{.recent = recent});
+    ASSERT_TRUE(made) << made.error().message;
+    viewer_ = std::move(*made);
+    begin(kNarrow, kHigh);
+  };
+  ASSERT_NO_FATAL_FAILURE(restart());
+  open("blob.npy");
+  const Image english = shownAt("exposure", 300, 18);
+  script_->press(Key::kF3);
+  script_->frames(2);
+  ASSERT_TRUE(script_->click("search"));
+  script_->type("german");
+  script_->press(Key::kEnter);
+  script_->frames(3);
+  EXPECT_EQ(app().language().language(), Language::kGerman);
+  EXPECT_GT(difference(english, shownAt("exposure", 300, 18)), 0.2);
+  ASSERT_NO_FATAL_FAILURE(restart());
+  EXPECT_EQ(app().language().language(), Language::kGerman);
 }
 
 }  // namespace

@@ -81,6 +81,90 @@ TEST_F(ShownControls, WhatAVolumesFileLeavesOpenIsChosen) {
   EXPECT_EQ(saved["interpolate"], "linear");
 }
 
+TEST_F(ShownControls, ValuesAreSeenAsColoursThatAPersonDraws) {
+  open("blob.npy");
+  script_->input().height = 2300;
+  chooses("/media/0/transfer/map", "inferno");
+  EXPECT_FALSE(offers("/media/0/emission")) << "the transfer function stands for it";
+  EXPECT_FALSE(app().view().picture().scene()->scales.empty()) << "a bar says what colours are";
+  for (const char* point : {"/media/0/transfer/points/0", "/media/0/transfer/points/1"}) {
+    SCOPED_TRACE(point);
+    EXPECT_EQ(parameterAt(point).kind, Parameter::Kind::kPoint);
+  }
+  EXPECT_FALSE(parameterAt("/media/0/transfer/points/0").counts.empty()) << "a histogram";
+  const std::vector<double> before = parameterAt("/media/0/transfer/points/2").value;
+  expectSeen("a point is drawn down in the chart", [&] {
+    ASSERT_TRUE(script_->dragFrom("/media/0/transfer/chart", 0.99, 0.13, -10, 60));
+  });
+  const std::vector<double> drawn = parameterAt("/media/0/transfer/points/2").value;
+  EXPECT_LT(drawn[0], before[0]);
+  EXPECT_LT(drawn[1], 0.8 * before[1]);
+  expectSeen("a point is drawn by its numbers", [&] {
+    ASSERT_TRUE(script_->dragFrom("/media/0/transfer/points/1", 0.1, 0.5, 70, 0));
+  });
+  slide("/media/0/transfer/range/0", 0.25);
+  slide("/media/0/transfer/range/1", 0.4);
+  ASSERT_TRUE(script_->click("add /media/0/transfer/points = 1"));
+  load();
+  EXPECT_TRUE(offers("/media/0/transfer/points/3"));
+  ASSERT_TRUE(script_->click("remove /media/0/transfer/points = 1"));
+  load();
+  EXPECT_FALSE(offers("/media/0/transfer/points/3"));
+  saveAs("colours.json");
+  expectTheSameAfter("colours.json");
+  app().settings().look.renderer = static_cast<int>(ViewRenderer::kGl);
+  const Image byGl = picture();
+  app().settings().look.renderer = static_cast<int>(ViewRenderer::kCpu);
+  EXPECT_LT(difference(byGl, picture()), 0.02) << "as the command draws it";
+}
+
+TEST_F(ShownControls, MediaAreClippedByBoxesAndPlanes) {
+  open("blob.npy");
+  script_->input().height = 1900;
+  const Image whole = picture();
+  expectSeen("plane", [&] { ASSERT_TRUE(script_->click("add clip plane")); });
+  expectSeen("its place",
+             [&] { ASSERT_TRUE(script_->dragFrom("/clip/0/point", 0.15, 0.5, 40, 0)); });
+  expectSeen("its normal", [&] { ASSERT_TRUE(script_->click("/clip/0/normal", 0.1)); });
+  expectSeen("its height", [&] { ASSERT_TRUE(script_->click("/clip/0/normal elevation", 0.25)); });
+  saveAs("cut.json");
+  expectTheSameAfter("cut.json");
+  expectSeen("gone", [&] { ASSERT_TRUE(script_->click("remove /clip/0")); });
+  EXPECT_LT(difference(whole, picture()), 0.02);
+  ASSERT_TRUE(script_->click("add clip box"));
+  load();
+  ASSERT_TRUE(offers("/clip/0/min"));
+  expectSeen("from", [&] { ASSERT_TRUE(script_->dragFrom("/clip/0/min", 0.15, 0.5, 80, 0)); });
+  expectSeen("to", [&] { ASSERT_TRUE(script_->dragFrom("/clip/0/max", 0.15, 0.5, -180, 0)); });
+  ASSERT_TRUE(script_->click("duplicate /clip/0"));
+  load();
+  EXPECT_TRUE(offers("/clip/1/min"));
+  EXPECT_EQ(app().document().error(), "");
+}
+
+TEST_F(ShownControls, ADistanceIsMeasuredByTwoClicks) {
+  open("smoke.json");
+  ViewCamera& camera = app().view().camera();
+  camera.set({.eye = {3, 3, 20}, .target = {3, 3, 0}, .up = Vec3::UnitY(), .ortho = 8});
+  load();
+  const int width = script_->input().width, height = script_->input().height;
+  const double x = 0.5 * width, y = 0.5 * height;
+  const Vec3 eye = camera.eye();
+  script_->press(Key::kR);
+  EXPECT_TRUE(app().settings().measuring);
+  script_->clickAt(x - 40, y);
+  script_->clickAt(x + 40, y + 30);
+  const auto& ruler = app().tools().pointer.ruler();
+  ASSERT_EQ(ruler.size(), 2);
+  const double metres = 8.0 / height;  // of a pixel
+  EXPECT_NEAR((ruler[1] - ruler[0]).head<2>().norm(), std::hypot(80, 30) * metres, 0.05 * metres);
+  EXPECT_NEAR(ruler[1].x() - ruler[0].x(), 80 * metres, 0.05 * metres);
+  EXPECT_EQ((camera.eye() - eye).norm(), 0) << "the camera stays";
+  script_->press(Key::kEscape);
+  EXPECT_TRUE(app().tools().pointer.ruler().empty());
+  EXPECT_FALSE(app().settings().measuring);
+}
+
 TEST_F(ShownControls, WhatACaseHasIsChosenFromItsFiles) {
   writeCase(folder_);
   open("full.smv");
@@ -208,7 +292,7 @@ TEST_F(ShownControls, AnotherFileIsComparedByABorderAndAsADifference) {
 
 TEST_F(ShownControls, AFileToCompareWithThatIsNotThereIsNamed) {
   open("smoke.vtu");
-  app().document().askToOpen(true);
+  app().document().askToOpen(ViewerDocument::Purpose::kCompare);
   app().takeFile(folder_.path("gone.vtu"));
   load();
   script_->settle();

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // The viewer's clock and its films.
+#include <sys/resource.h>
+
+#include <csignal>
 #include <functional>
+#include <numbers>
 
 #include "volute/io/film.hpp"
 #include "volute/viewer/controls_testing.hpp"
@@ -124,11 +128,65 @@ TEST_F(TimeControls, AFilmIsMadeBesideTheWindowOrNotAtAll) {
   script_->frames(2);
   EXPECT_FALSE(app().playback().film());
   EXPECT_FALSE(std::filesystem::exists(folder_.path("film.mp4")));
+  ASSERT_TRUE(script_->click("film around"));
+  EXPECT_TRUE(app().settings().filmTurns);
   ASSERT_TRUE(script_->click("Make film"));
   waitForFilm();
   const Film film = filmOf("film.mp4");
   EXPECT_EQ(film.frames, 6) << "0 to 0.2 s, 25 a second";
   EXPECT_TRUE(film.changes);
+}
+
+/// As on a disk that is full: no file may become larger.
+TEST_F(TimeControls, AFilmThatFindsNoRoomSaysSoAndLeavesNoFile) {
+  open("smoke.pvd");
+  app().settings().filmName = folder_.path("full.mp4");
+  app().settings().filmSize = 0;
+  struct rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = ::signal(SIGXFSZ, SIG_IGN);
+  const struct rlimit small{100, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  app().beginFilm(script_->input());
+  for (int i = 0; i < 20000 && app().playback().film(); ++i) {
+    script_->frame();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  ::signal(SIGXFSZ, handler);
+  EXPECT_EQ(app().playback().film(), nullptr);
+  EXPECT_THAT(app().document().message(), ::testing::HasSubstr("full.mp4"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("full.mp4")));
+  const Image shown = picture();
+  EXPECT_GT(shown.width, 0) << "the window goes on";
+}
+
+TEST_F(TimeControls, AFilmOnceAroundIsMadeOfAStillToo) {
+  open("smoke.vtu");
+  app().settings().filmName = folder_.path("around.mp4");
+  app().settings().filmSize = 0;
+  script_->press(Key::kF3);
+  script_->frames(2);
+  ASSERT_TRUE(script_->click("search"));
+  script_->type("once around");
+  script_->press(Key::kEnter);
+  if (!app().playback().film() && !app().document().message().empty())
+    GTEST_SKIP() << app().document().message();
+  script_->frames(3);
+  ASSERT_TRUE(app().playback().film());
+  const FilmOrder& order = app().playback().film()->order();
+  EXPECT_EQ(order.frames(), 251) << "10 s";
+  const ViewCamera& begin = order.camera;
+  EXPECT_EQ(order.cameraOf(0), begin);
+  const Vec3 middle = begin.pivot(), axis = begin.upwards();
+  const auto level = [&](int frame) {
+    const Vec3 arm = order.cameraOf(frame).eye() - middle;
+    return Vec3(arm - arm.dot(axis) * axis);
+  };
+  const double angle = std::numbers::pi * 2 * 125 / 251;
+  EXPECT_NEAR(level(125).normalized().dot(level(0).normalized()), std::cos(angle), 1e-9);
+  EXPECT_NEAR(level(125).norm(), level(0).norm(), 1e-9);
+  app().playback().cancelFilm();
 }
 
 /// Whatever a person does to the scene while a film of it is made.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "volute/base/thread_priority.hpp"
 #include "volute/io/film.hpp"
@@ -18,7 +19,15 @@ constexpr int kLargestSide = 8192;
 }  // namespace
 
 int FilmOrder::frames() const {
-  return 1 + static_cast<int>(std::floor((end - begin) / speed * rate + 1e-9));
+  const double seconds = end > begin ? (end - begin) / speed : still;
+  return 1 + static_cast<int>(std::floor(seconds * rate + 1e-9));
+}
+
+ViewCamera FilmOrder::cameraOf(int frame) const {
+  ViewCamera there = camera;
+  if (turns)  // the last picture is one step before the first
+    there.turn(2 * std::numbers::pi * frame / frames());
+  return there;
 }
 
 double FilmOrder::timeOf(int frame) const {
@@ -97,7 +106,7 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene) {
     if (waiting_.size() >= kMaxWaiting)
       return {};
   }
-  const PictureRequest request{.camera = order_.camera,
+  const PictureRequest request{.camera = order_.cameraOf(next_),
                                .width = order_.width,
                                .height = order_.height,
                                .quality = Quality::kFull,

@@ -22,6 +22,8 @@ struct FilmOrder {
   double rate = 25;           ///< pictures a second
   double begin = 0, end = 0;  ///< [s] of the document
   double speed = 1;           ///< document seconds a film second
+  double still = 0;           ///< [s] of the film, of what does not move
+  bool turns = false;         ///< the camera goes once around what it looks at
   ViewCamera camera;
   ViewRenderer renderer = ViewRenderer::kAuto;
   bool surfaces = true;
@@ -29,6 +31,7 @@ struct FilmOrder {
 
   int frames() const;
   double timeOf(int frame) const;  ///< [s] of the document
+  ViewCamera cameraOf(int frame) const;
 };
 
 /// Makes a film while the window goes on: the window's thread draws a picture at a time, as the

@@ -51,7 +51,7 @@ void lostPart(ViewerApp& app) {
   if (all.empty())
     return;
   ImGui::Spacing();
-  wrappedText("Scenes with changes that were not saved when the viewer ended:");
+  wrappedText(tr("Scenes with changes that were not saved when the viewer ended:"));
   for (std::size_t i = 0; i < std::min<std::size_t>(all.size(), 4); ++i) {
     const std::string number = fmt::format("{}", i);
     if (markedButton(app, ("Restore###restore" + number).c_str(), "restore " + number))
@@ -77,25 +77,25 @@ void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {24, 22});
   ImGui::Begin("Welcome", nullptr, kCard);
-  ImGui::TextUnformatted("Fire, smoke and fog");
+  ImGui::TextUnformatted(tr("Fire, smoke and fog"));
   ImGui::Spacing();
   if (!app.document().error().empty()) {
     errorText(app.document().error());
     ImGui::Spacing();
   }
-  wrappedText(
-      "Drop a file here, or open one: a .volute, .vdb or .npy volume, a scene .json, a map of fog "
-      "(.png), smoke on a mesh (.pvd, .vtu), a case of FDS (.smv), a capture.",
-      true);
+  wrappedText(tr("Drop a file here, or open one: a .volute, .vdb or .npy volume, a scene .json, a "
+                 "map of fog "
+                 "(.png), smoke on a mesh (.pvd, .vtu), a case of FDS (.smv), a capture."),
+              true);
   ImGui::Spacing();
-  if (ImGui::Button("Open a file   Ctrl O", {-1, 34}))
+  if (ImGui::Button(tr("Open a file   Ctrl O"), {-1, 34}))
     app.document().askToOpen();
   app.window().mark("Open a file");
   lostPart(app);
   const auto recent = app.document().files().recent().names();  // it changes when one is opened
   if (!recent.empty()) {
     ImGui::Spacing();
-    ImGui::TextDisabled("Recent");
+    ImGui::TextDisabled("%s", tr("Recent"));
   }
   for (std::size_t i = 0; i < std::min<std::size_t>(recent.size(), 6); ++i) {
     const std::string label = fmt::format("{}###recent{}", nameOf(recent[i]), i);
@@ -110,11 +110,11 @@ void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
 
 /// The viewer's own list of files, where the desktop has no dialog.
 void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
-  constexpr const char* kTitle = "Open a file";
+  const std::string kTitle = tr("Open a file") + std::string("###open a file");
   DocumentFiles::Browser* browser = app.document().files().browser();
-  if (browser && !ImGui::IsPopupOpen(kTitle))
-    ImGui::OpenPopup(kTitle);
-  if (!beginQuestion(kTitle, input, 560))
+  if (browser && !ImGui::IsPopupOpen(kTitle.c_str()))
+    ImGui::OpenPopup(kTitle.c_str());
+  if (!beginQuestion(kTitle.c_str(), input, 560))
     return;
   if (browser) {
     wrappedText(browser->folder.string(), true);
@@ -146,7 +146,7 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
         browser->name = entry.name;
     }
     if (browser->entries.empty())
-      ImGui::TextDisabled("the folder is empty or cannot be read");
+      ImGui::TextDisabled("%s", tr("the folder is empty or cannot be read"));
     ImGui::EndChild();
     ImGui::SetNextItemWidth(-1);
     nameBox("##name", browser->name);
@@ -173,17 +173,20 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
 
 /// A question that has to be answered before anything else.
 void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
-  constexpr const char* kTitle = "Not saved yet";
-  if (app.leaving().asked() && !ImGui::IsPopupOpen(kTitle))
-    ImGui::OpenPopup(kTitle);
-  if (!beginQuestion(kTitle, input, 420))
+  const std::string kTitle = tr("Not saved yet") + std::string("###not saved");
+  if (app.leaving().asked() && !ImGui::IsPopupOpen(kTitle.c_str()))
+    ImGui::OpenPopup(kTitle.c_str());
+  if (!beginQuestion(kTitle.c_str(), input, 420))
     return;
   if (const LeaveQuestion::Asked* leaving = app.leaving().asked()) {
     const bool map = leaving->what == LeaveQuestion::What::kMap;
     const std::string before =
-        leaving->path.empty() ? "Before the viewer ends" : "Before " + leaving->path + " is opened";
-    wrappedText(map ? "The painted fog is not saved. " + before + ", save the map as"
-                    : "The scene has unsaved changes. " + before + ", save it as");
+        leaving->path.empty() ? tr("Before the viewer ends")
+                              : fmt::format(fmt::runtime(tr("Before {} is opened")), leaving->path);
+    wrappedText(
+        fmt::format(fmt::runtime(tr(map ? "The painted fog is not saved. {}, save the map as"
+                                        : "The scene has unsaved changes. {}, save it as")),
+                    before));
     ImGui::SetNextItemWidth(-1);
     nameBox("##target", map ? app.settings().mapName : app.settings().sceneName);
     app.window().mark(map ? "leave map" : "leave scene");
@@ -207,15 +210,40 @@ void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
   ImGui::EndPopup();
 }
 
+/// A scene's file that is not there is asked for.
+void drawMovedPanel(ViewerApp& app, const ViewerInput& input) {
+  const std::string kTitle = tr("A file is missing") + std::string("###moved");
+  if (app.document().moved() && !ImGui::IsPopupOpen(kTitle.c_str()))
+    ImGui::OpenPopup(kTitle.c_str());
+  if (!beginQuestion(kTitle.c_str(), input, 460))
+    return;
+  if (const MovedFile* moved = app.document().moved()) {
+    wrappedText(fmt::format(fmt::runtime(tr("{} names {}, which is not there.")),
+                            nameOf(moved->scene), moved->place.string()));
+    const bool finds = markedButton(app, "Find it ...", "find moved");
+    hint("where it is now; others that are missing are looked for beside it");
+    ImGui::SameLine();
+    const bool stays = markedButton(app, "Cancel", "moved cancel");
+    if (finds)
+      app.document().findMoved();
+    else if (stays)
+      app.document().forgetMoved();
+  }
+  if (!app.document().moved())
+    ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
 /// Before a file that somebody else wrote is written over.
 void drawReplacePanel(ViewerApp& app, const ViewerInput& input) {
-  constexpr const char* kTitle = "The file exists";
-  if (app.document().files().replacing() && !ImGui::IsPopupOpen(kTitle))
-    ImGui::OpenPopup(kTitle);
-  if (!beginQuestion(kTitle, input, 380))
+  const std::string kTitle = tr("The file exists") + std::string("###file exists");
+  if (app.document().files().replacing() && !ImGui::IsPopupOpen(kTitle.c_str()))
+    ImGui::OpenPopup(kTitle.c_str());
+  if (!beginQuestion(kTitle.c_str(), input, 380))
     return;
   if (app.document().files().replacing()) {
-    wrappedText(app.document().files().replacing()->target + " is there already.");
+    wrappedText(fmt::format(fmt::runtime(tr("{} is there already.")),
+                            app.document().files().replacing()->target));
     const bool replaces = markedButton(app, "Replace it", "replace");
     ImGui::SameLine();
     const bool keeps = markedButton(app, "Cancel", "keep");

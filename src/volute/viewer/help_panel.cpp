@@ -11,7 +11,7 @@
 namespace volute {
 namespace {
 
-using Line = std::pair<const char*, const char*>;
+using Line = std::pair<std::string, std::string>;
 
 std::vector<Line> helpLines() {
   std::vector<Line> lines{{"left mouse", "turn; paint while painting fog"},
@@ -27,6 +27,7 @@ std::vector<Line> helpLines() {
     if (command.keys[0] != 0)
       lines.emplace_back(command.keys, command.name);
   }
+  for (auto& [keys, does] : lines) keys = trName(keys), does = tr(does);
   return lines;
 }
 
@@ -46,7 +47,7 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
   ImGui::SetNextWindowBgAlpha(1);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {8, 2});
-  ImGui::Begin("Help", &app.settings().help, kInTheMiddle);
+  ImGui::Begin(tr("Help"), &app.settings().help, kInTheMiddle);
   // In as few columns as are low enough.
   const std::vector<Line> lines = helpLines();
   constexpr float kGap = 2;
@@ -57,8 +58,8 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
   float wide = 0, keysWide = 0, high = 0;
   const auto heightOf = [&](const Line& line) {
     const float wrap = wide - keysWide - 10;
-    const float keys = ImGui::CalcTextSize(line.first, nullptr, false, keysWide - 6).y;
-    return std::max(keys, ImGui::CalcTextSize(line.second, nullptr, false, wrap).y) + kGap;
+    const float keys = ImGui::CalcTextSize(line.first.c_str(), nullptr, false, keysWide - 6).y;
+    return std::max(keys, ImGui::CalcTextSize(line.second.c_str(), nullptr, false, wrap).y) + kGap;
   };
   do {
     ++columns;
@@ -82,12 +83,12 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::SetCursorPos({x, y});
     ImGui::PushTextWrapPos(x + keysWide - 6);
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-    ImGui::TextUnformatted(lines[i].first);
+    ImGui::TextUnformatted(lines[i].first.c_str());
     ImGui::PopStyleColor();
     ImGui::PopTextWrapPos();
     ImGui::SetCursorPos({x + keysWide, y});
     ImGui::PushTextWrapPos(x + wide - 10);
-    ImGui::TextUnformatted(lines[i].second);
+    ImGui::TextUnformatted(lines[i].second.c_str());
     ImGui::PopTextWrapPos();
     y += heightOf(lines[i]);
   }
@@ -113,7 +114,7 @@ void drawSearchPanel(ViewerApp& app, const ViewerInput& input) {
   ImGui::SetNextWindowSizeConstraints(
       {width, 0}, {width, std::max(120.0F, 0.7F * static_cast<float>(input.height))});
   ImGui::SetNextWindowBgAlpha(1);
-  ImGui::Begin("Search", &settings.search, kInTheMiddle);
+  ImGui::Begin(tr("Search"), &settings.search, kInTheMiddle);
   if (ImGui::IsWindowAppearing())
     ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
@@ -126,15 +127,15 @@ void drawSearchPanel(ViewerApp& app, const ViewerInput& input) {
       continue;
     if (!first)
       first = &command;
-    if (ImGui::Selectable(command.name))
+    if (ImGui::Selectable(tr(command.name)))
       chosen = &command;
     app.window().mark(std::string("command ") + command.name);
-    const float keys = ImGui::CalcTextSize(command.keys).x;
+    const float keys = ImGui::CalcTextSize(trName(command.keys).c_str()).x;
     ImGui::SameLine(ImGui::GetContentRegionMax().x - keys);
-    ImGui::TextDisabled("%s", command.keys);
+    ImGui::TextDisabled("%s", trName(command.keys).c_str());
   }
   if (!first)
-    wrappedText("no command has these words", true);
+    wrappedText(tr("no command has these words"), true);
   if (std::ranges::count(input.pressed, Key::kEnter) > 0)
     chosen = first;
   ImGui::End();

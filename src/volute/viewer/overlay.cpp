@@ -99,6 +99,28 @@ void drawPlacing(ViewerApp& app, const Camera& camera, const Lines& lines,
   lines.line(at.position, at.position + size * at.normal, kColor, 2);
 }
 
+/// From one end to the other, with its length and how far it goes along each axis.
+void drawRuler(ViewerApp& app, const Camera& camera, const Lines& lines) {
+  constexpr ImU32 kColor = IM_COL32(253, 231, 37, 255);
+  const auto& ends = app.tools().pointer.ruler();
+  for (const Vec3& end : ends) lines.dot(end, 4, kColor);
+  if (ends.size() < 2)
+    return;
+  lines.line(ends[0], ends[1], kColor, 2);
+  const auto at = camera.project(0.5 * (ends[0] + ends[1]));
+  if (!at)
+    return;
+  const Vec3 way = ends[1] - ends[0];
+  const std::string text =
+      fmt::format("{:.4g} m\nx {:.4g}  y {:.4g}  z {:.4g}", way.norm(), way.x(), way.y(), way.z());
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 corner{static_cast<float>(at->x()) + 12, static_cast<float>(at->y()) - size.y / 2};
+  list->AddRectFilled({corner.x - 6, corner.y - 4}, {corner.x + size.x + 6, corner.y + size.y + 4},
+                      IM_COL32(12, 14, 18, 200), 6);
+  list->AddText(corner, kColor, text.c_str());
+}
+
 /// Lines behind what there is to see: a dark background's are lighter than it and hidden by what is
 /// lighter still, a light one's the other way round.
 void drawAids(const ViewScene& scene, const Lines& lines, const Rgb& background) {
@@ -140,6 +162,7 @@ void drawOverlay(ViewerApp& app, const ViewerInput& input) {
     }
   }
   drawPlacing(app, camera, lines, input);
+  drawRuler(app, camera, lines);
   PaintTool& paint = app.tools().painting.tool();
   if (!app.settings().painting || !paint.has() || !paint.at())
     return;

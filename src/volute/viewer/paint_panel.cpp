@@ -23,7 +23,7 @@ void toolPart(ViewerApp& app) {
   for (int i = 0; i < 4; ++i) {
     if (i > 0 && i < 3)  // as many as the panel is wide
       ImGui::SameLine();
-    ImGui::RadioButton(kTools[i].first, &kind, i);
+    ImGui::RadioButton(tr(kTools[i].first), &kind, i);
     app.window().mark(std::string("tool ") + kTools[i].first);
     hint(kTools[i].second);
   }
@@ -107,10 +107,10 @@ void valuePart(const PaintTool& paint) {
                      : paint.at() ? painter.nearest(*paint.at())
                                   : std::nullopt;
   if (place) {
-    ImGui::TextDisabled("column %d, row %d: %.4f /m", place->column, place->row,
+    ImGui::TextDisabled(tr("column %d, row %d: %.4f /m"), place->column, place->row,
                         painter.valueOf(*place));
   } else {
-    ImGui::TextDisabled("%d x %d values, 0 to %.3g /m", painter.coefficients().columns,
+    ImGui::TextDisabled(tr("%d x %d values, 0 to %.3g /m"), painter.coefficients().columns,
                         painter.coefficients().rows, painter.most());
   }
 }
@@ -120,11 +120,11 @@ void savePaintPart(ViewerApp& app) {
   nameBox("##map", app.settings().mapName);
   app.window().mark("map");
   const bool unsaved = app.tools().painting.unsaved();
-  if (ImGui::Button("Save map"))
+  if (ImGui::Button(tr("Save map")))
     app.tools().painting.save();
   app.window().mark("Save map");
   ImGui::SameLine();
-  ImGui::TextDisabled("%s", unsaved ? "not saved yet" : "as in the file");
+  ImGui::TextDisabled("%s", tr(unsaved ? "not saved yet" : "as in the file"));
 }
 
 }  // namespace
@@ -139,7 +139,7 @@ void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below) {
     layout.measure(SidePanel::kPaint, ImGui::GetFrameHeight());
   if (beginSidePanel(app, SidePanel::kPaint, "Paint fog", kPanelMargin, below)) {
     ImGui::PushItemWidth(-kPaintLabels);
-    ImGui::Checkbox("paint in the view", &app.settings().painting);
+    ImGui::Checkbox(tr("paint in the view"), &app.settings().painting);
     app.window().mark("paint in the view");
     hint("left button: paint on the ground; right button: turn");
     toolPart(app);

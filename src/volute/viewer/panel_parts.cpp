@@ -77,12 +77,13 @@ bool sliderDouble(const char* label, double& value, double least, double most, c
                   bool logarithmic) {
   const ImGuiSliderFlags flags = (logarithmic ? ImGuiSliderFlags_Logarithmic : 0) |
                                  ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoRoundToFormat;
-  return ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &least, &most, format, flags);
+  return ImGui::SliderScalar(tr(std::string(label)).c_str(), ImGuiDataType_Double, &value, &least,
+                             &most, trName(format).c_str(), flags);
 }
 
 bool markedButton(ViewerApp& app, const char* label, const std::string& mark, bool enabled) {
   ImGui::BeginDisabled(!enabled);
-  const bool pressed = ImGui::Button(label);
+  const bool pressed = ImGui::Button(tr(std::string(label)).c_str());
   ImGui::EndDisabled();
   app.window().mark(mark);
   return pressed;
@@ -140,14 +141,14 @@ bool nameBox(const char* label, std::string& name) {
 bool choiceBox(ViewerApp& app, const char* label, const std::string& mark,
                std::span<const std::string> choices, int& chosen) {
   const std::string& shown = choices[static_cast<std::size_t>(chosen)];
-  const bool open = ImGui::BeginCombo(label, shown.c_str());
+  const bool open = ImGui::BeginCombo(tr(std::string(label)).c_str(), trName(shown).c_str());
   app.window().mark(mark);
   if (!open)
     return false;
   bool moved = false;
   for (int i = 0; i < static_cast<int>(choices.size()); ++i) {
     const std::string& choice = choices[static_cast<std::size_t>(i)];
-    if (ImGui::Selectable(choice.c_str(), i == chosen)) {
+    if (ImGui::Selectable(trName(choice).c_str(), i == chosen)) {
       moved = i != chosen;
       chosen = i;
     }
@@ -157,9 +158,14 @@ bool choiceBox(ViewerApp& app, const char* label, const std::string& mark,
   return moved;
 }
 
+void hint(const char* text) {
+  hint(std::string(*text ? tr(text) : ""));
+}
+
 void hint(const std::string& text) {
+  const std::string said = text.empty() ? "" : trName(text);
   if (!text.empty() && ImGui::IsItemHovered() && !ImGui::IsItemActive())
-    ImGui::SetTooltip("%s", text.c_str());
+    ImGui::SetTooltip("%s", said.c_str());
 }
 
 }  // namespace volute

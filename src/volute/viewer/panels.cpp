@@ -67,7 +67,7 @@ void viewSlider(ViewerApp& app) {
   ViewCamera& camera = app.view().camera();
   double seen = camera.parallel() ? camera.ortho() : camera.fov();
   bool parallel = camera.parallel();
-  if (ImGui::Checkbox("parallel", &parallel))
+  if (ImGui::Checkbox(tr("parallel"), &parallel))
     camera.toggleParallel();
   app.window().mark("parallel");
   hint("parallel rays instead of perspective: 5");
@@ -85,21 +85,21 @@ void viewSlider(ViewerApp& app) {
 }
 
 void openAndHelp(ViewerApp& app, bool picture) {
-  if (ImGui::Button("Open"))
+  if (ImGui::Button(tr("Open")))
     app.document().askToOpen();
   app.window().mark("Open");
   hint(picture ? "another file: Ctrl O" : "a file: Ctrl O");
   ImGui::SameLine();
   if (picture) {
-    if (ImGui::Button("Screenshot"))
+    if (ImGui::Button(tr("Screenshot")))
       app.window().requestScreenshot();
     app.window().mark("Screenshot");
     ImGui::SameLine();
-    const float wide = ImGui::CalcTextSize("Help").x + 2 * ImGui::GetStyle().FramePadding.x;
+    const float wide = ImGui::CalcTextSize(tr("Help")).x + 2 * ImGui::GetStyle().FramePadding.x;
     if (ImGui::GetCursorPosX() + wide > ImGui::GetContentRegionMax().x)
       ImGui::NewLine();
   }
-  if (ImGui::Button("Help"))
+  if (ImGui::Button(tr("Help")))
     app.settings().help = !app.settings().help;
   app.window().mark("Help");
 }
@@ -118,14 +118,14 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   combo(app, "renderer", look.renderer, {"automatic", "OpenGL", "CPU"});
   viewSlider(app);
   if (app.view().picture().scene() && app.view().picture().scene()->bare) {
-    ImGui::Checkbox("surfaces", &look.surfaces);
+    ImGui::Checkbox(tr("surfaces"), &look.surfaces);
     app.window().mark("surfaces");
     hint("walls, ground and other opaque surfaces, except signs");
   }
   int mode = static_cast<int>(app.view().camera().mode());
   combo(app, "camera", mode, {"orbit", "walk"});
   app.view().camera().setMode(static_cast<ViewCamera::Mode>(mode));
-  if (ImGui::Button("Whole view"))
+  if (ImGui::Button(tr("Whole view")))
     app.view().whole(input.width, input.height);
   app.window().mark("Whole view");
   hint("the whole scene, from outside");
@@ -133,7 +133,7 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   openAndHelp(app, true);
   if (!app.document().info() || !app.document().info()->startView)
     return;
-  if (ImGui::Button("First view"))
+  if (ImGui::Button(tr("First view")))
     app.view().reset(input.width, input.height);
   app.window().mark("First view");
   hint("return to the first view");
@@ -147,11 +147,12 @@ void comparePart(ViewerApp& app) {
   ImGui::Separator();
   if (!comparison.active()) {
     if (markedButton(app, "Compare with ...", "compare"))
-      app.document().askToOpen(true);
+      app.document().askToOpen(ViewerDocument::Purpose::kCompare);
     hint("another file, from the same place at the same time: by a border, or the difference");
     return;
   }
-  wrappedText("compared with " + std::filesystem::path(comparison.path()).filename().string());
+  wrappedText(fmt::format(fmt::runtime(tr("compared with {}")),
+                          std::filesystem::path(comparison.path()).filename().string()));
   if (!comparison.error().empty())
     drawNotice({PanelNotice::Kind::kError, comparison.error()});
   int mode = static_cast<int>(comparison.mode);
@@ -174,7 +175,7 @@ void stationPart(ViewerApp& app) {
   if (!app.document().info() || app.document().info()->stations.empty())
     return;
   ImGui::Separator();
-  ImGui::TextUnformatted("look from");
+  ImGui::TextUnformatted(tr("look from"));
   const float right = ImGui::GetContentRegionMax().x;
   for (const ViewStation& station : app.document().info()->stations) {
     const std::string shown =
@@ -199,7 +200,7 @@ void savePart(ViewerApp& app) {
   ImGui::SetNextItemWidth(-1);  // names are long
   nameBox("##scene", app.settings().sceneName);
   app.window().mark("scene");
-  if (ImGui::Button("Save scene"))
+  if (ImGui::Button(tr("Save scene")))
     app.saveScene();
   app.window().mark("Save scene");
 }
@@ -208,11 +209,11 @@ void savePart(ViewerApp& app) {
 void whoDraws(ViewerApp& app) {
   const FrameTimes& times = app.view().picture().times();
   if (times.cpu) {
-    wrappedText("by the CPU: " + times.why, true);
+    wrappedText(fmt::format(fmt::runtime(tr("by the CPU: {}")), times.why), true);
     app.window().mark("who draws");
     return;
   }
-  wrappedText("by " + app.device().renderer, true);
+  wrappedText(fmt::format(fmt::runtime(tr("by {}")), app.device().renderer), true);
   app.window().mark("who draws");
   const bool tells = app.device().hardware;  // a rasteriser's clock looks when it has computed
   for (const GlPassTime& pass : times.passes) {
@@ -240,9 +241,9 @@ void timesPart(ViewerApp& app) {
                        1.1F * most, {ImGui::GetContentRegionAvail().x, 36});
   app.window().mark("times");
   hint("times of the last pictures");
-  wrappedText(
-      fmt::format("{}, {} x {} pixels", shortTime(times.milliseconds), times.width, times.height));
-  wrappedText(shortTime(most) + " at most");
+  wrappedText(fmt::format(fmt::runtime(tr("{}, {} x {} pixels")), shortTime(times.milliseconds),
+                          times.width, times.height));
+  wrappedText(fmt::format(fmt::runtime(tr("{} at most")), shortTime(most)));
   whoDraws(app);
 }
 
@@ -278,8 +279,9 @@ bool beginSidePanel(ViewerApp& app, SidePanel panel, const char* title, float le
   ImGui::SetNextWindowPos({left, top});
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, layout.most(panel)});
   ImGui::SetNextWindowCollapsed(!layout.isOpen(panel));
-  const bool drawn =
-      ImGui::Begin(title, nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+  const std::string shown = fmt::format("{}###{}", tr(title), title);
+  const bool drawn = ImGui::Begin(shown.c_str(), nullptr,
+                                  ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
   const bool open = !ImGui::IsWindowCollapsed();
   if (open != layout.isOpen(panel))
     layout.set(panel, open);
@@ -303,6 +305,7 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
   drawOpenPanel(app, input);
   drawLeavePanel(app, input);
   drawReplacePanel(app, input);
+  drawMovedPanel(app, input);
   if (!app.settings().panels)
     return;
   drawEmptyWindow(app, input);

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "volute/viewer/language.hpp"
 #include "volute/viewer/viewer_app.hpp"
 
 namespace volute {
@@ -26,11 +27,14 @@ void drawTimePanel(ViewerApp& app, const ViewerInput& input);
 void drawHelpPanel(ViewerApp& app, const ViewerInput& input);
 void drawSearchPanel(ViewerApp& app, const ViewerInput& input);
 void drawLeavePanel(ViewerApp& app, const ViewerInput& input);
+/// The curve of a transfer function, of whose points this is the first.
+void drawTransferChart(ViewerApp& app, const Parameter& first);
 void drawOverlay(ViewerApp& app, const ViewerInput& input);
 void drawStage(ViewerApp& app, const ViewerInput& input);
 void drawEmptyWindow(ViewerApp& app, const ViewerInput& input);
 void drawOpenPanel(ViewerApp& app, const ViewerInput& input);
 void drawReplacePanel(ViewerApp& app, const ViewerInput& input);
+void drawMovedPanel(ViewerApp& app, const ViewerInput& input);
 
 /// Of the panel of time [pixels]: none for what does not move.
 float timePanelHeight(ViewerApp& app, const ViewerInput& input);
@@ -66,6 +70,7 @@ bool choiceBox(ViewerApp& app, const char* label, const std::string& mark,
                std::span<const std::string> choices, int& chosen);
 
 /// A remark that appears over the control that was drawn last.
-void hint(const std::string& text);
+void hint(const char* text);
+void hint(const std::string& name);  ///< one that may be somebody else's
 
 }  // namespace volute

@@ -26,11 +26,11 @@ bool directionControl(ViewerApp& app, const Parameter& parameter, std::vector<do
   bool moved = sliderDouble("azimuth", azimuth, -180, 180, "%.0f degrees");
   app.window().mark(parameter.path);
   hint(light ? "azimuth of the light's source, from +x towards +y"
-             : "azimuth of the sign's normal, from +x towards +y");
+             : "azimuth of the normal, from +x towards +y");
   moved |= sliderDouble("elevation", elevation, light ? 1 : -90, 90, "%.0f degrees");
   app.window().mark(parameter.path + " elevation");
   hint(light ? "elevation of the light's source above the horizon"
-             : "elevation of the sign's normal above the horizon");
+             : "elevation of the normal above the horizon");
   if (!moved)
     return false;
   const double level = std::cos(elevation * kDegree) * length;
@@ -39,10 +39,12 @@ bool directionControl(ViewerApp& app, const Parameter& parameter, std::vector<do
   return true;
 }
 
-/// So many digits that three numbers fit beside each other.
-const char* formatOfThree(const std::vector<double>& value) {
+/// So many digits that three numbers fit beside each other, each in `room` [points].
+const char* formatOfThree(const std::vector<double>& value, float room) {
   double most = 0;
   for (const double v : value) most = std::max(most, std::abs(v));
+  if (ImGui::CalcTextSize("0.000").x > room)
+    return most < 9.99 ? "%.2f" : most < 99.9 ? "%.1f" : "%.0f";
   return most < 0.1 ? "%.3f" : most < 9.99 ? "%.2f" : most < 99.9 ? "%.1f" : "%.0f";
 }
 
@@ -62,10 +64,13 @@ bool colorControl(ViewerApp& app, const Parameter& parameter, std::vector<double
   const float patch = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
   const double most = *std::ranges::max_element(value);
   const auto step = static_cast<float>(std::max(1.0 / 255, 0.01 * most));
-  ImGui::SetNextItemWidth(ImGui::CalcItemWidth() - patch - gap);
+  const float wide = ImGui::CalcItemWidth() - patch - gap;
+  const float room = (wide - 2 * gap) / 3 - 2 * ImGui::GetStyle().FramePadding.x;
+  ImGui::SetNextItemWidth(wide);
   ImGui::BeginGroup();
-  bool moved = ImGui::DragScalarN("##numbers", ImGuiDataType_Double, value.data(), 3, step, &kNone,
-                                  nullptr, formatOfThree(value), ImGuiSliderFlags_NoRoundToFormat);
+  bool moved =
+      ImGui::DragScalarN("##numbers", ImGuiDataType_Double, value.data(), 3, step, &kNone, nullptr,
+                         formatOfThree(value, room), ImGuiSliderFlags_NoRoundToFormat);
   ImGui::SameLine(0, gap);
   float shown[] = {static_cast<float>(value[0]), static_cast<float>(value[1]),
                    static_cast<float>(value[2])};
@@ -75,9 +80,9 @@ bool colorControl(ViewerApp& app, const Parameter& parameter, std::vector<double
     value.assign(shown, shown + 3);
   }
   ImGui::SameLine(0, gap);
-  ImGui::TextUnformatted(parameter.name.c_str());
+  ImGui::TextUnformatted(tr(parameter.name).c_str());
   ImGui::EndGroup();
-  app.window().mark(parameter.path);
+  app.window().mark(parameter.path, idsOf("##numbers"));
   for (double& v : value) v = std::max(0.0, v);
   return moved;
 }
@@ -92,11 +97,12 @@ std::string formatOf(const Parameter& parameter) {
 
 /// True when a person changed the value.
 bool control(ViewerApp& app, const Parameter& parameter, std::vector<double>& value) {
-  const char* name = parameter.name.c_str();
+  const std::string label = tr(parameter.name);
+  const char* name = label.c_str();
   bool moved = false;
   switch (parameter.kind) {
     case Parameter::Kind::kNumber:
-      moved = sliderDouble(name, value.front(), parameter.least, parameter.most,
+      moved = sliderDouble(parameter.name.c_str(), value.front(), parameter.least, parameter.most,
                            formatOf(parameter).c_str(), parameter.logarithmic);
       break;
     case Parameter::Kind::kInteger: {
@@ -115,16 +121,16 @@ bool control(ViewerApp& app, const Parameter& parameter, std::vector<double>& va
     }
     case Parameter::Kind::kChoice: {
       int chosen = static_cast<int>(value.front());
-      moved = choiceBox(app, name, parameter.path, parameter.choices, chosen);
+      moved = choiceBox(app, parameter.name.c_str(), parameter.path, parameter.choices, chosen);
       value.front() = chosen;
       return moved;
     }
     case Parameter::Kind::kPoint: {
       const std::string unit = parameter.unit.empty() ? "" : " [" + parameter.unit + "]";
-      moved = ImGui::DragScalarN(
-          (parameter.name + unit).c_str(), ImGuiDataType_Double, value.data(),
-          static_cast<int>(value.size()), static_cast<float>(parameter.step), nullptr, nullptr,
-          formatOfPoint(value, parameter.step), ImGuiSliderFlags_NoRoundToFormat);
+      moved = ImGui::DragScalarN((label + unit).c_str(), ImGuiDataType_Double, value.data(),
+                                 static_cast<int>(value.size()), static_cast<float>(parameter.step),
+                                 nullptr, nullptr, formatOfPoint(value, parameter.step),
+                                 ImGuiSliderFlags_NoRoundToFormat);
       break;
     }
     case Parameter::Kind::kColor:
@@ -164,7 +170,8 @@ void billboardButton(ViewerApp& app, const std::string& owner, const std::string
 /// What can be done with a sign or a light as a whole.
 void ownerButtons(ViewerApp& app, const std::string& owner) {
   const bool sign = owner.starts_with("/signs/");
-  if (!app.document().info()->editable || !(sign || owner.starts_with("/lights/")))
+  const bool clip = owner.starts_with("/clip/");
+  if (!app.document().info()->editable || !(sign || clip || owner.starts_with("/lights/")))
     return;
   ImGui::PushID(owner.c_str());
   const auto& all = app.document().info()->parameters;
@@ -197,11 +204,17 @@ void editPart(ViewerApp& app) {
       {"Sign", "add sign", "add an exit sign at the centre of the picture", Kind::kAddSign},
       {"Lamp", "add lamp", "add a lamp at the centre of the picture", Kind::kAddSpot},
       {"Sun", "add sun", "light from afar", Kind::kAddSun},
-      {"Ambient", "add ambient", "light from everywhere", Kind::kAddAmbient}};
+      {"Ambient", "add ambient", "light from everywhere", Kind::kAddAmbient},
+      {"Box", "add clip box", "a box outside of which the media are not shown", Kind::kAddClipBox},
+      {"Plane", "add clip plane", "a plane before which the media are not shown",
+       Kind::kAddClipPlane}};
 
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted("add");
   for (const auto& added : kAdded) {
+    const bool clips = added.kind == Kind::kAddClipBox;
+    if (&added == std::begin(kAdded) || clips) {
+      ImGui::AlignTextToFramePadding();
+      ImGui::TextUnformatted(tr(clips ? "clip" : "add"));
+    }
     ImGui::SameLine();
     if (markedButton(app, added.label, added.mark))
       app.tools().pointer.add(added.kind);
@@ -219,7 +232,10 @@ void editPart(ViewerApp& app) {
 std::string headingOf(const std::string& group, std::size_t letters) {
   const std::size_t kind = group.find(": ");
   const std::size_t kept = kind == std::string::npos ? 0 : kind + 2;
-  return group.substr(0, kept) + shortened(group.substr(kept), letters - std::min(letters, kept));
+  if (kept == 0)
+    return trName(group);
+  return trName(group.substr(0, kind)) + ": " +
+         shortened(group.substr(kept), letters - std::min(letters, kept));
 }
 
 /// An entry of a list: one more beside it, or it goes.
@@ -268,7 +284,7 @@ bool sectionPart(ViewerApp& app, const std::vector<Parameter>& all, const Parame
   });
   ImGui::SetNextItemOpen(rows < kLong, ImGuiCond_Once);
   const bool open =
-      ImGui::TreeNodeEx((first.section + "###" + owner + " " + first.section).c_str(),
+      ImGui::TreeNodeEx((tr(first.section) + "###" + owner + " " + first.section).c_str(),
                         ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_SpanAvailWidth);
   app.window().mark("group " + first.section + " of " + owner);
   return open;
@@ -308,6 +324,8 @@ void parametersPart(ViewerApp& app) {
     if (!shown)
       continue;
     ImGui::PushID(parameter.path.c_str());
+    if (parameter.path.ends_with("/transfer/points/0"))
+      drawTransferChart(app, parameter);
     std::vector<double> value = parameter.value;
     if (control(app, parameter, value))
       app.document().set(parameter, value);

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/recovery.hpp"
 
+#include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -47,6 +48,19 @@ void Recovery::keep(const std::string& scene, const std::string& name) {
   const std::filesystem::path fresh = std::filesystem::path(file).replace_extension(".new");
   std::ofstream(fresh) << scene;
   std::filesystem::rename(fresh, file, failed);
+}
+
+std::string Recovery::keepMended(const std::string& scene, const std::string& name) const {
+  std::error_code failed;
+  const auto folder = folder_.empty() ? std::filesystem::temp_directory_path(failed) /
+                                            fmt::format("volute-{}", ::getuid()) / "unsaved"
+                                      : folder_;
+  std::filesystem::create_directories(folder, failed);
+  std::filesystem::permissions(folder, std::filesystem::perms::owner_all, failed);
+  const auto file = folder / fmt::format("{}-mended.json", ::getpid());
+  std::ofstream(nameBeside(file)) << name << "\n";
+  std::ofstream(file) << scene;
+  return file.string();
 }
 
 void Recovery::adopt(const std::string& path) {

@@ -36,6 +36,9 @@ class Recovery {
   /// @param name  that it would be saved under
   void keep(const std::string& scene, const std::string& name);
 
+  /// Keeps a scene that was mended before it could be opened; returns its file.
+  std::string keepMended(const std::string& scene, const std::string& name) const;
+
   /// What processes left that are no longer there.
   std::vector<Lost> lost() const;
 

@@ -10,6 +10,7 @@
 #include "volute/gl/gl_snapshot.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/render/surfaces.hpp"
+#include "volute/scene/clip.hpp"
 #include "volute/viewer/scene_document.hpp"
 #include "volute/viewer/surface_corners.hpp"
 #include "volute/viewer/view_lines.hpp"
@@ -56,7 +57,7 @@ void describeMedia(const Scene& from, const std::optional<Vec3>& eye, ViewScene&
       continue;
     std::string name;
     for (const std::string& line : text.legend) {
-      for (const char* begin : {"slice:", "surface:", "particles:"}) {
+      for (const char* begin : {"slice:", "surface:", "particles:", "values:"}) {
         if (line.starts_with(begin))
           name = line;
       }
@@ -128,7 +129,7 @@ void SceneDocument::addSurfaces(const SceneRequest& request,
   auto all = std::make_shared<GlSurfaces>(*surfaces_);
   for (const auto& medium : now.media) {
     if (medium->hasWalls())
-      all->add(wallCorners(*medium));
+      all->add(wallCorners(unclipped(*medium)));
   }
   scene.surfaces = std::move(all);
 }
@@ -167,6 +168,7 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneRequest& request, Progress& 
   for (const Sign& sign : snapshot->signs) scene.quads.push_back(quadOf(sign, snapshot->law));
   if (!scene_.isFile() && scene_.media().front()->info().interpolates)
     addBox(scene_.bounds(), kOutline, scene.aids);
+  for (const Box3& box : scene_.description().clip.boxes) addBox(box, kOutline, scene.aids);
   if (!scene_.isFile() && snapshot->geometry.empty() && !start_)
     addGround(content(), scene.aids);
   scene.cpu = byCpu(snapshot, true);

@@ -29,6 +29,8 @@ struct ControlRecord {
       const auto& all = document->parameters;
       const auto of = std::ranges::find_if(
           all, [&](const Parameter& parameter) { return kind.starts_with(parameter.path); });
+      if (of != all.end() && of->entry)
+        kind = kind.substr(0, kind.rfind('/')) + "/entry";
       if (of != all.end())
         kind = fmt::format("{} {}", of->group.substr(0, of->group.find_first_of(": ")), kind);
     }

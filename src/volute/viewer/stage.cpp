@@ -71,12 +71,12 @@ void drawProgress(ViewerApp& app, const FreeArea& free) {
   ImGui::SetNextWindowBgAlpha(0.8F);
   ImGui::Begin("Progress", nullptr, kPlain);
   if (work.stale)
-    ImGui::TextColored({1, 0.75F, 0.3F, 1}, "not up to date:");
+    ImGui::TextColored({1, 0.75F, 0.3F, 1}, "%s", tr("not up to date:"));
   wrappedText(work.text);
-  const float button = work.stops
-                           ? ImGui::CalcTextSize("Stop").x + 2 * ImGui::GetStyle().FramePadding.x +
-                                 ImGui::GetStyle().ItemSpacing.x
-                           : 0;
+  const float button = work.stops ? ImGui::CalcTextSize(tr("Stop")).x +
+                                        2 * ImGui::GetStyle().FramePadding.x +
+                                        ImGui::GetStyle().ItemSpacing.x
+                                  : 0;
   if (work.share >= 0) {
     ImGui::ProgressBar(static_cast<float>(work.share), {-std::max(button, 1.0F), 8}, "");
     if (work.stops)
@@ -93,14 +93,16 @@ std::string pictureNote(ViewerApp& app) {
   if (!picture.shown() || !picture.scene())
     return "";
   const double scale = picture.scale();
-  const std::string size = scale >= 0.99  ? ""
-                           : scale == 0.5 ? "half size"
-                                          : fmt::format("1/{:.2g} size", 1 / scale);
+  const std::string size = scale >= 0.99 ? ""
+                           : scale == 0.5
+                               ? tr("half size")
+                               : fmt::format(fmt::runtime(tr("1/{:.2g} size")), 1 / scale);
   if (app.playback().timeline().playing())
-    return size.empty() ? "" : size + " while it plays";
+    return size.empty() ? "" : fmt::format(fmt::runtime(tr("{} while it plays")), size);
   if (!picture.stopped())
     return "";
-  return size.empty() ? "stopped before full resolution" : "stopped at " + size;
+  return size.empty() ? tr("stopped before full resolution")
+                      : fmt::format(fmt::runtime(tr("stopped at {}")), size);
 }
 
 /// One line at the top: what the picture is not.
@@ -195,10 +197,10 @@ void drawColorBars(ViewerApp& app, const FreeArea& free) {
   if (!(look.exposure > 0))
     return;
   if (look.other.picture)
-    drawColorBar({"difference of light", {*look.map, look.other.span / look.exposure, 0, ""}}, free,
-                 bottom);
+    drawColorBar({tr("difference of light"), {*look.map, look.other.span / look.exposure, 0, ""}},
+                 free, bottom);
   else if (look.map)
-    drawColorBar({"light along the ray", {*look.map, 1 / look.exposure, 0, ""}}, free, bottom);
+    drawColorBar({tr("light along the ray"), {*look.map, 1 / look.exposure, 0, ""}}, free, bottom);
 }
 
 /// Which file is on which side of the border.
@@ -294,20 +296,20 @@ void drawProbe(ViewerApp& app, const ViewerInput& input) {
   ImGui::BeginTooltip();
   const Vec3& p = probe->place;
   ImGui::Text("x %.4g  y %.4g  z %.4g m", p.x(), p.y(), p.z());
-  ImGui::TextDisabled("%s", probe->onSurface ? "on a surface"
-                                             : "where most of the light comes "
-                                               "from");
+  ImGui::TextDisabled("%s",
+                      tr(probe->onSurface ? "on a surface" : "where most of the light comes from"));
   for (const auto& medium : probe->media) {
     ImGui::Separator();
     ImGui::TextUnformatted(medium.name.c_str());
-    ImGui::Text("extinction %.4g /m", medium.extinction);
+    ImGui::Text(tr("extinction %.4g /m"), medium.extinction);
     const PictureLaw law = app.view().picture().scene()->law;
     if (medium.extinction > 0 && medium.name.starts_with("smoke"))
-      ImGui::Text("visibility %.3g m (C = %g)", law.c * law.factor() / medium.extinction, law.c);
+      ImGui::Text(tr("visibility %.3g m (C = %g)"), law.c * law.factor() / medium.extinction,
+                  law.c);
     if ((medium.emission > 0).any())
-      ImGui::Text("light %.3g %.3g %.3g /m", medium.emission[0], medium.emission[1],
+      ImGui::Text(tr("light %.3g %.3g %.3g /m"), medium.emission[0], medium.emission[1],
                   medium.emission[2]);
-    ImGui::Text("optical depth along the ray %.4g", medium.opticalDepth);
+    ImGui::Text(tr("optical depth along the ray %.4g"), medium.opticalDepth);
   }
   ImGui::EndTooltip();
 }

@@ -21,7 +21,7 @@ bool isWhole(ViewerApp& app, const ViewerInput& input) {
 
 void filmPart(ViewerApp& app, const ViewerInput& input) {
   if (const FilmExport* film = app.playback().film()) {
-    if (ImGui::Button("Cancel film")) {
+    if (ImGui::Button(tr("Cancel film"))) {
       app.playback().cancelFilm();
       app.window().mark("Cancel film");
       return;
@@ -30,11 +30,11 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
     ImGui::SameLine();
     std::string text = fmt::format("{}: {:.0f} %", film->order().target, 100 * film->share());
     if (const auto left = film->secondsLeft())
-      text += fmt::format(", {:.0f} s left", std::ceil(*left));
+      text += fmt::format(fmt::runtime(tr(", {:.0f} s left")), std::ceil(*left));
     ImGui::ProgressBar(static_cast<float>(film->share()), {-1, 0}, text.c_str());
     return;
   }
-  if (ImGui::Button("Make film"))
+  if (ImGui::Button(tr("Make film")))
     app.beginFilm(input);
   app.window().mark("Make film");
   ImGui::SameLine();
@@ -46,13 +46,16 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
   ImGui::SetNextItemWidth(110);
   static const std::string kSizes[] = {"640 x 360", "1280 x 720", "1920 x 1080", "window"};
   choiceBox(app, "##size", "film size", kSizes, app.settings().filmSize);
+  ImGui::SameLine();
+  ImGui::Checkbox(tr("around"), &app.settings().filmTurns);
+  app.window().mark("film around");
+  hint("the camera goes once around what it looks at");
 }
 
 void stepPart(ViewerApp& app) {
   Timeline& timeline = app.playback().timeline();
-  if (ImGui::Button(timeline.playing() ? "Pause###play" : "Play###play", {60, 0}))
+  if (markedButton(app, timeline.playing() ? "Pause###play" : "Play###play", "Play"))
     timeline.play(!timeline.playing());
-  app.window().mark("Play");
   ImGui::SameLine();
   if (ImGui::Button("<"))
     timeline.step(-1);
@@ -71,9 +74,9 @@ std::string frameText(const Playback& playback) {
   const double rate = (timeline.frames() - 1) / (timeline.last() - timeline.first());
   const double shown = playback.shownRate() / timeline.speed();
   const std::string whole =
-      fmt::format("frame {} of {}, ", timeline.frame() + 1, timeline.frames());
+      fmt::format(fmt::runtime(tr("frame {} of {}, ")), timeline.frame() + 1, timeline.frames());
   if (shown > 0 && shown < 0.9 * rate && rate < 60)
-    return whole + fmt::format("{:.3g} of {:.3g} /s", shown, rate);
+    return whole + fmt::format(fmt::runtime(tr("{:.3g} of {:.3g} /s")), shown, rate);
   return whole + fmt::format("{:.3g} /s", rate);
 }
 
@@ -150,19 +153,20 @@ void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
   ImGui::SetNextWindowPos({kPanelMargin, static_cast<float>(input.height) - height - kPanelMargin});
   ImGui::SetNextWindowSize({static_cast<float>(input.width) - 2 * kPanelMargin, height});
   app.settings().timeHeight = height;
-  ImGui::Begin("Time", nullptr,
+  ImGui::Begin("###Time", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoScrollbar);
   const bool wide = isWide(input), whole = isWhole(app, input);
   stepPart(app);
   if (!wide) {
     ImGui::SameLine();
-    const float more = ImGui::CalcTextSize("More").x + 2 * ImGui::GetStyle().FramePadding.x;
+    const float word =
+        std::max(ImGui::CalcTextSize(tr("More")).x, ImGui::CalcTextSize(tr("Less")).x);
+    const float more = word + 2 * ImGui::GetStyle().FramePadding.x;
     timeSlider(app, -more - ImGui::GetStyle().ItemSpacing.x);
     ImGui::SameLine();
-    if (ImGui::Button(whole ? "Less###more" : "More###more"))
+    if (markedButton(app, whole ? "Less###more" : "More###more", "More"))
       app.settings().timeOpen = !whole;
-    app.window().mark("More");
     hint("speed, and films");
   }
   if (whole) {

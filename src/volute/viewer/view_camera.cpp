@@ -174,6 +174,12 @@ void ViewCamera::drag(double rightPixels, double downPixels) {
     pivot_ = target();
 }
 
+void ViewCamera::turn(double angle) {
+  const Mat3 before = turned();
+  yaw_ += angle;
+  eye_ = pivot_ + turned() * before.transpose() * (eye_ - pivot_);
+}
+
 void ViewCamera::pan(double rightPixels, double downPixels, int height) {
   const double seen =
       parallel() ? ortho_ : 2 * std::tan(0.5 * fov_ * std::numbers::pi / 180) * distance_;

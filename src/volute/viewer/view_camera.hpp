@@ -35,6 +35,9 @@ class ViewCamera {
   /// The mouse was dragged by so many pixels: around the target, or the head turns.
   void drag(double right, double down);
 
+  /// Around the axis that is up through the pivot, to the left [rad].
+  void turn(double angle);
+
   /// Moves the eye and the target across the picture by so many pixels of one of `height`.
   void pan(double right, double down, int height);
 

@@ -21,11 +21,15 @@ namespace {
 constexpr double kRest = 0.25;         ///< [s] until surfaces are drawn exactly
 constexpr double kQuickPicture = 0.1;  ///< [s] that the CPU's first picture may take
 constexpr int kLively = 6;             ///< frames in which panels answer an event
+constexpr double kAround = 10;         ///< [s] of a film around what does not move
 constexpr double kUnseen = 0.1;        ///< [s] after which panels are drawn again while it plays
 
-/// Keys that ImGui edits text with.
+/// Keys that ImGui edits text with, and goes through panels.
 constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {{Key::kLeft, ImGuiKey_LeftArrow},
                                                    {Key::kRight, ImGuiKey_RightArrow},
+                                                   {Key::kUp, ImGuiKey_UpArrow},
+                                                   {Key::kDown, ImGuiKey_DownArrow},
+                                                   {Key::kSpace, ImGuiKey_Space},
                                                    {Key::kHome, ImGuiKey_Home},
                                                    {Key::kEnd, ImGuiKey_End},
                                                    {Key::kDelete, ImGuiKey_Delete},
@@ -49,8 +53,9 @@ ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice d
       tools_{{settings_, document_}, {view_, document_}},
       leaving_(leaveActions()),
       comparison_(std::move(open)),
-      recovery_(options.recent.empty() ? options.recent
-                                       : options.recent.parent_path() / "unsaved") {
+      recovery_(options.recent.empty() ? options.recent : options.recent.parent_path() / "unsaved"),
+      language_(options.recent.empty() ? options.recent
+                                       : options.recent.parent_path() / "language") {
   lowerWorkerPriority();
   if (options_.renderer)
     settings_.look.renderer = static_cast<int>(*options_.renderer);
@@ -58,6 +63,7 @@ ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice d
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
+  io.UserData = &language_;
   for (const auto& [key, theirs] : kTextKeys) io.KeyMap[theirs] = static_cast<int>(key);
   useFont(fontScale_);
   styleControls();
@@ -154,8 +160,14 @@ void ViewerApp::takeLoaded(const ViewerInput& input) {
 }
 
 void ViewerApp::takeFile(const std::string& path) {
-  if (!document_.choosesToCompare())
+  if (document_.purpose() == ViewerDocument::Purpose::kOpen)
     return leaving_.leaveFor(path);
+  if (const auto sought = document_.takeSought()) {
+    const auto scene = withFileAt(*sought, path);
+    if (!scene)
+      return document_.say(viewerText(scene.error()));
+    return leaving_.leaveFor(recovery_.keepMended(*scene, sought->scene));
+  }
   if (const Status begun = comparison_.begin(path, view_.picture().makers()); !begun)
     document_.say(viewerText(begun.error()));
 }
@@ -184,6 +196,9 @@ void ViewerApp::beginFilm(const ViewerInput& input) {
     order.width = kSizes[settings_.filmSize][0], order.height = kSizes[settings_.filmSize][1];
   order.begin = timeline.loopBegin(), order.end = timeline.loopEnd();
   order.speed = timeline.speed();
+  order.turns = settings_.filmTurns;
+  if (order.turns && !(order.end > order.begin))
+    order.still = kAround;
   order.camera = view_.camera();
   order.renderer = static_cast<ViewRenderer>(settings_.look.renderer);
   order.surfaces = settings_.look.surfaces;
@@ -227,6 +242,7 @@ void ViewerApp::usePanels(const ViewerInput& input) {
     ImGui_ImplOpenGL3_CreateFontsTexture();
   }
   feed(input);
+  useKeyboard(input);
   window_.forgetControls();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
@@ -235,6 +251,7 @@ void ViewerApp::usePanels(const ViewerInput& input) {
   control(input);
   playback_.timeline().advance(input.seconds);
   drawPanels(*this, input);
+  focusPanel();
   ImGui::Render();
   playback_.goOnWithFilm(view_.picture());
   playback_.request();

@@ -10,6 +10,7 @@
 
 #include "volute/gl/gl_device.hpp"
 #include "volute/viewer/comparison.hpp"
+#include "volute/viewer/language.hpp"
 #include "volute/viewer/recovery.hpp"
 #include "volute/viewer/viewer_input.hpp"
 #include "volute/viewer/viewer_tools.hpp"
@@ -56,6 +57,8 @@ class ViewerApp {
   Comparison& comparison() { return comparison_; }
 
   const Recovery& recovery() const { return recovery_; }
+
+  WindowLanguage& language() { return language_; }
 
   ViewerWindow& window() { return window_; }
 
@@ -115,6 +118,8 @@ class ViewerApp {
   void control(const ViewerInput& input);
   void walk(const ViewerInput& input);
   void keys(const ViewerInput& input);
+  void useKeyboard(const ViewerInput& input);
+  void focusPanel();
   void paintInView(const ViewerInput& input);
   bool placeInView(const ViewerInput& input);
   void usePanels(const ViewerInput& input);
@@ -133,6 +138,7 @@ class ViewerApp {
   Comparison comparison_;
   ViewerWindow window_;
   Recovery recovery_;
+  WindowLanguage language_;
   WorkNotes notes_;
   FrameCosts costs_;
   bool timeAsked_ = false;  ///< a person said at which time to begin
@@ -145,6 +151,7 @@ class ViewerApp {
   ViewerInput seen_;      ///< the last
   DisplayLook shownLook_;
   PointerState pointer_;
+  std::size_t turn_ = 0;  ///< the panel that Tab opened last
   double fontScale_ = 1;
 };
 

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 // The part of a ViewerApp that listens to keys and the mouse.
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <utility>
@@ -39,23 +40,121 @@ void ViewerWindow::mark(const std::string& name) {
                           std::min(to.y, high.y), from.x < low.x - 1 || to.x > high.x + 1};
   if (seen.left < seen.right && seen.top < seen.bottom)
     controls_[name] = seen;
+  addStop(name, ImGui::GetItemID());
+}
+
+void ViewerWindow::mark(const std::string& name, std::initializer_list<unsigned> ids) {
+  mark(name);
+  for (const unsigned id : ids) addStop(name, id);
+}
+
+/// Panels and questions have "###" in their names, lists and what stands on the picture have not.
+void ViewerWindow::addStop(const std::string& name, unsigned id) {
+  const ImGuiContext& context = *ImGui::GetCurrentContext();
+  ImGuiWindow* window = ImGui::GetCurrentWindowRead();
+  if (id == 0 || std::string_view(window->Name).find("###") == std::string_view::npos ||
+      (context.LastItemData.InFlags & ImGuiItemFlags_Disabled) != 0)
+    return;
+  const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+  stops_.push_back({name, id, window, from.x, from.y, to.x, to.y});
+  if (context.NavId == id && context.NavWindow == window && !context.NavDisableHighlight)
+    focused_ = name;
+}
+
+void ViewerWindow::focus(const Stop& stop) {
+  ImGuiContext& context = *ImGui::GetCurrentContext();
+  auto* window = static_cast<ImGuiWindow*>(stop.window);
+  const ImRect at(stop.left, stop.top, stop.right, stop.bottom);
+  ImRect within = at;
+  within.Translate({-window->Pos.x, -window->Pos.y});
+  ImGui::ClearActiveID();
+  ImGui::FocusWindow(window);
+  ImGui::SetNavID(stop.id, ImGuiNavLayer_Main, 0, within);
+  ImGui::ScrollToBringRectIntoView(window, at);
+  context.NavDisableHighlight = false;
+  context.NavDisableMouseHover = true;
+}
+
+bool ViewerWindow::applyFocus() {
+  const ImGuiContext& context = *ImGui::GetCurrentContext();
+  std::vector<const Stop*> stops;
+  const ImGuiWindow* question = ImGui::GetTopMostPopupModal();
+  for (const Stop& stop : stops_) {
+    if (!question || stop.window == question)
+      stops.push_back(&stop);
+  }
+  const int steps = std::exchange(steps_, 0);
+  if (steps == 0 || stops.empty())
+    return false;
+  const auto found = std::ranges::find_if(stops, [&](const Stop* stop) {
+    return stop->id == context.NavId && stop->window == context.NavWindow;
+  });
+  const bool none = found == stops.end() || context.NavDisableHighlight;
+  const auto count = static_cast<int>(stops.size());
+  const int next = none ? (steps > 0 ? 0 : count - 1)
+                        : static_cast<int>(found - stops.begin()) + steps;
+  focus(*stops[static_cast<std::size_t>((next % count + count) % count)]);
+  return !none && next >= count && !question;
+}
+
+/// Arrows, Space and Enter are the panels' from Tab until Escape or a click; else they are the
+/// timeline's.
+void ViewerApp::useKeyboard(const ViewerInput& input) {
+  ImGuiIO& io = ImGui::GetIO();
+  if (std::ranges::count(input.buttons, true) > 0)
+    settings_.keyboard = false;
+  if (settings_.keyboard)
+    io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+  else
+    io.ConfigFlags &= ~ImGuiConfigFlags_NavEnableKeyboard;
+}
+
+/// Beyond the last control a panel that is closed opens, the next one in turn.
+void ViewerApp::focusPanel() {
+  if (!window_.applyFocus())
+    return;
+  PanelLayout& layout = settings_.layout;
+  constexpr SidePanel kTurn[] = {SidePanel::kPicture, SidePanel::kPaint, SidePanel::kScene};
+  for (std::size_t i = 0; i < std::size(kTurn); ++i) {
+    turn_ = (turn_ + 1) % std::size(kTurn);
+    const bool there = kTurn[turn_] != SidePanel::kPaint || tools_.painting.tool().has();
+    if (there && !layout.isOpen(kTurn[turn_]))
+      return layout.set(kTurn[turn_], true);
+  }
 }
 
 void ViewerApp::keys(const ViewerInput& input) {
-  if (leaving_.asked() || document_.files().asks()) {
+  if (std::ranges::count(input.pressed, Key::kTab) > 0 && !input.control) {
+    window_.moveFocus(input.shift ? -1 : 1);
+    settings_.keyboard = settings_.panels = true;
+  }
+  if (leaving_.asked() || document_.files().asks() || document_.moved()) {
     if (std::ranges::count(input.pressed, Key::kEscape) == 0)
       return;
     if (document_.files().replacing())
       document_.files().keep();
     else if (leaving_.asked())
       leaving_.stay();
+    else if (document_.moved())
+      document_.forgetMoved();
     else
       document_.files().closeBrowser();
     return;
   }
   if (ImGui::GetIO().WantTextInput)
     return;
-  for (const Key key : input.pressed) runKey(*this, key, input);
+  constexpr Key kPanels[] = {Key::kSpace, Key::kLeft, Key::kRight, Key::kUp,
+                             Key::kDown,  Key::kHome, Key::kEnd,   Key::kEnter};
+  for (const Key key : input.pressed) {
+    const bool panels = settings_.keyboard && !input.control;
+    if (panels && std::ranges::find(kPanels, key) != std::end(kPanels))
+      continue;
+    if (panels && key == Key::kEscape && ImGui::GetCurrentContext()->ActiveId == 0 &&
+        ImGui::GetCurrentContext()->OpenPopupStack.Size == 0)
+      settings_.keyboard = false;
+    else if (!panels || key != Key::kEscape)
+      runKey(*this, key, input);
+  }
 }
 
 /// The left button paints where the pointer meets the ground.
@@ -79,9 +178,14 @@ bool ViewerApp::placeInView(const ViewerInput& input) {
   const bool presses = input.buttons[0] && !pointer_.leftHeld;
   pointer_.leftHeld = input.buttons[0];
   pointer_.placed = pointer_.placed && pointer_.leftHeld;
-  if (tools_.pointer.placing().empty() || !presses || ImGui::GetIO().WantCaptureMouse)
+  const bool measures = settings_.measuring && tools_.pointer.placing().empty();
+  if ((tools_.pointer.placing().empty() && !measures) || !presses ||
+      ImGui::GetIO().WantCaptureMouse)
     return pointer_.placed;
-  tools_.pointer.putAt(input.mouseX, input.mouseY);
+  if (measures)
+    tools_.pointer.measureAt(input.mouseX, input.mouseY);
+  else
+    tools_.pointer.putAt(input.mouseX, input.mouseY);
   return pointer_.placed = true;
 }
 

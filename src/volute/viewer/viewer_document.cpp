@@ -9,6 +9,8 @@ namespace volute {
 void ViewerDocument::open(const std::string& path, std::optional<double> time) {
   opening_.emplace(time);
   message_.clear();
+  requested_ = path;
+  moved_.reset();
   loader_.open(path, time);
 }
 
@@ -54,8 +56,10 @@ std::optional<DocumentNews> ViewerDocument::take() {
         parameter.value = waiting->second;
     }
   }
-  if (news.idle)
-    opening_.reset();  // it cannot be opened
+  if (news.idle && opening_) {  // it cannot be opened
+    opening_.reset();
+    moved_ = movedFileOf(requested_);
+  }
   if (told->loaded) {
     if (scene_)
       loader_.discard(std::move(scene_->scene));
@@ -109,8 +113,13 @@ void ViewerDocument::redo() {
   });
 }
 
-void ViewerDocument::askToOpen(bool toCompare) {
-  toCompare_ = toCompare;
+void ViewerDocument::findMoved() {
+  sought_ = std::exchange(moved_, std::nullopt);
+  askToOpen(Purpose::kFind);
+}
+
+void ViewerDocument::askToOpen(Purpose purpose) {
+  purpose_ = purpose;
   std::error_code unknown;
   std::filesystem::path folder = std::filesystem::current_path(unknown);
   if (info_ && !info_->path.empty())

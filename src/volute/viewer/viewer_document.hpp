@@ -6,6 +6,7 @@
 
 #include "volute/viewer/document_files.hpp"
 #include "volute/viewer/loader.hpp"
+#include "volute/viewer/moved_file.hpp"
 #include "volute/viewer/viewer_settings.hpp"
 
 namespace volute {
@@ -26,6 +27,9 @@ struct DocumentNews {
 /// changes on their way to it.
 class ViewerDocument {
  public:
+  /// What a person chooses a file for.
+  enum class Purpose { kOpen, kCompare, kFind };
+
   ViewerDocument(OpenDocument open, const ViewerOptions& options)
       : loader_(std::move(open)), files_(options.recent), desktop_(options.desktop) {}
 
@@ -83,10 +87,21 @@ class ViewerDocument {
   DocumentFiles& files() { return files_; }
 
   /// By the desktop's dialog where there is one, else by the list.
-  /// @param toCompare  what is chosen is compared with what is open
-  void askToOpen(bool toCompare = false);
+  void askToOpen(Purpose purpose = Purpose::kOpen);
 
-  bool choosesToCompare() const { return toCompare_; }
+  /// What for a file is being chosen.
+  Purpose purpose() const { return purpose_; }
+
+  /// A file that the scene names which could not be opened, until the person has answered.
+  const MovedFile* moved() const { return moved_ ? &*moved_ : nullptr; }
+
+  void forgetMoved() { moved_.reset(); }
+
+  /// The person looks for it.
+  void findMoved();
+
+  /// What is being looked for, once.
+  std::optional<MovedFile> takeSought() { return std::exchange(sought_, std::nullopt); }
 
   /// Whether `target` may be written now, its own file without a question; else the person is
   /// asked, and `then` follows.
@@ -105,7 +120,10 @@ class ViewerDocument {
   std::map<std::string, std::vector<double>> pending_;  ///< parameters on their way
   int edits_ = 0;                                       ///< that were asked for
   DocumentFiles files_;
-  bool desktop_ = false, toCompare_ = false;
+  bool desktop_ = false;
+  Purpose purpose_ = Purpose::kOpen;
+  std::string requested_;  ///< the file that is opened
+  std::optional<MovedFile> moved_, sought_;
   std::optional<Error> failure_;
   std::optional<Error> sceneFailure_;  ///< why the scene that was loaded last cannot be shown
   std::string error_, message_, lastMessage_;

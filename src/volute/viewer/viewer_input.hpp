@@ -42,6 +42,7 @@ enum class Key {
   kO,
   kP,
   kQ,
+  kR,
   kS,
   kV,
   kW,
@@ -51,6 +52,7 @@ enum class Key {
   kBackspace,
   kDelete,
   kEnter,
+  kTab,
 };
 
 /// What a person did between two frames. The window fills it from its events, tests by hand. Panels

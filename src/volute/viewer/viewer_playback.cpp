@@ -5,6 +5,7 @@
 // line of JSON:
 //   first, fine       seconds from opening to the first picture with something in it, and until
 //                     nothing gets finer any more
+//   answer            longest that a key waited for its frame while the file was opened and drawn
 //   pictures          in each second of playback, and
 //   played            frames of the file that were shown, of `rate`
 //   scale             of the window's pixels a side that a picture while playing has, on average
@@ -45,15 +46,17 @@ class Measurement {
     ViewerApp& app = viewer_.app();
     const double opened = now();
     app.open(path);
+    types_ = true;
     const auto first = until([&] { return something(); });
     const auto fine = until([&] { return app.settled(); });
+    types_ = false;
     if (!app.document().error().empty())
       fmt::print(stderr, "{}\n", app.document().error());
     const auto after = [&](const std::optional<double>& when) {
       return when ? std::optional<double>(*when - opened) : std::nullopt;
     };
-    fmt::print(R"({{"file": "{}", "first": {}, "fine": {})", path, number(after(first)),
-               number(after(fine)));
+    fmt::print(R"({{"file": "{}", "first": {}, "fine": {}, "answer": {:.3f})", path,
+               number(after(first)), number(after(fine)), longestAnswer_);
     std::fflush(stdout);
     play();
     turn();
@@ -75,8 +78,13 @@ class Measurement {
       skipped_ = input_.seconds;
       return;
     }
+    if (types_)
+      input_.pressed = {Key::kP};  // which asks for no other picture
+    const double asked = now();
     if (!viewer_.frame(input_))
       std::exit(1);
+    if (types_)
+      longestAnswer_ = std::max(longestAnswer_, now() - asked);
     input_.pressed.clear();
     if (const int version = viewer_.app().view().picture().version(); version != version_) {
       version_ = version;
@@ -184,6 +192,8 @@ class Measurement {
   ViewerInput input_;
   double begun_ = 0, changed_ = 0, skipped_ = 0;
   int version_ = 0;
+  bool types_ = false;
+  double longestAnswer_ = 0;
   bool hand_ = false;  ///< moves something: a window does not rest
 };
 

@@ -37,11 +37,14 @@ struct ViewerSettings {
   bool timeOpen = false;               ///< a small window's panel of time shows speed and film too
   bool painting = false;               ///< the left button paints fog
   bool probe = false;                  ///< what is under the pointer is said
+  bool measuring = false;              ///< clicks are the ends of a ruler
+  bool keyboard = false;               ///< arrows, Space and Enter are the panels'
   float timeHeight = 0;                ///< of the panel of time, as it was drawn [pixels]
   std::string sceneName{};             ///< where the scene would be saved
   std::string mapName{};               ///< and the map of fog
   std::string filmName = "film.mp4";
-  int filmSize = 1;  ///< 640 x 360, 1280 x 720, 1920 x 1080, the window's
+  bool filmTurns = false;  ///< the camera goes once around
+  int filmSize = 1;        ///< 640 x 360, 1280 x 720, 1920 x 1080, the window's
 };
 
 /// What is settled before any file is open.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "volute/viewer/language.hpp"
+
 namespace volute {
 
 void FogPainting::take(const DocumentInfo& info, bool another) {
@@ -101,10 +103,24 @@ WallPlace PointerTools::placeAlong(const Segment& ray) const {
 void PointerTools::pivotAt(double x, double y) {
   const auto probe = probeAt(x, y);
   view_.camera().setPivot(probe ? probe->place : placeUnder(x, y));
-  document_.say("set the centre of rotation");
+  document_.say(tr("set the centre of rotation"));
+}
+
+void PointerTools::measureAt(double x, double y) {
+  if (ruler_.size() > 1)
+    ruler_.clear();
+  const auto probe = probeAt(x, y);
+  ruler_.push_back(probe ? probe->place : placeUnder(x, y));
 }
 
 void PointerTools::add(SceneEdit::Kind kind) {
+  if (kind == SceneEdit::Kind::kAddClipBox || kind == SceneEdit::Kind::kAddClipPlane) {
+    const DocumentInfo& info = *document_.info();
+    return document_.edit({.kind = kind,
+                           .position = info.content.centre(),
+                           .normal = -view_.camera().forward(),
+                           .bounds = info.content});
+  }
   const WallPlace place = placeAlong(rayAt(0.5 * width_, 0.5 * height_));
   document_.edit({.kind = kind,
                   .position = place.position,

@@ -71,7 +71,15 @@ class PointerTools {
   /// The camera turns around what is there.
   void pivotAt(double x, double y);
 
-  /// Adds a sign or a light where the middle of the picture looks at.
+  /// A click sets one end of the ruler, the next one the other.
+  void measureAt(double x, double y);
+
+  /// Its ends, none to two [m].
+  const std::vector<Vec3>& ruler() const { return ruler_; }
+
+  void forgetRuler() { ruler_.clear(); }
+
+  /// Adds a sign or a light where the middle of the picture looks at, a clip around what there is.
   void add(SceneEdit::Kind kind);
 
   /// The next click puts the sign or the lamp of this path there; empty: none.
@@ -91,6 +99,7 @@ class PointerTools {
   int width_ = 1, height_ = 1;
   MediumProbe probe_;
   std::string placing_;
+  std::vector<Vec3> ruler_;
 };
 
 struct ViewerTools {

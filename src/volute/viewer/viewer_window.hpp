@@ -2,9 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "volute/viewer/clipboard.hpp"
 
@@ -27,7 +29,20 @@ class ViewerWindow {
 
   void mark(const std::string& name, const ControlPlace& place) { controls_[name] = place; }
 
-  void forgetControls() { controls_.clear(); }
+  void forgetControls() { controls_.clear(), stops_.clear(), focused_.clear(); }
+
+  /// The control of several items that ImGui drew last: where Tab stops besides.
+  /// @param ids  ImGui's of the items
+  void mark(const std::string& name, std::initializer_list<unsigned> ids);
+
+  /// Tab goes so many controls on, or back; takes effect once the panels are drawn.
+  void moveFocus(int steps) { steps_ += steps; }
+
+  /// Does so. True: it would go beyond the last control, and waits for another panel.
+  bool applyFocus();
+
+  /// The control that the keyboard is at; empty: none.
+  const std::string& focused() const { return focused_; }
 
   /// Of text, between programs.
   Clipboard& clipboard() { return clipboard_; }
@@ -43,6 +58,21 @@ class ViewerWindow {
 
  private:
   std::map<std::string, ControlPlace> controls_;
+  std::string focused_;
+
+  /// Where Tab stops, in the order of drawing.
+  struct Stop {
+    std::string name;
+    unsigned id = 0;
+    void* window = nullptr;  ///< ImGui's
+    float left = 0, top = 0, right = 0, bottom = 0;
+  };
+
+  void addStop(const std::string& name, unsigned id);
+  void focus(const Stop& stop);
+
+  std::vector<Stop> stops_;
+  int steps_ = 0;
   Clipboard clipboard_;
   bool fullScreen_ = false, screenshot_ = false;
 };

@@ -89,6 +89,16 @@ TEST_F(WatchedFiles, AMapOfAPatternIsReadAgain) {
   const Image shown = picture();
   replace("fog_01.png", "white.png");
   expectAnother(shown);
+  script_->input().height = 1900;  // room for all that it has
+  script_->frames(3);
+  for (const auto& [path, across] : {std::pair{"/media/0/time/offset", 0.3},
+                                     {"/media/0/time/rate", 0.2},
+                                     {"/media/0/time/loop", 0.05}}) {
+    const auto before = valueOf(path);
+    ASSERT_TRUE(script_->click(path, across)) << path;
+    load();
+    EXPECT_NE(valueOf(path), before) << path;
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
+#include <epoxy/gl.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -28,7 +29,8 @@ constexpr std::pair<int, Key> kPlaces[] = {
     {GLFW_KEY_KP_7, Key::k7},        {GLFW_KEY_F11, Key::kF11},
     {GLFW_KEY_F12, Key::kF12},       {GLFW_KEY_ESCAPE, Key::kEscape},
     {GLFW_KEY_DELETE, Key::kDelete}, {GLFW_KEY_BACKSPACE, Key::kBackspace},
-    {GLFW_KEY_ENTER, Key::kEnter},   {GLFW_KEY_KP_ENTER, Key::kEnter}};
+    {GLFW_KEY_ENTER, Key::kEnter},   {GLFW_KEY_TAB, Key::kTab},
+    {GLFW_KEY_KP_ENTER, Key::kEnter}};
 
 /// Letters and signs are those of the layout; where that has others (Greek, Cyrillic), and for all
 /// other keys, the place counts.
@@ -73,6 +75,7 @@ class Window {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
     window->window_ = glfwCreateWindow(width, height, "Volute", nullptr, nullptr);
     if (!window->window_) {
       return fail(ErrorCode::kUnsupported,
@@ -228,9 +231,22 @@ std::string screenshotName() {
   }
 }
 
-}  // namespace
+/// What a lost context leaves: where the next window goes on.
+struct GoesOn {
+  std::string path;
+  double time = 0;
+  std::optional<ViewCamera> camera;
+};
 
-Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& progress) {
+/// Of a driver that was reset, or a card that is gone.
+bool contextIsLost() {
+  return epoxy_has_gl_extension("GL_KHR_robustness") && glGetGraphicsResetStatus() != GL_NO_ERROR;
+}
+
+/// One window, until the person closes it: nothing. What is unsaved is kept for the next one.
+Result<std::optional<GoesOn>> runWindow(OpenDocument open, const ViewerStart& start,
+                                        const std::optional<ViewCamera>& camera,
+                                        Progress& progress) {
   VOLUTE_ASSIGN(const auto window, Window::create(start.width, start.height));
   ViewerOptions options = start.options;
   options.desktop = true;
@@ -243,6 +259,7 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
   if (!start.other.empty())
     VOLUTE_TRY(app->comparison().begin(start.other, app->view().picture().makers()));
   app->view().picture().onNews([] { glfwPostEmptyEvent(); });
+  bool placed = !camera;
   double skipped = 0;  // [s] since the last frame
   while (!app->leaving().ends() && !progress.cancelled()) {
     ViewerInput input = window->input(app->patience(), options.scale);
@@ -259,6 +276,19 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
         app->leaving().leaveFor("");
       continue;  // minimised
     }
+    if (contextIsLost()) {
+      const DocumentInfo* info = app->document().info();
+      if (!info)
+        return GoesOn{start.path, 0, std::nullopt};
+      return GoesOn{info->unsaved.empty()
+                        ? info->path
+                        : app->recovery().keepMended(info->unsaved, app->settings().sceneName),
+                    app->playback().timeline().time(), app->view().camera()};
+    }
+    if (!placed && app->document().info() && app->view().picture().shown()) {
+      app->view().camera() = *camera;
+      placed = true;
+    }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     VOLUTE_TRY(app->frame(input));
     if (app->window().takeScreenshotRequest()) {
@@ -274,7 +304,26 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
     if (app->drew())
       window->show();
   }
-  return {};
+  return std::nullopt;
+}
+
+}  // namespace
+
+Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& progress) {
+  constexpr int kTries = 3;  // a driver that is lost again and again is of no use
+  ViewerStart next = start;
+  std::optional<ViewCamera> camera;
+  for (int i = 0; i < kTries; ++i) {
+    VOLUTE_ASSIGN(auto goesOn, runWindow(open, next, camera, progress));
+    if (!goesOn)
+      return {};
+    next.path = goesOn->path, next.time = goesOn->time;
+    camera = goesOn->camera;
+  }
+  return fail(ErrorCode::kUnsupported, Hint::set("renderer"),
+              "the graphics driver was reset {} times; what was not saved is offered at the next "
+              "start",
+              kTries);
 }
 
 }  // namespace volute

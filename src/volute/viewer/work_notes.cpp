@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "volute/viewer/language.hpp"
+
 namespace volute {
 namespace {
 
@@ -14,8 +16,8 @@ constexpr std::chrono::seconds kToast{6};
 std::string timeLeft(double seconds) {
   if (seconds < 1)
     return "";
-  return seconds < 100 ? fmt::format(", {:.0f} s left", seconds)
-                       : fmt::format(", {:.0f} min left", seconds / 60);
+  return seconds < 100 ? fmt::format(fmt::runtime(tr(", {:.0f} s left")), seconds)
+                       : fmt::format(fmt::runtime(tr(", {:.0f} min left")), seconds / 60);
 }
 
 }  // namespace
@@ -38,10 +40,10 @@ void WorkNotes::update(const Seen& seen, const std::string& message) {
   if (working < kBlink && seen.shown) {
     // Nothing is said yet.
   } else if (seen.loads) {
-    work_.text = seen.stage.empty() ? "loading" : seen.stage;
+    work_.text = seen.stage.empty() ? std::string(tr("loading")) : trName(seen.stage);
     work_.share = seen.loaded;
   } else if (seen.draws) {
-    work_.text = fmt::format("drawing, {:.0f} %{}", 100 * seen.drawn.share,
+    work_.text = fmt::format(fmt::runtime(tr("drawing, {:.0f} %{}")), 100 * seen.drawn.share,
                              timeLeft(seen.drawn.secondsLeft));
     work_.share = seen.drawn.share;
     work_.stops = seen.shown;
