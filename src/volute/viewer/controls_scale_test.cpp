@@ -141,5 +141,46 @@ TEST_F(ScaleControls, TheLanguageIsChosenByItsNameAndKept) {
   EXPECT_EQ(app().language().language(), Language::kGerman);
 }
 
+/// By Tab, which also opens panels that are closed.
+TEST_F(ScaleControls, EveryControlIsReachedByKeys) {
+  open("smoke.json");
+  for (const auto& [width, height] : {std::pair(1280, 1500), {950, 570}}) {
+    SCOPED_TRACE(width);
+    show(width, height, 1);
+    std::set<std::string> reached, there;
+    // All panels in turn, also those that are closed.
+    for (int i = 0; i < 300; ++i) {
+      script_->press(Key::kTab);
+      script_->frames(2);
+      for (const auto& [name, at] : app().window().controls()) there.insert(name);
+      reached.insert(app().window().focused());
+    }
+    for (const char* no :
+         {"times", "who draws", "stop drawing", "Volute", "Scene", "Undo change", "Redo change"})
+      there.erase(no);
+    std::erase_if(there, [](const std::string& name) { return name.starts_with("axis "); });
+    for (const std::string& name : there)
+      EXPECT_TRUE(reached.contains(name)) << name << " is not reached by keys";
+    script_->press(Key::kEscape);
+    script_->frames(2);
+    EXPECT_FALSE(app().settings().keyboard);
+  }
+  // A slider is moved, and the timeline is not.
+  show(1280, 1500, 1);
+  const double time = app().playback().timeline().time(), stops = app().settings().look.stops;
+  for (int i = 0; i < 200 && app().window().focused() != "exposure"; ++i) {
+    script_->press(Key::kTab);
+    script_->frames(2);
+  }
+  ASSERT_EQ(app().window().focused(), "exposure");
+  script_->press(Key::kSpace);
+  script_->frames(2);
+  script_->press(Key::kRight);
+  script_->frames(2);
+  EXPECT_NE(app().settings().look.stops, stops);
+  EXPECT_EQ(app().playback().timeline().time(), time);
+  EXPECT_FALSE(app().playback().timeline().playing());
+}
+
 }  // namespace
 }  // namespace volute

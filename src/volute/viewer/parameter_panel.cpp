@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -56,6 +57,19 @@ const char* formatOfPoint(const std::vector<double>& value, double step) {
   if (step >= 0.1)
     return most < 9999 && least > -999 ? "%.1f" : "%.0f";
   return most < 999.9 && least > -99.9 ? "%.2f" : most < 1e4 && least > -999.9 ? "%.1f" : "%.0f";
+}
+
+/// Of numbers beside each other: ImGui's names of the first three.
+std::array<unsigned, 3> idsOf(const char* label) {
+  std::array<unsigned, 3> ids{};
+  ImGui::PushID(label);
+  for (int i = 0; i < 3; ++i) {
+    ImGui::PushID(i);
+    ids[static_cast<std::size_t>(i)] = ImGui::GetID("");
+    ImGui::PopID();
+  }
+  ImGui::PopID();
+  return ids;
 }
 
 /// Linear light: three numbers that may be dragged, and a patch that opens a picker.
@@ -131,7 +145,8 @@ bool control(ViewerApp& app, const Parameter& parameter, std::vector<double>& va
                                  static_cast<int>(value.size()), static_cast<float>(parameter.step),
                                  nullptr, nullptr, formatOfPoint(value, parameter.step),
                                  ImGuiSliderFlags_NoRoundToFormat);
-      break;
+      app.window().mark(parameter.path, idsOf((label + unit).c_str()));
+      return moved;
     }
     case Parameter::Kind::kColor:
       return colorControl(app, parameter, value);

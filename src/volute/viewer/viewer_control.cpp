@@ -43,7 +43,7 @@ void ViewerWindow::mark(const std::string& name) {
   addStop(name, ImGui::GetItemID());
 }
 
-void ViewerWindow::mark(const std::string& name, std::initializer_list<unsigned> ids) {
+void ViewerWindow::mark(const std::string& name, std::span<const unsigned> ids) {
   mark(name);
   for (const unsigned id : ids) addStop(name, id);
 }
@@ -91,8 +91,8 @@ bool ViewerWindow::applyFocus() {
   });
   const bool none = found == stops.end() || context.NavDisableHighlight;
   const auto count = static_cast<int>(stops.size());
-  const int next = none ? (steps > 0 ? 0 : count - 1)
-                        : static_cast<int>(found - stops.begin()) + steps;
+  const int next =
+      none ? (steps > 0 ? 0 : count - 1) : static_cast<int>(found - stops.begin()) + steps;
   focus(*stops[static_cast<std::size_t>((next % count + count) % count)]);
   return !none && next >= count && !question;
 }

@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <initializer_list>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,7 +33,7 @@ class ViewerWindow {
 
   /// The control of several items that ImGui drew last: where Tab stops besides.
   /// @param ids  ImGui's of the items
-  void mark(const std::string& name, std::initializer_list<unsigned> ids);
+  void mark(const std::string& name, std::span<const unsigned> ids);
 
   /// Tab goes so many controls on, or back; takes effect once the panels are drawn.
   void moveFocus(int steps) { steps_ += steps; }
