@@ -5,21 +5,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/codec/index_bits.hpp"
+
 namespace volute {
 namespace {
 
 // A table holds an index 1..63 for each trained context, finer near 0 and near 1, where a step of
 // probability costs most.
-constexpr int kGreatestIndex = 63;
 constexpr std::uint8_t kTrainedSeen = 40;
 constexpr std::uint8_t kGuessedSeen = 2;
 // Fewer bits than this cannot pay for an entry.
 constexpr std::uint32_t kWorthAnEntry = 6;
 
-/// How the entries themselves are coded: whether there is one (after one, after none), and its
-/// difference from the last: zero, sign, size.
+/// How the entries themselves are coded: whether there is one (after one, after none), and which.
 struct TableBits {
-  AdaptiveBit present[2], zero, negative, longer[8];
+  AdaptiveBit present[2];
+  IndexBits index;
 };
 
 }  // namespace
@@ -65,18 +66,8 @@ std::vector<std::byte> contextTable(const ContextCounts& counts) {
     if (!present)
       continue;
     const int index = indexOfCounts(seen);
-    const int difference = index - last;
+    bits.index.write(out, index - last);
     last = index;
-    out.bit(bits.zero, difference == 0);
-    if (difference == 0)
-      continue;
-    out.bit(bits.negative, difference < 0);
-    for (int i = 1; i < kGreatestIndex; ++i) {
-      const bool longer = std::abs(difference) > i;
-      out.bit(bits.longer[std::min(i, 8) - 1], longer);
-      if (!longer)
-        break;
-    }
   }
   auto bytes = out.finish();
   if (bytes.empty())
@@ -94,12 +85,8 @@ Contexts contextsOf(std::span<const std::byte> table) {
   int last = 32;
   for (AdaptiveBit& state : contexts) {
     before = in.bit(bits.present[before ? 1 : 0]);
-    if (before && !in.bit(bits.zero)) {
-      const bool negative = in.bit(bits.negative);
-      int size = 1;
-      while (size < kGreatestIndex && in.bit(bits.longer[std::min(size, 8) - 1])) ++size;
-      last = std::clamp(last + (negative ? -size : size), 1, kGreatestIndex);
-    }
+    if (before)
+      last = bits.index.read(in, last);
     state = {probabilityOfIndex(last), before ? kTrainedSeen : kGuessedSeen};
   }
   return contexts;

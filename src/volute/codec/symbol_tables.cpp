@@ -4,22 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+
+#include "volute/codec/index_bits.hpp"
 
 namespace volute {
 namespace {
 
 // The index of the probability that a symbol is greater than s, if it is not less: as in a table of
 // contexts.
-constexpr int kLastIndex = 63;
 constexpr int kPlaces = 1 << symbol::kProbabilityBits;
 
 using Indices = std::array<int, symbol::kSymbols - 1>;
 
 /// How the indices are coded: whether a context has any (after one that has, after one that has
-/// not); whether one more follows; and the difference from the last of that symbol.
+/// not); whether one more follows; and which, after the last of that symbol.
 struct SymbolTableBits {
-  AdaptiveBit present[2], more[4], zero[4], negative[4], longer[4][8];
+  AdaptiveBit present[2], more[4];
+  IndexBits index[4];
 };
 
 std::size_t kindOf(int s) {
@@ -36,8 +37,9 @@ Indices guessOf(unsigned context) {
     const auto inner = static_cast<int>(context - symbol::kCoefficient);
     const int near = inner / 8 % static_cast<int>(symbol::kNearClasses);
     indices.fill(16 + 2 * near);
-    indices[0] = std::min(
-        kLastIndex, 10 + 3 * near + 3 * (inner / 2 % static_cast<int>(symbol::kSiblingClasses)));
+    indices[0] =
+        std::min(kGreatestIndex,
+                 10 + 3 * near + 3 * (inner / 2 % static_cast<int>(symbol::kSiblingClasses)));
   }
   return indices;
 }
@@ -102,11 +104,12 @@ std::vector<std::byte> symbolTable(const SymbolCounts& counts) {
       const int wanted = indexOfCounts({static_cast<std::uint32_t>(rest[at] - rest[at + 1]),
                                         static_cast<std::uint32_t>(rest[at + 1])});
       const double staying = here.bits(last[at]);
-      double least = staying + priceOf(bits.zero[kind], true);
+      IndexBits& own = bits.index[kind];
+      double least = staying + priceOf(own.zero, true);
       const int step = wanted > last[at] ? 1 : -1;
-      double sizes = priceOf(bits.zero[kind], false) + priceOf(bits.negative[kind], step < 0);
+      double sizes = priceOf(own.zero, false) + priceOf(own.negative, step < 0);
       for (int size = 1; size <= std::abs(wanted - last[at]); ++size) {
-        AdaptiveBit& longer = bits.longer[kind][std::min(size, 8) - 1];
+        const AdaptiveBit& longer = own.longerThan(size);
         const int index = last[at] + step * size;
         const double cost = here.bits(index) + sizes + priceOf(longer, false);
         sizes += priceOf(longer, true);
@@ -135,18 +138,8 @@ std::vector<std::byte> symbolTable(const SymbolCounts& counts) {
         if (s >= changed)
           break;
       }
-      const int difference = best[at] - last[at];
+      bits.index[kind].write(out, best[at] - last[at]);
       last[at] = best[at];
-      out.bit(bits.zero[kind], difference == 0);
-      if (difference == 0)
-        continue;
-      out.bit(bits.negative[kind], difference < 0);
-      for (int i = 1; i < kLastIndex; ++i) {
-        const bool longer = std::abs(difference) > i;
-        out.bit(bits.longer[kind][std::min(i, 8) - 1], longer);
-        if (!longer)
-          break;
-      }
     }
   }
   auto bytes = out.finish();
@@ -175,13 +168,8 @@ std::vector<SymbolEnds> symbolsOfTable(std::span<const std::byte> table) {
       const std::size_t kind = kindOf(s);
       if (s > 0 && !in.bit(bits.more[kind]))
         break;
-      if (in.bit(bits.zero[kind]))
-        continue;
-      const bool negative = in.bit(bits.negative[kind]);
-      int size = 1;
-      while (size < kLastIndex && in.bit(bits.longer[kind][std::min(size, 8) - 1])) ++size;
       int& index = last[static_cast<std::size_t>(s)];
-      index = std::clamp(index + (negative ? -size : size), 1, kLastIndex);
+      index = bits.index[kind].read(in, index);
     }
     symbols[context] = endsOf(last, count + 1);
   }
