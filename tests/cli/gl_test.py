@@ -67,6 +67,18 @@ class Gl(support.TestCase):
             found = self.works("compare", self.path("reference.exr"), self.path("gl.exr"), "--json").json
             self.assertLess(found["max_error"], 1e-4, basis)
 
+    def test_the_cubic_basis_of_pictures_is_drawn(self):
+        for words in (("--preset", "none"), ("--preset", "none", "--extinction", "2"), ("--preset", "smoke"), ("--preset", "fire")):
+            common = ["render", self.volume(), "--size", "48x40", "--basis", "cubic", "--samples", "1", "--time", "0", *words]
+            for renderer in ("gl", "cpu"):
+                self.works(*common, "--renderer", renderer, "-o", self.path(renderer + ".exr"), "--stats", self.path("s.json"), measured=False)
+                self.assertEqual(json.loads(self.path("s.json").read_text())["renderer"], renderer)
+            most = self.works("info", self.path("cpu.exr"), "--json").json["maximum"]
+            found = self.works("compare", self.path("cpu.exr"), self.path("gl.exr"), "--json").json
+            self.assertLess(found["max_error"], 1e-4 * most, words)
+        refused = self.fails(1, "render", self.volume(), "-o", self.path("x.exr"), "--size", "8x8", "--basis", "cubic", "--measured", "--renderer", "gl")
+        self.assertIn("measured over the cubic basis", refused)
+
     def test_statistics_list_the_passes(self):
         self.works("render", self.volume(), "-o", self.path("%04d.png"), "--size", "8x8", "--renderer", "gl",
                    "--measured", "--exposure", "1", "--stats", self.path("s.json"))

@@ -18,23 +18,13 @@ using Matrix = Eigen::Matrix3d;
 /// Before a tone curve: how bright the brightest are, and how bright half of what is lit at most.
 constexpr double kToneKey = 3, kToneMiddle = 0.6;
 
-const Matrix& hillIn() {
-  static const Matrix m = (Matrix() << 0.59719, 0.35458, 0.04823,  //
-                           0.07600, 0.90834, 0.01566,              //
-                           0.02840, 0.13383, 0.83777)
-                              .finished();
-  return m;
-}
+// Plain loops: a film takes these for every pixel.
+constexpr double kHillIn[3][3] = {
+    {0.59719, 0.35458, 0.04823}, {0.07600, 0.90834, 0.01566}, {0.02840, 0.13383, 0.83777}};
+constexpr double kHillOut[3][3] = {
+    {1.60475, -0.53108, -0.07367}, {-0.10208, 1.10813, -0.00605}, {-0.00327, -0.07276, 1.07602}};
 
-const Matrix& hillOut() {
-  static const Matrix m = (Matrix() << 1.60475, -0.53108, -0.07367,  //
-                           -0.10208, 1.10813, -0.00605,              //
-                           -0.00327, -0.07276, 1.07602)
-                              .finished();
-  return m;
-}
-
-double hillCurve(double v) {
+inline double hillCurve(double v) {
   return (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081);
 }
 
@@ -170,8 +160,15 @@ Rgb toneMapped(ToneCurve tone, const Rgb& light) {
     return most > kKnee ? Rgb(v * (shoulder(most) / most)) : Rgb(v);
   }
   if (tone == ToneCurve::kFilmic) {
-    const Eigen::Vector3d in = hillIn() * v;
-    return unitClamped(hillOut() * in.unaryExpr(&hillCurve));
+    double in[3], out[3];
+    for (int row = 0; row < 3; ++row)
+      in[row] = hillCurve(kHillIn[row][0] * v[0] + kHillIn[row][1] * v[1] + kHillIn[row][2] * v[2]);
+    for (int row = 0; row < 3; ++row) {
+      const double light =
+          kHillOut[row][0] * in[0] + kHillOut[row][1] * in[1] + kHillOut[row][2] * in[2];
+      out[row] = std::min(std::max(light, 0.0), 1.0);
+    }
+    return {out[0], out[1], out[2]};
   }
   const Eigen::Vector3d in = agxIn() * v;
   const Rgb shown = unitClamped(agxOut() * in.unaryExpr(&agxCurve));

@@ -26,7 +26,37 @@ struct Place {
   double u = 0, v = 0, distance = 0;
 };
 
-std::optional<Place> meet(const Sign& sign, const Segment& ray) {
+/// A sign with its directions, and the pixels that it may be seen in.
+struct ShownSign {
+  const Sign& sign;
+  Vec3 right, down;
+  int x0 = 0, y0 = 0, x1, y1;
+
+  ShownSign(const Sign& of, const Camera& camera)
+      : sign(of), right(of.right()), down(of.down()), x1(camera.width()), y1(camera.height()) {
+    if (!camera.distortion().none())
+      return;  // its borders may be bent
+    Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (int corner = 0; corner < 4; ++corner) {
+      const auto at = camera.project(of.position + ((corner & 1) - 0.5) * of.width * right +
+                                     (static_cast<int>(corner >> 1) - 0.5) * of.height * down);
+      if (!at)
+        return;
+      low = low.cwiseMin(*at), high = high.cwiseMax(*at);
+    }
+    constexpr double kBeside = 1;  // pixels
+    const auto within = [](double place, int count) {
+      return static_cast<int>(std::clamp<double>(place, 0, count));
+    };
+    x0 = within(std::floor(low.x() - kBeside), x1), y0 = within(std::floor(low.y() - kBeside), y1);
+    x1 = within(std::ceil(high.x() + kBeside), x1), y1 = within(std::ceil(high.y() + kBeside), y1);
+  }
+
+  bool mayShow(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
+};
+
+std::optional<Place> meet(const ShownSign& shown, const Segment& ray) {
+  const Sign& sign = shown.sign;
   const double facing = ray.direction.dot(sign.normal);
   if (!(facing < 0))
     return std::nullopt;
@@ -34,8 +64,8 @@ std::optional<Place> meet(const Sign& sign, const Segment& ray) {
   if (!(s > ray.begin && s < ray.end))
     return std::nullopt;
   const Vec3 from = ray.at(s) - sign.position;
-  const Place place{0.5 + from.dot(sign.right()) / sign.width,
-                    0.5 + from.dot(sign.down()) / sign.height, s};
+  const Place place{0.5 + from.dot(shown.right) / sign.width,
+                    0.5 + from.dot(shown.down) / sign.height, s};
   const bool inside = place.u >= 0 && place.u <= 1 && place.v >= 0 && place.v <= 1;
   return inside ? std::optional(place) : std::nullopt;
 }
@@ -55,18 +85,18 @@ Rgb pictureAt(const Image& picture, double u, double v) {
   return color;
 }
 
-Rgb averageOver(const Camera& camera, const Sign& sign, int x, int y, const Place& centre) {
+Rgb averageOver(const Camera& camera, const ShownSign& shown, int x, int y, const Place& centre) {
   Rgb sum = Rgb::Zero();
   int hits = 0;
   for (int i = 0; i < kSamples * kSamples; ++i) {
     const Segment ray = camera.ray(x + (i % kSamples + 0.5) / kSamples,
                                    y + (static_cast<int>(i / kSamples) + 0.5) / kSamples);
-    if (const auto place = meet(sign, ray)) {
-      sum += pictureAt(sign.picture, place->u, place->v);
+    if (const auto place = meet(shown, ray)) {
+      sum += pictureAt(shown.sign.picture, place->u, place->v);
       ++hits;
     }
   }
-  return hits > 0 ? Rgb(sum / hits) : pictureAt(sign.picture, centre.u, centre.v);
+  return hits > 0 ? Rgb(sum / hits) : pictureAt(shown.sign.picture, centre.u, centre.v);
 }
 
 }  // namespace
@@ -85,10 +115,17 @@ std::vector<SignPixel> signPixels(const Camera& camera, std::span<const Sign> si
                                   std::span<const float> opaqueDepth) {
   if (signs.empty())
     return {};
+  std::vector<ShownSign> shown;
+  for (const Sign& sign : signs) shown.emplace_back(sign, camera);
   std::vector<std::vector<SignPixel>> rows(static_cast<std::size_t>(camera.height()));
   parallelFor(rows.size(), [&](std::size_t row) {
     const int y = static_cast<int>(row);
-    for (int x = 0; x < camera.width(); ++x) {
+    int from = camera.width(), to = 0;
+    for (const ShownSign& sign : shown) {
+      if (y >= sign.y0 && y < sign.y1)
+        from = std::min(from, sign.x0), to = std::max(to, sign.x1);
+    }
+    for (int x = from; x < to; ++x) {
       const auto pixel = static_cast<std::size_t>(y) * camera.width() + x;
       Segment ray = camera.ray(x + 0.5, y + 0.5);
       const double wall =
@@ -97,7 +134,7 @@ std::vector<SignPixel> signPixels(const Camera& camera, std::span<const Sign> si
       std::optional<SignPixel> found;
       Place first;
       for (std::size_t s = 0; s < signs.size(); ++s) {
-        const auto place = meet(signs[s], ray);
+        const auto place = shown[s].mayShow(x, y) ? meet(shown[s], ray) : std::optional<Place>();
         if (!place)
           continue;
         first = *place;
@@ -109,7 +146,8 @@ std::vector<SignPixel> signPixels(const Camera& camera, std::span<const Sign> si
       }
       if (!found)
         continue;
-      const Rgb color = averageOver(camera, signs[found->sign], x, y, first);
+      const Rgb color =
+          averageOver(camera, shown[static_cast<std::size_t>(found->sign)], x, y, first);
       for (int c = 0; c < 3; ++c) found->radiance[c] = static_cast<float>(color[c]);
       rows[row].push_back(*found);
     }

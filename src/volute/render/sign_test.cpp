@@ -57,6 +57,32 @@ TEST(Sign, ShowsItsPictureUprightAndNotMirrored) {
   EXPECT_NEAR(sum / static_cast<double>(pixels.size()), 0.5, 1e-3);
 }
 
+/// Near borders, partly outside of the picture, partly behind the eye, from very close.
+TEST(Sign, IsFoundInEveryPixelThatMeetsIt) {
+  const Sign sign = testSign();
+  std::size_t seen = 0;
+  for (int view = 0; view < 200; ++view) {
+    const double turn = 0.61 * view, way = 0.05 + 0.01 * view;
+    const Vec3 eye(2 - way, 0.4 * std::sin(turn), 1 + 0.3 * std::cos(1.7 * turn));
+    const Camera camera = Camera::pinhole(
+        {eye, eye + Vec3(1, 1.5 * std::sin(2.3 * turn), std::cos(turn)), Vec3::UnitZ()}, 70, 40,
+        30);
+    std::vector<std::int32_t> expected, found;
+    for (int pixel = 0; pixel < 40 * 30; ++pixel) {
+      const Segment ray = camera.ray(pixel % 40 + 0.5, pixel / 40 + 0.5);
+      const double s = (2 - ray.origin.x()) / ray.direction.x();
+      const Vec3 at = ray.at(s);
+      if (ray.direction.x() > 0 && std::abs(at.y()) < 0.3 - 1e-9 &&
+          std::abs(at.z() - 1) < 0.15 - 1e-9)
+        expected.push_back(pixel);
+    }
+    for (const SignPixel& pixel : signPixels(camera, {&sign, 1}, {})) found.push_back(pixel.pixel);
+    EXPECT_EQ(found, expected) << view;
+    seen += found.size();
+  }
+  EXPECT_GT(seen, 10000u);
+}
+
 TEST(Sign, IsHiddenByWhatIsBefore) {
   const Sign sign = testSign();
   std::vector<float> opaque(80 * 40, std::numeric_limits<float>::infinity());
