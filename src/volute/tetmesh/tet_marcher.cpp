@@ -297,9 +297,10 @@ void TetMarcher::setSource(std::span<const float> source) {
 
 void TetMarcher::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<float> depth) {
   const TetMedium twin(state_->locator, state_->extinction);
-  // Where something is in the eye there is nothing to march, and whole tiles are left out.
+  // Where something is in the eye there is nothing to march, and whole tiles are left out. Parallel
+  // rays begin far behind a depth of 0.
   std::vector<std::uint8_t> far;
-  if (std::ranges::find(opaque, 0.0F) != opaque.end()) {
+  if (!camera.isOrthographic() && std::ranges::find(opaque, 0.0F) != opaque.end()) {
     far.resize(opaque.size());
     std::ranges::transform(opaque, far.begin(), [](float end) { return end > 0 ? 1 : 0; });
     std::ranges::fill(depth, 0.0F);

@@ -125,6 +125,35 @@ double litError(const std::vector<float>& light, const std::vector<double>& expe
   return worst;
 }
 
+/// What is in the eye is left out, and the rest is as in the whole picture, bit by bit; parallel
+/// rays have smoke before a depth of 0.
+TEST(TetMarcher, LeavesOutWhatIsInTheEye) {
+  const Hall& h = hall();
+  const TetMedium medium = h.medium();
+  TetMarcher marcher(h.locator);
+  marcher.setExtinction(h.extinction);
+  for (const auto& [name, camera] : cameras()) {
+    std::vector<float> all(kWidth * kHeight, 1e9F), some = all;
+    for (std::size_t i = 0; i < some.size(); ++i)
+      some[i] = i % kWidth / 7 == 3 && i / kWidth > 20 && i / kWidth < 24 ? 1e9F : 0;
+    std::vector<float> whole(all.size()), part(all.size(), 7);
+    marcher.opticalDepth(camera, all, whole), marcher.opticalDepth(camera, some, part);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Segment ray =
+          pixelRay(camera, static_cast<int>(i) % kWidth, static_cast<int>(i) / kWidth, some);
+      double expected = whole[i];
+      if (some[i] == 0 && camera.isOrthographic())
+        medium.opticalDepth({&ray, 1}, {&expected, 1});
+      else if (some[i] == 0)
+        expected = 0;
+      if (some[i] == 0 && camera.isOrthographic())
+        ASSERT_NEAR(part[i], expected, 1e-4) << name << " " << i;
+      else
+        ASSERT_EQ(part[i], static_cast<float>(expected)) << name << " " << i;
+    }
+  }
+}
+
 TEST(TetPictures, LightSmoke) {
   TetMarcher marcher(hall().locator);
   TetSplat splat(hall().locator);
