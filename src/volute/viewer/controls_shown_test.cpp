@@ -63,6 +63,7 @@ TEST_F(ShownControls, WhatAVolumesFileLeavesOpenIsChosen) {
   script_->input().height = 1900;
   EXPECT_EQ(chosen("/media/0/preset"), "automatic");
   chooses("/media/0/preset", "smoke");
+  chooses("/media/0/basis", "trilinear");
   chooses("/media/0/basis", "cubic");
   EXPECT_EQ(choicesOf("/media/0/basis"),
             (std::vector<std::string>{"automatic", "trilinear", "cubic"}))
