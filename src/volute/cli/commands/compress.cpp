@@ -232,7 +232,7 @@ Command compressCommand() {
            {.name = "access",
             .kind = kChoice,
             .value = "WHAT",
-            .help = "what is read most: frame, single frames, which then take a quarter of the "
+            .help = "what is read most: frame, single frames, which then take about a third of the "
                     "time and bytes, of a file that may be larger; or film, all of them in "
                     "order; if not given, what costs next to nothing of both",
             .choices = {"frame", "film"}},
