@@ -154,6 +154,30 @@ TEST(TetMarcher, LeavesOutWhatIsInTheEye) {
   }
 }
 
+/// The same of the splat, but for lit pixels that are left to the marcher.
+TEST(TetPictures, LeaveOutWhatIsInTheEye) {
+  TetSplat splat(hall().locator);
+  splat.setExtinction(hall().extinction), splat.setSource(hall().source);
+  for (const auto& [name, camera] : cameras()) {
+    if (camera.isOrthographic())
+      continue;
+    std::vector<float> all(kWidth * kHeight, 1e9F), some = all;
+    for (std::size_t i = 0; i < some.size(); ++i)
+      some[i] = i % kWidth / 7 == 3 && i / kWidth > 20 && i / kWidth < 24 ? 1e9F : 0;
+    std::vector<float> whole(all.size()), part(all.size(), 7);
+    std::vector<float> wholeLight(4 * all.size()), partLight(4 * all.size(), 7);
+    splat.opticalDepth(camera, all, whole), splat.opticalDepth(camera, some, part);
+    splat.litColor(camera, all, wholeLight), splat.litColor(camera, some, partLight);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      ASSERT_EQ(part[i], some[i] > 0 ? whole[i] : 0) << name << " " << i;
+      for (std::size_t c = 0; c < 4; ++c) {
+        const float expected = some[i] > 0 ? wholeLight[4 * i + c] : c == 3 ? 1 : 0;
+        ASSERT_NEAR(partLight[4 * i + c], expected, 1e-5) << name << " " << i;
+      }
+    }
+  }
+}
+
 TEST(TetPictures, LightSmoke) {
   TetMarcher marcher(hall().locator);
   TetSplat splat(hall().locator);

@@ -49,6 +49,21 @@ bool meetsOpaque(const ScreenView& view, OpaqueDepth opaque, const Tile& tile) {
   return any;
 }
 
+/// Whether all rays of a tile end in the eye: what is in it was not asked for. Parallel rays have
+/// smoke before a depth of 0.
+template <class Tile>
+bool endsAtEye(const ScreenView& view, OpaqueDepth opaque, const Tile& tile) {
+  if (!tile.bounded || view.orthographic)
+    return false;
+  const int columns = std::min(Tile::kSide, view.width - tile.x0);
+  for (int y = tile.y0; y < std::min(tile.y0 + Tile::kSide, view.height); ++y) {
+    const float* row = &opaque[static_cast<std::size_t>(y) * view.width + tile.x0];
+    if (!std::all_of(row, row + columns, [](float end) { return end == 0; }))
+      return false;
+  }
+  return true;
+}
+
 /// Where the rays of a tile end: calls set(place in the tile, inverse depth).
 template <class Tile, class Set>
 void bound(const ScreenView& view, OpaqueDepth opaque, const Tile& tile, const Set& set) {
@@ -228,7 +243,8 @@ void TetSplat::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<
       std::ranges::fill(tile.end, 0.0F);
       bound(view, opaque, tile, [&](int at, float end) { tile.end[at] = end; });
     }
-    bins.forEach(i, [&](std::span<const BinnedTet> tets) { splatTets(view, mesh, tets, tile); });
+    if (!endsAtEye(view, opaque, tile))
+      bins.forEach(i, [&](std::span<const BinnedTet> tets) { splatTets(view, mesh, tets, tile); });
     readTile(view, tile, depth.data());
   });
 }
@@ -282,8 +298,9 @@ void TetSplat::litColor(const Camera& camera, OpaqueDepth opaque, std::span<floa
     tile.bounded = meetsOpaque(view, opaque, tile);
     if (tile.bounded)
       bound(view, opaque, tile, [&](int at, float end) { *tile.at(LitTile::kEnd, at) = end; });
-    bins.forEach(i,
-                 [&](std::span<const BinnedTet> tets) { lightTets(view, mesh, tets, size, tile); });
+    if (!endsAtEye(view, opaque, tile))
+      bins.forEach(
+          i, [&](std::span<const BinnedTet> tets) { lightTets(view, mesh, tets, size, tile); });
     forEachPixel(view, tile, [&](int at, int x, int y) {
       const std::size_t pixel = static_cast<std::size_t>(y) * view.width + x;
       for (int c = 0; c < 3; ++c) rgbt[4 * pixel + c] = *tile.at(LitTile::kLight + c, at);
