@@ -216,6 +216,7 @@ class Reconstruction:
     times: npt.NDArray[np.float64]
     frame_numbers: npt.NDArray[np.int64]
     report: Dict[str, Any]
+    sigma: Optional[Union[Floats, Volume]]
 
 def reconstruct(capture: Path, output: Optional[Path] = ..., *, rms: float = ..., frames: Optional[Tuple[int, int]] = ...,
                 resolution: Union[None, int, Tuple[int, int, int]] = ..., bounds: Optional[npt.ArrayLike] = ...,
