@@ -45,6 +45,7 @@ struct PictureSource {
   std::filesystem::path mask;        ///< 0 = ignore the pixel (obstructors); empty: none
   double gain = 1;                   ///< a factor on its linear values; of kAbsorption, where
                                      ///< that cancels out, on its optical depths
+  Rgb channelGain = Rgb::Ones();     ///< the same for each channel, besides `gain`
   double exponent = 1;               ///< a power of the linear values, 1 = white, before white
                                      ///< and gain: mends a response that is nearly right
   /// Of integers and films; floats (.exr, .pfm, some .tif and .npy) are linear. Without it what

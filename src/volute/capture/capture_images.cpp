@@ -254,6 +254,17 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
   return stored;
 }
 
+namespace {
+
+void multiplyChannels(const Rgb& by, Image& image) {
+  if ((by == 1).all())
+    return;
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] *= static_cast<float>(by[static_cast<int>(i % 3)]);
+}
+
+}  // namespace
+
 Image CaptureImages::linearised(std::size_t camera, const Stored& stored) const {
   const auto& pictures = capture_->cameras[camera].pictures;
   // Of absorption the gain would cancel out; it is one of the depths.
@@ -272,7 +283,10 @@ Image CaptureImages::linearised(std::size_t camera, const Stored& stored) const 
       value = value < 0 ? -size : size;
     }
   }
-  return inColour(std::move(image));
+  image = inColour(std::move(image));
+  if (light)
+    multiplyChannels(pictures.channelGain, image);
+  return image;
 }
 
 Status CaptureImages::openMask(std::size_t camera) {
@@ -508,6 +522,7 @@ void CaptureImages::subtractBackground(std::size_t camera, CameraPicture& pictur
   picture.opaqueShare = depths.opaqueShare;
   const auto gain = static_cast<float>(capture_->cameras[camera].pictures.gain);
   for (float& depth : picture.radiance.pixels) depth *= gain;
+  multiplyChannels(capture_->cameras[camera].pictures.channelGain, picture.radiance);
 }
 
 namespace {

@@ -62,6 +62,16 @@ TEST_F(CaptureImagesTest, ReadsRadiance) {
   EXPECT_FALSE(b.grey);
 }
 
+TEST_F(CaptureImagesTest, ChannelsHaveGainsAndCamerasExposures) {
+  write("f_0004_a.exr", picture(0.5f));
+  json["cameras"][0]["gain"] = {1, 2, 0.5};
+  json["cameras"][0]["exposure"] = 0.25;
+  ASSERT_VALUE(const auto read, readPicture(0, 4));
+  EXPECT_FLOAT_EQ(read.radiance.at(3, 3, 0), 2);
+  EXPECT_FLOAT_EQ(read.radiance.at(3, 3, 1), 4);
+  EXPECT_FLOAT_EQ(read.radiance.at(3, 3, 2), 1);
+}
+
 TEST_F(CaptureImagesTest, GreyPicturesBecomeThreeChannels) {
   write("f_0004_a.exr", picture(0.5f, 1));
   ASSERT_VALUE(const auto read, readPicture(0, 4));

@@ -252,8 +252,16 @@ class CameraReader {
     if (const auto mask = value_.find("mask")) {
       VOLUTE_ASSIGN(pictures.mask, path(*mask));
     }
-    if (const auto gain = value_.find("gain")) {
+    if (const auto gain = value_.find("gain"); gain && gain->json().is_array()) {
+      VOLUTE_ASSIGN(pictures.channelGain, readLight(*gain));
+      if (!(pictures.channelGain.minCoeff() > 0))
+        return gain->fault("expected a number above 0, or three");
+    } else if (gain) {
       VOLUTE_ASSIGN(pictures.gain, readPositive(*gain));
+    }
+    if (const auto exposure = value_.find("exposure")) {
+      VOLUTE_ASSIGN(const double light, readPositive(*exposure));
+      pictures.gain /= light;
     }
     if (const auto exponent = value_.find("exponent")) {
       constexpr double kMin = 0.1, kMax = 10;
@@ -371,29 +379,18 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
   for (const JsonValue& camera : cameras) {
     VOLUTE_ASSIGN(auto read, CameraReader(camera, folder, defaults).read());
     draft.cameras.push_back(std::move(read));
-    remarkUnknown(camera,
-                  {"name",
-                   "image",
-                   "width",
-                   "height",
-                   "K",
-                   "R",
-                   "t",
-                   "distortion",
-                   "background",
-                   "mask",
-                   "gain",
-                   "exponent",
-                   "reprojection_error",
-                   "video",
-                   "video_start",
-                   "start_time",
-                   "frames_per_second",
-                   "frame_shift",
-                   "color",
-                   "saturation",
-                   "bits",
-                   "black"},
+    remarkUnknown(camera, {"name",        "image",
+                           "width",       "height",
+                           "K",           "R",
+                           "t",           "distortion",
+                           "background",  "mask",
+                           "gain",        "exposure",
+                           "exponent",    "reprojection_error",
+                           "video",       "video_start",
+                           "start_time",  "frames_per_second",
+                           "frame_shift", "color",
+                           "saturation",  "bits",
+                           "black"},
                   draft);
   }
   return draft;

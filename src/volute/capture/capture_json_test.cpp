@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/capture/testing.hpp"
+#include "volute/capture/write_capture.hpp"
 
 namespace volute {
 namespace {
@@ -176,6 +177,22 @@ TEST(CaptureJson, TwoEmptyFramesAreARange) {
   EXPECT_EQ(openJson(folder, json).value().emptyFrames, (std::vector<int>{0, 1, 2, 3}));
   json["empty_frames"] = {0, 3, 8};
   EXPECT_EQ(openJson(folder, json).value().emptyFrames, (std::vector<int>{0, 3, 8}));
+}
+
+TEST(CaptureJson, GainsOfChannelsAndExposures) {
+  const TempFolder folder;
+  auto json = ringJson();
+  json["cameras"][0]["gain"] = {1.1, 1, 0.9};
+  json["cameras"][1]["gain"] = 2;
+  json["cameras"][1]["exposure"] = 4;
+  ASSERT_VALUE(const auto capture, openJson(folder, json));
+  EXPECT_TRUE((capture.cameras[0].pictures.channelGain == Rgb(1.1, 1, 0.9)).all());
+  EXPECT_EQ(capture.cameras[1].pictures.gain, 0.5);
+  ASSERT_TRUE(writeCapture(folder / "again.json", capture));
+  ASSERT_VALUE(const auto again, openCapture(folder / "again.json", {}));
+  EXPECT_TRUE((again.cameras[0].pictures.channelGain == Rgb(1.1, 1, 0.9)).all());
+  json["cameras"][0]["gain"] = {1, 0, 1};
+  EXPECT_FALSE(openJson(folder, json));
 }
 
 TEST(CaptureJson, SaysWhatPicturesMeasure) {

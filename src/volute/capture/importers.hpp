@@ -69,8 +69,8 @@ struct CaptureDraft {
 /// A COLMAP model: the folder with cameras and images as .txt or .bin. Pixel centres at 0.5.
 [[nodiscard]] Result<CaptureDraft> readColmap(const std::filesystem::path& folder);
 
-/// OpenCV FileStorage, YAML or JSON: matrices K_NAME, D_NAME, R_NAME, T_NAME for each camera, world
-/// to camera. Pixel centres at 0.
+/// OpenCV FileStorage, YAML, XML or JSON: matrices K_NAME, D_NAME, R_NAME, T_NAME for each camera,
+/// world to camera; or what OpenCV's calibration and stereo samples write. Pixel centres at 0.
 [[nodiscard]] Result<CaptureDraft> readOpenCv(const std::filesystem::path& file);
 
 }  // namespace volute

@@ -603,6 +603,89 @@ TEST_F(Importers, OpenCvNamesThatNoCameraUsesAreRemarkedOn) {
   EXPECT_THAT(capture.remarks, ElementsAre(HasSubstr("OpenCV"), "no camera uses D_aa, error"));
 }
 
+std::string xmlMatrix(const std::string& name, const Eigen::MatrixXd& m) {
+  std::string data;
+  for (int i = 0; i < m.rows(); ++i)
+    for (int j = 0; j < m.cols(); ++j) data += " " + digits(m(i, j));
+  return fmt::format(
+      "<{0} type_id=\"opencv-matrix\">\n  <rows>{1}</rows>\n  <cols>{2}</cols>\n  <dt>d</dt>\n"
+      "  <data>\n   {3}</data></{0}>\n",
+      name, m.rows(), m.cols(), data);
+}
+
+TEST_F(Importers, OpenCvXml) {
+  std::string text = "<?xml version=\"1.0\"?>\n<!-- by hand -->\n<opencv_storage>\n";
+  for (int i = 0; i < kCameras; ++i) {
+    Calibration c = ringCalibration(i, kCameras);
+    c.K(0, 2) -= 0.5;
+    c.K(1, 2) -= 0.5;
+    const std::string name(1, static_cast<char>('a' + i));
+    text += xmlMatrix("K_" + name, c.K) + xmlMatrix("R_" + name, c.R) + xmlMatrix("T_" + name, c.t);
+  }
+  text += "<calibration_time>\"today\"</calibration_time>\n";
+  writeText(folder / "cameras.xml", text + "</opencv_storage>\n");
+  EXPECT_TRUE(isCapture(folder / "cameras.xml").value());
+  expectOurs(folder / "cameras.xml", "OpenCV: 3 cameras, pixel centres at 0");
+  writeText(folder / "cut.xml", text);
+  EXPECT_TRUE(failsWith(openCapture(folder / "cut.xml", options), "cut off or damaged"));
+  writeText(folder / "other.xml", "<?xml version=\"1.0\"?><VTKFile></VTKFile>");
+  EXPECT_FALSE(isCapture(folder / "other.xml").value());
+  EXPECT_TRUE(failsWith(openCapture(folder / "other.xml", options), "expected OpenCV's"));
+  writeText(folder / "half.xml",
+            "<opencv_storage><K_a><rows>3</rows><cols>3</cols></K_a></opencv_storage>");
+  EXPECT_TRUE(failsWith(openCapture(folder / "half.xml", options), "K_a is no whole matrix"));
+}
+
+TEST_F(Importers, OpenCvStereoSample) {
+  const Calibration a = ringCalibration(0, kCameras), b = ringCalibration(1, kCameras);
+  const Mat3 turn = b.R * a.R.transpose();
+  const Vec3 shift = b.t - turn * a.t;
+  const std::string head = "%YAML:1.0\n---\n";
+  const std::string lenses = openCvMatrix("M1", a.K, false) + openCvMatrix("M2", b.K, false);
+  const std::string pose = openCvMatrix("R", turn, false) + openCvMatrix("T", shift, false) +
+                           openCvMatrix("R1", Mat3::Identity(), false);
+  std::filesystem::rename(folder / "f_0004_a.exr", folder / "s_0004_1.exr");
+  std::filesystem::rename(folder / "f_0004_b.exr", folder / "s_0004_2.exr");
+  options.images = (folder / "s_%04d_{camera}.exr").string();
+  options.frames = {4, 5};
+  writeText(folder / "intrinsics.yml", head + lenses);
+  EXPECT_TRUE(failsWith(openCapture(folder / "intrinsics.yml", options), "without R and T"));
+  writeText(folder / "extrinsics.yml", head + pose);
+  writeText(folder / "both.yml", head + lenses + pose);
+  for (const char* file : {"intrinsics.yml", "extrinsics.yml", "both.yml"}) {
+    ASSERT_VALUE(const auto capture, openCapture(folder / file, options));
+    ASSERT_EQ(capture.cameras.size(), 2U);
+    EXPECT_EQ(capture.cameras[0].name, "1");
+    EXPECT_NEAR(capture.cameras[0].camera.eye().norm(), 0, 1e-12);
+    EXPECT_NEAR((capture.cameras[1].camera.rotation() - turn).norm(), 0, 1e-12);
+    EXPECT_NEAR((capture.cameras[1].camera.eye() + turn.transpose() * shift).norm(), 0, 1e-9);
+    EXPECT_THAT(capture.remarks, Contains(HasSubstr("the world is that of camera 1")));
+  }
+}
+
+TEST_F(Importers, OpenCvCalibrationSample) {
+  std::filesystem::create_directory(folder / "boards");
+  for (int i = 0; i < kCameras; ++i) {
+    const Calibration c = ringCalibration(i, kCameras);
+    const Eigen::AngleAxisd turn(c.R);
+    Eigen::MatrixXd poses = Eigen::MatrixXd::Constant(2, 6, 0.25);
+    poses.row(0) << (turn.angle() * turn.axis()).transpose(), c.t.transpose();
+    writeText(folder / "boards" / fmt::format("{}.yml", static_cast<char>('a' + i)),
+              "%YAML:1.0\n---\nnframes: 2\nimage_width: 24\nimage_height: 16\n" +
+                  openCvMatrix("camera_matrix", c.K, false) +
+                  openCvMatrix("extrinsic_parameters", poses, false));
+  }
+  ASSERT_VALUE(const auto capture, openCapture(folder / "boards" / "b.yml", options));
+  ASSERT_EQ(capture.cameras.size(), static_cast<std::size_t>(kCameras));
+  for (int i = 0; i < kCameras; ++i) {
+    const Calibration c = ringCalibration(i, kCameras);
+    const auto& camera = capture.cameras[static_cast<std::size_t>(i)].camera;
+    EXPECT_NEAR((camera.rotation() - c.R).norm(), 0, 1e-9);
+    EXPECT_NEAR((camera.rotation() * camera.eye() + c.t).norm(), 0, 1e-9);
+  }
+  EXPECT_THAT(capture.remarks, Contains(HasSubstr("the board in the first view")));
+}
+
 TEST_F(Importers, OpenCvRotationVectors) {
   const Calibration c = ringCalibration(1, kCameras);
   const Eigen::AngleAxisd turn(c.R);

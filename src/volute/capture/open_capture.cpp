@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "volute/base/file_name.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/capture/clocks.hpp"
 #include "volute/capture/image_name.hpp"
 #include "volute/capture/importers.hpp"
@@ -52,13 +53,13 @@ Result<CaptureDraft> readDraft(const std::filesystem::path& file) {
   const std::string extension = extensionOf(file);
   if (extension == ".json")
     return readJsonCapture(file);
-  if (extension == ".yml" || extension == ".yaml")
+  if (extension == ".yml" || extension == ".yaml" || extension == ".xml")
     return readOpenCv(file);
   if (extension == ".txt" || extension == ".bin")
     return readColmap(file.parent_path());
   return fail(ErrorCode::kUnsupported,
               "{}: not a known kind of calibration; expected capture.json, transforms.json, a "
-              "COLMAP model's folder, or OpenCV's .yml",
+              "COLMAP model's folder, or OpenCV's .yml or .xml",
               file.string());
 }
 
@@ -440,6 +441,11 @@ Result<bool> isCapture(const std::filesystem::path& path) {
            name == "images.bin";
   };
   const std::string extension = extensionOf(path);
+  if (extension == ".xml") {
+    constexpr std::uint64_t kMaxBytes = 16 << 20;
+    const auto text = readText(path, kMaxBytes);
+    return text && text->find("<opencv_storage") != std::string::npos;
+  }
   if (extension == ".yml" || extension == ".yaml" || isColmap(path))
     return true;
   std::error_code ignored;

@@ -136,10 +136,108 @@ std::vector<std::string> unused(const Entries& entries, std::span<const CameraDr
   return names;
 }
 
+/// What stands between <name ...> and </name>, from `at` on, which goes behind it; nothing at the
+/// end of the text.
+struct XmlElement {
+  std::string_view name, content;
+};
+
+Result<std::optional<XmlElement>> nextElement(std::string_view text, std::size_t& at,
+                                              const std::string& file) {
+  while ((at = text.find('<', at)) != std::string_view::npos) {
+    const bool comment = text.substr(at).starts_with("<!--");
+    const std::size_t end = text.find(comment ? "-->" : ">", at);
+    if (end == std::string_view::npos)
+      return fail(ErrorCode::kInvalidData, "{}: a tag is cut off at its end", file);
+    const std::string_view tag = text.substr(at + 1, end - at - 1);
+    at = end + (comment ? 3 : 1);
+    if (comment || tag.starts_with('?') || tag.starts_with('!') || tag.ends_with('/'))
+      continue;
+    const std::string_view name = tag.substr(0, tag.find_first_of(" \t\r\n"));
+    const std::string close = fmt::format("</{}>", name);
+    const std::size_t last = text.find(close, at);
+    if (name.empty() || name.starts_with('/') || last == std::string_view::npos)
+      return fail(ErrorCode::kInvalidData, "{}: <{}> has no end: the file is cut off or damaged",
+                  file, name);
+    const XmlElement element{name, text.substr(at, last - at)};
+    at = last + close.size();
+    return element;
+  }
+  return std::nullopt;
+}
+
+/// All numbers of a text; nothing where there is something else.
+std::optional<std::vector<double>> numbersOf(std::string_view text) {
+  std::vector<double> numbers;
+  const std::string copy(text);
+  const char* at = copy.c_str();
+  for (char* after = nullptr;; at = after) {
+    const double number = std::strtod(at, &after);
+    if (after == at)
+      break;
+    numbers.push_back(number);
+  }
+  if (std::string_view(at).find_first_not_of(" \t\r\n") != std::string_view::npos)
+    return std::nullopt;
+  return numbers;
+}
+
+/// OpenCV's XML: <opencv_storage> of matrices with <rows>, <cols> and <data>, and of numbers.
+Result<Entries> xmlEntries(std::string_view text, const std::string& file) {
+  constexpr double kMostOfAnEntry = 1e6;  // rows, or columns
+  std::size_t at = 0;
+  VOLUTE_ASSIGN(const auto root, nextElement(text, at, file));
+  if (!root || root->name != "opencv_storage")
+    return fail(ErrorCode::kInvalidData, "{}: expected OpenCV's <opencv_storage>", file);
+  Entries entries;
+  at = 0;
+  while (true) {
+    VOLUTE_ASSIGN(const auto element, nextElement(root->content, at, file));
+    if (!element)
+      return entries;
+    const std::string name(element->name);
+    Entry entry;
+    if (auto number = numbersOf(element->content)) {
+      if (number->size() != 1)
+        continue;  // lists, or nothing
+      entry = {1, 1, std::move(*number)};
+    } else {
+      std::optional<std::vector<double>> rows, columns, data;
+      std::size_t inside = 0;
+      while (element->content.find('<', inside) != std::string_view::npos) {
+        VOLUTE_ASSIGN(const auto part, nextElement(element->content, inside, file));
+        if (!part)
+          break;
+        auto& to = part->name == "rows" ? rows : part->name == "cols" ? columns : data;
+        if (part->name == "rows" || part->name == "cols" || part->name == "data")
+          to = numbersOf(part->content);
+      }
+      const auto count = [](const std::optional<std::vector<double>>& of) {
+        return of && of->size() == 1 && of->front() >= 1 && of->front() <= kMostOfAnEntry
+                   ? static_cast<std::size_t>(of->front())
+                   : 0;
+      };
+      const bool whole = data && !data->empty() && data->size() == count(rows) * count(columns);
+      if (!whole && !isOurs(name))
+        continue;  // words, or other structures
+      if (!whole)
+        return fail(ErrorCode::kInvalidData,
+                    "{}: {} is no whole matrix; expected rows, cols and data: the file is cut off "
+                    "or damaged",
+                    file, name);
+      entry = {static_cast<int>(count(rows)), static_cast<int>(count(columns)), std::move(*data)};
+    }
+    if (!entries.add(name, std::move(entry)))
+      return fail(ErrorCode::kInvalidData, "{}: {} is there twice; expected it once", file, name);
+  }
+}
+
 /// JSON is YAML too, so one reader does for both. yaml-cpp throws.
 Result<Entries> readEntries(const std::filesystem::path& file) {
   constexpr std::uint64_t kMaxBytes = 16 << 20;
   VOLUTE_ASSIGN(std::string text, readText(file, kMaxBytes));
+  if (extensionOf(file) == ".xml")
+    return xmlEntries(text, file.string());
   if (extensionOf(file) == ".json")
     VOLUTE_TRY(checkJsonDepth(text, file.string()));
   // OpenCV's first line is no YAML directive as the standard has it, and old versions put no "---"
@@ -283,13 +381,143 @@ class CameraFinder {
   std::string file_;
 };
 
+Entry identity() {
+  return {3, 3, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+}
+
+/// Of several names the one that is there.
+const Entry* anyOf(const Entries& entries, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    if (const Entry* entry = entries.find(name))
+      return entry;
+  }
+  return nullptr;
+}
+
+/// A file of the same folder and ending, e.g. "extrinsics" beside intrinsics.yml.
+Result<std::optional<Entries>> sibling(const std::filesystem::path& file, const char* name) {
+  auto other = file;
+  other.replace_filename(name + file.extension().string());
+  std::error_code error;
+  if (other == file || !std::filesystem::exists(other, error))
+    return std::nullopt;
+  VOLUTE_ASSIGN(auto entries, readEntries(other));
+  return entries;
+}
+
+/// What OpenCV's stereo sample writes: M1, D1, M2, D2 in intrinsics.yml, and R and T from the first
+/// camera to the second in extrinsics.yml, or all in one file; as cameras 1 and 2, the world that
+/// of the first. Nothing for other files.
+Result<std::optional<Entries>> stereoEntries(const Entries& entries,
+                                             const std::filesystem::path& file) {
+  const auto matrix = [](const Entries& of, int camera) {
+    return camera == 1 ? anyOf(of, {"M1", "cameraMatrix1", "K1"})
+                       : anyOf(of, {"M2", "cameraMatrix2", "K2"});
+  };
+  const bool pose = entries.find("R") && entries.find("T");
+  const bool lenses = matrix(entries, 1) && matrix(entries, 2);
+  if (!pose && !lenses)
+    return std::nullopt;
+  std::optional<Entries> other;
+  if (!pose || !lenses) {
+    VOLUTE_ASSIGN(other, sibling(file, pose ? "intrinsics" : "extrinsics"));
+  }
+  const Entries& poses = pose || !other ? entries : *other;
+  const Entries& cameras = lenses || !other ? entries : *other;
+  if (!poses.find("R") || !poses.find("T") || !matrix(cameras, 1) || !matrix(cameras, 2))
+    return fail(ErrorCode::kInvalidData,
+                "{}: a stereo calibration without {}; expected {}{} beside it, or all in one file",
+                file.string(), pose ? "M1 and M2" : "R and T", pose ? "intrinsics" : "extrinsics",
+                file.extension().string());
+  Entries named;
+  for (const int camera : {1, 2}) {
+    const std::string name = std::to_string(camera);
+    named.add("K_" + name, *matrix(cameras, camera));
+    const Entry* lens =
+        camera == 1 ? anyOf(cameras, {"D1", "distCoeffs1"}) : anyOf(cameras, {"D2", "distCoeffs2"});
+    if (lens)
+      named.add("D_" + name, *lens);
+    named.add("R_" + name, camera == 1 ? identity() : *poses.find("R"));
+    named.add("T_" + name, camera == 1 ? Entry{3, 1, {0, 0, 0}} : *poses.find("T"));
+  }
+  for (const char* size : {"image_width", "image_height"}) {
+    if (const Entry* entry = entries.find(size))
+      named.add(size, *entry);
+  }
+  return named;
+}
+
+/// What OpenCV's calibration sample writes of one camera: camera_matrix, distortion_coefficients
+/// and a row of extrinsic_parameters for each view of the board.
+bool isSample(const Entries& entries) {
+  return entries.find("camera_matrix") && entries.find("extrinsic_parameters");
+}
+
+/// Such files of one folder and ending are cameras by the files' names, in the world of the board
+/// in their first view.
+Result<Entries> sampleEntries(const std::filesystem::path& file) {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  for (const auto& other : std::filesystem::directory_iterator(folder, error)) {
+    if (other.path().extension() == file.extension())
+      files.push_back(other.path());
+  }
+  std::ranges::sort(files);
+  Entries named;
+  for (const auto& other : files) {
+    const auto entries = readEntries(other);
+    if (!entries && other.filename() == file.filename())
+      return entries;
+    if (!entries || !isSample(*entries))
+      continue;
+    const std::string name = other.stem().string();
+    const Entry& poses = *entries->find("extrinsic_parameters");
+    if (poses.columns != 6 || poses.rows < 1 || poses.values.size() < 6)
+      return fail(ErrorCode::kInvalidData,
+                  "{}: extrinsic_parameters is {} x {}; expected rows of six numbers: a rotation "
+                  "vector and a translation",
+                  other.string(), poses.rows, poses.columns);
+    named.add("K_" + name, *entries->find("camera_matrix"));
+    if (const Entry* lens = entries->find("distortion_coefficients"))
+      named.add("D_" + name, *lens);
+    const auto& v = poses.values;
+    named.add("rvec_" + name, {3, 1, {v[0], v[1], v[2]}});
+    named.add("T_" + name, {3, 1, {v[3], v[4], v[5]}});
+    for (const char* size : {"image_width", "image_height"}) {
+      if (const Entry* entry = entries->find(size))
+        named.add(size + ("_" + name), *entry);
+    }
+    const Entry* fisheye = entries->find("fisheye_model");
+    if (fisheye && fisheye->values != std::vector<double>{0})
+      named.add("fisheye_model", *fisheye);
+  }
+  return named;
+}
+
 }  // namespace
 
 Result<CaptureDraft> readOpenCv(const std::filesystem::path& file) {
-  VOLUTE_ASSIGN(const auto entries, readEntries(file));
+  VOLUTE_ASSIGN(auto entries, readEntries(file));
+  const char* world = nullptr;
+  if (isSample(entries)) {
+    VOLUTE_ASSIGN(entries, sampleEntries(file));
+    world =
+        "cameras are the files of OpenCV's calibration sample in this folder, in the world of "
+        "the board in the first view of each, which must be the same board; lengths are the "
+        "board's";
+  } else {
+    VOLUTE_ASSIGN(auto stereo, stereoEntries(entries, file));
+    if (stereo) {
+      entries = std::move(*stereo);
+      world = "a stereo calibration: the world is that of camera 1, lengths are the board's";
+    }
+  }
   CaptureDraft draft;
   draft.kind = "OpenCV";
   draft.pixelCentre = 0;
+  if (world)
+    draft.remarks.emplace_back(world);
   if (const Entry* fisheye = findEntry(entries, "fisheye_model");
       fisheye && fisheye->values != std::vector<double>{0}) {
     return fail(ErrorCode::kUnsupported,

@@ -77,7 +77,9 @@ Json cameraJson(const CaptureCamera& known, double framesPerSecond,
     json["background"] = path(pictures.background);
   if (!pictures.mask.empty())
     json["mask"] = path(pictures.mask);
-  if (pictures.gain != 1)
+  if ((pictures.channelGain != 1).any())
+    json["gain"] = jsonOf(Vec3((pictures.gain * pictures.channelGain).matrix()));
+  else if (pictures.gain != 1)
     json["gain"] = pictures.gain;
   if (pictures.exponent != 1)
     json["exponent"] = pictures.exponent;

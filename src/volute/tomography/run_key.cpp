@@ -36,6 +36,7 @@ std::string describe(const CaptureCamera& known) {
                   digits(camera.eye()), lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, pictures.gain,
                   pictures.videoStart, pictures.frameShift, pictures.saturation.value_or(-1),
                   pictures.response ? pictures.response->name() : "as the pictures state");
+  text += digits(pictures.channelGain);
   text +=
       fmt::format("{} pictures a frame, exponent {}, error {}, {} bits, black {}\n", pictures.rate,
                   pictures.exponent, known.reprojectionError, pictures.bits, pictures.black);
