@@ -105,6 +105,9 @@ class Look(support.TestCase):
         same(first, first.replace("f_", "g_"), 0)
         same("far.exr", "trilinear.exr", 0)
         self.assertGreater(same("far.exr", first, 1e9), 0)
+        # A part of it is drawn as the whole.
+        self.works(*film, "-o", self.path("h_%04d.exr"), "--frames", "0:1", measured=False)
+        same(first, first.replace("f_", "h_"), 0)
 
     def test_contours_are_those_of_the_spline(self):
         """Where each row crosses some levels, against the exact spline [pixels, RMS]."""

@@ -3,6 +3,7 @@
 #include "volute/film/render_request.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <utility>
@@ -32,6 +33,23 @@ PictureStyle styleOf(const RenderRequest& request, const FilmJob& job) {
                                      : plain ? ToneCurve::kNone
                                              : ToneCurve::kFilmic);
   return style;
+}
+
+/// Adds the whole way of a camera that moves, whichever frames of it are asked for: parts of one
+/// film that several machines draw are drawn alike.
+void addViewsOfTheWay(const FilmJob& job, std::vector<Camera>& views) {
+  constexpr int kBetween = 8, kTurns = 16;
+  const auto add = [&](double time) {
+    for (int turn = 0; turn < (job.orbit == 0 ? 1 : kTurns); ++turn)
+      views.push_back(job.cameraAt({0, time, static_cast<double>(turn) / kTurns}));
+  };
+  const std::vector<CameraKey> keys = job.way ? job.way->keys : std::vector<CameraKey>();
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    for (int k = 0; k <= kBetween; ++k)
+      add(std::lerp(keys[i - 1].time, keys[i].time, static_cast<double>(k) / kBetween));
+  }
+  if (keys.size() < 2 && job.orbit != 0 && !job.frames.empty())
+    add(job.frames.front().time);
 }
 
 }  // namespace
@@ -79,6 +97,8 @@ Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemo
   if (!job.measured) {
     std::vector<Camera> views;
     for (const FilmFrame& frame : job.frames) views.push_back(job.cameraAt(frame));
+    if (!request.frames.time)
+      addViewsOfTheWay(job, views);
     job.scene.setViews(std::move(views));
   }
   if (!(request.shutter > 0))
