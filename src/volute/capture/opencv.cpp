@@ -184,7 +184,7 @@ std::optional<std::vector<double>> numbersOf(std::string_view text) {
 
 /// OpenCV's XML: <opencv_storage> of matrices with <rows>, <cols> and <data>, and of numbers.
 Result<Entries> xmlEntries(std::string_view text, const std::string& file) {
-  constexpr double kMostOfAnEntry = 1e6;  // rows, or columns
+  constexpr double kMaxCount = 1e6;  // rows, or columns
   std::size_t at = 0;
   VOLUTE_ASSIGN(const auto root, nextElement(text, at, file));
   if (!root || root->name != "opencv_storage")
@@ -213,7 +213,7 @@ Result<Entries> xmlEntries(std::string_view text, const std::string& file) {
           to = numbersOf(part->content);
       }
       const auto count = [](const std::optional<std::vector<double>>& of) {
-        return of && of->size() == 1 && of->front() >= 1 && of->front() <= kMostOfAnEntry
+        return of && of->size() == 1 && of->front() >= 1 && of->front() <= kMaxCount
                    ? static_cast<std::size_t>(of->front())
                    : 0;
       };

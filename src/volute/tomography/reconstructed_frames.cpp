@@ -26,7 +26,7 @@
 namespace volute {
 namespace {
 
-constexpr const char* kSigma = "-sigma";  // after the key of a frame
+constexpr const char* kDeviationKey = "-sigma";  // after the key of a frame
 
 /// The solver's progress within one frame as progress of the whole sequence.
 class FrameProgress final : public Progress {
@@ -220,7 +220,7 @@ Status ReconstructedFrames::readFrame(int index, std::span<float> values) {
 
 Status ReconstructedFrames::ErrorBars::readFrame(int index, std::span<float> values) {
   VOLUTE_TRY(frames_.solveUpTo(index));
-  const std::string key = frames_.keys_[static_cast<std::size_t>(index)] + kSigma;
+  const std::string key = frames_.keys_[static_cast<std::size_t>(index)] + kDeviationKey;
   VOLUTE_ASSIGN(const auto colour,
                 frames_.work_.values(frames_.numberOf(index), key, frames_.colourValues()));
   frames_.toChannels(colour, values);
@@ -608,8 +608,8 @@ Status ReconstructedFrames::addErrorBars(int index, const FrameViews& views,
                            {"prior_share", jsonNumber(bars.priorShare)},
                            {"scale", bars.scale},
                            {"predicted_cameras", bars.heldOut}};
-  return work_.store(numberOf(index), keys_[static_cast<std::size_t>(index)] + kSigma, bars.sigma,
-                     record["uncertainty"]);
+  return work_.store(numberOf(index), keys_[static_cast<std::size_t>(index)] + kDeviationKey,
+                     bars.sigma, record["uncertainty"]);
 }
 
 Status ReconstructedFrames::solve(int index) {
