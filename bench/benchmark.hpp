@@ -96,4 +96,7 @@ struct NamedSequence {
 [[nodiscard]] Result<std::vector<NamedSequence>> benchSequences(const BenchInput& input,
                                                                 Progress& progress, int size = 64);
 
+/// The largest of its values minus the least.
+double valueRange(const Sequence& sequence);
+
 }  // namespace volute::bench

@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "bench/benchmark.hpp"
 #include "bench/own_process.hpp"
 #include "bench/timing.hpp"
 #include "bench/tolerance_search.hpp"
@@ -64,11 +65,6 @@ Result<CodedFiles> encodeAndMeasure(const FileCodec& codec, const Sequence& sequ
   return CodedFiles{folder, setting, seconds, bytesIn(folder), difference.relativeRms()};
 }
 
-double range(const Sequence& sequence) {
-  const auto [low, high] = std::ranges::minmax(sequence.values);
-  return static_cast<double>(high) - low;
-}
-
 }  // namespace
 
 Result<CodedFiles> encodeWithin(const FileCodec& codec, const Sequence& sequence, double target,
@@ -83,7 +79,7 @@ Result<CodedFiles> encodeWithin(const FileCodec& codec, const Sequence& sequence
     return last.relativeRms;
   };
   VOLUTE_ASSIGN(const double tolerance,
-                searchTolerance(target, 4 * target * range(sequence), measure));
+                searchTolerance(target, 4 * target * valueRange(sequence), measure));
   if (last.setting != tolerance)
     VOLUTE_TRY(measure(tolerance));
   return last;

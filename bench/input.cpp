@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <algorithm>
 #include <filesystem>
 
 #include "bench/benchmark.hpp"
@@ -34,6 +35,11 @@ Result<std::vector<NamedSequence>> benchSequences(const BenchInput& input, Progr
     sequences.push_back({name, std::move(sequence)});
   }
   return sequences;
+}
+
+double valueRange(const Sequence& sequence) {
+  const auto [low, high] = std::ranges::minmax(sequence.values);
+  return static_cast<double>(high) - low;
 }
 
 }  // namespace volute::bench

@@ -26,11 +26,6 @@ using Voxel = std::array<int, 4>;  // t, z, y, x
 /// Keeps the optimiser from dropping reads whose values nobody wants.
 volatile float sink;
 
-double range(const Sequence& sequence) {
-  const auto [low, high] = std::ranges::minmax(sequence.values);
-  return static_cast<double>(high) - low;
-}
-
 /// The largest `parameter` whose error(parameter) is at most kRelativeRms, to 2 %; error grows with
 /// it.
 template <class Error>
@@ -54,7 +49,7 @@ double relativeRms(const Sequence& sequence, Read&& read) {
           const double e = static_cast<double>(read(Voxel{t, z, y, x})) - sequence.values[i];
           sum += e * e;
         }
-  return std::sqrt(sum / static_cast<double>(sequence.values.size())) / range(sequence);
+  return std::sqrt(sum / static_cast<double>(sequence.values.size())) / valueRange(sequence);
 }
 
 struct ZfpArray {
@@ -153,7 +148,7 @@ Status measure(const std::string& prefix, const Sequence& sequence, BenchRows& r
   const PaperTransform transform(sequence);
   const PaperTree paper = transform.build(transform.thresholdForRms(kRelativeRms));
 
-  const double tolerance = range(sequence);
+  const double tolerance = valueRange(sequence);
   const double zfpTolerance = parameterForTarget(1e-5 * tolerance, tolerance, [&](double t) {
     return relativeRms(sequence, ZfpArray::make(sequence, t));
   });

@@ -51,9 +51,10 @@ def doubles(folders):
     return {name: files for name, files in found.items() if len(files) > 1}
 
 
-PRIVATE = re.compile(r"^namespace \{\n(.*?)^\}", re.S | re.M)
+PRIVATE = re.compile(r"^namespace \{\n(.*?)^\}  // namespace$", re.S | re.M)
 CONSTANT = re.compile(r"^(?:inline |static )?(?:constexpr|const)\b[^\n=({]*?\b(k[A-Z]\w*)(?:\[[^\]]*\])*(?: =|[{(])", re.M)
 FUNCTION = re.compile(r"^(?!return|if|for|while|struct|class|else)[A-Za-z][\w:<>,&* \[\]]*?[ &*]\b(\w+)\(([^()]*)\)", re.M)
+ENUMERATORS = re.compile(r"^enum (?!class |struct )(?:\w+ )?(?:: [\w:]+ )?\{(.*?)\};", re.S | re.M)
 CLASS = re.compile(r"^(?:struct|class|enum class|enum) (\w+)", re.M)
 
 
@@ -63,11 +64,13 @@ def clashes(folders):
     for folder in folders:
         for path in pathlib.Path(folder).rglob("*.cpp"):
             text = path.read_text(errors="replace")
-            if "hwy/foreach_target.h" in text or path.name.startswith(OTHER_PROGRAMS):
+            if "hwy/foreach_target.h" in text or path.name.startswith(OTHER_PROGRAMS) or LLVM_FUZZER in text:
                 continue
             place = (path.parent, path.name.endswith("_test.cpp"))
-            for part in PRIVATE.findall(re.sub(r"//[^\n]*", "", text)):
-                for name in CONSTANT.findall(part) + CLASS.findall(part):
+            for part in PRIVATE.findall(text):
+                part = re.sub(r"//[^\n]*", "", part)
+                enumerators = re.findall(r"\bk[A-Z]\w*", " ".join(re.sub(r"=[^,}]*", "", one) for one in ENUMERATORS.findall(part)))
+                for name in CONSTANT.findall(part) + CLASS.findall(part) + enumerators:
                     found[(place, name)].add(str(path))
                 for name, parameters in FUNCTION.findall(part):
                     types = re.sub(r"\s*\b\w+\s*(=[^,]*)?(?=,|$)", "", " ".join(parameters.split()))
@@ -75,7 +78,8 @@ def clashes(folders):
     return {name: files for (_, name), files in found.items() if len(files) > 1}
 
 
-# Programs and plug-ins beside a module's own sources.
+# Programs and plug-ins beside a module's own sources, and fuzz targets, which are a program each.
+LLVM_FUZZER = "LLVMFuzzerTestOneInput"
 OTHER_PROGRAMS = ("viewer_soak", "viewer_playback", "embree_scene", "gltf_plugin", "volute_fan", "paper_figures", "main")
 
 

@@ -42,11 +42,12 @@ class Names(unittest.TestCase):
     def test_a_private_name_of_two_sources_of_a_folder_is_found(self):
         with tempfile.TemporaryDirectory() as folder:
             place = pathlib.Path(folder)
-            (place / "a.cpp").write_text("namespace {\nconstexpr int kA = 1, kC = 2;\nint f(int a, double b) {\n  return 0;\n}\n}\n")
-            (place / "b.cpp").write_text("namespace {\nconst double kA[] = {1};\nint f(int a, double c) {\n  return 1;\n}\nint f(int a) { return 1; }\n}\n")
-            (place / "c_test.cpp").write_text("namespace {\nconstexpr int kA = 1;\n}\n")
+            (place / "a.cpp").write_text("namespace {\nconstexpr int kA = 1, kC = 2;\nenum Column { kFirst, kD = kA,\n  kLast };\nint f(int a, double b) {\n  return 0;\n}\n}  // namespace\n")
+            (place / "b.cpp").write_text("namespace {\nconst double kA[] = {1};\nint f(int a, double c) {\n  return 1;\n}\nint f(int a) { return 1; }\n}  // namespace\n")
+            (place / "c_test.cpp").write_text("namespace {\nconstexpr int kA = 1;\n}  // namespace\n")
+            (place / "d.cpp").write_text("namespace {\nconst char* const kFirst = \"x\";\nenum class Kind { kLast };\n}  // namespace\n")
             both = {str(place / "a.cpp"), str(place / "b.cpp")}
-            self.assertEqual(check_names.clashes([folder]), {"kA": both, "f(int, double)": both})
+            self.assertEqual(check_names.clashes([folder]), {"kA": both, "f(int, double)": both, "kFirst": {str(place / "a.cpp"), str(place / "d.cpp")}})
 
 
 if __name__ == "__main__":

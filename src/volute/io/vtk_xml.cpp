@@ -156,7 +156,7 @@ std::vector<std::string_view> wordsOf(std::string_view text) {
 }
 
 template <class T>
-bool isNumber(std::string_view word) {
+bool isNumberWord(std::string_view word) {
   T value{};
   if (!readNumber(word, value))
     return false;
@@ -271,7 +271,7 @@ class XmlCheck {
     const auto words = wordsOf(value);
     const bool whole = rule.value == XmlValue::kWhole;
     const bool numbers = std::ranges::all_of(words, [&](std::string_view word) {
-      return whole ? isNumber<std::int64_t>(word) : isNumber<double>(word);
+      return whole ? isNumberWord<std::int64_t>(word) : isNumberWord<double>(word);
     });
     if (numbers && static_cast<int>(words.size()) == rule.count)
       return {};
