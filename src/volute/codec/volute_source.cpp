@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -87,12 +88,12 @@ class VoluteSource final : public FrameSource {
   }
 
  private:
-  /// Frames that follow each other are decoded together, a row of blocks at a time. One that
-  /// follows none, and does not begin a row, is decoded for itself, in half of the time.
+  /// Frames beside each other, in either order, are decoded together, a row of blocks at a time.
+  /// One that is beside none, and does not begin a row, is decoded for itself, in half of the time.
   bool isAlone(int index) {
-    const bool follows = index == last_ + 1 || index % reader_->blocks().frames() == 0;
+    const bool beside = std::abs(index - last_) == 1;
     last_ = index;
-    return !follows;
+    return !beside && index % reader_->blocks().frames() != 0;
   }
 
   Status cropLayers(int first, int end, Bricks& bricks) const {
