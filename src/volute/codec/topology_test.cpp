@@ -10,6 +10,7 @@
 #include "volute/codec/codec_testing.hpp"
 #include "volute/codec/extract_source.hpp"
 #include "volute/codec/join.hpp"
+#include "volute/grid/compare.hpp"
 
 namespace volute {
 namespace {
@@ -391,6 +392,37 @@ TEST(Topology, OneBackgroundOfAllFrames) {
   const auto report = compress(source, file.path(), {}, progress);
   ASSERT_FALSE(report);
   EXPECT_NE(report.error().message.find("background"), std::string::npos) << report.error().message;
+}
+
+TEST(Topology, LeavesOfBlocksKeepTheTilesThatTheyReachInto) {
+  std::vector<Bricks> frames(2, Bricks(1, {0.5f, 0, 0}));
+  for (Bricks& frame : frames) {
+    Bricks::Leaf leaf{{5, 13, 21}};
+    leaf.active.fill(~std::uint64_t{0});
+    leaf.valued = leaf.active;
+    std::ranges::fill(frame.addLeaf(leaf), 1.0f);
+    frame.addTile({{13, 13, 21}, 8, true, {2, 0, 0}});
+    frame.addTile({{5, 21, 21}, 8, false, {-0.5f, 0, 0}});
+    frame.addTile({{21, -3, 5}, 16, true, {3, 0, 0}});
+    frame.sort();
+  }
+  BrickFrames source(volume(40, 40, 44), frames);
+  const auto kept = throughFile({volume(40, 40, 44), frames}, {});
+  ASSERT_EQ(kept.frames.size(), 2u);
+  EXPECT_EQ(kept.frames[0].activeVoxels(), frames[0].activeVoxels());
+  std::vector<float> before(source.info().frameValues()), after(before.size());
+  const IndexBox all{{0, 0, 0}, {44, 40, 40}};
+  frames[1].toDense(all, before), kept.frames[1].toDense(all, after);
+  for (std::size_t i = 0; i < before.size(); ++i) ASSERT_NEAR(after[i], before[i], 0.01) << i;
+  BrickFrames back(volume(40, 40, 44), kept.frames);
+  Progress progress;
+  const auto difference = compare(source, back, progress);
+  ASSERT_TRUE(difference);
+  EXPECT_LT(difference->maxError, 0.01);
+  EXPECT_EQ(difference->outsideError, 0);
+  const auto other = compare(back, source, progress);
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->supportValues, difference->supportValues);
 }
 
 TEST(Topology, FaintFramesAreNamed) {

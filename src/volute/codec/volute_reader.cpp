@@ -605,6 +605,7 @@ Status VoluteReader::readBricks(int first, int end, std::span<Bricks> bricks) co
     VOLUTE_TRY(impl.visitTiles(first + static_cast<int>(i),
                                [&](const Bricks::Tile& tile) { bricks[i].addTile(tile); }));
     bricks[i].sort();
+    bricks[i].fillUnderTiles();
   }
   return {};
 }

@@ -241,6 +241,56 @@ std::size_t Bricks::find(const VoxelIndex& origin) const {
       (at != leaves_.end() && at->origin == origin ? at : leaves_.end()) - leaves_.begin());
 }
 
+void Bricks::fillUnderTiles() {
+  if (leaves_.empty())
+    return;
+  const auto phaseOf = [](std::int64_t place) { return (place % kSide + kSide) % kSide; };
+  const VoxelIndex& lattice = leaves_.front().origin;
+  const auto fill = [&](const Tile& tile, std::size_t leaf) {
+    const VoxelIndex& o = leaves_[leaf].origin;
+    const IndexBox part = tile.box().intersection({o, {o[0] + kSide, o[1] + kSide, o[2] + kSide}});
+    const std::span<float> to = values(leaf);
+    for (auto z = part.begin[2]; z < part.end[2]; ++z) {
+      for (auto y = part.begin[1]; y < part.end[1]; ++y) {
+        for (auto x = part.begin[0]; x < part.end[0]; ++x) {
+          const auto bit = static_cast<std::size_t>((y - o[1]) * kSide + x - o[0]);
+          const auto layer = static_cast<std::size_t>(z - o[2]);
+          if ((leaves_[leaf].valued[layer] >> bit & 1) != 0)
+            continue;
+          for (std::size_t c = 0; c < static_cast<std::size_t>(channels_); ++c)
+            to[c * kVoxels + layer * kSide * kSide + bit] = tile.value[c];
+        }
+      }
+    }
+  };
+  for (const Tile& tile : tiles_) {
+    VoxelIndex first = tile.origin;
+    std::uint64_t places = 1;
+    bool aligned = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      first[axis] -= phaseOf(tile.origin[axis] - lattice[axis]);
+      aligned = aligned && first[axis] == tile.origin[axis];
+      places *= static_cast<std::uint64_t>(tile.side / kSide + 1);
+    }
+    if (aligned)
+      continue;  // a leaf is in it or beside it, and no source has both
+    if (places > leaves_.size()) {
+      for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) fill(tile, leaf);
+      continue;
+    }
+    const IndexBox box = tile.box();
+    VoxelIndex at;
+    for (at[2] = first[2]; at[2] < box.end[2]; at[2] += kSide) {
+      for (at[1] = first[1]; at[1] < box.end[1]; at[1] += kSide) {
+        for (at[0] = first[0]; at[0] < box.end[0]; at[0] += kSide) {
+          if (const std::size_t leaf = find(at); leaf < leaves_.size())
+            fill(tile, leaf);
+        }
+      }
+    }
+  }
+}
+
 std::uint64_t Bricks::activeVoxels() const {
   std::uint64_t count = 0;
   for (const Leaf& leaf : leaves_) {

@@ -27,7 +27,8 @@ std::uint64_t voxelsIn(const IndexBox& box);
 /// background everywhere else. Where a voxel is active, where it holds something, and the tiles are
 /// the frame's topology. Voxels are those of VolumeInfo: (0, 0, 0) is its first one. Leaves and
 /// tiles may reach beyond the volume, and lie where the lattice of their source has them, so that
-/// they come back as they were.
+/// they come back as they were. Where a leaf reaches into a tile, its voxels that are not valued
+/// have the tile's value.
 ///
 /// Nothing here is as large as a box.
 class Bricks {
@@ -79,7 +80,8 @@ class Bricks {
 
   std::span<const Tile> tiles() const { return tiles_; }
 
-  /// Of leaf `leaf`: [channel][z][y][x], x fastest. Voxels that are not valued are the background.
+  /// Of leaf `leaf`: [channel][z][y][x], x fastest. Voxels that are not valued are the background,
+  /// or the tile's that they lie in.
   std::span<const float> values(std::size_t leaf) const {
     return std::span(values_).subspan(leaf * leafValues(), leafValues());
   }
@@ -108,6 +110,10 @@ class Bricks {
   /// The position of the leaf whose first voxel is `origin`, leaves().size() where there is none.
   /// After sort().
   std::size_t find(const VoxelIndex& origin) const;
+
+  /// Gives voxels of leaves that are not valued the value of the tile that they lie in: for leaves
+  /// and tiles of different lattices. After sort().
+  void fillUnderTiles();
 
   /// Active voxels, those of tiles too.
   std::uint64_t activeVoxels() const;

@@ -156,7 +156,7 @@ struct FramePart {
         const auto layer = static_cast<std::size_t>(z - leaf.origin[2]);
         for (std::size_t c = 0; c < channels; ++c)
           values[c * voxels + to] = from[c * Bricks::kVoxels + 64 * layer + bit];
-        support[to] = leaf.valued[layer] >> bit & 1;
+        support[to] |= leaf.valued[layer] >> bit & 1;  // else what a tile there says
       });
     }
   }

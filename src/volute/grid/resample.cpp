@@ -64,7 +64,8 @@ class VoxelFinder {
     const float* values = bricks_.values(index).data() + 64 * z + bit;
     for (int c = 0; c < channels; ++c)
       out[c] += weight * values[static_cast<std::ptrdiff_t>(c) * Bricks::kVoxels];
-    return bricks_.leaves()[index].active[z] >> bit & 1;
+    const Bricks::Leaf& leaf = bricks_.leaves()[index];
+    return (leaf.valued[z] >> bit & 1) != 0 ? leaf.active[z] >> bit & 1 : isInActiveTile(at);
   }
 
  private:
@@ -89,6 +90,15 @@ class VoxelFinder {
     if (level == levels_.end())
       level = levels_.insert(levels_.end(), {side, phase});
     level->cubes[cubeOf(*level, origin)] = what;
+  }
+
+  /// Leaves may reach into tiles, see Bricks.
+  bool isInActiveTile(const VoxelIndex& at) const {
+    return !bricks_.tiles().empty() && std::ranges::any_of(levels_, [&](const Level& level) {
+      const auto found = level.cubes.find(cubeOf(level, at));
+      return found != level.cubes.end() && found->second < 0 &&
+             bricks_.tiles()[static_cast<std::size_t>(-1 - found->second)].active;
+    });
   }
 
   void find(const VoxelIndex& at, Last& last) const {
