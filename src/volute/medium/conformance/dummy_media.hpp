@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "volute/medium/conformance.hpp"
+#include "volute/medium/conformance_checks.hpp"
 
 // Three small media as different as media get: what the conformance suite is proved with, and
 // worked examples for whoever writes the next one. Tests of other modules may use them.

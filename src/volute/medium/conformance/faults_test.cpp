@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "volute/medium/conformance.hpp"
 #include "volute/medium/conformance/dummy_media.hpp"
 #include "volute/medium/conformance/faulty.hpp"
 

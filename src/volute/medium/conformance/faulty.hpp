@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include "volute/medium/conformance.hpp"
+#include "volute/medium/conformance_checks.hpp"
 
 namespace volute::conformance {
 

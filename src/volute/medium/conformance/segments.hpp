@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "volute/medium/conformance.hpp"
+#include "volute/medium/conformance_checks.hpp"
 
 // Segments of every awkward kind.
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "volute/medium/conformance.hpp"
 #include "volute/medium/conformance/segments.hpp"
+#include "volute/medium/conformance_checks.hpp"
 
 // What the checks share: a medium asked about one segment, what is near, and reports that a person
 // can act on.
