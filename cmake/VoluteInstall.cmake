@@ -78,7 +78,7 @@ foreach(header IN LISTS publicHeaders)
 endforeach()
 install(FILES include/volute/volute.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/volute COMPONENT headers)
 
-install(FILES include/volute/volute.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/volute COMPONENT headers)
+install(FILES include/volute/volute.h include/volute/medium.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/volute COMPONENT headers)
 install(TARGETS volute_c LIBRARY COMPONENT c NAMELINK_COMPONENT headers)
 
 # Eigen aligns by a program's flags (-mavx, -march=native, EIGEN_DONT_ALIGN), and with it types of the public headers. Programs are

@@ -152,7 +152,7 @@ def python_reference(package):
 
 def public_headers():
     wanted = re.findall(r'#include "(volute/.*?)"', (ROOT / "include/volute/volute.hpp").read_text()) + ["volute/gl/gl_scene_renderer.hpp", "volute/cluster/cluster.hpp", "volute/media/field_members.hpp"]
-    return [ROOT / "include/volute/volute.h"] + [ROOT / "src" / name for name in wanted]
+    return [ROOT / "include/volute" / name for name in ("volute.h", "medium.h")] + [ROOT / "src" / name for name in wanted]
 
 
 def main():

@@ -15,6 +15,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "volute/medium.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -136,6 +138,18 @@ volute_status volute_drawing_open(const char* path, const char* members, volute_
 volute_status volute_drawing_open_array(const volute_info* info, const double* times,
                                         const volute_array* array, const char* members,
                                         volute_drawing** drawing);
+
+/* Values at points (x[i], y[i], z[i]) [m] and a time [s]: fills values[0 .. count * channels - 1],
+ * those of each point's channels together, with finite numbers. Returns 0, or else to stop. May be
+ * asked for the same points again, from one thread at a time. */
+typedef int (*volute_value_function)(void* user, double time, const double* x, const double* y,
+                                     const double* z, size_t count, float* values);
+
+/* A function, by its values at the centres of info's voxels at `times`. It is called while the
+ * drawing is open. */
+volute_status volute_drawing_open_function(const volute_info* info, const double* times,
+                                           volute_value_function value, void* user,
+                                           const char* members, volute_drawing** drawing);
 void volute_drawing_close(volute_drawing* drawing);
 
 /* Number of stored times, and times[0 .. count - 1] [s]. */
@@ -170,6 +184,13 @@ volute_status volute_drawing_draw(volute_drawing* drawing, const volute_view* vi
  * height. */
 volute_status volute_drawing_light(volute_drawing* drawing, const volute_view* view, float* rgb,
                                    size_t count);
+
+/* ---- kinds of media ---- */
+
+/* Adds a kind of medium to those that scenes can have, before scenes with it are opened. It and all
+ * that it points to must stay until the program ends. One of the same name that was added so is
+ * replaced for scenes that are opened from then on. */
+volute_status volute_medium_register(const volute_medium_kind* kind);
 
 /* ---- lines of sight ---- */
 

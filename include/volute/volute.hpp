@@ -40,6 +40,7 @@
 #include "volute/media/field.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/volume/memory_volumes.hpp"
+#include "volute/scene/own_kind.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_renderer.hpp"
 #include "volute/scene/scene_sight.hpp"

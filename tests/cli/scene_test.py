@@ -2,9 +2,60 @@
 # SPDX-FileCopyrightText: The Volute authors
 """Scene files: volumes in their places and times, and errors that name the path inside the file."""
 import json
+import os
+import pathlib
+import shutil
+import subprocess
+import unittest
 
 import support
 from support import write_npy
+
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+
+
+class OwnKind(support.TestCase):
+    """docs/own-media.md, with its plug-in."""
+
+    @unittest.skipUnless(shutil.which("cc"), "no compiler of C")
+    def setUp(self):
+        super().setUp()
+        subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-shared", "-fPIC", "-O2", "-I", SOURCE / "include",
+                        SOURCE / "examples/plugin/ball.c", "-o", self.path("volute_medium_ball.so"), "-lm"], check=True)
+        self.scene = {"format": "volute-scene-2", "background": [1, 1, 1],
+                      "camera": {"eye": [0, -10, 0], "target": [0, 0, 0], "fov": 30, "size": [33, 33]},
+                      "media": [{"kind": "ball", "radius": 1, "extinction": 0.5, "growth": 0.25}]}
+        self.path("ball.json").write_text(json.dumps(self.scene))
+
+    def volute(self, *arguments):
+        return support.volute(*arguments, env=os.environ | {"VOLUTE_PLUGIN_FOLDER": str(self.path("."))})
+
+    def test_a_plug_in_is_drawn_and_looked_through(self):
+        for renderer in ("cpu", "auto"):
+            said = self.volute("render", self.path("ball.json"), "-o", self.path("x.exr"), "--aov", "transmittance", "--time", "2",
+                               "--renderer", renderer)
+            self.assertEqual(said.code, 0, said.message)
+            info = self.volute("info", self.path("x.exr"), "--json").json
+            self.assertAlmostEqual(info["minimum"], 2.718281828 ** (-2 * 1.5 * 0.5), places=5)
+            self.assertAlmostEqual(info["maximum"], 1)
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [0, 1.4, 0], "normal": [0, -1, 0]}]}))
+        self.path("eyes.csv").write_text("x,y,z\n0,-3,0\n")
+        said = self.volute("visibility", self.path("ball.json"), "--signs", self.path("signs.json"), "--eyes", self.path("eyes.csv"),
+                           "-o", self.path("seen"))
+        self.assertEqual(said.code, 0, said.message)
+
+    def test_what_is_wrong_is_said(self):
+        self.scene["media"][0]["radius"] = -1
+        self.path("ball.json").write_text(json.dumps(self.scene))
+        said = self.volute("render", self.path("ball.json"), "-o", self.path("x.png"))
+        self.assertEqual(said.code, 1)
+        self.assertIn("/media/0/radius", said.message)
+        self.path("volute_medium_ball.so").write_bytes(self.path("volute_medium_ball.so").read_bytes()[:5000])
+        said = self.volute("render", self.path("ball.json"), "-o", self.path("x.png"))
+        self.assertEqual(said.code, 1)
+        self.assertIn("'ball' is unknown", said.message)
+        self.assertIn("volute_medium_ball.so is cut off", said.message)
 
 
 class Scene(support.TestCase):

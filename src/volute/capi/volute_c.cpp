@@ -21,6 +21,8 @@
 #include "volute/image/srgb.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/media/volume/memory_volumes.hpp"
+#include "volute/scene/kinds.hpp"
+#include "volute/scene/own_kind.hpp"
 #include "volute/scene/scene_sight.hpp"
 #include "volute/visibility/sight_engine.hpp"
 #include "volute/visibility/sign_file.hpp"
@@ -88,6 +90,9 @@ volute_status guarded(Call&& call) noexcept {
     lastError.clear();  // needs no memory
     lastError = "out of memory";
     return VOLUTE_TOO_LARGE;
+  } catch (const OwnMediumFault& fault) {
+    lastError = fault.what();
+    return VOLUTE_INVALID_DATA;
   } catch (const std::exception& fault) {
     lastError = fault.what();
   } catch (...) {
@@ -525,6 +530,22 @@ volute_status volute_drawing_open(const char* path, const char* members, volute_
   });
 }
 
+namespace volute {
+namespace {
+
+/// @param values  an array or a function
+template <class Values>
+Status openDrawingOf(VolumeInfo info, Values values, const char* members,
+                     volute_drawing** drawing) {
+  auto volumes = std::make_shared<MemoryVolumes>();
+  VOLUTE_TRY(volumes->add("values", std::move(info), std::move(values)));
+  VOLUTE_ASSIGN(*drawing, openDrawing("memory:values", members, std::move(volumes)));
+  return {};
+}
+
+}  // namespace
+}  // namespace volute
+
 volute_status volute_drawing_open_array(const volute_info* info, const double* times,
                                         const volute_array* array, const char* members,
                                         volute_drawing** drawing) {
@@ -534,10 +555,36 @@ volute_status volute_drawing_open_array(const volute_info* info, const double* t
     *drawing = nullptr;
     VOLUTE_ASSIGN(auto volume, volute::volumeOf(kName, *info, times));
     VOLUTE_ASSIGN(auto numbers, volute::numbersOf(kName, volume, *array));
-    auto volumes = std::make_shared<volute::MemoryVolumes>();
-    VOLUTE_TRY(volumes->add("array", std::move(volume), std::move(numbers)));
-    VOLUTE_ASSIGN(*drawing, volute::openDrawing("memory:array", members, std::move(volumes)));
-    return {};
+    return volute::openDrawingOf(std::move(volume), std::move(numbers), members, drawing);
+  });
+}
+
+volute_status volute_drawing_open_function(const volute_info* info, const double* times,
+                                           volute_value_function value, void* user,
+                                           const char* members, volute_drawing** drawing) {
+  constexpr const char* kName = "volute_drawing_open_function";
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given(kName, info, value, drawing));
+    *drawing = nullptr;
+    VOLUTE_ASSIGN(auto volume, volute::volumeOf(kName, *info, times));
+    const volute::ValueFunction function = [value, user](const volute::PlacesAtTime& at,
+                                                         std::span<float> values) -> Status {
+      if (value(user, at.time, at.x.data(), at.y.data(), at.z.data(), at.x.size(), values.data()) !=
+          0) {
+        return volute::fail(volute::ErrorCode::kCancelled,
+                            "the caller's function stopped at {:g} s", at.time);
+      }
+      return {};
+    };
+    return volute::openDrawingOf(std::move(volume), function, members, drawing);
+  });
+}
+
+volute_status volute_medium_register(const volute_medium_kind* kind) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_medium_register", kind));
+    volute::registerUsualMedia();
+    return volute::registerOwnKind(*kind);
   });
 }
 

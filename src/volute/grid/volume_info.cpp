@@ -39,8 +39,13 @@ void VolumeInfo::setRate(double framesPerSecond) {
   timesAssumed = false;
 }
 
+/// More would take memory for numbers and times alone; validate() refuses them.
+static constexpr int kMaxFrames = 1 << 24;
+
 void VolumeInfo::fillDefaults() {
   constexpr double kFramesPerSecond = 25;
+  if (frames < 0 || frames > kMaxFrames)
+    return;
   if (frameNumbers.empty()) {
     frameNumbers.resize(frames);
     std::iota(frameNumbers.begin(), frameNumbers.end(), 0);
@@ -60,6 +65,10 @@ Status VolumeInfo::validate(const std::string& where) const {
   if (frames < 1)
     return fail(ErrorCode::kInvalidData, "{}: the sequence is empty; expected at least one frame",
                 where);
+  if (frames > kMaxFrames) {
+    return fail(ErrorCode::kTooLarge, "{}: {} frames; expected at most {}: take a part of them",
+                where, frames, kMaxFrames);
+  }
   if (x < 1 || y < 1 || z < 1) {
     return fail(ErrorCode::kInvalidData, "{}: a volume of {} x {} x {} voxels has no values", where,
                 x, y, z);

@@ -5,10 +5,12 @@
 #include <dlfcn.h>
 #include <link.h>
 
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string_view>
 #include <system_error>
 
@@ -38,6 +40,11 @@ std::filesystem::path folderBesideProgram() {
   if (error)  // without /proc it is not known where that is: not "lib/volute", of wherever we are
     return {};
   return program.parent_path().parent_path() / "lib" / "volute";
+}
+
+/// In the order in which they are looked into; some may be empty.
+std::array<std::filesystem::path, 3> pluginFolders() {
+  return {namedFolder(), folderBesideProgram(), VOLUTE_PLUGIN_FOLDER};
 }
 
 /// Whether a loaded plug-in is made of the headers that this program is made of.
@@ -84,8 +91,7 @@ const void* loadFrom(const std::filesystem::path& file, const char* function, bo
 Result<const void*> findPlugin(const char* name, const char* function, const char* library,
                                bool checked) {
   std::string reason;
-  for (const auto& folder :
-       {namedFolder(), folderBesideProgram(), std::filesystem::path(VOLUTE_PLUGIN_FOLDER)}) {
+  for (const auto& folder : pluginFolders()) {
     if (folder.empty())
       continue;
     const auto file = folder / (std::string(name) + ".so");
@@ -118,6 +124,31 @@ Result<const Plugin*> load(bool built, const char* name, const char* function, c
 
 Result<const void*> loadPlugin(const char* name, const char* function, const char* library) {
   return findPlugin(name, function, library, false);
+}
+
+std::vector<MediumPlugin> loadMediumPlugins() {
+  constexpr std::string_view kPrefix = "volute_medium_";
+  std::map<std::string, std::filesystem::path> found;
+  for (const auto& folder : pluginFolders()) {
+    std::error_code error;
+    if (folder.empty())
+      continue;
+    for (std::filesystem::directory_iterator file(folder, error), end; !error && file != end;
+         file.increment(error)) {
+      const std::string name = file->path().filename().string();
+      if (name.starts_with(kPrefix) && name.ends_with(".so"))
+        found.emplace(name, file->path());
+    }
+  }
+  std::vector<MediumPlugin> plugins;
+  for (const auto& [name, file] : found) {
+    MediumPlugin& plugin = plugins.emplace_back();
+    plugin.file = file.string();
+    plugin.kind = loadFrom(file, "volute_medium", false, plugin.reason);
+    if (!plugin.kind && plugin.reason.empty())
+      plugin.reason = plugin.file + ": volute_medium() returned NULL";
+  }
+  return plugins;
 }
 
 Result<const LatticePlugin*> loadVdbPlugin() {

@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "volute/base/result.hpp"
 #include "volute/io/film.hpp"
 #include "volute/io/lattice.hpp"
@@ -28,5 +31,15 @@ namespace volute {
 /// it returns must say. `library` is what it needs, for the error.
 [[nodiscard]] Result<const void*> loadPlugin(const char* name, const char* function,
                                              const char* library);
+
+/// A plug-in with a kind of medium, volute_medium_NAME.so.
+struct MediumPlugin {
+  std::string file{};
+  const void* kind = nullptr;  ///< what its volute_medium() returns; null: it cannot be loaded
+  std::string reason{};        ///< why
+};
+
+/// All of these folders' plug-ins with kinds of media, each name once, in the order of names.
+std::vector<MediumPlugin> loadMediumPlugins();
 
 }  // namespace volute

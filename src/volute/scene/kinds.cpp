@@ -6,6 +6,7 @@
 #include "volute/media/fog/fog_scene_medium.hpp"
 #include "volute/media/smoke/smoke_scene_medium.hpp"
 #include "volute/media/volume/volume_medium.hpp"
+#include "volute/scene/own_kind.hpp"
 
 namespace volute {
 
@@ -16,6 +17,7 @@ void registerUsualMedia() {
     registerMedium(fogKind());
     registerMedium(volumeKind());  // takes every file that no other does
     registerMedium(billboardKind());
+    registerPluginKinds();
     return true;
   }();
   (void)once;

@@ -2,11 +2,14 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/scene_file.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "volute/base/suggest.hpp"
 #include "volute/io/json_values.hpp"
+#include "volute/scene/own_kind.hpp"
 
 namespace volute {
 namespace {
@@ -22,8 +25,11 @@ Status parseMedia(const Json& json, std::string_view list, const std::string& fi
     return fail(ErrorCode::kInvalidData, "{}: /{}: expected a list", file, list);
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const std::string path = fmt::format("/{}/{}", list, i);
-    VOLUTE_ASSIGN(const MediumKind* kind, mediumKindOf(entries[i], list, file, path));
-    media.push_back({kind, path, entries[i]});
+    auto kind = mediumKindOf(entries[i], list, file, path);
+    if (!kind && !ownKindFaults().empty())
+      kind.error().message += fmt::format("; {}", fmt::join(ownKindFaults(), "; "));
+    VOLUTE_TRY(kind);
+    media.push_back({*kind, path, entries[i]});
   }
   return {};
 }

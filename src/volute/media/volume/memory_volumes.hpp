@@ -6,14 +6,16 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "volute/grid/array_source.hpp"
+#include "volute/grid/function_source.hpp"
 
 namespace volute {
 
-/// Volumes in memory, which scenes name as they name files: OpenOptions::volumes. Their numbers
-/// must not change while a scene shows them; a scene that is to show others gives them another
-/// name.
+/// Volumes in memory, or of functions, which scenes name as they name files: OpenOptions::volumes.
+/// Their numbers must not change while a scene shows them; a scene that is to show others gives
+/// them another name.
 class MemoryVolumes {
  public:
   /// What the name of such a volume begins with, so that it is no file's.
@@ -21,6 +23,9 @@ class MemoryVolumes {
 
   /// @param name  without kPrefix; one that is there is replaced
   [[nodiscard]] Status add(const std::string& name, VolumeInfo info, NumberArray array);
+
+  /// The values of a function at the centres of voxels, asked for when a frame is needed.
+  [[nodiscard]] Status add(const std::string& name, VolumeInfo info, ValueFunction value);
 
   /// Whether a scene's file name is that of a volume in memory.
   static bool isName(const std::string& file);
@@ -34,8 +39,10 @@ class MemoryVolumes {
  private:
   struct Volume {
     VolumeInfo info;
-    NumberArray array;
+    std::variant<NumberArray, ValueFunction> values;
   };
+
+  Status take(const std::string& name, Volume volume);
 
   std::map<std::string, Volume> volumes_;  // by the whole name
 };

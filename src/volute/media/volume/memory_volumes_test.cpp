@@ -49,5 +49,38 @@ TEST(MemoryVolumes, AreOpenedByTheirNamesAsFilesAre) {
   EXPECT_TRUE(MemoryVolumes::isName("x/memory:c") && !MemoryVolumes::isName("c.npy"));
 }
 
+TEST(MemoryVolumes, FunctionsAreVolumes) {
+  VolumeInfo info = makeSequence(2, 4, 4, 4).info;
+  info.name = "heat";
+  MemoryVolumes volumes;
+  ASSERT_TRUE(volumes.add("f", info, [](const PlacesAtTime& at, std::span<float> values) -> Status {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = static_cast<float>(at.x[i] + at.time);
+    return {};
+  }));
+  MemoryVolumes others;
+  others.add(volumes);
+  Progress quiet;
+  Reading reading{quiet, std::uint64_t{1} << 30, &others};
+  auto input = openVolume("memory:f", {}, reading);
+  ASSERT_TRUE(input.has_value()) << input.error().message;
+  std::vector<float> frame(64);
+  ASSERT_TRUE(input->source->readFrame(1, frame).has_value());
+  const double first = info.bounds.min.x() + 0.5 * info.voxelSize().x() + info.times[1];
+  EXPECT_FLOAT_EQ(frame[0], static_cast<float>(first));
+}
+
+TEST(MemoryVolumes, EndlessFramesAreRefusedBeforeTheyTakeMemory) {
+  VolumeInfo info;
+  info.frames = 1'000'000'000;
+  info.x = info.y = info.z = 10;
+  info.fillDefaults();
+  EXPECT_TRUE(info.times.empty());
+  MemoryVolumes volumes;
+  const Status status = volumes.add("a", info, NumberArray{});
+  EXPECT_EQ(status.error().code, ErrorCode::kTooLarge);
+  EXPECT_THAT(status.error().message, HasSubstr("1000000000 frames; expected at most"));
+}
+
 }  // namespace
 }  // namespace volute
