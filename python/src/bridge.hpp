@@ -251,6 +251,14 @@ py::array_t<T> owned(std::vector<T>&& values, std::vector<py::ssize_t> shape) {
   return py::array_t<T>(std::move(shape), kept->data(), owner);
 }
 
+/// An object that C++ keeps: whoever lets go of it last may not have the interpreter's lock.
+inline std::shared_ptr<const py::object> keptObject(py::object object) {
+  return {new py::object(std::move(object)), [](const py::object* kept) {
+            const py::gil_scoped_acquire lock;
+            delete kept;
+          }};
+}
+
 /// An array of NumPy's as it lies in memory, without a copy. Its shape must be (t, z, y, x, c).
 inline NumberArray numbersOf(const py::array& array) {
   const auto code = array.dtype().attr("str").cast<std::string>();
@@ -262,11 +270,7 @@ inline NumberArray numbersOf(const py::array& array) {
   NumberArray numbers{static_cast<const std::byte*>(array.data()), *type};
   for (int axis = 0; axis < 5; ++axis)
     numbers.strides[static_cast<std::size_t>(axis)] = array.strides(axis);
-  // Whoever lets go of it last may not have the interpreter's lock.
-  numbers.owner = std::shared_ptr<const void>(new py::array(array), [](const void* kept) {
-    const py::gil_scoped_acquire lock;
-    delete static_cast<const py::array*>(kept);
-  });
+  numbers.owner = keptObject(array);
   return numbers;
 }
 

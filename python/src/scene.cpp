@@ -71,13 +71,29 @@ SceneOptions sceneOptions(const std::string& members, std::uint64_t maxMemory) {
   return options;
 }
 
-/// (name, array, shape, what is said of it) of each volume in memory.
-using Volumes = std::vector<std::tuple<std::string, py::array, Shape, py::dict>>;
+/// (name, array or Function, shape, what is said of it) of each volume in memory.
+using Volumes = std::vector<std::tuple<std::string, py::object, Shape, py::dict>>;
+
+/// What it raises goes through all that reads it, and ends the call.
+ValueFunction valuesOf(const py::object& function) {
+  return [kept = keptObject(function)](const PlacesAtTime& at, std::span<float> values) -> Status {
+    const py::gil_scoped_acquire lock;
+    const auto numbers = [](std::span<const double> from) {
+      return py::array_t<double>(static_cast<py::ssize_t>(from.size()), from.data());
+    };
+    const py::array_t<float, py::array::c_style | py::array::forcecast> found =
+        kept->attr("_values")(numbers(at.x), numbers(at.y), numbers(at.z), at.time);
+    std::copy_n(found.data(), values.size(), values.data());
+    return {};
+  };
+}
 
 /// The arrays are borrowed, and kept.
 void addVolumes(MemoryVolumes& to, const Volumes& volumes) {
-  for (const auto& [name, array, shape, said] : volumes)
-    take(to.add(name, infoOf(shape, said), numbersOf(array)));
+  for (const auto& [name, values, shape, said] : volumes) {
+    take(py::isinstance<py::array>(values) ? to.add(name, infoOf(shape, said), numbersOf(values))
+                                           : to.add(name, infoOf(shape, said), valuesOf(values)));
+  }
 }
 
 py::array_t<float> arrayOf(Image&& image) {
@@ -650,6 +666,10 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
 }  // namespace
 }  // namespace volute::python
 
+namespace volute::python {
+void addOwnKinds(py::module_& m);  // own_kind.cpp
+}
+
 PYBIND11_MODULE(_scene, m) {
   using namespace volute::python;
   using namespace volute;
@@ -736,6 +756,7 @@ PYBIND11_MODULE(_scene, m) {
       .def_property_readonly("ids", &PythonTrajectories::ids)
       .def("at", &PythonTrajectories::at, "time"_a);
 
+  addOwnKinds(m);
   m.def("reconstruct", &reconstructCapture, "path"_a, "output"_a, "rms"_a, "options"_a,
         "max_memory"_a, "listener"_a);
   m.def(

@@ -3,6 +3,7 @@
 """The Python package, as its users see it."""
 import ast
 import inspect
+import io
 import json
 import os
 import pathlib
@@ -659,6 +660,149 @@ print(1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before), valu
         more, own = map(int, subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split())
         self.assertLess(more, 0.5 * own)
 
+    def test_functions_are_volumes(self):
+        batches = []
+
+        def value(x, y, z, t):
+            batches.append(len(x))
+            return np.exp(-((x - t) ** 2 + y ** 2 + z ** 2))
+
+        bounds = ((-1, -1, -1), (2, 1, 1))
+        function = volute.Function(value, (12, 14, 40), bounds=bounds, times=(0, 0.5), name="heat")
+        x, y, z = (low + (np.arange(n) + 0.5) * (high - low) / n for low, high, n in ((-1, 2, 40), (-1, 1, 14), (-1, 1, 12)))
+        array = np.stack([value(*np.meshgrid(z, y, x, indexing="ij")[::-1], t) for t in (0, 0.5)]).astype(np.float32)
+        np.testing.assert_allclose(function[1], array[1], rtol=1e-6)
+        batches.clear()
+        options = {"size": (40, 30), "extinction": 1.0}
+        of_function = volute.picture(function, 0.5, **options)
+        np.testing.assert_array_equal(of_function, volute.picture(array, 0.5, bounds=bounds, times=(0, 0.5), name="heat", **options))
+        self.assertEqual(set(batches), {12 * 14 * 40})
+        self.assertGreater(volute.Sight(function, extinction=1.0).look([[-2, 0, 0]], [[3, 0, 0]])["depth"][0], 1)
+        self.assertEqual(volute.compress(function, self.path / "f.volute", max_error=1e-3).open().shape, (2, 12, 14, 40))
+        np.testing.assert_allclose(volute.open(self.path / "f.volute")[1], array[1], atol=1.1e-3)
+        colour = volute.Function(lambda x, y, z, t: np.stack([x, y, z], axis=1) ** 2, (8, 8, 8), bounds=bounds, channels=3)
+        self.assertEqual(volute.picture(colour, size=(8, 6)).shape, (6, 8, 3))
+
+    def test_what_functions_do_wrong_ends_the_call(self):
+        class Stop(Exception):
+            pass
+
+        def stop(x, y, z, t):
+            raise Stop("enough")
+
+        bounds = ((0, 0, 0), (1, 1, 1))
+        with self.assertRaisesRegex(Stop, "enough"):
+            volute.picture(volute.Function(stop, (8, 8, 8), bounds=bounds))
+        with self.assertRaisesRegex(Stop, "enough"):
+            volute.compress(volute.Function(stop, (8, 8, 8), bounds=bounds), self.path / "stop.volute")
+        self.assertFalse((self.path / "stop.volute").exists())
+        for wrong, sentence in ((lambda x, y, z, t: 1.0, r"returned shape \(\); expected \(512,\)"), (lambda x, y, z, t: x[:-1], "returned shape"),
+                                (lambda x, y, z, t: np.where(x > 0.5, np.nan, y), r"is nan at \(0.5625, 0.0625, 0.0625\) m, 0 s"),
+                                (lambda x, y, z, t: 1 / np.zeros_like(x), "is inf at")):
+            with self.assertRaisesRegex(ValueError, sentence), np.errstate(all="ignore"):
+                volute.picture(volute.Function(wrong, (8, 8, 8), bounds=bounds))
+        with self.assertRaisesRegex(TypeError, "complex"):
+            volute.picture(volute.Function(lambda x, y, z, t: x + 1j, (8, 8, 8), bounds=bounds))
+        with self.assertRaisesRegex(TypeError, "expected a function"):
+            volute.Function(3, (8, 8, 8), bounds=bounds)
+        with self.assertRaisesRegex(ValueError, "expected \\(z, y, x\\)"):
+            volute.Function(stop, 8, bounds=bounds)
+
+    def test_kinds_of_media(self):
+        class Slab:
+            def __init__(self, top, colour):
+                self.top, self.colour = top, colour
+
+            def bounds(self):
+                return (-1, -1, 0), (1, 1, self.top)
+
+            def pieces(self, segments, time):
+                with np.errstate(all="ignore"):
+                    faces = (np.array([[-1, -1, 0], [1, 1, self.top]])[:, np.newaxis] - segments["origin"]) / segments["direction"]
+                begin = np.maximum(np.fmin(*faces).max(axis=1), segments["begin"])
+                end = np.minimum(np.fmax(*faces).min(axis=1), segments["end"])
+                met = np.flatnonzero(begin < end)
+                return volute.pieces(met, begin[met], end[met], 0.5, np.tile(self.colour, (len(met), 1)))
+
+        members = {"top": volute.Member(1.0, "m", minimum=0.1), "colour": volute.Member((1, 0.5, 0.25), minimum=0)}
+        volute.medium("slab", "a slab", members=members)(Slab)
+        scene = {"format": "volute-scene-2", "media": [{"kind": "slab", "top": 2}]}
+        camera = {"eye": [0.1, 0.05, 5], "target": [0.1, 0.05, 0], "up": [0, 1, 0], "ortho": 0.1}
+        light = volute.render(scene, camera=camera, size=(8, 8))
+        np.testing.assert_allclose(light, np.broadcast_to((1 - np.exp(-1)) / 0.5 * np.array([1, 0.5, 0.25]), (8, 8, 3)), rtol=1e-5)
+        depth = volute.render(scene, camera=camera, size=(8, 8), aov="optical-depth")
+        np.testing.assert_allclose(depth, 1.0, rtol=1e-5)
+        with self.assertRaisesRegex(volute.InvalidData, "/media/0/top"):
+            volute.Scene({"format": "volute-scene-2", "media": [{"kind": "slab", "top": 0}]})
+        # Registered anew, it is replaced; and what goes wrong ends the call as itself.
+        for wrong, error, sentence in ((lambda self, s, t: 1 / 0, ZeroDivisionError, "division"), (lambda self, s, t: s, TypeError, "volute.PIECE"),
+                                       (lambda self, s, t: volute.pieces([0], 1, -1), volute.InvalidData, "is empty"),
+                                       (lambda self, s, t: volute.pieces([len(s)], 0, 1), volute.InvalidData, "of segment")):
+            volute.medium("slab", members=members)(type("Wrong", (Slab,), {"pieces": wrong}))
+            with self.assertRaisesRegex(error, sentence):
+                volute.picture(scene, size=(40, 30))
+        volute.medium("slab", members=members)(type("Half", (Slab,), {"values": lambda self, p, t: np.full(len(p), 0.25)}))
+        self.assertTrue(volute.check_medium({"kind": "slab"}))
+        with self.assertRaisesRegex(TypeError, "no method bounds"):
+            volute.medium("slab")(dict)
+        with self.assertRaisesRegex(volute.InvalidArgument, "Volute has a kind 'fog' itself"):
+            volute.medium("fog")(Slab)
+
+    def test_bytes_are_files(self):
+        array = puff(5, 12, 11, 10)
+        data = volute.to_bytes(array, max_error=1e-3, unit="1/m")
+        volute.compress(array, self.path / "same.volute", max_error=1e-3, unit="1/m")
+        self.assertEqual(data, (self.path / "same.volute").read_bytes())
+        for given in (data, bytearray(data), memoryview(data), io.BytesIO(data)):
+            with volute.open(given) as v:
+                self.assertEqual((v.shape, v.unit), (array.shape, "1/m"))
+                np.testing.assert_allclose(v[...], array, atol=1.001e-3)
+                again = pickle.loads(pickle.dumps(v))
+            np.testing.assert_array_equal(again[2], volute.open(data)[2])
+        self.assertEqual(volute.Scene(volute.open(data)).picture(size=(8, 6)).shape[:2], (6, 8))
+        with self.assertRaises(volute.Error):
+            volute.open(data[:100])
+
+    def test_xarray(self):
+        try:
+            import volute.xarray
+            import xarray
+        except ImportError:
+            self.skipTest("no xarray")
+        array = puff(5, 12, 11, 10)
+        volute.compress(array, self.path / "x.volute", max_error=1e-3, bounds=((0, 0, 0), (10, 11, 12)), unit="1/m", name="soot")
+        data = xarray.open_dataset(self.path / "x.volute", engine=volute.xarray.Backend)
+        self.assertEqual((dict(data.sizes), data["soot"].attrs["units"]), ({"t": 5, "z": 12, "y": 11, "x": 10}, "1/m"))
+        np.testing.assert_allclose(data["soot"].sel(t=0.08, x=3.5), array[2, :, :, 3], atol=1.001e-3)
+        self.assertEqual(data["soot"][1:3, [2, 5], 4, [1, 2]].shape, (2, 2, 2))
+        again = volute.compress(data["soot"], self.path / "again.volute", max_error=1e-3).open()
+        self.assertEqual((again.bounds, again.unit, list(again.times)), (((0, 0, 0), (10, 11, 12)), "1/m", list(volute.open(self.path / "x.volute").times)))
+        data.close()
+
+    def test_numcodecs(self):
+        try:
+            import volute.numcodecs
+        except ImportError:
+            self.skipTest("no numcodecs")
+        codec = volute.numcodecs.Volute(max_error=1e-2)
+        for kind in ("f4", "f8", "i2", "u1", ">f4"):
+            for shape in ((16, 20, 20, 20), (20, 20, 20), (50,), (2, 3, 8, 8, 8)):
+                for order in "CF":
+                    array = np.asarray(np.random.default_rng(0).random(shape) * 100, kind, order)
+                    back = codec.decode(codec.encode(array))
+                    self.assertEqual((back.dtype, back.shape, back.flags.f_contiguous), (array.dtype, shape, array.flags.f_contiguous))
+                    self.assertLessEqual(np.abs(back.astype(float) - array.astype(float)).max(), 1e-2)
+        with self.assertRaises(ValueError):
+            codec.encode(np.array([1, np.nan]))
+
+    def test_endless_strides_are_refused(self):
+        one = np.ones((1, 8, 8, 8), np.float32)
+        for shape, strides in (((10**9, 8, 8, 8), (0, 256, 32, 4)), ((1, 10**4, 10**4, 10**4), (0, 0, 0, 0))):
+            array = np.lib.stride_tricks.as_strided(one, shape, strides)
+            for call in (lambda: volute.picture(array), lambda: volute.compress(array, self.path / "x.volute")):
+                with self.assertRaises(volute.TooLarge):
+                    call()
+
     def test_films(self):
         try:
             volute.film(self.file, self.path / "puff.mp4", size=(64, 48), frames=(0, 4), emission=1.0)
@@ -876,8 +1020,13 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         self.assertEqual(colour.GetOutputDataObject(0).GetCellData().GetScalars().GetNumberOfComponents(), 3)
 
     def test_code_on_the_page(self):
-        blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "docs/python.md").read_text(), re.S | re.M)
-        self.assertEqual(len(blocks), 7)
+        pages = {path.name: re.findall(r"^```python\n(.*?)^```", path.read_text(), re.S | re.M) for path in (SOURCE / "docs").rglob("*.md")}
+        self.assertEqual({name: len(blocks) for name, blocks in pages.items() if blocks}, {"python.md": 7, "own-media.md": 2})
+        folder = self.path / "own"
+        folder.mkdir()
+        said = subprocess.run([sys.executable, "-c", "\n".join(pages["own-media.md"])], cwd=folder, capture_output=True, text=True)
+        self.assertEqual((said.returncode, said.stderr), (0, ""))
+        blocks = pages["python.md"]
         folder = self.path / "page"
         folder.mkdir()
         np.save(folder / "frames.npy", puff(24, 20, 20, 20))

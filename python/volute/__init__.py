@@ -7,6 +7,7 @@
     v[10, 32], v.times, v.bounds                         # decodes only the blocks needed
     volute.compress(array, "smoke.volute", rms=3e-3)     # array (t, z, y, x[, 3]), or an iterator of frames
     volute.picture(array, emission=2.0)                  # bytes (height, width, 3) of a file, a scene or an array, as the command draws it
+    volute.picture(volute.Function(value, (64, 64, 64), bounds=bounds))    # of a function value(x, y, z, t)
     volute.film("smoke.volute", "smoke.mp4")
     volute.render("scene.json", time=0.8)                # linear RGB (height, width, 3), for measurements
     volute.visibility("case.smv", signs, eyes).lost()    # [s] until each sign is lost
@@ -19,17 +20,19 @@ GIL, stop at Ctrl-C, and report to `progress`."""
 import os as _os
 
 from . import _core, fds
-from ._compress import Compressed, compress
+from ._arrays import Function
+from ._compress import Compressed, compress, to_bytes
 from ._errors import (Cancelled, Error, InvalidArgument, InvalidData, IoError, NotFound, TooLarge, Truncated,
                       Unsupported)
 from ._volume import Frames, Volume, open
 from ._scene_api import (Engine, Reconstruction, Scene, Sight, Survey, Trajectories, film, picture, read_image, reconstruct, render, to_srgb,
                          visibility, write_image)
+from ._own_media import PIECE, SEGMENT, Member, check_medium, medium, pieces
 
 __version__ = _core.version
-__all__ = ["Cancelled", "Compressed", "Engine", "Error", "Frames", "InvalidArgument", "InvalidData", "IoError", "NotFound", "Reconstruction",
-           "Scene", "Sight", "Survey", "TooLarge", "Trajectories", "Truncated", "Unsupported", "Volume", "compress", "fds", "film", "open",
-           "picture", "read_image", "reconstruct", "render", "set_threads", "to_srgb", "visibility", "write_image"]
+__all__ = ["Cancelled", "Compressed", "Engine", "Error", "Frames", "Function", "InvalidArgument", "InvalidData", "IoError", "Member", "NotFound", "Reconstruction",
+           "Scene", "Sight", "Survey", "TooLarge", "Trajectories", "Truncated", "Unsupported", "Volume", "check_medium", "compress", "fds", "film", "medium", "open",
+           "picture", "pieces", "read_image", "reconstruct", "render", "set_threads", "to_bytes", "to_srgb", "visibility", "write_image"]
 
 
 def set_threads(count=0):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 import os
-from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import IO, Any, Callable, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -97,18 +97,47 @@ class Compressed:
     def ratio(self) -> float: ...
     def open(self) -> Volume: ...
 
-def open(path: Path, *, grid: Optional[str] = ..., partial: bool = ..., max_memory: int = ..., cache: int = ...) -> Volume: ...
-def compress(frames: Union[npt.ArrayLike, Frames, Iterable[npt.ArrayLike]], path: Path, *, quality: Optional[str] = ..., rms: Optional[float] = ..., rms_over: str = ...,
+def open(path: Union[Path, bytes, bytearray, memoryview, IO[bytes]], *, grid: Optional[str] = ..., partial: bool = ..., max_memory: int = ..., cache: int = ...) -> Volume: ...
+def compress(frames: Union[npt.ArrayLike, Frames, Function, Iterable[npt.ArrayLike]], path: Path, *, quality: Optional[str] = ..., rms: Optional[float] = ..., rms_over: str = ...,
              psnr: Optional[float] = ..., ratio: Optional[float] = ..., size: Optional[float] = ...,
              max_error: Optional[float] = ..., bounds: Optional[npt.ArrayLike] = ..., times: Optional[Sequence[float]] = ...,
              frame_numbers: Optional[Sequence[int]] = ..., name: Optional[str] = ..., unit: Optional[str] = ...,
              basis: Optional[str] = ..., wavelet: str = ..., effort: int = ..., fast: bool = ..., access: Optional[str] = ..., provenance: str = ...,
              max_memory: int = ..., progress: Progress = ...) -> Compressed: ...
 
+def to_bytes(frames: Union[npt.ArrayLike, Frames, Function, Iterable[npt.ArrayLike]], **options: Any) -> bytes: ...
+
 def set_threads(count: int = ...) -> int: ...
 
+class Function:
+    value: Callable[..., npt.ArrayLike]
+    shape: Tuple[int, ...]
+    times: List[float]
+    bounds: Any
+    name: Optional[str]
+    unit: Optional[str]
+    def __init__(self, value: Callable[..., npt.ArrayLike], shape: Sequence[int], *, bounds: npt.ArrayLike, times: npt.ArrayLike = ...,
+                 channels: int = ..., name: Optional[str] = ..., unit: Optional[str] = ...) -> None: ...
+    def __getitem__(self, index: int) -> Floats: ...
+
+class Member:
+    usual: Any
+    unit: str
+    help: str
+    minimum: Optional[float]
+    maximum: Optional[float]
+    def __init__(self, usual: Any = ..., unit: str = ..., help: str = ..., minimum: Optional[float] = ..., maximum: Optional[float] = ...) -> None: ...
+
+SEGMENT: np.dtype[Any]
+PIECE: np.dtype[Any]
+
+def medium(name: str, sentence: str = ..., *, members: Optional[Dict[str, Any]] = ..., ending: str = ...) -> Callable[[type], type]: ...
+def pieces(segment: npt.ArrayLike, begin: npt.ArrayLike, end: npt.ArrayLike, extinction: npt.ArrayLike = ..., emission: npt.ArrayLike = ...,
+           decay: npt.ArrayLike = ...) -> npt.NDArray[Any]: ...
+def check_medium(entry: Dict[str, Any], time: float = ..., *, folder: Path = ..., progress: Progress = ...) -> List[str]: ...
+
 #: what a scene is made of
-Source = Union[Path, Dict[str, Any], Frames, npt.ArrayLike, Iterable[npt.ArrayLike]]
+Source = Union[Path, Dict[str, Any], Frames, Function, npt.ArrayLike, Iterable[npt.ArrayLike]]
 
 class Scene:
     def __init__(self, source: Source, *, folder: Path = ..., max_memory: int = ..., progress: Progress = ...,

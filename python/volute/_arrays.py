@@ -238,14 +238,64 @@ def _spool(values, folder):
         return np.memmap(file, np.float32, "r", shape=(count,) + shape), rounding
 
 
-def volume(values, given, folder):
+class Function:
+    """A function of place and time as a volume: its values at the centres of voxels, at the times of frames. Scenes ask it for the
+    frames that they show; compress() asks once for all.
+
+    value(x, y, z, t) is given arrays of shape (n,) [m] and a number [s], and returns finite values of shape (n,), or (n, 3) with
+    three channels. It may be asked for the same places again. What it raises ends the call that asked.
+    shape: (z, y, x) voxels. bounds: their outer faces, ((x0, y0, z0), (x1, y1, z1)) [m]. times: [s], ascending."""
+
+    def __init__(self, value, shape, *, bounds, times=(0.0,), channels=1, name=None, unit=None):
+        if not callable(value):
+            raise TypeError(f"value={value!r}: expected a function of x, y, z and t")
+        if np.ndim(shape) != 1 or len(shape) != 3:
+            raise ValueError(f"shape={shape!r}: expected (z, y, x)")
+        self.value = value
+        self.times = [number("times", time) for time in np.atleast_1d(unmasked(times, "times"))]
+        #: (t, z, y, x), and the channels if there are three
+        self.shape = five_axes((len(self.times), *(whole("shape", side) for side in shape), whole("channels", channels)))
+        self.bounds, self.name, self.unit = corners(bounds), name, unit
+        if self.shape[4] == 1:
+            self.shape = self.shape[:4]
+
+    def __getitem__(self, index):
+        """The frame of a number, shape (z, y, x[, 3])."""
+        sides, low, high = self.shape[1:4], *map(np.asarray, self.bounds)
+        count, values = int(np.prod(sides)), np.empty((int(np.prod(sides)), int(np.prod(self.shape[4:]))), np.float32)
+        for begin in range(0, count, 1 << 15):
+            end = min(begin + (1 << 15), count)
+            places = [low[2 - axis] + (number_of + 0.5) * (high - low)[2 - axis] / sides[axis]
+                      for axis, number_of in enumerate(np.unravel_index(np.arange(begin, end), sides))]
+            values[begin:end] = self._values(*places[::-1], self.times[index]).reshape(end - begin, -1)
+        return values.reshape(self.shape[1:])
+
+    def _values(self, x, y, z, t):
+        values, _ = reals(self.value(x, y, z, t), "the function's values")
+        expected = x.shape + self.shape[4:]
+        if values.shape != expected:
+            raise ValueError(f"the function returned shape {values.shape}; expected {expected}")
+        wrong = np.argwhere(~np.isfinite(values))
+        if len(wrong):
+            i = wrong[0][0]
+            raise ValueError(f"the function is {values[tuple(wrong[0])]} at ({x[i]:g}, {y[i]:g}, {z[i]:g}) m, {t:g} s; expected finite values")
+        return values
+
+
+def volume(values, given, folder, lazily=False):
     """(frames, shape, said, rounding): what _core takes of any volume. `frames`: an array (t, z, y, x, c), or a function that gives
-    each frame; `said`: what the volume says of itself, and `given` in place of it; `rounding` of what _core is given."""
+    each frame; `said`: what the volume says of itself, and `given` in place of it; `rounding` of what _core is given. lazily: a
+    Function is handed on as it is."""
     said = {}
     if isinstance(values, Frames):
         said = {key: getattr(values, key) for key in ("bounds", "times", "frame_numbers", "name", "unit", "basis")}
         frames, shape, rounding = values.__getitem__, five_axes(values.shape), 0.0
+    elif isinstance(values, Function) and lazily:
+        said = {key: getattr(values, key) for key in ("bounds", "times", "name", "unit")}
+        frames, shape, rounding = values, five_axes(values.shape), 0.0
     else:
+        if isinstance(values, Function):
+            said = {key: getattr(values, key) for key in ("bounds", "times", "name", "unit")}
         if hasattr(values, "data_vars"):
             raise TypeError(f"a Dataset has several arrays; give one of {', '.join(map(repr, values.data_vars))}: dataset[name]")
         if hasattr(values, "dims") and hasattr(values, "coords"):

@@ -6,11 +6,14 @@ import shutil
 
 
 def find():
-    """The program: what VOLUTE_COMMAND names, one beside this package (a build or an installed prefix), or the path's."""
+    """The program: what VOLUTE_COMMAND names, the wheel's, one beside this package (a build or an installed prefix), or the path's."""
     named = os.environ.get("VOLUTE_COMMAND")
     if named:
         return named
     folder = os.path.dirname(os.path.abspath(__file__))
+    own = os.path.join(folder, "program", "bin", "volute")
+    if os.access(own, os.X_OK):
+        return own
     while os.path.dirname(folder) != folder:
         folder = os.path.dirname(folder)
         program = os.path.join(folder, "bin", "volute")

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Writing .volute files."""
+import builtins
 import dataclasses
 import os
+import tempfile
 
 import numpy as np
 
@@ -100,3 +102,12 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
         report = _core.compress(source, shape, path, target, value, said, rounding, wavelet, effort, access or "", str(provenance),
                                 whole("max_memory", max_memory), listener)
     return Compressed(path, **report)
+
+
+def to_bytes(frames, **options):
+    """The bytes of a .volute file, with what compress() takes but its path. volute.open() takes them."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "bytes.volute")
+        compress(frames, path, **options)
+        with builtins.open(path, "rb") as file:
+            return file.read()

@@ -53,10 +53,11 @@ class _Volumes:
     def __init__(self):
         self._count = 0
         self._kept = []
+        self._sources = []  # files that are there as long as these are
 
     def add(self, values, given):
         """The name of a volume. What is computed is kept in a file without a name."""
-        frames, shape, said, _ = volume(values, given, tempfile.gettempdir())
+        frames, shape, said, _ = volume(values, given, tempfile.gettempdir(), lazily=True)
         name = str(self._count)
         self._count += 1
         self._kept.append((name, frames, shape, said))
@@ -70,6 +71,7 @@ class _Volumes:
     def source(self, source, members):
         """(file, members of its entry) of anything that Scene() takes but dicts."""
         if isinstance(source, Frames):
+            self._sources.append(source)
             if getattr(source, "name", None) and len(getattr(source, "grids", ())) > 1:
                 members = {"field": source.name, **members}
             return source.path, members
@@ -170,7 +172,7 @@ class Scene:
 
     def close(self):
         """Closes its files and lets go of its arrays; what is asked of it then is a ValueError. `with` calls it."""
-        self._scene, self._shown, self._added = _ClosedScene(), None, []
+        self._scene, self._shown, self._added, self._volumes = _ClosedScene(), None, [], _Volumes()
 
     def __enter__(self):
         return self
@@ -331,7 +333,7 @@ class Sight:
     Fields are read forward in time; going back opens them again."""
 
     def __init__(self, source, *, max_memory=4 << 30, **members):
-        volumes = _Volumes()
+        self._volumes = volumes = _Volumes()
         self.path, members = volumes.source(source, members)
         self._sight = _part().Sight(self.path, _text(members), volumes.take(), whole("max_memory", max_memory))
 
@@ -405,7 +407,7 @@ class Engine:
     NOT_SEEN, SEEN, CANNOT_TELL = 0, 1, 2
 
     def __init__(self, source, signs, *, criteria=None, max_memory=4 << 30, progress=None, **members):
-        volumes = _Volumes()
+        self._volumes = volumes = _Volumes()
         self.path, members = volumes.source(source, members)
         with tempfile.TemporaryDirectory() as folder, Listener(progress) as listener:
             said = "" if criteria is None else _list_file(folder, "criteria", criteria)

@@ -7,6 +7,7 @@ import collections
 import html
 import os
 import struct
+import tempfile
 import threading
 import zlib
 
@@ -182,7 +183,9 @@ class Volume(Frames):
         """grid: the name of one of several; without it "density", else the first that is not empty.
         partial: of a damaged file the intact, coarser part is shown."""
         max_memory, cache = int(max_memory), int(cache)
-        self._file = _core.File(os.fspath(path), partial, max_memory, grid or "")
+        self._memory = _InMemory(path) if isinstance(path, (bytes, bytearray, memoryview)) or hasattr(path, "read") else None
+        path = self._memory.path if self._memory else os.fspath(path)
+        self._file = _core.File(path, partial, max_memory, grid or "")
         self._block = self._file.block_frames
         self._options = {"partial": partial, "max_memory": max_memory, "cache": cache}
         super().__init__(path, self._file.info)
@@ -212,7 +215,7 @@ class Volume(Frames):
 
     def grid(self, name):
         """Another grid of the same file, opened with the same options."""
-        return Volume(self.path, grid=name, **self._options)
+        return Volume(self._memory.data if self._memory else self.path, grid=name, **self._options)
 
     @property
     def chunks(self):
@@ -243,7 +246,7 @@ class Volume(Frames):
     def close(self):
         """Closes the file, and forgets decoded frames. What was read stays; to read more is a ValueError. `with` calls it."""
         with self._lock:
-            self._file, self._row = _Closed(self.path), (-1, None)
+            self._file, self._row, self._memory = _Closed(self.path), (-1, None), None
 
     def __enter__(self):
         return self
@@ -327,7 +330,7 @@ class Volume(Frames):
         return self._file.read(frames, *(np.arange(side) for side in self.shape[1:4]))
 
     def __reduce__(self):
-        return _open, (os.path.abspath(self.path), self.name, self._options)
+        return _open, (self._memory.data if self._memory else os.path.abspath(self.path), self.name, self._options)
 
     def _says(self):
         ratio = self.nbytes / self.file_bytes
@@ -368,6 +371,17 @@ def _open(path, grid=None, options=None):
     return Volume(path, grid=grid, **(options or {}))
 
 
+class _InMemory:
+    """The bytes of a file, which has a name as long as this is kept."""
+
+    def __init__(self, given):
+        self.data = bytes(given.read() if hasattr(given, "read") else given)
+        self._file = tempfile.NamedTemporaryFile(prefix="memory-", suffix=".volute")
+        self._file.write(self.data)
+        self._file.flush()
+        self.path = self._file.name
+
+
 class _Closed:
     """In the place of what was closed."""
 
@@ -381,6 +395,7 @@ class _Closed:
 def open(path, *, grid=None, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):
     """Opens a .volute file as a lazy array (`Volume`) of shape (t, z, y, x) or (t, z, y, x, 3).
 
+    path: its name; or its bytes, or a file object that is read to its end (from an archive, a web server).
     grid: one of several; default "density", else the first non-empty grid.
     partial: decode the intact part of a damaged or truncated file, coarser; else damage is an error.
     max_memory: bytes allowed for the file's index. cache: bytes for frames read in order."""

@@ -356,9 +356,9 @@ class OwnKind final : public MediumKind {
                       kind_.name, box[0], box[1], box[2], box[3], box[4], box[5]));
     }
     if (kind_.times) {
-      constexpr std::size_t kMost = 10'000'000;
+      constexpr std::size_t kMaxTimes = 10'000'000;
       const std::size_t count = kind_.times(medium, nullptr, 0);
-      if (count < 1 || count > kMost)
+      if (count < 1 || count > kMaxTimes)
         return wrong(
             fmt::format("the kind '{}' says {} times; expected 1 or more", kind_.name, count));
       info.times.assign(count, 0);
