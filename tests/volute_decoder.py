@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A second decoder of .volute files, written from docs/format.md alone: small and slow, so that the page is known to suffice.
 
-    volute_decoder.py FILE.volute OUT.npy [GRID]     OUT: float32, (t, z, y, x[, c])
+    volute_decoder.py FILE.volute OUT.npy [GRID]     OUT: float32 (float64 with an offset), (t, z, y, x[, c])
 
 Numbers in comments are sections of docs/format.md. It checks every checksum that it meets and refuses what it does not know.
 """
@@ -316,14 +316,15 @@ def inverse(values, mask, wavelet, halved):
 class Codec:
     def __init__(self, number, data, channels):
         r = Reader(data)
-        self.topology, self.by_symbols, self.background, self.inactive, self.bent = False, False, np.zeros(channels, f32), None, None
+        self.topology, self.by_symbols, self.background, self.inactive, self.bent, self.offset = False, False, np.zeros(channels, f32), None, None, 0
         self.frames, self.means = 16, False
         if number == 3:
             flags = r.unpack("B")
             more = r.unpack("B") if flags & 16 else 0
-            check(flags < 32 and more & 7 <= 4 and more < 16, "parameters of another version")
+            check(flags < 32 and more & 7 <= 4 and more < 32, "parameters of another version")
             self.by_symbols, self.topology = flags & 4, not flags & 8
             self.frames, self.means = 16 >> (more & 7), more & 8
+            self.offset = r.unpack("d") if more & 16 else 0
             self.background = np.array(r.floats(channels), f32)
             self.inactive = np.array(r.floats(channels), f32) if flags & 1 else None
             self.bent = r.unpack("2d") if flags & 2 else None
@@ -616,6 +617,7 @@ class Grid:
         for frame, tiles in enumerate(self.tiles if self.codec == 3 else ()):
             for origin, side, value in tiles:
                 values[(frame, *(slice(max(o, 0), max(o + side, 0)) for o in reversed(origin)))] = value
+        values = values + np.float64(codecs[0].offset) if codecs[0].offset else values
         return values if self.channels > 1 else values[..., 0]
 
 # The values of a grid, of the first one with values without a name.

@@ -93,6 +93,12 @@ volute_status volute_file_times(const volute_file* file, double* times, size_t f
 volute_status volute_file_read(const volute_file* file, int32_t frame, const int32_t begin[3],
                                const int32_t end[3], float* values, size_t count);
 
+/* The same as doubles: values far from zero are as exact as the file has them, where a float is
+ * not. */
+volute_status volute_file_read_double(const volute_file* file, int32_t frame,
+                                      const int32_t begin[3], const int32_t end[3], double* values,
+                                      size_t count);
+
 /* Fills `values` with frame `frame`, ordered as by volute_file_read(). Returns 0, or else to stop.
  * Called from one thread at a time, more than once per frame, and in any order. */
 typedef int (*volute_frame_function)(void* user, int32_t frame, float* values, size_t count);
@@ -119,8 +125,9 @@ typedef struct volute_array {
                          dense, with c the fastest */
 } volute_array;
 
-/* As volute_compress(), from an array. Values become float: the rounding of doubles and of large
- * integers counts in max_error, and a target that it alone misses is VOLUTE_UNSUPPORTED. */
+/* As volute_compress(), from an array. Values become float, those far from zero differences from a
+ * number in their middle: the rounding of doubles and of large integers counts in max_error, and a
+ * target that it alone misses is VOLUTE_UNSUPPORTED. */
 volute_status volute_compress_array(const char* path, const volute_info* info, const double* times,
                                     const volute_array* array, int target, double value);
 

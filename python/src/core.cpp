@@ -174,8 +174,9 @@ class File {
   File(const std::filesystem::path& path, bool partial, std::uint64_t maxMemory,
        const std::string& grid)
       : reader_(take(unlocked([&] {
-          return VoluteReader::open(path,
-                                    {.partial = partial, .maxMemory = maxMemory, .grid = grid});
+          return VoluteReader::open(
+              path,
+              {.partial = partial, .maxMemory = maxMemory, .grid = grid, .differences = true});
         }))) {}
 
   py::dict info() const { return describe(reader_.info()); }
@@ -183,11 +184,11 @@ class File {
   py::dict header() const {
     using namespace py::literals;
     const VoluteHeader& h = reader_.header();
-    return py::dict("version"_a = py::make_tuple(h.versionMajor, h.versionMinor),
-                    "written_by"_a = h.writtenBy, "provenance"_a = h.provenance,
-                    "target"_a = py::make_tuple(h.targetKind, h.targetValue),
-                    "rms"_a = h.reachedRms, "max_error"_a = h.reachedMaxError,
-                    "value_range"_a = py::make_tuple(h.valueMin, h.valueMax));
+    return py::dict(
+        "version"_a = py::make_tuple(h.versionMajor, h.versionMinor), "written_by"_a = h.writtenBy,
+        "provenance"_a = h.provenance, "target"_a = py::make_tuple(h.targetKind, h.targetValue),
+        "rms"_a = h.reachedRms, "max_error"_a = h.reachedMaxError,
+        "value_range"_a = py::make_tuple(h.valueMin, h.valueMax), "offset"_a = h.offset);
   }
 
   py::list grids() const {
@@ -248,10 +249,10 @@ class File {
     }
     py::list background;
     for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c)
-      background.append(held.background()[c]);
-    return py::dict("positions"_a = places, "values"_a = values, "active"_a = active,
+      background.append(reader_.offset() + held.background()[c]);
+    return py::dict("positions"_a = places, "values"_a = shown(values), "active"_a = active,
                     "tile_positions"_a = corners, "tile_sides"_a = sides,
-                    "tile_values"_a = tileValues, "tile_active"_a = tileActive,
+                    "tile_values"_a = shown(tileValues), "tile_active"_a = tileActive,
                     "background"_a = background);
   }
 
@@ -265,8 +266,8 @@ class File {
     return py::make_tuple(place(region.begin), place(region.end));
   }
 
-  py::array_t<float> read(const Indices& t, const Indices& z, const Indices& y, const Indices& x,
-                          int levels) const {
+  py::array read(const Indices& t, const Indices& z, const Indices& y, const Indices& x,
+                 int levels) const {
     const VolumeInfo& info = reader_.info();
     const std::array<const Indices*, 4> asked{&t, &z, &y, &x};
     const std::array<int, 4> sides{info.frames, info.z, info.y, info.x};
@@ -287,7 +288,7 @@ class File {
     shape.push_back(info.channels);
     py::array_t<float> values(shape);
     if (values.size() == 0)
-      return values;
+      return shown(values);
     float* to = values.mutable_data();
     const std::span<float> all(to, static_cast<std::size_t>(values.size()));
     run(py::none(), [&](Progress& progress) -> Status {
@@ -303,7 +304,7 @@ class File {
       }
       return Gather(reader_, indices, levels).read(to, progress);
     });
-    return values;
+    return shown(values);
   }
 
   std::string verify(const py::object& listener) const {
@@ -313,8 +314,26 @@ class File {
   const VoluteReader& reader() const { return reader_; }
 
  private:
+  /// As doubles, where they are differences.
+  py::array shown(const py::array_t<float>& values) const {
+    if (reader_.offset() == 0)
+      return values;
+    py::array_t<double> sums(
+        std::vector<py::ssize_t>(values.shape(), values.shape() + values.ndim()));
+    std::transform(values.data(), values.data() + values.size(), sums.mutable_data(),
+                   [&](float value) { return reader_.offset() + value; });
+    return sums;
+  }
+
   VoluteReader reader_;
 };
+
+std::string beyondFloat(double value) {
+  return fmt::format(
+      "the value {:g} is beyond float32, in which values are kept; expected at most 3.4e38: scale "
+      "them",
+      value);
+}
 
 /// Frames that were rounded before.
 class RoundedFrames final : public RoundingSource {
@@ -335,28 +354,38 @@ class RoundedFrames final : public RoundingSource {
 
   double rounding() const override { return roundingOf(source_) + before_; }
 
+  double offset() const override { return offsetOf(source_); }
+
  private:
   FrameSource& source_;
   double before_;
 };
 
-/// Frames that a Python function gives: frame(index) -> float32 of shape (z, y, x[, c]).
-class PythonFrames final : public FrameSource {
+/// Frames that a Python function gives: frame(index) -> real numbers of shape (z, y, x[, c]).
+class PythonFrames final : public RoundingSource {
  public:
-  PythonFrames(VolumeInfo info, py::function frame, PythonProgress& progress)
-      : info_(std::move(info)), frame_(std::move(frame)), progress_(progress) {}
+  /// @param doubles  whether they are doubles
+  PythonFrames(VolumeInfo info, py::function frame, bool doubles, PythonProgress& progress)
+      : info_(std::move(info)), frame_(std::move(frame)), doubles_(doubles), progress_(progress) {}
 
   const VolumeInfo& info() const override { return info_; }
 
   Status readFrame(int index, std::span<float> values) override {
     const py::gil_scoped_acquire lock;
     try {
-      const Values frame = frame_(index);
-      if (static_cast<std::size_t>(frame.size()) != values.size()) {
-        return fail(ErrorCode::kInvalidArgument, "frame {} has {} values; expected {}", index,
-                    frame.size(), values.size());
+      const py::array frame = py::array::ensure(frame_(index), py::array::c_style);
+      if (!frame)
+        throw py::error_already_set();
+      const auto type = numberTypeOf(frame.dtype().attr("str").cast<std::string>());
+      if (!type || static_cast<std::size_t>(frame.size()) != values.size()) {
+        return fail(ErrorCode::kInvalidArgument, "frame {} has {} values; expected {} real numbers",
+                    index, frame.size(), values.size());
       }
-      std::copy_n(frame.data(), values.size(), values.data());
+      const auto beyond =
+          toFloats(*type, static_cast<const std::byte*>(frame.data()),
+                   static_cast<std::ptrdiff_t>(type->size()), values, rounding_, offset_);
+      if (beyond)
+        return fail(ErrorCode::kInvalidData, "{}", beyondFloat(*beyond));
       return {};
     } catch (py::error_already_set& thrown) {
       progress_.stop(std::move(thrown));
@@ -364,20 +393,32 @@ class PythonFrames final : public FrameSource {
     }
   }
 
+  double rounding() const override { return rounding_; }
+
+  double offset() const override { return offset_; }
+
+  bool takesOffset() const override { return doubles_; }
+
+  void takeOffset(double offset) override { offset_ = offset, rounding_ = 0; }
+
  private:
   VolumeInfo info_;
   py::function frame_;
+  bool doubles_;
   PythonProgress& progress_;
+  double rounding_ = 0, offset_ = 0;
 };
 
 /// @param frames  an array of shape (t, z, y, x, c), or a function as PythonFrames has it
 /// @param said  of the volume, as infoOf() takes it
 /// @param rounding  of the values of `frames` before they came here
+/// @param doubles  what a function gives are such
 py::dict compressFrames(const py::object& frames, const Shape& shape,
                         const std::filesystem::path& path, const std::string& target, double value,
-                        const py::dict& said, double rounding, const std::string& wavelet,
-                        int effort, const std::string& access, const std::string& provenance,
-                        std::uint64_t maxMemory, const py::object& listener) {
+                        const py::dict& said, double rounding, bool doubles,
+                        const std::string& wavelet, int effort, const std::string& access,
+                        const std::string& provenance, std::uint64_t maxMemory,
+                        const py::object& listener) {
   using namespace py::literals;
   using Kind = ErrorTarget::Kind;
   constexpr std::array<std::pair<std::string_view, Kind>, 7> kKinds{
@@ -407,7 +448,8 @@ py::dict compressFrames(const py::object& frames, const Shape& shape,
   if (py::isinstance<py::array>(frames))
     source = std::make_unique<ArraySource>(std::move(info), numbersOf(frames));
   else
-    source = std::make_unique<PythonFrames>(std::move(info), frames, progress);
+    source = std::make_unique<PythonFrames>(std::move(info), frames, doubles, progress);
+  run(progress, [&](Progress&) { return settleOffset(*source); });
   RoundedFrames rounded(*source, rounding);
   const CompressReport report =
       run(progress, [&](Progress& heard) { return compress(rounded, path, options, heard); });
@@ -433,10 +475,7 @@ py::tuple toFloat32(const py::array& array) {
     return toFloats(*type, from, static_cast<std::ptrdiff_t>(type->size()), to, rounding);
   });
   if (beyond) {
-    throw Failure{Error{ErrorCode::kInvalidData,
-                        fmt::format("the value {:g} is beyond float32, in which values are kept; "
-                                    "expected at most 3.4e38: scale them",
-                                    *beyond)}};
+    throw Failure{Error{ErrorCode::kInvalidData, beyondFloat(*beyond)}};
   }
   return py::make_tuple(values, rounding);
 }
@@ -523,8 +562,8 @@ PYBIND11_MODULE(_core, m) {
       .def("verify", &File::verify, "listener"_a);
 
   m.def("compress", &compressFrames, "frames"_a, "shape"_a, "path"_a, "target"_a, "value"_a,
-        "said"_a, "rounding"_a, "wavelet"_a, "effort"_a, "access"_a, "provenance"_a, "max_memory"_a,
-        "listener"_a);
+        "said"_a, "rounding"_a, "doubles"_a, "wavelet"_a, "effort"_a, "access"_a, "provenance"_a,
+        "max_memory"_a, "listener"_a);
   m.def("to_float32", &toFloat32, "array"_a);
   m.def(
       "set_threads",

@@ -214,7 +214,7 @@ def _computed(values):
 
 def _spool(values, folder):
     """(array, rounding) of frames that come once, in a file without a name: compression asks for them more than once."""
-    count, shape, rounding = 0, None, 0.0
+    count, shape, kept, rounding = 0, None, None, 0.0
     with tempfile.TemporaryFile(dir=folder) as file:
         for frame in _pieces(values):
             frame, before = reals(frame, f"frame {count}")
@@ -226,16 +226,19 @@ def _spool(values, folder):
                           _bytes(4 * frame.size))
             if frame.shape != shape:
                 raise ValueError(f"frame {count} has shape {frame.shape}; those before it have {shape}")
-            floats, after = _core.to_float32(frame)
+            if kept is None:
+                kept = np.float64 if frame.dtype in (np.float64, np.int32, np.uint32) else np.float32
+            exact = kept is np.float64 and (frame.dtype.kind == "f" or frame.dtype.itemsize <= 4)
+            numbers, after = (frame, 0.0) if exact else _core.to_float32(frame)
             rounding = max(rounding, before + after)
-            floats.tofile(file)
+            np.ascontiguousarray(numbers, kept).tofile(file)
             count += 1
         if not count:
             raise ValueError("there are no frames")
         file.flush()
         if 0 in shape:
             five_axes((count,) + shape)  # says what is wrong
-        return np.memmap(file, np.float32, "r", shape=(count,) + shape), rounding
+        return np.memmap(file, kept, "r", shape=(count,) + shape), rounding
 
 
 class Function:

@@ -11,7 +11,7 @@ import numpy as np
 from . import _core
 from ._arrays import number, volume, whole
 from ._progress import Listener
-from ._volume import _bytes, open as _open
+from ._volume import _bytes, Frames, open as _open
 
 
 @dataclasses.dataclass
@@ -49,7 +49,7 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
         volute.fds case; an xarray.DataArray with dimensions t (or time), z, y, x, c (or channel) in any order, whose coordinates are
         times and the centres of voxels; anything with `shape` and `[i]` (dask, zarr, h5py), or an iterator of frames (z,y,x[,c]):
         these are asked for each frame once, and kept in a file without a name beside `path` meanwhile, 4 bytes a value.
-        Values become float32. The rounding of float64 and of large integers counts in the errors; a target that it alone misses is
+        Values become float32, those far from zero differences from a number in their middle. The rounding of float64 and of large integers counts in the errors; a target that it alone misses is
         refused. NaN, infinities and masked values are refused.
     One of:
         quality: "look" (default: pictures look the same as the original's), "draft" (smaller) or "measure" (for numbers)
@@ -99,7 +99,8 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     given = dict(bounds=bounds, times=times, frame_numbers=frame_numbers, name=name, unit=unit, basis=basis)
     with Listener(progress) as listener:
         source, shape, said, rounding = volume(frames, given, os.path.dirname(path) or ".")
-        report = _core.compress(source, shape, path, target, value, said, rounding, wavelet, effort, access or "", str(provenance),
+        doubles = isinstance(frames, Frames) and frames.dtype == np.float64
+        report = _core.compress(source, shape, path, target, value, said, rounding, doubles, wavelet, effort, access or "", str(provenance),
                                 whole("max_memory", max_memory), listener)
     return Compressed(path, **report)
 

@@ -42,7 +42,7 @@ def _png(picture):
 class Frames:
     """A sequence of volumes read frame by frame: the common interface of .volute files and FDS cases.
 
-    Axes are (t, z, y, x), and (t, z, y, x, c) with three channels. Values are float32."""
+    Axes are (t, z, y, x), and (t, z, y, x, c) with three channels. Values are float32; those far from zero, of a file that was made of float64, float64."""
 
     dtype = np.dtype(np.float32)
 
@@ -174,7 +174,7 @@ class Volume(Frames):
     """A .volute file as a lazy array: `v[t]`, `v[10:20, ::2, z0:z1]`, `np.asarray(v)`.
 
     Slicing decodes only the blocks needed, of 16 frames (or fewer) x 16 x 16 x 16 voxels each, on all cores; other blocks are not
-    read. Results are NumPy arrays of float32 (buffer protocol and DLPack without copies). Frames read in order
+    read. Results are NumPy arrays of `dtype` (buffer protocol and DLPack without copies). Frames read in order
     are decoded together, those of a block, as long as these fit in `cache` bytes. Threads may share one.
 
     In a file with several grids it is one of them; `grids` lists them, and `v.grid("velocity")` opens another."""
@@ -202,6 +202,8 @@ class Volume(Frames):
         self.value_range = header["value_range"]
         #: what was asked of the compression: ("look", 0.0007), ("support-rms", 0.003), ("rms", 0.003) over all voxels, ..
         self.target = header["target"]
+        if header["offset"]:
+            self.dtype = np.dtype(np.float64)
         self.provenance, self.written_by = header["provenance"], header["written_by"]
 
     @property
@@ -239,7 +241,7 @@ class Volume(Frames):
     def preview(self, key=..., levels=3):
         """As v[key], from only the coarsest `levels` levels of each block: fast, but blurred."""
         coarse = object.__new__(Frames)
-        coarse.shape = self.shape
+        coarse.shape, coarse.dtype = self.shape, self.dtype
         coarse._read = lambda t, z, y, x: self._file.read(t, z, y, x, levels)
         return coarse[key]
 
@@ -272,7 +274,7 @@ class Volume(Frames):
         """Frames, shape (z, y, x[, c]); each block is decoded once where its frames fit in the cache."""
         block = self._block
         for first in range(0, len(self), block):
-            if 4 * block * (self.size // len(self)) <= self._cache:
+            if self.dtype.itemsize * block * (self.size // len(self)) <= self._cache:
                 values = self._decode_row(first // block)
                 yield from values if self.ndim == 5 else values[..., 0]
             else:
@@ -296,11 +298,11 @@ class Volume(Frames):
     def _refuse_too_large(self, indices):
         """Before anything is decoded."""
         from ._errors import TooLarge
-        needed = 4 * self.channels * int(np.prod([len(one) for one in indices], dtype=np.float64))
+        needed = self.dtype.itemsize * self.channels * int(np.prod([len(one) for one in indices], dtype=np.float64))
         most = max(self._options["max_memory"], os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
         if needed <= most:
             return
-        low, high = self._file.fitting(indices[0], max(most // (4 * self.channels * len(indices[0])), 1))
+        low, high = self._file.fitting(indices[0], max(most // (self.dtype.itemsize * self.channels * len(indices[0])), 1))
         part = ", ".join(f"{a}:{b}" for a, b in zip(low, high))
         raise TooLarge(f"{self.path}: {' x '.join(str(len(one)) for one in indices)} voxels as an array need {needed:,} bytes, and there are "
                        f"{most:,}; v[:, {part}] fits, and v.bricks(frame) is as large as what is in a frame")
@@ -320,7 +322,7 @@ class Volume(Frames):
             if self._row[0] != row:
                 follows = place > 0 and self._last == index - 1
                 self._last = index
-                if not follows or 4 * self._block * (self.size // len(self)) > self._cache:
+                if not follows or self.dtype.itemsize * self._block * (self.size // len(self)) > self._cache:
                     return None
                 self._row = (row, self._decode_row(row))
             return self._row[1][place:place + 1].copy()

@@ -68,26 +68,34 @@ constexpr bool kInexact = sizeof(T) >= 4 && !std::is_same_v<T, float>;
 
 template <class T>
 std::optional<double> convert(const std::byte* from, std::ptrdiff_t stride, bool swap,
-                              std::span<float> to, double& rounding) {
+                              std::span<float> to, double& rounding, double offset) {
   double maximum = 0;
   for (float& value : to) {
     const T number = load<T>(from, swap);
     from += stride;
     if constexpr (std::is_same_v<T, Half>) {
       value = toFloat(number);
-    } else {
+    } else if (offset == 0) {
       value = static_cast<float>(number);
     }
+    // 64 bits of an integer need more than a double; other differences are exact in one.
+    using Wide = std::conditional_t<std::is_integral_v<T>, long double, double>;
+    if (offset != 0) {
+      if constexpr (std::is_same_v<T, Half>)
+        value = static_cast<float>(static_cast<double>(value) - offset);
+      else
+        value = static_cast<float>(static_cast<Wide>(number) - static_cast<Wide>(offset));
+    }
     if constexpr (kInexact<T>) {
-      // 64 bits of an integer need more than a double; other differences are exact in one.
-      using Wide = std::conditional_t<std::is_integral_v<T>, long double, double>;
       if (!std::isfinite(value)) {
         if (std::isfinite(static_cast<double>(number)))
           return static_cast<double>(number);
         continue;
       }
+      // As a reader adds them up.
+      const double shown = offset + static_cast<double>(value);
       const auto error =
-          static_cast<double>(std::abs(static_cast<Wide>(number) - static_cast<Wide>(value)));
+          static_cast<double>(std::abs(static_cast<Wide>(number) - static_cast<Wide>(shown)));
       maximum = std::max(maximum, error);
     }
   }
@@ -140,10 +148,10 @@ std::optional<NumberType> numberTypeOf(std::string_view code) {
 }
 
 std::optional<double> toFloats(const NumberType& type, const std::byte* from, std::ptrdiff_t stride,
-                               std::span<float> to, double& rounding) {
+                               std::span<float> to, double& rounding, double offset) {
   const bool swap = type.bigEndian != (std::endian::native == std::endian::big);
   return withType(type.kind, [&](auto number) {
-    return convert<decltype(number)>(from, stride, swap, to, rounding);
+    return convert<decltype(number)>(from, stride, swap, to, rounding, offset);
   });
 }
 

@@ -35,6 +35,9 @@ struct NumberType {
   /// Floats as they are in memory: nothing is to be converted.
   bool isFloat() const;
 
+  /// Whether a float may be another number: 32 bits of an integer, or 64 of anything.
+  bool isRounded() const { return size() >= 4 && kind != NumberKind::kFloat32; }
+
   bool operator==(const NumberType&) const = default;
 };
 
@@ -44,9 +47,10 @@ std::optional<NumberType> numberTypeOf(std::string_view code);
 
 /// Converts to.size() numbers, `stride` bytes apart and aligned anyhow, to the nearest floats.
 /// Returns the first finite number that is beyond all floats; nothing: there is none.
-/// @param rounding  raised to the largest |float - number| of these
+/// @param rounding  raised to the largest |offset + float - number| of these
+/// @param offset    taken off each number before
 [[nodiscard]] std::optional<double> toFloats(const NumberType& type, const std::byte* from,
                                              std::ptrdiff_t stride, std::span<float> to,
-                                             double& rounding);
+                                             double& rounding, double offset = 0);
 
 }  // namespace volute

@@ -109,8 +109,10 @@ Status given(const char* function, Pointers... pointers) {
   return {};
 }
 
+/// @param values  of float or double
+template <class Number>
 Status readRegion(const VoluteReader& reader, std::int32_t frame, const std::int32_t* begin,
-                  const std::int32_t* end, float* values, std::size_t count) {
+                  const std::int32_t* end, Number* values, std::size_t count) {
   const VolumeInfo& info = reader.info();
   if (frame < 0 || frame >= info.frames) {
     return fail(ErrorCode::kInvalidArgument, "volute_file_read: there is no frame {}; there are {}",
@@ -138,7 +140,20 @@ Status readRegion(const VoluteReader& reader, std::int32_t frame, const std::int
     return fail(ErrorCode::kInvalidArgument,
                 "volute_file_read: room for {} values; the region has {}", count, wanted);
   }
-  return reader.readRegion(frame, from, to, {values, count});
+  std::vector<float> own;
+  std::span<float> differences;
+  if constexpr (std::is_same_v<Number, float>) {
+    differences = {values, count};
+  } else {
+    own.resize(count);
+    differences = own;
+  }
+  VOLUTE_TRY(reader.readRegion(frame, from, to, differences));
+  const double offset = reader.offset();
+  if (!own.empty() || offset != 0)
+    std::ranges::transform(differences, values,
+                           [=](float value) { return static_cast<Number>(offset + value); });
+  return {};
 }
 
 /// Frames that the caller's function fills.
@@ -426,6 +441,7 @@ volute_status volute_file_open_grid(const char* path, const char* grid, volute_f
     *file = nullptr;
     volute::VoluteReader::Options options;
     options.grid = grid;
+    options.differences = true;
     VOLUTE_ASSIGN(auto reader, volute::VoluteReader::open(path, options));
     *file = new volute_file{std::move(reader)};
     return {};
@@ -485,6 +501,15 @@ volute_status volute_file_read(const volute_file* file, int32_t frame, const int
                                const int32_t end[3], float* values, size_t count) {
   return guarded([&]() -> Status {
     VOLUTE_TRY(volute::given("volute_file_read", file, values));
+    return volute::readRegion(file->reader, frame, begin, end, values, count);
+  });
+}
+
+volute_status volute_file_read_double(const volute_file* file, int32_t frame,
+                                      const int32_t begin[3], const int32_t end[3], double* values,
+                                      size_t count) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_file_read_double", file, values));
     return volute::readRegion(file->reader, frame, begin, end, values, count);
   });
 }

@@ -87,6 +87,9 @@ class BlockDecoder {
   /// Whether blocks say what their voxels are.
   virtual bool hasTopology() const = 0;
 
+  /// What is added to all values, of tiles too: they are differences from it.
+  virtual double offset() const = 0;
+
   /// What voxels are that no block says anything of.
   virtual std::array<float, 3> background() const = 0;
 

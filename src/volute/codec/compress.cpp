@@ -30,6 +30,7 @@
 #include "volute/codec/unit_plan.hpp"
 #include "volute/codec/unit_store.hpp"
 #include "volute/codec/written_file.hpp"
+#include "volute/grid/rounding_source.hpp"
 
 namespace volute {
 namespace {
@@ -161,6 +162,7 @@ class Compressor {
     parameters_.extended = true;
     parameters_.means = true;
     parameters_.sparse = source.hasTopology() || !overAll;
+    parameters_.offset = offsetOf(source);
     head_.header.codec = static_cast<int>(kSparseCodec);
     units_.setChecked(true);
     head_.header.writtenBy = "volute " VOLUTE_VERSION;
@@ -572,7 +574,8 @@ void Compressor::settleRange() {
   if (greatest > 0)
     parameters_.exponent = std::clamp(std::ilogb(greatest) + 1, -126, 127);
   const bool overSupport = options_.target.isOverSupport();
-  if (options_.target.kind == Kind::kLook)
+  // Faint and strong mean nothing far from zero.
+  if (options_.target.kind == Kind::kLook && parameters_.offset == 0)
     bend(std::max(std::abs(support_.low), std::abs(support_.high)));
   const double spread = overSupport ? supportVoxels_ : voxels;
   goal_.setRange(overSupport ? support_.low : least, overSupport ? support_.high : most, greatest,
@@ -1086,9 +1089,10 @@ Result<CompressReport> Compressor::write() {
   report.maxError = error_.maximum + rounding_;
   report.support = support_;
   report.support.rms += overSupport(rounding_);
+  report.support.low += parameters_.offset, report.support.high += parameters_.offset;
   report.faintFrames = faintFrames();
-  report.valueMin = head_.header.valueMin;
-  report.valueMax = head_.header.valueMax;
+  report.valueMin = head_.header.valueMin + parameters_.offset;
+  report.valueMax = head_.header.valueMax + parameters_.offset;
   report.blocks = head_.blocks.size();
   report.blockFrames = parameters_.blockFrames;
   return report;

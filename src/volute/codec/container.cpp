@@ -398,6 +398,7 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
   if (!decoder)
     return malformed(decoder.error().message);
   head.decoder = std::move(*decoder);
+  header.offset = head.decoder->offset();
   if (!std::ranges::equal(tiers, head.decoder->tierLevels(), {}, {},
                           [](int levels) { return static_cast<std::uint64_t>(levels); })) {
     return malformed("tiers that the codec does not have");
@@ -441,7 +442,8 @@ Status readPartsChunk(std::span<const std::byte> content, const std::string& pat
       return malformed(decoder.error().message);
     part.decoder = std::move(*decoder);
     if (part.decoder->blockFrames() != head.decoder->blockFrames() ||
-        part.decoder->hasMeans() != head.decoder->hasMeans())
+        part.decoder->hasMeans() != head.decoder->hasMeans() ||
+        part.decoder->offset() != head.decoder->offset())
       return malformed("a part whose blocks or index are unlike those of the others");
     head.parts.push_back(std::move(part));
   }

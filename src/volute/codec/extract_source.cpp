@@ -260,8 +260,8 @@ Status ExtractSource::readFrame(int index, std::span<float> values) {
   }
   // Coarse levels, asked for or all that is intact, may leave the original's range.
   const VoluteHeader& header = reader_->header();
-  const auto least = static_cast<float>(std::min(0.0, header.valueMin));
-  const auto most = static_cast<float>(std::max(0.0, header.valueMax));
+  const auto least = static_cast<float>(std::min(0.0, header.valueMin) - reader_->offset());
+  const auto most = static_cast<float>(std::max(0.0, header.valueMax) - reader_->offset());
   for (float& value : values) value = std::clamp(value, least, most);
   return {};
 }

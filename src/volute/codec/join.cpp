@@ -43,6 +43,7 @@ Result<Part> openPart(const std::filesystem::path& path, std::uint64_t maxMemory
   VoluteReader::Options options;
   options.maxMemory = maxMemory;
   options.grid = grid;
+  options.differences = true;
   VOLUTE_ASSIGN(auto reader, VoluteReader::open(path, options));
   return Part{std::move(file), std::move(head),
               std::make_shared<const VoluteReader>(std::move(reader))};
@@ -118,7 +119,7 @@ bool canCopy(const std::vector<Part>& parts) {
            const BlockDecoder& decoder = *part.head.decoder;
            return part.head.header.codec == codec && decoder.hasTopology() == first.hasTopology() &&
                   decoder.blockFrames() == first.blockFrames() &&
-                  decoder.hasMeans() == first.hasMeans();
+                  decoder.hasMeans() == first.hasMeans() && decoder.offset() == first.offset();
          });
 }
 
@@ -155,7 +156,9 @@ struct Errors {
   double relative(double error) const { return high > low ? error / (high - low) : error; }
 };
 
+/// Ranges are of differences from the first part's offset.
 Errors errorsOf(const std::vector<Part>& parts) {
+  const double offset = parts.front().head.header.offset;
   Errors errors{0, 0, parts.front().head.header.valueMin, parts.front().head.header.valueMax};
   double squares = 0, frames = 0;
   for (const Part& part : parts) {
@@ -165,8 +168,8 @@ Errors errorsOf(const std::vector<Part>& parts) {
     squares += rms * rms * part.info().frames;
     frames += part.info().frames;
     errors.most = std::max(errors.most, header.reachedMaxError);
-    errors.low = std::min(errors.low, header.valueMin);
-    errors.high = std::max(errors.high, header.valueMax);
+    errors.low = std::min(errors.low, header.valueMin + (header.offset - offset));
+    errors.high = std::max(errors.high, header.valueMax + (header.offset - offset));
   }
   errors.rms = std::sqrt(squares / frames);
   return errors;
@@ -186,8 +189,9 @@ std::optional<SupportError> supportOf(const std::vector<Part>& parts, double rea
     squares += rms * rms * of;
     voxels += of;
     frames += part.info().frames;
-    all.low = first == 0 ? own->low : std::min(all.low, own->low);
-    all.high = first == 0 ? own->high : std::max(all.high, own->high);
+    const double apart = part.head.header.offset - parts.front().head.header.offset;
+    all.low = first == 0 ? own->low : std::min(all.low, own->low + apart);
+    all.high = first == 0 ? own->high : std::max(all.high, own->high + apart);
     all.robust = all.robust || own->robust;
     if (part.head.header.reachedMaxError == reachedMaxError) {
       all.worstFrame = first + own->worstFrame;
@@ -238,7 +242,7 @@ void joinTargets(const std::vector<Part>& parts, VoluteHeader& header) {
   }
 }
 
-/// The frames of all files, one file after another.
+/// The frames of all files, one file after another, as differences from the first one's offset.
 class JoinedFrames final : public RoundingSource {
  public:
   struct File {
@@ -249,36 +253,44 @@ class JoinedFrames final : public RoundingSource {
   /// @param info  of all frames; the sources have its volume
   JoinedFrames(VolumeInfo info, std::vector<File> files,
                const std::array<double, 3>& background = {})
-      : info_(std::move(info)), files_(std::move(files)), background_(background) {}
+      : info_(std::move(info)), files_(std::move(files)), background_(background) {
+    const auto first =
+        std::ranges::find_if(files_, [](const File& file) { return file.source != nullptr; });
+    offset_ = first == files_.end() ? 0 : offsetOf(*first->source);
+  }
 
   const VolumeInfo& info() const override { return info_; }
 
   Status readFrame(int index, std::span<float> values) override {
-    std::size_t file = 0;
-    while (index >= files_[file].frames) index -= files_[file++].frames;
-    if (files_[file].source)
-      return files_[file].source->readFrame(index, values);
-    const auto channels = static_cast<std::size_t>(info_.channels);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] = static_cast<float>(background_[i % channels]);
+    Bricks bricks;
+    VOLUTE_TRY(readBricks(index, 0, info_.z, bricks));
+    bricks.toDense({{0, 0, 0}, {info_.x, info_.y, info_.z}}, values);
     return {};
   }
 
-  double rounding() const override {
-    double most = 0;
-    for (const File& file : files_)
-      most = std::max(most, file.source ? roundingOf(*file.source) : 0);
-    return most;
-  }
+  double rounding() const override { return rounding_; }
+
+  double offset() const override { return offset_; }
 
   Status readBricks(int index, int first, int end, Bricks& bricks) override {
     std::size_t file = 0;
     while (index >= files_[file].frames) index -= files_[file++].frames;
-    if (files_[file].source)
-      return files_[file].source->readBricks(index, first, end, bricks);
-    bricks = Bricks(info_.channels,
-                    {static_cast<float>(background_[0]), static_cast<float>(background_[1]),
-                     static_cast<float>(background_[2])});
+    if (!files_[file].source) {
+      bricks = Bricks(info_.channels, {static_cast<float>(background_[0] - offset_),
+                                       static_cast<float>(background_[1] - offset_),
+                                       static_cast<float>(background_[2] - offset_)});
+      return {};
+    }
+    FrameSource& source = *files_[file].source;
+    VOLUTE_TRY(source.readBricks(index, first, end, bricks));
+    const double apart = offsetOf(source) - offset_;
+    if (apart == 0)
+      return {};
+    bricks = raised(bricks, apart);
+    double most = 0;
+    for (std::size_t i = 0; i < bricks.leaves().size(); ++i)
+      for (const float value : bricks.values(i)) most = std::max<double>(most, std::abs(value));
+    rounding_ = std::max(rounding_, std::ldexp(std::max(most, std::abs(apart)), -24));
     return {};
   }
 
@@ -300,6 +312,7 @@ class JoinedFrames final : public RoundingSource {
   VolumeInfo info_;
   std::vector<File> files_;
   std::array<double, 3> background_;
+  double offset_ = 0, rounding_ = 0;
 };
 
 JoinedFrames framesOf(const std::vector<Part>& parts, const Rate& rate) {

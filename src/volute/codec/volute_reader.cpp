@@ -34,12 +34,23 @@ struct VoluteReader::Impl {
     }
     pages.resize(head.pages.pages.size());
     tilePages.resize(head.pages.tiles.size());
+    added = options.differences ? 0 : head.header.offset;
+    for (VoluteGrid& one : head.grids) showNumbers(one.header);
+    showNumbers(head.header);
+  }
+
+  /// The original's, not its differences'.
+  static void showNumbers(VoluteHeader& header) {
+    header.valueMin += header.offset, header.valueMax += header.offset;
+    if (header.support)
+      header.support->low += header.offset, header.support->high += header.offset;
   }
 
   InputFile file;
   Options options;
   FileHead head;
   BlockGrid grid;
+  double added = 0;  // to what the file has
   mutable std::atomic<std::uint64_t> bytesRead{0};
   mutable std::atomic<std::uint64_t> blocksDecoded{0};
   mutable std::atomic<std::uint64_t> indexRequests{0}, indexBytes{0};
@@ -99,8 +110,11 @@ struct VoluteReader::Impl {
   /// What is nowhere else said. Without topology the cache's own background, where there is one.
   std::array<float, 3> backgroundOf(int row) const {
     const auto& description = head.grids[head.grid].description;
-    if (paged() || !description)
-      return head.decoderOf(row).background();
+    if (paged() || !description) {
+      auto own = head.decoderOf(row).background();
+      for (float& value : own) value = static_cast<float>(added + static_cast<double>(value));
+      return own;
+    }
     std::array<float, 3> background{};
     for (std::size_t c = 0; c < 3; ++c)
       background[c] = static_cast<float>(description->background[c]);
@@ -127,6 +141,8 @@ struct VoluteReader::Impl {
                                                         int levels) const;
   Status decodeBlock(std::size_t block, std::span<float> values, int levels,
                      BlockStates* states = nullptr, FrameSpan wanted = {}) const;
+  Status decodeDifferences(std::size_t block, std::span<float> values, int levels,
+                           BlockStates* states, FrameSpan wanted) const;
   Status checkBox(const Index4& begin, const Index4& end, std::size_t values) const;
   Status readPart(std::size_t block, const Index4& begin, const Index4& end,
                   std::span<float> values, int levels) const;
@@ -276,6 +292,14 @@ Status VoluteReader::Impl::putTiles(std::size_t block, std::span<float> values) 
 
 Status VoluteReader::Impl::decodeBlock(std::size_t block, std::span<float> values, int levels,
                                        BlockStates* states, FrameSpan wanted) const {
+  VOLUTE_TRY(decodeDifferences(block, values, levels, states, wanted));
+  for (std::size_t i = 0; added != 0 && i < values.size(); ++i)
+    values[i] = static_cast<float>(added + static_cast<double>(values[i]));
+  return {};
+}
+
+Status VoluteReader::Impl::decodeDifferences(std::size_t block, std::span<float> values, int levels,
+                                             BlockStates* states, FrameSpan wanted) const {
   // All levels of a small block are in its first tiers; the last one may have corrections.
   if (levels >= grid.levels(block))
     levels = 99;
@@ -492,6 +516,10 @@ const VoluteHeader& VoluteReader::header() const {
   return impl_->head.header;
 }
 
+double VoluteReader::offset() const {
+  return impl_->options.differences ? header().offset : 0;
+}
+
 const BlockGrid& VoluteReader::blocks() const {
   return impl_->grid;
 }
@@ -602,8 +630,10 @@ Status VoluteReader::readBricks(int first, int end, std::span<Bricks> bricks) co
       bricks[i].append(part[i]);
       part[i] = Bricks();
     }
-    VOLUTE_TRY(impl.visitTiles(first + static_cast<int>(i),
-                               [&](const Bricks::Tile& tile) { bricks[i].addTile(tile); }));
+    VOLUTE_TRY(impl.visitTiles(first + static_cast<int>(i), [&](Bricks::Tile tile) {
+      for (float& value : tile.value) value = static_cast<float>(impl.added + value);
+      bricks[i].addTile(tile);
+    }));
     bricks[i].sort();
     bricks[i].fillUnderTiles();
   }

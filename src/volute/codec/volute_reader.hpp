@@ -45,6 +45,7 @@ struct VoluteHeader {
   double reachedRms = 0;                  ///< relative RMS over all values: RMS / (max - min)
   double reachedMaxError = 0;             ///< absolute
   double valueMin = 0, valueMax = 0;      ///< of the original
+  double offset = 0;                      ///< the file has differences from it
   std::optional<SupportError> support{};  ///< none of codec 2
 };
 
@@ -86,6 +87,9 @@ class VoluteReader {
     /// The grid to read, to which all functions below refer. Empty: 'density', else the first that
     /// is not empty.
     std::string grid{};
+    /// Values are read as differences from the grid's offset(), where it has one: float32 does not
+    /// hold their sums as well as the file does. Else they are the sums, rounded.
+    bool differences = false;
   };
 
   [[nodiscard]] static Result<VoluteReader> open(const std::filesystem::path& path,
@@ -97,6 +101,10 @@ class VoluteReader {
 
   const VolumeInfo& info() const;
   const VoluteHeader& header() const;
+
+  /// What is to be added to values that are read: VoluteHeader::offset with Options::differences.
+  double offset() const;
+
   const BlockGrid& blocks() const;
 
   /// All grids of the file, in its order.

@@ -7,15 +7,20 @@
 
 #include "volute/codec/volute_reader.hpp"
 #include "volute/grid/bricks.hpp"
+#include "volute/grid/rounding_source.hpp"
 
 namespace volute {
 namespace {
 
-class VoluteSource final : public FrameSource {
+class VoluteSource final : public RoundingSource {
  public:
   explicit VoluteSource(std::shared_ptr<const VoluteReader> reader) : reader_(std::move(reader)) {}
 
   const VolumeInfo& info() const override { return reader_->info(); }
+
+  double rounding() const override { return 0; }
+
+  double offset() const override { return reader_->offset(); }
 
   std::vector<std::string> otherGrids() const override {
     std::vector<std::string> names;

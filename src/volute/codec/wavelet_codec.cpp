@@ -20,7 +20,7 @@ constexpr std::array kWavelets{Wavelet::kHaar, Wavelet::kCdf53, Wavelet::kCdf97}
 // What the parameters of codec 3 begin with.
 constexpr int kHasInactive = 1, kBent = 2, kBySymbols = 4, kWithoutTopology = 8, kMore = 16;
 // What a second byte says, where kMore is set: halvings of the frames of a block, and more.
-constexpr int kFrameHalvings = 7, kMeans = 8;
+constexpr int kFrameHalvings = 7, kMeans = 8, kHasOffset = 16;
 
 bool within(double value, double least, double most) {
   return value >= least && value <= most;
@@ -62,13 +62,15 @@ std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int 
   if (parameters.extended || parameters.sparse) {
     const int more = std::countr_zero(static_cast<unsigned>(BlockGrid::kSide)) -
                      std::countr_zero(static_cast<unsigned>(parameters.blockFrames)) +
-                     (parameters.means ? kMeans : 0);
+                     (parameters.means ? kMeans : 0) + (parameters.offset != 0 ? kHasOffset : 0);
     out.u8(static_cast<std::uint8_t>(
         (parameters.inactive ? kHasInactive : 0) | (parameters.bends() ? kBent : 0) |
         (parameters.bySymbols ? kBySymbols : 0) | (parameters.sparse ? 0 : kWithoutTopology) |
         (more != 0 ? kMore : 0)));
     if (more != 0)
       out.u8(static_cast<std::uint8_t>(more));
+    if (parameters.offset != 0)
+      out.f64(parameters.offset);
     for (int c = 0; c < channels; ++c) out.f32(parameters.background[static_cast<std::size_t>(c)]);
     for (int c = 0; parameters.inactive && c < channels; ++c)
       out.f32((*parameters.inactive)[static_cast<std::size_t>(c)]);
@@ -108,9 +110,14 @@ Result<WaveletParameters> readParameters(std::uint32_t codec, std::span<const st
     const int flags = in.u8();
     const int more = (flags & kMore) != 0 ? in.u8() : 0;
     const int halvings = more & kFrameHalvings;
-    finite = flags < 2 * kMore && more < 2 * kMeans && (BlockGrid::kSide >> halvings) > 0;
+    finite = flags < 2 * kMore && more < 2 * kHasOffset && (BlockGrid::kSide >> halvings) > 0;
     parameters.blockFrames = std::max(BlockGrid::kSide >> halvings, 1);
     parameters.means = (more & kMeans) != 0;
+    if ((more & kHasOffset) != 0) {
+      constexpr double kLargest = std::numeric_limits<float>::max();
+      parameters.offset = in.f64();
+      finite = finite && within(std::abs(parameters.offset), 1e-300, kLargest);
+    }
     parameters.bySymbols = (flags & kBySymbols) != 0;
     parameters.sparse = (flags & kWithoutTopology) == 0;
     readColour(parameters.background);

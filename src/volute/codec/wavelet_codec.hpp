@@ -70,6 +70,7 @@ struct WaveletParameters {
   double bendScale = 0, bendOffset = 0;
   int blockFrames = BlockGrid::kSide;  ///< codec 3: 16, 8, 4, 2 or 1
   bool means = false;                  ///< codec 3: the index has the mean of each block
+  double offset = 0;                   ///< codec 3: values are differences from it
   /// Values beyond are kept as they are, for a writer of codec 3.
   float outlierLow = -std::numeric_limits<float>::infinity();
   float outlierHigh = std::numeric_limits<float>::infinity();

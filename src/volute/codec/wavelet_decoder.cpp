@@ -491,6 +491,8 @@ class WaveletDecoder final : public BlockDecoder {
 
   bool hasMeans() const override { return parameters_.means; }
 
+  double offset() const override { return parameters_.offset; }
+
   float mean(std::int64_t quantised) const override {
     const float value = parameters_.mean(quantised);
     return std::min(stream_.valueMax, std::max(stream_.valueMin, value));

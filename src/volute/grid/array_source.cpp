@@ -37,7 +37,7 @@ Status ArraySource::readLayers(int index, int first, int end, std::span<float> v
     const std::byte* const from =
         array_.data + t * index + z * (first + static_cast<std::ptrdiff_t>(layer));
     const auto convert = [&](const std::byte* at, std::ptrdiff_t stride, std::span<float> to) {
-      const auto beyond = toFloats(array_.type, at, stride, to, done[layer].rounding);
+      const auto beyond = toFloats(array_.type, at, stride, to, done[layer].rounding, offset_);
       if (beyond)
         done[layer].beyond = beyond;
     };

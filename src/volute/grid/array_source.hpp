@@ -42,10 +42,16 @@ class ArraySource final : public RoundingSource {
 
   double rounding() const override { return rounding_; }
 
+  double offset() const override { return offset_; }
+
+  bool takesOffset() const override { return array_.type.isRounded(); }
+
+  void takeOffset(double offset) override { offset_ = offset, rounding_ = 0; }
+
  private:
   VolumeInfo info_;
   NumberArray array_;
-  double rounding_ = 0;
+  double rounding_ = 0, offset_ = 0;
 };
 
 }  // namespace volute

@@ -12,6 +12,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/grid/bricks.hpp"
+#include "volute/grid/rounding_source.hpp"
 
 namespace volute {
 namespace {
@@ -19,10 +20,10 @@ namespace {
 constexpr std::int64_t kSmallCube = 2 * Bricks::kSide;  // compared voxel by voxel
 constexpr std::size_t kFewTiles = 64;
 
-double errorBetween(float a, float b) {
-  if (a == b || (std::isnan(a) && std::isnan(b)))
+double errorBetween(float a, float b, double apart) {
+  if ((a == b && apart == 0) || (std::isnan(a) && std::isnan(b)))
     return 0;
-  const double error = std::abs(static_cast<double>(b) - a);
+  const double error = std::abs(static_cast<double>(b) - a - apart);
   return std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
 }
 
@@ -200,15 +201,21 @@ Cut faceThrough(const IndexBox& box, const FramePart& a, const FramePart& b) {
 /// nothing but a few tiles, which cut them then.
 class FrameComparison {
  public:
-  FrameComparison(const IndexBox& whole, int channels, Histogram& histogram)
-      : whole_(whole), channels_(static_cast<std::size_t>(channels)), histogram_(histogram) {}
+  FrameComparison(const IndexBox& whole, int channels, double apart, Histogram& histogram)
+      : whole_(whole),
+        channels_(static_cast<std::size_t>(channels)),
+        apart_(apart),
+        histogram_(histogram) {}
 
   Difference run(const Bricks& a, const Bricks& b) {
     std::int64_t side = kSmallCube;
     for (int axis = 0; axis < 3; ++axis) {
       while (side < whole_.end[static_cast<std::size_t>(axis)]) side *= 2;
     }
-    sum_.backgroundsDiffer = a.background() != b.background();
+    for (std::size_t c = 0; c < channels_; ++c) {
+      const bool same = static_cast<double>(a.background()[c]) + apart_ == b.background()[c];
+      sum_.backgroundsDiffer = sum_.backgroundsDiffer || !same;
+    }
     visit({{0, 0, 0}, {side, side, side}}, FramePart::all(a), FramePart::all(b));
     return sum_;
   }
@@ -263,12 +270,13 @@ class FrameComparison {
   void add(float a, float b, bool support, std::uint64_t count, const VoxelIndex& place) {
     if (support)
       histogram_.add(a, count);
-    if (sum_.add(a, b, support, count))
+    if (sum_.add(a, b, support, count, apart_))
       sum_.worst = place, sum_.worstA = a, sum_.worstB = b;
   }
 
   IndexBox whole_;
   std::size_t channels_;
+  double apart_;
   Histogram& histogram_;
   Difference sum_;
   std::vector<float> valuesA_, valuesB_;
@@ -298,8 +306,9 @@ void addFrame(const Difference& frame, int position, Difference& all) {
 
 }  // namespace
 
-bool Difference::add(float a, float b, bool support, std::uint64_t count) {
-  const double error = errorBetween(a, b), squares = error * error * static_cast<double>(count);
+bool Difference::add(float a, float b, bool support, std::uint64_t count, double apart) {
+  const double error = errorBetween(a, b, apart);
+  const double squares = error * error * static_cast<double>(count);
   sumOfSquares += squares;
   if (values == 0)
     minA = maxA = a;
@@ -317,6 +326,11 @@ bool Difference::add(float a, float b, bool support, std::uint64_t count) {
   const bool largest = error > maxError;
   maxError = std::max(maxError, error);
   return largest;
+}
+
+void Difference::shift(double offsetA, double offsetB) {
+  for (double* const of : {&minA, &maxA, &supportLow, &supportHigh, &worstA}) *of += offsetA;
+  worstB += offsetB;
 }
 
 void Difference::add(std::span<const float> a, std::span<const float> b) {
@@ -362,6 +376,7 @@ Result<Difference> compare(FrameSource& a, FrameSource& b, Progress& progress,
                 "be compared",
                 sizeText(infoA), sizeText(infoB));
   }
+  const double offsetA = offsetOf(a), offsetB = offsetOf(b);
   Difference difference;
   Histogram histogram;
   Bricks bricksA, bricksB;
@@ -370,15 +385,18 @@ Result<Difference> compare(FrameSource& a, FrameSource& b, Progress& progress,
       return fail(ErrorCode::kCancelled, "stopped: comparing frame {}", frame);
     VOLUTE_TRY(a.readBricks(frame, bricksA));
     VOLUTE_TRY(b.readBricks(frame, bricksB));
-    const Difference one =
-        FrameComparison({{0, 0, 0}, {infoA.x, infoA.y, infoA.z}}, infoA.channels, histogram)
-            .run(bricksA, bricksB);
+    const Difference one = FrameComparison({{0, 0, 0}, {infoA.x, infoA.y, infoA.z}}, infoA.channels,
+                                           offsetA - offsetB, histogram)
+                               .run(bricksA, bricksB);
     addFrame(one, frame, difference);
     if (byFrame)
       byFrame->push_back(one);
     progress.report("comparing", frame + 1, infoA.frames);
   }
   histogram.narrow(difference);
+  difference.shift(offsetA, offsetB);
+  for (std::size_t i = 0; byFrame && i < byFrame->size(); ++i)
+    (*byFrame)[i].shift(offsetA, offsetB);
   return difference;
 }
 

@@ -37,8 +37,12 @@ struct Difference {
   void add(std::span<const float> a, std::span<const float> b);
 
   /// Takes `count` pairs of equal values in.
+  /// @param apart  what a's numbers are more than b's where their values are the same
   /// @return  whether their error is the largest so far
-  bool add(float a, float b, bool support, std::uint64_t count = 1);
+  bool add(float a, float b, bool support, std::uint64_t count = 1, double apart = 0);
+
+  /// A's and B's values were differences from these.
+  void shift(double offsetA, double offsetB);
 
   double rms() const;
   /// RMS / (max - min of A). A constant A has no range: 0 when B equals it, else infinity.

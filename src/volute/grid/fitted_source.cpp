@@ -24,7 +24,7 @@ class SurroundedSource final : public RoundingSource {
   SurroundedSource(std::unique_ptr<FrameSource> source, const std::array<double, 3>& outside)
       : source_(std::move(source)) {
     for (std::size_t c = 0; c < static_cast<std::size_t>(info().channels); ++c)
-      outside_[c] = static_cast<float>(outside[c]);
+      outside_[c] = static_cast<float>(outside[c] - offsetOf(*source_));
   }
 
   const VolumeInfo& info() const override { return source_->info(); }
@@ -59,6 +59,8 @@ class SurroundedSource final : public RoundingSource {
   std::uint64_t brickBytes() const override { return source_->brickBytes(); }
 
   double rounding() const override { return roundingOf(*source_); }
+
+  double offset() const override { return offsetOf(*source_); }
 
  private:
   std::unique_ptr<FrameSource> source_;

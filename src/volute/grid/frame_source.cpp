@@ -4,6 +4,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/grid/bricks.hpp"
+#include "volute/grid/rounding_source.hpp"
 
 namespace volute {
 
@@ -11,7 +12,8 @@ Status FrameSource::readBricks(int index, int first, int end, Bricks& bricks) {
   const std::size_t layer = info().frameValues() / static_cast<std::size_t>(info().z);
   std::vector<float> values(layer * static_cast<std::size_t>(end - first));
   VOLUTE_TRY(readLayers(index, first, end, values));
-  bricks = Bricks::fromLayers(info(), first, end, values);
+  const auto zero = static_cast<float>(-offsetOf(*this));
+  bricks = Bricks::fromLayers(info(), first, end, values, {zero, zero, zero});
   return {};
 }
 

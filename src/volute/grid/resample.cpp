@@ -385,6 +385,8 @@ class ResampledSource final : public RoundingSource {
 
   double rounding() const override { return roundingOf(*source_); }
 
+  double offset() const override { return offsetOf(*source_); }
+
  private:
   /// From an old index to the new one, where that is a whole number of voxels.
   std::optional<VoxelIndex> wholeVoxels(const AffineLattices& map) const {

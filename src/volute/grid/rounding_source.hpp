@@ -12,9 +12,29 @@ class RoundingSource : public FrameSource {
  public:
   /// How far the values read so far are at most from the numbers that they were made of.
   virtual double rounding() const = 0;
+
+  /// What a value is less than its number: values far from zero are read as differences from it.
+  virtual double offset() const { return 0; }
+
+  /// Whether its numbers may be none that a float is, and offsets can be taken off them.
+  virtual bool takesOffset() const { return false; }
+
+  /// From now on values are differences from `offset`, which is a float.
+  virtual void takeOffset(double offset) { (void)offset; }
 };
 
 /// RoundingSource::rounding() of any source; 0 where it is none.
 double roundingOf(const FrameSource& source);
+
+/// RoundingSource::offset() of any source; 0 where it is none.
+double offsetOf(const FrameSource& source);
+
+/// Reads all of a source whose numbers may be rounded, and gives it the offset from which its
+/// values, but for those that are 0 or not finite, are far less away than from zero: in the middle
+/// of them. None where that gains nothing.
+[[nodiscard]] Status settleOffset(FrameSource& source);
+
+/// `by` more in all that a frame holds, its background too.
+Bricks raised(const Bricks& frame, double by);
 
 }  // namespace volute

@@ -47,6 +47,8 @@ class SelectedFrames final : public RoundingSource {
 
   double rounding() const override { return roundingOf(*source_); }
 
+  double offset() const override { return offsetOf(*source_); }
+
   [[nodiscard]] Status readBricks(int index, int first, int end, Bricks& bricks) override {
     return source_->readBricks(positions_[index], first, end, bricks);
   }

@@ -8,6 +8,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/suggest.hpp"
+#include "volute/grid/rounding_source.hpp"
 #include "volute/io/plugin.hpp"
 
 namespace volute {
@@ -122,7 +123,10 @@ Status GridCache::collect(const std::vector<LatticeCache>& files) {
 
 Result<std::unique_ptr<FrameSource>> GridCache::source(std::size_t grid) const {
   VOLUTE_ASSERT(grid < grids_.size() && !grids_[grid].empty && grids_[grid].problem.empty());
-  return openLatticeSource(files_, loadVdbPlugin, options_, known_[grid]);
+  VOLUTE_ASSIGN(auto source, openLatticeSource(files_, loadVdbPlugin, options_, known_[grid]));
+  if (options_.mayOffset)
+    VOLUTE_TRY(settleOffset(*source));
+  return source;
 }
 
 Result<std::unique_ptr<KeptBytes>> GridCache::keep(std::size_t grid, std::size_t file) const {

@@ -42,6 +42,7 @@ struct LatticeFrame {
   bool levelSet = false;
   char up = 0;               ///< the axis that points upwards for what wrote the file; 0: unknown
   bool bricks = false;       ///< LatticeReader::readBricks() gives its topology
+  bool rounded = false;      ///< a float may be another number than one of the file
   std::uint64_t memory = 0;  ///< [bytes] that its bricks take, about; 0: unknown
   VectorKind vectors{};      ///< of three channels
 };
@@ -137,6 +138,9 @@ class LatticeReader {
   /// How grids with a frustum are read from now on; null: they are refused.
   virtual void sampleFrusta(const FrustumSampling* how) { (void)how; }
 
+  /// Values are read as differences from `offset` from now on.
+  virtual void takeOffset(double offset) { (void)offset; }
+
   /// What is in `box`, some layers of `whole`, with its topology; voxel (0, 0, 0) is the lattice's.
   /// Leaves and tiles across the box's border are whole. Errors as read().
   [[nodiscard]] virtual Result<Bricks> readBricks(const std::filesystem::path& file,
@@ -151,6 +155,7 @@ class LatticeReader {
 /// How a frame is written.
 struct LatticeWriterOptions {
   bool half = false;  ///< OpenVDB: values as 16-bit floats
+  double offset = 0;  ///< values are differences from it; numbers are written as doubles
   bool zip =
       false;  ///< OpenVDB: zlib, slower and smaller than Blosc; the grid's class is unknown then
 };
@@ -162,6 +167,7 @@ struct GridFrame {
   int frame = 0;                   ///< its position
   const Bricks* bricks = nullptr;  ///< of the volume in `info`
   KeptBytes* kept = nullptr;       ///< instead of all that: what LatticeReader::keep() gave
+  double offset = 0;               ///< values are differences from it
 };
 
 /// Writes one frame to one file.

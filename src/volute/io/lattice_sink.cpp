@@ -132,7 +132,7 @@ class LatticeCacheSink final : public CacheSink {
       const auto& metadata = grid.description.metadata;
       if (!metadata.listOf.empty() && !metadata.at(position))
         continue;
-      frames.push_back({&grid.info, &grid.description, position, &values[i]});
+      frames.push_back({&grid.info, &grid.description, position, &values[i], nullptr, grid.offset});
     }
     VOLUTE_TRY(writer_->writeGrids(file.path(), target, frames, fileMetadata_.at(position)));
     pending_.push_back(std::move(file));

@@ -32,8 +32,9 @@ struct Request {
   bool sampled = false;  ///< frusta are read as `frusta` say
   FrustumSampling frusta{};
   std::uint64_t offset = 0, limit = 0;
-  IndexBox whole;  ///< of the volume
-  IndexBox box;    ///< what is read of it
+  double less = 0;  ///< values are differences from it
+  IndexBox whole;   ///< of the volume
+  IndexBox box;     ///< what is read of it
   char grid[LatticeFrame::kMaxName + 1] = {};
   char usual[LatticeFrame::kMaxName + 1] = {};
 };
@@ -74,6 +75,7 @@ Result<std::string> serve(LatticeReader& reader, Held& held, const std::filesyst
   held.bytes = {};
   VOLUTE_TRY(InputFile::check(path));
   reader.sampleFrusta(request.sampled ? &request.frusta : nullptr);
+  reader.takeOffset(request.less);
   if (request.list) {
     VOLUTE_ASSIGN(const auto grids, reader.list(path));
     return detail::encodeGridFacts(grids);
@@ -397,6 +399,7 @@ class LatticeSource final : public RoundingSource, public PlacedFrames, public V
                   files_.size());
     }
     hasBricks_ = std::ranges::any_of(frames, [](const auto& frame) { return frame.bricks; });
+    rounded_ = std::ranges::any_of(frames, [](const auto& frame) { return frame.rounded; });
     VOLUTE_TRY(checkSize(box, frames.front().channels, options_.maxMemory, where,
                          options_.byLayers || hasBricks_));
     box_ = box;
@@ -431,7 +434,7 @@ class LatticeSource final : public RoundingSource, public PlacedFrames, public V
     if (known_ && !known_->present[static_cast<std::size_t>(index)]) {
       const auto channels = static_cast<std::size_t>(info_.channels);
       for (std::size_t i = 0; i < values.size(); ++i)
-        values[i] = static_cast<float>(known_->background[i % channels]);
+        values[i] = static_cast<float>(known_->background[i % channels] - offset_);
       return {};
     }
     const Request request = readingOf(index, first, end);
@@ -447,14 +450,20 @@ class LatticeSource final : public RoundingSource, public PlacedFrames, public V
 
   double rounding() const override { return rounding_; }
 
+  double offset() const override { return offset_; }
+
+  bool takesOffset() const override { return rounded_; }
+
+  void takeOffset(double offset) override { offset_ = offset, rounding_ = 0; }
+
   Status readBricks(int index, int first, int end, Bricks& bricks) override {
     if (!hasBricks_)
       return FrameSource::readBricks(index, first, end, bricks);
     if (known_ && !known_->present[static_cast<std::size_t>(index)]) {
       const auto& background = known_->background;
-      bricks = Bricks(info_.channels,
-                      {static_cast<float>(background[0]), static_cast<float>(background[1]),
-                       static_cast<float>(background[2])});
+      bricks = Bricks(info_.channels, {static_cast<float>(background[0] - offset_),
+                                       static_cast<float>(background[1] - offset_),
+                                       static_cast<float>(background[2] - offset_)});
       return {};
     }
     Request request = readingOf(index, first, end);
@@ -506,6 +515,7 @@ class LatticeSource final : public RoundingSource, public PlacedFrames, public V
     request.box.begin[2] = request.whole.begin[2] + first;
     request.box.end[2] = request.whole.begin[2] + end;
     grid_.copy(request.grid, LatticeFrame::kMaxName);
+    request.less = offset_;
     sample(request);
     return request;
   }
@@ -678,10 +688,10 @@ class LatticeSource final : public RoundingSource, public PlacedFrames, public V
   std::vector<std::array<std::int64_t, 3>> shifts_;
   std::vector<GridMatrix> places_;
   VectorKind vectors_;
-  bool hasBricks_ = false;
+  bool hasBricks_ = false, rounded_ = false;
   std::uint64_t memory_ = 0;  // of the bricks of a frame, about
   VolumeInfo info_;
-  double rounding_ = 0;
+  double rounding_ = 0, offset_ = 0;
 };
 
 /// Answers a collection's name with the files that it names.

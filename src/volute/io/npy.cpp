@@ -101,6 +101,12 @@ class NpySource final : public RoundingSource {
 
   double rounding() const override { return file_.rounding(); }
 
+  double offset() const override { return file_.offset(); }
+
+  bool takesOffset() const override { return header_.type.isRounded(); }
+
+  void takeOffset(double offset) override { file_.takeOffset(offset); }
+
  private:
   NumberFile file_;
   NpyHeader header_;
@@ -137,6 +143,12 @@ class FortranNpySource final : public RoundingSource {
   }
 
   double rounding() const override { return file_.rounding(); }
+
+  double offset() const override { return file_.offset(); }
+
+  bool takesOffset() const override { return header_.type.isRounded(); }
+
+  void takeOffset(double offset) override { file_.takeOffset(offset), first_ = -1; }
 
  private:
   // Lines along time, then along z, y, x and c.
@@ -203,8 +215,12 @@ Result<std::unique_ptr<FrameSource>> openArray(NumberFile file, const std::strin
 /// A file is open while its frame is read.
 class NpySequence final : public RoundingSource {
  public:
-  NpySequence(std::vector<NumberedFile> files, SourceOptions options, VolumeInfo info)
-      : files_(std::move(files)), options_(std::move(options)), info_(std::move(info)) {}
+  /// @param rounded  whether a float may be another number than one of a file
+  NpySequence(std::vector<NumberedFile> files, SourceOptions options, VolumeInfo info, bool rounded)
+      : files_(std::move(files)),
+        options_(std::move(options)),
+        info_(std::move(info)),
+        rounded_(rounded) {}
 
   const VolumeInfo& info() const override { return info_; }
 
@@ -218,7 +234,9 @@ class NpySequence final : public RoundingSource {
                     std::span<float> values) override {
     const auto& path = files_[static_cast<std::size_t>(index)].path;
     VOLUTE_ASSIGN(const auto file, openNpy(path, options_));
-    VOLUTE_TRY(checkSame(file->info(), path));
+    VOLUTE_TRY(checkSame(file->info(), info_, path, files_.front().path));
+    auto& numbers = dynamic_cast<RoundingSource&>(*file);
+    numbers.takeOffset(offset_);
     VOLUTE_TRY(file->readLayers(0, first, end, values));
     rounding_ = std::max(rounding_, roundingOf(*file));
     return {};
@@ -226,25 +244,32 @@ class NpySequence final : public RoundingSource {
 
   double rounding() const override { return rounding_; }
 
+  double offset() const override { return offset_; }
+
+  bool takesOffset() const override { return rounded_; }
+
+  void takeOffset(double offset) override { offset_ = offset, rounding_ = 0; }
+
   /// One frame, and as large as the first file's.
-  Status checkSame(const VolumeInfo& one, const std::filesystem::path& path) const {
-    if (one.frames == 1 && one.x == info_.x && one.y == info_.y && one.z == info_.z &&
-        one.channels == info_.channels)
+  static Status checkSame(const VolumeInfo& one, const VolumeInfo& all,
+                          const std::filesystem::path& path, const std::filesystem::path& first) {
+    if (one.frames == 1 && one.x == all.x && one.y == all.y && one.z == all.z &&
+        one.channels == all.channels)
       return {};
     return fail(
         ErrorCode::kInvalidData,
         "{}: holds {} frame{} of {} x {} x {} voxels with {} channel{}; expected one of {} x {} "
         "x {} with {}, as {} has",
         path.string(), one.frames, one.frames == 1 ? "" : "s", one.x, one.y, one.z, one.channels,
-        one.channels == 1 ? "" : "s", info_.x, info_.y, info_.z, info_.channels,
-        files_.front().path.filename().string());
+        one.channels == 1 ? "" : "s", all.x, all.y, all.z, all.channels, first.filename().string());
   }
 
  private:
   std::vector<NumberedFile> files_;
   SourceOptions options_;
   VolumeInfo info_;
-  double rounding_ = 0;
+  bool rounded_;
+  double rounding_ = 0, offset_ = 0;
 };
 
 }  // namespace
@@ -260,12 +285,13 @@ Result<std::unique_ptr<FrameSource>> openNpySequence(const std::vector<NumberedF
   info.frameScale = files.front().scale;
   info.fillDefaults();
   VOLUTE_TRY(info.validate(files.front().path.string()));
-  auto sequence = std::make_unique<NpySequence>(files, options, info);
+  bool rounded = false;
   for (const NumberedFile& file : files) {
     VOLUTE_ASSIGN(const auto one, openNpy(file.path, options));
-    VOLUTE_TRY(sequence->checkSame(one->info(), file.path));
+    VOLUTE_TRY(NpySequence::checkSame(one->info(), info, file.path, files.front().path));
+    rounded = rounded || dynamic_cast<const RoundingSource&>(*one).takesOffset();
   }
-  return sequence;
+  return std::make_unique<NpySequence>(files, options, info, rounded);
 }
 
 Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
@@ -291,7 +317,7 @@ Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
 }
 
 Result<std::unique_ptr<NpySink>> NpySink::create(const std::filesystem::path& path,
-                                                 const VolumeInfo& info) {
+                                                 const VolumeInfo& info, double offset) {
   VOLUTE_TRY(info.validate(path.string()));
   std::vector<std::uint64_t> shape;
   for (int extent : {info.frames, info.z, info.y, info.x})
@@ -299,15 +325,25 @@ Result<std::unique_ptr<NpySink>> NpySink::create(const std::filesystem::path& pa
   if (info.channels > 1)
     shape.push_back(static_cast<std::uint64_t>(info.channels));
   VOLUTE_ASSIGN(auto file, OutputFile::create(path));
-  const std::string header = makeNpyHeader(shape);
+  const std::string header = makeNpyHeader(shape, offset == 0 ? "<f4" : "<f8");
   VOLUTE_TRY(file.write(std::as_bytes(std::span(header))));
-  return std::unique_ptr<NpySink>(new NpySink(std::move(file), info));
+  return std::unique_ptr<NpySink>(new NpySink(std::move(file), info, offset));
 }
 
 Status NpySink::writeFrame(std::span<const float> values) {
   VOLUTE_ASSERT(values.size() == frameValues_ && written_ < frames_);
   ++written_;
-  return file_.write(std::as_bytes(values));
+  if (offset_ == 0)
+    return file_.write(std::as_bytes(values));
+  constexpr std::size_t kPiece = std::size_t{1} << 16;
+  std::vector<double> numbers;
+  for (std::size_t at = 0; at < values.size(); at += kPiece) {
+    numbers.clear();
+    for (const float value : values.subspan(at, std::min(kPiece, values.size() - at)))
+      numbers.push_back(offset_ + value);
+    VOLUTE_TRY(file_.write(std::as_bytes(std::span(numbers))));
+  }
+  return {};
 }
 
 Status NpySink::finish() {

@@ -27,19 +27,24 @@ namespace volute {
 class NpySink final : public FrameSink {
  public:
   [[nodiscard]] static Result<std::unique_ptr<NpySink>> create(const std::filesystem::path& path,
-                                                               const VolumeInfo& info);
+                                                               const VolumeInfo& info,
+                                                               double offset = 0);
 
   [[nodiscard]] Status writeFrame(std::span<const float> values) override;
   [[nodiscard]] Status finish() override;
 
  private:
-  NpySink(OutputFile file, const VolumeInfo& info)
-      : file_(std::move(file)), frames_(info.frames), frameValues_(info.frameValues()) {}
+  NpySink(OutputFile file, const VolumeInfo& info, double offset)
+      : file_(std::move(file)),
+        frames_(info.frames),
+        frameValues_(info.frameValues()),
+        offset_(offset) {}
 
   OutputFile file_;
   int frames_;
   int written_ = 0;
   std::size_t frameValues_;
+  double offset_;
 };
 
 }  // namespace volute

@@ -191,9 +191,9 @@ Result<NpyHeader> readNpyHeader(std::span<const std::byte> bytes, std::uint64_t 
   return header;
 }
 
-std::string makeNpyHeader(const std::vector<std::uint64_t>& shape) {
+std::string makeNpyHeader(const std::vector<std::uint64_t>& shape, std::string_view code) {
   constexpr std::size_t kAlignment = 64;
-  std::string text = "{'descr': '<f4', 'fortran_order': False, 'shape': (";
+  std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': (", code);
   for (std::size_t i = 0; i < shape.size(); ++i)
     text += fmt::format("{}{}", i == 0 ? "" : ", ", shape[i]);
   text += "), }";

@@ -32,8 +32,8 @@ inline constexpr std::size_t kLongestNpyHeader = 12 + 65535;
 [[nodiscard]] Result<NpyHeader> readNpyHeader(std::span<const std::byte> front, std::uint64_t size,
                                               const std::string& where);
 
-/// The header of a C-ordered float32 array, padded so that the data begin at a multiple of 64
-/// bytes.
-std::string makeNpyHeader(const std::vector<std::uint64_t>& shape);
+/// The header of a C-ordered array of float32, or of `code`, padded so that the data begin at a
+/// multiple of 64 bytes.
+std::string makeNpyHeader(const std::vector<std::uint64_t>& shape, std::string_view code = "<f4");
 
 }  // namespace volute

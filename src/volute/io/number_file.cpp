@@ -28,7 +28,7 @@ Status NumberFile::read(const NumberType& type, std::uint64_t offset, std::span<
     const auto piece = values.subspan(at, std::min(kPiece, values.size() - at));
     VOLUTE_TRY(read(offset + at * size, std::span(bytes_).first(piece.size() * size)));
     const auto beyond =
-        toFloats(type, bytes_.data(), static_cast<std::ptrdiff_t>(size), piece, rounding_);
+        toFloats(type, bytes_.data(), static_cast<std::ptrdiff_t>(size), piece, rounding_, offset_);
     if (beyond) {
       return fail(
           ErrorCode::kInvalidData,

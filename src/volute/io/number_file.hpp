@@ -40,12 +40,17 @@ class NumberFile {
   /// The largest difference between a number and its float, of all read so far.
   double rounding() const { return rounding_; }
 
+  /// From now on floats are of differences from `offset`.
+  void takeOffset(double offset) { offset_ = offset, rounding_ = 0; }
+
+  double offset() const { return offset_; }
+
  private:
   InputFile file_;
   std::uint64_t begin_ = 0, size_ = 0;
   std::vector<std::byte> unpacked_;  // empty: it is in the file
   std::vector<std::byte> bytes_;     // to be converted
-  double rounding_ = 0;
+  double rounding_ = 0, offset_ = 0;
 };
 
 }  // namespace volute

@@ -109,10 +109,21 @@ class RawSource final : public RoundingSource {
 
   double rounding() const override { return rounding_; }
 
+  double offset() const override { return offset_; }
+
+  bool takesOffset() const override { return numbersOf(layout_).isRounded(); }
+
+  void takeOffset(double offset) override {
+    offset_ = offset, rounding_ = 0;
+    if (single_)
+      single_->takeOffset(offset);
+  }
+
  private:
   Status readNumbered(int index, std::uint64_t offset, std::span<float> values) {
     VOLUTE_ASSIGN(auto opened, InputFile::open(files_[static_cast<std::size_t>(index)]));
     NumberFile file(std::move(opened));
+    file.takeOffset(offset_);
     VOLUTE_TRY(file.read(numbersOf(layout_), offset, values));
     rounding_ = std::max(rounding_, file.rounding());
     return {};
@@ -122,7 +133,7 @@ class RawSource final : public RoundingSource {
   std::optional<NumberFile> single_;
   RawLayout layout_;
   VolumeInfo info_;
-  double rounding_ = 0;
+  double rounding_ = 0, offset_ = 0;
 };
 
 Status checkNoGrid(const std::filesystem::path& path, const SourceOptions& options) {

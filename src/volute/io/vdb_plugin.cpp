@@ -570,10 +570,11 @@ std::optional<IndexBox> notedBox(const openvdb::GridBase& grid) {
   return box;
 }
 
-/// Of a number and its float.
+/// Of a number and its float, a difference from `offset`.
 template <class Scalar>
-double roundingOf(const Scalar& number, float value) {
-  const double error = std::abs(static_cast<double>(number) - static_cast<double>(value));
+double roundingOf(const Scalar& number, float value, double offset) {
+  const double error =
+      std::abs(static_cast<double>(number) - (offset + static_cast<double>(value)));
   return std::isfinite(error) ? error : 0;
 }
 
@@ -581,46 +582,52 @@ template <class Value>
 struct Channels {
   static constexpr int kCount = 1;
 
-  static void store(const Value& value, float* to) { *to = static_cast<float>(value); }
+  static void store(const Value& value, float* to, double offset) {
+    *to = static_cast<float>(value - static_cast<Value>(offset));
+  }
 
-  static double rounding(const Value& value, const float* to) { return roundingOf(value, *to); }
+  static double rounding(const Value& value, const float* to, double offset) {
+    return roundingOf(value, *to, offset);
+  }
 };
 
 template <class Scalar>
 struct Channels<openvdb::math::Vec3<Scalar>> {
   static constexpr int kCount = 3;
 
-  static void store(const openvdb::math::Vec3<Scalar>& value, float* to) {
-    for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(value[c]);
+  static void store(const openvdb::math::Vec3<Scalar>& value, float* to, double offset) {
+    for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(value[c] - static_cast<Scalar>(offset));
   }
 
-  static double rounding(const openvdb::math::Vec3<Scalar>& value, const float* to) {
+  static double rounding(const openvdb::math::Vec3<Scalar>& value, const float* to, double offset) {
     double most = 0;
-    for (int c = 0; c < 3; ++c) most = std::max(most, roundingOf(value[c], to[c]));
+    for (int c = 0; c < 3; ++c) most = std::max(most, roundingOf(value[c], to[c], offset));
     return most;
   }
 };
 
 /// What is in the grid, as far as it reaches into `box`: voxels and tiles that are active or not
-/// the background. Inactive voxels that are no numbers are background.
+/// the background. Inactive voxels that are no numbers are background. Values are differences from
+/// `offset`.
 /// @param topology  the same without values; where only `box` was read, tiles across its border are
 /// voxels in `grid`
 template <class Grid>
 Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox& box,
-                double& rounding) {
+                double offset, double& rounding) {
   using Traits = Channels<typename Grid::ValueType>;
   constexpr std::size_t kCount = Traits::kCount;
   using Colour = std::array<float, 3>;
-  const auto colourOf = [](const typename Grid::ValueType& value) {
+  const auto colourOf = [offset](const typename Grid::ValueType& value) {
     Colour colour{};
-    Traits::store(value, colour.data());
+    Traits::store(value, colour.data(), offset);
     return colour;
   };
   const auto finite = [](const Colour& colour) {
     return std::ranges::all_of(colour, [](float value) { return std::isfinite(value); });
   };
   Colour background = colourOf(grid.background());
-  for (float& value : background) value = std::isfinite(value) ? value : 0.0f;
+  for (float& value : background)
+    value = std::isfinite(value) ? value : static_cast<float>(-offset);
   Bricks all(Traits::kCount, background);
   const auto holds = [&](const Colour& colour, bool active) {
     return active || (finite(colour) && colour != background);
@@ -636,7 +643,7 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
     tile.getBoundingBox(part);
     if (!holds(colour, tile.isValueOn()) || !part.hasOverlap(box))
       continue;
-    rounding = std::max(rounding, Traits::rounding(*tile, colour.data()));
+    rounding = std::max(rounding, Traits::rounding(*tile, colour.data(), offset));
     all.addTile({originOf(part.min()), part.max().x() - std::int64_t{part.min().x()} + 1,
                  tile.isValueOn(), colour});
   }
@@ -667,7 +674,7 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
       if ((leaf.valued[z] >> bit & 1) == 0)
         return;
       const Colour colour = colourOf(values[n]);
-      rounding = std::max(rounding, Traits::rounding(values[n], colour.data()));
+      rounding = std::max(rounding, Traits::rounding(values[n], colour.data(), offset));
       for (std::size_t c = 0; c < kCount; ++c) to[c * Bricks::kVoxels + 64 * z + bit] = colour[c];
     });
   }
@@ -675,14 +682,18 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
   return all;
 }
 
+bool hasDoubles(const openvdb::GridBase& grid) {
+  return grid.isType<openvdb::DoubleGrid>() || grid.isType<openvdb::Vec3DGrid>();
+}
+
 /// Nothing where the grid is of a type that is no volume.
 std::optional<Bricks> bricksOfGrid(const openvdb::GridBase& grid, const openvdb::GridBase& topology,
-                                   const openvdb::CoordBBox& box, double& rounding) {
+                                   const openvdb::CoordBBox& box, double offset, double& rounding) {
   std::optional<Bricks> bricks;
   const auto take = [&]<class Grid>() {
     if (!bricks && grid.isType<Grid>() && topology.isType<Grid>())
       bricks = bricksOf(static_cast<const Grid&>(grid), static_cast<const Grid&>(topology), box,
-                        rounding);
+                        offset, rounding);
   };
   take.template operator()<openvdb::FloatGrid>();
   take.template operator()<openvdb::DoubleGrid>();
@@ -833,11 +844,16 @@ template <class Grid>
 bool addBackground(const openvdb::GridBase& base, GridTraits& traits) {
   if (!base.isType<Grid>())
     return false;
-  float background[3] = {};
-  Channels<typename Grid::ValueType>::store(static_cast<const Grid&>(base).background(),
-                                            background);
-  for (std::size_t c = 0; c < 3; ++c)
-    traits.background[c] = std::isfinite(background[c]) ? background[c] : 0;
+  const auto& background = static_cast<const Grid&>(base).background();
+  constexpr std::size_t kCount = Channels<typename Grid::ValueType>::kCount;
+  for (std::size_t c = 0; c < kCount; ++c) {
+    double number = 0;
+    if constexpr (kCount == 1)
+      number = background;
+    else
+      number = background[static_cast<int>(c)];
+    traits.background[c] = std::isfinite(number) ? number : 0;
+  }
   return true;
 }
 
@@ -896,6 +912,7 @@ Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
          addBackground<openvdb::Vec3DGrid>(*tree, traits));
   traits.voxels = tree->activeVoxelCount();
   result.frame.bricks = true;
+  result.frame.rounded = hasDoubles(grid);
   result.frame.memory = brickBytes(tree->baseTree().leafCount(), result.frame.channels);
   const auto memory =
       grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_MEM_BYTES);
@@ -938,6 +955,7 @@ class VdbReader final : public LatticeReader {
       frame.up = upAxisOf(file.metadata());
       frame.levelSet = entries[index].type == kLevelSet;
       frame.bricks = true;
+      frame.rounded = hasDoubles(grid);
       if (sampled)
         return frame;
       frame.memory = notedBrickBytes(grid);
@@ -1031,7 +1049,8 @@ class VdbReader final : public LatticeReader {
       };
       if (frusta_ && isFrustum(file.grid(index))) {
         const auto grid = file.readTree(index);
-        const auto bricks = bricksOfGrid(*grid, *grid, openvdb::CoordBBox::inf(), rounding);
+        const auto bricks =
+            bricksOfGrid(*grid, *grid, openvdb::CoordBBox::inf(), offset_, rounding);
         if (!bricks)
           return changedType(path, wanted);
         // The process has a limit of its own.
@@ -1051,12 +1070,14 @@ class VdbReader final : public LatticeReader {
             "damaged",
             path.string(), wanted);
       }
-      auto bricks = bricksOfGrid(*grid, *topology, part, rounding);
+      auto bricks = bricksOfGrid(*grid, *topology, part, offset_, rounding);
       if (!bricks)
         return changedType(path, wanted);
       return *std::move(bricks);
     });
   }
+
+  void takeOffset(double offset) override { offset_ = offset; }
 
   void sampleFrusta(const FrustumSampling* how) override {
     frusta_ = how ? std::optional(*how) : std::nullopt;
@@ -1069,19 +1090,24 @@ class VdbReader final : public LatticeReader {
   }
 
   std::optional<FrustumSampling> frusta_;
+  double offset_ = 0;
 };
 
 /// Puts what is in a frame into an empty grid, as it was.
 /// @param begin  index of the volume's first voxel
+/// @param offset  what values are differences from
 template <class Grid>
-void putBricks(const Bricks& bricks, const std::array<int, 3>& begin, Grid& grid) {
+void putBricks(const Bricks& bricks, const std::array<int, 3>& begin, double offset, Grid& grid) {
   using Value = typename Grid::ValueType;
   using Leaf = typename Grid::TreeType::LeafNodeType;
-  const auto valueOf = [](const float* from, std::size_t stride) {
+  const auto valueOf = [offset](const float* from, std::size_t stride) {
+    const auto number = [offset](float value) {
+      return static_cast<typename openvdb::VecTraits<Value>::ElementType>(offset + value);
+    };
     if constexpr (Channels<Value>::kCount == 3) {
-      return Value(from[0], from[stride], from[2 * stride]);
+      return Value(number(from[0]), number(from[stride]), number(from[2 * stride]));
     } else {
-      return static_cast<Value>(*from);
+      return number(*from);
     }
   };
   const auto coordOf = [&](const VoxelIndex& at) {
@@ -1126,16 +1152,26 @@ void putBricks(const Bricks& bricks, const std::array<int, 3>& begin, Grid& grid
   }
 }
 
+/// A grid that is empty but for its background.
 template <class Grid>
-openvdb::GridBase::Ptr makeGrid(const Bricks& bricks) {
+typename Grid::Ptr gridOver(const GridDescription& description) {
   using Value = typename Grid::ValueType;
-  const auto& b = bricks.background();
-  typename Grid::Ptr grid;
-  if constexpr (Channels<Value>::kCount == 3)
-    grid = emptyGrid<Grid>(Value(b[0], b[1], b[2]));
-  else
-    grid = emptyGrid<Grid>(static_cast<Value>(b[0]));
-  putBricks(bricks, {0, 0, 0}, *grid);
+  const auto& b = description.background;
+  if constexpr (Channels<Value>::kCount == 3) {
+    using Scalar = typename Value::ValueType;
+    return emptyGrid<Grid>(
+        Value(static_cast<Scalar>(b[0]), static_cast<Scalar>(b[1]), static_cast<Scalar>(b[2])));
+  } else {
+    return emptyGrid<Grid>(static_cast<Value>(b[0]));
+  }
+}
+
+template <class Grid>
+openvdb::GridBase::Ptr makeGrid(const Bricks& bricks, double offset) {
+  GridDescription description;
+  for (std::size_t c = 0; c < 3; ++c) description.background[c] = offset + bricks.background()[c];
+  const auto grid = gridOver<Grid>(description);
+  putBricks(bricks, {0, 0, 0}, offset, *grid);
   return grid;
 }
 
@@ -1155,24 +1191,10 @@ openvdb::math::Transform::Ptr makeTransform(const VolumeInfo& info) {
 
 using Index3 = std::array<int, 3>;
 
-/// A grid that is empty but for its background.
-template <class Grid>
-typename Grid::Ptr gridOver(const GridDescription& description) {
-  using Value = typename Grid::ValueType;
-  const auto& b = description.background;
-  if constexpr (Channels<Value>::kCount == 3) {
-    using Scalar = typename Value::ValueType;
-    return emptyGrid<Grid>(
-        Value(static_cast<Scalar>(b[0]), static_cast<Scalar>(b[1]), static_cast<Scalar>(b[2])));
-  } else {
-    return emptyGrid<Grid>(static_cast<Value>(b[0]));
-  }
-}
-
 template <class Grid>
 openvdb::GridBase::Ptr makeCacheGrid(const GridFrame& frame, const Index3& begin) {
   const auto grid = gridOver<Grid>(*frame.description);
-  putBricks(*frame.bricks, begin, *grid);
+  putBricks(*frame.bricks, begin, frame.offset, *grid);
   return grid;
 }
 
@@ -1291,7 +1313,9 @@ class VdbWriter final : public LatticeWriter {
 
   Status write(const std::filesystem::path& temporary, const std::filesystem::path& target,
                const VolumeInfo& info, int frame, std::span<const float> values) override {
-    return writeBricks(temporary, target, info, frame, Bricks::fromDense(info, values));
+    std::array<float, 3> zero{};
+    zero.fill(static_cast<float>(-options_.offset));
+    return writeBricks(temporary, target, info, frame, Bricks::fromDense(info, values, zero));
   }
 
   bool takesBricks() const override { return true; }
@@ -1299,8 +1323,12 @@ class VdbWriter final : public LatticeWriter {
   Status writeBricks(const std::filesystem::path& temporary, const std::filesystem::path& target,
                      const VolumeInfo& info, int frame, const Bricks& bricks) override {
     return written(temporary, target, [&](std::ofstream& stream) -> Status {
-      const auto grid = info.channels == 3 ? makeGrid<openvdb::Vec3SGrid>(bricks)
-                                           : makeGrid<openvdb::FloatGrid>(bricks);
+      const double offset = options_.offset;
+      const bool doubles = offset != 0, vectors = info.channels == 3;
+      const auto grid = vectors   ? doubles ? makeGrid<openvdb::Vec3DGrid>(bricks, offset)
+                                            : makeGrid<openvdb::Vec3SGrid>(bricks, offset)
+                          : doubles ? makeGrid<openvdb::DoubleGrid>(bricks, offset)
+                                  : makeGrid<openvdb::FloatGrid>(bricks, offset);
       grid->setName(info.name);
       // OpenVDB does not zip fog volumes.
       grid->setGridClass(options_.zip ? openvdb::GRID_UNKNOWN : openvdb::GRID_FOG_VOLUME);

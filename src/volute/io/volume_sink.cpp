@@ -49,7 +49,7 @@ Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& outpu
                                               const VolumeInfo& info, const SinkOptions& options) {
   const std::string extension = extensionOf(output);
   if (extension == ".npy" || output == "-")
-    return NpySink::create(output, info);
+    return NpySink::create(output, info, options.offset);
   const bool vdb = isVdbPath(output);
   if (!vdb && extension != ".vti" && extension != ".pvd") {
     return failFor(
@@ -59,7 +59,8 @@ Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& outpu
         extension == ".volute" ? "; volute compress writes .volute files" : "");
   }
   VOLUTE_ASSIGN(const LatticePlugin* plugin, vdb ? loadVdbWriter() : loadVtkPlugin());
-  return createLatticeSink(output, info, plugin->makeWriter({.half = options.half}));
+  return createLatticeSink(output, info,
+                           plugin->makeWriter({.half = options.half, .offset = options.offset}));
 }
 
 Result<std::unique_ptr<CacheSink>> createCacheSink(const std::filesystem::path& output,

@@ -19,6 +19,7 @@ namespace volute {
 /// How to write a volume.
 struct SinkOptions {
   bool half = false;      ///< OpenVDB: store values as 16-bit floats
+  double offset = 0;      ///< values are differences from it, and numbers are written as float64
   bool orVolute = false;  ///< the caller writes .volute files: an error names them too
 };
 
@@ -35,6 +36,7 @@ struct SinkOptions {
 struct GridTarget {
   VolumeInfo info;              ///< x is 0 for an empty grid
   GridDescription description;  ///< of the frames in `info`, and of its first voxel
+  double offset = 0;            ///< values are differences from it
 };
 
 /// One that goes into the files as its bytes.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "volute/base/file_name.hpp"
+#include "volute/grid/rounding_source.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/grid_cache.hpp"
 #include "volute/io/lattice_source.hpp"
@@ -105,8 +106,10 @@ Result<std::string> volumesIn(const std::filesystem::path& folder) {
   return npy ? ".npy" : ".vdb";
 }
 
-Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& input,
-                                                const SourceOptions& options) {
+namespace {
+
+Result<std::unique_ptr<FrameSource>> openAny(const std::filesystem::path& input,
+                                             const SourceOptions& options) {
   const std::string extension = extensionOf(input);
   std::error_code error;
   if (options.raw) {
@@ -141,6 +144,16 @@ Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& inp
   }
   VOLUTE_ASSIGN(auto files, listLatticeFiles(input));
   return openLatticeSource(std::move(files), vdb ? loadVdbPlugin : loadVtkPlugin, options);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& input,
+                                                const SourceOptions& options) {
+  VOLUTE_ASSIGN(auto source, openAny(input, options));
+  if (options.mayOffset)
+    VOLUTE_TRY(settleOffset(*source));
+  return source;
 }
 
 }  // namespace volute

@@ -37,8 +37,9 @@ struct SourceOptions {
   bool byLayers = false;              ///< a frame may take more: the caller reads it by layers
   std::optional<RawLayout> raw{};     ///< layout of files without a header
   std::string usualGrid = "density";  ///< default grid of several
-  std::optional<FrustumSampling> frusta{};      ///< how they are read; else they are refused
-  bool upStated = false;                        ///< whatever files say of their up axes
+  std::optional<FrustumSampling> frusta{};  ///< how they are read; else they are refused
+  bool upStated = false;                    ///< whatever files say of their up axes
+  bool mayOffset = false;  ///< values far from zero are read as differences: offsetOf() the source
   std::function<void(const Remark&)> remark{};  ///< receives remarks on chosen and ignored grids
 };
 

@@ -38,6 +38,7 @@ namespace {
 struct ArrayEntry {
   bool cells = false;
   int components = 0;
+  int type = VTK_FLOAT;
 };
 
 struct Arrays {
@@ -57,7 +58,8 @@ void listArrays(vtkInformation* information, bool cells, Arrays& arrays) {
     const auto what = components == 1 ? "scalar" : fmt::format("vector of {}", components);
     arrays.names.push_back({name, fmt::format("{}, of {}", what, cells ? "cells" : "points"),
                             components == 1 || components == 3});
-    arrays.entries.push_back({cells, components});
+    const auto type = vtkDataObject::FIELD_ARRAY_TYPE();
+    arrays.entries.push_back({cells, components, field->Has(type) ? field->Get(type) : VTK_FLOAT});
   }
 }
 
@@ -79,6 +81,7 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
   otherGrids(arrays.names, index, LatticeFrame::kMaxName)
       .copy(frame.others, LatticeFrame::kMaxName);
   frame.channels = entry.components;
+  frame.rounded = entry.type != VTK_FLOAT && vtkDataArray::GetDataTypeSize(entry.type) >= 4;
   const int* extent = information->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
   const double* spacing = information->Get(vtkDataObject::SPACING());
   const double* origin = information->Get(vtkDataObject::ORIGIN());
@@ -151,7 +154,7 @@ std::optional<NumberType> numbersOf(vtkDataArray* array) {
 /// The part of the file's `values` over `from` that lies in `to`, into the dense array; 0
 /// elsewhere.
 Status copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
-                std::span<float> values, double& rounding, const std::string& file) {
+                std::span<float> values, double offset, double& rounding, const std::string& file) {
   const int channels = array->GetNumberOfComponents();
   const auto numbers = numbersOf(array);
   IndexBox part;
@@ -159,18 +162,18 @@ Status copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
     part.begin[axis] = std::max(from.begin[axis], to.begin[axis]);
     part.end[axis] = std::min(from.end[axis], to.end[axis]);
   }
-  std::ranges::fill(values, 0.0f);
+  std::ranges::fill(values, static_cast<float>(-offset));
   if (part.empty())
     return {};
-  const auto offset = [](const IndexBox& box, std::int64_t x, std::int64_t y, std::int64_t z) {
+  const auto placeIn = [](const IndexBox& box, std::int64_t x, std::int64_t y, std::int64_t z) {
     return ((z - box.begin[2]) * box.size(1) + (y - box.begin[1])) * box.size(0) +
            (x - box.begin[0]);
   };
   for (auto z = part.begin[2]; z < part.end[2]; ++z) {
     for (auto y = part.begin[1]; y < part.end[1]; ++y) {
-      const std::int64_t source = offset(from, part.begin[0], y, z);
+      const std::int64_t source = placeIn(from, part.begin[0], y, z);
       const auto row =
-          values.subspan(static_cast<std::size_t>(offset(to, part.begin[0], y, z) * channels),
+          values.subspan(static_cast<std::size_t>(placeIn(to, part.begin[0], y, z) * channels),
                          static_cast<std::size_t>(part.size(0) * channels));
       std::vector<double> doubles;
       for (std::int64_t i = 0; !numbers && i < part.size(0); ++i) {
@@ -180,7 +183,7 @@ Status copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
           NumberType{NumberKind::kFloat64, std::endian::native == std::endian::big});
       const void* begin = numbers ? array->GetVoidPointer(source * channels) : doubles.data();
       const auto beyond = toFloats(type, static_cast<const std::byte*>(begin),
-                                   static_cast<std::ptrdiff_t>(type.size()), row, rounding);
+                                   static_cast<std::ptrdiff_t>(type.size()), row, rounding, offset);
       if (beyond) {
         return fail(ErrorCode::kInvalidData,
                     "{}: the value {:g} is beyond float32, in which values are kept; expected at "
@@ -243,7 +246,7 @@ class VtkReader final : public LatticeReader {
     part.begin[2] = std::max(part.begin[2], box.begin[2]);
     part.end[2] = std::min(part.end[2], box.end[2]);
     if (part.empty()) {
-      std::ranges::fill(values, 0.0f);
+      std::ranges::fill(values, static_cast<float>(-offset_));
       return {};
     }
     int extent[6];
@@ -265,19 +268,34 @@ class VtkReader final : public LatticeReader {
                   "{}: array '{}' does not have a value for each voxel; the file is damaged", file,
                   frame.grid);
     }
-    return copyPart(array, part, box, values, rounding, file);
+    return copyPart(array, part, box, values, offset_, rounding, file);
   }
+
+  void takeOffset(double offset) override { offset_ = offset; }
+
+ private:
+  double offset_ = 0;
 };
 
 class VtkWriter final : public LatticeWriter {
  public:
+  explicit VtkWriter(double offset) : offset_(offset) {}
+
   Status write(const std::filesystem::path& temporary, const std::filesystem::path& target,
                const VolumeInfo& info, int frame, std::span<const float> values) override {
-    vtkNew<vtkFloatArray> array;
+    vtkNew<vtkFloatArray> floats;
+    vtkNew<vtkDoubleArray> doubles;
+    vtkDataArray* const array = offset_ == 0 ? static_cast<vtkDataArray*>(floats) : doubles;
     array->SetName(escapedXml(info.name).c_str());  // VTK writes it as it is
     array->SetNumberOfComponents(info.channels);
-    array->SetArray(const_cast<float*>(values.data()), static_cast<vtkIdType>(values.size()),
-                    /*save=*/1);
+    if (offset_ == 0) {
+      floats->SetArray(const_cast<float*>(values.data()), static_cast<vtkIdType>(values.size()),
+                       /*save=*/1);
+    } else {
+      doubles->SetNumberOfValues(static_cast<vtkIdType>(values.size()));
+      std::ranges::transform(values, doubles->GetPointer(0),
+                             [this](float value) { return offset_ + value; });
+    }
     vtkNew<vtkImageData> image;
     const Vec3 size = info.voxelSize();
     image->SetDimensions(info.x + 1, info.y + 1, info.z + 1);
@@ -304,6 +322,9 @@ class VtkWriter final : public LatticeWriter {
                     ? vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode())
                     : "VTK refused");
   }
+
+ private:
+  double offset_;
 };
 
 Result<std::vector<TimedFile>> readPvd(const std::filesystem::path& path) {
@@ -351,8 +372,8 @@ extern "C" const volute::LatticePlugin* voluteVtkPlugin() {
   using namespace volute;
   static constexpr LatticePlugin kPlugin{
       []() -> std::unique_ptr<LatticeReader> { return std::make_unique<VtkReader>(); },
-      [](const LatticeWriterOptions&) -> std::unique_ptr<LatticeWriter> {
-        return std::make_unique<VtkWriter>();
+      [](const LatticeWriterOptions& options) -> std::unique_ptr<LatticeWriter> {
+        return std::make_unique<VtkWriter>(options.offset);
       },
       readPvd};
   return &kPlugin;

@@ -63,6 +63,7 @@ Status runCompress(const Arguments& arguments, Context& context) {
   input.bounds = arguments.find<Box3>("bounds");
   input.partial = arguments.flag("partial");
   input.byLayers = true;
+  input.mayOffset = true;
   VOLUTE_ASSIGN(input.raw, rawLayout(arguments));
   GridCompression how;
   how.frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
@@ -122,7 +123,7 @@ Command compressCommand() {
           "descriptions, each with an error relative to its own range, and those that hold no "
           "volume without loss; --size and --ratio are for "
           "the whole file. The error reported is measured on the written data. Values become "
-          "float32: the "
+          "float32, and those far from zero differences from a number in their middle: the "
           "rounding of float64 and of large integers counts in the errors, and a target finer than "
           "that is refused. NaN and infinities are refused, with grid, frame and voxel; --keep "
           "and "

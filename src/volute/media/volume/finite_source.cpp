@@ -69,6 +69,8 @@ class FiniteSource final : public RoundingSource {
 
   double rounding() const override { return roundingOf(*source_); }
 
+  double offset() const override { return offsetOf(*source_); }
+
   Status readBricks(int index, int first, int end, Bricks& bricks) override {
     VOLUTE_TRY(source_->readBricks(index, first, end, bricks));
     const auto bad = notFiniteIn(bricks);
@@ -109,6 +111,7 @@ class FiniteSource final : public RoundingSource {
       return refuse(index, {voxel % x, voxel / x % y, voxel / x / y + first}, *bad);
     }
     std::array<float, 3> background{};
+    background.fill(static_cast<float>(-offset()));
     if (source_->hasTopology()) {
       Bricks bricks;
       VOLUTE_TRY(source_->readBricks(index, 0, 1, bricks));

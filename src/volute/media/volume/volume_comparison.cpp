@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/grid/fitted_source.hpp"
+#include "volute/grid/rounding_source.hpp"
 #include "volute/media/volume/volume_grids.hpp"
 
 namespace volute {
@@ -38,12 +39,13 @@ Result<Image> errorsOfFrame(FrameSource& a, FrameSource& b, int frame, std::uint
   std::vector<float> first(info.frameValues()), second(info.frameValues());
   VOLUTE_TRY(a.readFrame(frame, first));
   VOLUTE_TRY(b.readFrame(frame, second));
+  const double apart = offsetOf(a) - offsetOf(b);
   Image errors(info.x, info.z, 1);
   for (std::size_t i = 0; i < first.size(); ++i) {
     const std::size_t voxel = i / static_cast<std::size_t>(info.channels);
     const int x = static_cast<int>(voxel % info.x), z = static_cast<int>(voxel / info.x / info.y);
     float& error = errors.at(x, info.z - 1 - z);
-    error = std::max(error, std::abs(first[i] - second[i]));
+    error = std::max(error, static_cast<float>(std::abs(apart + first[i] - second[i])));
   }
   return errors;
 }
@@ -273,6 +275,7 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
                                         const ComparisonRequest& request, Reading& reading) {
   InputOptions options;
   options.partial = request.partial;
+  options.mayOffset = true;
   options.bounds = request.bounds;
   if (VolumeGrids::mayBe(a) && VolumeGrids::mayBe(b) && !options.bounds) {
     VOLUTE_ASSIGN(const auto first, VolumeGrids::open(a, options, reading));

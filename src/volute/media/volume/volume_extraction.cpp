@@ -147,7 +147,11 @@ Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std:
       all.readers.push_back(nullptr);
       continue;
     }
-    VOLUTE_ASSIGN(auto reader, openVolute(path, partial, reading, true, name));
+    VOLUTE_ASSIGN(auto reader,
+                  openVolute(path, partial, reading, true, name, extraction.level == 0));
+    target.offset = reader->offset();
+    if (target.offset != 0)
+      target.description.type = grid->info.channels == 3 ? "vec3d" : "double";
     Extraction own = extraction;
     own.region = {{0, 0, 0}, {grid->info.x, grid->info.y, grid->info.z}};
     own.bricks = true;
@@ -304,7 +308,8 @@ Result<Extraction> Extractor::extractionOf(const VolumeInfo& info) const {
 }
 
 Status Extractor::one(const std::string& grid, const std::string& target) {
-  VOLUTE_ASSIGN(auto reader, openVolute(path_, request_.partial, reading_, true, grid));
+  VOLUTE_ASSIGN(auto reader,
+                openVolute(path_, request_.partial, reading_, true, grid, request_.level == 0));
   VOLUTE_ASSIGN(auto extraction, extractionOf(reader->info()));
   const std::vector<int> positions = extraction.positions;
   if (const auto& description = reader->grid().description;
@@ -335,7 +340,7 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
   std::vector<std::unique_ptr<FrameSource>> sources;
   sources.push_back(std::move(source));
   const MakeSink make = [&]() -> Result<std::unique_ptr<CacheSink>> {
-    VOLUTE_ASSIGN(auto sink, createSink(target, info));
+    VOLUTE_ASSIGN(auto sink, createSink(target, info, {.offset = reader->offset()}));
     return std::make_unique<OneGridSink>(std::move(sink), info);
   };
   VOLUTE_TRY(extractFrames(sources, positions, make, reading_, team_));

@@ -95,13 +95,15 @@ Result<std::unique_ptr<VolumeGrids>> VolumeGrids::open(const std::string& path,
   if (isVolutePath(path)) {
     VOLUTE_ASSIGN(const auto reader, openVolute(path, options.partial, reading, options.verify));
     return std::make_unique<VoluteGrids>(
-        path, VoluteReader::Options{options.partial, reading.maxMemory, {}}, reader);
+        path, VoluteReader::Options{options.partial, reading.maxMemory, {}, options.mayOffset},
+        reader);
   }
   SourceOptions source;
   source.bounds = options.bounds;
   source.maxMemory = reading.maxMemory;
   source.byLayers = options.byLayers;
   source.upStated = options.stated.up != 0;
+  source.mayOffset = options.mayOffset;
   // A grid may be read several times.
   source.remark = [&progress = reading.progress,
                    said = std::make_shared<std::set<std::string>>()](const Remark& remark) {

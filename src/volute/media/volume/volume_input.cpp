@@ -45,11 +45,12 @@ std::string integrityText(const Integrity& integrity, const VoluteReader& reader
 
 Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path, bool partial,
                                                        Reading& reading, bool verify,
-                                                       const std::string& grid) {
+                                                       const std::string& grid, bool differences) {
   VoluteReader::Options options;
   options.partial = partial;
   options.maxMemory = reading.maxMemory;
   options.grid = grid;
+  options.differences = differences;
   VOLUTE_ASSIGN(auto opened, VoluteReader::open(path, options));
   auto reader = std::make_shared<const VoluteReader>(std::move(opened));
   if (partial && verify) {
@@ -68,8 +69,8 @@ namespace {
 Result<std::shared_ptr<const VoluteReader>> openGrid(const std::string& path,
                                                      const InputOptions& options,
                                                      Reading& reading) {
-  VOLUTE_ASSIGN(auto reader,
-                openVolute(path, options.partial, reading, options.verify, options.grid));
+  VOLUTE_ASSIGN(auto reader, openVolute(path, options.partial, reading, options.verify,
+                                        options.grid, options.mayOffset));
   const auto& grids = reader->grids();
   if (!options.grid.empty() || grids.size() < 2)
     return reader;
@@ -77,8 +78,8 @@ Result<std::shared_ptr<const VoluteReader>> openGrid(const std::string& path,
     return grid.info.name == options.usualGrid && !grid.empty;
   });
   if (usual != grids.end() && reader->info().name != options.usualGrid) {
-    VOLUTE_ASSIGN(reader,
-                  openVolute(path, options.partial, reading, options.verify, options.usualGrid));
+    VOLUTE_ASSIGN(reader, openVolute(path, options.partial, reading, options.verify,
+                                     options.usualGrid, options.mayOffset));
   }
   std::string others;
   for (const VoluteGrid& grid : reader->grids()) {
@@ -146,6 +147,7 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
   source.upStated = options.stated.up != 0;
   source.raw = options.raw;
   source.frusta = options.frusta;
+  source.mayOffset = options.mayOffset;
   source.remark = [&](const Remark& remark) { reading.progress.remark(remark); };
   VOLUTE_ASSIGN(input.source, openSource(path, source));
   if (const auto* placed = dynamic_cast<const PlacedFrames*>(input.source.get()))

@@ -31,6 +31,7 @@ struct InputOptions {
   StatedInfo stated{};
   std::optional<FrustumSampling> frusta{};  ///< SourceOptions::frusta
   NotFinite notFinite = NotFinite::kKeep;
+  bool mayOffset = false;  ///< values far from zero are read as differences: offsetOf() the source
 };
 
 /// An open volume of any format.
@@ -51,12 +52,13 @@ struct VolumeInput {
 [[nodiscard]] Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
                                              Reading& reading);
 
-/// A .volute file alone, for one of its grids: VoluteReader::Options::grid. With `partial` and
-/// `verify` says in a remark what is missing of it.
+/// A .volute file alone, for one of its grids: VoluteReader::Options, `grid` and `differences`.
+/// With `partial` and `verify` says in a remark what is missing of it.
 [[nodiscard]] Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path,
                                                                      bool partial, Reading& reading,
                                                                      bool verify = true,
-                                                                     const std::string& grid = {});
+                                                                     const std::string& grid = {},
+                                                                     bool differences = false);
 
 /// "complete", or what is wrong and how much is there.
 std::string integrityText(const Integrity& integrity, const VoluteReader& reader);

@@ -79,6 +79,8 @@ void addHeader(Report& report, const VoluteReader& reader, std::uint64_t bytes) 
   report.add("ratio", jsonNumber(ratio), fmt::format("{:.4g}", ratio))
       .add("minimum", header.valueMin)
       .add("maximum", header.valueMax)
+      .add("offset", header.offset,
+           header.offset == 0 ? "" : fmt::format("{} is added to what is stored", header.offset))
       .add("asked", {{"kind", header.targetKind}, {"value", jsonNumber(header.targetValue)}},
            fmt::format("{} {:.6g}", header.targetKind, header.targetValue))
       .add("relative_rms", header.reachedRms);
