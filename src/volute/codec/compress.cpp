@@ -173,6 +173,8 @@ class Compressor {
 
   Result<CompressReport> run();
 
+  void setLook(const std::optional<LookFigures>& look) { head_.look = look; }
+
  private:
   struct LayerMoments {
     std::uint64_t layer = 0;
@@ -1274,7 +1276,16 @@ Result<CompressReport> compress(FrameSource& source, const std::filesystem::path
   VOLUTE_TRY(source.info().validate("the input"));
   VOLUTE_ASSIGN(const int layers, layersAUnit(source, options, team));
   VOLUTE_TRY(checkSameInput(source.info(), team));
+  std::optional<LookFigures> look;
+  const auto measure = [&]() -> Status {
+    VOLUTE_ASSIGN(look, lookFigures(source));
+    return {};
+  };
+  // Colours are light, distances no amount of anything.
+  if (source.info().channels == 1 && !source.info().levelSet)
+    VOLUTE_TRY(team.agree(team.leads() ? measure() : Status()));
   Compressor compressor(source, target, options, layers, progress, team);
+  compressor.setLook(look);
   VOLUTE_ASSIGN(CompressReport report, compressor.run());
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;

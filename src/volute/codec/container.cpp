@@ -109,6 +109,23 @@ std::vector<std::byte> writeInfoChunk(const FileHead& head) {
   return pack({out.view()});
 }
 
+std::vector<std::byte> writeLookChunk(const LookFigures& look) {
+  ByteWriter out;
+  for (const double value : {look.least, look.most, look.column}) out.f64(value);
+  return out.take();
+}
+
+// Where it makes no sense there is none.
+std::optional<LookFigures> readLookChunk(std::span<const std::byte> content) {
+  ByteReader in(content);
+  LookFigures look;
+  for (double* value : {&look.least, &look.most, &look.column}) *value = in.f64();
+  const bool sound = in.ok() && std::isfinite(look.least) && std::isfinite(look.most) &&
+                     std::isfinite(look.column) && look.least <= 0 && look.most >= 0 &&
+                     look.column >= 0 && (look.most > 0) == (look.column > 0);
+  return sound ? std::optional(look) : std::nullopt;
+}
+
 // What the parts do not have in common.
 std::vector<std::byte> writePartsChunk(const FileHead& head) {
   ByteWriter out;
@@ -217,7 +234,7 @@ Status checkSizes(const InputFile& file, const FileHead& head, std::uint64_t bud
 
 // Those of one grid.
 struct Chunks {
-  std::span<const std::byte> info, parts, index;  // parts may be empty
+  std::span<const std::byte> info, parts, index, look;  // parts and look may be empty
 };
 
 struct AllChunks {
@@ -249,7 +266,8 @@ Result<AllChunks> readChunks(std::span<const std::byte> bytes, const std::string
                   "{}: is damaged: the checksum of the chunk at byte {} is wrong", path, at);
     }
     const bool table = name == "GRDS", kept = name == "KEEP";
-    const bool known = table || kept || name == "INFO" || name == "PART" || name == "INDX";
+    const bool look = name == "LOOK";
+    const bool known = table || kept || look || name == "INFO" || name == "PART" || name == "INDX";
     if (!known && flags != kSkippable) {
       return fail(ErrorCode::kUnsupported,
                   "{}: has a part at byte {} that this program does not know and may not skip; a "
@@ -265,11 +283,12 @@ Result<AllChunks> readChunks(std::span<const std::byte> bytes, const std::string
     Chunks& grid = all.grids.empty() ? none : all.grids.back();
     std::span<const std::byte>& place = table            ? all.table
                                         : kept           ? all.kept
+                                        : look           ? grid.look
                                         : name == "INFO" ? grid.info
                                         : name == "PART" ? grid.parts
                                                          : grid.index;
     const bool late = table ? !all.grids.empty() : all.grids.empty();
-    if ((flags != 0 && !((table || kept) && flags == kSkippable)) || !place.empty() ||
+    if ((flags != 0 && !((table || kept || look) && flags == kSkippable)) || !place.empty() ||
         payload.empty() || late) {
       return fail(ErrorCode::kInvalidData, "{}: the chunk at byte {} is impossible there", path,
                   at);
@@ -622,6 +641,7 @@ Status readGrids(GridTable& table, const AllChunks& chunks, std::size_t wanted,
       continue;
     }
     FileHead one = prologue;
+    grid.look = readLookChunk(chunk->look);
     VOLUTE_ASSIGN(const auto content, unpackChunk((chunk++)->info, budget / 32, path, "INFO"));
     VOLUTE_TRY(readInfoChunk(content, path, one));
     held += 16 * static_cast<std::uint64_t>(one.info.frames) + one.parameters.size();
@@ -717,6 +737,8 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
     if (!head.parts.empty())
       writeChunk(chunks, "PART", writePartsChunk(head));
     writeChunk(chunks, "INDX", paged ? pages[i].chunk : writeIndexChunk(head));
+    if (head.look)
+      writeChunk(chunks, "LOOK", writeLookChunk(*head.look), kSkippable);
   }
   KeptTable& kept = heads.front().kept;
   if (!kept.grids.empty())
@@ -803,7 +825,8 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
                           head.header,
                           {},
                           false,
-                          head.fileBytes - head.headBytes - head.kept.storedBytes()});
+                          head.fileBytes - head.headBytes - head.kept.storedBytes(),
+                          readLookChunk(chunks.grids[0].look)});
   } else {
     VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.table, budget / 64, path, "GRDS"));
     auto table = readGridTable(content, paged);
@@ -826,6 +849,7 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
     VOLUTE_TRY(readGrids(*table, chunks, wanted, budget, path, head));
   }
   VOLUTE_TRY(checkFrames(head, path));
+  head.look = head.grids[head.grid].look;
   const Chunks& own = chunks.grids[stream];
   if (!own.parts.empty()) {
     VOLUTE_ASSIGN(const auto content, unpackChunk(own.parts, budget / 32, path, "PART"));

@@ -45,7 +45,8 @@ struct FileHead {
   std::vector<std::int64_t> means{};  ///< as PageContent has them, of `blocks`
   FrameTiles tiles{};                 ///< empty, or of each frame
   PageTable pages{};                  ///< of codec 3: where the three above are
-  std::uint64_t headBytes = 0;        ///< up to the pages, or the segments where there are none
+  std::optional<LookFigures> look{};
+  std::uint64_t headBytes = 0;  ///< up to the pages, or the segments where there are none
   std::uint64_t fileBytes = 0;
   int requests = 0;             ///< in which the head was read
   std::uint64_t bytesRead = 0;  ///< in them

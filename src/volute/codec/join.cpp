@@ -338,6 +338,15 @@ FileHead headOf(const std::vector<Part>& parts, const Errors& errors, const Rate
   head.means.clear();
   head.tiles.clear();
   head.kept = {};
+  for (const Part& part : parts) {
+    if (!part.head.look || !head.look) {
+      head.look.reset();
+      break;
+    }
+    const LookFigures& one = *part.head.look;
+    head.look = {std::min(head.look->least, one.least), std::max(head.look->most, one.most),
+                 std::max(head.look->column, one.column)};
+  }
   std::uint64_t before = 0;  // blocks
   for (const Part& part : parts) {
     for (const std::uint64_t block : part.head.blocks) head.blocks.push_back(before + block);

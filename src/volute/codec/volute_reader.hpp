@@ -17,6 +17,7 @@
 #include "volute/codec/block_codec.hpp"
 #include "volute/grid/frame_source.hpp"
 #include "volute/grid/grid_description.hpp"
+#include "volute/grid/look_figures.hpp"
 
 namespace volute {
 
@@ -55,8 +56,9 @@ struct VoluteGrid {
   VoluteHeader header;
   /// Its description in the original cache; none if it comes from elsewhere.
   std::optional<GridDescription> description{};
-  bool empty = false;       ///< in all frames
-  std::uint64_t bytes = 0;  ///< of its values in the file
+  bool empty = false;                 ///< in all frames
+  std::uint64_t bytes = 0;            ///< of its values in the file
+  std::optional<LookFigures> look{};  ///< of the original, where the file says it
 };
 
 /// Which parts of a file are present and intact.

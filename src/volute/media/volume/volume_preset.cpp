@@ -7,11 +7,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <iterator>
-#include <map>
-#include <set>
 
-#include "volute/grid/bricks.hpp"
+#include "volute/grid/look_figures.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/media/volume/memory_volumes.hpp"
 #include "volute/media/volume/volume_grids.hpp"
@@ -93,76 +90,11 @@ std::string nameAmong(const std::vector<std::string>& names, Names wanted) {
   return "";
 }
 
-/// What is known of one grid from some of its frames.
-struct GridRange {
-  double least = 0, most = 0;
-  double column = 0;  ///< integral along z of a dense column [value x m], the largest of all frames
-
-  bool any() const { return most > 0; }
-};
-
-Result<GridRange> rangeOf(FrameSource& source) {
-  constexpr int kSide = Bricks::kSide, kPlane = kSide * kSide;
-  constexpr std::int64_t kLargest = 512;  // of a tile beyond one column stands for all
-  const VolumeInfo& info = source.info();
-  const IndexBox whole{{0, 0, 0}, {info.x, info.y, info.z}};
-  GridRange range;
-  const std::set<int> frames{info.frames / 4, info.frames / 2, info.frames - 1};
-  const double step = info.bounds.size().z() / info.z;
-  for (const int frame : frames) {
-    Bricks bricks;
-    VOLUTE_TRY(source.readBricks(frame, bricks));
-    const auto channels = static_cast<std::size_t>(info.channels);
-    std::map<std::array<std::int64_t, 2>, std::vector<double>> columns;  // of leaves, by x and y
-    const auto columnsAt = [&](std::int64_t x, std::int64_t y) -> std::vector<double>& {
-      auto& found = columns[{x, y}];
-      found.resize(kPlane * channels, 0);
-      return found;
-    };
-    const auto extend = [&](float value) {
-      range.least = std::min<double>(range.least, value);
-      range.most = std::max<double>(range.most, value);
-    };
-    for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
-      const VoxelIndex& origin = bricks.leaves()[i].origin;
-      const BrickMask inside = maskInside(origin, whole);
-      std::vector<double>& sums = columnsAt(origin[0], origin[1]);
-      for (std::size_t c = 0; c < channels; ++c) {
-        for (std::size_t at = 0; at < Bricks::kVoxels; ++at) {
-          const float value = bricks.values(i)[c * Bricks::kVoxels + at];
-          if (!std::isfinite(value) || (inside[at / kPlane] >> (at % kPlane) & 1) == 0)
-            continue;
-          extend(value);
-          sums[at % kPlane * channels + c] += step * std::max(value, 0.0F);
-        }
-      }
-    }
-    for (const Bricks::Tile& tile : bricks.tiles()) {
-      const IndexBox part = tile.box().intersection(whole);
-      for (std::size_t c = 0; c < channels && !part.empty(); ++c) {
-        if (std::isfinite(tile.value[c]))
-          extend(tile.value[c]);
-      }
-      if (part.empty() || !(tile.value[0] > 0))
-        continue;
-      const std::int64_t apart = tile.side > kLargest ? tile.side : kSide;
-      for (std::int64_t y = 0; y < tile.side; y += apart) {
-        for (std::int64_t x = 0; x < tile.side; x += apart) {
-          for (double& sum : columnsAt(tile.origin[0] + x, tile.origin[1] + y))
-            sum += step * static_cast<double>(part.size(2)) * tile.value[0];
-        }
-      }
-    }
-    std::vector<double> sums;
-    for (const auto& [place, those] : columns)
-      std::ranges::copy_if(those, std::back_inserter(sums), [](double sum) { return sum > 0; });
-    if (sums.empty())
-      continue;
-    const auto rank = static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(sums.size() - 1));
-    std::ranges::nth_element(sums, sums.begin() + rank);
-    range.column = std::max(range.column, sums[static_cast<std::size_t>(rank)]);
-  }
-  return range;
+/// A .volute says it; else some frames are read for it.
+Result<LookFigures> figuresOf(const VolumeInput& volume) {
+  if (volume.reader && volume.reader->grid().look)
+    return *volume.reader->grid().look;
+  return lookFigures(*volume.source);
 }
 
 /// The grids of a volume, and what presets want to know of them.
@@ -240,19 +172,19 @@ class Grids {
     return "";
   }
 
-  Result<GridRange> range(const std::string& name) {
+  Result<LookFigures> range(const std::string& name) {
     if (name == mainName())
-      return rangeOf(*main_.source);
+      return figuresOf(main_);
     InputOptions one = input_;
     one.grid = name;
     Progress quiet;
     Reading silent = reading_.with(quiet);
     auto other = openVolume(path_, one, silent);
     if (!other && other.error().code == ErrorCode::kInvalidData)
-      return GridRange();  // nothing is active in it
+      return LookFigures();  // nothing is active in it
     if (!other)
       return tl::unexpected(std::move(other.error()));
-    return rangeOf(*other->source);
+    return figuresOf(*other);
   }
 
  private:
@@ -283,7 +215,7 @@ class Grids {
 struct Choice {
   VolumePreset preset = VolumePreset::kNone;
   std::string density, flame, heat;
-  GridRange densityRange, flameRange, heatRange;
+  LookFigures densityRange, flameRange, heatRange;
 };
 
 Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path) {
@@ -410,7 +342,7 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
   if (burns) {
     Flames flames;
     flames.field = choice.flame;
-    const GridRange& range = choice.flame.empty() ? choice.heatRange : choice.flameRange;
+    const LookFigures& range = choice.flame.empty() ? choice.heatRange : choice.flameRange;
     if (choice.flame.empty()) {
       flames.temperature = choice.heat;
       flames.hottest = range.most;
