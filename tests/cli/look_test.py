@@ -279,6 +279,12 @@ class Look(support.TestCase):
         self.assertGreater(light[1], light[2])
         self.assertGreater(light[2], light[0])
 
+    def test_a_black_picture_is_told(self):
+        write_npy(self.path("cold.npy"), (2, 8, 8, 8), [-v for v in 2 * ball(8)])
+        said = self.works("render", self.path("cold.npy"), "-o", self.path("c_%d.png"), "--size", "8x8", "--preset", "none").message
+        self.assertIn("all pictures that were tried are black", said)
+        self.assertIn("sign of the values", said)
+
 
 if __name__ == "__main__":
     support.main()

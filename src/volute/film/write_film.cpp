@@ -89,6 +89,17 @@ Result<double> exposureFor(FilmJob& job, ToneCurve tone, Progress& progress) {
   job.camera = whole, job.samples = samples, job.totals = totals;
   job.partial = partial;
   VOLUTE_TRY(status);
+  const bool black = std::ranges::none_of(pictures, [](const Image& picture) {
+    return std::ranges::any_of(picture.pixels, [](float value) { return value > 0; });
+  });
+  if (black) {
+    progress.remark(
+        {RemarkCode::kDoubtful,
+         fmt::format("{} black: nothing in view has a light above 0; look at the "
+                     "camera, the lights, the time and the sign of the values",
+                     tried == 1 ? "the picture is" : "all pictures that were tried are")});
+    return 1.0;
+  }
   const double exposure = suggestExposure(pictures, tone);
   progress.remark(count == 1 ? fmt::format("exposure {:.4g}", exposure)
                              : fmt::format("exposure {:.4g} for all, from {} of {} pictures",
