@@ -30,6 +30,7 @@
 #include "volute/tomography/capture_refinement.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
+#include "volute/tomography/soot_frames.hpp"
 #include "volute/visibility/criteria_file.hpp"
 #include "volute/visibility/eyes.hpp"
 #include "volute/visibility/sight_engine.hpp"
@@ -557,6 +558,7 @@ ReconstructionSettings settingsOf(const OrderedJson& said, const Capture& captur
   take("warm_start", settings.warmStart);
   take("force", settings.force);
   take("error_bars", settings.errorBars);
+  take("temperature", settings.flame);
   if (!options.noiseSigma)
     options.noiseSigma = capture.noiseSigma;
   options.maxMemory = maxMemory;
@@ -606,6 +608,10 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
     const auto heldOut = said.value("hold_out", std::vector<std::string>{});
     const ReconstructionSettings settings = settingsOf(said, given, maxMemory);
     VOLUTE_TRY(checkVolumeSize({given.volume.bounds, given.volume.resolution}, maxMemory));
+    if (settings.flame && (!given.spectrum.stated() || given.measured != Measured::kEmission))
+      return fail(ErrorCode::kInvalidArgument,
+                  "temperature: {} states no \"spectrum\" of light that the medium sends itself",
+                  given.file.string());
     VOLUTE_TRY(checkGeometryOf(given, settings.force, progress));
     const bool refine = said.value("refine", true);
     VOLUTE_ASSIGN(const CaptureRefinement refinement,
@@ -623,6 +629,12 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
         std::vector<WrittenGrid> grids{{frames.get(), rms}};
         if (settings.errorBars)
           grids.push_back({&frames->errorBars(), std::max(rms, 5e-3)});
+        std::optional<SootFrames> soot;
+        if (settings.flame) {
+          soot.emplace(*frames, capture.spectrum);
+          for (FrameSource* grid : soot->grids()) grids.push_back({grid, rms});
+          VOLUTE_ASSIGN(report["soot"], soot->json());
+        }
         Reading reading{progress, maxMemory};
         Team alone;
         Report written;

@@ -528,12 +528,13 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
     frames: (first, end). resolution: (x, y, z) voxels, or one number for the longest side. bounds: ((x0,y0,z0),(x1,y1,z1)) [m].
     images: the pattern of pictures, {camera} and %04d. Options as those of the command: basis, solver, iterations, regularization,
     lambda_, sparsity, refine, rays_per_pixel, hull, coarse_to_fine, warm_start, noise_sigma, hold_out, error_bars,
-    force. error_bars=True estimates standard deviations, too."""
+    force. error_bars=True estimates standard deviations, too; temperature=True writes temperature and extinction of a
+    flame's soot as grids of `output`."""
     part = _part()
     known = {"basis": ("trilinear", "box"), "solver": ("apg", "mlem", "sirt", "cgls"),
              "regularization": ("auto", "none", "tv", "smooth", "wavelet"), "rays_per_pixel": (1, 4), "iterations": None, "lambda": None,
              "sparsity": None, "refine": (True, False), "hull": None, "coarse_to_fine": None, "warm_start": None, "noise_sigma": None, "hold_out": None,
-             "error_bars": (True, False), "force": None}
+             "error_bars": (True, False), "temperature": (True, False), "force": None}
     said = {key.rstrip("_"): value for key, value in options.items() if value is not None}
     for key, value in said.items():
         if key not in known:
@@ -550,6 +551,8 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
         said["bounds"] = corners(bounds)
     if images is not None:
         said["images"] = os.fspath(images)
+    if output is None and said.get("temperature"):
+        raise ValueError("temperature=True needs an output: its grids are those of the file")
     if output is not None and not os.fspath(output).endswith(".volute"):
         raise ValueError(f"'{os.fspath(output)}' does not end in .volute")
     with Listener(progress) as listener:

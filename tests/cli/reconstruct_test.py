@@ -124,6 +124,23 @@ class Reconstruct(ring.TestCase):
         grids = self.works("info", self.path("both.volute"), "--json").json["grids"]
         self.assertEqual([grid["name"] for grid in grids], ["emission", "emission_sigma"])
 
+    def test_temperatures_of_a_flame(self):
+        source = self.path("capture.json")
+        self.assertIn("spectrum", self.fails(2, "reconstruct", source, "-o", self.path("x_{grid}.npy"), "--temperature"))
+        self.json["spectrum"] = {"wavelengths": [620, 540, 460], "black_body": {"temperature": 1600, "radiance": [2, 1, 0.3]}}
+        self.write_capture()
+        self.assertIn("{grid}", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--temperature"))
+        result = self.reconstruct("--frames", "10", "--temperature", "--error-bars", "--report", self.path("r.json"), "--json",
+                                  output="out_{grid}.npy")
+        grids = {name: read_npy(self.path(f"out_{name}.npy").read_bytes())
+                 for name in ("temperature", "extinction", "temperature_sigma", "extinction_sigma")}
+        for name, (shape, values) in grids.items():
+            self.assertEqual(shape, (1, 16, 16, 16), name)
+            self.assertGreaterEqual(min(values), 0)
+        lit = [value for value in grids["temperature"][1] if value > 0]
+        self.assertTrue(lit and 700 <= min(lit) and max(lit) <= 4000)
+        self.assertEqual(result.json["mean_temperature"], json.loads(self.path("r.json").read_text())["soot"]["mean_temperature"])
+
     def test_error_bars_need_a_place(self):
         source = self.path("capture.json")
         self.assertIn("{grid}", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--error-bars"))

@@ -10,6 +10,7 @@
 
 #include "volute/camera/camera.hpp"
 #include "volute/capture/response.hpp"
+#include "volute/capture/spectrum.hpp"
 #include "volute/math/box.hpp"
 
 namespace volute {
@@ -119,6 +120,7 @@ struct Capture {
   int firstFrame = 0;       ///< of the whole capture: its time is 0 s
   CaptureVolume volume;
   CaptureLighting lighting;          ///< without lamps: not stated
+  CaptureSpectrum spectrum;          ///< of the channels; not stated: colours are no spectrum
   double framesPerSecond = 25;       ///< the time of frame n is that of n / framesPerSecond
   double white = 1;                  ///< linear radiance of a value of 1
   std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance

@@ -371,8 +371,15 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
   remarkUnknown(root,
                 {"format", "kind", "color", "white", "pixel_centre", "frames", "volume",
                  "noise_sigma", "cameras", "empty_frames", "saturation", "bits", "black",
-                 "frames_per_second", "lamps", "albedo"},
+                 "frames_per_second", "lamps", "albedo", "spectrum"},
                 draft);
+  if (const auto spectrum = root.find("spectrum")) {
+    VOLUTE_ASSIGN(draft.spectrum, readSpectrum(*spectrum, file.parent_path()));
+    remarkUnknown(*spectrum,
+                  {"sensitivities", "wavelengths", "black_body", "radiance_scale", "soot_exponent",
+                   "lines", "scale"},
+                  draft);
+  }
   VOLUTE_ASSIGN(const auto list, root.at("cameras"));
   VOLUTE_ASSIGN(const auto cameras, list.items());
   const auto folder = file.parent_path();

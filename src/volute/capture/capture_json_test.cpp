@@ -179,18 +179,47 @@ TEST(CaptureJson, TwoEmptyFramesAreARange) {
   EXPECT_EQ(openJson(folder, json).value().emptyFrames, (std::vector<int>{0, 3, 8}));
 }
 
-TEST(CaptureJson, GainsOfChannelsAndExposures) {
+TEST(CaptureJson, GainsSpectraAndExposuresAreReadWrittenAndRefused) {
   const TempFolder folder;
   auto json = ringJson();
   json["cameras"][0]["gain"] = {1.1, 1, 0.9};
   json["cameras"][1]["gain"] = 2;
   json["cameras"][1]["exposure"] = 4;
+  testing::writeText(folder / "rgb.csv",
+                     "nm,r,g,b\n450,0,0,1\n500,0,.5,.5\n550,0,1,0\n600,1,.2,0\n650,.5,0,0\n");
+  const nlohmann::json body{{"temperature", 1800}, {"radiance", {0.8, 0.3, 0.05}}};
+  json["spectrum"] = {{"sensitivities", "rgb.csv"}, {"black_body", body}, {"soot_exponent", 1.2}};
   ASSERT_VALUE(const auto capture, openJson(folder, json));
   EXPECT_TRUE((capture.cameras[0].pictures.channelGain == Rgb(1.1, 1, 0.9)).all());
   EXPECT_EQ(capture.cameras[1].pictures.gain, 0.5);
+  EXPECT_TRUE(capture.spectrum.blackBody(1800).isApprox(Rgb(0.8, 0.3, 0.05), 1e-12));
+  EXPECT_EQ(capture.spectrum.sootExponent, 1.2);
+  // Its own rows, or one wavelength a channel.
+  json["spectrum"] = {{"wavelengths", {620, 540, 460}}, {"radiance_scale", 0.5}};
+  ASSERT_VALUE(const auto narrow, openJson(folder, json));
+  EXPECT_NEAR(narrow.spectrum.blackBody(1500)[1], 0.5 * planck(540, 1500), 1e-12);
   ASSERT_TRUE(writeCapture(folder / "again.json", capture));
   ASSERT_VALUE(const auto again, openCapture(folder / "again.json", {}));
+  EXPECT_TRUE(
+      again.spectrum.sootEmission(1600).isApprox(capture.spectrum.sootEmission(1600), 1e-9));
   EXPECT_TRUE((again.cameras[0].pictures.channelGain == Rgb(1.1, 1, 0.9)).all());
+  const auto refused = [&](const nlohmann::json& spectrum, const char* text) {
+    json["spectrum"] = spectrum;
+    const auto read = openJson(folder, json);
+    ASSERT_FALSE(read) << text;
+    EXPECT_THAT(read.error().message, HasSubstr(text));
+  };
+  refused({{"black_body", body}}, "expected one of 'sensitivities' and 'wavelengths'");
+  refused({{"wavelengths", {620, 540, 460}}}, "expected one of 'black_body' and 'radiance_scale'");
+  refused({{"wavelengths", {0.62, 0.54, 0.46}}, {"radiance_scale", 1}}, "expected 200 to 3000 nm");
+  refused({{"sensitivities", {{500, 1, 1, 0}, {600, 1, 1, 0}}}, {"radiance_scale", 1}},
+          "a channel sees no light");
+  refused({{"sensitivities", {{600, 1, 1, 1}, {500, 1, 1, 1}}}, {"radiance_scale", 1}},
+          "do not ascend at 500 nm");
+  testing::writeText(folder / "bad.csv", "nm,r,g,b\n450,0,0\n");
+  refused({{"sensitivities", "bad.csv"}, {"radiance_scale", 1}}, "bad.csv:2: expected wavelength");
+  refused({{"sensitivities", "none.csv"}, {"radiance_scale", 1}}, "none.csv");
+  json.erase("spectrum");
   json["cameras"][0]["gain"] = {1, 0, 1};
   EXPECT_FALSE(openJson(folder, json));
 }

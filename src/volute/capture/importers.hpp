@@ -41,6 +41,7 @@ struct CaptureDraft {
   double white = 1;
   std::optional<double> noiseSigma;
   std::vector<int> emptyFrames;
+  CaptureSpectrum spectrum{};
   CaptureLighting lighting{};
   std::vector<std::string> remarks;
 };

@@ -412,6 +412,7 @@ Result<Capture> makeCapture(const std::filesystem::path& file, CaptureDraft& dra
   capture.noiseSigma = draft.noiseSigma;
   capture.emptyFrames = draft.emptyFrames;
   capture.lighting = draft.lighting;
+  capture.spectrum = draft.spectrum;
   capture.remarks = draft.remarks;
   capture.remarks.insert(capture.remarks.begin(), conventionText(draft));
   for (CameraDraft& camera : draft.cameras) {

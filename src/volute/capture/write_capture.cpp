@@ -41,6 +41,16 @@ Json numberOf(double value) {
   return value == std::floor(value) ? Json(static_cast<std::int64_t>(value)) : Json(value);
 }
 
+/// As rows that the reader takes for the same lines: each its own width.
+Json spectrumJson(const CaptureSpectrum& spectrum) {
+  Json json{{"lines", Json::array()}};
+  for (const auto& line : spectrum.lines)
+    json["lines"].push_back({line.wavelength, line.weight[0], line.weight[1], line.weight[2]});
+  json["scale"] = jsonOf(Vec3(spectrum.scale.matrix()));
+  json["soot_exponent"] = spectrum.sootExponent;
+  return json;
+}
+
 Json cameraJson(const CaptureCamera& known, double framesPerSecond,
                 const std::filesystem::path& folder) {
   const Camera& camera = known.camera;
@@ -120,6 +130,8 @@ Status writeCapture(const std::filesystem::path& file, const Capture& capture) {
     for (const CaptureLamp& lamp : capture.lighting.lamps) json["lamps"].push_back(lampJson(lamp));
     json["albedo"] = jsonOf(Vec3(capture.lighting.albedo.matrix()));
   }
+  if (capture.spectrum.stated())
+    json["spectrum"] = spectrumJson(capture.spectrum);
   json["cameras"] = Json::array();
   const auto folder = std::filesystem::absolute(file).parent_path();
   for (const CaptureCamera& known : capture.cameras)

@@ -18,6 +18,7 @@
 #include "volute/tomography/lamp_light.hpp"
 #include "volute/tomography/occlusion.hpp"
 #include "volute/tomography/project.hpp"
+#include "volute/tomography/pyrometer.hpp"
 #include "volute/tomography/residual.hpp"
 #include "volute/tomography/run_key.hpp"
 #include "volute/tomography/uncertainty.hpp"
@@ -132,6 +133,10 @@ Result<std::unique_ptr<ReconstructedFrames>> ReconstructedFrames::open(
 Status ReconstructedFrames::begin() {
   VOLUTE_ASSIGN(const FrameViews first, views_.read(capture_.frames.front()));
   grey_ = first.grey() || settings_.singleScattering;
+  if (settings_.flame && grey_)
+    return fail(ErrorCode::kInvalidData,
+                "{}: its pictures are grey; a temperature needs the colours of a flame",
+                capture_.file.string());
   info_ = infoOf(capture_, settings_, grey_);
   VOLUTE_TRY(info_.validate("the reconstruction"));
   errorBars_.info_ = info_;
@@ -243,14 +248,20 @@ Result<std::vector<float>> ReconstructedFrames::emission(int index) const {
 
 Result<FrameViews> ReconstructedFrames::views(int index) {
   VOLUTE_ASSIGN(FrameViews views, views_.read(numberOf(index)));
-  if (!settings_.singleScattering)
+  if (!takesOwnLight())
     return views;
-  VOLUTE_ASSIGN(const auto extinction, volume(index));
+  VOLUTE_ASSIGN(const auto values, volume(index));
   VOLUTE_ASSIGN(const auto light, emission(index));
+  const Pyrometer pyrometer(capture_.spectrum);
+  const auto soot =
+      settings_.flame ? sootOf(pyrometer, geometry().resolution, light) : std::vector<Soot>{};
   for (TomographyView& view : views.views) {
-    const auto factors = selfAttenuation(view.camera, geometry(), greyVolume(extinction), light);
+    const auto factors = settings_.flame
+                             ? sootAttenuation(pyrometer, soot, view.camera, geometry(), light)
+                             : selfAttenuation(view.camera, geometry(), greyVolume(values), light);
+    const std::size_t each = settings_.flame ? 1 : 3;
     for (std::size_t i = 0; i < view.radiance.pixels.size(); ++i)
-      view.radiance.pixels[i] *= factors[i / 3];
+      view.radiance.pixels[i] *= factors[i / each];
   }
   if (!views.chosen.empty())
     views.chosen = views.fittedWithout(views.views.size());
@@ -371,16 +382,20 @@ Status ReconstructedFrames::leaveOutOccluded(FrameViews& views,
   return {};
 }
 
-Result<Reconstruction> ReconstructedFrames::fitLit(FrameViews& views,
-                                                   const TomographyOptions& options,
-                                                   std::vector<float>& extinction,
-                                                   Progress& progress) {
+std::vector<std::size_t> ReconstructedFrames::fittedOf(const FrameViews& views) {
   std::vector<std::size_t> fitted;
   for (std::size_t i = 0; i < views.views.size(); ++i) {
     if (!views.heldOut[i])
       fitted.push_back(i);
   }
-  VOLUTE_ASSIGN(auto lit, reconstructLit(views.views, fitted, geometry(), options,
+  return fitted;
+}
+
+Result<Reconstruction> ReconstructedFrames::fitLit(FrameViews& views,
+                                                   const TomographyOptions& options,
+                                                   std::vector<float>& extinction,
+                                                   Progress& progress) {
+  VOLUTE_ASSIGN(auto lit, reconstructLit(views.views, fittedOf(views), geometry(), options,
                                          capture_.lighting, progress));
   if (!views.chosen.empty())
     views.chosen = views.fittedWithout(views.views.size());
@@ -400,9 +415,13 @@ Result<Reconstruction> ReconstructedFrames::fit(int index, FrameViews& views,
   if (!carriesOn(index) || settings_.singleScattering)
     options.temporal = 0;
   FrameProgress progress(progress_, views.frame, solved_, shares_ ? 0 : info_.frames - resumed_);
-  auto result = settings_.singleScattering
-                    ? fitLit(views, options, extinction, progress)
+  auto result = settings_.singleScattering ? fitLit(views, options, extinction, progress)
+                : settings_.flame
+                    ? reconstructFlame(views.views, fittedOf(views), geometry(), options,
+                                       Pyrometer(capture_.spectrum), before, progress)
                     : reconstruct(views.fitted(), geometry(), options, before, progress);
+  if (settings_.flame && !views.chosen.empty())
+    views.chosen = views.fittedWithout(views.views.size());
   if (result)
     return result;
   if (result.error().code == ErrorCode::kNotFound) {
@@ -605,6 +624,7 @@ Status ReconstructedFrames::addErrorBars(int index, const FrameViews& views,
                                             result, progress));
   }
   record["uncertainty"] = {{"expected_error", jsonNumber(bars.expectedError)},
+                           {"channel_correlation", jsonNumber(bars.channelCorrelation)},
                            {"prior_share", jsonNumber(bars.priorShare)},
                            {"scale", bars.scale},
                            {"predicted_cameras", bars.heldOut}};

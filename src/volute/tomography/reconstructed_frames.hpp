@@ -26,7 +26,9 @@ struct ReconstructionSettings {
   /// The volume is extinction, of a medium that the capture's lamps light; else it is the light
   /// that the medium sends, the same in all directions.
   bool singleScattering = false;
-  bool force = false;       ///< go on in spite of faults, which become warnings
+  bool force = false;  ///< go on in spite of faults, which become warnings
+  /// The volume is a flame's, whose colours tell the soot that takes light on the way to a camera.
+  bool flame = false;
   bool errorBars = false;   ///< standard deviations are estimated, too
   bool causeNamed = false;  ///< why cameras disagree is known: frames do not guess at it
 };
@@ -59,6 +61,8 @@ class ReconstructedFrames final : public FrameSource {
   /// Standard deviations of the values, as estimateUncertainty() has them, as a grid of its own
   /// ("emission_sigma"). Only with ReconstructionSettings::errorBars.
   FrameSource& errorBars() { return errorBars_; }
+
+  bool hasErrorBars() const { return settings_.errorBars; }
 
   /// Reconstructs what is missing, with the progress of the whole sequence. A chain is a unit of
   /// work; ranks share the work folder. Collective.
@@ -147,6 +151,10 @@ class ReconstructedFrames final : public FrameSource {
   [[nodiscard]] Status leaveOutOccluded(FrameViews& views, std::vector<std::string>& warnings);
   [[nodiscard]] Result<Reconstruction> fit(int index, FrameViews& views,
                                            std::vector<float>& extinction);
+
+  bool takesOwnLight() const { return settings_.singleScattering || settings_.flame; }
+
+  static std::vector<std::size_t> fittedOf(const FrameViews& views);
   [[nodiscard]] Result<Reconstruction> fitLit(FrameViews& views, const TomographyOptions& options,
                                               std::vector<float>& extinction, Progress& progress);
   [[nodiscard]] Result<TomographyOptions> optionsOf(int index) const;

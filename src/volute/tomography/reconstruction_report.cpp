@@ -102,6 +102,7 @@ Json settingsJson(const ReconstructionSettings& settings) {
           {"noise_sigma", optional(options.noiseSigma)},
           {"lighting", settings.singleScattering ? "single-scattering" : "constant"},
           {"error_bars", settings.errorBars},
+          {"flame", settings.flame},
           {"max_saturated", settings.limits.saturated},
           {"force", settings.force}};
 }

@@ -70,6 +70,11 @@ std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionS
                           digits(lamp.position), digits(lamp.light));
     text += fmt::format("albedo {}\n", digits(capture.lighting.albedo));
   }
+  for (const auto& line : capture.spectrum.lines)
+    text += fmt::format("line {} {}\n", line.wavelength, digits(line.weight));
+  if (capture.spectrum.stated())
+    text +=
+        fmt::format("scale {} {}\n", digits(capture.spectrum.scale), capture.spectrum.sootExponent);
   const std::string common = digestOf(text);
   std::vector<std::string> keys;
   const auto begins = chainBegins(capture.frames, settings.warmStart);

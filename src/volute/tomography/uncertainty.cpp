@@ -317,12 +317,37 @@ Bands noiseShares(double voxel) {
   return {1 - fine, fine - coarse, coarse};
 }
 
+/// The mean correlation of two channels of `off` where light is seen, without its noise.
+double correlationOf(const Image& off, const Image& seen, double noise) {
+  std::array<double, 3> own{}, both{};  // both: channel c and the next
+  for (std::size_t i = 0; i < off.pixels.size(); i += 3) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!(seen.pixels[i] > 0))
+        continue;
+      const double a = off.pixels[i + c], b = off.pixels[i + (c + 1) % 3];
+      own[c] += a * a - noise;
+      both[c] += a * b;
+    }
+  }
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double sizes = std::max(own[c], 0.0) * std::max(own[(c + 1) % 3], 0.0);
+    sum += sizes > 0 ? std::clamp(both[c] / std::sqrt(sizes), 0.0, 1.0) / 3 : 0;
+  }
+  return sum;
+}
+
+struct Excess {
+  Bands bands{};
+  double correlation = 0;  // of what differs in two channels, the mean
+};
+
 /// How much a view differs, squared, in each band, from what volumes without it predict, relative
 /// to what samples of those volumes do; nothing where it cannot be said.
-Result<std::optional<Bands>> excessOf(std::size_t view, std::span<const TomographyView> views,
-                                      const VolumeGeometry& geometry,
-                                      const TomographyOptions& options,
-                                      const Reconstruction& solved, Progress& progress) {
+Result<std::optional<Excess>> excessOf(std::size_t view, std::span<const TomographyView> views,
+                                       const VolumeGeometry& geometry,
+                                       const TomographyOptions& options,
+                                       const Reconstruction& solved, Progress& progress) {
   constexpr int kIterations = 150;
   constexpr double kNoiseKnown = 0.1;  // of its variance
   std::vector<TomographyView> rest(views.begin(), views.end());
@@ -376,12 +401,12 @@ Result<std::optional<Bands>> excessOf(std::size_t view, std::span<const Tomograp
     const Bands squares = squaresOf(seenOf(toVolume(*problem.support, sample)));
     for (std::size_t b = 0; b < 3; ++b) expected[b] += squares[b] / kHere;
   }
-  Bands excess{};
+  Excess excess{{}, correlationOf(off, seen, noise)};
   for (std::size_t b = 0; b < 3; ++b) {
     const double ofNoise = share[b] * noise * pixels, known = kNoiseKnown * ofNoise;
     if (!(expected[b] + known > 0))
       return std::nullopt;
-    excess[b] = (std::max(found[b] - ofNoise, 0.0) + known) / (expected[b] + known);
+    excess.bands[b] = (std::max(found[b] - ofNoise, 0.0) + known) / (expected[b] + known);
   }
   return excess;
 }
@@ -416,9 +441,12 @@ Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> giv
     if (!excess)
       continue;
     result.heldOut.push_back(views[view].name);
-    for (std::size_t b = 0; b < 3; ++b) squares[b] += (*excess)[b];
+    for (std::size_t b = 0; b < 3; ++b) squares[b] += excess->bands[b];
+    result.channelCorrelation += excess->correlation;
   }
   const auto folds = static_cast<double>(result.heldOut.size());
+  if (folds > 0)
+    result.channelCorrelation /= folds;
   for (std::size_t b = 0; b < 3; ++b)
     result.scale[b] = folds > 0 ? std::pow(squares[b] / folds, kPower / 2) : kUsual;
   VOLUTE_ASSIGN(const FrameProblem problem, problemOf(views, geometry, how, quiet));

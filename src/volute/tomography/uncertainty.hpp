@@ -17,6 +17,8 @@ struct VoxelUncertainty {
   double expectedError =
       0;                  ///< |sigma| / |volume|: the relative L2 that the volume is expected off
   double priorShare = 0;  ///< of the energy |a|^2 that is expected, what the pictures leave open
+  double channelCorrelation =
+      0;  ///< of the errors of two channels, 0..1, as left-out views have it
   std::array<double, 3> scale{1, 1,
                               1};    ///< of samples, from fine to coarse; see estimateUncertainty()
   std::vector<std::string> heldOut;  ///< the views that told it; empty: of so few none could

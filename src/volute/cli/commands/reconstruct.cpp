@@ -24,6 +24,7 @@
 #include "volute/tomography/line_volumes.hpp"
 #include "volute/tomography/reconstruction_page.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
+#include "volute/tomography/soot_frames.hpp"
 
 namespace volute::cli {
 namespace {
@@ -51,6 +52,7 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
   settings.warmStart = !arguments.flag("no-warm-start");
   settings.force = arguments.flag("force");
   settings.errorBars = arguments.flag("error-bars");
+  settings.flame = arguments.flag("temperature");
   settings.singleScattering = arguments.get<std::string>("lighting") == "single-scattering";
   return settings;
 }
@@ -66,6 +68,19 @@ Status checkLighting(const Capture& capture) {
         "--lighting single-scattering: {} states no lamps; add \"lamps\", each with a sun's "
         "direction and radiance or a point's position and intensity",
         capture.file.string());
+  return {};
+}
+
+Status checkTemperature(const Capture& capture, const ReconstructionSettings& settings) {
+  if (settings.singleScattering || capture.measured == Measured::kAbsorption)
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "--temperature: of light that a flame sends by itself; leave lamps and backgrounds");
+  if (!capture.spectrum.stated())
+    return fail(ErrorCode::kInvalidArgument,
+                "--temperature: {} does not state what the channels see of each wavelength; add "
+                "\"spectrum\" with sensitivities and what a black body gives",
+                capture.file.string());
   return {};
 }
 
@@ -87,7 +102,7 @@ Status checkReconstructTargets(const Arguments& arguments, const std::string& ta
   }
   if (const auto refined = arguments.find<std::string>("refined"))
     VOLUTE_TRY(checkTarget(*refined));
-  for (const char* more : {"velocity", "error-bars"}) {
+  for (const char* more : {"velocity", "error-bars", "temperature"}) {
     if (arguments.flag(more) && !holdsSeveralGrids(target)) {
       return fail(ErrorCode::kInvalidArgument,
                   "--{}: '{}' holds one grid; put {{grid}} into its name, as in "
@@ -144,12 +159,22 @@ void addRotation(HoldOutRotation& rotation, const Capture& capture, nlohmann::or
 Status addFile(ReconstructedFrames& frames, const std::string& target,
                const ReconstructionSettings& settings, nlohmann::ordered_json& json,
                Context& context) {
-  if (!isVolutePath(target) || settings.singleScattering || !context.team.leads())
+  if (!isVolutePath(target) || settings.singleScattering || settings.flame || !context.team.leads())
     return {};
   InputOptions input;
   input.grid = frames.info().name;
   VOLUTE_ASSIGN(const auto written, openVolume(target, input, context));
   return addResidualOfFile(frames, *written.source, json, context.progress);
+}
+
+void addTemperature(const nlohmann::ordered_json& soot, Report& report) {
+  if (soot["mean_temperature"].is_number())
+    report.add("mean_temperature", soot["mean_temperature"],
+               fmt::format("{:.0f} K, weighted by the light; at most {:.0f} K",
+                           soot["mean_temperature"].get<double>(),
+                           soot["greatest_temperature"].get<double>()));
+  report.add("optical_depth", soot["optical_depth"],
+             fmt::format("{:.3g} at 550 nm, at most along x", soot["optical_depth"].get<double>()));
 }
 
 Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Arguments& arguments,
@@ -164,6 +189,11 @@ Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Ar
     grids.push_back({velocity, std::max(rms, kEstimateRms)});
   if (settings.errorBars)
     grids.push_back({&frames.errorBars(), std::max(rms, kEstimateRms)});
+  std::optional<SootFrames> soot;
+  if (settings.flame) {
+    soot.emplace(frames, capture.spectrum);
+    for (FrameSource* grid : soot->grids()) grids.push_back({grid, rms});
+  }
   VOLUTE_ASSIGN(auto writer,
                 openWriter(std::move(grids), target, capture.file.filename().string(), context));
   VOLUTE_TRY(frames.solveAll(context.team));
@@ -179,6 +209,10 @@ Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Ar
     addRotation(*rotation, capture, json, report);
   VOLUTE_TRY(writer.write(report));
   VOLUTE_TRY(addFile(frames, target, settings, json, context));
+  if (soot) {
+    VOLUTE_ASSIGN(json["soot"], soot->json());
+    addTemperature(json["soot"], report);
+  }
   if (velocity)
     report.add("mean_speed", json["velocity"]["mean_speed"],
                fmt::format("{:.3g} m/s", json["velocity"].value("mean_speed", 0.0)));
@@ -197,9 +231,10 @@ Status runLines(const Arguments& arguments, Context& context) {
   const std::string& file = arguments.positional(0);
   const auto target = arguments.get<std::string>("output");
   for (const char* name :
-       {"velocity", "hold-out", "error-bars", "refine", "refined", "max-saturated", "images",
-        "color", "solver", "regularization", "sparsity", "temporal", "noise-sigma",
-        "rays-per-pixel", "no-hull", "coarse-to-fine", "warm-start", "no-warm-start", "lighting"}) {
+       {"velocity",       "hold-out",       "error-bars", "temperature",   "refine",
+        "refined",        "max-saturated",  "images",     "color",         "solver",
+        "regularization", "sparsity",       "temporal",   "noise-sigma",   "rays-per-pixel",
+        "no-hull",        "coarse-to-fine", "warm-start", "no-warm-start", "lighting"}) {
     if (arguments.given(name))
       return fail(ErrorCode::kInvalidArgument, "--{} is for cameras, and {} has lines", name, file);
   }
@@ -263,6 +298,8 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
   auto settings = settingsOf(arguments, capture, context);
   if (settings.singleScattering)
     VOLUTE_TRY(checkLighting(capture));
+  if (settings.flame)
+    VOLUTE_TRY(checkTemperature(capture, settings));
   const VolumeGeometry geometry{capture.volume.bounds, capture.volume.resolution};
   VOLUTE_TRY(checkVolumeSize(geometry, context.maxMemory));
   VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.maxMemory, context.progress));
@@ -384,6 +421,9 @@ std::vector<Option> reconstructOptionTable() {
        .help = "estimate the standard deviation of each voxel; written as grid 'emission_sigma' "
                "(extinction_sigma) of a .volute or %04d.vdb, or to a file of its own with {grid} "
                "in OUT"},
+      {.name = "temperature",
+       .help = "of flames: temperature [K] and extinction of the soot from the colours, by the "
+               "capture's spectrum; grids beside the emission, as with --error-bars"},
       {.name = "hold-out",
        .kind = kText,
        .value = "NAME",
