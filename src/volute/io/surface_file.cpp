@@ -9,9 +9,12 @@
 #include "volute/base/assert.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/io/lattice_source.hpp"
+#include "volute/io/level_set_surface.hpp"
 #include "volute/io/obj.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
+#include "volute/io/volume_source.hpp"
 
 namespace volute {
 namespace {
@@ -104,18 +107,48 @@ Result<TriangleMesh> readInChild(const std::filesystem::path& path, std::uint64_
   return mesh;
 }
 
+Result<TriangleMesh> readLevelSet(const std::filesystem::path& path, std::uint64_t maxMemory) {
+  VOLUTE_ASSIGN(const auto grids, listGrids(path, maxMemory));
+  const auto found = std::ranges::find_if(grids, [](const GridFacts& grid) {
+    return grid.readable && std::string_view(grid.gridClass) == "level set";
+  });
+  if (found == grids.end()) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: has no level set; expected one, whose surface is geometry; other grids are "
+                "volumes of a scene",
+                path.string());
+  }
+  SourceOptions options;
+  options.grid = found->name;
+  options.maxMemory = maxMemory;
+  VOLUTE_ASSIGN(const auto source, openSource(path, options));
+  std::optional<GridMatrix> place;
+  if (const auto* placed = dynamic_cast<const PlacedFrames*>(source.get());
+      placed && !placed->places().empty())
+    place = placed->places().front();
+  Bricks bricks;
+  VOLUTE_TRY(source->readBricks(0, bricks));
+  TriangleMesh mesh{{}, {Material()}};
+  VOLUTE_TRY(addLevelSet(bricks, source->info(), place, 0, maxMemory, mesh.triangles));
+  return mesh;
+}
+
 }  // namespace
 
 bool isSurfacePath(const std::filesystem::path& path) {
   const std::string extension = extensionOf(path);
-  return extension == ".glb" || extension == ".gltf" || extension == ".obj" || extension == ".vtp";
+  return extension == ".glb" || extension == ".gltf" || extension == ".obj" ||
+         extension == ".vtp" || isVdbPath(path);
 }
 
 Result<TriangleMesh> readSurfaces(const std::filesystem::path& path, std::uint64_t maxMemory) {
   if (!isSurfacePath(path)) {
     return fail(ErrorCode::kUnsupported,
-                "{}: no known geometry; expected .glb, .gltf, .obj or .vtp", path.string());
+                "{}: no known geometry; expected .glb, .gltf, .obj, .vtp, .vdb or .nvdb",
+                path.string());
   }
+  if (isVdbPath(path))
+    return readLevelSet(path, maxMemory);
   if (extensionOf(path) != ".obj")
     return readInChild(path, maxMemory);
   VOLUTE_ASSIGN(auto mesh, readObj(path, maxMemory));

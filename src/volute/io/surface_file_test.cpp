@@ -91,7 +91,8 @@ TEST(Obj, ErrorsNameTheLine) {
   EXPECT_THAT(message("v 0 0 0\n"), HasSubstr("no faces"));
   EXPECT_THAT(message("mtllib ../secret.mtl\n"), HasSubstr("not below"));
   EXPECT_THAT(messageOf(folder / "none.obj"), HasSubstr("none.obj"));
-  EXPECT_THAT(messageOf(folder / "scene.fbx"), HasSubstr("expected .glb, .gltf, .obj or .vtp"));
+  EXPECT_THAT(messageOf(folder / "scene.fbx"),
+              HasSubstr("expected .glb, .gltf, .obj, .vtp, .vdb or .nvdb"));
   writeBytes(folder / "c.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n");
   EXPECT_THAT(messageOf(folder / "c.obj", 100), HasSubstr("memory"));
 }

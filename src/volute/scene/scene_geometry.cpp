@@ -44,9 +44,10 @@ Status setGeometryFile(SceneGeometry& entry, const FieldValue& value) {
   entry.file = value.get<std::string>();
   if (isSurfacePath(entry.file))
     return {};
-  return fail(ErrorCode::kInvalidData,
-              "'{}' is not a known geometry format; expected .glb, .gltf, .obj or .vtp",
-              entry.file);
+  return fail(
+      ErrorCode::kInvalidData,
+      "'{}' is not a known geometry format; expected .glb, .gltf, .obj, .vtp, .vdb or .nvdb",
+      entry.file);
 }
 
 }  // namespace
@@ -58,7 +59,7 @@ const FieldTable& geometryFields() {
   static const FieldRow kFields[] = {
       {.name = "file", .type = kFile,
        .access = customMember<SceneGeometry, geometryFile, setGeometryFile>(),
-       .help = ".glb, .gltf, .obj or .vtp", .required = true},
+       .help = ".glb, .gltf, .obj, .vtp, or the level set of a .vdb or .nvdb", .required = true},
       {.name = "transform", .type = kNumbers,
        .access = customMember<SceneGeometry, geometryTransform, setGeometryTransform>(),
        .help = "affine, row-major, last row 0, 0, 0, 1", .count = 16},

@@ -311,7 +311,8 @@ std::vector<Option> fogCommandOptions() {
       {.name = "geometry",
        .kind = kFile,
        .value = "FILE",
-       .help = "surfaces that shadow the sun in the fog: .glb, .gltf, .obj or .vtp [m]",
+       .help = "surfaces that shadow the sun in the fog: .glb, .gltf, .obj, .vtp or a level set "
+               "(.vdb) [m]",
        .beside = "sun"},
       {.name = "geometry-up",
        .kind = kChoice,
