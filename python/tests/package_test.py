@@ -670,6 +670,71 @@ print(1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before), valu
         more, own = map(int, subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split())
         self.assertLess(more, 0.5 * own)
 
+    def test_scenes_in_threads_after_fork_and_at_the_end(self):
+        program = """
+import os, sys, threading
+import numpy as np, volute
+
+def value(x, y, z, t):
+    return np.exp(-(x * x + y * y + z * z))
+
+bounds = ((-2, -2, -2), (2, 2, 2))
+for source in (value(*np.meshgrid(*[np.linspace(-2, 2, 16)] * 3), 0).astype("f4"), volute.Function(value, (16, 16, 16), bounds=bounds)):
+    said = {} if isinstance(source, volute.Function) else {"bounds": bounds}
+    scene = volute.Scene(source, extinction=1.0, **said)
+    first = scene.picture(size=(32, 24))
+    found = []
+    threads = [threading.Thread(target=lambda: found.append((scene.picture(size=(32, 24)) == first).all())) for _ in range(4)]
+    [thread.start() for thread in threads], [thread.join() for thread in threads]
+    assert found == [True] * 4, found
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if (scene.picture(size=(32, 24)) == first).all() else 3)
+    assert os.waitpid(child, 0)[1] == 0
+
+def draw():
+    try:
+        while True:
+            scene.picture(size=(64, 48))
+    except ValueError:
+        pass  # closed
+
+threads = [threading.Thread(target=draw) for _ in range(2)]
+[thread.start() for thread in threads]
+scene.close()
+[thread.join() for thread in threads]
+scene = volute.Scene(volute.Function(value, (64, 64, 64), bounds=bounds), extinction=1.0)
+threading.Thread(target=lambda: [scene.picture(size=(320, 240)) for _ in range(1000)], daemon=True).start()
+print("done", flush=True)
+"""
+        for _ in range(3):
+            done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+            self.assertEqual((done.returncode, done.stdout), (0, "done\n"), done.stderr)
+
+    def test_a_changed_array_is_read_again(self):
+        array = puff(2, 12, 12, 12)
+        options = {"bounds": ((0, 0, 0), (1, 1, 1)), "extinction": 3.0}
+        scene = volute.Scene(array, **options)
+        before = scene.picture(size=(16, 12))
+        array *= 0.25
+        scene.touch()
+        after = scene.picture(size=(16, 12))
+        np.testing.assert_array_equal(after, volute.picture(array, size=(16, 12), **options))
+        self.assertTrue((after != before).any())
+        scene.close()
+        with self.assertRaisesRegex(ValueError, "closed"):
+            scene.touch()
+
+    def test_films_of_functions_end_with_what_they_raise(self):
+        def value(x, y, z, t):
+            if t > 0.05:
+                raise KeyError("the third frame")
+            return np.exp(-x * x)
+
+        function = volute.Function(value, (12, 12, 12), bounds=((0, 0, 0), (1, 1, 1)), times=np.arange(4) / 25)
+        with self.assertRaisesRegex(KeyError, "third"):
+            volute.film(function, self.path / "stop_%04d.png", size=(16, 12), extinction=1.0)
+
     def test_functions_are_volumes(self):
         batches = []
 

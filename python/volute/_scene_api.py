@@ -131,7 +131,7 @@ class Scene:
     - a scene file (.json), or any other file that Volute shows (.volute, .npy, .npz, .vdb, .vti, .pvd, .vtu, .smv, a map of fog);
     - a volute.Volume or an FDS case that is open;
     - an array of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c), or anything else that compress() takes as `frames`, with bounds, times, name
-      and unit as arguments as there. Arrays in memory are not copied, and must not change while the scene is in use;
+      and unit as arguments as there. Arrays in memory are not copied: after a change of their values call touch();
     with the members of a scene's entry as arguments: Scene(array, bounds=((0, 0, 0), (2, 2, 2)), emission=2.0); or from
     - a dict of the form of a scene file (docs/scene.md), where "file" of a volume may be such an array, too.
     Threads may share one; pictures are rendered one at a time."""
@@ -213,6 +213,11 @@ class Scene:
             self._scene.change(new, more, listener)
         self._added += more
         self._maker, self._shown = ("make", (new, self._scene.path)), None
+
+    def touch(self, progress=None):
+        """Reads everything anew: for arrays whose values have changed in their place, and functions that give others."""
+        self._scene.path  # says that it is closed
+        self._scene, self._shown = self._opened(True, progress), None
 
     def render(self, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None, background=None, measured=True, progress=None):
         """Light at `time` [s]: linear RGB, float32, shape (height, width, 3), row 0 at the top.
