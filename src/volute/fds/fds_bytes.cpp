@@ -185,14 +185,24 @@ Status FdsCase::findRounding(const Part& part) {
   return {};
 }
 
-/// C and the cap of visibility: as the caller or the input file says, else as FDS has them by
-/// default, unless the files have other values than these leave possible.
+/// C and the cap of visibility, the mass extinction of soot: as the caller or the input file says,
+/// else as FDS has them by default, unless the files have other values than these leave possible.
 Status FdsCase::findVisibility() {
-  if (!options_.quantity.empty() || source().quantity != SmokeQuantity::kVisibility ||
-      source().kind == FdsFileKind::kClear)
-    return {};
   const FdsInput& input = inputOf(index_);
   const std::string inputName = input.path.filename().string();
+  if (!options_.quantity.empty() || source().kind == FdsFileKind::kClear)
+    return {};
+  if (source().quantity == SmokeQuantity::kSootDensity && input.massExtinction &&
+      (source().kind == FdsFileKind::kSlice || source().kind == FdsFileKind::kPlot)) {
+    const double taken = parts_.front()->massExtinction;
+    remarks_.push_back(fmt::format(
+        "{}: the extinction of soot is {:g} m2/kg ({})", index_.path.string(), taken,
+        taken == *input.massExtinction
+            ? fmt::format("MASS_EXTINCTION_COEFFICIENT of {}", inputName)
+            : fmt::format("as stated, although {} says {:g}", inputName, *input.massExtinction)));
+  }
+  if (source().quantity != SmokeQuantity::kVisibility)
+    return {};
   visibilityFactor_ =
       options_.visibilityFactor.value_or(input.visibilityFactor.value_or(visibilityFactor_));
   std::string factor =

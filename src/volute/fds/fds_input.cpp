@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "volute/base/file_as_written.hpp"
 #include "volute/base/printable.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/fds/text_lines.hpp"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr std::uint64_t kLargestFile = std::uint64_t{1} << 28;
 constexpr int kMaxRepeats = 10000;
+constexpr const char* kMassExtinction = "MASS_EXTINCTION_COEFFICIENT";
 
 std::string capitals(std::string_view text) {
   std::string out(text);
@@ -61,6 +63,11 @@ class NamelistScanner {
       ++at_;
       ++line_;
     }
+  }
+
+  /// Past blanks, ends of lines and comments.
+  void skipComments() {
+    for (skipBlanks(); peek() == '\n' || peek() == '!'; skipBlanks()) nextLine();
   }
 
   /// Past blanks, commas, ends of lines and comments; false where the group ends.
@@ -125,14 +132,19 @@ class NamelistScanner {
       }
       const std::string_view one = word();
       const std::size_t after = at_;
+      const int line = line_;
       skipIndices();
-      skipBlanks();
+      const bool indexed = at_ != after;
+      skipComments();
       if (peek() == '=') {
         ++at_;
         values = &group.values[capitals(one)];
+        if (!indexed)  // what is assigned again has the later value
+          values->clear();
         continue;
       }
       at_ = after;
+      line_ = line;
       if (one.empty()) {
         ++at_;  // what has no place here
         continue;
@@ -175,6 +187,66 @@ Status takeNumber(const FdsNamelist& group, const char* key, const std::filesyst
               path.string(), group.line, key, group.text(key).substr(0, 40));
 }
 
+/// ".TRUE.", "T".
+bool isTrue(const std::string& value) {
+  return capitals(value).starts_with("T") || capitals(value).starts_with(".T");
+}
+
+FdsInput::Device deviceOf(const FdsNamelist& group) {
+  FdsInput::Device device{group.text("QUANTITY"), group.text("SPEC_ID"), {}, false};
+  for (const char* key : {"SPATIAL_STATISTIC", "STATISTICS", "TEMPORAL_STATISTIC"}) {
+    const std::string statistic = capitals(group.text(key));
+    if (!statistic.empty() && statistic != "TIME AVERAGE" && statistic != "INSTANT VALUE")
+      device.statistic = statistic;
+  }
+  for (const char* key : {"RELATIVE", "DRY"}) {  // to the first value; without the water in the air
+    if (isTrue(group.text(key)))
+      device.statistic = key;
+  }
+  device.scaled = (group.number("CONVERSION_FACTOR").value_or(1) != 1 ||
+                   group.number("CONVERSION_ADDEND").value_or(0) != 0) &&
+                  group.text("UNITS").empty();
+  return device;
+}
+
+/// What the text of a file says. `others`: names of more files, if these are to be read.
+Status take(const std::string& text, const std::filesystem::path& path, FdsInput& input,
+            std::map<std::string, std::string>& formulas, std::vector<std::string>* others) {
+  for (const FdsNamelist& group :
+       fdsNamelists(text, {"HEAD", "CATF", "TIME", "MISC", "REAC", "SPEC", "SURF", "DEVC"})) {
+    const std::string id = group.text("ID");
+    if (group.group == "HEAD") {
+      if (input.chid.empty())
+        input.chid = group.text("CHID");
+    } else if (group.group == "CATF") {
+      const auto names = group.values.find("OTHER_FILES");
+      if (others != nullptr && names != group.values.end())
+        others->insert(others->end(), names->second.begin(), names->second.end());
+    } else if (group.group == "TIME") {
+      input.begin = group.values.contains("T_BEGIN") ? group.number("T_BEGIN") : input.begin;
+    } else if (group.group == "MISC") {
+      VOLUTE_TRY(takeNumber(group, "VISIBILITY_FACTOR", path, input.visibilityFactor));
+      VOLUTE_TRY(takeNumber(group, "MAXIMUM_VISIBILITY", path, input.maximumVisibility));
+    } else if (group.group == "REAC") {
+      const std::string fuel = group.text("FUEL").empty() ? id : group.text("FUEL");
+      input.reactions.push_back(
+          {fuel, group.number("SOOT_YIELD").value_or(0), group.number("CO_YIELD").value_or(0)});
+      VOLUTE_TRY(takeNumber(group, kMassExtinction, path, input.massExtinction));
+    } else if (group.group == "SPEC") {
+      if (!group.text("FORMULA").empty())
+        formulas[id] = group.text("FORMULA");
+      if (capitals(id) == "SOOT")
+        VOLUTE_TRY(takeNumber(group, kMassExtinction, path, input.massExtinction));
+    } else if (group.group == "SURF") {
+      if (group.number("HRRPUA").value_or(0) > 0 || group.number("MLRPUA").value_or(0) > 0)
+        input.burning.insert(id);
+    } else if (!id.empty()) {
+      input.devices.emplace(id, deviceOf(group));
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string FdsNamelist::text(const std::string& key) const {
@@ -193,36 +265,20 @@ std::vector<FdsNamelist> fdsNamelists(std::string_view text,
 
 Result<FdsInput> FdsInput::read(const std::filesystem::path& path) {
   VOLUTE_ASSIGN(const auto bytes, readText(path, kLargestFile));
-  const std::string text = asUtf8(bytes);
   FdsInput input;
   input.path = path;
   std::map<std::string, std::string> formulas;
-  for (const FdsNamelist& group : fdsNamelists(text, {"HEAD", "MISC", "REAC", "SPEC", "DEVC"})) {
-    if (group.group == "HEAD") {
-      input.chid = group.text("CHID");
-    } else if (group.group == "MISC") {
-      VOLUTE_TRY(takeNumber(group, "VISIBILITY_FACTOR", path, input.visibilityFactor));
-      VOLUTE_TRY(takeNumber(group, "MAXIMUM_VISIBILITY", path, input.maximumVisibility));
-    } else if (group.group == "REAC") {
-      const std::string fuel = group.text("FUEL").empty() ? group.text("ID") : group.text("FUEL");
-      input.reactions.push_back(
-          {fuel, group.number("SOOT_YIELD").value_or(0), group.number("CO_YIELD").value_or(0)});
-    } else if (group.group == "SPEC") {
-      if (!group.text("FORMULA").empty())
-        formulas[group.text("ID")] = group.text("FORMULA");
-    } else if (!group.text("ID").empty()) {
-      FdsInput::Device device{group.text("QUANTITY"), group.text("SPEC_ID"), {}, false};
-      for (const char* key : {"SPATIAL_STATISTIC", "STATISTICS", "TEMPORAL_STATISTIC"}) {
-        const std::string statistic = capitals(group.text(key));
-        if (!statistic.empty() && statistic != "TIME AVERAGE" && statistic != "INSTANT VALUE" &&
-            statistic != "RUNNING AVERAGE")
-          device.statistic = statistic;
-      }
-      device.scaled = (group.number("CONVERSION_FACTOR").value_or(1) != 1 ||
-                       group.number("CONVERSION_ADDEND").value_or(0) != 0) &&
-                      group.text("UNITS").empty();
-      input.devices.emplace(group.text("ID"), std::move(device));
+  std::vector<std::string> more;
+  VOLUTE_TRY(take(asUtf8(bytes), path, input, formulas, &more));
+  for (const std::string& name : more) {  // FDS reads what these name as if it stood here
+    const std::filesystem::path file = FilesAsWritten().find(path.parent_path(), name);
+    const auto other = readText(file, kLargestFile);
+    if (!other) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: names another input file (CATF), which cannot be read: {}", path.string(),
+                  other.error().message);
     }
+    VOLUTE_TRY(take(asUtf8(*other), file, input, formulas, nullptr));
   }
   for (auto& [id, device] : input.devices) {
     const auto formula = formulas.find(device.species);

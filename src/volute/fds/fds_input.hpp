@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,18 +47,22 @@ struct FdsInput {
   struct Device {
     std::string quantity;
     std::string species;  ///< SPEC_ID, with the formula that a SPEC line gives instead of its name
-    std::string statistic;  ///< what is not the value at a point
+    std::string statistic;  ///< the key or statistic by which it is not the value at a point
     bool scaled = false;    ///< by CONVERSION_FACTOR or CONVERSION_ADDEND, with no UNITS stated
   };
 
   std::filesystem::path path;  ///< empty: there is none
   std::string chid;
+  std::optional<double> begin;  ///< [s]; FDS's default is 0
   std::optional<double> visibilityFactor;
   std::optional<double> maximumVisibility;  ///< [m]
+  std::optional<double> massExtinction;     ///< of soot [m2/kg]
   std::vector<Reaction> reactions;
+  std::set<std::string> burning;          ///< surfaces with a heat or mass release
   std::map<std::string, Device> devices;  ///< by ID
 
-  /// kInvalidData where a number that is used is none.
+  /// With the files that its CATF names. kInvalidData where one of these cannot be read, or a
+  /// number that is used is none.
   [[nodiscard]] static Result<FdsInput> read(const std::filesystem::path& path);
 };
 

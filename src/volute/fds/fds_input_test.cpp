@@ -64,6 +64,45 @@ TEST(FdsInput, ImpossibleNumbersAreNamed) {
               HasSubstr("a.fds: line 2: VISIBILITY_FACTOR is '-1'; expected a number above 0"));
 }
 
+TEST(FdsInput, IsReadAsFortranReadsIt) {
+  fdswriter::Folder folder;
+  fdswriter::saveText(folder / "a.fds",
+                      "&HEAD CHID='a' /\n&TIME T_BEGIN=-5. /\n"
+                      "&MISC VISIBILITY_FACTOR ! of signs that emit light\n = 5., TMPA\n=20.,\n"
+                      "  VISIBILITY_FACTOR=8. /\n"
+                      "&SPEC ID='SOOT', MASS_EXTINCTION_COEFFICIENT=4350. /\n"
+                      "&SPEC ID='FOG', MASS_EXTINCTION_COEFFICIENT=1. /\n"
+                      "&SURF ID='FIRE', HRRPUA=500. /\n&SURF ID='WALL' /\n"
+                      "&DEVC ID='rise', QUANTITY='TEMPERATURE', RELATIVE=.TRUE. /\n"
+                      "&DEVC ID='dry', QUANTITY='VOLUME FRACTION', SPEC_ID='OXYGEN', DRY=T /\n"
+                      "&DEVC ID='wet', QUANTITY='VOLUME FRACTION', SPEC_ID='OXYGEN', DRY=F /\n"
+                      "&DEVC ID='mean', QUANTITY='TEMPERATURE',\n"
+                      "  TEMPORAL_STATISTIC='RUNNING AVERAGE' /\n");
+  const auto input = FdsInput::read(folder / "a.fds").value();
+  EXPECT_EQ(input.visibilityFactor, 8) << "of two the later one, on several lines";
+  EXPECT_EQ(input.begin, -5);
+  EXPECT_EQ(input.massExtinction, 4350);
+  EXPECT_THAT(input.burning, ElementsAre("FIRE"));
+  EXPECT_EQ(input.devices.at("rise").statistic, "RELATIVE");
+  EXPECT_EQ(input.devices.at("dry").statistic, "DRY");
+  EXPECT_EQ(input.devices.at("wet").statistic, "");
+  EXPECT_EQ(input.devices.at("mean").statistic, "RUNNING AVERAGE");
+}
+
+TEST(FdsInput, ReadsTheFilesThatItNames) {
+  fdswriter::Folder folder;
+  fdswriter::saveText(folder / "a.fds",
+                      "&HEAD CHID='a' /\n&CATF OTHER_FILES='optics.fds','Fires.fds' /\n");
+  EXPECT_THAT(FdsInput::read(folder / "a.fds").error().message,
+              HasSubstr("a.fds: names another input file (CATF), which cannot be read"));
+  fdswriter::saveText(folder / "optics.fds", "&HEAD CHID='b' /\n&MISC VISIBILITY_FACTOR=8. /\n");
+  fdswriter::saveText(folder / "fires.fds", "&SURF ID='FIRE', MLRPUA=0.02 /\n");
+  const auto input = FdsInput::read(folder / "a.fds").value();
+  EXPECT_EQ(input.chid, "a");
+  EXPECT_EQ(input.visibilityFactor, 8);
+  EXPECT_THAT(input.burning, ElementsAre("FIRE"));
+}
+
 TEST(FdsInput, EndsAnywhere) {
   const std::string text(kText);
   for (std::size_t i = 0; i < text.size(); ++i) {

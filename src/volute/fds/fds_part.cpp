@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "volute/fds/fds_input.hpp"
 #include "volute/fds/particle_file.hpp"
 
 namespace volute {
@@ -154,6 +155,8 @@ Result<std::shared_ptr<FdsCase::Part>> FdsCase::openPart(const FdsSourcePart& wh
       VOLUTE_TRY(hold(FdsSmokeFile::open(part->path, mesh)));
     }
   }
+  if (source().kind == FdsFileKind::kSlice || source().kind == FdsFileKind::kPlot)
+    part->massExtinction = inputOf(index_).massExtinction.value_or(part->massExtinction);
   if (options_.massExtinction > 0)
     part->massExtinction = options_.massExtinction;
   part->cellLength = mesh.planes[0][1] - mesh.planes[0][0];

@@ -19,54 +19,8 @@ Status SmvReader::readTable(std::string_view) {
   std::string kind, name;
   VOLUTE_TRY(text(kind, "what a table holds"));
   VOLUTE_TRY(text(name, "the name of a table"));
-  index_.others.push_back({"table of " + kind, -1, named(std::move(name))});
+  index_.others.push_back({"table of " + kind, -1, files_.find(index_.path.parent_path(), name)});
   return {};
-}
-
-namespace {
-
-std::string lowered(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
-
-}  // namespace
-
-/// The file that a name means. FDS on Windows writes backslashes, and does not mind the case of
-/// letters; the only file whose name differs in that alone is meant.
-std::filesystem::path SmvReader::named(std::string name) {
-  const std::filesystem::path folder = index_.path.parent_path();
-  const auto exists = [](const std::filesystem::path& path) {
-    std::error_code code;
-    return std::filesystem::exists(path, code);
-  };
-  if (name.empty() || exists(folder / name))
-    return folder / name;
-  std::string slashes = name;
-  std::ranges::replace(slashes, '\\', '/');
-  std::filesystem::path found = folder;
-  for (const std::filesystem::path& part : std::filesystem::path(slashes)) {
-    if (exists(found / part)) {
-      found /= part;
-      continue;
-    }
-    auto& names = folders_[found];
-    if (names.empty()) {
-      std::error_code code;
-      for (const auto& entry :
-           std::filesystem::directory_iterator(found.empty() ? "." : found, code)) {
-        const std::string one = entry.path().filename().string();
-        names[lowered(one)].push_back(one);
-      }
-    }
-    const auto like = names.find(lowered(part.string()));
-    if (like == names.end() || like->second.size() != 1)
-      return folder / name;
-    found /= like->second.front();
-  }
-  if (otherNames_++ == 0)
-    otherName_ = fmt::format("{} for '{}'", found.filename().string(), name);
-  return found;
 }
 
 /// Values of one mesh alone are in a file.
@@ -82,7 +36,7 @@ Status SmvReader::claim(const std::filesystem::path& file, int mesh) {
 Result<std::filesystem::path> SmvReader::file(std::string_view what) {
   std::string name;
   VOLUTE_TRY(text(name, what));
-  return named(std::move(name));
+  return files_.find(index_.path.parent_path(), name);
 }
 
 Status SmvReader::readBoundary(std::string_view rest) {

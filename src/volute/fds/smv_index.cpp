@@ -462,8 +462,15 @@ void SmvReader::leaveOutEvacuation() {
 void SmvReader::findInput() {
   if (inputName_.empty())
     return;
-  const std::filesystem::path path = named(inputName_);
+  const std::filesystem::path folder = index_.path.parent_path();
+  std::filesystem::path path = files_.find(folder, inputName_);
   auto input = FdsInput::read(path);
+  // FDS was given a path that is there no more: its last part lies beside the index.
+  const std::size_t slash = inputName_.find_last_of("/\\");
+  if (!input && input.error().code == ErrorCode::kNotFound && slash != inputName_.npos) {
+    path = files_.find(folder, inputName_.substr(slash + 1));
+    input = FdsInput::read(path);
+  }
   if (!input && input.error().code == ErrorCode::kNotFound)
     return;
   if (!input) {
@@ -498,13 +505,8 @@ Status SmvReader::finish() {
   if (index_.meshes.empty())
     return fail(ErrorCode::kInvalidData, "{}: has meshes of FDS+Evac alone, without gas", name);
   findInput();
-  if (otherNames_ > 0) {
-    index_.remarks.push_back(
-        fmt::format("{}: {} names differ from those of the files in the case of letters or by "
-                    "backslashes, such "
-                    "as {}: the files are taken",
-                    name, otherNames_, otherName_));
-  }
+  if (const std::string remark = files_.remark(); !remark.empty())
+    index_.remarks.push_back(fmt::format("{}: {}", name, remark));
   if (lines_.endedWithinLine() || cutOff_) {
     index_.remarks.push_back(fmt::format("{}: ends within line {}: what it names there is left out",
                                          name, lines_.lineNumber() + 1));

@@ -101,6 +101,9 @@ TEST(SmvIndex, readsTheInputThatItNames) {
   EXPECT_TRUE(inputOf(*readText(folder, index.text())).path.empty()) << "a case without it is read";
   fdswriter::saveText(folder / "made.fds", "&HEAD CHID='made' /\n&MISC VISIBILITY_FACTOR=8 /\n");
   EXPECT_EQ(inputOf(*readText(folder, index.text())).visibilityFactor, 8);
+  index.input = "/home/user/runs/made.fds";
+  EXPECT_EQ(inputOf(*readText(folder, index.text())).visibilityFactor, 8)
+      << "beside the index, if it is not where FDS was started";
   fdswriter::saveText(folder / "made.fds", "&HEAD CHID='other' /\n&MISC VISIBILITY_FACTOR=8 /\n");
   const auto other = readText(folder, index.text());
   EXPECT_FALSE(other->input);

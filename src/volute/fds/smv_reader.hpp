@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "volute/base/file_as_written.hpp"
 #include "volute/fds/smv_index.hpp"
 #include "volute/fds/text_lines.hpp"
 
@@ -38,7 +39,6 @@ class SmvReader {
 
   Status text(std::string& into, std::string_view what);
   Result<std::filesystem::path> file(std::string_view what);
-  std::filesystem::path named(std::string name);
   Status claim(const std::filesystem::path& file, int mesh);
   Status readVersion(std::string_view);
   Status readTitle(std::string_view);
@@ -115,10 +115,7 @@ class SmvReader {
   std::string inputName_;
   std::string unreadSmoke_;            // the keyword of smoke in another format
   std::map<std::string, int> owners_;  // of files: meshes
-  std::map<std::filesystem::path, std::map<std::string, std::vector<std::string>>>
-      folders_;            // names in them by lower case
-  std::string otherName_;  // the first file that was found under another name than the index has
-  int otherNames_ = 0;
+  FilesAsWritten files_;
 };
 
 }  // namespace volute

@@ -6,12 +6,12 @@
 #include <array>
 #include <cctype>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 
 #include "volute/base/parallel.hpp"
 #include "volute/base/printable.hpp"
-#include "volute/base/read_text.hpp"
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_input.hpp"
 #include "volute/io/unit.hpp"
@@ -226,17 +226,7 @@ namespace {
 /// Vents and obstructions with a surface that burns, by the case's input file.
 std::vector<FirePlace> burners(const SmvIndex& index) {
   std::vector<FirePlace> burners;
-  if (inputOf(index).path.empty())
-    return burners;
-  constexpr std::uint64_t kMaxInput = std::uint64_t{64} << 20;  // [bytes]
-  const auto text = readText(inputOf(index).path.string(), kMaxInput);
-  if (!text)
-    return burners;  // whoever read the index said so
-  std::set<std::string> burning;
-  for (const FdsNamelist& surface : fdsNamelists(*text, {"SURF"})) {
-    if (surface.number("HRRPUA").value_or(0) > 0 || surface.number("MLRPUA").value_or(0) > 0)
-      burning.insert(surface.text("ID"));
-  }
+  const std::set<std::string>& burning = inputOf(index).burning;
   const auto nameOf = [&](int surface) {
     const auto place = static_cast<std::size_t>(surface);
     return surface >= 0 && place < index.surfaces.size() ? index.surfaces[place].name
@@ -365,9 +355,11 @@ CaseFacts fdsFacts(const SmvIndex& index) {
     constexpr std::size_t kMax = 400;
     take("devc", facts.devices,
          [n = kMax](const auto&, const auto&) mutable { return n > 0 && n-- > 0; });
+    std::map<std::string_view, const FactCurve*> columns;
+    for (const FactCurve& curve : facts.devices) columns.emplace(curve.name, &curve);
     std::vector<std::string> missing;
     for (const FdsDevice& device : index.devices) {
-      if (std::ranges::find(facts.devices, device.label, &FactCurve::name) == facts.devices.end())
+      if (!columns.contains(device.label))
         missing.push_back(device.label);
     }
     if (!missing.empty() && !facts.devices.empty() && facts.devices.size() < kMax) {
@@ -378,17 +370,17 @@ CaseFacts fdsFacts(const SmvIndex& index) {
     std::vector<std::string> unread, unnamed;
     DeviceUnits units(index);
     for (const FdsDevice& device : index.devices) {
-      const auto curve = std::ranges::find(facts.devices, device.label, &FactCurve::name);
+      const auto curve = columns.find(device.label);
       const std::string measured = measuredBy(index, device);
       const auto* stored = std::ranges::find_if(kStored, [&](const Stored& one) {
         return std::ranges::equal(one.fds, measured, {},
                                   [](unsigned char c) { return std::toupper(c); });
       });
-      if (curve == facts.devices.end() || stored == std::end(kStored))
+      if (curve == columns.end() || stored == std::end(kStored))
         continue;
-      if (const std::string why = units.misfit(*curve, unitOf(stored->name)); !why.empty())
+      if (const std::string why = units.misfit(*curve->second, unitOf(stored->name)); !why.empty())
         unread.push_back(fmt::format("'{}' ({} {})", device.label, measured, why));
-      else if (curve->unit.empty())
+      else if (curve->second->unit.empty())
         unnamed.push_back(fmt::format("'{}' in {}", device.label, unitOf(stored->name)));
     }
     if (!unnamed.empty()) {

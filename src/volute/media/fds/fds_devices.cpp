@@ -344,10 +344,13 @@ std::string DeviceUnits::misfit(const FactCurve& curve, std::string_view unit) {
     return "";
   if (!unnamed_) {
     unnamed_ = "";
+    std::set<std::string> fractions;
+    for (const FdsDevice& device : index_.devices) {
+      if (measuredBy(index_, device).ends_with("VOLUME FRACTION"))
+        fractions.insert(device.label);
+    }
     const auto all = readCurves(index_, "devc", [&](const auto& name, const auto& columnUnit) {
-      const auto device = std::ranges::find(index_.devices, name, &FdsDevice::label);
-      return columnUnit.empty() && device != index_.devices.end() &&
-             measuredBy(index_, *device).ends_with("VOLUME FRACTION");
+      return columnUnit.empty() && fractions.contains(name);
     });
     for (const FactCurve& one : all ? all->curves : std::vector<FactCurve>()) {
       if (std::ranges::max(one.values) > kMaxRounded) {
@@ -410,8 +413,10 @@ Result<std::unique_ptr<PointField>> fdsDevicePoints(const SmvIndex& index,
     return none;
   VOLUTE_TRY(read);
   std::vector<Device> devices;
+  std::set<std::string_view> columns;
+  for (const FactCurve& curve : read->curves) columns.insert(curve.name);
   for (const auto& [label, one] : wanted) {
-    if (std::ranges::find(read->curves, label, &FactCurve::name) == read->curves.end())
+    if (!columns.contains(label))
       left.insert(label + " (no column of that name)");
   }
   DeviceUnits units(index);

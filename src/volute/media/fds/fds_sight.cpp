@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "volute/base/parallel.hpp"
+#include "volute/fds/fds_input.hpp"
 #include "volute/fds/fds_march.hpp"
 #include "volute/media/fds/fds_conditions.hpp"
 #include "volute/media/fds/fds_devices.hpp"
@@ -617,8 +618,9 @@ double FdsSight::begin() {
     begin_ = times_.front();
     const auto fire = readCurves(case_.index(), "hrr",
                                  [](const auto& name, const auto&) { return name == "HRR"; });
-    if (fire && !fire->curves.empty())
-      begin_ = std::min(*begin_, fire->curves.front().times.front());
+    const double stated = inputOf(case_.index()).begin.value_or(0);
+    begin_ = std::min(*begin_,
+                      fire && !fire->curves.empty() ? fire->curves.front().times.front() : stated);
   }
   return *begin_;
 }
