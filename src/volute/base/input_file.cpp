@@ -17,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "volute/base/read_files.hpp"
+
 namespace volute {
 
 namespace {
@@ -83,6 +85,7 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path) {
     ::close(descriptor);
     return notRegular(path, status.st_mode);
   }
+  noteRead(status.st_dev, status.st_ino);
   return InputFile(descriptor, static_cast<std::uint64_t>(status.st_size), path);
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "volute/base/file_name.hpp"
+#include "volute/base/read_files.hpp"
 
 namespace volute {
 namespace {
@@ -134,6 +135,11 @@ PendingFile& PendingFile::operator=(PendingFile&& other) noexcept {
 }
 
 Status PendingFile::commit() {
+  if (isProtected(target_, place_)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: is read by this run and would be replaced; give another name",
+                target_.string());
+  }
   VOLUTE_TRY(syncPath(temporary_, target_.string()));
   if (::rename(temporary_.c_str(), place_.c_str()) != 0) {
     return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", target_.string(),

@@ -7,6 +7,7 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
 #include "volute/base/leftovers.hpp"
+#include "volute/base/read_files.hpp"
 #include "volute/io/named_files.hpp"
 #include "volute/io/output_names.hpp"
 
@@ -71,6 +72,10 @@ Status checkNothingOverwritten(const Command& command, const Arguments& argument
         VOLUTE_TRY(checkOne(option, output, named, input));
     }
   }
+  // What other files name, a case's slices or a mesh's pieces, is known when it is read.
+  std::vector<std::filesystem::path> targets;
+  for (const auto& [option, output] : outputs) targets.emplace_back(output);
+  protectWhatIsRead(std::move(targets));
   return {};
 }
 

@@ -130,8 +130,16 @@ Result<nlohmann::json> readJson(const std::filesystem::path& path, std::size_t m
     return fail(ErrorCode::kInvalidData, "{}: line {} is no valid JSON (byte {}){}", file, line,
                 error.byte,
                 number ? fmt::format(": it has no {}; expected a finite number", word) : "");
-  } catch (const nlohmann::json::exception& error) {  // a number beyond double
-    return fail(ErrorCode::kInvalidData, "{}: {}", file, error.what());
+  } catch (const nlohmann::json::exception& error) {  // a number beyond double: its text is quoted
+    const std::string what = error.what();
+    const std::size_t quote = what.find('\'');
+    const std::string number =
+        quote == what.npos ? what : what.substr(quote + 1, what.rfind('\'') - quote - 1);
+    const auto at = static_cast<std::ptrdiff_t>(std::min(text.find(number), text.size()));
+    return fail(ErrorCode::kInvalidData,
+                "{}: line {}: {} is beyond the numbers of 64 bits; expected a finite number", file,
+                1 + std::count(text.begin(), text.begin() + at, '\n'),
+                printable(number.substr(0, 60)));
   }
 }
 

@@ -13,6 +13,7 @@
 #include <span>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/file_as_written.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
 #include "volute/io/foam_files.hpp"
@@ -369,6 +370,7 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
     }
   }
   std::ranges::stable_sort(files, {}, &TimedFile::time);
+  FilesAsWritten written;
   for (const TimedFile& file : files) {
     if (!source.times_.empty() && source.times_.back() == file.time) {
       return fail(ErrorCode::kInvalidData,
@@ -377,7 +379,7 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
                   path.string(), source.instants_.back().file.filename().string(),
                   file.path.string(), file.time);
     }
-    source.instants_.push_back({path.parent_path() / file.path, 0});
+    source.instants_.push_back({written.find(path.parent_path(), file.path.string()), 0});
     source.times_.push_back(file.time);
   }
   if (source.instants_.empty())

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "volute/base/suggest.hpp"
 #include "volute/io/json_file.hpp"
+#include "volute/io/json_members.hpp"
 #include "volute/io/json_values.hpp"
 
 namespace volute {
@@ -111,18 +111,7 @@ class AreaReader {
   }
 
   Status checkNames(std::span<const std::string_view> names) const {
-    if (!json_.is_object())
-      return wrong("", "expected an object");
-    for (const auto& [key, value] : json_.items()) {
-      if (std::ranges::find(names, key) != names.end())
-        continue;
-      const auto near = nearest(key, names);
-      return wrong(key,
-                   near.empty()
-                       ? fmt::format("this name is unknown; expected {}", fmt::join(names, ", "))
-                       : fmt::format("this name is unknown; did you mean '{}'?", near));
-    }
-    return {};
+    return checkMembers(json_, names, file_, path_);
   }
 
   bool has(const char* key) const { return json_.contains(key); }

@@ -13,6 +13,7 @@
 
 #include "volute/base/suggest.hpp"
 #include "volute/io/json_file.hpp"
+#include "volute/io/json_members.hpp"
 #include "volute/io/json_values.hpp"
 
 namespace volute {
@@ -28,16 +29,7 @@ class CriterionReader {
       : json_(json), file_(file), path_(std::move(path)) {}
 
   Result<Criterion> read() const {
-    if (!json_.is_object())
-      return fail(ErrorCode::kInvalidData, "{}: {}: expected an object", file_, path_);
-    for (const auto& [key, value] : json_.items()) {
-      if (std::ranges::find(kMembers, key) != kMembers.end())
-        continue;
-      const auto near = nearest(key, kMembers);
-      return wrong(key, near.empty()
-                            ? "this name is unknown"
-                            : fmt::format("this name is unknown; did you mean '{}'?", near));
-    }
+    VOLUTE_TRY(checkMembers(json_, kMembers, file_, path_));
     Criterion criterion;
     VOLUTE_ASSIGN(const auto kind, text("kind", ""));
     VOLUTE_TRY(readKind(kind, criterion));
@@ -143,6 +135,12 @@ class CriterionReader {
     VOLUTE_ASSIGN(criterion.limit, jsonToNumber(json_["limit"], file_, path_ + "/limit"));
     if (!(criterion.limit > 0))
       return wrong("limit", "expected a number > 0");
+    if (isFraction(criterion) && !(criterion.limit <= 1)) {
+      return wrong("limit", fmt::format("is {:g}; a fraction in mol/mol is at most 1: {:g} % are "
+                                        "{:g}, {:g} ppm are {:g}",
+                                        criterion.limit, criterion.limit, criterion.limit * 1e-2,
+                                        criterion.limit, criterion.limit * 1e-6));
+    }
     if (kind == "visibility") {
       double c = 3;
       if (json_.contains("C")) {
@@ -167,6 +165,11 @@ class CriterionReader {
     return {};
   }
 
+  static bool isFraction(const Criterion& criterion) {
+    return !criterion.law && criterion.quantity != Air::kExtinction &&
+           quantityOf(criterion.quantity).unit == "mol/mol";
+  }
+
   const nlohmann::json& json_;
   const std::string& file_;
   std::string path_;
@@ -177,6 +180,9 @@ class CriterionReader {
 Result<std::vector<Criterion>> readCriteria(const std::string& file) {
   VOLUTE_ASSIGN(const auto json, readJson(file));
   constexpr std::size_t kMax = 100;
+  constexpr std::string_view kWhole[] = {"criteria"};
+  if (json.is_object())
+    VOLUTE_TRY(checkMembers(json, kWhole, file));
   if (!json.is_object() || !json.contains("criteria") || !json["criteria"].is_array() ||
       json["criteria"].empty() || json["criteria"].size() > kMax) {
     return fail(ErrorCode::kInvalidData,

@@ -6,7 +6,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "volute/base/suggest.hpp"
+#include "volute/io/json_members.hpp"
 #include "volute/io/json_values.hpp"
 
 namespace volute {
@@ -22,7 +22,7 @@ class SignReader {
       : json_(json), file_(file), path_(std::move(path)) {}
 
   Result<SafetySign> read(std::size_t number) const {
-    VOLUTE_TRY(checkNames());
+    VOLUTE_TRY(checkMembers(json_, kNames, file_, path_));
     SafetySign sign;
     VOLUTE_ASSIGN(sign.name, name(number));
     for (const char* key : {"position", "normal"}) {
@@ -45,20 +45,6 @@ class SignReader {
 
   tl::unexpected<Error> wrong(std::string_view key, std::string_view message) const {
     return fail(ErrorCode::kInvalidData, "{}: {}: {}", file_, where(key), message);
-  }
-
-  Status checkNames() const {
-    if (!json_.is_object())
-      return fail(ErrorCode::kInvalidData, "{}: {}: expected an object", file_, path_);
-    for (const auto& [key, value] : json_.items()) {
-      if (std::ranges::find(kNames, key) != kNames.end())
-        continue;
-      const auto near = nearest(key, kNames);
-      return wrong(key, near.empty()
-                            ? "this name is unknown"
-                            : fmt::format("this name is unknown; did you mean '{}'?", near));
-    }
-    return {};
   }
 
   Result<std::string> name(std::size_t number) const {
@@ -124,6 +110,9 @@ class SignReader {
 
 Result<std::vector<SafetySign>> readSigns(const std::string& file) {
   VOLUTE_ASSIGN(const auto json, readJson(file));
+  constexpr std::string_view kWhole[] = {"signs"};
+  if (json.is_object())
+    VOLUTE_TRY(checkMembers(json, kWhole, file));
   if (!json.is_object() || !json.contains("signs") || !json["signs"].is_array()) {
     return fail(ErrorCode::kInvalidData,
                 "{}: /signs: expected a list of signs, {{\"signs\": [{{\"name\": .., \"position\": "

@@ -12,9 +12,9 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/base/read_text.hpp"
-#include "volute/base/suggest.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/io/json_file.hpp"
+#include "volute/io/json_members.hpp"
 #include "volute/io/json_values.hpp"
 #include "volute/report/csv_cell.hpp"
 #include "volute/visibility/plan_picture.hpp"
@@ -51,7 +51,7 @@ class StudyReader {
       return wrong("", "expected an object");
     constexpr std::array<std::string_view, 5> kNames{"format", "cases", "options", "variants",
                                                      "baseline"};
-    VOLUTE_TRY(checkNames(json_, "", kNames));
+    VOLUTE_TRY(checkMembers(json_, kNames, file_));
     VOLUTE_ASSIGN(const OptionSet common, options(json_, ""));
     VOLUTE_TRY(readVariants());
     if (!json_.contains("cases") || !json_["cases"].is_array() || json_["cases"].empty())
@@ -78,19 +78,6 @@ class StudyReader {
 
   tl::unexpected<Error> wrong(const std::string& where, std::string_view message) const {
     return fail(ErrorCode::kInvalidData, "{}: {}: {}", file_, where.empty() ? "/" : where, message);
-  }
-
-  Status checkNames(const nlohmann::json& json, const std::string& where,
-                    std::span<const std::string_view> names) const {
-    for (const auto& [key, value] : json.items()) {
-      if (std::ranges::find(names, key) != names.end())
-        continue;
-      const auto near = nearest(key, names);
-      return wrong(where + "/" + key,
-                   near.empty() ? "this name is unknown"
-                                : fmt::format("this name is unknown; did you mean '{}'?", near));
-    }
-    return {};
   }
 
   Result<std::string> word(const nlohmann::json& value, const std::string& key,
@@ -154,7 +141,7 @@ class StudyReader {
       const std::string where = fmt::format("/variants/{}", i);
       if (!list[i].is_object())
         return wrong(where, "expected an object with name and options");
-      VOLUTE_TRY(checkNames(list[i], where, kNames));
+      VOLUTE_TRY(checkMembers(list[i], kNames, file_, where));
       Variant variant;
       VOLUTE_ASSIGN(variant.name, name(list[i], where, fmt::format("variant{}", i + 1)));
       VOLUTE_ASSIGN(variant.options, options(list[i], where));
@@ -172,7 +159,7 @@ class StudyReader {
     OptionSet own;
     std::string named;
     if (!plain) {
-      VOLUTE_TRY(checkNames(json, where, kNames));
+      VOLUTE_TRY(checkMembers(json, kNames, file_, where));
       VOLUTE_ASSIGN(own, options(json, where));
       VOLUTE_ASSIGN(named, name(json, where, ""));
     }

@@ -240,8 +240,22 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   return runSurvey(std::move(request), *field, *watch, pictures, context.progress, context.team);
 }
 
+bool liesIn(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  std::error_code error;
+  const auto inside = std::filesystem::weakly_canonical(std::filesystem::absolute(file), error);
+  const auto whole = std::filesystem::weakly_canonical(
+      std::filesystem::absolute(folder / ".").lexically_normal(), error);
+  const auto from = inside.lexically_relative(whole.has_filename() ? whole : whole.parent_path());
+  return !error && !from.empty() && *from.begin() != "..";
+}
+
 Status runVisibility(const Arguments& arguments, Context& context) {
   const auto output = arguments.get<std::string>("output");
+  const auto stats = arguments.find<std::string>("stats");
+  if (stats && liesIn(*stats, output)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--stats: {} is in the folder that --output makes anew; give another name", *stats);
+  }
   Context::watch(output);
   VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
   const bool pdf = arguments.flag("pdf");
@@ -322,18 +336,21 @@ std::vector<Option> visibilityOptionTable() {
        .value = "V",
        .help = "walking speed along a route [m/s]",
        .initial = "1.2",
-       .positive = true},
+       .positive = true,
+       .beside = "route"},
       {.name = "start",
        .kind = kNumber,
        .value = "T",
        .help = "start time of the walk [s]",
-       .initial = "0"},
+       .initial = "0",
+       .beside = "route"},
       {.name = "slowed",
        .kind = kText,
        .value = "LAW",
        .help = "how smoke slows walkers down: none, fridolf, frantzich-nilsson, or one of these "
                "with coefficients: fridolf:0.34,3,0.2",
-       .initial = "none"},
+       .initial = "none",
+       .beside = "route"},
       {.name = "criteria",
        .kind = kText,
        .value = "WHICH",
