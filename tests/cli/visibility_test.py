@@ -453,6 +453,81 @@ class Damage(Visibility):
         self.assertIn("holds files of something else", self.refused(good))
         self.assertEqual((self.path("out") / "thesis.txt").read_text(), "x")
 
+    def test_no_file_of_the_case_is_replaced(self):
+        signs = self.signs(self.east())
+        slice_file = next(iter(sorted(self.path(".").glob("*.sf"))))
+        before = slice_file.read_bytes()
+        result = support.volute("visibility", self.case, "--signs", signs, "--eyes", self.points, "-o", self.path("out"),
+                                "--stats", slice_file)
+        self.assertEqual(result.code, 2)
+        self.assertIn("is read by this run and would be replaced; give another name", result.message)
+        self.assertEqual(slice_file.read_bytes(), before)
+        message = self.fails(2, "visibility", self.case, "--signs", signs, "--eyes", self.points, "-o", self.path("out"),
+                             "--stats", self.path("out") / "visibility.json")
+        self.assertIn("is in the folder that --output makes anew", message)
+
+    def test_what_is_lost_before_anybody_looks_is_not_known(self):
+        room = FdsCase([Mesh("room", (0, 7, 0, 3, 0, 2.4), (7, 3, 3))], [0.0, 10.0, 20.0], lambda t, x, y, z: 0.05 * t)
+        case = room.write(self.path("."), "late")
+        signs = self.signs(self.east(), name="one.json")
+        plan = ("visibility", case, "--signs", signs, "--height", 1, "--step", 1, "--maps", "aset", "-o", self.path("out"))
+        self.assertIn("ASET of all criteria: 0 s", self.works(*plan).text)
+        late = self.works(*plan, "--frames", "1:3")
+        self.assertIn("the smoke is looked at from 10 s on, and the case begins before", late.message)
+        self.assertIn("ASET of all criteria: not known at 100 % of the floor", late.text)
+        self.assertIn("at the latest 10 s", late.text)
+        verdict = self.report()["verdict"][0]
+        self.assertEqual((verdict["time"], verdict["known"], verdict["at_the_latest"]), (None, False, 10))
+        room.times = [20.0]
+        late = self.works("visibility", room.write(self.path("."), "once"), *plan[2:])
+        self.assertIn("not known at 100 % of the floor", late.text)
+
+    def test_places_for_nobody_leave_no_verdict_of_nothing(self):
+        everywhere = [[-1, -1], [8, -1], [8, 4], [-1, 4]]
+        self.path("areas.json").write_text(json.dumps({"areas": [{"name": "all", "people": False, "polygon": everywhere}]}))
+        result = self.works("visibility", self.case, "--signs", self.signs(self.east()), "--height", 1, "--step", 1, "--maps", "aset",
+                            "--areas", self.path("areas.json"), "-o", self.path("out"))
+        self.assertIn("no point of the plan is for people: all points count", result.message)
+        self.assertNotIn("none is reached", result.text.split("\n")[0])
+
+    def test_what_walkers_see_is_known_as_long_as_the_smoke(self):
+        self.path("route.csv").write_text("x,y,z\n1,1,1\n1,2,1\n")
+        walk = ("visibility", self.case, "--signs", self.signs(self.east()), "--route", self.path("route.csv"), "-o", self.path("out"))
+        self.assertIn("whether a sign is in view is not known on the way", self.works(*walk, "--start", 900).text)
+        self.assertIn("% is known", self.works(*walk, "--speed", 0.05).text)
+        self.assertIn("--speed has no effect without --route",
+                      self.fails(2, *walk[:4], "--height", 1, "--speed", 2, "-o", self.path("out")))
+
+    def test_members_and_limits_that_mean_nothing_are_refused(self):
+        self.path("cm.json").write_text(json.dumps({"unit": "cm", "signs": [self.east()]}))
+        look = ("visibility", self.case, "--eyes", self.points, "-o", self.path("out"), "--signs")
+        self.assertIn("cm.json: /unit: this name is unknown; expected signs", self.fails(1, *look, self.path("cm.json")))
+        self.path("ppm.json").write_text(json.dumps({"criteria": [{"kind": "carbon-monoxide", "limit": 1400}]}))
+        self.assertIn("/criteria/0/limit: is 1400; a fraction in mol/mol is at most 1: 1400 % are 14, 1400 ppm are 0.0014",
+                      self.fails(1, *look, self.signs(self.east()), "--criteria", self.path("ppm.json")))
+        self.path("big.json").write_text('{"signs": [{"name": "a",\n"position": [1e999, 2, 2], "normal": [-1, 0, 0]}]}')
+        self.assertIn("big.json: line 2: 1e999 is beyond the numbers of 64 bits", self.fails(1, *look, self.path("big.json")))
+
+    def test_people_on_the_floor(self):
+        self.path("walk.csv").write_text("id,time,x,y,z\n1,0,1,1,0\n1,10,1,2,0\n")
+        walk = ("visibility", self.case, "--signs", self.signs(self.east()), "-o", self.path("out"), "--trajectories")
+        self.assertIn("all people's eyes are less than 0.3 m above a floor", self.works(*walk, self.path("walk.csv")).message)
+        self.path("walk.csv").write_text("id,time,x,y,floor\n1,0,1,1,0\n1,10,1,2,0\n")
+        self.assertNotIn("eyes are less than", self.works(*walk, self.path("walk.csv")).message)
+        database = sqlite3.connect(self.path("two.sqlite"))
+        database.execute("CREATE TABLE metadata(key TEXT, value TEXT)")
+        database.execute("CREATE TABLE trajectory_data(frame INTEGER, id INTEGER, pos_x REAL, pos_y REAL)")
+        database.executemany("INSERT INTO metadata VALUES('fps', ?)", [("2",), ("8",)])
+        database.execute("INSERT INTO trajectory_data VALUES(0, 1, 1, 1)")
+        database.commit()
+        database.close()
+        self.assertIn("two.sqlite: a second frame rate, 8 after 2: which?", self.fails(1, *walk, self.path("two.sqlite")))
+
+    def test_a_series_from_windows(self):
+        sight_cases.write_vtu(self.path("Mesh_0.vtu"), (4, 4, 3), (2, 2, 2), lambda x, y, z: 0.1)
+        sight_cases.write_pvd(self.path("a.pvd"), [(0, ".\\mesh_0.vtu")])
+        self.works("info", self.path("a.pvd"))
+
     def test_a_result_is_replaced_whole(self):
         signs = self.signs(self.east())
         self.look(self.case, signs, "--height", 1, "--step", 0.5)

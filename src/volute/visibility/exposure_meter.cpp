@@ -25,7 +25,7 @@ std::string whyNot(const AirField& air, const Criterion& criterion) {
 
 }  // namespace
 
-AirField AirField::open(SightField& field, std::span<const Criterion> criteria) {
+AirField AirField::open(SightField& field, std::span<const Criterion> criteria, double smokeFrom) {
   AirField air;
   std::array<bool, kAirQuantities> wanted{};
   for (const Criterion& criterion : criteria) {
@@ -47,7 +47,7 @@ AirField AirField::open(SightField& field, std::span<const Criterion> criteria) 
     if (one)
       air.begin_ = std::min(air.begin_, one->times().front());
   }
-  air.smokeIsLate_ = !storedPlace(field.times(), air.begin_);
+  air.smokeIsLate_ = smokeFrom > field.times().front() || !storedPlace(field.times(), air.begin_);
   return air;
 }
 

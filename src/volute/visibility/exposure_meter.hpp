@@ -21,7 +21,9 @@ class AirField {
  public:
   /// Opens what `criteria` need or take in. What cannot be read is a sentence of gaps(), no error.
   /// The extinction comes from whoever asks.
-  static AirField open(SightField& field, std::span<const Criterion> criteria);
+  /// @param smokeFrom  when the smoke is looked at first [s]
+  static AirField open(SightField& field, std::span<const Criterion> criteria,
+                       double smokeFrom = -std::numeric_limits<double>::infinity());
 
   bool has(Air air) const { return air == Air::kExtinction || fields_[index(air)] != nullptr; }
 
@@ -40,7 +42,7 @@ class AirField {
   /// When the case begins [s], by all that is known of it.
   double begin() const { return begin_; }
 
-  /// Whether the case begins before the smoke is stored.
+  /// Whether the case begins before the smoke is stored, or looked at.
   bool smokeIsLate() const { return smokeIsLate_; }
 
   /// The stored times around another one, of each quantity.

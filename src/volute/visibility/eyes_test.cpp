@@ -134,6 +134,11 @@ TEST(Trajectories, AreReadAsJuPedSimWritesThem) {
                           "t.txt", {})
           .value();
   EXPECT_NEAR((centimetres.at(0)[0].eye - Vec3(1, 2, 1.76)).norm(), 0, 1e-12) << "heads, measured";
+  const auto flat = Trajectories::parse(
+                        "# framerate: 25\n#ID\tFR\tX/cm\tY/cm\tZ/cm\n1 0 100 200 0\n", "t.txt", {})
+                        .value();
+  EXPECT_NEAR((flat.at(0)[0].eye - Vec3(1, 2, 1.8)).norm(), 0, 1e-12) << "nobody's head";
+  EXPECT_THAT(flat.remarks(), Contains(HasSubstr("z is the floor there")));
   const auto floor = Trajectories::parse(kText, "t.txt", {}).value();
   EXPECT_NEAR(floor.at(0)[0].eye[2], 1.8, 1e-12);
   EXPECT_THAT(floor.remarks(), Contains(HasSubstr("z is the floor there: eyes are 1.8 m")));

@@ -183,7 +183,8 @@ PlanTenability::PlanTenability(const Survey& survey, std::span<const Vec3> eyes,
       values_(values),
       shapes_(std::move(shapes)),
       signs_(std::move(signs)),
-      meter_(AirField::open(*survey.field, survey.criteria), survey.criteria, eyes.size(), true) {
+      meter_(AirField::open(*survey.field, survey.criteria, survey.times.front()), survey.criteria,
+             eyes.size(), true) {
   const std::vector<double> sizes = areas.sizes();
   for (const Criterion& criterion : meter_.criteria()) {
     std::vector<bool>& holds = holds_.emplace_back(eyes.size());

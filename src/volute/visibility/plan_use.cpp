@@ -155,8 +155,12 @@ PlanUse planUse(const Survey& survey, const SightInstant& first, const FloorPlan
   findTops(plan, places, floors, use);
   if (use.count(PlanUse::Kind::kPeople) > 0)
     return use;
+  return PlanUse::everybody(eyes.size(), progress);
+}
+
+PlanUse PlanUse::everybody(std::size_t eyes, Progress& progress) {
   progress.remark({RemarkCode::kAssumed, "no point of the plan is for people: all points count"});
-  return {std::vector(eyes.size(), PlanUse::Kind::kPeople)};
+  return {std::vector(eyes, Kind::kPeople)};
 }
 
 }  // namespace volute

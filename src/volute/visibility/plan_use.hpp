@@ -38,6 +38,9 @@ struct PlanUse {
 
   std::size_t count(Kind kind) const;
 
+  /// All points are for people, as none would be otherwise, which is a remark.
+  static PlanUse everybody(std::size_t eyes, Progress& progress);
+
   /// "not counted: ...", and whether the fire's own place is; empty where all points count.
   std::string words() const;
 };

@@ -67,7 +67,7 @@ class PlanWatch final : public Watch {
       progress.remark(remark);
     use_ = planUse(survey, first, plan_, places_, eyes_, progress);
     VOLUTE_ASSIGN(areas_, planAreas(survey, first, eyes_, progress));
-    excludeAreas();
+    excludeAreas(progress);
     if (survey.maps == Survey::Maps::kSome && survey.times.size() > Survey::kPicturedTimes) {
       progress.remark(
           {RemarkCode::kNote,
@@ -93,13 +93,15 @@ class PlanWatch final : public Watch {
     if (!survey.criteria.empty())
       tenability_.emplace(survey, eyes_, use_, areas_, planValues(), shapes_,
                           shownSigns(survey.sets[0].members));
-    if (tenability_ ? tenability_->smokeIsLate() : survey.field->beginsBefore()) {
+    if (tenability_ ? tenability_->smokeIsLate() : survey.beginsBefore()) {
       losses_->loseAll();
       progress.remark(
-          {RemarkCode::kDoubtful, fmt::format("the smoke is stored from {:g} s on, and the case "
-                                              "begins before: what is lost until then "
-                                              "is not known",
-                                              survey.field->times().front())});
+          {RemarkCode::kDoubtful,
+           fmt::format(
+               "the smoke is {} from {:g} s on, and the case begins before: "
+               "what is lost until then is not known",
+               survey.times.front() > survey.field->times().front() ? "looked at" : "stored",
+               survey.times.front())});
     }
     hidden_.assign(survey.sets.size(), std::vector<bool>(eyes_.size(), true));
     inView_.assign(survey.signs.size(), false);
@@ -210,13 +212,15 @@ class PlanWatch final : public Watch {
 
  private:
   /// Areas that are named as not for people.
-  void excludeAreas() {
+  void excludeAreas(Progress& progress) {
     for (const PlanAreas::Area& area : areas_.areas) {
       if (area.people)
         continue;
       for (const std::size_t eye : area.eyes) use_.kinds[eye] = PlanUse::Kind::kNamed;
       use_.areas += (use_.areas.empty() ? "" : ", ") + area.name;
     }
+    if (use_.count(PlanUse::Kind::kPeople) == 0)
+      use_ = PlanUse::everybody(eyes_.size(), progress);
   }
 
   /// Of any sign, where one is in sight without smoke.

@@ -294,6 +294,17 @@ class RouteWatch final : public Watch {
     return {};
   }
 
+  /// Of shares of the way on which a sign is seen, and on which it is known what is seen.
+  static std::string seenWords(double seen, double known) {
+    constexpr double kWhole = 1 - 1e-6;
+    if (known <= 0)
+      return "; whether a sign is in view is not known on the way";
+    std::string words = fmt::format(" and has a sign in view on {:.0f} % of the way", 100 * seen);
+    if (known < kWhole)
+      words += fmt::format(", of which {} is known", percentWords(known));
+    return words;
+  }
+
   void addVerdict(Json& report) const {
     Json verdict = Json::array();
     for (std::size_t r = 0; r < routes_.size(); ++r) {
@@ -304,8 +315,8 @@ class RouteWatch final : public Watch {
                   ? fmt::format("has not arrived by {:g} s, the last stored time,",
                                 survey_->times.back())
                   : fmt::format("arrives at {:.4g} s", route["arrival"].get<double>());
-      text += fmt::format(" and has a sign in view on {:.0f} % of the way",
-                          100 * route["walk_share_with_a_sign"].get<double>());
+      text += seenWords(route["walk_share_with_a_sign"].get<double>(),
+                        route["walk_share_known"].get<double>());
       Json json = {{"criterion", "route " + routes_[r].name}, {"time", nullptr}};
       if (meter_) {
         std::string reached, unknown;

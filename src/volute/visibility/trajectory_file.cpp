@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <map>
 
 #include "volute/io/sqlite_file.hpp"
@@ -39,6 +40,7 @@ class Walks {
       : file_(file), height_(height), aboveFloor_(aboveFloor) {}
 
   HeightOf zIs = HeightOf::kEyes;
+  bool guessed = false;  ///< zIs by who writes such files: z near 0 is the floor nevertheless
 
   Status add(const Row& row, std::string_view where) {
     if (!(row.place.cwiseAbs().maxCoeff() <= kLargestPlace) ||
@@ -52,6 +54,8 @@ class Walks {
       eye[2] = *height_;
     else if (zIs != HeightOf::kEyes)
       eye[2] += row.eyes.value_or(aboveFloor_);
+    if (std::isfinite(row.place[2]))
+      highest_ = std::max(highest_, row.place[2]);
     const auto [last, first] = last_.emplace(row.id, row.time);
     if (!first && row.time < last->second && back_++ == 0)
       backAt_ = where;
@@ -73,7 +77,8 @@ class Walks {
   void give(double rate, Take&& take) const {
     for (const auto& [id, steps] : people_) {
       std::vector<std::pair<double, Vec3>> list;
-      for (const auto& [time, eye] : steps) list.emplace_back(time / rate, eye);
+      for (const auto& [time, eye] : steps)
+        list.emplace_back(time / rate, eye + Vec3(0, 0, isFloor() ? aboveFloor_ : 0));
       take(id, list);
     }
   }
@@ -89,19 +94,27 @@ class Walks {
     if (height_ && !std::isnan(*height_) && zIs != HeightOf::kNothing)
       remarks.push_back(
           fmt::format("{}: its z is not used: all eyes are at z = {:g} m", file_, *height_));
-    if (height_ || zIs == HeightOf::kEyes)
+    if (height_ || (zIs == HeightOf::kEyes && !isFloor()))
       return remarks;
-    remarks.push_back(fmt::format(
-        "{}: {}: eyes are {:g} m above it", file_,
-        zIs == HeightOf::kFloor ? "z is the floor there" : "has no z: the floor is taken at z = 0",
-        aboveFloor_));
+    remarks.push_back(fmt::format("{}: {}: eyes are {:g} m above it", file_,
+                                  zIs != HeightOf::kNothing
+                                      ? "z is the floor there"
+                                      : "has no z: the floor is taken at z = 0",
+                                  aboveFloor_));
     return remarks;
   }
 
  private:
+  /// Whether z was taken as that of heads, and nobody has one there.
+  bool isFloor() const {
+    constexpr double kLowestHead = 0.5;  // [m]
+    return guessed && zIs == HeightOf::kEyes && !height_ && highest_ < kLowestHead;
+  }
+
   std::string file_;
   std::optional<double> height_;
   double aboveFloor_;
+  double highest_ = -std::numeric_limits<double>::infinity();  // z [m]
   std::map<int, std::map<double, Vec3>> people_;
   std::map<int, double> last_;  // the time of each person's last line
   std::size_t back_ = 0;        // lines with an earlier one
@@ -110,6 +123,11 @@ class Walks {
 
 tl::unexpected<Error> nobody(std::string_view file, std::string_view expected) {
   return fail(ErrorCode::kInvalidData, "{}: nobody walks here; expected {}", file, expected);
+}
+
+tl::unexpected<Error> secondRate(std::string_view where, double rate, double earlier) {
+  return fail(ErrorCode::kInvalidData, "{}: a second frame rate, {:g} after {:g}: which?", where,
+              rate, earlier);
 }
 
 enum PersonColumn : std::size_t {
@@ -245,8 +263,7 @@ Status readFrames(std::string_view text, std::string_view file, std::optional<do
       table.skip();
       if (const auto said = rateIn(line)) {
         if (rate > 0 && *said != rate) {
-          return fail(ErrorCode::kInvalidData, "{}: a second frame rate, {:g} after {:g}: which?",
-                      table.where(), *said, rate);
+          return secondRate(table.where(), *said, rate);
         }
         rate = *said;
       }
@@ -269,6 +286,7 @@ Status readFrames(std::string_view text, std::string_view file, std::optional<do
     walks.zIs = !table.has(kFz) ? HeightOf::kNothing
                 : measured      ? HeightOf::kEyes
                                 : HeightOf::kFloor;
+    walks.guessed = measured;
     Row row;
     VOLUTE_ASSIGN(const double id, table.whole(kFrameId, 0, kLargestId));
     row.id = static_cast<int>(id);
@@ -307,13 +325,14 @@ Status readDatabase(std::string_view bytes, std::string_view file, Walks& walks,
     const auto* key = std::get_if<std::string>(&row[0]);
     if (key == nullptr || *key != "fps")
       return {};
+    const double earlier = rate;
     if (const auto* text = std::get_if<std::string>(&row[1]))
       rate = finiteNumber(*text).value_or(0);
     else if (const auto* number = std::get_if<double>(&row[1]))
       rate = *number;
     else if (const auto* whole = std::get_if<std::int64_t>(&row[1]))
       rate = static_cast<double>(*whole);
-    return {};
+    return earlier == 0 || earlier == rate ? Status() : secondRate(file, rate, earlier);
   }));
   if (!(rate > 0) || !std::isfinite(rate)) {
     return fail(ErrorCode::kInvalidData,

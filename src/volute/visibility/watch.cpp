@@ -70,9 +70,9 @@ class PointWatch : public Watch {
     for (const SignSet& set : survey.sets) sets.push_back(set.members);
     losses_.emplace(survey.signs, std::move(sets), points_.size());
     if (!survey.criteria.empty())
-      meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
-                     points_.size());
-    if (meter_ ? meter_->air().smokeIsLate() : survey.field->beginsBefore())
+      meter_.emplace(AirField::open(*survey.field, survey.criteria, survey.times.front()),
+                     survey.criteria, points_.size());
+    if (meter_ ? meter_->air().smokeIsLate() : survey.beginsBefore())
       losses_->loseAll();
     return {};
   }
@@ -141,9 +141,10 @@ class TrajectoryWatch final : public Watch {
 
   bool moves() const override { return true; }
 
-  Status begin(const Survey& survey, const SightInstant&, Progress& progress) override {
+  Status begin(const Survey& survey, const SightInstant& first, Progress& progress) override {
     survey_ = &survey;
     progress_ = &progress;
+    noteFloor(first);
     if (people_.end() < survey.times.front() || people_.begin() > survey.times.back()) {
       progress.remark(
           {RemarkCode::kDoubtful,
@@ -204,6 +205,40 @@ class TrajectoryWatch final : public Watch {
     return meter_->advance(
         at.time, [&](double time, std::span<Vec3> places) { placesAt(time, places); }, extinction,
         kStep);
+  }
+
+  /// Eyes of which all are where feet would be.
+  void noteFloor(const SightInstant& first) {
+    constexpr double kLow = 0.3;          // [m]
+    constexpr std::size_t kEnough = 100;  // of people, evenly spread
+    const auto spans = people_.spans();
+    std::vector<Vec3> eyes, below, above, at(people_.ids().size());
+    for (std::size_t i = 0; i < std::min(kEnough, spans.size()); ++i) {
+      const auto& [id, span] = spans[i * spans.size() / std::min(kEnough, spans.size())];
+      placesAt(span.from, at);
+      eyes.push_back(at[placeOf(id)]);
+      below.push_back(eyes.back() - Vec3(0, 0, kLow));
+      above.push_back(eyes.back() + Vec3(0, 0, kLow));
+    }
+    std::vector<Place> here(eyes.size()), there(here), over(here);
+    first.places(eyes, here);
+    first.places(below, there);
+    first.places(above, over);  // smoke in a layer alone ends on both sides
+    std::size_t people = 0, low = 0;
+    for (std::size_t i = 0; i < eyes.size(); ++i) {
+      const bool isInside = here[i] == Place::kGas && over[i] == Place::kGas;
+      people += isInside ? 1 : 0;
+      low += isInside && there[i] != Place::kGas ? 1 : 0;
+    }
+    if (people == 0 || low < people)
+      return;
+    progress_->remark(
+        {RemarkCode::kDoubtful,
+         fmt::format(
+             "all people's eyes are less than {:g} m above a floor, where smoke comes last: "
+             "is their z the floor's? In a table, name its column floor",
+             kLow),
+         {Hint::set("height")}});
   }
 
   /// Those who are there before the first time, or after the last one.

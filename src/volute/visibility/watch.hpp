@@ -55,7 +55,13 @@ struct Survey {
   std::optional<double> north{};                           ///< SightField::north()
   RoundTime round = RoundTime::kDown;  ///< how `rows` and verdicts give losses between times
 
-  SightField* field = nullptr;      ///< whose air criteria ask about
+  SightField* field = nullptr;  ///< whose air criteria ask about
+
+  /// Whether the case begins before the smoke is looked at.
+  bool beginsBefore() const {
+    return field->beginsBefore() || times.front() > field->times().front();
+  }
+
   std::vector<Criterion> criteria;  ///< of tenability, besides the sight of signs; may be empty
   std::optional<Rset> rset;         ///< what plans are compared with
 
