@@ -44,6 +44,18 @@ def room(folder):
     put("study.json", json.dumps({"cases": ["hall.smv"], "options": {"signs": "signs.json", "height": 1.5, "step": 2, "maps": "aset"}}))
 
 
+def air(folder):
+    """A case whose smoke is what its input file says: visibility by a factor of 8."""
+    room(folder)
+    hall = sight_cases.Mesh("hall", (0, 8, 0, 4, 0, 3), (8, 4, 3))
+    case = sight_cases.FdsCase([hall], [0.0, 10.0, 20.0], None)
+    case.write_slice(folder / "hall_1_1.sf", hall, ("SOOT VISIBILITY", "short", "m"), lambda t, x, y, z: 8 / (0.3 + 0.02 * t + 0.01 * x))
+    index = (folder / "hall.smv").read_text()
+    (folder / "hall.smv").write_text(index.replace("SOOT EXTINCTION COEFFICIENT", "SOOT VISIBILITY").replace("\n 1/m\n", "\n m\n"))
+    (folder / "hall.fds").write_text("&HEAD CHID='hall' /\n&MISC TMPA=20., VISIBILITY_FACTOR=8. /\n"
+                                     "&DEVC ID='T1', QUANTITY='TEMPERATURE', XYZ=4.5,2.5,1.5 /\n&TAIL /\n")
+
+
 def mesh(folder):
     put = lambda name, text: (folder / name).write_text(text)
     for i in range(3):
@@ -187,7 +199,7 @@ def stills(folder):
     (folder / "camera.json").write_text(json.dumps({"eye": [2, -5, 0.5], "target": [2, 2, 0.5], "up": [0, 0, 1], "fov": 50, "size": [12, 8]}))
 
 
-BASES = {"room": room, "mesh": mesh, "volumes": volumes, "scene": scene, "capture": capture, "lines": lines, "stills": stills}
+BASES = {"room": room, "air": air, "mesh": mesh, "volumes": volumes, "scene": scene, "capture": capture, "lines": lines, "stills": stills}
 
 EYES = "visibility {} --signs signs.json --eyes eyes.csv -o out"
 MESH = EYES + " --quantity extinction"

@@ -337,6 +337,27 @@ FDS = {
     "order": [("groups reversed", r"(&HEAD[^\n]*\n)(&MESH[^\n]*\n)", r"\2\1", True)],
     "scale": [("another factor", "&TIME", "&MISC VISIBILITY_FACTOR=8 /\n&TIME", True)],
 }
+SIGNS = {
+    "unit": [("a unit for all", '{"signs"', '{"unit": "cm", "signs"', False)],
+    "fill": [("beyond double", "7[.]9", "1e999", False)],
+    "duplicate": [("the list twice", '{"signs"', '{"signs": [], "signs"', False)],
+    "missing": [("the list", '{"signs": ', "", False)],
+    "case": [("the name in capitals", "signs", "Signs", False)],
+    "length": [("no sign", r'\[{.*}\]', "[]", False)],
+    "name": [("another member", '{"signs"', '{"sign": [], "signs"', False)],
+}
+SCALES = {  # FDS's input where it says what stored values mean
+    "unit": [("a unit in a value", "R=8.", "R='8 m'", False)],
+    "order": [("= on a line of its own", "R=8.", "R ! of signs\n  =\n  8.", True), ("keys exchanged", "TMPA=20., (V[^ ]*) ", r"\1, TMPA=20. ", True)],
+    "fill": [("stars", "R=8.", "R=****", False)],
+    "duplicate": [("an earlier value", "VIS", "VISIBILITY_FACTOR=3., VIS", True), ("an earlier group", "&MISC", "&MISC VISIBILITY_FACTOR=3. /\n&MISC", True)],
+    "missing": [("the factor", ", V[^ ]*", "", False), ("the file that CATF names", "&TAIL", "&CATF OTHER_FILES='more.fds' /\n&TAIL", False)],
+    "scale": [("another factor", "R=8.", "R=3.", False), ("a device's difference to its first value", "XYZ", "RELATIVE=T, XYZ", None)],
+    "sign": [("negative", "R=8.", "R=-8.", False)],
+    "case": [("small letters", "&MISC TMPA=20., VISIBILITY_FACTOR", "&misc tmpa=20., visibility_factor", True)],
+    "locale": [("an exponent with D", "R=8.", "R=.8D1", True)],
+    "name": [("another CHID", "CHID='hall'", "CHID='room'", False), ("in a comment", "&MISC", "!&MISC", False)],
+}
 NPY = {
     "order": [("Fortran's order", fortran, True), ("big-endian", big_endian, True)],
     "fill": [("nan", lambda d: d[:-4] + b"\0\0\xc0\x7f", False), ("inf", lambda d: d[:-4] + b"\0\0\x80\x7f", False),
@@ -398,6 +419,7 @@ SLICE = {
 
 SIGN = {"at": ("signs", 0), "number": "position", "needed": "position", "text": "name"}
 FORMATS = [
+    Format("signs.json: the list", "text", "room", "signs.json", EYES.format("hall.smv"), "out/sight.csv", SIGNS),
     Format("signs.json", "json", "room", "signs.json", EYES.format("hall.smv"), "out/sight.csv", SIGN),
     Format("criteria.json", "json", "room", "criteria.json", EYES.format("hall.smv") + " --criteria criteria.json", "out/tenability.csv",
            {"at": ("criteria", 0), "number": "limit", "needed": "kind", "positive": True, "text": "name"}),
@@ -412,6 +434,7 @@ FORMATS = [
     Format("FDS index .smv", "text", "room", "hall.smv", EYES.format("hall.smv"), "out/sight.csv", SMV),
     Format("FDS slice .sf", "bytes", "room", "hall_1_1.sf", EYES.format("hall.smv"), "out/sight.csv", SLICE),
     Format("FDS devices", "text", "room", "hall_devc.csv", EYES.format("hall.smv") + " --criteria criteria.json", "out/tenability.csv", DEVC),
+    Format("FDS input: scales", "text", "air", "hall.fds", EYES.format("hall.smv"), "out/tenability.csv", SCALES),
     Format("FDS input .fds", "text", "room", "hall.fds", EYES.format("hall.smv"), "out/sight.csv", FDS),
     Format(".vtu", "text", "mesh", "r1.vtu", MESH.format("room.pvd"), "out/sight.csv", VTU),
     Format(".pvd of meshes", "text", "mesh", "room.pvd", MESH.format("room.pvd"), "out/sight.csv", PVD),

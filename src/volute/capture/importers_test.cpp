@@ -232,6 +232,8 @@ TEST_F(Importers, NerfFaults) {
   EXPECT_TRUE(failsWith(with("/ftheta_p0", 0.1), "ftheta_p0: f-theta lenses"));
   EXPECT_TRUE(failsWith(with("/frames/1/transform_matrix/2", {1, 2}),
                         "frames[1].transform_matrix[2]: expected 4 numbers"));
+  EXPECT_TRUE(failsWith(with("/frames/1/transform_matrix/3", {0, 0, 2, 1}),
+                        "frames[1].transform_matrix: its last row is not 0, 0, 0, 1"));
   EXPECT_TRUE(failsWith(with("/frames/2/k4", 0.1), "frames[2]: k4 is 0.1"));
   EXPECT_TRUE(failsWith(with("/frames/2/fl_x", 0), "frames[2]: has no focal length"));
   EXPECT_TRUE(failsWith(with("/frames/2/file_path", "f_####_b.exr"), "a second camera 'b'"));
@@ -250,6 +252,21 @@ TEST_F(Importers, NerfKeysThatAreNotKnownAreRemarkedOn) {
   EXPECT_THAT(capture.remarks,
               ElementsAre(HasSubstr("NeRF transforms"), "distortion is not known and ignored",
                           "frames[0].mask_path is not known and ignored, as in 2 more entries"));
+}
+
+TEST_F(Importers, NerfPicturesAreFoundAsWindowsNamesThem) {
+  writeNerf(folder, true);
+  auto json = readJson(folder / "transforms.json").value();
+  for (auto& frame : json["frames"]) {
+    const auto name = frame["file_path"].get<std::string>();
+    std::filesystem::create_directory(folder / "Images");
+    if (std::filesystem::exists(folder / name))
+      std::filesystem::rename(folder / name, folder / "Images" / name);
+    frame["file_path"] = ".\\images\\" + name;
+  }
+  writeText(folder / "transforms.json", json.dump());
+  ASSERT_VALUE(const auto capture, openCapture(folder / "transforms.json", options));
+  EXPECT_EQ(capture.cameras[0].name.find('\\'), std::string::npos) << capture.cameras[0].name;
 }
 
 /// An entry for each camera and frame of writeNerf(), as D-NeRF and nerfstudio list them.

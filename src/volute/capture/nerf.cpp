@@ -10,6 +10,7 @@
 #include <numbers>
 #include <span>
 
+#include "volute/base/file_as_written.hpp"
 #include "volute/capture/importers.hpp"
 #include "volute/capture/json_value.hpp"
 
@@ -121,6 +122,12 @@ Status readPose(const JsonValue& frame, Calibration& calibration) {
   VOLUTE_ASSIGN(const auto value, frame.at("transform_matrix"));
   const int rows = value.json().is_array() && value.json().size() == 3 ? 3 : 4;
   VOLUTE_ASSIGN(const auto toWorld, value.matrix(rows, 4));
+  constexpr double kRounding = 1e-6;
+  if (rows == 4 && (toWorld.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() > kRounding) {
+    return value.fault(
+        "its last row is not 0, 0, 0, 1; expected rows of the matrix from camera to world: is it "
+        "written by columns?");
+  }
   const Mat3 axes = toWorld.topLeftCorner(3, 3);
   const Vec3 eye = toWorld.block(0, 3, 3, 1);
   // From OpenGL's camera axes (y up, z backward) to ours (y down, z forward).
@@ -208,6 +215,7 @@ Result<CaptureDraft> readNerfTransforms(const std::filesystem::path& file,
   draft.kind = "NeRF transforms";
   VOLUTE_ASSIGN(const auto list, root.at("frames"));
   VOLUTE_ASSIGN(const auto frames, list.items());
+  FilesAsWritten written;
   for (const JsonValue& frame : frames) {
     CameraDraft camera;
     camera.where = frame.where();
@@ -217,12 +225,16 @@ Result<CaptureDraft> readNerfTransforms(const std::filesystem::path& file,
     VOLUTE_ASSIGN(const auto path, frame.at("file_path"));
     VOLUTE_ASSIGN(camera.pictureName, path.text());
     camera.pictures.image =
-        withExtension((file.parent_path() / camera.pictureName).lexically_normal());
+        written.find(file.parent_path(), withExtension(camera.pictureName)).lexically_normal();
+    if (camera.pictures.image.find('\\') == std::string::npos)
+      std::ranges::replace(camera.pictureName, '\\', '/');
     if (const auto time = frame.find("time")) {
       VOLUTE_ASSIGN(camera.time, time->number());
     }
     draft.cameras.push_back(std::move(camera));
   }
+  if (std::string remark = written.remark(); !remark.empty())
+    draft.remarks.push_back(std::move(remark));
   VOLUTE_TRY(remarkFrameOfReference(root, draft));
   remarkUnknown(root, frames, draft);
   return draft;
