@@ -42,7 +42,9 @@ Status addLayers(FrameSource& source, int frame, Range& range) {
   constexpr std::size_t kValues = std::size_t{1} << 22;
   const VolumeInfo& info = source.info();
   const std::size_t layer = info.frameValues() / static_cast<std::size_t>(info.z);
-  const int together = static_cast<int>(std::clamp<std::size_t>(kValues / layer, 1, info.z));
+  const int together = source.readsLayers()
+                           ? static_cast<int>(std::clamp<std::size_t>(kValues / layer, 1, info.z))
+                           : info.z;
   std::vector<float> values;
   for (int first = 0; first < info.z; first += together) {
     const int end = std::min(info.z, first + together);
