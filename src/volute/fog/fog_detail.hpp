@@ -27,6 +27,9 @@ struct FogDetail {
   /// True when level 0 is used at every distance.
   bool finestOnly() const { return cellAngle <= 0 && mu >= 1; }
 
+  /// True when the end of a segment decides.
+  bool dependsOnEnd() const { return cellAngle <= 0 && mu > 0 && mu < 1; }
+
   using Ends = std::array<double, kMaxFogLevels + 1>;
 
   /// ends[L] is the distance at which level L ends, ascending; the last is infinite.

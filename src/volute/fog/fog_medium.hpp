@@ -56,6 +56,9 @@ class FogMedium {
   /// reference.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
+  /// With mu, FogDetail.
+  bool dependsOnEnd() const { return levels_->count() > 1 && options_.detail.dependsOnEnd(); }
+
   /// The map, shape (rows, columns), row 0 at the smallest y.
   std::vector<double> coefficients() const;
 

@@ -201,6 +201,18 @@ TEST(FogMedium, MuOneIsTheFinestAndMuZeroTheCoarsestLevel) {
   }
 }
 
+TEST(FogMedium, SaysWhetherTheEndOfASegmentDecides) {
+  const SplineGrid map = fogtest::map(40, 30);
+  const auto depends = [&](int levels, const FogDetail& detail) {
+    return fogtest::fog(map, {}, {.levels = levels, .detail = detail}).dependsOnEnd();
+  };
+  EXPECT_TRUE(depends(3, {.mu = 0.6}));
+  EXPECT_FALSE(depends(3, {.mu = 1}));
+  EXPECT_FALSE(depends(3, {.mu = 0}));
+  EXPECT_FALSE(depends(0, {.mu = 0.6}));
+  EXPECT_FALSE(depends(3, {.mu = 0.6, .cellAngle = 0.3}));
+}
+
 /// Dropping details changes the depth by no more than what they hold on the dropped distances.
 TEST(FogMedium, DroppedDetailBoundsTheError) {
   const SplineGrid map = fogtest::map(40, 30);

@@ -32,6 +32,8 @@ class PolarFog {
 
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
+  bool dependsOnEnd() const { return fog_.dependsOnEnd(); }
+
   const PolarTable& table() const { return table_; }
 
  private:

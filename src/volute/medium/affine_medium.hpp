@@ -86,6 +86,8 @@ class AffineMedium {
     medium_.radiance(own(segments), out);
   }
 
+  bool dependsOnEnd() const { return medium_.dependsOnEnd(); }
+
  private:
   std::vector<Segment> own(std::span<const Segment> segments) const {
     std::vector<Segment> brought;

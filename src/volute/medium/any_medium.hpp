@@ -32,6 +32,9 @@ class AnyMedium {
     model_->pieces(segments, pieces);
   }
 
+  /// True where a part of a segment has other values than the same part of the whole segment.
+  bool dependsOnEnd() const { return model_->dependsOnEnd(); }
+
   /// By the medium's own fast path where it has one, else by compositing its pieces.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
     model_->radiance(segments, out);
@@ -46,6 +49,7 @@ class AnyMedium {
     virtual void opticalDepth(std::span<const Segment>, std::span<double>) const = 0;
     virtual void pieces(std::span<const Segment>, std::span<std::vector<Piece>>) const = 0;
     virtual void radiance(std::span<const Segment>, std::span<Radiance>) const = 0;
+    virtual bool dependsOnEnd() const = 0;
   };
 
   template <Medium M>
@@ -73,6 +77,13 @@ class AnyMedium {
       } else {
         radianceByPieces(medium, segments, out);
       }
+    }
+
+    bool dependsOnEnd() const override {
+      if constexpr (MindsTheEnd<M>)
+        return medium.dependsOnEnd();
+      else
+        return false;
     }
 
     M medium;

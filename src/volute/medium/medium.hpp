@@ -71,6 +71,13 @@ concept FastMedium =
     Medium<M> && requires(const M& medium, std::span<const Segment> segments,
                           std::span<Radiance> out) { medium.radiance(segments, out); };
 
+/// A medium that may say that its values at a point depend on where a segment ends. A part of a
+/// segment of such a medium is another segment: who cuts it gets other values.
+template <class M>
+concept MindsTheEnd = Medium<M> && requires(const M& medium) {
+  { medium.dependsOnEnd() } -> std::convertible_to<bool>;
+};
+
 /// A medium whose optical depth is linear in a list of coefficients c: depth = P c. Tomography has
 /// P and its adjoint P' for voxels in a class of its own (tomography/projector.hpp), which is made
 /// for many rays.

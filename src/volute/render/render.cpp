@@ -89,77 +89,93 @@ void byPieces(std::span<const AnyMedium> media, std::span<const Segment> segment
   }
 }
 
-/// The part of one ray inside one medium's bounds.
+/// The part of a ray inside of one medium's bounds, or of several media's.
 struct Part {
-  std::size_t medium = 0;
   Interval inside;
+  std::vector<std::size_t> media;
 };
 
-/// The media on a ray in the order in which it meets them.
+/// A ray in the order in which it meets media, cut where one begins or ends in another; whole where
+/// one of them does not allow cuts.
 std::vector<Part> partsInOrder(std::span<const AnyMedium> media, const Segment& segment) {
-  std::vector<Part> parts;
+  std::vector<Part> whole;
   for (std::size_t m = 0; m < media.size(); ++m) {
     const Interval inside = media[m]
                                 .bounds()
                                 .intersect(segment.origin, segment.direction)
                                 .intersect({segment.begin, segment.end});
     if (!inside.empty())
-      parts.push_back({m, inside});
+      whole.push_back({inside, {m}});
   }
-  std::ranges::sort(parts, {}, [](const Part& part) { return part.inside.begin; });
+  std::ranges::sort(whole, {}, [](const Part& part) { return part.inside.begin; });
+  const auto overlap = [](const Part& a, const Part& b) { return b.inside.begin < a.inside.end; };
+  if (std::ranges::adjacent_find(whole, overlap) == whole.end())
+    return whole;
+  Part all{{segment.begin, segment.end}, {}};
+  std::vector<double> ends;
+  bool cuts = true;
+  for (const Part& one : whole) {
+    all.media.push_back(one.media.front());
+    ends.insert(ends.end(), {one.inside.begin, one.inside.end});
+    cuts = cuts && !media[one.media.front()].dependsOnEnd();
+  }
+  if (!cuts)
+    return {all};
+  std::ranges::sort(ends);
+  std::vector<Part> parts;
+  for (std::size_t i = 1; i < ends.size(); ++i) {
+    Part part{{ends[i - 1], ends[i]}, {}};
+    for (const Part& one : whole) {
+      if (one.inside.begin <= part.inside.begin && one.inside.end >= part.inside.end)
+        part.media.push_back(one.media.front());
+    }
+    if (!part.inside.empty() && !part.media.empty())
+      parts.push_back(std::move(part));
+  }
   return parts;
 }
 
-bool overlap(std::span<const Part> parts) {
-  for (std::size_t i = 1; i < parts.size(); ++i) {
-    if (parts[i].inside.begin < parts[i - 1].inside.end)
-      return true;
-  }
-  return false;
-}
-
-/// Each medium's fast path, and pieces only for the rays on which media overlap.
+/// Each medium's fast path, and pieces only where media overlap.
 void byFastPaths(std::span<const AnyMedium> media, std::span<const Segment> segments,
                  std::span<Radiance> light, RenderStats& stats) {
   if (media.size() == 1)
     return media[0].radiance(segments, light);
-  std::vector<std::size_t> mixed;                         // rays on which media overlap
-  std::vector<std::vector<Part>> parts(segments.size());  // of the other rays
-  std::vector<std::vector<Segment>> segmentsOf(
-      media.size());  // and what each medium has to do for them
+  std::vector<std::vector<Part>> parts(segments.size());
+  std::vector<std::vector<Segment>> segmentsOf(media.size() + 1);  // the last ones of several media
+  const auto whoseIs = [&](const Part& part) {
+    return part.media.size() == 1 ? part.media.front() : media.size();
+  };
   for (std::size_t i = 0; i < segments.size(); ++i) {
     parts[i] = partsInOrder(media, segments[i]);
-    if (overlap(parts[i])) {
-      mixed.push_back(i);
-    } else {
-      for (const Part& part : parts[i]) segmentsOf[part.medium].push_back(segments[i]);
+    const bool cut =
+        std::ranges::any_of(parts[i], [](const Part& p) { return p.media.size() > 1; });
+    for (const Part& part : parts[i]) {
+      Segment own = segments[i];
+      if (cut)
+        own.begin = part.inside.begin, own.end = part.inside.end;
+      segmentsOf[whoseIs(part)].push_back(own);
     }
   }
-  std::vector<std::vector<Radiance>> lightOf(media.size());
-  for (std::size_t m = 0; m < media.size(); ++m) {
+  std::vector<std::vector<Radiance>> lightOf(segmentsOf.size());
+  for (std::size_t m = 0; m < segmentsOf.size(); ++m) {
     lightOf[m].resize(segmentsOf[m].size());
-    if (!segmentsOf[m].empty())
+    if (segmentsOf[m].empty())
+      continue;
+    if (m < media.size())
       media[m].radiance(segmentsOf[m], lightOf[m]);
+    else
+      byPieces(media, segmentsOf[m], lightOf[m], stats);
   }
-  std::vector<std::size_t> next(media.size(), 0);
-  auto nextMixed = mixed.begin();
+  std::vector<std::size_t> next(segmentsOf.size(), 0);
   for (std::size_t i = 0; i < segments.size(); ++i) {
     light[i] = Radiance{};
-    if (nextMixed != mixed.end() && *nextMixed == i) {
-      ++nextMixed;
-      continue;
-    }
     for (const Part& part : parts[i]) {
-      const Radiance& one = lightOf[part.medium][next[part.medium]++];
+      const std::size_t whose = whoseIs(part);
+      const Radiance& one = lightOf[whose][next[whose]++];
       light[i].emitted += light[i].transmittance * one.emitted;
       light[i].transmittance *= one.transmittance;
     }
   }
-  std::vector<Segment> mixedSegments;
-  for (std::size_t i : mixed) mixedSegments.push_back(segments[i]);
-  std::vector<Radiance> mixedLight(mixed.size());
-  byPieces(media, mixedSegments, mixedLight, stats);
-  for (std::size_t k = 0; k < mixed.size(); ++k) light[mixed[k]] = mixedLight[k];
 }
 
 void renderColors(const Scene& scene, std::span<const Pixel> pixels,

@@ -178,6 +178,48 @@ TEST(Render, OverlappingMediaAdd) {
   EXPECT_LT(difference(picture(camera, both, referenceOptions()), image), 1e-5);
 }
 
+/// A block whose extinction depends on where a segment ends.
+struct EndingBlock {
+  AnyMedium block;
+
+  Box3 bounds() const { return block.bounds(); }
+
+  double extinction(const Vec3& point) const { return block.extinction(point); }
+
+  Rgb emission(const Vec3& point) const { return block.emission(point); }
+
+  void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
+    block.opticalDepth(segments, depths);
+    for (std::size_t i = 0; i < segments.size(); ++i) depths[i] *= segments[i].end;
+  }
+
+  void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const {
+    block.pieces(segments, pieces);
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      for (Piece& piece : pieces[i]) piece.extinction = piece.extinction * segments[i].end;
+    }
+  }
+
+  bool dependsOnEnd() const { return true; }
+};
+
+TEST(Render, RaysAreCutWhereMediaBeginUnlessTheirEndDecides) {
+  // What overlaps is a tenth of the long one.
+  const Box3 along{Vec3(-1, -5, -1), Vec3(1, 5, 1)}, in{Vec3(-1, 0, -1), Vec3(1, 1, 1)};
+  const Camera camera =
+      Camera::orthographic({Vec3(0, -6, 0), Vec3::Zero(), Vec3::UnitZ()}, 1, 9, 9);
+  const AnyMedium cut[] = {block(along, 3, 0.1), block(in, 1, 0.3)};
+  EXPECT_LT(difference(picture(camera, cut, referenceOptions()), picture(camera, cut)), 1e-5);
+  const AnyMedium whole[] = {AnyMedium(EndingBlock{block(along, 3, 0.01)}), block(in, 1, 0.3)};
+  EXPECT_TRUE(whole[0].dependsOnEnd());
+  EXPECT_FALSE(whole[1].dependsOnEnd());
+  EXPECT_TRUE(scaledBy(2, whole[0]).dependsOnEnd());
+  const std::vector<float> surfaces(81, 8.0F);
+  EXPECT_LT(difference(picture(camera, whole, referenceOptions(), surfaces),
+                       picture(camera, whole, {}, surfaces)),
+            1e-5);
+}
+
 TEST(Render, MediaApartAreTakenInTheOrderOfTheRayWhateverTheList) {
   const AnyMedium near(cloud(3, Basis::kBox, 2, 3, Vec3(0, -2, 0)));
   const AnyMedium far(cloud(3, Basis::kTrilinear, 1, 5, Vec3(0, 2, 0.3)));

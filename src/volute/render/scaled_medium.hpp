@@ -38,6 +38,8 @@ class ScaledMedium {
     }
   }
 
+  bool dependsOnEnd() const { return medium_.dependsOnEnd(); }
+
  private:
   AnyMedium medium_;
   double factor_;

@@ -40,6 +40,8 @@ class ClippedMedium {
     medium_.radiance(shown(segments), out);
   }
 
+  bool dependsOnEnd() const { return medium_.dependsOnEnd(); }
+
  private:
   std::vector<Segment> shown(std::span<const Segment> segments) const {
     std::vector<Segment> parts;
