@@ -77,6 +77,8 @@ Result<Scene> openScene(const std::string& path, const Arguments& arguments, Con
                         bool measured) {
   VOLUTE_ASSIGN(auto options, sceneOptions(path, arguments, context));
   VOLUTE_ASSIGN(options.files.lightCache, lightCache(arguments, context));
+  if (const auto scattering = arguments.find<std::string>("scattering"))
+    options.multiple = *scattering == "multiple";
   if (arguments.flag("by-pieces") && context.team.size() > 1)
     options.files.holders = &context.team;
   addUsualMembers(path,

@@ -299,6 +299,10 @@ class LitFogPart final : public GlPart {
 
   /// kUnsupported where it is shadowed by others than the picture's `shade`.
   Result<std::unique_ptr<GlMedium>> medium(const GlPicture& picture) const override {
+    if (lit_->options().again) {
+      return fail(ErrorCode::kUnsupported, Hint::set("renderer", "cpu"),
+                  "fog that scatters light more than once");
+    }
     GlResources& resources = picture.resources;
     std::shared_ptr<const GlTriangles> shade;
     if (lit_->options().shadows) {

@@ -87,10 +87,8 @@ class LitMedium::Ray {
       const Lamp& lamp = field.lamp();
       if (lamp.kind != Lamp::Kind::kSun)  // there the phase jumps
         nearest_.push_back((lamp.position - segment.origin).dot(segment.direction));
-      phases_.push_back(lamp.kind == Lamp::Kind::kSun
-                            ? henyeyGreenstein(medium.options_.scattering.asymmetry,
-                                               -lamp.direction.dot(segment.direction))
-                            : 0);
+      cosines_.push_back(-lamp.direction.dot(segment.direction));
+      phases_.push_back(henyeyGreenstein(medium.options_.scattering.asymmetry, cosines_.back()));
     }
   }
 
@@ -125,15 +123,18 @@ class LitMedium::Ray {
 
   bool reached(std::size_t lamp) const { return reached_[lamp] != 0; }
 
+  /// Of a sun's light that is scattered along the ray, and its cosine.
   double phase(std::size_t lamp) const { return phases_[lamp]; }
+
+  double cosine(std::size_t lamp) const { return cosines_[lamp]; }
 
  private:
   Segment segment_;
   Interval lit_;
   std::vector<std::vector<Interval>> dark_;
   std::vector<char> reached_;
-  std::vector<double> phases_;   ///< of suns
-  std::vector<double> nearest_;  ///< to other lamps
+  std::vector<double> phases_, cosines_;  ///< of suns
+  std::vector<double> nearest_;           ///< to other lamps
 };
 
 LitMedium::LitMedium(AnyMedium medium, std::vector<LightField> fields, Options options)
@@ -145,24 +146,32 @@ LitMedium::Source LitMedium::source(const Ray& ray, const Vec3& point) const {
     if (!ray.reached(i))
       continue;
     const Lamp& lamp = fields_[i].lamp();
-    double phase = ray.phase(i);
+    double phase = ray.phase(i), cosine = ray.cosine(i);
     if (lamp.kind != Lamp::Kind::kSun) {
       const Vec3 away = point - lamp.position;
       const double distance = away.norm();
-      phase = distance > 0 ? henyeyGreenstein(options_.scattering.asymmetry,
-                                              -away.dot(ray.segment().direction) / distance)
-                           : kEvenly;
+      cosine = distance > 0 ? -away.dot(ray.segment().direction) / distance : 0;
+      phase = distance > 0 ? henyeyGreenstein(options_.scattering.asymmetry, cosine) : kEvenly;
     }
     const Rgb arriving = lamp.irradiance(point);
     if (!(arriving > 0).any())
       continue;
     const LightField::Sample sample = fields_[i].at(point);
-    sum.light += sample.share * phase * arriving;
+    sum.light += (sample.share * phase + goesOn(sample.share, cosine)) * arriving;
     if (sample.cell > 0)
       sum.cell = sum.cell > 0 ? std::min(sum.cell, sample.cell) : sample.cell;
   }
+  if (options_.again)
+    sum.light += options_.again->towards(point, -ray.segment().direction);
   sum.light *= options_.scattering.albedo;
   return sum;
+}
+
+/// Light of a share that was scattered forwards on its way, and is again by an angle.
+double LitMedium::goesOn(double share, double cosine) const {
+  const Scattering& scattering = options_.scattering;
+  const double more = options_.again ? scattering.goesOn(share) : 0;
+  return more > 0 ? more * henyeyGreenstein(scattering.forward(), cosine) : 0;
 }
 
 double LitMedium::evenFor(const Vec3& point) const {
@@ -176,6 +185,8 @@ Rgb LitMedium::emission(const Vec3& point) const {
   if (options_.lit.contains(point)) {
     for (const LightField& field : fields_)
       sum += field.at(point).share * kEvenly * field.lamp().irradiance(point);
+    if (options_.again)
+      sum += options_.again->at(point);
   }
   return medium_.emission(point) + medium_.extinction(point) * options_.scattering.albedo * sum;
 }
@@ -245,6 +256,8 @@ void LitMedium::pieces(std::span<const Segment> segments,
 }
 
 void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
+  if (dependsOnEnd())  // so it cannot be asked in steps
+    return radianceByPieces(*this, segments, out);
   std::vector<Ray> rays;
   std::vector<Segment> steps;
   std::vector<std::size_t> begins;
@@ -334,22 +347,26 @@ void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, Radiance
     for (int part = 0; part < count && passed > kStepLost; ++part) {
       const double begin = step.begin + length * part / count, end = begin + length / count;
       const Vec3 point = step.at(begin + place * (end - begin));
-      double arriving = ray.phase(i);
+      double arriving = ray.phase(i), cosine = ray.cosine(i), falls = 1;
       if (!sun) {
         const Vec3 away = point - lamp.position;
         const double distance = away.norm();
-        const double cosine = distance > 0 ? -away.dot(step.direction) / distance : 0;
+        cosine = distance > 0 ? -away.dot(step.direction) / distance : 0;
         const double middle = (step.at(0.5 * (begin + end)) - lamp.position).norm();
         const double nearer = std::max(middle, lamp.radius) / std::max(distance, lamp.radius);
-        arriving = henyeyGreenstein(options_.scattering.asymmetry, cosine) * lamp.coneShare(point) *
-                   meanInverseSquare(lamp, step, begin, end) * nearer * nearer;
+        falls = lamp.coneShare(point) * meanInverseSquare(lamp, step, begin, end) * nearer * nearer;
+        arriving = henyeyGreenstein(options_.scattering.asymmetry, cosine) * falls;
       }
       if (count > 1)
         seen = arriving > 0 ? field.at(point) : LightField::Sample{};
-      share += passed * (1 - each) * arriving * seen.share;
+      share += passed * (1 - each) * (arriving * seen.share + falls * goesOn(seen.share, cosine));
       passed *= each;
     }
     light += share * lamp.intensity;
+  }
+  if (options_.again) {
+    const Vec3 point = step.at(step.begin + length * centroid(depth));
+    light += (1 - own.transmittance) * options_.again->towards(point, -step.direction);
   }
   sum.emitted += before * options_.scattering.albedo * light;
 }

@@ -6,15 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "volute/lighting/diffuse_light.hpp"
 #include "volute/lighting/light_field.hpp"
 
 namespace volute {
-
-/// What a medium does with light that comes from outside of it.
-struct Scattering {
-  Rgb albedo = Rgb::Ones();  ///< share of the extinguished light that is scattered
-  double asymmetry = 0;      ///< g of the phase function, -1 < g < 1; 0.6 to 0.9 for droplets
-};
 
 /// The parts of a segment from which surfaces keep a lamp's light entirely, in order and apart from
 /// each other; replaces the third.
@@ -34,6 +29,7 @@ class LitMedium {
     Box3 lit{};           ///< finite: outside of it the medium is too thin to be lit
     double step = 1;      ///< [m] on which its extinction changes
     ShadowsOn shadows{};  ///< may be empty
+    std::shared_ptr<const DiffuseLight> again{};  ///< light scattered before; null: none is
   };
 
   /// @param fields  one for each lamp
@@ -58,6 +54,8 @@ class LitMedium {
   /// where the light changes faster or the step is thick.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
+  bool dependsOnEnd() const { return medium_.dependsOnEnd(); }
+
   std::span<const LightField> fields() const { return fields_; }
 
   const Options& options() const { return options_; }
@@ -72,6 +70,7 @@ class LitMedium {
   };
 
   Source source(const Ray& ray, const Vec3& point) const;
+  double goesOn(double share, double cosine) const;
   double evenFor(const Vec3& point) const;
   void add(Ray& ray, const Segment& step, const Radiance& own, Radiance& sum) const;
   void cut(const Ray& ray, const Piece& piece, int cuts, std::vector<Piece>& out) const;

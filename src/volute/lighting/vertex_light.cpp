@@ -308,14 +308,17 @@ double lampShareReference(const TetLocator& locator, std::span<const float> exti
 
 std::vector<float> scatteredLight(std::span<const Vec3> points, std::span<const Lamp> lamps,
                                   std::span<const std::vector<float>> shares, const Rgb& albedo,
-                                  const Rgb& ambient) {
+                                  const Rgb& ambient, const DiffuseLight* again) {
   std::vector<float> light(3 * points.size());
   parallelRanges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Rgb arriving = Rgb::Zero();
       for (std::size_t l = 0; l < lamps.size(); ++l)
         arriving += shares[l][i] * lamps[l].irradiance(points[i]);
-      const Rgb source = albedo * (arriving / (4 * std::numbers::pi) + ambient);
+      Rgb source = arriving / (4 * std::numbers::pi) + ambient;
+      if (again)
+        source += again->at(points[i]);
+      source *= albedo;
       for (int c = 0; c < 3; ++c) light[3 * i + c] = static_cast<float>(source[c]);
     }
   });

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/lighting/diffuse_light.hpp"
 #include "volute/lighting/lamp.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 
@@ -66,9 +67,9 @@ double lampShareReference(const TetLocator& locator, std::span<const float> exti
 /// Radiance of infinitely thick smoke at each vertex, three each: lamps' light scattered once, the
 /// same in all directions, plus `ambient` that comes from everywhere and is not attenuated.
 /// `shares` has one list for each lamp. Albedo is the share of what smoke takes from light that it
-/// sends on.
+/// sends on. `again`, what was scattered before, may be null.
 std::vector<float> scatteredLight(std::span<const Vec3> points, std::span<const Lamp> lamps,
                                   std::span<const std::vector<float>> shares, const Rgb& albedo,
-                                  const Rgb& ambient);
+                                  const Rgb& ambient, const DiffuseLight* again = nullptr);
 
 }  // namespace volute

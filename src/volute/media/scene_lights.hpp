@@ -16,6 +16,7 @@ struct SceneLights {
   std::vector<Sun> suns;      ///< for media that scatter their light themselves
   std::vector<Lamp> lamps;    ///< the same suns, and spots: for smoke and walls
   Rgb ambient = Rgb::Zero();  ///< radiance that comes from everywhere, whatever is in the way
+  bool multiple = false;      ///< media scatter lamps' light more than once: DiffuseLight
 };
 
 Lamp lampOf(const Sun& sun);

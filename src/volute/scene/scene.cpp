@@ -113,6 +113,7 @@ Result<Scene> Scene::make(OrderedJson json, const std::string& file, const Scene
   scene.options_ = options;
   const nlohmann::json plain = json;
   VOLUTE_ASSIGN(scene.description_, parseScene(plain, file));
+  scene.chooseScattering(scene.description_, progress);
   Reading reading{progress, options.maxMemory, options.files.volumes.get()};
   VOLUTE_ASSIGN(scene.geometry_, loadGeometry(scene.description_.geometry, reading));
   scene.surfaces_ = scene.geometry_;
@@ -154,6 +155,19 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
   return media;
 }
 
+void Scene::chooseScattering(SceneDescription& description, Progress& progress) const {
+  bool& multiple = description.lights.multiple;
+  multiple = options_.multiple.value_or(multiple);
+  if (!multiple || !options_.files.measured)
+    return;
+  multiple = false;
+  progress.remark(
+      {RemarkCode::kDoubtful,
+       fmt::format("{}: /scattering: light scattered more than once is approximate, and "
+                   "is left out of what is measured",
+                   path_)});
+}
+
 /// One picture has one mode.
 Status Scene::checkLaws() const {
   const MediumInfo* first = nullptr;
@@ -178,8 +192,10 @@ Status Scene::checkLaws() const {
 Status Scene::change(OrderedJson json, Progress& progress) {
   const nlohmann::json plain = json;
   VOLUTE_ASSIGN(auto description, parseScene(plain, path_));
+  chooseScattering(description, progress);
   const bool sameLights =
-      json.value("lights", OrderedJson()) == json_->value("lights", OrderedJson());
+      json.value("lights", OrderedJson()) == json_->value("lights", OrderedJson()) &&
+      description.lights.multiple == description_.lights.multiple;
   VOLUTE_ASSIGN(auto media, openMedia(description, sameLights, progress));
   std::swap(media_, media);
   std::swap(description_, description);

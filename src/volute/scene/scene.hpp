@@ -25,6 +25,8 @@ struct SceneOptions {
   KeptJson<nlohmann::ordered_json> members{};
   /// Members that override those of all media whose kind has them.
   KeptJson<nlohmann::ordered_json> overrides{};
+  /// Instead of the scene's "scattering": lamps' light is scattered more than once.
+  std::optional<bool> multiple{};
   /// Make assumptions about what only the user knows of such a file, so that it can be shown.
   bool assume = false;
 };
@@ -121,6 +123,7 @@ class Scene {
   Scene() = default;
 
   [[nodiscard]] Status checkLaws() const;
+  void chooseScattering(SceneDescription& description, Progress& progress) const;
   [[nodiscard]] Result<std::vector<std::shared_ptr<SceneMedium>>> openMedia(
       const SceneDescription& description, bool sameLights, Progress& progress);
   [[nodiscard]] Status placeSurfaces(const InstantRequest& request);

@@ -44,8 +44,9 @@ void addOlder(Json& entry, const FieldTable& table) {
 
 /// Those of the file itself.
 Status checkMembers(const Json& json, const std::string& file) {
-  constexpr std::string_view kNames[] = {"format", "camera", "background", "lights", "geometry",
-                                         "media",  "signs",  "billboards", "clip",   "view"};
+  constexpr std::string_view kNames[] = {"format",   "camera", "background", "lights",
+                                         "geometry", "media",  "signs",      "billboards",
+                                         "clip",     "view",   "scattering"};
   for (const auto& [key, value] : json.items()) {
     if (std::ranges::find(kNames, key) != std::end(kNames))
       continue;
@@ -108,6 +109,15 @@ Result<SceneDescription> parseScene(const Json& given, const std::string& file) 
     scene.background = background.array();
   }
   VOLUTE_TRY(read("lights", scene.lights, parseLights));
+  if (json.contains("scattering")) {
+    const Json& scattering = json["scattering"];
+    if (scattering != "single" && scattering != "multiple") {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: /scattering: {} is neither \"single\" nor \"multiple\"", file,
+                  scattering.dump());
+    }
+    scene.lights.multiple = scattering == "multiple";
+  }
   VOLUTE_TRY(read("geometry", scene.geometry, [](const auto& list, const auto& origin) {
     return readList<SceneGeometry>(geometryFields(), list, origin);
   }));

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "volute/io/image_file.hpp"
 #include "volute/io/npy.hpp"
@@ -202,6 +203,68 @@ TEST_F(SceneGlow, MediaShadowVolumes) {
   EXPECT_NEAR(lightAt(cube(7.5, 0.5) + "," + cube(2, 0.7), point) / open, 1, 1e-6)
       << "what is below casts no shadow";
   EXPECT_NEAR(lightAt(cube(7.5, 0.5) + "," + fog, point) / open, std::exp(-0.01 * 32), 5e-3);
+}
+
+/// A cube of thick white smoke in the sun, seen from its lit side.
+class SceneScattering : public SceneGlow {
+ protected:
+  double seen(const std::string& more, bool measured = false, std::optional<bool> multiple = {}) {
+    const auto json = nlohmann::ordered_json::parse(
+        R"({"format": "volute-scene-2", "lights": [{"kind": "sun", "direction": [0, 0, -1], "radiance": [3, 3, 3]}],
+            "media": [{"kind": "volume", "file": "smoke.npy", "emission": 0, "extinction": 20, "albedo": [0.95, 0.95, 0.95]}])" +
+        more + "}");
+    SceneOptions options;
+    options.files.measured = measured;
+    options.multiple = multiple;
+    auto scene = Scene::make(json, (folder_ / "scene.json").string(), options, heard_);
+    if (!scene) {
+      said_ = scene.error().message;
+      return -1;
+    }
+    scattering_ = 0;
+    for (const Parameter& one : scene->parameters()) {
+      if (one.path == "/scattering")
+        scattering_ = one.value.front();
+    }
+    auto snapshot = scene->at({}, heard_);
+    EXPECT_TRUE(snapshot) << snapshot.error().message;
+    std::vector<AnyMedium> media;
+    snapshot->media.front()->addMedia(media);
+    const Segment ray{Vec3(0.5, 0.5, 3), -Vec3::UnitZ(), 0, 10};
+    Radiance light;
+    media.front().radiance({&ray, 1}, {&light, 1});
+    return light.emitted[0];
+  }
+
+  std::string said_;
+  double scattering_ = 0;
+};
+
+TEST_F(SceneScattering, MultipleIsBrighterInThickSmoke) {
+  const double single = seen("");
+  EXPECT_EQ(scattering_, 0);
+  EXPECT_NEAR(single, 3 * 0.95 / (4 * std::numbers::pi) / 2, 2e-2 * single);
+  const double multiple = seen(R"(, "scattering": "multiple")");
+  EXPECT_EQ(scattering_, 1);
+  // A half space of albedo .95 reflects H(1)^2, some 4.3, times as much (Chandrasekhar 1950).
+  EXPECT_GT(multiple, 3.2 * single);
+  EXPECT_LT(multiple, 5.4 * single);
+  EXPECT_EQ(seen(R"(, "scattering": "single")"), single);
+  EXPECT_EQ(seen("", false, true), multiple);
+  EXPECT_EQ(seen(R"(, "scattering": "multiple")", false, false), single);
+}
+
+TEST_F(SceneScattering, WhatIsMeasuredScattersOnce) {
+  const double single = seen("", true);
+  EXPECT_TRUE(heard_.remarks.empty()) << heard_.remarks;
+  EXPECT_EQ(seen(R"(, "scattering": "multiple")", true), single);
+  EXPECT_THAT(heard_.remarks, testing::HasSubstr("left out of what is measured"));
+}
+
+TEST_F(SceneScattering, ItIsOneOfTwoWords) {
+  EXPECT_EQ(seen(R"(, "scattering": "twice")"), -1);
+  EXPECT_THAT(said_,
+              testing::HasSubstr(R"(/scattering: "twice" is neither "single" nor "multiple")"));
 }
 
 }  // namespace

@@ -85,6 +85,12 @@ std::vector<Parameter> Scene::parameters() const {
                               factsOf(info, !description_.lights.suns.empty()));
   }
   for (const char* list : {"lights", "signs", "clip"}) addList(out, *json_, list, bounds());
+  constexpr std::string_view kScattering[] = {"single", "multiple"};
+  if (!description_.lights.lamps.empty() || !description_.lights.ambient.isZero(0))
+    ParameterGroup(out, "light", "")
+        .choice("scattering", "scattering", kScattering,
+                kScattering[description_.lights.multiple ? 1 : 0])
+        .help = "how often light is scattered; multiple is an approximation";
   const Rgb& behind = description_.background;
   ParameterGroup(out, "background", "")
       .add("radiance", "background", Parameter::Kind::kColor, {behind[0], behind[1], behind[2]})

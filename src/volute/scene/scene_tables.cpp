@@ -30,15 +30,20 @@ std::vector<SceneList> sceneLists() {
 
 nlohmann::ordered_json sceneSchema() {
   using Json = nlohmann::ordered_json;
-  Json properties = {{"format", {{"enum", {kSceneFormat, "volute-scene-1"}}}},
-                     {"camera", {{"$ref", "#/$defs/camera"}}},
-                     {"background",
-                      {{"description", "linear RGB radiance"},
-                       {"type", "array"},
-                       {"items", {{"type", "number"}}},
-                       {"minItems", 3},
-                       {"maxItems", 3},
-                       {"default", {0, 0, 0}}}}};
+  Json properties = {
+      {"format", {{"enum", {kSceneFormat, "volute-scene-1"}}}},
+      {"camera", {{"$ref", "#/$defs/camera"}}},
+      {"background",
+       {{"description", "linear RGB radiance"},
+        {"type", "array"},
+        {"items", {{"type", "number"}}},
+        {"minItems", 3},
+        {"maxItems", 3},
+        {"default", {0, 0, 0}}}},
+      {"scattering",
+       {{"description", "how often media scatter the light of lamps; multiple is an approximation"},
+        {"enum", {"single", "multiple"}},
+        {"default", "single"}}}};
   Json defs = Json::object();
   addSchema(cameraFields(), defs);
   for (const SceneList& list : sceneLists()) {

@@ -261,7 +261,9 @@ Status refuseInMeasured(const Arguments& arguments) {
   const bool smooth = arguments.given("samples") && arguments.get<int>("samples") > 1;
   for (const auto& [name, given] :
        {std::pair("tone", toned), std::pair("bloom", arguments.given("bloom")),
-        std::pair("samples", smooth)}) {
+        std::pair("samples", smooth),
+        std::pair("scattering",
+                  arguments.find<std::string>("scattering") == std::string("multiple"))}) {
     if (!given)
       continue;
     const char* measured = arguments.flag("measured") ? "--measured"
@@ -421,6 +423,12 @@ std::vector<Option> renderOptionTable() {
        .value = "R,G,B",
        .help = "linear radiance behind the volume",
        .initial = "0,0,0"},
+      {.name = "scattering",
+       .kind = kChoice,
+       .value = "HOW",
+       .help = "how often light is scattered: single is exact, multiple an approximation that is "
+               "brighter in dense clouds; if not given, the scene's, else single",
+       .choices = {"single", "multiple"}},
       {.name = "colormap",
        .kind = kChoice,
        .value = "NAME",

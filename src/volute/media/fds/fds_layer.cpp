@@ -281,13 +281,41 @@ Result<FdsField> FdsLayer::inLight(const FdsField& field, double time,
     others.emplace_back(lamps[i], std::vector(other.between.begin(), other.between.end()),
                         field.bounds());
   }
-  VOLUTE_ASSIGN(auto light, fdsLight(field, case_->obstructions(caseTime(time)),
+  const FdsObstructions obstructions = case_->obstructions(caseTime(time));
+  std::optional<DiffuseLight> again;
+  if (lights_.multiple && holders_) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: processes that share a case scatter light once; set \"scattering\" to single, "
+                "or use one process",
+                description_.file);
+  }
+  if (lights_.multiple) {
+    const Blocks blocks = [&](std::span<const Segment> ways, std::span<std::uint8_t> blocked) {
+      std::vector<std::uint8_t> others(ways.size());
+      std::vector<Segment> within(ways.begin(), ways.end());
+      for (Segment& way : within)  // what stands in the way stands within the case's bounds
+        way.end = std::min(way.end, field.bounds().intersect(way.origin, way.direction).end);
+      obstructions.blocked(within, blocked);
+      if (blocks_)
+        blocks_(ways, others);
+      for (std::size_t i = 0; i < ways.size(); ++i) blocked[i] |= others[i];
+    };
+    again.emplace(DiffuseLight::Request{.medium = AnyMedium(field),
+                                        .box = field.bounds(),
+                                        .scattering = {description_.albedo},
+                                        .lamps = lamps,
+                                        .between = other.between,
+                                        .blocks = blocks,
+                                        .density = description_.model.scale});
+  }
+  VOLUTE_ASSIGN(auto light, fdsLight(field, obstructions,
                                      {.lamps = lamps,
                                       .ambient = lights_.ambient,
                                       .albedo = description_.albedo,
                                       .density = description_.model.scale,
                                       .blocks = blocks_,
                                       .others = others,
+                                      .again = again ? &*again : nullptr,
                                       .holders = holders_}));
   return field.withLight(std::move(light));
 }

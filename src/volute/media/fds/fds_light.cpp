@@ -193,7 +193,8 @@ Result<std::vector<std::shared_ptr<const FdsLight>>> fdsLight(const FdsField& fi
     const std::size_t lattice = all[round].lattice;
     if (all[round].begin == 0)
       means.emplace(lattices[lattice]);
-    means->add(gas, scatteredLight(gas.middles, lamps.lamps, shares, lamps.albedo, lamps.ambient));
+    means->add(gas, scatteredLight(gas.middles, lamps.lamps, shares, lamps.albedo, lamps.ambient,
+                                   lamps.again));
     if (round + 1 == all.size() || all[round + 1].lattice != lattice)
       out[lattice] = means->take();
   }

@@ -9,6 +9,7 @@
 #include "volute/base/team.hpp"
 #include "volute/fds/fds_field.hpp"
 #include "volute/fds/obstructions.hpp"
+#include "volute/lighting/diffuse_light.hpp"
 #include "volute/lighting/light_field.hpp"
 
 namespace volute {
@@ -21,6 +22,7 @@ struct FdsLamps {
   double density = 1;                    ///< the smoke is so many times as thick as the field
   Blocks blocks{};                       ///< opaque things besides the obstructions; may be empty
   std::span<const LightField> others{};  ///< other media, one for each lamp; empty: none
+  const DiffuseLight* again = nullptr;   ///< light scattered before; null: none is
   Team* holders = nullptr;  ///< whose ranks hold a share of the field each; null: this holds all
 };
 

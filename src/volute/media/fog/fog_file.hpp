@@ -68,7 +68,9 @@ struct FogDescription {
   Vec3 wind = Vec3::Zero();  ///< [m/s], in the scene's time
   Clock clock;
   Scattering scattering;
-  ShadowsOn shadows{};  ///< of the scene's geometry; may be empty
+  ShadowsOn shadows{};    ///< of the scene's geometry; may be empty
+  Blocks blocks{};        ///< the same
+  bool multiple = false;  ///< SceneLights
   FogPath path = FogPath::kAuto;
 
   FogBorder borderInWind() const {

@@ -33,6 +33,8 @@ class FogKind final : public MediumKind {
       fog.path = FogPath::kWalk;
     const auto& lamps = context.lights.lamps;
     fog.shadows = shadowsOf(context.geometry);
+    fog.blocks = blocksOf(context.geometry);
+    fog.multiple = context.lights.multiple;
     const auto before = context.take<FogSceneMedium>([&](const FogSceneMedium& other) {
       return FogLayer::readsTheSame(other.description(), fog);
     });
@@ -166,7 +168,7 @@ std::shared_ptr<const MediumAt> FogAt::quick() const {
   if (!light_.shadows || lamps_.empty())
     return nullptr;
   FogLight open = light_;
-  open.shadows = {};
+  open.shadows = {}, open.blocks = {};
   return std::make_shared<const FogAt>(layer_, time_, factor_, lamps_, std::move(open));
 }
 
@@ -206,7 +208,7 @@ Result<std::shared_ptr<const MediumAt>> FogSceneMedium::at(const InstantRequest&
   if (request.lit)
     lamps.assign(layer.lamps().begin(), layer.lamps().end());
   const FogDescription& fog = layer.description();
-  FogLight light{fog.scattering, fog.shadows, {}};
+  FogLight light{fog.scattering, fog.shadows, fog.blocks, fog.multiple, {}};
   return std::make_shared<const FogAt>(std::move(layer), request.time, request.factor,
                                        std::move(lamps), std::move(light));
 }

@@ -84,7 +84,17 @@ LitMedium litFog(const FogMedium& fog, std::span<const Lamp> lamps, const FogLig
       media.emplace_back(QuickFog{fog.finest()});
     fields.emplace_back(lamp, std::move(media), lit, options);
   }
-  return {AnyMedium(fog), std::move(fields), {light.scattering, lit, fog.cell(), light.shadows}};
+  LitMedium::Options options{light.scattering, lit, fog.cell(), light.shadows};
+  if (light.multiple) {
+    options.again = std::make_shared<const DiffuseLight>(
+        DiffuseLight::Request{.medium = AnyMedium(QuickFog{fog.finest()}),
+                              .box = lit,
+                              .scattering = light.scattering,
+                              .lamps = lamps,
+                              .between = light.between,
+                              .blocks = light.blocks});
+  }
+  return {AnyMedium(fog), std::move(fields), std::move(options)};
 }
 
 }  // namespace volute

@@ -16,6 +16,8 @@ namespace volute {
 struct FogLight {
   Scattering scattering{};
   ShadowsOn shadows{};               ///< may be empty
+  Blocks blocks{};                   ///< the same surfaces; may be empty
+  bool multiple = false;             ///< light is scattered more than once
   std::vector<AnyMedium> between{};  ///< other media, with their physical extinction
 };
 

@@ -12,6 +12,7 @@
 #include "volute/base/stopwatch.hpp"
 #include "volute/media/smoke/shared_light.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
+#include "volute/tetmesh/tet_medium.hpp"
 
 namespace volute {
 namespace {
@@ -318,6 +319,22 @@ Result<std::shared_ptr<const MeshWalls>> SmokeLayer::wallsOf(const MeshFrame& fr
   return files_->walls;
 }
 
+std::vector<float> sourceOf(const SmokeState& state, const SmokeLighting& lighting,
+                            std::span<const Lamp> lamps, std::span<const AnyMedium> between) {
+  std::optional<DiffuseLight> again;
+  if (lighting.lights.multiple && !lamps.empty()) {
+    const AnyMedium smoke(TetMedium(state.locator, state.extinction, {}));
+    again.emplace(DiffuseLight::Request{.medium = smoke,
+                                        .box = smoke.bounds(),
+                                        .scattering = {state.albedo},
+                                        .lamps = lamps,
+                                        .between = between,
+                                        .blocks = lighting.blocks});
+  }
+  return scatteredLight(state.locator->mesh().vertices(), lamps, state.lampShares, state.albedo,
+                        lighting.lights.ambient, again ? &*again : nullptr);
+}
+
 Result<SmokeState> SmokeLayer::at(double time) {
   const auto times = files_->source.times();
   const double local = description_.clock.at(time, times);
@@ -325,6 +342,12 @@ Result<SmokeState> SmokeLayer::at(double time) {
   const std::size_t after = static_cast<std::size_t>(next - times.begin());
   const std::size_t before = after == 0 ? 0 : after - 1;
   VOLUTE_ASSIGN(const auto from, step(before));
+  if (lighting_->lights.multiple && holders_) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: processes that share a mesh scatter light once; set \"scattering\" to single, "
+                "or use one process",
+                description_.file);
+  }
   SmokeState state{from->stored->paths->locator(),
                    from->extinction,
                    {},
@@ -345,8 +368,7 @@ Result<SmokeState> SmokeLayer::at(double time) {
   state.albedo = description_.albedo;
   const SceneLights& lights = lighting_->lights;
   if (!lights.lamps.empty() || !lights.ambient.isZero(0)) {
-    state.source = scatteredLight(state.locator->mesh().vertices(), lights.lamps, state.lampShares,
-                                  description_.albedo, lights.ambient);
+    state.source = sourceOf(state, *lighting_, lights.lamps, {});
   }
   return state;
 }

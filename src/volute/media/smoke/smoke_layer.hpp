@@ -40,6 +40,11 @@ struct SmokeLighting {
   std::shared_ptr<LightMemory> memory{};      ///< asked before the cache; may be null
 };
 
+/// SmokeState::source in the light of lamps whose shares the state has.
+/// @param between  other media, which lamps' light passes
+std::vector<float> sourceOf(const SmokeState& state, const SmokeLighting& lighting,
+                            std::span<const Lamp> lamps, std::span<const AnyMedium> between);
+
 /// What was done, summed over all pictures.
 struct SmokeCounts {
   std::uint64_t stepsRead = 0;

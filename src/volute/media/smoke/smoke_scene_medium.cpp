@@ -246,7 +246,8 @@ std::shared_ptr<const MediumAt> SmokeAt::litBy(const MediaLight& light) const {
   lamps.insert(lamps.end(), light.lamps.begin(), light.lamps.end());
   if (holders_ || lamps.empty() || !(state_.albedo.maxCoeff() > 0))
     return nullptr;
-  std::vector<std::vector<float>> shares = state_.lampShares;
+  SmokeState state = state_;
+  std::vector<std::vector<float>>& shares = state.lampShares;
   if (!light.lamps.empty()) {
     const LampPaths paths(state_.locator);
     for (const Lamp& lamp : light.lamps)
@@ -255,8 +256,8 @@ std::shared_ptr<const MediumAt> SmokeAt::litBy(const MediaLight& light) const {
   const std::span<const Vec3> vertices = state_.locator->mesh().vertices();
   for (std::size_t l = 0; l < lamps.size() && !light.between.empty(); ++l)
     veil(lamps[l], light.between, vertices, shares[l]);
-  SmokeState state = state_;
-  state.source = scatteredLight(vertices, lamps, shares, state.albedo, lighting_->lights.ambient);
+  state.source = sourceOf(state, *lighting_, lamps, light.between);
+  state.lampShares = state_.lampShares;
   return std::make_shared<const SmokeAt>(std::move(state), factor_, lighting_, walls_);
 }
 

@@ -144,6 +144,7 @@ class VolumeKind final : public MediumKind {
     lighting.albedo = appearance.albedo, lighting.asymmetry = appearance.asymmetry;
     lighting.lamps = context.lights.lamps;
     lighting.surrounding = context.lights.ambient;
+    lighting.multiple = context.lights.multiple;
     lighting.blocks = blocksOf(context.geometry);
     if (preset != VolumePreset::kNone && lighting.lamps.empty() &&
         !(lighting.surrounding.maxCoeff() > 0))

@@ -294,6 +294,7 @@ std::shared_ptr<const VolumeLight> VolumeLight::withLamps(
       for (std::size_t l = 0; l < more->lampShares_.size(); ++l)
         veil(more->lighting_.lamps[l], between, points, more->lampShares_[l]);
     }
+    more->scatterAgain(between);
   });
   if (between.empty())
     inMore_ = more;
@@ -307,7 +308,43 @@ void VolumeLight::gather() const {
     lampShares_.resize(lighting_.lamps.size());
     for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) addShares(l);
     addSurrounding();
+    scatterAgain({});
   });
+}
+
+/// What lamps, surroundings and its own fire send is scattered on from where it is scattered first.
+void VolumeLight::scatterAgain(std::span<const AnyMedium> between) const {
+  if (!lighting_.multiple)
+    return;
+  std::vector<Lamp> lamps = lighting_.lamps;
+  for (const Way& way : ways()) {
+    Lamp sky;
+    sky.kind = Lamp::Kind::kSun;
+    sky.direction = -way.direction;
+    sky.intensity = 4 * std::numbers::pi * way.share * lighting_.surrounding;
+    if (sky.intensity.maxCoeff() > 0)
+      lamps.push_back(sky);
+  }
+  if (lighting_.ownFire && volume_.slice().channels() == 4) {
+    const auto fires = lampsOf(volume_.slice(), lighting_.place, 1, kMaxFires);
+    lamps.insert(lamps.end(), fires.begin(), fires.end());
+  }
+  Rgb albedo = lighting_.albedo;
+  if (!lighting_.colors.empty()) {
+    Rgb sum = Rgb::Zero();
+    for (const Rgb& color : lighting_.colors) sum += color;
+    albedo *= sum / static_cast<double>(lighting_.colors.size());
+  }
+  AnyMedium medium(volume_.absorption());
+  if (!lighting_.place.isIdentity())
+    medium = AnyMedium(AffineMedium(std::move(medium), lighting_.place));
+  again_ = std::make_shared<const DiffuseLight>(
+      DiffuseLight::Request{.medium = medium,
+                            .box = medium.bounds(),
+                            .scattering = {albedo, lighting_.asymmetry},
+                            .lamps = lamps,
+                            .between = between,
+                            .blocks = lighting_.blocks});
 }
 
 namespace {
@@ -315,31 +352,36 @@ namespace {
 /// Of a lamp's light at a point, per unit of scattering.
 /// @param way  in which it is scattered; null: evenly
 /// @param share  of the light that arrives
-Rgb scatteredTo(const Lamp& lamp, const Vec3& point, const Vec3* way, double share,
-                double asymmetry) {
+/// @param on  of that which was scattered forwards on its way
+Rgb scatteredTo(const Lamp& lamp, const Vec3& point, const Vec3* way, double share, double on,
+                const Scattering& scattering) {
   constexpr double kEven = 1 / (4 * std::numbers::pi);
-  const bool even = !way || asymmetry == 0;
-  if (lamp.kind == Lamp::Kind::kSun) {
-    const double phase = even ? kEven : henyeyGreenstein(asymmetry, lamp.direction.dot(*way));
-    return share * phase * lamp.intensity;
-  }
+  const bool even = !way || scattering.asymmetry == 0;
+  const auto phased = [&](double cosine) {
+    if (even)
+      return (share + on) * kEven;
+    const double once = share * henyeyGreenstein(scattering.asymmetry, cosine);
+    return on > 0 ? once + on * henyeyGreenstein(scattering.forward(), cosine) : once;
+  };
+  if (lamp.kind == Lamp::Kind::kSun)
+    return phased(even ? 0 : lamp.direction.dot(*way)) * lamp.intensity;
   const Vec3 travels = point - lamp.position;
   const double distance = travels.norm();
-  const double phase =
-      even ? kEven : henyeyGreenstein(asymmetry, distance > 0 ? travels.dot(*way) / distance : 0.0);
+  const double arrives = phased(!even && distance > 0 ? travels.dot(*way) / distance : 0.0);
   const double reach = std::max(distance, lamp.radius);
   const bool everywhere = lamp.coneCosine <= -1 && !(lamp.edge > 0);
   const double cone = everywhere ? 1 : lamp.coneShare(point);
-  return share * phase * cone / (reach * reach) * lamp.intensity;
+  return arrives * cone / (reach * reach) * lamp.intensity;
 }
 
 }  // namespace
 
 ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   gather();
-  if (lampShares_.empty() && !even_)
+  if (lampShares_.empty() && !even_ && !again_)
     return volume_.drawn();
   const auto places = volume_.lightPlaces();
+  const Scattering scattering{lighting_.albedo, lighting_.asymmetry};
   std::vector<VoxelLight> light(places.size());
   parallelRanges(places.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -351,8 +393,10 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
       for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) {
         if (const float share = lampShares_[l][i]; share != 0)
           sum += scatteredTo(lighting_.lamps[l], point, view ? &way : nullptr, share,
-                             lighting_.asymmetry);
+                             again_ ? scattering.goesOn(share) : 0, scattering);
       }
+      if (again_)
+        sum += view ? again_->towards(point, way) : again_->at(point);
       sum *= lighting_.albedo;
       if (!lighting_.colors.empty())
         sum *= lighting_.colors[i];

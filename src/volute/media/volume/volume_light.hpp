@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "volute/grid/shaded_voxels.hpp"
+#include "volute/lighting/diffuse_light.hpp"
 #include "volute/lighting/lamp.hpp"
 #include "volute/medium/affine_medium.hpp"
 
@@ -25,6 +26,7 @@ struct VolumeLighting {
   Blocks blocks;                  ///< what stands between lamps and volume; may be empty
   std::vector<Rgb> colors{};      ///< of the albedo, at each light point; empty: none
   bool ownFire = true;            ///< what the volume emits is light for it, too
+  bool multiple = false;          ///< light is scattered more than once: DiffuseLight
   AffineMap place{};              ///< from the volume's own space to that of lamps and views
 };
 
@@ -92,12 +94,14 @@ class VolumeLight {
   }
 
   void addSurrounding() const;
+  void scatterAgain(std::span<const AnyMedium> between) const;
   ShadedVoxels shaded(const std::optional<View>& view) const;
 
   ShadedVoxels volume_;
   VolumeLighting lighting_;
   mutable std::once_flag gathered_;
   mutable std::vector<std::vector<float>> lampShares_;  ///< of each lamp, at each light point: 0..1
+  mutable std::shared_ptr<const DiffuseLight> again_;   ///< null: light is scattered once
   mutable std::shared_ptr<const Coarse> even_;          ///< A + F; null: neither is there
   mutable std::mutex guard_;
   mutable std::shared_ptr<const VolumeLight> inMore_;  ///< withLamps()
