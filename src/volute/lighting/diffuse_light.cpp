@@ -21,7 +21,7 @@ constexpr double kResidual = 1e-3,
 constexpr double kRaysAlong = 64;       ///< across a side of the box, of a few lamps
 constexpr double kFewLamps = 4;
 constexpr int kSurfaceHalvings = 7;  ///< to find a surface on a ray
-constexpr double kMostAlbedo = 1 - 1e-6;
+constexpr double kMaxAlbedo = 1 - 1e-6;
 
 }  // namespace
 
@@ -49,7 +49,7 @@ class DiffuseLight::Solver {
     forward_ = request.scattering.forward();
     asymmetry_ = std::max(request.scattering.asymmetry, 0.0);
     cosine_ = asymmetry_ / (1 + asymmetry_);
-    albedo_ = request.scattering.albedo.max(0).min(kMostAlbedo);
+    albedo_ = request.scattering.albedo.max(0).min(kMaxAlbedo);
     findExtinction();
     findWalls();
     for (auto& sent : sent_) sent.assign(count_, Sent{});
