@@ -208,7 +208,7 @@ Result<std::shared_ptr<const MediumAt>> FogSceneMedium::at(const InstantRequest&
   if (request.lit)
     lamps.assign(layer.lamps().begin(), layer.lamps().end());
   const FogDescription& fog = layer.description();
-  FogLight light{fog.scattering, fog.shadows, fog.blocks, fog.multiple, {}};
+  FogLight light{fog.scattering, fog.shadows, {}, fog.blocks, fog.multiple};
   return std::make_shared<const FogAt>(std::move(layer), request.time, request.factor,
                                        std::move(lamps), std::move(light));
 }

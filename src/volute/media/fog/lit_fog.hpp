@@ -16,9 +16,9 @@ namespace volute {
 struct FogLight {
   Scattering scattering{};
   ShadowsOn shadows{};               ///< may be empty
+  std::vector<AnyMedium> between{};  ///< other media, with their physical extinction
   Blocks blocks{};                   ///< the same surfaces; may be empty
   bool multiple = false;             ///< light is scattered more than once
-  std::vector<AnyMedium> between{};  ///< other media, with their physical extinction
 };
 
 /// A box outside of which a fog is too thin to be lit; finite.
