@@ -12,7 +12,7 @@
 namespace volute {
 namespace {
 
-constexpr int kCellsAlong = 32;     ///< the longest side
+constexpr int kCellsAlong = 32;  ///< the longest side
 constexpr double kFluxLimit = 2;
 constexpr int kFluxRounds = 4;      ///< of the limiter, which follows the light
 constexpr int kMaxGradients = 400;  ///< of conjugate gradients
