@@ -79,7 +79,6 @@ std::span<const Benchmark> benchmarks();
 [[nodiscard]] Status benchTomography(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchSmoke(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchSparse(const BenchInput& input, BenchRows& rows, Progress& progress);
-[[nodiscard]] Status benchTree(const BenchInput& input, BenchRows& rows, Progress& progress);
 
 [[nodiscard]] Status benchVisibility(const BenchInput& input, BenchRows& rows, Progress& progress);
 

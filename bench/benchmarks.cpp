@@ -37,10 +37,6 @@ std::span<const Benchmark> benchmarks() {
       {"visibility",
        "maps of where three signs are seen, on all threads; ratio to a loop over rays in NumPy",
        benchVisibility},
-      {"tree",
-       "the compact tree in memory, against dense, the paper's layout, zfp and NanoVDB at "
-       "relative RMS 3e-3, one thread",
-       benchTree},
   };
   return table;
 }
