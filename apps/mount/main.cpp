@@ -23,7 +23,7 @@
 #include "frame_files.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/program.hpp"
-#include "volute/media/volume/volume_input.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

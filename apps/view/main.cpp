@@ -13,10 +13,10 @@
 #include "volute/gl/gl_device.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/lighting/light_cache.hpp"
-#include "volute/media/volume/volume_input.hpp"
 #include "volute/viewer/headless_viewer.hpp"
 #include "volute/viewer/open_document.hpp"
 #include "volute/viewer/window.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

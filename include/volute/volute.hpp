@@ -39,12 +39,12 @@
 // Scenes, and kinds of media of one's own.
 #include "volute/media/field.hpp"
 #include "volute/media/medium_kind.hpp"
-#include "volute/media/volume/memory_volumes.hpp"
 #include "volute/scene/own_kind.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_renderer.hpp"
 #include "volute/scene/scene_sight.hpp"
 #include "volute/scene/snapshot.hpp"
+#include "volute/volume_files/memory_volumes.hpp"
 
 // From where signs are seen, and what people take in; fire from pictures; made-up data.
 #include "volute/synth/synth.hpp"

@@ -23,8 +23,6 @@
 #include "volute/image/srgb.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/camera_file.hpp"
-#include "volute/media/volume/memory_volumes.hpp"
-#include "volute/media/volume/volume_writer.hpp"
 #include "volute/scene/scene_renderer.hpp"
 #include "volute/scene/scene_sight.hpp"
 #include "volute/tomography/capture_refinement.hpp"
@@ -36,6 +34,8 @@
 #include "volute/visibility/sight_engine.hpp"
 #include "volute/visibility/sign_file.hpp"
 #include "volute/visibility/survey.hpp"
+#include "volute/volume_files/memory_volumes.hpp"
+#include "volute/volume_files/volume_writer.hpp"
 
 namespace volute::python {
 namespace {

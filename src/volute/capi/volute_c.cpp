@@ -20,12 +20,12 @@
 #include "volute/grid/array_source.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/media/camera_file.hpp"
-#include "volute/media/volume/memory_volumes.hpp"
 #include "volute/scene/kinds.hpp"
 #include "volute/scene/own_kind.hpp"
 #include "volute/scene/scene_sight.hpp"
 #include "volute/visibility/sight_engine.hpp"
 #include "volute/visibility/sign_file.hpp"
+#include "volute/volume_files/memory_volumes.hpp"
 #include "volute/volute.h"
 
 struct volute_file {

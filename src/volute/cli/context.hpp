@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "volute/base/team.hpp"
-#include "volute/media/reading.hpp"
+#include "volute/io/reading.hpp"
 #include "volute/report/json.hpp"
 #include "volute/report/report.hpp"
 

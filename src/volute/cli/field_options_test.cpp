@@ -12,9 +12,9 @@
 #include "volute/cli/file_kind.hpp"
 #include "volute/cli/parse.hpp"
 #include "volute/media/camera_file.hpp"
+#include "volute/media/fds/fds_look.hpp"
 #include "volute/media/fog/fog_file.hpp"
 #include "volute/media/scene_lights.hpp"
-#include "volute/media/smoke/fds_look.hpp"
 #include "volute/media/smoke/scene_smoke.hpp"
 #include "volute/media/volume/volume_fields.hpp"
 

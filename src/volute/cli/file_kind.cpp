@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "volute/io/image_file.hpp"
-#include "volute/media/volume/volume_input.hpp"
 #include "volute/scene/kinds.hpp"
 #include "volute/scene/scene.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

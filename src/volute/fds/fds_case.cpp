@@ -37,7 +37,15 @@ Result<FdsCase> FdsCase::open(const std::filesystem::path& path, const FdsOption
   return open(std::move(index), options);
 }
 
-Result<FdsCase> FdsCase::open(SmvIndex index, const FdsOptions& options) {
+/// Whether files are read as in another case of the same index, once a source is chosen.
+bool FdsCase::readsAs(const FdsCase& other) const {
+  const FdsOptions &a = options_, &b = other.options_;
+  return source().name == other.source().name && a.quantity == b.quantity &&
+         a.massExtinction == b.massExtinction && a.visibilityFactor == b.visibilityFactor &&
+         a.maxMemory == b.maxMemory && heldMeshes_ == other.heldMeshes_;
+}
+
+Result<FdsCase> FdsCase::open(SmvIndex index, const FdsOptions& options, const FdsCase* earlier) {
   FdsCase opened;
   opened.options_ = options;
   opened.index_ = std::move(index);
@@ -45,6 +53,16 @@ Result<FdsCase> FdsCase::open(SmvIndex index, const FdsOptions& options) {
   VOLUTE_ASSIGN(opened.heldMeshes_, meshesOfShare(opened.index_, options.share));
   VOLUTE_TRY(opened.checkSize());
   VOLUTE_TRY(opened.chooseSource(options));
+  opened.chosenBy_ = opened.remarks_.size();
+  if (earlier && opened.readsAs(*earlier)) {
+    FdsCase same = *earlier;
+    const auto own = same.remarks_.begin() + static_cast<std::ptrdiff_t>(same.chosenBy_);
+    opened.remarks_.insert(opened.remarks_.end(), own, same.remarks_.end());
+    same.remarks_ = std::move(opened.remarks_);
+    same.chosenBy_ = opened.chosenBy_;
+    same.options_ = options;
+    return same;
+  }
   VOLUTE_TRY(opened.openParts());
   VOLUTE_TRY(opened.findTimes());
   VOLUTE_TRY(opened.findBytes());

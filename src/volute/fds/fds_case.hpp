@@ -46,7 +46,10 @@ class FdsCase {
                                             const FdsOptions& options = {});
 
   /// The same with an index that was already read.
-  [[nodiscard]] static Result<FdsCase> open(SmvIndex index, const FdsOptions& options = {});
+  /// @param earlier  of that index: shares its files, and is used by the same thread from then on,
+  ///                 where it reads the same source in the same way; may be null
+  [[nodiscard]] static Result<FdsCase> open(SmvIndex index, const FdsOptions& options = {},
+                                            const FdsCase* earlier = nullptr);
 
   const SmvIndex& index() const { return index_; }
 
@@ -113,6 +116,8 @@ class FdsCase {
   Result<std::shared_ptr<const FdsValues>> partValues(Part& part, std::size_t position) const;
   Cells cellsAt(double time, double frameBefore, double frameAfter, const Frame& values) const;
 
+  bool readsAs(const FdsCase& other) const;
+
   FdsOptions options_;
   SmvIndex index_;
   std::vector<FdsSource> sources_;
@@ -129,6 +134,7 @@ class FdsCase {
   std::vector<double> changes_;  // of obstructions and vents, ascending
   std::shared_ptr<const FdsGrid> grid_;
   std::vector<std::string> remarks_;
+  std::size_t chosenBy_ = 0;  // how many of them are about the choice of a source
   std::vector<std::pair<std::size_t, std::shared_ptr<const Frame>>> kept_;  // two at most
 };
 

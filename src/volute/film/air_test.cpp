@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/inotify.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -305,6 +307,66 @@ TEST(Air, WhatIsLeftOutOfACaseNeverMakesItSafer) {
   EXPECT_GT(compared, 1000);
   EXPECT_GT(unknown, 200);
   EXPECT_GT(certain, 200);
+}
+
+/// How often each file of a folder was opened since.
+class OpenCounts {
+ public:
+  explicit OpenCounts(const std::filesystem::path& folder) : watch_(inotify_init1(IN_NONBLOCK)) {
+    EXPECT_GE(inotify_add_watch(watch_, folder.c_str(), IN_OPEN), 0);
+  }
+
+  ~OpenCounts() { close(watch_); }
+
+  OpenCounts(const OpenCounts&) = delete;
+  OpenCounts& operator=(const OpenCounts&) = delete;
+
+  std::map<std::string, int> take() const {
+    std::map<std::string, int> counts;
+    alignas(inotify_event) char events[1 << 16];
+    const ssize_t bytes = read(watch_, events, sizeof events);
+    for (ssize_t at = 0; at < bytes;) {
+      const auto* event = reinterpret_cast<const inotify_event*>(events + at);
+      if (event->len > 0 && (event->mask & IN_ISDIR) == 0)
+        ++counts[event->name];
+      at += static_cast<ssize_t>(sizeof *event) + event->len;
+    }
+    return counts;
+  }
+
+ private:
+  int watch_;
+};
+
+TEST(SceneSight, ACaseIsOpenedOnceForPicturesAndSight) {
+  const Folder folder;
+  fdswriter::Index index;
+  const fdswriter::Planes planes{{{0, 1, 2, 3}, {0, 1, 2}, {0, 1, 2}}};
+  index.meshes.push_back({planes, {}, {}});
+  const fdswriter::Slice slice{{0, 3, 0, 2, 0, 2}};
+  const std::vector<float> values(4 * 3 * 3, 0.1F);
+  fdswriter::sliceFile(slice, {{0, values}, {1, values}}).save(folder / "k.sf");
+  index.slice(1, slice, "k.sf", false);
+  index.save(folder / "made.smv");
+  fdswriter::saveText(
+      folder / "scene.json",
+      R"({"format": "volute-scene-2", "media": [{"kind": "smoke", "case": "made.smv"}]})");
+  const OpenCounts opens(folder / "");
+  Progress quiet;
+  SceneOptions options;
+  auto scene = Scene::open((folder / "scene.json").string(), options, quiet);
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_TRUE(scene->at({.time = 0}, quiet));
+  const auto forPictures = opens.take();
+  EXPECT_EQ(forPictures.at("made.smv"), 1);
+  EXPECT_EQ(forPictures.at("k.sf"), 1);
+  auto field = sightOf(std::move(*scene), options, quiet);
+  ASSERT_TRUE(field) << field.error().message;
+  const SightLine line{{0.5, 1, 1}, {2.5, 1, 1}};
+  Sight sight;
+  (*field)->read(1).value()->look({&line, 1}, {&sight, 1});
+  EXPECT_NEAR(sight.depth, 0.2, 1e-6);
+  EXPECT_EQ(opens.take(), (std::map<std::string, int>{}));
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "volute/io/reading.hpp"
 #include "volute/media/field.hpp"
-#include "volute/media/reading.hpp"
 #include "volute/optics/visibility.hpp"
 #include "volute/visibility/survey_job.hpp"
 

@@ -12,9 +12,9 @@
 #include "volute/gl/gl_smoke.hpp"
 #include "volute/gl/gl_snapshot.hpp"
 #include "volute/gl/gl_volume.hpp"
-#include "volute/media/fds/fds_scene_medium.hpp"
+#include "volute/media/fds/fds_medium.hpp"
 #include "volute/media/fog/fog_scene_medium.hpp"
-#include "volute/media/smoke/smoke_scene_medium.hpp"
+#include "volute/media/smoke/smoke_medium.hpp"
 #include "volute/media/volume/volume_medium.hpp"
 
 namespace volute {
@@ -53,8 +53,8 @@ GlParts partsOf(const FogAt& fog, const GlSnapshotOptions& options) {
     return {glPart(GlLitFog{fog.fog(), *fog.lit(), fog.factor()})};
   GlFog part{fog.fog(), fog.factor()};
   if (options.tables)
-    part.polar = [layer = fog.layer(), map = fog.fog()](const Camera& camera) {
-      return layer.polarFor(camera, map);
+    part.polar = [fog = fog.map(), map = fog.fog()](const Camera& camera) {
+      return fog->polarFor(camera, map);
     };
   return {glPart(std::move(part))};
 }

@@ -11,6 +11,7 @@
 
 #include "volute/base/suggest.hpp"
 #include "volute/io/json_values.hpp"
+#include "volute/media/medium_kind.hpp"
 
 namespace volute {
 namespace {
@@ -164,10 +165,13 @@ Status checkNames(const FieldTable& table, const FieldValue& json, const FieldOr
     if (table.find(key) || (key == "kind" && !table.says.empty()))
       continue;
     const FieldRow unknown{.name = key};
-    const FieldTable* other = table.sibling ? &table.sibling() : nullptr;
-    if (other && other->find(key))
-      return origin.wrong(unknown,
-                          fmt::format("is for {}, and this is {}", other->things, table.thing));
+    // Kinds of one name are told apart by the file's.
+    for (const MediumKind* kind : mediumKinds()) {
+      const FieldTable& other = kind->fields();
+      if (!table.says.empty() && other.says == table.says && other.find(key))
+        return origin.wrong(unknown,
+                            fmt::format("is for {}, and this is {}", other.things, table.thing));
+    }
     const auto near = nearest(key, names);
     return origin.wrong(
         unknown,

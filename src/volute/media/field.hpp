@@ -142,11 +142,9 @@ struct FieldTable {
   std::string_view name = {};      ///< "fog"
   std::string_view sentence = {};  ///< what it describes
   std::span<const FieldRow> fields = {};
-  std::string_view says = {};    ///< the value of "kind"; empty: no such member
-  std::string_view thing = {};   ///< "an FDS case"
-  std::string_view things = {};  ///< "FDS cases"
-  /// Other table with the same "kind", told apart by the file's name; errors name both.
-  const FieldTable& (*sibling)() = nullptr;
+  std::string_view says = {};                 ///< the value of "kind"; empty: no such member
+  std::string_view thing = {};                ///< "an FDS case"
+  std::string_view things = {};               ///< "FDS cases"
   const void* usual = nullptr;                ///< the struct with its defaults
   std::shared_ptr<void> (*make)() = nullptr;  ///< another one
   std::string_view owner = {};                ///< its name, by typeName()

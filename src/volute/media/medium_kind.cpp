@@ -79,10 +79,8 @@ Result<FileDescription> MediumKind::describe(const std::string& path, const Desc
   return described;
 }
 
-Result<std::unique_ptr<SightField>> MediumKind::openSight(const nlohmann::json& entry,
-                                                          MediumContext& context) const {
-  VOLUTE_ASSIGN(auto medium, open(entry, context));
-  return std::make_unique<RaySight>(std::move(medium));
+Result<std::unique_ptr<SightField>> SceneMedium::sight(Reading&) {
+  return std::make_unique<RaySight>(shared_from_this());
 }
 
 std::vector<const MediumKind*>& mediumKinds() {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "volute/base/team.hpp"
+#include "volute/io/reading.hpp"
 #include "volute/media/field_sliders.hpp"
-#include "volute/media/reading.hpp"
 #include "volute/media/scene_lights.hpp"
 #include "volute/media/scene_medium.hpp"
 #include "volute/media/sight.hpp"
@@ -36,6 +36,8 @@ struct OpenOptions {
   bool verify = true;    ///< with `partial`: check them first, and report what is missing
   /// Defaults for measurements instead of appearance: the files' own basis.
   bool measured = true;
+  bool sightOnly =
+      false;            ///< what only pictures need is left out; SceneMedium::sight() is asked for
   bool byTree = false;  ///< pictures are drawn from the tree, which holds values and no light
   std::shared_ptr<const LightCache> lightCache{};  ///< on disk, for the light of lamps; may be null
   std::shared_ptr<LightMemory> lightMemory{};      ///< consulted before it; may be null
@@ -113,10 +115,6 @@ class MediumKind {
   /// Errors name the file and the place in it, also for unknown members.
   [[nodiscard]] virtual Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
                                                                   MediumContext& context) const = 0;
-
-  /// The same for sight lines; by default along rays through the result of open().
-  [[nodiscard]] virtual Result<std::unique_ptr<SightField>> openSight(const nlohmann::json& entry,
-                                                                      MediumContext& context) const;
 
   /// Whether a file alone is of this kind, by its name.
   virtual bool opens(const std::string& path) const {

@@ -103,8 +103,12 @@ struct FirstTime {
   std::string reason;
 };
 
-/// A medium in time. One thread at a time calls it; what at() gives is free of it.
-class SceneMedium {
+class SightField;
+struct Reading;
+
+/// A medium in time, for pictures and sight lines. One thread at a time calls it; what at() gives
+/// is free of it.
+class SceneMedium : public std::enable_shared_from_this<SceneMedium> {
  public:
   virtual ~SceneMedium() = default;
 
@@ -113,6 +117,10 @@ class SceneMedium {
   /// The medium at a time of the scene: before its first and after its last frame it is theirs.
   [[nodiscard]] virtual Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
                                                                    Progress& progress) = 0;
+
+  /// The same for sight lines, by default along rays. It and the medium share the files that were
+  /// opened, so one thread at a time calls both.
+  [[nodiscard]] virtual Result<std::unique_ptr<SightField>> sight(Reading& reading);
 
   /// Whether at() is there at once; else a coarse one is there much sooner.
   virtual bool inMemory(double time) const {

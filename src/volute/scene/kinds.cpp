@@ -2,9 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/kinds.hpp"
 
-#include "volute/media/fds/fds_scene_medium.hpp"
+#include "volute/media/fds/fds_medium.hpp"
 #include "volute/media/fog/fog_scene_medium.hpp"
-#include "volute/media/smoke/smoke_scene_medium.hpp"
+#include "volute/media/smoke/smoke_medium.hpp"
 #include "volute/media/volume/volume_medium.hpp"
 #include "volute/scene/own_kind.hpp"
 

@@ -12,9 +12,9 @@
 #include "volute/io/json_depth.hpp"
 #include "volute/io/json_file.hpp"
 #include "volute/media/light_blockers.hpp"
-#include "volute/media/volume/volume_input.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/scene/kinds.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
 namespace {

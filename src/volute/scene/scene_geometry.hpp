@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "volute/geometry/triangle_scene.hpp"
+#include "volute/io/reading.hpp"
 #include "volute/media/field.hpp"
-#include "volute/media/reading.hpp"
 
 namespace volute {
 

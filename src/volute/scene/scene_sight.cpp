@@ -58,11 +58,8 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
                                             Progress& progress) {
   if (scene.media().size() != 1)
     return std::make_unique<SceneSight>(std::move(scene));
-  const MediumEntry& entry = scene.description().media.front();
   Reading reading{progress, options.maxMemory, options.files.volumes.get()};
-  MediumContext context{reading,      options.files, scene.description().lights,  scene.geometry(),
-                        scene.path(), entry.path,    scene.description().version, scene.media()[0]};
-  VOLUTE_ASSIGN(auto only, entry.kind->openSight(*entry.json, context));
+  VOLUTE_ASSIGN(auto only, scene.media()[0]->sight(reading));
   if (!scene.geometry().empty()) {
     only->wrap(
         [surfaces = scene.geometry()](std::shared_ptr<const SightInstant> media) {
@@ -86,8 +83,11 @@ Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Sce
   Reading reading{progress, options.maxMemory, options.files.volumes.get()};
   const SceneLights lights;
   const TriangleScene geometry;
-  MediumContext context{reading, options.files, lights, geometry, path, "/media/0"};
-  return kind.openSight(nlohmann::json(entry), context);
+  OpenOptions files = options.files;
+  files.sightOnly = true;
+  MediumContext context{reading, files, lights, geometry, path, "/media/0"};
+  VOLUTE_ASSIGN(const auto medium, kind.open(nlohmann::json(entry), context));
+  return medium->sight(reading);
 }
 
 Result<std::unique_ptr<SightField>> openSight(const std::string& path, const SceneOptions& options,

@@ -40,6 +40,22 @@ class Layer final : public SightField {
   std::string source_;
 };
 
+class LayerMedium final : public SceneMedium {
+ public:
+  explicit LayerMedium(std::string source) : source_(std::move(source)) {}
+
+  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest&, Progress&) override {
+    return fail(ErrorCode::kUnsupported, "only pictures need this");
+  }
+
+  Result<std::unique_ptr<SightField>> sight(Reading&) override {
+    return std::make_unique<Layer>(source_);
+  }
+
+ private:
+  std::string source_;
+};
+
 class LayerKind final : public MediumKind {
  public:
   const FieldTable& fields() const override {
@@ -53,13 +69,10 @@ class LayerKind final : public MediumKind {
     return {{"media", {{{"file", name}, {"field", "flat"}}}}};
   }
 
-  Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json&, MediumContext&) const override {
-    return fail(ErrorCode::kUnsupported, "only pictures need this");
-  }
-
-  Result<std::unique_ptr<SightField>> openSight(const nlohmann::json& entry,
-                                                MediumContext&) const override {
-    return std::make_unique<Layer>(entry.at("field"));
+  Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
+                                            MediumContext& context) const override {
+    EXPECT_TRUE(context.options.sightOnly);
+    return std::make_shared<LayerMedium>(entry.at("field"));
   }
 };
 

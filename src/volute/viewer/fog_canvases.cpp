@@ -6,9 +6,9 @@
 
 #include "volute/io/image_file.hpp"
 #include "volute/media/fog/fog_scene_medium.hpp"
-#include "volute/media/volume/volume_input.hpp"
 #include "volute/scene/scene_names.hpp"
 #include "volute/viewer/scene_document.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
 namespace {
@@ -46,7 +46,7 @@ std::vector<FogCanvas> SceneDocument::canvases() const {
     const FogDescription& fog = canvas.fog->description();
     const std::string& file = fog.maps.front();
     canvases.push_back({std::filesystem::path(file).filename().string(), file,
-                        fog.placement.sigmaMax, canvas.fog->shown().mapAt(0), fog.wind,
+                        fog.placement.sigmaMax, canvas.fog->shown()->mapAt(0), fog.wind,
                         canvas.fog->unsaved()});
   }
   return canvases;

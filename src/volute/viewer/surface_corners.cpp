@@ -9,7 +9,7 @@
 #include <numbers>
 #include <queue>
 
-#include "volute/media/smoke/smoke_scene_medium.hpp"
+#include "volute/media/smoke/smoke_medium.hpp"
 #include "volute/media/smoke/smoke_walls.hpp"
 
 namespace volute {

@@ -8,7 +8,7 @@
 
 #include "volute/base/read_text.hpp"
 #include "volute/io/frame_pattern.hpp"
-#include "volute/media/volume/volume_input.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
 namespace {

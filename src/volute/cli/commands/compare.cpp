@@ -11,7 +11,7 @@
 #include "volute/cli/volume_output.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/media/volume/volume_comparison.hpp"
+#include "volute/volume_files/volume_comparison.hpp"
 
 namespace volute::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include "volute/cli/values.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/raw_volume.hpp"
-#include "volute/media/volume/grid_compression.hpp"
+#include "volute/volume_files/grid_compression.hpp"
 
 namespace volute::cli {
 namespace {

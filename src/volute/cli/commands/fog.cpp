@@ -16,8 +16,8 @@
 #include "volute/media/fog/fog_frames.hpp"
 #include "volute/media/light_blockers.hpp"
 #include "volute/media/scene_lights.hpp"
-#include "volute/media/volume/volume_input.hpp"
 #include "volute/scene/scene_geometry.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute::cli {
 namespace {
@@ -66,7 +66,7 @@ void tell(const FoggedFrame& frame, const std::string& target, Progress& progres
   }
 }
 
-Status fogPictures(const std::vector<FogFrame>& frames, const FogLayer& layer,
+Status fogPictures(const std::vector<FogFrame>& frames, FogSceneMedium& fog,
                    const std::string& target, const Arguments& arguments, Context& context) {
   const FogFrameOptions options = frameOptions(arguments);
   Development development{.style = {.dither = true}};
@@ -75,7 +75,7 @@ Status fogPictures(const std::vector<FogFrame>& frames, const FogLayer& layer,
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (context.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before frame {}", frames[i].number);
-    VOLUTE_ASSIGN(const auto fogged, fogOver(frames[i], layer, options, context));
+    VOLUTE_ASSIGN(const auto fogged, fogOver(frames[i], fog, options, context));
     if (!writer && isFilmPath(target)) {
       const PixelWindow& display = fogged.pixels.part.display;
       VOLUTE_ASSIGN(writer, filmWriter(target, development, display.width(), display.height(),
@@ -200,11 +200,11 @@ Status runFog(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(auto description, fogOf(arguments, arguments.positional(0)));
   VOLUTE_ASSIGN(const auto suns, sunsOf(arguments));
   VOLUTE_ASSIGN(const auto geometry, addGeometry(arguments, description, context));
-  VOLUTE_ASSIGN(const auto layer, FogLayer::open(description, suns, context));
-  tellOfShadows(arguments, geometry, suns, layer.fogAt(0), context.progress);
+  VOLUTE_ASSIGN(const auto fog, FogSceneMedium::open(description, suns, context));
+  tellOfShadows(arguments, geometry, suns, fog->fogAt(0), context.progress);
   Report report;
   if (folder) {
-    VOLUTE_TRY(exportFogShader(layer.fogAt(arguments.find<double>("time").value_or(0)), *folder));
+    VOLUTE_TRY(exportFogShader(fog->fogAt(arguments.find<double>("time").value_or(0)), *folder));
     report.add("shader", *folder);
   }
   if (pictures) {
@@ -222,7 +222,7 @@ Status runFog(const Arguments& arguments, Context& context) {
     double milliseconds = 0;
     {
       const Stopwatch watch(milliseconds);
-      VOLUTE_TRY(fogPictures(frames, layer, target, arguments, context));
+      VOLUTE_TRY(fogPictures(frames, *fog, target, arguments, context));
     }
     report.add("output", target)
         .add("pictures", static_cast<int>(frames.size()), fmt::format("{}", frames.size()))

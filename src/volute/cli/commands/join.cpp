@@ -5,7 +5,7 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
-#include "volute/media/volume/volume_input.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

@@ -8,8 +8,8 @@
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/media/volume/volume_input.hpp"
 #include "volute/tomography/project_frames.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

@@ -17,14 +17,14 @@
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
-#include "volute/media/volume/volume_input.hpp"
-#include "volute/media/volume/volume_writer.hpp"
 #include "volute/tomography/hold_out_rotation.hpp"
 #include "volute/tomography/layout.hpp"
 #include "volute/tomography/line_volumes.hpp"
 #include "volute/tomography/reconstruction_page.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
 #include "volute/tomography/soot_frames.hpp"
+#include "volute/volume_files/volume_input.hpp"
+#include "volute/volume_files/volume_writer.hpp"
 
 namespace volute::cli {
 namespace {

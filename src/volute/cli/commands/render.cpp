@@ -19,7 +19,7 @@
 #include "volute/film/write_film.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/media/camera_file.hpp"
-#include "volute/media/volume/volume_input.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/values.hpp"
 #include "volute/cli/volume_output.hpp"
-#include "volute/media/volume/volume_resampling.hpp"
+#include "volute/volume_files/volume_resampling.hpp"
 
 namespace volute::cli {
 namespace {

@@ -4,12 +4,12 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
-#include "volute/media/volume/volume_input.hpp"
-#include "volute/media/volume/volume_writer.hpp"
 #include "volute/synth/hall_files.hpp"
 #include "volute/synth/puffs.hpp"
 #include "volute/synth/synth.hpp"
 #include "volute/synth/valley_files.hpp"
+#include "volute/volume_files/volume_input.hpp"
+#include "volute/volume_files/volume_writer.hpp"
 
 namespace volute::cli {
 namespace {

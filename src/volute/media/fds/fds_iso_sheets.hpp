@@ -9,8 +9,8 @@
 
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/iso_file.hpp"
+#include "volute/io/reading.hpp"
 #include "volute/math/vec.hpp"
-#include "volute/media/reading.hpp"
 #include "volute/medium/any_medium.hpp"
 
 namespace volute {

@@ -9,7 +9,7 @@
 
 #include "volute/base/gather_values.hpp"
 #include "volute/lighting/vertex_light.hpp"
-#include "volute/media/smoke/shared_picture.hpp"
+#include "volute/media/shared_picture.hpp"
 
 namespace volute {
 namespace {

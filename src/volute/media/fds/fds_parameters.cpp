@@ -62,15 +62,15 @@ std::optional<std::pair<std::string, double>> planeOf(const std::string& slice) 
 }
 
 /// The plane through what fills a box, at the height of a person's eyes.
-void addSlice(ParameterGroup& group, const FdsLayer& layer, std::string_view help) {
-  const Box3& box = layer.bounds();
+void addSlice(ParameterGroup& group, const FdsMedium& fds, std::string_view help) {
+  const Box3& box = fds.bounds();
   const double eyes = std::min(box.min.z() + 1.7, box.centre().z());
   std::set<std::string> names;
-  for (const FdsSliceEntry& slice : layer.files().index().slices) {
+  for (const FdsSliceEntry& slice : fds.fdsCase().index().slices) {
     const std::string& name = slice.labels.quantity;
     names.insert(isThick(slice) ? fmt::format("{} z={:.2f}", name, eyes) : name);
   }
-  const std::string& chosen = layer.description().fds.slice;
+  const std::string& chosen = fds.description().look.slice;
   addChoice(group, "slice", "slice", namesOf(kOff, names, chosen), chosen.empty() ? kOff : chosen,
             help);
   const auto plane = planeOf(chosen);
@@ -108,9 +108,9 @@ double usualLevel(const std::string& quantity) {
   return 1;
 }
 
-void addIso(ParameterGroup& group, const FdsLayer& layer, std::string_view help) {
-  const auto [quantity, level] = isoWords(layer.description().fds.iso);
-  const SmvIndex& index = layer.files().index();
+void addIso(ParameterGroup& group, const FdsMedium& fds, std::string_view help) {
+  const auto [quantity, level] = isoWords(fds.description().look.iso);
+  const SmvIndex& index = fds.fdsCase().index();
   addChoice(group, "isosurface", "iso", namesOf(kOff, isoQuantities(index), quantity),
             quantity.empty() ? kOff : quantity, help);
   if (level.empty() || level.find(',') != std::string::npos)
@@ -121,11 +121,11 @@ void addIso(ParameterGroup& group, const FdsLayer& layer, std::string_view help)
   at.help = "value of the quantity on the surface";
 }
 
-void addCuts(ParameterGroup& group, const FdsLayer& layer, std::string_view help) {
-  const Box3& box = layer.bounds();
+void addCuts(ParameterGroup& group, const FdsMedium& fds, std::string_view help) {
+  const Box3& box = fds.bounds();
   for (int axis = 0; axis < 3; ++axis) {
     double place = box.max[axis];
-    for (const FdsCut& cut : layer.description().fds.cuts) {
+    for (const FdsCut& cut : fds.description().look.cuts) {
       if (cut.axis == axis)
         place = cut.place;
     }
@@ -138,10 +138,10 @@ void addCuts(ParameterGroup& group, const FdsLayer& layer, std::string_view help
   }
 }
 
-void addFire(ParameterGroup& group, const FdsLayer& layer) {
-  if (!layer.burns())
+void addFire(ParameterGroup& group, const FdsMedium& fds) {
+  if (!fds.burns())
     return;
-  const FlameLaw& flame = layer.flame();
+  const FlameLaw& flame = fds.flame();
   Parameter& bright =
       group.add("brightness", "fire/emission", Parameter::Kind::kNumber, {flame.emission});
   bright.most = std::max(100.0, 2 * flame.emission);
@@ -157,18 +157,18 @@ void addFire(ParameterGroup& group, const FdsLayer& layer) {
 
 }  // namespace
 
-void addCaseParameters(ParameterGroup& group, const FdsLayer& layer) {
-  const FdsLook& look = layer.description().fds;
-  const SmvIndex& index = layer.files().index();
+void addCaseParameters(ParameterGroup& group, const FdsMedium& fds) {
+  const FdsLook& look = fds.description().look;
+  const SmvIndex& index = fds.fdsCase().index();
   const auto help = [](const char* row) { return fdsFields().at(row).help; };
   group.section("what is shown");
   std::set<std::string> sources, clouds;
-  for (const FdsSource& source : layer.files().sources()) sources.insert(source.name);
-  const std::string source = layer.description().field;
+  for (const FdsSource& source : fds.fdsCase().sources()) sources.insert(source.name);
+  const std::string source = fds.description().field;
   addChoice(group, "smoke from", "field", namesOf(kBest, sources, source),
             source.empty() ? kBest : source, help("field"));
-  addSlice(group, layer, help("slice"));
-  addIso(group, layer, help("iso"));
+  addSlice(group, fds, help("slice"));
+  addIso(group, fds, help("iso"));
   if (!index.particles.empty()) {
     clouds = {"all"};
     for (const FdsParticleClass& kind : index.particleClasses) clouds.insert(kind.name);
@@ -181,19 +181,19 @@ void addCaseParameters(ParameterGroup& group, const FdsLayer& layer) {
   group.section("");
 }
 
-void addCaseLook(ParameterGroup& group, const FdsLayer& layer) {
-  const FdsLook& look = layer.description().fds;
+void addCaseLook(ParameterGroup& group, const FdsMedium& fds) {
+  const FdsLook& look = fds.description().look;
   group.section("building");
-  addCuts(group, layer, fdsFields().at("cut").help);
+  addCuts(group, fds, fdsFields().at("cut").help);
   group.section("fire");
-  if (layer.burns() || !look.fire)
+  if (fds.burns() || !look.fire)
     group.add("fire", "fire", Parameter::Kind::kFlag, {look.fire ? 1.0 : 0.0}).help =
         fdsFields().at("fire").help;
-  addFire(group, layer);
+  addFire(group, fds);
   group.section("");
 }
 
-bool setCaseParameter(nlohmann::ordered_json& entry, const FdsLayer& layer, const std::string& key,
+bool setCaseParameter(nlohmann::ordered_json& entry, const FdsMedium& fds, const std::string& key,
                       const nlohmann::ordered_json& value) {
   const auto put = [&](const char* name, const nlohmann::ordered_json& other, bool given) {
     if (given)
@@ -209,18 +209,18 @@ bool setCaseParameter(nlohmann::ordered_json& entry, const FdsLayer& layer, cons
     return put("slice", value, value != kOff);
   }
   if (key == "slice/at") {
-    const auto plane = planeOf(layer.description().fds.slice);
+    const auto plane = planeOf(fds.description().look.slice);
     return plane && put("slice", fmt::format("{}={:.6g}", plane->first, value.get<double>()), true);
   }
   if (key == "particles")
     return put(key.c_str(), value, value != kOff);
   if (key == "iso/level") {
-    const std::string quantity = isoWords(layer.description().fds.iso).first;
+    const std::string quantity = isoWords(fds.description().look.iso).first;
     return put("iso", fmt::format("{} {:.6g}", quantity, value.get<double>()), true);
   }
   if (key == "iso") {
     const std::string quantity = value.get<std::string>();
-    const auto& stored = layer.files().index().isosurfaces;
+    const auto& stored = fds.fdsCase().index().isosurfaces;
     const bool whole = std::ranges::any_of(
         stored, [&](const FdsIsoEntry& iso) { return iso.labels.quantity == quantity; });
     return put("iso", whole ? quantity : fmt::format("{} {:g}", quantity, usualLevel(quantity)),
@@ -232,11 +232,11 @@ bool setCaseParameter(nlohmann::ordered_json& entry, const FdsLayer& layer, cons
     const auto add = [&](int of, double place) {
       cuts += fmt::format("{}{}={:.6g}", cuts.empty() ? "" : ",", "xyz"[of], place);
     };
-    for (const FdsCut& cut : layer.description().fds.cuts) {
+    for (const FdsCut& cut : fds.description().look.cuts) {
       if (cut.axis != axis)
         add(cut.axis, cut.place);
     }
-    if (value.get<double>() < layer.bounds().max[axis])
+    if (value.get<double>() < fds.bounds().max[axis])
       add(axis, value.get<double>());
     return put("cut", cuts, !cuts.empty());
   }

@@ -22,9 +22,9 @@ Result<std::vector<int>> sharesOf(const SmvIndex& index, int shares) {
 
 }  // namespace
 
-Status checkShares(const SmokeDescription& description, const SmvIndex& index, int shares,
+Status checkShares(const FdsDescription& description, const SmvIndex& index, int shares,
                    bool burns) {
-  if (!description.fds.iso.empty()) {
+  if (!description.look.iso.empty()) {
     return fail(ErrorCode::kUnsupported,
                 "{}: ranks that hold a share of its meshes each draw no iso-surfaces: leave them "
                 "out, or let each rank hold all",

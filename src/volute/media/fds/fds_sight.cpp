@@ -445,7 +445,8 @@ bool isBeyond(std::span<const double> times, std::span<const double> known) {
 
 }  // namespace
 
-std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& options) {
+std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& options,
+                                    const FdsCase* earlier) {
   std::vector<FdsCase> others;
   const bool cut = first.source().quantity == SmokeQuantity::kVisibility;
   std::vector<double> known(first.times().begin(), first.times().end());
@@ -454,7 +455,7 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
       continue;
     FdsOptions other = options;
     other.source = source.name;
-    auto opened = FdsCase::open(first.index(), other);
+    auto opened = FdsCase::open(first.index(), other, earlier);
     if (!opened)
       continue;
     const bool beyond = isBeyond(opened->times(), known);

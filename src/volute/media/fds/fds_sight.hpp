@@ -61,7 +61,9 @@ class FdsInstant final : public BasicSightInstant {
 /// extinction where it is; of any, times at which it stores nothing. Best first. What cannot be
 /// read is left out.
 /// @param options  those of `first`
-std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& options);
+/// @param earlier  see FdsCase::open()
+std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& options,
+                                    const FdsCase* earlier = nullptr);
 
 /// An FDS case over time: obstructions come and go.
 class FdsSight final : public SightField {

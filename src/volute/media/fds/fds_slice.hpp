@@ -9,7 +9,7 @@
 
 #include "volute/fds/fds_case.hpp"
 #include "volute/geometry/triangle_scene.hpp"
-#include "volute/media/reading.hpp"
+#include "volute/io/reading.hpp"
 
 namespace volute {
 

@@ -31,7 +31,7 @@ enum class FogBorder {
 enum class FogPath {
   kAuto,   ///< by a table where that serves and is faster: pictures of maps of 128 pixels and more
   kWalk,   ///< every ray, exactly
-  kPolar,  ///< by a table of polar prefix sums where it serves: FogLayer::polarFor()
+  kPolar,  ///< by a table of polar prefix sums where it serves: FogSceneMedium::polarFor()
 };
 
 /// No fog above a map of heights.

@@ -401,7 +401,7 @@ Result<std::vector<FogFrame>> fogFrames(const FogFrame& names,
   return frames;
 }
 
-Result<FoggedFrame> fogOver(const FogFrame& frame, const FogLayer& layer,
+Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
                             const FogFrameOptions& options, Reading& reading) {
   FoggedFrame out;
   VOLUTE_ASSIGN(auto color, readColor(frame, options, reading));
@@ -436,7 +436,7 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, const FogLayer& layer,
         "assumed, say which it is",
         frame.depth));
   }
-  const double extent = layer.fogAt(0).bounds().size().head<2>().maxCoeff();
+  const double extent = fog.fogAt(0).bounds().size().head<2>().maxCoeff();
   if (distances.farthest() > 0 &&
       (distances.farthest() <= 1 || distances.farthest() < 1e-3 * extent)) {
     out.remarks.push_back(fmt::format(
@@ -457,7 +457,7 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, const FogLayer& layer,
     out.pixels.alpha = Image(window.width(), window.height(), 1);
   }
   const double time = options.time.value_or(frame.number / options.rate);
-  VOLUTE_ASSIGN(const auto now, FogSceneMedium(layer).at({.time = time}, reading.progress));
+  VOLUTE_ASSIGN(const auto now, fog.at({.time = time}, reading.progress));
   std::vector<AnyMedium> medium;
   VOLUTE_TRY(now->addMediaFor(camera, medium));
   out.pixels.part = part;

@@ -9,7 +9,8 @@
 
 #include "volute/grid/select_frames.hpp"
 #include "volute/io/frame_file.hpp"
-#include "volute/media/fog/fog_layer.hpp"
+#include "volute/io/reading.hpp"
+#include "volute/media/fog/fog_scene_medium.hpp"
 #include "volute/media/fog/frame_layers.hpp"
 #include "volute/render/render.hpp"
 
@@ -56,7 +57,7 @@ struct FoggedFrame {
 /// windows, pixel aspect (whose rays are the pixels') and attributes stay. Depths of 0, infinity,
 /// 1e10 and more, and 65504 (the largest half) are where there is nothing: sky. Errors name the
 /// file and, of depths, the pixel.
-[[nodiscard]] Result<FoggedFrame> fogOver(const FogFrame& frame, const FogLayer& layer,
+[[nodiscard]] Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
                                           const FogFrameOptions& options, Reading& reading);
 
 }  // namespace volute

@@ -2,215 +2,318 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fog/fog_scene_medium.hpp"
 
-#include <nlohmann/json.hpp>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
-#include "volute/base/remark_log.hpp"
-#include "volute/fog/polar_fog.hpp"
 #include "volute/io/frame_pattern.hpp"
-#include "volute/media/fog/fog_parameters.hpp"
-#include "volute/media/light_blockers.hpp"
-#include "volute/media/volume/volume_input.hpp"
-#include "volute/render/scaled_medium.hpp"
+#include "volute/io/image_file.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
 namespace {
 
-using OrderedJson = nlohmann::ordered_json;
+constexpr double kFramesPerSecond = 25;
 
-std::size_t valuesOf(const FogLayer& layer) {
-  const FogLevels& levels = layer.mapAt(0).levels();
-  return static_cast<std::size_t>(levels.columns()) * levels.rows();
-}
-
-class FogKind final : public MediumKind {
- public:
-  const FieldTable& fields() const override { return fogFields(); }
-
-  Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
-                                            MediumContext& context) const override {
-    VOLUTE_ASSIGN(auto fog, parseFog(entry, {context.file, context.path}));
-    if (context.options.measured && fog.path == FogPath::kAuto)
-      fog.path = FogPath::kWalk;
-    const auto& lamps = context.lights.lamps;
-    fog.shadows = shadowsOf(context.geometry);
-    fog.blocks = blocksOf(context.geometry);
-    fog.multiple = context.lights.multiple;
-    const auto before = context.take<FogSceneMedium>([&](const FogSceneMedium& other) {
-      return FogLayer::readsTheSame(other.description(), fog);
-    });
-    const auto last = std::dynamic_pointer_cast<FogSceneMedium>(context.before);
-    std::shared_ptr<FogSceneMedium> medium;
-    if (before) {
-      medium = std::make_shared<FogSceneMedium>(before->layer().with(fog, lamps));
-      medium->remarks = before->remarks;
-    } else {
-      RemarkLog heard(context.reading.progress);
-      Reading reading = context.reading.with(heard);
-      VOLUTE_ASSIGN(auto layer, FogLayer::open(fog, lamps, reading));
-      if (!context.geometry.empty() && !lamps.empty() &&
-          !shadowsFog(context.geometry, lamps, layer.fogAt(0)))
-        heard.remark({RemarkCode::kDoubtful,
-                      fmt::format("{}: the scene's geometry shadows none of this fog", fog.where)});
-      medium = std::make_shared<FogSceneMedium>(std::move(layer));
-      medium->remarks = heard.remarks();
-    }
-    if (before || last)
-      medium->keepPainted(before ? *before : *last);
-    return std::shared_ptr<SceneMedium>(std::move(medium));
-  }
-
-  bool opens(const std::string& path) const override { return isPicturePath(path); }
-
-  bool assumes() const override { return true; }
-
-  OrderedJson sceneOf(const std::string& name) const override {
-    return {{"format", kSceneFormat},
-            {"media", OrderedJson::array({{{"kind", "fog"}, {"map", name}, {"convert", "luma"}}})}};
-  }
-
-  std::string assume(OrderedJson& scene) const override {
-    OrderedJson& fog = scene["media"][0];
-    fog["cell"] = 1.0;
-    fog["sigma_max"] = 0.05;
-    fog["degree"] = 2;
-    fog["profile"] = {{"kind", "slab"}, {"bottom", 0.0}, {"top", 10.0}};
-    // Against a dim sky fog is seen from all sides.
-    scene["background"] = {0.02, 0.03, 0.05};
-    return "cells of 1 m, 10 m high, 0.05 /m at most, unless you say otherwise";
-  }
-
-  bool setParameter(OrderedJson& entry, const SceneMedium& medium, const std::string& key,
-                    const OrderedJson&, const std::vector<double>& numbers) const override {
-    return setFog(entry, dynamic_cast<const FogSceneMedium&>(medium).description(), key, numbers);
-  }
-
-  Result<std::optional<std::string>> editEntry(OrderedJson& entry, const std::string& key,
-                                               bool more) const override {
-    return editProfile(entry, key, more);
-  }
+struct Maps {
+  std::vector<FogMap> maps;
+  std::vector<double> times;
 };
 
+/// The library's error, at a place.
+tl::unexpected<Error> aboutMap(const std::string& where, const Error& error) {
+  const bool wrong = error.code == ErrorCode::kInvalidArgument;
+  return fail(wrong ? ErrorCode::kInvalidData : error.code, "{}: {}", where, error.message);
+}
+
+Result<FogMap> readMap(const std::string& path, const FogPlacement& placement, FogColour colour,
+                       const Reading& reading) {
+  VOLUTE_ASSIGN(const auto image, readImage(path, {.raw = true, .maxMemory = reading.maxMemory}));
+  auto map = FogMap::fromImage(image, placement, colour);
+  if (!map)
+    return aboutMap(path, map.error());
+  return map;
+}
+
+Result<Maps> readPictures(const std::vector<std::string>& paths, const std::vector<double>& numbers,
+                          const FogDescription& fog, const Reading& reading) {
+  Maps maps;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    VOLUTE_ASSIGN(auto map, readMap(paths[i], fog.placement, fog.colour, reading));
+    maps.maps.push_back(std::move(map));
+    maps.times.push_back((numbers[i] - numbers.front()) / kFramesPerSecond);
+  }
+  return maps;
+}
+
+Result<Maps> readPattern(const std::string& path, const FogDescription& fog,
+                         const Reading& reading) {
+  VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(path));
+  VOLUTE_ASSIGN(const auto files, pattern.list(SubFrames::kAllowed));
+  std::vector<std::string> paths;
+  std::vector<double> numbers;
+  for (const NumberedFile& file : files) {
+    paths.push_back(file.path.string());
+    numbers.push_back(file.frame());
+  }
+  return readPictures(paths, numbers, fog, reading);
+}
+
+/// A volume one voxel high; row 0 is that of the smallest y.
+Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Reading& reading) {
+  VOLUTE_ASSIGN(const auto input, openVolume(path, {}, reading));
+  const VolumeInfo& info = input.source->info();
+  if (info.z != 1 || info.channels != 1) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: {} x {} x {} voxels of {} channels are no fog map; expected one voxel along z "
+                "and one channel",
+                path, info.x, info.y, info.z, info.channels);
+  }
+  if (4 * info.frameValues() > reading.maxMemory) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: a map of {} x {} voxels needs {} MiB of memory, more than the {} MiB allowed",
+                path, info.x, info.y, info.frameValues() >> 18, reading.maxMemory >> 20);
+  }
+  Maps maps;
+  std::vector<float> frame(info.frameValues());
+  for (int i = 0; i < info.frames; ++i) {
+    VOLUTE_TRY(input.source->readFrame(i, frame));
+    SplineGrid grid(info.x, info.y);
+    std::ranges::transform(frame, grid.c.begin(),
+                           [&](float value) { return value * fog.placement.sigmaMax; });
+    auto map = FogMap::fromCoefficients(std::move(grid), fog.placement);
+    if (!map)
+      return aboutMap(fmt::format("{}: frame {}", path, info.frameNumbers[i]), map.error());
+    maps.maps.push_back(std::move(*map));
+    maps.times.push_back(info.times[i]);
+  }
+  return maps;
+}
+
+Result<Maps> loadMaps(const FogDescription& fog, Reading& reading) {
+  const std::string& first = fog.maps.front();
+  if (fog.maps.size() == 1 && !isPicturePath(first))
+    return readVolume(first, fog, reading);
+  if (fog.maps.size() == 1 && namesSeriesOfFiles(first))
+    return readPattern(first, fog, reading);
+  std::vector<double> numbers(fog.maps.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<double>(i);
+  return readPictures(fog.maps, numbers, fog, reading);
+}
+
+/// What the picture spans, by the rays at its border; nullopt: all around.
+std::optional<PolarSector> sectorOf(const Camera& camera) {
+  std::vector<float> x, y, z;
+  const auto add = [&](double px, double py) {
+    const Vec3 direction = camera.ray(px, py).direction;
+    x.push_back(static_cast<float>(direction.x()));
+    y.push_back(static_cast<float>(direction.y()));
+    z.push_back(static_cast<float>(direction.z()));
+  };
+  for (const double py : {0.0, static_cast<double>(camera.height())})
+    for (int px = 0; px <= camera.width(); ++px) add(px, py);
+  for (const double px : {0.0, static_cast<double>(camera.width())})
+    for (int py = 0; py <= camera.height(); ++py) add(px, py);
+  return PolarSector::of({camera.eye(), x, y, z, {}});
+}
+
 }  // namespace
+
+bool shadowsFog(const TriangleScene& geometry, std::span<const Lamp> lamps, const FogMedium& fog) {
+  constexpr std::size_t kTriangles = 4096;
+  const auto triangles = geometry.triangles();
+  const std::size_t step = std::max<std::size_t>(1, triangles.size() / kTriangles);
+  std::vector<Segment> behind;
+  for (std::size_t i = 0; i < triangles.size(); i += step) {
+    const auto& corners = triangles[i].corners;
+    const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3;
+    for (const Lamp& lamp : lamps) {
+      const Segment way = lamp.towards(middle);
+      behind.push_back({middle, -way.direction, 0, std::numeric_limits<double>::infinity()});
+    }
+  }
+  std::vector<double> depths(behind.size());
+  fog.opticalDepth(behind, depths);
+  return std::ranges::any_of(depths, [](double depth) { return depth > 0; });
+}
 
 namespace {
 
-/// Two lamps as one.
-Lamp together(const Lamp& a, const Lamp& b) {
-  const double share = b.intensity.sum() / (a.intensity.sum() + b.intensity.sum());
-  Lamp one = a;
-  one.position = (1 - share) * a.position + share * b.position;
-  one.intensity = a.intensity + b.intensity;
-  one.radius = std::max((a.position - one.position).norm() + a.radius,
-                        (b.position - one.position).norm() + b.radius);
-  return one;
+/// Degree and cell decide where a coefficient peaks.
+Vec3 registered(const Vec3& origin, double cell, int degree, FogRegistration registration) {
+  const double shift = registration == FogRegistration::kPixel ? -0.5 * degree * cell : 0;
+  return origin + Vec3(shift, shift, 0);
 }
 
-/// Fires as a few lamps: the nearest ones are one in fog.
-std::vector<Lamp> fewFires(std::span<const Lamp> fires) {
-  constexpr std::size_t kMaxFires = 3;
-  std::vector<Lamp> few;
-  for (const Lamp& fire : fires) {
-    if (fire.intensity.sum() > 0)
-      few.push_back(fire);
+FogDescription registered(FogDescription fog) {
+  FogPlacement& map = fog.placement;
+  map.origin = registered(map.origin, map.cell, fog.options.degree, fog.registration);
+  if (fog.top) {
+    FogPlacement& top = fog.top->placement;
+    top.origin = registered(top.origin, top.cell, 1, fog.registration);
   }
-  while (few.size() > kMaxFires) {
-    std::size_t a = 0, b = 1;
-    for (std::size_t i = 0; i < few.size(); ++i) {
-      for (std::size_t k = i + 1; k < few.size(); ++k) {
-        if ((few[i].position - few[k].position).norm() < (few[a].position - few[b].position).norm())
-          a = i, b = k;
-      }
-    }
-    few[a] = together(few[a], few[b]);
-    few.erase(few.begin() + static_cast<std::ptrdiff_t>(b));
-  }
-  return few;
+  return fog;
 }
 
 }  // namespace
 
-FogAt::FogAt(FogLayer layer, double time, double factor, std::vector<Lamp> lamps, FogLight light)
-    : layer_(std::move(layer)),
-      time_(time),
-      fog_(layer_.fogAt(time)),
-      factor_(factor),
-      lamps_(std::move(lamps)),
-      light_(std::move(light)) {}
-
-const std::optional<LitMedium>& FogAt::lit() const {
-  std::call_once(made_, [&] {
-    if (!lamps_.empty() && light_.scattering.albedo.maxCoeff() > 0)
-      lit_ = litFog(fog_, lamps_, light_);
-  });
-  return lit_;
-}
-
-void FogAt::addMedia(std::vector<AnyMedium>& media) const {
-  media.push_back(scaledBy(factor_, lit() ? AnyMedium(*lit()) : AnyMedium(fog_)));
-}
-
-void FogAt::addExtinction(std::vector<AnyMedium>& media) const {
-  media.push_back(scaledBy(factor_, AnyMedium(fog_)));
-}
-
-std::shared_ptr<const MediumAt> FogAt::litBy(const MediaLight& light) const {
-  std::vector<Lamp> lamps = lamps_;
-  const std::vector<Lamp> fires = fewFires(light.lamps);
-  lamps.insert(lamps.end(), fires.begin(), fires.end());
-  if (lamps.empty())
-    return nullptr;
-  FogLight veiled = light_;
-  veiled.between.assign(light.between.begin(), light.between.end());
-  return std::make_shared<const FogAt>(layer_, time_, factor_, std::move(lamps), std::move(veiled));
-}
-
-std::shared_ptr<const MediumAt> FogAt::quick() const {
-  if (!light_.shadows || lamps_.empty())
-    return nullptr;
-  FogLight open = light_;
-  open.shadows = {}, open.blocks = {};
-  return std::make_shared<const FogAt>(layer_, time_, factor_, lamps_, std::move(open));
-}
-
-Status FogAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
-  const auto options = lit() ? std::nullopt : layer_.polarFor(camera, fog_);
-  if (!options) {
-    addMedia(media);
-    return {};
+Result<std::shared_ptr<FogSceneMedium>> FogSceneMedium::open(const FogDescription& said,
+                                                             std::vector<Lamp> lamps,
+                                                             Reading& reading) {
+  auto opened = std::make_shared<FogSceneMedium>();
+  FogSceneMedium& layer = *opened;
+  layer.description_ = said;
+  layer.lamps_ = std::move(lamps);
+  layer.readAt_ = said.placement.origin;
+  const FogDescription description = registered(said);
+  VOLUTE_ASSIGN(auto maps, loadMaps(description, reading));
+  if (!description.times.empty() && description.times.size() != maps.maps.size()) {
+    return fail(ErrorCode::kInvalidData, "{}/times: {} times for {} maps; expected one for each",
+                description.where, description.times.size(), maps.maps.size());
   }
-  auto polar = PolarFog::make(fog_, camera.eye(), *options);
-  if (polar)
-    media.push_back(scaledBy(factor_, AnyMedium(std::move(*polar))));
-  else if (polar.error().code == ErrorCode::kUnsupported)
-    addMedia(media);
-  else
-    return fail(polar.error().code, polar.error().hints, "{}: {}", layer_.description().where,
-                polar.error().message);
-  return {};
+  layer.times_ = description.times.empty() ? maps.times : description.times;
+  if (description.top && maps.maps.size() > 1) {
+    return fail(ErrorCode::kUnsupported, "{}/top: fog with a top has one map, not a sequence of {}",
+                description.where, maps.maps.size());
+  }
+  if (description.top) {
+    VOLUTE_ASSIGN(const auto top, readMap(description.top->file, description.top->placement,
+                                          FogColour::kRefuse, reading));
+    auto fog = FogMedium::make(maps.maps.front(), description.profile, description.options, top);
+    if (!fog)
+      return aboutMap(description.where, fog.error());
+    layer.still_ = std::make_shared<const FogMedium>(std::move(*fog));
+    layer.describe();
+    return opened;
+  }
+  std::vector<FogSequence::Frame> frames;
+  for (std::size_t i = 0; i < maps.maps.size(); ++i)
+    frames.push_back({layer.times_[i], std::move(maps.maps[i])});
+  auto sequence = FogSequence::make(std::move(frames), description.profile, description.options);
+  if (!sequence)
+    return aboutMap(description.where, sequence.error());
+  layer.sequence_ = std::make_shared<const FogSequence>(std::move(*sequence));
+  if (said.borderInWind() != FogBorder::kZero) {
+    if (const auto filled = layer.bordered(layer.stored(0), Vec3::Zero()); !filled)
+      return aboutMap(description.where, filled.error());
+  }
+  layer.describe();
+  return opened;
 }
 
-FogSceneMedium::FogSceneMedium(FogLayer layer) : layer_(std::move(layer)) {
-  const FogDescription& fog = layer_.description();
-  info_.file = fog.maps.front();
+void FogSceneMedium::describe() {
+  info_.file = description_.maps.front();
   info_.what = "a map of fog";
   info_.kind = "fog";
-  info_.bounds = info_.fileBounds = layer_.fogAt(0).bounds();
-  info_.takeFrames(layer_, layer_.frames(), fog.clock);
+  info_.bounds = info_.fileBounds = fogAt(0).bounds();
+  info_.takeFrames(*this, static_cast<int>(times_.size()), description_.clock);
   info_.endless = true;
-  info_.moves = fog.wind != Vec3::Zero();
+  info_.moves = description_.wind != Vec3::Zero();
   info_.measured = true;
+}
+
+bool FogSceneMedium::readsTheSame(const FogDescription& a, const FogDescription& b) {
+  const auto placed = [](const FogPlacement& p, const FogPlacement& q) {
+    return p.cell == q.cell && p.sigmaMax == q.sigmaMax;
+  };
+  if (a.top.has_value() != b.top.has_value())
+    return false;
+  if (a.top) {
+    const bool same = a.top->file == b.top->file && placed(a.top->placement, b.top->placement) &&
+                      a.top->placement.origin == b.top->placement.origin &&
+                      a.placement.origin == b.placement.origin;
+    if (!same)
+      return false;
+  }
+  return a.maps == b.maps && a.times == b.times && a.registration == b.registration &&
+         placed(a.placement, b.placement) && a.colour == b.colour &&
+         a.options.degree == b.options.degree && a.options.levels == b.options.levels &&
+         a.options.detail.mu == b.options.detail.mu &&
+         a.options.detail.cellAngle == b.options.detail.cellAngle &&
+         (a.options.color == b.options.color).all();
+}
+
+std::shared_ptr<FogSceneMedium> FogSceneMedium::with(const FogDescription& description,
+                                                     std::vector<Lamp> lamps) const {
+  auto layer = std::make_shared<FogSceneMedium>(*this);
+  layer->description_ = description;
+  layer->lamps_ = std::move(lamps);
+  layer->painted_.reset();
+  if (still_)
+    layer->still_ = std::make_shared<const FogMedium>(still_->withProfile(description.profile));
+  if (sequence_) {
+    layer->sequence_ =
+        std::make_shared<const FogSequence>(sequence_->withProfile(description.profile));
+  }
+  layer->describe();
+  return layer;
+}
+
+double FogSceneMedium::timeOf(int position) const {
+  return description_.clock.sceneTime(times_[position]);
+}
+
+FogMedium FogSceneMedium::stored(double time) const {
+  return still_ ? *still_ : sequence_->at(description_.clock.at(time, times_));
+}
+
+/// The wind is the scene's: it blows on where a loop begins again.
+FogMedium FogSceneMedium::mapAt(double time) const {
+  return stored(time).shifted(time * description_.wind + (description_.placement.origin - readAt_));
+}
+
+FogMedium FogSceneMedium::fogAt(double time) const {
+  if (description_.borderInWind() == FogBorder::kZero)
+    return mapAt(time);
+  const Vec3 placed = description_.placement.origin - readAt_;
+  auto filled = bordered(stored(time), time * description_.wind);
+  return filled ? filled->shifted(placed) : mapAt(time);  // too large: open() says so
+}
+
+/// Whole cells of the way move the coefficients within the map's rectangle, the rest moves the map:
+/// what the rectangle shows is that of an endless map.
+Result<FogMedium> FogSceneMedium::bordered(const FogMedium& map, const Vec3& blown) const {
+  const bool repeats = description_.borderInWind() == FogBorder::kRepeat;
+  const double cell = map.cell();
+  const int columns = map.levels().columns(), rows = map.levels().rows();
+  const int margin = map.options().degree + 1;
+  const double cellsX = std::floor(blown.x() / cell), cellsY = std::floor(blown.y() / cell);
+  // A multiple of the map's size changes nothing, or all of it is its border by now.
+  const auto whole = [&](double cells, int count) {
+    return static_cast<int>(repeats ? std::fmod(cells, count)
+                                    : std::clamp<double>(cells, -2.0 * count, 2.0 * count));
+  };
+  const int wholeX = whole(cellsX, columns), wholeY = whole(cellsY, rows);
+  const auto from = [&](int i, int count) {
+    return repeats ? ((i % count) + count) % count : std::clamp(i, 0, count - 1);
+  };
+  const std::vector<double> coefficients = map.coefficients();
+  SplineGrid grid(columns + 2 * margin, rows + 2 * margin);
+  for (int j = 0; j < grid.rows; ++j) {
+    const int row = from(j - margin - wholeY, rows);
+    for (int i = 0; i < grid.columns; ++i) {
+      const int column = from(i - margin - wholeX, columns);
+      grid.at(i, j) = coefficients[static_cast<std::size_t>(row) * columns + column];
+    }
+  }
+  FogPlacement placement = registered(description_).placement;
+  placement.origin += readAt_ - description_.placement.origin;
+  placement.origin +=
+      Vec3(blown.x() - (cellsX + margin) * cell, blown.y() - (cellsY + margin) * cell, blown.z());
+  VOLUTE_ASSIGN(auto filled, FogMap::fromCoefficients(std::move(grid), placement));
+  return FogMedium::make(filled, map.profile(), map.options());
 }
 
 Result<std::shared_ptr<const MediumAt>> FogSceneMedium::at(const InstantRequest& request,
                                                            Progress&) {
-  FogLayer layer = shown();
-  std::vector<Lamp> lamps;
-  if (request.lit)
-    lamps.assign(layer.lamps().begin(), layer.lamps().end());
-  const FogDescription& fog = layer.description();
-  FogLight light{fog.scattering, fog.shadows, {}, fog.blocks, fog.multiple};
-  return std::make_shared<const FogAt>(std::move(layer), request.time, request.factor,
-                                       std::move(lamps), std::move(light));
+  FogLight light{description_.scattering,
+                 description_.shadows,
+                 {},
+                 description_.blocks,
+                 description_.multiple};
+  return std::make_shared<const FogAt>(shown(), request.time, request.factor,
+                                       request.lit ? lamps_ : std::vector<Lamp>(),
+                                       std::move(light));
 }
 
 std::vector<std::string> FogSceneMedium::files() const {
@@ -221,12 +324,20 @@ std::vector<std::string> FogSceneMedium::files() const {
 }
 
 /// What was painted are shares of the map's largest value.
-FogLayer FogSceneMedium::shown() const {
+std::shared_ptr<const FogSceneMedium> FogSceneMedium::shown() const {
   if (!painted_)
-    return layer_;
+    return std::static_pointer_cast<const FogSceneMedium>(shared_from_this());
   std::vector<double> map = *painted_;
   for (double& value : map) value *= description().placement.sigmaMax / paintedMost_;
-  return layer_.withMap(map);
+  auto shown = std::make_shared<FogSceneMedium>(*this);
+  shown->still_ = std::make_shared<const FogMedium>(
+      (still_ ? *still_ : sequence_->at(times_.front())).withCoefficients(map));
+  return shown;
+}
+
+std::size_t FogSceneMedium::values() const {
+  const FogLevels& levels = mapAt(0).levels();
+  return static_cast<std::size_t>(levels.columns()) * levels.rows();
 }
 
 bool FogSceneMedium::paintable() const {
@@ -236,7 +347,7 @@ bool FogSceneMedium::paintable() const {
 }
 
 Status FogSceneMedium::paint(std::vector<double> coefficients, bool unsaved) {
-  if (valuesOf(layer_) != coefficients.size())
+  if (values() != coefficients.size())
     return fail(ErrorCode::kInvalidArgument, "the map of fog has another size by now");
   painted_ = std::move(coefficients);
   paintedMost_ = description().placement.sigmaMax;
@@ -246,20 +357,34 @@ Status FogSceneMedium::paint(std::vector<double> coefficients, bool unsaved) {
 
 void FogSceneMedium::savedAs(const std::string& map) {
   unsaved_ = false;
-  layer_.setMapName(map);
+  description_.maps = {map};
   info_.file = map;
 }
 
 void FogSceneMedium::keepPainted(const FogSceneMedium& other) {
-  if (!other.painted_ || other.painted_->size() != valuesOf(layer_))
+  if (!other.painted_ || other.painted_->size() != values())
     return;
   painted_ = other.painted_, paintedMost_ = other.paintedMost_;
   unsaved_ = other.unsaved_;
 }
 
-const MediumKind& fogKind() {
-  static const FogKind kind;
-  return kind;
+std::optional<PolarOptions> FogSceneMedium::polarFor(const Camera& camera,
+                                                     const FogMedium& fog) const {
+  const bool serves = lamps_.empty() && description_.options.degree > 0 && !camera.isOrthographic();
+  if (description_.path == FogPath::kWalk || !serves)
+    return std::nullopt;
+  const PolarOptions options{.sector = sectorOf(camera)};
+  if (description_.path == FogPath::kPolar)
+    return options;
+  // A row of the table is a walk; one looks up where that saves most of the rays.
+  constexpr int kFineMap = 128;
+  constexpr double kRaysARow = 32;
+  const auto layout = PolarLayout::of(fog, camera.eye(), options);
+  if (!layout || std::max(fog.levels().columns(), fog.levels().rows()) < kFineMap ||
+      static_cast<double>(camera.width()) * camera.height() <
+          kRaysARow * layout->azimuths * layout->sectors)
+    return std::nullopt;
+  return options;
 }
 
 }  // namespace volute

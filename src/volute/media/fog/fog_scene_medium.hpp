@@ -4,17 +4,28 @@
 
 #include <mutex>
 
-#include "volute/media/fog/fog_layer.hpp"
+#include "volute/fog/fog_sequence.hpp"
+#include "volute/fog/polar_table.hpp"
+#include "volute/geometry/triangle_scene.hpp"
+#include "volute/media/fog/fog_file.hpp"
 #include "volute/media/fog/lit_fog.hpp"
-#include "volute/media/medium_kind.hpp"
+#include "volute/media/scene_medium.hpp"
 
 namespace volute {
+
+class MediumKind;
+class FogSceneMedium;
+struct Reading;
+
+/// Whether any of its surfaces takes sunlight from the fog.
+bool shadowsFog(const TriangleScene& geometry, std::span<const Lamp> lamps, const FogMedium& fog);
 
 /// Fog at one instant.
 class FogAt final : public MediumAt {
  public:
   /// @param lamps  that shine at it
-  FogAt(FogLayer layer, double time, double factor, std::vector<Lamp> lamps, FogLight light);
+  FogAt(std::shared_ptr<const FogSceneMedium> map, double time, double factor,
+        std::vector<Lamp> lamps, FogLight light);
 
   void addMedia(std::vector<AnyMedium>& media) const override;
 
@@ -34,10 +45,11 @@ class FogAt final : public MediumAt {
 
   double factor() const { return factor_; }
 
-  const FogLayer& layer() const { return layer_; }
+  /// What it is an instant of.
+  const std::shared_ptr<const FogSceneMedium>& map() const { return map_; }
 
  private:
-  FogLayer layer_;
+  std::shared_ptr<const FogSceneMedium> map_;
   double time_;
   FogMedium fog_;
   double factor_;
@@ -47,21 +59,45 @@ class FogAt final : public MediumAt {
   mutable std::optional<LitMedium> lit_;  ///< when somebody asks for it
 };
 
-/// A map of fog in a scene. Its map can be painted.
+/// A map of fog in a scene, in memory. It can be painted.
 class FogSceneMedium final : public SceneMedium {
  public:
-  explicit FogSceneMedium(FogLayer layer);
+  /// Reads the maps. Errors begin with FogDescription::where or with the name of a map.
+  [[nodiscard]] static Result<std::shared_ptr<FogSceneMedium>> open(
+      const FogDescription& description, std::vector<Lamp> lamps, Reading& reading);
+
+  /// Whether with() serves: both differ at most in profile, wind, clock, scattering, path and, for
+  /// fog without a top, in the origin.
+  static bool readsTheSame(const FogDescription& a, const FogDescription& b);
+
+  /// This fog under a description, which readsTheSame() as its own, but for what its map was saved
+  /// as since, and other lamps: no map is read again. Not painted yet.
+  std::shared_ptr<FogSceneMedium> with(const FogDescription& description,
+                                       std::vector<Lamp> lamps) const;
 
   Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
                                              Progress& progress) override;
   std::vector<std::string> files() const override;
 
-  const FogDescription& description() const { return layer_.description(); }
+  const FogDescription& description() const { return description_; }
 
-  const FogLayer& layer() const { return layer_; }
+  /// At a time of the scene [s]: the maps at its clock's time, blown by the wind. Not painted.
+  FogMedium fogAt(double time) const;
 
-  /// As it is shown, painted or not.
-  FogLayer shown() const;
+  /// The same as if there were clear air beyond its border: its coefficients are the map's.
+  FogMedium mapAt(double time) const;
+
+  /// How a polar table of a fog of it is to be made for a camera; nothing where it is to be walked:
+  /// exactly, or since a table serves only degrees from 1 to 3 without suns.
+  std::optional<PolarOptions> polarFor(const Camera& camera, const FogMedium& fog) const;
+
+  /// What --frames calls a map, and when it is shown as it is, in the scene's time [s].
+  int numberOf(int position) const { return position; }
+
+  double timeOf(int position) const;
+
+  /// As it is shown: itself, or one whose map is what was painted.
+  std::shared_ptr<const FogSceneMedium> shown() const;
 
   /// Its map is one picture for all times.
   bool paintable() const;
@@ -79,7 +115,17 @@ class FogSceneMedium final : public SceneMedium {
   void keepPainted(const FogSceneMedium& other);
 
  private:
-  FogLayer layer_;
+  FogMedium stored(double time) const;
+  Result<FogMedium> bordered(const FogMedium& map, const Vec3& blown) const;
+  std::size_t values() const;
+  void describe();
+
+  FogDescription description_;
+  Vec3 readAt_ = Vec3::Zero();  ///< the origin of the maps as they are held [m]
+  std::vector<Lamp> lamps_;
+  std::vector<double> times_;
+  std::shared_ptr<const FogSequence> sequence_;
+  std::shared_ptr<const FogMedium> still_;      ///< instead, where there is a top, or it is painted
   std::optional<std::vector<double>> painted_;  ///< the map [1/m], instead of the file's,
   double paintedMost_ = 0;                      ///< while its densest was this [1/m]
   bool unsaved_ = false;                        ///< the painted map is in no file

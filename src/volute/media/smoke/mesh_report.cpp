@@ -9,8 +9,8 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/io/mesh_source.hpp"
-#include "volute/media/volume/volume_input.hpp"
 #include "volute/tetmesh/mesh_shape.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
 namespace {

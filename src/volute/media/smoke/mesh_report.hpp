@@ -5,7 +5,7 @@
 #include <string>
 
 #include "volute/base/result.hpp"
-#include "volute/media/reading.hpp"
+#include "volute/io/reading.hpp"
 #include "volute/report/report.hpp"
 
 namespace volute {

@@ -4,70 +4,42 @@
 
 #include <optional>
 
-#include "volute/io/mesh_source.hpp"
 #include "volute/media/sight.hpp"
 #include "volute/media/smoke/mesh_air.hpp"
-#include "volute/optics/extinction.hpp"
-#include "volute/tetmesh/tet_locator.hpp"
+#include "volute/media/smoke/smoke_medium.hpp"
 
 namespace volute {
 
-/// Smoke on tetrahedra over time, read a step at a time.
+/// Smoke on tetrahedra over time, at its stored steps.
 class MeshSight final : public SightField {
  public:
-  /// Reads the first step, for its bounds. `density` is the gas's, of mass fractions.
-  [[nodiscard]] static Result<std::unique_ptr<MeshSight>> open(MeshSource source,
-                                                               std::optional<MeshSource> density,
-                                                               const SmokeModel& model,
-                                                               const std::string& name);
-
-  /// Which fields hold quantities of the air, besides those with usual names.
-  void nameAir(std::vector<MeshAirField> fields, std::uint64_t maxMemory) {
-    air_ = std::move(fields);
-    maxMemory_ = maxMemory;
-  }
+  /// @param air  fields with quantities of the air, besides those with usual names
+  MeshSight(std::shared_ptr<SmokeMedium> smoke, std::vector<MeshAirField> air,
+            std::uint64_t maxMemory)
+      : smoke_(std::move(smoke)), air_(std::move(air)), maxMemory_(maxMemory) {}
 
   [[nodiscard]] Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override;
 
-  std::string description() const override {
-    return fmt::format("{}: field '{}' as {} on tetrahedra", name_, fieldName_,
-                       nameOf(model_.quantity));
-  }
+  std::string description() const override;
 
-  std::vector<Remark> remarks() const override { return remarks_; }
+  std::vector<Remark> remarks() const override { return smoke_->remarks; }
 
-  /// Nobody chose the field.
-  void remarkOnOthers();
+  std::span<const double> times() const override { return smoke_->source().times(); }
 
-  std::span<const double> times() const override { return source_.times(); }
-
-  int numberOf(std::size_t time) const override { return source_.numberOf(time); }
+  int numberOf(std::size_t time) const override { return smoke_->source().numberOf(time); }
 
  protected:
-  Box3 ownBounds() const override { return bounds_; }
+  Box3 ownBounds() const override { return smoke_->bounds(); }
 
   [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override;
 
  private:
-  MeshSight(MeshSource source, std::optional<MeshSource> density, const SmokeModel& model,
-            std::string name)
-      : source_(std::move(source)),
-        density_(std::move(density)),
-        model_(model),
-        name_(std::move(name)) {}
-
-  MeshSource source_;
-  std::optional<MeshSource> density_;
-  SmokeModel model_;
-  std::string name_, fieldName_, otherFields_;
-  std::vector<Remark> remarks_;
+  std::shared_ptr<SmokeMedium> smoke_;
   std::vector<MeshAirField> air_;
-  std::uint64_t maxMemory_ = std::uint64_t{4} << 30;
+  std::uint64_t maxMemory_;
   std::optional<std::vector<MeshFieldSummary>> fields_;  // when they were asked for
-  Box3 bounds_;
-  std::shared_ptr<const TetLocator> locator_;  // of the last mesh
-  std::uint64_t meshes_ = 0;                   // how many there were
-  std::shared_ptr<const SightInstant> first_;  // until it is asked for
+  std::shared_ptr<const TetLocator> locator_;            // of the last mesh
+  std::uint64_t meshes_ = 0;                             // how many there were
 };
 
 }  // namespace volute

@@ -6,17 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
-#include "volute/fds/smv_index.hpp"
 #include "volute/io/mesh_source.hpp"
 #include "volute/media/clock_fields.hpp"
-#include "volute/media/field_members.hpp"
-#include "volute/media/law_field.hpp"
-#include "volute/media/smoke/fds_look.hpp"
+#include "volute/media/law_rows.hpp"
 #include "volute/media/smoke/mesh_air.hpp"
 #include "volute/media/smoke/smoke_parameters.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
-#include "volute/media/volume/volume_input.hpp"
 #include "volute/optics/smoke_potential.hpp"
 
 namespace volute {
@@ -71,21 +68,6 @@ Status setWalls(SmokeDescription& smoke, const FieldValue& value) {
   else
     smoke.walls = Rgb(value[0].get<double>(), value[1].get<double>(), value[2].get<double>());
   return {};
-}
-
-FieldValue lawC(const SmokeDescription& smoke) {
-  return smoke.givesC ? FieldValue(smoke.law.c) : FieldValue();
-}
-
-Status setLawC(SmokeDescription& smoke, const FieldValue& value) {
-  VOLUTE_ASSIGN(const auto law, lawOf(value));
-  smoke.model.c = smoke.law.c = law.c;
-  smoke.givesC = true;
-  return {};
-}
-
-void addLawC(ParameterGroup& group, const void* smoke, const MediumFacts& /*facts*/) {
-  group.add(smokeFields().at("C"), "C", static_cast<const SmokeDescription*>(smoke)->law.c);
 }
 
 bool ofSoot(const void* smoke, const MediumFacts& /*facts*/) {
@@ -167,8 +149,9 @@ const FieldTable& smokeFields() {
       "soot-density",    "products-density",   "mass-fraction", "extinction",
       "optical-density", "optical-density-db", "visibility"};
   static constexpr std::string_view kBurnings[] = {"flaming", "smouldering"};
-  static constexpr std::string_view kModes[] = {"photometric", "threshold"};
   static constexpr std::string_view kNegatives[] = {"refuse", "clamp"};
+  FieldRow massExtinction = massExtinctionRow(member<&Smoke::model, &SmokeModel::massExtinction>());
+  massExtinction.slider.shown = ofSoot;
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "case", .type = kFile, .access = member<&Smoke::file>(),
@@ -185,11 +168,7 @@ const FieldTable& smokeFields() {
       {.name = "unit", .type = kChoice, .access = customMember<Smoke, unitName, setUnit>(),
        .help = "of a density", .choices = kDensityUnits, .option = {"NAME"},
        .slider = {.label = "unit", .custom = addUnit}},
-      {.name = "scale", .access = member<&Smoke::model, &SmokeModel::scale>(),
-       .help = "factor applied to the field first", .least = 0, .above = true,
-       .option = {"S"},
-       .slider = {.label = "scale", .least = 0, .most = 10, .logarithmic = true, .room = 2,
-                  .unit = "x"}},
+      scaleRow(member<&Smoke::model, &SmokeModel::scale>()),
       {.name = "smoke_potential", .access = member<&Smoke::model, &SmokeModel::smokePotential>(),
        .help = "of the fuel, for products-density; replaces soot yield and mass extinction",
        .unit = "dB m2/g", .least = 0,
@@ -213,24 +192,7 @@ const FieldTable& smokeFields() {
        .help = "fields with what people breathe and stand in, and their units: "
                "temperature=T:K,oxygen=O2:%; fields with usual names (T, O2, CO2, CO) are found "
                "without it", .option = {"LIST"}},
-      {.name = "mass_extinction", .access = member<&Smoke::model, &SmokeModel::massExtinction>(),
-       .help = "extinction of 1 kg/m3 of soot (natural logarithm)", .unit = "m2/kg", .least = 0,
-       .above = true, .option = {"KM"},
-       .slider = {.label = "Km", .least = 1000, .most = 15000, .shown = ofSoot}},
-      {.name = "mode", .type = kChoice, .access = member<&Smoke::law, &PictureLaw::mode>(),
-       .help = "photometric: physical transmittance; threshold: fades to 10 % at the limit of "
-               "visibility", .choices = kModes,
-       .option = {.value = "NAME", .picture = true, .scene = true}, .slider = {.label = "mode"}},
-      {.name = "C", .access = customMember<Smoke, lawC, setLawC>(),
-       .help = "constant of visibility = C / K, for threshold mode and visibility fields: 3 for "
-               "reflecting signs, 8 for light-emitting ones", .least = 0, .above = true,
-       .choices = lawNames(),
-       .option = {.value = "C", .scene = true},
-       .slider = {.label = "C", .least = 1, .most = 10, .custom = addLawC}},
-      {.name = "albedo", .type = kColor, .access = member<&Smoke::albedo>(),
-       .help = "scattered share of the extinction; the rest is absorbed",
-       .least = 0, .most = 1, .option = {.value = "R,G,B", .picture = true},
-       .slider = {.label = "albedo"}},
+      massExtinction, modeRow<Smoke>(), lawCRow<Smoke>(), albedoRow<Smoke>(),
       {.name = "negatives", .type = kChoice, .access = member<&Smoke::negatives>(),
        .help = "clamp: treat negative values of the field as 0", .choices = kNegatives,
        .option = {.name = "clamp", .says = "clamp"}},
@@ -244,19 +206,13 @@ const FieldTable& smokeFields() {
                                                       .fields = kFields,
                                                       .says = "smoke",
                                                       .thing = "smoke on a mesh",
-                                                      .things = "smoke on meshes",
-                                                      .sibling = fdsFields});
+                                                      .things = "smoke on meshes"});
   return kTable;
 }
 
 Result<SmokeDescription> parseSmoke(const Json& json, const FieldOrigin& origin) {
-  const Json file = json.is_object() ? json.value("case", Json()) : Json();
-  const bool fds = file.is_string() && isSmvPath(file.get<std::string>());
-  VOLUTE_ASSIGN(auto smoke,
-                readAs<SmokeDescription>(fds ? fdsFields() : smokeFields(), json, origin));
+  VOLUTE_ASSIGN(auto smoke, readAs<SmokeDescription>(smokeFields(), json, origin));
   smoke.where = origin.options() ? smoke.file : fmt::format("{}: {}", origin.file, origin.path);
-  if (fds)
-    return smoke;
   VOLUTE_TRY(takeMaterial(json, origin, smoke.model));
   if (const auto air = parseMeshAir(smoke.airFields); !air)
     return origin.wrong(smokeFields().at("air_fields"), air.error().message);

@@ -7,14 +7,13 @@
 
 #include "volute/media/clock.hpp"
 #include "volute/media/field.hpp"
-#include "volute/media/smoke/fds_look.hpp"
 #include "volute/optics/extinction.hpp"
 #include "volute/optics/visibility.hpp"
 #include "volute/tetmesh/tet_field.hpp"
 
 namespace volute {
 
-/// A medium of kind "smoke" in a scene, or a case on the command line.
+/// A medium of kind "smoke" in a scene that is on a mesh, or a case on the command line.
 struct SmokeDescription {
   std::string where;         ///< begins errors about its members: "scene.json: /media/0"
   std::string file;          ///< the case
@@ -27,14 +26,13 @@ struct SmokeDescription {
   Rgb albedo = Rgb::Constant(0.3);  ///< share of what is taken from light that is scattered
   Negatives negatives = Negatives::kRefuse;
   Clock clock;
-  FdsLook fds;               ///< of FDS cases
   std::optional<Rgb> walls;  ///< what the mesh's boundary reflects; nothing: it is not shown
 };
 
 /// Smoke on a mesh.
 const FieldTable& smokeFields();
 
-/// A smoke object of a scene, or the options that say the same, about a mesh or an FDS case. What
+/// A smoke object of a scene, or the options that say the same, about a mesh. What
 /// would change nothing, since the quantity leaves nothing to say to it, is an error.
 [[nodiscard]] Result<SmokeDescription> parseSmoke(const nlohmann::json& json,
                                                   const FieldOrigin& origin);

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "volute/media/contour.hpp"
-#include "volute/media/smoke/smoke_layer.hpp"
+#include "volute/media/smoke/smoke_medium.hpp"
 
 namespace volute {
 

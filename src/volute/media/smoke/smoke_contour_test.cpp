@@ -5,7 +5,7 @@
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/media/contour.hpp"
-#include "volute/media/smoke/smoke_scene_medium.hpp"
+#include "volute/media/smoke/smoke_medium.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 
 namespace volute {

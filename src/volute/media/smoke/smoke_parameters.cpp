@@ -7,7 +7,7 @@
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 
-#include "volute/media/smoke/smoke_layer.hpp"
+#include "volute/media/smoke/smoke_medium.hpp"
 #include "volute/optics/smoke_potential.hpp"
 
 namespace volute {
@@ -32,12 +32,12 @@ Doubt doubtOf(const SmokeModel& model, const MediumFacts& facts) {
   constexpr double kFaint = 0.01, kThick = 50;  // [1/m] that smoke may have
   const double soot = facts.largestExtinction > 0 ? model.sootDensity(facts.largestExtinction) : 0;
   const auto usual = [](double density) {
-    return density >= SmokeLayer::kLittleSoot && density <= SmokeLayer::kMuchSoot;
+    return density >= SmokeMedium::kLittleSoot && density <= SmokeMedium::kMuchSoot;
   };
   if (!(soot > 0) || usual(soot))
     return {};
   Doubt doubt{.text = fmt::format("up to {:.2g} kg/m3 of soot, {} for a fire", soot,
-                                  soot > SmokeLayer::kMuchSoot ? "much" : "little")};
+                                  soot > SmokeMedium::kMuchSoot ? "much" : "little")};
   for (int i = 0; i < 3; ++i) {
     if (kUnitKilograms[i] != model.unit && usual(soot * kUnitKilograms[i] / model.unit))
       doubt.units.push_back(i);
@@ -104,12 +104,12 @@ void addPotential(ParameterGroup& group, const void* smoke, const MediumFacts& /
       "takes its smoke potential when flaming";
 }
 
-std::string guessSmoke(nlohmann::ordered_json& smoke, const SmokeLayer& layer) {
+std::string guessSmoke(nlohmann::ordered_json& smoke, const SmokeMedium& medium) {
   const Doubt doubt =
-      doubtOf(layer.description().model, {.largestExtinction = layer.largestExtinction()});
+      doubtOf(medium.description().model, {.largestExtinction = medium.largestExtinction()});
   if (doubt.text.empty())
     return "";
-  std::string name = layer.fieldName();
+  std::string name = medium.fieldName();
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
   const auto says = [&](std::initializer_list<const char*> words) {
     return std::ranges::any_of(
@@ -122,7 +122,7 @@ std::string guessSmoke(nlohmann::ordered_json& smoke, const SmokeLayer& layer) {
     return fmt::format(
         "field '{}' is taken for extinction in 1/m, unless you say otherwise: as soot "
         "in kg/m3 it would be {}",
-        layer.fieldName(), doubt.text);
+        medium.fieldName(), doubt.text);
   }
   if (doubt.units.empty())
     return "";
@@ -131,7 +131,7 @@ std::string guessSmoke(nlohmann::ordered_json& smoke, const SmokeLayer& layer) {
   return fmt::format(
       "field '{}' is taken for soot in {}, unless you say otherwise: in kg/m3 it would "
       "be {}",
-      layer.fieldName(), unit, doubt.text);
+      medium.fieldName(), unit, doubt.text);
 }
 
 bool setSmoke(nlohmann::ordered_json& smoke, const std::string& key,

@@ -20,11 +20,11 @@ void addPotential(ParameterGroup& group, const void* smoke, const MediumFacts& f
 bool setSmoke(nlohmann::ordered_json& smoke, const std::string& key,
               const nlohmann::ordered_json& value);
 
-class SmokeLayer;
+class SmokeMedium;
 
 /// What soot in kg/m3 is more likely to be, by the field's name and its largest value: extinction,
 /// or soot in the first smaller unit of which a fire may have as much. Puts it into the JSON of
 /// smoke and says why; empty: it may well be soot in kg/m3.
-std::string guessSmoke(nlohmann::ordered_json& smoke, const SmokeLayer& layer);
+std::string guessSmoke(nlohmann::ordered_json& smoke, const SmokeMedium& medium);
 
 }  // namespace volute

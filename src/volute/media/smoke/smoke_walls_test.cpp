@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "volute/media/smoke/smoke_scene_medium.hpp"
+#include "volute/media/smoke/smoke_medium.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
 

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/base/remark_log.hpp"
-#include "volute/fds/smv_index.hpp"
 #include "volute/media/light_blockers.hpp"
 #include "volute/media/placement_parameters.hpp"
 #include "volute/media/volume/volume_medium.hpp"

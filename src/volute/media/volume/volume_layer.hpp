@@ -11,10 +11,10 @@
 #include "volute/media/clock.hpp"
 #include "volute/media/placement.hpp"
 #include "volute/media/volume/transfer.hpp"
-#include "volute/media/volume/volume_input.hpp"
 #include "volute/media/volume/volume_motion.hpp"
 #include "volute/medium/any_medium.hpp"
 #include "volute/tree4d/tree4d.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
 

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/grid/refined_spline.hpp"
-#include "volute/media/volume/volume_grids.hpp"
 #include "volute/medium/affine_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
+#include "volute/volume_files/volume_grids.hpp"
 
 namespace volute {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "volute/grid/look_figures.hpp"
 #include "volute/io/volume_source.hpp"
-#include "volute/media/volume/memory_volumes.hpp"
-#include "volute/media/volume/volume_grids.hpp"
+#include "volute/volume_files/memory_volumes.hpp"
+#include "volute/volume_files/volume_grids.hpp"
 
 namespace volute {
 namespace {

@@ -11,8 +11,8 @@
 #include "volute/grid/bricks.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/lattice_source.hpp"
-#include "volute/media/volume/compression_report.hpp"
-#include "volute/media/volume/volume_input.hpp"
+#include "volute/volume_files/compression_report.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
 namespace {

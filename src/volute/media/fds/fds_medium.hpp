@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volute/base/team.hpp"
+#include "volute/fds/fds_building.hpp"
+#include "volute/fds/fds_case.hpp"
+#include "volute/fds/fds_flame.hpp"
+#include "volute/geometry/triangle_scene.hpp"
+#include "volute/io/reading.hpp"
+#include "volute/media/camera_file.hpp"
+#include "volute/media/fds/fds_iso_sheets.hpp"
+#include "volute/media/fds/fds_look.hpp"
+#include "volute/media/fds/fds_particle_cloud.hpp"
+#include "volute/media/fds/fds_slice.hpp"
+#include "volute/media/medium_at.hpp"
+#include "volute/media/scene_lights.hpp"
+#include "volute/media/scene_medium.hpp"
+#include "volute/medium/any_medium.hpp"
+
+namespace volute {
+
+/// Whose ranks hold the meshes of a case together.
+struct FdsShares {
+  Team* holders = nullptr;
+  double scale = 1;     ///< the smoke is so many times as thick as the files say, whatever the law
+  bool shines = false;  ///< FdsMedium::shines(), the same on all ranks
+};
+
+/// Smoke and fire of an FDS case at one instant.
+class FdsAt final : public MediumAt {
+ public:
+  /// The smoke in the light and the shadow of other media.
+  using Relit = std::function<Result<FdsField>(const FdsField& smoke, const MediaLight& light)>;
+
+  /// @param factor  of the smoke's extinction and of what it scatters
+  /// @param shares  nothing: this process holds all
+  FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire, std::vector<AnyMedium> sheets,
+        std::optional<FdsShares> shares = {}, Relit relit = {})
+      : smoke_(std::move(smoke)),
+        factor_(factor),
+        fire_(std::move(fire)),
+        sheets_(std::move(sheets)),
+        shares_(shares),
+        relit_(std::move(relit)) {}
+
+  void addMedia(std::vector<AnyMedium>& media) const override;
+
+  /// Where this process holds all of it.
+  std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
+
+  bool drawsItself() const override { return shares_.has_value(); }
+
+  /// Where ranks hold shares, what draws them together.
+  std::shared_ptr<MediumPicture> picture(std::shared_ptr<MediumPicture> earlier) const override;
+
+  const FdsField& smoke() const { return smoke_; }
+
+  double factor() const { return factor_; }
+
+  /// Which shines and hides nothing; nothing where there is none.
+  const std::optional<FdsFlame>& fire() const { return fire_; }
+
+  /// Translucent surfaces.
+  std::span<const AnyMedium> sheets() const { return sheets_; }
+
+ private:
+  FdsField smoke_;
+  double factor_;
+  std::optional<FdsFlame> fire_;
+  std::vector<AnyMedium> sheets_;
+  std::optional<FdsShares> shares_;
+  Relit relit_;
+};
+
+class MediumKind;
+struct MediumContext;
+
+/// An FDS case in a scene: its smoke, fire and building at any time, and devices and slices where
+/// they are asked for. Holds two stored frames of each.
+class FdsMedium final : public SceneMedium {
+ public:
+  /// `description` says the case, the source (its field; empty: the best that fills meshes), a
+  /// scale, Km and the albedo; the case itself says what its files hold, so kInvalidArgument for
+  /// another quantity. Smoke scatters the light of the lamps that obstructions and the scene let
+  /// through, once, and the ambient one.
+  /// Of ranks that hold a share of the meshes each, see OpenOptions, kUnsupported for what needs
+  /// more than that: iso-surfaces, and fire where meshes of two shares overlap.
+  [[nodiscard]] static Result<std::shared_ptr<FdsMedium>> open(const FdsDescription& description,
+                                                               const MediumContext& context,
+                                                               Reading& reading);
+
+  /// Whether the same is read from the same files under both descriptions.
+  static bool readsTheSame(const FdsDescription& a, const FdsDescription& b);
+
+  /// This case under another description, which readsTheSame(), and in another light; what was read
+  /// is shared, so that only one of the two may be used from then on.
+  std::shared_ptr<FdsMedium> with(const FdsDescription& description,
+                                  const SceneLights& lights) const;
+
+  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
+                                             Progress& progress) override;
+
+  /// Of any of the case's sources, at its stored times, with what its bytes are rounded by. Files
+  /// that pictures are of are not opened again.
+  Result<std::unique_ptr<SightField>> sight(Reading& reading) override;
+
+  /// All cases have a building, so never 0.
+  std::uint64_t surfacesKey(const InstantRequest& request) const override;
+
+  /// All that is opaque: the building, the devices' marks, particles and the slice. Outer walls and
+  /// cuts open towards the eye.
+  Status addSurfaces(const InstantRequest& request, TriangleMesh& to) const override;
+
+  /// What a picture says about what it shows, and by which laws.
+  MediumText text(const std::optional<Vec3>& eye) const override;
+
+  /// An open building: from outside and above, so far away that all of it is seen, from that of
+  /// eight directions from which most of its rooms is seen. A building that is looked at inside: at
+  /// the height of a standing person's eyes, from one end of its largest room at 0 s to the other.
+  std::optional<CameraDescription> firstCamera() const override;
+
+  /// The first of some stored times at which the smoke has half of its largest amount among them.
+  Result<std::optional<FirstTime>> firstTime(Progress& progress) override;
+
+  const FdsDescription& description() const { return description_; }
+
+  /// Whether flames are shown.
+  bool burns() const { return heat_ != nullptr; }
+
+  /// What the case's files say.
+  const FdsCase& fdsCase() const { return *case_; }
+
+  /// How bright flames are: FlameLaw::emission.
+  const FlameLaw& flame() const { return flame_; }
+
+  const Box3& bounds() const { return case_->bounds(); }
+
+  /// When a stored frame is shown as it is, in the scene's time [s], and what --frames calls it.
+  double timeOf(int step) const;
+
+  int numberOf(int step) const { return step; }
+
+ private:
+  bool isClear() const { return case_->source().kind == FdsFileKind::kClear; }
+
+  void describe();
+  /// A field of that time as lamps light it: those of the scene and of other media, through them.
+  Result<FdsField> inLight(const FdsField& field, double time, const MediaLight& other = {}) const;
+  /// The fire at a time of the scene [s], which shines and hides nothing; nothing where the case
+  /// has neither flame temperature nor heat release, or it is not shown, or nothing burns.
+  Result<std::optional<FdsFlame>> fireAt(double time) const;
+  /// Adds the obstructions, vents and walls of that time, coloured as the case says; what has no
+  /// colour of its own is light grey. Ambient light alone would show no edges, so faces reflect
+  /// less of their colour the less they face up. An open building stands in its meshes' outline,
+  /// with a ruler along the two lower edges before it, and a needle to the north where the case
+  /// says it.
+  void addBuilding(double time, const std::optional<Vec3>& eye, TriangleMesh& to) const;
+  std::vector<std::string> words(const std::optional<Vec3>& eye) const;
+  /// The numbers of the rulers that addBuilding() lays before an open building: coordinates [m],
+  /// and which axis it is.
+  std::vector<PlaceMark> rulerMarks(const std::optional<Vec3>& eye) const;
+  double caseTime(double time) const;
+  FdsBuilding buildingAt(double time) const;
+  FdsSides openTowards(const FdsBuilding& building, const std::optional<Vec3>& eye) const;
+  CameraDescription outsideCamera() const;
+  std::optional<CameraDescription> insideCamera() const;
+  double ruler() const;
+
+  /// Which points north, where the case says it.
+  struct Needle {
+    Vec3 tip, notch, left, right, letter;
+  };
+
+  Needle northNeedle(const Vec3& eye, FdsSides open) const;
+  /// Where the ruler of x (0) or y (1) begins, `beside` the outline [m].
+  static Vec3 rulerStart(const Box3& box, int axis, FdsSides open, double beside);
+  void addEdges(std::span<const FdsQuad> quads, const Box3& bounds, TriangleMesh& to) const;
+  void addOutline(const FdsBuilding& building, FdsSides open, TriangleMesh& to) const;
+  Status openFire(Reading& reading);
+  void showWhatThereIs(FdsLook& look, Reading& reading) const;
+  Status dimFire(Reading& reading);
+  Result<FdsFlame> flameOf(double caseTime) const;
+  std::string fireLaw() const;
+  Result<double> luminanceAt(double caseTime) const;
+  void addDevices(double time, TriangleMesh& to) const;
+
+  FdsDescription description_;
+  SceneLights lights_;
+  Blocks blocks_;
+  Team* holders_ = nullptr;
+  std::shared_ptr<FdsCase> case_;
+  std::shared_ptr<FdsCase> heat_;  // null: no fire
+  bool glows_ = false;             // heat_ holds the flames' temperature
+  double brightest_ = 1500;        // [K], of FdsFlame::glowing()
+  FlameLaw flame_;
+  std::optional<FdsSliceSheet> slice_;
+  std::optional<FdsIsoSheets> iso_;
+  std::optional<FdsParticleCloud> particles_;
+  std::shared_ptr<const FdsBuilding> shell_;   // at the first time
+  std::shared_ptr<const TriangleMesh> walls_;  // of triangles
+  std::vector<double> events_;  // of obstructions, and of devices where they are shown; ascending
+};
+
+const MediumKind& fdsKind();
+
+}  // namespace volute

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <nlohmann/json.hpp>
+
+#include "volute/base/remark_log.hpp"
+#include "volute/fog/polar_fog.hpp"
+#include "volute/io/frame_pattern.hpp"
+#include "volute/media/fog/fog_parameters.hpp"
+#include "volute/media/fog/fog_scene_medium.hpp"
+#include "volute/media/light_blockers.hpp"
+#include "volute/media/medium_kind.hpp"
+#include "volute/render/scaled_medium.hpp"
+#include "volute/volume_files/volume_input.hpp"
+
+namespace volute {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+class FogKind final : public MediumKind {
+ public:
+  const FieldTable& fields() const override { return fogFields(); }
+
+  Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
+                                            MediumContext& context) const override {
+    VOLUTE_ASSIGN(auto fog, parseFog(entry, {context.file, context.path}));
+    if (context.options.measured && fog.path == FogPath::kAuto)
+      fog.path = FogPath::kWalk;
+    const auto& lamps = context.lights.lamps;
+    fog.shadows = shadowsOf(context.geometry);
+    fog.blocks = blocksOf(context.geometry);
+    fog.multiple = context.lights.multiple;
+    const auto before = context.take<FogSceneMedium>([&](const FogSceneMedium& other) {
+      return FogSceneMedium::readsTheSame(other.description(), fog);
+    });
+    const auto last = std::dynamic_pointer_cast<FogSceneMedium>(context.before);
+    std::shared_ptr<FogSceneMedium> medium;
+    if (before) {
+      medium = before->with(fog, lamps);
+      medium->remarks = before->remarks;
+    } else {
+      RemarkLog heard(context.reading.progress);
+      Reading reading = context.reading.with(heard);
+      VOLUTE_ASSIGN(medium, FogSceneMedium::open(fog, lamps, reading));
+      if (!context.geometry.empty() && !lamps.empty() &&
+          !shadowsFog(context.geometry, lamps, medium->fogAt(0)))
+        heard.remark({RemarkCode::kDoubtful,
+                      fmt::format("{}: the scene's geometry shadows none of this fog", fog.where)});
+      medium->remarks = heard.remarks();
+    }
+    if (before || last)
+      medium->keepPainted(before ? *before : *last);
+    return std::shared_ptr<SceneMedium>(std::move(medium));
+  }
+
+  bool opens(const std::string& path) const override { return isPicturePath(path); }
+
+  bool assumes() const override { return true; }
+
+  OrderedJson sceneOf(const std::string& name) const override {
+    return {{"format", kSceneFormat},
+            {"media", OrderedJson::array({{{"kind", "fog"}, {"map", name}, {"convert", "luma"}}})}};
+  }
+
+  std::string assume(OrderedJson& scene) const override {
+    OrderedJson& fog = scene["media"][0];
+    fog["cell"] = 1.0;
+    fog["sigma_max"] = 0.05;
+    fog["degree"] = 2;
+    fog["profile"] = {{"kind", "slab"}, {"bottom", 0.0}, {"top", 10.0}};
+    // Against a dim sky fog is seen from all sides.
+    scene["background"] = {0.02, 0.03, 0.05};
+    return "cells of 1 m, 10 m high, 0.05 /m at most, unless you say otherwise";
+  }
+
+  bool setParameter(OrderedJson& entry, const SceneMedium& medium, const std::string& key,
+                    const OrderedJson&, const std::vector<double>& numbers) const override {
+    return setFog(entry, dynamic_cast<const FogSceneMedium&>(medium).description(), key, numbers);
+  }
+
+  Result<std::optional<std::string>> editEntry(OrderedJson& entry, const std::string& key,
+                                               bool more) const override {
+    return editProfile(entry, key, more);
+  }
+};
+
+}  // namespace
+
+namespace {
+
+/// Two lamps as one.
+Lamp together(const Lamp& a, const Lamp& b) {
+  const double share = b.intensity.sum() / (a.intensity.sum() + b.intensity.sum());
+  Lamp one = a;
+  one.position = (1 - share) * a.position + share * b.position;
+  one.intensity = a.intensity + b.intensity;
+  one.radius = std::max((a.position - one.position).norm() + a.radius,
+                        (b.position - one.position).norm() + b.radius);
+  return one;
+}
+
+/// Fires as a few lamps: the nearest ones are one in fog.
+std::vector<Lamp> fewFires(std::span<const Lamp> fires) {
+  constexpr std::size_t kMaxFires = 3;
+  std::vector<Lamp> few;
+  for (const Lamp& fire : fires) {
+    if (fire.intensity.sum() > 0)
+      few.push_back(fire);
+  }
+  while (few.size() > kMaxFires) {
+    std::size_t a = 0, b = 1;
+    for (std::size_t i = 0; i < few.size(); ++i) {
+      for (std::size_t k = i + 1; k < few.size(); ++k) {
+        if ((few[i].position - few[k].position).norm() < (few[a].position - few[b].position).norm())
+          a = i, b = k;
+      }
+    }
+    few[a] = together(few[a], few[b]);
+    few.erase(few.begin() + static_cast<std::ptrdiff_t>(b));
+  }
+  return few;
+}
+
+}  // namespace
+
+FogAt::FogAt(std::shared_ptr<const FogSceneMedium> map, double time, double factor,
+             std::vector<Lamp> lamps, FogLight light)
+    : map_(std::move(map)),
+      time_(time),
+      fog_(map_->fogAt(time)),
+      factor_(factor),
+      lamps_(std::move(lamps)),
+      light_(std::move(light)) {}
+
+const std::optional<LitMedium>& FogAt::lit() const {
+  std::call_once(made_, [&] {
+    if (!lamps_.empty() && light_.scattering.albedo.maxCoeff() > 0)
+      lit_ = litFog(fog_, lamps_, light_);
+  });
+  return lit_;
+}
+
+void FogAt::addMedia(std::vector<AnyMedium>& media) const {
+  media.push_back(scaledBy(factor_, lit() ? AnyMedium(*lit()) : AnyMedium(fog_)));
+}
+
+void FogAt::addExtinction(std::vector<AnyMedium>& media) const {
+  media.push_back(scaledBy(factor_, AnyMedium(fog_)));
+}
+
+std::shared_ptr<const MediumAt> FogAt::litBy(const MediaLight& light) const {
+  std::vector<Lamp> lamps = lamps_;
+  const std::vector<Lamp> fires = fewFires(light.lamps);
+  lamps.insert(lamps.end(), fires.begin(), fires.end());
+  if (lamps.empty())
+    return nullptr;
+  FogLight veiled = light_;
+  veiled.between.assign(light.between.begin(), light.between.end());
+  return std::make_shared<const FogAt>(map_, time_, factor_, std::move(lamps), std::move(veiled));
+}
+
+std::shared_ptr<const MediumAt> FogAt::quick() const {
+  if (!light_.shadows || lamps_.empty())
+    return nullptr;
+  FogLight open = light_;
+  open.shadows = {}, open.blocks = {};
+  return std::make_shared<const FogAt>(map_, time_, factor_, lamps_, std::move(open));
+}
+
+Status FogAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
+  const auto options = lit() ? std::nullopt : map_->polarFor(camera, fog_);
+  if (!options) {
+    addMedia(media);
+    return {};
+  }
+  auto polar = PolarFog::make(fog_, camera.eye(), *options);
+  if (polar)
+    media.push_back(scaledBy(factor_, AnyMedium(std::move(*polar))));
+  else if (polar.error().code == ErrorCode::kUnsupported)
+    addMedia(media);
+  else
+    return fail(polar.error().code, polar.error().hints, "{}: {}", map_->description().where,
+                polar.error().message);
+  return {};
+}
+
+const MediumKind& fogKind() {
+  static const FogKind kind;
+  return kind;
+}
+
+}  // namespace volute

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "volute/base/remark_log.hpp"
+#include "volute/camera/pixel_ray.hpp"
+#include "volute/media/light_blockers.hpp"
+#include "volute/media/medium_kind.hpp"
+#include "volute/media/shared_picture.hpp"
+#include "volute/media/smoke/mesh_report.hpp"
+#include "volute/media/smoke/smoke_contour.hpp"
+#include "volute/media/smoke/smoke_medium.hpp"
+#include "volute/media/smoke/smoke_parameters.hpp"
+#include "volute/media/smoke/smoke_walls.hpp"
+#include "volute/media/smoke/smoke_words.hpp"
+#include "volute/tetmesh/tet_marcher.hpp"
+#include "volute/tetmesh/tet_medium.hpp"
+#include "volute/tetmesh/tet_splat.hpp"
+
+namespace volute {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+std::vector<float> scaledBy(double factor, std::vector<float> values) {
+  if (factor != 1) {
+    for (float& value : values) value = static_cast<float>(factor * value);
+  }
+  return values;
+}
+
+/// The marcher and the splat of one mesh.
+class MeshPicture final : public MediumPicture {
+ public:
+  explicit MeshPicture(const std::shared_ptr<const TetLocator>& mesh)
+      : locator_(mesh), marcher_(mesh), splat_(mesh) {}
+
+  const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
+
+  void show(const SmokeAt& smoke) {
+    natural_ = smoke.state().extinction;
+    extinction_ = smoke.extinction();
+    source_ = smoke.state().source;
+    holders_ = smoke.holders();
+  }
+
+  void opticalDepth(const Camera& camera, std::span<const float> opaqueDepth,
+                    std::span<float> depth) override {
+    if (!holders_) {
+      marcher_.setExtinction(natural_);
+      marcher_.opticalDepth(camera, opaqueDepth, depth);
+      return;
+    }
+    // It adds up tets, whatever their neighbours: a ray in the plane between two pieces would be
+    // marched through both.
+    splat_.setExtinction(natural_);
+    splat_.opticalDepth(camera, opaqueDepth, depth);
+    sumDepths(*holders_, depth);
+  }
+
+  void light(const Camera& camera, std::span<const float> opaqueDepth,
+             std::span<float> rgbt) override {
+    if (holders_ && !source_.empty())
+      return lightOfShares(camera, opaqueDepth, rgbt);
+    splat_.setExtinction(extinction_);
+    if (!source_.empty()) {
+      splat_.setSource(source_);
+      splat_.litColor(camera, opaqueDepth, rgbt);
+      return;
+    }
+    std::vector<float> depth(rgbt.size() / 4);
+    splat_.opticalDepth(camera, opaqueDepth, depth);
+    if (holders_)
+      sumDepths(*holders_, depth);
+    std::ranges::fill(rgbt, 0.0F);
+    for (std::size_t i = 0; i < depth.size(); ++i) rgbt[4 * i + 3] = std::exp(-depth[i]);
+  }
+
+ private:
+  void lightOfShares(const Camera& camera, std::span<const float> opaqueDepth,
+                     std::span<float> rgbt) const {
+    const TetMedium own(locator_, extinction_, source_);
+    const auto width = static_cast<std::size_t>(camera.width());
+    composeRuns(
+        *holders_,
+        [&](std::size_t pixel) {
+          const Segment ray = pixelRay(camera, static_cast<int>(pixel % width),
+                                       static_cast<int>(pixel / width), opaqueDepth);
+          std::vector<Piece> pieces;
+          if (ray.begin < ray.end)
+            own.pieces(std::span(&ray, 1), std::span(&pieces, 1));
+          return heldRuns(std::span(&pieces, 1));
+        },
+        rgbt);
+  }
+
+  std::shared_ptr<const TetLocator> locator_;
+  TetMarcher marcher_;
+  TetSplat splat_;
+  std::vector<float> natural_, extinction_, source_;
+  Team* holders_ = nullptr;
+};
+
+std::shared_ptr<const SmokeLighting> lightingOf(const MediumContext& context) {
+  SmokeLighting lighting{context.lights, nullptr, blocksOf(context.geometry),
+                         keyOf(context.geometry), context.options.lightMemory};
+  if (!context.lights.lamps.empty())
+    lighting.cache = context.options.lightCache;
+  return std::make_shared<const SmokeLighting>(std::move(lighting));
+}
+
+class SmokeKind final : public MediumKind {
+ public:
+  const FieldTable& fields() const override { return smokeFields(); }
+
+  Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
+                                            MediumContext& context) const override {
+    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, {context.file, context.path}));
+    const auto lighting = lightingOf(context);
+    RemarkLog heard(context.reading.progress);
+    Reading reading = context.reading.with(heard);
+    const auto before = context.take<SmokeMedium>([&](const SmokeMedium& other) {
+      return SmokeMedium::readsTheSame(other.description(), smoke);
+    });
+    auto medium = before ? before->with(smoke, lighting, reading)
+                         : SmokeMedium::open(smoke, lighting, reading, context.options);
+    VOLUTE_TRY(medium);
+    (*medium)->remarks = heard.remarks();
+    return *medium;
+  }
+
+  bool opens(const std::string& path) const override { return isSmokeCase(path); }
+
+  Result<FileDescription> describe(const std::string& path, const DescribeRequest& request,
+                                   Reading& reading) const override {
+    return describeMeshCase(path, request.values, reading);
+  }
+
+  /// Black or lit before white: the picture is what passes of the light.
+  OrderedJson sceneOf(const std::string& name) const override {
+    return {{"format", kSceneFormat},
+            {"background", {1, 1, 1}},
+            {"media", OrderedJson::array({{{"kind", "smoke"}, {"case", name}}})}};
+  }
+
+  std::string assume(OrderedJson& scene) const override {
+    OrderedJson& smoke = scene["media"][0];
+    if (!smoke.contains("negatives"))
+      smoke["negatives"] = "clamp";
+    if (smoke.contains("quantity"))
+      return "";
+    smoke["quantity"] = "soot-density";
+    if (smoke.contains("unit"))
+      return "";
+    smoke["unit"] = "kg/m3";
+    return "the field is taken for soot in kg/m3, unless you say otherwise";
+  }
+
+  std::string guess(OrderedJson& entry, const SceneMedium& medium) const override {
+    return guessSmoke(entry, dynamic_cast<const SmokeMedium&>(medium));
+  }
+
+  /// Of several fields the one with a usual name.
+  std::vector<OrderedJson> alternatives(const OrderedJson& entry) const override {
+    std::vector<OrderedJson> others;
+    if (entry.contains("field"))
+      return others;
+    for (const char* name : {"smoke", "soot", "SOOT DENSITY", "soot_density", "extinction"}) {
+      others.push_back(entry);
+      others.back()["field"] = name;
+    }
+    return others;
+  }
+
+  void addParameters(ParameterGroup& group, const OrderedJson&, const SceneMedium& medium,
+                     MediumFacts facts) const override {
+    const auto& smoke = dynamic_cast<const SmokeMedium&>(medium);
+    facts.largestExtinction = smoke.largestExtinction();
+    addSliders(group, fields(), &smoke.description(), facts);
+  }
+
+  bool setParameter(OrderedJson& entry, const SceneMedium&, const std::string& key,
+                    const OrderedJson& value, const std::vector<double>&) const override {
+    return setSmoke(entry, key, value);
+  }
+
+  bool shares(const std::string& key) const override { return key == "mode" || key == "C"; }
+};
+
+}  // namespace
+
+std::vector<float> SmokeAt::extinction() const {
+  return scaledBy(factor_, state_.extinction);
+}
+
+void SmokeAt::addMedia(std::vector<AnyMedium>& media) const {
+  media.emplace_back(TetMedium(state_.locator, extinction(), state_.source));
+}
+
+std::shared_ptr<MediumPicture> SmokeAt::picture(std::shared_ptr<MediumPicture> earlier) const {
+  auto picture = std::dynamic_pointer_cast<MeshPicture>(earlier);
+  if (!picture || picture->locator() != state_.locator)
+    picture = std::make_shared<MeshPicture>(state_.locator);
+  picture->show(*this);
+  return picture;
+}
+
+std::shared_ptr<const MediumAt> SmokeAt::litBy(const MediaLight& light) const {
+  std::vector<Lamp> lamps = lighting_->lights.lamps;
+  VOLUTE_ASSERT(state_.lampShares.size() == lamps.size());
+  lamps.insert(lamps.end(), light.lamps.begin(), light.lamps.end());
+  if (holders_ || lamps.empty() || !(state_.albedo.maxCoeff() > 0))
+    return nullptr;
+  SmokeState state = state_;
+  std::vector<std::vector<float>>& shares = state.lampShares;
+  if (!light.lamps.empty()) {
+    const LampPaths paths(state_.locator);
+    for (const Lamp& lamp : light.lamps)
+      shares.push_back(paths.shares(state_.extinction, lamp, lighting_->blocks));
+  }
+  const std::span<const Vec3> vertices = state_.locator->mesh().vertices();
+  for (std::size_t l = 0; l < lamps.size() && !light.between.empty(); ++l)
+    veil(lamps[l], light.between, vertices, shares[l]);
+  state.source = sourceOf(state, *lighting_, lamps, light.between);
+  state.lampShares = state_.lampShares;
+  return std::make_shared<const SmokeAt>(std::move(state), factor_, lighting_, walls_);
+}
+
+std::optional<WallHit> SmokeAt::wallOn(const Segment& ray) const {
+  return wallLeft(*state_.locator, ray);
+}
+
+Result<SurfaceView> SmokeAt::lookAtWalls(const Camera& camera, const TriangleScene& others,
+                                         std::span<const std::uint8_t> only) const {
+  return volute::lookAtWalls(camera, state_, lighting_->lights, *walls_, blocksOf(others), only,
+                             wallLight_.get());
+}
+
+bool SmokeAt::addContour(const Contour& contour, const Camera& camera,
+                         ContourPieces& pieces) const {
+  contourPieces(contour, camera, state_, pieces);
+  return true;
+}
+
+const MediumKind& smokeKind() {
+  static const SmokeKind kind;
+  return kind;
+}
+
+}  // namespace volute

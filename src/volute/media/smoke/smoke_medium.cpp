@@ -1,0 +1,453 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/smoke/smoke_medium.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "volute/base/assert.hpp"
+#include "volute/base/gather_values.hpp"
+#include "volute/base/stopwatch.hpp"
+#include "volute/media/medium_kind.hpp"
+#include "volute/media/smoke/mesh_sight.hpp"
+#include "volute/media/smoke/shared_light.hpp"
+#include "volute/media/smoke/smoke_words.hpp"
+#include "volute/tetmesh/tet_medium.hpp"
+
+namespace volute {
+namespace {
+
+/// Smoke through which nobody sees a difference, across the whole case.
+constexpr double kThinDepth = 0.05;
+
+std::vector<float> between(const std::vector<float>& a, const std::vector<float>& b, double share) {
+  std::vector<float> out(a.size());
+  interpolateFields(a, b, share, out);
+  return out;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
+    const SmokeDescription& description, std::shared_ptr<const SmokeLighting> lighting,
+    Reading& reading, const OpenOptions& how) {
+  constexpr std::uint64_t kPerTet = 210;  // bytes, of light and of what finds tets, measured
+  MeshOptions options{description.field, description.negatives, reading.maxMemory};
+  if (!how.sightOnly)
+    options.perTet = kPerTet;
+  options.alsoField = description.densityField;
+  Team* const holders = how.holders;
+  if (holders)
+    options.share = {holders->rank(), holders->size()};
+  VOLUTE_ASSIGN(auto source, MeshSource::open(description.file, options));
+  auto files = std::make_shared<Files>(Files{std::move(source)});
+  if (!description.densityField.empty()) {
+    options.alsoField = std::exchange(options.field, description.densityField);
+    VOLUTE_ASSIGN(files->densitySource, MeshSource::open(description.file, options));
+  }
+  if (const std::string absent = files->source.absentText(); !absent.empty())
+    reading.progress.remark(
+        Remark(RemarkCode::kLeftOut, fmt::format("{}: {}", description.file, absent))
+            .in(description.file));
+  const std::shared_ptr<SmokeMedium> opened(new SmokeMedium(description, std::move(files)));
+  SmokeMedium& medium = *opened;
+  medium.remarked_ = how.sightOnly;
+  medium.lighting_ = std::move(lighting);
+  medium.progress_ = &reading.progress;
+  medium.holders_ = holders;
+  VOLUTE_ASSIGN(const auto stored, medium.readStep(0));
+  VOLUTE_TRY(medium.checkShare(*stored));
+  medium.bounds_ = stored->frame.mesh->bounds();
+  if (holders) {
+    const Box3 own = medium.bounds_;
+    VOLUTE_ASSIGN(const auto shares, gatherValues(*holders, std::span(&own, 1)));
+    for (const Box3& share : shares) {
+      medium.bounds_.extend(share.min);
+      medium.bounds_.extend(share.max);
+    }
+  }
+  VOLUTE_ASSIGN(const auto first, medium.step(0));
+  const MeshFrame& frame = first->stored->frame;
+  medium.files_->field = frame.field, medium.files_->otherFields = frame.others;
+  if (frame.dimensions) {
+    VOLUTE_ASSIGN(const std::string unit,
+                  compareDimensions(*frame.dimensions, description.model,
+                                    fmt::format("{}: field '{}'", description.file, frame.field)));
+    if (!unit.empty())
+      reading.progress.remark({RemarkCode::kDoubtful, unit});
+  }
+  if (description.field.empty() && !frame.others.empty()) {
+    reading.progress.remark(Remark(RemarkCode::kAssumed,
+                                   fmt::format("{}: the field '{}' is read; it also has {}",
+                                               description.file, frame.field, frame.others),
+                                   {Hint::choose("field")})
+                                .in(description.file));
+  }
+  medium.describe();
+  return opened;
+}
+
+bool SmokeMedium::readsTheSame(const SmokeDescription& a, const SmokeDescription& b) {
+  return a.file == b.file && a.field == b.field && a.densityField == b.densityField &&
+         a.negatives == b.negatives;
+}
+
+Result<std::shared_ptr<SmokeMedium>> SmokeMedium::with(
+    const SmokeDescription& description, std::shared_ptr<const SmokeLighting> lighting,
+    Reading& reading) const {
+  VOLUTE_ASSERT(readsTheSame(description_, description));
+  const std::shared_ptr<SmokeMedium> other(new SmokeMedium(description, files_));
+  SmokeMedium& medium = *other;
+  medium.lighting_ = std::move(lighting);
+  medium.progress_ = &reading.progress;
+  medium.bounds_ = bounds_;
+  medium.holders_ = holders_;
+  medium.fillsCache_ = false;
+  for (const auto& stored : files_->steps) {
+    VOLUTE_ASSIGN(const auto extinction, medium.extinctionOf(*stored));
+    VOLUTE_ASSIGN(const double most, medium.largestOf(extinction));
+    medium.remarkOn(*stored, most);
+  }
+  medium.describe();
+  return other;
+}
+
+void SmokeMedium::describe() {
+  const SmokeDescription& smoke = description_;
+  const SmokeModel& model = smoke.model;
+  info_.file = smoke.file;
+  info_.what = "smoke on a mesh";
+  info_.kind = "smoke";
+  info_.shared = holders_ != nullptr;
+  info_.bounds = info_.fileBounds = bounds_;
+  info_.takeFrames(*this, static_cast<int>(source().times().size()), smoke.clock);
+  info_.interpolates = true;
+  info_.measured = true;
+  info_.law = smoke.law;
+  info_.lawByC = smoke.givesC && model.quantity != SmokeQuantity::kVisibility;
+  if (holdsMass(model.quantity)) {
+    info_.mass = {model.quantity == SmokeQuantity::kProductsDensity ? "of products" : "of soot",
+                  unitOfConcentration(model),
+                  fmt::format("{} [{}]", nameOf(model.quantity), unitOfField(model))};
+  } else {
+    info_.noMass =
+        fmt::format("field '{}' of {} holds {}", fieldName(), smoke.file, nameOf(model.quantity));
+  }
+}
+
+Result<std::shared_ptr<const MediumAt>> SmokeMedium::at(const InstantRequest& request,
+                                                        Progress& progress) {
+  VOLUTE_ASSIGN(auto state, stateAt(request.time, progress));
+  return std::make_shared<const SmokeAt>(std::move(state), request.factor, lighting_,
+                                         description_.walls, holders_);
+}
+
+MediumText SmokeMedium::text(const std::optional<Vec3>&) const {
+  auto words = wordsOf(description_.model);
+  return {{fmt::format("field '{}': {}", fieldName(), fmt::join(words, ", "))}, std::move(words)};
+}
+
+nlohmann::ordered_json SmokeMedium::counts() const {
+  return {{"smoke",
+           {{"steps_read", counts_.stepsRead},
+            {"lights_computed", counts_.lightsComputed},
+            {"lights_reused", counts_.lightsReused},
+            {"negative_values_clamped", counts_.clamped},
+            {"light_milliseconds", counts_.lightMilliseconds}}}};
+}
+
+Result<std::unique_ptr<SightField>> SmokeMedium::sight(Reading& reading) {
+  if (description_.givesC && description_.model.quantity != SmokeQuantity::kVisibility) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}/C: is of a visibility field, and this holds {}; a sign's C stands with the "
+                "sign",
+                description_.where, nameOf(description_.model.quantity));
+  }
+  VOLUTE_ASSIGN(auto air, parseMeshAir(description_.airFields));
+  auto self = std::static_pointer_cast<SmokeMedium>(shared_from_this());
+  return std::make_unique<MeshSight>(std::move(self), std::move(air), reading.maxMemory);
+}
+
+double SmokeMedium::timeOf(int step) const {
+  return description_.clock.sceneTime(files_->source.times()[static_cast<std::size_t>(step)]);
+}
+
+Result<std::vector<float>> SmokeMedium::extinctionOf(const Stored& stored) const {
+  const MeshFrame& frame = stored.frame;
+  std::vector<float> extinction(frame.values.size());
+  description_.model.extinction(frame.values, stored.gas, extinction);
+  const auto endless = std::ranges::find_if(extinction, [](float k) { return !std::isfinite(k); });
+  if (endless == extinction.end())
+    return extinction;
+  const auto vertex = endless - extinction.begin();
+  const Vec3& place = frame.mesh->vertices()[static_cast<std::size_t>(vertex)];
+  return fail(ErrorCode::kInvalidData, {Hint::choose("field"), Hint::set("quantity")},
+              "{}: field '{}' is {} at {:.4g}, {:.4g}, {:.4g} m, which as {} is no finite "
+              "extinction",
+              description_.file, frame.field, frame.values[static_cast<std::size_t>(vertex)],
+              place.x(), place.y(), place.z(), nameOf(description_.model.quantity));
+}
+
+/// Of what a share of a mesh is not enough for.
+Status SmokeMedium::checkShare(const Stored& stored) const {
+  if (!holders_)
+    return {};
+  std::string_view beyond;
+  if (description_.walls)
+    beyond = "its walls are between pieces as well: leave 'walls' out";
+  else if (stored.frame.ofCells)
+    beyond =
+        "points between pieces have the mean of cells on both sides: convert the field to "
+        "values of points";
+  if (beyond.empty())
+    return {};
+  return fail(ErrorCode::kUnsupported,
+              "{}: cannot be held in shares: {}; or let each rank hold all", description_.file,
+              beyond);
+}
+
+/// Of all shares. Collective where there are several.
+Result<double> SmokeMedium::largestOf(std::span<const float> extinction) {
+  const double most = *std::ranges::max_element(extinction);
+  if (!holders_)
+    return most;
+  VOLUTE_ASSIGN(const auto all, gatherValues(*holders_, std::span(&most, 1)));
+  return std::ranges::max(all);
+}
+
+/// What the choice of quantity and unit comes to, at the first step with smoke.
+void SmokeMedium::remarkOn(const Stored& stored, double most) {
+  if (remarked_ || !(most > 0))
+    return;
+  remarked_ = true;
+  largest_ = most;
+  const SmokeModel& model = description_.model;
+  const double soot = model.sootDensity(most);
+  progress_->remark(fmt::format(
+      "{}: field '{}' as {}: extinction up to {:.3g}/m, visibility from {:.3g} m (C = {:g}), soot "
+      "up to {:.2g} kg/m3",
+      description_.file, stored.frame.field, nameOf(model.quantity), most,
+      description_.law.c / most, description_.law.c, soot));
+  if (soot > kMuchSoot) {
+    progress_->remark(
+        {RemarkCode::kDoubtful, fmt::format("that is much for soot (fires in rooms: 1e-6 to 1e-3 "
+                                            "kg/m3); check the quantity and the "
+                                            "unit")});
+  }
+  remarkOnThinSmoke(stored, most);
+}
+
+/// A unit that is too small makes a whole fire look like clear air.
+void SmokeMedium::remarkOnThinSmoke(const Stored& stored, double most) {
+  const double depth = most * bounds_.size().norm();
+  const SmokeModel& model = description_.model;
+  const bool clear = depth <= kThinDepth;
+  if (!clear && (!holdsMass(model.quantity) || model.sootDensity(most) >= kLittleSoot))
+    return;
+  std::string slip =
+      fmt::format("check that the field holds {}, and the scale", nameOf(model.quantity));
+  if (model.quantity == SmokeQuantity::kSootDensity ||
+      model.quantity == SmokeQuantity::kProductsDensity) {
+    // The first larger unit with which there is as much soot as in a fire.
+    for (const char* unit : {"g/m3", "kg/m3"}) {
+      const double soot = model.sootDensity(most) * *densityUnit(unit) / model.unit;
+      if (*densityUnit(unit) <= model.unit || soot < kLittleSoot || soot > kMuchSoot)
+        continue;
+      slip = fmt::format("read as {} instead of {} it would be {:.2g} kg/m3 of soot", unit,
+                         unitOfField(model), soot);
+      break;
+    }
+  }
+  progress_->remark(
+      Remark(RemarkCode::kDoubtful,
+             fmt::format("{}: step {}: {}: no ray through the whole case meets an optical "
+                         "depth above {:.2g}, which takes {:.2g} % of the light (soot in rooms on "
+                         "fire: 1e-6 to "
+                         "1e-3 kg/m3); {}",
+                         description_.file, stored.index,
+                         clear ? "this looks like clear air" : "this is little for a fire", depth,
+                         -100 * std::expm1(-depth), slip))
+          .in(description_.file));
+}
+
+Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::size_t index) {
+  std::vector<std::shared_ptr<const Stored>>& held = files_->steps;
+  for (const auto& stored : held) {
+    if (stored->index == index)
+      return stored;
+  }
+  auto stored = std::make_shared<Stored>();
+  stored->index = index;
+  VOLUTE_ASSIGN(stored->frame, files_->source.read(index));
+  const MeshFrame& frame = stored->frame;
+  if (files_->densitySource) {
+    VOLUTE_ASSIGN(auto density, files_->densitySource->read(index));
+    stored->gas = std::move(density.values);
+  }
+  for (const auto& other : held) {
+    if (other->frame.mesh == frame.mesh)
+      stored->paths = other->paths, stored->meshHash = other->meshHash;
+  }
+  if (!stored->paths) {
+    stored->paths =
+        std::make_shared<const LampPaths>(std::make_shared<const TetLocator>(frame.mesh));
+    constexpr double kVersion = 1;  // of LampPaths: another one, other light
+    stored->meshHash.add(kVersion);
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
+    stored->meshHash.add(frame.mesh->vertices());
+    stored->meshHash.add(frame.mesh->tets());
+  }
+  if (frame.clamped > 0) {
+    progress_->remark(
+        Remark(RemarkCode::kChanged, fmt::format("{}: step {}: {} negative values taken as 0",
+                                                 description_.file, index, frame.clamped))
+            .in(description_.file));
+  }
+  counts_.clamped += frame.clamped;
+  ++counts_.stepsRead;
+  if (held.size() == 2)
+    held.erase(held.begin());
+  held.push_back(stored);
+  return stored;
+}
+
+std::string SmokeMedium::lightKey(const Step& step, const Lamp& lamp) const {
+  ContentHash hash = step.stored->meshHash;
+  hash.add(std::span<const float>(step.extinction));
+  lamp.addTo(hash);
+  hash.add(std::span<const char>(lighting_->blocksKey));
+  return hash.digits();
+}
+
+std::vector<float> SmokeMedium::lightOf(const Step& step, const Lamp& lamp) {
+  const LightCache* const cache = lighting_->cache.get();
+  LightMemory* const memory = lighting_->memory.get();
+  const std::string key = cache || memory ? lightKey(step, lamp) : "";
+  std::optional<std::vector<float>> kept;
+  if (memory)
+    kept = memory->find(key);
+  if (!kept && cache)
+    kept = cache->find(key, step.extinction.size());
+  if (kept) {
+    ++counts_.lightsReused;
+  } else {
+    kept = step.stored->paths->shares(step.extinction, lamp, lighting_->blocks);
+    ++counts_.lightsComputed;
+    if (cache && fillsCache_) {
+      if (const auto stored = cache->store(key, *kept); !stored)
+        progress_->remark("light is not kept: " + stored.error().message);
+    }
+  }
+  if (memory)
+    memory->store(key, *kept);
+  return std::move(*kept);
+}
+
+Status SmokeMedium::light(Step& step) {
+  const Stopwatch watch(counts_.lightMilliseconds);
+  for (const Lamp& lamp : lighting_->lights.lamps) {
+    if (!holders_) {
+      step.lampShares.push_back(lightOf(step, lamp));
+      continue;
+    }
+    VOLUTE_ASSIGN(auto shares, sharedLampShares(*holders_, *step.stored->paths->locator(),
+                                                step.extinction, lamp, bounds_));
+    step.lampShares.push_back(std::move(shares));
+    ++counts_.lightsComputed;
+  }
+  return {};
+}
+
+Result<std::shared_ptr<const SmokeMedium::Step>> SmokeMedium::step(std::size_t index) {
+  for (const auto& kept : steps_) {
+    if (kept->stored->index == index)
+      return kept;
+  }
+  Step made;
+  VOLUTE_ASSIGN(made.stored, readStep(index));
+  VOLUTE_ASSIGN(made.extinction, extinctionOf(*made.stored));
+  VOLUTE_ASSIGN(const double most, largestOf(made.extinction));
+  remarkOn(*made.stored, most);
+  VOLUTE_TRY(light(made));
+  if (steps_.size() == 2)
+    steps_.erase(steps_.begin());
+  steps_.push_back(std::make_shared<const Step>(std::move(made)));
+  return steps_.back();
+}
+
+Result<std::shared_ptr<const MeshWalls>> SmokeMedium::wallsOf(const MeshFrame& frame) {
+  if (!files_->walls || files_->wallsOf != frame.mesh) {
+    VOLUTE_ASSIGN(files_->walls, MeshWalls::make(*frame.mesh));
+    files_->wallsOf = frame.mesh;
+  }
+  return files_->walls;
+}
+
+std::vector<float> sourceOf(const SmokeState& state, const SmokeLighting& lighting,
+                            std::span<const Lamp> lamps, std::span<const AnyMedium> between) {
+  std::optional<DiffuseLight> again;
+  if (lighting.lights.multiple && !lamps.empty()) {
+    const AnyMedium smoke(TetMedium(state.locator, state.extinction, {}));
+    again.emplace(DiffuseLight::Request{.medium = smoke,
+                                        .box = smoke.bounds(),
+                                        .scattering = {state.albedo},
+                                        .lamps = lamps,
+                                        .between = between,
+                                        .blocks = lighting.blocks});
+  }
+  return scatteredLight(state.locator->mesh().vertices(), lamps, state.lampShares, state.albedo,
+                        lighting.lights.ambient, again ? &*again : nullptr);
+}
+
+Result<SmokeMedium::Extinction> SmokeMedium::extinctionAt(std::size_t step, Progress& progress) {
+  progress_ = &progress;
+  VOLUTE_ASSIGN(const auto stored, readStep(step));
+  VOLUTE_ASSIGN(auto values, extinctionOf(*stored));
+  return Extinction{stored->paths->locator(), std::move(values)};
+}
+
+Result<SmokeState> SmokeMedium::stateAt(double time, Progress& progress) {
+  progress_ = &progress;
+  const auto times = files_->source.times();
+  const double local = description_.clock.at(time, times);
+  const auto next = std::ranges::upper_bound(times, local);
+  const std::size_t after = static_cast<std::size_t>(next - times.begin());
+  const std::size_t before = after == 0 ? 0 : after - 1;
+  VOLUTE_ASSIGN(const auto from, step(before));
+  if (lighting_->lights.multiple && holders_) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: processes that share a mesh scatter light once; set \"scattering\" to single, "
+                "or use one process",
+                description_.file);
+  }
+  SmokeState state{from->stored->paths->locator(),
+                   from->extinction,
+                   {},
+                   from->lampShares,
+                   extinctionOfConcentration(description_.model)};
+  if (description_.walls) {
+    VOLUTE_ASSIGN(state.walls, wallsOf(from->stored->frame));
+  }
+  if (after > 0 && after < times.size() && local > times[before]) {
+    VOLUTE_ASSIGN(const auto to, step(after));
+    if (to->stored->frame.mesh == from->stored->frame.mesh) {
+      const double share = (local - times[before]) / (times[after] - times[before]);
+      state.extinction = between(from->extinction, to->extinction, share);
+      for (std::size_t l = 0; l < state.lampShares.size(); ++l)
+        state.lampShares[l] = between(from->lampShares[l], to->lampShares[l], share);
+    }
+  }
+  state.albedo = description_.albedo;
+  const SceneLights& lights = lighting_->lights;
+  if (!lights.lamps.empty() || !lights.ambient.isZero(0)) {
+    state.source = sourceOf(state, *lighting_, lights.lamps, {});
+  }
+  return state;
+}
+
+}  // namespace volute

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/volume_files/finite_source.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "volute/grid/bricks.hpp"
+#include "volute/grid/grid_matrix.hpp"
+#include "volute/grid/rounding_source.hpp"
+
+namespace volute {
+namespace {
+
+bool isFinite(float value) {
+  return std::isfinite(value);
+}
+
+/// Of a frame, in its volume.
+std::optional<std::pair<VoxelIndex, float>> notFiniteIn(const Bricks& bricks) {
+  for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+    const auto& leaf = bricks.leaves()[i];
+    const auto values = bricks.values(i);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const std::size_t at = k % Bricks::kVoxels;
+      if (!isFinite(values[k]) && (leaf.valued[at / 64] >> at % 64 & 1) != 0)
+        return std::pair(VoxelIndex{leaf.origin[0] + static_cast<std::int64_t>(at % 8),
+                                    leaf.origin[1] + static_cast<std::int64_t>(at / 8 % 8),
+                                    leaf.origin[2] + static_cast<std::int64_t>(at / 64)},
+                         values[k]);
+    }
+  }
+  for (const Bricks::Tile& tile : bricks.tiles()) {
+    for (int c = 0; c < bricks.channels(); ++c) {
+      const float value = tile.value[static_cast<std::size_t>(c)];
+      if (!isFinite(value))
+        return std::pair(tile.origin, value);
+    }
+  }
+  return std::nullopt;
+}
+
+class FiniteSource final : public RoundingSource {
+ public:
+  FiniteSource(std::unique_ptr<FrameSource> source, NotFinite what, std::string path)
+      : source_(std::move(source)),
+        placed_(dynamic_cast<const PlacedFrames*>(source_.get())),
+        refuses_(what == NotFinite::kRefuse),
+        path_(std::move(path)) {}
+
+  const VolumeInfo& info() const override { return source_->info(); }
+
+  std::vector<std::string> otherGrids() const override { return source_->otherGrids(); }
+
+  Status readFrame(int index, std::span<float> values) override {
+    VOLUTE_TRY(source_->readFrame(index, values));
+    return replace(index, 0, values);
+  }
+
+  bool readsLayers() const override { return source_->readsLayers(); }
+
+  Status readLayers(int index, int first, int end, std::span<float> values) override {
+    VOLUTE_TRY(source_->readLayers(index, first, end, values));
+    return replace(index, first, values);
+  }
+
+  double rounding() const override { return roundingOf(*source_); }
+
+  double offset() const override { return offsetOf(*source_); }
+
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    VOLUTE_TRY(source_->readBricks(index, first, end, bricks));
+    const auto bad = notFiniteIn(bricks);
+    if (!bad)
+      return {};
+    if (refuses_)
+      return refuse(index, bad->first, bad->second);
+    Bricks finite(bricks.channels(), bricks.background());
+    for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+      const auto from = std::as_const(bricks).values(i);
+      const auto to = finite.addLeaf(bricks.leaves()[i]);
+      for (std::size_t k = 0; k < from.size(); ++k)
+        to[k] = isFinite(from[k]) ? from[k] : bricks.background()[k / Bricks::kVoxels];
+    }
+    for (Bricks::Tile tile : bricks.tiles()) {
+      for (std::size_t c = 0; c < tile.value.size(); ++c)
+        tile.value[c] = isFinite(tile.value[c]) ? tile.value[c] : bricks.background()[c];
+      finite.addTile(tile);
+    }
+    bricks = std::move(finite);
+    return {};
+  }
+
+  bool hasTopology() const override { return source_->hasTopology(); }
+
+  std::uint64_t brickBytes() const override { return source_->brickBytes(); }
+
+ private:
+  /// @param first  layer of the values
+  Status replace(int index, int first, std::span<float> values) {
+    const auto bad = std::ranges::find_if_not(values, isFinite);
+    if (bad == values.end())
+      return {};
+    const auto channels = static_cast<std::size_t>(info().channels);
+    if (refuses_) {
+      const std::int64_t x = info().x, y = info().y;
+      const auto voxel = (bad - values.begin()) / static_cast<std::int64_t>(channels);
+      return refuse(index, {voxel % x, voxel / x % y, voxel / x / y + first}, *bad);
+    }
+    std::array<float, 3> background{};
+    background.fill(static_cast<float>(-offset()));
+    if (source_->hasTopology()) {
+      Bricks bricks;
+      VOLUTE_TRY(source_->readBricks(index, 0, 1, bricks));
+      background = bricks.background();
+    }
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = isFinite(values[i]) ? values[i] : background[i % channels];
+    return {};
+  }
+
+  Status refuse(int index, VoxelIndex voxel, float value) const {
+    const VolumeInfo& of = info();
+    Vec3 place = of.bounds.min;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      place[a] += (static_cast<double>(voxel[axis]) + 0.5) * of.voxelSize()[a];
+    }
+    std::string file = path_, what = "voxel";
+    if (placed_) {
+      const auto& [name, first] = placed_->fileOf(index);
+      file = name, what = "index";
+      for (std::size_t axis = 0; axis < 3; ++axis) voxel[axis] += first[axis];
+      if (!placed_->places().empty()) {
+        const GridMatrix& matrix = placed_->places()[static_cast<std::size_t>(index)];
+        place = linearOf(matrix) * place + offsetOf(matrix);
+      }
+    }
+    return fail(ErrorCode::kInvalidData,
+                "{}: grid '{}', frame {}: the value at {} ({}, {}, {}), which is ({:.6g}, {:.6g}, "
+                "{:.6g}) m, is {}; expected finite values: mend the input, or have compress keep "
+                "the grid as it is or take the background for them",
+                file, of.name, of.frameText(static_cast<std::size_t>(index)), what, voxel[0],
+                voxel[1], voxel[2], place.x(), place.y(), place.z(),
+                std::isnan(value) ? "not a number" : "infinite");
+  }
+
+  std::unique_ptr<FrameSource> source_;
+  const PlacedFrames* placed_;
+  bool refuses_;
+  std::string path_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> asFinite(std::unique_ptr<FrameSource> source, NotFinite what,
+                                      const std::string& path) {
+  if (what == NotFinite::kKeep)
+    return source;
+  return std::make_unique<FiniteSource>(std::move(source), what, path);
+}
+
+}  // namespace volute

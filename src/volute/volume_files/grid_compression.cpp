@@ -1,0 +1,467 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/volume_files/grid_compression.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "volute/base/output_file.hpp"
+#include "volute/codec/bundle.hpp"
+#include "volute/grid/bricks.hpp"
+#include "volute/io/frame_pattern.hpp"
+#include "volute/volume_files/compression_report.hpp"
+#include "volute/volume_files/finite_source.hpp"
+
+namespace volute {
+namespace {
+
+/// Says which grid a stage is of.
+class GridProgress final : public Progress {
+ public:
+  GridProgress(Progress& next, std::string name) : next_(next), name_(std::move(name)) {}
+
+  void report(std::string_view stage, double done, double total) override {
+    next_.report(fmt::format("{}: {}", name_, stage), done, total);
+  }
+
+  void detail(std::string_view text) override { next_.detail(text); }
+
+  void remark(const Remark& remark) override { next_.remark(remark); }
+
+  bool cancelled() const override { return next_.cancelled(); }
+
+ private:
+  Progress& next_;
+  std::string name_;
+};
+
+/// The grids of one file in the making.
+class GridFiles {
+ public:
+  GridFiles(const VolumeGrids& grids, const std::vector<std::size_t>& chosen,
+            const std::vector<std::size_t>& kept, const std::string& target,
+            const GridCompression& how, Reading& reading, Team& team)
+      : grids_(grids),
+        chosen_(chosen),
+        kept_(kept),
+        target_(target),
+        how_(how),
+        reading_(reading),
+        team_(team) {}
+
+  /// Compresses all with these targets, in the order of `chosen`.
+  Status compressAll(const std::vector<ErrorTarget>& targets);
+
+  /// Puts what came of it into one file.
+  /// @param keep  it becomes the target unless it has more bytes than this; without it the file is
+  /// thrown away, to know how large it is
+  Result<CompressedGrids> write(std::optional<double> keep);
+
+ private:
+  Status compressOne(std::size_t i, const ErrorTarget& target);
+  Status keepAll();
+  std::vector<KeptResult> keptResults() const;
+  std::string errorIn(const VolumeGrid& grid, std::string message,
+                      const std::string& temporary) const;
+
+  const VolumeGrids& grids_;
+  const std::vector<std::size_t>&chosen_, &kept_;
+  std::string target_;
+  const GridCompression& how_;
+  Reading& reading_;
+  Team& team_;
+  std::vector<PendingFile> files_;  // of rank 0: of each grid, an empty one's stays empty
+  std::vector<CompressedGrid> done_;
+  std::optional<std::vector<int>> positions_;  // of the frames
+  std::optional<KeptStore> store_;             // of rank 0
+};
+
+std::string GridFiles::errorIn(const VolumeGrid& grid, std::string message,
+                               const std::string& temporary) const {
+  // The grid's own file is nobody else's business.
+  if (const auto at = message.find(temporary); !temporary.empty() && at != std::string::npos)
+    message.replace(at, temporary.size(), target_);
+  return fmt::format("grid '{}': {}", grid.name, message);
+}
+
+Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
+  const VolumeGrid& grid = grids_.grids()[chosen_[i]];
+  done_.push_back({grid.name, {}, {}});
+  if (grid.empty)
+    return {};
+  VOLUTE_ASSIGN(auto source, grids_.source(chosen_[i]));
+  source = asFinite(std::move(source), how_.notFinite, target_);
+  source = asStated(std::move(source), how_.stated);
+  VOLUTE_ASSIGN(auto positions, selectPositions(source->info(), how_.frames));
+  VOLUTE_ASSIGN(source, selectFrames(std::move(source), how_.frames));
+  positions_ = std::move(positions);
+  CompressOptions options = how_.options;
+  options.target = target;
+  options.halves = grid.description && grid.description->half;
+  if (!options.work.empty())
+    options.work /= fmt::format("{:03}", i);
+  const bool leads = team_.leads();
+  const std::string file = leads ? files_[i].path().string() : target_;
+  GridProgress progress(reading_.progress, grid.name);
+  auto report = compress(*source, file, options, progress, team_);
+  if (!report) {
+    return fail(report.error().code, report.error().hints, "{}",
+                errorIn(grid, report.error().message, leads ? file : ""));
+  }
+  done_.back().info = source->info();
+  done_.back().report = *report;
+  return {};
+}
+
+Status GridFiles::compressAll(const std::vector<ErrorTarget>& targets) {
+  files_.clear();
+  done_.clear();
+  const auto makeFiles = [&]() -> Status {
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      VOLUTE_ASSIGN(auto file, PendingFile::create(target_));
+      files_.push_back(std::move(file));
+    }
+    return {};
+  };
+  VOLUTE_TRY(team_.agree(team_.leads() ? makeFiles() : Status()));
+  for (std::size_t i = 0; i < chosen_.size(); ++i) VOLUTE_TRY(compressOne(i, targets[i]));
+  return {};
+}
+
+/// Once, whatever becomes of the other grids.
+Status GridFiles::keepAll() {
+  if (kept_.empty() || store_)
+    return {};
+  VOLUTE_ASSIGN(auto store, KeptStore::create(target_));
+  store_.emplace(std::move(store));
+  for (const std::size_t i : kept_) {
+    const VolumeGrid& grid = grids_.grids()[i];
+    const auto place =
+        static_cast<std::size_t>(std::ranges::lower_bound(chosen_, i) - chosen_.begin());
+    store_->begin({grid.name, grid.description ? grid.description->type : grid.type, place});
+    double done = 0;
+    for (const int position : *positions_) {
+      if (reading_.progress.cancelled())
+        return fail(ErrorCode::kCancelled, "stopped: {} was not written", target_);
+      VOLUTE_ASSIGN(const auto bytes, grids_.keep(i, position));
+      VOLUTE_TRY(store_->add(bytes.get()));
+      reading_.progress.report(grid.name + ": keeping", ++done,
+                               static_cast<double>(positions_->size()));
+    }
+  }
+  return {};
+}
+
+std::vector<KeptResult> GridFiles::keptResults() const {
+  std::vector<KeptResult> all;
+  for (std::size_t i = 0; store_ && i < kept_.size(); ++i) {
+    const KeptTable& table = store_->table();
+    all.push_back({table.grids[i].name, table.grids[i].type, table.storedBytes(i)});
+  }
+  return all;
+}
+
+Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
+  if (!positions_) {
+    return fail(ErrorCode::kInvalidData, "{}: none of its {} grids has voxels that are not empty",
+                target_, chosen_.size());
+  }
+  std::uint64_t bytes = 0;
+  const auto bundleAll = [&]() -> Status {
+    std::vector<BundledGrid> bundled;
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      const VolumeGrid& grid = grids_.grids()[chosen_[i]];
+      BundledGrid& one = bundled.emplace_back();
+      one.name = grid.name;
+      if (grid.description)
+        one.description = grid.description->of(*positions_);
+      if (!grid.empty)
+        one.file = files_[i].path();
+    }
+    VOLUTE_ASSIGN(auto file, PendingFile::create(target_));
+    FrameMetadata ofFiles = grids_.fileMetadata();
+    if (!ofFiles.listOf.empty())
+      ofFiles = ofFiles.of(*positions_);
+    VOLUTE_TRY(keepAll());
+    VOLUTE_ASSIGN(bytes, bundle(bundled, ofFiles, file.path(), reading_.progress,
+                                store_ ? &*store_ : nullptr));
+    if (!keep)
+      return {};
+    if (static_cast<double>(bytes) > *keep) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: cannot be made as small as {:.0f} bytes; its {} grids take {}", target_,
+                  *keep, chosen_.size(), bytes);
+    }
+    return file.commit();
+  };
+  VOLUTE_TRY(team_.agree(team_.leads() ? bundleAll() : Status()));
+  VOLUTE_ASSIGN(bytes, team_.broadcast(bytes));
+  return CompressedGrids{done_, bytes, 0, keptResults()};
+}
+
+/// Whether a file of this grid alone needs to say more of it than its values. Without a description
+/// its first voxel has the index 0, so that its leaves and tiles are others unless they begin
+/// there.
+/// @param cropped  its first voxel is another than that of the cache
+bool wantsDescription(const VolumeGrid& grid, bool cropped) {
+  constexpr std::string_view kOwnTime = "volute:time", kHalf = "is_saved_as_half_float";
+  if (!grid.description)
+    return false;
+  const GridDescription& one = *grid.description;
+  const bool plainType = one.type == "float" || one.type == "vec3s";
+  const bool plainClass = one.gridClass.empty() || one.gridClass == "fog volume";
+  const bool plainMetadata = std::ranges::all_of(one.metadata.lists, [&](const MetadataList& list) {
+    return std::ranges::all_of(
+        list, [&](const auto& entry) { return entry.name == kOwnTime || entry.name == kHalf; });
+  });
+  const bool inAllFrames =
+      std::ranges::none_of(one.metadata.listOf, [](int list) { return list < 0; });
+  // Where a volume alone is written: from index 0 on, its place in the transform.
+  const bool even = one.voxelSize[0] == one.voxelSize[1] && one.voxelSize[0] == one.voxelSize[2];
+  const bool plainPlace =
+      cropped ||
+      (one.begin == GridDescription::Index{} && one.shifts.empty() && one.matrices.empty() &&
+       one.map == (even ? "UniformScaleTranslateMap" : "ScaleTranslateMap"));
+  return grid.empty || grid.name.starts_with('[') || one.half || !plainPlace || !plainType ||
+         !plainClass || !plainMetadata || !inAllFrames || one.background != std::array<double, 3>{};
+}
+
+/// The one grid of files that are no cache, whose voxels do not lie along the axes or move.
+class PlacedGrid final : public VolumeGrids {
+ public:
+  PlacedGrid(std::string path, InputOptions options, const VolumeInput& input, Reading& reading)
+      : path_(std::move(path)), options_(std::move(options)), reading_(reading) {
+    const VolumeInfo& info = input.source->info();
+    const Vec3 voxel = info.voxelSize(), origin = info.bounds.min + 0.5 * voxel;
+    GridDescription grid;
+    grid.type = info.channels == 3 ? "vec3s" : "float";
+    grid.map = "AffineMap";
+    grid.voxelSize = {voxel.x(), voxel.y(), voxel.z()};
+    grid.origin = {origin.x(), origin.y(), origin.z()};
+    for (const GridMatrix& place : input.places) {
+      const Mat3 linear = linearOf(place);
+      grid.matrices.push_back(
+          gridMatrix(linear * voxel.asDiagonal(), linear * origin + offsetOf(place)));
+      const MetadataList none;
+      grid.metadata.add(&none);
+    }
+    grids_.push_back({info.name, std::move(grid)});
+  }
+
+  Result<std::unique_ptr<FrameSource>> source(std::size_t) const override {
+    VOLUTE_ASSIGN(auto input, openVolume(path_, options_, reading_));
+    return std::move(input.source);
+  }
+
+ private:
+  std::string path_;
+  InputOptions options_;
+  Reading& reading_;
+};
+
+void remarkOnTimes(const std::string& path, const VolumeInfo& info, Reading& reading) {
+  if (info.frames > 1 && info.timesAssumed)
+    reading.progress.remark(Remark(RemarkCode::kAssumed,
+                                   fmt::format("{}: no times are stated; 25 frames a second", path),
+                                   {Hint::set("fps")})
+                                .in(path));
+}
+
+/// The grids of a cache; nothing where one grid is to be compressed by itself.
+Result<std::optional<Report>> compressCache(const std::string& path, const std::string& target,
+                                            const GridCompression& how, const InputOptions& input,
+                                            Reading& reading, Team& team) {
+  const bool one = gridNames(input.grid).size() == 1 && how.keep.empty();
+  if (input.raw || (one && input.bounds) || !VolumeGrids::mayBe(path)) {
+    if (how.rms.empty())
+      return std::nullopt;
+    return failFor("rms_of", ErrorCode::kInvalidArgument, Hint::set("rms"),
+                   "is for several grids, and this is one");
+  }
+  InputOptions unverified = input;  // who reads it says what is damaged
+  unverified.verify = false;
+  unverified.stated = how.stated;
+  VOLUTE_ASSIGN(const auto grids, VolumeGrids::open(path, unverified, reading));
+  const auto& all = grids->grids();
+  VOLUTE_ASSIGN(const auto named, grids->choose(input.grid, path));
+  std::vector<std::size_t> keep;
+  for (const std::string& name : how.keep) {
+    VOLUTE_ASSIGN(const auto found, grids->choose(name, path));
+    keep.push_back(found[0]);
+  }
+  std::vector<std::size_t> chosen, kept;
+  std::vector<std::string> asBytes, leftOut;
+  for (const std::size_t i : named) {
+    const bool asked = std::ranges::find(keep, i) != keep.end();
+    if (!asked && all[i].kept.empty()) {
+      chosen.push_back(i);
+      continue;
+    }
+    const bool dropped = how.dropUncoded && !asked;
+    if (!dropped && all[i].keptBytes > reading.maxMemory) {
+      return fail(ErrorCode::kTooLarge,
+                  {Hint::raise("max_memory"), Hint::set("uncoded", "drop").so("leaves it out")},
+                  "{}: grid '{}' is kept as it is ({}) and takes {} MiB, more than the {} MiB of "
+                  "memory allowed",
+                  all[i].keptIn, all[i].name, all[i].kept, all[i].keptBytes >> 20,
+                  reading.maxMemory >> 20);
+    }
+    (dropped ? leftOut : asBytes)
+        .push_back(fmt::format("'{}' ({})", all[i].name, asked ? "as asked" : all[i].kept));
+    if (!dropped)
+      kept.push_back(i);
+  }
+  const bool frusta =
+      std::ranges::any_of(named, [&](std::size_t i) { return all[i].kept == "with a frustum"; });
+  const Hints wayOut =
+      frusta ? Hints{Hint::set("resample").so("makes a volume of a frustum")} : Hints();
+  if (chosen.empty() && !named.empty()) {
+    asBytes.insert(asBytes.end(), leftOut.begin(), leftOut.end());
+    return fail(ErrorCode::kUnsupported, wayOut,
+                "{}: no grid can be compressed: {}; a .volute holds one volume at least", path,
+                fmt::join(asBytes, ", "));
+  }
+  if (chosen.empty() || (chosen.size() == 1 && (all.size() == 1 || one) && how.rms.empty() &&
+                         !wantsDescription(all[chosen[0]], input.bounds.has_value())))
+    return std::nullopt;
+  if (input.bounds) {
+    return failFor("bounds", ErrorCode::kInvalidArgument, Hint::choose("field"),
+                   "is for one grid, and {} has {}", path, all.size());
+  }
+  for (const auto& [name, rms] : how.rms) {
+    VOLUTE_ASSIGN(const auto found, grids->choose(name, path));
+    if (std::ranges::find(chosen, found[0]) == chosen.end()) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: an error is stated for grid '{}', which is not to be compressed", path,
+                  name);
+    }
+  }
+  for (const auto& [names, what] : {std::pair(&asBytes, "kept as they are, without loss"),
+                                    std::pair(&leftOut, "left out, as they hold no volume")}) {
+    if (!names->empty())
+      reading.progress.remark({RemarkCode::kNote,
+                               fmt::format("{}: {}: {}", path, what, fmt::join(*names, ", ")),
+                               wayOut});
+  }
+  remarkOnFiles(path, reading);
+  for (const std::size_t i : chosen) {
+    if (input.partial && isVolutePath(path) && !all[i].empty)
+      VOLUTE_TRY(openVolute(path, true, reading, true, all[i].name));
+  }
+  VOLUTE_ASSIGN(const auto result, compressGrids(*grids, chosen, target, how, reading, team, kept));
+  const auto full =
+      std::ranges::find_if(result.grids, [](const auto& grid) { return grid.info.x > 0; });
+  const bool allFrames = how.frames == FrameRange{};
+  if (const auto gaps = missingNumbers(full->info.frameNumbers, full->info.frameScale);
+      !gaps.empty() && allFrames)
+    reading.progress.remark(
+        Remark(RemarkCode::kDoubtful, fmt::format("{}: {}", path, gaps)).in(path));
+  remarkOnTimes(path, full->info, reading);
+  const bool whole = allFrames && chosen.size() + kept.size() == all.size();
+  return compressionReport(target, result, full->info.frames,
+                           whole ? bytesOnDisk(path) : std::nullopt);
+}
+
+}  // namespace
+
+std::uint64_t CompressedGrids::rawBytes() const {
+  std::uint64_t bytes = 0;
+  for (const CompressedGrid& grid : grids) bytes += grid.report.rawBytes;
+  return bytes;
+}
+
+Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
+                                      const std::vector<std::size_t>& chosen,
+                                      const std::string& target, const GridCompression& how,
+                                      Reading& reading, Team& team,
+                                      const std::vector<std::size_t>& kept) {
+  const auto start = std::chrono::steady_clock::now();
+  using Kind = ErrorTarget::Kind;
+  const ErrorTarget wanted = how.options.target;
+  const bool sized = wanted.kind == Kind::kSize || wanted.kind == Kind::kRatio;
+  GridFiles files(grids, chosen, kept, target, how, reading, team);
+  std::vector<ErrorTarget> targets(chosen.size(), sized ? ErrorTarget{Kind::kRms, 1e-2} : wanted);
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (const auto own = how.rms.find(grids.grids()[chosen[i]].name); own != how.rms.end())
+      targets[i] = {how.rmsOverAll ? Kind::kRmsOverAll : Kind::kRms, own->second};
+  }
+  VOLUTE_TRY(files.compressAll(targets));
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  VOLUTE_ASSIGN(auto result, files.write(sized ? std::nullopt : std::optional(kAny)));
+  if (sized) {
+    // A size is shared out as grids of one quality need it, less what the table of grids takes.
+    const double most = wanted.kind == Kind::kSize
+                            ? wanted.value
+                            : std::floor(static_cast<double>(result.rawBytes()) / wanted.value);
+    // What is nearly nothing but its description cannot get smaller, and stays as it is.
+    constexpr double kSmall = 1000;
+    double sum = 0, small = 0;
+    for (const CompressedGrid& grid : result.grids) {
+      const auto bytes = static_cast<double>(grid.report.fileBytes);
+      (bytes < kSmall ? small : sum) += bytes;
+    }
+    const double table = std::max(static_cast<double>(result.fileBytes) - sum - small, 0.0);
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const auto bytes = static_cast<double>(result.grids[i].report.fileBytes);
+      const double share = std::floor((most - table - small) * bytes / std::max(sum, 1.0));
+      if (bytes >= kSmall)
+        targets[i] = {Kind::kSize, std::max(1.0, share)};
+    }
+    VOLUTE_TRY(files.compressAll(targets));
+    VOLUTE_ASSIGN(result, files.write(most));
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+Result<Report> compressVolume(const std::string& path, const std::string& target,
+                              const GridCompression& how, const InputOptions& input,
+                              Reading& reading, Team& team) {
+  VOLUTE_ASSIGN(auto report, compressCache(path, target, how, input, reading, team));
+  if (report)
+    return *std::move(report);
+  InputOptions finite = input;
+  finite.notFinite = how.notFinite;
+  finite.stated = how.stated;
+  VOLUTE_ASSIGN(auto volume, openVolume(path, finite, reading));
+  if (!volume.places.empty()) {
+    const PlacedGrid grid(path, std::move(finite), volume, reading);
+    VOLUTE_ASSIGN(const auto result, compressGrids(grid, {0}, target, how, reading, team));
+    return compressionReport(target, result, result.grids[0].info.frames, std::nullopt);
+  }
+  remarkOnTimes(path, volume.source->info(), reading);
+  const bool whole =
+      how.frames == FrameRange{} && !input.bounds && volume.source->otherGrids().empty();
+  VOLUTE_ASSIGN(const auto source, selectFrames(std::move(volume.source), how.frames));
+  VOLUTE_ASSIGN(const auto result, compress(*source, target, how.options, reading.progress, team));
+  return compressionReport(target, source->info(), result,
+                           whole ? bytesOnDisk(path) : std::nullopt);
+}
+
+Result<std::map<std::string, double>> parseGridRms(const std::string& text) {
+  std::map<std::string, double> all;
+  for (const std::string& one : gridNames(text)) {
+    const auto equals = one.rfind('=');
+    double rms = 0;
+    const char* const end = one.data() + one.size();
+    const bool number = equals != std::string::npos && equals > 0 &&
+                        std::from_chars(one.data() + equals + 1, end, rms).ptr == end && rms > 0 &&
+                        rms <= 1;
+    if (!number) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "'{}' is no NAME=R; expected a grid's name and a relative RMS above 0, at "
+                  "most 1, as density=0.001",
+                  one);
+    }
+    all[one.substr(0, equals)] = rms;
+  }
+  return all;
+}
+
+}  // namespace volute

@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/volume_files/volume_comparison.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "volute/grid/fitted_source.hpp"
+#include "volute/grid/rounding_source.hpp"
+#include "volute/volume_files/volume_grids.hpp"
+
+namespace volute {
+namespace {
+
+/// Of a frame, over what was asked for: over the support, of all that is wrong.
+double rmsOf(const GridComparison& grid, const Difference& frame) {
+  if (grid.overAll)
+    return frame.rms();
+  const auto values = static_cast<double>(std::max<std::uint64_t>(frame.supportValues, 1));
+  return std::sqrt(frame.sumOfSquares / values);
+}
+
+std::size_t worstFrame(const GridComparison& grid) {
+  const auto worst = std::ranges::max_element(
+      grid.byFrame, {}, [&](const Difference& frame) { return rmsOf(grid, frame); });
+  return static_cast<std::size_t>(worst - grid.byFrame.begin());
+}
+
+/// Of one frame, as VolumeComparison::errors has them.
+Result<Image> errorsOfFrame(FrameSource& a, FrameSource& b, int frame, std::uint64_t maxMemory) {
+  const VolumeInfo& info = a.info();
+  if (8 * info.frameValues() > maxMemory) {
+    return fail(ErrorCode::kTooLarge,
+                "a picture of the differences needs all {} x {} x {} voxels of two frames, {} MiB, "
+                "more than the {} MiB allowed",
+                info.x, info.y, info.z, (info.frameValues() >> 17) + 1, maxMemory >> 20);
+  }
+  std::vector<float> first(info.frameValues()), second(info.frameValues());
+  VOLUTE_TRY(a.readFrame(frame, first));
+  VOLUTE_TRY(b.readFrame(frame, second));
+  const double apart = offsetOf(a) - offsetOf(b);
+  Image errors(info.x, info.z, 1);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const std::size_t voxel = i / static_cast<std::size_t>(info.channels);
+    const int x = static_cast<int>(voxel % info.x), z = static_cast<int>(voxel / info.x / info.y);
+    float& error = errors.at(x, info.z - 1 - z);
+    error = std::max(error, static_cast<float>(std::abs(apart + first[i] - second[i])));
+  }
+  return errors;
+}
+
+/// Pictures side by side, a gap between them.
+Image sideBySide(const std::vector<Image>& images) {
+  constexpr int kGap = 2;
+  int width = -kGap, height = 0;
+  for (const Image& image : images)
+    width += image.width + kGap, height = std::max(height, image.height);
+  Image all(width, height, 1);
+  int left = 0;
+  for (const Image& image : images) {
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        all.at(left + x, height - image.height + y) = image.at(x, y);
+    left += image.width + kGap;
+  }
+  return all;
+}
+
+/// Both over all that one of them takes, where they are on one lattice of voxels.
+void align(std::unique_ptr<FrameSource>& a, const std::array<double, 3>& outsideA,
+           std::unique_ptr<FrameSource>& b, const std::array<double, 3>& outsideB) {
+  const VolumeInfo infoA = a->info(), infoB = b->info();
+  if (!onOneLattice(infoB, infoA))
+    return;  // compare() says what does not fit
+  Box3 both = infoA.bounds;
+  both.extend(infoB.bounds.min), both.extend(infoB.bounds.max);
+  const VolumeInfo wide = widenedTo(infoA, both);
+  const auto differs = [&](const VolumeInfo& info) {
+    return info.x != wide.x || info.y != wide.y || info.z != wide.z;
+  };
+  if (differs(infoA))
+    a = fitTo(std::move(a), wide, outsideA);
+  if (differs(infoB))
+    b = fitTo(std::move(b), wide, outsideB);
+}
+
+/// The chosen frames of both.
+Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
+                                      std::unique_ptr<FrameSource> b,
+                                      const ComparisonRequest& request, Reading& reading,
+                                      std::vector<Image>& errors) {
+  VOLUTE_ASSIGN(a, selectFrames(std::move(a), request.frames));
+  VOLUTE_ASSIGN(b, selectFrames(std::move(b), request.frames));
+  GridComparison grid{a->info().name};
+  grid.overAll = request.overAll;
+  VOLUTE_ASSIGN(grid.whole, compare(*a, *b, reading.progress, &grid.byFrame));
+  if (grid.whole.backgroundsDiffer) {
+    reading.progress.remark(
+        {RemarkCode::kDoubtful,
+         fmt::format(
+             "'{}': the two have other backgrounds, so that they differ where nothing is stored",
+             grid.name)});
+  }
+  grid.frameNumbers = a->info().frameNumbers;
+  grid.frameScale = a->info().frameScale;
+  if (request.drawErrors) {
+    VOLUTE_ASSIGN(auto image,
+                  errorsOfFrame(*a, *b, static_cast<int>(worstFrame(grid)), reading.maxMemory));
+    errors.push_back(std::move(image));
+  }
+  return grid;
+}
+
+/// Both must lie in the world alike.
+Status checkPlaces(const std::vector<GridMatrix>& one, const std::string& a,
+                   const std::vector<GridMatrix>& other, const std::string& b,
+                   const VolumeInfo& info) {
+  if (samePlaces(one, other, info.bounds, info.voxelSize().minCoeff()))
+    return {};
+  return fail(ErrorCode::kInvalidData,
+              "{} and {} turn '{}' otherwise, or lay it elsewhere, so that no voxel of one is one "
+              "of the other",
+              a, b, info.name);
+}
+
+/// Those of one name.
+Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, const std::string& a,
+                                   const VolumeGrids& second, const std::string& b,
+                                   const ComparisonRequest& request, Reading& reading,
+                                   std::vector<Image>& errors) {
+  const VolumeGrid& grid = first.grids()[i];
+  VOLUTE_ASSIGN(const auto found, second.choose(grid.name, b));
+  const VolumeGrid& other = second.grids()[found[0]];
+  if (grid.empty != other.empty) {
+    return fail(ErrorCode::kInvalidData, "grid '{}' is empty in {}, and not in {}", grid.name,
+                grid.empty ? a : b, grid.empty ? b : a);
+  }
+  if (grid.empty)
+    return GridComparison{grid.name, true, request.overAll};
+  VOLUTE_ASSIGN(auto sourceA, first.source(i));
+  VOLUTE_ASSIGN(auto sourceB, second.source(found[0]));
+  const auto places = [](const VolumeGrid& of) {
+    return of.description ? of.description->places() : std::vector<GridMatrix>();
+  };
+  VOLUTE_TRY(checkPlaces(places(grid), a, places(other), b, sourceA->info()));
+  const auto outside = [](const VolumeGrid& of) {
+    return of.description ? of.description->background : std::array<double, 3>{};
+  };
+  align(sourceA, outside(grid), sourceB, outside(other));
+  auto compared = compareSources(std::move(sourceA), std::move(sourceB), request, reading, errors);
+  if (!compared)
+    return fail(compared.error().code, compared.error().hints, "grid '{}': {}", grid.name,
+                compared.error().message);
+  compared->name = grid.name;
+  if (request.drawErrors) {
+    const double range = compared->whole.maxA - compared->whole.minA;
+    for (float& error : errors.back().pixels)
+      error = static_cast<float>(error / (range > 0 ? range : 1));
+  }
+  return compared;
+}
+
+/// Whether two are the same bytes; both may be null.
+Result<bool> sameBytes(KeptBytes* a, KeptBytes* b) {
+  if (!a || !b || a->size() != b->size())
+    return !a && !b;
+  for (;;) {
+    VOLUTE_ASSIGN(const auto one, a->next());
+    VOLUTE_ASSIGN(const auto other, b->next());
+    if (!std::ranges::equal(one, other))
+      return false;
+    if (one.empty())
+      return true;
+  }
+}
+
+/// Of frames in the same positions.
+Result<bool> sameBytes(const VolumeGrids& first, std::size_t i, const VolumeGrids& second,
+                       std::size_t k, int frames) {
+  for (int frame = 0; frame < frames; ++frame) {
+    VOLUTE_ASSIGN(const auto a, first.keep(i, frame));
+    VOLUTE_ASSIGN(const auto b, second.keep(k, frame));
+    VOLUTE_ASSIGN(const bool same, sameBytes(a.get(), b.get()));
+    if (!same)
+      return false;
+  }
+  return true;
+}
+
+/// The grids that the request names.
+Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::string& a,
+                                       const VolumeGrids& second, const std::string& b,
+                                       const ComparisonRequest& request, Reading& reading) {
+  VolumeComparison all;
+  all.caches = true;
+  std::vector<Image> errors;
+  VOLUTE_ASSIGN(const auto chosen, first.choose(request.fields, a));
+  std::vector<std::pair<std::size_t, std::size_t>> asBytes;
+  for (const std::size_t i : chosen) {
+    VOLUTE_ASSIGN(const auto other, second.choose(first.grids()[i].name, b));
+    if (!first.grids()[i].kept.empty() || !second.grids()[other[0]].kept.empty()) {
+      asBytes.emplace_back(i, other[0]);
+      continue;
+    }
+    VOLUTE_ASSIGN(auto one, compareGrid(first, i, a, second, b, request, reading, errors));
+    all.grids.push_back(std::move(one));
+  }
+  if (all.grids.empty())
+    return fail(ErrorCode::kUnsupported, "{}: no grid that is compared holds a volume", a);
+  std::size_t frames = 0;  // empty grids have none
+  for (const GridComparison& grid : all.grids) frames = std::max(frames, grid.byFrame.size());
+  for (const auto& [i, k] : asBytes) {
+    VOLUTE_ASSIGN(const bool same, sameBytes(first, i, second, k, static_cast<int>(frames)));
+    all.kept.emplace_back(first.grids()[i].name, same);
+  }
+  for (const VolumeGrid& grid : second.grids()) {
+    const bool known = std::ranges::any_of(
+        first.grids(), [&](const VolumeGrid& one) { return one.name == grid.name; });
+    if (!known && request.fields.empty())
+      reading.progress.remark(
+          {RemarkCode::kLeftOut, fmt::format("'{}' is in {} alone", grid.name, b)});
+  }
+  if (!errors.empty())
+    all.errors = sideBySide(errors);
+  return all;
+}
+
+std::string worstFrameText(const GridComparison& grid) {
+  const std::size_t at = worstFrame(grid);
+  return fmt::format("worst in frame {}: rms {:.6g}, max error {:.6g}",
+                     frameText(grid.frameNumbers[at], grid.frameScale),
+                     rmsOf(grid, grid.byFrame[at]), grid.byFrame[at].maxError);
+}
+
+/// Where the largest error is, and what is there.
+std::string worstPlaceText(const GridComparison& grid) {
+  const Difference& whole = grid.whole;
+  if (!(whole.maxError > 0))
+    return "nowhere";
+  return fmt::format(
+      "frame {}, voxel ({}, {}, {}): {:.6g} and {:.6g}",
+      frameText(grid.frameNumbers[static_cast<std::size_t>(whole.worstFrame)], grid.frameScale),
+      whole.worst[0], whole.worst[1], whole.worst[2], whole.worstA, whole.worstB);
+}
+
+nlohmann::ordered_json worstPlaceJson(const GridComparison& grid) {
+  const Difference& whole = grid.whole;
+  if (!(whole.maxError > 0))
+    return nullptr;
+  return {{"frame", jsonFrame(grid.frameNumbers[static_cast<std::size_t>(whole.worstFrame)],
+                              grid.frameScale)},
+          {"voxel", whole.worst},
+          {"values", {jsonNumber(whole.worstA), jsonNumber(whole.worstB)}}};
+}
+
+nlohmann::ordered_json framesJson(const GridComparison& grid) {
+  auto frames = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < grid.byFrame.size(); ++i) {
+    frames.push_back({{"frame", jsonFrame(grid.frameNumbers[i], grid.frameScale)},
+                      {"rms", jsonNumber(grid.byFrame[i].rms())},
+                      {"support_rms", jsonNumber(grid.byFrame[i].supportRms())},
+                      {"max_error", jsonNumber(grid.byFrame[i].maxError)}});
+  }
+  return frames;
+}
+
+}  // namespace
+
+const GridComparison& VolumeComparison::worst() const {
+  return *std::ranges::max_element(grids, {}, &GridComparison::wantedRms);
+}
+
+Result<VolumeComparison> compareVolumes(const std::string& a, const std::string& b,
+                                        const ComparisonRequest& request, Reading& reading) {
+  InputOptions options;
+  options.partial = request.partial;
+  options.mayOffset = true;
+  options.bounds = request.bounds;
+  if (VolumeGrids::mayBe(a) && VolumeGrids::mayBe(b) && !options.bounds) {
+    VOLUTE_ASSIGN(const auto first, VolumeGrids::open(a, options, reading));
+    VOLUTE_ASSIGN(const auto second, VolumeGrids::open(b, options, reading));
+    const auto hasLevelSet = [](const VolumeGrids& grids) {
+      return std::ranges::any_of(grids.grids(), [](const VolumeGrid& grid) {
+        return grid.description && grid.description->gridClass == "level set";
+      });
+    };
+    if (first->grids().size() > 1 || second->grids().size() > 1 || hasLevelSet(*first) ||
+        hasLevelSet(*second))
+      return compareCaches(*first, a, *second, b, request, reading);
+  }
+  options.grid = request.fields;
+  // A .volute file has its own bounds; the option speaks of the other formats.
+  const auto optionsFor = [&](const std::string& path) {
+    InputOptions own = options;
+    if (isVolutePath(path))
+      own.bounds.reset();
+    return own;
+  };
+  VOLUTE_ASSIGN(auto first, openVolume(a, optionsFor(a), reading));
+  VOLUTE_ASSIGN(auto second, openVolume(b, optionsFor(b), reading));
+  const VolumeInfo& infoA = first.source->info();
+  const VolumeInfo& infoB = second.source->info();
+  if (!isNumpyPath(a) && !isNumpyPath(b))
+    VOLUTE_TRY(checkPlaces(first.places, a, second.places, b, infoA));
+  const bool placed = !isNumpyPath(a) && !isNumpyPath(b) && !options.bounds;
+  if (placed && (infoA.x != infoB.x || infoA.y != infoB.y || infoA.z != infoB.z))
+    align(first.source, {}, second.source, {});
+  VolumeComparison comparison;
+  std::vector<Image> errors;
+  VOLUTE_ASSIGN(auto one, compareSources(std::move(first.source), std::move(second.source), request,
+                                         reading, errors));
+  comparison.grids.push_back(std::move(one));
+  if (!errors.empty())
+    comparison.errors = std::move(errors[0]);
+  return comparison;
+}
+
+void addDetails(Report& report, const VolumeComparison& comparison) {
+  const GridComparison& worst = comparison.worst();
+  const Difference& whole = worst.whole;
+  report
+      .add("support_rms", jsonNumber(whole.supportRms()),
+           fmt::format("{:.6g} of the range {:.4g} to {:.4g}{}", whole.supportRms(),
+                       whole.supportLow, whole.supportHigh,
+                       whole.robust ? ", without outliers" : ""))
+      .add("support_share", whole.supportShare(),
+           fmt::format("{:.4g} %", 100 * whole.supportShare()))
+      .add("outside_error", jsonNumber(whole.outsideError))
+      .add("max_error_at", worstPlaceJson(worst), worstPlaceText(worst));
+  if (worst.byFrame.size() > 1)
+    report.add("by_frame", framesJson(worst), worstFrameText(worst));
+  if (!comparison.caches)
+    return;
+  auto list = nlohmann::ordered_json::array();
+  std::string text;
+  for (const GridComparison& grid : comparison.grids) {
+    list.push_back({{"name", grid.name},
+                    {"empty", grid.empty},
+                    {"rms", grid.empty ? 0 : grid.whole.rms()},
+                    {"relative_rms", jsonNumber(grid.relativeRms())},
+                    {"support_rms", jsonNumber(grid.whole.supportRms())},
+                    {"support_share", grid.whole.supportShare()},
+                    {"psnr", jsonNumber(grid.psnr())},
+                    {"max_error", grid.whole.maxError},
+                    {"max_error_at", worstPlaceJson(grid)},
+                    {"by_frame", framesJson(grid)}});
+    text += fmt::format("\n  {:<16} ", grid.name);
+    text += grid.empty ? std::string("empty in both")
+                       : fmt::format(
+                             "relative rms {:.4g} over what is in use, {:.4g} over all "
+                             "({:.2f} dB), max error {:.4g}{}{}",
+                             grid.whole.supportRms(), grid.relativeRms(), grid.psnr(),
+                             grid.whole.maxError, grid.byFrame.size() > 1 ? "; " : "",
+                             grid.byFrame.size() > 1 ? worstFrameText(grid) : "");
+  }
+  report.add("worst_grid", worst.name).add("grids", list, text);
+  auto kept = nlohmann::ordered_json::array();
+  std::string keptText;
+  for (const auto& [name, same] : comparison.kept) {
+    kept.push_back({{"name", name}, {"identical", same}});
+    keptText += fmt::format("\n  {:<16} {}", name, same ? "identical" : "differs");
+  }
+  if (!kept.empty())
+    report.add("kept", kept, keptText);
+}
+
+}  // namespace volute

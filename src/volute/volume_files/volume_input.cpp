@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/volume_files/volume_input.hpp"
+
+#include <algorithm>
+
+#include "volute/grid/select_frames.hpp"
+#include "volute/io/frame_pattern.hpp"
+#include "volute/io/volume_source.hpp"
+#include "volute/volume_files/fds_input.hpp"
+#include "volute/volume_files/memory_volumes.hpp"
+
+namespace volute {
+namespace {
+
+Status refuseVolumeOptions(const std::string& path, const InputOptions& options) {
+  if (options.bounds) {
+    return fail(ErrorCode::kInvalidArgument, Hint::leaveOut("bounds"),
+                "{}: a .volute file states its bounds", path);
+  }
+  return {};
+}
+
+}  // namespace
+
+bool isVolutePath(const std::string& path) {
+  return extensionOf(path) == ".volute";
+}
+
+bool isNumpyPath(const std::string& path) {
+  const std::string extension = extensionOf(path);
+  return extension == ".npy" || extension == ".npz";
+}
+
+std::string integrityText(const Integrity& integrity, const VoluteReader& reader) {
+  if (integrity.complete())
+    return "complete";
+  // The longest block has the most levels; a border block may have fewer.
+  const int levels = reader.blocks().levels(0);
+  return fmt::format(
+      "damaged: {}; {} of {} segments are intact, {} of {} levels whole in every block",
+      integrity.firstFault, integrity.intactSegments, integrity.segments, integrity.intactLevels,
+      levels);
+}
+
+Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path, bool partial,
+                                                       Reading& reading, bool verify,
+                                                       const std::string& grid, bool differences) {
+  VoluteReader::Options options;
+  options.partial = partial;
+  options.maxMemory = reading.maxMemory;
+  options.grid = grid;
+  options.differences = differences;
+  VOLUTE_ASSIGN(auto opened, VoluteReader::open(path, options));
+  auto reader = std::make_shared<const VoluteReader>(std::move(opened));
+  if (partial && verify) {
+    const Integrity integrity = reader->verify();
+    if (!integrity.complete())
+      reading.progress.remark(Remark(RemarkCode::kDamaged,
+                                     fmt::format("{}: {}", path, integrityText(integrity, *reader)))
+                                  .in(path));
+  }
+  return reader;
+}
+
+namespace {
+
+/// The grid that is meant of a .volute with one or more.
+Result<std::shared_ptr<const VoluteReader>> openGrid(const std::string& path,
+                                                     const InputOptions& options,
+                                                     Reading& reading) {
+  VOLUTE_ASSIGN(auto reader, openVolute(path, options.partial, reading, options.verify,
+                                        options.grid, options.mayOffset));
+  const auto& grids = reader->grids();
+  if (!options.grid.empty() || grids.size() < 2)
+    return reader;
+  const auto usual = std::ranges::find_if(grids, [&](const VoluteGrid& grid) {
+    return grid.info.name == options.usualGrid && !grid.empty;
+  });
+  if (usual != grids.end() && reader->info().name != options.usualGrid) {
+    VOLUTE_ASSIGN(reader, openVolute(path, options.partial, reading, options.verify,
+                                     options.usualGrid, options.mayOffset));
+  }
+  std::string others;
+  for (const VoluteGrid& grid : reader->grids()) {
+    if (grid.info.name != reader->info().name)
+      others += (others.empty() ? "" : ", ") + grid.info.name;
+  }
+  reading.progress.remark(Remark(RemarkCode::kAssumed,
+                                 fmt::format("{}: the grid '{}' is read; it also has {}", path,
+                                             reader->info().name, others),
+                                 {Hint::choose("field")})
+                              .in(path));
+  return reader;
+}
+
+}  // namespace
+
+namespace {
+
+Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& options,
+                                 Reading& reading) {
+  VolumeInput input;
+  if (reading.volumes)
+    input.source = reading.volumes->open(path);
+  if (input.source) {
+    const std::string& name = input.source->info().name;
+    if (!options.grid.empty() && options.grid != name) {
+      return fail(ErrorCode::kNotFound, "{}: holds '{}' alone, and no '{}'", path, name,
+                  options.grid);
+    }
+    if (options.bounds) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: a volume in memory has its bounds from who made it; leave them out here",
+                  path);
+    }
+    return input;
+  }
+  if (!options.raw && isVolutePath(path)) {
+    VOLUTE_TRY(refuseVolumeOptions(path, options));
+    VOLUTE_ASSIGN(input.reader, openGrid(path, options, reading));
+    input.source = frameSource(input.reader);
+    if (const auto& description = input.reader->grid().description) {
+      input.places = description->places();
+      if (!description->metadata.lists.empty())
+        input.vectors = vectorKindOf(description->metadata.lists.front());
+    }
+    return input;
+  }
+  if (!options.raw && isSmvPath(path)) {
+    VOLUTE_ASSIGN(input.source,
+                  openFdsVolume(path, options.grid, options.bounds, std::nullopt, reading));
+    return input;
+  }
+  if (!options.raw && isPicturePath(path)) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: this is a picture; expected a volume: .volute, .npy, .npz, .vdb, .vti, "
+                ".pvd or .smv",
+                path);
+  }
+  SourceOptions source;
+  source.grid = options.grid;
+  source.usualGrid = options.usualGrid;
+  source.bounds = options.bounds;
+  source.maxMemory = reading.maxMemory;
+  source.byLayers = options.byLayers;
+  source.upStated = options.stated.up != 0;
+  source.raw = options.raw;
+  source.frusta = options.frusta;
+  source.mayOffset = options.mayOffset;
+  source.remark = [&](const Remark& remark) { reading.progress.remark(remark); };
+  VOLUTE_ASSIGN(input.source, openSource(path, source));
+  if (const auto* placed = dynamic_cast<const PlacedFrames*>(input.source.get()))
+    input.places = placed->places();
+  if (const auto* vectors = dynamic_cast<const VectorFrames*>(input.source.get()))
+    input.vectors = vectors->vectors();
+  remarkOnFiles(path, reading);
+  const VolumeInfo& info = input.source->info();
+  if (const auto gaps = missingNumbers(info.frameNumbers, info.frameScale); !gaps.empty())
+    reading.progress.remark(
+        Remark(RemarkCode::kAssumed,
+               fmt::format("{}: {}; volumes between are interpolated", path, gaps))
+            .in(path));
+  return input;
+}
+
+}  // namespace
+
+Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
+                               Reading& reading) {
+  VOLUTE_ASSIGN(auto input, openAsStated(path, options, reading));
+  input.source = asFinite(std::move(input.source), options.notFinite, path);
+  input.source = asStated(std::move(input.source), options.stated);
+  return input;
+}
+
+Status alongAxesOnly(const VolumeInput& input, const std::string& path, std::string_view what) {
+  if (input.places.empty())
+    return {};
+  return fail(ErrorCode::kUnsupported,
+              "{}: grid '{}' is turned, sheared or mirrored, or moves by parts of a voxel, and {}; "
+              "expected voxels along the axes",
+              path, input.source->info().name, what);
+}
+
+void remarkOnFiles(const std::string& path, Reading& reading) {
+  std::error_code error;
+  std::string extension = extensionOf(path);
+  if (std::filesystem::is_directory(path, error)) {
+    const auto kind = volumesIn(path);
+    extension = kind ? *kind : "";
+  }
+  if (const auto leftOut = leftOutFiles(path, extension); !leftOut.empty())
+    reading.progress.remark(
+        Remark(RemarkCode::kLeftOut, fmt::format("{}: {}", path, leftOut)).in(path));
+}
+
+std::optional<std::uint64_t> bytesOnDisk(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (fs::is_regular_file(path, error))
+    return fs::file_size(path, error);
+  std::uint64_t bytes = 0;
+  if (namesSeries(path)) {
+    const auto pattern = FramePattern::parse(path);
+    if (!pattern)
+      return std::nullopt;
+    const auto files = pattern->list(SubFrames::kAllowed);
+    if (!files)
+      return std::nullopt;
+    for (const NumberedFile& file : *files) bytes += fs::file_size(file.path, error);
+    return bytes;
+  }
+  if (!fs::is_directory(path, error))
+    return std::nullopt;
+  // Of a sequence its own files; a simulation may keep others beside them.
+  const auto kind = volumesIn(path);
+  if (kind) {
+    if (const auto sequence = listNumberedFiles(path, *kind)) {
+      for (const NumberedFile& file : *sequence) bytes += fs::file_size(file.path, error);
+      return bytes;
+    }
+  }
+  for (const auto& entry : fs::directory_iterator(path, error)) {
+    if (entry.is_regular_file(error))
+      bytes += entry.file_size(error);
+  }
+  return bytes;
+}
+
+}  // namespace volute

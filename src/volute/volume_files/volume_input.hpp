@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "volute/base/file_name.hpp"
+#include "volute/codec/volute_reader.hpp"
+#include "volute/grid/grid_matrix.hpp"
+#include "volute/grid/select_frames.hpp"
+#include "volute/grid/vector_kind.hpp"
+#include "volute/io/image_file.hpp"
+#include "volute/io/reading.hpp"
+#include "volute/io/volume_source.hpp"
+#include "volute/volume_files/finite_source.hpp"
+
+namespace volute {
+
+/// How to read a volume that a command line names.
+struct InputOptions {
+  std::string grid;            ///< of a file with several; empty: the only one, else `usualGrid`
+  std::optional<Box3> bounds;  ///< stated, or cropped and padded to, on the voxel grid
+  bool partial = false;        ///< a damaged .volute is read as far as it is intact
+  bool verify = true;          ///< with `partial`: looks through it first, and remarks on damage
+  std::string usualGrid = "density";  ///< which of several, when none is named
+  bool byLayers = false;              ///< frames may be larger than memory; see SourceOptions
+  std::optional<RawLayout> raw{};     ///< of files without a header
+  StatedInfo stated{};
+  std::optional<FrustumSampling> frusta{};  ///< SourceOptions::frusta
+  NotFinite notFinite = NotFinite::kKeep;
+  bool mayOffset = false;  ///< values far from zero are read as differences: offsetOf() the source
+};
+
+/// An open volume of any format.
+struct VolumeInput {
+  std::unique_ptr<FrameSource> source;
+  std::shared_ptr<const VoluteReader> reader;  ///< null unless it is a .volute file
+  std::vector<float> frame{};                  ///< room for one, for who reads them in turn
+  /// From the space of the source's bounds to the world, in each frame; empty: that is the world.
+  std::vector<GridMatrix> places{};
+  VectorKind vectors{};  ///< of three channels
+};
+
+/// An error unless the volume lies along the axes, in one place: of who makes something of its
+/// bounds alone. `what` is that: "is not projected".
+[[nodiscard]] Status alongAxesOnly(const VolumeInput& input, const std::string& path,
+                                   std::string_view what);
+
+[[nodiscard]] Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
+                                             Reading& reading);
+
+/// A .volute file alone, for one of its grids: VoluteReader::Options, `grid` and `differences`.
+/// With `partial` and `verify` says in a remark what is missing of it.
+[[nodiscard]] Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path,
+                                                                     bool partial, Reading& reading,
+                                                                     bool verify = true,
+                                                                     const std::string& grid = {},
+                                                                     bool differences = false);
+
+/// "complete", or what is wrong and how much is there.
+std::string integrityText(const Integrity& integrity, const VoluteReader& reader);
+
+/// By the name's end: .volute.
+bool isVolutePath(const std::string& path);
+
+/// By the name's end: .npy or .npz, which state no bounds.
+bool isNumpyPath(const std::string& path);
+
+/// Remarks on files beside the sequence that look like a part of it and are not.
+void remarkOnFiles(const std::string& path, Reading& reading);
+
+/// Size on disk of a file, or of the files of a pattern or a folder; nothing for what cannot be
+/// read.
+std::optional<std::uint64_t> bytesOnDisk(const std::string& path);
+
+}  // namespace volute
