@@ -3,6 +3,7 @@
 # SPDX-FileCopyrightText: The Volute authors
 """The wheel that `pip wheel ./python` makes of a build, in a new environment: `wheel_test.py ROOT BUILD`. The package, its command and
 plug-ins come from the wheel, and NumPy from the system."""
+import importlib.util
 import os
 import pathlib
 import shutil
@@ -29,7 +30,7 @@ def main():
     if not (build / "bin/volute").exists() or not list((build / "python/volute").glob("_core.*.so")):
         print("the command or the Python package is not built")
         return SKIPPED
-    if subprocess.run([sys.executable, "-c", "import numpy, pip, setuptools, venv, wheel, ensurepip"], capture_output=True).returncode != 0:
+    if not all(map(importlib.util.find_spec, ["numpy", "pip", "setuptools", "venv", "wheel", "ensurepip"])):
         print("it wants python3-numpy, python3-venv, python3-pip, python3-setuptools and python3-wheel")
         return SKIPPED
     with tempfile.TemporaryDirectory() as name:
