@@ -336,7 +336,9 @@ void Scene::shine(Snapshot& snapshot, Progress& progress) {
   std::size_t count = 0;
   for (const auto& medium : snapshot.media) {
     lamps.push_back(medium->lightSources());
-    count += lamps.back().size();
+    // What glows is a spot; a sun is a light of the picture.
+    count +=
+        static_cast<std::size_t>(std::ranges::count(lamps.back(), Lamp::Kind::kSpot, &Lamp::kind));
   }
   const std::vector<std::shared_ptr<const MediumAt>> plain = snapshot.media;
   for (std::size_t i = 0; i < plain.size(); ++i) {

@@ -145,8 +145,10 @@ class VolumeKind final : public MediumKind {
     lighting.surrounding = context.lights.ambient;
     lighting.multiple = context.lights.multiple;
     lighting.blocks = blocksOf(context.geometry);
-    if (preset != VolumePreset::kNone && lighting.lamps.empty() &&
-        !(lighting.surrounding.maxCoeff() > 0))
+    if (appearance.surface)
+      lighting.lamps.clear(), lighting.surrounding = Rgb::Zero();  // they are the scene's
+    if (preset != VolumePreset::kNone && context.lights.lamps.empty() &&
+        !(context.lights.ambient.maxCoeff() > 0) && context.lights.suns.empty())
       addStudio(preset, context.version, lighting);
     if (appearance.extinction > 0 && !appearance.scatters() && !context.lights.suns.empty()) {
       heard.remark(Remark(RemarkCode::kDoubtful,

@@ -19,6 +19,7 @@
 #include "volute/base/parallel.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
+#include "volute/io/level_set_surface.hpp"
 #include "volute/optics/black_body.hpp"
 
 namespace volute {
@@ -473,6 +474,20 @@ Status VolumeLayer::openOthers(Reading& reading) {
                           placement.turns() ? Vec3(Vec3::Zero()) : placement.offset);
   }
   return {};
+}
+
+Status VolumeLayer::addSurface(int position, std::uint32_t material,
+                               std::vector<Triangle>& triangles) const {
+  Bricks bricks;
+  VOLUTE_TRY(input_->source->readBricks(position, bricks));
+  const Placement world = placed(appearance_);
+  const Mat3 linear = world.turn * world.scale.asDiagonal();
+  GridMatrix place = gridMatrix(linear, world.offset);
+  if (hasPlaces()) {
+    const GridMatrix& own = input_->places[static_cast<std::size_t>(position)];
+    place = gridMatrix(linear * linearOf(own), linear * offsetOf(own) + world.offset);
+  }
+  return addLevelSet(bricks, input_->source->info(), place, material, maxMemory_, triangles);
 }
 
 Result<BrickSlice> VolumeLayer::readSlice(FrameSource& source, int position) {

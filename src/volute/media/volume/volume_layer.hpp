@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "volute/geometry/triangle_scene.hpp"
 #include "volute/grid/brick_slice.hpp"
 #include "volute/grid/voxel_medium.hpp"
 #include "volute/media/clock.hpp"
@@ -67,7 +68,8 @@ struct Appearance {
   LightsScene lightsScene = LightsScene::kAuto;
   std::optional<Basis> basis;  ///< instead of the file's
   bool basisByView = false;    ///< nobody said it: what is seen closely is drawn over the cubic one
-  bool refines = false;        ///< a cubic basis is drawn by refinedSpline(): not for measurements
+  bool surface = false;  ///< of a level set: it is opaque where the distance is 0, and nothing else
+  bool refines = false;  ///< a cubic basis is drawn by refinedSpline(): not for measurements
   Placement placement;
   Clock clock;
   Interpolation interpolation = Interpolation::kNone;
@@ -116,7 +118,7 @@ class VolumeLayer {
   /// The file's, before the appearance's placement [m].
   const Box3& fileBounds() const { return input_->source->info().bounds; }
 
-  /// Whether its values are distances to a surface, of which the inside is drawn.
+  /// Whether its values are distances to a surface; the inside is drawn unless the surface is.
   bool isLevelSet() const { return input_->source->info().levelSet; }
 
   /// The same with its up axis upwards, as the placement finds it [m].
@@ -182,6 +184,10 @@ class VolumeLayer {
   void setProgress(Progress& progress) { progress_ = &progress; }
 
   const Appearance& appearance() const { return appearance_; }
+
+  /// Appends the surface of a level set's frame, in the scene.
+  [[nodiscard]] Status addSurface(int position, std::uint32_t material,
+                                  std::vector<Triangle>& triangles) const;
 
   /// Null unless it is a .volute file.
   const VoluteReader* reader() const { return input_->reader.get(); }

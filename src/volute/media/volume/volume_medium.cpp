@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <nlohmann/json.hpp>
 
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/refined_spline.hpp"
 #include "volute/medium/affine_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
@@ -141,6 +142,8 @@ Status VolumeAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media
 }
 
 std::vector<Lamp> VolumeAt::lightSources() const {
+  if (!lamps_.empty())
+    return lamps_;
   constexpr std::size_t kMaxLamps = 8;  // each costs a shadow's ray for each pixel of a surface
   if (!lightsScene_)
     return {};
@@ -281,6 +284,16 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   layer_.setProgress(progress);
   const int position = layer_.positionAt(request.time);
   const double moment = moment_ = layer_.momentAt(request.time);
+  if (layer_.appearance().surface) {
+    // It is among the scene's surfaces, and there is nothing else.
+    auto nothing =
+        std::make_shared<VolumeAt>(layer_,
+                                   std::make_shared<const BrickSlice>(
+                                       BrickSlice::fromBricks(layer_.infoAt(position), Bricks())),
+                                   position, request.factor);
+    nothing->setLamps(lighting_.lamps);
+    return nothing;
+  }
   if (request.tree && layer_.interpolates()) {
     return fail(ErrorCode::kUnsupported,
                 "{}: the tree holds frames, and nothing between them; draw its bricks, or do not "
@@ -312,6 +325,21 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   VOLUTE_ASSIGN(auto slice, layer_.sliceAt(moment));
   block_ = rowOf(position);
   return std::make_shared<const VolumeAt>(layer_, drawn(std::move(slice)), moment, request.factor);
+}
+
+std::uint64_t VolumeMedium::surfacesKey(const InstantRequest& request) const {
+  if (!layer_.appearance().surface)
+    return 0;
+  return 1 + static_cast<std::uint64_t>(layer_.positionAt(request.time));
+}
+
+Status VolumeMedium::addSurfaces(const InstantRequest& request, TriangleMesh& to) const {
+  if (!layer_.appearance().surface)
+    return {};
+  const Rgb base = Rgb::Constant(0.7);
+  const auto material = static_cast<std::uint32_t>(to.materials.size());
+  to.materials.push_back({base, base * lighting_.surrounding});
+  return layer_.addSurface(layer_.positionAt(request.time), material, to.triangles);
 }
 
 bool VolumeMedium::refines(const BrickSlice& slice) const {

@@ -33,6 +33,9 @@ class VolumeAt final : public MediumAt {
   /// Of what it emits, unless its appearance says that it lights nothing.
   std::vector<Lamp> lightSources() const override;
 
+  /// Lamps that belong to the picture of it, not to what it holds.
+  void setLamps(std::vector<Lamp> lamps) { lamps_ = std::move(lamps); }
+
   /// Where it scatters light.
   std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
 
@@ -74,6 +77,7 @@ class VolumeAt final : public MediumAt {
   Placement placement_;
   double emission_, extinction_, factor_;
   bool lightsScene_;
+  std::vector<Lamp> lamps_;
   std::shared_ptr<const VolumeLight> light_;
   std::shared_ptr<const Tree4d> tree_;
   int position_ = 0;
@@ -96,6 +100,9 @@ class VolumeMedium : public SceneMedium {
   Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
                                              Progress& progress) override;
   bool inMemory(double time) const override;
+  std::uint64_t surfacesKey(const InstantRequest& request) const override;
+  /// A level set's, grey.
+  Status addSurfaces(const InstantRequest& request, TriangleMesh& to) const override;
   /// The cubic basis where a voxel covers more than about 3 pixels, unless a basis is stated.
   void chooseLook(std::span<const Camera> views) override;
   nlohmann::ordered_json counts() const override;

@@ -308,14 +308,20 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
   if (grids.info().levelSet && (preset == VolumePreset::kAuto || preset == VolumePreset::kSmoke)) {
     constexpr double kDepthOfAVoxel = 4;
     appearance.emission = 0;
-    appearance.extinction = rounded(kDepthOfAVoxel / grids.info().voxelSize().minCoeff());
-    appearance.albedo = Rgb::Constant(kSmokeAlbedo);
+    appearance.surface = preset == VolumePreset::kAuto;
+    std::string text = "the surface of the level set, grey";
+    if (!appearance.surface) {
+      appearance.extinction = rounded(kDepthOfAVoxel / grids.info().voxelSize().minCoeff());
+      appearance.albedo = Rgb::Constant(kSmokeAlbedo);
+      text = fmt::format("dense matter of extinction {:.3g} inside of the level set",
+                         appearance.extinction);
+    }
     reading.progress.remark(
         Remark(RemarkCode::kAssumed,
-               fmt::format("{}: '{}' is a level set; its inside is shown as dense "
-                           "matter of extinction {:.3g}, not as "
-                           "a surface",
-                           path, grids.mainName(), appearance.extinction))
+               fmt::format("{}: '{}' is shown as {}", path, grids.mainName(), text),
+               {Hint::set("preset", appearance.surface ? "smoke" : "auto")
+                    .so(appearance.surface ? "shows its inside as dense matter"
+                                           : "shows its surface")})
             .in(path));
     input.grid = grids.named() ? grids.mainName() : input.grid;
     return VolumePreset::kSmoke;

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "volute/io/volume_sink.hpp"
+#include "volute/render/surfaces.hpp"
+#include "volute/scene/scene.hpp"
+
+// Level sets are opaque surfaces of a scene.
+
+namespace volute {
+namespace {
+
+constexpr int kLevelSetSide = 24;
+constexpr double kBallRadius = 0.3;
+
+class SceneLevelSet : public testing::Test {
+ protected:
+  /// A ball in the middle of 1 m.
+  void SetUp() override {
+    folder_ =
+        std::filesystem::path(testing::TempDir()) /
+        (std::string("level_set_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+    GridTarget target;
+    VolumeInfo& info = target.info;
+    info.name = "hull";
+    info.frames = 1;
+    info.x = info.y = info.z = kLevelSetSide;
+    info.fillDefaults();
+    target.description.type = "float";
+    target.description.gridClass = "level set";
+    const double voxel = 1.0 / kLevelSetSide, band = 3 * voxel;
+    target.description.background[0] = static_cast<float>(band);
+    std::vector<float> values;
+    for (int z = 0; z < kLevelSetSide; ++z)
+      for (int y = 0; y < kLevelSetSide; ++y)
+        for (int x = 0; x < kLevelSetSide; ++x) {
+          const double far = voxel * Vec3(x - 11.5, y - 11.5, z - 11.5).norm();
+          values.push_back(static_cast<float>(std::clamp(far - kBallRadius, -band, band)));
+        }
+    const auto background = static_cast<float>(band);
+    auto sink = createCacheSink(folder_ / "ball.vdb", {target}, {});
+    if (!sink)
+      GTEST_SKIP() << sink.error().message;
+    const Bricks bricks = Bricks::fromDense(info, values, {background, background, background});
+    ASSERT_TRUE((*sink)->writeFrame(std::span(&bricks, 1)));
+    ASSERT_TRUE((*sink)->finish());
+  }
+
+  Snapshot at(const std::string& members) {
+    const auto json =
+        nlohmann::ordered_json::parse(R"({"format": "volute-scene-2", )" + members + "}");
+    SceneOptions pictures;
+    pictures.files.measured = false;
+    auto scene = Scene::make(json, (folder_ / "scene.json").string(), pictures, heard_);
+    EXPECT_TRUE(scene) << scene.error().message;
+    if (!scene)
+      return {};
+    auto snapshot = scene->at({}, heard_);
+    EXPECT_TRUE(snapshot) << snapshot.error().message;
+    return snapshot.value_or(Snapshot());
+  }
+
+  class Heard : public Progress {
+   public:
+    void remark(const Remark& said) override { remarks += said.sentence + "\n"; }
+
+    std::string remarks;
+  };
+
+  std::filesystem::path folder_;
+  Heard heard_;
+};
+
+TEST_F(SceneLevelSet, AreSurfacesInTheLightOfAStudioOrOfTheScene) {
+  const Snapshot alone = at(R"("media": [{"kind": "volume", "file": "ball.vdb"}])");
+  EXPECT_THAT(heard_.remarks, testing::HasSubstr("the surface of the level set"));
+  EXPECT_THAT(heard_.remarks, testing::Not(testing::HasSubstr("what glows")));
+  ASSERT_FALSE(alone.geometry.empty());
+  EXPECT_EQ(alone.lights.lamps.size(), 1u);
+  const Segment down{Vec3(0.5, 0.5, 3), -Vec3::UnitZ(), 0, 10};
+  const auto top = lookAtSurfaces({alone.geometry, alone.lights.lamps}, {&down, 1});
+  EXPECT_NEAR(top[0].hit.distance, 2.5 - kBallRadius, 3e-3);
+  EXPECT_GT(top[0].radiance.minCoeff(), 0.1);
+  // What is left of it among the media holds nothing.
+  std::vector<AnyMedium> media;
+  alone.media[0]->addMedia(media);
+  alone.media[0]->addExtinction(media);
+  const auto through =
+      lookAtSurfaces({alone.geometry, alone.lights.lamps, Rgb::Zero(), media}, {&down, 1});
+  EXPECT_EQ(through[0].radiance[1], top[0].radiance[1]);
+
+  const Snapshot lit = at(R"("media": [{"kind": "volume", "file": "ball.vdb",
+      "transform": [2,0,0,10, 0,2,0,0, 0,0,2,0, 0,0,0,1]}],
+      "lights": [{"kind": "sun", "direction": [0, 0, -1], "radiance": [3, 3, 3]}])");
+  ASSERT_EQ(lit.lights.lamps.size(), 1u);
+  const Segment moved{Vec3(11, 1, 6), -Vec3::UnitZ(), 0, 10};
+  const auto there = lookAtSurfaces({lit.geometry, lit.lights.lamps}, {&moved, 1});
+  EXPECT_NEAR(there[0].hit.distance, 5 - 2 * kBallRadius, 6e-3);
+  EXPECT_NEAR(there[0].radiance[1] * std::numbers::pi / (0.7 * 3), 1, 0.02);
+}
+
+TEST_F(SceneLevelSet, AreDenseMatterWhereThatIsAskedFor) {
+  const Snapshot matter =
+      at(R"("media": [{"kind": "volume", "file": "ball.vdb", "preset": "smoke"}])");
+  EXPECT_THAT(heard_.remarks, testing::HasSubstr("dense matter"));
+  EXPECT_TRUE(matter.geometry.empty());
+}
+
+TEST_F(SceneLevelSet, AsGeometryTheyBlockLightForMedia) {
+  const Snapshot fixed = at(R"("geometry": [{"file": "ball.vdb"}])");
+  ASSERT_FALSE(fixed.fixedGeometry.empty());
+  const Segment through{Vec3(0.5, 0.5, 3), -Vec3::UnitZ(), 0, 10};
+  std::uint8_t blocked = 0;
+  fixed.fixedGeometry.occluded({&through, 1}, {&blocked, 1});
+  EXPECT_EQ(blocked, 1);
+}
+
+}  // namespace
+}  // namespace volute
