@@ -617,7 +617,7 @@ class Grid:
         for frame, tiles in enumerate(self.tiles if self.codec == 3 else ()):
             for origin, side, value in tiles:
                 values[(frame, *(slice(max(o, 0), max(o + side, 0)) for o in reversed(origin)))] = value
-        values = values + np.float64(codecs[0].offset) if codecs[0].offset else values
+        values = values.astype(np.float64) + codecs[0].offset if codecs[0].offset else values
         return values if self.channels > 1 else values[..., 0]
 
 # The values of a grid, of the first one with values without a name.

@@ -32,6 +32,7 @@ FROZEN = {
     ("codec3_symbols_rgb.volute", None): 0x6DAD8EF3,  # symbols on supports, a maximum error
     ("codec3_frames.volute", None): 0xDEC7F7E6,  # blocks of 4 frames, means in the index
     ("codec3_symbols_bent.volute", None): 0xFB31BE9F,  # symbols of bent values, with topology
+    ("codec3_offset.volute", None): 0x5BD36B20,  # differences from an offset, as float64
 }
 
 
