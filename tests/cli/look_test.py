@@ -45,6 +45,21 @@ class Look(support.TestCase):
     def brightest(self, picture):
         return self.works("info", picture, "--json").json["maximum"]
 
+    def test_dense_clouds_are_brighter_where_light_is_scattered_more_than_once(self):
+        scene = self.scene(extinction=60, albedo=[0.95, 0.95, 0.95],
+                           lights=[{"kind": "sun", "direction": [0.3, 1, -0.3], "radiance": [1, 1, 1]}])
+        self.works("render", scene, "-o", self.path("once.exr"), measured=False)
+        self.works("render", scene, "-o", self.path("again.exr"), "--scattering", "multiple", measured=False)
+        self.assertGreater(self.brightest(self.path("again.exr")), 1.5 * self.brightest(self.path("once.exr")))
+        said = self.fails(2, "render", scene, "-o", self.path("m.exr"), "--scattering", "multiple", "--measured")
+        self.assertIn("--scattering changes light; --measured shows it as it is", said)
+        document = json.loads(scene.read_text()) | {"scattering": "multiple"}
+        scene.write_text(json.dumps(document))
+        self.works("render", scene, "-o", self.path("scene.exr"), measured=False)
+        self.assertEqual(self.path("scene.exr").read_bytes(), self.path("again.exr").read_bytes())
+        said = self.works("render", scene, "-o", self.path("m.exr"), "--measured").message
+        self.assertIn("/scattering: light scattered more than once is approximate", said)
+
     def test_a_file_is_shown_as_its_name_says(self):
         small = ("--size", "24x24")
         said = self.works("render", self.npy("smoke.npy"), "-o", self.path("s.png"), *small).message
