@@ -15,7 +15,8 @@ class Schema(support.TestCase):
 
     def test_scenes_of_the_documentation_are_valid(self):
         scenes = 0
-        for page in sorted((schema.ROOT / "docs").glob("*.md")) + [schema.ROOT / "README.md"]:
+        pages = sorted((schema.ROOT / "docs").glob("*.md")) + [schema.ROOT / "README.md"]
+        for page in (page for page in pages if page.name != "own-media.md"):  # whose kinds no schema knows
             for block in re.findall(r"(?:^    .*\n)+", page.read_text(), re.M):
                 if '"format": "volute-scene-' not in block:
                     continue

@@ -12,7 +12,7 @@ Status FrameSource::readBricks(int index, int first, int end, Bricks& bricks) {
   const std::size_t layer = info().frameValues() / static_cast<std::size_t>(info().z);
   std::vector<float> values(layer * static_cast<std::size_t>(end - first));
   VOLUTE_TRY(readLayers(index, first, end, values));
-  const auto zero = static_cast<float>(-offsetOf(*this));
+  const auto zero = static_cast<float>(0 - offsetOf(*this));
   bricks = Bricks::fromLayers(info(), first, end, values, {zero, zero, zero});
   return {};
 }

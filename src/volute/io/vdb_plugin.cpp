@@ -627,7 +627,7 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
   };
   Colour background = colourOf(grid.background());
   for (float& value : background)
-    value = std::isfinite(value) ? value : static_cast<float>(-offset);
+    value = std::isfinite(value) ? value : static_cast<float>(0 - offset);
   Bricks all(Traits::kCount, background);
   const auto holds = [&](const Colour& colour, bool active) {
     return active || (finite(colour) && colour != background);

@@ -162,7 +162,7 @@ Status copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
     part.begin[axis] = std::max(from.begin[axis], to.begin[axis]);
     part.end[axis] = std::min(from.end[axis], to.end[axis]);
   }
-  std::ranges::fill(values, static_cast<float>(-offset));
+  std::ranges::fill(values, static_cast<float>(0 - offset));
   if (part.empty())
     return {};
   const auto placeIn = [](const IndexBox& box, std::int64_t x, std::int64_t y, std::int64_t z) {
@@ -246,7 +246,7 @@ class VtkReader final : public LatticeReader {
     part.begin[2] = std::max(part.begin[2], box.begin[2]);
     part.end[2] = std::min(part.end[2], box.end[2]);
     if (part.empty()) {
-      std::ranges::fill(values, static_cast<float>(-offset_));
+      std::ranges::fill(values, static_cast<float>(0 - offset_));
       return {};
     }
     int extent[6];

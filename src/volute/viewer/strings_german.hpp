@@ -338,6 +338,7 @@ inline constexpr std::pair<std::string_view, const char*> kGermanStrings[] = {
     {"Km", "Km"},
     {"albedo", "Albedo"},
     {"asymmetry", "Asymmetrie"},
+    {"scattering", "Streuung"},
     {"begins at", "beginnt bei"},
     {"bottom", "unten"},
     {"top", "oben"},

@@ -111,7 +111,7 @@ class FiniteSource final : public RoundingSource {
       return refuse(index, {voxel % x, voxel / x % y, voxel / x / y + first}, *bad);
     }
     std::array<float, 3> background{};
-    background.fill(static_cast<float>(-offset()));
+    background.fill(static_cast<float>(0 - offset()));
     if (source_->hasTopology()) {
       Bricks bricks;
       VOLUTE_TRY(source_->readBricks(index, 0, 1, bricks));
