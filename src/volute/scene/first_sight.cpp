@@ -148,7 +148,7 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, double seconds) 
     const double time = times[part * (times.size() - 1) / (kTimes - 1)];
     if (std::ranges::find(looks, time, &Look::time) != looks.end())
       continue;
-    auto snapshot = scene.at({.time = time, .coarse = true}, progress);
+    auto snapshot = scene.at({.time = time, .coarse = true, .lit = false}, progress);
     if (!snapshot) {
       if (looks.empty())
         return tl::unexpected<Error>(snapshot.error());
