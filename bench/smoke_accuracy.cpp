@@ -7,7 +7,6 @@
 
 #include "volute/base/parallel.hpp"
 #include "volute/lighting/vertex_light.hpp"
-#include "volute/tetmesh/tet_marcher.hpp"
 #include "volute/tetmesh/tet_splat.hpp"
 
 namespace volute::bench {
@@ -18,8 +17,7 @@ std::size_t sampleOf(std::size_t i, std::size_t count) {
   return i * 2654435761u % count;
 }
 
-template <class Path>
-double errorOf(Path& path, const SampledOpacity& expected, const SmokeView& view) {
+double errorOf(TetSplat& path, const SampledOpacity& expected, const SmokeView& view) {
   std::vector<float> drawn(static_cast<std::size_t>(view.width) * view.height);
   path.opticalDepth(view.camera(), opaqueDepth(view), drawn);
   for (float& d : drawn) d = static_cast<float>(-std::expm1(-double{d}));
@@ -95,9 +93,7 @@ Status judgeSamples(const SmokeCase& smoke, const std::shared_ptr<const TetLocat
   constexpr std::size_t kVertices = 2000, kPixels = 1000;
   const TetMedium medium(locator, smoke.extinction[0]);
   TetSplat splat(locator);
-  TetMarcher marcher(locator);
   splat.setExtinction(smoke.extinction[0]);
-  marcher.setExtinction(smoke.extinction[0]);
   const auto eyes = smokeEyes(*locator);
   for (const SmokeEye& eye : eyesOnMesh(*smoke.mesh, eyes.back())) {
     const SmokeSetting setting{smoke, eye, 400, 300, false};
@@ -105,17 +101,14 @@ Status judgeSamples(const SmokeCase& smoke, const std::shared_ptr<const TetLocat
       return fail(ErrorCode::kCancelled, "stopped in {}", setting.name());
     const SmokeView view = setting.view(0, 0, 0);
     const SampledOpacity expected(medium, view, kPixels);
-    const auto add = [&](const char* what, SmokeRole role, double error) {
-      BenchRow row;
-      row.name = fmt::format("{}: {}", setting.name(), what);
-      row.value = error;
-      row.labels = {{"case", smoke.name}, {"eye", eye.name}, {"what", what}};
-      row.note = fmt::format("largest error of {} pixels", kPixels);
-      rows.add(std::move(row));
-      targets.addError(role, setting, error);
-    };
-    add("opacity by splat", SmokeRole::kDepth, errorOf(splat, expected, view));
-    add("opacity by marching", SmokeRole::kDepthMarcher, errorOf(marcher, expected, view));
+    const double error = errorOf(splat, expected, view);
+    BenchRow row;
+    row.name = fmt::format("{}: opacity by splat", setting.name());
+    row.value = error;
+    row.labels = {{"case", smoke.name}, {"eye", eye.name}, {"what", "opacity by splat"}};
+    row.note = fmt::format("largest error of {} pixels", kPixels);
+    rows.add(std::move(row));
+    targets.addError(SmokeRole::kDepth, setting, error);
   }
   judgeLight(smoke, locator, eyes.back().eye, kVertices, rows, targets);
   return {};

@@ -41,7 +41,7 @@ void judgeLight(const SmokeCase& smoke, const std::shared_ptr<const TetLocator>&
                 const Vec3& lamp, std::size_t samples, BenchRows& rows, SmokeTargets& targets);
 
 /// Light at some vertices, and some pixels' opacities with the eye on a vertex, an edge and a face
-/// of the mesh, by splat and by marching. Takes seconds.
+/// of the mesh. Takes seconds.
 [[nodiscard]] Status judgeSamples(const SmokeCase& smoke,
                                   const std::shared_ptr<const TetLocator>& locator, BenchRows& rows,
                                   SmokeTargets& targets, Progress& progress);

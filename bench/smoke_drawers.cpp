@@ -4,25 +4,22 @@
 
 #include <cmath>
 #include <cstring>
-#include <type_traits>
 
 #include "bench/smoke_peer.hpp"
 #include "bench/timing.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
-#include "volute/tetmesh/tet_marcher.hpp"
 #include "volute/tetmesh/tet_splat.hpp"
 
 namespace volute::bench {
 namespace {
 
-/// What stays the same between Volute's paths: new smoke, the sign, the clock.
-template <class Path>
+/// Transmittances.
 class OwnDrawer : public SmokeDrawer {
  public:
   OwnDrawer(const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator,
             std::string_view name, SmokeRole role)
-      : path_(locator), smoke_(smoke), name_(name), role_(role) {}
+      : splat_(locator), smoke_(smoke), name_(name), role_(role) {}
 
   std::string_view name() const override { return name_; }
 
@@ -32,7 +29,7 @@ class OwnDrawer : public SmokeDrawer {
     const auto begin = Clock::now();
     const double cpu = cpuSeconds();
     if (view.field != field_)
-      path_.setExtinction(smoke_.extinction[static_cast<std::size_t>(view.field)]);
+      splat_.setExtinction(smoke_.extinction[static_cast<std::size_t>(view.field)]);
     field_ = view.field;
     paint(view.camera(), opaqueDepth(view));
     DrawTimes times;
@@ -45,7 +42,7 @@ class OwnDrawer : public SmokeDrawer {
  protected:
   virtual void paint(const Camera& camera, OpaqueDepth opaque) {
     depth_.resize(static_cast<std::size_t>(camera.width()) * camera.height());
-    path_.opticalDepth(camera, opaque, depth_);
+    splat_.opticalDepth(camera, opaque, depth_);
   }
 
   virtual void fill(std::span<float> opacity) const {
@@ -53,7 +50,7 @@ class OwnDrawer : public SmokeDrawer {
       opacity[i] = static_cast<float>(-std::expm1(-double{depth_[i]}));
   }
 
-  Path path_;
+  TetSplat splat_;
 
  private:
   const SmokeCase& smoke_;
@@ -64,19 +61,18 @@ class OwnDrawer : public SmokeDrawer {
 };
 
 /// Smoke under a uniform white light: what is seen of it is its opacity.
-template <class Path>
-class LitDrawer final : public OwnDrawer<Path> {
+class LitDrawer final : public OwnDrawer {
  public:
   LitDrawer(const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator,
             std::string_view name, SmokeRole role)
-      : OwnDrawer<Path>(smoke, locator, name, role) {
-    this->path_.setSource(std::vector<float>(3 * smoke.mesh->vertices().size(), 1));
+      : OwnDrawer(smoke, locator, name, role) {
+    splat_.setSource(std::vector<float>(3 * smoke.mesh->vertices().size(), 1));
   }
 
  private:
   void paint(const Camera& camera, OpaqueDepth opaque) override {
     color_.resize(4 * static_cast<std::size_t>(camera.width()) * camera.height());
-    this->path_.litColor(camera, opaque, color_);
+    splat_.litColor(camera, opaque, color_);
   }
 
   void fill(std::span<float> opacity) const override {
@@ -158,21 +154,15 @@ class PeerDrawer final : public SmokeDrawer {
 std::vector<std::unique_ptr<SmokeDrawer>> smokeDrawers(
     const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator, bool quick) {
   std::vector<std::unique_ptr<SmokeDrawer>> drawers;
-  const auto own = [&]<class Drawer>(std::type_identity<Drawer>, const char* name, SmokeRole role) {
-    drawers.push_back(std::make_unique<Drawer>(smoke, locator, name, role));
-  };
   // Of CPU time for one frame. The baseline's frames are what all is measured by: they may
   // take as long as they take.
   constexpr double kBaseline = 600, kOthers = 60, kQuick = 30, kSweep = 30;
   drawers.push_back(std::make_unique<PeerDrawer>(smoke, PeerMapper::kProjectedTetrahedra,
                                                  "VTK projected tetrahedra", kBaseline));
-  own(std::type_identity<OwnDrawer<TetSplat>>(), "Volute, transmittance by splat",
-      SmokeRole::kDepth);
-  own(std::type_identity<OwnDrawer<TetMarcher>>(), "Volute, transmittance by marching",
-      SmokeRole::kDepthMarcher);
-  own(std::type_identity<LitDrawer<TetSplat>>(), "Volute, lit colour by splat", SmokeRole::kLit);
-  own(std::type_identity<LitDrawer<TetMarcher>>(), "Volute, lit colour by marching",
-      SmokeRole::kLitMarcher);
+  drawers.push_back(std::make_unique<OwnDrawer>(smoke, locator, "Volute, transmittance by splat",
+                                                SmokeRole::kDepth));
+  drawers.push_back(
+      std::make_unique<LitDrawer>(smoke, locator, "Volute, lit colour by splat", SmokeRole::kLit));
   drawers.push_back(std::make_unique<PeerDrawer>(smoke, PeerMapper::kRayCaster,
                                                  "VTK Bunyk ray caster", quick ? kQuick : kOthers));
   if (!quick)

@@ -27,10 +27,8 @@ struct DrawTimes {
 enum class SmokeRole {
   kBaseline,  ///< VTK's projected tetrahedra: what all ratios are to
   kDepth,     ///< transmittance
-  kDepthMarcher,
-  kLit,  ///< lit colour
-  kLitMarcher,
-  kOther,  ///< other peers
+  kLit,       ///< lit colour
+  kOther,     ///< other peers
 };
 
 class SmokeDrawer {

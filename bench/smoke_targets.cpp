@@ -35,8 +35,6 @@ void SmokeTargets::addError(SmokeRole role, const SmokeSetting& setting, double 
   const std::string where = setting.name();
   if (role == SmokeRole::kDepth || role == SmokeRole::kLit)
     add("largest error of splats", "", 1e-4, false, error, where);
-  if (role == SmokeRole::kDepthMarcher || role == SmokeRole::kLitMarcher)
-    add("largest error of marching", "", 1e-5, false, error, where);
 }
 
 void SmokeTargets::addLight(double error, const std::string& where) {

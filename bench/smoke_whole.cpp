@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "bench/smoke_accuracy.hpp"
-#include "volute/tetmesh/tet_marcher.hpp"
 #include "volute/tetmesh/tet_splat.hpp"
 
 namespace volute::bench {
@@ -41,12 +40,9 @@ class Judge {
       : smoke_(smoke),
         source_(motley(smoke.mesh->vertices().size())),
         medium_(locator, smoke.extinction[0], source_),
-        splat_(locator),
-        marcher_(locator) {
+        splat_(locator) {
     splat_.setExtinction(smoke.extinction[0]);
     splat_.setSource(source_);
-    marcher_.setExtinction(smoke.extinction[0]);
-    marcher_.setSource(source_);
   }
 
   void judge(const SmokeSetting& setting, BenchRows& rows, SmokeTargets& targets) {
@@ -81,13 +77,9 @@ class Judge {
     };
     splat_.opticalDepth(camera, opaque, drawn);
     add("opacity by splat", SmokeRole::kDepth, opacity(), "");
-    marcher_.opticalDepth(camera, opaque, drawn);
-    add("opacity by marching", SmokeRole::kDepthMarcher, opacity(), "");
     splat_.litColor(camera, opaque, lit);
     add("lit colour by splat", SmokeRole::kLit, {lit, color, 4},
-        fmt::format("; {} pixels were marched", splat_.marched()));
-    marcher_.litColor(camera, opaque, lit);
-    add("lit colour by marching", SmokeRole::kLitMarcher, {lit, color, 4}, "");
+        fmt::format("; {} pixels were left to the reference", splat_.leftOut()));
   }
 
  private:
@@ -95,7 +87,6 @@ class Judge {
   std::vector<float> source_;
   TetMedium medium_;
   TetSplat splat_;
-  TetMarcher marcher_;
 };
 
 }  // namespace

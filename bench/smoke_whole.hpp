@@ -8,7 +8,7 @@
 namespace volute::bench {
 
 /// Holds every pixel of whole pictures against the reference in double: optical depth and lit
-/// colour, by splat and by marching, from outside and inside, up to an exit sign, and with the eye
+/// colour, from outside and inside, up to an exit sign, and with the eye
 /// on a vertex, an edge and a face of the mesh; and a lamp's light at every vertex. Takes minutes;
 /// `quick` pictures are small.
 [[nodiscard]] Status judgeWholePictures(const SmokeCase& smoke,

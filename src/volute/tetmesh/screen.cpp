@@ -30,7 +30,7 @@ PixelBox boxAround(const ScreenView& view, float x0, float x1, float y0, float y
     constexpr int kBig = 1 << 20;
     return kBig - static_cast<int>(kBig - std::clamp(x, -1.0, most + 0.0));
   };
-  const double cx = view.originX - 0.5, cy = view.originY - 0.5;
+  const double cx = 0.5 * view.width - 0.5, cy = 0.5 * view.height - 0.5;
   return {std::max(0, ceiled(x0 + cx - margin, view.width)),
           std::max(0, ceiled(y0 + cy - margin, view.height)),
           std::min(view.width - 1, floored(x1 + cx + margin, view.width)),
@@ -47,12 +47,10 @@ ScreenView::ScreenView(const Camera& camera, const TetLocator& locator)
       perPixel(1 / camera.pixelSize()),
       orthographic(camera.isOrthographic()),
       width(camera.width()),
-      height(camera.height()),
-      originX(0.5 * camera.width()),
-      originY(0.5 * camera.height()) {
+      height(camera.height()) {
   if (orthographic)
     return;
-  eyeTet = locator.find(eye);
+  const std::int32_t eyeTet = locator.find(eye);
   if (eyeTet < 0)
     return;
   const auto shares = locator.mesh().shares(eyeTet, eye);
@@ -61,27 +59,11 @@ ScreenView::ScreenView(const Camera& camera, const TetLocator& locator)
 }
 
 ScreenVertex ScreenView::project(const Vec3& point) const {
-  ScreenRest rest;
-  return project(point, rest);
-}
-
-ScreenVertex ScreenView::project(const Vec3& point, ScreenRest& rest) const {
   const Vec3 from = point - eye;
   const double z = from.dot(forward);
-  const double w = orthographic ? 1 : z;
-  const double x = from.dot(right) * perPixel - (originX - 0.5 * width) * w;
-  const double y = from.dot(down) * perPixel - (originY - 0.5 * height) * w;
-  const ScreenVertex vertex{static_cast<float>(x),
-                            static_cast<float>(y),
-                            static_cast<float>(w),
-                            0,
-                            static_cast<float>(z),
-                            0,
-                            0,
-                            0};
-  rest = {static_cast<float>(x - vertex.x), static_cast<float>(y - vertex.y),
-          static_cast<float>(w - vertex.w), 0};
-  return vertex;
+  return {static_cast<float>(from.dot(right) * perPixel),
+          static_cast<float>(from.dot(down) * perPixel), static_cast<float>(orthographic ? 1 : z),
+          static_cast<float>(z)};
 }
 
 double ScreenView::rayScale(int x, int y) const {
@@ -120,12 +102,6 @@ PixelPlace pixelPlace(const ScreenVertex& vertex) {
   if (!(vertex.w > kNear))
     return {};
   return {vertex.x / vertex.w, vertex.y / vertex.w, true};
-}
-
-PixelBox pixelBox(const ScreenView& view, const PixelPlace& a, const PixelPlace& b,
-                  const PixelPlace& c) {
-  return boxAround(view, std::min(a.x, std::min(b.x, c.x)), std::max(a.x, std::max(b.x, c.x)),
-                   std::min(a.y, std::min(b.y, c.y)), std::max(a.y, std::max(b.y, c.y)), kMargin);
 }
 
 }  // namespace volute

@@ -13,7 +13,7 @@ namespace volute {
 
 /// Smoke on a mesh at one time as a medium: extinction is linear in each tet, and so is the light
 /// that smoke scatters towards the eye. Exact, in double, one segment at a time: for pictures of
-/// large meshes, TetSplat and TetMarcher are a thousand times faster.
+/// large meshes, TetSplat is a thousand times faster.
 class TetMedium {
  public:
   /// `extinction` [1/m], one for each vertex. `source`: radiance of infinitely thick smoke, linear

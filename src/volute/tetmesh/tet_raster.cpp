@@ -124,8 +124,8 @@ void SpanTets(const ScreenView& view, const SplatVertex* vertices, std::span<con
   constexpr hn::CappedTag<float, 4> d4;
   constexpr hn::RebindToSigned<decltype(d4)> i4;
   constexpr float kMargin = 2e-3F;  // [pixels]; rounding of the projection
-  const auto cx = static_cast<float>(view.originX - 0.5),
-             cy = static_cast<float>(view.originY - 0.5);
+  const auto cx = static_cast<float>(0.5 * view.width - 0.5),
+             cy = static_cast<float>(0.5 * view.height - 0.5);
   const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
   alignas(16) const float shift[4] = {cx + kMargin, cy + kMargin, kMargin - cx, kMargin - cy};
   alignas(16) const float least[4] = {-1, -1, -width, -height};

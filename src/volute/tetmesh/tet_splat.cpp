@@ -9,10 +9,11 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/medium/integrate.hpp"
 #include "volute/tetmesh/tet_bins.hpp"
 #include "volute/tetmesh/tet_lit_raster.hpp"
-#include "volute/tetmesh/tet_marcher.hpp"
 #include "volute/tetmesh/tet_raster.hpp"
+#include "volute/tetmesh/tet_reference.hpp"
 #include "volute/tetmesh/visibility_order.hpp"
 
 namespace volute {
@@ -123,8 +124,7 @@ struct TetSplat::State {
   std::vector<char> dark;          // tets without smoke
   ViewOrigin sortedFor;
   std::vector<std::int32_t> order;  // of the tets, front to back
-  std::unique_ptr<TetMarcher> marcher;
-  std::size_t marched = 0;
+  std::size_t leftOut = 0;
   std::optional<Vec3> lastEye;  // of the picture before; nothing: orthographic, or none
   std::vector<EyeTet> eyeTets;  // of it; empty: not found yet
   std::vector<std::uint8_t> lows;
@@ -135,8 +135,8 @@ struct TetSplat::State {
   void lookFrom(const ScreenView& view);
 
   void sortFor(const ScreenView& view);
-  void march(const Camera& camera, OpaqueDepth opaque, std::span<const std::uint8_t> wrong,
-             std::span<float> rgbt);
+  void lightLeftOut(const Camera& camera, OpaqueDepth opaque, std::span<const std::uint8_t> wrong,
+                    std::span<float> rgbt);
 
   SplatMesh splatMesh() const {
     return {faces.sides.data()->data(), faces.planes.data(), smoke.data(),
@@ -260,16 +260,32 @@ void TetSplat::State::sortFor(const ScreenView& view) {
   sortedFor = origin;
 }
 
-void TetSplat::State::march(const Camera& camera, OpaqueDepth opaque,
-                            std::span<const std::uint8_t> wrong, std::span<float> rgbt) {
-  marched = static_cast<std::size_t>(std::ranges::count(wrong, 1));
-  if (marched == 0)
+void TetSplat::State::lightLeftOut(const Camera& camera, OpaqueDepth opaque,
+                                   std::span<const std::uint8_t> wrong, std::span<float> rgbt) {
+  constexpr std::size_t kTogether = 16;
+  std::vector<std::size_t> pixels;
+  for (std::size_t i = 0; i < wrong.size(); ++i) {
+    if (wrong[i])
+      pixels.push_back(i);
+  }
+  leftOut = pixels.size();
+  if (pixels.empty())
     return;
-  if (!marcher)
-    marcher = std::make_unique<TetMarcher>(locator);
-  marcher->setExtinction(extinction);
-  marcher->setSource(source);
-  marcher->litColor(camera, opaque, rgbt, wrong);
+  const TetMedium smoke(locator, extinction, source);
+  const auto width = static_cast<std::size_t>(camera.width());
+  parallelRanges(pixels.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+    std::vector<Segment> rays;
+    for (std::size_t i = begin; i < end; ++i)
+      rays.push_back(pixelRay(camera, static_cast<int>(pixels[i] % width),
+                              static_cast<int>(pixels[i] / width), opaque));
+    std::vector<Radiance> light(rays.size());
+    radianceByPieces(smoke, rays, light);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      float* out = &rgbt[4 * pixels[begin + i]];
+      for (int c = 0; c < 3; ++c) out[c] = static_cast<float>(light[i].emitted[c]);
+      out[3] = static_cast<float>(light[i].transmittance);
+    }
+  });
 }
 
 void TetSplat::litColor(const Camera& camera, OpaqueDepth opaque, std::span<float> rgbt) {
@@ -308,11 +324,11 @@ void TetSplat::litColor(const Camera& camera, OpaqueDepth opaque, std::span<floa
       wrong[pixel] = *tile.at(LitTile::kWrong, at) != 0;
     });
   });
-  state.march(camera, opaque, wrong, rgbt);
+  state.lightLeftOut(camera, opaque, wrong, rgbt);
 }
 
-std::size_t TetSplat::marched() const {
-  return state_->marched;
+std::size_t TetSplat::leftOut() const {
+  return state_->leftOut;
 }
 
 }  // namespace volute

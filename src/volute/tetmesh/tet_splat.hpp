@@ -17,7 +17,7 @@ namespace volute {
 ///
 /// Optical depths are summed in any order. Lit smoke goes from front to back: the tets are sorted
 /// once for an eye, however it turns, and each pixel knows up to where it has come. Where a tet
-/// comes too late for a pixel, as may be behind walls, the pixel is left to TetMarcher.
+/// comes too late for a pixel, as may be behind walls, the pixel is left to TetMedium.
 ///
 /// While an eye stands still, however it turns, its distances from the planes of the faces are kept
 /// from its second picture on, and the order; while nothing moves, also where the tets are seen.
@@ -46,8 +46,8 @@ class TetSplat {
   /// to what is behind.
   void litColor(const Camera& camera, OpaqueDepth opaque, std::span<float> rgbt);
 
-  /// Pixels of the last lit picture that were left to TetMarcher.
-  std::size_t marched() const;
+  /// Pixels of the last lit picture that were left to TetMedium.
+  std::size_t leftOut() const;
 
  private:
   struct State;

@@ -16,7 +16,6 @@
 #include "volute/media/smoke/smoke_parameters.hpp"
 #include "volute/media/smoke/smoke_walls.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
-#include "volute/tetmesh/tet_marcher.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
 #include "volute/tetmesh/tet_splat.hpp"
 
@@ -32,11 +31,11 @@ std::vector<float> scaledBy(double factor, std::vector<float> values) {
   return values;
 }
 
-/// The marcher and the splat of one mesh.
+/// The splat of one mesh.
 class MeshPicture final : public MediumPicture {
  public:
   explicit MeshPicture(const std::shared_ptr<const TetLocator>& mesh)
-      : locator_(mesh), marcher_(mesh), splat_(mesh) {}
+      : locator_(mesh), splat_(mesh) {}
 
   const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
 
@@ -49,16 +48,10 @@ class MeshPicture final : public MediumPicture {
 
   void opticalDepth(const Camera& camera, std::span<const float> opaqueDepth,
                     std::span<float> depth) override {
-    if (!holders_) {
-      marcher_.setExtinction(natural_);
-      marcher_.opticalDepth(camera, opaqueDepth, depth);
-      return;
-    }
-    // It adds up tets, whatever their neighbours: a ray in the plane between two pieces would be
-    // marched through both.
     splat_.setExtinction(natural_);
     splat_.opticalDepth(camera, opaqueDepth, depth);
-    sumDepths(*holders_, depth);
+    if (holders_)
+      sumDepths(*holders_, depth);
   }
 
   void light(const Camera& camera, std::span<const float> opaqueDepth,
@@ -98,7 +91,6 @@ class MeshPicture final : public MediumPicture {
   }
 
   std::shared_ptr<const TetLocator> locator_;
-  TetMarcher marcher_;
   TetSplat splat_;
   std::vector<float> natural_, extinction_, source_;
   Team* holders_ = nullptr;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/tetmesh/tet_marcher.hpp"
+#include "volute/tetmesh/tet_splat.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,8 +14,7 @@
 #include "volute/tetmesh/made_meshes.hpp"
 #include "volute/tetmesh/segment_weights.hpp"
 #include "volute/tetmesh/tet_lit_raster.hpp"
-#include "volute/tetmesh/tet_march.hpp"
-#include "volute/tetmesh/tet_splat.hpp"
+#include "volute/tetmesh/tet_reference.hpp"
 #include "volute/tetmesh/visibility_order.hpp"
 
 namespace volute {
@@ -83,20 +82,15 @@ double largestDifference(const std::vector<float>& depth, const std::vector<doub
   return worst;
 }
 
-/// Holds the fast paths against the reference.
+/// Holds the fast path against the reference.
 void expectExact(const Camera& camera, OpaqueDepth opaque, const char* name) {
-  TetMarcher marcher(hall().locator);
-  marcher.setExtinction(hall().extinction);
   std::vector<float> depth(kWidth * kHeight);
   std::vector<double> expected(depth.size());
   referenceDepth(hall().medium(), camera, opaque, expected);
-  marcher.opticalDepth(camera, opaque, depth);
-  EXPECT_LE(largestDifference(depth, expected), 1e-5) << name;
-  EXPECT_LT(marcher.counts().doubtful, depth.size() / 50);
   TetSplat tets(hall().locator);
   tets.setExtinction(hall().extinction);
   tets.opticalDepth(camera, opaque, depth);
-  EXPECT_LE(largestDifference(depth, expected), 1e-5) << name << ", tet splat";
+  EXPECT_LE(largestDifference(depth, expected), 1e-5) << name;
 }
 
 TEST(TetPictures, SeeWhatTheReferenceSees) {
@@ -125,36 +119,8 @@ double litError(const std::vector<float>& light, const std::vector<double>& expe
   return worst;
 }
 
-/// What is in the eye is left out, and the rest is as in the whole picture, bit by bit; parallel
-/// rays have smoke before a depth of 0.
-TEST(TetMarcher, LeavesOutWhatIsInTheEye) {
-  const Hall& h = hall();
-  const TetMedium medium = h.medium();
-  TetMarcher marcher(h.locator);
-  marcher.setExtinction(h.extinction);
-  for (const auto& [name, camera] : cameras()) {
-    std::vector<float> all(kWidth * kHeight, 1e9F), some = all;
-    for (std::size_t i = 0; i < some.size(); ++i)
-      some[i] = i % kWidth / 7 == 3 && i / kWidth > 20 && i / kWidth < 24 ? 1e9F : 0;
-    std::vector<float> whole(all.size()), part(all.size(), 7);
-    marcher.opticalDepth(camera, all, whole), marcher.opticalDepth(camera, some, part);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const Segment ray =
-          pixelRay(camera, static_cast<int>(i) % kWidth, static_cast<int>(i) / kWidth, some);
-      double expected = whole[i];
-      if (some[i] == 0 && camera.isOrthographic())
-        medium.opticalDepth({&ray, 1}, {&expected, 1});
-      else if (some[i] == 0)
-        expected = 0;
-      if (some[i] == 0 && camera.isOrthographic())
-        ASSERT_NEAR(part[i], expected, 1e-4) << name << " " << i;
-      else
-        ASSERT_EQ(part[i], static_cast<float>(expected)) << name << " " << i;
-    }
-  }
-}
-
-/// The same of the splat, but for lit pixels that are left to the marcher.
+/// What is in the eye is left out, and the rest is as in the whole picture, bit by bit but for lit
+/// pixels that are left to TetMedium.
 TEST(TetPictures, LeaveOutWhatIsInTheEye) {
   TetSplat splat(hall().locator);
   splat.setExtinction(hall().extinction), splat.setSource(hall().source);
@@ -179,22 +145,17 @@ TEST(TetPictures, LeaveOutWhatIsInTheEye) {
 }
 
 TEST(TetPictures, LightSmoke) {
-  TetMarcher marcher(hall().locator);
   TetSplat splat(hall().locator);
-  marcher.setExtinction(hall().extinction);
   splat.setExtinction(hall().extinction);
-  marcher.setSource(hall().source);
   splat.setSource(hall().source);
   const auto opaque = opaqueDepths();
   for (const auto& [name, camera] : cameras()) {
     std::vector<float> light(4 * kWidth * kHeight);
     const OpaqueDepth until = camera.isOrthographic() ? OpaqueDepth{} : OpaqueDepth{opaque};
     const std::vector<double> expected = litReference(camera, until);
-    marcher.litColor(camera, until, light);
-    EXPECT_LE(litError(light, expected), 1e-5) << name;
     splat.litColor(camera, until, light);
-    EXPECT_LE(litError(light, expected), 1e-5) << name << ", tet splat";
-    EXPECT_LT(splat.marched(), light.size() / 4 / 20) << name;
+    EXPECT_LE(litError(light, expected), 1e-5) << name;
+    EXPECT_LT(splat.leftOut(), light.size() / 4 / 20) << name;
   }
 }
 
@@ -281,7 +242,7 @@ TEST(TetSplat, KeepsOfAnEyeWhatChangesNoPicture) {
   }
 }
 
-TEST(TetSplat, LeavesToTheMarcherWhatComesTooLate) {
+TEST(TetSplat, LeavesToTheReferenceWhatComesTooLate) {
   // Two thin boxes, one behind the other, and a third that is nearer to the eye by its middle but
   // behind the first: its long tets reach past it.
   const auto mesh = boxMesh({Vec3::Zero(), Vec3(1, 1, 1)}, {1, 1, 1}, 0, 1);
@@ -313,7 +274,7 @@ TEST(TetSplat, LeavesToTheMarcherWhatComesTooLate) {
   splat.litColor(camera, {}, light);
   referenceColor({locator, extinction, source}, camera, {}, expected);
   for (std::size_t i = 0; i < light.size(); ++i) ASSERT_NEAR(light[i], expected[i], 1e-5) << i;
-  EXPECT_GT(splat.marched(), 0U);
+  EXPECT_GT(splat.leftOut(), 0U);
 }
 
 TEST(VisibilityOrder, PutsNeighboursBehindEachOther) {
@@ -360,17 +321,6 @@ TEST(VisibilityOrder, HasTheNearFirstAndDependsOnNoThreads) {
   }
 }
 
-TEST(TetMarcher, DependsOnNoThreads) {
-  TetMarcher marcher(hall().locator);
-  marcher.setExtinction(hall().extinction);
-  const Camera camera = cameraAt(Vec3(2.3, 6.8, 1.7), Vec3(24, 6, 2.4));
-  std::vector<float> many(kWidth * kHeight), one(many.size());
-  marcher.opticalDepth(camera, {}, many);
-  const ThreadLimit limit(1);
-  marcher.opticalDepth(camera, {}, one);
-  EXPECT_EQ(many, one);
-}
-
 TEST(TetSplat, DependsOnNoThreads) {
   TetSplat splat(hall().locator);
   splat.setExtinction(hall().extinction);
@@ -412,52 +362,10 @@ TEST(TetSplat, SeesUniformSmokeAsItsLength) {
   EXPECT_NEAR(depth[40], 1, 1e-5);
 }
 
-TEST(TetMarcher, PassesThroughVertices) {
-  // Pixel centres on the vertices of a regular mesh, and rays in its faces.
-  const auto mesh = boxMesh({Vec3::Zero(), Vec3(8, 8, 8)}, {8, 8, 8}, 0, 1);
-  const auto locator = std::make_shared<TetLocator>(mesh);
-  std::vector<float> extinction;
-  for (const Vec3& v : mesh->vertices())
-    extinction.push_back(static_cast<float>(0.01 * (v.x() + v.y() * v.z())));
-  const Camera camera = Camera::orthographic({Vec3(4, -1, 4), Vec3(4, 4, 4)}, 9, 9, 9);
-  TetMarcher marcher(locator);
-  marcher.setExtinction(extinction);
-  std::vector<float> depth(81);
-  std::vector<double> expected(81);
-  marcher.opticalDepth(camera, {}, depth);
-  referenceDepth({locator, extinction}, camera, {}, expected);
-  for (int i = 0; i < 81; ++i) {
-    const bool onBorder = i / 9 == 0 || i / 9 == 8 || i % 9 == 0 || i % 9 == 8;
-    if (!onBorder) {
-      EXPECT_NEAR(depth[i], expected[i], 1e-6) << i;
-    }
-  }
-}
-
-TEST(MarchWeights, AreTheSegmentWeights) {
-  std::vector<float> d0, d1;
-  const float depths[] = {0,    1e-9F, 1e-5F, 1e-3F, 0.02F, 0.2F, 0.5F,
-                          0.9F, 2,     5,     11,    40,    1e3F, 1e6F};
-  for (const float a : depths) {
-    for (const float b : depths) d0.push_back(a), d1.push_back(b);
-  }
-  std::vector<float> w0(d0.size()), w1(d0.size());
-  // Alone, and beside others that call for finer rules.
-  for (std::size_t i = 0; i < d0.size(); ++i)
-    marchWeights({&d0[i], 1}, {&d1[i], 1}, {&w0[i], 1}, {&w1[i], 1});
-  for (int pass = 0; pass < 2; ++pass) {
-    for (std::size_t i = 0; i < d0.size(); ++i) {
-      const SegmentWeights exact = segmentWeights(d0[i], d1[i]);
-      EXPECT_NEAR(w0[i], exact.w0, 1e-6) << d0[i] << " " << d1[i];
-      EXPECT_NEAR(w1[i], exact.w1, 1e-6) << d0[i] << " " << d1[i];
-    }
-    marchWeights(d0, d1, w0, w1);
-  }
-}
-
 TEST(PieceLosses, AreTheSegmentWeights) {
   std::vector<float> d, c;
-  for (const float mean : {0.0F, 1e-9F, 1e-4F, 0.01F, 0.03F, 0.0499F, 0.051F, 0.3F, 2.0F, 30.0F}) {
+  for (const float mean :
+       {0.0F, 1e-9F, 1e-4F, 0.01F, 0.03F, 0.0499F, 0.051F, 0.3F, 2.0F, 5.0F, 30.0F, 1e3F}) {
     for (int i = -8; i <= 8; ++i) d.push_back(mean), c.push_back(mean * static_cast<float>(i) / 8);
   }
   std::vector<float> lost(d.size()), lean(d.size());
