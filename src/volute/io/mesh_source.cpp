@@ -135,7 +135,8 @@ ReaderJob meshReader(const std::filesystem::path& path, const std::string& field
                      const MeshShare& share = {}) {
   return {serveMesh,
           path.string() + '\0' + field + '\0' + toMessage(share),
-          {isSpread(path) ? folderOf(path) : path}};
+          {isSpread(path) ? folderOf(path) : path},
+          [] { (void)loadVtkMeshPlugin(); }};
 }
 
 /// Bytes of the files below a folder: of the first so many, where a folder has very many.

@@ -14,6 +14,7 @@
 #include <atomic>
 #include <cerrno>
 #include <mutex>
+#include <set>
 
 #include "volute/io/reader_child.hpp"
 #include "volute/io/reader_message.hpp"
@@ -27,6 +28,7 @@ std::atomic<bool (*)()> helperCancelled = nullptr;
 
 struct StartRequest {
   ReaderJob::Make make = nullptr;
+  void (*prepare)() = nullptr;
   std::uint64_t memory = 0;
 };
 
@@ -48,10 +50,13 @@ pid_t forkSibling() {
   detail::ReaderHeader header;
   std::string text;
   std::array<int, 4> given{};
+  std::set<void (*)()> prepared{nullptr};
   while (detail::receiveReaderMessage(3, header, text, given)) {
     const auto request = fromMessage<StartRequest>(text);
     if (!request)
       break;
+    if (prepared.insert(request->prepare).second)
+      request->prepare();
     const pid_t child = forkSibling();
     if (child == 0)
       detail::serveAsReader(request->make,
@@ -65,12 +70,12 @@ pid_t forkSibling() {
 }
 
 /// For one thread at a time.
-pid_t askHelper(ReaderJob::Make make, const detail::ReaderLine& line) {
+pid_t askHelper(const ReaderJob& job, const detail::ReaderLine& line) {
   const int descriptors[] = {line.socket, line.lifeline, line.shared, line.parameters};
   detail::ReaderHeader header;
   std::string text;
-  if (!detail::sendReaderMessage(helperSocket, {}, toMessage(StartRequest{make, line.memory}),
-                                 descriptors) ||
+  const StartRequest request{job.make, job.prepare, line.memory};
+  if (!detail::sendReaderMessage(helperSocket, {}, toMessage(request), descriptors) ||
       !detail::receiveReaderMessage(helperSocket, header, text))
     return -1;
   return static_cast<pid_t>(fromMessage<std::int64_t>(text).value_or(-1));
@@ -90,9 +95,9 @@ bool readingIsCancelled() {
   return cancelled && cancelled();
 }
 
-pid_t startFromHelper(ReaderJob::Make make, const ReaderLine& line) {
+pid_t startFromHelper(const ReaderJob& job, const ReaderLine& line) {
   const std::lock_guard guard(helperMutex);
-  return helperSocket < 0 ? -1 : askHelper(make, line);
+  return helperSocket < 0 ? -1 : askHelper(job, line);
 }
 
 }  // namespace detail

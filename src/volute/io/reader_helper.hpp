@@ -17,7 +17,7 @@ bool hasReaderHelper();
 bool readingIsCancelled();
 
 /// Forks a serving child; negative without a helper.
-pid_t startFromHelper(ReaderJob::Make make, const ReaderLine& line);
+pid_t startFromHelper(const ReaderJob& job, const ReaderLine& line);
 }  // namespace detail
 
 /// While it exists, processes that read untrusted files are forked from a small process created

@@ -30,6 +30,10 @@ struct ReaderJob {
   Make make = nullptr;
   std::string parameters{};
   std::vector<std::filesystem::path> readable{};  ///< files, and folders with all below them
+  /// Loads the libraries that `make` needs, where that takes long: called once in the process that
+  /// children are forked from, if there is one for them (ReaderHelper), so that each child has
+  /// them.
+  void (*prepare)() = nullptr;
 };
 
 /// A value as a message to or from the other process.

@@ -223,7 +223,7 @@ Status ReaderProcess::start(const std::string& file, std::uint64_t memory) {
                                 unconfined_ ? shared_ : detail::writeReaderParameters(job_),
                                 memory};
   if (!unconfined_ && line.parameters >= 0)
-    child_ = detail::startFromHelper(job_.make, line);
+    child_ = detail::startFromHelper(job_, line);
   if (child_ < 0 && line.parameters >= 0) {
     child_ = ::fork();
     if (child_ == 0)

@@ -109,6 +109,21 @@ TEST(ReaderProcess, OneThatWaitsForNothingIsGivenUp) {
   EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(30));
 }
 
+int prepared = 0;
+
+Result<ReaderProcess::Serve> makePrepared(std::string_view) {
+  return [](std::string_view, std::span<float>) { return std::to_string(prepared); };
+}
+
+TEST(ReaderProcess, WhatAHelperHasPreparedOnceAllItsChildrenHave) {
+  const ReaderHelper helper;
+  for (int i = 0; i < 2; ++i) {
+    ReaderProcess process(ReaderJob{makePrepared, "", {}, [] { ++prepared; }});
+    EXPECT_EQ(process.call("file", "", 0, kLimits), "1");
+  }
+  EXPECT_EQ(prepared, 0);
+}
+
 std::atomic<bool> stopReading{false};
 
 TEST(ReaderProcess, WhoeverWaitsForItCanGiveUp) {
