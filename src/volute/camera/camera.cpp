@@ -4,13 +4,13 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "volute/base/assert.hpp"
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
@@ -48,8 +48,7 @@ Result<Mat3> rotationOf(const Mat3& R) {
                 "forward: an axis has the wrong sign or two are swapped",
                 determinant);
   }
-  const Eigen::JacobiSVD<Mat3> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return Mat3(svd.matrixU() * svd.matrixV().transpose());
+  return nearestRotation(R);
 }
 
 Status checkIntrinsics(const Calibration& calibration) {
@@ -159,8 +158,7 @@ Camera Camera::framing(const Box3& bounds, int width, int height, const Vec3& up
   const Box3 box = usable ? bounds : Box3{Vec3::Constant(-0.5), Vec3::Constant(0.5)};
   View3 view;
   view.target = box.centre();
-  const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), up);
-  view.eye = view.target + turn * Vec3(0.35, -1, 0.3);
+  view.eye = view.target + turnOfZ(up) * Vec3(0.35, -1, 0.3);
   view.up = up;
   Camera camera = pinhole(view, kFov, width, height);
   // The nearest distance at which every corner lies inside the image.

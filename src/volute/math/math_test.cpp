@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "volute/math/box.hpp"
 #include "volute/math/cubic.hpp"
 #include "volute/math/polynomial.hpp"
 #include "volute/math/quadrature.hpp"
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
@@ -68,6 +70,21 @@ TEST(Polynomial, TermsAndConversion) {
   EXPECT_FALSE(line.isConstant());
   EXPECT_TRUE(Polynomial{}.isZero());
   EXPECT_DOUBLE_EQ(line(3), 7);
+}
+
+RC_GTEST_PROP(Rotation, TurnsZUprightAndIsTheNearest, ()) {
+  const auto any = [] { return *rc::gen::inRange(-1000, 1001) / 1000.0; };
+  const Vec3 up(any(), any(), *rc::gen::element(-1.0, 0.0, 1.0));
+  RC_PRE(up.norm() > 0);
+  const Mat3 turn = turnOfZ(up);
+  RC_ASSERT((turn * Vec3::UnitZ() - up.normalized()).norm() < 1e-12);
+  RC_ASSERT((turn * turn.transpose() - Mat3::Identity()).norm() < 1e-12);
+  RC_ASSERT(std::abs(turn.determinant() - 1) < 1e-12);
+  // S is symmetric and positive: turn S has `turn` as its rotation.
+  Mat3 lower = Mat3::Zero();
+  lower << 1 + any() / 2, 0, 0, any(), 1 + any() / 2, 0, any(), any(), 1 + any() / 2;
+  const Mat3 matrix = 100 * turn * lower * lower.transpose();
+  RC_ASSERT((nearestRotation(matrix) - turn).norm() < 1e-9);
 }
 
 }  // namespace

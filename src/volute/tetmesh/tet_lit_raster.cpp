@@ -107,8 +107,8 @@ HWY_INLINE void AddLight(const Way& way, const RampRow& tau, const RampRow (&sou
 }
 
 template <int kLows, bool kOrthographic>
-HWY_INLINE void LightTet(const TetBounds& tet, const LitRamps& ramps, const BinnedTet& blocks,
-                         const BlockPixels& pixels, Tolerance tolerance, LitTile& tile) {
+HWY_NOINLINE void LightTet(const TetBounds& tet, const LitRamps& ramps, const BinnedTet& blocks,
+                           const BlockPixels& pixels, Tolerance tolerance, LitTile& tile) {
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(df));
   RowSpans spans;
   SetSpans<kLows>(tet, blocks, spans);

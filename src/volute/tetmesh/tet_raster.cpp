@@ -19,8 +19,8 @@ namespace {
 
 /// Adds a tet's depth to the pixels that it touches.
 template <int kLows, bool kOrthographic>
-HWY_INLINE void AddTet(const TetBounds& tet, const TetRamp& tau, const BinnedTet& blocks,
-                       const float* columns, const float* rows, TetTile& tile) {
+HWY_NOINLINE void AddTet(const TetBounds& tet, const TetRamp& tau, const BinnedTet& blocks,
+                         const float* columns, const float* rows, TetTile& tile) {
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(df));
   RowSpans spans;
   SetSpans<kLows>(tet, blocks, spans);

@@ -77,7 +77,9 @@ void removeCommonPart(std::span<const Camera> cameras, const Vec3& centre,
     gain += corrections[i].values[CameraCorrection::kGain];
     moves.push_back(move);
   }
-  const Eigen::Matrix<double, 7, 1> common = normal.completeOrthogonalDecomposition().solve(right);
+  // One camera leaves the turn and the shift to each other.
+  normal += 1e-12 * normal.trace() * Eigen::Matrix<double, 7, 7>::Identity();
+  const Eigen::Matrix<double, 7, 1> common = normal.ldlt().solve(right);
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     corrections[i].values.head<6>() -= moves[i] * common;
     corrections[i].values[CameraCorrection::kGain] -= gain / static_cast<double>(cameras.size());

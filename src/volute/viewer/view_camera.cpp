@@ -8,20 +8,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "volute/math/rotation.hpp"
+
 namespace volute {
 namespace {
 
 constexpr double kSteepest = 0.49 * std::numbers::pi;  ///< that a hand turns it to
 constexpr double kTurn = 0.006;                        ///< radians a pixel
 constexpr double kFramed = 40;                         ///< [degrees] in which all is seen
-
-/// A turn that takes z to `up`.
-Mat3 uprightAlong(const Vec3& up) {
-  const double length = up.norm();
-  if (!(length > 0) || up.z() == length)
-    return Mat3::Identity();
-  return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), up / length).toRotationMatrix();
-}
 
 /// Width and height between the insets, or some of them where these leave little.
 std::array<double, 2> freeOf(int width, int height, const ViewCamera::Insets& insets) {
@@ -72,7 +66,7 @@ void ViewCamera::set(const StartView& view) {
   eye_ = view.eye;
   distance_ = std::max((view.target - view.eye).norm(), 1e-6);
   pivot_ = view.target;
-  frame_ = uprightAlong(view.up.norm() > 0 ? view.up : Vec3(-meant.down()));
+  frame_ = turnOfZ(view.up.norm() > 0 ? view.up : Vec3(-meant.down()));
   const Vec3 right = frame_.transpose() * meant.right();
   yaw_ = std::atan2(right.y(), right.x());
   pitch_ = std::asin(std::clamp(meant.forward().dot(upwards()), -1.0, 1.0));

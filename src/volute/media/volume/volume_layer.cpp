@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -20,6 +19,7 @@
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
 #include "volute/io/level_set_surface.hpp"
+#include "volute/math/rotation.hpp"
 #include "volute/optics/black_body.hpp"
 
 namespace volute {
@@ -114,12 +114,10 @@ GridMatrix VolumeLayer::filePlaceAt(double moment) const {
   const GridMatrix& after = input_->places[position + 1];
   // What leads from one to the other is a turn and a stretch.
   const Mat3 step = linearOf(before).inverse() * linearOf(after);
-  const Eigen::JacobiSVD<Mat3> parts(step, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Mat3 turn = parts.matrixU() * parts.matrixV().transpose();
-  if (!(turn.determinant() > 0))
+  if (!(step.determinant() > 0))
     return before;
-  const Mat3 stretch =
-      parts.matrixV() * parts.singularValues().asDiagonal() * parts.matrixV().transpose();
+  const Mat3 turn = nearestRotation(step);
+  const Mat3 stretch = turn.transpose() * step;
   const Eigen::Quaterniond half =
       Eigen::Quaterniond::Identity().slerp(share, Eigen::Quaterniond(turn));
   const Mat3 linear = linearOf(before) * half.toRotationMatrix() *

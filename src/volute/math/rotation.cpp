@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/math/rotation.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+
+namespace volute {
+
+Mat3 turnOfZ(const Vec3& up) {
+  constexpr double kOpposite = 1e-12;
+  const Vec3 to = up.normalized();
+  if (1 + to.z() < kOpposite)
+    return Vec3(1, -1, -1).asDiagonal();
+  const double s = std::sqrt(2 * (1 + to.z()));
+  return Eigen::Quaterniond(0.5 * s, -to.y() / s, to.x() / s, 0).toRotationMatrix();
+}
+
+Mat3 nearestRotation(const Mat3& matrix) {
+  constexpr int kMaxSteps = 60;  // each halves what is too long, and squares the error near the end
+  constexpr double kRounding = 4e-16;
+  Mat3 turn = matrix / std::cbrt(matrix.determinant());
+  for (int k = 0; k < kMaxSteps; ++k) {
+    const Mat3 next = 0.5 * (turn + turn.inverse().transpose());
+    const double change = (next - turn).cwiseAbs().maxCoeff();
+    turn = next;
+    if (!(change > kRounding))
+      break;
+  }
+  return turn;
+}
+
+}  // namespace volute
