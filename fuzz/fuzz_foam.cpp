@@ -3,10 +3,12 @@
 #include "fuzz/input_folder.hpp"
 #include "volute/io/foam_files.hpp"
 
-// A file of OpenFOAM, as a field and as a list.
+// What is read of a field's head.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view text = volute::fuzz::textOf(data, size);
-  (void)volute::checkFoamText(text, "internalField");
-  (void)volute::checkFoamText(text, "points");
+  static const volute::fuzz::InputFolder folder("foam");
+  std::filesystem::create_directory(folder.path() / "10");
+  folder.save("10/soot", volute::fuzz::textOf(data, size));
+  (void)volute::foamDimensions(folder.path() / "a.foam", "soot", 10);
+  (void)volute::foamFields(folder.path() / "a.foam", 10);
   return 0;
 }

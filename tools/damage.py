@@ -122,7 +122,7 @@ class Samples:
         (mesh / "neighbour").write_text(head("labelList", "neighbour") + "1\n(\n1\n)\n")
         (mesh / "boundary").write_text(head("polyBoundaryMesh", "boundary")
                                        + "1\n(\nwalls\n{\n type wall;\n nFaces 10;\n startFace 1;\n}\n)\n")
-        (folder / "10/soot").write_text(head("volScalarField", "soot") + "dimensions [1 -3 0 0 0 0 0];\ninternalField nonuniform "
+        (folder / "10/soot").write_text(head("volScalarField", "soot") + "dimensions [0 -1 0 0 0 0 0];\ninternalField nonuniform "
                                         "List<scalar>\n2\n(\n1\n2\n)\n;\nboundaryField\n{\nwalls\n{\ntype zeroGradient;\n}\n}\n")
 
     def fds(self, folder):

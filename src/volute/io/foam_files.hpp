@@ -6,17 +6,11 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "volute/base/result.hpp"
 
 namespace volute {
-
-/// Whether the files of an OpenFOAM case that hold the mesh, and a field when `field` is not
-/// empty, at a time [s] are whole, in text or binary, packed by gzip (`.gz`) or not.
-[[nodiscard]] Status checkFoam(const std::filesystem::path& casePath, const std::string& field,
-                               double time);
 
 /// Powers of kg, m, s, K, mol, A and cd.
 using FoamDimensions = std::array<double, 7>;
@@ -37,10 +31,6 @@ using FoamDimensions = std::array<double, 7>;
 
 /// Refuses a case that is decomposed, and says how to put it together.
 [[nodiscard]] Status checkFoamDecomposed(const std::filesystem::path& casePath);
-
-/// The same of the bytes of one file, unpacked; `kind` is what must be in it: "internalField", or
-/// a list for anything else. Half a sentence says what is missing.
-[[nodiscard]] Status checkFoamText(std::string_view bytes, std::string_view kind);
 
 /// Refuses pipes, sockets and devices where files of the case are, before VTK waits for them: it
 /// opens all files of a time to learn what they hold.

@@ -171,18 +171,11 @@ TEST(MeshCases, NoCutOfExodusIsWhole) {
     const TempFolder folder;
     writeExodus(folder.path(), hdf5);
     const std::string whole = readBytes(folder / "box.e");
-    EXPECT_TRUE(checkNetcdfLength(folder / "box.e"));
-    // 30 kB of HDF5 are the library's own tables.
-    for (std::size_t length = 0; length < whole.size(); length += hdf5 ? 29 : 1) {
-      writeBytes(folder / "box.e", whole.substr(0, length));
-      const auto checked = checkNetcdfLength(folder / "box.e");
-      ASSERT_FALSE(checked) << length;
-      EXPECT_THAT(checked.error().message, HasSubstr((folder / "box.e").string()));
-    }
-    for (const std::size_t missing : {1, 4, 80}) {
+    for (const std::size_t missing : {1, 4, 80, 400, 1200, 2000, 2900, 2970}) {
       writeBytes(folder / "box.e", whole.substr(0, whole.size() - missing));
-      EXPECT_THAT(MeshSource::open(folder / "box.e").error().message,
-                  HasSubstr("the end is missing"));
+      const auto source = MeshSource::open(folder / "box.e");
+      ASSERT_FALSE(source) << missing;
+      EXPECT_THAT(source.error().message, HasSubstr((folder / "box.e").string()));
     }
   }
 }
@@ -249,7 +242,15 @@ TEST(MeshCases, SurviveDamage) {
   damage(folder / "box.vtk", folder / "box.vtk", "smoke", true);
   writeFoam(folder.path());
   damage(folder / "box.foam", folder / "20" / "soot", "soot", true);
-  damage(folder / "box.foam", folder / "constant" / "polyMesh" / "faces", "soot", true);
+  for (const char* name : {"points", "faces", "owner", "neighbour"})
+    damage(folder / "box.foam", folder / "constant" / "polyMesh" / name, "soot", true);
+  std::string soot = readBytes(folder / "20" / "soot");
+  soot.replace(soot.find("ascii"), 5, "binary");
+  const double values[] = {1, 3};
+  soot.replace(soot.find("(\n1\n3\n)"), 7,
+               "(" + std::string(reinterpret_cast<const char*>(values), sizeof values) + ")");
+  writeBytes(folder / "20" / "soot", soot);
+  damage(folder / "box.foam", folder / "20" / "soot", "soot", true);
 }
 
 #endif

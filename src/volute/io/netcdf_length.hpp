@@ -8,12 +8,10 @@
 
 namespace volute {
 
-/// Whether a netCDF file, which Exodus files are, has all that its header says: kTruncated when its
-/// end is missing. Readers fill what is missing with zeros: clear air.
-///
-/// Classic files (CDF-1, -2, -5) must reach the last value of each variable; what pads the last
-/// one to four bytes may be missing, since no reader looks at it. Files with HDF5 inside (netCDF-4)
-/// must have the length that their superblock says. Others are kInvalidData.
+/// Whether a classic netCDF file (CDF-1, -2, -5), which Exodus files may be, reaches the last value
+/// of each variable: kTruncated when its end is missing, which readers fill with zeros: clear air.
+/// What pads the last value to four bytes may be missing, since no reader looks at it. Of HDF5
+/// (netCDF-4) the library sees that itself; others are kInvalidData.
 [[nodiscard]] Status checkNetcdfLength(const std::filesystem::path& path);
 
 }  // namespace volute

@@ -15,7 +15,6 @@
 #include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkUnstructuredGridReader.h>
 #include <vtkXMLDataElement.h>
-#include <vtkXMLDataParser.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
 #include <algorithm>
@@ -149,7 +148,7 @@ Result<vtkSmartPointer<vtkUnstructuredGrid>> joined(const std::vector<vtkUnstruc
 
 Result<vtkSmartPointer<vtkUnstructuredGrid>> readVtu(const std::filesystem::path& path,
                                                      const ErrorWatch& watch) {
-  VOLUTE_TRY(checkVtkXml(path));
+  VOLUTE_TRY(readVtkXml(path));
   vtkNew<vtkXMLUnstructuredGridReader> reader;
   reader->SetFileName(path.c_str());
   reader->Update();
@@ -158,15 +157,9 @@ Result<vtkSmartPointer<vtkUnstructuredGrid>> readVtu(const std::filesystem::path
 }
 
 /// The .vtu files that a .pvtu names.
-Result<std::vector<std::filesystem::path>> piecesOf(const std::filesystem::path& path,
-                                                    const ErrorWatch& watch) {
-  VOLUTE_TRY(checkVtkXml(path));
-  vtkNew<vtkXMLDataParser> parser;
-  parser->SetFileName(path.c_str());
-  const bool parsed = parser->Parse() != 0;
-  VOLUTE_TRY(watch.status(path.string()));
-  vtkXMLDataElement* root = parsed ? parser->GetRootElement() : nullptr;
-  vtkXMLDataElement* grid = root ? root->FindNestedElementWithName("PUnstructuredGrid") : nullptr;
+Result<std::vector<std::filesystem::path>> piecesOf(const std::filesystem::path& path) {
+  VOLUTE_ASSIGN(const auto root, readVtkXml(path));
+  vtkXMLDataElement* grid = root->FindNestedElementWithName("PUnstructuredGrid");
   std::vector<std::filesystem::path> pieces;
   for (int i = 0; grid && i < grid->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* element = grid->GetNestedElement(i);
@@ -185,7 +178,7 @@ Result<std::vector<std::filesystem::path>> piecesOf(const std::filesystem::path&
 /// Pieces without cells with a volume are left out.
 Result<VtkVolume> readPvtu(const std::filesystem::path& path, const MeshShare& share) {
   const ErrorWatch watch;
-  VOLUTE_ASSIGN(const auto pieces, piecesOf(path, watch));
+  VOLUTE_ASSIGN(const auto pieces, piecesOf(path));
   const auto count = static_cast<int>(pieces.size());
   if (share.count > count) {
     return fail(ErrorCode::kUnsupported,
@@ -252,7 +245,7 @@ Result<std::vector<VtkFieldName>> listVtkFields(const std::filesystem::path& pat
   const ErrorWatch watch;
   std::filesystem::path file = path;
   if (extensionOf(path) == ".pvtu") {
-    VOLUTE_ASSIGN(const auto pieces, piecesOf(path, watch));
+    VOLUTE_ASSIGN(const auto pieces, piecesOf(path));
     file = pieces.front();
   }
   vtkNew<vtkXMLUnstructuredGridReader> reader;
@@ -299,7 +292,8 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t i
                 times.size(), instant);
   }
   volume.time = times[instant];
-  VOLUTE_TRY(checkVtkCase(path, field, volume.time));
+  if (kind == ".case")
+    VOLUTE_TRY(checkEnsight(path, field, volume.time));
   reader->UpdateTimeStep(volume.time);
   VOLUTE_TRY(watch.status(file));
   VOLUTE_TRY(refuseStructured(reader->GetOutputDataObject(0), file));
@@ -307,14 +301,6 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t i
   volume.blocks = static_cast<int>(grids.size());
   VOLUTE_ASSIGN(volume.grid, joined(grids, file, watch));
   return volume;
-}
-
-Status checkVtkCase(const std::filesystem::path& path, const std::string& field, double time) {
-  if (extensionOf(path) == ".case")
-    return checkEnsight(path, field, time);
-  if (extensionOf(path) == ".foam")
-    return checkFoam(path, field, time);
-  return {};
 }
 
 }  // namespace volute

@@ -42,9 +42,4 @@ struct VtkVolume {
                                               std::size_t instant, const std::string& field,
                                               const MeshShare& share = {});
 
-/// What VTK does not see: the end missing from files of an EnSight or OpenFOAM case, those of the
-/// mesh and, when `field` is not empty, those of a field at a time [s].
-[[nodiscard]] Status checkVtkCase(const std::filesystem::path& path, const std::string& field,
-                                  double time);
-
 }  // namespace volute

@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "volute/base/file_name.hpp"
+#include "volute/io/ensight_files.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/mesh.hpp"
@@ -152,8 +153,8 @@ class VtkMeshReader final : public MeshReader {
     data_.field = names[chosen].name;
     data_.others = otherGrids(names, chosen, MeshSize::kMaxName);
     data_.ofCells = fields[chosen].ofCells;
-    if (wanted.empty())
-      VOLUTE_TRY(checkVtkCase(path, data_.field, volume.time));
+    if (wanted.empty() && extensionOf(path) == ".case")
+      VOLUTE_TRY(checkEnsight(path, data_.field, volume.time));
     if (extensionOf(path) == ".foam")
       data_.dimensions = foamDimensions(path, data_.field, volume.time);
     VOLUTE_TRY(copyCells(grid, fields[chosen], file));

@@ -15,7 +15,6 @@
 #include <vtkPointData.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkXMLDataElement.h>
-#include <vtkXMLDataParser.h>
 #include <vtkXMLImageDataReader.h>
 #include <vtkXMLImageDataWriter.h>
 
@@ -209,7 +208,7 @@ class VtkReader final : public LatticeReader {
  public:
   Result<LatticeFrame> describe(const std::filesystem::path& path, const std::string& wanted,
                                 const std::string& usual, bool) override {
-    VOLUTE_TRY(checkVtkXml(path));
+    VOLUTE_TRY(readVtkXml(path));
     const ErrorWatch watch;
     vtkNew<vtkXMLImageDataReader> reader;
     reader->SetFileName(path.c_str());
@@ -328,14 +327,8 @@ class VtkWriter final : public LatticeWriter {
 };
 
 Result<std::vector<TimedFile>> readPvd(const std::filesystem::path& path) {
-  VOLUTE_TRY(checkVtkXml(path));
-  const ErrorWatch watch;
-  vtkNew<vtkXMLDataParser> parser;
-  parser->SetFileName(path.c_str());
-  const bool parsed = parser->Parse() != 0;
-  VOLUTE_TRY(watch.status(path.string()));
-  vtkXMLDataElement* root = parsed ? parser->GetRootElement() : nullptr;
-  vtkXMLDataElement* collection = root ? root->FindNestedElementWithName("Collection") : nullptr;
+  VOLUTE_ASSIGN(const auto root, readVtkXml(path));
+  vtkXMLDataElement* collection = root->FindNestedElementWithName("Collection");
   if (!collection)
     return fail(ErrorCode::kInvalidData, "{}: not a VTK collection (VTKFile, Collection, DataSet)",
                 path.string());

@@ -91,7 +91,7 @@ class SurfaceCopy {
 };
 
 Result<TriangleMesh> readVtp(const std::filesystem::path& path) {
-  VOLUTE_TRY(checkVtkXml(path));
+  VOLUTE_TRY(readVtkXml(path));
   const ErrorWatch watch;
   vtkNew<vtkXMLPolyDataReader> reader;
   reader->SetFileName(path.c_str());

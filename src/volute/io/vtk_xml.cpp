@@ -24,128 +24,10 @@
 namespace volute {
 namespace {
 
-using Names = std::vector<std::string_view>;
+using Words = std::vector<std::string_view>;
 
-enum class XmlValue { kText, kWhole, kReal, kOneOf };
-
-struct XmlRule {
-  std::string_view name;
-  XmlValue value = XmlValue::kText;
-  int count = 1;  ///< of numbers
-  bool needed = false;
-  Names allowed{};  ///< of kOneOf
-};
-
-struct XmlElementRule {
-  std::vector<XmlRule> attributes;
-  Names children{};
-};
-
-const Names kDataNames = {"DataArray", "Array"};
-
-XmlElementRule pointsOrCells() {
-  XmlElementRule rule;
-  for (const std::string_view name :
-       {"Scalars", "Vectors", "Normals", "Tensors", "TCoords", "GlobalIds", "PedigreeIds",
-        "EdgeFlag", "Tangents", "RationalWeights", "HigherOrderDegrees", "ProcessIds"})
-    rule.attributes.push_back({name});
-  rule.children = {"DataArray", "Array", "PDataArray", "PArray"};
-  return rule;
-}
-
-XmlElementRule dataArray() {
-  XmlElementRule rule;
-  rule.attributes = {
-      {"type",
-       XmlValue::kOneOf,
-       1,
-       true,
-       {"Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Float32",
-        "Float64", "String", "Bit", "vtkIdType"}},
-      {"Name"},
-      {"NumberOfComponents", XmlValue::kWhole},
-      {"NumberOfTuples", XmlValue::kWhole},
-      {"format", XmlValue::kOneOf, 1, false, {"ascii", "binary", "appended"}},
-      {"offset", XmlValue::kWhole},
-      {"RangeMin"},
-      {"RangeMax"},
-      {"TimeStep"},
-      {"encoding"},
-      {"ComponentName0"},
-  };
-  rule.children = {"InformationKey"};
-  return rule;
-}
-
-XmlElementRule pieceOfGrid(bool parallel) {
-  if (parallel)
-    return {{{"Source", XmlValue::kText, 1, true}, {"Extent", XmlValue::kWhole, 6}}};
-  return {{{"NumberOfPoints", XmlValue::kWhole},
-           {"NumberOfCells", XmlValue::kWhole},
-           {"NumberOfVerts", XmlValue::kWhole},
-           {"NumberOfLines", XmlValue::kWhole},
-           {"NumberOfStrips", XmlValue::kWhole},
-           {"NumberOfPolys", XmlValue::kWhole},
-           {"Extent", XmlValue::kWhole, 6}},
-          {"PointData", "CellData", "Points", "Cells", "Verts", "Lines", "Strips", "Polys",
-           "FieldData", "Coordinates"}};
-}
-
-/// What the elements may have. "P" elements are those of .pvtu.
-const std::map<std::string_view, XmlElementRule>& xmlRules() {
-  static const std::map<std::string_view, XmlElementRule> kRules = {
-      {"VTKFile",
-       {{{"type", XmlValue::kText, 1, true},
-         {"version"},
-         {"byte_order", XmlValue::kOneOf, 1, false, {"LittleEndian", "BigEndian"}},
-         {"header_type", XmlValue::kOneOf, 1, false, {"UInt32", "UInt64"}},
-         {"compressor"}},
-        {"ImageData", "UnstructuredGrid", "PUnstructuredGrid", "PolyData", "Collection",
-         "AppendedData", "FieldData"}}},
-      {"ImageData",
-       {{{"WholeExtent", XmlValue::kWhole, 6, true},
-         {"Origin", XmlValue::kReal, 3},
-         {"Spacing", XmlValue::kReal, 3},
-         {"Direction", XmlValue::kReal, 9}},
-        {"Piece", "FieldData"}}},
-      {"UnstructuredGrid", {{{"GhostLevel"}}, {"Piece", "FieldData"}}},
-      {"PolyData", {{{"GhostLevel"}}, {"Piece", "FieldData"}}},
-      {"PUnstructuredGrid",
-       {{{"GhostLevel"}},
-        {"Piece", "PPointData", "PCellData", "PPoints", "PCells", "FieldData", "PFieldData"}}},
-      {"PointData", pointsOrCells()},
-      {"CellData", pointsOrCells()},
-      {"PPointData", pointsOrCells()},
-      {"PCellData", pointsOrCells()},
-      {"Points", {{}, kDataNames}},
-      {"Cells", {{}, kDataNames}},
-      {"Verts", {{}, kDataNames}},
-      {"Lines", {{}, kDataNames}},
-      {"Strips", {{}, kDataNames}},
-      {"Polys", {{}, kDataNames}},
-      {"PPoints", {{}, {"PDataArray"}}},
-      {"DataArray", dataArray()},
-      {"PDataArray", dataArray()},
-      {"Collection", {{}, {"DataSet"}}},
-      {"DataSet",
-       {{{"timestep", XmlValue::kReal},
-         {"group"},
-         {"part", XmlValue::kWhole},
-         {"file", XmlValue::kText, 1, true},
-         {"name"}}}},
-      {"AppendedData", {{{"encoding", XmlValue::kOneOf, 1, true, {"raw", "base64"}}}}},
-  };
-  return kRules;
-}
-
-/// The arrays that say how cells are made of points.
-const Names kCellArrays = {
-    "connectivity",      "offsets",           "types",        "faces",
-    "faceoffsets",       "face_connectivity", "face_offsets", "polyhedron_to_faces",
-    "polyhedron_offsets"};
-
-std::vector<std::string_view> wordsOf(std::string_view text) {
-  std::vector<std::string_view> words;
+Words wordsOf(std::string_view text) {
+  Words words;
   constexpr std::string_view kSpace = " \t\r\n";
   for (std::size_t at = text.find_first_not_of(kSpace); at != std::string_view::npos;) {
     const std::size_t end = std::min(text.find_first_of(kSpace, at), text.size());
@@ -155,14 +37,76 @@ std::vector<std::string_view> wordsOf(std::string_view text) {
   return words;
 }
 
-template <class T>
-bool isNumberWord(std::string_view word) {
-  T value{};
-  if (!readNumber(word, value))
-    return false;
-  if constexpr (std::is_floating_point_v<T>)
-    return std::isfinite(value);
-  return true;
+bool isOneOf(std::string_view word, const Words& words) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+/// What elements must and may have, all as words. "P" elements are those of .pvtu.
+struct ElementRule {
+  std::string_view names, needed, allowed, children;
+};
+
+constexpr std::string_view kPieceAttributes =
+    "NumberOfPoints NumberOfCells NumberOfVerts NumberOfLines NumberOfStrips NumberOfPolys";
+constexpr std::string_view kPieceChildren =
+    "PointData CellData Points Cells Verts Lines Strips Polys FieldData Coordinates";
+constexpr ElementRule kElements[] = {
+    {"VTKFile", "type", "version byte_order header_type compressor",
+     "ImageData UnstructuredGrid PUnstructuredGrid PolyData Collection AppendedData FieldData"},
+    {"ImageData", "WholeExtent", "Origin Spacing Direction", "Piece FieldData"},
+    {"UnstructuredGrid PolyData", "", "GhostLevel", "Piece FieldData"},
+    {"PUnstructuredGrid", "", "GhostLevel",
+     "Piece PPointData PCellData PPoints PCells FieldData PFieldData"},
+    {"ImageData/Piece", "Extent", kPieceAttributes, kPieceChildren},
+    {"UnstructuredGrid/Piece", "NumberOfPoints NumberOfCells", kPieceAttributes, kPieceChildren},
+    {"PolyData/Piece", "", kPieceAttributes, kPieceChildren},
+    {"PUnstructuredGrid/Piece", "Source", "Extent", ""},
+    {"PointData CellData PPointData PCellData", "",
+     "Scalars Vectors Normals Tensors TCoords GlobalIds PedigreeIds EdgeFlag Tangents "
+     "RationalWeights HigherOrderDegrees ProcessIds",
+     "DataArray Array PDataArray PArray"},
+    {"Points Cells Verts Lines Strips Polys", "", "", "DataArray Array"},
+    {"PPoints", "", "", "PDataArray"},
+    {"DataArray PDataArray", "type",
+     "Name NumberOfComponents NumberOfTuples format offset RangeMin RangeMax TimeStep "
+     "ComponentName0",
+     "InformationKey"},
+    {"Collection", "", "", "DataSet"},
+    {"DataSet", "file", "timestep group part name", ""},
+    {"AppendedData", "encoding", "", ""},
+};
+
+/// What values attributes may have: `count` numbers, or one of `allowed`.
+struct ValueRule {
+  std::string_view names, allowed;
+  int count = 0;
+  bool whole = true;
+};
+
+constexpr ValueRule kValues[] = {
+    {"type",
+     "Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Float32 Float64 String Bit vtkIdType"},
+    {"format", "ascii binary appended"},
+    {"encoding", "raw base64"},
+    {"byte_order", "LittleEndian BigEndian"},
+    {"header_type", "UInt32 UInt64"},
+    {"WholeExtent Extent", "", 6},
+    {"Origin Spacing", "", 3, false},
+    {"Direction", "", 9, false},
+    {"timestep", "", 1, false},
+    {"part offset NumberOfComponents NumberOfTuples", "", 1},
+    {kPieceAttributes, "", 1},
+};
+
+/// The arrays that say how cells are made of points.
+constexpr std::string_view kCellArrays =
+    "connectivity offsets types faces faceoffsets face_connectivity face_offsets "
+    "polyhedron_to_faces polyhedron_offsets";
+
+bool isFinite(std::string_view word, bool whole) {
+  std::int64_t integer = 0;
+  double real = 0;
+  return whole ? readNumber(word, integer) : readNumber(word, real) && std::isfinite(real);
 }
 
 class XmlCheck {
@@ -171,18 +115,14 @@ class XmlCheck {
 
   Status check(vtkXMLDataElement* element, std::string_view parent) const {
     const std::string_view name = element->GetName();
-    const bool parallel = parent == "PUnstructuredGrid";
-    if (name == "Piece") {
-      VOLUTE_TRY(checkElement(element, pieceOfGrid(parallel)));
-      if (parent == "ImageData")
-        VOLUTE_TRY(need(element, {"Extent"}));
-      else if (parent == "UnstructuredGrid")
-        VOLUTE_TRY(need(element, {"NumberOfPoints", "NumberOfCells"}));
-    } else if (const auto rule = xmlRules().find(name); rule != xmlRules().end()) {
-      VOLUTE_TRY(checkElement(element, rule->second));
-    } else {
+    const std::string below = fmt::format("{}/{}", parent, name);
+    const auto rule = std::ranges::find_if(kElements, [&](const ElementRule& known) {
+      const Words names = wordsOf(known.names);
+      return isOneOf(name, names) || isOneOf(below, names);
+    });
+    if (rule == std::end(kElements))
       return {};  // of another program
-    }
+    VOLUTE_TRY(checkElement(element, *rule));
     if (parent == "Cells" && name == "DataArray")
       VOLUTE_TRY(checkCellArray(element));
     for (int i = 0; i < element->GetNumberOfNestedElements(); ++i)
@@ -202,39 +142,30 @@ class XmlCheck {
                 printable(element->GetName()), fmt::format(format, std::forward<Args>(args)...));
   }
 
-  Status need(vtkXMLDataElement* element, const Names& names) const {
-    for (const std::string_view name : names) {
-      if (!element->GetAttribute(std::string(name).c_str()))
-        return wrong(element, "its {} is missing", name);
-    }
-    return {};
-  }
-
-  Status checkElement(vtkXMLDataElement* element, const XmlElementRule& rule) const {
-    Names absent;
-    for (const XmlRule& attribute : rule.attributes) {
-      if (!element->GetAttribute(std::string(attribute.name).c_str()))
-        absent.push_back(attribute.name);
-    }
+  Status checkElement(vtkXMLDataElement* element, const ElementRule& rule) const {
+    const Words needed = wordsOf(rule.needed);
+    Words known = wordsOf(rule.allowed), absent;
+    known.insert(known.end(), needed.begin(), needed.end());
+    std::ranges::copy_if(known, std::back_inserter(absent), [&](std::string_view name) {
+      return !element->GetAttribute(std::string(name).c_str());
+    });
     for (int i = 0; i < element->GetNumberOfAttributes(); ++i) {
       const std::string_view name = element->GetAttributeName(i);
-      const auto known = std::ranges::find(rule.attributes, name, &XmlRule::name);
-      if (known != rule.attributes.end()) {
-        VOLUTE_TRY(checkValue(element, *known, element->GetAttributeValue(i)));
+      if (isOneOf(name, known)) {
+        VOLUTE_TRY(checkValue(element, name, element->GetAttributeValue(i)));
       } else if (const auto near = likeOneOf(name, absent); !near.empty()) {
         return wrong(element, "'{}' is unknown; did you mean '{}'?", printable(std::string(name)),
                      near);
       }
     }
-    for (const XmlRule& attribute : rule.attributes) {
-      if (attribute.needed)
-        VOLUTE_TRY(need(element, {attribute.name}));
+    for (const std::string_view name : needed) {
+      if (isOneOf(name, absent))
+        return wrong(element, "its {} is missing", name);
     }
+    const Words children = wordsOf(rule.children);
     for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) {
       const std::string_view name = element->GetNestedElement(i)->GetName();
-      if (std::ranges::find(rule.children, name) != rule.children.end())
-        continue;
-      if (const auto near = likeOneOf(name, rule.children); !near.empty())
+      if (const auto near = isOneOf(name, children) ? "" : likeOneOf(name, children); !near.empty())
         return wrong(element->GetNestedElement(i), "is unknown; did you mean '{}'?", near);
     }
     return {};
@@ -252,31 +183,31 @@ class XmlCheck {
   }
 
   /// A name that two letters at most keep from being one of `names`.
-  static std::string_view likeOneOf(std::string_view name, const Names& names) {
+  static std::string_view likeOneOf(std::string_view name, const Words& names) {
     const auto near = nearest(name, names);
     const bool close = editDistance(name, near) <= std::min<std::size_t>(2, near.size() / 3);
     return close || (name.size() >= 4 && near.starts_with(name)) ? near : std::string_view();
   }
 
-  Status checkValue(vtkXMLDataElement* element, const XmlRule& rule, std::string_view value) const {
+  Status checkValue(vtkXMLDataElement* element, std::string_view name,
+                    std::string_view value) const {
+    const auto rule = std::ranges::find_if(
+        kValues, [&](const ValueRule& known) { return isOneOf(name, wordsOf(known.names)); });
+    const bool ofFile = element->GetName() == std::string_view("VTKFile") && name == "type";
+    if (rule == std::end(kValues) || ofFile)
+      return {};
     const std::string shown = printable(std::string(value.substr(0, 60)));
-    if (rule.value == XmlValue::kOneOf) {
-      if (std::ranges::find(rule.allowed, value) != rule.allowed.end())
+    const Words allowed = wordsOf(rule->allowed), words = wordsOf(value);
+    if (rule->count == 0) {
+      if (isOneOf(value, allowed))
         return {};
-      return wrong(element, "{} is '{}'; expected {}", rule.name, shown,
-                   fmt::format("{}", fmt::join(rule.allowed, ", ")));
+      return wrong(element, "{} is '{}'; expected {}", name, shown, fmt::join(allowed, ", "));
     }
-    if (rule.value == XmlValue::kText)
+    if (static_cast<int>(words.size()) == rule->count &&
+        std::ranges::all_of(words, [&](auto word) { return isFinite(word, rule->whole); }))
       return {};
-    const auto words = wordsOf(value);
-    const bool whole = rule.value == XmlValue::kWhole;
-    const bool numbers = std::ranges::all_of(words, [&](std::string_view word) {
-      return whole ? isNumberWord<std::int64_t>(word) : isNumberWord<double>(word);
-    });
-    if (numbers && static_cast<int>(words.size()) == rule.count)
-      return {};
-    return wrong(element, "{} is '{}'; expected {} {}number{}", rule.name, shown, rule.count,
-                 whole ? "whole " : "", rule.count > 1 ? "s with spaces between them" : "");
+    return wrong(element, "{} is '{}'; expected {} {}number{}", name, shown, rule->count,
+                 rule->whole ? "whole " : "", rule->count > 1 ? "s with spaces between them" : "");
   }
 
   /// Cells [begin, end) along x, y and z; a flat image has one layer of them.
@@ -340,13 +271,12 @@ class XmlCheck {
 
   Status checkCellArray(vtkXMLDataElement* element) const {
     const char* name = element->GetAttribute("Name");
-    if (!name || std::ranges::find(kCellArrays, std::string_view(name)) != kCellArrays.end())
-      return {};
-    const auto near = likeOneOf(name, kCellArrays);
-    if (near.empty())
-      return {};
-    return wrong(element, "the array '{}' of Cells is unknown; did you mean '{}'?", printable(name),
-                 near);
+    const Words known = wordsOf(kCellArrays);
+    if (const auto near = !name || isOneOf(name, known) ? "" : likeOneOf(name, known);
+        !near.empty())
+      return wrong(element, "the array '{}' of Cells is unknown; did you mean '{}'?",
+                   printable(name), near);
+    return {};
   }
 
   std::string file_;
@@ -354,19 +284,20 @@ class XmlCheck {
 
 }  // namespace
 
-Status checkVtkXml(const std::filesystem::path& path) {
+Result<vtkSmartPointer<vtkXMLDataElement>> readVtkXml(const std::filesystem::path& path) {
   VOLUTE_TRY(checkEnd(path));
   const ErrorWatch watch;
   vtkNew<vtkXMLDataParser> parser;
   parser->SetFileName(path.c_str());
   const bool parsed = parser->Parse() != 0;
   VOLUTE_TRY(watch.status(path.string()));
-  vtkXMLDataElement* root = parsed ? parser->GetRootElement() : nullptr;
+  const vtkSmartPointer<vtkXMLDataElement> root = parsed ? parser->GetRootElement() : nullptr;
   if (!root || root->GetName() != std::string_view("VTKFile")) {
     return fail(ErrorCode::kInvalidData, "{}: is no XML of VTK; expected the element VTKFile",
                 path.string());
   }
-  return XmlCheck(path.string()).check(root, "");
+  VOLUTE_TRY(XmlCheck(path.string()).check(root, ""));
+  return root;
 }
 
 }  // namespace volute

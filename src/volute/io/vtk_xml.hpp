@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <vtkSmartPointer.h>
+#include <vtkXMLDataElement.h>
+
 #include <filesystem>
 
 #include "volute/base/result.hpp"
@@ -9,10 +12,11 @@
 namespace volute {
 
 /// VTK's XML readers pass over what they do not know, and take the first number of several: a
-/// letter that is wrong moves a grid or leaves out half of a mesh. Checks that the file ends in
-/// </VTKFile>, that what is needed is there, that numbers are as many numbers as are expected, and
-/// that no name is nearly one that is missing. Names that are like none pass: other programs add
-/// their own. For the VTK plug-in alone, in the child process.
-[[nodiscard]] Status checkVtkXml(const std::filesystem::path& path);
+/// letter that is wrong moves a grid or leaves out half of a mesh. The elements of a file, of which
+/// is checked that it ends in </VTKFile>, that what is needed is there, that numbers are as many
+/// numbers as are expected, and that no name is nearly one that is missing. Names that are like
+/// none pass: other programs add their own. For the VTK plug-in alone, in the child process.
+[[nodiscard]] Result<vtkSmartPointer<vtkXMLDataElement>> readVtkXml(
+    const std::filesystem::path& path);
 
 }  // namespace volute
