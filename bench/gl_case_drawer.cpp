@@ -11,8 +11,7 @@ Result<Image> GlCaseDrawer::picture(const GlCase& one, int width, int height) {
   if (one.paperFog)
     return one.paperFog->render(camera, passes_);
   VOLUTE_ASSIGN(const auto ends, findSigns(one, camera));
-  VOLUTE_ASSIGN(auto image, renderer_.render(camera, one.scene(0), {.background = one.background},
-                                             quiet_, nullptr, ends));
+  VOLUTE_ASSIGN(auto image, renderer_.render(camera, one.scene(0), {}, quiet_, nullptr, ends));
   if (one.signs.empty())
     return image;
   VOLUTE_ASSIGN(const auto light, signLight(one));

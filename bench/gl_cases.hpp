@@ -30,7 +30,6 @@ struct GlCase {
   std::function<Camera(int frame, int width, int height)> camera;
   std::function<const GlScene&(int frame)> scene;
   std::function<Image(const Camera& camera, int frame)> byCpu;
-  Rgb background = Rgb::Zero();
   bool asLargeAsLast =
       false;  ///< without a graphics card: of the case before's size, to be compared
   std::shared_ptr<GlPaperFog> paperFog{};  ///< where set, it is drawn in the place of the scene

@@ -39,7 +39,7 @@ struct AnimatedSmoke {
     splat.setExtinction(extinctions[static_cast<std::size_t>(time)]);
   }
 
-  Image draw(const Camera& camera, int time, bool lit, std::span<const Sign> signs) {
+  Image draw(const Camera& camera, int time, std::span<const Sign> signs) {
     show(time);
     Image image(camera.width(), camera.height());
     const std::size_t pixels = image.pixels.size() / 3;
@@ -48,19 +48,11 @@ struct AnimatedSmoke {
     if (!signs.empty())
       ends.assign(pixels, std::numeric_limits<float>::infinity());
     for (const SignPixel& pixel : found) ends[pixel.pixel] = pixel.distance;
-    if (lit) {
-      std::vector<float> rgbt(4 * pixels);
-      splat.litColor(camera, ends, rgbt);
-      for (std::size_t i = 0; i < pixels; ++i) {
-        std::copy_n(&rgbt[4 * i], 3, &image.pixels[3 * i]);
-        passed[i] = rgbt[4 * i + 3];
-      }
-    } else {
-      // Black smoke before black is black: so its transmittance before white, signs before black.
-      splat.opticalDepth(camera, ends, passed);
-      for (float& value : passed) value = std::exp(-value);
-      for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = passed[i / 3];
-      for (const SignPixel& pixel : found) std::fill_n(&image.pixels[3 * pixel.pixel], 3, 0.0F);
+    std::vector<float> rgbt(4 * pixels);
+    splat.litColor(camera, ends, rgbt);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      std::copy_n(&rgbt[4 * i], 3, &image.pixels[3 * i]);
+      passed[i] = rgbt[4 * i + 3];
     }
     for (const SignPixel& pixel : found) {
       for (int c = 0; c < 3; ++c) {
@@ -75,12 +67,10 @@ struct AnimatedSmoke {
 struct Way {
   const char* name;
   GlSmokeMethod method;
-  bool lit;
 };
 
-constexpr Way kWays[] = {{"marched, lit", GlSmokeMethod::kMarch, true},
-                         {"projected tetrahedra, lit", GlSmokeMethod::kProject, true},
-                         {"splat, transmittance", GlSmokeMethod::kSplat, false}};
+constexpr Way kWays[] = {{"marched, lit", GlSmokeMethod::kMarch},
+                         {"projected tetrahedra, lit", GlSmokeMethod::kProject}};
 
 struct Motion {
   bool smoke = false, camera = false;
@@ -94,15 +84,12 @@ using Scenes = std::shared_ptr<const std::vector<GlScene>>;
 Scenes scenesOf(const AnimatedSmoke& smoke, const Way& way) {
   std::vector<GlScene> scenes;
   for (const auto& extinction : smoke.extinctions) {
-    GlSmoke shown{smoke.locator, extinction, {}, way.method};
-    if (way.lit)
-      shown.source = smoke.source;
-    scenes.push_back({{glPart(std::move(shown))}});
+    scenes.push_back({{glPart(GlSmoke{smoke.locator, extinction, smoke.source, way.method})}});
   }
   return std::make_shared<const std::vector<GlScene>>(std::move(scenes));
 }
 
-GlCase smokeCase(std::string name, const std::shared_ptr<AnimatedSmoke>& smoke, const Way& way,
+GlCase smokeCase(std::string name, const std::shared_ptr<AnimatedSmoke>& smoke,
                  const Scenes& scenes, const Motion& motion, const View& view,
                  std::vector<Sign> signs = {}) {
   const auto timeOf = [=](int k) { return motion.smoke ? k % kMotionFrames : 0; };
@@ -114,12 +101,8 @@ GlCase smokeCase(std::string name, const std::shared_ptr<AnimatedSmoke>& smoke, 
   one.scene = [=](int k) -> const GlScene& {
     return (*scenes)[static_cast<std::size_t>(timeOf(k))];
   };
-  one.byCpu = [=](const Camera& camera, int k) {
-    return smoke->draw(camera, timeOf(k), way.lit, signs);
-  };
+  one.byCpu = [=](const Camera& camera, int k) { return smoke->draw(camera, timeOf(k), signs); };
   one.signs = std::move(signs);
-  if (!way.lit)
-    one.background = Rgb::Ones();
   return one;
 }
 
@@ -164,13 +147,13 @@ void addHall(const GlExtent& extent, std::vector<GlCase>& cases) {
     const std::string name =
         fmt::format("paper C, table 3: hall, {} tets, {}", mesh.tets().size(), way.name);
     for (const Motion& motion : kMotions) {
-      cases.push_back(smokeCase(name + ", " + words(motion), smoke, way, scenes, motion, view));
+      cases.push_back(smokeCase(name + ", " + words(motion), smoke, scenes, motion, view));
     }
     for (const Motion& motion : kMotions) {
       if (!extent.hardware && (motion.smoke != motion.camera || (extent.quick && motion.smoke)))
         continue;
-      cases.push_back(smokeCase(name + ", exit sign, " + words(motion), smoke, way, scenes, motion,
-                                view, {sign}));
+      cases.push_back(
+          smokeCase(name + ", exit sign, " + words(motion), smoke, scenes, motion, view, {sign}));
     }
   }
 }
@@ -204,7 +187,7 @@ Status addMall(const BenchInput& input, const GlExtent& extent, std::vector<GlCa
         GlCase one = smokeCase(
             fmt::format("paper C, table 3: {}, {} tets, {}, {}, {}", name,
                         smoke->locator->mesh().tets().size(), eye.name, way.name, words(motion)),
-            smoke, way, scenes[i], motion, view);
+            smoke, scenes[i], motion, view);
         one.width = 1920, one.height = 1080;
         cases.push_back(std::move(one));
       }

@@ -134,7 +134,6 @@ Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, bool gl) {
   }
   return name == "auto"    ? GlSmokeMethod::kAuto
          : name == "march" ? GlSmokeMethod::kMarch
-         : name == "splat" ? GlSmokeMethod::kSplat
                            : GlSmokeMethod::kProject;
 }
 

@@ -111,7 +111,7 @@ Option smokeMethodOption(std::string help, std::vector<std::string_view> kinds) 
           .value = "NAME",
           .help = "how OpenGL draws smoke on a mesh without other media" + std::move(help),
           .initial = "auto",
-          .choices = {"auto", "march", "splat", "projected"},
+          .choices = {"auto", "march", "projected"},
           .kinds = std::move(kinds)};
 }
 

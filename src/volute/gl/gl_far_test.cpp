@@ -65,7 +65,7 @@ Thing treeAt(const Vec3& offset) {
 Thing smokeAt(const Vec3& offset, bool lit, GlSmokeMethod method) {
   const Box3 box{Vec3(-3, -3, -3) + offset, Vec3(3, 3, 3) + offset};
   const Smoke smoke(boxMesh(box, {5, 5, 5}, 0.2, 2), lit, 0.4);
-  constexpr const char* kNames[] = {"smoke", "marched smoke", "splat", "projected smoke"};
+  constexpr const char* kNames[] = {"smoke", "marched smoke", "projected smoke"};
   return {kNames[static_cast<int>(method)], smoke.medium(), {{smoke.onDevice(method)}}};
 }
 
@@ -128,7 +128,7 @@ std::vector<Thing> thingsAt(const Vec3& offset) {
           treeAt(offset),
           smokeAt(offset, true, GlSmokeMethod::kMarch),
           smokeAt(offset, false, GlSmokeMethod::kMarch),
-          smokeAt(offset, false, GlSmokeMethod::kSplat),
+          smokeAt(offset, false, GlSmokeMethod::kProject),
           smokeAt(offset, true, GlSmokeMethod::kProject),
           fdsAt(offset, false),
           fdsAt(offset, true),
@@ -217,7 +217,7 @@ std::vector<Lamp> lampsAt(const Vec3& offset) {
 
 TEST_F(GlFarTest, SurfacesInSmokeAreLitAndHideWhatIsBehind) {
   for (const Vec3& offset : {Vec3(0, 0, 0), kFarOrigin}) {
-    const Thing thing = smokeAt(offset, true, GlSmokeMethod::kAuto);
+    const Thing thing = smokeAt(offset, true, GlSmokeMethod::kMarch);
     const TriangleScene geometry = surfacesAt(offset);
     const auto lights = lampsAt(offset);
     const SurfaceScene full{geometry, lights, Rgb(0.02, 0.03, 0.04), {&thing.medium, 1}};
@@ -303,7 +303,7 @@ TEST_F(GlFarTest, LevelsOfDetailAndLenses) {
           << (parallel ? "parallel, " : "pinhole, ") << sizes << " sizes away";
     }
   }
-  const Thing smoke = smokeAt(kFarOrigin, true, GlSmokeMethod::kAuto);
+  const Thing smoke = smokeAt(kFarOrigin, true, GlSmokeMethod::kMarch);
   const Box3 bounds = smoke.medium.bounds();
   for (const double sizes : kDistances) {
     if (sizes > 1e4)
@@ -351,7 +351,7 @@ TEST_F(GlFarTest, SmallThingsInLargeOnes) {
       *FogMap::fromCoefficients(scaled, {.origin = Vec3(-1000, -1000, -30), .cell = 50});
   const FogMedium fog =
       *FogMedium::make(map, *FogProfile::slab(0, 60), {.degree = 2, .color = Rgb(0.7, 0.8, 0.9)});
-  const Thing smoke = smokeAt(Vec3(300, 200, 0), true, GlSmokeMethod::kAuto);
+  const Thing smoke = smokeAt(Vec3(300, 200, 0), true, GlSmokeMethod::kMarch);
   GlScene scene = smoke.scene;
   scene.parts.push_back(glPart(GlFog{fog}));
   const std::vector<AnyMedium> both{AnyMedium(fog), smoke.medium};

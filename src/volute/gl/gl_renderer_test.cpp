@@ -201,8 +201,7 @@ TEST_F(GlRendererTest, EveryWayToDrawSmokeIsTheReference) {
       const double middle = (medium.bounds().centre() - camera.eye()).norm();
       for (std::size_t i = 0; i < wall.size(); i += 2)
         wall[i] = static_cast<float>(middle * (0.7 + 0.0005 * double(i % 999)));
-      for (const auto method :
-           {GlSmokeMethod::kMarch, GlSmokeMethod::kSplat, GlSmokeMethod::kProject}) {
+      for (const auto method : {GlSmokeMethod::kMarch, GlSmokeMethod::kProject}) {
         (void)renderer_->takePasses();
         const GlScene scene{{smoke.onDevice(method)}};
         EXPECT_LE(errorOf(camera, scene, {&medium, 1}, {.background = Rgb(0.3, 0.5, 0.1)}, wall),
@@ -210,10 +209,7 @@ TEST_F(GlRendererTest, EveryWayToDrawSmokeIsTheReference) {
             << "lit " << lit << ", method " << int(method) << ", eye " << camera.eye().transpose();
         const auto passes = renderer_->takePasses();
         const bool lens = !camera.distortion().none();
-        const char* pass = lens || method == GlSmokeMethod::kMarch ? "march"
-                           : method == GlSmokeMethod::kProject     ? "draw tetrahedra"
-                           : lit                                   ? "march"
-                                                                   : "splat";
+        const char* pass = lens || method == GlSmokeMethod::kMarch ? "march" : "draw tetrahedra";
         EXPECT_TRUE(std::ranges::any_of(passes, [&](const GlPassTime& time) {
           return time.name == pass && time.media == "smoke";
         })) << pass;
@@ -236,65 +232,6 @@ TEST_F(GlRendererTest, SmokeInAHallThatRaysLeaveAndReEnter) {
               kBar);
   }
   EXPECT_LE(errorOf(inside, {{smoke.onDevice()}}, {&medium, 1}, {}, wall), kBar);
-}
-
-/// Rays that lie in planes of the mesh's boundary and in those between its cells.
-TEST_F(GlRendererTest, TheSplatKnowsRaysInPlanesOfTheMesh) {
-  const auto box = boxMesh({Vec3(0, 0, 0), Vec3(2, 1, 1)}, {6, 4, 4}, 0, 5);
-  Smoke smoke(box, false, 0);
-  std::ranges::fill(smoke.extinction, 0.9F);
-  const AnyMedium medium = smoke.medium();
-  const GlScene scene{{smoke.onDevice(GlSmokeMethod::kSplat)}};
-  constexpr int kSide = 33;  // pixels, the outermost ones' rays in the boundary
-  const RenderOptions depths{.aov = Aov::kOpticalDepth};
-  for (const int axis : {0, 1, 2}) {
-    const Vec3 centre = medium.bounds().centre(), along = Vec3::Unit(axis);
-    const Camera camera =
-        Camera::orthographic({centre - 3 * along, centre}, kSide / 32.0, kSide, kSide);
-    const Image image = renderer_->render(camera, scene, depths, quiet_).value();
-    const Image expected =
-        render(camera, {&medium, 1}, {.renderer = Renderer::kReference, .aov = Aov::kOpticalDepth},
-               quiet_)
-            .value();
-    int different = 0, seen = 0;
-    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-      seen += expected.pixels[i] > 0.5F;
-      different += std::abs(image.pixels[i] - expected.pixels[i]) > 1e-4;
-    }
-    EXPECT_EQ(different, 0) << "axis " << axis;
-    EXPECT_GT(seen, kSide * kSide / 2);
-  }
-}
-
-/// From inside, tets that cross the eye's plane are not drawn all over the picture.
-TEST_F(GlRendererTest, TheSplatFromInsideDrawsLittleMoreThanItsTetrahedra) {
-  if (!epoxy_has_gl_extension("GL_ARB_pipeline_statistics_query"))
-    GTEST_SKIP() << "this driver does not count fragments";
-  const Smoke smoke(hallMesh(1.2, 3), false, 0.1);
-  const TetMesh& mesh = smoke.locator->mesh();
-  const Box3 hall = smoke.medium().bounds();
-  const Camera camera = Camera::pinhole({hall.min + Vec3(2.3, 6.1, 1.7), hall.max - Vec3(1, 4, 3)},
-                                        60, kWidth, kHeight);
-  std::int64_t crossing = 0;
-  for (const Tet& tet : mesh.tets()) {
-    int before = 0;
-    for (const std::int32_t v : tet)
-      before += (mesh.vertices()[v] - camera.eye()).dot(camera.forward()) > 0;
-    crossing += before > 0 && before < 4;
-  }
-  GLuint name = 0;
-  glGenQueries(1, &name);
-  const GlQuery query(name);
-  glBeginQuery(GL_FRAGMENT_SHADER_INVOCATIONS_ARB, name);
-  EXPECT_LE(errorOf(camera, {{smoke.onDevice(GlSmokeMethod::kSplat)}}, std::vector{smoke.medium()},
-                    {.aov = Aov::kOpticalDepth}),
-            kBar);
-  glEndQuery(GL_FRAGMENT_SHADER_INVOCATIONS_ARB);
-  GLint64 drawn = 0;
-  glGetQueryObjecti64v(name, GL_QUERY_RESULT, &drawn);
-  ASSERT_GT(crossing, 100);
-  EXPECT_GT(drawn, kWidth * kHeight);
-  EXPECT_LT(drawn, 3 * crossing * kWidth * kHeight / 2);  // 2.4 of them otherwise, 1.1 so
 }
 
 TEST_F(GlRendererTest, SmokeVolumeAndFogOverlap) {

@@ -75,8 +75,7 @@ TEST_F(GlReuseTest, SlidersOfColorsAndOfVolumesLinkOnce) {
 TEST_F(GlReuseTest, WhatHasNotChangedStaysOnTheDevice) {
   const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {4, 3, 3}, 0.2, 1), true, 2);
   const Camera camera = Camera::framing(smoke.medium().bounds(), kWidth, kHeight);
-  for (const auto method :
-       {GlSmokeMethod::kMarch, GlSmokeMethod::kSplat, GlSmokeMethod::kProject}) {
+  for (const auto method : {GlSmokeMethod::kMarch, GlSmokeMethod::kProject}) {
     const RenderOptions depths{.aov = Aov::kOpticalDepth};
     const GlScene scene{{smoke.onDevice(method)}};
     const GlScene changed = scene.scaled(2);
@@ -103,16 +102,6 @@ TEST_F(GlReuseTest, WhatHasNotChangedStaysOnTheDevice) {
     EXPECT_EQ(later[1], GlCounts::value_type("uploads", counts[1].second + 1)) << "the fields";
     EXPECT_EQ(later[2], GlCounts::value_type("pictures", counts[2].second + 2));
   }
-}
-
-/// The light of smoke, by the march, and its depths up to signs, by the splat, again and again.
-TEST_F(GlReuseTest, WaysToDrawOneMediumLeaveEachOtherOnTheDevice) {
-  const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {4, 3, 3}, 0.2, 1), true, 2);
-  const GlScene scene{{smoke.onDevice()}};
-  EXPECT_GT(timesFor(scene, "upload"), 0);
-  EXPECT_GT(timesFor(scene, "upload", {.aov = Aov::kOpticalDepth}), 0);
-  EXPECT_EQ(timesFor(scene, "upload"), 0);
-  EXPECT_EQ(timesFor(scene, "upload", {.aov = Aov::kOpticalDepth}), 0);
 }
 
 TEST_F(GlReuseTest, SunsAreUploadedOnce) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volute/gl/depth_splat.hpp"
 #include "volute/gl/face_tree.hpp"
 #include "volute/gl/gl_part.hpp"
 #include "volute/gl/glsl_sources.hpp"
@@ -114,24 +113,13 @@ Result<GlSmokeFields> makeSmokeFields(const GlSmoke& smoke) {
   return made;
 }
 
-/// In sizes of the mesh: from farther eyes the rasterised ways, whose places are floats from the
+/// In sizes of the mesh: from farther eyes projected tetrahedra, whose places are floats from the
 /// eye, are off by more than 5e-4 of the brightest, and smoke is marched.
 constexpr double kFarthestSizes = 300;
 
 bool isFar(const TetMesh& mesh, const Camera& camera) {
   const Box3 box = mesh.bounds();
   return (camera.eye() - box.centre()).norm() > kFarthestSizes * box.size().norm();
-}
-
-/// How a smoke is drawn alone, once kAuto is decided.
-GlSmokeMethod methodFor(const GlSmoke& smoke, const Camera& camera, GlQuantity quantity) {
-  if (!camera.distortion().none() || isFar(smoke.locator->mesh(), camera))
-    return GlSmokeMethod::kMarch;
-  if (smoke.method == GlSmokeMethod::kProject)
-    return GlSmokeMethod::kProject;
-  const bool black = smoke.source.empty() || quantity == GlQuantity::kOpticalDepth;
-  return black && smoke.method != GlSmokeMethod::kMarch ? GlSmokeMethod::kSplat
-                                                        : GlSmokeMethod::kMarch;
 }
 
 class SmokePart final : public GlPart {
@@ -154,14 +142,7 @@ class SmokePart final : public GlPart {
   }
 
   Status drawAlone(const GlPicture& picture, const GlTarget& target) const override {
-    switch (methodFor(smoke_, picture.camera, target.quantity)) {
-      case GlSmokeMethod::kSplat:
-        return splat(picture, target);
-      case GlSmokeMethod::kProject:
-        return project(picture, target);
-      default:
-        return GlPart::drawAlone(picture, target);
-    }
+    return isProjected(picture) ? project(picture, target) : GlPart::drawAlone(picture, target);
   }
 
   std::shared_ptr<const GlPart> scaled(double factor) const override {
@@ -173,25 +154,18 @@ class SmokePart final : public GlPart {
  private:
   std::shared_ptr<const TetMesh> mesh() const { return {smoke_.locator, &smoke_.locator->mesh()}; }
 
-  Status splat(const GlPicture& picture, const GlTarget& target) const;
+  bool isProjected(const GlPicture& picture) const {
+    const bool software = !picture.resources.device.hardware;
+    const bool asked = smoke_.method == GlSmokeMethod::kProject ||
+                       (smoke_.method == GlSmokeMethod::kAuto && software);
+    return asked && picture.camera.distortion().none() &&
+           !isFar(smoke_.locator->mesh(), picture.camera);
+  }
+
   Status project(const GlPicture& picture, const GlTarget& target) const;
 
   GlSmoke smoke_;
 };
-
-Status SmokePart::splat(const GlPicture& picture, const GlTarget& target) const {
-  GlResources& resources = picture.resources;
-  VOLUTE_ASSIGN(const auto made, resources.upload<DepthSplat>(smoke_.locator, name(), [&] {
-    return DepthSplat::create(mesh());
-  }));
-  if (!made->holds(smoke_.extinction))
-    resources.passes.run("upload", name(), [&] { made->setExtinction(smoke_.extinction); });
-  return resources.passes.run("splat", name(), [&] {
-    const float nothing[4] = {};
-    glClearTexImage(target.picture, 0, GL_RGBA, GL_FLOAT, nothing);
-    return made->add(picture.camera, target.rays.opaque, target.picture);
-  });
-}
 
 Status SmokePart::project(const GlPicture& picture, const GlTarget& target) const {
   GlResources& resources = picture.resources;
@@ -211,9 +185,10 @@ Status SmokePart::project(const GlPicture& picture, const GlTarget& target) cons
     runOver(*resolve, picture.camera.width(), picture.camera.height());
   });
   const TetProjectorCounts& tets = made->counts();
-  resources.counts["projected_tetrahedra"] = {
-      {"sorts", tets.sorts},         {"uploads", tets.uploads}, {"pictures", tets.pictures},
-      {"triangles", tets.triangles}, {"cycles", tets.cycles},   {"parts", tets.parts}};
+  resources.counts["projected_tetrahedra"] = {{"sorts", tets.sorts},
+                                              {"uploads", tets.uploads},
+                                              {"pictures", tets.pictures},
+                                              {"triangles", tets.triangles}};
   return {};
 }
 

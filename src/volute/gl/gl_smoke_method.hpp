@@ -7,9 +7,8 @@ namespace volute {
 /// How a smoke is drawn that is alone in its picture. One among other media is marched with them,
 /// and so is any under a camera with a lens.
 enum class GlSmokeMethod {
-  kAuto,     ///< black smoke and optical depths by the splat, light by the march
-  kMarch,    ///< from face to face, in a compute shader
-  kSplat,    ///< DepthSplat: transmittance alone; light is marched
+  kAuto,   ///< kProject where the CPU rasterises, which is several times as fast there; else kMarch
+  kMarch,  ///< from face to face, in a compute shader
   kProject,  ///< TetProjector, for drivers whose compute shaders are slow
 };
 

@@ -146,7 +146,7 @@ struct Smoke {
     }
   }
 
-  std::shared_ptr<const GlPart> onDevice(GlSmokeMethod method = GlSmokeMethod::kAuto) const {
+  std::shared_ptr<const GlPart> onDevice(GlSmokeMethod method = GlSmokeMethod::kMarch) const {
     return glPart(GlSmoke{locator, extinction, source, method});
   }
 

@@ -16,8 +16,6 @@ extern const char* const kVolumeTree;
 extern const char* const kFogCells;
 extern const char* const kFds;
 extern const char* const kSmoke;
-extern const char* const kSplatVertex;
-extern const char* const kSplatFragment;
 extern const char* const kResolve;
 extern const char* const kTriangles;
 extern const char* const kSurfacesHit;

@@ -4,12 +4,12 @@
 
 namespace volute {
 
-std::array<double, 4> eyeShares(const TetMesh& mesh, std::int32_t tet, const TetEye& eye) {
-  if (!eye.orthographic)
-    return mesh.shares(tet, eye.point);
+std::array<double, 4> eyeShares(const TetMesh& mesh, std::int32_t tet, const ViewOrigin& view) {
+  if (!view.orthographic)
+    return mesh.shares(tet, view.eye);
   std::array<double, 4> shares{};
   const auto slopes = mesh.slopes(tet);
-  for (int i = 0; i < 4; ++i) shares[i] = -slopes[i].dot(eye.forward);
+  for (int i = 0; i < 4; ++i) shares[i] = -slopes[i].dot(view.forward);
   return shares;
 }
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "volute/gl/tet_sort.hpp"
+#include "volute/tetmesh/visibility_order.hpp"
 
 namespace volute {
 
@@ -31,6 +31,6 @@ struct ProjectedTet {
 ProjectedTet projectTet(const std::array<double, 4>& eyeShares);
 
 /// What projectTet() asks for.
-std::array<double, 4> eyeShares(const TetMesh& mesh, std::int32_t tet, const TetEye& eye);
+std::array<double, 4> eyeShares(const TetMesh& mesh, std::int32_t tet, const ViewOrigin& view);
 
 }  // namespace volute

@@ -71,8 +71,9 @@ struct TetProjector::State {
   GlTexture placesTexture, tetsTexture, outlinesTexture, fieldsTexture;  // of these buffers
   GLint gridBits = 4;  // of the rasteriser: a pixel has 2^gridBits places along each axis
 
-  std::optional<TetEye> eye;  // of the sort and the projection
-  TetOrder order;
+  FacePlanes faces;
+  std::optional<ViewOrigin> eye;    // of the sort and the projection
+  std::vector<std::int32_t> order;  // front to back
   std::vector<std::uint16_t> seen;  // outlines
   std::vector<Texel> smoke;         // extinction and source of each vertex
   std::vector<char> dark;           // tets without smoke
@@ -84,10 +85,13 @@ struct TetProjector::State {
   std::vector<std::uint32_t> drawn;  // indices
 
   State(std::shared_ptr<const TetMesh> of, GlProgram tetProgram, GlProgram wallProgram)
-      : mesh(std::move(of)), tets(std::move(tetProgram)), wall(std::move(wallProgram)) {}
+      : mesh(std::move(of)),
+        tets(std::move(tetProgram)),
+        wall(std::move(wallProgram)),
+        faces(*mesh) {}
 
   void makeObjects();
-  void project(const TetEye& from);
+  void project(const ViewOrigin& from);
   void fillIndices(TetBlend order);
   void resize(const Camera& camera, TetTarget wanted);
   void setOpaque(std::span<const float> opaqueDepth);
@@ -121,15 +125,14 @@ void TetProjector::State::makeObjects() {
 }
 
 /// Sorts and projects for an eye: places of all vertices from it, and the tets' outlines.
-void TetProjector::State::project(const TetEye& from) {
-  order = sortTets(*mesh, from);
+void TetProjector::State::project(const ViewOrigin& from) {
+  order = visibilityOrder(*mesh, faces, from);
   eye = from;
   ++counts.sorts;
-  counts.cycles = order.cycles, counts.parts = order.parts;
   std::vector<Texel> points;
   points.reserve(mesh->vertices().size());
   for (const Vec3& vertex : mesh->vertices()) {
-    const Eigen::Vector3f place = (vertex - from.point).cast<float>();
+    const Eigen::Vector3f place = (vertex - from.eye).cast<float>();
     points.push_back({place.x(), place.y(), place.z(), 1});
   }
   seen.resize(mesh->tets().size());
@@ -153,15 +156,15 @@ void TetProjector::State::fillIndices(TetBlend wanted) {
   };
   const std::uint16_t eyeInside = packed({});
   std::vector<std::int32_t> around;
-  for (const std::int32_t t : order.tets) {
+  for (const std::int32_t t : order) {
     if (!dark[t] && seen[t] == eyeInside)
       around.push_back(t);
   }
   if (wanted == TetBlend::kFrontToBack)
     std::ranges::for_each(around, add);
-  const std::size_t count = order.tets.size();
+  const std::size_t count = order.size();
   for (std::size_t i = 0; i < count; ++i) {
-    const std::int32_t t = order.tets[wanted == TetBlend::kBackToFront ? i : count - 1 - i];
+    const std::int32_t t = order[wanted == TetBlend::kFrontToBack ? i : count - 1 - i];
     if (!dark[t] && seen[t] != eyeInside)
       add(t);
   }
@@ -290,7 +293,7 @@ Status TetProjector::draw(const Camera& camera, std::span<const float> opaqueDep
                           const TetProjectorOptions& options, GlPasses& passes) {
   State& state = *state_;
   VOLUTE_ASSIGN(const auto view, RasterView::of(camera, state.mesh->bounds()));
-  const TetEye eye = TetEye::of(camera);
+  const ViewOrigin eye = ViewOrigin::of(camera);
   state.resize(camera, options.target);
   passes.run("sort and project", "smoke", [&] {
     if (!state.eye || !(*state.eye == eye))

@@ -33,14 +33,12 @@ struct TetProjectorOptions {
   bool cutAtWalls = true;
 };
 
-/// What a TetProjector has done, and what its last sort said.
+/// What a TetProjector has done.
 struct TetProjectorCounts {
   std::int64_t sorts = 0;    ///< and projections; none while the eye stays
   std::int64_t uploads = 0;  ///< of vertices, their smoke, and indices
   std::int64_t pictures = 0;
   std::int64_t triangles = 0;  ///< of the last picture
-  std::int64_t cycles = 0;     ///< TetOrder::cycles
-  std::int32_t parts = 0;      ///< TetOrder::parts
 };
 
 /// Smoke by the paper's projected tetrahedra (Staubli et al. 2005, section 4): vertex and fragment

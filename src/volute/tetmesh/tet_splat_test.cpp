@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "volute/base/parallel.hpp"
@@ -295,6 +296,42 @@ TEST(VisibilityOrder, PutsNeighboursBehindEachOther) {
     }
     EXPECT_EQ(wrong, 0);
   }
+}
+
+/// A ring of prisms whose common sides all lean the same way, each cut in six around a diagonal:
+/// seen along its axis, each prism hides the next.
+std::shared_ptr<const TetMesh> leaningRing(int sides) {
+  std::vector<Vec3> vertices;
+  for (const int level : {0, 1}) {
+    for (int side = 0; side < sides; ++side) {
+      const double turn = 2 * std::numbers::pi * (side + 0.4 * level) / sides;
+      for (const double radius : {1.0, 0.5})
+        vertices.push_back({radius * std::cos(turn), radius * std::sin(turn), 1.0 * level});
+    }
+  }
+  std::vector<Tet> tets;
+  for (int side = 0; side < sides; ++side) {
+    int axes[] = {0, 1, 2};
+    do {
+      int at[3] = {0, 0, 0};
+      const auto vertex = [&] { return 2 * (at[2] * sides + (side + at[0]) % sides) + at[1]; };
+      Tet tet{vertex()};
+      for (int i = 0; i < 3; ++i) {
+        at[axes[i]] = 1;
+        tet[i + 1] = vertex();
+      }
+      tets.push_back(tet);
+    } while (std::next_permutation(axes, axes + 3));
+  }
+  return TetMesh::build(vertices, tets, "ring").value();
+}
+
+TEST(VisibilityOrder, HasEachTetOfACycleOnce) {
+  const auto ring = leaningRing(7);
+  auto order = visibilityOrder(*ring, FacePlanes(*ring), {Vec3(0, 0, 40), Vec3(0, 0, -1), true});
+  std::ranges::sort(order);
+  ASSERT_EQ(order.size(), ring->tets().size());
+  for (std::size_t t = 0; t < order.size(); ++t) EXPECT_EQ(order[t], static_cast<std::int32_t>(t));
 }
 
 TEST(VisibilityOrder, HasTheNearFirstAndDependsOnNoThreads) {

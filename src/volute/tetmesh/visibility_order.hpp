@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "volute/camera/camera.hpp"
 #include "volute/tetmesh/face_planes.hpp"
 
 namespace volute {
@@ -13,6 +14,11 @@ namespace volute {
 struct ViewOrigin {
   Vec3 eye = Vec3::Zero(), forward = Vec3::UnitX();
   bool orthographic = false;
+
+  static ViewOrigin of(const Camera& camera) {
+    const bool parallel = camera.isOrthographic();
+    return {camera.eye(), parallel ? camera.forward() : Vec3(Vec3::UnitX()), parallel};
+  }
 
   bool operator==(const ViewOrigin&) const = default;
 };

@@ -330,8 +330,8 @@ std::vector<Option> renderOptionTable() {
        .help = "renderer; auto: gl with a suitable graphics card, else cpu",
        .initial = "auto",
        .choices = {"auto", "cpu", "gl", "reference"}},
-      smokeMethodOption(": march from face to face, splat all tetrahedra (lit smoke is marched "
-                        "anyway), or projected tetrahedra; auto: splat without light, else march",
+      smokeMethodOption(": march from face to face, or projected tetrahedra; auto: projected on a "
+                        "rasteriser that runs on the CPU, else march",
                         {"smoke", kSceneKind}),
       {.name = "volume-method",
        .kind = kChoice,
