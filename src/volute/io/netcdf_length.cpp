@@ -149,8 +149,8 @@ Status checkNetcdfLength(const std::filesystem::path& path) {
   const int version = text[3];
   if (!text.starts_with("CDF") || (version != 1 && version != 2 && version != 5)) {
     return fail(file.size() < magic.size() ? ErrorCode::kTruncated : ErrorCode::kInvalidData,
-                "{}: is no Exodus file: it begins with neither CDF (netCDF classic) nor the "
-                "signature of HDF5 (netCDF-4)",
+                "{}: begins with neither CDF (netCDF classic) nor the signature of HDF5; expected "
+                "a netCDF, Exodus or HDF5 file",
                 path.string());
   }
   const Header header(file, version);

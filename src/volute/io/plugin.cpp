@@ -186,4 +186,9 @@ Result<const StillPlugin*> loadTiffPlugin() {
                            "VOLUTE_WITH_TIFF");
 }
 
+Result<const ArrayPlugin*> loadArrayPlugin() {
+  return load<ArrayPlugin>(VOLUTE_HAS_GDAL, "volute_io_gdal", "voluteArrayPlugin", "GDAL",
+                           "VOLUTE_WITH_GDAL");
+}
+
 }  // namespace volute

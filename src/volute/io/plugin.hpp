@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/io/array_file.hpp"
 #include "volute/io/film.hpp"
 #include "volute/io/lattice.hpp"
 #include "volute/io/mesh.hpp"
@@ -26,6 +27,7 @@ namespace volute {
 [[nodiscard]] Result<const SurfacePlugin*> loadGltfPlugin();
 [[nodiscard]] Result<const FilmPlugin*> loadFilmPlugin();
 [[nodiscard]] Result<const StillPlugin*> loadTiffPlugin();
+[[nodiscard]] Result<const ArrayPlugin*> loadArrayPlugin();
 
 /// What `function` of another plug-in, lib/volute/NAME.so, returns, of whatever build it is: what
 /// it returns must say. `library` is what it needs, for the error.

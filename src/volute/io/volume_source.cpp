@@ -6,6 +6,7 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/grid/rounding_source.hpp"
+#include "volute/io/array_file.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/grid_cache.hpp"
 #include "volute/io/lattice_source.hpp"
@@ -126,6 +127,8 @@ Result<std::unique_ptr<FrameSource>> openAny(const std::filesystem::path& input,
     VOLUTE_ASSIGN(const auto files, pattern.list(SubFrames::kAllowed));
     return openNpySequence(files, options);
   }
+  if (const auto array = namedArray(input))
+    return openArrayFile(*array, options);
   const bool folder = std::filesystem::is_directory(input, error);
   if (folder) {
     VOLUTE_ASSIGN(const auto kind, volumesIn(input));
@@ -139,7 +142,7 @@ Result<std::unique_ptr<FrameSource>> openAny(const std::filesystem::path& input,
   if (!vdb && !vtk) {
     return fail(ErrorCode::kUnsupported,
                 "{}: not a known kind of volume; expected .npy, .npz or .vdb (a file, a pattern or "
-                "a folder of them), .nvdb, .vti or .pvd",
+                "a folder of them), .nvdb, .vti, .pvd, or an array of .nc, .h5 or .zarr",
                 input.string());
   }
   VOLUTE_ASSIGN(auto files, listLatticeFiles(input));

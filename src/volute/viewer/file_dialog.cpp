@@ -24,8 +24,8 @@ extern char** environ;
 namespace volute {
 namespace {
 
-constexpr std::string_view kKnown[] = {".json", ".volute", ".vdb", ".nvdb", ".npy",
-                                       ".npz",  ".vti",    ".pvd", ".vtu",  ".smv",
+constexpr std::string_view kKnown[] = {".json", ".volute", ".vdb", ".nvdb", ".npy", ".npz",
+                                       ".nc",   ".h5",     ".vti", ".pvd",  ".vtu", ".smv",
                                        ".png",  ".exr",    ".yml", ".yaml", ".foam"};
 
 bool onPath(const std::string& program) {

@@ -135,7 +135,7 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
   if (!options.raw && isPicturePath(path)) {
     return fail(ErrorCode::kUnsupported,
                 "{}: this is a picture; expected a volume: .volute, .npy, .npz, .vdb, .vti, "
-                ".pvd or .smv",
+                ".pvd, .nc, .h5, .zarr or .smv",
                 path);
   }
   SourceOptions source;

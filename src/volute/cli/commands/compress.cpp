@@ -118,7 +118,8 @@ Command compressCommand() {
       .description =
           "Reads .npy and .npz of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c), of floats, integers or "
           "bool, a VDB "
-          "file, pattern or folder, .vti, .pvd, .volute, or, with --raw-size, files without a "
+          "file, pattern or folder, .vti, .pvd, an array of .nc, .h5 or .zarr (run.nc:soot), "
+          ".volute, or, with --raw-size, files without a "
           "header, and writes one .volute file. It keeps all grids of a VDB cache with their "
           "descriptions, each with an error relative to its own range, and those that hold no "
           "volume without loss; --size and --ratio are for "
@@ -141,10 +142,9 @@ Command compressCommand() {
           "values alike) is for numbers, about as near as those of 16-bit floats. Values of both "
           "signs "
           "are finest around 0: the surface of a level set, slow velocities, small differences.",
-      .positionals =
-          {{.name = "INPUT",
-            .help =
-                "a volume: .npy, .npz, .vdb, .nvdb, .vti, .pvd, .volute, a pattern or a folder"}},
+      .positionals = {{.name = "INPUT",
+                       .help = "a volume: .npy, .npz, .vdb, .nvdb, .vti, .pvd, .nc, .h5, .zarr, "
+                               ".volute, a pattern or a folder"}},
       .options =
           {outputOption("OUT.volute", "the file to write", ".volute"),
            {.name = "quality",
@@ -246,7 +246,7 @@ Command compressCommand() {
            {.name = "bounds",
             .kind = kBounds,
             .value = "X0,Y0,Z0,X1,Y1,Z1",
-            .help = "outer voxel faces [m]: sets those of a .npy or .npz, crops or pads others on "
+            .help = "outer voxel faces [m]: sets those of an array, crops or pads others on "
                     "the voxel grid"},
            {.name = "raw-size",
             .kind = kText,

@@ -131,10 +131,10 @@ Command projectCommand() {
           "capture.json, a NeRF transforms.json, the folder of a COLMAP model or an OpenCV .yml. "
           "A .npy with as many frames as the capture gets the capture's frame numbers. In a file "
           "with several grids, `emission` is used unless --field names another.",
-      .positionals =
-          {{.name = "VOLUME",
-            .help = "a volume: .volute, .npy, .npz, .vdb, .vti, .pvd, a pattern or a folder"},
-           {.name = "CAPTURE", .help = "the cameras"}},
+      .positionals = {{.name = "VOLUME",
+                       .help = "a volume: .volute, .npy, .npz, .vdb, .vti, .pvd, .nc, .h5, .zarr, "
+                               "a pattern or a folder"},
+                      {.name = "CAPTURE", .help = "the cameras"}},
       .options = std::move(options),
       .run = runProject};
 }

@@ -476,11 +476,11 @@ Command renderCommand() {
           "factor for all pictures, from the middle one, and prints it. Without --time and "
           "--frames, a film or a pattern shows all frames; a single still shows the first frame "
           "with visible content, for an FDS case a time with smoke in its rooms, for a scene 0 s.",
-      .positionals =
-          {{.name = "FILE",
-            .help = "a volume (.volute, .npy, .npz, .vdb, .nvdb, .vti, .pvd), smoke on a mesh "
-                    "(.vtu, .vtk, .pvd, .case, .e, "
-                    ".foam), an FDS case (.smv) or a scene (.json)"}},
+      .positionals = {{.name = "FILE",
+                       .help = "a volume (.volute, .npy, .npz, .vdb, .nvdb, .vti, .pvd, .nc, .h5, "
+                               ".zarr), smoke on a mesh "
+                               "(.vtu, .vtk, .pvd, .case, .e, "
+                               ".foam), an FDS case (.smv) or a scene (.json)"}},
       .options = renderOptionTable(),
       .oneOf = {{{"time", "frames"}, false},
                 {{"legend", "no-legend"}, false},

@@ -75,7 +75,8 @@ Command resampleCommand() {
                    "volute resample turned.vti -o straight.npy --bounds=-1,-1,0,1,1,4",
                    "volute resample fire.volute -o fitted.volute --like smoke_0001.vdb"},
       .description =
-          "Reads every kind of voxel file: .vdb, .nvdb, .volute, .npy, .npz, .vti and .pvd. All "
+          "Reads every kind of voxel file: .vdb, .nvdb, .volute, .npy, .npz, .vti, .pvd, .nc, .h5 "
+          "and .zarr. All "
           "grids "
           "that "
           "hold volumes are resampled, each on voxels of its own unless --matrix or --like states "

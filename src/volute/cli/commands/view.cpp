@@ -86,7 +86,8 @@ Command viewCommand() {
           "frame without a display, once everything is loaded.",
       .positionals =
           {{.name = "FILE",
-            .help = "a volume (.volute, .npy, .npz, .vdb, .vti, .pvd), smoke on a mesh (.vtu, "
+            .help = "a volume (.volute, .npy, .npz, .vdb, .vti, .pvd, .nc, .h5, .zarr), smoke on a "
+                    "mesh (.vtu, "
                     ".vtk, .pvd, .case, .e, .foam), an FDS case (.smv), a map of fog (.png, "
                     ".exr), a capture or a scene (.json); several are shown in one scene; without "
                     "one, drop "

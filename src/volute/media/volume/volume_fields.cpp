@@ -98,12 +98,12 @@ const FieldTable& volumeFields() {
   static const FieldRow kFields[] = {
       {.name = "file", .type = kFile, .access = member<&SceneVolume::file>(),
        .help = "a volume: .volute, .npy, .npz, .vdb, .nvdb, .vti, .pvd or .smv, or a pattern or folder of "
-       "numbered files", .required = true},
+       "numbered files; an array of .nc, .h5 or .zarr (run.nc:soot)", .required = true},
       {.name = "field", .type = kText,
        .access = member<&SceneVolume::input, &InputOptions::grid>(),
        .help = "grid or field of a file with several", .otherName = "grid", .option = {"NAME"}},
       {.name = "bounds", .type = kRows, .access = customMember<SceneVolume, boundsOf, setBounds>(),
-       .help = "two corners, the minimum first: states the extent of a .npy or .npz, crops or pads others",
+       .help = "two corners, the minimum first: states the extent of an array, crops or pads others",
        .unit = "m",
        .option = {"X0,Y0,Z0,X1,Y1,Z1"}},
       emissionField<&SceneVolume::appearance, true, hasNoTransfer>(),

@@ -1,0 +1,421 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <gdal_priv.h>
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "volute/base/number_type.hpp"
+#include "volute/io/array_file.hpp"
+#include "volute/io/grid_choice.hpp"
+#include "volute/io/unit.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kAxes = 5;  // t, z, y, x, c
+constexpr std::string_view kAxisNames[kAxes] = {"t", "z", "y", "x", "c"};
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// The axis that a dimension's name says; -1: none.
+int axisNamed(const std::string& name) {
+  static constexpr std::pair<std::string_view, int> kNames[] = {
+      {"t", 0}, {"time", 0}, {"z", 1},       {"height", 1}, {"altitude", 1}, {"y", 2},
+      {"x", 3}, {"c", 4},    {"channel", 4}, {"rgb", 4},    {"component", 4}};
+  const std::string small = lower(name);
+  const auto* known = std::ranges::find(kNames, small, &std::pair<std::string_view, int>::first);
+  return known == std::end(kNames) ? -1 : known->second;
+}
+
+/// What GDAL said of the last failure.
+std::string gdalSaid(std::string_view otherwise) {
+  const char* said = CPLGetLastErrorMsg();
+  return said && *said ? said : std::string(otherwise);
+}
+
+using ArrayPtr = std::shared_ptr<GDALMDArray>;
+
+/// All arrays below a group that may be volumes.
+void listArrays(const GDALGroup& group, const std::string& path, int depth,
+                std::vector<GridEntry>& entries, std::vector<ArrayPtr>& arrays) {
+  constexpr int kDeepest = 16;
+  constexpr std::size_t kMost = 10'000;
+  for (const std::string& name : group.GetMDArrayNames()) {
+    if (entries.size() >= kMost)
+      return;
+    const ArrayPtr array = group.OpenMDArray(name);
+    if (!array)
+      continue;
+    const std::size_t count = array->GetDimensionCount();
+    const GDALExtendedDataType& type = array->GetDataType();
+    const bool number =
+        type.GetClass() == GEDTC_NUMERIC && !GDALDataTypeIsComplex(type.GetNumericDataType());
+    if (count < 2)
+      continue;
+    entries.push_back({path + name, number ? std::to_string(count) + " axes" : "no numbers",
+                       number && count >= 3 && count <= kAxes});
+    arrays.push_back(array);
+  }
+  for (const std::string& name : group.GetGroupNames()) {
+    const auto inner = depth < kDeepest ? group.OpenGroup(name) : nullptr;
+    if (inner)
+      listArrays(*inner, path + name + "/", depth + 1, entries, arrays);
+  }
+}
+
+/// A coordinate's numbers in a unit; nothing where the dimension has none.
+/// @param beside  an array of the dimension's name beside the one that is read; may be null
+Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const ArrayPtr& beside,
+                                         const std::string& file, std::string_view unit,
+                                         bool& since) {
+  constexpr std::uint64_t kMost = 100'000'000;
+  ArrayPtr array = dimension.GetIndexingVariable();
+  if (!array && beside && beside->GetDimensionCount() == 1 &&
+      beside->GetDimensions()[0]->GetSize() == dimension.GetSize())
+    array = beside;
+  if (!array || array->GetDimensionCount() != 1 || dimension.GetSize() > kMost ||
+      array->GetDataType().GetClass() != GEDTC_NUMERIC)
+    return std::vector<double>();
+  const ArrayPtr numbers = array->GetUnscaled();
+  std::vector<double> values(static_cast<std::size_t>(dimension.GetSize()));
+  const GUInt64 start = 0;
+  const std::size_t count = values.size();
+  if (!numbers || !numbers->Read(&start, &count, nullptr, nullptr,
+                                 GDALExtendedDataType::Create(GDT_Float64), values.data())) {
+    return fail(ErrorCode::kInvalidData, "{}: the coordinate '{}' cannot be read: {}", file,
+                array->GetName(), gdalSaid("the file is damaged"));
+  }
+  std::string stated = array->GetUnit();
+  const std::size_t from = stated.find(" since ");
+  since = from != stated.npos;
+  if (since)
+    stated.resize(from);
+  if (stated == "days" || stated == "day") {
+    for (double& value : values) value *= 24;
+    stated = "h";
+  }
+  if (stated.empty())
+    return values;
+  const auto change = unitChange(stated, unit);
+  if (!change) {
+    return fail(ErrorCode::kUnsupported, Hint::set("bounds"),
+                "{}: the coordinate '{}' is in '{}'; expected one in {}", file, array->GetName(),
+                stated, unit == "m" ? "metres, or bounds of your own" : "seconds");
+  }
+  for (double& value : values) value = (*change)(value);
+  return values;
+}
+
+class GdalReader final : public ArrayReader {
+ public:
+  Result<ArrayFacts> describe(const std::filesystem::path& path, const std::string& wanted,
+                              const std::string& usual, bool place) override {
+    file_ = path.string();
+    std::fill(std::begin(at_), std::end(at_), -1);
+    array_ = nullptr, root_ = nullptr;
+    CPLErrorReset();
+    static constexpr const char* kDrivers[] = {"netCDF", "HDF5", "Zarr", nullptr};
+    dataset_.reset(GDALDataset::Open(file_.c_str(), GDAL_OF_MULTIDIM_RASTER, kDrivers));
+    const auto root = dataset_ ? dataset_->GetRootGroup() : nullptr;
+    if (!root) {
+      return fail(ErrorCode::kInvalidData, "{}: no netCDF, HDF5 or Zarr file that can be read: {}",
+                  file_, gdalSaid("it is damaged or of another kind"));
+    }
+    std::vector<GridEntry> entries;
+    std::vector<ArrayPtr> arrays;
+    listArrays(*root, "", 0, entries, arrays);
+    const std::string bare = wanted.starts_with('/') ? wanted.substr(1) : wanted;
+    VOLUTE_ASSIGN(const std::size_t index,
+                  chooseGrid(entries, bare, file_,
+                             {"array", usual,
+                              "an array of numbers with three to five axes: z, y, x, with "
+                              "time before them or components after"}));
+    array_ = arrays[index];
+    root_ = root;
+    ArrayFacts facts;
+    entries[index].name.copy(facts.name, ArrayFacts::kMaxText);
+    array_->GetUnit().copy(facts.unit, ArrayFacts::kMaxText);
+    otherGrids(entries, index, ArrayFacts::kMaxText).copy(facts.others, ArrayFacts::kMaxText);
+    VOLUTE_TRY(settleAxes(facts));
+    const GDALDataType type = array_->GetDataType().GetNumericDataType();
+    bool known = false;
+    scale_ = array_->GetScale(&known);
+    if (!known)
+      scale_ = numberOf("scale_factor").value_or(1);
+    offset_ = array_->GetOffset(&known);
+    if (!known)
+      offset_ = numberOf("add_offset").value_or(0);
+    asFloats_ = type == GDT_Float32 && scale_ == 1 && offset_ == 0;
+    facts.rounded =
+        !asFloats_ && (GDALGetDataTypeSizeBytes(type) >= 4 || scale_ != 1 || offset_ != 0);
+    fill_ = array_->GetNoDataValueAsDouble(&known);
+    if (!known)
+      fill_ = numberOf("_FillValue").value_or(0);
+    if (fill_ == 0)  // what arrays begin with unless it is said
+      fill_ = std::numeric_limits<double>::quiet_NaN();
+    if (place)
+      VOLUTE_TRY(placeBy(facts));
+    VOLUTE_ASSIGN(const auto all, times());
+    facts.timed = !all.empty();
+    return facts;
+  }
+
+  Result<std::vector<double>> times() override {
+    if (at_[0] < 0)
+      return std::vector<double>();
+    const auto dimension = dimensionOf(0);
+    bool since = false;
+    VOLUTE_ASSIGN(auto times, coordinateOf(*dimension, besideOf(*dimension), file_, "s", since));
+    if (since && !times.empty()) {
+      const double first = times.front();
+      for (double& time : times) time -= first;
+    }
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      if (!std::isfinite(times[i]) || (i > 0 && !(times[i] > times[i - 1]))) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: the coordinate '{}' says {} s at {} of {}; expected times that ascend",
+                    file_, dimension->GetName(), times[i], i, times.size());
+      }
+    }
+    return times;
+  }
+
+  Status read(int frame, int firstLayer, int layers, std::span<float> values, double offset,
+              double& rounding) override {
+    if (!array_)
+      return fail(ErrorCode::kInvalidData, "{}: was not opened before", file_);
+    const std::size_t row = static_cast<std::size_t>(size_[2]) * size_[3] * size_[4];
+    if (layers < 1 || values.size() != row * static_cast<std::size_t>(layers))
+      return fail(ErrorCode::kInvalidData, "{}: {} layers were asked for", file_, layers);
+    // Doubles of some layers at once, in pieces that the file is packed in.
+    const std::size_t most = std::max<std::size_t>(1, (std::size_t{8} << 20) / row);
+    const auto blocks = array_->GetBlockSize();
+    const std::size_t packed = at_[1] >= 0 && static_cast<std::size_t>(at_[1]) < blocks.size()
+                                   ? std::max<std::size_t>(blocks[at_[1]], 1)
+                                   : 1;
+    const auto step = static_cast<int>(
+        asFloats_ ? layers
+                  : std::min<std::size_t>(std::max(most / packed * packed, std::min(packed, most)),
+                                          layers));
+    std::vector<double> doubles;
+    for (int done = 0; done < layers; done += step) {
+      const int some = std::min(step, layers - done);
+      const auto part = values.subspan(row * done, row * some);
+      if (asFloats_) {
+        VOLUTE_TRY(readPart(frame, firstLayer + done, some, GDT_Float32, part.data()));
+        std::ranges::replace(part, static_cast<float>(fill_),
+                             std::numeric_limits<float>::quiet_NaN());
+        continue;
+      }
+      doubles.resize(part.size());
+      VOLUTE_TRY(readPart(frame, firstLayer + done, some, GDT_Float64, doubles.data()));
+      for (double& number : doubles) {
+        number =
+            number == fill_ ? std::numeric_limits<double>::quiet_NaN() : scale_ * number + offset_;
+      }
+      constexpr bool kBig = std::endian::native == std::endian::big;
+      const auto beyond =
+          toFloats({NumberKind::kFloat64, kBig}, std::as_bytes(std::span(doubles)).data(),
+                   sizeof(double), part, rounding, offset);
+      if (beyond) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: the value {:g} is beyond float32, in which values are kept; expected at "
+                    "most 3.4e38: scale them",
+                    file_, *beyond);
+      }
+    }
+    return {};
+  }
+
+ private:
+  std::shared_ptr<GDALDimension> dimensionOf(int axis) const {
+    return array_->GetDimensions()[static_cast<std::size_t>(at_[axis])];
+  }
+
+  ArrayPtr besideOf(const GDALDimension& dimension) const {
+    const std::string path = array_->GetFullName();
+    return root_->OpenMDArrayFromFullname(path.substr(0, path.rfind('/') + 1) +
+                                          dimension.GetName());
+  }
+
+  /// An attribute that GDAL's drivers for HDF5 and Zarr leave to whoever asks.
+  std::optional<double> numberOf(const char* name) const {
+    const auto attribute = array_->GetAttribute(name);
+    if (!attribute || attribute->GetDataType().GetClass() != GEDTC_NUMERIC)
+      return std::nullopt;
+    return attribute->ReadAsDouble();
+  }
+
+  /// Which dimension is which axis.
+  Status settleAxes(ArrayFacts& facts) {
+    const auto& dimensions = array_->GetDimensions();
+    std::vector<std::size_t> rest;
+    std::string names, order;
+    for (std::size_t i = 0; i < dimensions.size(); ++i) {
+      const std::string& name = dimensions[i]->GetName();
+      names += (i > 0 ? ", " : "") + name;
+      const int axis = axisNamed(name);
+      if (axis < 0) {
+        rest.push_back(i);
+      } else if (at_[axis] >= 0) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: '{}' has the dimensions {}, of which two are {}; expected z, y and x once",
+                    file_, facts.name, names, kAxisNames[axis]);
+      } else {
+        at_[axis] = static_cast<int>(i);
+      }
+    }
+    // Those whose names say nothing, by their places.
+    std::vector<int> open;
+    for (const int axis : {1, 2, 3}) {
+      if (at_[axis] < 0)
+        open.push_back(axis);
+    }
+    const bool nameless = rest.size() == dimensions.size();
+    if (nameless && rest.size() >= 4)
+      open.insert(open.begin(), 0);
+    if (nameless && rest.size() == 5)
+      open.push_back(4);
+    if (open.size() != rest.size()) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: '{}' has the dimensions {}; expected z, y and x, with t (or time) and c (or "
+                  "channel) where there are any",
+                  file_, facts.name, names);
+    }
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      at_[open[i]] = static_cast<int>(rest[i]);
+      const std::string& name = dimensions[rest[i]]->GetName();
+      const bool numbered =
+          nameless && !name.empty() && std::isdigit(static_cast<unsigned char>(name.back()));
+      if (!numbered)  // those that a library made up
+        order += (order.empty() ? "" : ", ") + name + " is " + std::string(kAxisNames[open[i]]);
+    }
+    order.copy(facts.order, ArrayFacts::kMaxText);
+    for (int axis = 0; axis < kAxes; ++axis) {
+      const std::uint64_t size = at_[axis] < 0 ? 1 : dimensionOf(axis)->GetSize();
+      if (size > std::numeric_limits<std::int32_t>::max()) {
+        return fail(ErrorCode::kTooLarge, "{}: '{}' has {} elements along {}", file_, facts.name,
+                    size, kAxisNames[axis]);
+      }
+      size_[axis] = facts.size[axis] = static_cast<std::int32_t>(size);
+      backwards_[axis] = false;
+    }
+    return {};
+  }
+
+  /// Bounds by coordinates: voxels lie around them. Where they descend, the axis is read backwards.
+  Status placeBy(ArrayFacts& facts) {
+    constexpr double kRelative = 1e-3, kRounding = 1e-6;
+    std::array<double, 3> low{}, high{}, step{};
+    std::array<bool, 3> has{};
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 3; ++i) {
+      const auto dimension = dimensionOf(3 - i);
+      bool since = false;
+      VOLUTE_ASSIGN(const auto places,
+                    coordinateOf(*dimension, besideOf(*dimension), file_, "m", since));
+      if (places.empty())
+        continue;
+      has[i] = true;
+      const auto count = static_cast<double>(places.size());
+      const double mean = places.size() > 1 ? (places.back() - places.front()) / (count - 1) : 0;
+      const double far = std::max(std::abs(places.front()), std::abs(places.back()));
+      for (std::size_t k = 0; k < places.size(); ++k) {
+        const double expected = places.front() + mean * static_cast<double>(k);
+        if (!std::isfinite(places[k]) || (places.size() > 1 && mean == 0) ||
+            std::abs(places[k] - expected) > kRelative * std::abs(mean) + kRounding * far) {
+          return fail(ErrorCode::kUnsupported, Hint::set("bounds"),
+                      "{}: the coordinate '{}' is not evenly spaced: {} m at {} of {}, where even "
+                      "steps say {} m; interpolate the array to even voxels, or give bounds",
+                      file_, dimension->GetName(), places[k], k, places.size(), expected);
+        }
+      }
+      backwards_[3 - i] = mean < 0;
+      low[i] = std::min(places.front(), places.back()),
+      high[i] = std::max(places.front(), places.back());
+      step[i] = std::abs(mean);
+      if (step[i] > 0)
+        least = std::min(least, step[i]);
+    }
+    if (!has[0] && !has[1] && !has[2])
+      return {};
+    for (int i = 0; i < 3; ++i) {
+      if (!has[i]) {
+        return fail(ErrorCode::kUnsupported, Hint::set("bounds"),
+                    "{}: '{}' has coordinates, but none of {}; give bounds", file_, facts.name,
+                    dimensionOf(3 - i)->GetName());
+      }
+      const double half = 0.5 * (step[i] > 0 ? step[i] : std::isfinite(least) ? least : 1.0);
+      facts.bounds[i] = low[i] - half, facts.bounds[3 + i] = high[i] + half;
+    }
+    facts.placed = true;
+    return {};
+  }
+
+  /// Layers of a frame in the order z, y, x, c.
+  Status readPart(int frame, int first, int layers, GDALDataType type, void* values) const {
+    const int begin[kAxes] = {frame, first, 0, 0, 0};
+    const int count[kAxes] = {1, layers, size_[2], size_[3], size_[4]};
+    const std::ptrdiff_t stride[kAxes] = {0, std::ptrdiff_t{size_[2]} * size_[3] * size_[4],
+                                          std::ptrdiff_t{size_[3]} * size_[4], size_[4], 1};
+    GUInt64 starts[kAxes];
+    std::size_t counts[kAxes];
+    GInt64 steps[kAxes];
+    GPtrDiff_t strides[kAxes];
+    for (int axis = 0; axis < kAxes; ++axis) {
+      if (at_[axis] < 0)
+        continue;
+      const auto i = static_cast<std::size_t>(at_[axis]);
+      starts[i] =
+          static_cast<GUInt64>(backwards_[axis] ? size_[axis] - 1 - begin[axis] : begin[axis]);
+      counts[i] = static_cast<std::size_t>(count[axis]);
+      steps[i] = backwards_[axis] ? -1 : 1;
+      strides[i] = static_cast<GPtrDiff_t>(stride[axis]);
+    }
+    CPLErrorReset();
+    if (array_->Read(starts, counts, steps, strides, GDALExtendedDataType::Create(type), values))
+      return {};
+    return fail(ErrorCode::kInvalidData, "{}: frame {} cannot be read: {}", file_, frame,
+                gdalSaid("the file is damaged"));
+  }
+
+  std::string file_;
+  std::unique_ptr<GDALDataset> dataset_;
+  std::shared_ptr<GDALGroup> root_;
+  ArrayPtr array_;
+  bool asFloats_ = false;
+  double scale_ = 1, offset_ = 0, fill_ = 0;  // of the stored numbers
+  int at_[kAxes] = {};                        // the dimension of each axis; -1: it has none
+  std::int32_t size_[kAxes] = {};
+  bool backwards_[kAxes] = {};
+};
+
+}  // namespace
+}  // namespace volute
+
+extern "C" const volute::ArrayPlugin* voluteArrayPlugin() {
+  using namespace volute;
+  // One thread, no files beside the one that is read, and no locks on that.
+  CPLSetConfigOption("GDAL_NUM_THREADS", "1");
+  CPLSetConfigOption("GDAL_DRIVER_PATH", "disable");
+  CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
+  ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
+  CPLSetErrorHandler(CPLQuietErrorHandler);
+  GDALAllRegister();
+  static constexpr ArrayPlugin kPlugin{
+      []() -> std::unique_ptr<ArrayReader> { return std::make_unique<GdalReader>(); }};
+  return &kPlugin;
+}
