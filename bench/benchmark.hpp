@@ -72,7 +72,6 @@ struct Benchmark {
 std::span<const Benchmark> benchmarks();
 
 [[nodiscard]] Status benchCodec(const BenchInput& input, BenchRows& rows, Progress& progress);
-[[nodiscard]] Status benchFds(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchFog(const BenchInput& input, BenchRows& rows, Progress& progress);
 /// In builds with OpenGL.
 [[nodiscard]] Status benchGl(const BenchInput& input, BenchRows& rows, Progress& progress);

@@ -10,14 +10,8 @@ std::span<const Benchmark> benchmarks() {
        "files at equal relative RMS: sizes against Volute's; speeds of one thread, per second of "
        "CPU time, against zfp 4D's (of all threads, per second, against one)",
        benchCodec},
-      {"fds",
-       "an FDS case of 100 meshes and 5 million cells: opening, and sight lines against a plain "
-       "loop",
-       benchFds},
       {"fog", "painted fog over a valley: exact walk, polar table, details, one thread", benchFog},
-      {"tomography",
-       "reconstruction of a made-up fire from 8 views: quality of the methods, and speed against "
-       "a sparse matrix",
+      {"tomography", "reconstruction of a made-up fire from 8 views: quality of the methods",
        benchTomography},
       {"smoke",
        "smoke on tetrahedra, steady and new, eye fixed and turning or moving, with an exit sign "

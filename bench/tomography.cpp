@@ -8,7 +8,6 @@
 #include "bench/benchmark.hpp"
 #include "bench/timing.hpp"
 #include "bench/tomography_scenes.hpp"
-#include "bench/tomography_speed.hpp"
 #include "volute/capture/open_capture.hpp"
 #include "volute/tomography/project.hpp"
 #include "volute/tomography/reconstruct.hpp"
@@ -148,7 +147,6 @@ Status addNoiseAnd8Bit(const FilmedScene& scene, double sigma, Progress& progres
 
 Status benchMadeUp(bool quick, BenchRows& rows, Progress& progress) {
   VOLUTE_ASSIGN(const FilmedScene fire, filmMadeUp(SynthKind::kFire, progress));
-  for (int rays : {1, 4}) addProjectorSpeed(fire, rays, rows);
   VOLUTE_TRY(addMethods(fire, false, quick, progress, rows));
   VOLUTE_TRY(addNoiseAnd8Bit(fire, 0.02 * fire.brightest(), progress, rows));
   VOLUTE_ASSIGN(const FilmedScene smoke, filmMadeUp(SynthKind::kSmoke, progress));
@@ -225,7 +223,6 @@ Status benchCapture(const BenchInput& input, BenchRows& rows, Progress& progress
                   filmCapture(capture, frame, input.truth, input.grid, input.maxMemory, progress));
     addPictures(scene, rows);
     if (frame == capture.frames.front()) {
-      for (int rays : {1, 4}) addProjectorSpeed(scene, rays, rows);
       VOLUTE_TRY(addMethods(scene, false, input.quick, progress, rows));
       VOLUTE_TRY(addHeldOut(scene, progress, rows));
       VOLUTE_TRY(addNoiseAnd8Bit(scene, kNoise, progress, rows));
