@@ -14,6 +14,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     volute::fuzz::require(image->pixels.size() ==
                           std::size_t(image->width) * image->height * image->channels);
   }
-  (void)volute::readImageNotes(file);
   return 0;
 }

@@ -58,7 +58,6 @@ class CaptureImages {
   [[nodiscard]] Result<CameraPicture> read(std::size_t camera, int frame);
 
   /// True when the camera's pictures have something subtracted.
-  bool hasBackground(std::size_t camera) const { return !backgrounds_[camera].pixels.empty(); }
 
  private:
   /// A picture as it is stored, 1 = white, before anything is made of it.

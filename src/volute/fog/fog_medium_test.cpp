@@ -133,7 +133,7 @@ TEST_P(FogCases, MergedLevelsAreTheSumOfNestedDetails) {
   constexpr double kDistance = 20;
   const SplineGrid map = fogtest::map(18, 15);
   std::mt19937 random(3);
-  for (Restriction restriction : {Restriction::kFullWeighting, Restriction::kLeastSquares}) {
+  for (Restriction restriction : {Restriction::kFullWeighting, Restriction::kCdf}) {
     const FogMedium full = make(map, {.levels = kLevels, .restriction = restriction});
     std::vector<FogMedium> bands;  // the coarsest approximation, then details to the finest
     for (int l = 0; l <= kLevels; ++l) {

@@ -156,15 +156,6 @@ Result<std::optional<Image>> readAlphaChannel(const InputFile& file, Imf::InputF
   return std::optional<Image>(std::move(image));
 }
 
-Result<ImageNotes> readNotes(const InputFile&, Imf::InputFile& exr, const ImageReadOptions&) {
-  ImageNotes notes;
-  for (auto it = exr.header().begin(); it != exr.header().end(); ++it) {
-    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&it.attribute()))
-      notes.emplace_back(it.name(), text->value());
-  }
-  return notes;
-}
-
 /// Opens a picture and lets `read` read of it; OpenEXR's exceptions become errors.
 template <class Exr = Imf::InputFile, class Read>
 auto readWith(const std::filesystem::path& path, const ImageReadOptions& options, Read&& read)
@@ -297,10 +288,6 @@ Result<Image> readExr(const std::filesystem::path& path, const ImageReadOptions&
 Result<std::optional<Image>> readExrAlpha(const std::filesystem::path& path,
                                           const ImageReadOptions& options) {
   return readWith(path, options, readAlphaChannel);
-}
-
-Result<ImageNotes> readExrNotes(const std::filesystem::path& path) {
-  return readWith(path, {}, readNotes);
 }
 
 Result<FrameInfo> readFrameInfo(const std::filesystem::path& path) {

@@ -21,11 +21,6 @@ Result<std::optional<Image>> readExrAlpha(const std::filesystem::path& path,
   return std::nullopt;
 }
 
-Result<ImageNotes> readExrNotes(const std::filesystem::path& path) {
-  VOLUTE_TRY(readExr(path, {}));
-  return ImageNotes();
-}
-
 Result<FrameInfo> readFrameInfo(const std::filesystem::path& path) {
   VOLUTE_TRY(readExr(path, {}));
   return FrameInfo();
@@ -93,14 +88,6 @@ Result<std::optional<std::vector<double>>> readStoredCurve(const std::filesystem
   if (extensionOf(path) == ".png")
     return readPngCurve(path);
   return std::nullopt;
-}
-
-Result<ImageNotes> readImageNotes(const std::filesystem::path& path) {
-  if (extensionOf(path) == ".png")
-    return readPngNotes(path);
-  if (extensionOf(path) == ".exr")
-    return readExrNotes(path);
-  return ImageNotes();
 }
 
 Status writeImage(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {

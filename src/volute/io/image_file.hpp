@@ -47,9 +47,6 @@ struct ImageReadOptions {
 /// of a .exr.
 using ImageNotes = std::vector<std::pair<std::string, std::string>>;
 
-/// The metadata of a .png or .exr; empty if it has none.
-[[nodiscard]] Result<ImageNotes> readImageNotes(const std::filesystem::path& path);
-
 /// Writes a .png (8 bits, sRGB; values are clamped to 0..1) or a .exr (scan lines, float32, ZIP;
 /// channels R, G, B, or Y).
 [[nodiscard]] Status writeImage(const std::filesystem::path& path, const Image& image,

@@ -20,14 +20,12 @@ namespace volute {
 [[nodiscard]] Status writePng(const std::filesystem::path& path, const Image& image,
                               const ImageNotes& notes);
 [[nodiscard]] Status writePngMap(const std::filesystem::path& path, const Image& map);
-[[nodiscard]] Result<ImageNotes> readPngNotes(const std::filesystem::path& path);
 [[nodiscard]] Result<Image> readExr(const std::filesystem::path& path,
                                     const ImageReadOptions& options);
 [[nodiscard]] Result<std::optional<Image>> readExrAlpha(const std::filesystem::path& path,
                                                         const ImageReadOptions& options);
 [[nodiscard]] Status writeExr(const std::filesystem::path& path, const Image& image,
                               const ImageNotes& notes);
-[[nodiscard]] Result<ImageNotes> readExrNotes(const std::filesystem::path& path);
 
 /// kTooLarge when the pixels need more than `maxMemory` bytes, or a side is beyond 2^20 pixels.
 [[nodiscard]] Status checkImageSize(const std::filesystem::path& path, std::int64_t width,

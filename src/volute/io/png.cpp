@@ -35,7 +35,6 @@ struct PngState {
   bool headerOnly = false;
   bool keepAlpha = false;  // as the last channel, if there is one
   bool hasAlpha = false;
-  ImageNotes notes;
   // What it states of its colors.
   bool srgb = false;
   double gamma = 0;  // of gAMA; 0: not there
@@ -170,15 +169,6 @@ bool readPngPixels(png_structp png, png_infop info, PngState& state) {
   return true;
 }
 
-/// Of a picture that was read.
-ImageNotes notesOf(png_structp png, png_infop info) {
-  ImageNotes notes;
-  png_textp texts = nullptr;
-  const int count = png_get_text(png, info, &texts, nullptr);
-  for (int i = 0; i < count; ++i) notes.emplace_back(texts[i].key, texts[i].text);
-  return notes;
-}
-
 /// @param color  null: stored values as they are
 Image toImage(const PngState& state, const StoredColor* color) {
   Image image(static_cast<int>(state.width), static_cast<int>(state.height), state.channels);
@@ -283,7 +273,6 @@ Status readPngFile(const std::filesystem::path& path, const ImageReadOptions& op
     layOutRows(state, std::size_t{state.width} * state.channels * (state.bits / 8));
     if (!readPngPixels(png, info, state))
       return fail(ErrorCode::kInvalidData, "");
-    state.notes = notesOf(png, info);
     return {};
   };
   const Status status = readAll();
@@ -350,12 +339,6 @@ Result<std::optional<Image>> readPngAlpha(const std::filesystem::path& path,
   for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
     alpha.pixels[i] = all.pixels[(i + 1) * all.channels - 1];
   return std::optional<Image>(std::move(alpha));
-}
-
-Result<ImageNotes> readPngNotes(const std::filesystem::path& path) {
-  PngState state;
-  VOLUTE_TRY(readPngFile(path, {}, state));
-  return std::move(state.notes);
 }
 
 namespace {

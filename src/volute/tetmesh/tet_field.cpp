@@ -53,17 +53,4 @@ void interpolateFields(std::span<const float> a, std::span<const float> b, doubl
     out[i] = static_cast<float>((1 - share) * a[i] + share * b[i]);
 }
 
-std::vector<Vec3> gradients(const TetMesh& mesh, std::span<const float> values) {
-  std::vector<Vec3> out(mesh.tets().size());
-  parallelRanges(out.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const auto slopes = mesh.slopes(static_cast<std::int32_t>(t));
-      out[t].setZero();
-      for (int k = 0; k < 4; ++k)
-        out[t] += static_cast<double>(values[mesh.tets()[t][k]]) * slopes[k];
-    }
-  });
-  return out;
-}
-
 }  // namespace volute

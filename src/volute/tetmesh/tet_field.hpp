@@ -30,7 +30,4 @@ std::vector<float> cellToPoint(const TetMesh& mesh, std::span<const float> cellV
 void interpolateFields(std::span<const float> a, std::span<const float> b, double share,
                        std::span<float> out);
 
-/// The gradient in each tet, per metre.
-std::vector<Vec3> gradients(const TetMesh& mesh, std::span<const float> values);
-
 }  // namespace volute

@@ -75,7 +75,6 @@ class ReconstructedFrames final : public FrameSource {
   }
 
   /// How many frames an earlier run had finished.
-  int resumed() const { return resumed_; }
 
   /// What was measured on frame `index`, as the report has it.
   [[nodiscard]] Result<nlohmann::ordered_json> record(int index) const;

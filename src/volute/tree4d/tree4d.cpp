@@ -92,11 +92,6 @@ void Tree4d::values(std::span<const std::array<int, 4>> voxels, std::span<float>
   readValues(data_, voxels, values);
 }
 
-void Tree4d::valuesAlong(const std::array<int, 4>& origin, const std::array<int, 4>& direction,
-                         std::span<float> values) const {
-  readAlong(data_, origin, direction, values);
-}
-
 double Tree4d::valueFromRoot(int t, int z, int y, int x, int channel) const {
   if (!data_.isOccupied(t, z, y, x))
     return 0;

@@ -63,11 +63,6 @@ class Tree4d {
   /// voxel.
   void values(std::span<const std::array<int, 4>> voxels, std::span<float> values) const;
 
-  /// `values[i]` = the voxel `origin + i * direction`; each component of `direction` is -1, 0 or 1.
-  /// Path sections shared by neighbours are walked only once.
-  void valuesAlong(const std::array<int, 4>& origin, const std::array<int, 4>& direction,
-                   std::span<float> values) const;
-
   /// The same voxel by the paper's walk from the root (section 5.1, Figure 5), in double: the
   /// reference.
   double valueFromRoot(int t, int z, int y, int x, int channel = 0) const;

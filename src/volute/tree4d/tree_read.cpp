@@ -164,67 +164,6 @@ void ReadValues(const TreeData& data, std::span<const std::array<int, 4>> voxels
   }
 }
 
-/// The path from an entry to the last voxel that was read, kept so that a neighbour walks only
-/// where it differs.
-class Path {
- public:
-  explicit Path(const TreeData& data) : data_(data) {}
-
-  HWY_INLINE void read(const std::array<int, 4>& v, float* values) {
-    const int entryLevels = data_.entryLevels;
-    const unsigned differs = static_cast<unsigned>((v[0] ^ last_[0]) | (v[1] ^ last_[1]) |
-                                                   (v[2] ^ last_[2]) | (v[3] ^ last_[3]));
-    int l = 0;  // the level from whose cell on the walk must be done again
-    if (!started_ || (differs >> entryLevels) != 0) {
-      const TreeData::Entry& entry = data_.entryAt(v[0], v[1], v[2], v[3]);
-      l = entryLevels;
-      nodes_[l] = entry.node;
-      for (int c = 0; c < data_.channels; ++c) sums_[l][c] = entry.value[c];
-      started_ = true;
-    } else {
-      while (differs >> l != 0) ++l;
-      l = std::max(l, deepest_);  // the walk ended there: nothing below refines the cell
-    }
-    while (l > 0 && nodes_[l] != TreeData::kNoNode) {
-      const std::uint32_t node = nodes_[l];
-      const unsigned mask = data_.masks[node];
-      const unsigned o = childAt(v, l - 1);
-      const std::uint32_t coefficient = coefficientsBefore(data_, node);
-      for (int c = 0; c < data_.channels; ++c) {
-        sums_[l - 1][c] = sums_[l][c] + detail(data_, data_.levels[l - 1], coefficient, mask, o, c);
-      }
-      nodes_[l - 1] = childOf(data_, node, mask, o);
-      --l;
-    }
-    deepest_ = l;
-    last_ = v;
-    for (int c = 0; c < data_.channels; ++c) values[c] = clamped(data_, sums_[l][c]);
-  }
-
- private:
-  const TreeData& data_;
-  bool started_ = false;
-  int deepest_ = 0;
-  std::array<int, 4> last_{};
-  // [l]: the cell of 2^l voxels a side: its value so far, and the node that refines it.
-  std::uint32_t nodes_[8] = {};
-  std::array<float, 3> sums_[8] = {};
-};
-
-void ReadAlong(const TreeData& data, const std::array<int, 4>& origin,
-               const std::array<int, 4>& direction, std::span<float> values) {
-  Path path(data);
-  std::array<int, 4> v = origin;
-  for (std::size_t i = 0; i < values.size(); i += data.channels) {
-    if (data.isOccupied(v[0], v[1], v[2], v[3])) {
-      path.read(v, &values[i]);
-    } else {
-      std::fill_n(&values[i], data.channels, 0.0f);
-    }
-    for (int a = 0; a < 4; ++a) v[a] += direction[a];
-  }
-}
-
 struct Item {
   std::uint32_t node, coefficient, inner;
   std::uint32_t z, y, x;  // of its first child in the finer grid
@@ -552,7 +491,6 @@ namespace volute {
 
 HWY_EXPORT(ReadValue);
 HWY_EXPORT(ReadValues);
-HWY_EXPORT(ReadAlong);
 HWY_EXPORT(ReadBlockSlice);
 HWY_EXPORT(CopyValues);
 
@@ -563,11 +501,6 @@ float readValue(const TreeData& data, const std::array<int, 4>& voxel, int chann
 void readValues(const TreeData& data, std::span<const std::array<int, 4>> voxels,
                 std::span<float> values) {
   HWY_DYNAMIC_DISPATCH(ReadValues)(data, voxels, values);
-}
-
-void readAlong(const TreeData& data, const std::array<int, 4>& origin,
-               const std::array<int, 4>& direction, std::span<float> values) {
-  HWY_DYNAMIC_DISPATCH(ReadAlong)(data, origin, direction, values);
 }
 
 int readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values) {

@@ -18,9 +18,6 @@ float readValue(const TreeData& data, const std::array<int, 4>& voxel, int chann
 void readValues(const TreeData& data, std::span<const std::array<int, 4>> voxels,
                 std::span<float> values);
 
-void readAlong(const TreeData& data, const std::array<int, 4>& origin,
-               const std::array<int, 4>& direction, std::span<float> values);
-
 /// Time `t` of the block with entry `entry`: shape (channel, z, y, x) of 2^entryLevels cells a
 /// side, not yet clamped.
 /// Returns how many nodes were read.

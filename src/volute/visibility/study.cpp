@@ -261,7 +261,6 @@ void StudyResults::addFailure(const StudyRun& run, const std::string& sentence) 
   put(row, "variant", run.variant);
   put(row, "done", "0");
   put(row, "why", sentence);
-  ++failures_;
 }
 
 Status StudyResults::add(const StudyRun& run, const std::filesystem::path& folder) {

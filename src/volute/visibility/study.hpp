@@ -48,8 +48,6 @@ class StudyResults {
   [[nodiscard]] Status add(const StudyRun& run, const std::filesystem::path& folder);
   void addFailure(const StudyRun& run, const std::string& sentence);
 
-  std::size_t failures() const { return failures_; }
-
   /// Comma-separated: a row a run, in the order in which they came.
   std::string table() const;
 
@@ -90,7 +88,6 @@ class StudyResults {
   std::vector<std::string> columns_;
   std::vector<std::map<std::string, std::string>> rows_;
   std::vector<Plan> plans_;
-  std::size_t failures_ = 0;
 };
 
 }  // namespace volute

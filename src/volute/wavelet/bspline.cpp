@@ -48,12 +48,6 @@ std::vector<double> twoScale(int degree) {
   return p;
 }
 
-std::vector<double> splineGram(int degree) {
-  std::vector<double> gram;
-  for (int s = 0; s <= degree; ++s) gram.push_back(bspline(2 * degree + 1, degree + 1 + s));
-  return gram;
-}
-
 SplinePieces splinePieces(int degree) {
   switch (degree) {
     case 0:
@@ -79,17 +73,6 @@ std::array<double, 4> splineWeights(int degree, double u) {
     weights[i] = p[0] + u * (p[1] + u * (p[2] + u * p[3]));
   }
   return weights;
-}
-
-std::vector<double> chuiWangWavelet(int degree) {
-  const int m = degree + 1;
-  std::vector<double> q;
-  for (int n = 0; n <= 3 * m - 2; ++n) {
-    double sum = 0;
-    for (int l = 0; l <= m; ++l) sum += binomial(m, l) * bspline(2 * m - 1, n - l + 1);
-    q.push_back((n % 2 ? -1 : 1) * std::exp2(1 - m) * sum);
-  }
-  return q;
 }
 
 const std::vector<CdfFilters>& cdfFilters() {

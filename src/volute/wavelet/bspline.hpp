@@ -19,9 +19,6 @@ double bspline(int degree, double x);
 /// (Giroud and Biri 2010, section 3.1; no factor sqrt 2.)
 std::vector<double> twoScale(int degree);
 
-/// The inner products of N with its shifts by s = 0..d: N of degree 2d + 1 at m + s.
-std::vector<double> splineGram(int degree);
-
 /// The m splines that touch the cell [0, 1], the one that begins first at i = 0:
 /// N(u + d - i) = sum over a of pieces[i][a] u^a. Rows and columns beyond d are zero.
 using SplinePieces = std::array<std::array<double, 4>, 4>;
@@ -29,11 +26,6 @@ SplinePieces splinePieces(int degree);
 
 /// The values of those m splines at u in [0, 1].
 std::array<double, 4> splineWeights(int degree, double u);
-
-/// The Chui-Wang wavelet q_n, n = 0..3m - 2: psi(x) = sum of q_n N(2x - n) with the smallest
-/// support among those orthogonal to all N(x - k).
-/// q_n = (-1)^n 2^(1-m) sum over l of C(m, l) N_2m(n - l + 1).
-std::vector<double> chuiWangWavelet(int degree);
 
 /// A biorthogonal pair (Cohen, Daubechies, Feauveau): FIR both ways.
 ///   fine = sum of coarse_k p_(n-2k) + detail_k wavelet_(n-2k-waveletFirst)

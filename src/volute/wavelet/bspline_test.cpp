@@ -13,12 +13,6 @@
 namespace volute {
 namespace {
 
-double psi(int degree, const std::vector<double>& q, double x) {
-  double sum = 0;
-  for (std::size_t n = 0; n < q.size(); ++n) sum += q[n] * bspline(degree, 2 * x - double(n));
-  return sum;
-}
-
 /// The integral of f over [0, end], exact for splines with knots at half integers.
 template <class F>
 double splineIntegral(double end, F&& f) {
@@ -68,44 +62,6 @@ TEST(Bspline, KnownValues) {
   EXPECT_EQ(twoScale(1), (std::vector<double>{0.5, 1, 0.5}));
   EXPECT_EQ(twoScale(2), (std::vector<double>{0.25, 0.75, 0.75, 0.25}));
   EXPECT_EQ(twoScale(3), (std::vector<double>{0.125, 0.5, 0.75, 0.5, 0.125}));
-}
-
-TEST(Bspline, GramRows) {
-  const auto expect = [](int degree, double by, std::vector<double> row) {
-    const auto gram = splineGram(degree);
-    for (std::size_t s = 0; s < row.size(); ++s) EXPECT_NEAR(gram[s], row[s] / by, 1e-15);
-  };
-  expect(0, 1, {1});
-  expect(1, 6, {4, 1});
-  expect(2, 120, {66, 26, 1});
-  expect(3, 5040, {2416, 1191, 120, 1});
-}
-
-TEST(ChuiWang, Sequences) {
-  const auto expect = [](int degree, double by, std::vector<double> q) {
-    const auto found = chuiWangWavelet(degree);
-    ASSERT_EQ(found.size(), q.size());
-    for (std::size_t n = 0; n < q.size(); ++n) EXPECT_NEAR(found[n], q[n] / by, 1e-15);
-  };
-  expect(0, 1, {1, -1});
-  expect(1, 12, {1, -6, 10, -6, 1});
-  expect(2, 480, {1, -29, 147, -303, 303, -147, 29, -1});
-  expect(3, 40320, {1, -124, 1677, -7904, 18482, -24264, 18482, -7904, 1677, -124, 1});
-}
-
-TEST_P(Degrees, ChuiWangIsOrthogonalToTheSplinesAndHasItsMoments) {
-  const int d = GetParam(), m = d + 1;
-  const auto q = chuiWangWavelet(d);
-  for (int k = -d; k < 2 * m - 1; ++k) {
-    EXPECT_NEAR(
-        splineIntegral(2 * m - 1, [&](double x) { return psi(d, q, x) * bspline(d, x - k); }), 0,
-        1e-16)
-        << k;
-  }
-  for (int r = 0; r < m; ++r) {
-    EXPECT_NEAR(splineIntegral(2 * m - 1, [&](double x) { return psi(d, q, x) * std::pow(x, r); }),
-                0, 1e-14);
-  }
 }
 
 TEST(Cdf, WaveletsHaveTheirVanishingMoments) {
@@ -165,31 +121,6 @@ TEST(Cdf, ConditionAndNegativeMassOfTheLowPass) {
     EXPECT_NEAR(mass, negative[f], 1e-15);
     EXPECT_NEAR(condition(synthesis(filters.degree, filters.wavelet, filters.waveletFirst, 64)),
                 conditions[f], 5e-3);
-  }
-}
-
-TEST(ChuiWang, AnalysisIsNotFirAndUndershoots) {
-  struct Expected {
-    int degree, taps, detailTaps;
-    double condition, negative;
-  };
-
-  for (const Expected& e : {Expected{0, 2, 2, 1, 0}, Expected{1, 61, 61, 2.12, 0.433},
-                            Expected{2, 92, 96, 3.75, 0.661}, Expected{3, 126, 128, 6.55, 1.41}}) {
-    const Eigen::MatrixXd matrix = synthesis(e.degree, chuiWangWavelet(e.degree), 0, 128);
-    const Eigen::MatrixXd inverse = matrix.inverse();
-    const Eigen::RowVectorXd a = inverse.row(20), b = inverse.row(64 + 20);
-    EXPECT_NEAR(condition(matrix), e.condition, 5e-3);
-    EXPECT_EQ((a.array().abs() > 1e-9).count(), e.taps) << e.degree;
-    EXPECT_EQ((b.array().abs() > 1e-9).count(), e.detailTaps) << e.degree;
-    EXPECT_NEAR(-a.cwiseMin(0.0).sum(), e.negative, 5e-3);
-    EXPECT_NEAR(a.sum(), 1, 1e-12);
-    if (e.degree == 1) {
-      EXPECT_NEAR(a.maxCoeff(), (1 + std::sqrt(3.0)) / 4, 1e-12);
-      Eigen::Index centre;
-      a.maxCoeff(&centre);
-      EXPECT_NEAR(std::abs(a[centre + 4] / a[centre + 2]), 2 - std::sqrt(3.0), 1e-9);
-    }
   }
 }
 

@@ -3,8 +3,6 @@
 #include "volute/wavelet/spline_pyramid.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <numeric>
 
 #include "volute/base/assert.hpp"
@@ -52,44 +50,6 @@ SplineGrid filterRows(const SplineGrid& fine, int degree, std::span<const double
   return coarse;
 }
 
-/// Row j of the result = sum of gram_|j-k| * row k.
-SplineGrid timesGram(const SplineGrid& grid, std::span<const double> gram) {
-  SplineGrid out(grid.columns, grid.rows);
-  const int reach = static_cast<int>(gram.size()) - 1;
-  for (int j = 0; j < grid.rows; ++j) {
-    for (int s = -reach; s <= reach; ++s) addRow(out, j, gram[std::abs(s)], grid, j + s);
-  }
-  return out;
-}
-
-/// Solves Gram x = rows in place: Cholesky's L L' with half bandwidth d, all columns at once.
-void solveGram(SplineGrid& rows, std::span<const double> gram) {
-  const int reach = static_cast<int>(gram.size()) - 1;
-  const int n = rows.rows;
-  std::vector<double> lower(static_cast<std::size_t>(n) *
-                            (reach + 1));  // lower[j][s] = L(j, j - s)
-  const auto l = [&](int j, int s) -> double& {
-    return lower[static_cast<std::size_t>(j) * (reach + 1) + s];
-  };
-  const auto divide = [&](int j, double by) {
-    for (int i = 0; i < rows.columns; ++i) rows.at(i, j) /= by;
-  };
-  for (int j = 0; j < n; ++j) {
-    for (int s = std::min(reach, j); s >= 0; --s) {
-      double value = gram[s];
-      for (int t = s + 1; t <= std::min(reach, j); ++t) value -= l(j, t) * l(j - s, t - s);
-      l(j, s) = s > 0 ? value / l(j - s, 0) : std::sqrt(value);
-    }
-    for (int s = 1; s <= std::min(reach, j); ++s) addRow(rows, j, -l(j, s), rows, j - s);
-    divide(j, l(j, 0));
-  }
-  for (int j = n - 1; j >= 0; --j) {
-    for (int s = 1; s <= std::min(reach, n - 1 - j); ++s)
-      addRow(rows, j, -l(j + s, s), rows, j + s);
-    divide(j, l(j, 0));
-  }
-}
-
 std::vector<double> scaledTwoScale(int degree, double factor) {
   std::vector<double> p = twoScale(degree);
   for (double& tap : p) tap *= factor;
@@ -97,25 +57,10 @@ std::vector<double> scaledTwoScale(int degree, double factor) {
 }
 
 SplineGrid restrictedRows(const SplineGrid& fine, int degree, Restriction restriction) {
-  switch (restriction) {
-    case Restriction::kFullWeighting:
-      return filterRows(fine, degree, scaledTwoScale(degree, 0.5), 0);
-    case Restriction::kCdf:
-      return filterRows(fine, degree, shortestCdf(degree).low, shortestCdf(degree).lowFirst);
-    default: {
-      // (P' G P)^-1 P' G, where P' G P is twice the coarse Gram matrix.
-      const std::vector<double> gram = splineGram(degree);
-      SplineGrid coarse = filterRows(timesGram(fine, gram), degree, scaledTwoScale(degree, 0.5), 0);
-      solveGram(coarse, gram);
-      return coarse;
-    }
-  }
-}
-
-void clip(SplineGrid& coarse, double mass) {
-  for (double& value : coarse.c) value = std::max(value, 0.0);
-  const double left = coarse.sum();
-  for (double& value : coarse.c) value *= left > 0 ? mass / left : 1;
+  if (restriction == Restriction::kFullWeighting)
+    return filterRows(fine, degree, scaledTwoScale(degree, 0.5), 0);
+  const CdfFilters& filters = shortestCdf(degree);
+  return filterRows(fine, degree, filters.low, filters.lowFirst);
 }
 
 SplineGrid prolongedRows(const SplineGrid& coarse, int degree) {
@@ -145,10 +90,7 @@ double SplineGrid::sum() const {
 
 SplineGrid restricted(const SplineGrid& fine, int degree, Restriction restriction) {
   const SplineGrid half = transposed(restrictedRows(fine, degree, restriction));
-  SplineGrid coarse = transposed(restrictedRows(half, degree, restriction));
-  if (restriction == Restriction::kClippedLeastSquares)
-    clip(coarse, fine.sum() / 4);
-  return coarse;
+  return transposed(restrictedRows(half, degree, restriction));
 }
 
 SplineGrid prolonged(const SplineGrid& coarse, int degree) {

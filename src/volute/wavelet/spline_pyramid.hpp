@@ -38,9 +38,7 @@ struct SplineGrid {
 /// them reconstructs perfectly.
 enum class Restriction {
   kFullWeighting,  ///< P' / 2, as (1,2,1)/4: not negative, keeps the mass; blurs. For rendering
-  kLeastSquares,   ///< the L2 projection, which is Chui-Wang's coarse part; undershoots
   kCdf,            ///< the low pass of shortestCdf(): FIR; undershoots
-  kClippedLeastSquares,  ///< the L2 projection, negative ones set to 0, scaled to keep the mass
 };
 
 /// The coarse grid on a domain of columns + d by rows + d cells, both even, at least 2 (d + 1).

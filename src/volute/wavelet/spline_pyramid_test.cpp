@@ -5,19 +5,15 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <random>
 
-#include "volute/wavelet/node_lifting.hpp"
-
 namespace volute {
 namespace {
 
-constexpr Restriction kAll[] = {Restriction::kFullWeighting, Restriction::kLeastSquares,
-                                Restriction::kCdf, Restriction::kClippedLeastSquares};
+constexpr Restriction kAll[] = {Restriction::kFullWeighting, Restriction::kCdf};
 
 /// Noise with empty areas and hard edges, 0..1.
 SplineGrid noise(int columns, int rows, unsigned seed = 1) {
@@ -66,13 +62,11 @@ RC_GTEST_PROP(SplinePyramid, DetailsReconstructPerfectly, ()) {
 RC_GTEST_PROP(SplinePyramid, EveryLevelKeepsTheMass, ()) {
   const int degree = *rc::gen::inRange(0, 4), levels = *rc::gen::inRange(1, 4);
   const SplineGrid grid = noise(*rc::gen::inRange(10, 40), *rc::gen::inRange(1, 40));
-  for (Restriction restriction : {Restriction::kFullWeighting, Restriction::kClippedLeastSquares}) {
-    const SplinePyramid pyramid(grid, degree, levels, restriction);
-    for (int i = 0; i <= levels; ++i) {
-      const double mass = pyramid.level(i).sum() * std::pow(4.0, i);
-      RC_ASSERT(std::abs(mass / grid.sum() - 1) < 1e-12);
-      for (double c : pyramid.level(i).c) RC_ASSERT(c >= 0);
-    }
+  const SplinePyramid pyramid(grid, degree, levels, Restriction::kFullWeighting);
+  for (int i = 0; i <= levels; ++i) {
+    const double mass = pyramid.level(i).sum() * std::pow(4.0, i);
+    RC_ASSERT(std::abs(mass / grid.sum() - 1) < 1e-12);
+    for (double c : pyramid.level(i).c) RC_ASSERT(c >= 0);
   }
 }
 
@@ -98,60 +92,18 @@ TEST(SplinePyramid, ProlongedIsTheSameFunction) {
   }
 }
 
-TEST(SplinePyramid, ProjectionsGiveBackWhatTheCoarseGridHolds) {
+TEST(SplinePyramid, CdfGivesBackWhatTheCoarseGridHolds) {
   for (int degree = 0; degree <= 3; ++degree) {
     SplineGrid coarse(40, 40);  // zero at the border, where FIR filters reach outside
     const SplineGrid middle = noise(24, 24, 5);
     for (int j = 0; j < 24; ++j)
       for (int i = 0; i < 24; ++i) coarse.at(i + 8, j + 8) = middle.at(i, j);
-    for (Restriction restriction : {Restriction::kLeastSquares, Restriction::kCdf}) {
-      const SplineGrid back = restricted(prolonged(coarse, degree), degree, restriction);
-      EXPECT_LT(largest(difference(back, coarse)), 1e-13) << degree;
-    }
+    const SplineGrid back = restricted(prolonged(coarse, degree), degree, Restriction::kCdf);
+    EXPECT_LT(largest(difference(back, coarse)), 1e-13) << degree;
   }
 }
 
-/// The coarse part of a compactly supported signal by inverting Chui-Wang's [P Q] on a long line.
-TEST(SplinePyramid, LeastSquaresIsChuiWangsCoarsePart) {
-  constexpr int kLine = 256;
-  for (int degree = 0; degree <= 3; ++degree) {
-    const auto p = twoScale(degree);
-    const auto q = chuiWangWavelet(degree);
-    Eigen::MatrixXd synthesis = Eigen::MatrixXd::Zero(kLine, kLine);
-    for (int k = 0; k < kLine / 2; ++k) {
-      for (std::size_t i = 0; i < p.size(); ++i) synthesis((2 * k + int(i)) % kLine, k) += p[i];
-      for (std::size_t i = 0; i < q.size(); ++i)
-        synthesis((2 * k + int(i)) % kLine, kLine / 2 + k) += q[i];
-    }
-    Eigen::VectorXd signal = Eigen::VectorXd::Zero(kLine);
-    const SplineGrid data = noise(28, 1, 17);
-    for (int i = 0; i < 28; ++i) signal[114 + i] = data.c[i];
-    const Eigen::VectorXd coarse = synthesis.partialPivLu().solve(signal);
-
-    // One row of coefficients as the rows of a grid of one column.
-    SplineGrid line(kLine - degree, kLine - degree);
-    for (int i = 0; i < 28; ++i) line.at(114 + i, kLine / 2) = data.c[i];
-    const SplineGrid projected = restricted(line, degree, Restriction::kLeastSquares);
-    double scale = 0;  // a column of the projection is the line's, times some factor
-    int row = 0;
-    for (int j = 0; j < projected.rows; ++j) {
-      double most = 0;
-      for (int i = 0; i < projected.columns; ++i)
-        most = std::max(most, std::abs(projected.at(i, j)));
-      if (most > scale)
-        scale = most, row = j;
-    }
-    double dot = 0, square = 0;
-    for (int i = 0; i < projected.columns; ++i) {
-      dot += projected.at(i, row) * coarse[i];
-      square += coarse[i] * coarse[i];
-    }
-    for (int i = 0; i < projected.columns; ++i)
-      EXPECT_NEAR(projected.at(i, row) * square / dot, coarse[i], 2e-14) << degree;
-  }
-}
-
-TEST(SplinePyramid, ProjectionsUndershootAndFullWeightingDoesNot) {
+TEST(SplinePyramid, CdfUndershootsAndFullWeightingDoesNot) {
   SplineGrid grid(64, 64);  // a block with hard edges
   for (int j = 20; j < 45; ++j)
     for (int i = 10; i < 31; ++i) grid.at(i, j) = 1;
@@ -159,10 +111,8 @@ TEST(SplinePyramid, ProjectionsUndershootAndFullWeightingDoesNot) {
     return std::ranges::min(SplinePyramid(grid, degree, 3, restriction).level(3).c);
   };
   for (int degree = 1; degree <= 3; ++degree) {
-    EXPECT_LT(least(degree, Restriction::kLeastSquares), -0.02);
     EXPECT_LT(least(degree, Restriction::kCdf), -0.02);
     EXPECT_EQ(least(degree, Restriction::kFullWeighting), 0);
-    EXPECT_EQ(least(degree, Restriction::kClippedLeastSquares), 0);
   }
   for (Restriction restriction : kAll) EXPECT_GE(least(0, restriction), 0);
 }
@@ -187,38 +137,6 @@ TEST(SplinePyramid, MixedIsLinear) {
   const SplinePyramid mixed = make(a).mixed(make(b), 0.25), expected = make(mean);
   for (int i = 0; i <= 2; ++i)
     EXPECT_LT(largest(difference(mixed.level(i), expected.level(i))), 1e-15);
-}
-
-TEST(NodeLifting, ReconstructsAndKeepsTheMass) {
-  for (int n : {2, 4, 8, 72, 88}) {
-    std::vector<double> nodes(n + 1);
-    std::mt19937 random(n);
-    for (int j = 1; j < n; ++j) nodes[j] = static_cast<double>(random()) / 4294967296.0;
-    std::vector<double> lifted = nodes;
-    liftNodes(lifted);
-    double coarse = 0;
-    for (int j = 0; j <= n; j += 2) coarse += lifted[j];
-    if (n > 2) {
-      EXPECT_NEAR(2 * coarse, std::accumulate(nodes.begin(), nodes.end(), 0.0), 1e-12);
-    }
-    EXPECT_EQ(lifted.front(), 0);
-    EXPECT_EQ(lifted.back(), 0);
-    unliftNodes(lifted);
-    for (int j = 0; j <= n; ++j) EXPECT_NEAR(lifted[j], nodes[j], 1.2e-16);
-  }
-}
-
-TEST(NodeLifting, IsTheFirFilterAwayFromTheBorder) {
-  std::vector<double> nodes(89);
-  SplineGrid grid(87, 87);
-  std::mt19937 random(4);
-  for (int i = 30; i < 60; ++i)
-    nodes[i + 1] = grid.at(i, 43) = static_cast<double>(random()) / 4294967296.0;
-  liftNodes(nodes);
-  const SplineGrid coarse = restricted(grid, 1, Restriction::kCdf);
-  // Coefficient 43 is coarse row 21's highest tap, 6 / 8.
-  for (int i = 0; i < coarse.columns; ++i)
-    EXPECT_NEAR(coarse.at(i, 21) / 0.75, nodes[2 * (i + 1)], 1e-15);
 }
 
 }  // namespace

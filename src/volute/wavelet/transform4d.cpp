@@ -39,12 +39,6 @@ std::array<int, 4> strideLevelsAt(int level, const std::array<int, 4>& levels) {
 
 }  // namespace
 
-int fullLevels(const std::array<std::ptrdiff_t, 4>& extents) {
-  int levels = 0;
-  while (samplesAt(*std::ranges::max_element(extents), levels) > 1) ++levels;
-  return levels;
-}
-
 template <class T>
 void transformForward(View<T, 4> samples, Wavelet wavelet, const std::array<int, 4>& levels) {
   const int deepest = *std::ranges::max_element(levels);

@@ -9,9 +9,6 @@
 
 namespace volute {
 
-/// Levels until every axis has one sample: ceil(log2(longest extent)).
-int fullLevels(const std::array<std::ptrdiff_t, 4>& extents);
-
 /// The 4D non-standard transform (Ahrenberg et al. 2005, section 4.1), in place, of any size: each
 /// level lifts along x, y, z and t the samples that are low on all axes so far; they stand 2^level
 /// apart, so the coefficients stay at the place that they describe. An axis takes part in its first
