@@ -52,9 +52,9 @@ using ArrayPtr = std::shared_ptr<GDALMDArray>;
 void listArrays(const GDALGroup& group, const std::string& path, int depth,
                 std::vector<GridEntry>& entries, std::vector<ArrayPtr>& arrays) {
   constexpr int kDeepest = 16;
-  constexpr std::size_t kMost = 10'000;
+  constexpr std::size_t kMax = 10'000;
   for (const std::string& name : group.GetMDArrayNames()) {
-    if (entries.size() >= kMost)
+    if (entries.size() >= kMax)
       return;
     const ArrayPtr array = group.OpenMDArray(name);
     if (!array)
@@ -81,12 +81,12 @@ void listArrays(const GDALGroup& group, const std::string& path, int depth,
 Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const ArrayPtr& beside,
                                          const std::string& file, std::string_view unit,
                                          bool& since) {
-  constexpr std::uint64_t kMost = 100'000'000;
+  constexpr std::uint64_t kMax = 100'000'000;
   ArrayPtr array = dimension.GetIndexingVariable();
   if (!array && beside && beside->GetDimensionCount() == 1 &&
       beside->GetDimensions()[0]->GetSize() == dimension.GetSize())
     array = beside;
-  if (!array || array->GetDimensionCount() != 1 || dimension.GetSize() > kMost ||
+  if (!array || array->GetDimensionCount() != 1 || dimension.GetSize() > kMax ||
       array->GetDataType().GetClass() != GEDTC_NUMERIC)
     return std::vector<double>();
   const ArrayPtr numbers = array->GetUnscaled();
