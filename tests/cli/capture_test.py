@@ -198,27 +198,13 @@ class Geometry(ring.TestCase):
         self.camera("c3")["R"] = [[1.05 * x for x in row] for row in self.camera("c3")["R"]]
         self.assertRegex(self.refused(), r"cameras\[3\] \(c3\): R is no rotation: R R' is off the identity by 0.10")
 
-    def test_centimetres_for_metres(self):
-        self.camera("c1")["t"] = [100 * x for x in self.camera("c1")["t"]]
-        self.assertRegex(self.refused(), r"camera c1: the volume covers only 0\.\d of 40 pixels.*centimetres")
-
     def test_bounds_in_centimetres(self):
         self.json["volume"].update({"min": [-100] * 3, "max": [100] * 3})
         self.assertRegex(self.refused(), r"camera north: the camera stands inside the volume")
 
-    def test_inverted_pose(self):
-        camera = self.camera("south")
-        camera["t"] = [-x for x in camera["t"]]
-        self.assertRegex(self.refused(), r"camera south: the volume lies behind the camera, its centre 4\.\d+ m behind")
-
     def test_volume_outside_the_image(self):
         self.camera("c1")["t"][0] += 6
         self.assertRegex(self.refused(), r"camera c1: the volume lies outside the image: it would appear at x \d+ to")
-
-    def test_width_and_height_swapped(self):
-        camera = self.camera("c3")
-        camera["width"], camera["height"] = camera["height"], camera["width"]
-        self.assertRegex(self.refused(), r"camera c3.*40 x 32|camera c3.*swapped")
 
     def test_focal_lengths_beyond_any_lens(self):
         self.camera("c1")["K"][0][0] = 1e30
@@ -277,12 +263,6 @@ class Pictures(ring.TestCase):
         self.change("c1", 12, lambda picture: picture.set(3, 4, 1e30))
         message = self.refused("--frames", "12")
         self.assertRegex(message, r"(?s)c1, frame 12: pixel \(3, 4\) reads 1e\+30.*the visual hull is empty")
-
-    def test_sizes_that_differ(self):
-        self.change("c3", 10, lambda picture: Picture(32, 40, 3))
-        self.assertRegex(self.refused(), r"camera c3, frame 10: the picture has 32 x 40 .* 40 x 32: width and height are swapped")
-        self.change("c3", 10, lambda picture: Picture(20, 16, 3))
-        self.assertRegex(self.refused(), r"camera c3, frame 10: the picture has 20 x 16 pixels; the calibration is for 40 x 32")
 
     def test_all_black(self):
         self.change("c2", 11, lambda picture: Picture(40, 32, 3))
