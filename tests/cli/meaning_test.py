@@ -206,7 +206,7 @@ PVD = {
     "duplicate": [("a time twice", 'timestep="10"', 'timestep="0"', False)],
     "missing": [("a time", 'timestep="10" ', "", False), ("a file", 'file="r1', 'file="r9', False)],
     "time": [("another order than the files", 'timestep="20"', 'timestep="5"', None)],
-    "case": [("a file in capitals", "r1.vtu", "R1.VTU", False)],
+    "case": [("a file in capitals", "r1.vtu", "R1.VTU", True)],
     "locale": [("a decimal comma", 'timestep="10"', 'timestep="10,0"', False)],
     "name": [("backslashes", 'file="r1', r'file=".\\r1', True), ("by another folder", 'file="r1', 'file="../base/r1', True)],
 }
@@ -494,6 +494,8 @@ UNKNOWABLE = {
     ("criteria.json", "scale", "*"): "the limit is printed with the verdict",
     ("criteria.json", "fill", "*"): "the limit is printed with the verdict",
     ("scene: light", "scale", "*"): "a direction has no length",
+    (".vti", "scale", "another spacing than the first frame's"): "each frame may have a lattice of its own",
+    (".vti", "axis", "a direction"): "each frame may have a lattice of its own",
     ("json", "scale", "*"): NUMBERS,
     ("lines of sight", "scale", "*"): "lines may begin and end anywhere around the volume",
     ("capture.json", "fill", "null"): "null is a member that is not stated",
