@@ -10,6 +10,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/file_name.hpp"
+#include "volute/base/input_file.hpp"
 #include "volute/grid/rounding_source.hpp"
 #include "volute/io/netcdf_length.hpp"
 #include "volute/io/plugin.hpp"
@@ -230,8 +231,14 @@ std::optional<NamedArray> namedArray(const std::filesystem::path& input) {
 Result<std::unique_ptr<FrameSource>> openArrayFile(const NamedArray& input,
                                                    const SourceOptions& options) {
   std::error_code error;
-  if (!std::filesystem::is_directory(input.file, error))
-    VOLUTE_TRY(checkNetcdfLength(input.file));
+  if (!std::filesystem::is_directory(input.file, error)) {
+    VOLUTE_ASSIGN(const auto file, InputFile::open(input.file));
+    std::array<char, 3> magic{};
+    if (file.size() >= magic.size())
+      VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(magic))));
+    if (std::string_view(magic.data(), magic.size()) == "CDF")
+      VOLUTE_TRY(checkNetcdfLength(input.file));
+  }
   NamedArray chosen = input;
   if (!options.grid.empty() && !chosen.name.empty() && options.grid != chosen.name) {
     return fail(ErrorCode::kInvalidArgument,
