@@ -16,8 +16,7 @@ namespace volute::bench {
 namespace {
 
 constexpr std::array kTargets{1e-2, 3e-3, 1e-3};  ///< relative RMS
-constexpr double kFullTarget =
-    3e-3;                  ///< here encoding is timed too, and what has no error to choose
+constexpr double kFullTarget = 3e-3;              ///< here encoding is timed, too
 constexpr int kSize = 48;  ///< voxels on a side of made-up data: a minute for everything
 constexpr std::size_t kVolute = 0, kBaseline = 1;  ///< places in fileCodecs(); zfp 4D
 
@@ -30,14 +29,7 @@ struct Rival {
   double seconds = 0;  ///< of what was timed last, with one thread
 
   std::string_view name() const { return called; }
-
-  bool hasTarget() const { return codec->setting() != FileCodec::Setting::kNone; }
 };
-
-/// Whatever has no error to choose is the same at every target; one shows it.
-bool shownAt(double target, const Rival& rival) {
-  return rival.hasTarget() || target == kFullTarget;
-}
 
 /// The rows of one sequence.
 class Table {
@@ -101,8 +93,6 @@ Status encodeAll(std::span<Rival> list, const Sequence& sequence, double target,
                     static_cast<double>(list.size()));
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before {}", rival.name());
-    if (!rival.hasTarget() && !rival.files.folder.empty())
-      continue;
     const auto folder = scratch.path() / fmt::format("{}", rival.place);
     VOLUTE_ASSIGN(rival.files,
                   encodeWithin(*rival.codec, sequence, target, folder, /*threads=*/1, progress));
@@ -117,12 +107,8 @@ void addSizes(Table& table, std::span<const Rival> list, double target, double r
               bytes / static_cast<double>(list[kVolute].files.bytes));
   }
   for (const Rival& rival : list) {
-    if (!shownAt(target, rival))
-      continue;
     table.add("relative RMS", target, rival.name(), rival.files.relativeRms, "", std::nullopt,
-              rival.files.relativeRms > target ? "above the target"
-              : !rival.hasTarget()             ? "at every target"
-                                               : "");
+              rival.files.relativeRms > target ? "above the target" : "");
   }
 }
 
@@ -149,10 +135,8 @@ Status timeDecoding(Table& table, std::span<Rival> list, const Sequence& sequenc
   std::vector<Rival*> timed;
   std::vector<Contestant> race;
   for (Rival& rival : list) {
-    if (shownAt(target, rival)) {
-      timed.push_back(&rival);
-      race.push_back({rival.codec.get(), rival.files.folder, /*threads=*/1});
-    }
+    timed.push_back(&rival);
+    race.push_back({rival.codec.get(), rival.files.folder, /*threads=*/1});
   }
   race.push_back({list[kVolute].codec.get(), list[kVolute].files.folder, /*threads=*/0});
   VOLUTE_TRY(raceDecoding(sequence.info, race, progress));

@@ -77,13 +77,9 @@ MadeCodec makeVoluteCodec() {
 
 std::span<const FileCodecEntry> fileCodecs() {
   static constexpr FileCodecEntry kTable[] = {
-      {"Volute", makeVoluteCodec},
-      {"zfp 4D", makeZfp4dCodec},
-      {"zfp 3D", makeZfp3dCodec},
-      {"NanoVDB FpN, zip", makeNanoVdbCodec},
+      {"Volute", makeVoluteCodec},         {"zfp 4D", makeZfp4dCodec},
+      {"zfp 3D", makeZfp3dCodec},          {"NanoVDB FpN, zip", makeNanoVdbCodec},
       {"OpenVDB half, zip", makeVdbCodec},
-      {"zstd -19, float32", makeZstdFloatCodec},
-      {"zstd -19, float16", makeZstdHalfCodec},
   };
   return kTable;
 }

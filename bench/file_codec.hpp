@@ -21,7 +21,6 @@ class FileCodec {
   enum class Setting {
     kRelativeRms,  ///< the error that the file keeps by itself
     kTolerance,    ///< an absolute tolerance per value, which somebody has to search
-    kNone,         ///< ignored: lossless, or as good as half floats are
   };
 
   virtual ~FileCodec() = default;
@@ -79,11 +78,9 @@ std::span<const SourceCodecEntry> sourceCodecs();
 std::span<const FileCodecEntry> fileCodecs();
 
 MadeCodec makeVoluteCodec();
-MadeCodec makeZfp4dCodec();      ///< accuracy mode, the whole sequence as one array
-MadeCodec makeZfp3dCodec();      ///< accuracy mode, a frame at a time
-MadeCodec makeNanoVdbCodec();    ///< FpN grids with AbsDiff as the oracle, zip on disk
-MadeCodec makeVdbCodec();        ///< half floats, sparse within the tolerance, zip, a file a frame
-MadeCodec makeZstdFloatCodec();  ///< level 19 of the float32 array, lossless
-MadeCodec makeZstdHalfCodec();   ///< level 19 of the array as float16
+MadeCodec makeZfp4dCodec();    ///< accuracy mode, the whole sequence as one array
+MadeCodec makeZfp3dCodec();    ///< accuracy mode, a frame at a time
+MadeCodec makeNanoVdbCodec();  ///< FpN grids with AbsDiff as the oracle, zip on disk
+MadeCodec makeVdbCodec();      ///< half floats, sparse within the tolerance, zip, a file a frame
 
 }  // namespace volute::bench

@@ -53,18 +53,6 @@ TEST_P(EveryFileCodec, KeepsTheErrorThatIsAskedFor) {
   }
 }
 
-TEST_P(EveryFileCodec, WithoutAToleranceIsNearlyLossless) {
-  const auto codec = GetParam().make();
-  if (!codec || (*codec)->setting() != FileCodec::Setting::kNone)
-    GTEST_SKIP();
-  const auto scratch = ScratchFolder::create();
-  ASSERT_TRUE(scratch);
-  Progress quiet;
-  const auto files = encodeWithin(**codec, blob(1), 1e-2, scratch->path() / "files", 1, quiet);
-  ASSERT_TRUE(files) << files.error().message;
-  EXPECT_LE(files->relativeRms, 0x1p-11);
-}
-
 INSTANTIATE_TEST_SUITE_P(All, EveryFileCodec, ::testing::ValuesIn(fileCodecs()),
                          [](const auto& info) {
                            std::string name(info.param.name);
