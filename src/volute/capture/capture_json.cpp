@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/file_as_written.hpp"
 #include "volute/capture/importers.hpp"
 #include "volute/capture/json_value.hpp"
 #include "volute/io/frame_pattern.hpp"
@@ -174,8 +175,9 @@ Result<std::vector<int>> readEmptyFrames(const JsonValue& value) {
 /// Reads what a camera of ours may have; the paths in it are relative to the file's folder.
 class CameraReader {
  public:
-  CameraReader(const JsonValue& value, const std::filesystem::path& folder, CameraDraft defaults)
-      : value_(value), folder_(folder), draft_(std::move(defaults)) {
+  CameraReader(const JsonValue& value, const std::filesystem::path& folder, FilesAsWritten& written,
+               CameraDraft defaults)
+      : value_(value), folder_(folder), written_(written), draft_(std::move(defaults)) {
     draft_.where = value.where();
   }
 
@@ -210,7 +212,16 @@ class CameraReader {
     VOLUTE_ASSIGN(const auto text, value.text());
     if (text.empty())
       return value.fault("expected a file's name");
-    return (folder_ / text).string();
+    if (!namesSeries(text))
+      return written_.find(folder_, text).string();
+    // No file has a pattern's name, but its folder is there.
+    const std::size_t slash = text.find_last_of("/\\");
+    if (slash == text.npos)
+      return (folder_ / text).string();
+    const auto in = written_.find(folder_, text.substr(0, slash));
+    std::error_code error;
+    return (std::filesystem::is_directory(in, error) ? in / text.substr(slash + 1) : folder_ / text)
+        .string();
   }
 
   Status readPictures() {
@@ -275,6 +286,7 @@ class CameraReader {
 
   const JsonValue& value_;
   const std::filesystem::path& folder_;
+  FilesAsWritten& written_;
   CameraDraft draft_;
 };
 
@@ -383,8 +395,9 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
   VOLUTE_ASSIGN(const auto list, root.at("cameras"));
   VOLUTE_ASSIGN(const auto cameras, list.items());
   const auto folder = file.parent_path();
+  FilesAsWritten written;
   for (const JsonValue& camera : cameras) {
-    VOLUTE_ASSIGN(auto read, CameraReader(camera, folder, defaults).read());
+    VOLUTE_ASSIGN(auto read, CameraReader(camera, folder, written, defaults).read());
     draft.cameras.push_back(std::move(read));
     remarkUnknown(camera, {"name",        "image",
                            "width",       "height",
@@ -400,6 +413,8 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
                            "black"},
                   draft);
   }
+  if (std::string remark = written.remark(); !remark.empty())
+    draft.remarks.push_back(std::move(remark));
   return draft;
 }
 

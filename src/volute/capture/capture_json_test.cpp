@@ -54,6 +54,19 @@ TEST(CaptureJson, IsReadWhole) {
   EXPECT_THAT(capture.remarks, Contains(HasSubstr("pixel centres at 0.5")));
 }
 
+TEST(CaptureJson, PicturesAreFoundAsWindowsNamesThem) {
+  const TempFolder folder;
+  std::filesystem::create_directory(folder / "Views");
+  testing::writeText(folder / "Views" / "back.exr", "");
+  auto json = ringJson();
+  json["cameras"][1]["image"] = "views\\f_%04d_b.exr";
+  json["cameras"][1]["background"] = ".\\VIEWS\\Back.EXR";
+  ASSERT_VALUE(const auto capture, openJson(folder, json));
+  EXPECT_EQ(capture.cameras[1].pictures.image, (folder / "Views" / "f_%04d_b.exr").string());
+  EXPECT_EQ(capture.cameras[1].pictures.background, folder / "Views" / "back.exr");
+  EXPECT_THAT(capture.remarks, Contains(HasSubstr("differ from those of the files")));
+}
+
 TEST(CaptureJson, EveryErrorNamesItsPlace) {
   const TempFolder folder;
 

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "volute/base/file_as_written.hpp"
 #include "volute/base/number_word.hpp"
 #include "volute/base/printable.hpp"
 #include "volute/base/read_text.hpp"
@@ -194,7 +195,7 @@ class ObjReader {
   /// alone.
   Status addLibrary(const std::string& name, int line) {
     const auto folder = path_.has_parent_path() ? path_.parent_path() : std::filesystem::path(".");
-    const auto file = folder / name;
+    const auto file = written_.find(folder, name);
     if (!isBelowFolder(file, folder))
       return fault(line, "'{}' is not below the file's own folder", name);
     std::error_code error;
@@ -253,6 +254,7 @@ class ObjReader {
   TriangleMesh mesh_;
   std::vector<Vec3> vertices_;
   std::map<std::string, std::uint32_t> named_;
+  FilesAsWritten written_;
   std::set<std::filesystem::path> libraries_;  ///< that were read
   std::uint32_t material_ = 0;
 };

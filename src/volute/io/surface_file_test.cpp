@@ -36,6 +36,12 @@ TEST(Obj, ReadsPolygonsMaterialsAndNumbersFromTheEnd) {
   EXPECT_EQ(mesh.triangles[2].corners[2], Vec3(1, 0, 0));
   EXPECT_EQ(mesh.materials[mesh.triangles[0].material].baseColor[2], 0.125);
   EXPECT_EQ(mesh.materials[mesh.triangles[2].material].emission[0], 3);
+
+  // As programs on Windows name it.
+  writeBytes(folder / "b.obj",
+             "mtllib .\\A.MTL\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl lamp\nf 1 2 3\n");
+  ASSERT_VALUE(const auto other, readSurfaces(folder / "b.obj"));
+  EXPECT_EQ(other.materials[other.triangles[0].material].emission[0], 3);
 }
 
 TEST(Obj, UnknownWordsAreRefused) {

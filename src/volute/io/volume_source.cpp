@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "volute/base/file_as_written.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/grid/rounding_source.hpp"
 #include "volute/io/array_file.hpp"
@@ -44,6 +45,7 @@ Result<std::vector<LatticeFile>> listCollection(const std::filesystem::path& pat
   if (timed.empty())
     return fail(ErrorCode::kInvalidData, "{}: the collection names no files", path.string());
   std::vector<LatticeFile> files;
+  FilesAsWritten written;
   bool ascending = true;
   for (const auto& entry : timed) {
     if (!files.empty() && entry.time <= *files.back().time) {
@@ -57,9 +59,10 @@ Result<std::vector<LatticeFile>> listCollection(const std::filesystem::path& pat
                   "{}: names {}; expected a collection of .vti files, or of .vtu or .pvtu files",
                   path.string(), entry.path.string());
     }
-    const auto number = frameNumberOf(entry.path);
+    const auto file = written.find(path.parent_path(), entry.path.string());
+    const auto number = frameNumberOf(file);
     ascending = ascending && number && (files.empty() || *number > files.back().number);
-    files.push_back({number.value_or(0), path.parent_path() / entry.path, entry.time});
+    files.push_back({number.value_or(0), file, entry.time});
   }
   for (std::size_t i = 0; !ascending && i < files.size(); ++i)
     files[i].number = static_cast<int>(i);
