@@ -212,8 +212,8 @@ FdsInput::Device deviceOf(const FdsNamelist& group) {
 /// What the text of a file says. `others`: names of more files, if these are to be read.
 Status take(const std::string& text, const std::filesystem::path& path, FdsInput& input,
             std::map<std::string, std::string>& formulas, std::vector<std::string>* others) {
-  for (const FdsNamelist& group :
-       fdsNamelists(text, {"HEAD", "CATF", "TIME", "MISC", "REAC", "SPEC", "SURF", "DEVC"})) {
+  for (const FdsNamelist& group : fdsNamelists(
+           text, {"HEAD", "CATF", "TIME", "MISC", "REAC", "SPEC", "SURF", "DEVC", "MESH"})) {
     const std::string id = group.text("ID");
     if (group.group == "HEAD") {
       if (input.chid.empty())
@@ -240,6 +240,9 @@ Status take(const std::string& text, const std::filesystem::path& path, FdsInput
     } else if (group.group == "SURF") {
       if (group.number("HRRPUA").value_or(0) > 0 || group.number("MLRPUA").value_or(0) > 0)
         input.burning.insert(id);
+    } else if (group.group == "MESH") {
+      if (const auto offset = group.number("EVAC_Z_OFFSET"))
+        input.evacuationOffsets[id] = *offset;
     } else if (!id.empty()) {
       input.devices.emplace(id, deviceOf(group));
     }

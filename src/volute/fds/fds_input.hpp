@@ -60,6 +60,8 @@ struct FdsInput {
   std::vector<Reaction> reactions;
   std::set<std::string> burning;          ///< surfaces with a heat or mass release
   std::map<std::string, Device> devices;  ///< by ID
+  /// Of evacuation meshes, by ID: how far their middle is above the floor [m].
+  std::map<std::string, double> evacuationOffsets;
 
   /// With the files that its CATF names. kInvalidData where one of these cannot be read, or a
   /// number that is used is none.

@@ -219,8 +219,10 @@ Records particleFile(const std::vector<std::vector<std::array<std::string, 2>>>&
       const auto& one = frame.classes[i];
       const auto count = static_cast<std::int32_t>(one.places.size() / 3);
       file.values(Words{count}, true);
-      file.values(one.places);
-      file.values(Words(static_cast<std::size_t>(count), 7));
+      std::vector<float> places = one.places;
+      places.insert(places.end(), one.bodies.begin(), one.bodies.end());
+      file.values(places);
+      file.values(one.numbers.empty() ? Words(static_cast<std::size_t>(count), 7) : one.numbers);
       if (!quantities[i].empty())
         file.values(one.values);
     }

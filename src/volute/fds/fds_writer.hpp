@@ -87,6 +87,10 @@ struct Particles {
   struct OfAClass {
     std::vector<float> places;  ///< all x, all y, all z
     std::vector<float> values;  ///< of each quantity, one a particle
+    /// Of people of FDS+Evac: all angles, diameters, diameters of torsos, heights; and who they
+    /// are.
+    std::vector<float> bodies{};
+    std::vector<std::int32_t> numbers{};
   };
 
   float time = 0;

@@ -10,6 +10,7 @@
 
 #include "volute/fds/fds_case_testing.hpp"
 #include "volute/fds/particle_file.hpp"
+#include "volute/fds/people_file.hpp"
 
 namespace volute {
 namespace {
@@ -114,6 +115,47 @@ TEST(FdsParticleFile, GivesPlacesAndValues) {
     EXPECT_THAT((*last)[1].places[0], ElementsAre(0.7F, 0.1F, 0.2F));
     EXPECT_THAT((*last)[1].values[1], ElementsAre(900));
   }
+}
+
+TEST(FdsPeople, AreATableOfWalksAboveTheFloorsOfTheirMeshes) {
+  const Folder folder;
+  const auto people = [](float x, std::vector<std::int32_t> numbers) {
+    const std::size_t n = numbers.size();
+    fdswriter::Particles::OfAClass one;
+    for (const float value : {x, 2.0F, 4.0F}) one.places.insert(one.places.end(), n, value);
+    one.bodies.assign(4 * n, 0.5F);
+    one.values.assign(n, 0.1F);
+    one.numbers = std::move(numbers);
+    return one;
+  };
+  fdswriter::particleFile(
+      {{{"HUMAN_SPEED", "m/s"}}},
+      {{0, {people(1, {7, 9})}}, {0.5F, {people(2, {9})}}, {1, {people(0, {})}}})
+      .save(folder / "a.prt5");
+  fdswriter::Index index;
+  index.meshes = {{{{{0, 1, 2}, {0, 1, 2}, {0, 1, 2}}}, {}, {}},
+                  {{{{0, 1, 2}, {0, 1, 2}, {3, 5}}}, {}, {}, true}};
+  index.files = "EVA5     2\n a.prt5\n 1\n 1\n";
+  index.save(folder / "made.smv");
+  const std::string above = "id,time,x,y,floor\n7,0,1,2,3\n9,0,1,2,3\n9,0.5,2,2,3\n";
+  EXPECT_EQ(fdsPeopleTable(folder / "a.prt5", 1000).value(), above);
+  EXPECT_EQ(fdsPeopleTable(folder / "made.smv", 1000).value(), above);
+  EXPECT_TRUE(mayHoldPeople(folder / "a.prt5"));
+  EXPECT_THAT(fdsPeopleTable(folder / "a.prt5", 10).error().message, HasSubstr("0 MiB"));
+
+  index.input = "made.fds";
+  index.save(folder / "made.smv");
+  fdswriter::saveText(folder / "made.fds",
+                      "&HEAD CHID='made' /\n&MESH ID='mesh', EVACUATION=T, EVAC_Z_OFFSET=0.5 /\n");
+  EXPECT_THAT(fdsPeopleTable(folder / "made.smv", 1000).value(), HasSubstr("7,0,1,2,3.5\n"));
+
+  fdswriter::particleFile({{}}, {{0, {{{1, 2, 3}, {}}}}}).save(folder / "drops.prt5");
+  EXPECT_THAT(fdsPeopleTable(folder / "drops.prt5", 1000).error().message,
+              HasSubstr("expected people of FDS+Evac"));
+  index.files.clear();
+  index.save(folder / "nobody.smv");
+  EXPECT_THAT(fdsPeopleTable(folder / "nobody.smv", 1000).error().message,
+              HasSubstr("names no people"));
 }
 
 TEST(FdsParticleFile, WorksWithoutEmptyRecordsAndSaysWhatIsWrong) {

@@ -17,39 +17,54 @@ constexpr int kMaxQuantities = 1000;  // of a class
 Result<FdsParticleFile> FdsParticleFile::open(const FdsParticleEntry& entry) {
   VOLUTE_ASSIGN(auto opened, FortranFile::open(entry.file));
   FdsParticleFile particles(std::move(opened));
-  const FortranFile& file = particles.file_;
-  VOLUTE_ASSIGN(const std::uint64_t offset, particles.readHeader(entry.classes.size()));
+  const auto classes = static_cast<std::int64_t>(entry.classes.size());
+  VOLUTE_ASSIGN(const std::uint64_t offset, particles.readHeader(classes, classes));
+  VOLUTE_TRY(particles.findFrames(offset));
+  return particles;
+}
+
+Result<FdsParticleFile> FdsParticleFile::openPeople(const std::filesystem::path& path) {
+  constexpr std::int64_t kMaxClasses = 1000;
+  VOLUTE_ASSIGN(auto opened, FortranFile::open(path));
+  FdsParticleFile people(std::move(opened));
+  people.floats_ = 7;
+  VOLUTE_ASSIGN(const std::uint64_t offset, people.readHeader(1, kMaxClasses));
+  VOLUTE_TRY(people.findFrames(offset));
+  return people;
+}
+
+/// Finds the frames behind a header.
+Status FdsParticleFile::findFrames(std::uint64_t offset) {
   const auto countAll = [&](std::uint64_t& place, std::size_t frame) -> Result<std::uint64_t> {
     std::uint64_t all = 0;
-    for (std::size_t one = 0; one < particles.classes(); ++one) {
+    for (std::size_t one = 0; one < classes(); ++one) {
       std::uint64_t count = 0;
-      VOLUTE_TRY(particles.readClass(place, one, frame, nullptr, count));
+      VOLUTE_TRY(readClass(place, one, frame, nullptr, count));
       all += count;
     }
     return all;
   };
-  VOLUTE_TRY(scanFrames(file, offset, particles.frames_,
+  VOLUTE_TRY(scanFrames(file_, offset, frames_,
                         [&](std::uint64_t& place, std::size_t frame) -> Result<double> {
-                          VOLUTE_ASSIGN(const double time, readTime(file, place, frame));
+                          VOLUTE_ASSIGN(const double time, readTime(file_, place, frame));
                           VOLUTE_TRY(countAll(place, frame));
                           return time;
                         }));
-  for (std::size_t frame = 0; frame < particles.frames_.times.size(); ++frame) {
-    std::uint64_t place = particles.frames_.offsets[frame];
-    VOLUTE_TRY(readTime(file, place, frame));
+  for (std::size_t frame = 0; frame < frames_.times.size(); ++frame) {
+    std::uint64_t place = frames_.offsets[frame];
+    VOLUTE_TRY(readTime(file_, place, frame));
     VOLUTE_ASSIGN(const std::uint64_t all, countAll(place, frame));
-    particles.counts_.push_back(all);
+    counts_.push_back(all);
   }
-  return particles;
+  return {};
 }
 
-Result<std::uint64_t> FdsParticleFile::readHeader(std::size_t classes) {
+Result<std::uint64_t> FdsParticleFile::readHeader(std::int64_t least, std::int64_t most) {
   std::uint64_t offset = 0;
   VOLUTE_TRY(readCount(file_, offset, "the header's first word", 1, 1));
   VOLUTE_TRY(readCount(file_, offset, "the version of FDS", 0, 1 << 30));
-  const auto number = static_cast<std::int64_t>(classes);
-  VOLUTE_TRY(readCount(file_, offset, "the number of classes", number, number));
-  for (std::size_t one = 0; one < classes; ++one) {
+  VOLUTE_ASSIGN(const int number, readCount(file_, offset, "the number of classes", least, most));
+  for (int one = 0; one < number; ++one) {
     std::array<std::int32_t, 2> sizes{};
     const std::uint64_t begin = offset;
     VOLUTE_ASSIGN(offset, file_.readInto(offset, std::span(sizes), "the quantities of a class"));
@@ -93,9 +108,9 @@ Status FdsParticleFile::readClass(std::uint64_t& offset, std::size_t one, std::s
     return {};
   }
   if (into == nullptr) {
-    VOLUTE_ASSIGN(offset, file_.skip(offset, 12 * count, what));
+    VOLUTE_ASSIGN(offset, file_.skip(offset, 4 * floats_ * count, what));
   } else {
-    std::vector<float> places(3 * count);  // all x, all y, all z
+    std::vector<float> places(floats_ * count);  // all x, all y, all z
     VOLUTE_ASSIGN(offset, file_.readInto(offset, std::span(places), what));
     into->places.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -109,7 +124,13 @@ Status FdsParticleFile::readClass(std::uint64_t& offset, std::size_t one, std::s
       }
     }
   }
-  VOLUTE_ASSIGN(offset, file_.skip(offset, 4 * count, frameName("numbers of particles", frame)));
+  const std::string numbers = frameName("numbers of particles", frame);
+  if (into != nullptr && floats_ > 3) {
+    into->numbers.resize(count);
+    VOLUTE_ASSIGN(offset, file_.readInto(offset, std::span(into->numbers), numbers));
+  } else {
+    VOLUTE_ASSIGN(offset, file_.skip(offset, 4 * count, numbers));
+  }
   if (quantities == 0)
     return {};
   if (into == nullptr) {

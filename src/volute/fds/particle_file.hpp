@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,7 @@ namespace volute {
 struct FdsParticles {
   std::vector<std::array<float, 3>> places;  ///< [m], finite
   std::vector<std::vector<float>> values;    ///< of each quantity of the class, one a particle
+  std::vector<std::int32_t> numbers;         ///< of people, which stay with them
 };
 
 /// .prt5: where particles are (FDS User's Guide, "Lagrangian Particles" among the formats of
@@ -24,6 +27,10 @@ class FdsParticleFile {
  public:
   /// The file must have as many classes as the index says.
   [[nodiscard]] static Result<FdsParticleFile> open(const FdsParticleEntry& entry);
+
+  /// People of FDS+Evac (DUMP_EVAC in its evac.f90): their places are followed by the body's angle,
+  /// diameters and height, which are not read. kInvalidData for other particles.
+  [[nodiscard]] static Result<FdsParticleFile> openPeople(const std::filesystem::path& path);
 
   const FdsFrameIndex& frames() const { return frames_; }
 
@@ -41,11 +48,13 @@ class FdsParticleFile {
  private:
   explicit FdsParticleFile(FortranFile file) : file_(std::move(file)) {}
 
-  Result<std::uint64_t> readHeader(std::size_t classes);
+  Result<std::uint64_t> readHeader(std::int64_t least, std::int64_t most);
+  Status findFrames(std::uint64_t offset);
   Status readClass(std::uint64_t& offset, std::size_t one, std::size_t frame, FdsParticles* into,
                    std::uint64_t& count) const;
 
   FortranFile file_;
+  std::uint64_t floats_ = 3;                        // of a particle's place
   std::vector<std::vector<FdsLabels>> quantities_;  // of each class
   FdsFrameIndex frames_;
   std::vector<std::uint64_t> counts_;  // of each frame

@@ -77,7 +77,7 @@ Status SmvReader::readParticles(std::string_view rest) {
   if (known)
     index_.particles.push_back(std::move(particles));
   else  // people of FDS+Evac
-    index_.others.push_back({"particles of unknown classes", particles.mesh, particles.file});
+    index_.others.push_back({kUnknownParticles, particles.mesh, particles.file});
   return {};
 }
 

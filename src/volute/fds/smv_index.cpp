@@ -387,6 +387,7 @@ Status SmvReader::handle(std::string_view line) {
       {"BNDF", &SmvReader::readBoundary},
       {"BNDC", &SmvReader::readBoundary},
       {"PRT5", &SmvReader::readParticles},
+      {"EVA5", &SmvReader::readParticles},
       {"CLASS_OF_PARTICLES", &SmvReader::readParticleClass},
       {"ISOG", &SmvReader::readIsosurface},
       {"TISOG", &SmvReader::readColouredIsosurface},
@@ -439,6 +440,15 @@ void SmvReader::leaveOutEvacuation() {
   const auto left = std::ranges::count(kept, -1);
   if (left == 0)
     return;
+  const auto notePeople = [&](int mesh, const std::filesystem::path& file) {
+    if (mesh >= 0 && kept[static_cast<std::size_t>(mesh)] < 0)
+      index_.people.push_back({index_.meshes[static_cast<std::size_t>(mesh)].name, file});
+  };
+  for (const FdsParticleEntry& one : index_.particles) notePeople(one.mesh, one.file);
+  for (const FdsOtherFile& one : index_.others) {
+    if (one.kind == kUnknownParticles)
+      notePeople(one.mesh, one.file);
+  }
   const auto keep = [&](auto& entries) {
     std::erase_if(entries, [&](const auto& one) {
       return one.mesh >= 0 && kept[static_cast<std::size_t>(one.mesh)] < 0;
@@ -554,10 +564,10 @@ Result<SmvIndex> SmvReader::read() {
     // A case that runs appends entries: a cut-off one is left out. Meshes must be whole.
     const bool later =
         line->starts_with("SL") || line->starts_with("SMOK") || line->starts_with("PL3D") ||
-        line->starts_with("BND") || line->starts_with("PRT5") || line->starts_with("CSVF") ||
-        line->starts_with("ISOG") || line->starts_with("TISOG") || line->starts_with("SHOW_") ||
-        line->starts_with("HIDE_") || line->starts_with("OPEN_") || line->starts_with("CLOSE_") ||
-        line->starts_with("DEVICE");  // DEVICE_ACT too
+        line->starts_with("BND") || line->starts_with("PRT5") || line->starts_with("EVA5") ||
+        line->starts_with("CSVF") || line->starts_with("ISOG") || line->starts_with("TISOG") ||
+        line->starts_with("SHOW_") || line->starts_with("HIDE_") || line->starts_with("OPEN_") ||
+        line->starts_with("CLOSE_") || line->starts_with("DEVICE");  // DEVICE_ACT too
     if (status.error().code != ErrorCode::kTruncated || !later)
       return tl::unexpected<Error>(status.error());
     break;
@@ -579,13 +589,8 @@ Result<SmvIndex> SmvReader::read() {
 bool isShown(std::span<const FdsEvent> events, double time) {
   if (events.empty())
     return true;
-  bool shown = !events.front().shown;
-  for (const FdsEvent& event : events) {
-    if (event.time > time)
-      break;
-    shown = event.shown;
-  }
-  return shown;
+  const auto next = std::ranges::upper_bound(events, time, {}, &FdsEvent::time);
+  return next == events.begin() ? !next->shown : std::prev(next)->shown;
 }
 
 std::uint64_t FdsMesh::nodeCount() const {

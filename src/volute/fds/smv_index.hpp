@@ -148,6 +148,12 @@ struct FdsParticleEntry {
   std::filesystem::path file;
 };
 
+/// People of FDS+Evac, on a mesh that is left out.
+struct FdsPeopleEntry {
+  std::string mesh;
+  std::filesystem::path file;
+};
+
 /// Any other file that the index names: boundary files, tables.
 struct FdsOtherFile {
   std::string kind;  ///< for people
@@ -177,6 +183,7 @@ struct SmvIndex {
   std::vector<FdsIsoEntry> isosurfaces;
   std::vector<FdsParticleClass> particleClasses;
   std::vector<FdsParticleEntry> particles;
+  std::vector<FdsPeopleEntry> people;
   std::vector<FdsOtherFile> others;
   bool ended = false;                ///< FDS has written its .end file
   std::vector<std::string> remarks;  ///< what was left out and why

@@ -18,6 +18,9 @@
 
 namespace volute {
 
+/// The kind of a file of particles whose classes the index does not have, such as people.
+inline constexpr const char* kUnknownParticles = "particles of unknown classes";
+
 /// Reads the file block by block: a keyword at the begin of a line, then lines that begin with a
 /// space or are counted.
 class SmvReader {

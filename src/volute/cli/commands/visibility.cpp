@@ -9,6 +9,7 @@
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/shared_options.hpp"
+#include "volute/fds/people_file.hpp"
 #include "volute/film/sign_views.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/scene/scene_sight.hpp"
@@ -24,6 +25,11 @@ namespace {
 /// A text file; what is made of it takes several times its size.
 Result<std::string> textOf(const std::string& path, const Context& context) {
   return readText(path, context.maxMemory / 16);
+}
+
+/// People who walk, as a text or database; those of FDS+Evac as a table.
+Result<std::string> peopleOf(const std::string& path, const Context& context) {
+  return mayHoldPeople(path) ? fdsPeopleTable(path, context.maxMemory / 16) : textOf(path, context);
 }
 
 /// "1.8,4.8": of plans, a storey each.
@@ -64,8 +70,9 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     VOLUTE_ASSIGN(auto routes, routesOf(points, *file));
     VOLUTE_ASSIGN(const auto slowed,
                   ofOption("slowed", speedLaw(arguments.get<std::string>("slowed"))));
-    return routeWatch(std::move(routes),
-                      {arguments.get<double>("speed"), arguments.get<double>("start"), slowed});
+    VOLUTE_ASSIGN(const auto start,
+                  ofOption("start", walkStart(arguments.get<std::string>("start"))));
+    return routeWatch(std::move(routes), {arguments.get<double>("speed"), start, slowed});
   }
   if (const auto file = arguments.find<std::string>("eyes")) {
     VOLUTE_ASSIGN(const auto text, textOf(*file, context));
@@ -75,7 +82,7 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     return pointWatch(std::move(eyes));
   }
   if (const auto file = arguments.find<std::string>("trajectories")) {
-    VOLUTE_ASSIGN(const auto text, textOf(*file, context));
+    VOLUTE_ASSIGN(const auto text, peopleOf(*file, context));
     VOLUTE_ASSIGN(auto people,
                   Trajectories::parse(text, *file, height, arguments.get<double>("eye-height")));
     remarks.insert(remarks.end(), people.remarks().begin(), people.remarks().end());
@@ -204,7 +211,12 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   VOLUTE_ASSIGN(request.profile, criteriaOf(arguments.get<std::string>("criteria")));
   request.survey.criteria = request.profile.criteria;
   if (const auto rset = arguments.find<std::string>("rset")) {
-    VOLUTE_ASSIGN(request.survey.rset, Rset::read(*rset, context.maxMemory / 16));
+    if (mayHoldPeople(*rset)) {
+      VOLUTE_ASSIGN(const auto people, peopleOf(*rset, context));
+      VOLUTE_ASSIGN(request.survey.rset, Rset::parse(people, *rset));
+    } else {
+      VOLUTE_ASSIGN(request.survey.rset, Rset::read(*rset, context.maxMemory / 16));
+    }
     VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
     for (std::string& remark : request.survey.rset->remarks(heights))
       request.remarks.push_back(std::move(remark));
@@ -315,7 +327,8 @@ std::vector<Option> visibilityOptionTable() {
        .kind = kFile,
        .value = "FILE",
        .help = "eyes of walking people: JuPedSim's .sqlite or text format, Pathfinder's occupants "
-               ".csv, or a table id,time,x,y[,z]"},
+               ".csv, people of FDS+Evac (.prt5, or .smv for all of a case), or a table "
+               "id,time,x,y[,z]"},
       {.name = "eye-height",
        .kind = kNumber,
        .value = "M",
@@ -339,9 +352,10 @@ std::vector<Option> visibilityOptionTable() {
        .positive = true,
        .beside = "route"},
       {.name = "start",
-       .kind = kNumber,
-       .value = "T",
-       .help = "start time of the walk [s]",
+       .kind = kText,
+       .value = "WHEN",
+       .help = "start of the walk: seconds; smoke:K,DELAY: so many seconds after the extinction K "
+               "[1/m] is reached where it begins; heard:K,DELAY: where any of the walks begins",
        .initial = "0",
        .beside = "route"},
       {.name = "slowed",
