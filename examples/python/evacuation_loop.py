@@ -14,12 +14,6 @@ STEP = 0.5  # [s]
 SPEED = 1.2  # [m/s], in clear air
 
 
-def walking_speed(extinction):
-    """Fridolf et al. 2019: .34 m/s less for each metre of sight below 3 m, .2 m/s at least; sight is 3 / K."""
-    sight = 3 / np.maximum(np.nan_to_num(extinction), 1e-9)
-    return np.clip(SPEED - 0.34 * np.maximum(3 - sight, 0), 0.2, SPEED)
-
-
 class Walkers:
     """What a program of its own would be here."""
 
@@ -30,14 +24,14 @@ class Walkers:
         self.ids = np.arange(len(self.eyes))
         self.signs = engine.sign_places
 
-    def step(self, seen, extinction):
-        """seen: shape (agent, sign)"""
+    def step(self, seen, speed):
+        """seen: shape (agent, sign), speed: [m/s], shape (agent,)"""
         ways = self.signs[None] - self.eyes[:, None]
         ways[..., 2] = 0
         far = np.where(seen, np.linalg.norm(ways, axis=2), np.inf)
         goal = far.argmin(axis=1)
         distance = far.min(axis=1)
-        reach = STEP * walking_speed(extinction)
+        reach = STEP * speed
         goes = np.isfinite(distance) & (distance > 0)
         share = np.zeros(len(self.eyes))
         share[goes] = np.minimum(reach[goes] / distance[goes], 1)
@@ -64,7 +58,7 @@ def main(case, signs, walks=None):
             fed = [np.nanmax(np.append(doses[name], 0)) for name in engine.criteria if name.startswith("fed")]
             print(f"{time:6.1f} s: {len(ids)} people, {(~sees.any(axis=1)).sum()} see no sign, the largest dose is {max(fed, default=0):.4f}")
         if walkers:
-            walkers.step(sees, engine.extinction(eyes, time))
+            walkers.step(sees, np.nan_to_num(engine.walking_speed(eyes, time, SPEED), nan=SPEED))  # nan: the smoke is not known
         time += STEP
     print(f"{len(walkers.ids)} people are left" if walkers else f"{len(people.ids)} people walked")
 

@@ -25,6 +25,7 @@
 #include "volute/media/camera_file.hpp"
 #include "volute/scene/scene_renderer.hpp"
 #include "volute/scene/scene_sight.hpp"
+#include "volute/tenability/walking_speed.hpp"
 #include "volute/tomography/capture_refinement.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
@@ -399,6 +400,7 @@ class Sight {
 class Engine {
  public:
   using Ids = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+  using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
   Engine(const std::string& path, const std::string& members, const Volumes& volumes,
          const std::string& signsFile, const std::string& criteriaFile, std::uint64_t maxMemory,
@@ -477,6 +479,22 @@ class Engine {
     const auto from = eyesOf(time, eyes);
     py::array_t<double> out(static_cast<py::ssize_t>(from.size()));
     ask([&] { return engine_->extinction(from, time, {out.mutable_data(), from.size()}); });
+    return out;
+  }
+
+  /// Of the speeds `clear` without smoke; NaN where the smoke is not known.
+  py::array walkingSpeed(double time, const Points& eyes, const Numbers& clear,
+                         const std::string& lawName) {
+    py::array out = extinction(time, eyes);
+    const SpeedLaw law = run(py::none(), [&](Progress&) { return speedLaw(lawName); });
+    if (clear.size() != out.size())
+      throw py::value_error(fmt::format("clear: expected one speed an agent, {}", out.size()));
+    const std::span speeds(static_cast<double*>(out.mutable_data()),
+                           static_cast<std::size_t>(out.size()));
+    for (std::size_t i = 0; i < speeds.size(); ++i) {
+      if (!std::isnan(speeds[i]))
+        speeds[i] = volute::walkingSpeed(law, clear.data()[i], speeds[i]);
+    }
     return out;
   }
 
@@ -758,7 +776,8 @@ PYBIND11_MODULE(_scene, m) {
       .def_property_readonly("missing", &Engine::missing)
       .def("sees", &Engine::sees, "time"_a, "eyes"_a)
       .def("dose", &Engine::dose, "time"_a, "ids"_a, "eyes"_a)
-      .def("extinction", &Engine::extinction, "time"_a, "eyes"_a);
+      .def("extinction", &Engine::extinction, "time"_a, "eyes"_a)
+      .def("walking_speed", &Engine::walkingSpeed, "time"_a, "eyes"_a, "clear"_a, "law"_a);
 
   py::class_<PythonTrajectories>(m, "Trajectories")
       .def(py::init<const std::string&, const std::string&, std::optional<double>, double>(),

@@ -980,6 +980,15 @@ print("done", flush=True)
             np.testing.assert_array_equal(seen["exit"], exits, str(time))
             np.testing.assert_array_equal(seen["back"], backs, str(time))
         np.testing.assert_allclose(engine.extinction(eyes, 15), 1.5, rtol=1e-5)
+        # 3 / 1.5 = 2 m of sight: a metre less than 3.
+        np.testing.assert_allclose(engine.walking_speed(eyes, 15, clear=[1.2, 1, 0.6]), [0.86, 0.66, 0.26], rtol=1e-5)
+        np.testing.assert_allclose(engine.walking_speed(eyes, 15, law="frantzich-nilsson:0.706,-0.057,0.1"),
+                                   1.2 * (1 - 0.057 * 1.5 / 0.706), rtol=1e-5)
+        self.assertTrue(np.isnan(engine.walking_speed([[50, 1.5, 1.6]], 15)[0]))
+        with self.assertRaisesRegex(ValueError, "fridolf or frantzich"):
+            engine.walking_speed(eyes, 15, law="fast")
+        walkers = engine.sees(eyes, 9, facing=[[1, 0], [-1, 0], [1, 0]])
+        self.assertEqual((list(walkers["exit"]), list(walkers["back"])), ([1, 0, 1], [0, 0, 0]))
         np.testing.assert_allclose(engine.dose([7, 8, 9], eyes, 15)["extinction"], 1.5, rtol=1e-5)
         with self.assertRaisesRegex(ValueError, "ids"):
             engine.dose([7, 8], eyes, 16)

@@ -444,10 +444,20 @@ class Engine:
         """{criterion: why} of those that the case does not store enough for."""
         return dict(self._engine.missing)
 
-    def sees(self, eyes, time):
+    def sees(self, eyes, time, facing=None):
         """Which signs each agent sees at `time` [s], linear between stored times: a structured array, shape (agent,), with a field
-        a sign: NOT_SEEN, SEEN or CANNOT_TELL (the case's values are rounded too much). eyes: shape (agent, 3) or (3,) [m]."""
-        return _fields(self.signs, np.uint8, self._engine.sees(float(time), _points(eyes)))
+        a sign: NOT_SEEN, SEEN or CANNOT_TELL (the case's values are rounded too much). eyes: shape (agent, 3) or (3,) [m]. facing:
+        where agents walk to or look, shape (agent, 2) or (agent, 3): signs behind them are not seen."""
+        eyes = _points(eyes)
+        seen = self._engine.sees(float(time), eyes)
+        if facing is not None:
+            facing = np.asarray(unmasked(facing, "facing"), float)
+            if facing.ndim not in (1, 2) or facing.shape[-1] not in (2, 3) or not np.isfinite(facing).all():
+                raise ValueError(f"facing: shape {facing.shape}; expected (agent, 2), finite numbers")
+            facing = np.broadcast_to(np.atleast_2d(facing)[:, :2], (len(eyes), 2))
+            ahead = self.sign_places[:, np.newaxis, :2] - eyes[np.newaxis, :, :2]
+            seen = np.where((ahead * facing).sum(-1) < 0, np.uint8(self.NOT_SEEN), seen)
+        return _fields(self.signs, np.uint8, seen)
 
     def dose(self, ids, eyes, time):
         """What each agent has taken in until `time` [s] since the calls before, by trapezoids: steps of a second or less are small
@@ -459,6 +469,13 @@ class Engine:
     def extinction(self, eyes, time):
         """K at each eye [1/m], shape (agent,), for walking speeds; NaN where nothing is known."""
         return self._engine.extinction(float(time), _points(eyes))
+
+    def walking_speed(self, eyes, time, clear=1.2, law="fridolf"):
+        """How fast agents walk in the smoke where their eyes are [m/s], shape (agent,), who walk at `clear` [m/s] without it; NaN where
+        the smoke is not known. law: as `volute visibility --slowed` takes it: fridolf, frantzich-nilsson, or with own coefficients
+        ("fridolf:0.34,3,0.2")."""
+        eyes = _points(eyes)
+        return self._engine.walking_speed(float(time), eyes, np.broadcast_to(np.asarray(clear, float), len(eyes)), law)
 
     def __repr__(self):
         times = self.times

@@ -8,6 +8,7 @@ import math
 import os
 import pathlib
 import resource
+import struct
 import subprocess
 
 import support
@@ -315,6 +316,138 @@ class Tenability(Cases):
         self.works("visibility", path, "--signs", signs, "--route", self.path("route.csv"), "--height", 1.5, "--step", 0.5, "-o",
                    self.path("out"))
         self.assertTrue(any("'route' leads through something solid" in remark for remark in self.report("out")["remarks"]))
+
+    def test_floors_that_are_higher_lift_the_eyes(self):
+        """A deck of a metre under smoke that ends above the heads of those who stand beside it."""
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 6), (20, 4, 12), [(10, 20, 0, 4, 0, 1)])
+        FdsCase([mesh], TIMES, lambda t, x, y, z: 0.02 * t * (z > 2.5)).write(self.folder, "deck")
+        for more, reached in (((), 10), (("--everywhere",), None)):
+            self.works("visibility", self.path("deck.smv"), "--signs", self.signs(), "--height", 1.8, "--step", 1, "-o", self.path("out"),
+                       *more)
+            (verdict,) = [one for one in self.report("out")["verdict"] if one["criterion"] == "visibility"]
+            self.assertEqual(verdict["time"], reached)
+        self.works("visibility", self.path("deck.smv"), "--signs", self.signs(), "--height", 1.8, "--step", 1, "-o", self.path("out"),
+                   "--rset", 50)
+        report = self.report("out")
+        (verdict,) = [one for one in report["verdict"] if one["criterion"] == "visibility"]
+        self.assertAlmostEqual(verdict["position"][2], 2.8)
+        self.assertGreater(verdict["position"][0], 10)
+        self.assertEqual(report["tenability"]["margin"]["least"]["value"], -40)
+        self.assertTrue(any("up to 1 m higher" in remark for remark in report["remarks"]))
+        self.path("route.csv").write_text("x,y\n2,2\n17,2\n")
+        self.works("visibility", self.path("deck.smv"), "--signs", self.signs(), "--route", self.path("route.csv"), "--height", 1.8,
+                   "--speed", 1, "--start", 100, "-o", self.path("route"))
+        (route,) = self.report("route")["routes"]
+        reached = {one["name"]: one["time_interpolated"] for one in route["exposure"]}["visibility"]
+        self.assertTrue(107 <= reached <= 109, reached)
+
+    def test_people_are_where_it_burns_later(self):
+        """The second fire is on a place that people used until then."""
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (20, 4, 3))
+        case = FdsCase([mesh], TIMES, lambda t, x, *_: 0.001 * t * x,
+                       more=[("HRRPUV", "kW/m3", lambda t, x, *_: 500.0 * (0 < t and (x < 4 or (x > 16 and t > 60))))])
+        self.works("visibility", case.write(self.folder, "case"), "--signs", self.signs(), "--height", 1.5, "--step", 1, "-o",
+                   self.path("out"))
+        report = self.report("out")
+        self.assertEqual(report["plan_use"][1], "ffff" + 16 * "p")
+        self.assertGreater(report["verdict"][0]["position"][0], 19)
+
+    def test_meshes_without_smoke_are_not_known_unless_another_source_serves(self):
+        halves = [Mesh("west", (0, 10, 0, 4, 0, 3), (10, 4, 3)), Mesh("east", (10, 20, 0, 4, 0, 3), (10, 4, 3))]
+        smoke = ("MASS", "1/m", lambda t, x, *_: 0.001 * t * (20 - x))
+        path = FdsCase(halves, TIMES, smoke[2]).write(self.folder, "case")
+        lines = path.read_text().split("\n")
+        west = next(i for i, line in enumerate(lines) if line.startswith("SLCC     1"))
+        path.write_text("\n".join(lines[:west] + lines[west + 5:]))
+        words = ("visibility", path, "--signs", self.signs(), "--height", 1.5, "--step", 1, "-o", self.path("out"))
+        self.works(*words)
+        report = self.report("out")
+        whole = report["verdict"][0]
+        self.assertEqual((whole["time"], whole["known"]), (None, False))
+        self.assertEqual(report["aset"][0]["rows_known"][1][3], False)
+        self.assertTrue(any("no smoke is stored for 1 of 2 meshes" in remark for remark in report["remarks"]))
+        self.path("route.csv").write_text("x,y\n2,2\n17,2\n")
+        self.works("visibility", path, "--signs", self.signs(), "--route", self.path("route.csv"), "--height", 1.5, "--slowed", "fridolf",
+                   "-o", self.path("route"))
+        report = self.report("route")
+        self.assertEqual(report["routes"][0]["arrival_known"], False)
+        self.assertIn("if there is no smoke where it is not known", report["verdict"][0]["sentence"])
+
+    def test_people_meet_smoke_between_stored_times(self):
+        """A curtain of smoke that somebody has passed by the next stored time."""
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (20, 4, 3))
+        case = FdsCase([mesh], [0.0, 10.0, 20.0], lambda t, x, *_: 1.0 * (9 < x < 12)).write(self.folder, "case")
+        self.path("walks.csv").write_text("id,time,x,y,z\n1,0,2,2,1.5\n1,10,18,2,1.5\n2,0,2,2,1.5\n2,10,7,2,1.5\n")
+        self.works("visibility", case, "--signs", self.signs(), "--trajectories", self.path("walks.csv"), "-o", self.path("out"))
+        (thick,) = [one for one in self.report("out")["tenability"]["criteria"] if one["name"] == "visibility"]
+        self.assertEqual(thick["times"], [0, None])
+        self.assertTrue(4 <= thick["times_interpolated"][0] <= 5, thick)
+
+    def test_walkers_wait_for_smoke_or_hear_of_it(self):
+        case = self.case(smoke=lambda t, x, *_: 0.001 * t * (x < 10))
+        self.path("routes.csv").write_text("route,x,y\nwest,2,1\nwest,17,1\neast,15,3\neast,18,3\n")
+        words = ("visibility", case, "--signs", self.signs(), "--route", self.path("routes.csv"), "--height", 1.5, "--speed", 1, "-o",
+                 self.path("out"), "--start")
+        self.works(*words, "smoke:0.05,5")
+        report = self.report("out")
+        west, east = report["routes"]
+        self.assertAlmostEqual(west["start"], 55, 4)
+        self.assertAlmostEqual(west["arrival"], 70, 4)
+        self.assertEqual((east["start"], east["arrival"]), (None, None))
+        self.assertIn("waits for an extinction of 0.05 1/m", report["verdict"][1]["sentence"])
+        self.works(*words, "heard:0.05")
+        west, east = self.report("out")["routes"]
+        self.assertAlmostEqual(east["start"], 50, 4)
+        self.assertAlmostEqual(east["arrival"], 53, 4)
+        self.assertIn("expected seconds, smoke:K", self.fails(2, *words, "smoke:0"))
+
+    def test_signs_are_of_routes_and_ahead(self):
+        case = self.case(smoke=lambda *_: 0.001)
+        self.path("routes.csv").write_text("route,x,y\nout,2,2\nout,17,2\nback,17,1\nback,2,1\n")
+        words = ("visibility", case, "--route", self.path("routes.csv"), "--height", 1.5, "-o", self.path("out"), "--signs")
+        self.works(*words, self.signs())
+        for route, sign in zip(self.report("out")["routes"], ("exit", "back")):
+            self.assertEqual({tuple(one["seen"]) for one in route["walk"]}, {(sign,)})
+        signs = json.loads(self.path("signs.json").read_text())
+        signs["signs"][0]["routes"] = "back"
+        self.path("signs.json").write_text(json.dumps(signs))
+        self.works(*words, self.path("signs.json"))
+        out, back = self.report("out")["routes"]
+        self.assertEqual((out["walk_share_with_a_sign"], back["walk_share_with_a_sign"]), (0, 1))
+        self.assertEqual(list(out["coverage"][0]["signs"]), ["back"])
+        signs["signs"][0]["routes"] = ["elsewhere"]
+        self.path("signs.json").write_text(json.dumps(signs))
+        self.assertIn("expected one of 'out', 'back'", self.fails(2, *words, self.path("signs.json")))
+
+    def test_options_that_change_nothing_are_told(self):
+        self.works("visibility", self.case(), "--signs", self.signs(), "--height", 1.5, "--step", 2, "-o", self.path("out"), "--C", 8,
+                   "--mass-extinction", 7600)
+        told = [remark for remark in self.report("out")["remarks"] if "has no effect" in remark]
+        self.assertEqual(len(told), 2, told)
+
+    def test_people_of_fds_evac(self):
+        def record(data):
+            return struct.pack("<i", len(data)) + data + struct.pack("<i", len(data))
+
+        frames = b"".join(
+            record(struct.pack("<f", t)) + record(struct.pack("<i", 1))
+            + record(struct.pack("<7f", 2 + t / 10, 2, 1, 0, 0.5, 0.3, 1.8)) + record(struct.pack("<i", 4))
+            for t in range(0, 121, 10))
+        self.path("people.prt5").write_bytes(b"".join(record(struct.pack("<i", n)) for n in (1, 670, 1)) + record(struct.pack("<2i", 0, 0))
+                                             + frames)
+        case = self.case(smoke=lambda t, x, *_: 0.01 * t)
+        for more in (("--trajectories", self.path("people.prt5")), ("--height", 1.8, "--step", 1, "--rset", self.path("people.prt5"))):
+            self.works("visibility", case, "--signs", self.signs(), "-o", self.path("out"), *more)
+            report = self.report("out")
+            if "--rset" in more:
+                self.assertLess(report["tenability"]["margin"]["least"]["value"], 0)
+                continue
+            self.assertEqual(report["tenability"]["ids"], [4])
+            (thick,) = [one for one in report["tenability"]["criteria"] if one["name"] == "visibility"]
+            self.assertAlmostEqual(thick["times_interpolated"][0], 30, 3)
+            self.assertTrue(any("eyes are 1.8 m above it" in remark for remark in report["remarks"]))
+        self.assertIn("names no people", self.fails(1, "visibility", case, "--signs", self.signs(), "-o", self.path("out"), "--trajectories",
+                                                    case))
 
     def test_smoke_slows_walkers_down(self):
         case = self.case(smoke=lambda *_: 2.0)

@@ -70,6 +70,11 @@ class FdsField {
 
   const std::vector<FdsCell>& cells(std::size_t lattice) const { return *cells_[lattice]; }
 
+  /// Of each lattice, to be shared.
+  std::span<const std::shared_ptr<const FdsValues>> allValues() const { return values_; }
+
+  std::span<const std::shared_ptr<const std::vector<FdsCell>>> allCells() const { return cells_; }
+
   /// The light that is the same everywhere; zero where light is given at the nodes.
   const Rgb& source() const { return source_; }
 

@@ -74,16 +74,22 @@ std::vector<double> AirField::timesBetween(double from, double to) const {
   return times;
 }
 
+Exposure AirField::unknown() {
+  Exposure air;
+  for (const AirQuantity& one : airQuantities()) air[one.quantity] = kNotKnown;
+  return air;
+}
+
 Status AirField::at(double time, std::span<const Vec3> points, std::span<Exposure> out,
                     std::span<Spans> spans) {
   std::vector<double> values(points.size());
   std::vector<StoredSpan> own(points.size());
   for (const AirQuantity& one : airQuantities()) {
     PointField* field = fields_[index(one.quantity)].get();
-    std::ranges::fill(values, kNotKnown);
+    if (field == nullptr)
+      continue;
     std::ranges::fill(own, StoredSpan{time, time});
-    if (field != nullptr)
-      VOLUTE_TRY(field->at(time, points, values, own));
+    VOLUTE_TRY(field->at(time, points, values, own));
     for (std::size_t i = 0; i < points.size(); ++i) {
       out[i][one.quantity] = values[i];
       if (!spans.empty())
@@ -180,8 +186,16 @@ Status ExposureMeter::sample(double time, const Places& places,
     if (!std::isnan(point[0]))
       present.push_back(point);
   }
-  std::vector<Exposure> air(present.size());
-  std::vector<AirField::Spans> spans(present.size());
+  // Kept from time to time: what is not stored stays as it was made.
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  AirField::Spans none;
+  none.fill({kNever, -kNever});
+  if (inAir_.size() < present.size()) {
+    inAir_.resize(present.size(), AirField::unknown());
+    spans_.resize(present.size(), none);
+  }
+  const std::span air(inAir_.data(), present.size());
+  const std::span spans(spans_.data(), present.size());
   VOLUTE_TRY(air_.at(time, present, air, spans));
   std::vector<std::size_t> place(people_);  // in `air`
   for (std::size_t i = 0, n = 0; i < people_; ++i) place[i] = std::isnan(points[i][0]) ? 0 : n++;

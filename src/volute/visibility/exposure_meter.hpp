@@ -48,7 +48,11 @@ class AirField {
   /// The stored times around another one, of each quantity.
   using Spans = std::array<StoredSpan, kAirQuantities>;
 
-  /// The air at points. Quantities that are not stored there and then, and the extinction, are NaN.
+  /// Of which nothing is known: all NaN.
+  static Exposure unknown();
+
+  /// The air at points. Quantities that are not stored there and then are NaN; those that the case
+  /// does not store at all, and the extinction, stay as they are, as in unknown().
   /// @param spans  from which times each value comes; empty: not asked for
   [[nodiscard]] Status at(double time, std::span<const Vec3> points, std::span<Exposure> out,
                           std::span<Spans> spans = {});
@@ -61,6 +65,11 @@ class AirField {
   double begin_ = std::numeric_limits<double>::infinity();
   bool smokeIsLate_ = false;
 };
+
+/// From one value to another, of which one may be infinite.
+inline double mixed(double one, double other, double share) {
+  return share <= 0 ? one : share >= 1 ? other : (1 - share) * one + share * other;
+}
 
 /// What people take in, who stay or move: doses that grow, levels, and when each reaches its limit.
 /// Between two times at which the air is known, rates of dose are linear. While it is not known a
@@ -132,7 +141,9 @@ class ExposureMeter {
   double last_ = 0;
   std::vector<std::vector<double>> values_, worst_, rates_;  // of each criterion, person
   std::vector<std::vector<char>> unknown_;
-  std::vector<char> there_;  // at the last time
+  std::vector<char> there_;      // at the last time
+  std::vector<Exposure> inAir_;  // of those who are there, as far as it is stored
+  std::vector<AirField::Spans> spans_;
   std::vector<LevelWatch> watches_;
 };
 

@@ -116,7 +116,8 @@ Result<std::vector<NamedPoint>> parsePoints(std::string_view text, std::string_v
     VOLUTE_ASSIGN(point.position[0], coordinate(table, kX));
     VOLUTE_ASSIGN(point.position[1], coordinate(table, kY));
     point.position[2] = height.value_or(0);
-    if (table.has(kZ)) {
+    point.hasZ = table.has(kZ);
+    if (point.hasZ) {
       VOLUTE_ASSIGN(point.position[2], coordinate(table, kZ));
     }
     if (table.has(kName))
@@ -135,8 +136,9 @@ Result<std::vector<Route>> routesOf(const std::vector<NamedPoint>& points, std::
   for (const NamedPoint& point : points) {
     const auto [place, isNew] = placeOf.emplace(point.name, routes.size());
     if (isNew)
-      routes.push_back(Route{point.name, {}});
+      routes.push_back(Route{point.name, {}, true});
     routes[place->second].points.push_back(point.position);
+    routes[place->second].level &= !point.hasZ;
   }
   for (Route& route : routes) {
     if (!(route.length() > 0)) {

@@ -25,6 +25,7 @@ namespace volute {
 struct Route {
   std::string name;
   std::vector<Vec3> points;  ///< of the eyes [m], at least two
+  bool level = false;        ///< no point states its z
 
   double length() const;
   Vec3 at(double along) const;  ///< [m] from the start; clamped to the route
@@ -38,6 +39,7 @@ std::vector<double> stationsOf(const Route& route, double step);
 struct NamedPoint {
   std::string name;  ///< from the column "route" or "name"; empty without one
   Vec3 position = Vec3::Zero();
+  bool hasZ = false;  ///< the table states it
 };
 
 /// Points in a table: x,y,z or x,y [m], with or without a line of column names (x, y, z, and name

@@ -32,7 +32,7 @@ double polygonSize(std::span<const Vec2> polygon) {
 /// The eyes in what somebody names.
 Status addNamed(const Survey& survey, std::span<const Vec3> eyes, Progress& progress,
                 PlanAreas& areas) {
-  const double height = eyes.front().z(), square = survey.step * survey.step;
+  const double height = survey.height, square = survey.step * survey.step;
   for (const NamedArea& named : survey.areas) {
     if (!named.isAt(height))
       continue;
@@ -426,8 +426,8 @@ Result<PlanAreas> planAreas(const Survey& survey, const SightInstant& first,
   PlanAreas areas;
   areas.of.assign(eyes.size(), -1);
   VOLUTE_TRY(addNamed(survey, eyes, progress, areas));
-  addRooms(survey, findRooms(first, survey.bounds, eyes.front().z()), eyes, areas);
-  VOLUTE_TRY(addRequired(survey, eyes.front().z(), progress, areas));
+  addRooms(survey, findRooms(first, survey.bounds, survey.height), eyes, areas);
+  VOLUTE_TRY(addRequired(survey, survey.height, progress, areas));
   return areas;
 }
 

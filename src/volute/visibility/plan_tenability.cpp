@@ -521,8 +521,14 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
     return std::string();
   std::vector<double> rset(eyes_.size(), kNoTime);
   if (survey_->rset) {
-    rset = survey_->rset->at(eyes_, std::max(survey_->step, 0.5));
+    const double radius = std::max(survey_->step, 0.5);
+    rset = survey_->rset->at(eyes_, radius);
+    // What is required of the storey is required on its ramps, too, where eyes are higher.
+    std::vector<Vec3> level(eyes_.begin(), eyes_.end());
+    for (Vec3& eye : level) eye.z() = survey_->height;
+    const std::vector<double> ofStorey = survey_->rset->at(level, radius);
     for (std::size_t i = 0; i < rset.size(); ++i) {
+      rset[i] = std::fmax(rset[i], ofStorey[i]);
       if (!people_[i] && !survey_->rset->isOfPeople())
         rset[i] = kNoTime;
     }
@@ -641,6 +647,19 @@ void PlanTenability::find(AreaFindings& found) const {
   }
   if (measuresMargins())
     found.margins = &margins_;
+}
+
+std::vector<std::size_t> PlanTenability::notKnown(const Sight& sight,
+                                                  std::span<const std::size_t> eyes) const {
+  const LossTimes all = combined(sight.earliest, sight.in, {}, nullptr);
+  std::vector<std::size_t> some(eyes.begin(), eyes.end());
+  std::erase_if(some, [&](std::size_t eye) { return all.complete(eye); });
+  return some;
+}
+
+void PlanTenability::count(const PlanUse& use) {
+  use_ = use;
+  people_ = use.are(PlanUse::Kind::kPeople);
 }
 
 Result<PlanTenability::Parts> PlanTenability::finish(const Sight& sight, Json& report,

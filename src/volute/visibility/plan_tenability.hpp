@@ -47,6 +47,12 @@ class PlanTenability {
     std::string criteria, results, sensitivity;
   };
 
+  /// Which of some eyes are not known all along, of all criteria together.
+  std::vector<std::size_t> notKnown(const Sight& sight, std::span<const std::size_t> eyes) const;
+
+  /// From now on other eyes count.
+  void count(const PlanUse& use);
+
   /// Writes maps, adds to the report, the arrays of aset.vti and the verdict, and returns its parts
   /// of the page.
   [[nodiscard]] Result<Parts> finish(const Sight& sight, Json& report,

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 
 #include "volute/visibility/verdict.hpp"
 
@@ -105,6 +107,9 @@ std::string PlanUse::words() const {
   add(Kind::kLow, fmt::format("which have less than {:g} m of head room", kHeadRoom));
   add(Kind::kTop, "which are on top of things, a step away from any floor");
   add(Kind::kNamed, fmt::format("which are in areas named as not for people ({})", areas));
+  add(Kind::kHigher,
+      "whose floor is higher (ramps, stairs), and where the air at the eyes above it "
+      "is not known");
   if (!words.empty())
     words.insert(0, "not counted: ");
   if (fireUnknown)
@@ -113,21 +118,69 @@ std::string PlanUse::words() const {
   return words;
 }
 
+std::vector<double> standOnFloors(const SightInstant& first, const Box3& bounds, double height,
+                                  std::span<Vec3> eyes, Progress& progress) {
+  constexpr double kLowest = 1.2;  // eyes above a floor, where the field ends above them [m]
+  constexpr double kTallest = 2;   // eyes above a floor [m]
+  constexpr double kStride = 0.1;  // [m]
+  std::vector<double> floors(eyes.size());
+  first.floors(eyes, PlanUse::kReach, floors);
+  std::map<long, std::size_t> counts;  // of floors, by the centimetre
+  for (const double floor : floors) {
+    if (!std::isnan(floor))
+      ++counts[std::lround(100 * floor)];
+  }
+  if (counts.size() < 2)
+    return floors;
+  const auto [most, count] =
+      *std::ranges::max_element(counts, {}, [](const auto& one) { return one.second; });
+  const double above = std::min(kTallest, height - 0.01 * static_cast<double>(most));
+  std::size_t lifted = 0;
+  double highest = 0;
+  for (std::size_t i = 0; i < eyes.size(); ++i) {
+    double& z = eyes[i].z();
+    double meant = floors[i] + above;
+    if (bounds.max.z() >= floors[i] + kLowest)
+      meant = std::min(meant, bounds.max.z() - 1e-3);  // else it is a layer of smoke
+    if (!(meant > z + PlanUse::kStep))
+      continue;
+    ++lifted;
+    highest = std::max(highest, floors[i] - 0.01 * static_cast<double>(most));
+    for (double next = z; next < meant;) {
+      next = std::min(next + kStride, meant);
+      const Vec3 point(eyes[i].x(), eyes[i].y(), next);
+      Place place{};
+      first.places({&point, 1}, {&place, 1});
+      if (place == Place::kSolid)
+        break;
+      z = next;
+    }
+  }
+  if (lifted > 0) {
+    progress.remark(
+        {RemarkCode::kNote,
+         fmt::format("the floor of {} of the points is up to {:.3g} m higher than that "
+                     "of the plan (ramps, stairs, stages): eyes are {:.3g} m above it "
+                     "there, higher than z = {:g} m",
+                     percentWords(static_cast<double>(lifted) / static_cast<double>(eyes.size())),
+                     highest, above, height)});
+  }
+  return floors;
+}
+
 PlanUse planUse(const Survey& survey, const SightInstant& first, const FloorPlan& plan,
                 std::span<const std::size_t> places, std::span<const Vec3> eyes,
-                Progress& progress) {
+                std::span<const double> floors, Progress& progress) {
   PlanUse use{std::vector(eyes.size(), PlanUse::Kind::kPeople)};
   if (survey.everywhere)
     return use;
-  std::vector<double> floors(eyes.size());
-  first.floors(eyes, PlanUse::kReach, floors);
   const auto none = static_cast<std::size_t>(
       std::ranges::count_if(floors, [](double z) { return std::isnan(z); }));
   if (none == eyes.size()) {
     progress.remark(
         {RemarkCode::kAssumed, fmt::format("no point of the plan at z = {:g} m has a floor within "
                                            "{:g} m below it: all points count",
-                                           eyes.front().z(), PlanUse::kReach)});
+                                           survey.height, PlanUse::kReach)});
   }
   std::vector<FirePlace> fires;
   if (auto found = survey.field->fires())

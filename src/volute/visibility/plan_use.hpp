@@ -19,6 +19,7 @@ struct PlanUse {
     kLow,     ///< less than kHeadRoom between the floor and what is above
     kTop,     ///< on top of something: a small surface that no step leads to
     kNamed,   ///< in an area that somebody names as not for people
+    kHigher,  ///< the floor is higher than the plan's, and the air at the eyes there is not known
   };
 
   /// How far below an eye a floor may be [m].
@@ -45,10 +46,18 @@ struct PlanUse {
   std::string words() const;
 };
 
-/// Of eyes at the first time, `places` of the plan. With Survey::everywhere, and where no point has
-/// a floor, all of them are for people; the latter is a remark.
+/// The floors within PlanUse::kReach below eyes at a height [m], at the first time; NaN where there
+/// is none. Eyes above floors that are higher than most by more than a step, as on ramps, stairs
+/// and stages, are lifted as far above them, as far as there is gas; how many is a remark.
+/// @param bounds  of the field
+std::vector<double> standOnFloors(const SightInstant& first, const Box3& bounds, double height,
+                                  std::span<Vec3> eyes, Progress& progress);
+
+/// Of eyes at the first time, `places` of the plan, above floors as standOnFloors() gives them.
+/// With Survey::everywhere, and where no point has a floor, all of them are for people; the latter
+/// is a remark.
 PlanUse planUse(const Survey& survey, const SightInstant& first, const FloorPlan& plan,
                 std::span<const std::size_t> places, std::span<const Vec3> eyes,
-                Progress& progress);
+                std::span<const double> floors, Progress& progress);
 
 }  // namespace volute

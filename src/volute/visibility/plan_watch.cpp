@@ -65,9 +65,18 @@ class PlanWatch final : public Watch {
     if (const auto remark = survey.rset ? survey.rset->placesBeside(survey.bounds) : "";
         !remark.empty())
       progress.remark(remark);
-    use_ = planUse(survey, first, plan_, places_, eyes_, progress);
+    std::vector<double> floors;
+    if (!survey.everywhere)
+      floors = standOnFloors(first, survey.bounds, survey.height, eyes_, progress);
+    use_ = planUse(survey, first, plan_, places_, eyes_, floors, progress);
     VOLUTE_ASSIGN(areas_, planAreas(survey, first, eyes_, progress));
     excludeAreas(progress);
+    for (std::size_t i = 0; i < eyes_.size(); ++i) {
+      if (use_.kinds[i] != PlanUse::Kind::kPeople)
+        eyes_[i].z() = survey.height;  // of all places where nobody stands
+      else if (eyes_[i].z() > survey.height)
+        lifted_.push_back(i);
+    }
     if (survey.maps == Survey::Maps::kSome && survey.times.size() > Survey::kPicturedTimes) {
       progress.remark(
           {RemarkCode::kNote,
@@ -139,6 +148,7 @@ class PlanWatch final : public Watch {
   }
 
   Result<std::string> finish(Json& report) override {
+    leaveOutHigherFloors();
     report["eyes"] = {{"kind", "plan"},           {"height", plan_.origin[2]},
                       {"step", plan_.step},       {"origin", {plan_.origin[0], plan_.origin[1]}},
                       {"nx", plan_.nx},           {"ny", plan_.ny},
@@ -182,8 +192,7 @@ class PlanWatch final : public Watch {
     AreaFindings found{eyes_, nullptr, {}, {}, use_.are(PlanUse::Kind::kPeople)};
     const LossTimes signs = sightLosses();
     if (tenability_) {
-      PlanTenability::Sight sight{losses_->earliest(0), losses_->latest(0), {}, hidden_[0]};
-      sight.in.flip();
+      PlanTenability::Sight sight = sightOfSigns();
       for (std::size_t i = 0; i < variations().size(); ++i)
         sight.varied.push_back(losses_->earliest(survey_->sets.size() + i));
       VOLUTE_ASSIGN(tenability, tenability_->finish(sight, report, arrays, verdict));
@@ -221,6 +230,31 @@ class PlanWatch final : public Watch {
     }
     if (use_.count(PlanUse::Kind::kPeople) == 0)
       use_ = PlanUse::everybody(eyes_.size(), progress);
+  }
+
+  /// Without the variations.
+  PlanTenability::Sight sightOfSigns() const {
+    PlanTenability::Sight sight{losses_->earliest(0), losses_->latest(0), {}, hidden_[0]};
+    sight.in.flip();
+    return sight;
+  }
+
+  /// Eyes that were lifted to where the case does not store all that matters: slices at the height
+  /// of a storey say nothing about its stairs, which is said, and the others have a verdict.
+  void leaveOutHigherFloors() {
+    std::vector<std::size_t> unknown;
+    if (tenability_) {
+      unknown = tenability_->notKnown(sightOfSigns(), lifted_);
+    } else {
+      const LossTimes losses = sightLosses();
+      std::ranges::copy_if(lifted_, std::back_inserter(unknown),
+                           [&](std::size_t eye) { return !losses.complete(eye); });
+    }
+    if (unknown.size() == use_.count(PlanUse::Kind::kPeople))
+      return;
+    for (const std::size_t eye : unknown) use_.kinds[eye] = PlanUse::Kind::kHigher;
+    if (tenability_)
+      tenability_->count(use_);
   }
 
   /// Of any sign, where one is in sight without smoke.
@@ -317,9 +351,8 @@ class PlanWatch final : public Watch {
     return signs;
   }
 
-  static bool inSight(const Sighting& sighting) {
-    return !sighting.blocked && sighting.covered && sighting.limit > 0;
-  }
+  /// As far as that is known: what is not covered may be.
+  static bool inSight(const Sighting& sighting) { return !sighting.blocked && sighting.limit > 0; }
 
   void updateLocal(const SurveyTime& at) { local_->update(at.time, at.extinction); }
 
@@ -354,9 +387,10 @@ class PlanWatch final : public Watch {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       const Sighting& sighting = at.sightings[s * eyes_.size() + i];
       picture.values[places_[i]] = sighting.visibility();
-      picture.marks[places_[i]] = sighting.visible    ? PlanMark::kValue
-                                  : inSight(sighting) ? PlanMark::kLost
-                                                      : PlanMark::kHidden;
+      picture.marks[places_[i]] = sighting.visible     ? PlanMark::kValue
+                                  : !inSight(sighting) ? PlanMark::kHidden
+                                  : sighting.covered   ? PlanMark::kLost
+                                                       : PlanMark::kUnknown;
     }
     picture.words = {{PlanMark::kLost, "lost in the smoke"},
                      {PlanMark::kHidden, "sign not in sight: wall, or seen from behind"},
@@ -409,11 +443,12 @@ class PlanWatch final : public Watch {
   }
 
   /// Rows of p (people are there), v (nothing below), f (the fire's own place), l (low head room),
-  /// u (upon furniture), n (in an area named as not for people) and - (solid).
+  /// u (upon furniture), n (in an area named as not for people), h (on a higher floor, where the
+  /// air is not known) and - (solid).
   Json useRows() const {
     std::string all(plan_.size(), '-');
     for (std::size_t i = 0; i < places_.size(); ++i)
-      all[places_[i]] = "pvflun"[static_cast<std::size_t>(use_.kinds[i])];
+      all[places_[i]] = "pvflunh"[static_cast<std::size_t>(use_.kinds[i])];
     Json rows = Json::array();
     for (int y = 0; y < plan_.ny; ++y) {
       rows.push_back(all.substr(static_cast<std::size_t>(y) * static_cast<std::size_t>(plan_.nx),
@@ -654,6 +689,7 @@ class PlanWatch final : public Watch {
   FloorPlan plan_;
   std::vector<std::size_t> places_;  // of each eye in the plan
   std::vector<Vec3> eyes_;
+  std::vector<std::size_t> lifted_;  // of eyes_, above floors that are higher than the plan's
   std::optional<SignLoss> losses_;
   PlanUse use_;
   PlanAreas areas_;

@@ -8,12 +8,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "volute/base/number_word.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/report/line_plot.hpp"
 #include "volute/report/page.hpp"
 #include "volute/visibility/exposure_meter.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/plan_tenability.hpp"
+#include "volute/visibility/plan_use.hpp"
 #include "volute/visibility/verdict.hpp"
 #include "volute/visibility/watch.hpp"
 
@@ -40,15 +42,26 @@ class RouteWatch final : public Watch {
  public:
   RouteWatch(std::vector<Route> routes, const Walk& walk)
       : routes_(std::move(routes)), walking_(walk) {
-    for (std::size_t r = 0; r < routes_.size(); ++r) tracks_.push_back({{walk.start, 0.0}});
+    unsure_.resize(routes_.size());
+    if (walk.start.waits()) {
+      tracks_.resize(routes_.size());
+      starts_.assign(routes_.size(), kNotYet);
+    } else {
+      tracks_.assign(routes_.size(), {{walk.start.time, 0.0}});
+      starts_.assign(routes_.size(), walk.start.time);
+    }
   }
 
   Status begin(const Survey& survey, const SightInstant& first, Progress& progress) override {
     survey_ = &survey;
+    VOLUTE_TRY(checkSigns());
     firstStations_ = {0};
     for (std::size_t r = 0; r < routes_.size(); ++r) {
       addStations(r);
       firstStations_.push_back(stations_.size());
+      if (routes_[r].level)
+        standOnFloors(first, survey.bounds, routes_[r].points.front().z(),
+                      std::span(eyes_).subspan(firstStations_[r]), progress);
     }
     std::vector<Place> places(eyes_.size());
     first.places(eyes_, places);
@@ -76,11 +89,13 @@ class RouteWatch final : public Watch {
     if (!survey.criteria.empty()) {
       meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
                      routes_.size());
-      if (walking_.start < survey.times.front() && !storedPlace(survey.times, walking_.start)) {
+      const double start = walking_.start.time;
+      if (!walking_.start.waits() && start < survey.times.front() &&
+          !storedPlace(survey.times, start)) {
         progress.remark(fmt::format(
             "the walk starts at {:g} s, before the first stored time, {:g} s: what walkers take in "
             "is not known",
-            walking_.start, survey.times.front()));
+            start, survey.times.front()));
         for (std::size_t r = 0; r < routes_.size(); ++r) meter_->lose(r);
       }
     }
@@ -89,10 +104,10 @@ class RouteWatch final : public Watch {
 
   std::vector<Vec3> eyes(double) const override { return eyes_; }
 
-  bool wantsExtinction() const override { return !walking_.slowed.isNone(); }
+  bool wantsExtinction() const override { return mindsSmoke(); }
 
   Status take(const SurveyTime& at) override {
-    if (!walking_.slowed.isNone())
+    if (mindsSmoke())
       walkThroughSmoke(at);
     if (at.stored)
       noteCoverage(at);
@@ -107,7 +122,13 @@ class RouteWatch final : public Watch {
   Result<std::string> finish(Json& report) override {
     noteEnds();
     report["eyes"] = {{"kind", "routes"}, {"step", survey_->step}, {"count", eyes_.size()}};
-    report["walk"] = {{"speed", walking_.speed}, {"start", walking_.start}};
+    report["walk"] = {{"speed", walking_.speed}, {"start", walking_.start.time}};
+    if (walking_.start.waits()) {
+      report["walk"]["start"] = nullptr;
+      report["walk"]["starts_when"] = {{"extinction", walking_.start.smoke},
+                                       {"delay", walking_.start.delay},
+                                       {"heard", walking_.start.heard}};
+    }
     const SpeedLawInfo& law = infoOf(walking_.slowed);
     Json coefficients = Json::object();
     for (std::size_t i = 0; i < law.coefficients.size() && !walking_.slowed.isNone(); ++i)
@@ -139,6 +160,42 @@ class RouteWatch final : public Watch {
   }
 
  private:
+  /// Whether where walkers are depends on the smoke.
+  bool mindsSmoke() const { return !walking_.slowed.isNone() || walking_.start.waits(); }
+
+  /// Signs belong to routes that are there.
+  Status checkSigns() const {
+    for (const SightTarget& target : survey_->signs) {
+      for (const std::string& name : target.sign.routes) {
+        if (std::ranges::find(routes_, name, &Route::name) == routes_.end()) {
+          std::string names;
+          for (const Route& route : routes_)
+            names += (names.empty() ? "'" : ", '") + route.name + "'";
+          return failFor("route", ErrorCode::kInvalidArgument,
+                         "sign '{}' is for route '{}', which is not there; expected one of {}",
+                         target.sign.name, name, names);
+        }
+      }
+    }
+    return {};
+  }
+
+  /// Whether a sign is for the walker of a route.
+  bool isFor(std::size_t sign, std::size_t route) const {
+    const auto& routes = survey_->signs[sign].sign.routes;
+    return routes.empty() || std::ranges::find(routes, routes_[route].name) != routes.end();
+  }
+
+  /// Whether a sign is ahead of who walks past a station, and for them.
+  bool isAhead(std::size_t sign, std::size_t station) const {
+    const std::size_t r = stations_[station].route;
+    const bool last = station + 1 == firstStations_[r + 1];
+    const Vec3 way = last ? Vec3(eyes_[station] - eyes_[station - 1])
+                          : Vec3(eyes_[station + 1] - eyes_[station]);
+    return isFor(sign, r) &&
+           way.head<2>().dot((survey_->signs[sign].target - eyes_[station]).head<2>()) >= 0;
+  }
+
   std::string speedSource() const {
     const std::string source(infoOf(walking_.slowed).source);
     return isOwn(walking_.slowed)
@@ -154,8 +211,9 @@ class RouteWatch final : public Watch {
       const double before = i > 0 ? along[i - 1] : along[i];
       const double after = i + 1 < along.size() ? along[i + 1] : along[i];
       stations_.push_back({r, along[i], 0.5 * (after - before) / length,
-                           walking_.slowed.isNone() ? walking_.start + along[i] / walking_.speed
-                                                    : (i == 0 ? walking_.start : kNotYet)});
+                           !mindsSmoke() ? starts_[r] + along[i] / walking_.speed
+                           : i == 0      ? starts_[r]
+                                         : kNotYet});
       eyes_.push_back(routes_[r].at(along[i]));
     }
   }
@@ -180,13 +238,14 @@ class RouteWatch final : public Watch {
     }
   }
 
-  /// How far the walker of a route is at a time [m]; NaN before the start and after the arrival.
+  /// How far the walker of a route is at a time [m]; NaN before the start, unless they wait there,
+  /// and after the arrival.
   double alongAt(std::size_t r, double time) const {
-    if (time < walking_.start)
-      return std::numeric_limits<double>::quiet_NaN();
+    if (time < starts_[r])
+      return walking_.start.waits() ? 0 : std::numeric_limits<double>::quiet_NaN();
     const double length = routes_[r].length();
-    if (walking_.slowed.isNone()) {
-      const double along = (time - walking_.start) * walking_.speed;
+    if (!mindsSmoke()) {
+      const double along = (time - starts_[r]) * walking_.speed;
       return along <= length ? along : std::numeric_limits<double>::quiet_NaN();
     }
     const auto& track = tracks_[r];
@@ -200,23 +259,74 @@ class RouteWatch final : public Watch {
     return before.along + share * (next->along - before.along);
   }
 
+  /// Where the eyes of a route's walker are; NaN: nowhere.
+  Vec3 placeAt(std::size_t r, double along) const {
+    if (std::isnan(along))
+      return Vec3::Constant(along);
+    Vec3 place = routes_[r].at(along);
+    for (std::size_t i = firstStations_[r] + 1; i < firstStations_[r + 1]; ++i) {
+      const double from = stations_[i - 1].along, to = stations_[i].along;
+      if (along > to && i + 1 < firstStations_[r + 1])
+        continue;
+      const double share = std::clamp((along - from) / (to - from), 0.0, 1.0);
+      place.z() = (1 - share) * eyes_[i - 1].z() + share * eyes_[i].z();
+      break;
+    }
+    return place;
+  }
+
   /// Goes on to a time in small steps, each at the speed of the smoke where the walker is: linear
   /// in time between the two times that are known, and between stations.
   void walkThroughSmoke(const SurveyTime& at) {
     std::vector<double> extinction(at.extinction.begin(), at.extinction.end());
-    for (double& k : extinction) k = std::isnan(k) ? 0 : k;
-    if (extinction_.empty())
+    if (extinction_.empty()) {
       extinction_ = extinction;
+      smokeTime_ = at.time;
+    }
+    setOut(at.time, extinction);
     for (std::size_t r = 0; r < routes_.size(); ++r)
       walkOn(r, firstStations_[r], firstStations_[r + 1], at.time, extinction);
     extinction_ = std::move(extinction);
     smokeTime_ = at.time;
   }
 
+  /// Those who wait see the smoke that is there by a time, or hear of it, and set out.
+  void setOut(double until, std::span<const double> extinction) {
+    const WalkStart& start = walking_.start;
+    if (!start.waits())
+      return;
+    double anybody = kNotYet;
+    for (std::size_t r = 0; r < routes_.size(); ++r) {
+      const double before = extinction_[firstStations_[r]], now = extinction[firstStations_[r]];
+      if (starts_[r] < kNotYet)
+        continue;
+      if (std::isnan(before + now)) {
+        unsure_[r] = true;
+      } else if (now >= start.smoke) {
+        const double share = before < start.smoke ? (start.smoke - before) / (now - before) : 0;
+        const double seen = smokeTime_ + share * (until - smokeTime_);
+        starts_[r] = seen + start.delay;
+        anybody = std::min(anybody, seen);
+      }
+    }
+    for (std::size_t r = 0; r < routes_.size(); ++r) {
+      if (start.heard && starts_[r] == kNotYet)
+        starts_[r] = anybody + start.delay;
+      else if (start.heard)
+        starts_[r] = std::min(starts_[r], anybody + start.delay);
+      if (tracks_[r].empty() && starts_[r] <= until) {
+        tracks_[r] = {{starts_[r], 0.0}};
+        stations_[firstStations_[r]].arrival = starts_[r];
+      }
+    }
+  }
+
   void walkOn(std::size_t r, std::size_t first, std::size_t end, double until,
               std::span<const double> extinction) {
     constexpr double kStep = 0.1;  // [s]
     auto& track = tracks_[r];
+    if (track.empty())
+      return;
     const double length = routes_[r].length();
     const double passed = until - smokeTime_;
     std::size_t next = first;
@@ -232,6 +342,7 @@ class RouteWatch final : public Watch {
       const double from = stations_[next - 1].along, to = stations_[next].along;
       const double place = std::clamp((here.along - from) / (to - from), 0.0, 1.0);
       const double smoke = (1 - place) * smokeAt(next - 1) + place * smokeAt(next);
+      unsure_[r] = unsure_[r] || std::isnan(smoke);  // as in clear air
       const double speed = walkingSpeed(walking_.slowed, walking_.speed, smoke);
       const double step = std::min({kStep, until - here.time, (to - here.along) / speed});
       const double along = here.along + speed * step;
@@ -257,23 +368,15 @@ class RouteWatch final : public Watch {
   /// What walkers take in.
   Status expose(const SurveyTime& at) {
     const auto places = [&](double time, std::span<Vec3> out) {
-      for (std::size_t r = 0; r < routes_.size(); ++r) {
-        const double along = alongAt(r, time);
-        out[r] = std::isnan(along) ? Vec3::Constant(along) : routes_[r].at(along);
-      }
+      for (std::size_t r = 0; r < routes_.size(); ++r) out[r] = placeAt(r, alongAt(r, time));
     };
     // Between stations, and between the two times, the smoke is linear.
     const auto smokeAt = [&](double time, std::span<double> out) {
       const double passed = at.time - smokeBefore_.first;
       const double late =
           passed > 0 && !smokeBefore_.second.empty() ? (time - smokeBefore_.first) / passed : 1;
-      const auto mix = [](double one, double other, double share) {
-        return share <= 0   ? one
-               : share >= 1 ? other
-                            : (1 - share) * one + share * other;  // one may be infinite
-      };
       const auto stationAt = [&](std::size_t i) {
-        return late < 1 ? mix(smokeBefore_.second[i], at.extinctionHigh[i], late)
+        return late < 1 ? mixed(smokeBefore_.second[i], at.extinctionHigh[i], late)
                         : at.extinctionHigh[i];
       };
       std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
@@ -283,7 +386,7 @@ class RouteWatch final : public Watch {
         if (from.route != to.route || !(along >= from.along && along <= to.along))
           continue;
         const double share = (along - from.along) / (to.along - from.along);
-        out[to.route] = mix(stationAt(i - 1), stationAt(i), share);
+        out[to.route] = mixed(stationAt(i - 1), stationAt(i), share);
       }
     };
     std::vector<double> extinction(routes_.size());
@@ -309,12 +412,13 @@ class RouteWatch final : public Watch {
     Json verdict = Json::array();
     for (std::size_t r = 0; r < routes_.size(); ++r) {
       const Json& route = report["routes"][r];
-      std::string text = fmt::format("Route '{}': a person who starts at {:g} s ", routes_[r].name,
-                                     walking_.start);
+      std::string text =
+          fmt::format("Route '{}': a person who {} ", routes_[r].name, startWords(r));
       text += route["arrival"].is_null()
                   ? fmt::format("has not arrived by {:g} s, the last stored time,",
                                 survey_->times.back())
-                  : fmt::format("arrives at {:.4g} s", route["arrival"].get<double>());
+                  : fmt::format("arrives at {:.4g} s{}", route["arrival"].get<double>(),
+                                unsure_[r] ? ", if there is no smoke where it is not known," : "");
       text += seenWords(route["walk_share_with_a_sign"].get<double>(),
                         route["walk_share_known"].get<double>());
       Json json = {{"criterion", "route " + routes_[r].name}, {"time", nullptr}};
@@ -352,6 +456,18 @@ class RouteWatch final : public Watch {
     report["verdict"] = std::move(verdict);
   }
 
+  /// "starts at 30 s", and why then.
+  std::string startWords(std::size_t r) const {
+    const WalkStart& start = walking_.start;
+    if (!start.waits())
+      return fmt::format("starts at {:g} s", start.time);
+    const std::string smoke = fmt::format("an extinction of {:g} 1/m where {} begins", start.smoke,
+                                          start.heard ? "a walk" : "the walk");
+    if (starts_[r] == kNotYet)
+      return fmt::format("waits for {}", smoke);
+    return fmt::format("starts at {:.4g} s, {:g} s after {},", starts_[r], start.delay, smoke);
+  }
+
   template <class Seen>
   double shareOf(std::size_t route, Seen&& seen) const {
     double share = 0;
@@ -369,12 +485,15 @@ class RouteWatch final : public Watch {
       const auto anySign = [&](auto&& is) {
         return shareOf(r, [&](std::size_t i) {
           bool any = false;
-          for (std::size_t s = 0; s < signs; ++s) any |= is(at.sightings[s * eyes + i]);
+          for (std::size_t s = 0; s < signs; ++s)
+            any |= isFor(s, r) && is(at.sightings[s * eyes + i]);
           return any;
         });
       };
       Json bySign = Json::object();
       for (std::size_t s = 0; s < signs; ++s) {
+        if (!isFor(s, r))
+          continue;
         bySign[survey_->signs[s].sign.name] =
             shareOf(r, [&](std::size_t i) { return at.sightings[s * eyes + i].visible; });
       }
@@ -431,6 +550,8 @@ class RouteWatch final : public Watch {
         Json unsure = Json::array();
         for (std::size_t s = 0; s < walk_[i].size(); ++s) {
           const Sighting& sighting = walk_[i][s];
+          if (!isAhead(s, i))
+            continue;
           if (sighting.visible)
             record["seen"].push_back(survey_->signs[s].sign.name);
           if (sighting.seen() == Seen::kCannotTell)
@@ -449,6 +570,8 @@ class RouteWatch final : public Watch {
       if (station.route == r)
         json["arrival"] = jsonNumber(station.arrival);
     }
+    json["start"] = jsonNumber(starts_[r]);
+    json["arrival_known"] = !unsure_[r] && !json["arrival"].is_null();
     if (meter_) {
       json["exposure"] = Json::array();
       for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
@@ -473,7 +596,10 @@ class RouteWatch final : public Watch {
   std::string routePlot(std::size_t r) const {
     PlotLine any{"any sign", {}};
     std::vector<PlotLine> lines;
-    for (const SightTarget& sign : survey_->signs) lines.push_back({sign.sign.name, {}});
+    for (std::size_t s = 0; s < survey_->signs.size(); ++s) {
+      if (isFor(s, r))
+        lines.push_back({survey_->signs[s].sign.name, {}});
+    }
     for (const Json& record : coverage_) {
       any.y.push_back(record[r]["any"].get<double>());
       for (PlotLine& line : lines) line.y.push_back(record[r]["signs"][line.name].get<double>());
@@ -498,9 +624,9 @@ class RouteWatch final : public Watch {
                (known < 0.999 ? fmt::format(" (smoke is known for {:.0f} % of it)", 100 * known)
                               : "")});
     }
-    return fmt::format(
-               "<p>A person who starts at {:g} s and walks at {:g} m/s in clear air ({}):</p>\n",
-               walking_.start, walking_.speed, speedSource()) +
+    return fmt::format("<p>A person who {} and walks at {:g} m/s in clear air ({}):</p>\n",
+                       walking_.start.waits() ? std::string("waits for smoke") : startWords(0),
+                       walking_.speed, speedSource()) +
            htmlTable({"route", "length [m]", "arrives [s]", "share of the way with a sign in view"},
                      rows);
   }
@@ -522,7 +648,9 @@ class RouteWatch final : public Watch {
   const Survey* survey_ = nullptr;
   std::vector<Route> routes_;
   Walk walking_;
+  std::vector<double> starts_;                          // of each walker [s]
   std::vector<std::vector<TrackPoint>> tracks_;         // of each walker whom smoke slows down
+  std::vector<bool> unsure_;                            // walkers in smoke that is not known
   std::vector<double> extinction_;                      // at the stations, at the last time
   std::pair<double, std::vector<double>> smokeBefore_;  // the same, at the last stored one
   double smokeTime_ = 0;
@@ -538,6 +666,34 @@ class RouteWatch final : public Watch {
 };
 
 }  // namespace
+
+Result<WalkStart> walkStart(std::string_view text) {
+  const auto wrong = [&] {
+    return fail(ErrorCode::kInvalidArgument,
+                "start '{}': expected seconds, smoke:K or smoke:K,DELAY (an extinction K > 0 [1/m] "
+                "that is seen where the walk begins, and seconds >= 0 until people go), or heard:K "
+                "or heard:K,DELAY (seen where any walk begins)",
+                text);
+  };
+  WalkStart start;
+  const std::size_t colon = text.find(':');
+  const std::string_view how = text.substr(0, colon);
+  if (colon == text.npos) {
+    if (!readNumber(text, start.time) || !std::isfinite(start.time))
+      return wrong();
+    return start;
+  }
+  if (how != "smoke" && how != "heard")
+    return wrong();
+  start.heard = how == "heard";
+  const std::string_view rest = text.substr(colon + 1);
+  const std::size_t comma = rest.find(',');
+  if (!readNumber(rest.substr(0, comma), start.smoke) ||
+      (comma != rest.npos && !readNumber(rest.substr(comma + 1), start.delay)) ||
+      !(start.smoke > 0) || !(start.delay >= 0) || !std::isfinite(start.smoke + start.delay))
+    return wrong();
+  return start;
+}
 
 std::unique_ptr<Watch> routeWatch(std::vector<Route> routes, const Walk& walk) {
   return std::make_unique<RouteWatch>(std::move(routes), walk);

@@ -54,6 +54,12 @@ bool namesPeople(std::string_view text) {
   return people;
 }
 
+Status checkSeconds(double seconds, std::string_view where) {
+  if (seconds >= 0 && std::isfinite(seconds))
+    return {};
+  return fail(ErrorCode::kInvalidData, "{}: rset is {:g} s; expected 0 or more", where, seconds);
+}
+
 }  // namespace
 
 Result<Rset> Rset::parseAreas(std::string_view text, std::string_view file) {
@@ -66,10 +72,7 @@ Result<Rset> Rset::parseAreas(std::string_view text, std::string_view file) {
       return fail(ErrorCode::kInvalidData, "{}: expected columns area,rset", table.where());
     const std::string name(table.text(kArea));
     VOLUTE_ASSIGN(const double seconds, table.number(kRequired));
-    if (!(seconds >= 0)) {
-      return fail(ErrorCode::kInvalidData, "{}: rset is {:g} s; expected 0 or more", table.where(),
-                  seconds);
-    }
+    VOLUTE_TRY(checkSeconds(seconds, table.where()));
     if (std::ranges::find(areas, name, &Areas::value_type::first) != areas.end())
       return fail(ErrorCode::kInvalidData, "{}: '{}' is there twice", table.where(), name);
     areas.emplace_back(name, seconds);
@@ -111,10 +114,7 @@ Result<Rset> Rset::parse(std::string_view text, std::string_view file) {
     if (table.has(kZ)) {
       VOLUTE_ASSIGN(place.z, table.number(kZ));
     }
-    if (!(place.seconds >= 0)) {
-      return fail(ErrorCode::kInvalidData, "{}: rset is {:g} s; expected 0 or more", table.where(),
-                  place.seconds);
-    }
+    VOLUTE_TRY(checkSeconds(place.seconds, table.where()));
     map.push_back(place);
     return {};
   });
@@ -165,7 +165,7 @@ Status Rset::checkPlaces(std::vector<Place> map, std::string_view file) {
 Result<Rset> Rset::read(const std::string& secondsOrFile, std::uint64_t most) {
   double seconds = 0;
   if (readNumber(secondsOrFile, seconds)) {
-    if (seconds >= 0)
+    if (seconds >= 0 && std::isfinite(seconds))
       return Rset(seconds);
     return failFor("rset", ErrorCode::kInvalidArgument, "{}: expected seconds >= 0, or a file",
                    secondsOrFile);

@@ -40,6 +40,7 @@ struct SafetySign {
   std::array<double, 2> size{0, 0};  ///< width and height [m]
   VisibilityLaw law;                 ///< how far it is seen in smoke
   AngleLaw angle;
+  std::vector<std::string> routes{};  ///< for whose walkers it is; empty: for everybody
 };
 
 /// Whether a sign is seen.

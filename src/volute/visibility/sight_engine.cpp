@@ -189,7 +189,7 @@ Status SightEngine::extinction(std::span<const Vec3> eyes, double t, std::span<d
 Status SightEngine::dose(std::span<const std::int64_t> ids, std::span<const Vec3> eyes, double t,
                          std::span<double> out) {
   VOLUTE_ASSERT(ids.size() == eyes.size() && out.size() == criteria_.size() * ids.size());
-  std::vector<Exposure> air(eyes.size());
+  std::vector<Exposure> air(eyes.size(), AirField::unknown());
   VOLUTE_TRY(air_.at(t, eyes, air));
   const bool ofSmoke = std::ranges::any_of(
       criteria_, [](const Criterion& one) { return !one.law && one.quantity == Air::kExtinction; });

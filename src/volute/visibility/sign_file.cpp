@@ -13,8 +13,8 @@ namespace volute {
 namespace {
 
 /// What a sign may say; "picture" is for scenes.
-constexpr std::array<std::string_view, 8> kNames{"name",     "position", "normal",    "size",
-                                                 "emitting", "C",        "angle_law", "picture"};
+constexpr std::array<std::string_view, 9> kNames{
+    "name", "position", "normal", "size", "emitting", "C", "angle_law", "picture", "routes"};
 
 class SignReader {
  public:
@@ -37,6 +37,7 @@ class SignReader {
     VOLUTE_ASSIGN(sign.size, size());
     VOLUTE_ASSIGN(sign.law, law());
     VOLUTE_ASSIGN(sign.angle, angle());
+    VOLUTE_ASSIGN(sign.routes, routes());
     return sign;
   }
 
@@ -99,6 +100,21 @@ class SignReader {
     if (!(limit > 0 && limit <= 180))
       return wrong("angle_law/limit", "expected more than 0 and at most 180 degrees");
     return AngleLaw{AngleLaw::Kind::kLimit, limit};
+  }
+
+  Result<std::vector<std::string>> routes() const {
+    std::vector<std::string> names;
+    if (!json_.contains("routes"))
+      return names;
+    const nlohmann::json& given = json_["routes"];
+    for (const nlohmann::json& one : given.is_array() ? given : nlohmann::json::array({given})) {
+      if (!one.is_string())
+        return wrong("routes", "expected names of routes");
+      names.push_back(one.get<std::string>());
+    }
+    if (names.empty())
+      return wrong("routes", "is empty; expected names of routes, or no such member");
+    return names;
   }
 
   const nlohmann::json& json_;

@@ -10,8 +10,8 @@
 namespace volute {
 
 /// The "signs" of a JSON file, a scene's among them: {"signs": [{"name", "position", "normal",
-/// "size", "emitting" or "C", "angle_law"}, ..]}. docs/visibility.md explains them. Errors
-/// name the file and the path inside it.
+/// "size", "emitting" or "C", "angle_law", "routes"}, ..]}. docs/visibility.md explains them.
+/// Errors name the file and the path inside it.
 [[nodiscard]] Result<std::vector<SafetySign>> readSigns(const std::string& file);
 
 }  // namespace volute

@@ -170,11 +170,12 @@ class Job {
   using Bytes = OrderedDelivery::Bytes;
 
   /// What a rank sends of a time: this, the sightings, extinction at the eyes and its upper
-  /// bounds, and rows of the table, each at a multiple of eight bytes.
+  /// bounds there and at places that are passed, and rows of the table, each at a multiple of eight
+  /// bytes.
   struct Lengths {
     double time = 0;
     bool stored = false, packed = false;
-    std::uint64_t sightings = 0, extinction = 0, text = 0, rows = 0;
+    std::uint64_t sightings = 0, extinction = 0, passed = 0, text = 0, rows = 0;
   };
 
   static constexpr std::size_t paddedSize(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
@@ -260,10 +261,11 @@ class Job {
     const bool smoke =
         survey_.extinctionLimit > 0 || !survey_.criteria.empty() || watch_.wantsExtinction();
     const std::size_t points = smoke ? eyes.size() : 0;
+    const auto passed = stored && smoke ? watch_.passed(time) : std::vector<Vec3>();
     // All is worked out where it is handed over, as there may be millions of lines.
     const std::size_t start = bytes.size();
     const std::size_t size =
-        sizeof(Lengths) + lines * sizeof(Sighting) + 2 * points * sizeof(double);
+        sizeof(Lengths) + lines * sizeof(Sighting) + (2 * points + passed.size()) * sizeof(double);
     bytes.reserve(start + size + (stored ? lines * bytesOfRow(lines) : 0));
     bytes.resize(start + size);
     auto* const firstSighting = reinterpret_cast<Sighting*>(bytes.data() + start + sizeof(Lengths));
@@ -271,12 +273,24 @@ class Job {
     const std::span sightings(firstSighting, lines);
     const std::span extinction(reinterpret_cast<double*>(firstSighting + lines), points);
     const std::span high(extinction.data() + points, points);
+    const std::span passedHigh(high.data() + points, passed.size());
     lookout_.look(instant, survey_.signs, eyes, sightings, looksAgain());
     parallelRanges(extinction.size(), 512, [&](std::size_t begin, std::size_t end) {
       const auto part = [&](auto all) { return std::span(all).subspan(begin, end - begin); };
       std::vector<double> low(end - begin);
-      instant.extinction(part(eyes), part(extinction));
       instant.extinctionBounds(part(eyes), low, part(high));
+      const auto sameOrNot = [](double a, double b) {
+        return a == b || (std::isnan(a) && std::isnan(b));
+      };
+      if (std::ranges::equal(low, part(high), sameOrNot))
+        std::ranges::copy(low, part(extinction).begin());
+      else
+        instant.extinction(part(eyes), part(extinction));
+    });
+    parallelRanges(passed.size(), 512, [&](std::size_t begin, std::size_t end) {
+      std::vector<double> low(end - begin);
+      instant.extinctionBounds(std::span(passed).subspan(begin, end - begin), low,
+                               passedHigh.subspan(begin, end - begin));
     });
     SightRows rows;
     if (stored) {
@@ -285,15 +299,15 @@ class Job {
       Result<SightRows> made;
       parallelFor(2, [&](std::size_t what) {
         if (what == 0)
-          drawn = watch_.draw({index, time, eyes, sightings, extinction, high}, instant);
+          drawn = watch_.draw({index, time, eyes, sightings, extinction, high, {}, true}, instant);
         else
           made = rowMaker_.make(time, eyes, survey_.signs, sightings);
       });
       VOLUTE_TRY(drawn);
       VOLUTE_ASSIGN(rows, std::move(made));
     }
-    const Lengths lengths{time,   stored,        rows.packed,      lines,
-                          points, rows.textSize, rows.bytes.size()};
+    const Lengths lengths{time,   stored,        rows.packed,   lines,
+                          points, passed.size(), rows.textSize, rows.bytes.size()};
     std::memcpy(bytes.data() + start, &lengths, sizeof lengths);
     rows.bytes.resize(paddedSize(rows.bytes.size()));
     const auto text = std::as_bytes(std::span(rows.bytes));
@@ -320,7 +334,8 @@ class Job {
       const std::span extinction(
           reinterpret_cast<const double*>(sightings.data() + sightings.size()), lengths.extinction);
       const std::span high(extinction.data() + extinction.size(), lengths.extinction);
-      const auto* text = reinterpret_cast<const char*>(high.data() + high.size());
+      const std::span passed(high.data() + high.size(), lengths.passed);
+      const auto* text = reinterpret_cast<const char*>(passed.data() + passed.size());
       at = reinterpret_cast<const std::byte*>(text) + paddedSize(lengths.rows);
       const auto eyes = watch_.eyes(lengths.time);
       const SurveyTime seen{static_cast<std::size_t>(i),
@@ -329,6 +344,7 @@ class Job {
                             sightings,
                             extinction,
                             high,
+                            passed,
                             lengths.stored};
       if (lengths.stored) {
         VOLUTE_TRY(csv_->write(

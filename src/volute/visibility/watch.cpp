@@ -174,6 +174,21 @@ class TrajectoryWatch final : public Watch {
 
   bool wantsExtinction() const override { return true; }
 
+  /// Where people are between a stored time and its neighbours, one time after the other.
+  std::vector<Vec3> passed(double time) const override {
+    std::vector<Vec3> all;
+    if (survey_->criteria.empty())
+      return all;
+    std::vector<Vec3> places(people_.ids().size());
+    for (const bool after : {false, true}) {
+      for (const double at : timesBeside(time, after)) {
+        placesAt(at, places);
+        all.insert(all.end(), places.begin(), places.end());
+      }
+    }
+    return all;
+  }
+
   Status take(const SurveyTime& at) override {
     const auto people = people_.at(at.time);
     for (std::size_t i = 0; i < at.extinction.size(); ++i) {
@@ -197,14 +212,65 @@ class TrajectoryWatch final : public Watch {
 
   /// Doses along the ways since the time before.
   Status expose(const SurveyTime& at) {
-    std::vector<double> extinction(people_.ids().size(), std::numeric_limits<double>::quiet_NaN());
+    constexpr double kAbsent = -1;
+    const std::size_t count = people_.ids().size();
+    std::vector<double> extinction(count, kAbsent);
     const auto people = people_.at(at.time);
     for (std::size_t i = 0; i < people.size(); ++i)
       extinction[placeOf(people[i].id)] = at.extinctionHigh[i];
-    constexpr double kStep = 0.5;  // [s], some steps of somebody who runs
-    return meter_->advance(
-        at.time, [&](double time, std::span<Vec3> places) { placesAt(time, places); }, extinction,
-        kStep);
+    const auto before = timesBeside(at.time, false);
+    // At each of these times since the one before: the smoke is linear in time at each place.
+    std::vector<double> passing{lastTime_};
+    std::vector<std::vector<double>> smoke{std::move(lastExtinction_)};
+    std::vector<Vec3> places(count);
+    for (std::size_t m = 0; m < before.size(); ++m) {
+      const double share = (before[m] - lastTime_) / (at.time - lastTime_);
+      std::vector<double>& now = smoke.emplace_back(count, kAbsent);
+      passing.push_back(before[m]);
+      placesAt(before[m], places);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (!std::isnan(places[i].x()))
+          now[i] = mixed(passedSince_[m * count + i], at.passedHigh[m * count + i], share);
+      }
+    }
+    passing.push_back(at.time);
+    smoke.push_back(extinction);
+    const auto between = [&](double time, std::span<double> out) {
+      const auto next =
+          static_cast<std::size_t>(std::ranges::lower_bound(passing, time) - passing.begin());
+      const std::size_t n = std::clamp<std::size_t>(next, 1, passing.size() - 1);
+      const double share = (time - passing[n - 1]) / (passing[n] - passing[n - 1]);
+      for (std::size_t i = 0; i < count; ++i) {
+        const double early = smoke[n - 1][i], late = smoke[n][i];
+        // Who comes or goes between two of these times is in the smoke of the other one.
+        out[i] = early < 0 ? late : late < 0 ? early : mixed(early, late, share);
+      }
+    };
+    VOLUTE_TRY(meter_->advance(
+        at.time, [&](double time, std::span<Vec3> out) { placesAt(time, out); }, extinction,
+        kPassing, between));
+    lastTime_ = at.time;
+    lastExtinction_ = std::move(extinction);
+    passedSince_.assign(at.passedHigh.begin() + static_cast<std::ptrdiff_t>(before.size() * count),
+                        at.passedHigh.end());
+    return {};
+  }
+
+  /// Between a stored time and the one before, or after it.
+  std::vector<double> timesBeside(double time, bool after) const {
+    constexpr double kMax = 1e6;  // places at a time
+    const auto& times = survey_->times;
+    const auto here = std::ranges::lower_bound(times, time) - times.begin();
+    const auto n = static_cast<std::size_t>(here);
+    if (after ? n + 1 >= times.size() : n == 0)
+      return {};
+    const double from = after ? time : times[n - 1], to = after ? times[n + 1] : time;
+    const double people = static_cast<double>(people_.ids().size());
+    const auto pieces =
+        static_cast<int>(std::min(std::ceil((to - from) / kPassing), std::max(1.0, kMax / people)));
+    std::vector<double> passing;
+    for (int i = 1; i < pieces; ++i) passing.push_back(from + (to - from) * i / pieces);
+    return passing;
   }
 
   /// Eyes of which all are where feet would be.
@@ -314,9 +380,14 @@ class TrajectoryWatch final : public Watch {
   }
 
  private:
+  static constexpr double kPassing = 0.5;  // [s], some steps of somebody who runs
+
   const Survey* survey_ = nullptr;
   Progress* progress_ = nullptr;
-  std::set<int> outside_;  // who was at some time where there is no gas
+  double lastTime_ = 0;
+  std::vector<double> lastExtinction_;  // where people were then
+  std::vector<double> passedSince_;     // on the way since, as it was then
+  std::set<int> outside_;               // who was at some time where there is no gas
   std::optional<ExposureMeter> meter_;
   Trajectories people_;
   Json records_ = Json::array();

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "volute/base/progress.hpp"
@@ -92,6 +93,7 @@ struct SurveyTime {
   std::span<const double> extinction{};
   /// The largest that the data's rounding allows there, for criteria.
   std::span<const double> extinctionHigh{};
+  std::span<const double> passedHigh{};  ///< the same at Watch::passed()
   /// False at the times at which something opaque comes or goes, which are given before and after.
   bool stored = true;
 };
@@ -107,6 +109,12 @@ class Watch {
 
   /// The eyes at a time.
   virtual std::vector<Vec3> eyes(double time) const = 0;
+
+  /// Places besides the eyes at which the extinction of a stored time is wanted.
+  virtual std::vector<Vec3> passed(double time) const {
+    (void)time;
+    return {};
+  }
 
   /// Writes what files there are of a time alone. Each stored time once, in any order and on any
   /// rank, after begin() on that rank.
@@ -138,10 +146,24 @@ class Watch {
 /// All points of a floor plan at a height: maps, and when signs are lost.
 std::unique_ptr<Watch> planWatch();
 
+/// When somebody sets out who waits where a route begins.
+struct WalkStart {
+  double time = 0;     ///< [s]
+  double smoke = 0;    ///< [1/m]; not 0: when the extinction there reaches it, instead of `time`
+  double delay = 0;    ///< [s] after that
+  bool heard = false;  ///< or where any other route begins
+
+  bool waits() const { return smoke > 0; }
+};
+
+/// "30", "smoke:K" or "smoke:K,DELAY" (they see it), "heard:K" or "heard:K,DELAY" (or somebody who
+/// sees it tells them).
+[[nodiscard]] Result<WalkStart> walkStart(std::string_view text);
+
 /// How somebody walks along a route.
 struct Walk {
   double speed = 1.2;  ///< in clear air [m/s]
-  double start = 0;    ///< [s]
+  WalkStart start{};
   SpeedLaw slowed{};
 };
 

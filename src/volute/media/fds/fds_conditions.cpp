@@ -254,7 +254,8 @@ std::vector<FirePlace> burners(const SmvIndex& index) {
 }  // namespace
 
 Result<std::vector<FirePlace>> fdsFires(const SmvIndex& index, std::uint64_t maxMemory) {
-  constexpr double kFlame = 200;  // [kW/m3]: what Smokeview draws as flames
+  constexpr double kFlame = 200;   // [kW/m3]: what Smokeview draws as flames
+  constexpr double kSpreads = 30;  // [s] after the first flames; people are where it burns later
   constexpr std::size_t kTimes = 50;
   std::vector<FirePlace> fires = burners(index);
   if (findSources(index, kFdsHeatRelease).empty())
@@ -270,13 +271,15 @@ Result<std::vector<FirePlace>> fdsFires(const SmvIndex& index, std::uint64_t max
     return tl::unexpected(std::move(fds.error()));
   }
   const std::span<const FdsLattice> lattices = fds->grid().lattices();
-  // Of each column of cells, the heights between which it burns at some time.
-  std::vector<std::vector<std::pair<double, double>>> columns;
-  for (const FdsLattice& lattice : lattices) {
-    columns.emplace_back(static_cast<std::size_t>(lattice.cells(0)) * lattice.cells(1),
-                         std::pair(std::numeric_limits<double>::infinity(),
-                                   -std::numeric_limits<double>::infinity()));
-  }
+
+  struct Column {
+    double low = std::numeric_limits<double>::infinity(), high = -low;  // where it burns at a time
+    double since = std::numeric_limits<double>::infinity();
+  };
+
+  std::vector<std::vector<Column>> columns;
+  for (const FdsLattice& lattice : lattices)
+    columns.emplace_back(static_cast<std::size_t>(lattice.cells(0)) * lattice.cells(1));
   const std::size_t times = fds->times().size(), taken = std::min(times, kTimes);
   for (std::size_t n = 0; n < taken; ++n) {
     const double time = fds->times()[taken > 1 ? n * (times - 1) / (taken - 1) : 0];
@@ -293,23 +296,29 @@ Result<std::vector<FirePlace>> fdsFires(const SmvIndex& index, std::uint64_t max
           for (std::size_t i = 0; i + 1 < planes[0].size(); ++i) {
             if (field.extinction({middle(0, i), middle(1, j), middle(2, k)}) < kFlame)
               continue;
-            auto& [low, high] = columns[l][j * (planes[0].size() - 1) + i];
+            auto& [low, high, since] = columns[l][j * (planes[0].size() - 1) + i];
             low = std::min(low, planes[2][k]);
             high = std::max(high, planes[2][k + 1]);
+            since = std::min(since, time);
           }
         }
       }
     });
   }
+  double first = std::numeric_limits<double>::infinity();
+  for (const auto& ofALattice : columns) {
+    for (const Column& column : ofALattice) first = std::min(first, column.since);
+  }
   for (std::size_t l = 0; l < lattices.size(); ++l) {
     const FdsPlanes& planes = lattices[l].planes;
     for (std::size_t j = 0; j + 1 < planes[1].size(); ++j) {
       for (std::size_t i = 0; i + 1 < planes[0].size(); ++i) {
-        const auto [low, high] = columns[l][j * (planes[0].size() - 1) + i];
-        if (low < high) {
+        const auto [low, high, since] = columns[l][j * (planes[0].size() - 1) + i];
+        if (low < high && since <= first + kSpreads) {
           fires.push_back({{Vec3(planes[0][i], planes[1][j], low),
                             Vec3(planes[0][i + 1], planes[1][j + 1], high)},
-                           fmt::format("flames of {:g} kW/m3 ({})", kFlame, fds->source().name)});
+                           fmt::format("flames of {:g} kW/m3 in the first {:g} s ({})", kFlame,
+                                       kSpreads, fds->source().name)});
         }
       }
     }

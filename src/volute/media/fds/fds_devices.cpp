@@ -231,6 +231,7 @@ class FdsDevicePoints final : public PointField {
       times_.insert(times_.end(), device.curve.times.begin(), device.curve.times.end());
     std::ranges::sort(times_);
     times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
+    std::ranges::stable_sort(devices_, {}, [](const Device& one) { return one.position.x(); });
   }
 
   std::string description() const override {
@@ -250,7 +251,11 @@ class FdsDevicePoints final : public PointField {
     for (std::size_t i = 0; i < points.size(); ++i) {
       out[i] = std::numeric_limits<double>::quiet_NaN();
       double least = kNear;
-      for (const Device& device : devices_) {
+      const auto xOf = [](const Device& one) { return one.position.x(); };
+      const double x = points[i].x(), reach = kNear + kSamePlace;
+      for (auto at = std::ranges::lower_bound(devices_, x - reach, {}, xOf);
+           at != devices_.end() && xOf(*at) <= x + reach; ++at) {
+        const Device& device = *at;
         const double distance = (device.position - points[i]).norm();
         if (distance > least + kSamePlace)
           continue;

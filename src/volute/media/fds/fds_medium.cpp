@@ -145,9 +145,19 @@ Result<std::shared_ptr<FdsMedium>> FdsMedium::open(const FdsDescription& descrip
   medium.blocks_ = blocksOf(context.geometry);
   medium.case_ = std::make_shared<FdsCase>(std::move(files));
   const SmvIndex& index = medium.case_->index();
-  std::vector<std::string> moving;
-  VOLUTE_ASSIGN(auto walls, fdsWalls(index, moving));
-  for (const std::string& remark : moving) reading.progress.remark({RemarkCode::kLeftOut, remark});
+  VOLUTE_ASSIGN(auto walls, fdsWalls(index, medium.notes_));
+  if (const FdsSource& source = medium.case_->source();
+      options.massExtinction > 0 && source.kind != FdsFileKind::kClear &&
+      source.quantity != SmokeQuantity::kSootDensity) {
+    medium.notes_.push_back(fmt::format(
+        "{}: a mass extinction of {:g} m2/kg has no effect: {} says how thick the smoke is without "
+        "one",
+        description.file, options.massExtinction, source.name));
+  }
+  for (const std::string& note : medium.notes_) {
+    if (drawn)
+      reading.progress.remark({RemarkCode::kLeftOut, note});
+  }
   medium.walls_ = std::make_shared<const TriangleMesh>(std::move(walls));
   medium.describe();
   if (!drawn)
@@ -299,9 +309,18 @@ Result<std::unique_ptr<SightField>> FdsMedium::sight(Reading& reading) {
   std::vector<FdsCase> others;
   if (description_.field.empty())
     others = fillingSources(files, options, case_.get());
+  std::vector<std::string> notes = notes_;
+  const auto isCut = [](const FdsCase& one) {
+    return one.source().quantity == SmokeQuantity::kVisibility;
+  };
+  if (options.visibilityFactor && !isCut(files) && std::ranges::none_of(others, isCut)) {
+    notes.push_back(
+        fmt::format("{}: C = {:g} has no effect: {} is no visibility, and signs have their own C",
+                    description_.file, *options.visibilityFactor, files.source().name));
+  }
   VOLUTE_ASSIGN(auto walls, TriangleScene::build(walls_->triangles, walls_->materials));
   return std::make_unique<FdsSight>(std::move(files), description_.file, options.maxMemory,
-                                    std::move(others), std::move(walls));
+                                    std::move(others), std::move(walls), std::move(notes));
 }
 
 double FdsMedium::timeOf(int step) const {

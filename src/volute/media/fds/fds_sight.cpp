@@ -7,10 +7,12 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <set>
 
 #include "volute/base/parallel.hpp"
 #include "volute/fds/fds_input.hpp"
 #include "volute/fds/fds_march.hpp"
+#include "volute/fds/solids.hpp"
 #include "volute/media/fds/fds_conditions.hpp"
 #include "volute/media/fds/fds_devices.hpp"
 #include "volute/media/occluded_sight.hpp"
@@ -213,8 +215,42 @@ void FdsInstant::bounds(std::span<const SightLine> lines, std::span<double> low,
 }
 
 void FdsInstant::blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const {
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    out[i] = obstructions_.blocked(segmentOf(lines[i])) ? 1 : 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Segment segment = segmentOf(lines[i]);
+    out[i] = obstructions_.blocked(segment) || passesBorder(segment) ? 1 : 0;
+  }
+}
+
+/// Whether a line leaves all meshes, or comes back, through FDS's own walls around them.
+bool FdsInstant::passesBorder(const Segment& segment) const {
+  if (meshes_.size() < 2)
+    return false;
+  const auto isWall = [&](double at) {
+    const Vec3 point = segment.at(at);
+    const auto has = [&](PlanShape::Kind kind) {
+      return std::ranges::any_of(borders_, [&](const auto& border) {
+        return border.second == kind &&
+               (border.first.min.array() <= point.array() + kMeshSeparation).all() &&
+               (point.array() <= border.first.max.array() + kMeshSeparation).all();
+      });
+    };
+    return has(PlanShape::Kind::kBorder) && !has(PlanShape::Kind::kOpening);
+  };
+  std::vector<Interval> inside;
+  for (const Box3& mesh : meshes_) {
+    const Interval own =
+        mesh.intersect(segment.origin, segment.direction).intersect({segment.begin, segment.end});
+    if (!own.empty())
+      inside.push_back(own);
+  }
+  std::ranges::sort(inside, {}, &Interval::begin);
+  for (std::size_t i = 1; i < inside.size(); ++i) {
+    const double reach = inside[i - 1].end;
+    if (inside[i].begin - reach > kMeshSeparation && (isWall(reach) || isWall(inside[i].begin)))
+      return true;
+    inside[i].end = std::max(inside[i].end, reach);
+  }
+  return false;
 }
 
 FdsInstant::FdsInstant(FdsField field, FdsObstructions obstructions, std::uint64_t geometry)
@@ -288,7 +324,7 @@ void FdsInstant::weigh(const SightLine& line, std::vector<SightWeight>& weights,
   });
   sight = {};
   sight.covered = segment.end - known <= kTolerance;
-  sight.blocked = obstructions_.blocked(segment);
+  sight.blocked = obstructions_.blocked(segment) || (!sight.covered && passesBorder(segment));
 }
 
 void FdsInstant::look(std::span<const SightLine> lines, std::span<Sight> sights) const {
@@ -298,8 +334,9 @@ void FdsInstant::look(std::span<const SightLine> lines, std::span<Sight> sights)
   field_.depths(segments, depths);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const FdsDepth& depth = depths[i];
-    sights[i] = {depth.value, depth.low, depth.high, depth.uncovered <= kTolerance,
-                 obstructions_.blocked(segments[i])};
+    const bool covered = depth.uncovered <= kTolerance;
+    sights[i] = {depth.value, depth.low, depth.high, covered,
+                 obstructions_.blocked(segments[i]) || (!covered && passesBorder(segments[i]))};
   }
 }
 
@@ -334,6 +371,43 @@ void FdsInstant::extinctionBounds(std::span<const Vec3> points, std::span<double
   }
 }
 
+namespace {
+
+/// Boxes by where they are in the plan, so that few are looked at for a point.
+class FlatBins {
+ public:
+  explicit FlatBins(std::span<const Box3> boxes) : bins_(kSide * kSide) {
+    for (const Box3& box : boxes) {
+      bounds_.extend(box.min);
+      bounds_.extend(box.max);
+    }
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+      for (std::size_t y = along(1, boxes[i].min); y <= along(1, boxes[i].max); ++y) {
+        for (std::size_t x = along(0, boxes[i].min); x <= along(0, boxes[i].max); ++x)
+          bins_[y * kSide + x].push_back(i);
+      }
+    }
+  }
+
+  std::span<const std::uint32_t> at(const Vec3& point) const {
+    return bins_[along(1, point) * kSide + along(0, point)];
+  }
+
+ private:
+  static constexpr std::size_t kSide = 64;
+
+  std::size_t along(int axis, const Vec3& point) const {
+    const double share = (point[axis] - bounds_.min[axis]) / bounds_.size()[axis];
+    // Not a number where all boxes are in one plane, or there is none.
+    return !(share > 0) ? 0 : share < 1 ? static_cast<std::size_t>(share * kSide) : kSide - 1;
+  }
+
+  Box3 bounds_;
+  std::vector<std::vector<std::uint32_t>> bins_;
+};
+
+}  // namespace
+
 /// From obstructions and meshes, because the field itself may be a layer of smoke.
 void FdsInstant::floors(std::span<const Vec3> points, double drop, std::span<double> z) const {
   constexpr double kThin = 1e-3;  // [m]
@@ -341,18 +415,21 @@ void FdsInstant::floors(std::span<const Vec3> points, double drop, std::span<dou
     return box.min.x() <= point.x() && point.x() < box.max.x() && box.min.y() <= point.y() &&
            point.y() < box.max.y();
   };
-  std::vector<Box3> surfaces;  // their tops carry people
+  std::vector<Box3> surfaces, openings;  // tops that carry people; borders that do not
   for (const FdsBox& box : obstructions_.boxes()) surfaces.push_back(box.bounds);
+  for (const auto& [box, kind] : borders_) {
+    if (kind == PlanShape::Kind::kOpening && box.size().z() < kThin)
+      openings.push_back(box);
+  }
+  const FlatBins surfaceBins(surfaces), openingBins(openings);
   const auto isOpen = [&](const Vec3& point) {
     const auto within = [&](const Box3& mesh) {
       return above(mesh, point) && mesh.min.z() < point.z() - kThin && point.z() <= mesh.max.z();
     };
-    const auto opens = [&](const std::pair<Box3, PlanShape::Kind>& border) {
-      return border.second == PlanShape::Kind::kOpening && above(border.first, point) &&
-             std::abs(border.first.min.z() - point.z()) < kThin &&
-             std::abs(border.first.max.z() - point.z()) < kThin;
-    };
-    return std::ranges::any_of(meshes_, within) || std::ranges::any_of(borders_, opens);
+    return std::ranges::any_of(meshes_, within) ||
+           std::ranges::any_of(openingBins.at(point), [&](std::uint32_t i) {
+             return above(openings[i], point) && std::abs(openings[i].min.z() - point.z()) < kThin;
+           });
   };
   parallelRanges(points.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -362,9 +439,9 @@ void FdsInstant::floors(std::span<const Vec3> points, double drop, std::span<dou
         if (top <= point.z() && top >= point.z() - drop && !(top <= z[i]))
           z[i] = top;
       };
-      for (const Box3& box : surfaces) {
-        if (above(box, point))
-          offer(box.max.z());
+      for (const std::uint32_t box : surfaceBins.at(point)) {
+        if (above(surfaces[box], point))
+          offer(surfaces[box].max.z());
       }
       for (const Box3& mesh : meshes_) {
         if (above(mesh, point) && !isOpen({point.x(), point.y(), mesh.min.z()}))
@@ -387,8 +464,9 @@ std::vector<PlanShape> FdsInstant::shapes(double z) const {
 
 namespace {
 
+/// Gas is gas, whether its smoke is known or not.
 Place placeOf(std::optional<FdsCell> cell) {
-  if (!cell || *cell == FdsCell::kUnknown)
+  if (!cell)
     return Place::kOutside;
   return *cell == FdsCell::kSolid ? Place::kSolid : Place::kGas;
 }
@@ -437,6 +515,13 @@ Vec3 placeOfValue(const FdsLattice& lattice, std::size_t value) {
   return point;
 }
 
+/// The meshes of which a grid has some part.
+std::set<int> meshesIn(const FdsGrid& grid) {
+  std::set<int> meshes;
+  for (const FdsLattice& lattice : grid.lattices()) meshes.insert(lattice.mesh);
+  return meshes;
+}
+
 /// Whether a case stores a time before or after those of others.
 bool isBeyond(std::span<const double> times, std::span<const double> known) {
   return (times.front() < known.front() && !storedPlace(known, times.front())) ||
@@ -450,6 +535,7 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
   std::vector<FdsCase> others;
   const bool cut = first.source().quantity == SmokeQuantity::kVisibility;
   std::vector<double> known(first.times().begin(), first.times().end());
+  std::set<int> meshes = meshesIn(first.grid());
   for (const FdsSource& source : first.sources()) {
     if (source.name == first.source().name)
       continue;
@@ -460,7 +546,9 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
       continue;
     const bool beyond = isBeyond(opened->times(), known);
     const bool precise = cut && source.quantity != SmokeQuantity::kVisibility;
-    if (!beyond && !precise)
+    const std::size_t before = meshes.size();
+    meshes.merge(meshesIn(opened->grid()));
+    if (!beyond && !precise && meshes.size() == before)
       continue;
     known.insert(known.end(), opened->times().begin(), opened->times().end());
     std::ranges::sort(known);
@@ -470,10 +558,11 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
 }
 
 FdsSight::FdsSight(FdsCase fds, std::string name, std::uint64_t maxMemory,
-                   std::vector<FdsCase> others, TriangleScene walls)
+                   std::vector<FdsCase> others, TriangleScene walls, std::vector<std::string> notes)
     : case_(std::move(fds)),
       others_(std::move(others)),
       walls_(std::move(walls)),
+      notes_(std::move(notes)),
       times_(case_.times().begin(), case_.times().end()),
       name_(std::move(name)),
       maxMemory_(maxMemory) {
@@ -487,6 +576,26 @@ FdsSight::FdsSight(FdsCase fds, std::string name, std::uint64_t maxMemory,
     times_.insert(times_.end(), more.begin(), more.end());
     std::ranges::sort(times_);
   }
+  events_ = obstructionEvents(case_.index());
+  bounds_ = case_.bounds();
+  const auto extend = [&](const Box3& box) {
+    bounds_.extend(box.min);
+    bounds_.extend(box.max);
+  };
+  std::set<int> known = meshesIn(case_.grid());
+  for (const FdsCase& other : others_) {
+    for (const FdsLattice& lattice : other.grid().lattices()) {
+      if (!known.contains(lattice.mesh))
+        extend(lattice.bounds());
+    }
+    known.merge(meshesIn(other.grid()));
+  }
+  for (std::size_t mesh = 0; mesh < case_.index().meshes.size(); ++mesh) {
+    if (!known.contains(static_cast<int>(mesh))) {
+      extend(case_.index().meshes[mesh].bounds());
+      nowhereKnown_.push_back(static_cast<int>(mesh));
+    }
+  }
 }
 
 std::string FdsSight::description() const {
@@ -499,12 +608,27 @@ std::string FdsSight::description() const {
 
 std::vector<Remark> FdsSight::remarks() const {
   std::vector<Remark> remarks(case_.remarks().begin(), case_.remarks().end());
+  for (const std::string& note : notes_) remarks.push_back({RemarkCode::kLeftOut, note});
   for (const FdsCase& other : others_) {
     if (isBeyond(other.times(), case_.times())) {
       remarks.push_back(fmt::format(
           "{}: {} is stored from {:g} to {:g} s; {} serves at other times", name_,
           case_.source().name, case_.times().front(), case_.times().back(), other.source().name));
     }
+  }
+  std::set<int> known = meshesIn(case_.grid());
+  for (const FdsCase& other : others_) {
+    std::set<int> its = meshesIn(other.grid());
+    if (std::ranges::includes(known, its))
+      continue;
+    remarks.push_back(fmt::format("{}: {} serves in meshes of which {} has no file", name_,
+                                  other.source().name, case_.source().name));
+    known.merge(its);
+  }
+  if (!nowhereKnown_.empty()) {
+    remarks.push_back(fmt::format(
+        "{}: no smoke is stored for {} of {} meshes (the first is {}): nothing is known there",
+        name_, nowhereKnown_.size(), case_.index().meshes.size(), nowhereKnown_.front() + 1));
   }
   if (case_.source().quantity == SmokeQuantity::kVisibility && !others_.empty()) {
     remarks.push_back(fmt::format("{}: where {} is cut, the extinction is that of {}", name_,
@@ -530,9 +654,8 @@ std::pair<FdsCase*, double> FdsSight::caseAt(double time) {
 
 /// Where a visibility is cut, by what the others know.
 Result<FdsField> FdsSight::refined(FdsField field, double time) {
-  std::vector<std::shared_ptr<const FdsValues>> values;
-  for (std::size_t l = 0; l < field.grid().lattices().size(); ++l)
-    values.push_back(std::make_shared<const FdsValues>(field.values(l)));
+  std::vector<std::shared_ptr<const FdsValues>> values(field.allValues().begin(),
+                                                       field.allValues().end());
   for (FdsCase& other : others_) {
     if (other.source().quantity == SmokeQuantity::kVisibility || !storedPlace(other.times(), time))
       continue;
@@ -559,14 +682,89 @@ Result<FdsField> FdsSight::refined(FdsField field, double time) {
   return field.withValues(std::move(values));
 }
 
+/// How many of the changes of obstructions are before a time, or at it.
+std::size_t FdsSight::changesUntil(double time) const {
+  return static_cast<std::size_t>(std::ranges::upper_bound(events_, time) - events_.begin());
+}
+
+/// What stands in a mesh of which no source has smoke.
+const FdsSight::Unknown& FdsSight::unknownMesh(int mesh, double time) {
+  Unknown& made = unknown_[mesh];
+  if (made.cells && made.changes == changesUntil(time))
+    return made;
+  const FdsMesh& own = case_.index().meshes[static_cast<std::size_t>(mesh)];
+  const auto solid = solidCells(own, time);
+  auto cells = std::make_shared<std::vector<FdsCell>>(solid.size(), FdsCell::kUnknown);
+  for (std::size_t i = 0; i < solid.size(); ++i) {
+    if (solid[i] != 0)
+      (*cells)[i] = FdsCell::kSolid;
+  }
+  made.changes = changesUntil(time);
+  made.cells = std::move(cells);
+  if (!made.values) {
+    made.values = std::make_shared<const FdsValues>(
+        FdsValues{std::vector(solid.size(), std::numeric_limits<float>::quiet_NaN()), {}, {}});
+  }
+  return made;
+}
+
+/// In meshes of which a source has no file, what the others know there.
+Result<FdsField> FdsSight::completed(FdsField field, const FdsCase& of, double time) {
+  const auto& meshes = case_.index().meshes;
+  std::set<int> known = meshesIn(field.grid());
+  if (known.size() == meshes.size())
+    return field;
+  std::vector<FdsLattice> lattices;
+  std::vector<bool> held;
+  std::vector<std::shared_ptr<const FdsValues>> values;
+  std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells;
+  std::vector<const FdsGrid*> from;
+  const auto take = [&](const FdsField& one, const std::set<int>& without) {
+    for (std::size_t l = 0; l < one.grid().lattices().size(); ++l) {
+      if (without.contains(one.grid().lattices()[l].mesh))
+        continue;
+      lattices.push_back(one.grid().lattices()[l]);
+      held.push_back(one.grid().holds(l));
+      values.push_back(one.allValues()[l]);
+      cells.push_back(one.allCells()[l]);
+      from.push_back(&one.grid());
+    }
+  };
+  take(field, {});
+  for (std::size_t i = 0; i <= others_.size(); ++i) {
+    FdsCase& other = i == 0 ? case_ : others_[i - 1];
+    std::set<int> its = meshesIn(other.grid());
+    if (&other == &of || std::ranges::includes(known, its) || !storedPlace(other.times(), time))
+      continue;
+    VOLUTE_ASSIGN(const FdsField more, other.field(time));
+    take(more, known);
+    known.merge(its);
+  }
+  for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {
+    const auto number = static_cast<int>(mesh);
+    if (known.contains(number))
+      continue;
+    const Unknown& unknown = unknownMesh(number, time);
+    lattices.push_back({number, meshes[mesh].planes});
+    held.push_back(true);
+    values.push_back(unknown.values);
+    cells.push_back(unknown.cells);
+    from.push_back(nullptr);
+  }
+  auto whole = std::ranges::find(wholes_, from, &Whole::from);
+  if (whole == wholes_.end()) {
+    VOLUTE_ASSIGN(auto grid, FdsGrid::create(std::move(lattices), std::move(held)));
+    whole = wholes_.insert(wholes_.end(), {std::move(from), std::move(grid)});
+  }
+  return FdsField(whole->grid, std::move(values), std::move(cells));
+}
+
 /// Whether cells and obstructions are those of the last time.
 bool FdsSight::sameGeometry(const FdsField& field, double time) const {
   if (!last_ || &field.grid() != &last_->grid())
     return false;
-  for (const double event : obstructionEvents(case_.index())) {
-    if (event > lastTime_ && event <= time)
-      return false;
-  }
+  if (changesUntil(time) > changesUntil(lastTime_))
+    return false;
   for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
     if (&field.cells(i) != &last_->cells(i) && field.cells(i) != last_->cells(i))
       return false;
@@ -584,7 +782,7 @@ std::string FdsSight::tallerSource() const {
 
 std::vector<double> FdsSight::changes() const {
   std::vector<double> changes;
-  for (const double event : obstructionEvents(case_.index())) {
+  for (const double event : events_) {
     if (event > times().front() && event <= times().back())
       changes.push_back(event);
   }
@@ -597,6 +795,7 @@ Result<std::shared_ptr<const SightInstant>> FdsSight::readOwnAt(double when) {
   if (best->source().quantity == SmokeQuantity::kVisibility && !others_.empty()) {
     VOLUTE_ASSIGN(field, refined(std::move(field), stored));
   }
+  VOLUTE_ASSIGN(field, completed(std::move(field), *best, stored));
   if (!sameGeometry(field, when))
     ++geometry_;
   lastTime_ = when;

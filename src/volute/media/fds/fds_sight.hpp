@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -46,6 +47,7 @@ class FdsInstant final : public BasicSightInstant {
 
   void joinValues();
   const Blocks& blocks() const;
+  bool passesBorder(const Segment& segment) const;
 
   FdsField field_;
   FdsObstructions obstructions_;
@@ -58,22 +60,25 @@ class FdsInstant final : public BasicSightInstant {
 };
 
 /// Sources of the same smoke that know what another one does not: of a visibility that is cut, the
-/// extinction where it is; of any, times at which it stores nothing. Best first. What cannot be
-/// read is left out.
+/// extinction where it is; of any, times at which it stores nothing, and meshes of which it has no
+/// file. Best first. What cannot be read is left out.
 /// @param options  those of `first`
 /// @param earlier  see FdsCase::open()
 std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& options,
                                     const FdsCase* earlier = nullptr);
 
-/// An FDS case over time: obstructions come and go.
+/// An FDS case over time: obstructions come and go. It reaches over all meshes; in those of which
+/// no source has smoke, nothing is known.
 class FdsSight final : public SightField {
  public:
   /// `name` is the case's, for people; `maxMemory` of the frames of each of its other quantities.
   /// @param others  serve where and when `fds` does not know, see fillingSources()
   /// @param walls  besides obstructions: closed bodies, see fdsWalls()
+  /// @param notes  of remarks()
   explicit FdsSight(FdsCase fds, std::string name = "",
                     std::uint64_t maxMemory = std::uint64_t{4} << 30,
-                    std::vector<FdsCase> others = {}, TriangleScene walls = {});
+                    std::vector<FdsCase> others = {}, TriangleScene walls = {},
+                    std::vector<std::string> notes = {});
 
   std::string description() const override;
 
@@ -101,7 +106,7 @@ class FdsSight final : public SightField {
   [[nodiscard]] Result<CaseFacts> facts() override;
 
  protected:
-  Box3 ownBounds() const override { return case_.bounds(); }
+  Box3 ownBounds() const override { return bounds_; }
 
   [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override {
     return readOwnAt(times()[time]);
@@ -110,14 +115,35 @@ class FdsSight final : public SightField {
   [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwnAt(double time) override;
 
  private:
+  /// Lattices of several sources together.
+  struct Whole {
+    std::vector<const FdsGrid*> from;  // of each; null: of a mesh that nobody knows
+    std::shared_ptr<const FdsGrid> grid;
+  };
+
+  struct Unknown {
+    std::size_t changes = 0;  // of obstructions, so many until then
+    std::shared_ptr<const FdsValues> values;
+    std::shared_ptr<const std::vector<FdsCell>> cells;
+  };
+
   bool sameGeometry(const FdsField& field, double time) const;
   std::pair<FdsCase*, double> caseAt(double time);
   Result<FdsField> refined(FdsField field, double time);
+  Result<FdsField> completed(FdsField field, const FdsCase& of, double time);
+  const Unknown& unknownMesh(int mesh, double time);
+  std::size_t changesUntil(double time) const;
 
   FdsCase case_;
   std::vector<FdsCase> others_;
   TriangleScene walls_;
+  std::vector<std::string> notes_;
+  Box3 bounds_;
+  std::vector<Whole> wholes_;
+  std::vector<int> nowhereKnown_;   // meshes of which no source has smoke
+  std::map<int, Unknown> unknown_;  // what stands in them
   std::vector<double> times_;
+  std::vector<double> events_;   // of obstructions, ascending
   std::optional<double> begin_;  // when it was asked for
   std::string name_;
   std::uint64_t maxMemory_;
