@@ -60,7 +60,7 @@ TEST(CaptureJson, PicturesAreFoundAsWindowsNamesThem) {
   testing::writeText(folder / "Views" / "back.exr", "");
   auto json = ringJson();
   json["cameras"][1]["image"] = "views\\f_%04d_b.exr";
-  json["cameras"][1]["background"] = ".\\VIEWS\\Back.EXR";
+  json["cameras"][1]["background"] = "VIEWS\\Back.EXR";
   ASSERT_VALUE(const auto capture, openJson(folder, json));
   EXPECT_EQ(capture.cameras[1].pictures.image, (folder / "Views" / "f_%04d_b.exr").string());
   EXPECT_EQ(capture.cameras[1].pictures.background, folder / "Views" / "back.exr");
