@@ -620,7 +620,28 @@ class Grid:
         values = values.astype(np.float64) + codecs[0].offset if codecs[0].offset else values
         return values if self.channels > 1 else values[..., 0]
 
-# The values of a grid, of the first one with values without a name.
+# KEEP (4.5): grids that are not coded, a piece of each frame.
+class Kept:
+    def __init__(self, data):
+        r, self.grids = Reader(data), {}
+        for _ in range(r.varint()):
+            name, _, _ = r.string(), r.string(), r.varint()
+            self.grids[name] = [r.varint() - 1 for _ in range(r.varint())]
+        self.pieces = [r.varint() for _ in range(r.varint())]
+        self.parts = [[(r.varint(), r.unpack("I")) for _ in range(-(-piece >> 24))] for piece in self.pieces]
+        self.total = sum(size for piece in self.parts for size, _ in piece)
+    def read(self, data, name):
+        at, pieces = len(data) - self.total, []
+        for piece, length in zip(self.parts, self.pieces):
+            whole = b""
+            for size, crc in piece:
+                check(zlib.crc32(data[at:at + size]) == crc, "a kept part's checksum is wrong")
+                whole, at = whole + unpacked(data[at:at + size]), at + size
+            check(len(whole) == length, "a kept piece has another length")
+            pieces.append(whole)
+        return [pieces[i] if i >= 0 else None for i in self.grids[name]]
+
+# The values of a grid, of the first one with values without a name (of a stand-in where none has any); the bytes of each frame of one that is kept.
 def read(path, name=None):
     with open(path, "rb") as file:
         data = file.read()
@@ -628,7 +649,7 @@ def read(path, name=None):
     major, _, codec, head, total, crc = struct.unpack_from("<HHIQQI", data, 8)
     check(major == 1 and codec in (2, 3), "another version")
     check(zlib.crc32(data[:32]) == crc and total == len(data), "the prologue is wrong, or the file was cut")
-    at, grids, table = 36, [], None
+    at, grids, kept = 36, [], None
     while at < head:
         kind, flags, size, crc = struct.unpack_from("<4sIQI", data, at)
         payload = data[at + 20:at + 20 + size]
@@ -641,6 +662,8 @@ def read(path, name=None):
             grids[-1].read_parts(unpacked(payload))
         elif kind == b"INDX":
             grids[-1].read_index(unpacked(payload))
+        elif kind == b"KEEP":
+            kept = Kept(unpacked(payload))
         else:
             check(flags & 1 or kind == b"GRDS", "an unknown chunk")
     check(at == head, "the last chunk does not end at headBytes")
@@ -651,7 +674,9 @@ def read(path, name=None):
         for grid in grids:
             offsets[grid.name].append(end)
             end += sum(grid.sizes[tier])
-    check(end == total, "the segments do not fill the file")
+    check(end + (kept.total if kept else 0) == total, "the segments do not fill the file")
+    if kept and name in kept.grids:
+        return kept.read(data, name)
     grid = next((g for g in grids if name in (None, g.name)), None)
     check(grid, f"no grid with values has the name {name}")
     return grid.decode(data, offsets[grid.name])

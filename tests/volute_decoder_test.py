@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files that earlier versions wrote decode to the same floats for ever, by the command and by a decoder written from docs/format.md
 alone: `volute_decoder_test.py VOLUTE DATA_DIR`."""
+import json
 import pathlib
 import subprocess
 import sys
@@ -36,11 +37,25 @@ FROZEN = {
 }
 
 
+# CRC-32 of the bytes of a kept grid in each frame.
+KEPT = {("codec3_kept.volute", "id"): [0, 0]}
+
+
 class Frozen(unittest.TestCase):
     def test_second_decoder(self):
         for (file, grid), crc in FROZEN.items():
             with self.subTest(file=file, grid=grid):
                 self.assertEqual(zlib.crc32(volute_decoder.read(DATA / file, grid).tobytes()), crc)
+
+    def test_files_without_values(self):
+        for (file, grid), crcs in KEPT.items():
+            self.assertEqual([zlib.crc32(piece) for piece in volute_decoder.read(DATA / file, grid)], crcs)
+        for file, grids, kept in (("codec3_empty.volute", ["density", "velocity", "surface"], []), ("codec3_kept.volute", [], ["id"])):
+            nothing = volute_decoder.read(DATA / file)
+            self.assertEqual((nothing.shape, nothing.any()), ((2, 1, 1, 1), False))
+            said = json.loads(subprocess.run([VOLUTE, "info", DATA / file, "--json"], check=True, stdout=subprocess.PIPE).stdout)
+            self.assertEqual(([one["name"] for one in said["grids"] if one["empty"]], [one["name"] for one in said.get("kept", [])]), (grids, kept))
+            self.assertEqual((said["frame_numbers"], said["times"], said["complete"]), ([3, 4], [0.5, 1], True))
 
     def test_command(self):
         with tempfile.TemporaryDirectory() as folder:

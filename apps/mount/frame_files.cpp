@@ -82,8 +82,8 @@ Status FrameFiles::openGrids(const std::string& path) {
   const VoluteReader& whole = *whole_;
   frames_ = whole.info();
   fileMetadata_ = whole.fileMetadata();
-  plain_ =
-      whole.grids().size() == 1 && !whole.grids().front().description && whole.kept().grids.empty();
+  plain_ = whole.grids().size() == 1 && !whole.grid().empty && !whole.grid().description &&
+           whole.kept().grids.empty();
   std::uint64_t frameBytes = 0;
   for (const VoluteGrid& grid : whole.grids()) {
     Volume& volume = volumes_.emplace_back();

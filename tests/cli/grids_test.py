@@ -117,7 +117,7 @@ class EveryType(support.TestCase):
         dropped = self.works("compress", folder, "-o", self.path("y.volute"), "--field", "density[0],id", "--uncoded", "drop", "--json")
         self.assertIn("left out, as they hold no volume: 'id' (of type int32)", dropped.message)
         self.assertNotIn("kept", dropped.json)
-        self.assertIn("no grid can be compressed", self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--field", "id,mask"))
+        self.assertIn("no grid can be compressed", self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--field", "id,mask", "--uncoded", "drop"))
         text = self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--fast")
         self.assertIn("all_0001.vdb: grid 'holes', frame 1: the value at index (0, 5, 8), which is (0, 5, 8) m, is not a number", text)
         self.assertIn("all_0001.vdb: grid 'holes', frame 1: the value at index (0, 5, 8)",
@@ -146,6 +146,66 @@ class EveryType(support.TestCase):
         self.assertIn("a kept grid is damaged", self.fails(1, "extract", self.path("x.volute"), "-o", self.path("x_%04d.vdb")))
         said = self.works("extract", self.path("x.volute"), "-o", self.path("x_%04d.vdb"), "--partial")
         self.assertIn("'id' is left out of frame 3", said.message)
+
+
+@unittest.skipUnless("VDB_MAKER" in os.environ, "this build has no OpenVDB")
+class Hollow(support.TestCase):
+    """Caches in which no grid has values: all are empty, or kept as their bytes."""
+    same = EveryType.same
+
+    def setUp(self):
+        super().setUp()
+        self.folder = self.path("hollow")
+        self.folder.mkdir()
+        subprocess.run([os.environ["VDB_MAKER"], "hollow", str(self.folder)], check=True)
+
+    def test_there_and_back(self):
+        for name, grids, kept in (("empty", ["density", "velocity", "surface"], []), ("kept", [], ["id"]), ("one", ["density"], [])):
+            with self.subTest(name=name):
+                source, packed, back = str(self.folder / f"{name}_%04d.vdb"), self.path(f"{name}.volute"), str(self.path(f"back_{name}_%04d.vdb"))
+                said = self.works("compress", source, "-o", packed, "--json").json
+                self.assertEqual(([one["name"] for one in said["grids"]], said["frames"]), (grids, 2))
+                info = self.works("info", packed, "--json").json
+                self.assertEqual([one["name"] for one in info["grids"] if one["empty"]], grids)
+                self.assertEqual([one["name"] for one in info.get("kept", [])], kept)
+                self.assertEqual((info["frame_numbers"], info["times"], info["complete"]), ([3, 4], [0.5, 1], True))
+                self.works("info", packed, "--blocks")
+                self.works("extract", packed, "-o", back)
+                for frame in (3, 4):
+                    self.same(source % frame, back % frame, 0)
+                compared = self.works("compare", source, packed, "--json").json
+                self.assertEqual(compared["max_error"], 0)
+                self.assertEqual(compared.get("kept", []), [{"name": one, "identical": True} for one in kept])
+                text = self.fails(1, "render", packed, "-o", self.path("x.png"))
+                self.assertIn(f"{packed}: no grid has values: ", text)
+                self.assertIn("'id' (int32)" if kept else "empty in all frames are 'density'", text)
+                if grids:
+                    self.assertIn("is empty", self.fails(1, "extract", packed, "-o", self.path("x.npy"), "--field", grids[0]))
+
+    def test_size_and_again_and_joined(self):
+        source = str(self.folder / "kept_%04d.vdb")
+        self.works("compress", source, "-o", self.path("x.volute"), "--ratio", "100")
+        self.works("compress", self.path("x.volute"), "-o", self.path("a.volute"), "--frames", "3:4", "--fps", "50")
+        self.works("compress", self.path("x.volute"), "-o", self.path("b.volute"), "--frames", "4:5")
+        self.works("compress", str(self.folder / "empty_%04d.vdb"), "-o", self.path("c.volute"), "--size", "2k", "--frames", "4:5")
+        self.works("join", self.path("a.volute"), self.path("b.volute"), "-o", self.path("ab.volute"))
+        self.works("extract", self.path("ab.volute"), "-o", self.path("ab_%04d.vdb"))
+        for frame in (3, 4):
+            self.same(source % frame, self.path(f"ab_000{frame}.vdb"), 0)
+        # With one that has other grids, and with one that has values.
+        self.works("join", self.path("a.volute"), self.path("c.volute"), "-o", self.path("ac.volute"))
+        info = self.works("info", self.path("ac.volute"), "--json").json
+        self.assertEqual(([one["name"] for one in info["grids"]], info["kept"][0]["name"]), (["density", "velocity", "surface"], "id"))
+
+    def test_every_byte_is_checked(self):
+        packed, damaged = self.path("x.volute"), self.path("y.volute")
+        self.works("compress", str(self.folder / "kept_%04d.vdb"), "-o", packed)
+        whole = packed.read_bytes()
+        for place in range(0, len(whole), 7):
+            data = bytearray(whole)
+            data[place] ^= 16
+            damaged.write_bytes(data)
+            self.fails(1, "extract", damaged, "-o", self.path("z_%04d.vdb"))
 
 
 @unittest.skipUnless("VDB_MAKER" in os.environ, "this build has no OpenVDB")
@@ -275,6 +335,20 @@ class Places(support.TestCase):
             self.works("compare", pattern, self.path("x.volute"))
         self.assertIn("cannot say", self.fails(1, "extract", self.path("x.volute"), "-o", self.path("x_%04d.vti")))
         self.assertIn("cannot say", self.fails(1, "extract", self.path("x.volute"), "-o", self.path("x_%04d.vdb"), "--level", "1"))
+
+    def test_matrices_that_cannot_be_undone(self):
+        whole = (self.blocks / "turned.vdb").read_bytes()
+        place = whole.index(b"AffineMap") + len(b"AffineMap")
+        matrix = struct.unpack_from("<16d", whole, place)
+        for what, row, value in (("singular", 4, matrix[:3]), ("zero", 0, (0, 0, 0)), ("nan", 0, (math.nan, 0, 0)), ("inf", 12, (math.inf, 0, 0))):
+            changed = matrix[:row] + tuple(value) + matrix[row + 3:]
+            bad = self.path(f"{what}_0002.vdb")
+            bad.write_bytes(whole[:place] + struct.pack("<16d", *changed) + whole[place + 128:])
+            shutil.copy(self.blocks / "turned.vdb", self.path(f"{what}_0001.vdb"))
+            for verb in (("compress", "-o", self.path("x.volute")), ("render", "-o", self.path("x.png"))):
+                for source in (bad, str(self.path(f"{what}_%04d.vdb"))):
+                    text = self.fails(1, verb[0], source, *verb[1:])
+                    self.assertIn(f"{bad}, grid 'density': the grid's matrix is not finite, or makes it flat", text)
 
     def test_words(self):
         said = self.works("info", self.blocks / "turned.vdb", "--json").json

@@ -7,8 +7,10 @@
 #include <set>
 
 #include "volute/base/output_file.hpp"
+#include "volute/codec/compress.hpp"
 #include "volute/codec/container.hpp"
 #include "volute/codec/written_file.hpp"
+#include "volute/grid/bricks.hpp"
 
 namespace volute {
 namespace {
@@ -17,6 +19,49 @@ struct BundlePart {
   InputFile file;
   FileHead head;  ///< of it
 };
+
+class EmptyFrames final : public FrameSource {
+ public:
+  explicit EmptyFrames(const VolumeInfo& frames) {
+    info_.frames = frames.frames;
+    info_.frameNumbers = frames.frameNumbers;
+    info_.frameScale = frames.frameScale;
+    info_.times = frames.times;
+    info_.timesAssumed = frames.timesAssumed;
+    info_.up = frames.up;
+    info_.name.clear();
+    info_.x = info_.y = info_.z = 1;
+    info_.fillDefaults();
+  }
+
+  const VolumeInfo& info() const override { return info_; }
+
+  Status readFrame(int, std::span<float> values) override {
+    std::ranges::fill(values, 0.0f);
+    return {};
+  }
+
+  Status readBricks(int, int, int, Bricks& bricks) override {
+    bricks = Bricks(info_.channels, {});
+    return {};
+  }
+
+  bool hasTopology() const override { return true; }
+
+ private:
+  VolumeInfo info_;
+};
+
+/// Opens a .volute of one grid.
+Result<BundlePart> openBundlePart(const std::filesystem::path& path) {
+  VOLUTE_ASSIGN(auto file, InputFile::open(path));
+  VOLUTE_ASSIGN(auto head, readHeadAndPages(file, std::numeric_limits<std::uint64_t>::max()));
+  if (head.grids.size() != 1) {
+    return fail(ErrorCode::kInvalidArgument, "{}: holds {} grids; expected one", path.string(),
+                head.grids.size());
+  }
+  return BundlePart{std::move(file), std::move(head)};
+}
 
 Status copyTier(const BundlePart& part, std::size_t begin, std::size_t end, OutputFile& out) {
   for (std::size_t i = begin; i < end; ++i) {
@@ -33,9 +78,13 @@ Status copyTier(const BundlePart& part, std::size_t begin, std::size_t end, Outp
 
 }  // namespace
 
+std::unique_ptr<FrameSource> emptyFrames(const VolumeInfo& frames) {
+  return std::make_unique<EmptyFrames>(frames);
+}
+
 Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
                              const FrameMetadata& fileMetadata, const std::filesystem::path& target,
-                             Progress& progress, KeptStore* kept) {
+                             Progress& progress, KeptStore* kept, FrameSource* frames) {
   std::vector<BundlePart> parts;
   std::vector<FileHead> heads;
   std::vector<VoluteGrid> table;
@@ -51,12 +100,8 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
     row.empty = grid.file.empty();
     if (row.empty)
       continue;
-    VOLUTE_ASSIGN(auto file, InputFile::open(grid.file));
-    VOLUTE_ASSIGN(auto head, readHeadAndPages(file, std::numeric_limits<std::uint64_t>::max()));
-    if (head.grids.size() != 1) {
-      return fail(ErrorCode::kInvalidArgument, "{}: holds {} grids; expected one",
-                  grid.file.string(), head.grids.size());
-    }
+    VOLUTE_ASSIGN(auto part, openBundlePart(grid.file));
+    FileHead& head = part.head;
     head.info.name = grid.name;
     if (!heads.empty() &&
         (head.info.frameNumbers != heads.front().info.frameNumbers ||
@@ -71,14 +116,22 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
                   target.string(), grid.name, head.header.codec, heads.front().info.name,
                   heads.front().header.codec);
     }
-    parts.push_back({std::move(file), head});
-    heads.push_back(std::move(head));
+    heads.push_back(head);
+    parts.push_back(std::move(part));
   }
-  if (heads.empty())
-    return fail(ErrorCode::kInvalidArgument, "{}: no grid has values", target.string());
+  if (heads.empty()) {
+    if (!frames)
+      return fail(ErrorCode::kInvalidArgument, "{}: no grid has values", target.string());
+    VOLUTE_ASSIGN(auto file, PendingFile::create(target));
+    VOLUTE_TRY(compress(*frames, file.path(), {}, progress));
+    VOLUTE_ASSIGN(auto standIn, openBundlePart(file.path()));
+    heads.push_back(standIn.head);
+    parts.push_back(std::move(standIn));
+  }
   if (kept)
     heads.front().kept = kept->table();
-  const bool plain = table.size() == 1 && !table.front().description && fileMetadata.lists.empty();
+  const bool plain = table.size() == 1 && !table.front().empty && !table.front().description &&
+                     fileMetadata.lists.empty();
   VOLUTE_ASSIGN(auto out, CheckedFile::create(target));
   const auto headBytes = plain ? writeHead(heads.front()) : writeHead(table, fileMetadata, heads);
   VOLUTE_TRY(out.bytes().write(headBytes));

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
 #include "volute/codec/kept_grids.hpp"
+#include "volute/grid/frame_source.hpp"
 #include "volute/grid/grid_description.hpp"
 
 namespace volute {
@@ -28,12 +30,18 @@ struct BundledGrid {
 ///
 /// `kept`, which may be null, are grids that are stored as their bytes, behind all segments.
 ///
+/// Where no grid has values, the file has its frames and times from `frames`, emptyFrames().
+///
 /// kInvalidArgument where grids have other frames than the first, two have one name, or none has
-/// values.
+/// values and there are no `frames`.
 /// @return the bytes of the new file.
 [[nodiscard]] Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
                                            const FrameMetadata& fileMetadata,
                                            const std::filesystem::path& target, Progress& progress,
-                                           KeptStore* kept = nullptr);
+                                           KeptStore* kept = nullptr,
+                                           FrameSource* frames = nullptr);
+
+/// Frames without anything in them.
+std::unique_ptr<FrameSource> emptyFrames(const VolumeInfo& frames);
 
 }  // namespace volute

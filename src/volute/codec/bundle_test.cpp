@@ -281,6 +281,36 @@ TEST(Bundle, GridsOfOtherFramesOrOfOneNameAreRefused) {
   EXPECT_FALSE(bundle({grids[1]}, {}, target.path(), quiet));
 }
 
+TEST(Bundle, WithoutValuesTheFileHasItsFramesAllTheSame) {
+  VolumeInfo frames;
+  frames.frames = 3;
+  frames.x = frames.y = frames.z = 1;
+  frames.frameNumbers = {4, 5, 7};
+  frames.times = {1, 1.5, 4};
+  frames.up = 'y';
+  const auto nothing = emptyFrames(frames);
+  const ScratchFile file;
+  Progress quiet;
+  ASSERT_TRUE(bundle({{"a", staggered(3)}, {"b"}}, {}, file.path(), quiet, nullptr, nothing.get()));
+  const auto reader = VoluteReader::open(file.path());
+  ASSERT_TRUE(reader) << reader.error().message;
+  EXPECT_EQ(reader->grids().size(), 2u);
+  EXPECT_EQ(reader->grids()[0].description, staggered(3));
+  EXPECT_TRUE(reader->grid().empty);
+  EXPECT_EQ(reader->info().frameNumbers, frames.frameNumbers);
+  EXPECT_EQ(reader->grids()[1].info.times, frames.times);
+  EXPECT_EQ(reader->info().up, 'y');
+  EXPECT_TRUE(reader->verify().complete());
+  std::vector<Bricks> bricks(3);
+  ASSERT_TRUE(reader->readBricks(0, 3, bricks));
+  EXPECT_TRUE(bricks[2].leaves().empty());
+  const auto one = VoluteReader::open(file.path(), options("b"));
+  ASSERT_FALSE(one);
+  EXPECT_NE(one.error().message.find("grid 'b' is empty"), std::string::npos);
+  // Neither grids nor what is kept.
+  EXPECT_FALSE(bundle({}, {}, file.path(), quiet, nullptr, nothing.get()));
+}
+
 /// Whether no grid can be read as if the file were whole; in part only finite values.
 ::testing::AssertionResult damageOfGridsIsFound(const std::filesystem::path& path) {
   bool found = false;
@@ -364,7 +394,9 @@ TEST(GridTable, AnyBytesAreReadOrRefused) {
     table.rows[1].name = "a";
     EXPECT_FALSE(readGridTable(writeGridTable(table), paged));
     table.rows.erase(table.rows.begin());
-    EXPECT_FALSE(readGridTable(writeGridTable(table), paged));  // all empty
+    EXPECT_EQ(readGridTable(writeGridTable(table), paged).has_value(), paged);  // all empty
+    table.rows.clear();
+    EXPECT_EQ(readGridTable(writeGridTable(table), paged).has_value(), paged);
   }
 }
 

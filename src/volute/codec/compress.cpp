@@ -573,6 +573,18 @@ void Compressor::settleRange() {
         greatest = std::max(greatest, static_cast<double>(std::abs(background)));
     }
   }
+  FrameAmounts& amounts = head_.header.amounts;
+  std::vector<double> each;
+  for (const SupportFacts& frame : facts_) {
+    const double strongest = std::min<double>(frame.most, support_.high) + parameters_.offset;
+    each.push_back(frame.voxels > 0 ? static_cast<double>(frame.voxels) * std::max(strongest, 0.0)
+                                    : 0);
+  }
+  amounts.most = *std::ranges::max_element(each);
+  for (const double one : each) {
+    if (amounts.most > 0)
+      amounts.shares.push_back(static_cast<std::uint8_t>(std::ceil(255 * (one / amounts.most))));
+  }
   if (greatest > 0)
     parameters_.exponent = std::clamp(std::ilogb(greatest) + 1, -126, 127);
   const bool overSupport = options_.target.isOverSupport();

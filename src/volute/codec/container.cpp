@@ -102,10 +102,16 @@ std::vector<std::byte> writeInfoChunk(const FileHead& head) {
     for (const int place : support.worstVoxel) out.varint(static_cast<std::uint64_t>(place));
   }
   const FrameScale& scale = head.info.frameScale;
-  if (scale != FrameScale{} || head.info.up != 0)
+  const bool counted =
+      header.amounts.shares.size() == static_cast<std::size_t>(head.info.frames);
+  if (scale != FrameScale{} || head.info.up != 0 || counted)
     out.u8(static_cast<std::uint8_t>(scale.decimals | (scale.allDecimals ? kAllDecimals : 0)));
-  if (head.info.up != 0)
-    out.u8(static_cast<std::uint8_t>(head.info.up - 'x' + 1));
+  if (head.info.up != 0 || counted)
+    out.u8(static_cast<std::uint8_t>(head.info.up == 0 ? 0 : head.info.up - 'x' + 1));
+  if (counted) {
+    out.f64(header.amounts.most);
+    out.bytes(std::as_bytes(std::span(header.amounts.shares)));
+  }
   return pack({out.view()});
 }
 
@@ -411,6 +417,14 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
       return malformed("the up axis");
     head.info.up = up == 0 ? '\0' : static_cast<char>('x' + up - 1);
   }
+  if (in.remaining() > 0) {
+    header.amounts.most = in.f64();
+    const auto shares = in.bytes(static_cast<std::uint64_t>(head.info.frames));
+    if (!in.ok() || !(header.amounts.most > 0) || !std::isfinite(header.amounts.most))
+      return malformed("how much is in its frames");
+    for (const std::byte share : shares)
+      header.amounts.shares.push_back(std::to_integer<std::uint8_t>(share));
+  }
   auto decoder = openWaveletDecoder(static_cast<std::uint32_t>(header.codec), parameters,
                                     {head.info.channels, static_cast<float>(header.valueMin),
                                      static_cast<float>(header.valueMax)});
@@ -555,14 +569,15 @@ Result<std::vector<std::byte>> unpackChunk(std::span<const std::byte> payload, s
 }
 
 // Which grid is meant, by Options::grid.
-Result<std::size_t> wantedGrid(const GridTable& table, const std::string& wanted,
-                               const std::string& path) {
+Result<std::size_t> wantedGrid(const GridTable& table, std::span<const KeptGrid> kept,
+                               const std::string& wanted, const std::string& path) {
   const auto named = [&](std::string_view name) {
     return static_cast<std::size_t>(std::ranges::find(table.rows, name, &GridRow::name) -
                                     table.rows.begin());
   };
   const std::size_t chosen = named(wanted.empty() ? VolumeInfo().name : wanted);
   const std::size_t count = table.rows.size();
+  // Where all are empty, none of them.
   if (wanted.empty() && (chosen == count || table.rows[chosen].empty)) {
     return static_cast<std::size_t>(std::ranges::find(table.rows, false, &GridRow::empty) -
                                     table.rows.begin());
@@ -571,6 +586,8 @@ Result<std::size_t> wantedGrid(const GridTable& table, const std::string& wanted
     std::string all;
     for (const GridRow& row : table.rows)
       all += (all.empty() ? "'" : ", '") + row.name + "'" + (row.empty ? " (empty)" : "");
+    for (const KeptGrid& grid : kept)
+      all += (all.empty() ? "'" : ", '") + grid.name + "' (as its bytes)";
     return fail(ErrorCode::kNotFound, "{}: there is no grid '{}'; the file holds {}", path, wanted,
                 all);
   }
@@ -587,7 +604,9 @@ Status checkTable(const GridTable& table, const AllChunks& chunks, const FileHea
   };
   const auto streams =
       static_cast<std::size_t>(std::ranges::count(table.rows, false, &GridRow::empty));
-  if (streams != chunks.grids.size())
+  if (table.rows.empty() && head.kept.grids.empty())
+    return malformed("it has no grids");
+  if (std::max<std::size_t>(streams, 1) != chunks.grids.size())
     return malformed(
         fmt::format("it has {} grids with values, and the file {}", streams, chunks.grids.size()));
   std::uint64_t bytes = 0;
@@ -659,12 +678,22 @@ Status readGrids(GridTable& table, const AllChunks& chunks, std::size_t wanted,
     if (i == wanted)
       head = std::move(one);
   }
+  if (wanted == grids.size()) {
+    VOLUTE_ASSIGN(const auto content, unpackChunk(chunk->info, budget / 32, path, "INFO"));
+    VOLUTE_TRY(readInfoChunk(content, path, head));
+    if (!head.info.name.empty() || head.info.voxels() != 1)
+      return fail(ErrorCode::kInvalidData, "{}: a grid '{}' stands for those without values", path,
+                  head.info.name);
+    head.standIn = {.info = head.info, .header = head.header, .empty = true};
+  }
   for (VoluteGrid& grid : grids) {
     if (grid.empty) {
       grid.info.frames = head.info.frames;
       grid.info.frameNumbers = head.info.frameNumbers;
       grid.info.frameScale = head.info.frameScale;
       grid.info.times = head.info.times;
+      if (grid.description && grid.description->type.starts_with("vec3"))
+        grid.info.channels = 3;
     } else if (grid.info.frameNumbers != head.info.frameNumbers ||
                grid.info.frameScale != head.info.frameScale || grid.info.times != head.info.times) {
       return fail(ErrorCode::kInvalidData, "{}: grid '{}' has other frames than '{}'", path,
@@ -692,12 +721,9 @@ bool checksumMatches([[maybe_unused]] std::span<const std::byte> bytes,
 #endif
 }
 
-std::vector<std::byte> writeHead(FileHead& head) {
-  return writeHead({}, {}, std::span(&head, 1));
-}
-
-std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
-                                 const FrameMetadata& fileMetadata, std::span<FileHead> heads) {
+static std::vector<std::byte> writeHeads(bool hasTable, std::span<const VoluteGrid> grids,
+                                         const FrameMetadata& fileMetadata,
+                                         std::span<FileHead> heads) {
   ByteWriter chunks;
   const bool paged = heads.front().header.codec == static_cast<int>(kSparseCodec);
   std::vector<WrittenPages> pages;
@@ -710,7 +736,7 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
                                head.decoder->blockFrames()));
     pageBytes += pages.back().pages.size();
   }
-  if (!grids.empty()) {
+  if (hasTable) {
     GridTable table{{}, fileMetadata, paged};
     auto head = heads.begin();
     for (const VoluteGrid& grid : grids) {
@@ -729,7 +755,8 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
       ++head;
     }
     // Who knows no tables finds the values of a single grid where they are without one.
-    writeChunk(chunks, "GRDS", pack({writeGridTable(table)}), heads.size() == 1 ? kSkippable : 0);
+    const bool oneWithValues = std::ranges::count(table.rows, false, &GridRow::empty) == 1;
+    writeChunk(chunks, "GRDS", pack({writeGridTable(table)}), oneWithValues ? kSkippable : 0);
   }
   for (std::size_t i = 0; i < heads.size(); ++i) {
     const FileHead& head = heads[i];
@@ -775,6 +802,15 @@ std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
   out.bytes(chunks.view());
   for (const WrittenPages& one : pages) out.bytes(one.pages);
   return out.take();
+}
+
+std::vector<std::byte> writeHead(FileHead& head) {
+  return writeHeads(false, {}, {}, std::span(&head, 1));
+}
+
+std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
+                                 const FrameMetadata& fileMetadata, std::span<FileHead> heads) {
+  return writeHeads(true, grids, fileMetadata, heads);
 }
 
 Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const std::string& grid) {
@@ -835,21 +871,25 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
                   table.error().message);
     }
     VOLUTE_TRY(checkTable(*table, chunks, head, path));
-    VOLUTE_ASSIGN(const std::size_t wanted, wantedGrid(*table, grid, path));
+    VOLUTE_ASSIGN(const std::size_t wanted, wantedGrid(*table, head.kept.grids, grid, path));
     std::uint64_t pageBytes = 0;
     for (std::size_t i = 0; i < table->rows.size(); ++i) {
       pageBytes += table->rows[i].pageBytes;
       pagesBegin += i < wanted ? table->rows[i].pageBytes : 0;
     }
-    places = placesOf(*table, head.headBytes + pageBytes)[wanted];
-    ownPages = table->rows[wanted].pageBytes;
+    // A stand-in has neither pages nor segments.
+    ownPages = 0;
+    if (wanted < table->rows.size()) {
+      places = placesOf(*table, head.headBytes + pageBytes)[wanted];
+      ownPages = table->rows[wanted].pageBytes;
+    }
     stream = static_cast<std::size_t>(std::count_if(
         table->rows.begin(), table->rows.begin() + static_cast<std::ptrdiff_t>(wanted),
         [](const GridRow& row) { return !row.empty; }));
     VOLUTE_TRY(readGrids(*table, chunks, wanted, budget, path, head));
   }
   VOLUTE_TRY(checkFrames(head, path));
-  head.look = head.grids[head.grid].look;
+  head.look = head.own().look;
   const Chunks& own = chunks.grids[stream];
   if (!own.parts.empty()) {
     VOLUTE_ASSIGN(const auto content, unpackChunk(own.parts, budget / 32, path, "PART"));

@@ -50,11 +50,14 @@ struct FileHead {
   std::uint64_t fileBytes = 0;
   int requests = 0;             ///< in which the head was read
   std::uint64_t bytesRead = 0;  ///< in them
-  /// All grids of the file; what is above is of grids[grid].
+  /// All grids of the file; what is above is of own().
   std::vector<VoluteGrid> grids{};
-  std::size_t grid = 0;
+  std::size_t grid = 0;  ///< none of them where no grid has values
+  VoluteGrid standIn{};  ///< has the frames and times of such a file, and is empty
   FrameMetadata fileMetadata{};
   KeptTable kept{};  ///< of the file; of several heads that are written, the first one's
+
+  const VoluteGrid& own() const { return grid < grids.size() ? grids[grid] : standIn; }
 
   BlockGrid blockGrid() const { return BlockGrid(info, decoder->blockFrames()); }
 
@@ -85,9 +88,9 @@ BlockShape shapeOf(const BlockGrid& grid, std::size_t block);
 /// their sizes.
 std::vector<std::byte> writeHead(FileHead& head);
 
-/// The same of a file with several grids.
+/// The same of a file with a table of grids.
 /// @param grids  their names, descriptions and emptiness; `heads` are those of the grids that are
-/// not empty, in the same order, which have the same frames.
+/// not empty, in the same order, which have the same frames; where all are empty, the stand-in's.
 std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
                                  const FrameMetadata& fileMetadata, std::span<FileHead> heads);
 

@@ -181,7 +181,8 @@ Result<GridTable> readGridTable(std::span<const std::byte> content, bool paged) 
   GridTable table;
   table.paged = paged;
   const std::uint64_t rows = in.varint();
-  if (!in.ok() || rows == 0 || rows > in.remaining())
+  // Codec 2 has a grid with values in every file.
+  if (!in.ok() || (rows == 0 && !paged) || rows > in.remaining())
     return fail(ErrorCode::kInvalidData, "the number of grids");
   for (std::uint64_t i = 0; i < rows; ++i) {
     if (!readRow(in, paged, table.rows.emplace_back()))
@@ -192,7 +193,7 @@ Result<GridTable> readGridTable(std::span<const std::byte> content, bool paged) 
   std::ranges::sort(names);
   if (std::ranges::adjacent_find(names) != names.end())
     return fail(ErrorCode::kInvalidData, "two grids with one name");
-  if (std::ranges::all_of(table.rows, &GridRow::empty))
+  if (!paged && std::ranges::all_of(table.rows, &GridRow::empty))
     return fail(ErrorCode::kInvalidData, "all grids are empty");
   if (!readMetadata(in, table.fileMetadata))
     return fail(ErrorCode::kInvalidData, "what its files say of themselves");

@@ -35,7 +35,7 @@ struct Part {
   const VolumeInfo& info() const { return head.info; }
 };
 
-/// One grid of a file; without a name the first that has values.
+/// One grid of a file; without a name the first that has values, or what stands for it.
 Result<Part> openPart(const std::filesystem::path& path, std::uint64_t maxMemory,
                       const std::string& grid = "") {
   VOLUTE_ASSIGN(auto file, InputFile::open(path));
@@ -205,6 +205,22 @@ std::optional<SupportError> supportOf(const std::vector<Part>& parts, double rea
   return all;
 }
 
+/// None where a part has none.
+FrameAmounts amountsOf(const std::vector<Part>& parts) {
+  FrameAmounts all;
+  for (const Part& part : parts) {
+    if (part.head.header.amounts.shares.empty())
+      return {};
+    all.most = std::max(all.most, part.head.header.amounts.most);
+  }
+  for (const Part& part : parts) {
+    const FrameAmounts& own = part.head.header.amounts;
+    for (const std::uint8_t share : own.shares)
+      all.shares.push_back(static_cast<std::uint8_t>(std::ceil(share * (own.most / all.most))));
+  }
+  return all;
+}
+
 /// "a; b", each once.
 std::string joinedProvenance(const std::vector<Part>& parts) {
   std::string text;
@@ -333,6 +349,7 @@ FileHead headOf(const std::vector<Part>& parts, const Errors& errors, const Rate
   head.header.reachedMaxError = errors.most;
   head.header.support = supportOf(parts, errors.most);
   joinTargets(parts, head.header);
+  head.header.amounts = amountsOf(parts);
   head.segments.clear();
   head.blocks.clear();
   head.means.clear();
@@ -493,8 +510,9 @@ class GridJoin {
       ofFiles = {};
     VOLUTE_ASSIGN(auto kept, keepGrids(target));
     VOLUTE_ASSIGN(auto whole, PendingFile::create(target));
-    VOLUTE_ASSIGN(report.fileBytes,
-                  bundle(bundled, ofFiles, whole.path(), progress, kept ? &*kept : nullptr));
+    const auto frames = emptyFrames(frames_);
+    VOLUTE_ASSIGN(report.fileBytes, bundle(bundled, ofFiles, whole.path(), progress,
+                                           kept ? &*kept : nullptr, frames.get()));
     VOLUTE_TRY(whole.commit());
     return report;
   }
@@ -694,7 +712,7 @@ class GridJoin {
 };
 
 bool isPlain(const Part& part) {
-  return part.head.grids.size() == 1 && !part.head.grids.front().description &&
+  return part.head.grids.size() == 1 && !part.head.own().empty && !part.head.own().description &&
          part.head.kept.grids.empty();
 }
 

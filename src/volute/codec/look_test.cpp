@@ -71,6 +71,35 @@ TEST(Look, AFileHasTheFiguresOfItsSource) {
   EXPECT_EQ(lookIn(file.path()), *figures);
 }
 
+TEST(Look, AFileSaysHowMuchIsInItsFrames) {
+  Sequence sequence = plumes(4, 20, 18, 22);
+  const std::size_t frame = sequence.info.frameValues();
+  std::fill_n(sequence.values.begin(), frame, 0.0F);
+  for (std::size_t i = 3 * frame; i < sequence.values.size(); ++i) sequence.values[i] *= 2;
+  const ScratchFile file, later, joined;
+  ASSERT_TRUE(write(sequence, file.path()).has_value());
+  const auto reader = VoluteReader::open(file.path());
+  ASSERT_TRUE(reader.has_value());
+  const FrameAmounts amounts = reader->header().amounts;
+  ASSERT_EQ(amounts.shares.size(), 4u);
+  EXPECT_EQ(amounts.shares[0], 0);
+  EXPECT_GT(amounts.shares[2], 0);
+  EXPECT_EQ(amounts.shares[3], 255);
+  for (float& value : sequence.values) value *= 10;
+  for (int& number : sequence.info.frameNumbers) number += 4;
+  for (double& time : sequence.info.times) time += 1;
+  ASSERT_TRUE(write(sequence, later.path()).has_value());
+  Progress quiet;
+  ASSERT_TRUE(join({file.path(), later.path()}, joined.path(), {}, quiet).has_value());
+  const auto whole = VoluteReader::open(joined.path());
+  ASSERT_TRUE(whole.has_value());
+  const auto& shares = whole->header().amounts.shares;
+  ASSERT_EQ(shares.size(), 8u);
+  EXPECT_EQ(shares[7], 255);
+  EXPECT_NEAR(shares[3], 25.5, 1);
+  EXPECT_EQ(shares[4], 0);
+}
+
 TEST(Look, ColoursHaveNone) {
   const ScratchFile file;
   ASSERT_TRUE(write(plumes(2, 8, 8, 8, 3), file.path()).has_value());

@@ -109,7 +109,7 @@ struct VoluteReader::Impl {
 
   /// What is nowhere else said. Without topology the cache's own background, where there is one.
   std::array<float, 3> backgroundOf(int row) const {
-    const auto& description = head.grids[head.grid].description;
+    const auto& description = head.own().description;
     if (paged() || !description) {
       auto own = head.decoderOf(row).background();
       for (float& value : own) value = static_cast<float>(added + static_cast<double>(value));
@@ -529,7 +529,7 @@ const std::vector<VoluteGrid>& VoluteReader::grids() const {
 }
 
 const VoluteGrid& VoluteReader::grid() const {
-  return impl_->head.grids[impl_->head.grid];
+  return impl_->head.own();
 }
 
 const FrameMetadata& VoluteReader::fileMetadata() const {

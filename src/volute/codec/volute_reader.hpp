@@ -34,6 +34,14 @@ struct SupportError {
   bool operator==(const SupportError&) const = default;
 };
 
+/// How much there is in each frame, so that a reader finds one that shows something.
+struct FrameAmounts {
+  double most = 0;                     ///< voxels of the support times the greatest value
+  std::vector<std::uint8_t> shares{};  ///< of it, 0 to 255, rounded up; empty: not known
+
+  bool operator==(const FrameAmounts&) const = default;
+};
+
 /// Properties of a .volute file besides its VolumeInfo.
 struct VoluteHeader {
   int versionMajor = 0;
@@ -48,6 +56,7 @@ struct VoluteHeader {
   double valueMin = 0, valueMax = 0;      ///< of the original
   double offset = 0;                      ///< the file has differences from it
   std::optional<SupportError> support{};  ///< none of codec 2
+  FrameAmounts amounts{};
 };
 
 /// One of the grids of a file.
@@ -87,7 +96,7 @@ class VoluteReader {
     bool partial = false;
     std::uint64_t maxMemory = std::uint64_t{4} << 30;
     /// The grid to read, to which all functions below refer. Empty: 'density', else the first that
-    /// is not empty.
+    /// is not empty; of a file without such a grid() one that is none of its grids(), and is empty.
     std::string grid{};
     /// Values are read as differences from the grid's offset(), where it has one: float32 does not
     /// hold their sums as well as the file does. Else they are the sums, rounded.

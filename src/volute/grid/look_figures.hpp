@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <vector>
+
 #include "volute/base/result.hpp"
 #include "volute/grid/frame_source.hpp"
 
@@ -22,5 +24,14 @@ struct LookFigures {
 
 /// Reads the frames that they are of: at most three, spread over the sequence.
 [[nodiscard]] Result<LookFigures> lookFigures(FrameSource& source);
+
+/// Frames whose source knows without reading them how much is in each.
+class CountedFrames {
+ public:
+  virtual ~CountedFrames() = default;
+
+  /// Of each frame, in any unit; empty: it does not know.
+  virtual std::vector<double> amounts() const = 0;
+};
 
 }  // namespace volute

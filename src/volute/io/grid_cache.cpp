@@ -41,6 +41,7 @@ Result<GridCache> GridCache::open(const std::filesystem::path& input,
   // Times that one grid of each file states are those of all.
   for (std::size_t i = 0; i < files.size(); ++i) {
     for (const LatticeGrid& grid : files[i].grids) {
+      cache.up_ = cache.up_ == 0 ? grid.frame.up : cache.up_;
       if (std::isfinite(grid.frame.time) && !cache.files_[i].time)
         cache.files_[i].time = grid.frame.time;
     }
@@ -119,6 +120,23 @@ Status GridCache::collect(const std::vector<LatticeCache>& files) {
     known_.push_back(std::move(known));
   }
   return {};
+}
+
+VolumeInfo GridCache::frames() const {
+  VolumeInfo info;
+  info.frames = static_cast<int>(files_.size());
+  info.x = info.y = info.z = 1;
+  info.frameScale = files_.front().scale;
+  info.up = up_;
+  for (const LatticeFile& file : files_) {
+    info.frameNumbers.push_back(file.number);
+    if (file.time && (info.times.empty() || *file.time > info.times.back()))
+      info.times.push_back(*file.time);
+  }
+  if (info.times.size() != files_.size())
+    info.times.clear();
+  info.fillDefaults();
+  return info;
 }
 
 Result<std::unique_ptr<FrameSource>> GridCache::source(std::size_t grid) const {

@@ -38,6 +38,9 @@ class GridCache {
   /// In the order of the first file that has them.
   const std::vector<CacheGrid>& grids() const { return grids_; }
 
+  /// Their numbers and times, of one voxel.
+  VolumeInfo frames() const;
+
   /// What the files say of themselves.
   const FrameMetadata& fileMetadata() const { return fileMetadata_; }
 
@@ -57,6 +60,7 @@ class GridCache {
   std::vector<KnownGrid> known_;              ///< of each grid
   mutable std::unique_ptr<KeptReader> kept_;  ///< made when first used
   FrameMetadata fileMetadata_;
+  char up_ = 0;
 };
 
 /// The files that `input` means: a file, a pattern, a folder or a collection.

@@ -11,6 +11,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/grid/look_figures.hpp"
 #include "volute/grid/rounding_source.hpp"
 #include "volute/io/lattice_message.hpp"
 #include "volute/io/plugin.hpp"
@@ -347,7 +348,10 @@ std::vector<std::string> namesIn(std::string_view list) {
   return names;
 }
 
-class LatticeSource final : public RoundingSource, public PlacedFrames, public VectorFrames {
+class LatticeSource final : public RoundingSource,
+                            public PlacedFrames,
+                            public VectorFrames,
+                            public CountedFrames {
  public:
   LatticeSource(std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
                 const SourceOptions& options, std::optional<KnownGrid> known)
@@ -394,7 +398,7 @@ class LatticeSource final : public RoundingSource, public PlacedFrames, public V
     if (options_.bounds) {
       VOLUTE_ASSIGN(box, toIndexBox(frames.front(), *options_.bounds, where));
     } else if (box.empty()) {
-      return fail(ErrorCode::kInvalidData, Hint::set("bounds"),
+      return fail(ErrorCode::kInvalidData,
                   "{}: grid '{}' has no active voxels in any of the {} frames", where, grid,
                   files_.size());
     }
@@ -403,7 +407,10 @@ class LatticeSource final : public RoundingSource, public PlacedFrames, public V
     VOLUTE_TRY(checkSize(box, frames.front().channels, options_.maxMemory, where,
                          options_.byLayers || hasBricks_));
     box_ = box;
-    for (const LatticeFrame& frame : frames) memory_ = std::max(memory_, frame.memory);
+    for (const LatticeFrame& frame : frames) {
+      memory_ = std::max(memory_, frame.memory);
+      amounts_.push_back(frame.box.empty() ? 0 : static_cast<double>(frame.memory));
+    }
     fillInfo(frames);
     return info_.validate(where);
   }
@@ -413,6 +420,10 @@ class LatticeSource final : public RoundingSource, public PlacedFrames, public V
   const std::vector<GridMatrix>& places() const override { return places_; }
 
   VectorKind vectors() const override { return vectors_; }
+
+  std::vector<double> amounts() const override {
+    return memory_ > 0 ? amounts_ : std::vector<double>();
+  }
 
   std::pair<std::string, VoxelIndex> fileOf(int frame) const override {
     const auto i = static_cast<std::size_t>(frame);
@@ -690,6 +701,7 @@ class LatticeSource final : public RoundingSource, public PlacedFrames, public V
   VectorKind vectors_;
   bool hasBricks_ = false, rounded_ = false;
   std::uint64_t memory_ = 0;  // of the bricks of a frame, about
+  std::vector<double> amounts_;
   VolumeInfo info_;
   double rounding_ = 0, offset_ = 0;
 };

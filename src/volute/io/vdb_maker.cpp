@@ -215,6 +215,26 @@ void makeExtremes(const std::filesystem::path& folder) {
   write("unset", unset);
 }
 
+/// Two frames, at .5 and 1 s, of grids that are all empty, and of one that is not coded.
+void makeHollow(const std::filesystem::path& folder) {
+  for (const int frame : {3, 4}) {
+    GridPtrVec grids{FloatGrid::create(.5f), Vec3DGrid::create(), createLevelSet<FloatGrid>(.1)};
+    const std::array names{"density", "velocity", "surface"};
+    const auto id = puff<Int32Grid>("id", frame, [](int x, int, int) { return x + 6; });
+    for (std::size_t i = 0; i < grids.size(); ++i) grids[i]->setName(names[i]);
+    grids[0]->setGridClass(GRID_FOG_VOLUME);
+    grids[0]->setTransform(math::Transform::createLinearTransform(.2));
+    setMeta(*grids[1], "note", std::string("still air"));
+    MetaMap file;
+    setMeta(file, "creator", std::string("a test"));
+    const auto write = [&](const std::string& name, const GridPtrVec& of) {
+      for (const auto& grid : of) setMeta(*grid, "volute:time", .5 * (frame - 2));
+      io::File(folder / (name + "_000" + std::to_string(frame) + ".vdb")).write(of, file);
+    };
+    write("empty", grids), write("kept", {id}), write("one", {grids[0]});
+  }
+}
+
 int differences = 0;
 
 template <class... Text>
@@ -352,6 +372,10 @@ int main(int count, char** arguments) {
   }
   if (verb == "extremes" && count == 3) {
     makeExtremes(arguments[2]);
+    return 0;
+  }
+  if (verb == "hollow" && count == 3) {
+    makeHollow(arguments[2]);
     return 0;
   }
   if (verb == "compare" && count == 5)

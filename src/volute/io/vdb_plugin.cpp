@@ -40,6 +40,9 @@ struct Refused {
   Error error;
 };
 
+constexpr std::string_view kBadMatrix =
+    "the grid's matrix is not finite, or makes it flat; expected one that can be undone";
+
 /// An OpenVDB file, or a NanoVDB one as if it were, over a stream that throws at every short read,
 /// which OpenVDB's own File does not notice.
 class VdbFile final : public openvdb::io::Archive {
@@ -220,10 +223,11 @@ class VdbFile final : public openvdb::io::Archive {
     entry.grid->readMeta(stream_);
     try {
       entry.grid->readTransform(stream_);
-    } catch (const openvdb::ArithmeticError& error) {
-      OPENVDB_THROW(openvdb::IoError, "grid '" << openvdb::io::GridDescriptor::nameAsString(
-                                                      entry.descriptor.uniqueName())
-                                               << "': " << error.what());
+    } catch (const openvdb::ArithmeticError&) {
+      throw Refused{fail(ErrorCode::kInvalidData, "{}, grid '{}': {}", path_.string(),
+                         openvdb::io::GridDescriptor::nameAsString(entry.descriptor.uniqueName()),
+                         kBadMatrix)
+                        .value()};
     }
   }
 
@@ -456,10 +460,7 @@ Status readTransform(const openvdb::GridBase& grid, const std::string& where, La
                               std::abs(matrix(row, column)) <= 1e-9 * std::abs(matrix(row, row)));
   }
   if (!isSound(frame.matrix)) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: the grid's matrix is not finite, or makes it flat; expected one that can be "
-                "undone",
-                where);
+    return fail(ErrorCode::kInvalidData, "{}: {}", where, kBadMatrix);
   }
   frame.turned = !straight;
   if (frame.turned) {
@@ -883,6 +884,9 @@ Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
   traits.memory = file.bytesOf(index);  // of what is kept as it is
   result.frame.channels =
       grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>() ? 3 : 1;
+  if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
+    result.frame.time = time->value();
+  result.frame.up = upAxisOf(file.metadata());
   if (file.name(index).size() > LatticeFrame::kMaxName) {
     putText("with a name that is too long", traits.problem, GridTraits::kMaxProblem);
     return result;
@@ -900,9 +904,6 @@ Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
     putText("with a frustum", traits.problem, GridTraits::kMaxProblem);
     return result;
   }
-  if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
-    result.frame.time = time->value();
-  result.frame.up = upAxisOf(file.metadata());
   result.frame.vectors = vectorKindOf(listMetadata(grid));
   const auto tree = file.readTopology(index);
   result.frame.box = toIndexBox(tree->evalActiveVoxelBoundingBox());

@@ -78,8 +78,9 @@ class GridFiles {
   Team& team_;
   std::vector<PendingFile> files_;  // of rank 0: of each grid, an empty one's stays empty
   std::vector<CompressedGrid> done_;
-  std::optional<std::vector<int>> positions_;  // of the frames
-  std::optional<KeptStore> store_;             // of rank 0
+  std::vector<int> positions_;           // of the frames
+  std::unique_ptr<FrameSource> frames_;  // the same, without values
+  std::optional<KeptStore> store_;       // of rank 0
 };
 
 std::string GridFiles::errorIn(const VolumeGrid& grid, std::string message,
@@ -98,9 +99,7 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   VOLUTE_ASSIGN(auto source, grids_.source(chosen_[i]));
   source = asFinite(std::move(source), how_.notFinite, target_);
   source = asStated(std::move(source), how_.stated);
-  VOLUTE_ASSIGN(auto positions, selectPositions(source->info(), how_.frames));
   VOLUTE_ASSIGN(source, selectFrames(std::move(source), how_.frames));
-  positions_ = std::move(positions);
   CompressOptions options = how_.options;
   options.target = target;
   options.halves = grid.description && grid.description->half;
@@ -122,6 +121,9 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
 Status GridFiles::compressAll(const std::vector<ErrorTarget>& targets) {
   files_.clear();
   done_.clear();
+  VOLUTE_ASSIGN(positions_, selectPositions(grids_.frames(), how_.frames));
+  VOLUTE_ASSIGN(frames_,
+                selectFrames(asStated(emptyFrames(grids_.frames()), how_.stated), how_.frames));
   const auto makeFiles = [&]() -> Status {
     for (std::size_t i = 0; i < chosen_.size(); ++i) {
       VOLUTE_ASSIGN(auto file, PendingFile::create(target_));
@@ -146,13 +148,13 @@ Status GridFiles::keepAll() {
         static_cast<std::size_t>(std::ranges::lower_bound(chosen_, i) - chosen_.begin());
     store_->begin({grid.name, grid.description ? grid.description->type : grid.type, place});
     double done = 0;
-    for (const int position : *positions_) {
+    for (const int position : positions_) {
       if (reading_.progress.cancelled())
         return fail(ErrorCode::kCancelled, "stopped: {} was not written", target_);
       VOLUTE_ASSIGN(const auto bytes, grids_.keep(i, position));
       VOLUTE_TRY(store_->add(bytes.get()));
       reading_.progress.report(grid.name + ": keeping", ++done,
-                               static_cast<double>(positions_->size()));
+                               static_cast<double>(positions_.size()));
     }
   }
   return {};
@@ -168,10 +170,6 @@ std::vector<KeptResult> GridFiles::keptResults() const {
 }
 
 Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
-  if (!positions_) {
-    return fail(ErrorCode::kInvalidData, "{}: none of its {} grids has voxels that are not empty",
-                target_, chosen_.size());
-  }
   std::uint64_t bytes = 0;
   const auto bundleAll = [&]() -> Status {
     std::vector<BundledGrid> bundled;
@@ -180,17 +178,17 @@ Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
       BundledGrid& one = bundled.emplace_back();
       one.name = grid.name;
       if (grid.description)
-        one.description = grid.description->of(*positions_);
+        one.description = grid.description->of(positions_);
       if (!grid.empty)
         one.file = files_[i].path();
     }
     VOLUTE_ASSIGN(auto file, PendingFile::create(target_));
     FrameMetadata ofFiles = grids_.fileMetadata();
     if (!ofFiles.listOf.empty())
-      ofFiles = ofFiles.of(*positions_);
+      ofFiles = ofFiles.of(positions_);
     VOLUTE_TRY(keepAll());
     VOLUTE_ASSIGN(bytes, bundle(bundled, ofFiles, file.path(), reading_.progress,
-                                store_ ? &*store_ : nullptr));
+                                store_ ? &*store_ : nullptr, frames_.get()));
     if (!keep)
       return {};
     if (static_cast<double>(bytes) > *keep) {
@@ -202,7 +200,12 @@ Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
   };
   VOLUTE_TRY(team_.agree(team_.leads() ? bundleAll() : Status()));
   VOLUTE_ASSIGN(bytes, team_.broadcast(bytes));
-  return CompressedGrids{done_, bytes, 0, keptResults()};
+  VolumeInfo frames = frames_->info();
+  for (const CompressedGrid& grid : done_) {
+    if (grid.info.x > 0)
+      frames = grid.info;
+  }
+  return CompressedGrids{done_, bytes, 0, std::move(frames), keptResults()};
 }
 
 /// Whether a file of this grid alone needs to say more of it than its values. Without a description
@@ -252,6 +255,7 @@ class PlacedGrid final : public VolumeGrids {
       grid.metadata.add(&none);
     }
     grids_.push_back({info.name, std::move(grid)});
+    frames_ = info;
   }
 
   Result<std::unique_ptr<FrameSource>> source(std::size_t) const override {
@@ -321,14 +325,17 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
       std::ranges::any_of(named, [&](std::size_t i) { return all[i].kept == "with a frustum"; });
   const Hints wayOut =
       frusta ? Hints{Hint::set("resample").so("makes a volume of a frustum")} : Hints();
-  if (chosen.empty() && !named.empty()) {
+  // Who compresses nothing but frusta expects volumes.
+  const bool frustaAlone = how.keep.empty() && std::ranges::all_of(named, [&](std::size_t i) {
+                             return all[i].kept == "with a frustum";
+                           });
+  if (chosen.empty() && !named.empty() && (kept.empty() || frustaAlone)) {
     asBytes.insert(asBytes.end(), leftOut.begin(), leftOut.end());
-    return fail(ErrorCode::kUnsupported, wayOut,
-                "{}: no grid can be compressed: {}; a .volute holds one volume at least", path,
+    return fail(ErrorCode::kUnsupported, wayOut, "{}: no grid can be compressed: {}", path,
                 fmt::join(asBytes, ", "));
   }
-  if (chosen.empty() || (chosen.size() == 1 && (all.size() == 1 || one) && how.rms.empty() &&
-                         !wantsDescription(all[chosen[0]], input.bounds.has_value())))
+  if (named.empty() || (chosen.size() == 1 && (all.size() == 1 || one) && how.rms.empty() &&
+                        !wantsDescription(all[chosen[0]], input.bounds.has_value())))
     return std::nullopt;
   if (input.bounds) {
     return failFor("bounds", ErrorCode::kInvalidArgument, Hint::choose("field"),
@@ -355,17 +362,15 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
       VOLUTE_TRY(openVolute(path, true, reading, true, all[i].name));
   }
   VOLUTE_ASSIGN(const auto result, compressGrids(*grids, chosen, target, how, reading, team, kept));
-  const auto full =
-      std::ranges::find_if(result.grids, [](const auto& grid) { return grid.info.x > 0; });
+  const VolumeInfo& frames = result.frames;
   const bool allFrames = how.frames == FrameRange{};
-  if (const auto gaps = missingNumbers(full->info.frameNumbers, full->info.frameScale);
+  if (const auto gaps = missingNumbers(frames.frameNumbers, frames.frameScale);
       !gaps.empty() && allFrames)
     reading.progress.remark(
         Remark(RemarkCode::kDoubtful, fmt::format("{}: {}", path, gaps)).in(path));
-  remarkOnTimes(path, full->info, reading);
+  remarkOnTimes(path, frames, reading);
   const bool whole = allFrames && chosen.size() + kept.size() == all.size();
-  return compressionReport(target, result, full->info.frames,
-                           whole ? bytesOnDisk(path) : std::nullopt);
+  return compressionReport(target, result, frames.frames, whole ? bytesOnDisk(path) : std::nullopt);
 }
 
 }  // namespace
@@ -384,7 +389,9 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
   const auto start = std::chrono::steady_clock::now();
   using Kind = ErrorTarget::Kind;
   const ErrorTarget wanted = how.options.target;
-  const bool sized = wanted.kind == Kind::kSize || wanted.kind == Kind::kRatio;
+  const bool sized =
+      (wanted.kind == Kind::kSize || wanted.kind == Kind::kRatio) &&
+      std::ranges::any_of(chosen, [&](std::size_t i) { return !grids.grids()[i].empty; });
   GridFiles files(grids, chosen, kept, target, how, reading, team);
   std::vector<ErrorTarget> targets(chosen.size(), sized ? ErrorTarget{Kind::kRms, 1e-2} : wanted);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -433,7 +440,7 @@ Result<Report> compressVolume(const std::string& path, const std::string& target
   if (!volume.places.empty()) {
     const PlacedGrid grid(path, std::move(finite), volume, reading);
     VOLUTE_ASSIGN(const auto result, compressGrids(grid, {0}, target, how, reading, team));
-    return compressionReport(target, result, result.grids[0].info.frames, std::nullopt);
+    return compressionReport(target, result, result.frames.frames, std::nullopt);
   }
   remarkOnTimes(path, volume.source->info(), reading);
   const bool whole =

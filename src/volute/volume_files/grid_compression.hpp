@@ -43,6 +43,7 @@ struct CompressedGrids {
   std::vector<CompressedGrid> grids;
   std::uint64_t fileBytes = 0;
   double seconds = 0;
+  VolumeInfo frames{};  ///< numbers and times
   std::vector<KeptResult> kept{};
 
   std::uint64_t rawBytes() const;

@@ -175,12 +175,12 @@ Result<bool> sameBytes(KeptBytes* a, KeptBytes* b) {
   }
 }
 
-/// Of frames in the same positions.
+/// @param positions  of the frames in both
 Result<bool> sameBytes(const VolumeGrids& first, std::size_t i, const VolumeGrids& second,
-                       std::size_t k, int frames) {
-  for (int frame = 0; frame < frames; ++frame) {
-    VOLUTE_ASSIGN(const auto a, first.keep(i, frame));
-    VOLUTE_ASSIGN(const auto b, second.keep(k, frame));
+                       std::size_t k, const std::array<std::vector<int>, 2>& positions) {
+  for (std::size_t frame = 0; frame < positions[0].size(); ++frame) {
+    VOLUTE_ASSIGN(const auto a, first.keep(i, positions[0][frame]));
+    VOLUTE_ASSIGN(const auto b, second.keep(k, positions[1][frame]));
     VOLUTE_ASSIGN(const bool same, sameBytes(a.get(), b.get()));
     if (!same)
       return false;
@@ -206,12 +206,20 @@ Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::stri
     VOLUTE_ASSIGN(auto one, compareGrid(first, i, a, second, b, request, reading, errors));
     all.grids.push_back(std::move(one));
   }
-  if (all.grids.empty())
-    return fail(ErrorCode::kUnsupported, "{}: no grid that is compared holds a volume", a);
-  std::size_t frames = 0;  // empty grids have none
-  for (const GridComparison& grid : all.grids) frames = std::max(frames, grid.byFrame.size());
+  std::array<std::vector<int>, 2> positions;
+  VOLUTE_ASSIGN(positions[0], selectPositions(first.frames(), request.frames));
+  VOLUTE_ASSIGN(positions[1], selectPositions(second.frames(), request.frames));
+  if (positions[0].size() != positions[1].size()) {
+    return fail(ErrorCode::kInvalidData, "{} has {} frames and {} has {}; expected as many", a,
+                positions[0].size(), b, positions[1].size());
+  }
+  if (request.drawErrors && errors.empty()) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: no grid that is compared has values, so there is no picture of differences",
+                a);
+  }
   for (const auto& [i, k] : asBytes) {
-    VOLUTE_ASSIGN(const bool same, sameBytes(first, i, second, k, static_cast<int>(frames)));
+    VOLUTE_ASSIGN(const bool same, sameBytes(first, i, second, k, positions));
     all.kept.emplace_back(first.grids()[i].name, same);
   }
   for (const VolumeGrid& grid : second.grids()) {
@@ -268,7 +276,9 @@ nlohmann::ordered_json framesJson(const GridComparison& grid) {
 }  // namespace
 
 const GridComparison& VolumeComparison::worst() const {
-  return *std::ranges::max_element(grids, {}, &GridComparison::wantedRms);
+  static const GridComparison kNothing{.name = "", .empty = true};
+  return grids.empty() ? kNothing
+                       : *std::ranges::max_element(grids, {}, &GridComparison::wantedRms);
 }
 
 Result<VolumeComparison> compareVolumes(const std::string& a, const std::string& b,
@@ -280,13 +290,14 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
   if (VolumeGrids::mayBe(a) && VolumeGrids::mayBe(b) && !options.bounds) {
     VOLUTE_ASSIGN(const auto first, VolumeGrids::open(a, options, reading));
     VOLUTE_ASSIGN(const auto second, VolumeGrids::open(b, options, reading));
-    const auto hasLevelSet = [](const VolumeGrids& grids) {
-      return std::ranges::any_of(grids.grids(), [](const VolumeGrid& grid) {
-        return grid.description && grid.description->gridClass == "level set";
-      });
+    const auto isCache = [](const VolumeGrids& grids) {
+      return grids.grids().size() != 1 ||
+             std::ranges::any_of(grids.grids(), [](const VolumeGrid& grid) {
+               return grid.empty || !grid.kept.empty() ||
+                      (grid.description && grid.description->gridClass == "level set");
+             });
     };
-    if (first->grids().size() > 1 || second->grids().size() > 1 || hasLevelSet(*first) ||
-        hasLevelSet(*second))
+    if (isCache(*first) || isCache(*second))
       return compareCaches(*first, a, *second, b, request, reading);
   }
   options.grid = request.fields;

@@ -45,7 +45,7 @@ struct GridComparison {
 };
 
 struct VolumeComparison {
-  std::vector<GridComparison> grids;  ///< one at least
+  std::vector<GridComparison> grids;  ///< none where all are compared as bytes
   /// Grids that one side or both hold as bytes, and whether all frames have the same.
   std::vector<std::pair<std::string, bool>> kept{};
   bool caches = false;  ///< one side or both has several grids, and they were compared by name
@@ -53,7 +53,8 @@ struct VolumeComparison {
   /// front: x to the right, z up. Of caches side by side, each divided by its range.
   std::optional<Image> errors{};
 
-  /// The grid with the largest relative RMS, over what was asked for.
+  /// The grid with the largest relative RMS, over what was asked for; an empty one if there is
+  /// none.
   const GridComparison& worst() const;
 };
 

@@ -337,13 +337,19 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
   VOLUTE_ASSIGN(auto source,
                 ExtractSource::create(reader, std::move(extraction), reading_.progress));
   const VolumeInfo info = source->info();
-  std::vector<std::unique_ptr<FrameSource>> sources;
-  sources.push_back(std::move(source));
-  const MakeSink make = [&]() -> Result<std::unique_ptr<CacheSink>> {
-    VOLUTE_ASSIGN(auto sink, createSink(target, info, {.offset = reader->offset()}));
-    return std::make_unique<OneGridSink>(std::move(sink), info);
-  };
-  VOLUTE_TRY(extractFrames(sources, positions, make, reading_, team_));
+  const auto open = [&] { return createSink(target, info, {.offset = reader->offset()}); };
+  if (team_.size() == 1) {
+    VOLUTE_ASSIGN(const auto sink, open());
+    VOLUTE_TRY(copyFrames(*source, *sink, "extracting", reading_.progress));
+  } else {
+    std::vector<std::unique_ptr<FrameSource>> sources;
+    sources.push_back(std::move(source));
+    const MakeSink make = [&]() -> Result<std::unique_ptr<CacheSink>> {
+      VOLUTE_ASSIGN(auto sink, open());
+      return std::make_unique<OneGridSink>(std::move(sink), info);
+    };
+    VOLUTE_TRY(extractFrames(sources, positions, make, reading_, team_));
+  }
   std::array<std::uint64_t, 2> counts{reader->bytesRead(), reader->blocksDecoded()};
   VOLUTE_TRY(team_.sum(counts));
   Report report;
@@ -447,7 +453,7 @@ Status extractVolute(const std::string& path, const std::string& target,
   std::vector<std::string> names;
   for (const std::size_t i : chosen) names.push_back(grids->grids()[i].name);
   const bool each = namesEachGrid(target);
-  const bool described = main->grids().size() > 1 || main->grid().description.has_value() ||
+  const bool described = main->grids().size() != 1 || main->grids()[0].description.has_value() ||
                          !main->kept().grids.empty();
   // Only .vdb files take what is no volume.
   if (extensionOf(target) != ".vdb" || request.region || request.level > 0) {

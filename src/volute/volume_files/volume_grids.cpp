@@ -25,6 +25,7 @@ class VdbGrids final : public VolumeGrids {
                         cache_.file(grid.mostBytesIn).string()});
     }
     fileMetadata_ = cache_.fileMetadata();
+    frames_ = cache_.frames();
   }
 
   Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const override {
@@ -57,6 +58,7 @@ class VoluteGrids final : public VolumeGrids {
     }
     addKept(std::numeric_limits<std::size_t>::max());
     fileMetadata_ = reader_->fileMetadata();
+    frames_ = reader_->info();
   }
 
   Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const override {

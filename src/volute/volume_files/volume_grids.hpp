@@ -43,6 +43,9 @@ class VolumeGrids {
   /// What the files say of themselves.
   const FrameMetadata& fileMetadata() const { return fileMetadata_; }
 
+  /// Their numbers and times, of one voxel.
+  const VolumeInfo& frames() const { return frames_; }
+
   /// The frames of a volume that is not empty.
   [[nodiscard]] virtual Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const = 0;
 
@@ -62,6 +65,7 @@ class VolumeGrids {
  protected:
   std::vector<VolumeGrid> grids_;
   FrameMetadata fileMetadata_;
+  VolumeInfo frames_;
 };
 
 /// The names in "density,flame".

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "volute/codec/kept_grids.hpp"
 #include "volute/grid/select_frames.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/volume_source.hpp"
@@ -72,6 +73,17 @@ Result<std::shared_ptr<const VoluteReader>> openGrid(const std::string& path,
   VOLUTE_ASSIGN(auto reader, openVolute(path, options.partial, reading, options.verify,
                                         options.grid, options.mayOffset));
   const auto& grids = reader->grids();
+  if (reader->grid().empty) {
+    std::string empty, kept;
+    for (const VoluteGrid& grid : grids)
+      empty += (empty.empty() ? "'" : ", '") + grid.info.name + "'";
+    for (const KeptGrid& grid : reader->kept().grids)
+      kept += fmt::format("{}'{}' ({})", kept.empty() ? "" : ", ", grid.name, grid.type);
+    return fail(ErrorCode::kUnsupported, "{}: no grid has values: {}{}{}{}", path,
+                empty.empty() ? "" : "empty in all frames are ", empty,
+                empty.empty() || kept.empty() ? "" : "; ",
+                kept.empty() ? "" : "as their bytes it keeps " + kept);
+  }
   if (!options.grid.empty() || grids.size() < 2)
     return reader;
   const auto usual = std::ranges::find_if(grids, [&](const VoluteGrid& grid) {
@@ -120,6 +132,8 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
     VOLUTE_TRY(refuseVolumeOptions(path, options));
     VOLUTE_ASSIGN(input.reader, openGrid(path, options, reading));
     input.source = frameSource(input.reader);
+    const auto& shares = input.reader->header().amounts.shares;
+    input.amounts.assign(shares.begin(), shares.end());
     if (const auto& description = input.reader->grid().description) {
       input.places = description->places();
       if (!description->metadata.lists.empty())
@@ -154,6 +168,8 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
     input.places = placed->places();
   if (const auto* vectors = dynamic_cast<const VectorFrames*>(input.source.get()))
     input.vectors = vectors->vectors();
+  if (const auto* counted = dynamic_cast<const CountedFrames*>(input.source.get()))
+    input.amounts = counted->amounts();
   remarkOnFiles(path, reading);
   const VolumeInfo& info = input.source->info();
   if (const auto gaps = missingNumbers(info.frameNumbers, info.frameScale); !gaps.empty())

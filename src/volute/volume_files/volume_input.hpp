@@ -38,10 +38,10 @@ struct InputOptions {
 struct VolumeInput {
   std::unique_ptr<FrameSource> source;
   std::shared_ptr<const VoluteReader> reader;  ///< null unless it is a .volute file
-  std::vector<float> frame{};                  ///< room for one, for who reads them in turn
   /// From the space of the source's bounds to the world, in each frame; empty: that is the world.
   std::vector<GridMatrix> places{};
-  VectorKind vectors{};  ///< of three channels
+  VectorKind vectors{};           ///< of three channels
+  std::vector<double> amounts{};  ///< how much is in each frame, in any unit; empty: not known
 };
 
 /// An error unless the volume lies along the axes, in one place: of who makes something of its

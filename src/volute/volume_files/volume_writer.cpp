@@ -54,6 +54,7 @@ class WrittenGrids final : public VolumeGrids {
     for (VolumeGrid& grid : grids_)
       descriptions_.push_back(grid.description ? &*grid.description : nullptr);
     fileMetadata_ = std::move(fileMetadata);
+    frames_ = written.front().frames->info();
   }
 
   Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const override {

@@ -49,15 +49,8 @@ std::string matrixText(const std::vector<GridMatrix>& places) {
 }
 
 /// @param places  VolumeInput::places
-void addVolume(Report& report, const VolumeInfo& info, const std::vector<GridMatrix>& places) {
-  const Box3 b = aroundPlaces(info.bounds, places);
-  report.add("grid", info.name)
-      .add("unit", info.unit, info.unit)
-      .add("size", {info.x, info.y, info.z},
-           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
-      .add("channels", info.channels,
-           info.channels == 1 ? "1" : fmt::format("{} (linear RGB)", info.channels))
-      .add("frames", info.frames, fmt::format("{}", info.frames))
+void addFrames(Report& report, const VolumeInfo& info) {
+  report.add("frames", info.frames, fmt::format("{}", info.frames))
       .add("frame_numbers",
            {jsonFrame(info.frameNumbers.front(), info.frameScale),
             jsonFrame(info.frameNumbers.back(), info.frameScale)},
@@ -65,7 +58,19 @@ void addVolume(Report& report, const VolumeInfo& info, const std::vector<GridMat
       .add("missing_frames", missingFrames(info),
            missingNumbers(info.frameNumbers, info.frameScale))
       .add("times", {info.times.front(), info.times.back()},
-           firstToLast(info.times.front(), info.times.back()) + " s")
+           firstToLast(info.times.front(), info.times.back()) + " s");
+}
+
+void addVolume(Report& report, const VolumeInfo& info, const std::vector<GridMatrix>& places) {
+  const Box3 b = aroundPlaces(info.bounds, places);
+  report.add("grid", info.name)
+      .add("unit", info.unit, info.unit)
+      .add("size", {info.x, info.y, info.z},
+           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
+      .add("channels", info.channels,
+           info.channels == 1 ? "1" : fmt::format("{} (linear RGB)", info.channels));
+  addFrames(report, info);
+  report
       .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()}, boxText(b))
       .add("matrix", matrixJson(places), matrixText(places))
       .add("up", info.up == 0 ? "" : std::string(1, info.up))
@@ -257,12 +262,18 @@ Result<FileDescription> describeVolute(const std::string& path, const DescribeRe
   Report report;
   report.add("file", path).add("kind", "volute").add("bytes", bytes, bytesText(bytes));
   addIntegrity(report, integrity, reader);
-  addVolume(
-      report, reader.info(),
-      reader.grid().description ? reader.grid().description->places() : std::vector<GridMatrix>());
-  addHeader(report, reader,
-            several ? reader.grid().bytes : std::max(bytes, integrity.expectedBytes));
-  if (several || reader.grid().description)
+  const VoluteGrid& own = reader.grid();
+  if (own.empty) {  // no grid has values
+    addFrames(report, own.info);
+    report.add("up", own.info.up == 0 ? "" : std::string(1, own.info.up))
+        .add("written_by", own.header.writtenBy)
+        .add("provenance", own.header.provenance);
+  } else {
+    addVolume(report, own.info,
+              own.description ? own.description->places() : std::vector<GridMatrix>());
+    addHeader(report, reader, several ? own.bytes : std::max(bytes, integrity.expectedBytes));
+  }
+  if (several || own.empty || own.description)
     addVoluteGrids(report, reader);
   std::vector<KeptResult> kept;
   for (std::size_t i = 0; i < reader.kept().grids.size(); ++i) {
