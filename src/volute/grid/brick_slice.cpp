@@ -74,46 +74,86 @@ BrickSlice::BrickSlice(const VolumeInfo& info, std::span<const BrickPlace> place
   }
 }
 
-BrickSlice BrickSlice::fromDense(const VolumeInfo& info, std::span<const float> values) {
-  const int channels = info.channels;
-  const BrickPlace count = bricksOf(info);
+std::size_t BrickSlice::expectAll() {
+  const auto all = static_cast<std::size_t>(bricksX()) * bricksY() * bricksZ();
+  table_ = BrickTable(table_.count(), all);
+  return all;
+}
+
+void BrickSlice::addLayers(int first, std::span<const float> values) {
+  const std::size_t line = static_cast<std::size_t>(size_[0]) * channels_;
+  const int end = first + static_cast<int>(values.size() / (line * size_[1]));
   /// Calls visit(first value of a row of a brick, its number of voxels, z and y in the brick).
-  const auto rowsOf = [&](int bx, int by, int bz, auto&& visit) {
-    const int x = bx * kSide, columns = std::min(kSide, info.x - x);
-    for (int z = bz * kSide; z < std::min((bz + 1) * kSide, info.z); ++z) {
-      for (int y = by * kSide; y < std::min((by + 1) * kSide, info.y); ++y)
-        visit(&values[((static_cast<std::size_t>(z) * info.y + y) * info.x + x) * channels],
+  const auto rowsOf = [&](const BrickPlace& place, auto&& visit) {
+    const int x = place[0] * kSide, columns = std::min(kSide, size_[0] - x);
+    for (int z = place[2] * kSide; z < std::min((place[2] + 1) * kSide, end); ++z) {
+      for (int y = place[1] * kSide; y < std::min((place[1] + 1) * kSide, size_[1]); ++y)
+        visit(&values[(static_cast<std::size_t>(z - first) * size_[1] + y) * line +
+                      static_cast<std::size_t>(x) * channels_],
               columns, z % kSide, y % kSide);
     }
   };
-  std::vector<std::vector<BrickPlace>> rows(static_cast<std::size_t>(count[1]) * count[2]);
+  const int across = bricksY(), deep = (end - first + kSide - 1) / kSide;
+  std::vector<std::vector<BrickPlace>> rows(static_cast<std::size_t>(across) * deep);
   parallelFor(rows.size(), [&](std::size_t row) {
-    const int by = static_cast<int>(row) % count[1], bz = static_cast<int>(row) / count[1];
-    for (int bx = 0; bx < count[0]; ++bx) {
+    const int by = static_cast<int>(row) % across,
+              bz = first / kSide + static_cast<int>(row) / across;
+    for (int bx = 0; bx < bricksX(); ++bx) {
       bool empty = true;
-      rowsOf(bx, by, bz, [&](const float* from, int columns, int, int) {
-        empty = empty && std::all_of(from, from + columns * channels,
+      rowsOf({bx, by, bz}, [&](const float* from, int columns, int, int) {
+        empty = empty && std::all_of(from, from + columns * channels_,
                                      [](float value) { return value == 0; });
       });
       if (!empty)
         rows[row].push_back({bx, by, bz});
     }
   });
-  std::vector<BrickPlace> places;
-  for (const auto& row : rows) places.insert(places.end(), row.begin(), row.end());
-  BrickSlice slice(info, places);
-  parallelRanges(places.size(), 16, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      float* brick = slice.brick(static_cast<std::int32_t>(i));
-      rowsOf(places[i][0], places[i][1], places[i][2],
-             [&](const float* row, int columns, int z, int y) {
-               for (int x = 0; x < columns; ++x) {
-                 for (int c = 0; c < channels; ++c)
-                   brick[c * kVoxels + (z * kSide + y) * kSide + x] = row[x * channels + c];
-               }
-             });
+  const std::size_t before = entries_.size();
+  for (const auto& row : rows) {
+    for (const BrickPlace& place : row) {
+      const auto number = static_cast<std::int32_t>(entries_.size());
+      entries_.push_back({place, number});
+      table_.set(place, number);
+    }
+  }
+  firstUniform_ = static_cast<std::int32_t>(entries_.size());
+  values_.resize(entries_.size() * kVoxels * static_cast<std::size_t>(channels_));
+  parallelRanges(entries_.size() - before, 16, [&](std::size_t begin, std::size_t last) {
+    for (std::size_t i = before + begin; i < before + last; ++i) {
+      float* to = brick(static_cast<std::int32_t>(i));
+      rowsOf(entries_[i].place, [&](const float* row, int columns, int z, int y) {
+        for (int x = 0; x < columns; ++x) {
+          for (int c = 0; c < channels_; ++c)
+            to[c * kVoxels + (z * kSide + y) * kSide + x] = row[x * channels_ + c];
+        }
+      });
     }
   });
+}
+
+BrickSlice BrickSlice::fromDense(const VolumeInfo& info, std::span<const float> values) {
+  BrickSlice slice(info);
+  slice.expectAll();
+  slice.addLayers(0, values);
+  return slice;
+}
+
+Result<BrickSlice> BrickSlice::fromLayers(const VolumeInfo& info, bool byLayers,
+                                          const ReadLayers& read) {
+  constexpr std::size_t kTogether = std::size_t{1} << 20;  // values
+  BrickSlice slice(info);
+  const std::size_t layer = info.frameValues() / static_cast<std::size_t>(info.z);
+  const int some = std::max(1, static_cast<int>(kTogether / layer / kSide)) * kSide;
+  const int together = byLayers ? std::min(some, info.z) : info.z;
+  // Pages of it that nothing is written to take no memory, and nothing has to move.
+  slice.values_.reserve(slice.expectAll() * kVoxels * static_cast<std::size_t>(info.channels));
+  std::vector<float> values;
+  for (int first = 0; first < info.z; first += together) {
+    const int end = std::min(first + together, info.z);
+    values.resize(static_cast<std::size_t>(end - first) * layer);
+    VOLUTE_TRY(read(first, end, values));
+    slice.addLayers(first, values);
+  }
   return slice;
 }
 

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
+#include "volute/base/result.hpp"
 #include "volute/grid/brick_table.hpp"
 #include "volute/grid/volume_info.hpp"
 
@@ -33,6 +35,14 @@ class BrickSlice {
 
   /// From dense values, shape (z, y, x, c).
   static BrickSlice fromDense(const VolumeInfo& info, std::span<const float> values);
+
+  /// Fills `values` with the layers first <= z < end of a frame.
+  using ReadLayers = std::function<Status(int first, int end, std::span<float> values)>;
+
+  /// The same of values that are read some layers after the other, so that beside the bricks no
+  /// more than those are in memory; all of them at once where not `byLayers`.
+  [[nodiscard]] static Result<BrickSlice> fromLayers(const VolumeInfo& info, bool byLayers,
+                                                     const ReadLayers& read);
 
   /// What of a frame lies in the volume and is not 0; its background is taken as 0.
   static BrickSlice fromBricks(const VolumeInfo& info, const Bricks& bricks);
@@ -115,6 +125,12 @@ class BrickSlice {
   }
 
  private:
+  /// Makes the table for all bricks of the volume, and says how many they are.
+  std::size_t expectAll();
+
+  /// Appends the bricks of dense layers, from a brick's first one on, which follow what is there.
+  void addLayers(int first, std::span<const float> values);
+
   int size_[3];  // voxels: x, y, z
   int channels_;
   Basis basis_;

@@ -36,6 +36,19 @@ TEST(BrickSlice, KeepsEveryValueAndNoEmptyBrick) {
   view(0, 0, 0, 0, 0) = 1;
   view(0, 0, 1, 1, 1) = 2;
   const BrickSlice slice = BrickSlice::fromDense(sequence.info, sequence.frame(0));
+  for (const bool byLayers : {false, true}) {
+    const std::size_t layer = sequence.info.frameValues() / sequence.info.z;
+    const auto read = BrickSlice::fromLayers(
+        sequence.info, byLayers, [&](int first, int end, std::span<float> values) -> Status {
+          EXPECT_TRUE(byLayers || end - first == sequence.info.z);
+          const auto from = sequence.frame(0).subspan(first * layer, (end - first) * layer);
+          std::ranges::copy(from, values.begin());
+          return {};
+        });
+    ASSERT_TRUE(read);
+    EXPECT_TRUE(std::ranges::equal(read->values(), slice.values()));
+    EXPECT_EQ(read->storedBricks(), slice.storedBricks());
+  }
   EXPECT_EQ(slice.storedBricks(), 2u);
   for (int z = 0; z < 9; ++z)
     for (int y = 0; y < 17; ++y)

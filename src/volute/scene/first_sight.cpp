@@ -5,22 +5,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <vector>
 
 #include "volute/base/parallel.hpp"
+#include "volute/media/first_time.hpp"
 
 namespace volute {
 namespace {
 
 constexpr int kPoints = 20;       ///< a side of the grid
 constexpr double kSeen = 0.03;    ///< of the largest value: less is hardly seen
-constexpr double kMuch = 0.5;     ///< of the largest amount
-constexpr double kSome = 0.2;     ///< likewise: the first time serves
 constexpr double kNear = 0.75;    ///< of the media's largest side: surfaces that belong to them
-constexpr int kTimes = 8;         ///< that are looked at
-constexpr double kPatience = 10;  ///< times as long while nothing was found
 constexpr double kEndless = 1e6;  ///< [m]
 
 /// Whether it is around anything; it may be flat.
@@ -115,8 +111,7 @@ SnapshotContent contentOf(const Snapshot& snapshot) {
   return content;
 }
 
-Result<FirstSight> firstSight(Scene& scene, Progress& progress, double seconds) {
-  const auto begun = std::chrono::steady_clock::now();
+Result<FirstSight> firstSight(Scene& scene, Progress& progress, int looksAt) {
   const auto times = scene.times();
   FirstSight sight{times.front(), scene.bounds(), ""};
 
@@ -130,7 +125,8 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, double seconds) 
     VOLUTE_ASSIGN(const auto known, scene.media().front()->firstTime(progress));
     if (known) {
       sight.time = known->time, sight.reason = known->reason;
-      VOLUTE_ASSIGN(const auto snapshot, scene.at({.time = known->time, .coarse = true}, progress));
+      VOLUTE_ASSIGN(const auto snapshot,
+                    scene.at({.time = known->time, .coarse = true, .lit = false}, progress));
       const Box3 box = contentOf(snapshot).box;
       if (holds(box))
         sight.content = thick(box);
@@ -138,14 +134,13 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, double seconds) 
     }
   }
   // The first, the middle, then what is between them.
-  constexpr int kOrder[kTimes] = {0, 4, 2, 6, 1, 3, 5, 7};
+  constexpr int kOrder[kFirstSightTimes] = {0, 4, 2, 6, 1, 3, 5, 7};
   for (const int part : kOrder) {
-    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
     const bool found =
         std::ranges::any_of(looks, [](const Look& look) { return look.content.amount > 0; });
-    if (!looks.empty() && spent.count() > (found ? 1 : kPatience) * seconds)
+    if (found && std::ssize(looks) >= looksAt)
       break;
-    const double time = times[part * (times.size() - 1) / (kTimes - 1)];
+    const double time = times[part * (times.size() - 1) / (kFirstSightTimes - 1)];
     if (std::ranges::find(looks, time, &Look::time) != looks.end())
       continue;
     auto snapshot = scene.at({.time = time, .coarse = true, .lit = false}, progress);
@@ -156,13 +151,11 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, double seconds) 
     }
     looks.push_back({time, contentOf(*snapshot)});
   }
-  double most = 0;
-  for (const Look& look : looks) most = std::max(most, look.content.amount);
-  const Look* chosen = &looks.front();
-  if (chosen->content.amount < kSome * most) {
-    std::ranges::sort(looks, {}, &Look::time);
-    chosen = &*std::ranges::find_if(
-        looks, [&](const Look& look) { return look.content.amount >= kMuch * most; });
+  std::ranges::sort(looks, {}, &Look::time);
+  std::vector<double> amounts;
+  for (const Look& look : looks) amounts.push_back(look.content.amount);
+  const Look* const chosen = &looks[firstThatShows(amounts)];
+  if (chosen != &looks.front()) {
     sight.reason = fmt::format(
         "of {} times looked at the first with at least half of the most that there is to see",
         looks.size());

@@ -2,12 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <limits>
 #include <string>
 
 #include "volute/scene/scene.hpp"
 
 namespace volute {
+
+constexpr int kFirstSightTimes = 8;  ///< that are looked at, at most
 
 /// When and where a scene has something to see.
 struct FirstSight {
@@ -29,11 +30,11 @@ struct SnapshotContent {
 SnapshotContent contentOf(const Snapshot& snapshot);
 
 /// The first of the scene's times if there is something to see, else the earliest of some that
-/// shows much; looked for in coarse snapshots for about that many seconds, ten times as long while
-/// there was nothing, in eight of them at most. A file alone whose medium knows better says it
+/// shows much: of `looksAt` coarse snapshots, of as many as there are while all were empty. A file
+/// alone whose medium knows better says it
 /// (SceneMedium::firstTime()). Of a scene that has nothing it is the first time and
 /// Scene::bounds().
-[[nodiscard]] Result<FirstSight> firstSight(
-    Scene& scene, Progress& progress, double seconds = std::numeric_limits<double>::infinity());
+[[nodiscard]] Result<FirstSight> firstSight(Scene& scene, Progress& progress,
+                                            int looksAt = kFirstSightTimes);
 
 }  // namespace volute

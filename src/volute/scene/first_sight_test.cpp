@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "volute/io/npy.hpp"
+#include "volute/volume_files/grid_compression.hpp"
 
 namespace volute {
 namespace {
@@ -51,7 +52,7 @@ class FirstSights : public testing::Test {
     Progress quiet;
     auto scene = Scene::open(path, {.assume = true}, quiet);
     EXPECT_TRUE(scene) << scene.error().message;
-    auto sight = firstSight(*scene, quiet, 10);
+    auto sight = firstSight(*scene, quiet);
     EXPECT_TRUE(sight);
     return sight.value_or(FirstSight());
   }
@@ -74,6 +75,27 @@ TEST_F(FirstSights, IsWhenThereIsSomethingToSee) {
   EXPECT_GE(sight.time, 3 / 25.0 - 1e-9);
   EXPECT_THAT(sight.reason, ::testing::HasSubstr("half of the most"));
   EXPECT_LT(sight.content.max.x(), 0.4);
+}
+
+TEST_F(FirstSights, OfAVoluteReadsTheFrameThatItChooses) {
+  const std::string path = blob({0, 0.01F, 0.02F, 1, 1, 1, 1, 1, 1}),
+                    packed = (folder_ / "blob.volute").string();
+  Progress quiet;
+  Reading reading{quiet, std::uint64_t{1} << 30};
+  Team alone;
+  ASSERT_TRUE(compressVolume(path, packed, {}, {}, reading, alone));
+  auto scene = Scene::open(packed, {.assume = true}, quiet);
+  ASSERT_TRUE(scene);
+  const auto read = [&] {
+    return scene->media().front()->counts().at("blocks_decoded").get<std::uint64_t>();
+  };
+  const std::uint64_t before = read();
+  const auto sight = firstSight(*scene, quiet);
+  ASSERT_TRUE(sight);
+  EXPECT_NEAR(sight->time, 3 / 25.0, 1e-9);
+  EXPECT_THAT(sight->reason, ::testing::HasSubstr("frame 3 is the first of 9"));
+  EXPECT_LT(sight->content.max.x(), 0.4);
+  EXPECT_LE(read() - before, 8u) << "blocks of one frame";
 }
 
 TEST_F(FirstSights, IsTheFirstTimeWhereThatServes) {

@@ -21,8 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kUsualFov = 40;       ///< [degrees]
-constexpr double kSightSeconds = 0.1;  ///< that a search for something to see may take
+constexpr double kUsualFov = 40;  ///< [degrees]
 
 /// A remark without the name of the file that it is about, which the title has, or without that
 /// file's folder before the name of one beside it.
@@ -112,7 +111,7 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
   }
   document->saved_ = document->scene_.json();
   if (!document->scene_.isFile() || !document->start_) {
-    auto sight = firstSight(document->scene_, progress, kSightSeconds);
+    auto sight = firstSight(document->scene_, progress, 1);
     if (sight)  // else sceneAt() says what is wrong
       document->sight_ = *sight;
     else if (sight.error().code == ErrorCode::kCancelled)

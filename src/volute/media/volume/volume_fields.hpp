@@ -6,9 +6,10 @@
 
 #include "volute/media/clock_fields.hpp"
 #include "volute/media/field_members.hpp"
-#include "volute/media/volume/volume_layer.hpp"
+#include "volute/media/volume/appearance.hpp"
 #include "volute/media/volume/volume_preset.hpp"
 #include "volute/render/billboard.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
 

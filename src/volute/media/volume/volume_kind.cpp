@@ -46,31 +46,26 @@ Result<std::shared_ptr<VolumeMedium>> volumeOf(const std::string& file, InputOpt
                                                MediumContext& context) {
   input.partial = context.options.partial, input.verify = context.options.verify;
   const auto before = context.take<VolumeMedium>([&](const VolumeMedium& volume) {
-    const InputOptions& options = volume.layer().options();
+    const InputOptions& options = volume.options();
     const bool sameBounds = options.bounds.has_value() == input.bounds.has_value() &&
                             (!input.bounds || (options.bounds->min == input.bounds->min &&
                                                options.bounds->max == input.bounds->max));
-    return volume.layer().path() == file && options.grid == input.grid && sameBounds &&
-           options.stated == input.stated && sameGrids(volume.layer().appearance(), appearance);
+    return volume.path() == file && options.grid == input.grid && sameBounds &&
+           options.stated == input.stated && sameGrids(volume.appearance(), appearance);
   });
   if (before)
     return before->with(appearance);
   RemarkLog heard(context.reading.progress);
   Reading reading = context.reading.with(heard);
-  VOLUTE_ASSIGN(auto layer, VolumeLayer::open(file, input, appearance, reading));
-  auto medium = std::make_shared<VolumeMedium>(std::move(layer));
+  VOLUTE_ASSIGN(auto medium, VolumeMedium::open(file, input, appearance, reading));
   medium->remarks = heard.remarks();
   return medium;
-}
-
-const VolumeLayer& layerOf(const SceneMedium& medium) {
-  return dynamic_cast<const VolumeMedium&>(medium).layer();
 }
 
 /// What is shown of the file: choices that a scene may leave open.
 void addShown(ParameterGroup& group, const OrderedJson& entry, const VolumeMedium& medium,
               const MediumFacts& facts) {
-  const Appearance& appearance = medium.layer().appearance();
+  const Appearance& appearance = medium.appearance();
   const auto add = [&](const char* label, const char* key,
                        std::initializer_list<std::span<const std::string_view>> lists) {
     std::vector<std::string_view> choices;
@@ -176,7 +171,7 @@ class VolumeKind final : public MediumKind {
     SceneVolume volume;
     if (!readFields(volumeFields(), Json(entry), {}, &volume))
       return;
-    volume.appearance = layerOf(medium).appearance();
+    volume.appearance = dynamic_cast<const VolumeMedium&>(medium).appearance();
     addShown(group, entry, dynamic_cast<const VolumeMedium&>(medium), facts);
     addSliders(group, volumeFields(), &volume, facts);
   }
@@ -192,8 +187,8 @@ class VolumeKind final : public MediumKind {
     }
     if (!key.starts_with("transform/"))
       return false;
-    setPlacement(entry, layerOf(medium).appearance().placement, medium.info().fileBounds,
-                 key.substr(key.find('/') + 1), numbers);
+    setPlacement(entry, dynamic_cast<const VolumeMedium&>(medium).appearance().placement,
+                 medium.info().fileBounds, key.substr(key.find('/') + 1), numbers);
     return true;
   }
 

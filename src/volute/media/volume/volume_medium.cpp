@@ -7,6 +7,8 @@
 
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/refined_spline.hpp"
+#include "volute/io/level_set_surface.hpp"
+#include "volute/media/first_time.hpp"
 #include "volute/medium/affine_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/volume_files/volume_grids.hpp"
@@ -15,24 +17,6 @@ namespace volute {
 namespace {
 
 constexpr int kCoarseLevels = 2;  ///< of a block's, the coarsest first
-
-MediumInfo infoOf(const VolumeLayer& layer) {
-  const VolumeInfo& volume = layer.info();
-  MediumInfo info;
-  info.file = layer.path();
-  info.what = "a volume";
-  info.kind = "volume";
-  info.size = fmt::format("{} x {} x {} voxels, {} frame{}", volume.x, volume.y, volume.z,
-                          volume.frames, volume.frames == 1 ? "" : "s");
-  info.bounds = layer.boundsInScene();
-  info.fileBounds = layer.uprightBounds();
-  info.takeFrames(layer, volume.frames, layer.appearance().clock);
-  info.channels = volume.channels;
-  info.interpolates = layer.interpolates();
-  if (layer.appearance().transfer)
-    info.channels = 3, info.measured = true;
-  return info;
-}
 
 /// How many pixels a voxel of this size [m] covers where a view is closest to bounds.
 double pixelsOfVoxel(const Camera& view, const Box3& bounds, double voxel) {
@@ -47,13 +31,13 @@ double pixelsOfVoxel(const Camera& view, const Box3& bounds, double voxel) {
 
 }  // namespace
 
-VolumeAt::VolumeAt(const VolumeLayer& layer, double moment, double factor)
-    : info_(layer.infoAt(moment)),
-      placement_(layer.placementAt(moment)),
-      emission_(layer.appearance().emission),
-      extinction_(factor * layer.appearance().extinction),
+VolumeAt::VolumeAt(const VolumeMedium& of, double moment, double factor)
+    : info_(of.infoAt(moment)),
+      placement_(of.placementAt(moment)),
+      emission_(of.appearance().emission),
+      extinction_(factor * of.appearance().extinction),
       factor_(factor),
-      lightsScene_(layer.appearance().lights()) {}
+      lightsScene_(of.appearance().lights()) {}
 
 VolumeAt::VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> light)
     : info_(other.info_),
@@ -64,22 +48,22 @@ VolumeAt::VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> lig
       lightsScene_(other.lightsScene_),
       light_(std::move(light)) {}
 
-VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, double moment,
+VolumeAt::VolumeAt(const VolumeMedium& of, std::shared_ptr<const BrickSlice> slice, double moment,
                    double factor)
-    : VolumeAt(layer, moment, factor) {
+    : VolumeAt(of, moment, factor) {
   slice_ = std::move(slice);
 }
 
-VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const Tree4d> tree, int position,
+VolumeAt::VolumeAt(const VolumeMedium& of, std::shared_ptr<const Tree4d> tree, int position,
                    double factor)
-    : VolumeAt(layer, position, factor) {
+    : VolumeAt(of, position, factor) {
   tree_ = std::move(tree);
   position_ = position;
 }
 
-VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light,
-                   double moment, double factor)
-    : VolumeAt(layer, moment, factor) {
+VolumeAt::VolumeAt(const VolumeMedium& of, std::shared_ptr<const VolumeLight> light, double moment,
+                   double factor)
+    : VolumeAt(of, moment, factor) {
   light_ = std::move(light);
 }
 
@@ -199,16 +183,27 @@ nlohmann::ordered_json VolumeAt::counts() const {
           {"nodes_visited", nodesVisited_}};
 }
 
-VolumeMedium::VolumeMedium(VolumeLayer layer) : layer_(std::move(layer)) {
-  info_ = infoOf(layer_);
+MediumInfo VolumeMedium::describe() const {
+  MediumInfo info;
+  info.file = path_;
+  info.what = "a volume";
+  info.kind = "volume";
+  info.size = fmt::format("{} x {} x {} voxels, {} frame{}", volume_.x, volume_.y, volume_.z,
+                          volume_.frames, volume_.frames == 1 ? "" : "s");
+  info.bounds = boundsInScene();
+  info.fileBounds = uprightBounds();
+  info.takeFrames(*this, volume_.frames, appearance_.clock);
+  info.channels = volume_.channels;
+  info.interpolates = interpolation_ != Interpolation::kNone;
+  if (appearance_.transfer)
+    info.channels = 3, info.measured = true;
+  return info;
 }
 
 std::shared_ptr<VolumeMedium> VolumeMedium::with(const Appearance& appearance) const {
-  VolumeLayer layer = layer_;
-  layer.setAppearance(appearance);
-  auto other = std::make_shared<VolumeMedium>(std::move(layer));
-  other->lighting_ = lighting_;
-  other->knowAs(*this);
+  std::shared_ptr<VolumeMedium> other(new VolumeMedium(*this));
+  other->setAppearance(appearance);
+  other->info_ = other->describe();
   return other;
 }
 
@@ -216,11 +211,11 @@ const std::vector<std::string>& VolumeMedium::gridNames() const {
   if (gridNames_)
     return *gridNames_;
   gridNames_.emplace();
-  if (!VolumeGrids::mayBe(layer_.path()))
+  if (!VolumeGrids::mayBe(path_))
     return *gridNames_;
   Progress quiet;
   Reading reading{.progress = quiet};
-  const auto grids = VolumeGrids::open(layer_.path(), layer_.options(), reading);
+  const auto grids = VolumeGrids::open(path_, options_, reading);
   if (!grids)
     return *gridNames_;
   for (const VolumeGrid& grid : (*grids)->grids()) {
@@ -235,116 +230,131 @@ const ValueCounts& VolumeMedium::values() const {
     return *values_;
   values_.emplace();
   Progress quiet;
-  VolumeLayer layer = layer_;
-  layer.setProgress(quiet);
-  if (const auto slice = layer.sliceAt(moment_))
+  VolumeMedium copy = *this;
+  copy.progress_ = &quiet;
+  if (const auto slice = copy.sliceAt(shown_))
     values_ = ValueCounts::of(**slice);
   return *values_;
 }
 
 MediumText VolumeMedium::text(const std::optional<Vec3>& eye) const {
   MediumText text = SceneMedium::text(eye);
-  if (const auto& transfer = layer_.appearance().transfer) {
-    const VolumeInfo& info = layer_.info();
+  if (const auto& transfer = appearance_.transfer) {
+    const VolumeInfo& info = volume_;
     text.legend.push_back("values: " + info.name);
     text.scale = ColorScale{transfer->map, transfer->most, transfer->least, info.unit};
   }
   return text;
 }
 
-void VolumeMedium::knowAs(const VolumeMedium& other) {
-  gridNames_ = other.gridNames_;
-  values_ = other.values_, moment_ = other.moment_;
-  checked_ = other.checked_, damaged_ = other.damaged_, block_ = other.block_;
-  remarks = other.remarks;
-}
-
 int VolumeMedium::rowOf(int position) const {
-  return layer_.reader() ? layer_.reader()->blocks().rowOf(position) : 0;
+  return input_->reader ? input_->reader->blocks().rowOf(position) : 0;
 }
 
 /// A .volute's block of frames that is not in memory takes its time.
 bool VolumeMedium::inMemory(double time) const {
-  return !layer_.reader() || rowOf(layer_.positionAt(time)) == block_;
+  return !input_->reader || rowOf(positionAt(time)) == block_;
 }
 
 Result<std::shared_ptr<const BrickSlice>> VolumeMedium::coarseSlice(int position,
                                                                     Progress& progress) const {
   VOLUTE_ASSIGN(
       const Tree4d tree,
-      Tree4d::load(*layer_.reader(),
+      Tree4d::load(*input_->reader,
                    {.levels = kCoarseLevels, .firstFrame = position, .endFrame = position + 1},
                    progress));
   return std::make_shared<const BrickSlice>(
-      asItLooks(tree.extractSlice(position), layer_.infoAt(position)));
+      asItLooks(tree.extractSlice(position), infoAt(position)));
 }
 
 Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& request,
                                                          Progress& progress) {
-  layer_.setProgress(progress);
-  const int position = layer_.positionAt(request.time);
-  const double moment = moment_ = layer_.momentAt(request.time);
-  if (layer_.appearance().surface) {
+  progress_ = &progress;
+  const int position = positionAt(request.time);
+  const double moment = shown_ = momentAt(request.time);
+  if (appearance_.surface) {
     // It is among the scene's surfaces, and there is nothing else.
-    auto nothing =
-        std::make_shared<VolumeAt>(layer_,
-                                   std::make_shared<const BrickSlice>(
-                                       BrickSlice::fromBricks(layer_.infoAt(position), Bricks())),
-                                   position, request.factor);
+    auto nothing = std::make_shared<VolumeAt>(
+        *this,
+        std::make_shared<const BrickSlice>(BrickSlice::fromBricks(infoAt(position), Bricks())),
+        position, request.factor);
     nothing->setLamps(lighting_.lamps);
     return nothing;
   }
-  if (request.tree && layer_.interpolates()) {
+  if (request.tree && interpolation_ != Interpolation::kNone) {
     return fail(ErrorCode::kUnsupported,
                 "{}: the tree holds frames, and nothing between them; draw its bricks, or do not "
                 "interpolate",
-                layer_.path());
+                path_);
   }
-  if (layer_.appearance().shaded()) {
+  if (appearance_.shaded()) {
     if (request.tree) {
       return fail(
           ErrorCode::kUnsupported,
           "{}: what is lit, burns or has a transfer function is not drawn from the tree; draw its "
           "bricks, or leave the preset or the transfer function out",
-          layer_.path());
+          path_);
     }
     VOLUTE_ASSIGN(auto light, lightAt(moment, request.lit));
     block_ = rowOf(position);
-    return std::make_shared<const VolumeAt>(layer_, std::move(light), moment, request.factor);
+    return std::make_shared<const VolumeAt>(*this, std::move(light), moment, request.factor);
   }
-  if (request.coarse && !inMemory(request.time) && !layer_.isLevelSet()) {
+  if (request.coarse && !inMemory(request.time) && !input_->source->info().levelSet) {
     VOLUTE_ASSIGN(auto slice, coarseSlice(position, progress));
-    return std::make_shared<const VolumeAt>(layer_, drawn(std::move(slice)), position,
+    return std::make_shared<const VolumeAt>(*this, drawn(std::move(slice)), position,
                                             request.factor);
   }
   if (request.tree) {
-    VOLUTE_ASSIGN(auto tree, layer_.treeAt(position));
+    VOLUTE_ASSIGN(auto tree, treeAt(position));
     block_ = rowOf(position);
-    return std::make_shared<const VolumeAt>(layer_, std::move(tree), position, request.factor);
+    return std::make_shared<const VolumeAt>(*this, std::move(tree), position, request.factor);
   }
-  VOLUTE_ASSIGN(auto slice, layer_.sliceAt(moment));
+  VOLUTE_ASSIGN(auto slice, sliceAt(moment));
   block_ = rowOf(position);
-  return std::make_shared<const VolumeAt>(layer_, drawn(std::move(slice)), moment, request.factor);
+  return std::make_shared<const VolumeAt>(*this, drawn(std::move(slice)), moment, request.factor);
 }
 
 std::uint64_t VolumeMedium::surfacesKey(const InstantRequest& request) const {
-  if (!layer_.appearance().surface)
+  if (!appearance_.surface)
     return 0;
-  return 1 + static_cast<std::uint64_t>(layer_.positionAt(request.time));
+  return 1 + static_cast<std::uint64_t>(positionAt(request.time));
 }
 
 Status VolumeMedium::addSurfaces(const InstantRequest& request, TriangleMesh& to) const {
-  if (!layer_.appearance().surface)
+  if (!appearance_.surface)
     return {};
   const Rgb base = Rgb::Constant(0.7);
   const auto material = static_cast<std::uint32_t>(to.materials.size());
   to.materials.push_back({base, base * lighting_.surrounding});
-  return layer_.addSurface(layer_.positionAt(request.time), material, to.triangles);
+  const int position = positionAt(request.time);
+  Bricks bricks;
+  VOLUTE_TRY(input_->source->readBricks(position, bricks));
+  const Placement world = placed(appearance_);
+  const Mat3 linear = world.turn * world.scale.asDiagonal();
+  GridMatrix place = gridMatrix(linear, world.offset);
+  if (hasPlaces()) {
+    const GridMatrix& own = input_->places[static_cast<std::size_t>(position)];
+    place = gridMatrix(linear * linearOf(own), linear * offsetOf(own) + world.offset);
+  }
+  return addLevelSet(bricks, input_->source->info(), place, material, maxMemory_, to.triangles);
+}
+
+Result<std::optional<FirstTime>> VolumeMedium::firstTime(Progress&) {
+  if (input_->amounts.empty() || std::ranges::max(input_->amounts) <= 0)
+    return std::nullopt;
+  const std::size_t first = firstThatShows(input_->amounts);
+  std::string reason;
+  if (first > 0) {
+    reason = fmt::format(
+        "frame {} is the first of {} with at least half of the most that there is in one",
+        volume_.frameText(first), volume_.frames);
+  }
+  return FirstTime{info_.times[first], std::move(reason)};
 }
 
 bool VolumeMedium::refines(const BrickSlice& slice) const {
-  return slice.basis() == Basis::kCubic && layer_.appearance().refines &&
-         refinedSplineBytes(slice) <= layer_.maxMemory() / 2;
+  return slice.basis() == Basis::kCubic && appearance_.refines &&
+         refinedSplineBytes(slice) <= maxMemory_ / 2;
 }
 
 std::shared_ptr<const BrickSlice> VolumeMedium::drawn(std::shared_ptr<const BrickSlice> slice) {
@@ -359,12 +369,12 @@ std::shared_ptr<const BrickSlice> VolumeMedium::drawn(std::shared_ptr<const Bric
 
 void VolumeMedium::chooseLook(std::span<const Camera> views) {
   constexpr double kClose = 3;  // pixels
-  Appearance appearance = layer_.appearance();
+  Appearance appearance = appearance_;
   if (!appearance.basisByView)
     return;
-  Basis basis = layer_.fileBasis();
+  Basis basis = input_->source->info().basis;
   if (basis == Basis::kBox) {
-    const VolumeInfo info = layer_.infoAt(0);
+    const VolumeInfo info = infoAt(0);
     const double voxel =
         std::cbrt(info.bounds.size().prod() / (static_cast<double>(info.x) * info.y * info.z));
     const bool close = std::ranges::any_of(views, [&](const Camera& view) {
@@ -375,16 +385,14 @@ void VolumeMedium::chooseLook(std::span<const Camera> views) {
   if (appearance.basis == basis)
     return;
   appearance.basis = basis;
-  layer_.setAppearance(appearance);
-  light_ = nullptr, lightMoment_ = -1;
-  refinedOf_ = refined_ = nullptr;
+  setAppearance(appearance);
 }
 
 Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, bool lit) {
   if (moment == lightMoment_ && (lightIsWhole_ || !lit))
     return light_;
-  VOLUTE_ASSIGN(auto slice, layer_.shadedSliceAt(moment));
-  const Placement place = layer_.placementAt(moment);
+  VOLUTE_ASSIGN(auto slice, shadedSliceAt(moment));
+  const Placement place = placementAt(moment);
   VolumeLighting lighting;
   lighting.ownFire = false;
   if (lit)
@@ -392,8 +400,8 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, 
   lighting.place = {place.turn, place.offset};
   ShadedVoxels volume =
       refines(*slice) ? ShadedVoxels::refining(std::move(slice)) : ShadedVoxels(std::move(slice));
-  if (lit && layer_.appearance().scatters() && !layer_.appearance().colors.empty()) {
-    VOLUTE_ASSIGN(lighting.colors, layer_.colorsAt(moment, volume.lightPoints()));
+  if (lit && appearance_.scatters() && !appearance_.colors.empty()) {
+    VOLUTE_ASSIGN(lighting.colors, colorsAt(moment, volume.lightPoints()));
   }
   light_ = std::make_shared<const VolumeLight>(std::move(volume), std::move(lighting));
   lightMoment_ = moment;
@@ -402,21 +410,20 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, 
 }
 
 nlohmann::ordered_json VolumeMedium::counts() const {
-  if (!layer_.reader())
+  if (!input_->reader)
     return nlohmann::ordered_json::object();
-  const TreeCounts& tree = layer_.treeCounts();
-  return {{"bytes_read", layer_.reader()->bytesRead()},
-          {"blocks_decoded", layer_.reader()->blocksDecoded()},
-          {"tree_nodes", tree.nodes},
-          {"tree_bytes", tree.treeBytes}};
+  return {{"bytes_read", input_->reader->bytesRead()},
+          {"blocks_decoded", input_->reader->blocksDecoded()},
+          {"tree_nodes", treeNodes_},
+          {"tree_bytes", treeBytes_}};
 }
 
 bool VolumeMedium::checked() const {
-  return checked_ || !layer_.reader();
+  return checked_ || !input_->reader;
 }
 
 Result<std::optional<std::string>> VolumeMedium::check(Progress& progress) {
-  VOLUTE_ASSIGN(const auto integrity, layer_.reader()->verify(progress));
+  VOLUTE_ASSIGN(const auto integrity, input_->reader->verify(progress));
   checked_ = true;
   damaged_ = !integrity.complete();
   if (!damaged_)
@@ -434,7 +441,7 @@ Status BillboardAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& me
 
 BillboardMedium::BillboardMedium(const VolumeMedium& volume, const SceneBillboard& board)
     : VolumeMedium(*volume.with(board.appearance)), options_(board.options) {
-  options_.shown = layer().info().bounds;
+  options_.shown = VolumeMedium::volume().bounds;
   const Vec3 reach = Vec3::Constant(0.5 * std::hypot(options_.width, options_.height));
   info_.bounds = {options_.position - reach, options_.position + reach};
   info_.what = "a billboard";
@@ -444,10 +451,10 @@ BillboardMedium::BillboardMedium(const VolumeMedium& volume, const SceneBillboar
 
 Result<std::shared_ptr<const MediumAt>> BillboardMedium::at(const InstantRequest& request,
                                                             Progress& progress) {
-  if (layer().hasPlaces()) {
+  if (hasPlaces()) {
     return fail(ErrorCode::kUnsupported,
                 "{}: its grid is turned, or moves by parts of a voxel, and stands on no billboard",
-                layer().path());
+                path());
   }
   InstantRequest whole = request;  // one draws bricks, of all levels
   whole.coarse = whole.tree = false;

@@ -2,28 +2,42 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <map>
+#include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "volute/grid/brick_slice.hpp"
+#include "volute/grid/voxel_medium.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/volume/volume_fields.hpp"
-#include "volute/media/volume/volume_layer.hpp"
 #include "volute/media/volume/volume_light.hpp"
+#include "volute/media/volume/volume_motion.hpp"
+#include "volute/medium/any_medium.hpp"
+#include "volute/tree4d/tree4d.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
+
+class VolumeMedium;
+
+/// The same values over the basis and at the place that `info` says.
+BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info);
 
 /// One frame of a volume, at its place in the scene.
 class VolumeAt final : public MediumAt {
  public:
   /// @param factor  of the appearance's extinction
-  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, double moment,
+  VolumeAt(const VolumeMedium& of, std::shared_ptr<const BrickSlice> slice, double moment,
            double factor);
 
   /// The frame at a position of a tree. Its bricks are only made for who asks for them.
-  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const Tree4d> tree, int position,
-           double factor);
+  VolumeAt(const VolumeMedium& of, std::shared_ptr<const Tree4d> tree, int position, double factor);
 
   /// One that burns or is lit; its light is the same from all cameras.
-  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light, double moment,
+  VolumeAt(const VolumeMedium& of, std::shared_ptr<const VolumeLight> light, double moment,
            double factor);
 
   void addMedia(std::vector<AnyMedium>& media) const override;
@@ -61,13 +75,13 @@ class VolumeAt final : public MediumAt {
 
   double extinction() const { return extinction_; }
 
-  /// What its bounds leave to do; see VolumeLayer.
+  /// What its bounds leave to do; see VolumeMedium.
   const Placement& placement() const { return placement_; }
 
   const std::shared_ptr<const BrickSlice>& slice() const;
 
  private:
-  VolumeAt(const VolumeLayer& layer, double moment, double factor);
+  VolumeAt(const VolumeMedium& of, double moment, double factor);
   /// The same in other light.
   VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> light);
   AffineMap place() const;
@@ -92,10 +106,13 @@ class VolumeAt final : public MediumAt {
 /// How a lit or burning volume looks to a camera, in its own space.
 ShadedVoxels seenFrom(const VolumeLight& light, const Camera& camera);
 
-/// A volume file in a scene.
+/// A volume file in a scene. Copies share what was read.
 class VolumeMedium : public SceneMedium {
  public:
-  explicit VolumeMedium(VolumeLayer layer);
+  [[nodiscard]] static Result<std::shared_ptr<VolumeMedium>> open(const std::string& path,
+                                                                  const InputOptions& options,
+                                                                  const Appearance& appearance,
+                                                                  Reading& reading);
 
   Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
                                              Progress& progress) override;
@@ -103,6 +120,8 @@ class VolumeMedium : public SceneMedium {
   std::uint64_t surfacesKey(const InstantRequest& request) const override;
   /// A level set's, grey.
   Status addSurfaces(const InstantRequest& request, TriangleMesh& to) const override;
+  /// By what the file says of how much is in its frames.
+  Result<std::optional<FirstTime>> firstTime(Progress& progress) override;
   /// The cubic basis where a voxel covers more than about 3 pixels, unless a basis is stated.
   void chooseLook(std::span<const Camera> views) override;
   nlohmann::ordered_json counts() const override;
@@ -111,7 +130,36 @@ class VolumeMedium : public SceneMedium {
 
   bool damaged() const override { return damaged_; }
 
-  const VolumeLayer& layer() const { return layer_; }
+  /// As the file was named when it was opened.
+  const std::string& path() const { return path_; }
+
+  /// How it was opened.
+  const InputOptions& options() const { return options_; }
+
+  const Appearance& appearance() const { return appearance_; }
+
+  /// Its frames; bounds are those in the scene, but for what the placement does besides.
+  const VolumeInfo& volume() const { return volume_; }
+
+  /// The same at a moment, and what is to be done to points within its bounds: turn and offset, no
+  /// scale. They differ where the file's grid moves.
+  VolumeInfo infoAt(double moment) const;
+  Placement placementAt(double moment) const;
+
+  /// The frame at a moment as bricks. The last one is kept.
+  [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(double moment);
+
+  /// The position of the frame that is shown at a time of the scene [s] and, where it is asked to
+  /// be interpolated, the share of the way to the next one that has gone by: 2.25 is a quarter from
+  /// the third to the fourth.
+  double momentAt(double time) const;
+
+  /// When a frame begins in the scene's time [s], and what the file calls it.
+  double timeOf(int position) const;
+
+  int numberOf(int position) const { return volume_.frameNumbers[position]; }
+
+  FrameScale frameScale() const { return volume_.frameScale; }
 
   /// The grids that its file offers, looked up when first asked for; empty: it has no names.
   const std::vector<std::string>& gridNames() const;
@@ -128,32 +176,138 @@ class VolumeMedium : public SceneMedium {
   std::shared_ptr<VolumeMedium> with(const Appearance& appearance) const;
 
  protected:
-  /// What is known of its file, for another one of it.
-  void knowAs(const VolumeMedium& other);
+  VolumeMedium(const VolumeMedium&) = default;
+
+  /// Its file says how it is turned, mirrored, sheared or moved.
+  bool hasPlaces() const { return !input_->places.empty(); }
 
  private:
+  using Slice = std::shared_ptr<const BrickSlice>;
+
+  VolumeMedium(VolumeInput input, const Appearance& appearance);
+
+  MediumInfo describe() const;
+
+  /// It looks otherwise from now on, or is elsewhere, or at another time: nothing is read again for
+  /// that. A frame that is held is made again only where the scale is another; else bounds stay
+  /// what they are, and placement_ moves.
+  void setAppearance(const Appearance& appearance);
+
+  // ---- where it is
+
+  /// The file's, before the appearance's placement [m].
+  const Box3& fileBounds() const { return input_->source->info().bounds; }
+
+  /// The same with its up axis upwards, as the placement finds it [m].
+  Box3 uprightBounds() const;
+  /// What it takes in the scene in any frame [m]; where that is much more than what nearly all of
+  /// it is in, the latter.
+  Box3 boundsInScene() const;
+  Mat3 upright() const;
+  /// From the own space of a file that has places to its world. Between frames the grid turns and
+  /// grows evenly from one to the other; where one mirrors the other it jumps.
+  GridMatrix filePlaceAt(double moment) const;
+  /// The same to the scene.
+  Placement placeAt(double moment) const;
+  Placement placed(const Appearance& appearance) const;
+  /// Looks for what holds nearly all where something may be far away from it.
+  [[nodiscard]] Status findContent(Progress& progress);
+  int positionAt(double time) const;
+
+  // ---- frames
+
+  /// Opens the other grids that the appearance names, so that all have the same voxels.
+  [[nodiscard]] Status openOthers(Reading& reading);
+  /// A grid of a frame, as volume() says.
+  [[nodiscard]] Result<BrickSlice> readSlice(FrameSource& source, int position);
+  /// The same at a moment.
+  [[nodiscard]] Result<Slice> readAt(FrameSource& source, double moment);
+  /// A stored frame; those around the last moment are kept.
+  [[nodiscard]] Result<Slice> frameOf(FrameSource& source, int position);
+  /// All bricks of the volume; kTooLarge where they are too many.
+  [[nodiscard]] Result<std::vector<BrickPlace>> allBricks(const std::string& why) const;
+  /// The frame at a moment with all that shines or absorbs in it: extinction without the factor
+  /// of a picture's law, and emission. The last one is kept. Only for Appearance::shaded().
+  [[nodiscard]] Result<Slice> shadedSliceAt(double moment);
+  /// The colour of the albedo at each light point of a volume of that frame; empty: it has none.
+  [[nodiscard]] Result<std::vector<Rgb>> colorsAt(double moment, std::span<const Vec3> points);
+  /// The hexadeca-tree that holds the frame at a position, and others of its blocks. The last one
+  /// is kept. kInvalidArgument for what is no .volute.
+  [[nodiscard]] Result<std::shared_ptr<const Tree4d>> treeAt(int position);
   int rowOf(int position) const;
-  Result<std::shared_ptr<const BrickSlice>> coarseSlice(int position, Progress& progress) const;
-
+  Result<Slice> coarseSlice(int position, Progress& progress) const;
   /// Splines as finer voxels, where pictures may and memory has room for them; the last is kept.
-  std::shared_ptr<const BrickSlice> drawn(std::shared_ptr<const BrickSlice> slice);
+  Slice drawn(Slice slice);
   bool refines(const BrickSlice& slice) const;
-
   /// Of a moment; the last one is kept.
   [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(double moment, bool lit);
 
-  VolumeLayer layer_;
-  mutable std::optional<std::vector<std::string>> gridNames_;
-  mutable std::optional<ValueCounts> values_;
-  double moment_ = 0;  ///< shown last
+  // ---- between frames
+
+  /// Finds out what interpolation is possible, and remarks on it.
+  [[nodiscard]] Status chooseInterpolation(Progress& progress);
+  /// What the other grids say of the velocities; an error where they are none.
+  [[nodiscard]] Status checkVelocities(Reading& reading);
+  /// Null where frames go over into each other in place.
+  [[nodiscard]] Result<std::shared_ptr<const VoxelPaths>> pathsAt(double moment);
+  [[nodiscard]] Result<Velocities> velocitiesOf(int position);
+  /// From a velocity to its way between the frame at a position and the next one, in the voxels of
+  /// the frame at `in` [voxels].
+  Mat3 velocityStep(int position, int in) const;
+  /// From a place among the file's voxels, 0 at the centre of the first, to its world.
+  VoxelMap voxelToFile(const GridMatrix& place) const;
+  BetweenFrames instantAt(double moment) const;
+
+  /// A tree holds one row of blocks: a still reads no more, and a film of any length needs its
+  /// memory.
+  static constexpr int kTreeFrames = BlockGrid::kSide;
+
+  struct KeptFrame {
+    const FrameSource* source;
+    int position;
+    Slice slice;
+  };
+
+  std::string path_;
+  InputOptions options_;
+  std::shared_ptr<VolumeInput> input_;  ///< shared by copies: one thread uses them all
+  std::map<std::string, std::shared_ptr<VolumeInput>>
+      others_;  ///< grids by name; null: it is empty
+  Appearance appearance_;
+  Placement placement_;  ///< what volume_.bounds leave to do; nothing where it is not turned and
+                         ///< was not moved since it was opened
+  VolumeInfo volume_;
+  std::optional<Box3> content_;   ///< what holds nearly all, in shares of the bounds
+  Progress* progress_ = nullptr;  ///< of the call that is going on
+  std::uint64_t maxMemory_ = 0;   ///< [bytes]
+
+  double shown_ = 0;  ///< the moment that was asked for last
+  double sliceMoment_ = -1;
+  Slice slice_;
+  double shadedMoment_ = -1;
+  Slice shadedSlice_;
+  Slice refinedOf_, refined_;
+  std::shared_ptr<const Tree4d> tree_;
+  int treeBegin_ = 0;
+  std::uint64_t treeNodes_ = 0, treeBytes_ = 0;  ///< of the largest tree that was in memory
+  int block_ = -1;                               ///< of the frames of a .volute that are in memory
+
+  Interpolation interpolation_ = Interpolation::kNone;  ///< that is done
+  std::vector<std::string> velocities_;                 ///< one grid of three channels, or three
+  VectorKind vectors_{};                                ///< of the former
+  std::vector<KeptFrame> kept_;
+  double pathsMoment_ = -1;
+  std::shared_ptr<const VoxelPaths> paths_;
+
   VolumeLighting lighting_;
   double lightMoment_ = -1;
-  bool lightIsWhole_ = false;  // else of the extinction alone
+  bool lightIsWhole_ = false;  ///< else of the extinction alone
   std::shared_ptr<const VolumeLight> light_;
-  std::shared_ptr<const BrickSlice> refinedOf_, refined_;
+
+  mutable std::optional<std::vector<std::string>> gridNames_;
+  mutable std::optional<ValueCounts> values_;
   bool checked_ = false;  ///< it was looked through for damage
   bool damaged_ = false;
-  int block_ = -1;  ///< of the frames of a .volute that are in memory
 };
 
 /// A volume drawn on a rectangle that faces the camera, at one instant.

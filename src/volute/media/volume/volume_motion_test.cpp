@@ -10,7 +10,7 @@
 
 #include "volute/io/testing.hpp"
 #include "volute/io/volume_sink.hpp"
-#include "volute/media/volume/volume_layer.hpp"
+#include "volute/media/volume/volume_medium.hpp"
 
 namespace volute {
 namespace {
@@ -160,7 +160,7 @@ std::string writeBlobs(const TempFolder& folder, bool moving, double unit = 1,
   return (*sink)->finish() ? pattern : "the end";
 }
 
-std::vector<float> shownAt(VolumeLayer& layer, double time) {
+std::vector<float> shownAt(VolumeMedium& layer, double time) {
   const auto slice = layer.sliceAt(layer.momentAt(time));
   return slice ? dense(**slice) : std::vector<float>();
 }
@@ -178,9 +178,9 @@ TEST(VolumeMotion, ALayerMovesAlongTheVelocitiesOfItsFile) {
   const auto show = [&](Interpolation how, double time) {
     Appearance appearance;
     appearance.interpolation = how;
-    auto layer = VolumeLayer::open(file, input, appearance, reading);
+    auto layer = VolumeMedium::open(file, input, appearance, reading);
     EXPECT_TRUE(layer) << layer.error().message;
-    return layer ? shownAt(*layer, time) : std::vector<float>();
+    return layer ? shownAt(**layer, time) : std::vector<float>();
   };
   const double middle = 0.5 / 25;
   const auto expected = blob(12 + kMoved / 2);
@@ -224,9 +224,9 @@ TEST(VolumeMotion, VelocitiesHaveAUnitAndAreThoseOfTheWorld) {
       appearance.velocityUnit = one.unit;
       InputOptions input;
       input.grid = "density";
-      auto layer = VolumeLayer::open(file, input, appearance, reading);
+      auto layer = VolumeMedium::open(file, input, appearance, reading);
       ASSERT_TRUE(layer) << layer.error().message;
-      const auto moved = shownAt(*layer, 0.5 / 25), expected = blob(12 + kMoved / 2);
+      const auto moved = shownAt(**layer, 0.5 / 25), expected = blob(12 + kMoved / 2);
       ASSERT_EQ(moved.size(), expected.size());
       EXPECT_LT(furthest(moved, expected), 1e-4) << turn << ' ' << one.size;
     }
@@ -272,9 +272,9 @@ TEST(VolumeMotion, VectorsTurnAsTheirTypeSays) {
       appearance.placement.scale = Vec3(2, 1, 3);
     else
       appearance.placement.turn = one.scene;
-    auto layer = VolumeLayer::open(file, input, appearance, reading);
+    auto layer = VolumeMedium::open(file, input, appearance, reading);
     ASSERT_TRUE(layer) << layer.error().message;
-    const auto moved = shownAt(*layer, 0.5 / 25), expected = blob(12 + kMoved / 2);
+    const auto moved = shownAt(**layer, 0.5 / 25), expected = blob(12 + kMoved / 2);
     ASSERT_EQ(moved.size(), expected.size());
     EXPECT_EQ(furthest(moved, expected) < 1e-4, one.moves) << furthest(moved, expected);
   }
@@ -282,11 +282,11 @@ TEST(VolumeMotion, VectorsTurnAsTheirTypeSays) {
   const std::string file = writeBlobs(folder, true, 1, turned, {type("covariant normalize")});
   Appearance appearance;
   appearance.interpolation = Interpolation::kVelocity;
-  const auto refused = VolumeLayer::open(file, input, appearance, reading);
+  const auto refused = VolumeMedium::open(file, input, appearance, reading);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("the vectors of 'Velocity' are normals"));
   appearance.interpolation = Interpolation::kAuto;
-  EXPECT_TRUE(VolumeLayer::open(file, input, appearance, reading));
+  EXPECT_TRUE(VolumeMedium::open(file, input, appearance, reading));
 }
 
 /// A puff that turns by 30 degrees about z from a frame to the next, within its grid or with it.
@@ -381,14 +381,14 @@ TEST(VolumeMotion, APuffTurnsWithItsGridOrInIt) {
       for (const auto how : {Interpolation::kVelocity, Interpolation::kLinear}) {
         Appearance appearance;
         appearance.interpolation = how;
-        auto layer = VolumeLayer::open(file, input, appearance, reading);
+        auto layer = VolumeMedium::open(file, input, appearance, reading);
         ASSERT_TRUE(layer) << layer.error().message;
-        const double moment = layer->momentAt(0.5 / 25);
+        const double moment = (*layer)->momentAt(0.5 / 25);
         ASSERT_NEAR(moment, 0.5, 1e-6);
-        const auto slice = layer->sliceAt(moment);
+        const auto slice = (*layer)->sliceAt(moment);
         ASSERT_TRUE(slice) << slice.error().message;
-        const VolumeInfo info = layer->infoAt(moment);
-        const Placement place = layer->placementAt(moment);
+        const VolumeInfo info = (*layer)->infoAt(moment);
+        const Placement place = (*layer)->placementAt(moment);
         double most = 0;
         for (int z = 4; z < 36; ++z)
           for (int y = 4; y < 36; ++y)
@@ -424,15 +424,15 @@ TEST(VolumeMotion, ALayerWithoutVelocitiesSaysSo) {
   Reading reading{progress, 1 << 30};
   Appearance appearance;
   appearance.interpolation = Interpolation::kVelocity;
-  const auto refused = VolumeLayer::open(file, {}, appearance, reading);
+  const auto refused = VolumeMedium::open(file, {}, appearance, reading);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("no grid of velocities"));
   EXPECT_THAT(refused.error().message, HasSubstr("it has density"));
   appearance.interpolation = Interpolation::kAuto;
-  auto layer = VolumeLayer::open(file, {}, appearance, reading);
+  auto layer = VolumeMedium::open(file, {}, appearance, reading);
   ASSERT_TRUE(layer) << layer.error().message;
-  EXPECT_NEAR(layer->momentAt(0.5 / 25), 0.5, 1e-9);
-  EXPECT_EQ(layer->momentAt(1), 1);
+  EXPECT_NEAR((*layer)->momentAt(0.5 / 25), 0.5, 1e-9);
+  EXPECT_EQ((*layer)->momentAt(1), 1);
 }
 
 }  // namespace

@@ -4,7 +4,8 @@
 
 #include <string>
 
-#include "volute/media/volume/volume_layer.hpp"
+#include "volute/media/volume/appearance.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/media/volume/volume_layer.hpp"
-
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -18,8 +16,8 @@
 #include "volute/base/parallel.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
-#include "volute/io/level_set_surface.hpp"
 #include "volute/math/rotation.hpp"
+#include "volute/media/volume/volume_medium.hpp"
 #include "volute/optics/black_body.hpp"
 
 namespace volute {
@@ -88,24 +86,24 @@ class BlackBodies {
 
 }  // namespace
 
-VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
+VolumeMedium::VolumeMedium(VolumeInput input, const Appearance& appearance)
     : input_(std::make_shared<VolumeInput>(std::move(input))),
       appearance_(appearance),
-      info_(input_->source->info()) {
+      volume_(input_->source->info()) {
   const Placement placement = placed(appearance_);
   if (placement.turns())
     placement_ = {Vec3::Ones(), placement.offset, placement.turn};
   const Vec3 offset = placement.turns() ? Vec3(Vec3::Zero()) : placement.offset;
-  info_.bounds = scaled(info_.bounds, placement.scale, offset);
+  volume_.bounds = scaled(volume_.bounds, placement.scale, offset);
   if (appearance_.basis)
-    info_.basis = *appearance_.basis;
+    volume_.basis = *appearance_.basis;
   if (hasPlaces()) {
-    info_.bounds = infoAt(0).bounds;
+    volume_.bounds = infoAt(0).bounds;
     placement_ = placementAt(0);
   }
 }
 
-GridMatrix VolumeLayer::filePlaceAt(double moment) const {
+GridMatrix VolumeMedium::filePlaceAt(double moment) const {
   const auto position = static_cast<std::size_t>(moment);
   const double share = moment - static_cast<double>(position);
   const GridMatrix& before = input_->places[position];
@@ -128,7 +126,7 @@ GridMatrix VolumeLayer::filePlaceAt(double moment) const {
   return gridMatrix(linear, there - linear * middle);
 }
 
-Placement VolumeLayer::placeAt(double moment) const {
+Placement VolumeMedium::placeAt(double moment) const {
   const GridMatrix own = filePlaceAt(moment);
   const Placement world = placed(appearance_);
   const Mat3 linear = world.turn * world.scale.asDiagonal() * linearOf(own);
@@ -136,8 +134,8 @@ Placement VolumeLayer::placeAt(double moment) const {
   place.scale = linear.colwise().norm().transpose();
   // Of a sheared voxel the longest diagonal is as long as that of its box, for whoever divides it
   // into steps.
-  const Vec3 edges =
-      place.scale.cwiseProduct(fileBounds().size()).cwiseQuotient(Vec3(info_.x, info_.y, info_.z));
+  const Vec3 edges = place.scale.cwiseProduct(fileBounds().size())
+                         .cwiseQuotient(Vec3(volume_.x, volume_.y, volume_.z));
   double longest = edges.norm();
   for (int corner = 0; corner < 4; ++corner) {
     const Vec3 signs(corner & 1 ? -1 : 1, corner & 2 ? -1 : 1, 1);
@@ -151,14 +149,14 @@ Placement VolumeLayer::placeAt(double moment) const {
   return place;
 }
 
-VolumeInfo VolumeLayer::infoAt(double moment) const {
-  VolumeInfo info = info_;
+VolumeInfo VolumeMedium::infoAt(double moment) const {
+  VolumeInfo info = volume_;
   if (hasPlaces())
     info.bounds = scaled(fileBounds(), placeAt(moment).scale, Vec3::Zero());
   return info;
 }
 
-Placement VolumeLayer::placementAt(double moment) const {
+Placement VolumeMedium::placementAt(double moment) const {
   if (!hasPlaces())
     return placement_;
   Placement place = placeAt(moment);
@@ -167,7 +165,7 @@ Placement VolumeLayer::placementAt(double moment) const {
 }
 
 /// From the file's axes to ones whose z points upwards.
-Mat3 VolumeLayer::upright() const {
+Mat3 VolumeMedium::upright() const {
   Mat3 turn = Mat3::Identity();
   const char up = input_->source->info().up;
   if (up == 'x')
@@ -178,7 +176,7 @@ Mat3 VolumeLayer::upright() const {
 }
 
 /// The appearance's placement of what stands upright, in the file's axes.
-Placement VolumeLayer::placed(const Appearance& appearance) const {
+Placement VolumeMedium::placed(const Appearance& appearance) const {
   Placement placement = appearance.placement;
   const Mat3 up = upright();
   placement.turn = placement.turn * up;
@@ -186,7 +184,7 @@ Placement VolumeLayer::placed(const Appearance& appearance) const {
   return placement;
 }
 
-Box3 VolumeLayer::uprightBounds() const {
+Box3 VolumeMedium::uprightBounds() const {
   const Mat3 up = upright();
   const Box3 file = aroundPlaces(fileBounds(), input_->places);
   Box3 bounds;
@@ -194,17 +192,19 @@ Box3 VolumeLayer::uprightBounds() const {
   return bounds;
 }
 
-void VolumeLayer::setAppearance(const Appearance& appearance) {
-  shadedMoment_ = pathsMoment_ = -1;
+void VolumeMedium::setAppearance(const Appearance& appearance) {
+  shadedMoment_ = pathsMoment_ = lightMoment_ = -1;
+  light_ = nullptr;
+  refinedOf_ = refined_ = nullptr;
   const Placement before = placed(std::exchange(appearance_, appearance));
-  info_.basis = appearance_.basis.value_or(input_->source->info().basis);
-  if (slice_ && slice_->basis() != info_.basis)
-    slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, info_));
+  volume_.basis = appearance_.basis.value_or(input_->source->info().basis);
+  if (slice_ && slice_->basis() != volume_.basis)
+    slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, volume_));
   const Placement now = placed(appearance_);
   if (hasPlaces()) {
-    info_.bounds = infoAt(0).bounds;
+    volume_.bounds = infoAt(0).bounds;
     placement_ = placementAt(0);
-    slice_ = nullptr, moment_ = -1;
+    slice_ = nullptr, sliceMoment_ = -1;
     return;
   }
   if (now.scale == before.scale && now.offset == before.offset && now.turn == before.turn)
@@ -212,18 +212,18 @@ void VolumeLayer::setAppearance(const Appearance& appearance) {
   placement_ = {Vec3::Ones(), now.offset, now.turn};
   const Box3 bounds = scaled(fileBounds(), now.scale, Vec3::Zero());
   const double rounding = kRounding * bounds.size().norm();  // of a scale that a matrix gave
-  if ((bounds.min - info_.bounds.min).norm() <= rounding &&
-      (bounds.max - info_.bounds.max).norm() <= rounding)
+  if ((bounds.min - volume_.bounds.min).norm() <= rounding &&
+      (bounds.max - volume_.bounds.max).norm() <= rounding)
     return;
-  info_.bounds = bounds;
+  volume_.bounds = bounds;
   if (!slice_)
     return;
   BrickSlice elsewhere = *slice_;
-  elsewhere.setBounds(info_.bounds);
+  elsewhere.setBounds(volume_.bounds);
   slice_ = std::make_shared<const BrickSlice>(std::move(elsewhere));
 }
 
-Box3 VolumeLayer::boundsInScene() const {
+Box3 VolumeMedium::boundsInScene() const {
   Box3 all;
   const auto add = [&](Box3 box, const Placement& place) {
     if (content_) {
@@ -235,14 +235,16 @@ Box3 VolumeLayer::boundsInScene() const {
     all.extend(around.min), all.extend(around.max);
   };
   if (!hasPlaces())
-    add(info_.bounds, placement_);
+    add(volume_.bounds, placement_);
   for (int position = 0; position < static_cast<int>(input_->places.size()); ++position)
     add(infoAt(position).bounds, placementAt(position));
   return all;
 }
 
-Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOptions& options,
-                                      const Appearance& appearance, Reading& reading) {
+Result<std::shared_ptr<VolumeMedium>> VolumeMedium::open(const std::string& path,
+                                                         const InputOptions& options,
+                                                         const Appearance& appearance,
+                                                         Reading& reading) {
   InputOptions finite = options;
   finite.notFinite = NotFinite::kRefuse;
   VOLUTE_ASSIGN(auto input, openVolume(path, finite, reading));
@@ -254,18 +256,19 @@ Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOption
   }
   if (const char up = input.source->info().up; up != 0 && up != 'z' && options.stated.up == 0)
     reading.progress.remark(fmt::format("{}: its {} axis points upwards, as it says", path, up));
-  VolumeLayer layer(std::move(input), appearance);
-  layer.path_ = path;
-  layer.options_ = std::move(finite);
-  layer.progress_ = &reading.progress;
-  layer.maxMemory_ = reading.maxMemory;
-  VOLUTE_TRY(layer.chooseInterpolation(reading.progress));
-  VOLUTE_TRY(layer.openOthers(reading));
-  VOLUTE_TRY(layer.findContent(reading.progress));
-  return layer;
+  std::shared_ptr<VolumeMedium> volume(new VolumeMedium(std::move(input), appearance));
+  volume->path_ = path;
+  volume->options_ = std::move(finite);
+  volume->progress_ = &reading.progress;
+  volume->maxMemory_ = reading.maxMemory;
+  VOLUTE_TRY(volume->chooseInterpolation(reading.progress));
+  VOLUTE_TRY(volume->openOthers(reading));
+  VOLUTE_TRY(volume->findContent(reading.progress));
+  volume->info_ = volume->describe();
+  return volume;
 }
 
-Status VolumeLayer::findContent(Progress& progress) {
+Status VolumeMedium::findContent(Progress& progress) {
   constexpr std::uint64_t kSparse = 64;  // a box of so many times what is in it may have strays
   constexpr double kRest = 1e-3;
   FrameSource& source = *input_->source;
@@ -277,7 +280,7 @@ Status VolumeLayer::findContent(Progress& progress) {
     for (std::size_t axis = 0; axis < 3; ++axis) slabs[axis][origin[axis]] += amount;
     all += amount;
   };
-  for (const int frame : std::set{0, info_.frames / 2, info_.frames - 1}) {
+  for (const int frame : std::set{0, volume_.frames / 2, volume_.frames - 1}) {
     Bricks bricks;
     VOLUTE_TRY(source.readBricks(frame, bricks));
     for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
@@ -290,7 +293,7 @@ Status VolumeLayer::findContent(Progress& progress) {
   }
   if (!(all > 0))
     return {};
-  const int size[3] = {info_.x, info_.y, info_.z};
+  const int size[3] = {volume_.x, volume_.y, volume_.z};
   Box3 content;
   bool smaller = false;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -325,16 +328,16 @@ Status VolumeLayer::findContent(Progress& progress) {
       "is "
       "what is looked at; the rest is as far as {:.4g}, {:.4g}, {:.4g} and {:.4g}, {:.4g}, {:.4g} "
       "m",
-      path_, info_.name, low.x(), low.y(), low.z(), high.x(), high.y(), high.z(), whole.min.x(),
+      path_, volume_.name, low.x(), low.y(), low.z(), high.x(), high.y(), high.z(), whole.min.x(),
       whole.min.y(), whole.min.z(), whole.max.x(), whole.max.y(), whole.max.z()));
   return {};
 }
 
-Status VolumeLayer::chooseInterpolation(Progress& progress) {
+Status VolumeMedium::chooseInterpolation(Progress& progress) {
   interpolation_ = appearance_.interpolation;
   if (interpolation_ == Interpolation::kNone)
     return {};
-  if (info_.frames < 2) {
+  if (volume_.frames < 2) {
     progress.remark(
         Remark(RemarkCode::kFallback, fmt::format("{}: one frame alone is not interpolated", path_))
             .in(path_));
@@ -382,7 +385,7 @@ Status VolumeLayer::chooseInterpolation(Progress& progress) {
   return {};
 }
 
-Status VolumeLayer::openOthers(Reading& reading) {
+Status VolumeMedium::openOthers(Reading& reading) {
   std::vector<std::string> names = velocities_;
   if (appearance_.flames) {
     names.push_back(appearance_.flames->field);
@@ -422,7 +425,7 @@ Status VolumeLayer::openOthers(Reading& reading) {
           ErrorCode::kInvalidData,
           "{}: grid '{}' has {} frames, but '{}' has {}; grids that are shown together need "
           "the same",
-          path_, name, info.frames, input_->source->info().name, info_.frames);
+          path_, name, info.frames, input_->source->info().name, volume_.frames);
     }
     if (!samePlaces(found->places, input_->places, info.bounds, info.voxelSize().minCoeff())) {
       return fail(ErrorCode::kUnsupported,
@@ -466,39 +469,22 @@ Status VolumeLayer::openOthers(Reading& reading) {
     VOLUTE_TRY(checkDense(*input_->source));
     input_->source = fitTo(std::move(input_->source), wide);
     input_->reader = nullptr;
-    info_.x = wide.x, info_.y = wide.y, info_.z = wide.z;
+    volume_.x = wide.x, volume_.y = wide.y, volume_.z = wide.z;
     const Placement placement = placed(appearance_);
-    info_.bounds = scaled(wide.bounds, placement.scale,
-                          placement.turns() ? Vec3(Vec3::Zero()) : placement.offset);
+    volume_.bounds = scaled(wide.bounds, placement.scale,
+                            placement.turns() ? Vec3(Vec3::Zero()) : placement.offset);
   }
   return {};
 }
 
-Status VolumeLayer::addSurface(int position, std::uint32_t material,
-                               std::vector<Triangle>& triangles) const {
-  Bricks bricks;
-  VOLUTE_TRY(input_->source->readBricks(position, bricks));
-  const Placement world = placed(appearance_);
-  const Mat3 linear = world.turn * world.scale.asDiagonal();
-  GridMatrix place = gridMatrix(linear, world.offset);
-  if (hasPlaces()) {
-    const GridMatrix& own = input_->places[static_cast<std::size_t>(position)];
-    place = gridMatrix(linear * linearOf(own), linear * offsetOf(own) + world.offset);
-  }
-  return addLevelSet(bricks, input_->source->info(), place, material, maxMemory_, triangles);
-}
-
-Result<BrickSlice> VolumeLayer::readSlice(FrameSource& source, int position) {
-  VolumeInfo info = info_;
+Result<BrickSlice> VolumeMedium::readSlice(FrameSource& source, int position) {
+  VolumeInfo info = volume_;
   info.channels = source.info().channels;
-  const auto fromDense = [&](std::span<const float> values) -> Result<BrickSlice> {
-    return BrickSlice::fromDense(info, values);
-  };
   if (!source.info().levelSet && !source.hasTopology()) {
-    std::vector<float>& values = input_->frame;
-    values.resize(source.info().frameValues());
-    VOLUTE_TRY(source.readFrame(position, values));
-    return fromDense(values);
+    return BrickSlice::fromLayers(info, source.readsLayers(),
+                                  [&](int first, int end, std::span<float> values) {
+                                    return source.readLayers(position, first, end, values);
+                                  });
   }
   Bricks bricks;
   VOLUTE_TRY(source.readBricks(position, bricks));
@@ -522,7 +508,7 @@ Result<BrickSlice> VolumeLayer::readSlice(FrameSource& source, int position) {
     }
     std::vector<float> values(info.frameValues());
     bricks.toDense({{0, 0, 0}, {info.x, info.y, info.z}}, values);
-    return fromDense(values);
+    return BrickSlice::fromDense(info, values);
   }
   constexpr std::uint64_t kPerEntry = 64;  // in tables and lists
   const std::uint64_t tiles = kPerEntry * BrickSlice::entriesOfTiles(info, bricks);
@@ -531,7 +517,7 @@ Result<BrickSlice> VolumeLayer::readSlice(FrameSource& source, int position) {
   return BrickSlice::fromBricks(info, bricks);
 }
 
-Result<VolumeLayer::Slice> VolumeLayer::frameOf(FrameSource& source, int position) {
+Result<VolumeMedium::Slice> VolumeMedium::frameOf(FrameSource& source, int position) {
   for (const KeptFrame& kept : kept_) {
     if (kept.source == &source && kept.position == position)
       return kept.slice;
@@ -545,7 +531,7 @@ Result<VolumeLayer::Slice> VolumeLayer::frameOf(FrameSource& source, int positio
 }
 
 /// None where a frame has none.
-Result<Velocities> VolumeLayer::velocitiesOf(int position) {
+Result<Velocities> VolumeMedium::velocitiesOf(int position) {
   Velocities all;
   for (const std::string& name : velocities_) {
     all.emplace_back();
@@ -563,7 +549,7 @@ Result<Velocities> VolumeLayer::velocitiesOf(int position) {
   return all;
 }
 
-Status VolumeLayer::checkVelocities(Reading& reading) {
+Status VolumeMedium::checkVelocities(Reading& reading) {
   if (interpolation_ != Interpolation::kVelocity || velocities_.size() != 1)
     return {};
   const std::string& name = velocities_[0];
@@ -591,14 +577,14 @@ Status VolumeLayer::checkVelocities(Reading& reading) {
   return {};
 }
 
-VoxelMap VolumeLayer::voxelToFile(const GridMatrix& place) const {
+VoxelMap VolumeMedium::voxelToFile(const GridMatrix& place) const {
   const Vec3 voxel = input_->source->info().voxelSize();
   const Vec3 first = fileBounds().min + 0.5 * voxel;
   const Mat3 linear = linearOf(place);
   return {linear * voxel.asDiagonal(), linear * first + offsetOf(place)};
 }
 
-BetweenFrames VolumeLayer::instantAt(double moment) const {
+BetweenFrames VolumeMedium::instantAt(double moment) const {
   const auto position = static_cast<std::size_t>(moment);
   BetweenFrames instant{moment - static_cast<double>(position)};
   const auto& places = input_->places;
@@ -613,12 +599,12 @@ BetweenFrames VolumeLayer::instantAt(double moment) const {
   return instant;
 }
 
-Mat3 VolumeLayer::velocityStep(int position, int in) const {
+Mat3 VolumeMedium::velocityStep(int position, int in) const {
   const auto at = static_cast<std::size_t>(position);
-  const double frames = info_.frameScale.frame(info_.frameNumbers[at + 1]) -
-                        info_.frameScale.frame(info_.frameNumbers[at]);
+  const double frames = volume_.frameScale.frame(volume_.frameNumbers[at + 1]) -
+                        volume_.frameScale.frame(volume_.frameNumbers[at]);
   const bool perSecond = appearance_.velocityUnit == VelocityUnit::kMetresPerSecond;
-  const double span = perSecond ? info_.times[at + 1] - info_.times[at] : frames;
+  const double span = perSecond ? volume_.times[at + 1] - volume_.times[at] : frames;
   const double times = span * appearance_.velocityScale;
   if (appearance_.velocityUnit == VelocityUnit::kVoxelsPerFrame)
     return times * Mat3::Identity();
@@ -640,7 +626,7 @@ Mat3 VolumeLayer::velocityStep(int position, int in) const {
   return times * fromWorld * fromScene * vectorTurn(type, moved) * up;
 }
 
-Result<std::shared_ptr<const VoxelPaths>> VolumeLayer::pathsAt(double moment) {
+Result<std::shared_ptr<const VoxelPaths>> VolumeMedium::pathsAt(double moment) {
   if (interpolation_ != Interpolation::kVelocity)
     return std::shared_ptr<const VoxelPaths>();
   if (moment == pathsMoment_)
@@ -649,15 +635,15 @@ Result<std::shared_ptr<const VoxelPaths>> VolumeLayer::pathsAt(double moment) {
   VOLUTE_ASSIGN(const auto before, velocitiesOf(position));
   VOLUTE_ASSIGN(const auto after, velocitiesOf(position + 1));
   paths_ = std::make_shared<const VoxelPaths>(
-      pathsBetween(info_, before, after, velocityStep(position, position),
+      pathsBetween(volume_, before, after, velocityStep(position, position),
                    velocityStep(position, position + 1), instantAt(moment)));
   pathsMoment_ = moment;
   return paths_;
 }
 
-Result<VolumeLayer::Slice> VolumeLayer::readAt(FrameSource& source, double moment) {
+Result<VolumeMedium::Slice> VolumeMedium::readAt(FrameSource& source, double moment) {
   const int position = static_cast<int>(moment);
-  if (!interpolates()) {
+  if (!(interpolation_ != Interpolation::kNone)) {
     VOLUTE_ASSIGN(auto slice, readSlice(source, position));
     return std::make_shared<const BrickSlice>(std::move(slice));
   }
@@ -666,20 +652,20 @@ Result<VolumeLayer::Slice> VolumeLayer::readAt(FrameSource& source, double momen
     return before;
   VOLUTE_ASSIGN(const auto after, frameOf(source, position + 1));
   VOLUTE_ASSIGN(const auto paths, pathsAt(moment));
-  VolumeInfo info = info_;
+  VolumeInfo info = volume_;
   info.channels = before->channels();
   return std::make_shared<const BrickSlice>(
       blendFrames(info, *before, *after, instantAt(moment), paths.get()));
 }
 
-Result<std::vector<BrickPlace>> VolumeLayer::allBricks(const std::string& why) const {
-  const BrickSlice shape(info_);
-  const std::uint64_t bytes = 16ull * info_.frameValues();
+Result<std::vector<BrickPlace>> VolumeMedium::allBricks(const std::string& why) const {
+  const BrickSlice shape(volume_);
+  const std::uint64_t bytes = 16ull * volume_.frameValues();
   if (bytes > maxMemory_) {
     return fail(ErrorCode::kTooLarge,
                 "{}: {} in all {} x {} x {} voxels, which need {} MiB of memory, more than the {} "
                 "MiB allowed",
-                path_, why, info_.x, info_.y, info_.z, (bytes >> 20) + 1, maxMemory_ >> 20);
+                path_, why, volume_.x, volume_.y, volume_.z, (bytes >> 20) + 1, maxMemory_ >> 20);
   }
   std::vector<BrickPlace> places;
   for (int z = 0; z < shape.bricksZ(); ++z)
@@ -688,10 +674,10 @@ Result<std::vector<BrickPlace>> VolumeLayer::allBricks(const std::string& why) c
   return places;
 }
 
-Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double moment) {
+Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double moment) {
   if (moment == shadedMoment_)
     return shadedSlice_;
-  const int channels = info_.channels;
+  const int channels = volume_.channels;
   VOLUTE_ASSIGN(const Slice main, readAt(*input_->source, moment));
   const auto grid = [&](const std::string& name) -> Result<Slice> {
     if (name.empty())
@@ -702,7 +688,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double mome
     } else if (const auto& other = others_.at(name)) {
       VOLUTE_ASSIGN(slice, readAt(*other->source, moment));
     } else {
-      VolumeInfo empty = info_;
+      VolumeInfo empty = volume_;
       empty.channels = 1;
       slice = std::make_shared<const BrickSlice>(empty);
     }
@@ -791,7 +777,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double mome
   return shadedSlice_;
 }
 
-Result<std::vector<Rgb>> VolumeLayer::colorsAt(double moment, std::span<const Vec3> points) {
+Result<std::vector<Rgb>> VolumeMedium::colorsAt(double moment, std::span<const Vec3> points) {
   const std::string& name = appearance_.colors;
   Slice planes[3];
   const auto whole = others_.find(name), red = others_.find(name + "_r");
@@ -812,11 +798,11 @@ Result<std::vector<Rgb>> VolumeLayer::colorsAt(double moment, std::span<const Ve
   }
   // Colours may be of the smoke or times its density: the brightest channel of each is 1.
   const Box3 bounds = infoAt(moment).bounds;
-  const Vec3 voxel = bounds.size().cwiseQuotient(Vec3(info_.x, info_.y, info_.z));
+  const Vec3 voxel = bounds.size().cwiseQuotient(Vec3(volume_.x, volume_.y, volume_.z));
   std::vector<Rgb> colors(points.size(), Rgb::Ones());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 place = (points[i] - bounds.min).cwiseQuotient(voxel);
-    const int size[3] = {info_.x, info_.y, info_.z};
+    const int size[3] = {volume_.x, volume_.y, volume_.z};
     int at[3];
     for (int axis = 0; axis < 3; ++axis)
       at[axis] = std::clamp(static_cast<int>(std::floor(place[axis])), 0, size[axis] - 1);
@@ -831,7 +817,7 @@ Result<std::vector<Rgb>> VolumeLayer::colorsAt(double moment, std::span<const Ve
   return colors;
 }
 
-Result<std::shared_ptr<const Tree4d>> VolumeLayer::treeAt(int position) {
+Result<std::shared_ptr<const Tree4d>> VolumeMedium::treeAt(int position) {
   if (input_->source->info().levelSet) {
     return fail(ErrorCode::kUnsupported,
                 "{}: '{}' is a level set, of which the tree holds distances; draw its bricks",
@@ -849,15 +835,10 @@ Result<std::shared_ptr<const Tree4d>> VolumeLayer::treeAt(int position) {
         Tree4d::load(*input_->reader,
                      {.firstFrame = treeBegin_, .endFrame = treeBegin_ + kTreeFrames}, *progress_));
     tree_ = std::make_shared<const Tree4d>(std::move(tree));
-    counts_.nodes = std::max<std::uint64_t>(counts_.nodes, tree_->nodeCount());
-    counts_.treeBytes = std::max<std::uint64_t>(counts_.treeBytes, tree_->memoryBytes());
+    treeNodes_ = std::max<std::uint64_t>(treeNodes_, tree_->nodeCount());
+    treeBytes_ = std::max<std::uint64_t>(treeBytes_, tree_->memoryBytes());
   }
   return tree_;
-}
-
-Result<BrickSlice> VolumeLayer::sliceFromTree(int position) {
-  VOLUTE_ASSIGN(const auto tree, treeAt(position));
-  return asItLooks(tree->extractSlice(position, &counts_.nodesVisited), infoAt(position));
 }
 
 BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info) {
@@ -866,46 +847,40 @@ BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info) {
   return slice;
 }
 
-Result<std::shared_ptr<const BrickSlice>> VolumeLayer::sliceAt(double moment, bool tree) {
-  if (moment == moment_ && tree == fromTree_)
+Result<std::shared_ptr<const BrickSlice>> VolumeMedium::sliceAt(double moment) {
+  if (moment == sliceMoment_)
     return slice_;
-  if (tree) {
-    VOLUTE_ASSIGN(auto slice, sliceFromTree(static_cast<int>(moment)));
-    slice_ = std::make_shared<const BrickSlice>(std::move(slice));
-  } else {
-    VOLUTE_ASSIGN(slice_, readAt(*input_->source, moment));
-    // One that was kept may have been read for another place.
-    const VolumeInfo info = infoAt(moment);
-    if (slice_->basis() != info.basis || slice_->bounds().min != info.bounds.min ||
-        slice_->bounds().max != info.bounds.max)
-      slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, info));
-  }
-  moment_ = moment;
-  fromTree_ = tree;
+  VOLUTE_ASSIGN(slice_, readAt(*input_->source, moment));
+  // One that was kept may have been read for another place.
+  const VolumeInfo info = infoAt(moment);
+  if (slice_->basis() != info.basis || slice_->bounds().min != info.bounds.min ||
+      slice_->bounds().max != info.bounds.max)
+    slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, info));
+  sliceMoment_ = moment;
   return slice_;
 }
 
-int VolumeLayer::positionAt(double time) const {
+int VolumeMedium::positionAt(double time) const {
   constexpr double kTimeRounding = 1e-12;  // timeOf() a frame is within it
-  const double own = appearance_.clock.at(time, info_.times);
-  return info_.frameAt(own + kTimeRounding * (1 + std::abs(own)));
+  const double own = appearance_.clock.at(time, volume_.times);
+  return volume_.frameAt(own + kTimeRounding * (1 + std::abs(own)));
 }
 
-double VolumeLayer::momentAt(double time) const {
+double VolumeMedium::momentAt(double time) const {
   constexpr double kWhole = 1e-6;  // of the way: this near a frame it is that frame
   const int position = positionAt(time);
-  if (!interpolates() || position + 1 >= info_.frames)
+  if (!(interpolation_ != Interpolation::kNone) || position + 1 >= volume_.frames)
     return position;
-  const double before = info_.times[static_cast<std::size_t>(position)];
-  const double after = info_.times[static_cast<std::size_t>(position) + 1];
-  const double share = (appearance_.clock.at(time, info_.times) - before) / (after - before);
+  const double before = volume_.times[static_cast<std::size_t>(position)];
+  const double after = volume_.times[static_cast<std::size_t>(position) + 1];
+  const double share = (appearance_.clock.at(time, volume_.times) - before) / (after - before);
   if (!(share > kWhole))
     return position;
   return share > 1 - kWhole ? position + 1 : position + share;
 }
 
-double VolumeLayer::timeOf(int position) const {
-  return appearance_.clock.sceneTime(info_.times[position]);
+double VolumeMedium::timeOf(int position) const {
+  return appearance_.clock.sceneTime(volume_.times[position]);
 }
 
 }  // namespace volute
