@@ -235,7 +235,18 @@ void applyStates(std::span<const VoxelState> states, std::span<const Outlier> ou
                  const WaveletParameters& parameters, const StreamInfo& stream,
                  std::span<float> values) {
   const auto channels = static_cast<std::size_t>(stream.channels);
-  for (std::size_t i = 0; i < states.size(); ++i) {
+  if (channels == 1) {
+    // Selections instead of branches: edges are anywhere.
+    const float empty = parameters.background[0];
+    const float valued = parameters.inactive ? (*parameters.inactive)[0] : 0;
+    const bool codesValued = isCoded(VoxelState::kValued, parameters);
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const float own = values[i];
+      const float other = states[i] == VoxelState::kValued ? (codesValued ? own : valued) : empty;
+      values[i] = states[i] == VoxelState::kActive ? own : other;
+    }
+  }
+  for (std::size_t i = 0; channels > 1 && i < states.size(); ++i) {
     if (isCoded(states[i], parameters))
       continue;
     const auto& value =
