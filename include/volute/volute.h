@@ -49,7 +49,7 @@ int32_t volute_set_threads(int32_t count);
 typedef struct volute_info {
   size_t size; /* set it to sizeof(volute_info): later versions may add members */
   int32_t frames;
-  int32_t z, y, x;   /* voxels */
+  int32_t z, y, x;   /* voxels; 0 of a file in which no grid has values */
   int32_t channels;  /* 1, or 3 for linear RGB */
   int32_t trilinear; /* 0: values are constant in voxels; 1: interpolated between voxel centres; 2:
                         cubic B-splines there */
@@ -131,6 +131,26 @@ typedef struct volute_array {
 volute_status volute_compress_array(const char* path, const volute_info* info, const double* times,
                                     const volute_array* array, int target, double value);
 
+/* Called now and then, from one thread at a time. Returns 0, or else to stop. */
+typedef int (*volute_progress_function)(void* user, const char* stage, double done, double total);
+
+/* The voxels that a volume is written on. Zeros stand for its own. */
+typedef struct volute_resampling {
+  size_t size;                         /* set it to sizeof(volute_resampling) */
+  double voxel_size[3];                /* along x y z [m] */
+  double bounds_min[3], bounds_max[3]; /* x y z of the outer voxel faces [m] */
+  const char* like;                    /* a volume whose first frame's voxels they are, or NULL */
+  const char* grids;                   /* of a file with several: "density,flame"; NULL: all */
+  double rms;                          /* relative, of a .volute; 0: 0.001 */
+  volute_progress_function progress;   /* or NULL */
+  void* user;                          /* for it */
+} volute_resampling;
+
+/* Writes a volume on other voxels, as `volute resample`: those that are turned, sheared, moving or
+ * in a frustum come to lie along the axes. `target`: .volute, .npy, or a pattern %04d.vdb or
+ * %04d.vti. VOLUTE_CANCELLED if `progress` stopped. */
+volute_status volute_resample(const char* path, const char* target, const volute_resampling* how);
+
 /* ---- pictures ---- */
 
 /* A scene that is drawn: from a scene file, from any other file that Volute shows, or from an
@@ -163,9 +183,6 @@ void volute_drawing_close(volute_drawing* drawing);
 size_t volute_drawing_time_count(const volute_drawing* drawing);
 volute_status volute_drawing_times(const volute_drawing* drawing, double* times, size_t count);
 
-/* Called now and then, from one thread at a time. Returns 0, or else to stop. */
-typedef int (*volute_progress_function)(void* user, const char* stage, double done, double total);
-
 enum { VOLUTE_TONE_AUTO = 0, VOLUTE_TONE_NONE = 1, VOLUTE_TONE_FILMIC = 2, VOLUTE_TONE_AGX = 3 };
 
 /* What a picture shows, and how. Zeros stand for what `volute render` does without its options. */
@@ -180,6 +197,8 @@ typedef struct volute_view {
   int32_t samples;                   /* rays per pixel at edges; 0: 8 */
   volute_progress_function progress; /* or NULL */
   void* user;                        /* for it */
+  double shutter; /* averages light over this share of the time to the next frame: 0.5 is 180
+                     degrees. Volumes move then where members have "interpolate": "auto" */
 } volute_view;
 
 /* Draws a picture for a display, the pixels of the .png of `volute render`: sRGB, row 0 at the top,

@@ -179,7 +179,12 @@ class File {
               {.partial = partial, .maxMemory = maxMemory, .grid = grid, .differences = true});
         }))) {}
 
-  py::dict info() const { return describe(reader_.info()); }
+  py::dict info() const {
+    VolumeInfo info = reader_.info();
+    if (reader_.grid().empty)  // no grid has values
+      info.z = info.y = info.x = 0;
+    return describe(info);
+  }
 
   py::dict header() const {
     using namespace py::literals;

@@ -36,6 +36,7 @@
 #include "volute/visibility/sign_file.hpp"
 #include "volute/visibility/survey.hpp"
 #include "volute/volume_files/memory_volumes.hpp"
+#include "volute/volume_files/volume_resampling.hpp"
 #include "volute/volume_files/volume_writer.hpp"
 
 namespace volute::python {
@@ -167,6 +168,8 @@ RenderRequest requestOf(const py::dict& said) {
     request.exposure = said["exposure"].cast<double>();
   if (given("bloom"))
     request.bloom = said["bloom"].cast<double>();
+  if (given("shutter"))
+    request.shutter = said["shutter"].cast<double>();
   if (given("samples"))
     request.samples = said["samples"].cast<int>();
   if (given("legend"))
@@ -693,6 +696,37 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
   return py::make_tuple(array, place, report.dump(), bars);
 }
 
+/// `volute resample`.
+void resampleFile(const std::string& path, const std::string& target, const py::dict& said,
+                  std::uint64_t maxMemory, const py::object& listener) {
+  ResampleRequest request;
+  const auto given = [&](const char* key) { return !said[key].is_none(); };
+  request.fields = said["grids"].cast<std::string>();
+  request.like = said["like"].cast<std::string>();
+  request.rms = said["rms"].cast<double>();
+  request.basis = *basisNamed(said["basis"].cast<std::string>());
+  if (given("frames")) {
+    const auto frames = said["frames"].cast<std::array<int, 2>>();
+    request.frames = FrameRange{frames[0], frames[1]};
+  }
+  if (given("voxel_size")) {
+    const auto size = said["voxel_size"].cast<std::array<double, 3>>();
+    request.voxelSize = Vec3(size[0], size[1], size[2]);
+  }
+  if (given("bounds")) {
+    const auto b = said["bounds"].cast<std::array<std::array<double, 3>, 2>>();
+    request.bounds = Box3{Vec3(b[0][0], b[0][1], b[0][2]), Vec3(b[1][0], b[1][1], b[1][2])};
+  }
+  if (given("matrix"))
+    request.matrix = said["matrix"].cast<GridMatrix>();
+  run(listener, [&](Progress& progress) -> Status {
+    Reading reading{progress, maxMemory};
+    Team alone;
+    VOLUTE_TRY(resampleVolume(path, target, request, reading, alone));
+    return {};
+  });
+}
+
 }  // namespace
 }  // namespace volute::python
 
@@ -751,6 +785,8 @@ PYBIND11_MODULE(_scene, m) {
       .def("render", &PythonScene::render, "said"_a, "reference"_a, "listener"_a)
       .def("picture", &PythonScene::picture, "said"_a, "listener"_a)
       .def("film", &PythonScene::film, "said"_a, "listener"_a);
+
+  m.def("resample", &resampleFile, "path"_a, "target"_a, "said"_a, "max_memory"_a, "listener"_a);
 
   py::class_<volute::python::Sight>(m, "Sight")
       .def(py::init<std::string, std::string, const Volumes&, std::uint64_t>(), "path"_a,

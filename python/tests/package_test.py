@@ -110,6 +110,19 @@ class Package(unittest.TestCase):
         with self.assertRaisesRegex(volute.InvalidData, "empty"):
             v.grid("fuel")
 
+    def test_files_without_values(self):
+        data = pathlib.Path(__file__).parents[2] / "tests" / "data"
+        empty, kept = volute.open(data / "codec3_empty.volute"), volute.open(data / "codec3_kept.volute")
+        self.assertEqual([(name, one["empty"]) for name, one in empty.grids.items()], [("density", True), ("velocity", True), ("surface", True)])
+        self.assertEqual(kept.grids, {})
+        for v in (empty, kept):
+            self.assertEqual((v.shape, np.asarray(v).shape, v[0].shape), ((2, 0, 0, 0), (2, 0, 0, 0), (0, 0, 0)))
+            self.assertEqual((list(v.times), list(v.frame_numbers)), ([0.5, 1], [3, 4]))
+            self.assertEqual(len(v.bricks(1).positions), 0)
+            v.verify()
+            with self.assertRaisesRegex(volute.Unsupported, "no grid has values"):
+                volute.picture(v.path, size=(16, 12))
+
     def test_slices_are_those_of_numpy(self):
         v = volute.open(self.file)
         for key in [0, -1, (3, 4, 5, 6), (slice(None), 4), slice(10, 20), (slice(2, 18), slice(None, None, 2), slice(3, 17)), Ellipsis,
@@ -596,6 +609,34 @@ time.sleep(float(sys.argv[2]))
         volute.write_image(self.path / "white.png", white)
         np.testing.assert_array_equal(volute.read_image(self.path / "white.png"), white)
         self.assertEqual(volute.to_srgb([0.0, 0.5, 9.0]).tolist(), [0, 188, 255])
+
+    def test_a_shutter_blurs_what_moves(self):
+        said = {"size": (40, 30), "exposure": 1.0, "emission": 1.0, "interpolate": "linear"}
+        blurred = volute.picture(self.file, 1.0, shutter=0.5, **said)
+        self.command("render", self.file, "-o", self.path / "blurred.png", "--time", 1, "--size", "40x30", "--exposure", 1, "--emission", 1,
+                     "--interpolate", "linear", "--shutter", 0.5, "--renderer", "cpu")
+        self.assert_pixels(blurred, self.path / "blurred.png")
+        self.assertTrue((blurred != volute.picture(self.file, 1.0, **said)).any())
+        with self.assertRaisesRegex(ValueError, "shutter=2.0: expected 0 to 1"):
+            volute.picture(self.file, shutter=2)
+
+    def test_other_voxels(self):
+        volute.resample(self.file, self.path / "coarse.npy", voxel_size=0.2, frames=(0, 2), grids=["density"])
+        self.command("resample", self.file, "-o", self.path / "coarse_cli.npy", "--voxel-size", 0.2, "--frames", "0:2")
+        coarse = np.load(self.path / "coarse.npy")
+        np.testing.assert_array_equal(coarse, np.load(self.path / "coarse_cli.npy"))
+        self.assertEqual(coarse.shape, (2, 12, 10, 9))
+        volute.resample(volute.open(self.file), self.path / "box.volute", bounds=((0, 0, 0), (0.9, 1, 1.2)), rms=1e-2)
+        self.assertEqual(volute.open(self.path / "box.volute").shape, (20, 12, 10, 9))
+        for wrong in ({"voxel_size": 0}, {"bounds": [0, 1]}, {"like": self.file, "bounds": ((0, 0, 0), (1, 1, 1))}, {"rms": 2}, {"basis": "round"}):
+            with self.assertRaises(ValueError):
+                volute.resample(self.file, self.path / "no.npy", **wrong)
+
+        def stop(stage, done, total):
+            raise KeyboardInterrupt
+        with self.assertRaises(KeyboardInterrupt):
+            volute.resample(self.file, self.path / "no.npy", voxel_size=0.05, progress=stop)
+        self.assertFalse((self.path / "no.npy").exists())
 
     def command(self, *arguments):
         subprocess.run([COMMAND, *map(str, arguments), "--quiet"], check=True, stdout=subprocess.DEVNULL)

@@ -105,6 +105,42 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     return Compressed(path, **report)
 
 
+def resample(source, output, *, voxel_size=None, bounds=None, matrix=None, like=None, frames=None, grids=None, basis="trilinear", rms=1e-3,
+             max_memory=4 << 30, progress=None):
+    """Writes a volume on other voxels, as `volute resample`: voxels that are turned, sheared, moving or in a frustum come to lie along the axes.
+
+    source: any file of a volume, or a Volume. output: .volute, .npy, or a pattern %04d.vdb or %04d.vti. What is not said is as in the source.
+    voxel_size: [m], a number or (x, y, z). bounds: ((x0, y0, z0), (x1, y1, z1)), outer voxel faces [m]. matrix: three rows of four numbers, from
+        the index of a new voxel to the world [m]. like: a volume whose first frame's voxels they are. frames: (first, end), numbers of frames.
+    grids: names, of a file with several. basis: of the old voxels. rms: relative, of a .volute."""
+    def numbers(what, values, shape):
+        values = np.asarray(values, float)
+        if values.shape != shape or not np.isfinite(values).all():
+            raise ValueError(f"{what}: expected {' x '.join(map(str, shape))} numbers")
+        return values
+    if voxel_size is not None:
+        voxel_size = numbers("voxel_size", [voxel_size] * 3 if np.ndim(voxel_size) == 0 else voxel_size, (3,)).tolist()
+        if min(voxel_size) <= 0:
+            raise ValueError("voxel_size: expected numbers above 0")
+    if bounds is not None:
+        bounds = numbers("bounds", bounds, (2, 3)).tolist()
+    if bounds is not None and like is not None:
+        raise ValueError("bounds and like exclude each other; give one of them")
+    if matrix is not None:
+        matrix = numbers("matrix", np.asarray(matrix, float)[:3], (3, 4)).ravel().tolist()
+    if basis not in ("box", "trilinear", "cubic"):
+        raise ValueError(f"basis={basis!r}: expected box, trilinear or cubic")
+    rms = number("rms", rms)
+    if not 0 < rms <= 1:
+        raise ValueError(f"rms={rms!r}: expected a number above 0, at most 1")
+    said = {"voxel_size": voxel_size, "bounds": bounds, "matrix": matrix, "like": "" if like is None else os.fspath(like), "rms": rms,
+            "frames": None if frames is None else (whole("frames", frames[0]), whole("frames", frames[1])),
+            "grids": grids if isinstance(grids, str) else ",".join(grids or ()), "basis": basis}
+    from ._scene_api import _part
+    with Listener(progress) as listener:
+        _part().resample(os.fspath(getattr(source, "path", source)), os.fspath(output), said, whole("max_memory", max_memory), listener)
+
+
 def to_bytes(frames, **options):
     """The bytes of a .volute file, with what compress() takes but its path. volute.open() takes them."""
     with tempfile.TemporaryDirectory() as folder:

@@ -109,7 +109,7 @@ def _view(camera, size, background):
     return {"camera": None if camera is None else _text(camera), "size": size, "background": background}
 
 
-def _look(exposure, tone, samples, bloom, colormap, legend):
+def _look(exposure, tone, samples, bloom, colormap, legend, shutter):
     """How light becomes a picture."""
     exposure = None if exposure in (None, "auto") else number("exposure", exposure)
     if exposure is not None and not (0 < exposure < float("inf")):
@@ -120,8 +120,11 @@ def _look(exposure, tone, samples, bloom, colormap, legend):
     bloom = number("bloom", bloom)
     if not 0 <= bloom <= 1:
         raise ValueError(f"bloom={bloom}: expected 0 to 1")
+    shutter = number("shutter", shutter)
+    if not 0 <= shutter <= 1:
+        raise ValueError(f"shutter={shutter}: expected 0 to 1, of the time to the next frame")
     return {"exposure": exposure, "tone": _choice("tone", None if tone == "auto" else tone, ("none", "filmic", "agx", "shoulder")), "samples": samples,
-            "bloom": bloom, "colormap": _choice("colormap", None if colormap == "grey" else colormap, ("viridis", "inferno")), "legend": legend}
+            "bloom": bloom, "shutter": shutter, "colormap": _choice("colormap", None if colormap == "grey" else colormap, ("viridis", "inferno")), "legend": legend}
 
 
 class Scene:
@@ -235,21 +238,23 @@ class Scene:
             return (self._scene if measured else self._pictured(progress)).render(said, renderer == "reference", listener)
 
     def picture(self, time=None, *, camera=None, size=None, background=None, exposure=None, tone=None, samples=8, bloom=0.0, colormap=None,
-                legend=None, progress=None):
+                legend=None, shutter=0.0, progress=None):
         """A picture for a display: sRGB, uint8, shape (height, width, 3), or (height, width) where light has no colour: the pixels of the
         .png that `volute render` writes of the same file or values.
 
         time: [s]; default one that has something to see. camera, size, background, progress: as for render().
         exposure: a factor of light; default: brightest parts near white. tone: "filmic", "agx", "shoulder" or "none"; default
             filmic; for measured transmittance none, with flames shoulder. samples: rays per pixel at edges. bloom: share of light that glows, 0 to 1.
-        colormap: "viridis" or "inferno", for volumes with one channel. legend: draw mode, field, time and colour scale into it."""
+        colormap: "viridis" or "inferno", for volumes with one channel. legend: draw mode, field, time and colour scale into it.
+        shutter: averages light over this share of the time to the next frame, 0.5 is 180 degrees; a volume moves then if its member
+            `interpolate` is "auto", "velocity" or "linear"."""
         said = {"time": None if time is None else number("time", time), **_view(camera, size, background),
-                **_look(exposure, tone, samples, bloom, colormap, legend)}
+                **_look(exposure, tone, samples, bloom, colormap, legend, shutter)}
         with Listener(progress) as listener:
             return self._pictured(progress).picture(said, listener)
 
     def film(self, path, *, frames=None, speed=1.0, orbit=None, camera=None, size=None, background=None, exposure=None, tone=None, samples=8,
-             bloom=0.0, colormap=None, legend=None, progress=None):
+             bloom=0.0, colormap=None, legend=None, shutter=0.0, progress=None):
         """Writes a film (.mp4, .webm), or numbered pictures (fire_%04d.png), as `volute render` does: with one exposure for all.
 
         frames: (first, end), numbers of frames; default all. speed: seconds of the scene in one of the film. orbit: turns the camera
@@ -257,7 +262,7 @@ class Scene:
         path = os.fspath(path)
         said = {"target": path, "frames": None if frames is None else (whole("frames", frames[0]), whole("frames", frames[1])),
                 "speed": number("speed", speed), "orbit": None if orbit is None else number("orbit", orbit),
-                **_view(camera, size, background), **_look(exposure, tone, samples, bloom, colormap, legend)}
+                **_view(camera, size, background), **_look(exposure, tone, samples, bloom, colormap, legend, shutter)}
         if not said["speed"] > 0:
             raise ValueError(f"speed={speed!r}: expected a number above 0")
         with Listener(progress) as listener:
@@ -301,19 +306,20 @@ def render(source, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None
 
 
 def picture(source, time=None, *, camera=None, size=None, background=None, exposure=None, tone=None, samples=8, bloom=0.0, colormap=None,
-            legend=None, progress=None, **members):
+            legend=None, shutter=0.0, progress=None, **members):
     """A picture of a scene, a dict, any file that Volute shows, or an array: sRGB, uint8, shape (height, width, 3), as `volute render`
     writes it. See Scene and Scene.picture()."""
     return _scene_of(source, progress, members).picture(time, camera=camera, size=size, background=background, exposure=exposure, tone=tone,
-                                                        samples=samples, bloom=bloom, colormap=colormap, legend=legend, progress=progress)
+                                                        samples=samples, bloom=bloom, colormap=colormap, legend=legend, shutter=shutter,
+                                                        progress=progress)
 
 
 def film(source, path, *, frames=None, speed=1.0, orbit=None, camera=None, size=None, background=None, exposure=None, tone=None, samples=8,
-         bloom=0.0, colormap=None, legend=None, progress=None, **members):
+         bloom=0.0, colormap=None, legend=None, shutter=0.0, progress=None, **members):
     """A film of a scene, a dict, any file that Volute shows, or an array. See Scene and Scene.film()."""
     _scene_of(source, progress, members).film(path, frames=frames, speed=speed, orbit=orbit, camera=camera, size=size, background=background,
                                               exposure=exposure, tone=tone, samples=samples, bloom=bloom, colormap=colormap, legend=legend,
-                                              progress=progress)
+                                              shutter=shutter, progress=progress)
 
 
 def to_srgb(image):

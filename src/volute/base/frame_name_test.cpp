@@ -59,6 +59,7 @@ TEST(OutputName, KeepsPercentAndHashOfAFileThatIsThere) {
   EXPECT_EQ(derivedOutput("smoke_50%.volute", ".png"), "smoke_50%.png");
   EXPECT_EQ(derivedOutput("a%20b.volute", ".png"), "a%20b.png");
   EXPECT_EQ(derivedOutput("take#2.volute", ".png"), "take#2.png");
+  EXPECT_EQ(derivedOutput("t#2 %04d.volute", ".png"), "t#2.png");
   EXPECT_EQ(derivedOutput("cache_%04d.vdb", ".volute"), "cache.volute");
   EXPECT_EQ(derivedOutput("cache.$F4.vdb", ".volute"), "cache.volute");
   std::filesystem::current_path(before);

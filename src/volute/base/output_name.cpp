@@ -61,7 +61,7 @@ std::string derivedOutput(const std::string& input, std::string_view end) {
   const std::string plain = stem + std::string(end);
   if (const auto field = findFrameField(plain); namesSeries(plain) && field && *field)
     stem.resize((*field)->begin);
-  while (!stem.empty() && (stem.back() == '_' || stem.back() == '.' || stem.back() == '-'))
+  while (!stem.empty() && std::string_view("_.- ").find(stem.back()) != std::string_view::npos)
     stem.pop_back();
   if (stem.empty())
     stem = "volute";

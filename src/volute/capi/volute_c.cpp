@@ -26,6 +26,7 @@
 #include "volute/visibility/sight_engine.hpp"
 #include "volute/visibility/sign_file.hpp"
 #include "volute/volume_files/memory_volumes.hpp"
+#include "volute/volume_files/volume_resampling.hpp"
 #include "volute/volute.h"
 
 struct volute_file {
@@ -252,7 +253,9 @@ Result<NumberArray> numbersOf(const char* function, const VolumeInfo& info,
 /// Asks the caller now and then.
 class CallerProgress final : public Progress {
  public:
-  explicit CallerProgress(const volute_view& view) : call_(view.progress), user_(view.user) {}
+  /// @param how  has `progress` and `user`
+  template <class Options>
+  explicit CallerProgress(const Options& how) : call_(how.progress), user_(how.user) {}
 
   void report(std::string_view stage, double done, double total) override {
     if (!call_)
@@ -316,11 +319,42 @@ Result<RenderRequest> requestOf(const volute_view& view) {
         "VOLUTE_TONE_AUTO to _AGX",
         view.exposure, view.samples, view.tone);
   }
+  if (!(view.shutter >= 0 && view.shutter <= 1)) {
+    return fail(ErrorCode::kInvalidArgument, "view: a shutter of {}; expected 0 to 1",
+                view.shutter);
+  }
   request.exposure = view.exposure;
+  request.shutter = view.shutter;
   if (view.samples > 0)
     request.samples = view.samples;
   if (view.tone != VOLUTE_TONE_AUTO)
     request.tone = static_cast<ToneCurve>(view.tone - VOLUTE_TONE_NONE);
+  return request;
+}
+
+Result<ResampleRequest> requestOf(const volute_resampling& how) {
+  constexpr const char* kFunction = "volute_resample";
+  VOLUTE_TRY(checkSize(kFunction, "resampling", how));
+  ResampleRequest request;
+  request.fields = how.grids ? how.grids : "";
+  request.like = how.like ? how.like : "";
+  const Vec3 voxel(how.voxel_size[0], how.voxel_size[1], how.voxel_size[2]);
+  const Vec3 low(how.bounds_min[0], how.bounds_min[1], how.bounds_min[2]);
+  const Vec3 high(how.bounds_max[0], how.bounds_max[1], how.bounds_max[2]);
+  const bool sized = voxel != Vec3::Zero(), bounded = low != high;
+  if (!(how.rms >= 0 && how.rms <= 1) || (sized && !(voxel.minCoeff() > 0)) ||
+      (bounded && !((high - low).minCoeff() > 0)) || (bounded && !request.like.empty())) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: expected sizes of voxels above 0, or none, bounds with min below max, or none "
+                "where there is `like`, and an rms from 0 to 1",
+                kFunction);
+  }
+  if (sized)
+    request.voxelSize = voxel;
+  if (bounded)
+    request.bounds = Box3{low, high};
+  if (how.rms > 0)
+    request.rms = how.rms;
   return request;
 }
 
@@ -470,7 +504,8 @@ volute_status volute_file_info(const volute_file* file, volute_info* info) {
     VOLUTE_TRY(volute::checkSize("volute_file_info", "info", *info));
     const volute::VolumeInfo& from = file->reader.info();
     info->frames = from.frames;
-    info->z = from.z, info->y = from.y, info->x = from.x;
+    const bool empty = file->reader.grid().empty;
+    info->z = empty ? 0 : from.z, info->y = empty ? 0 : from.y, info->x = empty ? 0 : from.x;
     info->channels = from.channels;
     info->trilinear = static_cast<std::int32_t>(from.basis);
     for (int axis = 0; axis < 3; ++axis) {
@@ -511,6 +546,18 @@ volute_status volute_file_read_double(const volute_file* file, int32_t frame,
   return guarded([&]() -> Status {
     VOLUTE_TRY(volute::given("volute_file_read_double", file, values));
     return volute::readRegion(file->reader, frame, begin, end, values, count);
+  });
+}
+
+volute_status volute_resample(const char* path, const char* target, const volute_resampling* how) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_resample", path, target, how));
+    VOLUTE_ASSIGN(const auto request, volute::requestOf(*how));
+    volute::CallerProgress progress(*how);
+    volute::Reading reading{progress, volute::SceneOptions().maxMemory};
+    volute::Team alone;
+    VOLUTE_TRY(volute::resampleVolume(path, target, request, reading, alone));
+    return {};
   });
 }
 
