@@ -102,8 +102,7 @@ std::vector<std::byte> writeInfoChunk(const FileHead& head) {
     for (const int place : support.worstVoxel) out.varint(static_cast<std::uint64_t>(place));
   }
   const FrameScale& scale = head.info.frameScale;
-  const bool counted =
-      header.amounts.shares.size() == static_cast<std::size_t>(head.info.frames);
+  const bool counted = header.amounts.shares.size() == static_cast<std::size_t>(head.info.frames);
   if (scale != FrameScale{} || head.info.up != 0 || counted)
     out.u8(static_cast<std::uint8_t>(scale.decimals | (scale.allDecimals ? kAllDecimals : 0)));
   if (head.info.up != 0 || counted)
