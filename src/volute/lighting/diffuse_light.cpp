@@ -14,11 +14,11 @@ namespace {
 
 constexpr int kCellsAlong = 32;  ///< the longest side
 constexpr double kFluxLimit = 2;
-constexpr int kFluxRounds = 4;      ///< of the limiter, which follows the light
-constexpr int kMaxGradients = 400;  ///< of conjugate gradients
-constexpr double kResidual = 1e-3,
-                 kLastResidual = 1e-6;  ///< of the squared residual: rounds, the last
-constexpr double kRaysAlong = 64;       ///< across a side of the box, of a few lamps
+constexpr int kFluxRounds = 4;                    ///< of the limiter, which follows the light
+constexpr int kMaxGradients = 400;                ///< of conjugate gradients
+constexpr double kResidual = 1e-3, kLast = 1e-6;  ///< of the squared residual: rounds, the last
+constexpr std::size_t kLampGroups = 4;            ///< followed at once
+constexpr double kRaysAlong = 64;                 ///< across a side of the box, of a few lamps
 constexpr double kFewLamps = 4;
 constexpr int kSurfaceHalvings = 7;  ///< to find a surface on a ray
 constexpr double kMaxAlbedo = 1 - 1e-6;
@@ -52,23 +52,48 @@ class DiffuseLight::Solver {
     albedo_ = request.scattering.albedo.max(0).min(kMaxAlbedo);
     findExtinction();
     findWalls();
-    for (auto& sent : sent_) sent.assign(count_, Sent{});
-    for (const Lamp& lamp : request.lamps) followLamp(lamp);
+    followLamps();
   }
 
+  /// Channels of one albedo share the limiter, which follows their sum.
   std::vector<Cell> solve() {
     std::vector<Cell> light(count_);
-    std::array<std::vector<double>, 3> all;
-    for (std::size_t c = 0; c < 3; ++c) {
-      double times = 1;
-      const std::size_t same = sameAs(c, times);
-      if (same == c)
-        all[c] = diffused(c);
-      else
-        all[c] = all[same];
-      if (same != c)
-        std::ranges::for_each(all[c], [&](double& value) { value *= times; });
-      take(all[c], c, light);
+    std::array<bool, 3> solved{};
+    for (int first = 0; first < 3; ++first) {
+      if (solved[static_cast<std::size_t>(first)])
+        continue;
+      std::vector<int> alike;
+      Sources sum(count_);
+      for (int c = first; c < 3; ++c) {
+        if (albedo_[c] != albedo_[first])
+          continue;
+        alike.push_back(c), solved[static_cast<std::size_t>(c)] = true;
+        for (std::size_t i = 0; i < count_; ++i) {
+          sum[i].power += sent_[i][static_cast<std::size_t>(c)].power;
+          sum[i].way += sent_[i][static_cast<std::size_t>(c)].way;
+        }
+      }
+      std::vector<double> all;
+      Equations equations;
+      for (int round = 0; round < kFluxRounds; ++round) {
+        equations = equationsOf(first, all);
+        all.resize(count_, 0);
+        relax(equations, sourceOf(equations, sum), round + 1 < kFluxRounds ? kResidual : kLast,
+              all);
+      }
+      parallelFor(alike.size(), [&](std::size_t k) {
+        const auto c = static_cast<std::size_t>(alike[k]);
+        Sources sent(count_);
+        double own = 0, whole = 0;
+        for (std::size_t i = 0; i < count_; ++i) {
+          sent[i] = sent_[i][c];
+          own += sent[i].power, whole += sum[i].power;
+        }
+        std::vector<double> channel = all;
+        for (double& one : channel) one *= whole > 0 ? own / whole : 0;
+        relax(equations, sourceOf(equations, sent), kLast, channel);
+        take(equations, sent, channel, c, light);
+      });
     }
     return light;
   }
@@ -79,6 +104,8 @@ class DiffuseLight::Solver {
     double power = 0;
     Vec3 way = Vec3::Zero();
   };
+
+  using Sources = std::vector<Sent>;
 
   template <class Each>
   void forCells(Each&& each) const {
@@ -252,8 +279,28 @@ class DiffuseLight::Solver {
     for (std::size_t i = 0; i < beams.size(); ++i) beams[i].way.end = ends[i].begin;
   }
 
-  /// What a lamp's rays lose on their way goes to the cells.
-  void followLamp(const Lamp& lamp) {
+  /// What lamps' rays lose on their way goes to the cells: of some lamps each to cells of its own,
+  /// which are added up in one order.
+  void followLamps() {
+    sent_.assign(count_, {});
+    const std::size_t groups = std::min(kLampGroups, request_.lamps.size());
+    std::vector<decltype(sent_)> each(groups);
+    parallelFor(groups, [&](std::size_t group) {
+      each[group].assign(count_, {});
+      for (std::size_t l = group; l < request_.lamps.size(); l += groups)
+        follow(request_.lamps[l], each[group]);
+    });
+    parallelRanges(count_, 1024, [&](std::size_t begin, std::size_t end) {
+      for (const auto& some : each) {
+        for (std::size_t i = begin; i < end; ++i) {
+          for (std::size_t c = 0; c < 3; ++c)
+            sent_[i][c].power += some[i][c].power, sent_[i][c].way += some[i][c].way;
+        }
+      }
+    });
+  }
+
+  void follow(const Lamp& lamp, std::vector<std::array<Sent, 3>>& sent) const {
     for (const Beam& beam : beamsOf(lamp)) {
       const Segment& way = beam.way;
       if (way.empty())
@@ -276,45 +323,23 @@ class DiffuseLight::Solver {
         const double depth = extinction_[cell] * step;
         if (!(depth > 0))
           continue;
-        for (std::size_t c = 0; c < 3; ++c) {
-          const auto channel = static_cast<int>(c);
-          const double loses = 1 - albedo_[channel] * forward_;
-          const double lost = -power[channel] * std::expm1(-depth * loses);
-          power[channel] -= lost;
-          const double scattered = lost * albedo_[channel] * (1 - forward_) / loses;
-          sent_[c][cell].power += scattered;
-          sent_[c][cell].way += scattered * way.direction;
+        for (int c = 0; c < 3; ++c) {
+          const double loses = 1 - albedo_[c] * forward_;
+          const double lost = -power[c] * std::expm1(-depth * loses);
+          power[c] -= lost;
+          const double scattered = lost * albedo_[c] * (1 - forward_) / loses;
+          Sent& here = sent[cell][static_cast<std::size_t>(c)];
+          here.power += scattered;
+          here.way += scattered * way.direction;
         }
       }
     }
   }
 
-  /// An earlier channel whose light is so many times as strong; else the channel itself.
-  std::size_t sameAs(std::size_t channel, double& times) const {
-    for (std::size_t c = 0; c < channel; ++c) {
-      if (albedo_[static_cast<int>(c)] != albedo_[static_cast<int>(channel)])
-        continue;
-      double own = 0, other = 0, difference = 0;
-      for (std::size_t i = 0; i < count_; ++i) {
-        own += sent_[channel][i].power;
-        other += sent_[c][i].power;
-      }
-      if (!(other > 0))
-        continue;
-      times = own / other;
-      for (std::size_t i = 0; i < count_; ++i)
-        difference += std::abs(sent_[channel][i].power - times * sent_[c][i].power);
-      if (difference <= 1e-9 * own)
-        return c;
-    }
-    times = 1;
-    return channel;
-  }
-
   struct Equations {
-    std::vector<double> faces;   ///< three for each cell, to the next one along each axis
-    std::vector<double> taken;   ///< of each cell's light: absorbed, or out of the box
-    std::vector<double> source;  ///< of each cell
+    std::vector<double> faces;    ///< three for each cell, to the next one along each axis
+    std::vector<double> taken;    ///< of each cell's light: absorbed, or out of the box
+    std::vector<double> inverse;  ///< of what is taken and goes through faces
   };
 
   double transport(std::size_t cell, int channel) const {
@@ -322,17 +347,13 @@ class DiffuseLight::Solver {
   }
 
   /// @param light  of the round before; empty: none
-  Equations equations(std::size_t c, const std::vector<double>& light) const {
-    const auto channel = static_cast<int>(c);
+  Equations equationsOf(int channel, const std::vector<double>& light) const {
     Equations all;
     all.faces.assign(3 * count_, 0);
     all.taken.resize(count_);
-    all.source.resize(count_);
     const double volume = size_.prod();
-    for (std::size_t i = 0; i < count_; ++i) {
+    for (std::size_t i = 0; i < count_; ++i)
       all.taken[i] = extinction_[i] * (1 - albedo_[channel]) * volume;
-      all.source[i] = sent_[c][i].power;
-    }
     const auto leaves = [&](std::size_t cell, std::size_t axis) {  // half of what is there, at most
       all.taken[cell] +=
           areaAcross(axis) / (0.5 * size_[static_cast<int>(axis)] * transport(cell, channel) + 2);
@@ -376,61 +397,67 @@ class DiffuseLight::Solver {
         const double thick = 0.5 * (transport(i, channel) + transport(next, channel));
         const double diffusion =
             1 / std::max(std::hypot(thick, kFluxLimit * change), 1e-6 / size_.maxCoeff());
-        const double area = areaAcross(axis);
-        all.faces[3 * i + axis] = diffusion * area / length;
-        const double along = 3 * diffusion * cosine_ * area / (2 * volume) *
-                             (sent_[c][i].way + sent_[c][next].way)[static_cast<int>(axis)];
-        all.source[i] -= along;
-        all.source[next] += along;
+        all.faces[3 * i + axis] = diffusion * areaAcross(axis) / length;
       }
     });
+    all.inverse = all.taken;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t i = 0; i + strides_[axis] < count_; ++i) {
+        all.inverse[i] += all.faces[3 * i + axis];
+        all.inverse[i + strides_[axis]] += all.faces[3 * i + axis];
+      }
+    }
+    for (double& one : all.inverse) one = one > 0 ? 1 / one : 0;
     return all;
   }
 
-  /// The light of each cell, its integral over all ways.
-  std::vector<double> diffused(std::size_t channel) const {
-    std::vector<double> light, residual(count_), scaled(count_), way(count_), step(count_);
-    for (int round = 0; round < kFluxRounds; ++round) {
-      const Equations all = equations(channel, light);
-      if (round == 0)
-        light.assign(count_, 0);
-      std::vector<double> inverse = all.taken;
-      forCells([&](std::size_t i, const std::array<int, 3>&) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          const double face = all.faces[3 * i + axis];
-          if (face > 0)
-            inverse[i] += face, inverse[i + strides_[axis]] += face;
-        }
-      });
-      for (double& one : inverse) one = one > 0 ? 1 / one : 0;
-      apply(all, light, step);
-      double size = 0, whole = 0;
-      for (std::size_t i = 0; i < count_; ++i) {
-        residual[i] = all.source[i] - step[i];
-        way[i] = scaled[i] = residual[i] * inverse[i];
-        size += residual[i] * scaled[i];
-        whole += all.source[i] * all.source[i] * inverse[i];
+  std::vector<double> sourceOf(const Equations& all, const Sources& sent) const {
+    std::vector<double> source(count_);
+    for (std::size_t i = 0; i < count_; ++i) source[i] = sent[i].power;
+    const double volume = size_.prod();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<int>(axis);
+      for (std::size_t i = 0; i + strides_[axis] < count_; ++i) {
+        const std::size_t next = i + strides_[axis];
+        const double along = 3 * all.faces[3 * i + axis] * size_[a] * cosine_ / (2 * volume) *
+                             (sent[i].way + sent[next].way)[a];
+        source[i] -= along;
+        source[next] += along;
       }
-      const double goal = whole * (round + 1 < kFluxRounds ? kResidual : kLastResidual);
-      for (int k = 0; k < kMaxGradients && size > goal; ++k) {
-        apply(all, way, step);
-        double along = 0, next = 0;
-        for (std::size_t i = 0; i < count_; ++i) along += way[i] * step[i];
-        if (!(along > 0))
-          break;
-        const double far = size / along;
-        for (std::size_t i = 0; i < count_; ++i) {
-          light[i] += far * way[i];
-          residual[i] -= far * step[i];
-          scaled[i] = residual[i] * inverse[i];
-          next += residual[i] * scaled[i];
-        }
-        for (std::size_t i = 0; i < count_; ++i) way[i] = scaled[i] + next / size * way[i];
-        size = next;
-      }
-      for (double& one : light) one = std::max(one, 0.0);
     }
-    return light;
+    return source;
+  }
+
+  /// Brings the light of each cell, its integral over all ways, nearer to what the equations say.
+  /// @param goal  of the squared residual, of that of no light
+  void relax(const Equations& all, const std::vector<double>& source, double goal,
+             std::vector<double>& light) const {
+    std::vector<double> residual(count_), scaled(count_), way(count_), step(count_);
+    apply(all, light, step);
+    double size = 0, whole = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      residual[i] = source[i] - step[i];
+      way[i] = scaled[i] = residual[i] * all.inverse[i];
+      size += residual[i] * scaled[i];
+      whole += source[i] * source[i] * all.inverse[i];
+    }
+    for (int k = 0; k < kMaxGradients && size > goal * whole; ++k) {
+      apply(all, way, step);
+      double along = 0, next = 0;
+      for (std::size_t i = 0; i < count_; ++i) along += way[i] * step[i];
+      if (!(along > 0))
+        break;
+      const double far = size / along;
+      for (std::size_t i = 0; i < count_; ++i) {
+        light[i] += far * way[i];
+        residual[i] -= far * step[i];
+        scaled[i] = residual[i] * all.inverse[i];
+        next += residual[i] * scaled[i];
+      }
+      for (std::size_t i = 0; i < count_; ++i) way[i] = scaled[i] + next / size * way[i];
+      size = next;
+    }
+    for (double& one : light) one = std::max(one, 0.0);
   }
 
   void apply(const Equations& all, const std::vector<double>& light,
@@ -447,21 +474,21 @@ class DiffuseLight::Solver {
   }
 
   /// Radiance and flux of a channel.
-  void take(const std::vector<double>& light, std::size_t c, std::vector<Cell>& out) const {
+  void take(const Equations& all, const Sources& from, const std::vector<double>& light,
+            std::size_t c, std::vector<Cell>& out) const {
     constexpr double kEvenly = 1 / (4 * std::numbers::pi);
-    const Equations all = equations(c, light);
     const double volume = size_.prod();
     forCells([&](std::size_t i, const std::array<int, 3>& cell) {
       out[i][c][0] = static_cast<float>(kEvenly * light[i]);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         double flux = 0;
         int sides = 0;
-        const auto add = [&](std::size_t from) {
-          const std::size_t to = from + strides_[axis];
-          const double face = all.faces[3 * from + axis] / areaAcross(axis);
-          const Vec3 sent = (sent_[c][from].way + sent_[c][to].way) / (2 * volume);
+        const auto add = [&](std::size_t low) {
+          const std::size_t to = low + strides_[axis];
+          const double face = all.faces[3 * low + axis] / areaAcross(axis);
+          const Vec3 sent = (from[low].way + from[to].way) / (2 * volume);
           flux +=
-              face * (light[from] - light[to] +
+              face * (light[low] - light[to] +
                       3 * cosine_ * size_[static_cast<int>(axis)] * sent[static_cast<int>(axis)]);
           ++sides;
         };
@@ -484,7 +511,7 @@ class DiffuseLight::Solver {
   Rgb albedo_;
   std::vector<double> extinction_;
   std::vector<std::uint8_t> walls_;
-  std::array<std::vector<Sent>, 3> sent_;
+  std::vector<std::array<Sent, 3>> sent_;
 };
 
 DiffuseLight::DiffuseLight(const Request& request) {

@@ -528,19 +528,4 @@ const Lamp& LightField::lamp() const {
   return state_->lamp;
 }
 
-void veil(const Lamp& lamp, std::span<const AnyMedium> media, std::span<const Vec3> points,
-          std::span<float> shares) {
-  Box3 lit;
-  for (const Vec3& point : points) lit.extend(point);
-  if (lit.empty())
-    return;
-  const LightField field(lamp, {media.begin(), media.end()}, lit);
-  parallelRanges(points.size(), 512, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (shares[i] > 0)
-        shares[i] *= static_cast<float>(field.at(points[i]).share);
-    }
-  });
-}
-
 }  // namespace volute

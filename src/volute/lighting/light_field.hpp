@@ -97,8 +97,4 @@ class LightField {
   std::shared_ptr<const State> state_;
 };
 
-/// Multiplies shares of a lamp's light at points by what media let through to each.
-void veil(const Lamp& lamp, std::span<const AnyMedium> media, std::span<const Vec3> points,
-          std::span<float> shares);
-
 }  // namespace volute

@@ -242,32 +242,18 @@ LampPaths::Walk LampPaths::walkFrom(const TetLocator& locator, std::int32_t tet,
   return out;
 }
 
-std::vector<float> LampPaths::shares(std::span<const float> extinction, const Lamp& lamp,
-                                     const Blocks& blocks) const {
+std::vector<float> LampPaths::shares(std::span<const float> extinction, const Lamp& lamp) const {
   const TetMesh& mesh = locator_->mesh();
   VOLUTE_ASSERT(extinction.size() == mesh.vertices().size());
   const bool inside = lamp.kind == Lamp::Kind::kSpot && locator_->find(lamp.position) >= 0;
   std::vector<float> shares(extinction.size(), 0);
   parallelRanges(shares.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Segment> ways;
-    std::vector<std::size_t> lit;
     for (std::size_t i = begin; i < end; ++i) {
       const Segment way = lamp.towards(mesh.vertices()[i]);
       const Walk walk = this->walk(static_cast<std::int32_t>(i), way, extinction, inside);
       const double share = walk.doubtful ? lampShareReference(*locator_, extinction, way)
                                          : (walk.dark ? 0 : std::exp(-walk.depth));
       shares[i] = static_cast<float>(share);
-      if (share > 0 && blocks) {
-        ways.push_back(way);
-        lit.push_back(i);
-      }
-    }
-    std::vector<std::uint8_t> blocked(ways.size());
-    if (!ways.empty())
-      blocks(ways, blocked);
-    for (std::size_t k = 0; k < lit.size(); ++k) {
-      if (blocked[k])
-        shares[lit[k]] = 0;
     }
   });
   return shares;

@@ -19,7 +19,7 @@ namespace volute {
 /// lamp instead.
 ///
 /// Walls are what the light would have to leave the mesh for and enter it again, so that a lamp may
-/// stand outside; and what `blocks` says.
+/// stand outside.
 ///
 /// Walks from vertex to lamp through neighbours, in double; where the way meets an edge, the slow
 /// twin does it.
@@ -28,8 +28,7 @@ class LampPaths {
   explicit LampPaths(std::shared_ptr<const TetLocator> locator);
 
   /// One share for each vertex. `extinction` [1/m], one for each vertex, finite and >= 0.
-  std::vector<float> shares(std::span<const float> extinction, const Lamp& lamp,
-                            const Blocks& blocks = {}) const;
+  std::vector<float> shares(std::span<const float> extinction, const Lamp& lamp) const;
 
   const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
 

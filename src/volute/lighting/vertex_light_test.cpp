@@ -153,19 +153,6 @@ TEST(LampPaths, AreExactInASlab) {
     EXPECT_NEAR(sunlit[i], std::exp(-0.7 * (2 - mesh->vertices()[i].z())), 1e-6);
 }
 
-TEST(LampPaths, StopAtOtherGeometry) {
-  const auto& mesh = *hall().mesh;
-  const Lamp lamp = spot(Vec3(2, 6, 4), Vec3(14, 6, 3));
-  const Blocks wall = [](std::span<const Segment> ways, std::span<std::uint8_t> blocked) {
-    for (std::size_t i = 0; i < ways.size(); ++i)
-      blocked[i] = (ways[i].origin.x() < 3.5) != (ways[i].at(ways[i].end).x() < 3.5);
-  };
-  const auto open = hall().paths.shares(hall().extinction, lamp);
-  const auto shut = hall().paths.shares(hall().extinction, lamp, wall);
-  for (std::size_t i = 0; i < open.size(); ++i)
-    EXPECT_EQ(shut[i], mesh.vertices()[i].x() < 3.5 ? open[i] : 0);
-}
-
 TEST(LampPaths, DoNotDependOnThreads) {
   const auto many = hall().paths.shares(hall().extinction, lamps()[0]);
   const ThreadLimit one(1);

@@ -158,24 +158,31 @@ class FdsKind final : public MediumKind {
 
 }  // namespace
 
+const FdsField& FdsAt::smoke() const {
+  std::call_once(asked_, [&] { smoke_ = lit_ ? lit_(plain_, {}) : plain_; });
+  return *smoke_;
+}
+
 void FdsAt::addMedia(std::vector<AnyMedium>& media) const {
-  media.push_back(scaledBy(factor_, AnyMedium(smoke_)));
+  media.push_back(scaledBy(factor_, AnyMedium(smoke())));
   if (fire_)
     media.emplace_back(*fire_);
   media.insert(media.end(), sheets_.begin(), sheets_.end());
 }
 
+void FdsAt::addExtinction(std::vector<AnyMedium>& media) const {
+  media.push_back(scaledBy(factor_, AnyMedium(plain_)));
+  media.insert(media.end(), sheets_.begin(), sheets_.end());
+}
+
 std::shared_ptr<const MediumAt> FdsAt::litBy(const MediaLight& light) const {
-  if (!relit_ || shares_)
+  if (!lit_)
     return nullptr;
-  auto smoke = relit_(smoke_, light);
-  if (!smoke)  // only ranks can fail
-    return nullptr;
-  return std::make_shared<const FdsAt>(std::move(*smoke), factor_, fire_, sheets_);
+  return std::make_shared<const FdsAt>(lit_(plain_, light), factor_, fire_, sheets_);
 }
 
 std::shared_ptr<MediumPicture> FdsAt::picture(std::shared_ptr<MediumPicture>) const {
-  return shares_ ? std::make_shared<FdsSharesPicture>(*this, smoke_, *shares_) : nullptr;
+  return shares_ ? std::make_shared<FdsSharesPicture>(*this, smoke(), *shares_) : nullptr;
 }
 
 const MediumKind& fdsKind() {

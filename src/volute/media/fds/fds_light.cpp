@@ -79,24 +79,35 @@ Box3 heldBox(const FdsGrid& grid) {
   return box;
 }
 
-/// How much of a lamp's light comes to each point.
-Result<std::vector<float>> sharesOf(const FdsField& field, const FdsObstructions& obstructions,
-                                    const FdsLamps& lamps, std::size_t number,
+/// Obstructions, which stand within a case's bounds, and others.
+Blocks surfacesOf(const FdsField& field, const FdsObstructions& obstructions,
+                  const Blocks& others) {
+  return [&field, &obstructions, &others](std::span<const Segment> ways,
+                                          std::span<std::uint8_t> blocked) {
+    std::vector<Segment> within(ways.begin(), ways.end());
+    for (Segment& way : within) {
+      const Interval inside = field.bounds().intersect(way.origin, way.direction);
+      way.end = std::clamp(inside.end, 0.0, way.end);
+    }
+    obstructions.blocked(within, blocked);
+    if (!others)
+      return;
+    std::vector<std::uint8_t> more(ways.size(), 0);
+    others(ways, more);
+    for (std::size_t i = 0; i < ways.size(); ++i) blocked[i] |= more[i];
+  };
+}
+
+/// How much of a lamp's light comes to each point through the smoke.
+Result<std::vector<float>> sharesOf(const FdsField& field, const FdsLamps& lamps, const Lamp& lamp,
                                     std::span<const Vec3> points) {
-  const Lamp& lamp = lamps.lamps[number];
-  const Box3 bounds = field.bounds();
   std::vector<Segment> ways;
-  for (const Vec3& point : points) {
-    Segment way = lamp.towards(point);
-    // What stands in the way stands within the case's bounds.
-    if (std::isinf(way.end))
-      way.end = std::max(0.0, bounds.intersect(way.origin, way.direction).end);
-    ways.push_back(way);
-  }
+  for (const Vec3& point : points) ways.push_back(lamp.towards(point));
   std::vector<double> depths(points.size());
-  std::vector<std::uint8_t> hidden(points.size(), 0);
-  std::vector<std::uint8_t> others(points.size(), 0);
   if (lamps.holders) {
+    const Box3 bounds = field.bounds();
+    for (Segment& way : ways)
+      way.end = std::clamp(bounds.intersect(way.origin, way.direction).end, 0.0, way.end);
     VOLUTE_TRY(sumAlong(
         *lamps.holders, ways, depths,
         [&](auto segments, auto out) { field.opticalDepth(segments, out); },
@@ -104,19 +115,9 @@ Result<std::vector<float>> sharesOf(const FdsField& field, const FdsObstructions
   } else {
     field.opticalDepth(ways, depths);
   }
-  obstructions.blocked(ways, hidden);
-  if (lamps.blocks) {
-    for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = lamp.towards(points[i]);
-    lamps.blocks(ways, others);
-  }
   std::vector<float> shares(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    shares[i] = hidden[i] != 0 || others[i] != 0
-                    ? 0.0F
-                    : static_cast<float>(std::exp(-lamps.density * depths[i]));
-    if (!lamps.others.empty() && shares[i] > 0)
-      shares[i] *= static_cast<float>(lamps.others[number].at(points[i]).share);
-  }
+  for (std::size_t i = 0; i < points.size(); ++i)
+    shares[i] = static_cast<float>(std::exp(-lamps.density * depths[i]));
   return shares;
 }
 
@@ -176,6 +177,10 @@ Result<std::vector<std::shared_ptr<const FdsLight>>> fdsLight(const FdsField& fi
     VOLUTE_ASSIGN(const auto each, gatherValues(*lamps.holders, own));
     rounds = std::ranges::max(each);
   }
+  Illumination light = lamps.light;
+  light.blocks = surfacesOf(field, obstructions, lamps.light.blocks);
+  const ArrivingLight arriving(light, field.bounds());
+  const auto again = light.again(AnyMedium(field), field.bounds(), {lamps.albedo}, lamps.density);
   std::vector<std::shared_ptr<const FdsLight>> out(lattices.size(), std::make_shared<FdsLight>());
   std::optional<NodeMeans> means;
   for (std::uint64_t round = 0; round < rounds; ++round) {
@@ -184,8 +189,9 @@ Result<std::vector<std::shared_ptr<const FdsLight>>> fdsLight(const FdsField& fi
     if (asks)
       gas = gasOf(lattices[all[round].lattice], field.cells(all[round].lattice), all[round]);
     std::vector<std::vector<float>> shares;
-    for (std::size_t lamp = 0; lamp < lamps.lamps.size(); ++lamp) {
-      VOLUTE_ASSIGN(auto share, sharesOf(field, obstructions, lamps, lamp, gas.middles));
+    for (std::size_t lamp = 0; lamp < light.lamps.size(); ++lamp) {
+      VOLUTE_ASSIGN(auto share, sharesOf(field, lamps, light.lamps[lamp], gas.middles));
+      arriving.takeFrom(lamp, gas.middles, share);
       shares.push_back(std::move(share));
     }
     if (!asks)
@@ -193,8 +199,8 @@ Result<std::vector<std::shared_ptr<const FdsLight>>> fdsLight(const FdsField& fi
     const std::size_t lattice = all[round].lattice;
     if (all[round].begin == 0)
       means.emplace(lattices[lattice]);
-    means->add(gas, scatteredLight(gas.middles, lamps.lamps, shares, lamps.albedo, lamps.ambient,
-                                   lamps.again));
+    means->add(gas, scatteredLight(gas.middles, light.lamps, shares, lamps.albedo, light.ambient,
+                                   again.get()));
     if (round + 1 == all.size() || all[round + 1].lattice != lattice)
       out[lattice] = means->take();
   }

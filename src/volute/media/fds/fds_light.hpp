@@ -9,24 +9,21 @@
 #include "volute/base/team.hpp"
 #include "volute/fds/fds_field.hpp"
 #include "volute/fds/obstructions.hpp"
-#include "volute/lighting/diffuse_light.hpp"
-#include "volute/lighting/light_field.hpp"
+#include "volute/lighting/illumination.hpp"
 
 namespace volute {
 
 /// What lights the smoke of an FDS case.
 struct FdsLamps {
-  std::span<const Lamp> lamps;
-  Rgb ambient = Rgb::Zero();             ///< from everywhere, whatever is in the way
-  Rgb albedo = Rgb::Zero();              ///< share of what smoke takes that it sends on
-  double density = 1;                    ///< the smoke is so many times as thick as the field
-  Blocks blocks{};                       ///< opaque things besides the obstructions; may be empty
-  std::span<const LightField> others{};  ///< other media, one for each lamp; empty: none
-  const DiffuseLight* again = nullptr;   ///< light scattered before; null: none is
-  Team* holders = nullptr;  ///< whose ranks hold a share of the field each; null: this holds all
+  Illumination light{};      ///< its surfaces are those besides the obstructions
+  Rgb albedo = Rgb::Zero();  ///< share of what smoke takes that it sends on
+  double density = 1;        ///< the smoke is so many times as thick as the field
+  /// Whose ranks hold a share of the field each; null: this holds all. Then there are no other
+  /// media, and light is scattered once.
+  Team* holders = nullptr;
 };
 
-/// Light that smoke scatters once, the same in all directions, for FdsField::withLight(). What a
+/// Light that smoke scatters, the same in all directions, for FdsField::withLight(). What a
 /// lamp sends is attenuated by the smoke on its straight way to the middle of each cell of gas,
 /// exactly, and stopped by obstructions; a node has the mean of its lattice's cells of gas around
 /// it. So shadows have edges a cell wide. Where ranks hold shares, each gets the light of its own

@@ -46,7 +46,7 @@ TEST(FdsLight, ComesThroughSmokeAndStopsAtObstructions) {
   Lamp lamp;
   lamp.position = Vec3(1, 1, 0.25);
   lamp.intensity = Rgb(10, 20, 30);
-  const FdsLamps lamps{.lamps = {&lamp, 1}, .albedo = Rgb(0.5, 1, 1), .density = 2};
+  const FdsLamps lamps{.light = {.lamps = {lamp}}, .albedo = Rgb(0.5, 1, 1), .density = 2};
   const auto light = fdsLight(*room.field, *room.obstructions, lamps).value();
   const FdsField lit = room.field->withLight(light);
   // A node has the mean of the cells around it.
@@ -74,10 +74,8 @@ TEST(FdsLight, OtherThingsStopItAndAmbientComesEverywhere) {
   const Blocks half = [](std::span<const Segment> ways, std::span<std::uint8_t> out) {
     for (std::size_t i = 0; i < ways.size(); ++i) out[i] = ways[i].origin.x() > 3;
   };
-  const FdsLamps lamps{.lamps = {&sun, 1},
-                       .ambient = Rgb::Constant(0.1),
-                       .albedo = Rgb::Constant(0.5),
-                       .blocks = half};
+  const FdsLamps lamps{.light = {.lamps = {sun}, .ambient = Rgb::Constant(0.1), .blocks = half},
+                       .albedo = Rgb::Constant(0.5)};
   const FdsField lit =
       room.field->withLight(fdsLight(*room.field, *room.obstructions, lamps).value());
   EXPECT_NEAR(lit.emission({4, 1, 1})[0], kK * 0.5 * 0.1, 1e-7);
@@ -101,7 +99,7 @@ TEST(FdsLight, OfManyCellsIsLitInPartsThatMeet) {
   Lamp sun;
   sun.kind = Lamp::Kind::kSun;
   sun.direction = Vec3(0, 0, -1);
-  const FdsLamps lamps{.lamps = {&sun, 1}, .albedo = Rgb::Ones()};
+  const FdsLamps lamps{.light = {.lamps = {sun}}, .albedo = Rgb::Ones()};
   const FdsField lit = field.withLight(fdsLight(field, FdsObstructions(index, 0), lamps).value());
   for (int z = 1; z < kCells[2]; ++z) {
     for (int y = 1; y < kCells[1]; ++y) {
@@ -145,15 +143,15 @@ TEST(FdsLight, RanksThatHoldAShareEachFindTheLightOfTheWhole) {
   sun.kind = Lamp::Kind::kSun;
   sun.direction = Vec3(-1, 0.1, -0.2).normalized();
   sun.intensity = Rgb(1, 1, 1);
-  const Lamp both[] = {lamp, sun};
+  const Illumination both{.lamps = {lamp, sun}};
   const FdsObstructions none(std::vector<FdsBox>{});
   const auto whole =
-      fdsLight(threeMeshes(0, 1), none, {.lamps = both, .albedo = Rgb::Ones()}).value();
+      fdsLight(threeMeshes(0, 1), none, {.light = both, .albedo = Rgb::Ones()}).value();
   for (const int ranks : {2, 3}) {
     onRanks(ranks, [&](Team& team) {
       const FdsField own = threeMeshes(team.rank(), ranks);
       const auto light =
-          fdsLight(own, none, {.lamps = both, .albedo = Rgb::Ones(), .holders = &team});
+          fdsLight(own, none, {.light = both, .albedo = Rgb::Ones(), .holders = &team});
       ASSERT_TRUE(light);
       for (std::size_t m = 0; m < 3; ++m) {
         ASSERT_EQ((*light)[m]->size(), own.grid().holds(m) ? whole[m]->size() : 0);
@@ -170,13 +168,13 @@ TEST(FdsLight, PassesThroughOtherMedia) {
   Lamp lamp;
   lamp.position = Vec3(1, 1, 1.75);
   lamp.intensity = Rgb(10, 20, 30);
-  const LightField other(lamp, {AnyMedium(*room.field)}, room.field->bounds());
-  const auto lightOf = [&](double density, std::span<const LightField> others) {
-    const FdsLamps lamps{
-        .lamps = {&lamp, 1}, .albedo = Rgb::Ones(), .density = density, .others = others};
+  const auto lightOf = [&](double density, std::vector<AnyMedium> others) {
+    const FdsLamps lamps{.light = {.lamps = {lamp}, .between = std::move(others)},
+                         .albedo = Rgb::Ones(),
+                         .density = density};
     return room.field->withLight(fdsLight(*room.field, *room.obstructions, lamps).value());
   };
-  const FdsField veiled = lightOf(2, {&other, 1}), expected = lightOf(3, {});
+  const FdsField veiled = lightOf(2, {AnyMedium(*room.field)}), expected = lightOf(3, {});
   for (const Vec3& point : {Vec3(1.5, 1, 1), Vec3(3, 1, 1.5), Vec3(4.5, 0.5, 1)}) {
     const double light = expected.emission(point)[2];
     EXPECT_GT(light, 0);

@@ -278,7 +278,7 @@ void FdsMedium::describe() {
 Result<std::shared_ptr<const MediumAt>> FdsMedium::at(const InstantRequest& request, Progress&) {
   const double time = request.time, scale = description_.scale;
   VOLUTE_ASSIGN(auto smoke, case_->field(caseTime(time)));
-  if (request.lit) {
+  if (request.lit && holders_) {  // which may fail
     VOLUTE_ASSIGN(smoke, inLight(smoke, time));
   }
   VOLUTE_ASSIGN(auto fire, fireAt(time));
@@ -289,12 +289,15 @@ Result<std::shared_ptr<const MediumAt>> FdsMedium::at(const InstantRequest& requ
   std::optional<FdsShares> shares;
   if (holders_)
     shares = FdsShares{holders_, scale, burns() || !lights_.lamps.empty()};
-  const auto relit = [self = std::static_pointer_cast<const FdsMedium>(shared_from_this()), time](
-                         const FdsField& field, const MediaLight& light) {
-    return self->inLight(field, time, light);
-  };
+  FdsAt::Lit lit;
+  if (request.lit && !holders_)
+    lit = [self = std::static_pointer_cast<const FdsMedium>(shared_from_this()), time](
+              const FdsField& field, const MediaLight& light) {
+      auto made = self->inLight(field, time, light);
+      return made ? *made : field;  // only ranks can fail
+    };
   return std::make_shared<const FdsAt>(std::move(smoke), request.factor * scale, std::move(fire),
-                                       std::move(sheets), shares, relit);
+                                       std::move(sheets), shares, lit);
 }
 
 Result<std::unique_ptr<SightField>> FdsMedium::sight(Reading& reading) {
@@ -333,52 +336,26 @@ double FdsMedium::caseTime(double time) const {
 
 Result<FdsField> FdsMedium::inLight(const FdsField& field, double time,
                                     const MediaLight& other) const {
-  std::vector<Lamp> lamps = lights_.lamps;
-  lamps.insert(lamps.end(), other.lamps.begin(), other.lamps.end());
-  if (lamps.empty())
+  Illumination light{.lamps = lights_.lamps,
+                     .ambient = lights_.ambient,
+                     .blocks = blocks_,
+                     .between = {other.between.begin(), other.between.end()},
+                     .multiple = lights_.multiple};
+  light.lamps.insert(light.lamps.end(), other.lamps.begin(), other.lamps.end());
+  if (light.lamps.empty())
     return field.withSource(description_.albedo * lights_.ambient);
-  std::vector<LightField> others;
-  for (std::size_t i = 0; i < lamps.size() && !other.between.empty(); ++i) {
-    others.emplace_back(lamps[i], std::vector(other.between.begin(), other.between.end()),
-                        field.bounds());
-  }
-  const FdsObstructions obstructions = case_->obstructions(caseTime(time));
-  std::optional<DiffuseLight> again;
-  if (lights_.multiple && holders_) {
+  if (light.multiple && holders_) {
     return fail(ErrorCode::kUnsupported,
                 "{}: processes that share a case scatter light once; set \"scattering\" to single, "
                 "or use one process",
                 description_.file);
   }
-  if (lights_.multiple) {
-    const Blocks blocks = [&](std::span<const Segment> ways, std::span<std::uint8_t> blocked) {
-      std::vector<std::uint8_t> others(ways.size());
-      std::vector<Segment> within(ways.begin(), ways.end());
-      for (Segment& way : within)  // what stands in the way stands within the case's bounds
-        way.end = std::min(way.end, field.bounds().intersect(way.origin, way.direction).end);
-      obstructions.blocked(within, blocked);
-      if (blocks_)
-        blocks_(ways, others);
-      for (std::size_t i = 0; i < ways.size(); ++i) blocked[i] |= others[i];
-    };
-    again.emplace(DiffuseLight::Request{.medium = AnyMedium(field),
-                                        .box = field.bounds(),
-                                        .scattering = {description_.albedo},
-                                        .lamps = lamps,
-                                        .between = other.between,
-                                        .blocks = blocks,
-                                        .density = description_.scale});
-  }
-  VOLUTE_ASSIGN(auto light, fdsLight(field, obstructions,
-                                     {.lamps = lamps,
-                                      .ambient = lights_.ambient,
-                                      .albedo = description_.albedo,
-                                      .density = description_.scale,
-                                      .blocks = blocks_,
-                                      .others = others,
-                                      .again = again ? &*again : nullptr,
-                                      .holders = holders_}));
-  return field.withLight(std::move(light));
+  VOLUTE_ASSIGN(auto lit, fdsLight(field, case_->obstructions(caseTime(time)),
+                                   {.light = std::move(light),
+                                    .albedo = description_.albedo,
+                                    .density = description_.scale,
+                                    .holders = holders_}));
+  return field.withLight(std::move(lit));
 }
 
 Status FdsMedium::openFire(Reading& reading) {

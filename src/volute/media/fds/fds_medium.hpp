@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,21 +38,23 @@ struct FdsShares {
 /// Smoke and fire of an FDS case at one instant.
 class FdsAt final : public MediumAt {
  public:
-  /// The smoke in the light and the shadow of other media.
-  using Relit = std::function<Result<FdsField>(const FdsField& smoke, const MediaLight& light)>;
+  /// The smoke in the scene's light, and in that and the shadow of other media.
+  using Lit = std::function<FdsField(const FdsField& smoke, const MediaLight& light)>;
 
   /// @param factor  of the smoke's extinction and of what it scatters
   /// @param shares  nothing: this process holds all
+  /// @param lit  asked when light is first asked for; empty: the smoke is as it is to be seen
   FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire, std::vector<AnyMedium> sheets,
-        std::optional<FdsShares> shares = {}, Relit relit = {})
-      : smoke_(std::move(smoke)),
+        std::optional<FdsShares> shares = {}, Lit lit = {})
+      : plain_(std::move(smoke)),
         factor_(factor),
         fire_(std::move(fire)),
         sheets_(std::move(sheets)),
         shares_(shares),
-        relit_(std::move(relit)) {}
+        lit_(std::move(lit)) {}
 
   void addMedia(std::vector<AnyMedium>& media) const override;
+  void addExtinction(std::vector<AnyMedium>& media) const override;
 
   /// Where this process holds all of it.
   std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
@@ -61,7 +64,7 @@ class FdsAt final : public MediumAt {
   /// Where ranks hold shares, what draws them together.
   std::shared_ptr<MediumPicture> picture(std::shared_ptr<MediumPicture> earlier) const override;
 
-  const FdsField& smoke() const { return smoke_; }
+  const FdsField& smoke() const;
 
   double factor() const { return factor_; }
 
@@ -72,12 +75,14 @@ class FdsAt final : public MediumAt {
   std::span<const AnyMedium> sheets() const { return sheets_; }
 
  private:
-  FdsField smoke_;
+  FdsField plain_;
+  mutable std::optional<FdsField> smoke_;  ///< lit, once it was asked for
+  mutable std::once_flag asked_;
   double factor_;
   std::optional<FdsFlame> fire_;
   std::vector<AnyMedium> sheets_;
   std::optional<FdsShares> shares_;
-  Relit relit_;
+  Lit lit_;
 };
 
 class MediumKind;

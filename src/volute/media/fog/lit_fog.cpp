@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "volute/fog/fog_march.hpp"
+#include "volute/lighting/illumination.hpp"
 
 namespace volute {
 namespace {
@@ -85,15 +86,11 @@ LitMedium litFog(const FogMedium& fog, std::span<const Lamp> lamps, const FogLig
     fields.emplace_back(lamp, std::move(media), lit, options);
   }
   LitMedium::Options options{light.scattering, lit, fog.cell(), light.shadows};
-  if (light.multiple) {
-    options.again = std::make_shared<const DiffuseLight>(
-        DiffuseLight::Request{.medium = AnyMedium(QuickFog{fog.finest()}),
-                              .box = lit,
-                              .scattering = light.scattering,
-                              .lamps = lamps,
-                              .between = light.between,
-                              .blocks = light.blocks});
-  }
+  const Illumination all{.lamps = {lamps.begin(), lamps.end()},
+                         .blocks = light.blocks,
+                         .between = light.between,
+                         .multiple = light.multiple};
+  options.again = all.again(AnyMedium(QuickFog{fog.finest()}), lit, light.scattering);
   return {AnyMedium(fog), std::move(fields), std::move(options)};
 }
 

@@ -189,7 +189,11 @@ std::vector<float> SmokeAt::extinction() const {
 }
 
 void SmokeAt::addMedia(std::vector<AnyMedium>& media) const {
-  media.emplace_back(TetMedium(state_.locator, extinction(), state_.source));
+  media.emplace_back(TetMedium(state_.locator, extinction(), state().source));
+}
+
+void SmokeAt::addExtinction(std::vector<AnyMedium>& media) const {
+  media.emplace_back(TetMedium(state_.locator, extinction(), {}));
 }
 
 std::shared_ptr<MediumPicture> SmokeAt::picture(std::shared_ptr<MediumPicture> earlier) const {
@@ -200,25 +204,56 @@ std::shared_ptr<MediumPicture> SmokeAt::picture(std::shared_ptr<MediumPicture> e
   return picture;
 }
 
-std::shared_ptr<const MediumAt> SmokeAt::litBy(const MediaLight& light) const {
-  std::vector<Lamp> lamps = lighting_->lights.lamps;
-  VOLUTE_ASSERT(state_.lampShares.size() == lamps.size());
-  lamps.insert(lamps.end(), light.lamps.begin(), light.lamps.end());
-  if (holders_ || lamps.empty() || !(state_.albedo.maxCoeff() > 0))
+Illumination SmokeLighting::illumination(const MediaLight& other) const {
+  Illumination light{.lamps = lights.lamps,
+                     .ambient = lights.ambient,
+                     .blocks = blocks,
+                     .between = {other.between.begin(), other.between.end()},
+                     .multiple = lights.multiple};
+  light.lamps.insert(light.lamps.end(), other.lamps.begin(), other.lamps.end());
+  return light;
+}
+
+/// From the shares that the state has of each lamp.
+void SmokeAt::light(const Illumination& light) const {
+  std::call_once(lit_, [&] {
+    if (light.lamps.empty() && light.ambient.isZero(0))
+      return;
+    const AnyMedium smoke(TetMedium(state_.locator, state_.extinction, {}));
+    const auto again = light.again(smoke, smoke.bounds(), {state_.albedo});
+    state_.source = scatteredLight(state_.locator->mesh().vertices(), light.lamps,
+                                   state_.lampShares, state_.albedo, light.ambient, again.get());
+  });
+}
+
+const SmokeState& SmokeAt::state() const {
+  light(lighting_->illumination());
+  return state_;
+}
+
+std::shared_ptr<const MediumAt> SmokeAt::litBy(const MediaLight& other) const {
+  const Illumination light = lighting_->illumination(other);
+  const std::size_t own = lighting_->lights.lamps.size();
+  VOLUTE_ASSERT(state_.lampShares.size() == own);
+  if (holders_ || light.lamps.empty() || !(state_.albedo.maxCoeff() > 0))
     return nullptr;
-  SmokeState state = state_;
-  std::vector<std::vector<float>>& shares = state.lampShares;
-  if (!light.lamps.empty()) {
+  const TetMesh& mesh = state_.locator->mesh();
+  const ArrivingLight arriving(light, mesh.bounds());
+  auto lit = std::make_shared<SmokeAt>(state_, factor_, lighting_, walls_);
+  std::vector<std::vector<float>>& shares = lit->state_.lampShares;
+  for (std::size_t l = 0; l < own; ++l)  // surfaces have taken from them
+    arriving.takeFrom(l, mesh.vertices(), shares[l], false);
+  if (!other.lamps.empty()) {
     const LampPaths paths(state_.locator);
-    for (const Lamp& lamp : light.lamps)
-      shares.push_back(paths.shares(state_.extinction, lamp, lighting_->blocks));
+    for (std::size_t l = own; l < light.lamps.size(); ++l) {
+      shares.push_back(paths.shares(state_.extinction, light.lamps[l]));
+      arriving.takeFrom(l, mesh.vertices(), shares[l]);
+    }
   }
-  const std::span<const Vec3> vertices = state_.locator->mesh().vertices();
-  for (std::size_t l = 0; l < lamps.size() && !light.between.empty(); ++l)
-    veil(lamps[l], light.between, vertices, shares[l]);
-  state.source = sourceOf(state, *lighting_, lamps, light.between);
-  state.lampShares = state_.lampShares;
-  return std::make_shared<const SmokeAt>(std::move(state), factor_, lighting_, walls_);
+  lit->state_.source.clear();
+  lit->light(light);
+  shares = state_.lampShares;
+  return lit;
 }
 
 std::optional<WallHit> SmokeAt::wallOn(const Segment& ray) const {

@@ -71,8 +71,10 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
       medium.bounds_.extend(share.max);
     }
   }
-  VOLUTE_ASSIGN(const auto first, medium.step(0));
-  const MeshFrame& frame = first->stored->frame;
+  VOLUTE_ASSIGN(const auto extinction, medium.extinctionOf(*stored));
+  VOLUTE_ASSIGN(const double most, medium.largestOf(extinction));
+  medium.remarkOn(*stored, most);
+  const MeshFrame& frame = stored->frame;
   medium.files_->field = frame.field, medium.files_->otherFields = frame.others;
   if (frame.dimensions) {
     VOLUTE_ASSIGN(const std::string unit,
@@ -336,7 +338,10 @@ std::vector<float> SmokeMedium::lightOf(const Step& step, const Lamp& lamp) {
   if (kept) {
     ++counts_.lightsReused;
   } else {
-    kept = step.stored->paths->shares(step.extinction, lamp, lighting_->blocks);
+    kept = step.stored->paths->shares(step.extinction, lamp);
+    const TetMesh& mesh = *step.stored->frame.mesh;
+    ArrivingLight({.lamps = {lamp}, .blocks = lighting_->blocks}, mesh.bounds())
+        .takeFrom(0, mesh.vertices(), *kept);
     ++counts_.lightsComputed;
     if (cache && fillsCache_) {
       if (const auto stored = cache->store(key, *kept); !stored)
@@ -388,22 +393,6 @@ Result<std::shared_ptr<const MeshWalls>> SmokeMedium::wallsOf(const MeshFrame& f
   return files_->walls;
 }
 
-std::vector<float> sourceOf(const SmokeState& state, const SmokeLighting& lighting,
-                            std::span<const Lamp> lamps, std::span<const AnyMedium> between) {
-  std::optional<DiffuseLight> again;
-  if (lighting.lights.multiple && !lamps.empty()) {
-    const AnyMedium smoke(TetMedium(state.locator, state.extinction, {}));
-    again.emplace(DiffuseLight::Request{.medium = smoke,
-                                        .box = smoke.bounds(),
-                                        .scattering = {state.albedo},
-                                        .lamps = lamps,
-                                        .between = between,
-                                        .blocks = lighting.blocks});
-  }
-  return scatteredLight(state.locator->mesh().vertices(), lamps, state.lampShares, state.albedo,
-                        lighting.lights.ambient, again ? &*again : nullptr);
-}
-
 Result<SmokeMedium::Extinction> SmokeMedium::extinctionAt(std::size_t step, Progress& progress) {
   progress_ = &progress;
   VOLUTE_ASSIGN(const auto stored, readStep(step));
@@ -443,10 +432,6 @@ Result<SmokeState> SmokeMedium::stateAt(double time, Progress& progress) {
     }
   }
   state.albedo = description_.albedo;
-  const SceneLights& lights = lighting_->lights;
-  if (!lights.lamps.empty() || !lights.ambient.isZero(0)) {
-    state.source = sourceOf(state, *lighting_, lights.lamps, {});
-  }
   return state;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "volute/base/team.hpp"
 #include "volute/io/mesh_source.hpp"
 #include "volute/io/reading.hpp"
+#include "volute/lighting/illumination.hpp"
 #include "volute/lighting/light_cache.hpp"
 #include "volute/lighting/light_memory.hpp"
 #include "volute/lighting/vertex_light.hpp"
@@ -41,12 +43,9 @@ struct SmokeLighting {
   Blocks blocks;                              ///< other opaque things; may be empty
   std::string blocksKey;                      ///< stands for them in the cache
   std::shared_ptr<LightMemory> memory{};      ///< asked before the cache; may be null
-};
 
-/// SmokeState::source in the light of lamps whose shares the state has.
-/// @param between  other media, which lamps' light passes
-std::vector<float> sourceOf(const SmokeState& state, const SmokeLighting& lighting,
-                            std::span<const Lamp> lamps, std::span<const AnyMedium> between);
+  Illumination illumination(const MediaLight& other = {}) const;
+};
 
 /// What was done, summed over all pictures.
 struct SmokeCounts {
@@ -69,6 +68,7 @@ class SmokeAt final : public MediumAt {
         holders_(holders) {}
 
   void addMedia(std::vector<AnyMedium>& media) const override;
+  void addExtinction(std::vector<AnyMedium>& media) const override;
   std::shared_ptr<MediumPicture> picture(std::shared_ptr<MediumPicture> earlier) const override;
 
   bool drawsItself() const override { return true; }
@@ -88,8 +88,8 @@ class SmokeAt final : public MediumAt {
   bool addContour(const Contour& contour, const Camera& camera,
                   ContourPieces& pieces) const override;
 
-  /// As the files have it, whatever the law.
-  const SmokeState& state() const { return state_; }
+  /// As the files have it, whatever the law; its source is found when it is first asked for.
+  const SmokeState& state() const;
 
   double factor() const { return factor_; }
 
@@ -105,7 +105,10 @@ class SmokeAt final : public MediumAt {
   const std::optional<Rgb>& walls() const { return walls_; }
 
  private:
-  SmokeState state_;
+  void light(const Illumination& light) const;
+
+  mutable SmokeState state_;
+  mutable std::once_flag lit_;
   double factor_;
   std::shared_ptr<const SmokeLighting> lighting_;
   std::optional<Rgb> walls_;
@@ -169,9 +172,9 @@ class SmokeMedium final : public SceneMedium {
   /// When a step is shown as it is, in the scene's time [s].
   double timeOf(int step) const;
 
-  /// At a time of the scene [s]. Between two steps extinction, and what reaches each vertex of a
-  /// lamp's light, is linear in time; meshes that differ are held until the next. Before the first
-  /// and after the last step it is theirs.
+  /// At a time of the scene [s], without a source. Between two steps extinction, and what reaches
+  /// each vertex of a lamp's light, is linear in time; meshes that differ are held until the next.
+  /// Before the first and after the last step it is theirs.
   [[nodiscard]] Result<SmokeState> stateAt(double time, Progress& progress);
 
   /// A step as sight lines see it: no lamp is asked for its light.

@@ -77,14 +77,11 @@ TEST(LookAtWalls, ShadowsHaveTheEdgesOfWhatCastsThem) {
 TEST(LookAtWalls, OtherThingsCastShadowsToo) {
   const Camera camera =
       Camera::pinhole({Vec3(2.3, 6.8, 2.7), Vec3(20, 5, 1), Vec3::UnitZ()}, 70, 64, 48);
-  // What is beyond x = 12.3 is behind a screen; the vertices know.
+  // What is beyond x = 12.3 is behind a screen.
   const Blocks screen = [](std::span<const Segment> ways, std::span<std::uint8_t> blocked) {
     for (std::size_t i = 0; i < ways.size(); ++i) blocked[i] = ways[i].origin.x() > 12.3;
   };
-  SmokeState smoke = hall().smoke;
-  smoke.lampShares = {
-      LampPaths(smoke.locator).shares(smoke.extinction, hall().lights.lamps[0], screen)};
-  const auto view = lookAtWalls(camera, smoke, hall().lights, Rgb::Constant(1), screen);
+  const auto view = lookAtWalls(camera, hall().smoke, hall().lights, Rgb::Constant(1), screen);
   ASSERT_TRUE(view);
   int behind = 0, before = 0;
   for (int y = 0; y < 48; ++y) {

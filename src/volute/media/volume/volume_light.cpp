@@ -10,7 +10,6 @@
 #include <numbers>
 
 #include "volute/base/parallel.hpp"
-#include "volute/lighting/light_field.hpp"
 #include "volute/math/phase_function.hpp"
 #include "volute/media/volume/light_fan.hpp"
 
@@ -243,28 +242,22 @@ bool VolumeLight::fanned(const LightFan& fan, const Lamp& lamp, std::span<float>
 }
 
 /// How much of a lamp's light arrives at each light point.
-void VolumeLight::addShares(std::size_t lamp) const {
+void VolumeLight::addShares(std::size_t lamp, const ArrivingLight& arriving) const {
   const auto places = volume_.lightPlaces();
   lampShares_[lamp].resize(places.size());
   const bool fan =
       fanned(LightFan(volume_.slice(), places), lighting_.lamps[lamp], lampShares_[lamp]);
-  if (fan && !lighting_.blocks)
-    return;
   parallelRanges(places.size(), kLightGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Segment> segments;
-    for (std::size_t i = begin; i < end; ++i)
-      segments.push_back(lighting_.lamps[lamp].towards(placeOf(places[i])));
     const std::span<float> shares(&lampShares_[lamp][begin], end - begin);
+    std::vector<Vec3> points;
+    std::vector<Segment> segments;
+    for (std::size_t i = begin; i < end; ++i) {
+      points.push_back(placeOf(places[i]));
+      segments.push_back(lighting_.lamps[lamp].towards(points.back()));
+    }
     if (!fan)
       transmittances(volume_, lighting_.place, segments, shares);
-    if (!lighting_.blocks)
-      return;
-    std::vector<std::uint8_t> blocked(segments.size());
-    lighting_.blocks(segments, blocked);
-    for (std::size_t i = 0; i < blocked.size(); ++i) {
-      if (blocked[i])
-        shares[i] = 0;
-    }
+    arriving.takeFrom(lamp, points, shares);
   });
 }
 
@@ -284,17 +277,18 @@ std::shared_ptr<const VolumeLight> VolumeLight::withLamps(
   gather();
   auto more = std::make_shared<VolumeLight>(volume_, lighting_);
   more->lighting_.lamps.insert(more->lighting_.lamps.end(), lamps.begin(), lamps.end());
+  more->between_.assign(between.begin(), between.end());
   std::call_once(more->gathered_, [&] {
     more->lampShares_ = lampShares_, more->even_ = even_;
     more->lampShares_.resize(more->lighting_.lamps.size());
-    for (std::size_t l = own; l < more->lampShares_.size(); ++l) more->addShares(l);
-    if (!between.empty()) {
-      std::vector<Vec3> points;
-      for (const Place& place : volume_.lightPlaces()) points.push_back(placeOf(place));
-      for (std::size_t l = 0; l < more->lampShares_.size(); ++l)
-        veil(more->lighting_.lamps[l], between, points, more->lampShares_[l]);
-    }
-    more->scatterAgain(between);
+    const ArrivingLight arriving(more->illumination(), medium().bounds());
+    for (std::size_t l = own; l < more->lampShares_.size(); ++l) more->addShares(l, arriving);
+    if (between.empty())
+      return;
+    std::vector<Vec3> points;
+    for (const Place& place : volume_.lightPlaces()) points.push_back(placeOf(place));
+    for (std::size_t l = 0; l < own; ++l)  // surfaces have taken from them
+      arriving.takeFrom(l, points, more->lampShares_[l], false);
   });
   if (between.empty())
     inMore_ = more;
@@ -306,45 +300,55 @@ void VolumeLight::gather() const {
     if (!(lighting_.albedo.maxCoeff() > 0))
       return;
     lampShares_.resize(lighting_.lamps.size());
-    for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) addShares(l);
+    const ArrivingLight arriving(illumination(), medium().bounds());
+    for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) addShares(l, arriving);
     addSurrounding();
-    scatterAgain({});
   });
 }
 
-/// What lamps, surroundings and its own fire send is scattered on from where it is scattered first.
-void VolumeLight::scatterAgain(std::span<const AnyMedium> between) const {
-  if (!lighting_.multiple)
-    return;
-  std::vector<Lamp> lamps = lighting_.lamps;
-  for (const Way& way : ways()) {
-    Lamp sky;
-    sky.kind = Lamp::Kind::kSun;
-    sky.direction = -way.direction;
-    sky.intensity = 4 * std::numbers::pi * way.share * lighting_.surrounding;
-    if (sky.intensity.maxCoeff() > 0)
-      lamps.push_back(sky);
-  }
-  if (lighting_.ownFire && volume_.slice().channels() == 4) {
-    const auto fires = lampsOf(volume_.slice(), lighting_.place, 1, kMaxFires);
-    lamps.insert(lamps.end(), fires.begin(), fires.end());
-  }
-  Rgb albedo = lighting_.albedo;
-  if (!lighting_.colors.empty()) {
-    Rgb sum = Rgb::Zero();
-    for (const Rgb& color : lighting_.colors) sum += color;
-    albedo *= sum / static_cast<double>(lighting_.colors.size());
-  }
+/// In the world.
+AnyMedium VolumeLight::medium() const {
   AnyMedium medium(volume_.absorption());
-  if (!lighting_.place.isIdentity())
-    medium = AnyMedium(AffineMedium(std::move(medium), lighting_.place));
-  again_ = std::make_shared<const DiffuseLight>(
-      DiffuseLight::Request{.medium = medium,
-                            .box = medium.bounds(),
-                            .scattering = {albedo, lighting_.asymmetry},
-                            .lamps = lamps,
-                            .between = between,
-                            .blocks = lighting_.blocks});
+  if (lighting_.place.isIdentity())
+    return medium;
+  return AnyMedium(AffineMedium(std::move(medium), lighting_.place));
+}
+
+Illumination VolumeLight::illumination() const {
+  return {.lamps = lighting_.lamps,
+          .blocks = lighting_.blocks,
+          .between = between_,
+          .multiple = lighting_.multiple};
+}
+
+/// What lamps, surroundings and its own fire send is scattered on from where it is scattered first.
+const DiffuseLight* VolumeLight::again() const {
+  std::call_once(scattered_, [&] {
+    if (!lighting_.multiple || !(lighting_.albedo.maxCoeff() > 0))
+      return;
+    Illumination light = illumination();
+    for (const Way& way : ways()) {
+      Lamp sky;
+      sky.kind = Lamp::Kind::kSun;
+      sky.direction = -way.direction;
+      sky.intensity = 4 * std::numbers::pi * way.share * lighting_.surrounding;
+      if (sky.intensity.maxCoeff() > 0)
+        light.lamps.push_back(sky);
+    }
+    if (lighting_.ownFire && volume_.slice().channels() == 4) {
+      const auto fires = lampsOf(volume_.slice(), lighting_.place, 1, kMaxFires);
+      light.lamps.insert(light.lamps.end(), fires.begin(), fires.end());
+    }
+    Rgb albedo = lighting_.albedo;
+    if (!lighting_.colors.empty()) {
+      Rgb sum = Rgb::Zero();
+      for (const Rgb& color : lighting_.colors) sum += color;
+      albedo *= sum / static_cast<double>(lighting_.colors.size());
+    }
+    const AnyMedium own = medium();
+    again_ = light.again(own, own.bounds(), {albedo, lighting_.asymmetry});
+  });
+  return again_.get();
 }
 
 namespace {
@@ -378,7 +382,8 @@ Rgb scatteredTo(const Lamp& lamp, const Vec3& point, const Vec3* way, double sha
 
 ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   gather();
-  if (lampShares_.empty() && !even_ && !again_)
+  const DiffuseLight* const again = this->again();
+  if (lampShares_.empty() && !even_ && !again)
     return volume_.drawn();
   const auto places = volume_.lightPlaces();
   const Scattering scattering{lighting_.albedo, lighting_.asymmetry};
@@ -393,10 +398,10 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
       for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) {
         if (const float share = lampShares_[l][i]; share != 0)
           sum += scatteredTo(lighting_.lamps[l], point, view ? &way : nullptr, share,
-                             again_ ? scattering.goesOn(share) : 0, scattering);
+                             again ? scattering.goesOn(share) : 0, scattering);
       }
-      if (again_)
-        sum += view ? again_->towards(point, way) : again_->at(point);
+      if (again)
+        sum += view ? again->towards(point, way) : again->at(point);
       sum *= lighting_.albedo;
       if (!lighting_.colors.empty())
         sum *= lighting_.colors[i];

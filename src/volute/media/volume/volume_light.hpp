@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "volute/grid/shaded_voxels.hpp"
-#include "volute/lighting/diffuse_light.hpp"
-#include "volute/lighting/lamp.hpp"
+#include "volute/lighting/illumination.hpp"
 #include "volute/medium/affine_medium.hpp"
 
 namespace volute {
@@ -50,7 +49,7 @@ class VolumeLight {
   };
 
   /// Finds the light that does not depend on a view; the first view would else do so.
-  void prepare() const { gather(); }
+  void prepare() const { gather(), again(); }
 
   ShadedVoxels seenFrom(const View& view) const;
 
@@ -85,21 +84,24 @@ class VolumeLight {
   class Coarse;
 
   void gather() const;
-  void addShares(std::size_t lamp) const;
+  void addShares(std::size_t lamp, const ArrivingLight& arriving) const;
   bool fanned(const LightFan& fan, const Lamp& lamp, std::span<float> out) const;
 
   /// Of a voxel, in the world.
-  Vec3 placeOf(const std::array<std::int32_t, 3>& voxel) const {
+  Vec3 placeOf(const Place& voxel) const {
     return lighting_.place.toWorld(volume_.centreOf(voxel));
   }
 
   void addSurrounding() const;
-  void scatterAgain(std::span<const AnyMedium> between) const;
+  AnyMedium medium() const;
+  Illumination illumination() const;
+  const DiffuseLight* again() const;
   ShadedVoxels shaded(const std::optional<View>& view) const;
 
   ShadedVoxels volume_;
   VolumeLighting lighting_;
-  mutable std::once_flag gathered_;
+  std::vector<AnyMedium> between_;
+  mutable std::once_flag gathered_, scattered_;
   mutable std::vector<std::vector<float>> lampShares_;  ///< of each lamp, at each light point: 0..1
   mutable std::shared_ptr<const DiffuseLight> again_;   ///< null: light is scattered once
   mutable std::shared_ptr<const Coarse> even_;          ///< A + F; null: neither is there
