@@ -4,6 +4,8 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <memory>
 #include <mutex>
 #include <new>
@@ -292,8 +294,15 @@ Result<volute_drawing*> openDrawing(const std::string& path, const char* members
   return new volute_drawing{std::move(job)};
 }
 
-Result<RenderRequest> requestOf(const volute_view& view) {
-  VOLUTE_TRY(checkSize("volute_drawing_draw", "view", view));
+Result<RenderRequest> requestOf(const volute_view& given) {
+  volute_view view{};
+  // Programs of before there was a shutter go on to work.
+  if (given.size == offsetof(volute_view, shutter))
+    std::memcpy(&view, &given, given.size);
+  else
+    VOLUTE_TRY(checkSize("volute_drawing_draw", "view", given));
+  if (given.size == sizeof(volute_view))
+    view = given;
   RenderRequest request;
   if (view.time)
     request.frames.time = *view.time;

@@ -111,7 +111,7 @@ SnapshotContent contentOf(const Snapshot& snapshot) {
   return content;
 }
 
-Result<FirstSight> firstSight(Scene& scene, Progress& progress, int looksAt) {
+Result<FirstSight> firstSight(Scene& scene, Progress& progress, std::uint64_t enough) {
   const auto times = scene.times();
   FirstSight sight{times.front(), scene.bounds(), ""};
 
@@ -134,13 +134,15 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, int looksAt) {
     }
   }
   // The first, the middle, then what is between them.
-  constexpr int kOrder[kFirstSightTimes] = {0, 4, 2, 6, 1, 3, 5, 7};
+  constexpr int kTimes = 8;
+  constexpr int kOrder[kTimes] = {0, 4, 2, 6, 1, 3, 5, 7};
+  std::uint64_t looked = 0;
   for (const int part : kOrder) {
     const bool found =
         std::ranges::any_of(looks, [](const Look& look) { return look.content.amount > 0; });
-    if (found && std::ssize(looks) >= looksAt)
+    if (found && looked >= enough)
       break;
-    const double time = times[part * (times.size() - 1) / (kFirstSightTimes - 1)];
+    const double time = times[part * (times.size() - 1) / (kTimes - 1)];
     if (std::ranges::find(looks, time, &Look::time) != looks.end())
       continue;
     auto snapshot = scene.at({.time = time, .coarse = true, .lit = false}, progress);
@@ -149,6 +151,7 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, int looksAt) {
         return tl::unexpected<Error>(snapshot.error());
       break;  // what can be seen is seen
     }
+    for (const auto& medium : snapshot->media) looked += medium->memoryBytes();
     looks.push_back({time, contentOf(*snapshot)});
   }
   std::ranges::sort(looks, {}, &Look::time);

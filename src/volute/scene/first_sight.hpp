@@ -2,13 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "volute/scene/scene.hpp"
 
 namespace volute {
-
-constexpr int kFirstSightTimes = 8;  ///< that are looked at, at most
 
 /// When and where a scene has something to see.
 struct FirstSight {
@@ -30,11 +29,11 @@ struct SnapshotContent {
 SnapshotContent contentOf(const Snapshot& snapshot);
 
 /// The first of the scene's times if there is something to see, else the earliest of some that
-/// shows much: of `looksAt` coarse snapshots, of as many as there are while all were empty. A file
-/// alone whose medium knows better says it
+/// shows much: of eight coarse snapshots, or of those that together take so many bytes as are
+/// `enough`, if there is something in them. A file alone whose medium knows better says it
 /// (SceneMedium::firstTime()). Of a scene that has nothing it is the first time and
 /// Scene::bounds().
 [[nodiscard]] Result<FirstSight> firstSight(Scene& scene, Progress& progress,
-                                            int looksAt = kFirstSightTimes);
+                                            std::uint64_t enough = ~std::uint64_t{0});
 
 }  // namespace volute

@@ -21,7 +21,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kUsualFov = 40;  ///< [degrees]
+constexpr double kUsualFov = 40;            ///< [degrees]
+constexpr std::uint64_t kEnough = 1 << 25;  ///< bytes in which something to see is looked for
 
 /// A remark without the name of the file that it is about, which the title has, or without that
 /// file's folder before the name of one beside it.
@@ -111,7 +112,7 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
   }
   document->saved_ = document->scene_.json();
   if (!document->scene_.isFile() || !document->start_) {
-    auto sight = firstSight(document->scene_, progress, 1);
+    auto sight = firstSight(document->scene_, progress, kEnough);
     if (sight)  // else sceneAt() says what is wrong
       document->sight_ = *sight;
     else if (sight.error().code == ErrorCode::kCancelled)
