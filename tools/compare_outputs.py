@@ -20,7 +20,6 @@ import tempfile
 
 SIGNS = {"signs": [{"name": "far", "position": [20, 6, 2.5], "normal": [-1, 0, 0], "size": [0.6, 0.3], "emitting": True},
                    {"name": "side", "position": [3, 1, 2], "normal": [1, 0, 0], "C": 3.5, "angle_law": "cosine"}]}
-CORRIDOR_SIGNS = {"signs": [{"name": "exit", "position": [8, 1, 2], "normal": [-1, 0, 0], "angle_law": "any"}]}
 SMOKE = "--field soot --quantity soot-density --unit g/m3"
 
 # A line each; .volute files of the default effort are named out_*.volute and compared by size.
