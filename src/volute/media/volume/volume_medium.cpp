@@ -345,9 +345,8 @@ Result<std::optional<FirstTime>> VolumeMedium::firstTime(Progress&) {
   const std::size_t first = firstThatShows(input_->amounts);
   std::string reason;
   if (first > 0) {
-    reason = fmt::format(
-        "frame {} is the first of {} with at least half of the most that there is in one",
-        volume_.frameText(first), volume_.frames);
+    reason = fmt::format("the first of {} with at least half of the most that there is in one",
+                         volume_.frames);
   }
   return FirstTime{info_.times[first], std::move(reason)};
 }
