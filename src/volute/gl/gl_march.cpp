@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/gl_march.hpp"
 
+#include <array>
+#include <vector>
+
 namespace volute {
 namespace {
 
@@ -48,6 +51,27 @@ Status checkNeeds(std::span<const std::unique_ptr<GlMedium>> media, const GlDevi
   return {};
 }
 
+/// As ray.glsl has them: what is shown has dot(xyz, place) <= w, in places from the origin.
+Status bindCuts(const GlProgram& program, std::span<const GlCut> cuts, const Vec3& origin) {
+  constexpr std::size_t kMaxCuts = 24;
+  if (cuts.size() > kMaxCuts) {
+    return fail(ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
+                "{} planes clip the scene; OpenGL draws up to {}, a box counting 6", cuts.size(),
+                kMaxCuts);
+  }
+  std::vector<std::array<float, 4>> planes;
+  for (const GlCut& cut : cuts) {
+    const Vec3 normal = cut.normal.normalized();
+    planes.push_back({static_cast<float>(normal.x()), static_cast<float>(normal.y()),
+                      static_cast<float>(normal.z()),
+                      static_cast<float>(normal.dot(cut.point - origin))});
+  }
+  program.set("cuts", static_cast<int>(planes.size()));
+  if (!planes.empty())
+    program.set("cutPlanes", planes);
+  return {};
+}
+
 }  // namespace
 
 Status checkPictureSize(const Camera& camera, const GlDevice& device) {
@@ -69,6 +93,7 @@ Status march(const Camera& camera, std::span<const std::unique_ptr<GlMedium>> me
                              [&] { return sceneShader(media, target.quantity); }));
   const GlView view = viewOf(camera, media, target.rays);
   bindRays(*program, camera, view.origin, target.rays);
+  VOLUTE_TRY(bindCuts(*program, target.cuts, view.origin));
   program->set("marchColor", Vec3(marchColor(media)));
   GlBindings bindings;
   for (std::size_t i = 0; i < media.size(); ++i)

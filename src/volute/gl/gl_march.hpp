@@ -10,6 +10,7 @@
 #include "volute/camera/camera.hpp"
 #include "volute/gl/gl_rays.hpp"
 #include "volute/gl/gl_resources.hpp"
+#include "volute/gl/gl_scene.hpp"
 #include "volute/gl/scene_shader.hpp"
 
 namespace volute {
@@ -19,6 +20,7 @@ struct GlTarget {
   GlQuantity quantity = GlQuantity::kLight;
   GlRays rays{};
   std::span<const float> opaqueDepth{};  ///< the same as `rays.opaque`; empty where there is none
+  std::span<const GlCut> cuts{};         ///< GlScene::cuts, of rays of a camera
   GLuint picture = 0;  ///< RGBA32F, of the camera's size at least: light and optical depth
 };
 

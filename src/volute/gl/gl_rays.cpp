@@ -47,6 +47,7 @@ void bindRays(const GlProgram& program, const Camera& camera, const Vec3& origin
               const GlRays& rays) {
   program.set("size", std::array{camera.width(), camera.height()});
   program.set("firstRow", 0);
+  program.set("cuts", 0);
   program.setExactly("eyeFromOrigin", Vec3(camera.eye() - origin));
   program.setExactly("forward", camera.forward());
   program.setExactly("right", Vec3(camera.right() * camera.pixelWidth()));

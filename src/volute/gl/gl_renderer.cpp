@@ -122,7 +122,7 @@ GlRays GlRenderer::State::raysOf(const Camera& camera, std::span<const float> op
 /// What no picture has needed since the last one is dropped, nor surfaces and walls before it.
 Status GlRenderer::State::draw(const Camera& camera, const GlScene& scene, const GlTarget& target,
                                Progress& progress) {
-  if (scene.parts.size() == 1) {
+  if (scene.parts.size() == 1 && scene.cuts.empty()) {
     const Status alone =
         scene.parts[0]->drawAlone({camera, scene.shade, resources, progress}, target);
     if (alone || alone.error().code != ErrorCode::kUnsupported) {
@@ -132,7 +132,9 @@ Status GlRenderer::State::draw(const Camera& camera, const GlScene& scene, const
   }
   VOLUTE_ASSIGN(const Media media, mediaOf(scene, camera, progress));
   resources.store.sweep();
-  return march(camera, media, target, mediaNames(scene), resources, progress);
+  GlTarget cut = target;
+  cut.cuts = scene.cuts;
+  return march(camera, media, cut, mediaNames(scene), resources, progress);
 }
 
 /// The optical depths of media along rays; null where no lamp shines through any.

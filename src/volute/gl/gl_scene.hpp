@@ -14,10 +14,18 @@ namespace volute {
 
 class GlPart;
 
+/// A plane, of whose two sides media are shown on the one that `normal` points away from.
+struct GlCut {
+  Vec3 point = Vec3::Zero();    ///< [m]
+  Vec3 normal = Vec3::UnitX();  ///< of any length
+};
+
 /// All media of a picture, whatever their kinds; glPart() in the headers of the kinds makes them.
 struct GlScene {
   std::vector<std::shared_ptr<const GlPart>> parts{};
   TriangleScene shade{};  ///< surfaces that keep suns from the media that they light
+  /// Of what the eye sees of the media; light goes through all of them.
+  std::vector<GlCut> cuts{};
 
   /// With this factor on all extinctions: GlPart::scaled().
   GlScene scaled(double factor) const;

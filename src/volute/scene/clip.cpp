@@ -61,6 +61,8 @@ class ClippedAt final : public MediumAt {
 
   const MediumAt& whole() const { return *medium_; }
 
+  const SceneClip& clip() const { return *clip_; }
+
   void addMedia(std::vector<AnyMedium>& media) const override {
     const std::size_t first = media.size();
     medium_->addMedia(media);
@@ -222,6 +224,11 @@ Result<SceneClip> parseClip(const nlohmann::json& json, const FieldOrigin& origi
 std::shared_ptr<const MediumAt> clipped(std::shared_ptr<const MediumAt> medium,
                                         std::shared_ptr<const SceneClip> clip) {
   return std::make_shared<const ClippedAt>(std::move(medium), std::move(clip));
+}
+
+const SceneClip* clipOf(const MediumAt& medium) {
+  const auto* clipped = dynamic_cast<const ClippedAt*>(&medium);
+  return clipped ? &clipped->clip() : nullptr;
 }
 
 const MediumAt& unclipped(const MediumAt& medium) {

@@ -41,6 +41,9 @@ std::span<const FieldTable* const> clipTables();
 std::shared_ptr<const MediumAt> clipped(std::shared_ptr<const MediumAt> medium,
                                         std::shared_ptr<const SceneClip> clip);
 
+/// By what it is clipped; null: it is not.
+const SceneClip* clipOf(const MediumAt& medium);
+
 /// What clipped() was given; the medium itself where it is not clipped.
 const MediumAt& unclipped(const MediumAt& medium);
 

@@ -23,6 +23,9 @@ uniform sampler2D lens;    // directions of cameras with a lens; w = 0 where it 
 uniform int originsGiven;  // with the lens, for rays that are no camera's: these begin in their origins
 uniform sampler2D origins; // from the picture's origin [m]; of a camera's lens what is left of its directions beyond float
 
+uniform int cuts;             // planes: media are seen where dot(xyz, place) <= w
+uniform vec4 cutPlanes[24];
+
 const float FARTHEST = 3e38;
 
 vec3 light = vec3(0.0);  // what has come out of the ray so far
@@ -70,6 +73,14 @@ bool castRayAt(vec2 place, ivec2 pixel) {
   rayAhead = float(exactAhead);
   rayBegin = orthographic != 0 ? -FARTHEST : -rayAhead;
   rayEnd = stop < FARTHEST ? float(double(stop) - exactAhead) : FARTHEST;
+  rayFrom = -FARTHEST;
+  for (int i = 0; i < cuts; ++i) {
+    double climbs = dot(dvec3(cutPlanes[i].xyz), exactDirection);
+    double below = double(cutPlanes[i].w) - dot(dvec3(cutPlanes[i].xyz), exactOrigin);
+    if (climbs > 0.0LF) rayEnd = min(rayEnd, float(below / climbs));
+    else if (climbs < 0.0LF) rayFrom = max(rayFrom, float(below / climbs));
+    else if (below < 0.0LF) rayEnd = -FARTHEST;
+  }
   return bent.w != 0.0;
 }
 
