@@ -24,6 +24,8 @@ Result<std::size_t> checkField(std::span<float> values, Negatives negatives,
                   "to 0 if they are the solver's noise",
                   name, i, values[i]);
     }
+    if (negatives == Negatives::kKeep)
+      continue;
     negative += values[i] < 0;
     values[i] = std::max(values[i], 0.0F);
   }

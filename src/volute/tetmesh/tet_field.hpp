@@ -14,10 +14,10 @@
 namespace volute {
 
 /// What is done about negative values, which concentrations cannot have.
-enum class Negatives { kRefuse, kClamp };
+enum class Negatives { kRefuse, kClamp, kKeep };
 
-/// Refuses values that are not finite, and negative ones unless they are to be clamped to 0.
-/// Returns how many were clamped.
+/// Refuses values that are not finite, and negative ones unless they are to be clamped to 0 or
+/// kept. Returns how many were clamped.
 [[nodiscard]] Result<std::size_t> checkField(std::span<float> values, Negatives negatives,
                                              std::string_view name);
 

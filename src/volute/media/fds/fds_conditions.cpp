@@ -65,8 +65,13 @@ std::string_view unitOf(std::string_view quantity) {
 class FdsPoints final : public PointField {
  public:
   /// `change` is from what is stored to what criteria mean, `factor` of the quantity after it.
-  FdsPoints(FdsCase fds, UnitChange change, double factor, std::string_view quantity)
-      : case_(std::move(fds)), change_(change), factor_(factor), quantity_(quantity) {}
+  FdsPoints(FdsCase fds, UnitChange change, double factor, std::string_view quantity,
+            bool fraction = false)
+      : case_(std::move(fds)),
+        change_(change),
+        factor_(factor),
+        quantity_(quantity),
+        fraction_(fraction) {}
 
   std::string description() const override {
     return fmt::format("{} ({}{})", quantity_, case_.source().name, factor_ == 1 ? "" : " / 4");
@@ -91,7 +96,7 @@ class FdsPoints final : public PointField {
         out[i] = b == nullptr ? now : (1 - share) * now + share * valueAt(*b, points[i]);
       }
     });
-    if (unitOf(quantity_) != kFraction)
+    if (!fraction_)
       return {};
     constexpr double kMaxRounded = 1.01;
     const auto many = std::ranges::find_if(out, [](double value) { return value > kMaxRounded; });
@@ -132,17 +137,29 @@ class FdsPoints final : public PointField {
   UnitChange change_;
   double factor_;
   std::string quantity_;
+  bool fraction_;
   std::array<std::optional<std::pair<std::size_t, FdsField>>, 2> held_;
 };
+
+/// What a part of a source calls its values.
+const FdsLabels& labelsOf(const SmvIndex& index, const FdsSource& source,
+                          const FdsSourcePart& part) {
+  switch (source.kind) {
+    case FdsFileKind::kPlot:
+      return index.plots[part.entry].labels[static_cast<std::size_t>(source.plotVariable)];
+    case FdsFileKind::kSlice:
+      return index.slices[part.entry].labels;
+    default:
+      return index.smoke[part.entry].labels;
+  }
+}
 
 /// From the unit of a source's files, which is to be one, to another.
 Result<UnitChange> unitChangeOf(const SmvIndex& index, const FdsSource& source,
                                 std::string_view to) {
   std::set<std::string> units;
   for (const FdsSourcePart& part : source.parts) {
-    units.insert(source.kind == FdsFileKind::kPlot
-                     ? index.plots[part.entry].labels[source.plotVariable].unit
-                     : index.slices[part.entry].labels.unit);
+    units.insert(labelsOf(index, source, part).unit);
   }
   const auto change = unitChange(*units.begin(), to);
   if (units.size() == 1 && !units.begin()->empty() && change)
@@ -199,8 +216,8 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
       options.maxMemory = maxMemory;
       auto fds = FdsCase::open(index, options);
       if (fds)
-        sources.push_back(
-            std::make_unique<FdsPoints>(std::move(*fds), *change, stored.factor, quantity));
+        sources.push_back(std::make_unique<FdsPoints>(std::move(*fds), *change, stored.factor,
+                                                      quantity, unitOf(quantity) == kFraction));
       else if (!error)
         error = fds.error();
     }
@@ -219,6 +236,42 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
   }
   return std::make_unique<BestPoints>(
       std::move(sources), error ? std::vector{error->message} : std::vector<std::string>());
+}
+
+std::vector<std::string> fdsQuantities(const SmvIndex& index) {
+  std::set<std::string> names;
+  for (const FdsSliceEntry& slice : index.slices) names.insert(slice.labels.quantity);
+  for (const FdsPlotEntry& plot : index.plots) {
+    for (const FdsLabels& labels : plot.labels) names.insert(labels.quantity);
+  }
+  for (const FdsSmokeEntry& smoke : index.smoke) names.insert(smoke.labels.quantity);
+  return {names.begin(), names.end()};
+}
+
+Result<std::pair<std::unique_ptr<PointField>, std::string>> fdsStored(const SmvIndex& index,
+                                                                      const std::string& quantity,
+                                                                      std::uint64_t maxMemory) {
+  std::vector<std::unique_ptr<PointField>> sources;
+  std::optional<std::string> unit;
+  std::optional<Error> error;
+  for (const FdsSource& source : findSources(index, quantity)) {
+    const std::string& own = labelsOf(index, source, source.parts.front()).unit;
+    const auto change = unit && *unit != own ? unitChange(own, *unit) : UnitChange{};
+    auto fds =
+        FdsCase::open(index, {.quantity = quantity, .source = source.name, .maxMemory = maxMemory});
+    if (!fds || !change) {
+      error = fds ? error : fds.error();
+      continue;
+    }
+    unit = unit.value_or(own);
+    sources.push_back(std::make_unique<FdsPoints>(std::move(*fds), *change, 1, quantity));
+  }
+  if (!sources.empty())
+    return std::pair<std::unique_ptr<PointField>, std::string>(
+        std::make_unique<BestPoints>(std::move(sources)), *unit);
+  if (error)
+    return tl::unexpected(std::move(*error));
+  return fail(ErrorCode::kNotFound, "nothing stores {}", quantity);
 }
 
 namespace {

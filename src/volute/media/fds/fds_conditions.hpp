@@ -3,7 +3,10 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "volute/fds/smv_index.hpp"
 #include "volute/media/sight.hpp"
@@ -18,6 +21,14 @@ namespace volute {
 [[nodiscard]] Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index,
                                                                 std::string_view quantity,
                                                                 std::uint64_t maxMemory);
+
+/// A quantity by the name that FDS gives it, from all that stores it, in the unit of the first; and
+/// that unit. kNotFound where nothing does.
+[[nodiscard]] Result<std::pair<std::unique_ptr<PointField>, std::string>> fdsStored(
+    const SmvIndex& index, const std::string& quantity, std::uint64_t maxMemory);
+
+/// The names of all quantities that a case stores in the air, each once.
+std::vector<std::string> fdsQuantities(const SmvIndex& index);
 
 /// Burners of the case's input file (vents and obstructions whose surface has HRRPUA or MLRPUA),
 /// and where it stores a heat release of flames, by its .s3d or PLOT3D files of HRRPUV, at up to

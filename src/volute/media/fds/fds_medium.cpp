@@ -18,6 +18,7 @@
 #include "volute/fds/fds_room.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/media/fds/fds_light.hpp"
+#include "volute/media/fds/fds_probe.hpp"
 #include "volute/media/fds/fds_shares.hpp"
 #include "volute/media/fds/fds_sight.hpp"
 #include "volute/media/fds/fds_walls.hpp"
@@ -328,6 +329,17 @@ Result<std::unique_ptr<SightField>> FdsMedium::sight(Reading& reading) {
 
 double FdsMedium::timeOf(int step) const {
   return description_.clock.sceneTime(case_->times()[static_cast<std::size_t>(step)]);
+}
+
+std::unique_ptr<FieldProbe> FdsMedium::fieldProbe() const {
+  constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;  // of each quantity
+  const auto stored = case_->times();
+  return fdsProbe(
+      case_->index(),
+      [clock = description_.clock, times = std::vector(stored.begin(), stored.end())](double time) {
+        return clock.at(time, times);
+      },
+      kMemory);
 }
 
 double FdsMedium::caseTime(double time) const {

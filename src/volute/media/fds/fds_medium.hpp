@@ -21,6 +21,7 @@
 #include "volute/media/fds/fds_look.hpp"
 #include "volute/media/fds/fds_particle_cloud.hpp"
 #include "volute/media/fds/fds_slice.hpp"
+#include "volute/media/field_probe.hpp"
 #include "volute/media/medium_at.hpp"
 #include "volute/media/scene_lights.hpp"
 #include "volute/media/scene_medium.hpp"
@@ -90,7 +91,7 @@ struct MediumContext;
 
 /// An FDS case in a scene: its smoke, fire and building at any time, and devices and slices where
 /// they are asked for. Holds two stored frames of each.
-class FdsMedium final : public SceneMedium {
+class FdsMedium final : public SceneMedium, public ProbedMedium {
  public:
   /// `description` says the case, the source (its field; empty: the best that fills meshes), a
   /// scale, Km and the albedo; the case itself says what its files hold, so kInvalidArgument for
@@ -123,6 +124,8 @@ class FdsMedium final : public SceneMedium {
   /// All that is opaque: the building, the devices' marks, particles and the slice. Outer walls and
   /// cuts open towards the eye.
   Status addSurfaces(const InstantRequest& request, TriangleMesh& to) const override;
+
+  std::unique_ptr<FieldProbe> fieldProbe() const override;
 
   /// What a picture says about what it shows, and by which laws.
   MediumText text(const std::optional<Vec3>& eye) const override;

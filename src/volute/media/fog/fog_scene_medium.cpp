@@ -262,6 +262,27 @@ FogMedium FogSceneMedium::mapAt(double time) const {
   return stored(time).shifted(time * description_.wind + (description_.placement.origin - readAt_));
 }
 
+namespace {
+
+/// What the map and the profile make, whatever the law of the picture.
+class FogProbe final : public FieldProbe {
+ public:
+  explicit FogProbe(std::shared_ptr<const FogSceneMedium> fog) : fog_(std::move(fog)) {}
+
+  Result<std::vector<ProbedField>> at(double time, const Vec3& place) override {
+    return std::vector<ProbedField>{{"extinction", {fog_->fogAt(time).extinction(place)}, "1/m"}};
+  }
+
+ private:
+  std::shared_ptr<const FogSceneMedium> fog_;
+};
+
+}  // namespace
+
+std::unique_ptr<FieldProbe> FogSceneMedium::fieldProbe() const {
+  return std::make_unique<FogProbe>(shown());
+}
+
 FogMedium FogSceneMedium::fogAt(double time) const {
   if (description_.borderInWind() == FogBorder::kZero)
     return mapAt(time);

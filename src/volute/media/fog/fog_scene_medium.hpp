@@ -7,6 +7,7 @@
 #include "volute/fog/fog_sequence.hpp"
 #include "volute/fog/polar_table.hpp"
 #include "volute/geometry/triangle_scene.hpp"
+#include "volute/media/field_probe.hpp"
 #include "volute/media/fog/fog_file.hpp"
 #include "volute/media/fog/lit_fog.hpp"
 #include "volute/media/scene_medium.hpp"
@@ -60,7 +61,7 @@ class FogAt final : public MediumAt {
 };
 
 /// A map of fog in a scene, in memory. It can be painted.
-class FogSceneMedium final : public SceneMedium {
+class FogSceneMedium final : public SceneMedium, public ProbedMedium {
  public:
   /// Reads the maps. Errors begin with FogDescription::where or with the name of a map.
   [[nodiscard]] static Result<std::shared_ptr<FogSceneMedium>> open(
@@ -78,6 +79,7 @@ class FogSceneMedium final : public SceneMedium {
   Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
                                              Progress& progress) override;
   std::vector<std::string> files() const override;
+  std::unique_ptr<FieldProbe> fieldProbe() const override;
 
   const FogDescription& description() const { return description_; }
 

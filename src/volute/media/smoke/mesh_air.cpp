@@ -210,4 +210,11 @@ Result<std::unique_ptr<PointField>> meshConditions(const std::string& file, std:
                                       *conversionOf(*usual, one.unit));
 }
 
+Result<std::unique_ptr<PointField>> meshField(const std::string& file, std::uint64_t maxMemory,
+                                              const std::string& field) {
+  VOLUTE_ASSIGN(auto source, MeshSource::open(file, {field, Negatives::kKeep, maxMemory}));
+  return std::make_unique<MeshPoints>(std::move(source), MeshAirField{field, field, ""},
+                                      Conversion{});
+}
+
 }  // namespace volute

@@ -34,4 +34,9 @@ struct MeshAirField {
     const std::string& file, std::uint64_t maxMemory, std::string_view quantity,
     std::span<const MeshAirField> named, std::span<const MeshFieldSummary> fields);
 
+/// A scalar field as it is stored, at the points of a case.
+[[nodiscard]] Result<std::unique_ptr<PointField>> meshField(const std::string& file,
+                                                            std::uint64_t maxMemory,
+                                                            const std::string& field);
+
 }  // namespace volute

@@ -14,6 +14,7 @@
 #include "volute/base/gather_values.hpp"
 #include "volute/base/stopwatch.hpp"
 #include "volute/media/medium_kind.hpp"
+#include "volute/media/smoke/mesh_probe.hpp"
 #include "volute/media/smoke/mesh_sight.hpp"
 #include "volute/media/smoke/shared_light.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
@@ -173,6 +174,15 @@ Result<std::unique_ptr<SightField>> SmokeMedium::sight(Reading& reading) {
   VOLUTE_ASSIGN(auto air, parseMeshAir(description_.airFields));
   auto self = std::static_pointer_cast<SmokeMedium>(shared_from_this());
   return std::make_unique<MeshSight>(std::move(self), std::move(air), reading.maxMemory);
+}
+
+std::unique_ptr<FieldProbe> SmokeMedium::fieldProbe() const {
+  const auto stored = source().times();
+  return meshProbe(
+      source(), description_.file, fieldName(), std::string(unitOfField(description_.model)),
+      [clock = description_.clock, times = std::vector(stored.begin(), stored.end())](double time) {
+        return clock.at(time, times);
+      });
 }
 
 double SmokeMedium::timeOf(int step) const {

@@ -15,6 +15,7 @@
 #include "volute/lighting/light_cache.hpp"
 #include "volute/lighting/light_memory.hpp"
 #include "volute/lighting/vertex_light.hpp"
+#include "volute/media/field_probe.hpp"
 #include "volute/media/scene_lights.hpp"
 #include "volute/media/scene_medium.hpp"
 #include "volute/media/smoke/scene_smoke.hpp"
@@ -120,7 +121,7 @@ class MediumKind;
 
 /// A case of smoke on a mesh in a scene. Holds two steps of it at most, what its files say of them
 /// and what a description and lamps make of that.
-class SmokeMedium final : public SceneMedium {
+class SmokeMedium final : public SceneMedium, public ProbedMedium {
  public:
   /// Reads the first step.
   /// @param options  of ranks that hold a share each, bounds and what is remarked on are of all,
@@ -145,6 +146,7 @@ class SmokeMedium final : public SceneMedium {
                                              Progress& progress) override;
   Result<std::unique_ptr<SightField>> sight(Reading& reading) override;
   MediumText text(const std::optional<Vec3>& eye) const override;
+  std::unique_ptr<FieldProbe> fieldProbe() const override;
   nlohmann::ordered_json counts() const override;
 
   const SmokeDescription& description() const { return description_; }

@@ -9,6 +9,7 @@
 #include "volute/grid/refined_spline.hpp"
 #include "volute/io/level_set_surface.hpp"
 #include "volute/media/first_time.hpp"
+#include "volute/media/volume/volume_probe.hpp"
 #include "volute/medium/affine_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/volume_files/volume_grids.hpp"
@@ -247,6 +248,10 @@ MediumText VolumeMedium::text(const std::optional<Vec3>& eye) const {
   return text;
 }
 
+std::unique_ptr<FieldProbe> VolumeMedium::fieldProbe() const {
+  return volumeProbe(*this);
+}
+
 int VolumeMedium::rowOf(int position) const {
   return input_->reader ? input_->reader->blocks().rowOf(position) : 0;
 }
@@ -258,13 +263,20 @@ bool VolumeMedium::inMemory(double time) const {
 
 Result<std::shared_ptr<const BrickSlice>> VolumeMedium::coarseSlice(int position,
                                                                     Progress& progress) const {
+  constexpr std::uint64_t kDense = 64 << 20;  // [bytes]: beyond that most is empty
+  const VolumeInfo info = infoAt(position);
+  if (info.frameValues() * sizeof(float) <= kDense) {
+    std::vector<float> values(info.frameValues());
+    VOLUTE_TRY(input_->reader->readRegion(position, {0, 0, 0}, {info.z, info.y, info.x}, values,
+                                          kCoarseLevels));
+    return std::make_shared<const BrickSlice>(BrickSlice::fromDense(info, values));
+  }
   VOLUTE_ASSIGN(
       const Tree4d tree,
       Tree4d::load(*input_->reader,
                    {.levels = kCoarseLevels, .firstFrame = position, .endFrame = position + 1},
                    progress));
-  return std::make_shared<const BrickSlice>(
-      asItLooks(tree.extractSlice(position), infoAt(position)));
+  return std::make_shared<const BrickSlice>(asItLooks(tree.extractSlice(position), info));
 }
 
 Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& request,

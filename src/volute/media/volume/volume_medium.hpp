@@ -11,6 +11,7 @@
 
 #include "volute/grid/brick_slice.hpp"
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/media/field_probe.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/volume/volume_fields.hpp"
 #include "volute/media/volume/volume_light.hpp"
@@ -107,7 +108,7 @@ class VolumeAt final : public MediumAt {
 ShadedVoxels seenFrom(const VolumeLight& light, const Camera& camera);
 
 /// A volume file in a scene. Copies share what was read.
-class VolumeMedium : public SceneMedium {
+class VolumeMedium : public SceneMedium, public ProbedMedium {
  public:
   [[nodiscard]] static Result<std::shared_ptr<VolumeMedium>> open(const std::string& path,
                                                                   const InputOptions& options,
@@ -168,6 +169,7 @@ class VolumeMedium : public SceneMedium {
   const ValueCounts& values() const;
 
   MediumText text(const std::optional<Vec3>& eye) const override;
+  std::unique_ptr<FieldProbe> fieldProbe() const override;
 
   /// What shines at it; in the scene's place.
   void setLighting(VolumeLighting lighting) { lighting_ = std::move(lighting); }
