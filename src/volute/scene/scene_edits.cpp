@@ -286,6 +286,9 @@ Result<std::string> applyEdit(OrderedJson& json, const SceneEdit& edit) {
       return makeVolume(json, edit);
     case EditKind::kPlace:
       return placeAt(json, edit);
+    case EditKind::kCamera:
+      json["camera"] = writeFields(cameraFields(), &edit.camera, "");
+      return std::string();
   }
   return std::string();
 }

@@ -8,11 +8,12 @@
 #include "volute/base/result.hpp"
 #include "volute/math/box.hpp"
 #include "volute/math/vec.hpp"
+#include "volute/media/camera_file.hpp"
 
 namespace volute {
 
-/// A sign, a light or a clip of a scene comes, goes or moves, or so does a knot or a layer of a
-/// fog's profile; a volume becomes a billboard, or a billboard a volume.
+/// The camera of a scene, or a sign, a light or a clip comes, goes or moves, or so does a knot or a
+/// layer of a fog's profile; a volume becomes a billboard, or a billboard a volume.
 struct SceneEdit {
   enum class Kind {
     kAddSign,
@@ -26,6 +27,7 @@ struct SceneEdit {
     kPlace,         ///< a sign or a spot at `path` goes to `position` and `normal`
     kBillboard,  ///< the volume at `path` is shown as a billboard of the same size and brightness
     kVolume,     ///< the billboard at `path` is shown as a volume, likewise
+    kCamera,     ///< becomes `camera`
   };
 
   Kind kind = Kind::kAddSign;
@@ -34,6 +36,7 @@ struct SceneEdit {
   Vec3 normal = Vec3::UnitX();   ///< away from the wall that it is on
   double reach = 10;             ///< [m] that a spot is to light
   Box3 bounds{};  ///< the file's, of what becomes a billboard or a volume, or of a box [m]
+  CameraDescription camera{};
 };
 
 /// Does it in a scene's JSON. Says in a sentence what was done; kInvalidArgument for a path that

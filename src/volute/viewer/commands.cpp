@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "volute/viewer/error_text.hpp"
 #include "volute/viewer/language.hpp"
 
 namespace volute {
@@ -71,6 +72,14 @@ void measure(App& app, const In&) {
     app.document().say(tr("click both ends of the distance; R or Escape ends it"));
 }
 
+void compareWithSaved(App& app, const In&) {
+  if (!app.document().info())
+    return;
+  const std::string path = app.document().info()->path;
+  if (const Status begun = app.comparison().begin(path, app.view().picture().makers()); !begun)
+    app.document().say(viewerText(begun.error()));
+}
+
 void filmAround(App& app, const In& input) {
   const bool before = std::exchange(app.settings().filmTurns, true);
   app.beginFilm(input);
@@ -115,8 +124,9 @@ Timeline& timelineOf(App& app) {
 std::span<const ViewerCommand> viewerCommands() {
   // clang-format off: a row is read as one
   static const ViewerCommand kCommands[] = {
-      {"open a file", "Ctrl O", [](App& app, const In&) { app.document().askToOpen(); }, Key::kO, true},
-      {"compare with another file", "", [](App& app, const In&) { app.document().askToOpen(ViewerDocument::Purpose::kCompare); }},
+      {"open a file", "Ctrl O", [](App& app, const In&) { app.document().files().askToOpen(); }, Key::kO, true},
+      {"compare with another file", "", [](App& app, const In&) { app.document().files().askToOpen(DocumentFiles::Purpose::kCompare); }},
+      {"compare with the file as it is saved", "", compareWithSaved},
       {"end the comparison", "", [](App& app, const In&) { app.comparison().end(); }},
       {"save the scene", "Ctrl S", [](App& app, const In&) { app.saveScene(); }, Key::kS, true},
       {"undo a change, or a stroke while painting", "Ctrl Z", undo, Key::kZ, true},
@@ -135,6 +145,8 @@ std::span<const ViewerCommand> viewerCommands() {
       {"set or remove a mark at this time", "B", [](App& app, const In&) { app.playback().toggleMark(); }, Key::kB},
       {"to the next mark", "Ctrl Right", [](App& app, const In&) { app.playback().seekMark(1); }, Key::kRight, true},
       {"to the mark before", "Ctrl Left", [](App& app, const In&) { app.playback().seekMark(-1); }, Key::kLeft, true},
+      {"set a key of the camera path at this time", "K", [](App& app, const In&) { app.view().way().set(app.view().camera(), timelineOf(app).time()); }, Key::kK},
+      {"remove the nearest key of the camera path", "Ctrl K", [](App& app, const In&) { app.view().way().remove(app.view().camera(), timelineOf(app).time()); }, Key::kK, true},
       {"brighter by half a stop", "+", brighten<1>, Key::kPlus},
       {"darker by half a stop", "-", brighten<-1>, Key::kMinus},
       {"the whole view, from outside", "F", [](App& app, const In& in) { app.view().whole(in.width, in.height); }, Key::kF},

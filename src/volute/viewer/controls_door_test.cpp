@@ -66,14 +66,9 @@ TEST_F(DoorControls, RecentFilesAreOffered) {
   open("blob.npy");
   EXPECT_THAT(app().document().files().recent().names(),
               ::testing::ElementsAre(folder_.path("blob.npy")));
-  viewer_.reset();
-  ViewerOptions options;
-  options.recent = folder_.path("state/recent");
+  const ViewerOptions options{.recent = folder_.path("state/recent")};
   RecentFiles(options.recent).add(folder_.path("blob.npy"));
-  auto again = HeadlessViewer::create(documentOpener({.maxMemory = kViewerMemory}), options);
-  ASSERT_TRUE(again);
-  viewer_ = std::move(*again);
-  begin(kNarrow, kHigh);
+  ASSERT_NO_FATAL_FAILURE(restart(options));
   script_->frames(4);
   ASSERT_TRUE(script_->click("recent 0"));
   load();
@@ -156,12 +151,12 @@ TEST_F(DoorControls, AFileOfASceneThatMovedIsAskedFor) {
   app().open(folder_.path("smoke.json"));
   load();
   script_->frames(3);
-  ASSERT_NE(app().document().moved(), nullptr);
+  ASSERT_NE(app().document().files().moved(), nullptr);
   ASSERT_TRUE(script_->click("find moved"));
   script_->frames(2);
   ASSERT_NE(app().document().files().browser(), nullptr);
   app().document().files().browse(now);
-  const std::string sought = app().document().moved() ? "" : "smoke.pvd";
+  const std::string sought = app().document().files().moved() ? "" : "smoke.pvd";
   script_->frames(3);
   // The first one that is missing, in the order of the scene.
   ASSERT_TRUE(script_->click("entry = " + sought));
@@ -176,7 +171,7 @@ TEST_F(DoorControls, AFileOfASceneThatMovedIsAskedFor) {
   app().open(folder_.path("smoke.json"));
   load();
   EXPECT_EQ(app().document().error(), "") << "it was saved with the new places";
-  EXPECT_EQ(app().document().moved(), nullptr);
+  EXPECT_EQ(app().document().files().moved(), nullptr);
 }
 
 TEST_F(DoorControls, AFileThatVanishesOrIsHalfWrittenKeepsThePicture) {
@@ -257,6 +252,53 @@ TEST_F(DoorControls, TheProbeSaysWhatIsUnderThePointer) {
   script_->move(middle->x(), middle->y());
   script_->press(Key::kEscape);
   EXPECT_FALSE(app().settings().probe);
+}
+
+/// With what their files call them.
+TEST_F(DoorControls, AllFieldsAreReadUnderThePointer) {
+  const auto fieldsAt = [&](const std::string& file, const Vec3& place) {
+    open(file);
+    for (int i = 0; i < 3; ++i) {
+      app().document().fieldsAt(place);
+      load();
+    }
+    std::map<std::string, std::pair<double, std::string>> all;
+    const LoadedFields* read = app().document().fieldsAt(place);
+    if (!read || !read->fields || !(read->place == place))
+      return all;
+    for (const PlaceFields& medium : *read->fields) {
+      for (const ProbedField& field : medium.fields)
+        all[field.name] = {field.values[0], field.unit};
+    }
+    return all;
+  };
+  auto blob = fieldsAt("blob.npy", {0.35, 0.45, 0.45});
+  ASSERT_EQ(blob.size(), 1);
+  EXPECT_GT(blob.begin()->second.first, 0.7) << "1 in the middle";
+  auto room = fieldsAt("soot.smv", {0.5, 0.5, 0.5});
+  ASSERT_TRUE(room.contains("SOOT DENSITY"));
+  EXPECT_NEAR(room["SOOT DENSITY"].first, 1e-4 * linear(0.5, 0.5, 0.5), 1e-5);
+  EXPECT_EQ(room["SOOT DENSITY"].second, "kg/m3");
+  auto mesh = fieldsAt("smoke.json", {3, 3, 1.5});
+  ASSERT_TRUE(mesh.contains("smoke"));
+  EXPECT_NEAR(mesh["smoke"].first, 5e-5 * 0.7, 5e-6);
+  EXPECT_EQ(mesh["smoke"].second, "kg/m3");
+  auto fog = fieldsAt("fog.json", {6, 4, 2});
+  EXPECT_GT(fog["extinction"].first, 0.05);
+  EXPECT_EQ(fog["extinction"].second, "1/m");
+  // In the window, whatever the pointer comes to.
+  open("blob.npy");
+  ASSERT_TRUE(script_->settle());
+  const auto middle =
+      app().view().camera().camera(kNarrow, kHigh).project(app().view().camera().pivot());
+  ASSERT_TRUE(script_->click("Values"));
+  script_->move(middle->x(), middle->y());
+  load();
+  const auto probe = app().tools().pointer.probeAt(middle->x(), middle->y());
+  ASSERT_TRUE(probe);
+  const LoadedFields* read = app().document().fieldsAt(probe->inside);
+  ASSERT_NE(read, nullptr);
+  EXPECT_EQ(read->place, probe->inside) << "it was asked for by the panel";
 }
 
 TEST_F(DoorControls, ADoubleClickIsThePivot) {

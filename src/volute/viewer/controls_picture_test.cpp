@@ -126,6 +126,25 @@ TEST_F(Controls, OpenGlAndTheCpuAgree) {
   EXPECT_LT(sum / static_cast<double>(gl.pixels.size()), 0.01);
 }
 
+TEST_F(Controls, APictureWithNothingInItSaysSo) {
+  open("blob.npy");
+  ASSERT_TRUE(script_->settle());
+  const auto says = [&] {
+    EXPECT_TRUE(script_->settle());
+    script_->frames(3);
+    return std::ranges::any_of(app().settings().notices, [](const PanelNotice& notice) {
+      return notice.text.starts_with("nothing is to be seen");
+    });
+  };
+  EXPECT_FALSE(says());
+  const ViewCamera there = app().view().camera();
+  app().view().camera().lookAlong(-there.forward());
+  app().view().camera().pan(0, 1e5, kHigh);
+  EXPECT_TRUE(says());
+  app().view().camera() = there;
+  EXPECT_FALSE(says());
+}
+
 TEST_F(Controls, FilesOpenByDropping) {
   open("smoke.json");
   script_->open(folder_.path("map.png"));

@@ -180,6 +180,30 @@ TEST_F(Renderers, DrawTheWallsOfAMesh) {
   EXPECT_LT(difference(bare, by(ViewRenderer::kCpu)), 0.01) << "no walls for either";
 }
 
+TEST_F(Renderers, DrawWhatAClipLeavesOfAllMedia) {
+  const std::string media =
+      std::string(R"(, "media": [{)") + kMap + "," + kSlab +
+      R"(}, {"kind": "volume", "file": "blob.npy", "emission": 3, "transform": [4, 0, 0, 6, 0, 4, 0, 4, 0, 0, 4, 2, 0, 0, 0, 1]}])";
+  const std::string plane = R"({"kind": "plane", "point": [6.3, 4, 1], "normal": [-1, 0.4, 0.2]})";
+  write("whole.json", std::string(kCamera) + media);
+  write("plane.json", std::string(kCamera) + media + R"(, "clip": [)" + plane + "]");
+  write("clip.json", std::string(kCamera) + media + R"(, "clip": [)" + plane +
+                         R"(, {"kind": "box", "min": [2, 1, 0.5], "max": [9, 7, 3.5]}])");
+  open("whole.json");
+  const Image whole = by(ViewRenderer::kGl);
+  for (const char* file : {"plane.json", "clip.json"}) {
+    expectBoth(file, 0.002);
+    EXPECT_GT(difference(by(ViewRenderer::kGl), whole), 0.02) << file;
+  }
+  write("walls.json",
+        std::string(kRoom) + "," + kLamps + R"(, "media": [)" + kWalls +
+            R"(], "clip": [{"kind": "plane", "point": [3, 3, 1], "normal": [0, 1, 0]}])");
+  expectBoth("walls.json", 0.01);
+  write("alone.json", std::string(kCamera) + R"(, "media": [{)" + kMap + "," + kSlab +
+                          R"(}], "clip": [)" + plane + "]");
+  expectBoth("alone.json", 0.002);
+}
+
 TEST_F(Renderers, DrawBillboardsAmongOthers) {
   write(
       "board.json",
@@ -229,13 +253,7 @@ TEST_F(Renderers, ShowSignsToThoseBeforeThem) {
 }
 
 TEST_F(Renderers, SmokeIsDrawnByTheMethodThatWasAskedFor) {
-  script_.reset();
-  viewer_.reset();  // one at a time
-  auto made = HeadlessViewer::create(
-      documentOpener({.maxMemory = kViewerMemory, .smokeMethod = GlSmokeMethod::kProject}));
-  ASSERT_TRUE(made);
-  viewer_ = std::move(*made);
-  begin(160, 120);
+  ASSERT_NO_FATAL_FAILURE(restart({}, {.smokeMethod = GlSmokeMethod::kProject}));
   open("smoke.vtu");
   by(ViewRenderer::kGl);
   const auto& passes = app().view().picture().times().passes;

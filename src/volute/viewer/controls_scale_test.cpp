@@ -117,16 +117,8 @@ TEST(GermanStrings, AreThereOnceAndTakeTheSameValues) {
 }
 
 TEST_F(ScaleControls, TheLanguageIsChosenByItsNameAndKept) {
-  const std::string recent = folder_.path("state/recent");
-  const auto restart = [&] {
-    script_.reset(), viewer_.reset();  // one interface at a time
-    auto made = HeadlessViewer::create(documentOpener({.maxMemory = kViewerMemory}),
-                                       ViewerOptions{.recent = recent});
-    ASSERT_TRUE(made) << made.error().message;
-    viewer_ = std::move(*made);
-    begin(kNarrow, kHigh);
-  };
-  ASSERT_NO_FATAL_FAILURE(restart());
+  const ViewerOptions options{.recent = folder_.path("state/recent")};
+  ASSERT_NO_FATAL_FAILURE(restart(options));
   open("blob.npy");
   const Image english = shownAt("exposure", 300, 18);
   script_->press(Key::kF3);
@@ -137,7 +129,7 @@ TEST_F(ScaleControls, TheLanguageIsChosenByItsNameAndKept) {
   script_->frames(3);
   EXPECT_EQ(app().language().language(), Language::kGerman);
   EXPECT_GT(difference(english, shownAt("exposure", 300, 18)), 0.2);
-  ASSERT_NO_FATAL_FAILURE(restart());
+  ASSERT_NO_FATAL_FAILURE(restart(options));
   EXPECT_EQ(app().language().language(), Language::kGerman);
 }
 

@@ -151,7 +151,7 @@ TEST_F(ShownControls, ADistanceIsMeasuredByTwoClicks) {
   const int width = script_->input().width, height = script_->input().height;
   const double x = 0.5 * width, y = 0.5 * height;
   const Vec3 eye = camera.eye();
-  script_->press(Key::kR);
+  ASSERT_TRUE(script_->click("Measure"));
   EXPECT_TRUE(app().settings().measuring);
   script_->clickAt(x - 40, y);
   script_->clickAt(x + 40, y + 30);
@@ -291,9 +291,26 @@ TEST_F(ShownControls, AnotherFileIsComparedByABorderAndAsADifference) {
   EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("blob.npy")) << "opened";
 }
 
+TEST_F(ShownControls, ASceneIsComparedWithWhatItsFileSays) {
+  open("smoke.json");
+  app().document().set(parameterAt("/media/0/C"), {5});
+  load();
+  script_->press(Key::kF3);
+  script_->frames(2);
+  ASSERT_TRUE(script_->click("search"));
+  script_->type("as it is saved");
+  script_->press(Key::kEnter);
+  ASSERT_TRUE(app().comparison().active());
+  EXPECT_EQ(app().comparison().path(), folder_.path("smoke.json"));
+  app().comparison().mode = Comparison::Mode::kDifference;
+  const Image other = picture();
+  app().comparison().end();
+  EXPECT_GT(difference(other, picture()), 0.01);
+}
+
 TEST_F(ShownControls, AFileToCompareWithThatIsNotThereIsNamed) {
   open("smoke.vtu");
-  app().document().askToOpen(ViewerDocument::Purpose::kCompare);
+  app().document().files().askToOpen(DocumentFiles::Purpose::kCompare);
   app().takeFile(folder_.path("gone.vtu"));
   load();
   script_->settle();
@@ -345,18 +362,9 @@ TEST_F(ShownControls, TheLoopAndMarksAreSetByKeys) {
 
 /// As after a crash: the file of a process that is no longer there.
 TEST_F(ShownControls, AnUnsavedSceneIsOfferedAfterACrash) {
-  const std::string recent = folder_.path("state/recent");
   const std::filesystem::path unsaved = folder_.path("state/unsaved");
-  const auto restart = [&] {
-    script_.reset();
-    viewer_.reset();
-    auto made = HeadlessViewer::create(documentOpener({.maxMemory = kViewerMemory}),
-                                       ViewerOptions{.recent = recent});
-    ASSERT_TRUE(made) << made.error().message;
-    viewer_ = std::move(*made);
-    begin(kWide, kTall);
-  };
-  ASSERT_NO_FATAL_FAILURE(restart());
+  const ViewerOptions options{.recent = folder_.path("state/recent")};
+  ASSERT_NO_FATAL_FAILURE(restart(options));
   open("smoke.json");
   app().document().set(parameterAt("/media/0/C"), {5});
   load();
@@ -369,7 +377,7 @@ TEST_F(ShownControls, AnUnsavedSceneIsOfferedAfterACrash) {
   };
   std::filesystem::copy_file(own, dead);
   std::filesystem::copy_file(nameBeside(own), nameBeside(dead));
-  ASSERT_NO_FATAL_FAILURE(restart());
+  ASSERT_NO_FATAL_FAILURE(restart(options));
   EXPECT_FALSE(std::filesystem::exists(own)) << "that one ended as it should";
   script_->frames(3);
   ASSERT_TRUE(script_->click("restore 0"));
@@ -386,7 +394,7 @@ TEST_F(ShownControls, AnUnsavedSceneIsOfferedAfterACrash) {
   EXPECT_TRUE(app().leaving().ends());
   std::ifstream stream(folder_.path("smoke.json"));
   EXPECT_EQ(nlohmann::json::parse(stream)["media"][0]["C"], 5);
-  ASSERT_NO_FATAL_FAILURE(restart());
+  ASSERT_NO_FATAL_FAILURE(restart(options));
   EXPECT_FALSE(std::filesystem::exists(dead)) << "it was saved";
   script_->frames(3);
   EXPECT_FALSE(script_->has("restore 0"));
@@ -398,6 +406,29 @@ TEST_F(ShownControls, AnUnsavedSceneIsOfferedAfterACrash) {
   script_->frames(3);
   EXPECT_FALSE(script_->has("restore 0"));
   EXPECT_FALSE(std::filesystem::exists(dead));
+}
+
+/// As the next window does when the context of one is lost.
+TEST_F(ShownControls, AnotherViewerGoesOnWhereOneEnded) {
+  const ViewerOptions options{.recent = folder_.path("state/recent")};
+  ASSERT_NO_FATAL_FAILURE(restart(options));
+  EXPECT_EQ(app().rest().path, "") << "nothing is open";
+  open("smoke.json");
+  app().document().set(parameterAt("/media/0/C"), {5});
+  load();
+  app().playback().timeline().seek(0.2);
+  app().view().camera().turn(0.4);
+  const ViewCamera camera = app().view().camera();
+  const ViewerRest rest = app().rest();
+  ASSERT_NO_FATAL_FAILURE(restart(options));
+  app().open(rest);
+  load();
+  ASSERT_EQ(app().document().error(), "");
+  EXPECT_EQ(valueOf("/media/0/C"), std::vector<double>{5});
+  EXPECT_TRUE(app().document().info()->changed);
+  EXPECT_EQ(app().settings().sceneName, folder_.path("smoke.json"));
+  EXPECT_EQ(app().playback().timeline().time(), 0.2);
+  EXPECT_EQ(app().view().camera(), camera);
 }
 
 TEST_F(ShownControls, AScreenshotIsAsLargeInPixelsAtAnyScaleOfTheInterface) {

@@ -174,6 +174,17 @@ class Controls : public ::testing::Test {
     begin(kNarrow, kHigh);
   }
 
+  /// Another viewer instead: there is one interface at a time.
+  void restart(const ViewerOptions& options, DocumentOptions document = {}) {
+    const int width = script_->input().width, height = script_->input().height;
+    script_.reset(), viewer_.reset();
+    document.maxMemory = kViewerMemory;
+    auto made = HeadlessViewer::create(documentOpener(document), options);
+    ASSERT_TRUE(made) << made.error().message;
+    viewer_ = std::move(*made);
+    begin(width, height);
+  }
+
   void begin(int width, int height) {
     script_ = std::make_unique<ViewerScript>(*viewer_, width, height);
     script_->record = &controlRecord();

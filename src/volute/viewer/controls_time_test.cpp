@@ -189,6 +189,109 @@ TEST_F(TimeControls, AFilmOnceAroundIsMadeOfAStillToo) {
   app().playback().cancelFilm();
 }
 
+TEST_F(TimeControls, ACameraPathIsSetByKeysPlayedFilmedAndSaved) {
+  open("smoke.vtu");  // which rests
+  EXPECT_FALSE(app().playback().timeline().moves());
+  std::vector<Vec3> eyes;
+  for (const double turn : {0.0, 0.5, 1.2}) {
+    app().view().camera().turn(turn);
+    eyes.push_back(app().view().camera().eye());
+    if (turn == 0)
+      EXPECT_TRUE(script_->click("Camera key"));
+    else
+      script_->press(Key::kK);
+    load();
+  }
+  const auto& keys = app().view().way().keys();
+  ASSERT_EQ(keys.size(), 3);
+  EXPECT_EQ(keys[1].time, 2) << "two seconds apart";
+  EXPECT_EQ(app().playback().timeline().last(), 4) << "it plays now";
+  EXPECT_TRUE(app().document().info()->changed);
+  app().playback().timeline().seek(2);
+  script_->frames(2);
+  EXPECT_LT((app().view().camera().eye() - eyes[1]).norm(), 1e-9) << "the camera goes along";
+  app().playback().timeline().seek(1);
+  script_->frames(2);
+  const Vec3 between = app().view().camera().eye();
+  EXPECT_GT((between - eyes[0]).norm(), 1e-3);
+  EXPECT_GT((between - eyes[1]).norm(), 1e-3);
+  app().settings().filmName = folder_.path("along.mp4");
+  app().settings().filmSize = 0;
+  ASSERT_NO_FATAL_FAILURE(openMore());
+  ASSERT_TRUE(script_->has("film path"));
+  app().beginFilm(script_->input());
+  if (app().playback().film()) {
+    const FilmOrder order = app().playback().film()->order();
+    app().playback().cancelFilm();
+    EXPECT_EQ(order.frames(), 101) << "4 s";
+    EXPECT_LT((order.cameraOf(25).eye() - between).norm(), 1e-9);
+    EXPECT_LT((order.cameraOf(100).eye() - eyes[2]).norm(), 1e-9);
+  }
+  ASSERT_TRUE(script_->click("film path"));
+  app().playback().timeline().seek(3);
+  script_->frames(2);
+  EXPECT_EQ(app().view().camera().eye(), between) << "it stays";
+  app().saveScene();
+  load();
+  app().document().undo();
+  load();
+  EXPECT_EQ(app().view().way().keys().size(), 2);
+  app().settings().follows = true;
+  app().playback().timeline().seek(2);
+  script_->press(Key::kK, true);
+  load();
+  EXPECT_EQ(app().view().way().keys().size(), 1);
+  open("smoke.vtu.json");
+  EXPECT_EQ(app().view().way().keys().size(), 3);
+  app().playback().timeline().seek(0);
+  script_->frames(2);
+  EXPECT_LT((app().view().camera().eye() - eyes[0]).norm(), 1e-9) << "where the path begins";
+}
+
+/// By the pictures that it drew before.
+TEST_F(TimeControls, AFilmThatWasStoppedGoesOn) {
+  open("smoke.pvd");
+  ASSERT_TRUE(script_->settle());
+  const auto begin = [&](const std::string& name) {
+    FilmOrder order;
+    order.target = folder_.path(name);
+    order.width = 64, order.height = 48;
+    order.end = app().playback().timeline().last();
+    order.camera = app().view().camera();
+    order.folder = folder_.path("films");
+    order.slow = 0;
+    app().playback().beginFilm(order, app().view().picture().makers());
+  };
+  const auto kept = [&] {
+    std::error_code none;
+    std::size_t count = 0;
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(folder_.path("films"), none))
+      count += entry.path().extension() == ".png";
+    return count;
+  };
+  begin("film.mp4");
+  if (!app().playback().film())
+    GTEST_SKIP() << app().document().message();
+  while (app().playback().film() && kept() < 3) script_->frame();
+  ASSERT_TRUE(app().playback().film());
+  app().playback().cancelFilm();
+  EXPECT_THAT(app().document().message(), ::testing::HasSubstr("goes on"));
+  EXPECT_GE(kept(), 3U);
+  const ViewCamera there = app().view().camera();
+  app().view().camera().turn(0.3);
+  begin("film.mp4");
+  while (app().playback().film() && app().playback().film()->share() == 0) script_->frame();
+  ASSERT_TRUE(app().playback().film());
+  EXPECT_EQ(app().playback().film()->resumed(), 0) << "of another view";
+  app().playback().cancelFilm();
+  app().view().camera() = there;
+  begin("film.mp4");
+  waitForFilm();
+  EXPECT_THAT(app().document().message(), ::testing::HasSubstr("pictures were kept"));
+  EXPECT_EQ(filmOf("film.mp4").frames, 6);
+}
+
 /// Whatever a person does to the scene while a film of it is made.
 TEST_F(TimeControls, AFilmShowsTheSceneAsItWasWhenItWasAskedFor) {
   using Act = std::function<void()>;

@@ -13,6 +13,7 @@
 #include "volute/base/result.hpp"
 #include "volute/fog/fog_medium.hpp"
 #include "volute/math/box.hpp"
+#include "volute/media/field_probe.hpp"
 #include "volute/media/parameter.hpp"
 #include "volute/scene/scene_edits.hpp"
 #include "volute/scene/scene_look.hpp"
@@ -50,6 +51,12 @@ struct ViewStation {
   StartView view;
 };
 
+/// What the fields of a medium are at a place.
+struct PlaceFields {
+  std::string medium;  ///< "volume: cache.vdb"
+  std::vector<ProbedField> fields;
+};
+
 /// An instant of a document that is to be shown.
 struct SceneRequest {
   double time = 0;  ///< [s]
@@ -65,10 +72,12 @@ struct DocumentInfo {
   Box3 content = bounds;             ///< around what there is to see, within `bounds` [m]
   double firstTime = times.front();  ///< when there is something to see [s]
   bool grey = false;                 ///< one channel: colour maps apply
+  bool rests = false;                ///< nothing moves, but for the camera
   bool interpolates = false;         ///< between `times`; else each holds until the next
   bool measured = false;             ///< what is seen is as bright as it says: no exposure
   bool burns = false;                ///< what burns may be brighter than white
   std::optional<StartView> startView{};
+  std::vector<CameraKey> cameraKeys{};  ///< the camera's way, by ascending times
   std::optional<ViewLook> look{};
   Rgb background = Rgb::Zero();
   std::vector<std::string> remarks{};  ///< what is not shown
@@ -82,7 +91,8 @@ struct DocumentInfo {
   bool canUndo = false, canRedo = false;                    ///< what set() and edit() did
   std::uint64_t snapshotMemory = std::uint64_t{256} << 20;  ///< for snapshots that are kept [bytes]
   std::string path{};                                       ///< as it was opened
-  int opened = 0;  ///< how many documents were opened before; the same after a change
+  std::string files{};  ///< stands for its files as they were read
+  int opened = 0;       ///< how many documents were opened before; the same after a change
 };
 
 /// A file that the viewer shows. Only the loader's thread calls it, one call at a time, once it is
@@ -91,7 +101,7 @@ class Document {
  public:
   virtual ~Document() = default;
 
-  /// All but `path` and `opened`. It changes with set(), edit() and check() alone.
+  /// All but `path`, `files` and `opened`. It changes with set(), edit() and check() alone.
   virtual DocumentInfo info() const = 0;
 
   /// To be watched, whether they are there or not.
@@ -108,6 +118,12 @@ class Document {
   virtual bool coarseHelps(double time) const {
     (void)time;
     return false;
+  }
+
+  /// What all fields of its files are at a place and a time [s], shown or not.
+  [[nodiscard]] virtual Result<std::vector<PlaceFields>> fieldsAt(double time, const Vec3& place) {
+    (void)time, (void)place;
+    return std::vector<PlaceFields>();
   }
 
   [[nodiscard]] virtual Result<ViewScene> sceneAt(const SceneRequest& request,

@@ -2,14 +2,17 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/document_files.hpp"
 
-#include <utility>
-
 namespace volute {
 
-void DocumentFiles::askToOpen(const std::filesystem::path& folder, bool desktop) {
+void DocumentFiles::askToOpen(Purpose purpose) {
+  purpose_ = purpose;
   if (dialog_)
     return;
-  if (desktop)
+  std::error_code unknown;
+  const std::filesystem::path folder =
+      open_.empty() ? std::filesystem::current_path(unknown)
+                    : std::filesystem::absolute(open_, unknown).parent_path();
+  if (desktop_)
     dialog_ = DesktopDialog::open(folder);
   if (!dialog_)
     browse(folder);
@@ -25,13 +28,18 @@ std::optional<std::string> DocumentFiles::takeChosen() {
   return chosen->empty() ? std::nullopt : chosen;
 }
 
+void DocumentFiles::findMoved() {
+  sought_ = std::exchange(moved_, std::nullopt);
+  askToOpen(Purpose::kFind);
+}
+
 void DocumentFiles::browse(const std::filesystem::path& folder) {
   browser_ = Browser{folder, folderEntries(folder)};
 }
 
 bool DocumentFiles::mayWrite(const std::string& target, std::function<void()> then) {
   std::error_code unknown;
-  if (allowed_.contains(target) || !std::filesystem::exists(target, unknown)) {
+  if (target == open_ || allowed_.contains(target) || !std::filesystem::exists(target, unknown)) {
     allowed_.insert(target);
     return true;
   }

@@ -8,9 +8,11 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "volute/viewer/file_dialog.hpp"
+#include "volute/viewer/moved_file.hpp"
 
 namespace volute {
 
@@ -30,15 +32,36 @@ class DocumentFiles {
     std::function<void()> then;
   };
 
-  /// @param recent  names of files that were opened are kept here; empty: they are not kept
-  explicit DocumentFiles(const std::filesystem::path& recent) : recent_(recent) {}
+  /// What a person chooses a file for.
+  enum class Purpose { kOpen, kCompare, kFind };
 
-  /// Lets the person choose a file, by the desktop's dialog if `desktop` is set and there is one,
-  /// else by the list.
-  void askToOpen(const std::filesystem::path& folder, bool desktop);
+  /// @param recent  names of files that were opened are kept here; empty: they are not kept
+  /// @param desktop  the desktop's dialog is used, where there is one
+  DocumentFiles(const std::filesystem::path& recent, bool desktop)
+      : desktop_(desktop), recent_(recent) {}
+
+  /// What is open: it may be written, and others are looked for beside it.
+  void setOpen(const std::string& path) { open_ = path; }
+
+  /// Lets the person choose a file, by the desktop's dialog or by the list.
+  void askToOpen(Purpose purpose = Purpose::kOpen);
+
+  /// What for a file is being chosen.
+  Purpose purpose() const { return purpose_; }
 
   /// What was chosen in the desktop's dialog, once.
   std::optional<std::string> takeChosen();
+
+  /// A file that a scene names which could not be opened, until the person has answered.
+  const MovedFile* moved() const { return moved_ ? &*moved_ : nullptr; }
+
+  void setMoved(std::optional<MovedFile> file) { moved_ = std::move(file); }
+
+  /// The person looks for it.
+  void findMoved();
+
+  /// What is being looked for, once.
+  std::optional<MovedFile> takeSought() { return std::exchange(sought_, std::nullopt); }
 
   /// Opens the list, or shows another folder in it.
   void browse(const std::filesystem::path& folder);
@@ -49,9 +72,7 @@ class DocumentFiles {
 
   RecentFiles& recent() { return recent_; }
 
-  const RecentFiles& recent() const { return recent_; }
-
-  /// Whether `target` may be written now: it does not exist, or was written from here before. Else
+  /// Whether `target` may be written now: it does not exist, is open, or was written before. Else
   /// the person is asked, and `then` is called by replace().
   bool mayWrite(const std::string& target, std::function<void()> then);
 
@@ -66,9 +87,13 @@ class DocumentFiles {
   void keep() { replacing_.reset(); }
 
   /// Whether a question or the list waits for an answer.
-  bool asks() const { return replacing_ || browser_; }
+  bool asks() const { return replacing_ || browser_ || moved_; }
 
  private:
+  bool desktop_ = false;
+  std::string open_;
+  Purpose purpose_ = Purpose::kOpen;
+  std::optional<MovedFile> moved_, sought_;
   std::set<std::string> allowed_;
   std::optional<Replacing> replacing_;
   std::optional<Browser> browser_;

@@ -6,8 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "volute/base/content_hash.hpp"
 #include "volute/base/thread_priority.hpp"
 #include "volute/io/film.hpp"
+#include "volute/io/image_file.hpp"
+#include "volute/viewer/camera_way.hpp"
 #include "volute/viewer/shown_picture.hpp"
 
 namespace volute {
@@ -25,6 +28,8 @@ int FilmOrder::frames() const {
 
 ViewCamera FilmOrder::cameraOf(int frame) const {
   ViewCamera there = camera;
+  if (!keys.empty())
+    return alongKeys(camera, keys, timeOf(frame));
   if (turns)  // the last picture is one step before the first
     there.turn(2 * std::numbers::pi * frame / frames());
   return there;
@@ -32,6 +37,29 @@ ViewCamera FilmOrder::cameraOf(int frame) const {
 
 double FilmOrder::timeOf(int frame) const {
   return std::min(begin + frame * speed / rate, end);
+}
+
+std::string FilmOrder::key() const {
+  ContentHash hash;
+  const auto text = [&](const std::string& part) {
+    hash.add(static_cast<double>(part.size()));
+    hash.add(std::span<const char>(part));
+  };
+  const auto view = [&](const Vec3& v) { hash.add(std::span<const double>(v.data(), 3)); };
+  text(target), text(content);
+  for (const double value :
+       {double(width), double(height), rate, begin, end, speed, still, double(turns),
+        double(renderer == ViewRenderer::kGl), double(surfaces), look.exposure, double(look.tone),
+        look.map ? double(*look.map) : -1, camera.fov(), camera.ortho()})
+    hash.add(value);
+  view(camera.eye()), view(camera.forward()), view(camera.upwards()), view(camera.pivot());
+  view(Vec3(look.background.matrix()));
+  for (const CameraKey& key : keys) hash.add(key.time), view(key.eye), view(key.target);
+  return hash.digits();
+}
+
+std::filesystem::path FilmOrder::pictureOf(int frame) const {
+  return folder / key() / fmt::format("{:06d}.png", frame);
 }
 
 Result<std::unique_ptr<FilmExport>> FilmExport::begin(const FilmOrder& order,
@@ -67,6 +95,30 @@ FilmExport::~FilmExport() {
   thread_.join();
 }
 
+/// What an earlier film of the same order left of the next picture.
+bool FilmExport::takeKept() {
+  std::error_code none;
+  if (order_.folder.empty() || drawing_ || !std::filesystem::exists(order_.pictureOf(next_), none))
+    return false;
+  ++resumed_;
+  push({}, false);
+  return true;
+}
+
+bool FilmExport::keeps() const {
+  std::error_code none;
+  return !order_.folder.empty() && std::filesystem::exists(order_.pictureOf(0).parent_path(), none);
+}
+
+void FilmExport::push(Image image, bool slow) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back({std::move(image), next_, slow && !order_.folder.empty()});
+    all_ = ++next_ >= order_.frames();
+  }
+  wake_.notify_all();
+}
+
 std::optional<double> FilmExport::wantedTime() const {
   if (next_ >= order_.frames())
     return std::nullopt;
@@ -99,13 +151,17 @@ std::optional<double> FilmExport::secondsLeft() const {
 
 Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene) {
   VOLUTE_TRY(failure());
-  if (!scene || next_ >= order_.frames())
+  if (next_ >= order_.frames())
     return {};
   {
     const std::lock_guard lock(mutex_);
     if (waiting_.size() >= kMaxWaiting)
       return {};
   }
+  if (takeKept())
+    return {};
+  if (!scene)
+    return {};
   const PictureRequest request{.camera = order_.cameraOf(next_),
                                .width = order_.width,
                                .height = order_.height,
@@ -114,8 +170,10 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene) {
                                .surfaces = order_.surfaces,
                                .single = true,
                                .exactAfter = 0};
-  if (!drawing_)
+  if (!drawing_) {
     picture_.setScene(scene);
+    drawnFrom_ = std::chrono::steady_clock::now();
+  }
   drawing_ = true;
   VOLUTE_TRY(picture_.update(request));
   if (!picture_.settled(request) || !picture_.exact(request))
@@ -125,14 +183,8 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene) {
     remark_ = picture_.remark();
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
   picture_.show(order_.look, order_.width, order_.height);
-  Image image = shownPicture(order_.width, order_.height);
-  ++next_;
-  {
-    const std::lock_guard lock(mutex_);
-    waiting_.push_back(std::move(image));
-    all_ = next_ >= order_.frames();
-  }
-  wake_.notify_all();
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - drawnFrom_;
+  push(shownPicture(order_.width, order_.height), spent.count() >= order_.slow);
   return {};
 }
 
@@ -153,10 +205,22 @@ void FilmExport::encode() {
       return;
     if (waiting_.empty())
       break;
-    const Image image = std::move(waiting_.front());
+    Waiting next = std::move(waiting_.front());
     waiting_.pop_front();
     lock.unlock();
-    if (const auto added = (*writer)->addFrame(image); !added)
+    if (next.image.pixels.empty()) {
+      auto kept = readImage(order_.pictureOf(next.frame));
+      if (!kept || kept->width != order_.width || kept->height != order_.height)
+        return stop({ErrorCode::kInvalidData,
+                     fmt::format("{}: no picture of the film; remove the folder and make it anew",
+                                 order_.pictureOf(next.frame).string())});
+      next.image = std::move(*kept);
+    } else if (next.keep) {
+      std::error_code failed;  // then it is drawn again
+      std::filesystem::create_directories(order_.pictureOf(0).parent_path(), failed);
+      (void)writeImage(order_.pictureOf(next.frame), next.image);
+    }
+    if (const auto added = (*writer)->addFrame(next.image); !added)
       return stop(added.error());
     lock.lock();
     ++encoded_;
@@ -164,6 +228,9 @@ void FilmExport::encode() {
   lock.unlock();
   if (const auto written = (*writer)->finish(); !written)
     return stop(written.error());
+  std::error_code gone;
+  if (!order_.folder.empty())
+    std::filesystem::remove_all(order_.pictureOf(0).parent_path(), gone);
   lock.lock();
   finished_ = true;
 }

@@ -19,19 +19,29 @@ namespace volute {
 struct FilmOrder {
   std::string target;  ///< .mp4 or .webm
   int width = 1280, height = 720;
-  double rate = 25;           ///< pictures a second
-  double begin = 0, end = 0;  ///< [s] of the document
-  double speed = 1;           ///< document seconds a film second
-  double still = 0;           ///< [s] of the film, of what does not move
-  bool turns = false;         ///< the camera goes once around what it looks at
+  double rate = 25;               ///< pictures a second
+  double begin = 0, end = 0;      ///< [s] of the document
+  double speed = 1;               ///< document seconds a film second
+  double still = 0;               ///< [s] of the film, of what does not move
+  bool turns = false;             ///< the camera goes once around what it looks at
+  std::vector<CameraKey> keys{};  ///< its way; empty: it stays
   ViewCamera camera;
   ViewRenderer renderer = ViewRenderer::kAuto;
   bool surfaces = true;
-  DisplayLook look{};  ///< whatever the window's becomes
+  DisplayLook look{};     ///< whatever the window's becomes
+  std::string content{};  ///< stands for the document as it is, and for its files
+  /// Where pictures that took long are kept until the film is written, so that one that was stopped
+  /// goes on where it was; empty: nowhere.
+  std::filesystem::path folder{};
+  double slow = 0.1;  ///< [s] from which on a picture is kept
 
   int frames() const;
   double timeOf(int frame) const;  ///< [s] of the document
   ViewCamera cameraOf(int frame) const;
+  std::filesystem::path pictureOf(int frame) const;  ///< where it is kept
+
+ private:
+  std::string key() const;  ///< of all that its pictures depend on
 };
 
 /// Makes a film while the window goes on: the window's thread draws a picture at a time, as the
@@ -60,6 +70,12 @@ class FilmExport {
   /// By what it took so far [s]; nothing where that says little yet.
   std::optional<double> secondsLeft() const;
 
+  /// Of the pictures that an earlier one left.
+  int resumed() const { return resumed_; }
+
+  /// Whether some of its pictures are kept.
+  bool keeps() const;
+
   /// What a picture lacked, if one did.
   const std::string& remark() const { return remark_; }
 
@@ -69,6 +85,8 @@ class FilmExport {
   FilmExport(const FilmOrder& order, ViewPicture picture);
 
   void encode();
+  bool takeKept();
+  void push(Image image, bool slow);
   Status failure() const;
 
   FilmOrder order_;
@@ -79,10 +97,20 @@ class FilmExport {
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
   std::string remark_;
   bool drawing_ = false;
+  std::chrono::steady_clock::time_point drawnFrom_{};
+  int resumed_ = 0;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Image> waiting_;
+
+  /// A picture on its way to the encoder; an empty one is in its file.
+  struct Waiting {
+    Image image;
+    int frame = 0;
+    bool keep = false;
+  };
+
+  std::deque<Waiting> waiting_;
   bool all_ = false, ends_ = false, finished_ = false;
   int encoded_ = 0;
   std::optional<Error> error_;

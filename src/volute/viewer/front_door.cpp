@@ -89,7 +89,7 @@ void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
               true);
   ImGui::Spacing();
   if (ImGui::Button(tr("Open a file   Ctrl O"), {-1, 34}))
-    app.document().askToOpen();
+    app.document().files().askToOpen();
   app.window().mark("Open a file");
   lostPart(app);
   const auto recent = app.document().files().recent().names();  // it changes when one is opened
@@ -213,11 +213,11 @@ void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
 /// A scene's file that is not there is asked for.
 void drawMovedPanel(ViewerApp& app, const ViewerInput& input) {
   const std::string kTitle = tr("A file is missing") + std::string("###moved");
-  if (app.document().moved() && !ImGui::IsPopupOpen(kTitle.c_str()))
+  if (app.document().files().moved() && !ImGui::IsPopupOpen(kTitle.c_str()))
     ImGui::OpenPopup(kTitle.c_str());
   if (!beginQuestion(kTitle.c_str(), input, 460))
     return;
-  if (const MovedFile* moved = app.document().moved()) {
+  if (const MovedFile* moved = app.document().files().moved()) {
     wrappedText(fmt::format(fmt::runtime(tr("{} names {}, which is not there.")),
                             nameOf(moved->scene), moved->place.string()));
     const bool finds = markedButton(app, "Find it ...", "find moved");
@@ -225,11 +225,11 @@ void drawMovedPanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::SameLine();
     const bool stays = markedButton(app, "Cancel", "moved cancel");
     if (finds)
-      app.document().findMoved();
+      app.document().files().findMoved();
     else if (stays)
-      app.document().forgetMoved();
+      app.document().files().setMoved({});
   }
-  if (!app.document().moved())
+  if (!app.document().files().moved())
     ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }

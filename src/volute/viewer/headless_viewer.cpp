@@ -31,6 +31,7 @@ void HeadlessViewer::resize(int width, int height) {
 }
 
 Status HeadlessViewer::frame(const ViewerInput& input) {
+  size_ = {input.pixelsAcross(), input.pixelsDown()};
   if (whole_)
     resize(input.pixelsAcross(), input.pixelsDown());
   else if (!pixel_.colors.name())
@@ -72,7 +73,7 @@ Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
 }
 
 Image HeadlessViewer::picture() {
-  const auto [width, height] = app_->size();
+  const auto [width, height] = size_;
   resize(width, height);
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.framebuffer.name());
   if (!drawn_)
@@ -82,7 +83,7 @@ Image HeadlessViewer::picture() {
 }
 
 Image HeadlessViewer::screenshot() {
-  const auto [width, height] = app_->size();
+  const auto [width, height] = size_;
   resize(width, height);
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.framebuffer.name());
   app_->showAgain(false);

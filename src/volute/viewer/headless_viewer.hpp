@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "volute/gl/gl_device.hpp"
 #include "volute/viewer/viewer_app.hpp"
@@ -52,6 +53,7 @@ class HeadlessViewer {
   HeadlessGl gl_;  // first, so that it ends last
   Target frame_, pixel_;
   bool whole_ = false, drawn_ = false;
+  std::pair<int, int> size_{1, 1};  ///< of the last frame [pixels]
   std::unique_ptr<ViewerApp> app_;
 };
 

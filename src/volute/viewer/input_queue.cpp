@@ -156,8 +156,8 @@ std::optional<Key> keyNamed(std::string_view label) {
       {'h', Key::kH}, {'m', Key::kM},    {'o', Key::kO},    {'p', Key::kP},     {'q', Key::kQ},
       {'s', Key::kS}, {'v', Key::kV},    {'w', Key::kW},    {'x', Key::kX},     {'y', Key::kY},
       {'z', Key::kZ}, {'+', Key::kPlus}, {'=', Key::kPlus}, {'-', Key::kMinus}, {'b', Key::kB},
-      {'i', Key::kI}, {'l', Key::kL},    {'1', Key::k1},    {'3', Key::k3},     {'5', Key::k5},
-      {'7', Key::k7}, {'r', Key::kR}};
+      {'i', Key::kI}, {'k', Key::kK},    {'l', Key::kL},    {'1', Key::k1},     {'3', Key::k3},
+      {'5', Key::k5}, {'7', Key::k7},    {'r', Key::kR}};
   if (label.size() != 1)
     return std::nullopt;
   const char letter = static_cast<char>(std::tolower(static_cast<unsigned char>(label[0])));

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <iterator>
 
+#include "volute/base/content_hash.hpp"
 #include "volute/base/thread_priority.hpp"
 
 namespace volute {
@@ -162,9 +163,12 @@ std::optional<LoaderNews> Loader::news() {
   if (!lock)
     return std::nullopt;
   state_.decoded = ring_.times();
-  return LoaderNews{state_, idleNow(), std::exchange(opened_, std::nullopt),
+  return LoaderNews{state_,
+                    idleNow(),
+                    std::exchange(opened_, std::nullopt),
                     std::exchange(loaded_, std::nullopt),
-                    std::exchange(loadedFrozen_, std::nullopt)};
+                    std::exchange(loadedFrozen_, std::nullopt),
+                    std::exchange(readFields_, std::nullopt)};
 }
 
 bool Loader::idle() const {
@@ -182,7 +186,7 @@ void Loader::discard(std::shared_ptr<const ViewScene> scene) {
 
 /// With the lock held.
 bool Loader::idleNow() const {
-  return !working_ && !wanted() && !unchecked_;
+  return !working_ && !wanted() && !unchecked_ && !wantedFields_;
 }
 
 /// With the lock held.
@@ -203,7 +207,7 @@ void Loader::work() {
   for (;;) {
     wake_.wait_until(lock, nextLook, [&] {
       return ends_ || wanted() || wantedFrozen_ || thaws_ || unchecked_ || !discarded_.empty() ||
-             ring_.missing(ahead_);
+             wantedFields_ || ring_.missing(ahead_);
     });
     if (ends_)
       return;
@@ -218,6 +222,8 @@ void Loader::work() {
       loadFrozen(lock);  // by turns: neither waits for ever
     else if (asked)
       continue;
+    else if (wantedFields_)
+      readFields(lock);
     else if (ring_.missing(ahead_))
       loadAhead(lock);
     else if (unchecked_)
@@ -348,6 +354,26 @@ void Loader::freeThawed(std::unique_lock<std::mutex>& lock) {
   lock.lock();
 }
 
+void Loader::requestFields(const Vec3& place) {
+  const std::lock_guard lock(mutex_);
+  wantedFields_ = place;
+  wake_.notify_all();
+}
+
+/// The lock is held before and after.
+void Loader::readFields(std::unique_lock<std::mutex>& lock) {
+  LoadedFields read{*std::exchange(wantedFields_, std::nullopt), time_};
+  if (!document_)
+    return;
+  working_ = true;
+  lock.unlock();
+  read.fields = document_->fieldsAt(read.time, read.place);
+  lock.lock();
+  working_ = false;
+  readFields_ = std::move(read);
+  ++changes_;
+}
+
 void Loader::freeDiscarded(std::unique_lock<std::mutex>& lock) {
   auto discarded = std::exchange(discarded_, {});
   lock.unlock();
@@ -374,6 +400,12 @@ std::vector<Loader::Watched> Loader::look(const std::vector<std::filesystem::pat
 DocumentInfo Loader::describe() const {
   DocumentInfo info = document_->info();
   info.path = path_;
+  ContentHash files;
+  for (const Watched& file : watched_) {
+    files.add(std::span(file.path.native()));
+    files.add(static_cast<double>(file.time.time_since_epoch().count()));
+  }
+  info.files = files.digits();
   info.opened = openedCount_;
   return info;
 }

@@ -34,6 +34,13 @@ struct LoadedScene {
   bool coarse = false;
 };
 
+/// What the fields are at a place of a time [s].
+struct LoadedFields {
+  Vec3 place = Vec3::Zero();
+  double time = 0;
+  Result<std::vector<PlaceFields>> fields{};
+};
+
 /// What has come since the viewer last looked.
 struct LoaderNews {
   LoaderState state;
@@ -41,6 +48,7 @@ struct LoaderNews {
   std::optional<DocumentInfo> opened{};  ///< a document, or one that has changed
   std::optional<LoadedScene> loaded{};
   std::optional<Result<LoadedScene>> frozen{};  ///< of requestFrozen()
+  std::optional<LoadedFields> fields{};         ///< of requestFields()
 };
 
 /// Something to be done with the document that is open. Says in a sentence what was done, or
@@ -90,6 +98,10 @@ class Loader {
 
   void thaw();
 
+  /// Asks what all fields are at a place of the instant that is shown, once there is nothing to be
+  /// loaded for it; the newest request counts.
+  void requestFields(const Vec3& place);
+
   /// Nothing where the thread is just writing its own down: the window does not wait for a thread
   /// that lets others first (base/thread_priority.hpp), but asks again in its next frame.
   std::optional<LoaderNews> news();
@@ -116,6 +128,7 @@ class Loader {
   void checkNow(std::unique_lock<std::mutex>& lock);
   void loadAhead(std::unique_lock<std::mutex>& lock);
   void loadFrozen(std::unique_lock<std::mutex>& lock);
+  void readFields(std::unique_lock<std::mutex>& lock);
   void freeThawed(std::unique_lock<std::mutex>& lock);
   void forgetSnapshots(std::unique_lock<std::mutex>& lock);
   DocumentInfo describe() const;
@@ -155,6 +168,8 @@ class Loader {
   /// By their keys; one without a function is a freeze().
   std::vector<std::pair<std::string, DocumentChange>> wantedChanges_;
   std::optional<SceneRequest> wantedFrozen_;
+  std::optional<Vec3> wantedFields_;
+  std::optional<LoadedFields> readFields_;
   bool thaws_ = false;
   std::atomic<bool> frozenStops_ = false;  ///< what is loaded of it is no longer wanted
   std::optional<Result<LoadedScene>> loadedFrozen_;

@@ -53,6 +53,8 @@ std::optional<MediumProbe::Reading> MediumProbe::read(const std::shared_ptr<cons
   }
   if (!reading.onSurface && best == 0)
     return std::nullopt;
+  constexpr double kBefore = 1e-3;  // of the scene's size
+  reading.inside = reading.place - (reading.onSurface ? kBefore * size : 0) * ray.direction;
   for (std::size_t m = 0; m < media_.size(); ++m) {
     Medium found;
     found.name = m < scene->names.size() ? scene->names[m] : "";

@@ -24,6 +24,7 @@ class MediumProbe {
 
   struct Reading {
     Vec3 place = Vec3::Zero();
+    Vec3 inside = Vec3::Zero();  ///< the same, a little before a surface
     bool onSurface = false;
     std::vector<Medium> media{};
   };

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "volute/viewer/commands.hpp"
+
 namespace volute {
 namespace {
 
@@ -22,6 +24,10 @@ std::vector<PanelNotice> noticesOf(ViewerApp& app) {
     all.push_back({kText, document->title, false});
   if (!app.document().error().empty())
     all.push_back({kError, app.document().error()});
+  if (app.view().blank())
+    all.push_back(
+        {kText, tr("nothing is to be seen: try another time, F for all of it, or +, which "
+                   "is brighter")});
   const auto remark = [&](const std::string& text) { all.push_back({kFaint, text, false}); };
   if (!app.view().picture().remark().empty())
     remark(app.view().picture().remark());
@@ -84,9 +90,46 @@ void viewSlider(ViewerApp& app) {
   app.window().mark("view");
 }
 
+/// The next button stands beside the last one, or below where there is no room.
+void besideOrBelow(const char* label) {
+  ImGui::SameLine();
+  const float wide = ImGui::CalcTextSize(tr(label)).x + 2 * ImGui::GetStyle().FramePadding.x;
+  if (ImGui::GetCursorPosX() + wide > ImGui::GetContentRegionMax().x)
+    ImGui::NewLine();
+}
+
+/// What the pointer and the camera are used for, as their keys do it.
+void toolsPart(ViewerApp& app, const ViewerInput& input) {
+  struct Tool {
+    const char *label, *says;
+    Key key;
+    bool on, enabled;
+  };
+
+  const ViewerSettings& settings = app.settings();
+  const Tool tools[] = {
+      {"Values", "all fields under the pointer, with their units: P", Key::kP, settings.probe,
+       true},
+      {"Measure", "a distance by two clicks: R", Key::kR, settings.measuring, true},
+      {"Camera key", "the camera path goes through this view at this time: K; Ctrl K removes it",
+       Key::kK, false, app.document().info()->editable}};
+  for (const Tool& tool : tools) {
+    if (&tool != tools)
+      besideOrBelow(tool.label);
+    if (tool.on)
+      ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+    const bool pressed = markedButton(app, tool.label, tool.label, tool.enabled);
+    if (tool.on)
+      ImGui::PopStyleColor();
+    hint(tool.says);
+    if (pressed)
+      runKey(app, tool.key, input);
+  }
+}
+
 void openAndHelp(ViewerApp& app, bool picture) {
   if (ImGui::Button(tr("Open")))
-    app.document().askToOpen();
+    app.document().files().askToOpen();
   app.window().mark("Open");
   hint(picture ? "another file: Ctrl O" : "a file: Ctrl O");
   ImGui::SameLine();
@@ -94,10 +137,7 @@ void openAndHelp(ViewerApp& app, bool picture) {
     if (ImGui::Button(tr("Screenshot")))
       app.window().requestScreenshot();
     app.window().mark("Screenshot");
-    ImGui::SameLine();
-    const float wide = ImGui::CalcTextSize(tr("Help")).x + 2 * ImGui::GetStyle().FramePadding.x;
-    if (ImGui::GetCursorPosX() + wide > ImGui::GetContentRegionMax().x)
-      ImGui::NewLine();
+    besideOrBelow("Help");
   }
   if (ImGui::Button(tr("Help")))
     app.settings().help = !app.settings().help;
@@ -131,6 +171,7 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   hint("the whole scene, from outside");
   ImGui::SameLine();
   openAndHelp(app, true);
+  toolsPart(app, input);
   if (!app.document().info() || !app.document().info()->startView)
     return;
   if (ImGui::Button(tr("First view")))
@@ -147,7 +188,7 @@ void comparePart(ViewerApp& app) {
   ImGui::Separator();
   if (!comparison.active()) {
     if (markedButton(app, "Compare with ...", "compare"))
-      app.document().askToOpen(ViewerDocument::Purpose::kCompare);
+      app.document().files().askToOpen(DocumentFiles::Purpose::kCompare);
     hint("another file, from the same place at the same time: by a border, or the difference");
     return;
   }

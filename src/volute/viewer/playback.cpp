@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "volute/viewer/error_text.hpp"
+#include "volute/viewer/language.hpp"
 
 namespace volute {
 namespace {
@@ -88,6 +89,11 @@ void Playback::beginFilm(const FilmOrder& order, const PictureMakers& makers) {
   document_.loader().freeze();
 }
 
+void Playback::cancelFilm() {
+  if (film_)
+    endFilm(film_->keeps() ? tr("the film is stopped; Make film goes on where it was") : "");
+}
+
 void Playback::endFilm(std::string message) {
   if (!film_)
     return;
@@ -109,8 +115,11 @@ void Playback::goOnWithFilm(const ViewPicture& picture) {
   if (!film_)
     return;
   if (film_->finished()) {
+    const int kept = film_->resumed();
+    const std::string resumed =
+        kept > 0 ? fmt::format(fmt::runtime(tr("; {} pictures were kept")), kept) : "";
     const std::string lacked = film_->remark().empty() ? "" : "; " + film_->remark();
-    return endFilm(film_->order().target + " is written" + lacked);
+    return endFilm(film_->order().target + " is written" + resumed + lacked);
   }
   const auto wanted = film_->wantedTime();
   if (wanted && wanted != filmAsked_) {

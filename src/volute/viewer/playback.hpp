@@ -49,7 +49,8 @@ class Playback {
   /// Of the document as it is now, whatever becomes of it.
   void beginFilm(const FilmOrder& order, const PictureMakers& makers);
 
-  void cancelFilm() { endFilm(""); }
+  /// The pictures that took long stay: the same film goes on with them.
+  void cancelFilm();
 
   const FilmExport* film() const { return film_.get(); }
 

@@ -206,6 +206,13 @@ DocumentInfo SceneDocument::info() const {
   info.burns = scene_.law().mode != PictureMode::kThreshold &&
                !all([](const auto& medium) { return !medium.burns; });
   info.startView = start_;
+  if (const auto camera = scene_.camera())
+    info.cameraKeys = camera->keys;
+  info.rests = info.times.size() == 1;
+  if (info.rests && info.cameraKeys.size() > 1) {
+    info.times = {info.cameraKeys.front().time, info.cameraKeys.back().time};
+    info.interpolates = true;
+  }
   info.look = scene_.description().look;
   info.background = scene_.description().background;
   info.remarks = remarks();

@@ -30,6 +30,7 @@ class SceneDocument final : public Document {
   void check(Progress& progress) override;
   bool coarseHelps(double time) const override;
   Result<ViewScene> sceneAt(const SceneRequest& request, Progress& progress) override;
+  Result<std::vector<PlaceFields>> fieldsAt(double time, const Vec3& place) override;
   std::shared_ptr<Document> frozen() const override;
   Status set(const std::string& path, const std::vector<double>& value,
              Progress& progress) override;
@@ -77,6 +78,13 @@ class SceneDocument final : public Document {
   std::shared_ptr<const GlSurfaces> surfaces_;  ///< while nothing that lights them changes,
   TriangleScene surfacesOf_;                    ///< of this geometry
   nlohmann::ordered_json surfacesIn_;           ///< in these lights
+
+  struct Probe {
+    std::weak_ptr<SceneMedium> medium;  ///< of which it is
+    std::shared_ptr<FieldProbe> probe;  ///< null: the medium has none
+  };
+
+  std::vector<Probe> probes_;
 };
 
 }  // namespace volute

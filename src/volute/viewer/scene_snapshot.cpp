@@ -45,13 +45,15 @@ void addGround(const Box3& content, std::vector<ViewLine>& lines) {
   }
 }
 
+std::string nameOf(const MediumInfo& info) {
+  return fmt::format("{}: {}", info.kind, std::filesystem::path(info.file).filename().string());
+}
+
 /// Of what is in colours, the line that says what they are.
 void describeMedia(const Scene& from, const std::optional<Vec3>& eye, ViewScene& scene) {
   scene.law = from.law();
   for (const auto& medium : from.media()) {
-    const MediumInfo& info = medium->info();
-    scene.names.push_back(
-        fmt::format("{}: {}", info.kind, std::filesystem::path(info.file).filename().string()));
+    scene.names.push_back(nameOf(medium->info()));
     const MediumText text = medium->text(eye);
     if (!text.scale)
       continue;
@@ -97,6 +99,23 @@ GlQuad quadOf(const Sign& sign, const PictureLaw& law) {
 }
 
 }  // namespace
+
+Result<std::vector<PlaceFields>> SceneDocument::fieldsAt(double time, const Vec3& place) {
+  const auto media = scene_.media();
+  probes_.resize(media.size());
+  std::vector<PlaceFields> all;
+  for (std::size_t i = 0; i < media.size(); ++i) {
+    if (probes_[i].medium.lock() != media[i]) {
+      const auto* probed = dynamic_cast<const ProbedMedium*>(media[i].get());
+      probes_[i] = {media[i], probed ? probed->fieldProbe() : nullptr};
+    }
+    if (!probes_[i].probe)
+      continue;
+    VOLUTE_ASSIGN(auto fields, probes_[i].probe->at(time, place));
+    all.push_back({nameOf(media[i]->info()), std::move(fields)});
+  }
+  return all;
+}
 
 /// A block of frames that is not in memory takes its time.
 bool SceneDocument::coarseHelps(double time) const {

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 // What stands on the picture between the panels: how far it has come, how large things are, which
 // way is up, what is under the pointer, what has just been done.
+#include <fmt/ranges.h>
 #include <imgui.h>
 
 #include <Eigen/Geometry>
@@ -10,6 +11,7 @@
 #include <cmath>
 
 #include "volute/image/colormap.hpp"
+#include "volute/viewer/error_text.hpp"
 #include "volute/viewer/panels.hpp"
 
 namespace volute {
@@ -92,7 +94,7 @@ std::string pictureNote(ViewerApp& app) {
   const ViewPicture& picture = app.view().picture();
   if (!picture.shown() || !picture.scene())
     return "";
-  const double scale = picture.scale();
+  const double scale = picture.state().scale;
   const std::string size = scale >= 0.99 ? ""
                            : scale == 0.5
                                ? tr("half size")
@@ -286,6 +288,29 @@ void drawGizmo(ViewerApp& app, const FreeArea& free) {
   ImGui::PopStyleVar();
 }
 
+/// What all fields of the files are there, shown or not; while it plays they would be late.
+void drawFields(ViewerApp& app, const MediumProbe::Reading& probe) {
+  if (app.playback().timeline().playing())
+    return;
+  const LoadedFields* read = app.document().fieldsAt(probe.inside);
+  if (!read)
+    return;
+  if (!read->fields) {
+    ImGui::Separator();
+    wrappedText(viewerText(read->fields.error()), true);
+    return;
+  }
+  for (const PlaceFields& medium : *read->fields) {
+    ImGui::Separator();
+    if (read->fields->size() > 1 || probe.media.empty())
+      ImGui::TextDisabled("%s", medium.medium.c_str());
+    for (const ProbedField& field : medium.fields)
+      ImGui::TextUnformatted(
+          fmt::format("{}  {:.4g} {}", field.name, fmt::join(field.values, " "), field.unit)
+              .c_str());
+  }
+}
+
 /// What the media are under the pointer.
 void drawProbe(ViewerApp& app, const ViewerInput& input) {
   if (!app.settings().probe || ImGui::GetIO().WantCaptureMouse || input.mouseX < 0)
@@ -311,6 +336,7 @@ void drawProbe(ViewerApp& app, const ViewerInput& input) {
                   medium.emission[2]);
     ImGui::Text(tr("optical depth along the ray %.4g"), medium.opticalDepth);
   }
+  drawFields(app, *probe);
   ImGui::EndTooltip();
 }
 

@@ -47,9 +47,15 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
   static const std::string kSizes[] = {"640 x 360", "1280 x 720", "1920 x 1080", "window"};
   choiceBox(app, "##size", "film size", kSizes, app.settings().filmSize);
   ImGui::SameLine();
+  if (app.view().way().leads()) {
+    ImGui::Checkbox(tr("path"), &app.settings().follows);
+    app.window().mark("film path");
+    hint("the camera goes along its keys, in films and while it plays: K sets one");
+    return;
+  }
   ImGui::Checkbox(tr("around"), &app.settings().filmTurns);
   app.window().mark("film around");
-  hint("the camera goes once around what it looks at");
+  hint("the camera goes once around what it looks at; for a path of your own, K sets keys");
 }
 
 void stepPart(ViewerApp& app) {
@@ -117,6 +123,11 @@ void drawTrack(ViewerApp& app) {
     list->AddLine({begin, from.y + 1}, {end, from.y + 1}, kLoop, 2);
     for (const float x : {begin, end}) list->AddLine({x, from.y}, {x, to.y}, kLoop, 2);
   }
+  for (const CameraKey& key : app.view().way().keys()) {
+    const ImVec2 middle{at(key.time), 0.5F * (from.y + to.y)};
+    list->AddNgonFilled(middle, 5, IM_COL32(120, 190, 255, 255), 4);
+    list->AddNgon(middle, 6, IM_COL32(12, 14, 18, 255), 4);
+  }
   for (const double mark : playback.marks()) {
     const float x = at(mark);
     list->AddTriangleFilled({x - 5, from.y}, {x + 5, from.y}, {x, from.y + 7}, kLoop);
@@ -130,7 +141,9 @@ void timeSlider(ViewerApp& app, float width) {
   if (sliderDouble("##time", time, timeline.first(), timeline.last(), "%.2f s"))
     timeline.seek(time);
   app.window().mark("time");
-  hint("below: what is decoded; I and O: the loop's range, L: all; B: a mark, Ctrl Left and Right");
+  hint(
+      "below: what is decoded; I and O: the loop's range, L: all; B: a mark, Ctrl Left and Right; "
+      "K: a key of the camera");
   drawTrack(app);
 }
 

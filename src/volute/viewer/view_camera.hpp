@@ -19,8 +19,6 @@ class ViewCamera {
   };
 
   /// Sees all of the bounds between the insets, from the side that is up as it is.
-  void frame(const Box3& bounds, int width, int height) { frame(bounds, width, height, {}); }
-
   void frame(const Box3& bounds, int width, int height, const Insets& insets);
 
   /// Moves, without turning, to where the corners of the bounds just are between the insets.
@@ -43,8 +41,6 @@ class ViewCamera {
 
   /// Wheel clicks: nearer, or (walking) forward. `towards`: a point that stays where it is in the
   /// picture [m].
-  void zoom(double clicks) { zoom(clicks, pivot_); }
-
   void zoom(double clicks, const Vec3& towards);
 
   /// Turns around this point from now on.

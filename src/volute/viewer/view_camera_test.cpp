@@ -30,7 +30,7 @@ TEST(ViewCamera, StartsWhereItIsTold) {
 TEST(ViewCamera, FramesAsThePictureDoes) {
   const Box3 bounds{Vec3(-1, 0, 0), Vec3(2, 1, 4)};
   ViewCamera camera;
-  camera.frame(bounds, kViewWidth, kViewHeight);
+  camera.frame(bounds, kViewWidth, kViewHeight, {});
   const Camera expected = Camera::framing(bounds, kViewWidth, kViewHeight);
   expectNear(camera.camera(kViewWidth, kViewHeight).eye(), expected.eye());
   expectNear(camera.camera(kViewWidth, kViewHeight).forward(), expected.forward());
@@ -50,7 +50,7 @@ TEST(ViewCamera, OrbitKeepsItsTargetInTheMiddle) {
   EXPECT_NEAR((turned.eye() - target).norm(), distance, 1e-9);
   camera.drag(0, 1e6);
   EXPECT_LT(camera.camera(kViewWidth, kViewHeight).forward().z(), 1) << "never upside down";
-  camera.zoom(2);
+  camera.zoom(2, camera.pivot());
   EXPECT_LT(camera.distance(), distance);
 }
 
@@ -151,11 +151,11 @@ TEST(ViewCamera, AParallelOneSeesItsHeight) {
   ASSERT_TRUE(place);
   EXPECT_NEAR(place->x(), 0.5 * kViewWidth + 10, 1e-6);
   EXPECT_NEAR(place->y(), 0.5 * kViewHeight + 6, 1e-6);
-  camera.zoom(2);
+  camera.zoom(2, camera.pivot());
   EXPECT_LT(camera.ortho(), 6);
   EXPECT_EQ(camera.view().ortho, camera.ortho());
   const Box3 bounds{Vec3(-1, 0, 0), Vec3(2, 1, 4)};
-  camera.frame(bounds, kViewWidth, kViewHeight);
+  camera.frame(bounds, kViewWidth, kViewHeight, {});
   ASSERT_TRUE(camera.parallel());
   for (int i = 0; i < 8; ++i) {
     const Vec3 corner(i & 1 ? -1 : 2, i & 2 ? 0 : 1, i & 4 ? 0 : 4);

@@ -99,13 +99,17 @@ class ViewPicture {
 
   bool stopped() const { return stopped_; }
 
-  /// Whether the picture that is shown is of an older camera or snapshot than the last request.
-  bool stale() const { return shown() && fromCpu_ && shownNumber_ != asked_; }
+  /// Of the picture that is shown.
+  struct Shown {
+    int version = 0;     ///< counts them
+    double time = 0;     ///< [s], may lag behind scene()'s
+    double scale = 0;    ///< of the window's pixels a side
+    bool stale = false;  ///< of an older camera or snapshot than the last request
+  };
 
-  /// Of the window's pixels a side, of the picture that is shown.
-  double scale() const { return scale_; }
-
-  bool isPreview() const { return fromCpu_ && shownPreview_; }
+  Shown state() const {
+    return {version_, shownTime_, scale_, shown() && fromCpu_ && shownNumber_ != asked_};
+  }
 
   /// Whether update() would take over something.
   bool hasNews() const { return cpu_->has(); }
@@ -117,12 +121,6 @@ class ViewPicture {
   void onNews(std::function<void()> wake) { cpu_->onDelivery(std::move(wake)); }
 
   bool shown() const { return scale_ > 0; }
-
-  /// Of the picture that is shown [s]; may lag behind scene()'s.
-  double shownTime() const { return shownTime_; }
-
-  /// Counts the pictures that were shown.
-  int version() const { return version_; }
 
   /// Before the first show(), while there is nothing to be shown.
   void prepareShow() { display_.prepare(); }

@@ -127,12 +127,18 @@ void ViewerApp::takeDocument(const DocumentNews& news, const ViewerInput& input)
     recovery_.adopt(info.path);
   }
   tools_.painting.take(info, news.another);
+  view_.way().take(info);
   if (news.another || news.otherTimes)
     playback_.setFrames(info, news.another);
+  if (const auto key = view_.way().takeSeek())
+    playback_.timeline().seek(*key);
   if (!news.another)
     return;
   settings_.sceneName = info.sceneName;
-  if (!view_.begin(input.width, input.height) || !info.look)
+  const bool begins = view_.begin(input.width, input.height);
+  if (begins && rest_)
+    view_.camera() = *std::exchange(rest_, std::nullopt);
+  if (!begins || !info.look)
     return;
   if (options_.renderer)
     settings_.look.renderer = static_cast<int>(*options_.renderer);
@@ -160,9 +166,9 @@ void ViewerApp::takeLoaded(const ViewerInput& input) {
 }
 
 void ViewerApp::takeFile(const std::string& path) {
-  if (document_.purpose() == ViewerDocument::Purpose::kOpen)
+  if (document_.files().purpose() == DocumentFiles::Purpose::kOpen)
     return leaving_.leaveFor(path);
-  if (const auto sought = document_.takeSought()) {
+  if (const auto sought = document_.files().takeSought()) {
     const auto scene = withFileAt(*sought, path);
     if (!scene)
       return document_.say(viewerText(scene.error()));
@@ -172,9 +178,24 @@ void ViewerApp::takeFile(const std::string& path) {
     document_.say(viewerText(begun.error()));
 }
 
+ViewerRest ViewerApp::rest() const {
+  const DocumentInfo* info = document_.info();
+  if (!info)
+    return {};
+  return {
+      info->unsaved.empty() ? info->path : recovery_.keepMended(info->unsaved, settings_.sceneName),
+      playback_.timeline().time(), view_.camera()};
+}
+
+void ViewerApp::open(const ViewerRest& rest) {
+  rest_ = rest.camera;
+  if (!rest.path.empty())
+    open(rest.path, rest.time);
+}
+
 void ViewerApp::saveScene() {
   const std::string target = settings_.sceneName;
-  if (!document_.info() || !document_.mayWrite(target, [this] { saveScene(); }))
+  if (!document_.info() || !document_.files().mayWrite(target, [this] { saveScene(); }))
     return;
   document_.loader().change("save scene",
                             [target, view = view_.camera().view(), look = view_.look()](
@@ -185,7 +206,7 @@ void ViewerApp::saveScene() {
 }
 
 void ViewerApp::beginFilm(const ViewerInput& input) {
-  if (!document_.mayWrite(settings_.filmName, [this, input] { beginFilm(input); }))
+  if (!document_.files().mayWrite(settings_.filmName, [this, input] { beginFilm(input); }))
     return;
   constexpr int kSizes[][2] = {{640, 360}, {1280, 720}, {1920, 1080}};
   const Timeline& timeline = playback_.timeline();
@@ -196,13 +217,19 @@ void ViewerApp::beginFilm(const ViewerInput& input) {
     order.width = kSizes[settings_.filmSize][0], order.height = kSizes[settings_.filmSize][1];
   order.begin = timeline.loopBegin(), order.end = timeline.loopEnd();
   order.speed = timeline.speed();
-  order.turns = settings_.filmTurns;
+  if (settings_.follows && view_.way().leads())
+    order.keys = view_.way().keys();
+  order.turns = settings_.filmTurns && order.keys.empty();
   if (order.turns && !(order.end > order.begin))
     order.still = kAround;
   order.camera = view_.camera();
   order.renderer = static_cast<ViewRenderer>(settings_.look.renderer);
   order.surfaces = settings_.look.surfaces;
   order.look = view_.display();
+  if (const DocumentInfo* info = document_.info())
+    order.content = info->path + info->unsaved + info->files;
+  if (!options_.recent.empty())
+    order.folder = options_.recent.parent_path() / "films";
   playback_.beginFilm(order, view_.picture().makers());
 }
 
@@ -217,7 +244,7 @@ WorkNotes::Seen ViewerApp::seenWork() const {
   seen.draws = seen.drawn.busy && !moving_ && !picture.stopped();
   seen.shown = picture.shown();
   seen.late = !moving_ && scene && picture.shown() &&
-              (picture.stale() || std::abs(picture.shownTime() - scene->time) > 1e-9);
+              (picture.state().stale || std::abs(picture.state().time - scene->time) > 1e-9);
   return seen;
 }
 
@@ -250,6 +277,10 @@ void ViewerApp::usePanels(const ViewerInput& input) {
   keys(input);
   control(input);
   playback_.timeline().advance(input.seconds);
+  if (settings_.follows && !pointer_.drags) {
+    if (const auto there = view_.way().follow(view_.camera(), playback_.timeline().time()))
+      view_.camera() = *there, moving_ = true;
+  }
   drawPanels(*this, input);
   focusPanel();
   ImGui::Render();
@@ -262,7 +293,7 @@ void ViewerApp::show(const DisplayLook& look, bool panels) {
   ViewPicture& picture = view_.picture();
   if (!picture.shown() && document_.opening())
     picture.prepareShow();
-  const auto [width, height] = size();
+  const int width = seen_.pixelsAcross(), height = seen_.pixelsDown();
   glViewport(0, 0, width, height);
   glClearColor(0.05F, 0.05F, 0.06F, 1);
   glClear(GL_COLOR_BUFFER_BIT);
@@ -301,8 +332,8 @@ Status ViewerApp::frame(const ViewerInput& input) {
   }
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
   unseen_ += input.seconds;
-  playback_.noteShown(input.seconds, view_.picture().shownTime());
-  const int version = view_.picture().version();
+  playback_.noteShown(input.seconds, view_.picture().state().time);
+  const int version = view_.picture().state().version;
   drew_ = !std::exchange(steps_, false) || version != shownVersion_ || unseen_ > kUnseen;
   if (!drew_)
     return {};

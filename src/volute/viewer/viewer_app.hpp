@@ -27,6 +27,13 @@ struct FrameCosts {
   double shown = 0;    ///< picture and panels into the window
 };
 
+/// Where another viewer goes on when this one's context of OpenGL is lost.
+struct ViewerRest {
+  std::string path{};  ///< empty: nothing is open
+  std::optional<double> time{};
+  std::optional<ViewCamera> camera{};
+};
+
 /// The viewer without its window: given what a person did, draws a frame into the framebuffer that
 /// is bound. Needs a current context of OpenGL 4.5; one at a time in a program (Dear ImGui's).
 /// Its parts know as much as they need of each other: what is open, how it is looked at, which time
@@ -41,6 +48,11 @@ class ViewerApp {
   void open(const std::string& path, std::optional<double> time = std::nullopt) {
     document_.open(path, time);
   }
+
+  /// Where another one goes on, which open() lets it. What is unsaved is kept in a file.
+  ViewerRest rest() const;
+
+  void open(const ViewerRest& rest);
 
   ViewerSettings& settings() { return settings_; }
 
@@ -86,9 +98,6 @@ class ViewerApp {
 
   /// Draws what the last frame showed once more, into the framebuffer that is bound.
   void showAgain(bool panels = true) { show(shownLook_, panels); }
-
-  /// Of the last frame [pixels].
-  std::pair<int, int> size() const { return {seen_.pixelsAcross(), seen_.pixelsDown()}; }
 
   /// Whether all is loaded and the picture is drawn as finely as it will be.
   bool settled() const;
@@ -141,10 +150,11 @@ class ViewerApp {
   WindowLanguage language_;
   WorkNotes notes_;
   FrameCosts costs_;
-  bool timeAsked_ = false;  ///< a person said at which time to begin
-  bool moving_ = false;     ///< a person is turning it, or it plays
-  int lively_ = 0;          ///< frames that follow soon
-  bool steps_ = false;      ///< the next frame only goes on with playing: see due()
+  std::optional<ViewCamera> rest_;  ///< of rest(), until the document is there
+  bool timeAsked_ = false;          ///< a person said at which time to begin
+  bool moving_ = false;             ///< a person is turning it, or it plays
+  int lively_ = 0;                  ///< frames that follow soon
+  bool steps_ = false;              ///< the next frame only goes on with playing: see due()
   bool drew_ = false;
   double unseen_ = 0;     ///< [s] since the last frame that was drawn
   int shownVersion_ = 0;  ///< of the picture

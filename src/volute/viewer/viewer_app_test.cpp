@@ -230,7 +230,7 @@ TEST_F(ViewerTest, WhilePlayingOnlyWhatIsNewIsDrawn) {
   int steps = 0;
   double unseen = 0;
   for (int i = 0; i < 400; ++i) {
-    const int before = app().view().picture().version();
+    const int before = app().view().picture().state().version;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     input_.seconds += kFrame;
     if (!app().due(input_))
@@ -243,7 +243,7 @@ TEST_F(ViewerTest, WhilePlayingOnlyWhatIsNewIsDrawn) {
     if (app().drew())
       continue;
     ++steps;
-    EXPECT_EQ(app().view().picture().version(), before);
+    EXPECT_EQ(app().view().picture().state().version, before);
     EXPECT_EQ(greatestDifference(shown, viewer_->picture()), 0);
   }
   EXPECT_GT(steps, 10);

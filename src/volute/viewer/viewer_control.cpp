@@ -128,15 +128,15 @@ void ViewerApp::keys(const ViewerInput& input) {
     window_.moveFocus(input.shift ? -1 : 1);
     settings_.keyboard = settings_.panels = true;
   }
-  if (leaving_.asked() || document_.files().asks() || document_.moved()) {
+  if (leaving_.asked() || document_.files().asks()) {
     if (std::ranges::count(input.pressed, Key::kEscape) == 0)
       return;
     if (document_.files().replacing())
       document_.files().keep();
     else if (leaving_.asked())
       leaving_.stay();
-    else if (document_.moved())
-      document_.forgetMoved();
+    else if (document_.files().moved())
+      document_.files().setMoved({});
     else
       document_.files().closeBrowser();
     return;

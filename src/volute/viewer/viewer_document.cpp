@@ -10,7 +10,7 @@ void ViewerDocument::open(const std::string& path, std::optional<double> time) {
   opening_.emplace(time);
   message_.clear();
   requested_ = path;
-  moved_.reset();
+  files_.setMoved({});
   loader_.open(path, time);
 }
 
@@ -47,8 +47,10 @@ std::optional<DocumentNews> ViewerDocument::take() {
     news.another = !info_ || info_->opened != told->opened->opened;
     news.otherTimes = info_ && info_->times != told->opened->times;
     info_ = std::move(*told->opened);
+    files_.setOpen(info_->path);
     if (news.another) {
       scene_.reset();  // it is the last document's
+      fields_.reset();
       news.begun = std::exchange(opening_, std::nullopt);
     }
     for (Parameter& parameter : info_->parameters) {
@@ -58,8 +60,10 @@ std::optional<DocumentNews> ViewerDocument::take() {
   }
   if (news.idle && opening_) {  // it cannot be opened
     opening_.reset();
-    moved_ = movedFileOf(requested_);
+    files_.setMoved(movedFileOf(requested_));
   }
+  if (told->fields)
+    fields_ = std::move(told->fields);
   if (told->loaded) {
     if (scene_)
       loader_.discard(std::move(scene_->scene));
@@ -99,6 +103,16 @@ void ViewerDocument::add(const std::string& path) {
   change([path](Document& document, Progress& progress) { return document.add(path, progress); });
 }
 
+/// The last ones stay to be seen while the next are read.
+const LoadedFields* ViewerDocument::fieldsAt(const Vec3& place) {
+  const bool there = fields_ && scene_ && fields_->time == scene_->time && fields_->place == place;
+  if (!there && !loading_.busy && (fieldsAsked_ != place || idle())) {
+    fieldsAsked_ = place;
+    loader_.requestFields(place);
+  }
+  return fields_ ? &*fields_ : nullptr;
+}
+
 void ViewerDocument::undo() {
   change([](Document& document, Progress& progress) -> Result<std::string> {
     VOLUTE_TRY(document.undo(progress));
@@ -111,26 +125,6 @@ void ViewerDocument::redo() {
     VOLUTE_TRY(document.redo(progress));
     return "";
   });
-}
-
-void ViewerDocument::findMoved() {
-  sought_ = std::exchange(moved_, std::nullopt);
-  askToOpen(Purpose::kFind);
-}
-
-void ViewerDocument::askToOpen(Purpose purpose) {
-  purpose_ = purpose;
-  std::error_code unknown;
-  std::filesystem::path folder = std::filesystem::current_path(unknown);
-  if (info_ && !info_->path.empty())
-    folder = std::filesystem::absolute(info_->path, unknown).parent_path();
-  files_.askToOpen(folder, desktop_);
-}
-
-bool ViewerDocument::mayWrite(const std::string& target, std::function<void()> then) {
-  if (info_ && target == info_->path)
-    files_.allow(target);
-  return files_.mayWrite(target, std::move(then));
 }
 
 void LeaveQuestion::leaveFor(const std::string& path) {

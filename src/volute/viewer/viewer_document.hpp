@@ -6,7 +6,6 @@
 
 #include "volute/viewer/document_files.hpp"
 #include "volute/viewer/loader.hpp"
-#include "volute/viewer/moved_file.hpp"
 #include "volute/viewer/viewer_settings.hpp"
 
 namespace volute {
@@ -27,11 +26,8 @@ struct DocumentNews {
 /// changes on their way to it.
 class ViewerDocument {
  public:
-  /// What a person chooses a file for.
-  enum class Purpose { kOpen, kCompare, kFind };
-
   ViewerDocument(OpenDocument open, const ViewerOptions& options)
-      : loader_(std::move(open)), files_(options.recent), desktop_(options.desktop) {}
+      : loader_(std::move(open)), files_(options.recent, options.desktop) {}
 
   /// What is unsaved of the document before is lost. Until the file is open, what is shown stays.
   void open(const std::string& path, std::optional<double> time);
@@ -83,29 +79,12 @@ class ViewerDocument {
   void undo();
   void redo();
 
+  /// What all fields are at a place of the instant that is shown, once it is known; null until
+  /// then.
+  const LoadedFields* fieldsAt(const Vec3& place);
+
   /// How files are named, and which may be written.
   DocumentFiles& files() { return files_; }
-
-  /// By the desktop's dialog where there is one, else by the list.
-  void askToOpen(Purpose purpose = Purpose::kOpen);
-
-  /// What for a file is being chosen.
-  Purpose purpose() const { return purpose_; }
-
-  /// A file that the scene names which could not be opened, until the person has answered.
-  const MovedFile* moved() const { return moved_ ? &*moved_ : nullptr; }
-
-  void forgetMoved() { moved_.reset(); }
-
-  /// The person looks for it.
-  void findMoved();
-
-  /// What is being looked for, once.
-  std::optional<MovedFile> takeSought() { return std::exchange(sought_, std::nullopt); }
-
-  /// Whether `target` may be written now, its own file without a question; else the person is
-  /// asked, and `then` follows.
-  bool mayWrite(const std::string& target, std::function<void()> then);
 
   Loader& loader() { return loader_; }
 
@@ -117,13 +96,12 @@ class ViewerDocument {
   LoaderState loading_;
   std::optional<DocumentInfo> info_;
   std::optional<LoadedScene> scene_;
+  std::optional<LoadedFields> fields_;                  ///< the last that were read,
+  std::optional<Vec3> fieldsAsked_;                     ///< and asked for
   std::map<std::string, std::vector<double>> pending_;  ///< parameters on their way
   int edits_ = 0;                                       ///< that were asked for
   DocumentFiles files_;
-  bool desktop_ = false;
-  Purpose purpose_ = Purpose::kOpen;
   std::string requested_;  ///< the file that is opened
-  std::optional<MovedFile> moved_, sought_;
   std::optional<Error> failure_;
   std::optional<Error> sceneFailure_;  ///< why the scene that was loaded last cannot be shown
   std::string error_, message_, lastMessage_;

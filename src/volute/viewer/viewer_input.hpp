@@ -37,6 +37,7 @@ enum class Key {
   kF,
   kH,
   kI,
+  kK,
   kL,
   kM,
   kO,

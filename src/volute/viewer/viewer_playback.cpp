@@ -5,6 +5,7 @@
 // line of JSON:
 //   first, fine       seconds from opening to the first picture with something in it, and until
 //                     nothing gets finer any more
+//   cpu               of the first, what all threads together computed [s]
 //   answer            longest that a key waited for its frame while the file was opened and drawn
 //   pictures          in each second of playback, and
 //   played            frames of the file that were shown, of `rate`
@@ -16,9 +17,11 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <ctime>
 #include <optional>
 #include <thread>
 
+#include "volute/io/reader_helper.hpp"
 #include "volute/viewer/open_document.hpp"
 #include "volute/viewer/script.hpp"
 
@@ -30,6 +33,11 @@ constexpr int kWidth = 1280, kHeight = 800;
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// By all threads of the process [s].
+double computed() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 std::string number(const std::optional<double>& value) {
@@ -44,10 +52,11 @@ class Measurement {
 
   bool run(const std::string& path) {
     ViewerApp& app = viewer_.app();
-    const double opened = now();
+    const double opened = now(), before = computed();
     app.open(path);
     types_ = true;
     const auto first = until([&] { return something(); });
+    const double cpu = computed() - before;
     const auto fine = until([&] { return app.settled(); });
     types_ = false;
     if (!app.document().error().empty())
@@ -55,8 +64,8 @@ class Measurement {
     const auto after = [&](const std::optional<double>& when) {
       return when ? std::optional<double>(*when - opened) : std::nullopt;
     };
-    fmt::print(R"({{"file": "{}", "first": {}, "fine": {}, "answer": {:.3f})", path,
-               number(after(first)), number(after(fine)), longestAnswer_);
+    fmt::print(R"({{"file": "{}", "first": {}, "cpu": {:.3f}, "fine": {}, "answer": {:.3f})", path,
+               number(after(first)), cpu, number(after(fine)), longestAnswer_);
     std::fflush(stdout);
     play();
     turn();
@@ -86,7 +95,7 @@ class Measurement {
     if (types_)
       longestAnswer_ = std::max(longestAnswer_, now() - asked);
     input_.pressed.clear();
-    if (const int version = viewer_.app().view().picture().version(); version != version_) {
+    if (const int version = viewer_.app().view().picture().state().version; version != version_) {
       version_ = version;
       changed_ = now();
     }
@@ -109,6 +118,8 @@ class Measurement {
     ViewerApp& app = viewer_.app();
     if (!app.view().picture().shown() || !app.document().info() || !app.view().picture().scene())
       return false;
+    if (!app.view().picture().scene()->quads.empty())
+      return true;  // a capture's pictures
     const Image light = app.view().picture().sampledLight(app.document().info()->background);
     const auto [least, most] = std::ranges::minmax(light.pixels);
     return most > least + 1e-3F;
@@ -127,7 +138,7 @@ class Measurement {
     changed_ = begin;
     double longest = 0, scales = 0;
     int shown = 0, pictures = 0, last = version_;
-    double time = app.view().picture().shownTime();
+    double time = app.view().picture().state().time;
     while (now() < begin + kSeconds) {
       frame();
       longest = std::max(longest, now() - changed_);
@@ -136,8 +147,8 @@ class Measurement {
       last = version_;
       ++pictures;
       scales += static_cast<double>(app.view().picture().times().width) / kWidth;
-      shown += frameOf(app.view().picture().shownTime()) != frameOf(time);
-      time = app.view().picture().shownTime();
+      shown += frameOf(app.view().picture().state().time) != frameOf(time);
+      time = app.view().picture().state().time;
     }
     const double spent = now() - begin;
     timeline.play(false);
@@ -200,6 +211,7 @@ class Measurement {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const ReaderHelper helper;  // as the command has one
   double limit = 60;
   ViewerOptions options;
   bool good = true;

@@ -45,7 +45,7 @@ void FogPainting::save() {
   const std::string target = settings_.mapName;
   if (target == tool_.canvas().file)
     document_.files().allow(target);
-  if (!document_.mayWrite(target, [this] { save(); }))
+  if (!document_.files().mayWrite(target, [this] { save(); }))
     return;
   send();
   savedVersion_ = tool_.painter().version();

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "volute/image/picture_style.hpp"
 #include "volute/image/srgb.hpp"
@@ -12,6 +14,7 @@ namespace volute {
 
 void ViewerView::forget() {
   begun_ = false;
+  way_.forget();
   exposure_ = {exposure_.value};
   settings_.look.exposure.reset();
 }
@@ -113,6 +116,24 @@ Rgb ViewerView::backgroundShown() const {
   return toned.unaryExpr([](double v) { return srgbEncode(std::clamp(v, 0.0, 1.0)); });
 }
 
+void ViewerView::lookForSomething(const DocumentInfo& document) {
+  const int version = picture_.state().version;
+  if (looked_ == version)
+    return;
+  looked_ = version;
+  const ViewScene* scene = picture_.scene();
+  const Image light = picture_.sampledLight(document.background);
+  constexpr double kSeen = 1.0 / 512;  // of white: half a level of a display
+  Rgb low = Rgb::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (std::size_t i = 0; i < light.pixels.size(); ++i) {
+    const auto c = static_cast<Eigen::Index>(i % 3);
+    low[c] = std::min<double>(low[c], light.pixels[i]);
+    high[c] = std::max<double>(high[c], light.pixels[i]);
+  }
+  blank_ = scene && scene->quads.empty() && scene->lines.empty() &&
+           display().exposure * (high - low).maxCoeff() < kSeen;
+}
+
 void ViewerView::draw(const PictureRequest& request) {
   document_.loader().setOpenGl(picture_.mayUseGl(request.renderer));
   if (const Status drawn = picture_.update(request); !drawn)
@@ -120,10 +141,15 @@ void ViewerView::draw(const PictureRequest& request) {
   // At once, and better once the picture is fine.
   const DocumentInfo* document = document_.info();
   const LoadedScene* scene = document_.scene();
-  if (exposure_.found || !document || !scene)
+  if (!document || !scene)
     return;
   const bool fine = !scene->coarse && picture_.settled(request);
-  const bool first = !exposure_.tried && picture_.shown() && !picture_.stale();
+  if (exposure_.found) {
+    if (fine && !request.moving && picture_.shown())
+      lookForSomething(*document);
+    return;
+  }
+  const bool first = !exposure_.tried && picture_.shown() && !picture_.state().stale;
   if (!first && !fine)
     return;
   exposure_.value =

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include "volute/viewer/camera_way.hpp"
 #include "volute/viewer/playback.hpp"
 #include "volute/viewer/viewer_settings.hpp"
 
@@ -15,11 +16,14 @@ class ViewerView {
       : settings_(settings),
         document_(document),
         playback_(playback),
+        way_(document),
         picture_(std::move(picture)) {}
 
   ViewCamera& camera() { return camera_; }
 
   const ViewCamera& camera() const { return camera_; }
+
+  CameraWay& way() { return way_; }
 
   ViewPicture& picture() { return picture_; }
 
@@ -51,6 +55,9 @@ class ViewerView {
   /// Makes or takes the picture, and finds an exposure in it.
   void draw(const PictureRequest& request);
 
+  /// Whether the picture, at rest, has nothing that a display would show.
+  bool blank() const { return blank_ && looked_ == picture_.state().version; }
+
  private:
   /// The exposure that fits the first picture of a document.
   struct FirstExposure {
@@ -59,13 +66,18 @@ class ViewerView {
     bool tried = false;  ///< from a picture that was not fine
   };
 
+  void lookForSomething(const DocumentInfo& document);
+
   ViewerSettings& settings_;
   ViewerDocument& document_;
   const Playback& playback_;
   ViewCamera camera_;
+  CameraWay way_;
   ViewPicture picture_;
   FirstExposure exposure_;
   bool begun_ = false;
+  bool blank_ = false;  ///< the picture of this version
+  int looked_ = 0;
 };
 
 }  // namespace volute

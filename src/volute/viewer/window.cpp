@@ -7,6 +7,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <optional>
 
@@ -62,6 +63,15 @@ void appendUtf8(std::string& text, unsigned code) {
   }
 }
 
+/// A driver of an older OpenGL shows the window all the same, which the CPU then draws. Ends GLFW:
+/// a display that is opened next finds the rasteriser.
+bool useMesasRasteriser() {
+  glfwTerminate();
+  return ::setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1) == 0 &&
+         ::setenv("GALLIUM_DRIVER", "llvmpipe", 1) == 0 &&
+         ::setenv("__GLX_VENDOR_LIBRARY_NAME", "mesa", 1) == 0;
+}
+
 /// GLFW, started; ended with its owner.
 class Window {
  public:
@@ -72,14 +82,14 @@ class Window {
                   "no display to open a window");
     }
     window->started_ = true;
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
-    window->window_ = glfwCreateWindow(width, height, "Volute", nullptr, nullptr);
+    window->make(width, height);
+    if (!window->window_ && useMesasRasteriser() && glfwInit())
+      window->make(width, height);
     if (!window->window_) {
-      return fail(ErrorCode::kUnsupported,
-                  "this display's driver has no OpenGL 4.5; update the graphics driver");
+      return fail(ErrorCode::kUnsupported, Hint::set("screenshot").so("needs none"),
+                  "this display's driver has no OpenGL 4.5, and Mesa's rasteriser, which has it, "
+                  "cannot be used instead: update the graphics driver, or install Mesa (on Debian "
+                  "libgl1-mesa-dri)");
     }
     glfwMakeContextCurrent(window->window_);
     glfwSwapInterval(1);
@@ -93,6 +103,14 @@ class Window {
       glfwDestroyWindow(window_);
     if (started_)
       glfwTerminate();
+  }
+
+  void make(int width, int height) {
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
+    window_ = glfwCreateWindow(width, height, "Volute", nullptr, nullptr);
   }
 
   void show() { glfwSwapBuffers(window_); }
@@ -231,22 +249,14 @@ std::string screenshotName() {
   }
 }
 
-/// What a lost context leaves: where the next window goes on.
-struct GoesOn {
-  std::string path;
-  double time = 0;
-  std::optional<ViewCamera> camera;
-};
-
 /// Of a driver that was reset, or a card that is gone.
 bool contextIsLost() {
   return epoxy_has_gl_extension("GL_KHR_robustness") && glGetGraphicsResetStatus() != GL_NO_ERROR;
 }
 
 /// One window, until the person closes it: nothing. What is unsaved is kept for the next one.
-Result<std::optional<GoesOn>> runWindow(OpenDocument open, const ViewerStart& start,
-                                        const std::optional<ViewCamera>& camera,
-                                        Progress& progress) {
+Result<std::optional<ViewerRest>> runWindow(OpenDocument open, const ViewerStart& start,
+                                            const ViewerRest& rest, Progress& progress) {
   VOLUTE_ASSIGN(const auto window, Window::create(start.width, start.height));
   ViewerOptions options = start.options;
   options.desktop = true;
@@ -254,12 +264,10 @@ Result<std::optional<GoesOn>> runWindow(OpenDocument open, const ViewerStart& st
   VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open), options));
   app->window().clipboard().use([&] { return window->clipboard(); },
                                 [&](const std::string& text) { window->setClipboard(text); });
-  if (!start.path.empty())
-    app->open(start.path, start.time);
+  app->open(rest);
   if (!start.other.empty())
     VOLUTE_TRY(app->comparison().begin(start.other, app->view().picture().makers()));
   app->view().picture().onNews([] { glfwPostEmptyEvent(); });
-  bool placed = !camera;
   double skipped = 0;  // [s] since the last frame
   while (!app->leaving().ends() && !progress.cancelled()) {
     ViewerInput input = window->input(app->patience(), options.scale);
@@ -277,17 +285,8 @@ Result<std::optional<GoesOn>> runWindow(OpenDocument open, const ViewerStart& st
       continue;  // minimised
     }
     if (contextIsLost()) {
-      const DocumentInfo* info = app->document().info();
-      if (!info)
-        return GoesOn{start.path, 0, std::nullopt};
-      return GoesOn{info->unsaved.empty()
-                        ? info->path
-                        : app->recovery().keepMended(info->unsaved, app->settings().sceneName),
-                    app->playback().timeline().time(), app->view().camera()};
-    }
-    if (!placed && app->document().info() && app->view().picture().shown()) {
-      app->view().camera() = *camera;
-      placed = true;
+      const ViewerRest left = app->rest();
+      return left.path.empty() ? rest : left;
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     VOLUTE_TRY(app->frame(input));
@@ -311,14 +310,12 @@ Result<std::optional<GoesOn>> runWindow(OpenDocument open, const ViewerStart& st
 
 Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& progress) {
   constexpr int kTries = 3;  // a driver that is lost again and again is of no use
-  ViewerStart next = start;
-  std::optional<ViewCamera> camera;
+  ViewerRest rest{start.path, start.time, {}};
   for (int i = 0; i < kTries; ++i) {
-    VOLUTE_ASSIGN(auto goesOn, runWindow(open, next, camera, progress));
-    if (!goesOn)
+    VOLUTE_ASSIGN(auto left, runWindow(open, start, rest, progress));
+    if (!left)
       return {};
-    next.path = goesOn->path, next.time = goesOn->time;
-    camera = goesOn->camera;
+    rest = *std::move(left);
   }
   return fail(ErrorCode::kUnsupported, Hint::set("renderer"),
               "the graphics driver was reset {} times; what was not saved is offered at the next "
