@@ -77,5 +77,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     lookAtWalls(*walls);
   if (const auto particles = volute::FdsParticleFile::open({0, {0, 1}, path}))
     lookAtParticles(*particles);
+  if (const auto people = volute::FdsParticleFile::openPeople(path))
+    lookAtParticles(*people);
   return 0;
 }

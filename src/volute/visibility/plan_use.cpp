@@ -122,6 +122,7 @@ std::vector<double> standOnFloors(const SightInstant& first, const Box3& bounds,
                                   std::span<Vec3> eyes, Progress& progress) {
   constexpr double kLowest = 1.2;  // eyes above a floor, where the field ends above them [m]
   constexpr double kTallest = 2;   // eyes above a floor [m]
+  constexpr std::size_t kFifth = 5;
   constexpr double kStride = 0.1;  // [m]
   std::vector<double> floors(eyes.size());
   first.floors(eyes, PlanUse::kReach, floors);
@@ -132,9 +133,13 @@ std::vector<double> standOnFloors(const SightInstant& first, const Box3& bounds,
   }
   if (counts.size() < 2)
     return floors;
-  const auto [most, count] =
-      *std::ranges::max_element(counts, {}, [](const auto& one) { return one.second; });
-  const double above = std::min(kTallest, height - 0.01 * static_cast<double>(most));
+  // The lowest that is a fifth of the plan, or else the most frequent one.
+  const auto share = [&](const auto& one) { return kFifth * one.second >= floors.size(); };
+  auto common = std::ranges::find_if(counts, share);
+  if (common == counts.end())
+    common = std::ranges::max_element(counts, {}, [](const auto& one) { return one.second; });
+  const double usual = 0.01 * static_cast<double>(common->first);
+  const double above = std::min(kTallest, height - usual);
   std::size_t lifted = 0;
   double highest = 0;
   for (std::size_t i = 0; i < eyes.size(); ++i) {
@@ -145,7 +150,7 @@ std::vector<double> standOnFloors(const SightInstant& first, const Box3& bounds,
     if (!(meant > z + PlanUse::kStep))
       continue;
     ++lifted;
-    highest = std::max(highest, floors[i] - 0.01 * static_cast<double>(most));
+    highest = std::max(highest, floors[i] - usual);
     for (double next = z; next < meant;) {
       next = std::min(next + kStride, meant);
       const Vec3 point(eyes[i].x(), eyes[i].y(), next);

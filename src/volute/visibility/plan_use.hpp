@@ -47,8 +47,8 @@ struct PlanUse {
 };
 
 /// The floors within PlanUse::kReach below eyes at a height [m], at the first time; NaN where there
-/// is none. Eyes above floors that are higher than most by more than a step, as on ramps, stairs
-/// and stages, are lifted as far above them, as far as there is gas; how many is a remark.
+/// is none. Eyes above floors that are higher than the plan's by more than a step, as on ramps,
+/// stairs and stages, are lifted as far above them, as far as there is gas; how many is a remark.
 /// @param bounds  of the field
 std::vector<double> standOnFloors(const SightInstant& first, const Box3& bounds, double height,
                                   std::span<Vec3> eyes, Progress& progress);

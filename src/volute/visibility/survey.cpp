@@ -118,12 +118,14 @@ std::uint64_t Lookout::workOutSome(const SightInstant& instant, std::span<const 
                    return;
                  Batch& batch = batches_[b];
                  for (std::size_t i = 0; i < count; ++i) {
-                   instant.weigh({eyes[first + i], signs[s].target}, batch.weights,
-                                 batch.sights.emplace_back());
+                   const Vec3& eye = eyes[first + i];
+                   Sight sight;
+                   instant.weigh({eye, signs[s].target}, batch.weights, sight);
+                   batch.sights.push_back(judge(signs[s].sign, eye, sight));
                    batch.ends.push_back(static_cast<std::uint32_t>(batch.weights.size()));
                  }
                  batch.weights.shrink_to_fit();
-                 bytes += batch.weights.size() * sizeof(SightWeight) + count * sizeof(Sight);
+                 bytes += batch.weights.size() * sizeof(SightWeight) + count * sizeof(Sighting);
                });
   return bytes;
 }
@@ -200,22 +202,18 @@ void Lookout::sum(const SightInstant& instant, std::span<const SightTarget> sign
                    const auto weights =
                        std::span(batch.weights).subspan(begin, batch.ends[i] - begin);
                    begin = batch.ends[i];
-                   Sight sight = batch.sights[i];
-                   sight.depth = 0;
+                   double depth = 0, low = 0, high = 0;
+                   for (const SightWeight& one : weights)
+                     depth += static_cast<double>(one.weight) * data.value[one.value];
                    if (data.low.empty()) {
-                     for (const SightWeight& one : weights)
-                       sight.depth += static_cast<double>(one.weight) * data.value[one.value];
-                     sight.low = sight.high = sight.depth;
+                     low = high = depth;
                    } else {
-                     sight.low = sight.high = 0;
                      for (const SightWeight& one : weights) {
-                       const double weight = one.weight;
-                       sight.depth += weight * data.value[one.value];
-                       sight.low += weight * data.low[one.value];
-                       sight.high += weight * data.high[one.value];
+                       low += static_cast<double>(one.weight) * data.low[one.value];
+                       high += static_cast<double>(one.weight) * data.high[one.value];
                      }
                    }
-                   out[s * eyes.size() + first + i] = judge(signs[s].sign, eyes[first + i], sight);
+                   out[s * eyes.size() + first + i] = judged(batch.sights[i], depth, low, high);
                  }
                });
 }

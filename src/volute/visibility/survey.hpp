@@ -52,7 +52,7 @@ class Lookout {
   struct Batch {
     std::vector<SightWeight> weights;
     std::vector<std::uint32_t> ends;  ///< of each line's weights
-    std::vector<Sight> sights;        ///< covered, blocked
+    std::vector<Sighting> sights;     ///< but for the depths
   };
 
   bool fits(const SightInstant& instant, std::span<const Vec3> eyes) const;
