@@ -40,6 +40,10 @@ struct Place {
 /// cells go across it.
 constexpr double kCellsAcross = 12, kMaxAcross = 64;
 
+/// Of the distance from a lamp, or a metre where that is more: cells need be no shorter than the
+/// least of this and `finest`.
+constexpr double kFinestShare = 0.02;
+
 /// Of a sun: from a point to a place in roots.
 struct SunSpace {
   Mat3 axes;
@@ -369,6 +373,10 @@ struct LightField::State {
     brick->cell = cells.minCoeff();
     fill(*brick);
     Vec3 finest = Vec3::Constant(options.finest), coarsest = Vec3::Constant(cells.maxCoeff());
+    if (!isSun) {  // near a lamp light changes within metres, however large what is lit
+      const double far = spot.distance(brick->low.z() + brick->size.z());
+      finest.z() = std::min(finest.z(), std::max(1.0, light_field::kFinestShare * far));
+    }
     for (const auto& ball : balls) {
       const int in = isSun ? sun.shadowedBy(ball, root, brick->low, brick->size)
                            : spot.shadowedBy(ball, root, brick->low, brick->size);

@@ -104,6 +104,19 @@ TEST(LightField, SmallMediaAreNotMissed) {
   }
 }
 
+/// Smoke of 10 km, and cells that are allowed to be as large as a house.
+TEST(LightField, ACandleInAWideValleyIsDimmedWithinMetres) {
+  const auto mesh = boxMesh({Vec3(-5000, -5000, 0), Vec3(5000, 5000, 500)}, {4, 4, 2}, 0, 1);
+  const AnyMedium smoke(TetMedium(std::make_shared<TetLocator>(mesh),
+                                  std::vector<float>(mesh->vertices().size(), 0.05F)));
+  const LightField field(fieldLampAt(Vec3(0, 0, 1.2)), {smoke}, smoke.bounds(),
+                         {.tolerance = 4e-3, .finest = 300});
+  for (const double distance : {1.0, 3.0, 10.0, 17.0, 30.0, 60.0, 200.0}) {
+    const Vec3 point = Vec3(0, 0, 1.2) + distance * Vec3(0.6, 0.7, 0.3).normalized();
+    EXPECT_NEAR(field.at(point).share, std::exp(-0.05 * distance), 1e-2) << distance;
+  }
+}
+
 TEST(LightField, IsTheSameForAnyOrderOfPointsAndThreads) {
   for (const Lamp& lamp : fieldLamps()) {
     const LightField one(lamp, {risingSmoke(2)}, kLit), other(lamp, {risingSmoke(2)}, kLit);

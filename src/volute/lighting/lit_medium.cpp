@@ -81,6 +81,12 @@ class LitMedium::Ray {
       const Segment part{segment.origin, segment.direction, lit_.begin, lit_.end};
       for (std::size_t i = 0; i < fields.size(); ++i)
         medium.options_.shadows(part, fields[i].lamp(), dark_[i]);
+      // Where a ray ends on a surface is a float: nothing is between that and the shadow's end.
+      const double rounding = 1e-6 * std::max(std::abs(lit_.end), lit_.length());
+      for (std::vector<Interval>& dark : dark_) {
+        if (!dark.empty() && lit_.end - dark.back().end < rounding)
+          dark.back().end = std::max(dark.back().end, lit_.end);
+      }
     }
     reached_.assign(fields.size(), 1);
     for (const LightField& field : fields) {

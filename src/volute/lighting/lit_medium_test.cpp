@@ -201,6 +201,18 @@ TEST(LitMedium, EdgesAtOnePlaceDoNoHarm) {
   EXPECT_NEAR(light.emitted[0] / expected.emitted[0], 1, 5e-3);
 }
 
+/// A ray's end on a surface is a float, a little behind the end of the shadow of what it meets.
+TEST(LitMedium, NothingIsLitBetweenAShadowAndItsSurface) {
+  const Lamp lamp = lampAt(Vec3(1, 2, 3));
+  const auto all = [](const Segment& segment, const Lamp&, std::vector<Interval>& dark) {
+    dark.assign(1, {segment.begin, segment.end * (1 - 5e-8)});
+  };
+  const Segment ray{Vec3(-9, 2, 4), Vec3::UnitX(), 0, 10};
+  Radiance light;
+  lit({&lamp, 1}, {}, {}, all).radiance({&ray, 1}, {&light, 1});
+  EXPECT_EQ(light.emitted[0], 0);
+}
+
 /// Evenly scattering, so that a point has what rays have; as far as light is known between the
 /// places where it was found.
 conformance::MediumUnderTest litUnderTest() {

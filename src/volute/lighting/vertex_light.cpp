@@ -10,6 +10,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/lighting/lamp_runs.hpp"
 
 namespace volute {
 namespace {
@@ -269,27 +270,11 @@ double lampShareAt(const TetLocator& locator, std::span<const float> extinction,
 
 double lampShareReference(const TetLocator& locator, std::span<const float> extinction,
                           const Segment& way) {
-  const TetMesh& mesh = locator.mesh();
-  const double most = 1e-6 * sizeOf(mesh);
-  std::vector<TetCrossing> crossings;
-  locator.crossings({way.origin, way.direction, way.begin, endOf(way, mesh)}, crossings);
-  // A way that only grazes the mesh's skin is not in it.
-  std::erase_if(crossings, [](const TetCrossing& c) { return c.end - c.begin < 1e-12; });
-  double depth = 0, end = 0;
-  for (const TetCrossing& crossing : crossings) {
-    if (crossing.begin - end > most)
-      return 0;
-    const auto share = mesh.shares(crossing.tet, way.at(0.5 * (crossing.begin + crossing.end)));
-    for (int k = 0; k < 4; ++k) {
-      depth += std::max(share[k], 0.0) * extinction[mesh.tets()[crossing.tet][k]] *
-               (crossing.end - crossing.begin);
-    }
-    end = crossing.end;
-  }
-  const bool lampInside = std::isfinite(way.end) && locator.find(way.at(way.end)) >= 0;
-  if (lampInside && way.end - end > most)
-    return 0;
-  return std::exp(-depth);
+  const double near = 1e-6 * sizeOf(locator.mesh());
+  const bool inside = std::isfinite(way.end) && locator.find(way.at(way.end)) >= 0;
+  std::vector<LampRun> runs;
+  appendLampRuns(locator, extinction, way, near, runs);
+  return lampShareOf(runs, inside ? way.end : std::numeric_limits<double>::infinity(), near);
 }
 
 std::vector<float> scatteredLight(std::span<const Vec3> points, std::span<const Lamp> lamps,
