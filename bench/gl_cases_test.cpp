@@ -45,8 +45,8 @@ class GlCasesTest : public gltest::GlRendererTest {
 TEST_F(GlCasesTest, TheHallIsShownWithAndWithoutExitSigns) {
   std::vector<GlCase> cases;
   addHall({.quick = true, .hardware = true}, cases);
-  EXPECT_EQ(cases.size(), 24u);  // three ways, four motions
-  EXPECT_EQ(named(cases, "exit sign"), 12u);
+  EXPECT_EQ(cases.size(), 16u);  // two ways, four motions
+  EXPECT_EQ(named(cases, "exit sign"), 8u);
   for (const GlCase& one : cases) check(one);
   // A sign is seen, and through smoke.
   const Camera camera = cases[0].camera(0, kWidth, kHeight);
@@ -63,7 +63,7 @@ TEST_F(GlCasesTest, TheHallIsShownWithAndWithoutExitSigns) {
 TEST_F(GlCasesTest, WithoutACardFewerMotionsAreShown) {
   std::vector<GlCase> hall, mall;
   addHall({.quick = true, .hardware = false}, hall);
-  EXPECT_EQ(named(hall, "exit sign"), 3u);
+  EXPECT_EQ(named(hall, "exit sign"), 2u);
   BenchInput input;
   input.quick = true;
   ASSERT_TRUE(addMall(input, {.quick = true, .hardware = false}, mall));

@@ -9,11 +9,12 @@
 namespace volute {
 
 Mat3 turnOfZ(const Vec3& up) {
-  constexpr double kOpposite = 1e-12;
   const Vec3 to = up.normalized();
-  if (1 + to.z() < kOpposite)
+  // 1 + z, without cancellation.
+  const double more = to.z() < 0 ? to.head<2>().squaredNorm() / (1 - to.z()) : 1 + to.z();
+  const double s = std::sqrt(2 * more);
+  if (!(s > 0))
     return Vec3(1, -1, -1).asDiagonal();
-  const double s = std::sqrt(2 * (1 + to.z()));
   return Eigen::Quaterniond(0.5 * s, -to.y() / s, to.x() / s, 0).toRotationMatrix();
 }
 
