@@ -84,6 +84,19 @@ TEST(StepSearch, FindsTheTargetOfAPowerLaw) {
   }
 }
 
+TEST(StepSearch, ComesNearWhereSizesHardlyDependOnSteps) {
+  // Nearly lossless: a bit for each halving of the step.
+  const auto bytes = [](double step) { return 2.4e6 - 1e5 * std::log2(step / 1e-7); };
+  StepSearch search(
+      {.target = 1e6, .closeEnough = 0.99e6, .grows = false, .finest = 1e-7, .coarsest = 1}, 1e-7);
+  int tries = 0;
+  for (; !search.found() && !search.failed() && tries < 40; ++tries)
+    search.tell(bytes(search.step()));
+  EXPECT_TRUE(search.found());
+  EXPECT_LE(bytes(search.step()), 1e6);
+  EXPECT_GE(bytes(search.step()), 0.9e6) << tries;
+}
+
 TEST(StepSearch, FailsOnlyAfterTheSafestStep) {
   StepSearch search({.target = 1, .closeEnough = 0.9, .grows = true, .finest = 0.25, .coarsest = 8},
                     4);

@@ -9,11 +9,14 @@ namespace volute {
 namespace {
 
 constexpr double kGreatestMove = 8;  // a single outcome says little about steps much further away
+constexpr int kMoreTries = 6;        // after none was good enough
 
 }  // namespace
 
 StepSearch::StepSearch(const Problem& problem, double first)
-    : problem_(problem), step_(std::clamp(first, problem.finest, problem.coarsest)) {}
+    : problem_(problem),
+      step_(std::clamp(first, problem.finest, problem.coarsest)),
+      limit_(problem.maxTries) {}
 
 void StepSearch::tell(double outcome) {
   ++tries_;
@@ -30,10 +33,13 @@ void StepSearch::tell(double outcome) {
     found_ = true;
   } else if (!good && step_ == safest) {
     failed_ = true;
-  } else if (tries_ < problem_.maxTries) {
+  } else if (tries_ < limit_) {
     step_ = proposal();
   } else if (!good_.known) {
-    step_ = safest;
+    // Where the outcome hardly depends on the step, the safest one would be far too safe.
+    step_ = safest < step_ ? std::max(safest, step_ / kGreatestMove)
+                           : std::min(safest, step_ * kGreatestMove);
+    limit_ = tries_ + kMoreTries;
   } else if (good && step_ == good_.step) {
     found_ = true;
   } else {

@@ -40,6 +40,7 @@ class StepSearch {
   Problem problem_;
   double step_;
   Try good_, bad_;  // the best that met the target, the nearest that did not
+  int limit_;       // of tries, so far
   int tries_ = 0;
   bool found_ = false, failed_ = false;
 };
