@@ -586,7 +586,10 @@ class Grids(support.TestCase):
         self.assertEqual(len(said["grids"]), 6)
         said = self.works("compress", CACHE, "-o", self.path("y.volute"), "--ratio", "30", "--json").json
         self.assertGreaterEqual(said["ratio"], 30)
-        self.assertIn("cannot be made as small", self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--size", "2000"))
+        for size in ("2000", "100"):
+            self.assertIn("cannot be made as small", self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--size", size))
+        said = self.works("compress", folder, "-o", self.path("y.volute"), "--size", "10000000", "--json").json
+        self.assertTrue(any("less than half of the 10000000 that" in remark["sentence"] for remark in said["remarks"]))
         self.assertFalse(self.path("z.volute").exists())
 
     def test_one_grid_of_several(self):

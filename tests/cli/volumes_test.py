@@ -219,6 +219,15 @@ class Volumes(support.TestCase):
         self.assertGreaterEqual(self.round_trip("--ratio", "8", frames=16)[2]["ratio"], 8)
         self.assertLessEqual(self.round_trip("--size", "6K", frames=16)[2]["bytes"], 6144)
 
+    def test_a_size_far_above_what_values_need_is_told(self):
+        source = self.make_npy("in.npy")
+        said = self.works("compress", source, "-o", self.path("x.volute"), "--size", "1000000", "--json").json
+        told = lambda said: [remark["sentence"] for remark in said["remarks"] if "less than half" in remark["sentence"]]
+        self.assertIn("less than half of the 1000000 that", told(said)[0])
+        self.assertLess(self.works("compare", source, self.path("x.volute"), "--json").json["max_error"], 1e-6)
+        enough = self.works("compress", source, "-o", self.path("x.volute"), "--size", str(int(1.2 * said["bytes"])), "--json").json
+        self.assertEqual(told(enough), [])
+
     def test_odd_sizes_and_colours(self):
         self.round_trip("--rms", "0.003", frames=1, size=5)
         self.round_trip("--rms", "0.003", frames=17, size=7)

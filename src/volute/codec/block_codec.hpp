@@ -34,6 +34,10 @@ struct FrameSpan {
   int first = 0, end = BlockGrid::kSide;
 };
 
+/// Sets all voxels of some frames to a value of each channel.
+void fillFrames(std::span<float> values, const BlockShape& shape, FrameSpan wanted,
+                std::span<const float> ofChannels);
+
 /// What a voxel of a block is beside its value.
 enum class VoxelState : std::uint8_t {
   kEmpty,   ///< the background, or in a tile

@@ -97,6 +97,34 @@ TEST(StepSearch, ComesNearWhereSizesHardlyDependOnSteps) {
   EXPECT_GE(bytes(search.step()), 0.9e6) << tries;
 }
 
+TEST(StepSearch, ComesNearInFewTriesByWhatIsPredicted) {
+  // From a byte for each of 1e8 values, over where most are coded by few bits, to nearly none.
+  const auto bytes = [](double power, double scale, double step) {
+    return 2000 + scale * 1e7 * std::log2(1 + std::pow(1e-3 / step, power));
+  };
+  for (const double target : {1e4, 1e5, 1e6, 1e7, 1e8, 1.5e8}) {
+    for (const double first : {1e-9, 1e-6, 1e-3, 1.0}) {
+      StepSearch search({.target = target,
+                         .closeEnough = 0.99 * target,
+                         .grows = false,
+                         .finest = 1e-9,
+                         .coarsest = 10,
+                         .predict = [&](double step) { return bytes(1, 1, step); }},
+                        first);
+      int tries = 0;
+      double outcome = 0;
+      for (; !search.found() && !search.failed(); ++tries) {
+        outcome = bytes(1.2, 0.7, search.step());
+        search.tell(outcome);
+      }
+      EXPECT_TRUE(search.found());
+      EXPECT_LE(outcome, target);
+      EXPECT_GE(outcome, 0.8 * target) << target << " from " << first;
+      EXPECT_LE(tries, 9) << target << " from " << first;
+    }
+  }
+}
+
 TEST(StepSearch, FailsOnlyAfterTheSafestStep) {
   StepSearch search({.target = 1, .closeEnough = 0.9, .grows = true, .finest = 0.25, .coarsest = 8},
                     4);

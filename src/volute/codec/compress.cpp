@@ -1197,7 +1197,8 @@ Result<CompressReport> Compressor::run() {
     // What is decoded is rounded to a float as well.
     parameters_.maxError = std::max(goal_.value() - rounding_, 0.5 * goal_.value());
   VOLUTE_TRY(team_.agree(openStore()));
-  double step = goal_.firstStep(model_);
+  goal_.setModel(model_);
+  double step = goal_.firstStep();
   if (goal_.isSize() || goal_.isMaxError()) {
     VOLUTE_TRY(encodeAll(step, Way::kLearn));
     VOLUTE_TRY(chooseLength());

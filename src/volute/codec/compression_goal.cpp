@@ -101,34 +101,31 @@ StepSearch::Problem CompressionGoal::problem() const {
       break;  // not searched by the error
   }
   problem.grows = !isSize();
+  if (isSize() && model_ != nullptr)
+    problem.predict = [model = model_](double step) { return model->bits(step) / 8; };
   problem.closeEnough = 0.99 * problem.target;
   return problem;
 }
 
-double CompressionGoal::firstStep(const QuantisationModel& model) const {
-  const StepSearch::Problem problem = this->problem();
+double CompressionGoal::firstStep() const {
   constexpr double kMaxErrorSteps = 1.5;
   if (target_.kind == Kind::kMaxError)
     return within(kMaxErrorSteps * goal_);
-  if (!isSize()) {
-    const double absolute = problem.target / relative(1);
-    return within(model.stepFor(absolute * absolute * values_));
-  }
-  // A coefficient that is left costs about a byte.
-  double fine = problem.finest;
-  double coarse = problem.coarsest;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = std::sqrt(fine * coarse);
-    (static_cast<double>(model.survivors(middle)) > problem.target ? fine : coarse) = middle;
-  }
-  return within(coarse);
+  const StepSearch::Problem problem = this->problem();
+  if (isSize())
+    return problem.stepOf(problem.target, problem.finest, problem.coarsest);
+  const double absolute = problem.target / relative(1);
+  return within(model_->stepFor(absolute * absolute * values_));
 }
 
 double CompressionGoal::betterStep(double step, double outcome, double aim,
                                    double errorPower) const {
+  const StepSearch::Problem problem = this->problem();
+  const double wanted = aim * problem.target / std::max(outcome, 1e-30);
+  if (isSize())
+    return problem.stepOf(problem.predict(step) * wanted, problem.finest, problem.coarsest);
   constexpr double kMaxChange = 6;
-  const double power = isSize() ? -1.3 : errorPower;
-  const double change = std::pow(aim * problem().target / std::max(outcome, 1e-30), power);
+  const double change = std::pow(wanted, errorPower);
   return within(step * std::clamp(change, 1 / kMaxChange, kMaxChange));
 }
 

@@ -60,8 +60,11 @@ class CompressionGoal {
   /// maximum error, which is kept whatever the step.
   StepSearch::Problem problem() const;
 
-  /// The step that a survey of the coefficients predicts to meet the goal.
-  double firstStep(const QuantisationModel& model) const;
+  /// What a survey of the coefficients says of steps.
+  void setModel(const QuantisationModel& model) { model_ = &model; }
+
+  /// The step that the survey predicts to meet the goal.
+  double firstStep() const;
 
   /// The step that should come to the part `aim` of the goal, from what another gave.
   /// @param errorPower  the power of the error that the step goes with
@@ -75,6 +78,7 @@ class CompressionGoal {
   double goal_ = 0;
   double low_ = 0, high_ = 0, greatest_ = 0, values_ = 0;
   bool constant_ = false;
+  const QuantisationModel* model_ = nullptr;
 };
 
 }  // namespace volute

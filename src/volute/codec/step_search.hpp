@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <functional>
+
 namespace volute {
 
 /// Looks for the coarsest quantisation step whose outcome (an error, or a size) stays at or below a
@@ -14,6 +16,12 @@ class StepSearch {
     bool grows = true;                ///< whether the outcome grows with the step
     double finest = 0, coarsest = 0;  ///< limits of the step
     int maxTries = 8;
+    /// How outcomes go with steps, up to a factor that hardly depends on the step; monotone.
+    /// Without it outcomes are powers of the step.
+    std::function<double(double step)> predict{};
+
+    /// The step between these two at which `predict` gives `value`.
+    double stepOf(double value, double finer, double coarser) const;
   };
 
   StepSearch(const Problem& problem, double first);
@@ -36,6 +44,7 @@ class StepSearch {
   };
 
   double proposal() const;
+  double between(double aim) const;
 
   Problem problem_;
   double step_;

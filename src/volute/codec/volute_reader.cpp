@@ -315,14 +315,7 @@ Status VoluteReader::Impl::decodeDifferences(std::size_t block, std::span<float>
   }
   if (levels <= 1 && !means.empty()) {
     // With its tiles in it.
-    const std::size_t slab = values.size() / static_cast<std::size_t>(shape.extents[0]);
-    const int end = std::min(wanted.end, shape.extents[0]);
-    const std::span<float> some =
-        values.subspan(static_cast<std::size_t>(wanted.first) * slab,
-                       static_cast<std::size_t>(end - wanted.first) * slab);
-    if (channels == 1)
-      std::ranges::fill(some, means[0]);
-    for (std::size_t i = 0; channels > 1 && i < some.size(); ++i) some[i] = means[i % channels];
+    fillFrames(values, shape, wanted, means);
     return {};
   }
   // Of a block with tiles, which are not among its voxels, the mean tells nothing.

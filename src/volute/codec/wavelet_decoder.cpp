@@ -510,18 +510,10 @@ class WaveletDecoder final : public BlockDecoder {
                 BlockStates* states, FrameSpan wanted,
                 std::span<const float> means) const override {
     VOLUTE_ASSERT(values.size() == shape.values() && tiers.size() <= kWaveletTiers.size());
-    const auto channels = static_cast<std::size_t>(shape.channels);
     if (std::ranges::all_of(tiers, [](const auto& tier) { return tier.empty(); })) {
       const std::array<float, 3> empty =
           parameters_.sparse ? background() : std::array{zero(), zero(), zero()};
-      const std::size_t slab = values.size() / static_cast<std::size_t>(shape.extents[0]);
-      const int end = std::min(wanted.end, shape.extents[0]);
-      const std::span<float> some =
-          values.subspan(static_cast<std::size_t>(wanted.first) * slab,
-                         static_cast<std::size_t>(end - wanted.first) * slab);
-      if (channels == 1)
-        std::ranges::fill(some, empty[0]);
-      for (std::size_t i = 0; channels > 1 && i < some.size(); ++i) some[i] = empty[i % channels];
+      fillFrames(values, shape, wanted, empty);
       if (states)
         states->assign(shape.voxels(), VoxelState::kEmpty);
       return {};

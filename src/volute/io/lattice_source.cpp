@@ -122,6 +122,9 @@ Result<ReaderProcess::Serve> makeServe(std::string_view parameters) {
 
 ReaderJob readerOf(const std::vector<LatticeFile>& files, LoadLatticePlugin loadPlugin) {
   ReaderJob job{makeServe, toMessage(loadPlugin)};
+  // Its libraries have tens of thousands of symbols.
+  if (loadPlugin == loadVdbPlugin)
+    job.prepare = [] { (void)loadVdbPlugin(); };
   for (const LatticeFile& file : files) job.readable.push_back(file.path);
   return job;
 }

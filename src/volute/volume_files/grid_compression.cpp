@@ -277,6 +277,30 @@ void remarkOnTimes(const std::string& path, const VolumeInfo& info, Reading& rea
                                 .in(path));
 }
 
+/// The bytes that `target` allows a file.
+double bytesAllowed(const ErrorTarget& target, std::uint64_t rawBytes) {
+  return target.kind == ErrorTarget::Kind::kSize
+             ? target.value
+             : std::floor(static_cast<double>(rawBytes) / target.value);
+}
+
+bool isSize(const ErrorTarget& target) {
+  return target.kind == ErrorTarget::Kind::kSize || target.kind == ErrorTarget::Kind::kRatio;
+}
+
+/// Who asks for a size and gets far less wonders what was lost.
+void remarkOnSize(const std::string& path, const ErrorTarget& target, std::uint64_t rawBytes,
+                  std::uint64_t bytes, double supportRms, Reading& reading) {
+  if (!isSize(target) || 2 * static_cast<double>(bytes) >= bytesAllowed(target, rawBytes))
+    return;
+  reading.progress.remark(
+      Remark(RemarkCode::kNote,
+             fmt::format("{}: {} bytes, less than half of the {:.0f} that were asked for: finer "
+                         "steps gain nothing, the relative rms is {:.2g}",
+                         path, bytes, bytesAllowed(target, rawBytes), supportRms))
+          .in(path));
+}
+
 /// The grids of a cache; nothing where one grid is to be compressed by itself.
 Result<std::optional<Report>> compressCache(const std::string& path, const std::string& target,
                                             const GridCompression& how, const InputOptions& input,
@@ -389,9 +413,9 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
   const auto start = std::chrono::steady_clock::now();
   using Kind = ErrorTarget::Kind;
   const ErrorTarget wanted = how.options.target;
-  const bool sized =
-      (wanted.kind == Kind::kSize || wanted.kind == Kind::kRatio) &&
-      std::ranges::any_of(chosen, [&](std::size_t i) { return !grids.grids()[i].empty; });
+  const bool sized = isSize(wanted) && std::ranges::any_of(chosen, [&](std::size_t i) {
+                       return !grids.grids()[i].empty;
+                     });
   GridFiles files(grids, chosen, kept, target, how, reading, team);
   std::vector<ErrorTarget> targets(chosen.size(), sized ? ErrorTarget{Kind::kRms, 1e-2} : wanted);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -403,9 +427,7 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
   VOLUTE_ASSIGN(auto result, files.write(sized ? std::nullopt : std::optional(kAny)));
   if (sized) {
     // A size is shared out as grids of one quality need it, less what the table of grids takes.
-    const double most = wanted.kind == Kind::kSize
-                            ? wanted.value
-                            : std::floor(static_cast<double>(result.rawBytes()) / wanted.value);
+    const double most = bytesAllowed(wanted, result.rawBytes());
     // What is nearly nothing but its description cannot get smaller, and stays as it is.
     constexpr double kSmall = 1000;
     double sum = 0, small = 0;
@@ -414,6 +436,11 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
       (bytes < kSmall ? small : sum) += bytes;
     }
     const double table = std::max(static_cast<double>(result.fileBytes) - sum - small, 0.0);
+    if (most <= table + small) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: cannot be made as small as {:.0f} bytes; it has {:.0f} without any values",
+                  target, most, table + small);
+    }
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const auto bytes = static_cast<double>(result.grids[i].report.fileBytes);
       const double share = std::floor((most - table - small) * bytes / std::max(sum, 1.0));
@@ -422,6 +449,10 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
     }
     VOLUTE_TRY(files.compressAll(targets));
     VOLUTE_ASSIGN(result, files.write(most));
+    double worst = 0;
+    for (const CompressedGrid& grid : result.grids)
+      worst = std::max(worst, grid.report.support.rms);
+    remarkOnSize(target, wanted, result.rawBytes(), result.fileBytes, worst, reading);
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
@@ -447,6 +478,8 @@ Result<Report> compressVolume(const std::string& path, const std::string& target
       how.frames == FrameRange{} && !input.bounds && volume.source->otherGrids().empty();
   VOLUTE_ASSIGN(const auto source, selectFrames(std::move(volume.source), how.frames));
   VOLUTE_ASSIGN(const auto result, compress(*source, target, how.options, reading.progress, team));
+  remarkOnSize(target, how.options.target, result.rawBytes, result.fileBytes, result.support.rms,
+               reading);
   return compressionReport(target, source->info(), result,
                            whole ? bytesOnDisk(path) : std::nullopt);
 }

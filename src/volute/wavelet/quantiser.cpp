@@ -54,11 +54,21 @@ double QuantisationModel::squaredError(double step) const {
   return error;
 }
 
-std::uint64_t QuantisationModel::survivors(double step) const {
-  std::uint64_t left = 0;
-  for (std::size_t i = 0; i < kBins; ++i)
-    left += binValue(i) >= (1 - kRoundingOffset) * step ? counts_[i] : 0;
-  return left;
+// Which coefficients are left costs their entropy; each of them its sign and its size in steps.
+double QuantisationModel::bits(double step) const {
+  double all = 0, left = 0, sizes = 0;
+  for (std::size_t i = 0; i < kBins; ++i) {
+    const auto count = static_cast<double>(counts_[i]);
+    const double steps = count > 0 ? binValue(i) / step : 0;
+    all += count;
+    if (steps < 1 - kRoundingOffset)
+      continue;
+    left += count;
+    sizes += count * (2 + std::log2(std::max(steps, 1.0)));
+  }
+  const auto entropy = [](double part, double of) { return part * std::log2(of / part); };
+  const double which = left > 0 && left < all ? entropy(left, all) + entropy(all - left, all) : 0;
+  return 1 + which + sizes;
 }
 
 double QuantisationModel::stepFor(double target) const {

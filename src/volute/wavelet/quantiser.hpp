@@ -40,8 +40,8 @@ class QuantisationModel {
   /// The sum of squared errors of all coefficients at `step`; good to about 2 %.
   double squaredError(double step) const;
 
-  /// How many coefficients are left at `step`.
-  std::uint64_t survivors(double step) const;
+  /// About how many bits all coefficients take at `step`; above 0, and the more the finer it is.
+  double bits(double step) const;
 
   /// The largest step whose squaredError is at most `target`; 0 when no coefficient was added.
   double stepFor(double target) const;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -121,6 +122,27 @@ TEST(QuantisationModel, PredictsTheErrorOfLaplaceNoise) {
     }
     EXPECT_NEAR(model.squaredError(step) / measured, 1, 0.02) << step;
     EXPECT_NEAR(model.stepFor(measured) / step, 1, 0.02) << step;
+  }
+}
+
+TEST(QuantisationModel, PredictsTheBitsOfLaplaceNoise) {
+  std::mt19937 random(5);
+  std::exponential_distribution<float> laplace(1.0f);
+  QuantisationModel model;
+  std::vector<float> coefficients(200000);
+  for (float& c : coefficients) model.add(c = laplace(random) * (random() % 2 ? 1.0f : -1.0f));
+  double before = model.bits(100);
+  for (const float step : {5.0f, 2.0f, 0.5f, 0.1f, 0.01f, 0.0001f}) {
+    std::map<std::int32_t, double> counts;
+    for (const float c : coefficients) ++counts[quantise(c, 1 / step)];
+    double entropy = 0;
+    for (const auto& [symbol, count] : counts) entropy += count * std::log2(200000 / count);
+    // Counted symbols have less entropy than there is once most of them are there but once.
+    if (step > 0.001f) {
+      EXPECT_NEAR(model.bits(step) / entropy, 1, 0.25) << step;
+    }
+    EXPECT_GT(model.bits(step), before);
+    before = model.bits(step);
   }
 }
 
