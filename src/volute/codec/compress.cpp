@@ -592,8 +592,9 @@ void Compressor::settleRange() {
   if (options_.target.kind == Kind::kLook && parameters_.offset == 0)
     bend(std::max(std::abs(support_.low), std::abs(support_.high)));
   const double spread = overSupport ? supportVoxels_ : voxels;
+  const double own = std::max(std::abs(support_.low), std::abs(support_.high));
   goal_.setRange(overSupport ? support_.low : least, overSupport ? support_.high : most, greatest,
-                 spread * info_.channels, least == most);
+                 std::min(own, greatest), spread * info_.channels, least == most);
 }
 
 // Values of `strongest` stay what they are, and below kFaint of that a step is of one size.

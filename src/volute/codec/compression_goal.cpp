@@ -78,7 +78,7 @@ StepSearch::Problem CompressionGoal::problem() const {
   // Coarser than the greatest orthonormal coefficient of a block, 4^4 times the greatest value,
   // gives nothing but zeros; finer than a float's rounding gains nothing.
   problem.coarsest = greatest_ > 0 ? std::ldexp(greatest_, 10) : 1;
-  problem.finest = std::ldexp(problem.coarsest, -31);
+  problem.finest = own_ > 0 ? std::ldexp(own_, 10 - 31) : std::ldexp(problem.coarsest, -31);
   if (constant_)
     problem.finest = problem.coarsest = greatest_ > 0 ? std::ldexp(greatest_, -12) : 1;
   const double value = goal_;

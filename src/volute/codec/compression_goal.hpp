@@ -23,10 +23,13 @@ class CompressionGoal {
 
   /// What errors are relative to, before all that follows: the range, and how many values they are
   /// spread over.
-  /// @param greatest  of the magnitudes that are coded by coefficients
+  /// @param greatest  of the magnitudes that may be coded by coefficients
+  /// @param own  that of the support, which the background beside it may be far from
   /// @param constant  all voxels are equal: clamping makes them exact whatever the step
-  void setRange(double low, double high, double greatest, double values, bool constant) {
+  void setRange(double low, double high, double greatest, double own, double values,
+                bool constant) {
     low_ = low, high_ = high, greatest_ = greatest, values_ = values, constant_ = constant;
+    own_ = own > 0 ? own : greatest;
   }
 
   /// Asks for so much more that the goal is met after rounding to 16-bit floats.
@@ -76,7 +79,7 @@ class CompressionGoal {
   ErrorTarget target_;
   std::uint64_t rawBytes_ = 0;
   double goal_ = 0;
-  double low_ = 0, high_ = 0, greatest_ = 0, values_ = 0;
+  double low_ = 0, high_ = 0, greatest_ = 0, own_ = 0, values_ = 0;
   bool constant_ = false;
   const QuantisationModel* model_ = nullptr;
 };
