@@ -210,6 +210,7 @@ struct LightFan::SunRays {
   double b, c;  ///< voxels on the way from a plane towards the sun
   double length;
   int first, last;  ///< planes, from the one nearest to the sun on
+  int before;       ///< so many planes, below 0, may have points before the first
   int firstB, firstC;
   std::size_t rows, columns;
 
@@ -218,16 +219,19 @@ struct LightFan::SunRays {
         across(main),
         away(towards[static_cast<Eigen::Index>(main)] > 0 ? -1 : 1),
         first(away < 0 ? fan.bricks_[main].most : fan.bricks_[main].least),
-        last(away < 0 ? fan.reach_[main].least : fan.reach_[main].most) {
+        last(away < 0 ? fan.reach_[main].least : fan.reach_[main].most),
+        before(std::min(away < 0 ? first - fan.reach_[main].most : fan.reach_[main].least - first,
+                        0)) {
     const Vec3 step = towards / std::abs(towards[static_cast<Eigen::Index>(main)]);
     length = step.cwiseProduct(fan.voxel_).norm();
     b = step[static_cast<Eigen::Index>(across.row)];
     c = step[static_cast<Eigen::Index>(across.column)];
     constexpr int kAround = 16;  // what whole bricks, taps and cubics reach
     const auto reached = [&](std::size_t side, double slope, int& begin) {
-      const int shift = static_cast<int>(std::floor(slope * steps()));
-      begin = fan.reach_[side].least + std::min(shift, 0) - kAround;
-      return static_cast<std::size_t>(fan.reach_[side].most + std::max(shift, 0) + kAround - begin);
+      const auto [low, high] = std::minmax({0.0, slope * steps(), slope * before});
+      begin = fan.reach_[side].least + static_cast<int>(std::floor(low)) - kAround;
+      return static_cast<std::size_t>(fan.reach_[side].most + static_cast<int>(std::ceil(high)) +
+                                      kAround - begin);
     };
     rows = reached(across.row, b, firstB);
     columns = reached(across.column, c, firstC) + FanBrick::kLanes;
@@ -250,7 +254,8 @@ struct LightFan::SunRays {
   }
 };
 
-bool LightFan::transmittances(const Lamp& lamp, std::span<float> out) const {
+bool LightFan::transmittances(const Lamp& lamp, std::span<float> out,
+                              std::span<float> beyond) const {
   constexpr std::size_t kSparse = 16, kRays = std::size_t{1} << 24;
   if (slice_.basis() != Basis::kTrilinear)
     return false;
@@ -261,7 +266,7 @@ bool LightFan::transmittances(const Lamp& lamp, std::span<float> out) const {
     const SunRays rays(*this, towards, static_cast<std::size_t>(main));
     if (rays.rows > std::max(kRays, 8 * places_.size()) / rays.columns)
       return false;
-    fromSun(rays, out);
+    fromSun(rays, out, beyond);
     return true;
   }
   const std::size_t voxels = static_cast<std::size_t>(size_[0]) *
@@ -275,7 +280,7 @@ bool LightFan::transmittances(const Lamp& lamp, std::span<float> out) const {
 
 /// All rays meet a plane at the same place between its values, so that what a brick adds on a step
 /// from plane to plane is one weighted sum of its values.
-void LightFan::fromSun(const SunRays& rays, std::span<float> out) const {
+void LightFan::fromSun(const SunRays& rays, std::span<float> out, std::span<float> beyond) const {
   struct Free {
     void operator()(float* memory) const { std::free(memory); }
   };
@@ -289,33 +294,49 @@ void LightFan::fromSun(const SunRays& rays, std::span<float> out) const {
   const Planes planes = planesOf(rays.axis);
   const Rows rows = rowsOf(rays.axis);
   constexpr int kSide = BrickSlice::kSide;
-  const auto forPoints = [&](int plane, auto&& depthOf) {
-    const auto points = planes.at(plane);
+  // Takes what the rays have passed so far, at each point of a plane.
+  const auto forPoints = [&](int passed, auto&& take) {
+    const auto points = planes.at(rays.first + passed * rays.away);
+    const auto [ib, fb] = SunRays::place(rays.b, passed);
+    const auto [ic, fc] = SunRays::place(rays.c, passed);
+    const int toB = ib + (fb > 0 ? 1 : 0), toC = ic + (fc > 0 ? 1 : 0);
+    const auto alongB = cubicShares(fb > 0 ? 1 - fb : 0), alongC = cubicShares(fc > 0 ? 1 - fc : 0);
     parallelRanges(points.size(), 2048, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto point = static_cast<std::size_t>(points[i]);
-        out[point] = std::exp(-std::max(depthOf(places_[point]), 0.0F));
+        const Place& place = places_[point];
+        const float* from = depths + rays.rayAt(place[rays.across.row] - toB - 1,
+                                                place[rays.across.column] - toC - 1);
+        float sum = 0;
+        for (std::size_t r = 0; r < 4; ++r, from += rays.columns) {
+          sum += alongB[r] * (alongC[0] * from[0] + alongC[1] * from[1] + alongC[2] * from[2] +
+                              alongC[3] * from[3]);
+        }
+        take(point, sum);
       }
     });
   };
-  const Span& reach = reach_[rays.axis];
-  for (int plane = rays.away > 0 ? reach.least : reach.most; rays.away * (rays.first - plane) > 0;
-       plane += rays.away)
-    forPoints(plane, [](const Place&) { return 0.0F; });
+  const auto passes = [](float depth) { return std::exp(-std::max(depth, 0.0F)); };
+  const auto takeShade = [&](std::size_t point, float depth) {
+    out[point] = passes(depth);
+    if (!beyond.empty())
+      beyond[point] = depth;
+  };
+  // Planes that the light meets before the first brick.
+  for (int passed = rays.before; passed < 0; ++passed) {
+    for (const std::int32_t point : planes.at(rays.first + passed * rays.away))
+      takeShade(static_cast<std::size_t>(point), 0);
+  }
   for (int passed = 0; passed <= rays.steps(); ++passed) {
     const int here = rays.first + passed * rays.away, near = here - rays.away;
     const auto [ib, fb] = SunRays::place(rays.b, passed);
     const auto [ic, fc] = SunRays::place(rays.c, passed);
     const FanTaps taps = tapsOf(fb, rays.b, fc, rays.c, rays.length);
-    const auto addBrick = [&](const BrickSlice::Entry& entry) {
-      FanBrick brick;
+    const auto addBrick = [&](const BrickSlice::Entry& entry, FanBrick& brick) {
       const float* values = slice_.brick(entry.stored);
       const int from = entry.place[rays.axis] * kSide;
-      for (const int side : {0, 1}) {
-        const int plane = (side == 0 ? here : near) - from;
-        if (plane >= 0 && plane < kSide)
-          brick.take(side, values, rays.axis, plane);
-      }
+      brick.take(0, values, rays.axis, here - from);
+      brick.take(1, values, rays.axis, near - from);
       const int row = entry.place[rays.across.row] * kSide - ib,
                 column = entry.place[rays.across.column] * kSide - ic;
       addFanBrick(brick, taps, depths + rays.rayAt(row, column), rays.columns);
@@ -325,23 +346,19 @@ void LightFan::fromSun(const SunRays& rays, std::span<float> out) const {
     for (int l = 0; l < (layers[0] == layers[1] ? 1 : 2); ++l) {
       for (const auto& some : rows.at(layers[l])) {
         parallelRanges(some.size(), 4, [&](std::size_t begin, std::size_t end) {
+          FanBrick brick;
           for (std::size_t i = begin; i < end; ++i) {
-            for (const std::uint32_t entry : some[i]) addBrick(slice_.entries()[entry]);
+            for (const std::uint32_t entry : some[i]) addBrick(slice_.entries()[entry], brick);
           }
         });
       }
     }
-    const int toB = ib + (fb > 0 ? 1 : 0), toC = ic + (fc > 0 ? 1 : 0);
-    const auto alongB = cubicShares(fb > 0 ? 1 - fb : 0), alongC = cubicShares(fc > 0 ? 1 - fc : 0);
-    forPoints(here, [&](const Place& place) {
-      const float* from = depths + rays.rayAt(place[rays.across.row] - toB - 1,
-                                              place[rays.across.column] - toC - 1);
-      float sum = 0;
-      for (std::size_t r = 0; r < 4; ++r, from += rays.columns) {
-        sum += alongB[r] * (alongC[0] * from[0] + alongC[1] * from[1] + alongC[2] * from[2] +
-                            alongC[3] * from[3]);
-      }
-      return sum;
+    forPoints(passed, takeShade);
+  }
+  // What a ray has passed at its end, less what it has passed at a point, is beyond that.
+  for (int passed = rays.before; !beyond.empty() && passed <= rays.steps(); ++passed) {
+    forPoints(passed, [&](std::size_t point, float whole) {
+      beyond[point] = passes(whole - beyond[point]);
     });
   }
 }

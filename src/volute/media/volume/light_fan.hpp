@@ -28,7 +28,8 @@ class LightFan {
 
   /// Of the light of a lamp at each point, 0..1. False where one ray for each point costs less, or
   /// the basis is another: nothing is done then.
-  bool transmittances(const Lamp& lamp, std::span<float> out) const;
+  /// @param beyond  of a sun: the same of one that shines from the other side; may be empty
+  bool transmittances(const Lamp& lamp, std::span<float> out, std::span<float> beyond = {}) const;
 
  private:
   using Place = std::array<std::int32_t, 3>;
@@ -75,7 +76,7 @@ class LightFan {
   template <class Which>
   Planes planesOf(std::size_t axis, std::size_t count, Which&& which) const;
   Rows rowsOf(std::size_t axis) const;
-  void fromSun(const SunRays& rays, std::span<float> out) const;
+  void fromSun(const SunRays& rays, std::span<float> out, std::span<float> beyond) const;
   void fromPoint(const Vec3& lamp, std::span<float> out) const;
   /// The points of one of the six pyramids around a lamp.
   void inPyramid(const Vec3& lamp, std::size_t axis, int sign, std::span<const std::int32_t> which,

@@ -67,12 +67,17 @@ struct FanBrick {
   static constexpr int kSide = 8, kPad = 4, kLanes = 16, kWidth = kLanes + 2 * kPad;
   static constexpr int kPlane = (kSide + 2 * kPad) * kWidth;
 
+  /// Those of one plane; of a plane that is not in the brick zeros.
   /// @param values  of a brick, 8^3
   void take(int side, const float* values, std::size_t axis, int plane) {
     constexpr int kStride[3] = {1, kSide, kSide * kSide};
     const int row = kStride[axis == 2 ? 1 : 2], column = kStride[axis == 0 ? 1 : 0];
-    values += plane * kStride[axis];
     float* to = planes.data() + side * kPlane + kPad * kWidth + kPad;
+    if (plane < 0 || plane >= kSide) {
+      for (int b = 0; b < kSide; ++b) std::fill_n(to + b * kWidth, kSide, 0.0F);
+      return;
+    }
+    values += plane * kStride[axis];
     for (int b = 0; b < kSide; ++b) {
       for (int c = 0; c < kSide; ++c) to[b * kWidth + c] = values[b * row + c * column];
     }

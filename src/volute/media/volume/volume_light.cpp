@@ -77,23 +77,36 @@ class VolumeLight::Coarse {
     light.resize(nodes.size(), Rgb::Zero());
   }
 
-  /// Between the eight nodes around a place.
-  Rgb at(const Place& place) const {
-    const Place cell = cellOf(place);
-    double shares[3][2];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      shares[axis][1] = static_cast<double>(place[axis] + 1 - kCoarse * cell[axis]) / kCoarse;
-      shares[axis][0] = 1 - shares[axis][1];
+  /// Looks up places, most of which are beside the one before.
+  class Reader {
+   public:
+    explicit Reader(const Coarse& coarse) : coarse_(coarse) {}
+
+    /// Between the eight nodes around a place.
+    Rgb at(const Place& place) {
+      if (const Place cell = cellOf(place); cell != cell_) {
+        cell_ = cell;
+        for (int i = 0; i < 8; ++i)
+          corners_[i] = coarse_.light[static_cast<std::size_t>(
+              coarse_.node_.at(cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)))];
+      }
+      const auto share = [&](std::size_t axis) {
+        return static_cast<double>(place[axis] + 1 - kCoarse * cell_[axis]) / kCoarse;
+      };
+      const double x = share(0), y = share(1), z = share(2);
+      const auto along = [&](int i) -> Rgb {
+        return corners_[i] + x * (corners_[i + 1] - corners_[i]);
+      };
+      const Rgb low = along(0) + y * (along(2) - along(0));
+      const Rgb high = along(4) + y * (along(6) - along(4));
+      return low + z * (high - low);
     }
-    Rgb sum = Rgb::Zero();
-    for (int i = 0; i < 8; ++i) {
-      const double share = shares[0][i & 1] * shares[1][i >> 1 & 1] * shares[2][i >> 2];
-      if (share > 0)
-        sum += share * light[static_cast<std::size_t>(node_.at(
-                           cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)))];
-    }
-    return sum;
-  }
+
+   private:
+    const Coarse& coarse_;
+    Place cell_{-1, -1, -1};
+    Rgb corners_[8];
+  };
 
   std::vector<Place> nodes;
   std::vector<Rgb> light;
@@ -194,19 +207,20 @@ void VolumeLight::addSurrounding() const {
   std::vector<Rgb>& light = coarse->light;
   const LightFan fan(volume_.slice(), coarse->nodes);
   std::vector<Way> marched;
-  for (const Way& way : ways()) {
-    if (!surrounded)
-      break;
+  std::vector<float> passes(light.size()), beyond(light.size());
+  // Each has its opposite, with the same share, as far from the other end.
+  for (std::size_t w = 0; surrounded && w < ways().size() / 2; ++w) {
+    const Way& way = ways()[w];
     Lamp sky;
     sky.kind = Lamp::Kind::kSun;
     sky.direction = -way.direction;
-    std::vector<float> passes(light.size());
-    if (!fanned(fan, sky, passes)) {
+    if (!fanned(fan, sky, passes, beyond)) {
       marched.push_back(way);
+      marched.push_back(ways()[ways().size() - 1 - w]);
       continue;
     }
     for (std::size_t i = 0; i < light.size(); ++i)
-      light[i] += passes[i] * way.share * lighting_.surrounding;
+      light[i] += (passes[i] + beyond[i]) * way.share * lighting_.surrounding;
   }
   const std::size_t rays = std::max<std::size_t>(marched.size() + fires.size(), 1);
   parallelRanges(light.size(), 1 + kLightGrain / rays, [&](std::size_t begin, std::size_t end) {
@@ -232,13 +246,14 @@ void VolumeLight::addSurrounding() const {
 }
 
 /// Whether rays of its fan, which measure lengths in the volume's space, say what arrives.
-bool VolumeLight::fanned(const LightFan& fan, const Lamp& lamp, std::span<float> out) const {
+bool VolumeLight::fanned(const LightFan& fan, const Lamp& lamp, std::span<float> out,
+                         std::span<float> beyond) const {
   if (!lighting_.place.keepsLengths())
     return false;
   Lamp own = lamp;
   own.position = lighting_.place.toOwn(lamp.position);
   own.direction = lighting_.place.inverse() * lamp.direction;
-  return fan.transmittances(own, out);
+  return fan.transmittances(own, out, beyond);
 }
 
 /// How much of a lamp's light arrives at each light point.
@@ -253,7 +268,8 @@ void VolumeLight::addShares(std::size_t lamp, const ArrivingLight& arriving) con
     std::vector<Segment> segments;
     for (std::size_t i = begin; i < end; ++i) {
       points.push_back(placeOf(places[i]));
-      segments.push_back(lighting_.lamps[lamp].towards(points.back()));
+      if (!fan)
+        segments.push_back(lighting_.lamps[lamp].towards(points.back()));
     }
     if (!fan)
       transmittances(volume_, lighting_.place, segments, shares);
@@ -389,8 +405,11 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   const Scattering scattering{lighting_.albedo, lighting_.asymmetry};
   std::vector<VoxelLight> light(places.size());
   parallelRanges(places.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    std::optional<Coarse::Reader> even;
+    if (even_)
+      even.emplace(*even_);
     for (std::size_t i = begin; i < end; ++i) {
-      Rgb sum = even_ ? even_->at(places[i]) : Rgb(Rgb::Zero());
+      Rgb sum = even ? even->at(places[i]) : Rgb(Rgb::Zero());
       const Vec3 point = placeOf(places[i]);
       Vec3 way = Vec3::Zero();  // from the point to the eye
       if (view)

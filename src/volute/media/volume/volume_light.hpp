@@ -85,7 +85,8 @@ class VolumeLight {
 
   void gather() const;
   void addShares(std::size_t lamp, const ArrivingLight& arriving) const;
-  bool fanned(const LightFan& fan, const Lamp& lamp, std::span<float> out) const;
+  bool fanned(const LightFan& fan, const Lamp& lamp, std::span<float> out,
+              std::span<float> beyond = {}) const;
 
   /// Of a voxel, in the world.
   Vec3 placeOf(const Place& voxel) const {
