@@ -616,6 +616,12 @@ class Grids(support.TestCase):
         self.assertIn("fire from 'flame'", shown.message)
         self.assertIn("'velocity'", self.fails(2, "render", CACHE, "-o", self.path("x.png"), "--field", "velocity", "--preset", "fire"))
 
+    def test_a_cache_of_several_grids_is_not_shown_by_the_name_of_its_file(self):
+        shutil.copy(CACHE, self.path("fire.volute"))
+        shown = volute("render", self.path("fire.volute"), "-o", self.path("x.png"), "--size", "16x16")
+        self.assertIn("smoke from 'density'", shown.message)
+        self.assertIn("fire from 'flame'", shown.message)
+
     def test_damage_is_told_with_the_grid(self):
         broken = self.path("broken.volute")
         data = bytearray(CACHE.read_bytes())

@@ -191,8 +191,8 @@ class Grids {
   Grids(const std::string& path, const InputOptions& input, Reading& reading)
       : path_(path), input_(input), reading_(reading) {}
 
-  /// A .npy has no names, nor has an array without one in a .npz or in memory, and a .volute of one
-  /// says "density" of whatever it holds.
+  /// A .npy has no names, nor has an array without one in a .npz or in memory, and a .volute of
+  /// that alone says "density" of whatever it holds.
   bool isNamed(const std::string& path) const {
     std::error_code error;
     const bool nameless = isNumpyPath(path) || MemoryVolumes::isName(path);
@@ -200,7 +200,8 @@ class Grids {
         (std::filesystem::is_directory(path, error) && volumesIn(path).value_or(".vdb") == ".npy"))
       return false;
     const std::string file = lower(std::filesystem::path(path).stem().string());
-    return !(isVolutePath(path) && info().name == VolumeInfo().name && holdsWord(file, kFireWords));
+    return !(isVolutePath(path) && names_.empty() && info().name == VolumeInfo().name &&
+             holdsWord(file, kFireWords));
   }
 
   std::string path_;
