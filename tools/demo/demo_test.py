@@ -177,6 +177,16 @@ class Demo(unittest.TestCase):
         self.assertEqual(self.run_demo(), 0, self.errors)
         self.assertIn("laboratory/found.png", self.html())
 
+    def test_pictures_of_nothing_or_of_another_are_told(self):
+        self.whole()
+        shutil.rmtree(self.out / "effects")
+        same = "effects/fire.png:effects/smoke.png"
+        self.assertEqual(self.run_demo(FAKE_SAME=same), 1)
+        self.assertIn("effects/smoke.png is the same picture as effects/fire.png", self.errors)
+        self.assertEqual(self.run_demo(FAKE_BLACK="effects/smoke.png"), 1)
+        self.assertIn("effects/smoke.png has one colour alone", self.errors)
+        self.assertEqual(self.run_demo(), 0, self.errors)
+
     def test_two_demos_do_not_share_a_folder(self):
         first = self.start(FAKE_SLOW="effects/fire.volute")
         self.wait_for(lambda: any("effects/fire.volute" in call for call in self.calls()))

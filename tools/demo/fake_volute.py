@@ -4,14 +4,17 @@
 """Stands in for `volute` and `volute-paper-figures` in demo_test.py: makes small files of the right kinds in no time.
 
 FAKE_LOG names a file that gets a line for each call; the call whose output FAKE_SLOW names takes its time; the one that
-FAKE_FAIL names fails.
+FAKE_FAIL names fails. The picture that FAKE_BLACK names is black; those that FAKE_SAME names, one or two with a colon between,
+look the same.
 """
 import array
 import json
 import os
 import pathlib
+import random
 import sys
 import time
+import zlib
 
 sys.path.insert(0, os.environ["FAKE_PICTURES"])
 import pictures
@@ -20,16 +23,19 @@ SIDE = 8
 
 
 def picture(seed):
-    return pictures.Picture(SIDE, SIDE, 3, [((seed * 37 + i * 11) % 97) / 97 if i % 15 > 5 else 0.0 for i in range(SIDE * SIDE * 3)])
+    values = random.Random(seed)
+    return pictures.Picture(SIDE, SIDE, 3, [values.random() if i % 15 > 5 else 0.0 for i in range(SIDE * SIDE * 3)])
 
 
 def make(path, seed):
     path = pathlib.Path(path)
+    seed = 0 if str(path) in os.environ.get("FAKE_SAME", "").split(":") else seed + zlib.crc32(str(path).encode())
     if "%04d" in path.name:
         for frame in range(2):
             make(path.with_name(path.name.replace("%04d", f"{frame:04d}").replace("{camera}", f"c{frame}")), seed + frame)
     elif path.suffix == ".png":
-        pictures.write_png(path, picture(seed))
+        black = pictures.Picture(SIDE, SIDE, 3, [0.0] * (SIDE * SIDE * 3))
+        pictures.write_png(path, black if str(path) == os.environ.get("FAKE_BLACK") else picture(seed))
     elif path.suffix == ".exr":
         pictures.write_exr(path, picture(seed))
     elif path.suffix == ".npy":

@@ -9,6 +9,7 @@ import time
 
 import links
 import page
+import stills
 from children import Child, Failed
 from plan import Build
 from progress import spoken
@@ -30,6 +31,11 @@ class Runner:
         self.plan, self.state, self.compiler, self.forecast, self.quick = plan, state, compiler, forecast, quick
         self.built = set()
         self.failed = {}  # {step: why}
+        self.stills = {}  # {step: what the page shows of it}
+        for file in dict.fromkeys(file for chapter in plan.chapters for section in chapter.sections for part in section.parts
+                                  for file in page.files_of(part) if file.endswith(".png")):
+            self.stills.setdefault(plan.step_of(file).name, []).append(file)
+        self.looks = {}  # {what one of them shows: its file}
         self.status_time = 0.0
         self.shown = False
 
@@ -115,7 +121,21 @@ class Runner:
                 raise Failed(f"{step.work.__module__}.{step.work.__name__}: {error!r}") from error
         spent = cpu_seconds() - cpu
         self.state.finish(step, spent, report)
+        self.look_at(step)
         self.forecast.seen(self.plan.seconds(step), time.monotonic() - begin)
+
+    def look_at(self, step):
+        """Raises Failed for a picture of the page that shows nothing, or the same as another."""
+        try:
+            for file in self.stills.get(step.name, ()):
+                if stills.is_flat(self.state.out / file):
+                    raise Failed(f"{file} has one colour alone")
+                same = self.looks.setdefault(stills.digest(self.state.out / file), file)
+                if same != file:
+                    raise Failed(f"{file} is the same picture as {same}")
+        except Failed:
+            self.state.forget(step)
+            raise
 
     def blocked(self, step):
         """An input or a program that the step needs and that could not be made; None where all is there."""
@@ -148,6 +168,7 @@ class Runner:
                     self.built.add(step.name)
                     return
             elif self.state.done(step):
+                self.look_at(step)
                 return
             elif self.blocked(step):
                 self.failed[step.name] = f"needs {self.blocked(step)}"

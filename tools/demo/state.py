@@ -98,8 +98,7 @@ class State:
 
     def prepare(self, step):
         """Makes room for the step's outputs; what is left of earlier ones goes."""
-        self.records.pop(step.name, None)
-        self.path(step.name).unlink(missing_ok=True)
+        self.forget(step)
         for file in step.makes:
             target = self.out / file
             remove(target)
@@ -115,6 +114,11 @@ class State:
         temporary.write_text(json.dumps(record), encoding="utf-8")
         temporary.replace(self.path(step.name))
         self.records[step.name] = record
+
+    def forget(self, step):
+        """It will be made again."""
+        self.records.pop(step.name, None)
+        self.path(step.name).unlink(missing_ok=True)
 
     def drop_strangers(self):
         """Removes what earlier runs made and this one does not: files that this plan makes stay."""
