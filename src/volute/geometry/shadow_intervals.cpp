@@ -13,13 +13,17 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kParallel = 1e-7;  ///< [rad]
+constexpr double kInPlane = 1e-9;   ///< where a light is on a triangle, relative: rounding
 constexpr double kGap = 1e-9;  ///< between shadows of neighbouring triangles, relative: rounding
 
 /// The plane through a segment and a light.
 class LightPlane {
  public:
   LightPlane(const Segment& segment, const Vec3& toLight, bool far)
-      : origin_(segment.origin), part_{segment.begin, segment.end}, near_(far ? 0 : 1) {
+      : origin_(segment.origin),
+        toLight_(toLight),
+        part_{segment.begin, segment.end},
+        near_(far ? 0 : 1) {
     const Vec3 normal = segment.direction.cross(toLight);
     normal_ = normal.normalized();
     along_ = toLight.cross(normal) / normal.squaredNorm();
@@ -59,10 +63,19 @@ class LightPlane {
       const double share = height[low] / (height[low] - height[high]);
       cut[cuts++] = corner[low] + share * (corner[high] - corner[low]);
     }
-    return cuts == 2 ? project(cut[0], cut[1]) : std::nullopt;
+    return cuts == 2 && !lightInPlane(triangle) ? project(cut[0], cut[1]) : std::nullopt;
   }
 
  private:
+  /// No way to such a light crosses the triangle.
+  bool lightInPlane(const Triangle& triangle) const {
+    if (near_ == 0)
+      return false;
+    const Vec3 normal = triangle.normal(), way = origin_ + toLight_ - triangle.corners[0];
+    const double size = way.norm() + triangle.corners[0].norm();
+    return std::abs(normal.dot(way)) <= kInPlane * size * normal.norm();
+  }
+
   /// The line between two points of the plane, seen from the light.
   std::optional<Interval> project(const Vec3& p, const Vec3& q) const {
     double a0 = along_.dot(p), a1 = along_.dot(q);
@@ -86,7 +99,7 @@ class LightPlane {
     return left > 0 ? a / left : std::copysign(kInfinity, a);
   }
 
-  Vec3 origin_, normal_;
+  Vec3 origin_, toLight_, normal_;
   Vec3 along_, across_;  ///< what a and c of a point are, by dot products
   Interval part_;
   double near_;  ///< 1 for a light at a point, 0 for a far one

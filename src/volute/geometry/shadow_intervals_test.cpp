@@ -73,6 +73,22 @@ void expectAsRays(const TriangleScene& scene, const LightPoint& light, bool infi
   EXPECT_LT(darkPoints, points - points / 20);
 }
 
+TEST(ShadowIntervals, ALightOnATriangleIsNotShadowedByIt) {
+  const TriangleScene scene = plate(-1, 1, 0.7);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<Interval> dark;
+  for (int i = 0; i < 300; ++i) {
+    const LightPoint light{Vec3(uniform(random), uniform(random), 0.7), false};
+    const Vec3 from(3 * uniform(random), 3 * uniform(random), 0.6 + uniform(random));
+    const Vec3 way = Vec3(uniform(random), uniform(random), uniform(random)).normalized();
+    scene.shadows({from, way, 0, 4}, light, dark);
+    double length = 0;
+    for (const Interval& part : dark) length += part.length();
+    EXPECT_LT(length, 1e-6) << i;
+  }
+}
+
 TEST(ShadowIntervals, OfASunAreWhatRaysToItSay) {
   for (const auto& scene : {soup(40, 0.5), soup(1500, 0.06)}) {
     expectAsRays(scene, {Vec3(1, -0.3, 0.8)}, false);

@@ -111,6 +111,32 @@ TEST_F(GlSceneTest, SurfacesAreLitThroughMediaAsByTheCpu) {
   }
 }
 
+/// On a pillar's top, and in the plane of its side.
+TEST_F(GlSceneTest, LampsInThePlaneOfASurfaceAreThoseOfTheCpu) {
+  const TriangleScene geometry = room();
+  Lamp onTop, beside;
+  onTop.position = Vec3(-1.4, 1.5, 2.7), onTop.intensity = Rgb(3, 2, 1);
+  beside.position = Vec3(-1.6, 3.2, 1.1), beside.intensity = Rgb(1, 2, 3);
+  const Lamp lamps[] = {onTop, beside};
+  const SurfaceScene lit{geometry, lamps, Rgb(0.02, 0.03, 0.04)};
+  const Camera camera =
+      Camera::pinhole({Vec3(-3.1, -2.2, 4.1), Vec3(0.1, 3, 1)}, 45, 3 * kWidth, 3 * kHeight);
+  const auto expected = renderSurfaces(camera, lit, Rgb::Zero(), quiet_).value();
+  const auto found = renderer_->surfaces(camera, lit, {}, Rgb::Zero(), quiet_);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_LE(difference(found->color.pixels, expected.color.pixels), kScene);
+
+  // In fog, too, where rays end in the lamps' peaks of light.
+  const FogMedium fog = fogtest::fog(fogtest::map(9, 8, 1, 1), fogtest::profiles()[0].profile,
+                                     {.degree = 2}, 0.3, 0.8);
+  const LitMedium inFog =
+      litFog(fog, lamps, {.scattering = {Rgb(0.9, 0.8, 0.7), 0.5}, .shadows = shadowsOf(geometry)});
+  const AnyMedium medium(inFog);
+  EXPECT_LE(
+      errorOf(camera, {{glPart(GlLitFog{fog, inFog})}, geometry}, {&medium, 1}, {}, expected.depth),
+      2e-2);
+}
+
 std::vector<Sign> signs() {
   Sign exit;
   exit.position = Vec3(0.2, 3.4, 1.8), exit.normal = Vec3(-0.3, -1, 0.2);

@@ -142,6 +142,7 @@ void SurfacePasses::shade(const Lamp& lamp, std::span<const Occluders> occluders
     for (const Occluders& some : occluders) {
       programs_->shadow.set("again", &some == occluders.data() ? 0 : 1);
       some.triangles.bind(programs_->shadow, origin_, some.sides);
+      programs_->shadow.setExactly("lampInGeometry", Vec3(lamp.position - some.triangles.middle));
       runOver(programs_->shadow, targets_.width, targets_.height);
     }
   });

@@ -21,7 +21,7 @@ double smoothStep(double x) {
 double Lamp::coneShare(const Vec3& point) const {
   const Vec3 away = point - position;
   const double distance = away.norm();
-  if (kind == Kind::kSun || !(distance > 0))
+  if (kind == Kind::kSun || !(distance > 0) || coneCosine <= -1)  // all around has no rim
     return 1;
   const double cosine = away.dot(direction) / distance;
   if (cosine < coneCosine)

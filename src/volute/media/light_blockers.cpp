@@ -8,7 +8,7 @@ namespace volute {
 namespace {
 
 /// Vertices of a mesh lie on the walls that the geometry shows, but for the rounding of two files:
-/// of the geometry's size, and of coordinates as float.
+/// of the geometry's size, and of coordinates as float. So may lamps.
 constexpr double kLift = 1e-5;
 constexpr double kTransformRounding = 2.5e-7;
 
@@ -20,8 +20,10 @@ Blocks blocksOf(const TriangleScene& geometry) {
   return [geometry](std::span<const Segment> segments, std::span<std::uint8_t> blocked) {
     const double lift = kLift * (1 + geometry.bounds().size().maxCoeff());
     std::vector<Segment> lifted(segments.begin(), segments.end());
-    for (Segment& segment : lifted)
-      segment.begin += lift + kTransformRounding * segment.origin.cwiseAbs().maxCoeff();
+    for (Segment& segment : lifted) {
+      const double from = lift + kTransformRounding * segment.origin.cwiseAbs().maxCoeff();
+      segment.begin += from, segment.end -= from;
+    }
     geometry.occluded(lifted, blocked);
   };
 }

@@ -14,8 +14,8 @@
 namespace volute {
 namespace {
 
-/// How far a shadow's ray begins from its surface: more than rounding moves it, also where
-/// coordinates are large.
+/// How far a shadow's ray begins from its surface and ends before its lamp, which may be in the
+/// plane of a surface: more than rounding moves it, also where coordinates are large.
 constexpr double kLift = 1e-6;       ///< [m]
 constexpr double kRounding = 1e-14;  ///< of the coordinates
 
@@ -47,9 +47,11 @@ ShadowRays shadowRaysTo(const Lamp& lamp, const TriangleScene& geometry,
     Segment way = lamp.towards(place);
     const double cosine =
         facing(geometry.triangles()[hit.triangle], segments[i].direction).dot(way.direction);
-    if (way.empty() || !(cosine > 0) || (lamp.irradiance(place) == 0).all())
+    const double lift = kLift + kRounding * place.cwiseAbs().maxCoeff();
+    const bool before = cosine > 0 && cosine * way.end > lift;  // the surface's plane
+    if (way.empty() || !before || (lamp.irradiance(place) == 0).all())
       continue;
-    way.begin = kLift + kRounding * place.cwiseAbs().maxCoeff();
+    way.begin = lift, way.end -= lift;
     rays.point.push_back(i);
     rays.cosine.push_back(cosine);
     rays.segments.push_back(way);

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "volute/fog/fog_medium.hpp"
 #include "volute/render/render.hpp"
@@ -66,6 +67,32 @@ TEST(Surfaces, SunsLightByLambert) {
   EXPECT_NEAR(seen[2], 0.5 + 0.6 * light, 1e-12);
   // From below one sees the side that the sun does not meet.
   EXPECT_NEAR(seenFrom({geometry, {&lamp, 1}}, Vec3(1, 2, -5), Vec3(-3, 1, 0))[0], 0, 1e-12);
+}
+
+TEST(Surfaces, LampsThatShineAllAroundHaveNoRim) {
+  Lamp lamp = spot(Vec3(0, 0, 4), std::numbers::pi);
+  lamp.direction = Vec3::UnitZ(), lamp.coneCosine = -1, lamp.edge = 0.1;
+  const TriangleScene geometry = floorAndRoof(false);
+  const SurfaceScene scene{geometry, {&lamp, 1}};
+  EXPECT_NEAR(seenFrom(scene, Vec3(1, 2, 5), Vec3::Zero())[1], 0.4 / std::numbers::pi * 20 / 16,
+              1e-12);
+}
+
+TEST(Surfaces, LampsInThePlaneOfASurfaceShineToBothSidesAndNotOnIt) {
+  const TriangleScene geometry = floorAndRoof(true);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int i = 0; i < 200; ++i) {
+    const Lamp lamp = spot(Vec3(1 + 5 * uniform(random), 8 * uniform(random) - 4, 3), 3.2);
+    const SurfaceScene lit{geometry, {&lamp, 1}};
+    SurfaceScene clear = lit;
+    clear.shadows = false;
+    const Vec3 eye(2.1, 0.3, 2), floor(9 * uniform(random), 9 * uniform(random) - 4, 0);
+    EXPECT_EQ(seenFrom(lit, eye, floor)[1], seenFrom(clear, eye, floor)[1]);
+    EXPECT_GT(seenFrom(lit, eye, floor)[1], 0);
+    const Vec3 roof = lamp.position + Vec3(0.02 * uniform(random), 0.01, 0);
+    EXPECT_EQ(seenFrom(lit, eye, roof)[1], 0);
+  }
 }
 
 TEST(Surfaces, SpotsFadeWithDistanceAndEndAtTheirCone) {

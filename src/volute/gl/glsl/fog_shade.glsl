@@ -108,6 +108,10 @@ void M_findDark@() {
         cut[cuts++] = corner[a] + height[a] / (height[a] - height[b]) * (corner[b] - corner[a]);
       }
       if (cuts < 2) continue;
+      vec3 face = cross(corner[1] - corner[0], corner[2] - corner[0]);
+      vec3 over = M_towards@(rayOrigin) - corner[0];
+      if (near > 0.0 && abs(dot(face, over)) < 2e-6 * (1.0 + length(over) + length(rayOrigin)) * length(face))
+        continue;  // the lamp is in its plane: no way to it crosses the triangle
       float a0 = dot(along, cut[0]), a1 = dot(along, cut[1]);
       float c0 = dot(across, cut[0]), c1 = dot(across, cut[1]);
       if (max(c0, c1) <= 0.0 || (near > 0.0 && min(c0, c1) >= 1.0)) continue;

@@ -15,7 +15,7 @@ vec3 irradianceAt(vec3 point) {
   vec3 away = point - lampPlace;
   float distance = length(away);
   float share = 1.0;
-  if (distance > 0.0) {
+  if (distance > 0.0 && lampCosine > -1.0) {  // all around has no rim
     float cosine = dot(away, lampDirection) / distance;
     if (cosine < lampCosine) return vec3(0.0);
     if (lampEdge > 0.0) {

@@ -11,7 +11,9 @@ uniform sampler2D normals;
 uniform sampler2D points;
 uniform dvec3 originInGeometry;
 uniform int again;   // others were in the way before
-uniform float lift;  // of a shadow's ray from its surface, times 1 + its place: more than rounding moves it
+uniform dvec3 lampInGeometry;
+uniform float lift;  // of a shadow's ray from its surface, and its end's from a lamp, which may be in the plane of another,
+                     // times 1 + its place: more than rounding moves it
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -19,12 +21,15 @@ void main() {
   vec4 normal = texelFetch(normals, pixel, 0);
   vec3 point = texelFetch(points, pixel, 0).xyz;
   vec4 way = towardsLamp(point);
-  bool lit = normal.w >= 0.0 && way.w > 0.0 && dot(normal.xyz, way.xyz) > 0.0 && irradianceAt(point) != vec3(0.0);
+  dvec3 at = originInGeometry + dvec3(point);
+  float lifted = lift * (1.0 + float(max(max(abs(at.x), abs(at.y)), abs(at.z))));
+  bool lit = normal.w >= 0.0 && dot(normal.xyz, way.xyz) * way.w > lifted && irradianceAt(point) != vec3(0.0);
   if (again != 0) lit = imageLoad(ways, pixel).w != 0.0;
   if (lit) {
-    dvec3 at = originInGeometry + dvec3(point);
-    at += lift * (1.0 + float(max(max(abs(at.x), abs(at.y)), abs(at.z)))) * normal.xyz;
-    lit = meetTriangles(at, dvec3(way.xyz), double(way.w), true).triangle < 0;
+    at += lifted * normal.xyz;
+    dvec3 to = lampIsSun != 0 ? dvec3(way.xyz) : lampInGeometry - at;
+    double far = lampIsSun != 0 ? double(way.w) : length(to);
+    lit = meetTriangles(at, to / length(to), far - lifted, true).triangle < 0;
   }
   imageStore(ways, pixel, vec4(way.xyz, lit ? 1.0 : 0.0));
   imageStore(distances, pixel, vec4(way.w));
