@@ -446,6 +446,17 @@ class Fds(support.TestCase):
         self.works("render", self.case, "-o", self.path("c.png"), "--size", "160x120", "--time", "0", "--no-legend")
         self.fails(2, "render", self.case, "-o", self.path("d.png"), "--legend", "--no-legend")
 
+    def test_lines_of_a_building_are_as_bright_as_its_light(self):
+        brightest = []
+        for power in (0.01, 0.02):
+            scene = {"format": "volute-scene-2", "camera": {"eye": [3, -3, 2], "target": [1, 0.5, 0.4], "fov": 40, "size": [64, 48]},
+                     "lights": [{"kind": "spot", "position": [0.5, 0.5, 0.7], "target": [0.5, 0.5, 0], "angle": 360, "intensity": 3 * [power]}],
+                     "media": [{"kind": "smoke", "case": "case.smv", "building": "open"}]}
+            self.path("scene.json").write_text(json.dumps(scene))
+            self.works("render", self.path("scene.json"), "-o", self.path("x.exr"))
+            brightest.append(self.works("info", self.path("x.exr"), "--json").json["maximum"])
+        self.assertAlmostEqual(brightest[1] / brightest[0], 2, delta=1e-3)
+
     def test_what_is_not_there_is_said(self):
         self.assertIn("no source 's3d'; the case has slice3d-extinction-cells",
                       self.fails(1, "info", self.case, "--grid", "s3d"))

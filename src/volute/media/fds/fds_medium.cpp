@@ -56,6 +56,20 @@ constexpr double kOutline = 0.25, kDarkMark = 0.01, kLightMark = 0.9;
 const Rgb kIdleDevice(0.02, 0.1, 0.8);
 const Rgb kActiveDevice(0.9, 0.02, 0.5);
 
+/// As bright as lines are that are drawn beside walls, which a scene's lights may leave darker than
+/// the light of a case alone does.
+double lineLight(const SceneLights& lights, const Box3& box) {
+  constexpr double kFar = 0.2;  // of the diagonal, from lamps to walls
+  const double far = kFar * box.size().norm();
+  Rgb light = lights.ambient;
+  for (const Lamp& lamp : lights.lamps) {
+    const double reach = lamp.kind == Lamp::Kind::kSun ? 1 : std::max(far, lamp.radius);
+    light += lamp.intensity / (std::numbers::pi * reach * reach);
+  }
+  const double most = light.maxCoeff();
+  return most > 0 ? std::min(most, 1.0) : 1;
+}
+
 /// What nobody has given a colour is FDS's own cream.
 bool hasOwnColour(const FdsColour& colour) {
   const FdsColour usual{1.0F, 0.8F, 0.4F, 1.0F};
@@ -771,8 +785,9 @@ void FdsMedium::addBuilding(double time, const std::optional<Vec3>& eye, Triangl
   addOutline(*shell_, openTowards(*shell_, eye), to);  // stays where things come or go
   if (case_->index().north && eye) {
     const Needle needle = northNeedle(*eye, openTowards(*shell_, eye));
-    const auto dark = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kDarkMark)});
-    const auto light = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kOutline)});
+    const double scale = lineLight(lights_, shell_->bounds());
+    const auto dark = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kDarkMark * scale)});
+    const auto light = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kOutline * scale)});
     to.triangles.push_back({{needle.tip, needle.left, needle.notch}, dark});
     to.triangles.push_back({{needle.tip, needle.notch, needle.right}, light});
   }
@@ -787,7 +802,8 @@ void FdsMedium::addEdges(std::span<const FdsQuad> quads, const Box3& bounds,
     meshes.extend(mesh.bounds().max);
   }
   const double half = kEdge * bounds.size().norm();
-  const auto dark = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kEdgeLight)});
+  const auto dark =
+      addMaterial(to, {Rgb::Zero(), Rgb::Constant(kEdgeLight * lineLight(lights_, bounds))});
   const auto outer = [&](const FdsQuad& quad) {
     for (int axis = 0; axis < 3; ++axis) {
       for (const double place : {meshes.min[axis], meshes.max[axis]}) {
@@ -810,7 +826,8 @@ void FdsMedium::addEdges(std::span<const FdsQuad> quads, const Box3& bounds,
 void FdsMedium::addOutline(const FdsBuilding& building, FdsSides open, TriangleMesh& to) const {
   const Box3& box = building.bounds();
   const double half = kLine * box.size().norm();
-  const auto line = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kOutline)});
+  const double light = lineLight(lights_, box);
+  const auto line = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kOutline * light)});
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     for (int corner = 0; corner < 4; ++corner) {
@@ -820,8 +837,8 @@ void FdsMedium::addOutline(const FdsBuilding& building, FdsSides open, TriangleM
       addBox(to, bar(from, end, 0.6 * half), line);
     }
   }
-  const auto dark = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kDarkMark)});
-  const auto light = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kLightMark)});
+  const auto dark = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kDarkMark * light)});
+  const auto bright = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kLightMark * light)});
   const double step = ruler();
   for (int axis = 0; axis < 2; ++axis) {
     const Vec3 from = rulerStart(box, axis, open, 5 * half);
@@ -834,7 +851,7 @@ void FdsMedium::addOutline(const FdsBuilding& building, FdsSides open, TriangleM
       Box3 mark = bar(begin, end, 2.4 * half);
       mark.min[axis] = begin[axis];
       mark.max[axis] = end[axis];
-      addBox(to, mark, i % 2 == 0 ? dark : light);
+      addBox(to, mark, i % 2 == 0 ? dark : bright);
     }
   }
 }
