@@ -565,10 +565,64 @@ class PlanDrawing {
     }
   }
 
+  /// Squares in which something solid stands, thin walls too.
+  std::vector<char> solidSquares() const {
+    const FloorPlan& plan = frame_.plan;
+    std::vector<char> solid(plan.size(), 0);
+    const auto square = [&](double metres, int axis, int count) {
+      const double at = (metres - frame_.from(axis)) / plan.step;
+      return static_cast<int>(std::clamp(std::floor(at), 0.0, count - 1.0));
+    };
+    for (const PlanShape& shape : picture_.shapes) {
+      if (shape.kind != PlanShape::Kind::kSolid && shape.kind != PlanShape::Kind::kBorder)
+        continue;
+      for (int y = square(shape.min.y(), 1, plan.ny); y <= square(shape.max.y(), 1, plan.ny); ++y) {
+        for (int x = square(shape.min.x(), 0, plan.nx); x <= square(shape.max.x(), 0, plan.nx); ++x)
+          solid[static_cast<std::size_t>(y) * plan.nx + x] = 1;
+      }
+    }
+    return solid;
+  }
+
+  /// Where a text of this size hides the least of walls and of what looks otherwise than `place`,
+  /// as near to that as can be.
+  Vec2 roomFor(const Vec2& place, double width, double height,
+               const std::vector<char>& solid) const {
+    const FloorPlan& plan = frame_.plan;
+    const Vec2 wish = (place - plan.origin.head<2>()) / plan.step;
+    const double halfX = 0.5 * width / frame_.scale, halfY = 0.5 * height / frame_.scale;
+    const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * plan.nx + x; };
+    const std::size_t own = at(std::clamp(static_cast<int>(std::lround(wish.x())), 0, plan.nx - 1),
+                               std::clamp(static_cast<int>(std::lround(wish.y())), 0, plan.ny - 1));
+    const auto isOwn = [&](int x, int y) {
+      return x >= 0 && y >= 0 && x < plan.nx && y < plan.ny && !solid[at(x, y)] &&
+             picture_.marks[at(x, y)] == picture_.marks[own] &&
+             picture_.values[at(x, y)] == picture_.values[own];
+    };
+    Vec2 best = wish;
+    std::pair<int, double> least{std::numeric_limits<int>::max(), 0};
+    for (int y = 0; y < plan.ny; ++y) {
+      for (int x = 0; x < plan.nx; ++x) {
+        if (!isOwn(x, y))
+          continue;
+        std::pair<int, double> cost{0, (Vec2(x, y) - wish).squaredNorm()};
+        for (int v = static_cast<int>(std::floor(y + 0.5 - halfY)); v < y + 0.5 + halfY; ++v) {
+          for (int u = static_cast<int>(std::floor(x + 0.5 - halfX)); u < x + 0.5 + halfX; ++u)
+            cost.first += !isOwn(u, v);
+        }
+        if (cost < least)
+          least = cost, best = Vec2(x, y);
+      }
+    }
+    return best * plan.step + plan.origin.head<2>();
+  }
+
   void drawLabels(Canvas& canvas) const {
-    for (const auto& [place, text] : picture_.labels) {
-      const Vec2 at = frame_.at(place.x(), place.y());
+    const std::vector<char> solid = solidSquares();
+    for (const auto& [wish, text] : picture_.labels) {
       const double half = 0.5 * canvasTextWidth(text);
+      const Vec2 place = roomFor(wish, 2 * half, kCanvasTextHeight, solid);
+      const Vec2 at = frame_.at(place.x(), place.y());
       const double x =
           std::clamp(at.x(), kLeft + half, std::max(kLeft + half, kLeft + frame_.width() - half));
       canvas.text(text, x, at.y() - 0.5 * kCanvasTextHeight, grey(0), Canvas::Anchor::kMiddle);

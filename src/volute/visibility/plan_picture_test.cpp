@@ -9,6 +9,8 @@
 #include <set>
 #include <tuple>
 
+#include "volute/report/canvas.hpp"
+
 namespace volute {
 namespace {
 
@@ -195,6 +197,23 @@ TEST(PlanPicture, signsHaveTheirNamesAndPointWhereTheyFace) {
   EXPECT_THAT(svg, HasSubstr(">exit &lt;1&gt;<"));
   // The arrow's tip, 20 pixels to the right of 92 + 5 / 0.25 x 22.
   EXPECT_THAT(svg, HasSubstr("points='552.00,326.00"));
+}
+
+TEST(PlanPicture, labelsStandBesideWalls) {
+  PlanOfRoom room;
+  room.picture.barLabel.clear();
+  room.picture.kinds = {{Rgb(0.9, 0.9, 0.6), ""}, {Rgb(0.6, 0.9, 0.9), ""}};
+  for (std::size_t i = 0; i < room.plan.size(); ++i)
+    room.picture.values[i] = room.plan.at(i).x() > 5 ? 1 : 0;
+  // A wall through the middle of the room, and one behind its right half.
+  room.picture.shapes = {{PlanShape::Kind::kSolid, {2.4, 0}, {2.6, 6}},
+                         {PlanShape::Kind::kSolid, {5.0, 0}, {5.1, 6}}};
+  room.picture.labels = {{Vec2(2.5, 3), "room 1"}};
+  const std::string svg = planSvg(room.plan, room.picture, {});
+  const std::size_t text = svg.find(">room 1<"), place = svg.rfind(" x='", text);
+  const double x = (std::stod(svg.substr(place + 4)) - 92) / 22 * 0.25;
+  const double half = 0.5 * canvasTextWidth("room 1") / 22 * 0.25;
+  EXPECT_TRUE((x + half < 2.4 && x - half > 0) || (x - half > 2.6 && x + half < 5)) << x;
 }
 
 TEST(PlanPicture, northHasANeedleWhereItIsKnown) {
