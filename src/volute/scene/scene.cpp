@@ -11,6 +11,7 @@
 #include "volute/base/remark_log.hpp"
 #include "volute/io/json_depth.hpp"
 #include "volute/io/json_file.hpp"
+#include "volute/lighting/fewer_lamps.hpp"
 #include "volute/media/light_blockers.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/scene/kinds.hpp"
@@ -33,6 +34,25 @@ Box3 finite(Box3 box) {
   if (!(box.min.z() > -kHighest))
     box.min.z() = box.max.z() - 0.25 * width;
   return box;
+}
+
+/// Merges lamps where there are more than each has a light of its own. What they were; empty: they
+/// are as they were.
+std::vector<Lamp> joinLamps(std::vector<Lamp>& lamps) {
+  constexpr std::size_t kMostLamps = 64;
+  if (lamps.size() <= kMostLamps)
+    return {};
+  const auto suns =
+      static_cast<std::size_t>(std::ranges::count(lamps, Lamp::Kind::kSun, &Lamp::kind));
+  return std::exchange(lamps, fewerLamps(lamps, std::max(kMostLamps, suns + 1) - suns));
+}
+
+Remark joined(std::span<const Lamp> all, std::span<const Lamp> few, const Box3& box,
+              const std::string& path) {
+  return {RemarkCode::kChanged,
+          fmt::format("{}: /lights: {} lamps are drawn as {}, each for some that are near each "
+                      "other; without shadows their light differs by {:.2g} % in the mean",
+                      path, all.size(), few.size(), 100 * lampsDiffer(few, all, box))};
 }
 
 void extend(Box3& box, const Box3& by) {
@@ -114,11 +134,14 @@ Result<Scene> Scene::make(OrderedJson json, const std::string& file, const Scene
   const nlohmann::json plain = json;
   VOLUTE_ASSIGN(scene.description_, parseScene(plain, file));
   scene.chooseScattering(scene.description_, progress);
+  const std::vector<Lamp> all = joinLamps(scene.description_.lights.lamps);
   Reading reading{progress, options.maxMemory, options.files.volumes.get()};
   VOLUTE_ASSIGN(scene.geometry_, loadGeometry(scene.description_.geometry, reading));
   scene.surfaces_ = scene.geometry_;
   VOLUTE_ASSIGN(scene.media_, scene.openMedia(scene.description_, false, progress));
   VOLUTE_TRY(scene.checkLaws());
+  if (!all.empty())
+    progress.remark(joined(all, scene.description_.lights.lamps, scene.bounds(), file));
   scene.json_ = std::move(json);
   return scene;
 }
@@ -193,6 +216,7 @@ Status Scene::change(OrderedJson json, Progress& progress) {
   const nlohmann::json plain = json;
   VOLUTE_ASSIGN(auto description, parseScene(plain, path_));
   chooseScattering(description, progress);
+  joinLamps(description.lights.lamps);
   const bool sameLights =
       json.value("lights", OrderedJson()) == json_->value("lights", OrderedJson()) &&
       description.lights.multiple == description_.lights.multiple;

@@ -5,6 +5,7 @@
 #include "volute/base/remark_log.hpp"
 #include "volute/fog/polar_fog.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/lighting/fewer_lamps.hpp"
 #include "volute/media/fog/fog_parameters.hpp"
 #include "volute/media/fog/fog_scene_medium.hpp"
 #include "volute/media/light_blockers.hpp"
@@ -86,43 +87,6 @@ class FogKind final : public MediumKind {
 
 }  // namespace
 
-namespace {
-
-/// Two lamps as one.
-Lamp together(const Lamp& a, const Lamp& b) {
-  const double share = b.intensity.sum() / (a.intensity.sum() + b.intensity.sum());
-  Lamp one = a;
-  one.position = (1 - share) * a.position + share * b.position;
-  one.intensity = a.intensity + b.intensity;
-  one.radius = std::max((a.position - one.position).norm() + a.radius,
-                        (b.position - one.position).norm() + b.radius);
-  return one;
-}
-
-/// Fires as a few lamps: the nearest ones are one in fog.
-std::vector<Lamp> fewFires(std::span<const Lamp> fires) {
-  constexpr std::size_t kMaxFires = 3;
-  std::vector<Lamp> few;
-  for (const Lamp& fire : fires) {
-    if (fire.intensity.sum() > 0)
-      few.push_back(fire);
-  }
-  while (few.size() > kMaxFires) {
-    std::size_t a = 0, b = 1;
-    for (std::size_t i = 0; i < few.size(); ++i) {
-      for (std::size_t k = i + 1; k < few.size(); ++k) {
-        if ((few[i].position - few[k].position).norm() < (few[a].position - few[b].position).norm())
-          a = i, b = k;
-      }
-    }
-    few[a] = together(few[a], few[b]);
-    few.erase(few.begin() + static_cast<std::ptrdiff_t>(b));
-  }
-  return few;
-}
-
-}  // namespace
-
 FogAt::FogAt(std::shared_ptr<const FogSceneMedium> map, double time, double factor,
              std::vector<Lamp> lamps, FogLight light)
     : map_(std::move(map)),
@@ -150,7 +114,8 @@ void FogAt::addExtinction(std::vector<AnyMedium>& media) const {
 
 std::shared_ptr<const MediumAt> FogAt::litBy(const MediaLight& light) const {
   std::vector<Lamp> lamps = lamps_;
-  const std::vector<Lamp> fires = fewFires(light.lamps);
+  constexpr std::size_t kFires = 3;
+  const std::vector<Lamp> fires = fewerLamps(light.lamps, kFires);
   lamps.insert(lamps.end(), fires.begin(), fires.end());
   if (lamps.empty())
     return nullptr;
