@@ -39,12 +39,12 @@ Box3 finite(Box3 box) {
 /// Merges lamps where there are more than each has a light of its own. What they were; empty: they
 /// are as they were.
 std::vector<Lamp> joinLamps(std::vector<Lamp>& lamps) {
-  constexpr std::size_t kMostLamps = 64;
-  if (lamps.size() <= kMostLamps)
+  constexpr std::size_t kMaxLamps = 64;
+  if (lamps.size() <= kMaxLamps)
     return {};
   const auto suns =
       static_cast<std::size_t>(std::ranges::count(lamps, Lamp::Kind::kSun, &Lamp::kind));
-  return std::exchange(lamps, fewerLamps(lamps, std::max(kMostLamps, suns + 1) - suns));
+  return std::exchange(lamps, fewerLamps(lamps, std::max(kMaxLamps, suns + 1) - suns));
 }
 
 Remark joined(std::span<const Lamp> all, std::span<const Lamp> few, const Box3& box,

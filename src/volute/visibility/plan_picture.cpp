@@ -589,23 +589,24 @@ class PlanDrawing {
   Vec2 roomFor(const Vec2& place, double width, double height,
                const std::vector<char>& solid) const {
     const FloorPlan& plan = frame_.plan;
-    const Vec2 wish = (place - plan.origin.head<2>()) / plan.step;
+    const Vec2 wanted = (place - plan.origin.head<2>()) / plan.step;
     const double halfX = 0.5 * width / frame_.scale, halfY = 0.5 * height / frame_.scale;
     const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * plan.nx + x; };
-    const std::size_t own = at(std::clamp(static_cast<int>(std::lround(wish.x())), 0, plan.nx - 1),
-                               std::clamp(static_cast<int>(std::lround(wish.y())), 0, plan.ny - 1));
+    const std::size_t own =
+        at(std::clamp(static_cast<int>(std::lround(wanted.x())), 0, plan.nx - 1),
+           std::clamp(static_cast<int>(std::lround(wanted.y())), 0, plan.ny - 1));
     const auto isOwn = [&](int x, int y) {
       return x >= 0 && y >= 0 && x < plan.nx && y < plan.ny && !solid[at(x, y)] &&
              picture_.marks[at(x, y)] == picture_.marks[own] &&
              picture_.values[at(x, y)] == picture_.values[own];
     };
-    Vec2 best = wish;
+    Vec2 best = wanted;
     std::pair<int, double> least{std::numeric_limits<int>::max(), 0};
     for (int y = 0; y < plan.ny; ++y) {
       for (int x = 0; x < plan.nx; ++x) {
         if (!isOwn(x, y))
           continue;
-        std::pair<int, double> cost{0, (Vec2(x, y) - wish).squaredNorm()};
+        std::pair<int, double> cost{0, (Vec2(x, y) - wanted).squaredNorm()};
         for (int v = static_cast<int>(std::floor(y + 0.5 - halfY)); v < y + 0.5 + halfY; ++v) {
           for (int u = static_cast<int>(std::floor(x + 0.5 - halfX)); u < x + 0.5 + halfX; ++u)
             cost.first += !isOwn(u, v);
@@ -619,9 +620,9 @@ class PlanDrawing {
 
   void drawLabels(Canvas& canvas) const {
     const std::vector<char> solid = solidSquares();
-    for (const auto& [wish, text] : picture_.labels) {
+    for (const auto& [wanted, text] : picture_.labels) {
       const double half = 0.5 * canvasTextWidth(text);
-      const Vec2 place = roomFor(wish, 2 * half, kCanvasTextHeight, solid);
+      const Vec2 place = roomFor(wanted, 2 * half, kCanvasTextHeight, solid);
       const Vec2 at = frame_.at(place.x(), place.y());
       const double x =
           std::clamp(at.x(), kLeft + half, std::max(kLeft + half, kLeft + frame_.width() - half));
