@@ -56,8 +56,9 @@ struct PictureSource {
   /// for films, nothing for floats, and for integers 1, or less where many pixels read one largest
   /// value.
   std::optional<double> saturation;
-  int bits = 0;      ///< of the values in files of 16 bits: white is 2^bits - 1; 0: 2^16 - 1
-  double black = 0;  ///< the stored value of darkness in integers and films, 1 = white
+  int bits = 0;           ///< of the values in files of 16 bits: white is 2^bits - 1; 0: 2^16 - 1
+  double black = 0;       ///< the stored value of darkness in integers and films, 1 = white
+  bool bottomUp = false;  ///< the first row is the lowest, of background and mask as well
 
   /// What shows frame `n`: a whole picture where one was taken within a hundredth of the time
   /// between pictures, else two.

@@ -174,6 +174,20 @@ Status CaptureImages::checkSize(std::size_t camera, const Image& image,
               image.width, image.height, expected.width(), expected.height());
 }
 
+namespace {
+
+/// The first row on top.
+void turnUp(const PictureSource& pictures, Image& image) {
+  const std::size_t row = static_cast<std::size_t>(image.width) * image.channels;
+  for (int y = 0; pictures.bottomUp && y < image.height / 2; ++y) {
+    const auto upper = image.pixels.begin() + static_cast<std::ptrdiff_t>(y * row);
+    std::swap_ranges(upper, upper + static_cast<std::ptrdiff_t>(row),
+                     image.pixels.end() - static_cast<std::ptrdiff_t>((y + 1) * row));
+  }
+}
+
+}  // namespace
+
 Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
                                                       const std::filesystem::path& path,
                                                       const std::string& name, int page) const {
@@ -185,6 +199,7 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   stored.linear = read->linear;
   stored.image = std::move(read->image);
   VOLUTE_TRY(checkSize(camera, stored.image, name));
+  turnUp(pictures, stored.image);
   stored.transparentShare = read->alpha ? shareBelowOne(*read->alpha) : 0;
   if (!stored.linear && stored.transparentShare > 0) {
     return fail(ErrorCode::kInvalidData,
@@ -245,6 +260,7 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
   VOLUTE_TRY(checkSize(camera, *image, name));
   Stored stored;
   stored.image = std::move(*image);
+  turnUp(pictures, stored.image);
   for (float& value : stored.image.pixels) value = static_cast<float>(srgbEncode(value));
   stored.response = pictures.response.value_or(Response::srgb());
   constexpr double kFilmWhite = 250.0 / 255;  // lossy coding scatters saturated values
@@ -290,15 +306,17 @@ Image CaptureImages::linearised(std::size_t camera, const Stored& stored) const 
 }
 
 Status CaptureImages::openMask(std::size_t camera) {
-  const auto& path = capture_->cameras[camera].pictures.mask;
+  const PictureSource& pictures = capture_->cameras[camera].pictures;
+  const auto& path = pictures.mask;
   if (path.empty())
     return {};
   const std::string name = fmt::format("camera {}, mask", capture_->cameras[camera].name);
-  const auto stored = readStoredPicture(path, maxMemory_);
+  auto stored = readStoredPicture(path, maxMemory_);
   if (!stored)
     return fail(stored.error().code, stored.error().hints, "{}: {}", name, stored.error().message);
-  const Image& image = stored->image;
+  Image& image = stored->image;
   VOLUTE_TRY(checkSize(camera, image, name));
+  turnUp(pictures, image);
   auto& mask = masks_[camera];
   const auto channels = static_cast<std::size_t>(image.channels);
   mask.resize(image.pixels.size() / channels);

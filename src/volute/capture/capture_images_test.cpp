@@ -413,6 +413,20 @@ TEST_F(CaptureImagesTest, MasksTakePixelsOut) {
   EXPECT_TRUE(failsWith(readPicture(1, 4), "camera b, mask"));
 }
 
+TEST_F(CaptureImagesTest, PicturesMayBeginWithTheirLowestRow) {
+  Image bright = picture(1), mask = picture(1, 1);
+  bright.at(3, 2, 0) = 7;
+  mask.at(5, 1, 0) = 0;
+  write("f_0004_a.exr", bright);
+  write("mask.exr", mask);
+  json["cameras"][0]["mask"] = "mask.exr";
+  json["cameras"][0]["bottom_up"] = true;
+  ASSERT_VALUE(const auto read, readPicture(0, 4));
+  EXPECT_EQ(read.radiance.at(3, kHeight - 3, 0), 7);
+  EXPECT_EQ(read.radiance.at(3, 2, 0), 1);
+  EXPECT_EQ(read.weight[(kHeight - 2) * kWidth + 5], 0);
+}
+
 TEST_F(CaptureImagesTest, ValuesThatAreNotFiniteAreNamed) {
   for (const float bad : {std::nanf(""), INFINITY, -INFINITY}) {
     Image image = picture(0.5f);

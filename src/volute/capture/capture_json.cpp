@@ -124,6 +124,11 @@ Status readStoring(const JsonValue& value, PictureSource& pictures) {
   if (const auto black = value.find("black")) {
     VOLUTE_ASSIGN(pictures.black, readBlack(*black));
   }
+  if (const auto bottomUp = value.find("bottom_up")) {
+    if (!bottomUp->json().is_boolean())
+      return bottomUp->fault("expected true or false");
+    pictures.bottomUp = bottomUp->json().get<bool>();
+  }
   return {};
 }
 
@@ -383,7 +388,7 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
   remarkUnknown(root,
                 {"format", "kind", "color", "white", "pixel_centre", "frames", "volume",
                  "noise_sigma", "cameras", "empty_frames", "saturation", "bits", "black",
-                 "frames_per_second", "lamps", "albedo", "spectrum"},
+                 "frames_per_second", "lamps", "albedo", "spectrum", "bottom_up"},
                 draft);
   if (const auto spectrum = root.find("spectrum")) {
     VOLUTE_ASSIGN(draft.spectrum, readSpectrum(*spectrum, file.parent_path()));
@@ -410,7 +415,7 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
                            "start_time",  "frames_per_second",
                            "frame_shift", "color",
                            "saturation",  "bits",
-                           "black"},
+                           "black",       "bottom_up"},
                   draft);
   }
   if (std::string remark = written.remark(); !remark.empty())

@@ -74,4 +74,10 @@ struct CaptureDraft {
 /// world to camera; or what OpenCV's calibration and stereo samples write. Pixel centres at 0.
 [[nodiscard]] Result<CaptureDraft> readOpenCv(const std::filesystem::path& file);
 
+/// A geometry "cone_vec" of the ASTRA toolbox, its dictionary as JSON: for each projection source,
+/// middle of the detector, and the steps from column to column and from row to row. Pixel centres
+/// at 0.
+[[nodiscard]] Result<CaptureDraft> readAstra(const std::filesystem::path& file,
+                                             const nlohmann::json& json);
+
 }  // namespace volute

@@ -423,6 +423,49 @@ TEST_F(Importers, FilmedFluids) {
   EXPECT_TRUE(failsWith(openCalibration(folder / "info.json", {}), "train_videos[0]: "));
 }
 
+TEST_F(Importers, AstraDetectorsMayBeTilted) {
+  constexpr int kRows = 16, kColumns = 24;
+  const Vec3 source(0.4, -5, 0.2), middle(-0.3, 6, 0.1), u(0.2, 0.01, 0.005), v(0.01, -0.02, 0.18);
+  nlohmann::json json{{"type", "cone_vec"},
+                      {"DetectorRowCount", kRows},
+                      {"DetectorColCount", kColumns},
+                      {"Vectors", nlohmann::json::array()}};
+  for (const double down : {-1.0, 1.0}) {
+    nlohmann::json row;
+    for (const Vec3& vector : {source, middle, u, Vec3(down * v)})
+      row.insert(row.end(), vector.begin(), vector.end());
+    json["Vectors"].push_back(row);
+  }
+  writeText(folder / "cone.json", json.dump());
+  EXPECT_TRUE(isCapture(folder / "cone.json").value());
+  CaptureOptions options;
+  options.bounds = Box3{Vec3(-0.5, -0.5, -0.5), Vec3(0.5, 0.5, 0.5)};
+  options.resolution = {16, 0, 0};
+  ASSERT_VALUE(const auto read, openCalibration(folder / "cone.json", options));
+  ASSERT_EQ(read.cameras.size(), 2U);
+  EXPECT_EQ(read.cameras[1].name, "0001");
+  EXPECT_FALSE(read.cameras[0].pictures.bottomUp);
+  EXPECT_TRUE(read.cameras[1].pictures.bottomUp);
+  for (int i = 0; i < 2; ++i) {
+    const Camera& camera = read.cameras[static_cast<std::size_t>(i)].camera;
+    for (const auto& [column, row] : {std::pair(0, 0), std::pair(23, 5), std::pair(11, 15)}) {
+      const Vec3 step = (i == 0 ? -1 : 1) * v;
+      const Vec3 cell =
+          middle + (column - 0.5 * (kColumns - 1)) * u + (row - 0.5 * (kRows - 1)) * step;
+      const auto seen = camera.project(Vec3(source + 0.4 * (cell - source)));
+      ASSERT_TRUE(seen);
+      EXPECT_NEAR(seen->x(), column + 0.5, 1e-9);
+      EXPECT_NEAR(seen->y(), (i == 0 ? row : kRows - 1 - row) + 0.5, 1e-9);
+    }
+  }
+  json["Vectors"][0][6] = json["Vectors"][0][7] = json["Vectors"][0][8] = 0;
+  writeText(folder / "cone.json", json.dump());
+  EXPECT_TRUE(failsWith(openCalibration(folder / "cone.json", options), "Vectors[0]: expected a"));
+  json["type"] = "parallel3d_vec";
+  writeText(folder / "cone.json", json.dump());
+  EXPECT_TRUE(failsWith(openCalibration(folder / "cone.json", options), "type: is parallel3d_vec"));
+}
+
 TEST_F(Importers, NerfAnglesInDegreesAreRefused) {
   writeNerf(folder, true);
   auto json = readJson(folder / "transforms.json").value();

@@ -36,12 +36,16 @@ Result<CaptureDraft> readJsonCapture(const std::filesystem::path& file) {
     return readOpenCv(file);
   if (json.is_object() && json.contains("train_videos"))
     return readFilmedFluid(file, json);
+  if (json.is_object() && json.contains("DetectorRowCount"))
+    return readAstra(file, json);
   if (json.is_object() && json.contains("frames"))
     return readNerfTransforms(file, json);
-  return fail(ErrorCode::kInvalidData,
-              "{}: no capture; expected \"format\": \"volute-capture-1\", a NeRF transforms.json "
-              "with \"frames\", an info.json with \"train_videos\", or OpenCV's matrices",
-              file.string());
+  return fail(
+      ErrorCode::kInvalidData,
+      "{}: no capture; expected \"format\": \"volute-capture-1\", a NeRF transforms.json "
+      "with \"frames\", an info.json with \"train_videos\", ASTRA's \"cone_vec\", or OpenCV's "
+      "matrices",
+      file.string());
 }
 
 Result<CaptureDraft> readDraft(const std::filesystem::path& file) {

@@ -101,6 +101,8 @@ Json cameraJson(const CaptureCamera& known, double framesPerSecond,
     json["bits"] = pictures.bits;
   if (pictures.black != 0)
     json["black"] = pictures.black;
+  if (pictures.bottomUp)
+    json["bottom_up"] = true;
   return json;
 }
 

@@ -11,6 +11,7 @@
 #include "volute/base/assert.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/base/output_file.hpp"
 #include "volute/grid/rounding_source.hpp"
 #include "volute/io/netcdf_length.hpp"
 #include "volute/io/plugin.hpp"
@@ -208,6 +209,32 @@ class ArrayFileSource final : public RoundingSource {
   double rounding_ = 0;
 };
 
+class ArraySink final : public FrameSink {
+ public:
+  ArraySink(PendingFile file, std::unique_ptr<ArrayWriter> writer, int frames)
+      : file_(std::move(file)), writer_(std::move(writer)), left_(frames) {}
+
+  Status writeFrame(std::span<const float> values) override {
+    VOLUTE_ASSERT(left_ > 0);
+    --left_;
+    return writer_->write(values);
+  }
+
+  Status finish() override {
+    if (left_ > 0) {
+      return fail(ErrorCode::kInvalidArgument, "{}: {} frames are missing", file_.target().string(),
+                  left_);
+    }
+    VOLUTE_TRY(writer_->finish());
+    return file_.commit();
+  }
+
+ private:
+  PendingFile file_;
+  std::unique_ptr<ArrayWriter> writer_;
+  int left_;
+};
+
 }  // namespace
 
 std::optional<NamedArray> namedArray(const std::filesystem::path& input) {
@@ -250,6 +277,21 @@ Result<std::unique_ptr<FrameSource>> openArrayFile(const NamedArray& input,
   auto source = std::make_unique<ArrayFileSource>(chosen, !input.name.empty(), options);
   VOLUTE_TRY(source->open(options));
   return source;
+}
+
+bool isArrayOutput(const std::filesystem::path& output) {
+  static constexpr std::string_view kKinds[] = {".nc", ".nc4", ".h5", ".hdf5"};
+  return std::ranges::find(kKinds, extensionOf(output)) != std::end(kKinds);
+}
+
+Result<std::unique_ptr<FrameSink>> createArraySink(const std::filesystem::path& output,
+                                                   const VolumeInfo& info, double offset) {
+  VOLUTE_TRY(info.validate(output.string()));
+  VOLUTE_ASSIGN(const ArrayPlugin* plugin, loadArrayPlugin());
+  VOLUTE_ASSIGN(auto file, PendingFile::create(output));
+  auto writer = plugin->makeWriter();
+  VOLUTE_TRY(writer->begin(file.path(), output, info, offset));
+  return std::make_unique<ArraySink>(std::move(file), std::move(writer), info.frames);
 }
 
 }  // namespace volute

@@ -57,9 +57,28 @@ class ArrayReader {
                                     double offset, double& rounding) = 0;
 };
 
+/// Writes a sequence as an array with the axes time, z, y, x and c, and coordinates for them, into
+/// a netCDF-4 file, which is one of HDF5.
+class ArrayWriter {
+ public:
+  virtual ~ArrayWriter() = default;
+
+  /// @param target  for messages
+  /// @param offset  values are differences from it, and numbers are written as float64
+  [[nodiscard]] virtual Status begin(const std::filesystem::path& file,
+                                     const std::filesystem::path& target, const VolumeInfo& info,
+                                     double offset) = 0;
+
+  /// The next frame, shape (z, y, x, c).
+  [[nodiscard]] virtual Status write(std::span<const float> values) = 0;
+
+  [[nodiscard]] virtual Status finish() = 0;
+};
+
 /// What a plug-in for files of named arrays offers.
 struct ArrayPlugin {
   std::unique_ptr<ArrayReader> (*makeReader)();
+  std::unique_ptr<ArrayWriter> (*makeWriter)();
 };
 
 /// A file of named arrays, and which of them is meant.
@@ -78,5 +97,13 @@ std::optional<NamedArray> namedArray(const std::filesystem::path& input);
 /// their names give bounds and times.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> openArrayFile(const NamedArray& input,
                                                                  const SourceOptions& options);
+
+/// Whether createArraySink() writes files of this name: .nc, .nc4, .h5 and .hdf5.
+bool isArrayOutput(const std::filesystem::path& output);
+
+/// A sink for one file with all frames, which openArrayFile() reads as they were. The array is
+/// called info.name.
+[[nodiscard]] Result<std::unique_ptr<FrameSink>> createArraySink(
+    const std::filesystem::path& output, const VolumeInfo& info, double offset);
 
 }  // namespace volute

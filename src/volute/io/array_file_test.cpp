@@ -12,6 +12,7 @@
 
 #include "volute/grid/rounding_source.hpp"
 #include "volute/io/testing.hpp"
+#include "volute/io/volume_sink.hpp"
 #include "volute/io/volume_source.hpp"
 
 namespace volute {
@@ -113,6 +114,59 @@ TEST_P(ArrayFile, SaysWhatIsMissingOrUnknown) {
   EXPECT_EQ(failure(placed, ":soot"), "opened");
   placed.grid = "flat";
   EXPECT_THAT(failure(placed, ":soot"), HasSubstr("say one"));
+}
+
+TEST(ArrayOutput, IsReadAsItWasWritten) {
+  const TempFolder folder;
+  for (const auto& [name, channels, offset] :
+       {std::tuple("a.nc", 1, 0.0), std::tuple("a.h5", 3, 0.0), std::tuple("b.nc", 1, 1e6)}) {
+    VolumeInfo info;
+    info.name = "soot";
+    info.unit = "1/m";
+    info.x = 5, info.y = 4, info.z = 18, info.channels = channels, info.frames = 2;
+    info.bounds = {Vec3(-1, 0, 2), Vec3(1, 1, 3)};
+    info.times = {0.5, 2};
+    info.fillDefaults();
+    std::vector<float> values(info.frameValues());
+    const auto valueAt = [](int frame, std::size_t i) {
+      return static_cast<float>(100 * frame) + 0.25F * static_cast<float>(i % 97);
+    };
+    {
+      const auto sink = createSink(folder / name, info, {.offset = offset});
+      ASSERT_TRUE(sink) << sink.error().message;
+      for (int frame = 0; frame < 2; ++frame) {
+        EXPECT_FALSE(std::filesystem::exists(folder / name));
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] = valueAt(frame, i);
+        ASSERT_TRUE((*sink)->writeFrame(values));
+      }
+      ASSERT_TRUE((*sink)->finish());
+    }
+    const auto source = openSource(folder / name, {});
+    ASSERT_TRUE(source) << source.error().message;
+    const VolumeInfo& read = (*source)->info();
+    EXPECT_EQ(read.name, "soot");
+    EXPECT_EQ(read.unit, "1/m");
+    EXPECT_EQ(read.times, info.times);
+    EXPECT_EQ(read.channels, channels);
+    EXPECT_LT(
+        (read.bounds.min - info.bounds.min).norm() + (read.bounds.max - info.bounds.max).norm(),
+        1e-12);
+    ASSERT_TRUE((*source)->readFrame(1, values));
+    for (std::size_t i = 0; i < values.size(); ++i)
+      ASSERT_EQ(values[i], static_cast<float>(offset + valueAt(1, i))) << i;
+  }
+}
+
+TEST(ArrayOutput, SaysWhyItCannotBeWritten) {
+  const TempFolder folder;
+  VolumeInfo info;
+  info.name = "a/b";
+  info.x = info.y = info.z = info.frames = info.channels = 1;
+  info.fillDefaults();
+  const auto sink = createSink(folder / "a.nc", info);
+  ASSERT_FALSE(sink);
+  EXPECT_THAT(sink.error().message, HasSubstr("a.nc"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 TEST(ArrayFile, NoCutFileIsReadAsClearAir) {

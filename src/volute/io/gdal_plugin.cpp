@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <cpl_conv.h>
 #include <cpl_error.h>
+#include <cpl_string.h>
 #include <gdal_priv.h>
 
 #include <algorithm>
@@ -403,6 +404,109 @@ class GdalReader final : public ArrayReader {
   bool backwards_[kAxes] = {};
 };
 
+class GdalWriter final : public ArrayWriter {
+ public:
+  Status begin(const std::filesystem::path& file, const std::filesystem::path& target,
+               const VolumeInfo& info, double offset) override {
+    target_ = target.string();
+    offset_ = offset;
+    CPLErrorReset();
+    GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("netCDF");
+    if (!driver) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: this GDAL has no driver for netCDF, which writes it", target_);
+    }
+    dataset_.reset(driver->CreateMultiDimensional(file.c_str(), nullptr, nullptr));
+    const auto root = dataset_ ? dataset_->GetRootGroup() : nullptr;
+    if (!root)
+      return failed();
+    std::vector<std::shared_ptr<GDALDimension>> dimensions;
+    const auto axis = [&](const char* name, const char* unit, auto size, auto place) -> Status {
+      const auto count = static_cast<std::size_t>(size);
+      const auto dimension = root->CreateDimension(name, "", "", count);
+      const auto doubles = GDALExtendedDataType::Create(GDT_Float64);
+      const ArrayPtr array =
+          dimension && unit ? root->CreateMDArray(name, {dimension}, doubles) : nullptr;
+      if (!dimension || (unit && (!array || !array->SetUnit(unit))))
+        return failed();
+      dimensions.push_back(dimension);
+      size_.push_back(count);
+      if (!unit)
+        return {};
+      std::vector<double> places;
+      for (std::size_t i = 0; i < count; ++i) places.push_back(place(static_cast<double>(i)));
+      const GUInt64 start = 0;
+      return array->Write(&start, &count, nullptr, nullptr, doubles, places.data()) ? Status()
+                                                                                    : failed();
+    };
+    const auto centres = [&](int i, int count) {
+      const double low = info.bounds.min[i], high = info.bounds.max[i];
+      return [=](double at) { return low + (at + 0.5) / count * (high - low); };
+    };
+    const auto time = [&](double at) { return info.times[static_cast<std::size_t>(at)]; };
+    VOLUTE_TRY(axis("time", "s", info.frames, time));
+    VOLUTE_TRY(axis("z", "m", info.z, centres(2, info.z)));
+    VOLUTE_TRY(axis("y", "m", info.y, centres(1, info.y)));
+    VOLUTE_TRY(axis("x", "m", info.x, centres(0, info.x)));
+    if (info.channels > 1)
+      VOLUTE_TRY(axis("c", nullptr, info.channels, time));
+    // Packed by layers, so that a slice reads little, with checksums.
+    std::vector<std::size_t> pieces = size_;
+    pieces[0] = 1;
+    pieces[1] = std::min<std::size_t>(pieces[1], 16);
+    std::string blocks = fmt::format("{}", fmt::join(pieces, ","));
+    CPLStringList options;
+    options.SetNameValue("BLOCKSIZE", blocks.c_str());
+    options.SetNameValue("COMPRESS", "DEFLATE");
+    options.SetNameValue("ZLEVEL", "1");
+    options.SetNameValue("CHECKSUM", "YES");
+    array_ = root->CreateMDArray(
+        info.name.empty() ? "values" : info.name, dimensions,
+        GDALExtendedDataType::Create(offset == 0 ? GDT_Float32 : GDT_Float64), options.List());
+    if (!array_ || (!info.unit.empty() && !array_->SetUnit(info.unit)))
+      return failed();
+    return {};
+  }
+
+  Status write(std::span<const float> values) override {
+    std::vector<GUInt64> start(size_.size(), 0);
+    std::vector<std::size_t> count = size_;
+    start[0] = frame_++, count[0] = 1;
+    std::vector<double> numbers;
+    const void* from = values.data();
+    if (offset_ != 0) {
+      numbers.reserve(values.size());
+      for (const float value : values) numbers.push_back(offset_ + value);
+      from = numbers.data();
+    }
+    CPLErrorReset();
+    const auto type = GDALExtendedDataType::Create(offset_ == 0 ? GDT_Float32 : GDT_Float64);
+    if (!array_->Write(start.data(), count.data(), nullptr, nullptr, type, from))
+      return failed();
+    return {};
+  }
+
+  Status finish() override {
+    CPLErrorReset();
+    array_ = nullptr;
+    dataset_ = nullptr;
+    return CPLGetLastErrorType() >= CE_Failure ? failed() : Status();
+  }
+
+ private:
+  Status failed() const {
+    return fail(ErrorCode::kIo, "{}: cannot be written: {}", target_,
+                gdalSaid("the disk may be full"));
+  }
+
+  std::string target_;
+  std::unique_ptr<GDALDataset> dataset_;
+  ArrayPtr array_;
+  std::vector<std::size_t> size_;  // of the dimensions
+  GUInt64 frame_ = 0;
+  double offset_ = 0;
+};
+
 }  // namespace
 }  // namespace volute
 
@@ -416,6 +520,7 @@ extern "C" const volute::ArrayPlugin* voluteArrayPlugin() {
   CPLSetErrorHandler(CPLQuietErrorHandler);
   GDALAllRegister();
   static constexpr ArrayPlugin kPlugin{
-      []() -> std::unique_ptr<ArrayReader> { return std::make_unique<GdalReader>(); }};
+      []() -> std::unique_ptr<ArrayReader> { return std::make_unique<GdalReader>(); },
+      []() -> std::unique_ptr<ArrayWriter> { return std::make_unique<GdalWriter>(); }};
   return &kPlugin;
 }

@@ -8,6 +8,7 @@
 #include <array>
 
 #include "volute/base/file_name.hpp"
+#include "volute/io/array_file.hpp"
 #include "volute/io/lattice_sink.hpp"
 #include "volute/io/npy.hpp"
 #include "volute/io/plugin.hpp"
@@ -50,13 +51,15 @@ Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& outpu
   const std::string extension = extensionOf(output);
   if (extension == ".npy" || output == "-")
     return NpySink::create(output, info, options.offset);
+  if (isArrayOutput(output))
+    return createArraySink(output, info, options.offset);
   const bool vdb = isVdbPath(output);
   if (!vdb && extension != ".vti" && extension != ".pvd") {
-    return failFor(
-        "output", ErrorCode::kInvalidArgument,
-        "'{}' has an unknown format; expected {}.npy, %04d.vdb, %04d.nvdb, %04d.vti, .pvd or -{}",
-        output.string(), options.orVolute ? ".volute, " : "",
-        extension == ".volute" ? "; volute compress writes .volute files" : "");
+    return failFor("output", ErrorCode::kInvalidArgument,
+                   "'{}' has an unknown format; expected {}.npy, %04d.vdb, %04d.nvdb, %04d.vti, "
+                   ".pvd, .nc, .h5 or -{}",
+                   output.string(), options.orVolute ? ".volute, " : "",
+                   extension == ".volute" ? "; volute compress writes .volute files" : "");
   }
   VOLUTE_ASSIGN(const LatticePlugin* plugin, vdb ? loadVdbWriter() : loadVtkPlugin());
   return createLatticeSink(output, info,

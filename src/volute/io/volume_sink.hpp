@@ -26,7 +26,8 @@ struct SinkOptions {
 /// A sink according to `output`: OUT.npy (float32, (t, z, y, x) or (t, z, y, x, 3)), or "-" for the
 /// same on standard output; a pattern such as smoke_%04d.vdb or smoke_%04d.vti, one file per frame
 /// with its number in the name (a plain name suffices for one frame); OUT.pvd, which writes
-/// OUT_0001.vti, ... and a list of them with their times. The grid or array is called info.name. No
+/// OUT_0001.vti, ... and a list of them with their times; OUT.nc or OUT.h5, which is netCDF-4 in
+/// HDF5 either way. The grid or array is called info.name. No
 /// file appears before finish(). kInvalidArgument, "output: ...", for other names.
 [[nodiscard]] Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& output,
                                                             const VolumeInfo& info,

@@ -525,8 +525,8 @@ std::string describe(const CaptureFault& fault, const Views& views) {
           who, evidence);
     case FaultKind::kFlipped:
       return fmt::format(
-          "{}: flipped: above and below exchanged, the pictures fit {}; flip them "
-          "back, or check the rows of R, for y is down",
+          "{}: flipped: above and below exchanged, the pictures fit {}; set "
+          "\"bottom_up\": true, or check the rows of R, for y is down",
           who, evidence);
     case FaultKind::kUpsideDown:
       return fmt::format(

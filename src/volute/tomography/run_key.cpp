@@ -40,6 +40,8 @@ std::string describe(const CaptureCamera& known) {
   text +=
       fmt::format("{} pictures a frame, exponent {}, error {}, {} bits, black {}\n", pictures.rate,
                   pictures.exponent, known.reprojectionError, pictures.bits, pictures.black);
+  if (pictures.bottomUp)
+    text += "bottom up\n";
   // A table's name does not tell its values.
   for (int i = 0; pictures.response && i <= 64; ++i)
     text += fmt::format("{} ", pictures.response->linear(i / 64.0));

@@ -97,7 +97,8 @@ Command extractCommand() {
       .positionals = {{.name = "IN", .help = "a .volute file, or the .smv of an FDS case"}},
       .options = {outputOption("OUT",
                                ".npy, a pattern %04d.vdb, %04d.nvdb or %04d.vti with the frame's "
-                               "number, or - for a .npy on standard output"),
+                               "number, .pvd, .nc or .h5 (netCDF-4, which is HDF5), or - for a "
+                               ".npy on standard output"),
                   framesOption(),
                   fieldsOption("grids of a file with several; if not given, all; or the source of "
                                "an FDS case",

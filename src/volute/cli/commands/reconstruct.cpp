@@ -403,9 +403,10 @@ std::vector<Option> solverOptions() {
 std::vector<Option> reconstructOptionTable() {
   using enum ValueKind;
   std::vector<Option> options = {
-      outputOption(
-          "OUT", ".volute, .npy (float32, t,z,y,x[,c]), %04d.vdb, %04d.vti, .pvd, or - for a .npy",
-          ".volute"),
+      outputOption("OUT",
+                   ".volute, .npy (float32, t,z,y,x[,c]), .nc, .h5, %04d.vdb, %04d.vti, .pvd, or - "
+                   "for a .npy",
+                   ".volute"),
       {.name = "resolution",
        .kind = kText,
        .value = "N[,N,N]",

@@ -94,7 +94,7 @@ Command resampleCommand() {
       .options = {outputOption(
                       "OUT",
                       ".volute, .npy, a pattern %04d.vdb, %04d.nvdb or %04d.vti with the frame's "
-                      "number, .pvd, or - for a .npy on standard output; with {grid} a "
+                      "number, .pvd, .nc, .h5, or - for a .npy on standard output; with {grid} a "
                       "file for each grid"),
                   fieldsOption("grids of a file with several; if not given, all"),
                   framesOption(),

@@ -146,7 +146,7 @@ Command synthesizeCommand() {
                    .kind = kFile,
                    .value = "OUT",
                    .help = ".npy, .volute, a pattern %04d.vdb or %04d.vti, or - for a .npy on "
-                           "standard output; "
+                           "standard output, .nc, .h5; "
                            "the valley's folder; the hall's .pvd or .smv, the ball's .vtu",
                    .required = true},
                   {.name = "size",

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <Eigen/Geometry>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "volute/capture/importers.hpp"
+#include "volute/capture/json_value.hpp"
+
+namespace volute {
+namespace {
+
+/// A source and a detector as a camera without a lens. The ray of column c and row r, centres at
+/// whole numbers, leaves the source along c u + r v + w; with [u v w] = Q U, Q orthonormal and U
+/// upper triangular, the camera's axes are the columns of Q, and K is the inverse of U.
+Status placeDetector(const JsonValue& row, CameraDraft& camera) {
+  VOLUTE_ASSIGN(const auto numbers, row.numbers(12));
+  const Eigen::Map<const Eigen::Matrix<double, 3, 4>> vectors(numbers.data());
+  const Vec3 source = vectors.col(0), centre = vectors.col(1), u = vectors.col(2);
+  Vec3 v = vectors.col(3);
+  Calibration& calibration = camera.calibration;
+  const double middle = 0.5 * (calibration.height - 1);
+  // Pictures that show the world's up at their last rows have no camera whose y is down.
+  camera.pictures.bottomUp = u.cross(v).dot(centre - source) < 0;
+  if (camera.pictures.bottomUp)
+    v = -v;
+  const Vec3 w = centre - source - 0.5 * (calibration.width - 1) * u - middle * v;
+  Eigen::Matrix3d axes, corner = Eigen::Matrix3d::Zero();
+  axes.col(0) = u.normalized();
+  axes.col(2) = u.cross(v).normalized();
+  axes.col(1) = axes.col(2).cross(axes.col(0));
+  corner.col(0) << u.norm(), 0, 0;
+  corner.col(1) << v.dot(axes.col(0)), v.dot(axes.col(1)), 0;
+  corner.col(2) = axes.transpose() * w;
+  const double distance = corner(2, 2);
+  if (!(corner(0, 0) > 0 && corner(1, 1) > 0 && distance > 1e-9 * (centre - source).norm())) {
+    return row.fault(
+        "expected a source, the middle of a detector that faces it, and two directions along its "
+        "columns and rows");
+  }
+  calibration.K = corner.inverse() * distance;
+  calibration.R = axes.transpose();
+  calibration.t = -(calibration.R * source);
+  return {};
+}
+
+}  // namespace
+
+Result<CaptureDraft> readAstra(const std::filesystem::path& file, const nlohmann::json& json) {
+  const JsonValue root(json, file.string());
+  CaptureDraft draft;
+  draft.kind = "ASTRA";
+  draft.pixelCentre = 0;
+  VOLUTE_ASSIGN(const auto type, root.at("type"));
+  VOLUTE_ASSIGN(const std::string kind, type.text());
+  if (kind != "cone_vec") {
+    return type.fault(
+        fmt::format("is {}; expected cone_vec, as astra.geom_2vec makes it of a cone", kind));
+  }
+  VOLUTE_ASSIGN(const auto rows, root.at("DetectorRowCount"));
+  VOLUTE_ASSIGN(const auto columns, root.at("DetectorColCount"));
+  VOLUTE_ASSIGN(const auto list, root.at("Vectors"));
+  VOLUTE_ASSIGN(const auto vectors, list.items());
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    CameraDraft camera;
+    camera.where = vectors[i].where();
+    camera.name = fmt::format("{:04}", i);
+    VOLUTE_ASSIGN(camera.calibration.height, rows.integer());
+    VOLUTE_ASSIGN(camera.calibration.width, columns.integer());
+    VOLUTE_TRY(placeDetector(vectors[i], camera));
+    draft.cameras.push_back(std::move(camera));
+  }
+  draft.remarks.emplace_back(
+      "lengths of Vectors are taken as metres; ASTRA itself counts in voxels unless told "
+      "otherwise");
+  for (const std::string& key :
+       root.unknownKeys({"type", "DetectorRowCount", "DetectorColCount", "Vectors"}))
+    draft.remarks.push_back(fmt::format("{} is not used", key));
+  return draft;
+}
+
+}  // namespace volute
