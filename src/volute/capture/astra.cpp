@@ -65,6 +65,7 @@ Result<CaptureDraft> readAstra(const std::filesystem::path& file, const nlohmann
     CameraDraft camera;
     camera.where = vectors[i].where();
     camera.name = fmt::format("{:04}", i);
+    camera.calibration.pixelCentre = draft.pixelCentre;
     VOLUTE_ASSIGN(camera.calibration.height, rows.integer());
     VOLUTE_ASSIGN(camera.calibration.width, columns.integer());
     VOLUTE_TRY(placeDetector(vectors[i], camera));

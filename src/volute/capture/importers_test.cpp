@@ -433,7 +433,7 @@ TEST_F(Importers, AstraDetectorsMayBeTilted) {
   for (const double down : {-1.0, 1.0}) {
     nlohmann::json row;
     for (const Vec3& vector : {source, middle, u, Vec3(down * v)})
-      row.insert(row.end(), vector.begin(), vector.end());
+      for (const double number : vector) row.push_back(number);
     json["Vectors"].push_back(row);
   }
   writeText(folder / "cone.json", json.dump());

@@ -466,7 +466,8 @@ Result<bool> isCapture(const std::filesystem::path& path) {
   if (!json.is_object() || scene)
     return false;
   return json.contains("cameras") || json.contains("frames") || json.contains("camera_matrix") ||
-         json.contains("train_videos") || format == "volute-capture-1";
+         json.contains("train_videos") || json.contains("DetectorRowCount") ||
+         format == "volute-capture-1";
 }
 
 std::optional<std::size_t> findCamera(const Capture& capture, const std::string& name) {

@@ -11,17 +11,18 @@
 #include "volute/fds/text_lines.hpp"
 
 namespace volute {
+
+std::string capitals(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  return out;
+}
+
 namespace {
 
 constexpr std::uint64_t kLargestFile = std::uint64_t{1} << 28;
 constexpr int kMaxRepeats = 10000;
 constexpr const char* kMassExtinction = "MASS_EXTINCTION_COEFFICIENT";
-
-std::string capitals(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return out;
-}
 
 bool isWordEnd(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ',' || c == '/' || c == '=' ||

@@ -68,6 +68,9 @@ struct FdsInput {
   [[nodiscard]] static Result<FdsInput> read(const std::filesystem::path& path);
 };
 
+/// Names of Fortran are the same in either case: this one's in capitals.
+std::string capitals(std::string_view text);
+
 /// Of a case; without the file one that says nothing.
 const FdsInput& inputOf(const SmvIndex& index);
 

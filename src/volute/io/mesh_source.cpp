@@ -422,7 +422,7 @@ std::vector<std::vector<std::string>> MeshSource::fieldNames() const {
     names.emplace_back();
     for (const MeshFieldSummary& field : fields) names.back().emplace_back(field.name);
   }
-  if (!instants_.empty() && instants_.front().file.extension() == ".foam") {
+  if (!instants_.empty() && extensionOf(instants_.front().file) == ".foam") {
     for (const double time : times_) names.push_back(foamFields(instants_.front().file, time));
   }
   return names;

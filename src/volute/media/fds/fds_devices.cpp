@@ -40,12 +40,6 @@ std::vector<std::filesystem::path> tablesOf(const SmvIndex& index, std::string_v
   return paths;
 }
 
-std::string capitals(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
-  return out;
-}
-
 /// Some of many names.
 std::string namesOf(const std::set<std::string>& names) {
   std::vector<std::string> shown(names.begin(), names.end());
