@@ -50,8 +50,10 @@ RC_GTEST_PROP(Packing, ContentComesBack, ()) {
   const auto packed = pack({std::as_bytes(std::span(a)), std::as_bytes(std::span(b))});
   RC_ASSERT(packed.size() <= a.size() + b.size() + 1);
   RC_ASSERT(packed.empty() == (a.empty() && b.empty()));
-  if (packed.empty())
+  if (packed.empty()) {
+    RC_ASSERT(unpack(packed, 100).error().code == ErrorCode::kInvalidData);
     return;
+  }
   const auto content = unpack(packed, a.size() + b.size());
   RC_ASSERT(content.has_value());
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(content->data());

@@ -6,8 +6,6 @@
 
 #include <memory>
 
-#include "volute/base/assert.hpp"
-
 namespace volute {
 namespace {
 
@@ -85,7 +83,8 @@ std::vector<std::byte> pack(std::initializer_list<std::span<const std::byte>> pl
 }
 
 Result<std::vector<std::byte>> unpack(std::span<const std::byte> packed, std::uint64_t limit) {
-  VOLUTE_ASSERT(!packed.empty());
+  if (packed.empty())
+    return fail(ErrorCode::kInvalidData, "is empty");
   const std::byte method = packed[0];
   packed = packed.subspan(1);
   if (method == kStored) {

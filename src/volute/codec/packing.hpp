@@ -18,9 +18,9 @@ namespace volute {
 /// gives no bytes.
 std::vector<std::byte> pack(std::initializer_list<std::span<const std::byte>> planes);
 
-/// The content of a packed payload of one byte or more. Refuses one that says it holds more than
-/// `limit` bytes before allocating anything; the messages start with a verb and want a subject from
-/// the caller.
+/// The content of a packed payload. Refuses one without a byte, and one that says it holds more
+/// than `limit` bytes, before allocating anything; the messages start with a verb and want a
+/// subject from the caller.
 [[nodiscard]] Result<std::vector<std::byte>> unpack(std::span<const std::byte> packed,
                                                     std::uint64_t limit);
 
