@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """The figures of the three papers, on synthetic data."""
+import dataclasses
+
 from effects import put_fog
 from descriptions import json_file
 from plan import Build, Chapter, Choice, Drawn, Picture, Section, Step, Wipe
@@ -132,7 +134,9 @@ def fog_steps():
         Step(("papers/coarse/",), "volute synthesize valley -o papers/coarse --pixels 16x9 --size 32"),
         *(coarse_fog(degree) for degree in KINDS),
         *(put_fog(f"papers/fog_level_{n}.png", f"--levels {n} --mu 0", degree=1) for n in range(4)),
-        *(put_fog(f"papers/fog_mu_{mu}.png", f"--levels 3 --mu {mu}", degree=1) for mu in MUS)]
+        # All details, and none of three levels.
+        *(dataclasses.replace(put_fog(f"papers/fog_mu_{mu}.png", f"--levels 3 --mu {mu}", degree=1),
+                              like=("papers/fog_level_0.png", "papers/fog_level_3.png")) for mu in MUS)]
 
 
 def coarse_fog(degree):

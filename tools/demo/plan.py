@@ -24,6 +24,7 @@ class Step:
     work: typing.Callable = None  # work(folder, *arguments), where there is no command
     arguments: tuple = ()
     reads: tuple = ()
+    like: tuple = ()  # pictures that its own may be the same as
 
     @property
     def name(self):
