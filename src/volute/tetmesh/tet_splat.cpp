@@ -239,12 +239,13 @@ void TetSplat::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<
     tile.y0 = static_cast<int>(i) / bins.across() * TetTile::kSide;
     std::ranges::fill(tile.sum, 0.0F);
     tile.bounded = meetsOpaque(view, opaque, tile);
+    if (endsAtEye(view, opaque, tile))
+      return readTile(view, tile, depth.data());
     if (tile.bounded) {
       std::ranges::fill(tile.end, 0.0F);
       bound(view, opaque, tile, [&](int at, float end) { tile.end[at] = end; });
     }
-    if (!endsAtEye(view, opaque, tile))
-      bins.forEach(i, [&](std::span<const BinnedTet> tets) { splatTets(view, mesh, tets, tile); });
+    bins.forEach(i, [&](std::span<const BinnedTet> tets) { splatTets(view, mesh, tets, tile); });
     readTile(view, tile, depth.data());
   });
 }
@@ -305,18 +306,24 @@ void TetSplat::litColor(const Camera& camera, OpaqueDepth opaque, std::span<floa
     LitTile tile;
     tile.x0 = static_cast<int>(i) % bins.across() * LitTile::kSide;
     tile.y0 = static_cast<int>(i) / bins.across() * LitTile::kSide;
+    tile.bounded = meetsOpaque(view, opaque, tile);
+    if (endsAtEye(view, opaque, tile)) {
+      forEachPixel(view, tile, [&](int, int x, int y) {
+        float* out = &rgbt[4 * (static_cast<std::size_t>(y) * view.width + x)];
+        out[0] = out[1] = out[2] = 0, out[3] = 1;
+      });
+      return;
+    }
     std::ranges::fill(tile.numbers, 0.0F);
     tile.fill(LitTile::kLast, 1e37F);
     tile.fill(LitTile::kPassed, 1);
     forEachPixel(view, tile, [&](int at, int x, int y) {
       *tile.at(LitTile::kScale, at) = static_cast<float>(view.rayScale(x, y));
     });
-    tile.bounded = meetsOpaque(view, opaque, tile);
     if (tile.bounded)
       bound(view, opaque, tile, [&](int at, float end) { *tile.at(LitTile::kEnd, at) = end; });
-    if (!endsAtEye(view, opaque, tile))
-      bins.forEach(
-          i, [&](std::span<const BinnedTet> tets) { lightTets(view, mesh, tets, size, tile); });
+    bins.forEach(i,
+                 [&](std::span<const BinnedTet> tets) { lightTets(view, mesh, tets, size, tile); });
     forEachPixel(view, tile, [&](int at, int x, int y) {
       const std::size_t pixel = static_cast<std::size_t>(y) * view.width + x;
       for (int c = 0; c < 3; ++c) rgbt[4 * pixel + c] = *tile.at(LitTile::kLight + c, at);
