@@ -23,8 +23,9 @@ constexpr double kGoneEfolds = 30;  ///< e-folds after which nothing is left
 constexpr int kMaxSteps = 4096;
 constexpr int kMaxParts = 64;         ///< of a step
 constexpr double kPartDepth = 0.125;  ///< optical depth of a part
-constexpr double kPartReach = 0.25;   ///< of the distance from a lamp: a part's length
-constexpr double kStepLost = 1e-4;    ///< of the light that all steps may scatter towards the eye
+constexpr double kPartReach = 0.125;  ///< of the distance from a lamp: a part's length
+constexpr double kRimParts = 16;    ///< on which the soft edge of a cone grows from nothing to all
+constexpr double kStepLost = 1e-4;  ///< of the light that all steps may scatter towards the eye
 
 /// The mean of 1 / max(distance, radius)^2 from a lamp on a part of a ray.
 double meanInverseSquare(const Lamp& lamp, const Segment& ray, double begin, double end) {
@@ -92,7 +93,8 @@ class LitMedium::Ray {
     for (const LightField& field : fields) {
       const Lamp& lamp = field.lamp();
       if (lamp.kind != Lamp::Kind::kSun)  // there the phase jumps
-        nearest_.push_back((lamp.position - segment.origin).dot(segment.direction));
+        turns_.push_back((lamp.position - segment.origin).dot(segment.direction));
+      addRim(lamp);
       cosines_.push_back(-lamp.direction.dot(segment.direction));
       phases_.push_back(henyeyGreenstein(medium.options_.scattering.asymmetry, cosines_.back()));
     }
@@ -115,7 +117,7 @@ class LitMedium::Ray {
         }
       }
     }
-    std::ranges::copy_if(nearest_, std::back_inserter(edges),
+    std::ranges::copy_if(turns_, std::back_inserter(edges),
                          [&](double s) { return s > begin && s < end; });
     std::ranges::sort(edges);
     edges.push_back(end);
@@ -135,12 +137,27 @@ class LitMedium::Ray {
   double cosine(std::size_t lamp) const { return cosines_[lamp]; }
 
  private:
+  /// Where it enters and leaves a spot's cone.
+  void addRim(const Lamp& lamp) {
+    if (lamp.kind == Lamp::Kind::kSun || lamp.coneCosine <= -1)
+      return;
+    // (a + b s)^2 = cos^2 (from + s direction)^2, and the place behind the lamp that does so, too.
+    const Vec3 from = segment_.origin - lamp.position;
+    const double a = from.dot(lamp.direction), b = segment_.direction.dot(lamp.direction);
+    const double square = lamp.coneCosine * lamp.coneCosine;
+    const double p = b * b - square, q = a * b - square * from.dot(segment_.direction);
+    const double root = q * q - p * (a * a - square * from.squaredNorm());
+    if (!(root > 0) || p == 0)
+      return;
+    for (const double sign : {-1.0, 1.0}) turns_.push_back((-q + sign * std::sqrt(root)) / p);
+  }
+
   Segment segment_;
   Interval lit_;
   std::vector<std::vector<Interval>> dark_;
   std::vector<char> reached_;
   std::vector<double> phases_, cosines_;  ///< of suns
-  std::vector<double> nearest_;           ///< to other lamps
+  std::vector<double> turns_;             ///< nearest to other lamps, and at the rims of cones
 };
 
 LitMedium::LitMedium(AnyMedium medium, std::vector<LightField> fields, Options options)
@@ -346,6 +363,12 @@ void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, Radiance
       count = std::max(count, static_cast<int>(std::min(
                                   length / (kPartReach * std::max(distance, lamp.radius)), 1e3)) +
                                   1);
+    }
+    if (!sun && lamp.coneCosine > -1) {  // at a soft rim
+      const auto [low, high] =
+          std::minmax({lamp.coneShare(step.at(step.begin)), lamp.coneShare(step.at(middle)),
+                       lamp.coneShare(step.at(step.end))});
+      count = std::max(count, 1 + static_cast<int>(kRimParts * (high - low)));
     }
     count = std::min(count, kMaxParts);
     double passed = 1, share = 0;

@@ -131,6 +131,31 @@ TEST(LitMedium, FastPathIsTheIntegralOfItsFormula) {
     EXPECT_NEAR(fast[i].emitted[0], expected[i], 5e-3 * brightest) << i;
 }
 
+TEST(LitMedium, FastPathFollowsTheSoftRimOfACone) {
+  Lamp lamp = lampAt(Vec3(1, 2, 3));
+  lamp.coneCosine = 0.9, lamp.edge = 0.1, lamp.direction = Vec3(0.3, 0.4, -1).normalized();
+  const LitMedium medium = lit({&lamp, 1}, {.albedo = Rgb::Constant(0.9)});
+  auto rays = raysAround(lamp.position + 6 * lamp.direction);
+  std::vector<Radiance> fast(rays.size());
+  medium.radiance(rays, fast);
+  std::vector<double> expected;
+  for (const Segment& ray : rays) {
+    const Interval in = EvenBox().inside(ray);
+    double sum = 0;
+    constexpr int kSteps = 20000;
+    for (int k = 0; k < kSteps; ++k) {
+      const double s = in.begin + in.length() * (k + 0.5) / kSteps;
+      const double far = (ray.at(s) - lamp.position).norm();
+      sum += kEven * 0.9 / (4 * kPi) * lamp.irradiance(ray.at(s))[0] *
+             std::exp(-kEven * (far + s - in.begin)) * in.length() / kSteps;
+    }
+    expected.push_back(sum);
+  }
+  const double brightest = *std::ranges::max_element(expected);
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    EXPECT_NEAR(fast[i].emitted[0], expected[i], 5e-3 * brightest) << i;
+}
+
 TEST(LitMedium, FastPathIsThatOfItsPieces) {
   const Lamp lamps[] = {lampAt(Vec3(0, 0, 0)), lampAt(Vec3(1, 0.5, 2), Rgb(30, 30, 60)),
                         lampAt(Vec3(-1, 1, 3))};
