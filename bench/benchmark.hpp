@@ -75,6 +75,7 @@ std::span<const Benchmark> benchmarks();
 [[nodiscard]] Status benchFog(const BenchInput& input, BenchRows& rows, Progress& progress);
 /// In builds with OpenGL.
 [[nodiscard]] Status benchGl(const BenchInput& input, BenchRows& rows, Progress& progress);
+[[nodiscard]] Status benchLight(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchTomography(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchSmoke(const BenchInput& input, BenchRows& rows, Progress& progress);
 [[nodiscard]] Status benchSparse(const BenchInput& input, BenchRows& rows, Progress& progress);

@@ -11,6 +11,10 @@ std::span<const Benchmark> benchmarks() {
        "CPU time, against zfp 4D's (of all threads, per second, against one)",
        benchCodec},
       {"fog", "painted fog over a valley: exact walk, polar table, details, one thread", benchFog},
+      {"light",
+       "every kind of light on every kind of medium: largest differences from brute force in "
+       "double, of the brightest pixel",
+       benchLight},
       {"tomography", "reconstruction of a made-up fire from 8 views: quality of the methods",
        benchTomography},
       {"smoke",
