@@ -4,6 +4,7 @@
 import csv
 import json
 import os
+import re
 import signal
 import stat
 import subprocess
@@ -197,6 +198,47 @@ class Streams(support.TestCase):
         shell = " ".join(f"'{word}'" for word in command)
         done = subprocess.run(["bash", "-c", f"{shell} '{self.path('out9')}' --signs <(echo '{signs}')"], stderr=subprocess.PIPE)
         self.assertEqual(done.returncode, 0, done.stderr)
+
+    def piped(self, shell):
+        done = subprocess.run(["bash", "-c", re.sub(r"(?<![.\w])volute ", f"'{support.PROGRAM}' ", shell)], cwd=self.folder, capture_output=True, text=True,
+                              env=os.environ | {"TMPDIR": str(self.path("tmp"))})
+        self.assertEqual(self.path("tmp").exists() and list(self.path("tmp").iterdir()), [], "what came through the pipe is still there")
+        return done
+
+    def test_volumes_come_through_pipes(self):
+        self.path("tmp").mkdir()
+        volume = self.make_volute()
+        self.works("extract", volume, "-o", self.path("v.npy"))
+        self.works("extract", volume, "-o", self.path("v_%04d.vdb"))
+        self.works("render", self.path("v.npy"), "-o", self.path("file.png"), "--size", "24x18")
+        sight_cases.write_vtu(self.path("a.vtu"), (4, 4, 3), (2, 2, 2), lambda x, y, z: 0.1 + x)
+        for name in (volume.name, "v.npy", "v_0000.vdb", "a.vtu", "file.png"):
+            plain, piped = self.piped(f"volute info --json {name}"), self.piped(f"cat {name} | volute info --json -")
+            if "this build" in plain.stderr:
+                continue
+            self.assertEqual(piped.returncode, 0, piped.stderr)
+            said = [json.loads(done.stdout) for done in (plain, piped)]
+            for one in said:
+                one.pop("file"), one.pop("remarks", 0)
+            self.assertEqual(*said)
+            self.assertRegex(piped.stderr, "standard input: .* of .*, kept in .*/tmp/volute-")
+        for words in ("cat v.npy | volute render -", "volute render /dev/stdin < v.npy", "volute render <(cat v.npy)", "cat v.npy | volute render /proc/self/fd/0"):
+            done = self.piped(f"{words} -o pipe.png --size 24x18 --quiet")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(self.path("pipe.png").read_bytes(), self.path("file.png").read_bytes())
+        self.assertEqual(self.piped(f"volute compare - v.npy < {volume.name} --quiet").returncode, 0)
+        self.assertEqual(self.piped(f"volute compare <(cat {volume.name}) <(cat v.npy) --quiet").returncode, 0)
+        self.assertEqual(self.piped("cat v.npy | volute compress - -o a.volute --quiet").returncode, 0)
+        # A scene finds its files when it is redirected, and not through a pipe.
+        self.path("scene.json").write_text(json.dumps({"format": "volute-scene-2", "media": [{"kind": "volume", "file": "v.npy"}]}))
+        self.assertEqual(self.piped("volute render - -o b.png --size 24x18 --quiet < scene.json").returncode, 0)
+        for shell, said in (("cat scene.json | volute render - -o b.png", "is JSON, which names files beside it"),
+                            ("true | volute info -", "is empty"), ("echo hello | volute info -", "of no kind that is known"),
+                            ("cat v.npy | volute compare - -", "named twice"), ("volute info - < /dev/null", "a terminal or a device"),
+                            ("head -c 300 v.npy | volute info -", "fewer than its header says"), ("volute info - <&-", "a terminal or a device|cannot be read")):
+            done = self.piped(shell)
+            self.assertIn(done.returncode, (1, 2), shell)
+            self.assertRegex(done.stderr, said)
 
     def test_closed_streams(self):
         volume = self.make_volute()

@@ -24,6 +24,8 @@ class Arguments {
 
   void addPositional(std::string text) { positionals_.push_back(std::move(text)); }
 
+  void setPositional(std::size_t index, std::string text) { positionals_[index] = std::move(text); }
+
   /// True when the user wrote the option; a default does not count.
   bool given(std::string_view name) const {
     const auto found = values_.find(name);

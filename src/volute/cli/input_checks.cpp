@@ -5,7 +5,6 @@
 #include <set>
 
 #include "volute/base/file_name.hpp"
-#include "volute/base/input_file.hpp"
 #include "volute/base/leftovers.hpp"
 #include "volute/base/read_files.hpp"
 #include "volute/io/named_files.hpp"
@@ -24,23 +23,6 @@ Status checkOne(std::string_view option, const std::string& output, const std::s
 }
 
 }  // namespace
-
-Status takePipes(const Command& command, Arguments& arguments) {
-  for (const std::string& input : arguments.positionals()) VOLUTE_TRY(InputFile::spool(input));
-  for (const Option& option : command.options) {
-    if (option.kind != ValueKind::kFile || option.several || option.name == "output")
-      continue;
-    auto file = arguments.findGiven<std::string>(option.name);
-    if (!file)
-      continue;
-    if (*file == "-") {
-      file = "/dev/stdin";
-      arguments.set(option.name, *file, true);
-    }
-    VOLUTE_TRY(InputFile::spool(*file));
-  }
-  return {};
-}
 
 Status checkNothingOverwritten(const Command& command, const Arguments& arguments) {
   std::vector<std::pair<std::string_view, std::string>> outputs;

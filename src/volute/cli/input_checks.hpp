@@ -8,9 +8,6 @@
 
 namespace volute::cli {
 
-/// Makes files of pipes that are named as inputs: /dev/stdin, "-" for an option's file, and <(...).
-[[nodiscard]] Status takePipes(const Command& command, Arguments& arguments);
-
 /// kInvalidArgument where an output is one of the files that are read, under whatever name: a
 /// positional, an option's file, or what a positional .json names (a scene's maps, a capture's
 /// masks). Patterns count when they are the same; project checks each of its pictures besides.

@@ -58,6 +58,7 @@ struct Positional {
   std::string_view help = {};
   bool several = false;
   bool optional = false;
+  bool file = true;  ///< a file's name
 };
 
 /// Options of which at most one, or exactly one, may be given.

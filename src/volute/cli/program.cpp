@@ -25,6 +25,7 @@
 #include "volute/cli/help.hpp"
 #include "volute/cli/input_checks.hpp"
 #include "volute/cli/parse.hpp"
+#include "volute/cli/piped_input.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cluster/cluster.hpp"
 #include "volute/cluster/rank_streams.hpp"
@@ -84,8 +85,9 @@ Status flushResults() {
 
 /// Exceptions that a library let through end the command, not the program without a word.
 Status runGuarded(const Command& command, Arguments& arguments, Context& context) {
+  PipedInputs piped;
   try {
-    VOLUTE_TRY(takePipes(command, arguments));
+    VOLUTE_TRY(piped.take(command, arguments, context));
     VOLUTE_TRY(checkNothingOverwritten(command, arguments));
     VOLUTE_TRY(checkNamedFiles(command, arguments, context));
     remarkOnLeftovers(command, arguments, context);

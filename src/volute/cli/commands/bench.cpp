@@ -27,8 +27,11 @@ Command benchCommand() {
           "benchmarks run. tools/codec_plot.py plots the output of `bench codec --json`.\n\nThe "
           "benchmarks are a separate program, volute-bench, beside volute; `./dev bench` builds "
           "and runs it.",
-      .positionals =
-          {{.name = "NAME", .help = "which benchmarks to run", .several = true, .optional = true}},
+      .positionals = {{.name = "NAME",
+                       .help = "which benchmarks to run",
+                       .several = true,
+                       .optional = true,
+                       .file = false}},
       .options = {{.name = "input",
                    .kind = ValueKind::kFile,
                    .value = "VOLUME",

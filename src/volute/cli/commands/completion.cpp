@@ -31,7 +31,7 @@ Command completionCommand() {
       .examples = {"source <(volute completion bash)", "volute completion zsh > ~/.zfunc/_volute",
                    "volute completion fish > ~/.config/fish/completions/volute.fish"},
       .description = "The script is made from the same tables as the help.",
-      .positionals = {{.name = "SHELL", .help = "bash, zsh or fish"}},
+      .positionals = {{.name = "SHELL", .help = "bash, zsh or fish", .file = false}},
       .run = runCompletion};
 }
 

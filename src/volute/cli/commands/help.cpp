@@ -29,7 +29,10 @@ Command helpCommand() {
           .summary = "Shows the help of a command",
           .examples = {"volute help compress"},
           .description = "Without a name, it lists the commands.",
-          .positionals = {{.name = "COMMAND", .help = "the command to explain", .optional = true}},
+          .positionals = {{.name = "COMMAND",
+                           .help = "the command to explain",
+                           .optional = true,
+                           .file = false}},
           .run = runHelp};
 }
 

@@ -140,7 +140,9 @@ Command synthesizeCommand() {
           "times, --interval apart, or as an FDS case (-o hall.smv) with its burner, soot, "
           "temperature, CO, CO2 and O2; for volute render and volute visibility. It is a formula, "
           "not a simulation. ball is a ball of the same smoke in a box, one .vtu file.",
-      .positionals = {{.name = "KIND", .help = "fire, flame, smoke, puffs, valley, hall or ball"}},
+      .positionals = {{.name = "KIND",
+                       .help = "fire, flame, smoke, puffs, valley, hall or ball",
+                       .file = false}},
       .options = {{.name = "output",
                    .letter = 'o',
                    .kind = kFile,
