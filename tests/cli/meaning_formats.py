@@ -109,8 +109,53 @@ def volumes(folder):
             f'<DataArray type="Float32" Name="density" format="ascii">{numbers}</DataArray></CellData></Piece></ImageData></VTKFile>\n')
     (folder / "v.pvd").write_text('<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"><Collection>\n' + "".join(
         f'<DataSet timestep="{2 * i}" part="0" file="v_{i:04d}.vti"/>\n' for i in range(3)) + "</Collection></VTKFile>\n")
+    (folder / "a.nc").write_bytes(netcdf())
     support.volute("compress", folder / "a.npy", "-o", folder / "a.volute", "--max-error", "1e-4", "--quiet")
     support.volute("extract", folder / "a.volute", "-o", folder / "d_%04d.vdb", "--quiet")
+
+
+def netcdf(order="tzyx", sizes=(3, 4, 5, 6), units=None, names=None, attributes=None, change=None, left_out=(), places=None, more=(), kind="f", extra=()):
+    """A classic netCDF file: `soot` of 3 x 4 x 5 x 6 numbers with coordinates; `order` of its dimensions, `units` and `names` of them and of the
+    array by letter (s: soot), `change` of its numbers, `places` of coordinates, `extra` attributes of soot."""
+    units = {"t": "s", "z": "m", "y": "m", "x": "m", "s": "1/m"} | (units or {})
+    names = {"t": "time", "z": "z", "y": "y", "x": "x", "s": "soot"} | (names or {})
+    codes = {"c": 2, "h": 3, "i": 4, "f": 5, "d": 6}
+    padded = lambda data: data + b"\0" * (-len(data) % 4)
+    text = lambda value: struct.pack(">i", len(value.encode())) + padded(value.encode())
+    numbers = lambda code, values: padded(struct.pack(f">{len(values)}{code}", *values))
+    size = dict(zip("tzyx", sizes))
+    places = {"t": [2.0 * i for i in range(3)], **{axis: [0.25 + 0.5 * i for i in range(size[axis])] for axis in "zyx"}} | (places or {})
+    value = lambda at: 0.5 + 0.1 * at["t"] + 0.02 * at["z"] + 0.005 * at["y"] + 0.001 * at["x"]
+    values = []
+
+    def fill(at, rest):
+        if not rest:
+            values.append(value(at))
+            return
+        for i in range(size[rest[0]]):
+            fill(at | {rest[0]: i}, rest[1:])
+    fill({}, order)
+    values = change(values) if change else values
+    arrays = [(names[axis], [axis], {"units": ("c", units[axis])}, "d", places[axis]) for axis in "tzyx" if axis not in left_out]
+    arrays += [(name, list(order), {}, "f", values) for name in more]
+    arrays.append((names["s"], list(order), {"units": ("c", units["s"])} | dict(extra), kind, values))
+
+    def head(begins):
+        out = b"CDF\1" + struct.pack(">iii", 0, 10, 4) + b"".join(text(names[axis]) + struct.pack(">i", size[axis]) for axis in "tzyx")
+        out += struct.pack(">iiii", 0, 0, 11, len(arrays))
+        for (name, axes, said, code, held), begin in zip(arrays, begins):
+            said = {key: one for key, one in said.items() if one[1] not in (None, "")}
+            out += text(name) + struct.pack(f">i{len(axes)}i", len(axes), *("tzyx".index(axis) for axis in axes))
+            out += struct.pack(">ii", 12 if said else 0, len(said))
+            for key, (its, one) in said.items():
+                out += text(key) + struct.pack(">i", codes[its]) + (text(one) if its == "c" else struct.pack(">i", len(one)) + numbers(its, one))
+            out += struct.pack(">iii", codes[code], len(numbers(code, held)), begin)
+        return out
+    begins, at = [], len(head([0] * len(arrays)))
+    for *_, code, held in arrays:
+        begins.append(at)
+        at += len(numbers(code, held))
+    return head(begins) + b"".join(numbers(code, held) for *_, code, held in arrays)
 
 
 def scene(folder):

@@ -369,6 +369,42 @@ NPY = {
     "length": [("a value too few", lambda d: d[:-4], False), ("a value too many", lambda d: d + d[-4:], False)],
     "name": [("complex", npy("'<f4'", "'<c8'"), False), ("text", npy("'<f4'", "'<U1'"), False)],
 }
+def nc(**said):
+    return lambda data: meaning_formats.netcdf(**said)
+
+
+def scaled(factor, axes="x"):
+    return {axis: [factor * (0.25 + 0.5 * i) for i in range(6)][:dict(z=4, y=5, x=6).get(axis, 3)] for axis in axes}
+
+
+ABOVE = {"z": [1.75 - 0.5 * i for i in range(4)]}
+NC = {
+    "unit": [("places in cm", nc(units=dict(x="cm", y="cm", z="cm"), places=scaled(100, "xyz")), True),
+             ("in furlongs", nc(units=dict(x="furlong")), False), ("times in minutes", nc(units=dict(t="minutes since 2020-01-01"),
+              places={"t": [0.0, 2 / 60, 4 / 60]}), True), ("times of fortnights", nc(units=dict(t="fortnights")), False),
+             ("degrees", nc(units=dict(x="degrees_east", y="degrees_north")), False)],
+    "order": [("x first", nc(order="xyzt"), True), ("time last", nc(order="zyxt"), True), ("z from above", nc(places=ABOVE), None)],
+    "fill": [("of netCDF", nc(change=lambda v: [NETCDF] + v[1:]), False), ("_FillValue", nc(change=lambda v: [-9999] + v[1:], extra=[("_FillValue", ("f", [-9999.0]))]), False),
+             ("missing_value", nc(change=lambda v: [-9999] + v[1:], extra=[("missing_value", ("f", [-9999.0]))]), False),
+             ("two missing values", nc(change=lambda v: [-8888, -9999] + v[2:], extra=[("missing_value", ("f", [-9999.0, -8888.0]))]), False),
+             ("beyond valid_range", nc(change=lambda v: [500.0] + v[1:], extra=[("valid_range", ("f", [0.0, 10.0]))]), False),
+             ("beyond valid_max", nc(change=lambda v: [500.0] + v[1:], extra=[("valid_max", ("f", [10.0]))]), False),
+             ("nan", nc(change=lambda v: [float("nan")] + v[1:]), False)],
+    "duplicate": [("another array", nc(more=["other"]), False), ("an axis twice", nc(names=dict(y="X")), False)],
+    "missing": [("the coordinate x", nc(left_out="x"), None), ("the times", nc(left_out="t"), None), ("names of axes", nc(names=dict(z="a", y="b", x="c")), False)],
+    "scale": [("packed", nc(kind="h", change=lambda v: [round(1000 * one) for one in v], extra=[("scale_factor", ("d", [0.001]))]), True),
+              ("packed with an offset", nc(kind="h", change=lambda v: [round(1000 * one) - 700 for one in v],
+               extra=[("scale_factor", ("d", [0.001])), ("add_offset", ("d", [0.7]))]), True),
+              ("places in mm that do not say so", nc(places=scaled(1000, "xyz")), False), ("a factor of 0", nc(extra=[("scale_factor", ("d", [0.0]))]), False),
+              ("a factor of text", nc(extra=[("scale_factor", ("c", "0.001"))]), False)],
+    "sign": [("unsigned", nc(kind="h", change=lambda v: [round(50000 * one) - 65536 * (one > 0.65535) for one in v],
+             extra=[("scale_factor", ("d", [2e-5])), ("_Unsigned", ("c", "true"))]), True)],
+    "time": [("going back", nc(places={"t": [0.0, 4.0, 2.0]}), False), ("a time twice", nc(places={"t": [0.0, 2.0, 2.0]}), False)],
+    "axis": [("uneven places", nc(places={"x": [0.25, 0.75, 1.25, 1.75, 2.25, 9.0]}), False), ("places of 0", nc(places={"x": [0.0] * 6}), False)],
+    "case": [("names in capitals", nc(names=dict(t="TIME", z="Z", y="Y", x="X")), True), ("Height for z", nc(names=dict(z="Height")), True)],
+    "length": [("cut off", lambda d: d[:-9], False), ("bytes behind", lambda d: d + b"more", True)],
+    "name": [("another name of the array", nc(names=dict(s="rauch")), True), ("300 letters", nc(names=dict(s="s" * 300)), None)],
+}
 PNG = {
     "unit": [("linear by gAMA", chunk(b"gAMA", (100000).to_bytes(4, "big")), None), ("a curve of video by cICP", chunk(b"cICP", bytes([9, 16, 0, 1])), False)],
     "fill": [("a transparent colour", chunk(b"tRNS", bytes([0, 50, 0, 50, 0, 50])), None)],
@@ -448,6 +484,7 @@ FORMATS = [
     Format(".npy", "bytes", "volumes", "a.npy", VOLUME.format("a.npy"), "out.npy", NPY),
     Format(".npz", "bytes", "volumes", "a.npz", VOLUME.format("a.npz"), "out.npy", {"length": [("cut off", lambda d: d[:-9], False)],
            "fill": [("a changed byte", lambda d: d[:201] + bytes([d[201] ^ 64]) + d[202:], False)]}),
+    Format("netCDF array", "bytes", "volumes", "a.nc", VOLUME.format("a.nc"), "out.npy", NC),
     Format(".volute", "bytes", "volumes", "a.volute", "extract a.volute -o out.npy", "out.npy", VOLUTE),
     Format(".vdb in a series", "bytes", "volumes", "d_0001.vdb", VOLUME.format("d_%04d.vdb"), "out.npy", VDB),
     Format("scene: camera", "json", "scene", "all.json", SCENE, "out.png", {"at": ("camera",), "number": "eye", "needed": "target"}),
@@ -494,6 +531,7 @@ UNKNOWABLE = {
     ("criteria.json", "scale", "*"): "the limit is printed with the verdict",
     ("criteria.json", "fill", "*"): "the limit is printed with the verdict",
     ("scene: light", "scale", "*"): "a direction has no length",
+    ("netCDF array", "scale", "places in mm that do not say so"): NUMBERS,
     (".vti", "scale", "another spacing than the first frame's"): "each frame may have a lattice of its own",
     (".vti", "axis", "a direction"): "each frame may have a lattice of its own",
     ("json", "scale", "*"): NUMBERS,

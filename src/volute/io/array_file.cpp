@@ -10,9 +10,9 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/file_name.hpp"
-#include "volute/base/input_file.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/grid/rounding_source.hpp"
+#include "volute/io/grid_choice.hpp"
 #include "volute/io/netcdf_length.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
@@ -122,15 +122,9 @@ class ArrayFileSource final : public RoundingSource {
   const VolumeInfo& info() const override { return info_; }
 
   std::vector<std::string> otherGrids() const override {
-    std::vector<std::string> names;
     if (named_)  // that one is meant, whatever stands beside it
-      return names;
-    for (std::string_view rest = facts_.others; !rest.empty();) {
-      const std::size_t end = std::min(rest.find(", "), rest.size());
-      names.emplace_back(rest.substr(0, end));
-      rest.remove_prefix(std::min(end + 2, rest.size()));
-    }
-    return names;
+      return {};
+    return namesOfGrids(facts_.others);
   }
 
   Status readFrame(int index, std::span<float> values) override {
@@ -258,13 +252,14 @@ std::optional<NamedArray> namedArray(const std::filesystem::path& input) {
 Result<std::unique_ptr<FrameSource>> openArrayFile(const NamedArray& input,
                                                    const SourceOptions& options) {
   std::error_code error;
-  if (!std::filesystem::is_directory(input.file, error)) {
-    VOLUTE_ASSIGN(const auto file, InputFile::open(input.file));
-    std::array<char, 3> magic{};
-    if (file.size() >= magic.size())
-      VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(magic))));
-    if (std::string_view(magic.data(), magic.size()) == "CDF")
-      VOLUTE_TRY(checkNetcdfLength(input.file));
+  if (!std::filesystem::is_directory(input.file, error))
+    VOLUTE_TRY(checkNetcdfLength(input.file, true));
+  if (std::filesystem::exists(input.file / "zarr.json", error)) {
+    return fail(ErrorCode::kUnsupported,
+                "{0}: is of Zarr's format 3; expected format 2, or let Python read it: "
+                "volute.compress(zarr.open(\"{0}\")[\"{1}\"], \"{2}.volute\")",
+                input.file.string(), input.name.empty() ? "name" : input.name,
+                input.file.stem().string());
   }
   NamedArray chosen = input;
   if (!options.grid.empty() && !chosen.name.empty() && options.grid != chosen.name) {

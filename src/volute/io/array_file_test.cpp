@@ -18,6 +18,7 @@
 namespace volute {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using namespace testing;
@@ -33,6 +34,16 @@ TEST(NamedArray, IsSplitWhereTheFilesNameEnds) {
   EXPECT_EQ(text("we:ird.nc:so:ot"), "we:ird.nc|so:ot");
   EXPECT_EQ(text("run.nc:"), "none");
   EXPECT_EQ(text("run.npy"), "none");
+}
+
+TEST(NamedArray, OfZarr3SaysWhatReadsIt) {
+  const TempFolder folder;
+  std::filesystem::create_directory(folder / "three.zarr");
+  writeBytes(folder / "three.zarr/zarr.json", "{\"zarr_format\": 3, \"node_type\": \"group\"}");
+  const auto opened = openArrayFile({folder / "three.zarr", "soot"}, {});
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().message,
+              AllOf(HasSubstr("format 3"), HasSubstr("[\"soot\"], \"three.volute\")")));
 }
 
 #if VOLUTE_HAS_GDAL

@@ -23,6 +23,7 @@
 namespace volute {
 namespace {
 
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kAxes = 5;  // t, z, y, x, c
 constexpr std::string_view kAxisNames[kAxes] = {"t", "z", "y", "x", "c"};
 
@@ -153,21 +154,10 @@ class GdalReader final : public ArrayReader {
     otherGrids(entries, index, ArrayFacts::kMaxText).copy(facts.others, ArrayFacts::kMaxText);
     VOLUTE_TRY(settleAxes(facts));
     const GDALDataType type = array_->GetDataType().GetNumericDataType();
-    bool known = false;
-    scale_ = array_->GetScale(&known);
-    if (!known)
-      scale_ = numberOf("scale_factor").value_or(1);
-    offset_ = array_->GetOffset(&known);
-    if (!known)
-      offset_ = numberOf("add_offset").value_or(0);
+    VOLUTE_TRY(settleNumbers(type));
     asFloats_ = type == GDT_Float32 && scale_ == 1 && offset_ == 0;
     facts.rounded =
         !asFloats_ && (GDALGetDataTypeSizeBytes(type) >= 4 || scale_ != 1 || offset_ != 0);
-    fill_ = array_->GetNoDataValueAsDouble(&known);
-    if (!known)
-      fill_ = numberOf("_FillValue").value_or(0);
-    if (fill_ == 0)  // what arrays begin with unless it is said
-      fill_ = std::numeric_limits<double>::quiet_NaN();
     if (place)
       VOLUTE_TRY(placeBy(facts));
     VOLUTE_ASSIGN(const auto all, times());
@@ -218,15 +208,19 @@ class GdalReader final : public ArrayReader {
       const auto part = values.subspan(row * done, row * some);
       if (asFloats_) {
         VOLUTE_TRY(readPart(frame, firstLayer + done, some, GDT_Float32, part.data()));
-        std::ranges::replace(part, static_cast<float>(fill_),
-                             std::numeric_limits<float>::quiet_NaN());
+        for (float& number : part) {
+          if (isMissing(number))
+            number = std::numeric_limits<float>::quiet_NaN();
+        }
         continue;
       }
       doubles.resize(part.size());
       VOLUTE_TRY(readPart(frame, firstLayer + done, some, GDT_Float64, doubles.data()));
       for (double& number : doubles) {
-        number =
-            number == fill_ ? std::numeric_limits<double>::quiet_NaN() : scale_ * number + offset_;
+        if (number < 0)
+          number += wrap_;
+        number = isMissing(number) ? std::numeric_limits<double>::quiet_NaN()
+                                   : scale_ * number + offset_;
       }
       constexpr bool kBig = std::endian::native == std::endian::big;
       const auto beyond =
@@ -253,12 +247,73 @@ class GdalReader final : public ArrayReader {
                                           dimension.GetName());
   }
 
-  /// An attribute that GDAL's drivers for HDF5 and Zarr leave to whoever asks.
-  std::optional<double> numberOf(const char* name) const {
+  /// The numbers of an attribute; none where it is not there.
+  Result<std::vector<double>> numbersOf(const char* name) const {
     const auto attribute = array_->GetAttribute(name);
-    if (!attribute || attribute->GetDataType().GetClass() != GEDTC_NUMERIC)
-      return std::nullopt;
-    return attribute->ReadAsDouble();
+    if (!attribute)
+      return std::vector<double>();
+    if (attribute->GetDataType().GetClass() != GEDTC_NUMERIC) {
+      return fail(ErrorCode::kInvalidData, "{}: '{}' of '{}' is text; expected numbers", file_,
+                  name, array_->GetName());
+    }
+    return attribute->ReadAsDoubleArray();
+  }
+
+  /// What a stored number means, and which mean that nothing is there: GDAL's drivers for HDF5 and
+  /// Zarr leave that to whoever asks, and none knows of valid ranges and of what netCDF fills with.
+  Status settleNumbers(GDALDataType type) {
+    bool known = false;
+    scale_ = array_->GetScale(&known);
+    VOLUTE_ASSIGN(const auto scale, numbersOf("scale_factor"));
+    if (!known && !scale.empty())
+      scale_ = scale.front();
+    offset_ = array_->GetOffset(&known);
+    VOLUTE_ASSIGN(const auto offset, numbersOf("add_offset"));
+    if (!known && !offset.empty())
+      offset_ = offset.front();
+    if (scale_ == 0 || !std::isfinite(scale_) || !std::isfinite(offset_)) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: the numbers of '{}' are scaled by {} and moved by {}; expected finite "
+                  "numbers, the first of them not 0",
+                  file_, array_->GetName(), scale_, offset_);
+    }
+    VOLUTE_ASSIGN(missing_, numbersOf("missing_value"));
+    VOLUTE_ASSIGN(const auto fill, numbersOf("_FillValue"));
+    missing_.insert(missing_.end(), fill.begin(), fill.end());
+    const double none = array_->GetNoDataValueAsDouble(&known);
+    if (known)
+      missing_.push_back(none);
+    std::erase(missing_, 0.0);  // what arrays begin with unless it is said
+    isFloat_ = type == GDT_Float32 || type == GDT_Float64;
+    constexpr double kFloat = 9.9692099683868690e+36, kInt16 = -32767, kInt32 = -2147483647;
+    if (isFloat_)
+      missing_.push_back(kFloat);
+    const bool netcdf = std::string_view(dataset_->GetDriver()->GetDescription()) == "netCDF";
+    if (netcdf && fill.empty() && !known && (type == GDT_Int16 || type == GDT_Int32))
+      missing_.push_back(type == GDT_Int16 ? kInt16 : kInt32);
+    VOLUTE_ASSIGN(auto range, numbersOf("valid_range"));
+    VOLUTE_ASSIGN(const auto least, numbersOf("valid_min"));
+    VOLUTE_ASSIGN(const auto most, numbersOf("valid_max"));
+    range.resize(range.size() == 2 ? 2 : 0);
+    low_ = !least.empty() ? least.front() : !range.empty() ? range[0] : -kInfinite;
+    high_ = !most.empty() ? most.front() : !range.empty() ? range[1] : kInfinite;
+    const auto isUnsigned = array_->GetAttribute("_Unsigned");
+    const char* said = isUnsigned ? isUnsigned->ReadAsString() : nullptr;
+    wrap_ = !isFloat_ && said && lower(said) == "true"
+                ? std::exp2(8.0 * GDALGetDataTypeSizeBytes(type))
+                : 0;
+    for (double& number : missing_) number += number < 0 ? wrap_ : 0;
+    return {};
+  }
+
+  bool isMissing(double number) const {
+    // A file may state doubles about floats.
+    const auto rounded = [&](double one) {
+      return isFloat_ ? static_cast<double>(static_cast<float>(one)) : one;
+    };
+    const double its = rounded(number);
+    return its < rounded(low_) || its > rounded(high_) ||
+           std::ranges::any_of(missing_, [&](double one) { return its == rounded(one); });
   }
 
   /// Which dimension is which axis.
@@ -399,8 +454,12 @@ class GdalReader final : public ArrayReader {
   std::shared_ptr<GDALGroup> root_;
   ArrayPtr array_;
   bool asFloats_ = false;
-  double scale_ = 1, offset_ = 0, fill_ = 0;  // of the stored numbers
-  int at_[kAxes] = {};                        // the dimension of each axis; -1: it has none
+  double scale_ = 1, offset_ = 0;  // of the stored numbers
+  std::vector<double> missing_;    // stored in the place of what is not there
+  bool isFloat_ = false;           // what is stored
+  double low_ = 0, high_ = 0;      // beyond them nothing is there
+  double wrap_ = 0;                // added to negative numbers, which mean unsigned ones
+  int at_[kAxes] = {};             // the dimension of each axis; -1: it has none
   std::int32_t size_[kAxes] = {};
   bool backwards_[kAxes] = {};
 };

@@ -3,26 +3,14 @@
 #include "volute/io/grid_choice.hpp"
 
 #include <algorithm>
-#include <numeric>
-#include <vector>
+
+#include "volute/base/suggest.hpp"
 
 namespace volute {
 namespace {
 
-/// Levenshtein's distance: how many characters to insert, remove or replace.
-std::size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] != b[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
-    }
-  }
-  return row.back();
-}
+/// After a list that was cut.
+constexpr std::string_view kMore = " ...";
 
 std::string listed(std::span<const GridEntry> entries) {
   constexpr std::size_t kMax = 32;
@@ -77,7 +65,6 @@ Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::st
 }
 
 std::string otherGrids(std::span<const GridEntry> entries, std::size_t chosen, std::size_t most) {
-  constexpr std::string_view kMore = " ...";
   std::string text;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (i == chosen || !entries[i].usable)
@@ -88,6 +75,18 @@ std::string otherGrids(std::span<const GridEntry> entries, std::size_t chosen, s
     text += name;
   }
   return text;
+}
+
+std::vector<std::string> namesOfGrids(std::string_view others) {
+  if (others.ends_with(kMore))
+    others.remove_suffix(kMore.size());
+  std::vector<std::string> names;
+  while (!others.empty()) {
+    const std::size_t end = std::min(others.find(", "), others.size());
+    names.emplace_back(others.substr(0, end));
+    others.remove_prefix(std::min(end + 2, others.size()));
+  }
+  return names;
 }
 
 }  // namespace volute

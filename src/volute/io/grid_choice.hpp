@@ -4,6 +4,8 @@
 
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "volute/base/result.hpp"
 
@@ -31,5 +33,8 @@ struct GridWords {
 
 /// The names of the other entries that could have been meant, "flame, heat"; cut to `most` bytes.
 std::string otherGrids(std::span<const GridEntry> entries, std::size_t chosen, std::size_t most);
+
+/// The names in such a text; those that were cut off are missing.
+std::vector<std::string> namesOfGrids(std::string_view others);
 
 }  // namespace volute

@@ -9,6 +9,7 @@ namespace volute {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 const std::vector<GridEntry> kFire{
@@ -32,6 +33,14 @@ TEST(ChooseGrid, AsksWhereTheUsualOneIsNotThere) {
   EXPECT_THAT(chosen.error().message,
               AllOf(HasSubstr("which grid?"), HasSubstr("density (float), temperature (float)")));
   EXPECT_EQ(chosen.error().hints, Hints{Hint::choose("field")});
+}
+
+TEST(OtherGrids, NamesComeBackButThoseThatWereCut) {
+  const std::vector<GridEntry> fire{
+      kFire[0], {"flame", "float", true}, {"heat", "float", true}, {"wind", "float", true}};
+  EXPECT_THAT(namesOfGrids(otherGrids(fire, 1, 255)), ElementsAre("density", "heat", "wind"));
+  EXPECT_THAT(namesOfGrids(otherGrids(fire, 1, 18)), ElementsAre("density", "heat"));
+  EXPECT_THAT(namesOfGrids(""), ElementsAre());
 }
 
 }  // namespace

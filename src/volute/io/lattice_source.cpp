@@ -13,6 +13,7 @@
 #include "volute/base/input_file.hpp"
 #include "volute/grid/look_figures.hpp"
 #include "volute/grid/rounding_source.hpp"
+#include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice_message.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
@@ -340,17 +341,6 @@ std::vector<double> statedTimes(const std::vector<LatticeFile>& files,
   return times;
 }
 
-/// Of "flame, heat".
-std::vector<std::string> namesIn(std::string_view list) {
-  std::vector<std::string> names;
-  while (!list.empty()) {
-    const std::size_t end = std::min(list.find(", "), list.size());
-    names.emplace_back(list.substr(0, end));
-    list.remove_prefix(std::min(end + 2, list.size()));
-  }
-  return names;
-}
-
 class LatticeSource final : public RoundingSource,
                             public PlacedFrames,
                             public VectorFrames,
@@ -582,7 +572,7 @@ class LatticeSource final : public RoundingSource,
       if (grid.empty())
         unchosen_ = others;
       grid = frame->grid;
-      for (const std::string& name : namesIn(others)) {
+      for (const std::string& name : namesOfGrids(others)) {
         if (std::ranges::find(others_, name) == others_.end())
           others_.push_back(name);
       }
@@ -645,7 +635,7 @@ class LatticeSource final : public RoundingSource,
                          LatticePlaces& places) {
     const std::string emptyGrid = grid, emptyOthers = unchosen_;
     const auto emptyKnown = known_;
-    for (const std::string& name : namesIn(emptyOthers)) {
+    for (const std::string& name : namesOfGrids(emptyOthers)) {
       std::string other = name;
       std::vector<LatticeFrame> its;
       known_.reset();

@@ -138,13 +138,13 @@ class Header {
 
 }  // namespace
 
-Status checkNetcdfLength(const std::filesystem::path& path) {
+Status checkNetcdfLength(const std::filesystem::path& path, bool others) {
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
   std::array<char, 4> magic{};
   if (file.size() >= magic.size())
     VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(magic))));
   const std::string_view text(magic.data(), magic.size());
-  if (text == "\x89HDF")
+  if (text == "\x89HDF" || (others && !text.starts_with("CDF")))
     return {};  // the library finds what is missing
   const int version = text[3];
   if (!text.starts_with("CDF") || (version != 1 && version != 2 && version != 5)) {
