@@ -18,6 +18,7 @@
 #include "volute/codec/volute_reader.hpp"
 #include "volute/fds/fds_volume.hpp"
 #include "volute/grid/bricks.hpp"
+#include "volute/grid/masked_source.hpp"
 
 namespace volute::python {
 namespace {
@@ -261,6 +262,45 @@ class File {
                     "background"_a = background);
   }
 
+  /// Which voxels of a frame are active, shape (z, y, x); without topology all are.
+  py::array_t<bool> active(int frame) const {
+    const VolumeInfo& info = reader_.info();
+    py::array_t<bool> active({info.z, info.y, info.x});
+    const IndexBox whole{{0, 0, 0}, {info.x, info.y, info.z}};
+    const std::span<bool> to(active.mutable_data(), static_cast<std::size_t>(active.size()));
+    std::ranges::fill(to, !reader_.hasTopology());
+    if (!reader_.hasTopology())
+      return active;
+    Bricks held;
+    run(py::none(),
+        [&](Progress&) { return reader_.readBricks(frame, frame + 1, std::span(&held, 1)); });
+    const auto mark = [&](const VoxelIndex& origin, std::int64_t side, auto&& isActive) {
+      std::array<std::int64_t, 3> begin{}, end{};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        begin[axis] = std::max(origin[axis], whole.begin[axis]);
+        end[axis] = std::min(origin[axis] + side, whole.end[axis]);
+      }
+      for (std::int64_t z = begin[2]; z < end[2]; ++z) {
+        for (std::int64_t y = begin[1]; y < end[1]; ++y) {
+          for (std::int64_t x = begin[0]; x < end[0]; ++x) {
+            if (isActive(x - origin[0], y - origin[1], z - origin[2]))
+              to[static_cast<std::size_t>((z * info.y + y) * info.x + x)] = true;
+          }
+        }
+      }
+    };
+    for (const Bricks::Tile& tile : held.tiles()) {
+      if (tile.active)
+        mark(tile.origin, tile.side, [](auto...) { return true; });
+    }
+    for (const Bricks::Leaf& leaf : held.leaves()) {
+      mark(leaf.origin, Bricks::kSide, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+        return (leaf.active[static_cast<std::size_t>(z)] >> (8 * y + x) & 1) != 0;
+      });
+    }
+    return active;
+  }
+
   /// ((z, y, x), (z, y, x)) of a part of at most so many voxels that holds what the frames hold.
   py::tuple fitting(const Indices& frames, std::uint64_t maxVoxels) const {
     const std::vector<int> positions(frames.data(), frames.data() + frames.size());
@@ -357,6 +397,12 @@ class RoundedFrames final : public RoundingSource {
     return source_.readLayers(index, first, end, values);
   }
 
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    return source_.readBricks(index, first, end, bricks);
+  }
+
+  bool hasTopology() const override { return source_.hasTopology(); }
+
   double rounding() const override { return roundingOf(source_) + before_; }
 
   double offset() const override { return offsetOf(source_); }
@@ -418,9 +464,10 @@ class PythonFrames final : public RoundingSource {
 /// @param said  of the volume, as infoOf() takes it
 /// @param rounding  of the values of `frames` before they came here
 /// @param doubles  what a function gives are such
+/// @param holes  values that are not finite are not there
 py::dict compressFrames(const py::object& frames, const Shape& shape,
                         const std::filesystem::path& path, const std::string& target, double value,
-                        const py::dict& said, double rounding, bool doubles,
+                        const py::dict& said, double rounding, bool doubles, bool holes,
                         const std::string& wavelet, int effort, const std::string& access,
                         const std::string& provenance, std::uint64_t maxMemory,
                         const py::object& listener) {
@@ -455,6 +502,8 @@ py::dict compressFrames(const py::object& frames, const Shape& shape,
   else
     source = std::make_unique<PythonFrames>(std::move(info), frames, doubles, progress);
   run(progress, [&](Progress&) { return settleOffset(*source); });
+  if (holes)
+    source = withoutHoles(std::move(source));
   RoundedFrames rounded(*source, rounding);
   const CompressReport report =
       run(progress, [&](Progress& heard) { return compress(rounded, path, options, heard); });
@@ -563,12 +612,13 @@ PYBIND11_MODULE(_core, m) {
                              [](const File& file) { return file.reader().blocksDecoded(); })
       .def("read", &File::read, "t"_a, "z"_a, "y"_a, "x"_a, "levels"_a = 99)
       .def("bricks", &File::bricks, "frame"_a)
+      .def("active", &File::active, "frame"_a)
       .def("fitting", &File::fitting, "frames"_a, "max_voxels"_a)
       .def("verify", &File::verify, "listener"_a);
 
   m.def("compress", &compressFrames, "frames"_a, "shape"_a, "path"_a, "target"_a, "value"_a,
-        "said"_a, "rounding"_a, "doubles"_a, "wavelet"_a, "effort"_a, "access"_a, "provenance"_a,
-        "max_memory"_a, "listener"_a);
+        "said"_a, "rounding"_a, "doubles"_a, "holes"_a, "wavelet"_a, "effort"_a, "access"_a,
+        "provenance"_a, "max_memory"_a, "listener"_a);
   m.def("to_float32", &toFloat32, "array"_a);
   m.def(
       "set_threads",

@@ -50,9 +50,35 @@ def unmasked(values, what):
     if isinstance(values, np.ma.MaskedArray):
         masked = int(np.ma.count_masked(values))
         if masked:
-            raise ValueError(f"{what}: {masked} of {values.size} values are masked, and files have no masks; fill them with a value that "
+            raise ValueError(f"{what}: {masked} of {values.size} values are masked, which means nothing here; fill them with a value that "
                              "stands for them first: array.filled(0)")
     return np.asarray(values)
+
+
+def _apart(values):
+    """(array, its mask) of an array; None: nothing is masked."""
+    values = np.asanyarray(values)
+    masked = isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values)
+    return (np.asarray(values.data), np.ma.getmaskarray(values)) if masked else (np.asarray(values), None)
+
+
+class _Masked:
+    """The frames of a masked array (t, z, y, x, c) as floating-point numbers, NaN where they are masked."""
+
+    def __init__(self, array, mask, refuses):
+        self._array, self._mask, self._refuses = array, mask, refuses
+        self.kind = np.float64 if array.dtype.itemsize >= 4 and array.dtype != np.float32 else np.float32
+
+    def __call__(self, index):
+        mask = self._mask[index]
+        values, _ = reals(np.where(mask, 0, self._array[index]))
+        if self._refuses and not np.isfinite(values).all():
+            raise ValueError(_not_finite(index))
+        return np.where(mask, np.nan, values).astype(self.kind, copy=False)
+
+
+def _not_finite(index):
+    return f"frame {index} has values that are not finite and not masked; mask them, too: np.ma.masked_invalid(array)"
 
 
 def reals(values, what="the array"):
@@ -212,12 +238,14 @@ def _computed(values):
     return values.compute() if hasattr(values, "compute") else values
 
 
-def _spool(values, folder):
-    """(array, rounding) of frames that come once, in a file without a name: compression asks for them more than once."""
-    count, shape, kept, rounding = 0, None, None, 0.0
+def _spool(values, folder, masked, refuses):
+    """(array, rounding, whether something was masked) of frames that come once, in a file without a name: compression asks for them more
+    than once. masked: what stands for a masked value. refuses: values that are not finite, beside masked ones."""
+    count, shape, kept, rounding, masks, wrong = 0, None, None, 0.0, False, None
     with tempfile.TemporaryFile(dir=folder) as file:
         for frame in _pieces(values):
-            frame, before = reals(frame, f"frame {count}")
+            frame, mask = _apart(frame)
+            frame, before = reals(frame if mask is None else np.where(mask, 0, frame), f"frame {count}")
             if frame.ndim not in (3, 4):
                 raise ValueError(f"frame {count} has shape {frame.shape}; expected (z, y, x) or (z, y, x, c)")
             if shape is None:
@@ -231,6 +259,10 @@ def _spool(values, folder):
             exact = kept is np.float64 and (frame.dtype.kind == "f" or frame.dtype.itemsize <= 4)
             numbers, after = (frame, 0.0) if exact else _core.to_float32(frame)
             rounding = max(rounding, before + after)
+            if wrong is None and refuses and not np.isfinite(numbers).all():
+                wrong = count
+            if mask is not None:
+                masks, numbers = True, np.where(mask, masked, numbers)
             np.ascontiguousarray(numbers, kept).tofile(file)
             count += 1
         if not count:
@@ -238,7 +270,9 @@ def _spool(values, folder):
         file.flush()
         if 0 in shape:
             five_axes((count,) + shape)  # says what is wrong
-        return np.memmap(file, kept, "r", shape=(count,) + shape), rounding
+        if masks and wrong is not None:
+            raise ValueError(_not_finite(wrong))
+        return np.memmap(file, kept, "r", shape=(count,) + shape), rounding, masks
 
 
 class Function:
@@ -285,11 +319,12 @@ class Function:
         return values
 
 
-def volume(values, given, folder, lazily=False):
+def volume(values, given, folder, lazily=False, not_finite="refuse"):
     """(frames, shape, said, rounding): what _core takes of any volume. `frames`: an array (t, z, y, x, c), or a function that gives
-    each frame; `said`: what the volume says of itself, and `given` in place of it; `rounding` of what _core is given. lazily: a
-    Function is handed on as it is."""
-    said = {}
+    each frame; `said`: what the volume says of itself, and `given` in place of it; `rounding` of what _core is given. lazily, for
+    scenes: a Function is handed on as it is, and masked values are 0. Else they are NaN, and said["masked"] tells so; said["doubles"]
+    tells that a function gives doubles."""
+    said, refuses = {}, not_finite == "refuse" and not lazily
     if isinstance(values, Frames):
         said = {key: getattr(values, key) for key in ("bounds", "times", "frame_numbers", "name", "unit", "basis")}
         frames, shape, rounding = values.__getitem__, five_axes(values.shape), 0.0
@@ -305,13 +340,20 @@ def volume(values, given, folder, lazily=False):
             values, said = labelled(values, given)
         array = _in_memory(values)
         if array is None:
-            array, rounding = _spool(values, folder)
-            shape = five_axes(array.shape)
+            array, rounding, masks = _spool(values, folder, 0 if lazily else np.nan, refuses)
+            shape, mask = five_axes(array.shape), None
+            said["masked"] = masks and not lazily
         else:
             shape = five_axes(array.shape)
-            array, rounding = reals(array)
-        frames = array[np.newaxis] if array.ndim == 3 else array
-        frames = frames[..., np.newaxis] if frames.ndim == 4 else frames
+            array, mask = _apart(array)
+            if mask is not None and lazily:
+                array, mask = np.where(mask, 0, array), None
+            array, rounding = (array, 0.0) if mask is not None else reals(array)
+        frames = array.reshape(shape)
+        if mask is not None:
+            reals(array[:0])  # says what is wrong with its type
+            frames = _Masked(frames, mask.reshape(shape), refuses)
+            said["masked"], said["doubles"] = True, frames.kind is np.float64
     said.update((key, value) for key, value in given.items() if value is not None)
     for key, convert in (("times", float), ("frame_numbers", int)):
         if key not in said:

@@ -42,7 +42,7 @@ class Compressed:
 
 def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=None, ratio=None, size=None, max_error=None, bounds=None, times=None,
              frame_numbers=None, name=None, unit=None, basis=None, wavelet="auto", effort=5, fast=False, access=None, provenance="",
-             max_memory=4 << 30, progress=None):
+             not_finite="refuse", max_memory=4 << 30, progress=None):
     """Compresses a sequence of volumes into the .volute file `path`, which appears only when complete.
 
     frames: an array of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c), c 1 or 3, of any real numbers in any layout; a volute.Volume or
@@ -50,7 +50,8 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
         times and the centres of voxels; anything with `shape` and `[i]` (dask, zarr, h5py), or an iterator of frames (z,y,x[,c]):
         these are asked for each frame once, and kept in a file without a name beside `path` meanwhile, 4 bytes a value.
         Values become float32, those far from zero differences from a number in their middle. The rounding of float64 and of large integers counts in the errors; a target that it alone misses is
-        refused. NaN, infinities and masked values are refused.
+        refused. Masked values of NumPy's masked arrays are voxels that are not there: inactive in the file, 0 where it is read, masked in
+        Volume.masked().
     One of:
         quality: "look" (default: pictures look the same as the original's), "draft" (smaller) or "measure" (for numbers)
         rms: relative RMS error at most this, over voxels that are not 0 and of their range (rms_over="support"),
@@ -65,6 +66,7 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     wavelet: auto, haar, cdf53 or cdf97. effort: 1, the fastest, to 9, the smallest files. fast: effort 2. provenance: a text stored in the file.
     access: what is read most: "frame", single frames, decoded in a quarter of the time, from a file that may be larger; "film", all frames in order.
         Default: what costs next to nothing of both.
+    not_finite: "refuse" NaN and infinities, or "inactive": as masked values.
     progress: a function (stage, done, total), or True for a bar. An exception raised in it, or Ctrl-C, stops the work; no file is left behind.
 
     The file has the same bytes as from `volute compress`, except for the provenance, on any number of cores."""
@@ -94,13 +96,16 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     effort = 2 if fast else whole("effort", effort)
     if not 1 <= effort <= 9:
         raise ValueError(f"effort={effort}: expected 1 to 9")
+    if not_finite not in ("refuse", "inactive"):
+        raise ValueError(f"not_finite={not_finite!r}: expected 'refuse' or 'inactive'")
     if access not in (None, "frame", "film"):
         raise ValueError(f"access={access!r}: expected 'frame' or 'film'")
     given = dict(bounds=bounds, times=times, frame_numbers=frame_numbers, name=name, unit=unit, basis=basis)
     with Listener(progress) as listener:
-        source, shape, said, rounding = volume(frames, given, os.path.dirname(path) or ".")
-        doubles = isinstance(frames, Frames) and frames.dtype == np.float64
-        report = _core.compress(source, shape, path, target, value, said, rounding, doubles, wavelet, effort, access or "", str(provenance),
+        source, shape, said, rounding = volume(frames, given, os.path.dirname(path) or ".", not_finite=not_finite)
+        doubles = isinstance(frames, Frames) and frames.dtype == np.float64 or said.get("doubles", False)
+        holes = not_finite == "inactive" or said.get("masked", False)
+        report = _core.compress(source, shape, path, target, value, said, rounding, doubles, holes, wavelet, effort, access or "", str(provenance),
                                 whole("max_memory", max_memory), listener)
     return Compressed(path, **report)
 

@@ -295,6 +295,15 @@ class Volume(Frames):
             held["background"] = tuple(held["background"])
         return Bricks(**held)
 
+    def masked(self, frame):
+        """A frame, shape (z, y, x[, c]), as a masked array of NumPy's: masked where the file has inactive voxels, which are 0 (or the
+        background) in v[frame]. Nothing is masked in files that do not keep which voxels are active."""
+        index = int(frame)
+        index += len(self) * (index < 0)
+        values = self[index]
+        inactive = ~self._file.active(index)
+        return np.ma.MaskedArray(values, np.broadcast_to(inactive[..., np.newaxis] if values.ndim == 4 else inactive, values.shape))
+
     def _refuse_too_large(self, indices):
         """Before anything is decoded."""
         from ._errors import TooLarge

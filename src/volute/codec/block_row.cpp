@@ -18,12 +18,13 @@ constexpr int kBlock = BlockGrid::kSide;
 
 Status refuseValue(const VolumeInfo& info, int frame, const VoxelIndex& voxel, int channel,
                    float value) {
-  return fail(ErrorCode::kInvalidData,
-              "grid '{}', frame {}, voxel ({}, {}, {}) in x, y, z, channel {}: the value is {}; "
-              "only finite values can be "
-              "compressed, replace it in the input",
-              info.name, info.frameText(static_cast<std::size_t>(frame)), voxel[0], voxel[1],
-              voxel[2], channel, std::isnan(value) ? "not a number" : "infinite");
+  return fail(
+      ErrorCode::kInvalidData,
+      Hint::set("not_finite", "inactive").so("takes such voxels for ones that are not there"),
+      "grid '{}', frame {}, voxel ({}, {}, {}) in x, y, z, channel {}: the value is {}; "
+      "only finite values can be compressed, replace it in the input",
+      info.name, info.frameText(static_cast<std::size_t>(frame)), voxel[0], voxel[1], voxel[2],
+      channel, std::isnan(value) ? "not a number" : "infinite");
 }
 
 /// The blocks along an axis that [begin, end) reaches into.

@@ -142,7 +142,7 @@ class FiniteSource final : public RoundingSource {
     return fail(ErrorCode::kInvalidData,
                 "{}: grid '{}', frame {}: the value at {} ({}, {}, {}), which is ({:.6g}, {:.6g}, "
                 "{:.6g}) m, is {}; expected finite values: mend the input, or have compress keep "
-                "the grid as it is or take the background for them",
+                "the grid as it is, take the background for them, or make them inactive",
                 file, of.name, of.frameText(static_cast<std::size_t>(index)), what, voxel[0],
                 voxel[1], voxel[2], place.x(), place.y(), place.z(),
                 std::isnan(value) ? "not a number" : "infinite");

@@ -74,7 +74,9 @@ Status runCompress(const Arguments& arguments, Context& context) {
   how.stated.up = arguments.find<std::string>("up").value_or(std::string(1, '\0')).front();
   how.rmsOverAll = rmsOverAll(arguments);
   how.keep = gridNames(arguments.find<std::string>("keep").value_or(""));
-  if (arguments.get<std::string>("not-finite") == "background")
+  const auto notFinite = arguments.get<std::string>("not-finite");
+  how.holes = notFinite == "inactive";
+  if (notFinite == "background")
     how.notFinite = NotFinite::kBackground;
   how.dropUncoded = arguments.get<std::string>("uncoded") == "drop";
   CompressOptions& options = how.options;
@@ -203,9 +205,10 @@ Command compressCommand() {
            {.name = "not-finite",
             .kind = kChoice,
             .value = "WHAT",
-            .help = "NaN and infinities: refuse them, or take the grid's background for them",
+            .help = "NaN and infinities: refuse them, take the grid's background for them, or that "
+                    "and make their voxels inactive, as a mask does",
             .initial = "refuse",
-            .choices = {"refuse", "background"}},
+            .choices = {"refuse", "background", "inactive"}},
            framesOption(),
            {.name = "up",
             .kind = kChoice,
