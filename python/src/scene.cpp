@@ -20,6 +20,9 @@
 #include "volute/codec/compress.hpp"
 #include "volute/film/render_request.hpp"
 #include "volute/film/write_film.hpp"
+#ifdef VOLUTE_WITH_GL
+#include "volute/gl/gl_scene_renderer.hpp"
+#endif
 #include "volute/image/srgb.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/camera_file.hpp"
@@ -213,31 +216,30 @@ class PythonScene {
   }
 
   /// Light, as a .exr has it.
-  py::array_t<float> render(const py::dict& said, bool reference, const py::object& listener) {
+  py::array_t<float> render(const py::dict& said, const py::object& listener) {
     const RenderRequest request = requestOf(said);
+    const auto renderer = said["renderer"].cast<std::string>();
     return arrayOf(run(listener, [&](Progress& progress) -> Result<Image> {
       const std::lock_guard lock(mutex_);
-      if (reference)
-        std::swap(job_.renderer, reference_);
-      auto image = [&]() -> Result<Image> {
+      return drawnBy(renderer, [&]() -> Result<Image> {
         VOLUTE_TRY(prepare(job_, request, maxMemory_, progress));
         VOLUTE_ASSIGN(const auto development, developmentOf(request, job_));
         return linearPicture(job_, development, progress);
-      }();
-      if (reference)
-        std::swap(job_.renderer, reference_);
-      return image;
+      });
     }));
   }
 
   /// Bytes, as a .png has them.
   py::array_t<std::uint8_t> picture(const py::dict& said, const py::object& listener) {
     const RenderRequest request = requestOf(said);
+    const auto renderer = said["renderer"].cast<std::string>();
     const Image image = run(listener, [&](Progress& progress) -> Result<Image> {
       const std::lock_guard lock(mutex_);
-      VOLUTE_TRY(prepare(job_, request, maxMemory_, progress));
-      VOLUTE_ASSIGN(auto development, developmentOf(request, job_));
-      return visiblePicture(job_, development, progress);
+      return drawnBy(renderer, [&]() -> Result<Image> {
+        VOLUTE_TRY(prepare(job_, request, maxMemory_, progress));
+        VOLUTE_ASSIGN(auto development, developmentOf(request, job_));
+        return visiblePicture(job_, development, progress);
+      });
     });
     std::vector<py::ssize_t> shape{image.height, image.width};
     if (image.channels != 1)
@@ -247,18 +249,42 @@ class PythonScene {
 
   void film(const py::dict& said, const py::object& listener) {
     const RenderRequest request = requestOf(said);
+    const auto renderer = said["renderer"].cast<std::string>();
     run(listener, [&](Progress& progress) -> Status {
       const std::lock_guard lock(mutex_);
-      VOLUTE_TRY(prepare(job_, request, maxMemory_, progress));
-      VOLUTE_ASSIGN(auto development, developmentOf(request, job_));
-      Team alone;
-      return writeFilm(job_, request.frames.target, development, maxMemory_, progress, alone);
+      return drawnBy(renderer, [&]() -> Status {
+        VOLUTE_TRY(prepare(job_, request, maxMemory_, progress));
+        VOLUTE_ASSIGN(auto development, developmentOf(request, job_));
+        Team alone;
+        return writeFilm(job_, request.frames.target, development, maxMemory_, progress, alone);
+      });
     });
   }
 
  private:
+  /// draw() with a renderer for it alone: a context of OpenGL belongs to its thread.
+  template <class Draw>
+  std::invoke_result_t<Draw> drawnBy(const std::string& name, Draw&& draw) {
+    VOLUTE_ASSIGN(auto renderer, rendererNamed(name));
+    std::swap(job_.renderer, renderer);
+    auto drawn = draw();
+    std::swap(job_.renderer, renderer);
+    return drawn;
+  }
+
+  static Result<std::unique_ptr<SceneRenderer>> rendererNamed(const std::string& name) {
+    if (name != "gl") {
+      return std::make_unique<CpuRenderer>(name == "reference" ? Renderer::kReference
+                                                               : Renderer::kCpu);
+    }
+#ifdef VOLUTE_WITH_GL
+    return createGlRenderer(false);
+#else
+    return fail(ErrorCode::kUnsupported, "this build has no OpenGL");
+#endif
+  }
+
   FilmJob job_;
-  std::unique_ptr<SceneRenderer> reference_ = std::make_unique<CpuRenderer>(Renderer::kReference);
   std::shared_ptr<MemoryVolumes> volumes_;  // that job_.scene finds by name
   std::uint64_t maxMemory_;
   std::mutex mutex_;
@@ -782,7 +808,7 @@ PYBIND11_MODULE(_scene, m) {
       .def_property_readonly("times", &PythonScene::times)
       .def_property_readonly("media", &PythonScene::media)
       .def("change", &PythonScene::change, "json"_a, "volumes"_a, "listener"_a)
-      .def("render", &PythonScene::render, "said"_a, "reference"_a, "listener"_a)
+      .def("render", &PythonScene::render, "said"_a, "listener"_a)
       .def("picture", &PythonScene::picture, "said"_a, "listener"_a)
       .def("film", &PythonScene::film, "said"_a, "listener"_a);
 

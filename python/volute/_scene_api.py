@@ -11,6 +11,7 @@ import tempfile
 import numpy as np
 
 from ._arrays import corners, number, plain, unmasked, volume, whole
+from ._mesh import Mesh
 from ._progress import Listener
 from ._volume import Frames, _png, open as _open
 
@@ -70,6 +71,9 @@ class _Volumes:
 
     def source(self, source, members):
         """(file, members of its entry) of anything that Scene() takes but dicts."""
+        if isinstance(source, Mesh):
+            self._sources.append(source)
+            return source.path, members
         if isinstance(source, Frames):
             self._sources.append(source)
             if getattr(source, "name", None) and len(getattr(source, "grids", ())) > 1:
@@ -86,6 +90,8 @@ class _Volumes:
             return said
         media = []
         for entry in said["media"]:
+            if isinstance(entry, dict) and isinstance(entry.get("case"), Mesh):
+                entry = {"kind": "smoke", **entry, "case": self.source(entry["case"], {})[0]}
             if isinstance(entry, dict) and "file" in entry and not isinstance(entry["file"], (str, bytes, os.PathLike)):
                 file, members = self.source(entry["file"], {key: value for key, value in entry.items() if key not in ("file", "kind")})
                 entry = {"kind": entry.get("kind", "volume"), "file": file, **members}
@@ -132,11 +138,11 @@ class Scene:
 
     Made from
     - a scene file (.json), or any other file that Volute shows (.volute, .npy, .npz, .vdb, .vti, .pvd, .vtu, .smv, a map of fog);
-    - a volute.Volume or an FDS case that is open;
+    - a volute.Volume or an FDS case that is open, or a volute.Mesh;
     - an array of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c), or anything else that compress() takes as `frames`, with bounds, times, name
       and unit as arguments as there. Arrays in memory are not copied: after a change of their values call touch();
     with the members of a scene's entry as arguments: Scene(array, bounds=((0, 0, 0), (2, 2, 2)), emission=2.0); or from
-    - a dict of the form of a scene file (docs/scene.md), where "file" of a volume may be such an array, too.
+    - a dict of the form of a scene file (docs/scene.md), where "file" of a volume may be such an array, too, and "case" of smoke a Mesh.
     Threads may share one; pictures are rendered one at a time."""
 
     def __init__(self, source, *, folder=".", max_memory=4 << 30, progress=None, **members):
@@ -227,34 +233,35 @@ class Scene:
 
         camera: a dict as in scenes: {"eye": [x,y,z], "target": [x,y,z], "fov": degrees} or "ortho": height [m], "up", "size";
             default the scene's, else one that frames the scene. size: (width, height) [pixels], default the camera's or 800 x 600.
-        renderer: "cpu", or "reference" in double. aov: "optical-depth" or "transmittance" instead of light, shape (height, width).
+        renderer: "cpu"; "gl", by OpenGL 4.5, a context for each call; or "reference", in double. aov: "optical-depth" or "transmittance" instead of light, shape (height, width).
         background: (r, g, b) instead of the scene's. progress: a function (stage, done, total), or True for a bar.
         measured: one ray through each pixel's centre, the file's own basis, as `volute render --measured`; False: as a picture is made,
             with the appearance that a file alone has, and smooth edges: the .exr of `volute render`. time=None: as in picture()."""
-        _choice("renderer", renderer, ("cpu", "reference"), "; the command's --renderer gl draws by OpenGL")
+        _choice("renderer", renderer, ("cpu", "gl", "reference"))
         _choice("aov", aov, ("optical-depth", "transmittance"))
-        said = {"time": None if time is None else number("time", time), "aov": aov, "measured": bool(measured), **_view(camera, size, background)}
+        said = {"time": None if time is None else number("time", time), "aov": aov, "measured": bool(measured), "renderer": renderer,
+                **_view(camera, size, background)}
         with Listener(progress) as listener:
-            return (self._scene if measured else self._pictured(progress)).render(said, renderer == "reference", listener)
+            return (self._scene if measured else self._pictured(progress)).render(said, listener)
 
     def picture(self, time=None, *, camera=None, size=None, background=None, exposure=None, tone=None, samples=8, bloom=0.0, colormap=None,
-                legend=None, shutter=0.0, progress=None):
+                legend=None, shutter=0.0, renderer="cpu", progress=None):
         """A picture for a display: sRGB, uint8, shape (height, width, 3), or (height, width) where light has no colour: the pixels of the
         .png that `volute render` writes of the same file or values.
 
-        time: [s]; default one that has something to see. camera, size, background, progress: as for render().
+        time: [s]; default one that has something to see. camera, size, background, progress, renderer ("cpu" or "gl"): as for render().
         exposure: a factor of light; default: brightest parts near white. tone: "filmic", "agx", "shoulder" or "none"; default
             filmic; for measured transmittance none, with flames shoulder. samples: rays per pixel at edges. bloom: share of light that glows, 0 to 1.
         colormap: "viridis" or "inferno", for volumes with one channel. legend: draw mode, field, time and colour scale into it.
         shutter: averages light over this share of the time to the next frame, 0.5 is 180 degrees; a volume moves then if its member
             `interpolate` is "auto", "velocity" or "linear"."""
         said = {"time": None if time is None else number("time", time), **_view(camera, size, background),
-                **_look(exposure, tone, samples, bloom, colormap, legend, shutter)}
+                **_look(exposure, tone, samples, bloom, colormap, legend, shutter), "renderer": _choice("renderer", renderer, ("cpu", "gl"))}
         with Listener(progress) as listener:
             return self._pictured(progress).picture(said, listener)
 
     def film(self, path, *, frames=None, speed=1.0, orbit=None, camera=None, size=None, background=None, exposure=None, tone=None, samples=8,
-             bloom=0.0, colormap=None, legend=None, shutter=0.0, progress=None):
+             bloom=0.0, colormap=None, legend=None, shutter=0.0, renderer="cpu", progress=None):
         """Writes a film (.mp4, .webm), or numbered pictures (fire_%04d.png), as `volute render` does: with one exposure for all.
 
         frames: (first, end), numbers of frames; default all. speed: seconds of the scene in one of the film. orbit: turns the camera
@@ -262,7 +269,8 @@ class Scene:
         path = os.fspath(path)
         said = {"target": path, "frames": None if frames is None else (whole("frames", frames[0]), whole("frames", frames[1])),
                 "speed": number("speed", speed), "orbit": None if orbit is None else number("orbit", orbit),
-                **_view(camera, size, background), **_look(exposure, tone, samples, bloom, colormap, legend, shutter)}
+                **_view(camera, size, background), **_look(exposure, tone, samples, bloom, colormap, legend, shutter),
+                "renderer": _choice("renderer", renderer, ("cpu", "gl"))}
         if not said["speed"] > 0:
             raise ValueError(f"speed={speed!r}: expected a number above 0")
         with Listener(progress) as listener:
@@ -306,20 +314,20 @@ def render(source, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None
 
 
 def picture(source, time=None, *, camera=None, size=None, background=None, exposure=None, tone=None, samples=8, bloom=0.0, colormap=None,
-            legend=None, shutter=0.0, progress=None, **members):
+            legend=None, shutter=0.0, renderer="cpu", progress=None, **members):
     """A picture of a scene, a dict, any file that Volute shows, or an array: sRGB, uint8, shape (height, width, 3), as `volute render`
     writes it. See Scene and Scene.picture()."""
     return _scene_of(source, progress, members).picture(time, camera=camera, size=size, background=background, exposure=exposure, tone=tone,
                                                         samples=samples, bloom=bloom, colormap=colormap, legend=legend, shutter=shutter,
-                                                        progress=progress)
+                                                        renderer=renderer, progress=progress)
 
 
 def film(source, path, *, frames=None, speed=1.0, orbit=None, camera=None, size=None, background=None, exposure=None, tone=None, samples=8,
-         bloom=0.0, colormap=None, legend=None, shutter=0.0, progress=None, **members):
+         bloom=0.0, colormap=None, legend=None, shutter=0.0, renderer="cpu", progress=None, **members):
     """A film of a scene, a dict, any file that Volute shows, or an array. See Scene and Scene.film()."""
     _scene_of(source, progress, members).film(path, frames=frames, speed=speed, orbit=orbit, camera=camera, size=size, background=background,
                                               exposure=exposure, tone=tone, samples=samples, bloom=bloom, colormap=colormap, legend=legend,
-                                              shutter=shutter, progress=progress)
+                                              shutter=shutter, renderer=renderer, progress=progress)
 
 
 def to_srgb(image):
