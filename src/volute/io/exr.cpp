@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "volute/base/output_file.hpp"
 #include "volute/io/frame_file.hpp"
 #include "volute/io/image_formats.hpp"
+#include "volute/io/stored_color.hpp"
 
 namespace volute {
 
@@ -141,10 +143,34 @@ Result<Image> readChannels(const InputFile& file, Imf::InputFile& exr,
   return window == display ? image : toDisplay(image, window, display);
 }
 
+/// Colours of the primaries that a picture states, ACES's for one, as those of sRGB.
+Status toSrgbPrimaries(const Imf::Header& header, const std::string& where, Image& image) {
+  if (!Imf::hasChromaticities(header))
+    return {};
+  const Imf::Chromaticities& its = Imf::chromaticities(header);
+  std::array<double, 8> places{};
+  std::size_t i = 0;
+  for (const auto& place : {its.white, its.red, its.green, its.blue})
+    places[i++] = place.x, places[i++] = place.y;
+  const auto toSrgb = srgbFromPrimaries(places);
+  if (!toSrgb)
+    return fail(toSrgb.error().code, "{}: {}", where, toSrgb.error().message);
+  for (std::size_t at = 0; *toSrgb && at < image.pixels.size(); at += 3) {
+    const Vec3 light(image.pixels[at], image.pixels[at + 1], image.pixels[at + 2]);
+    const Vec3 linear = **toSrgb * light;
+    for (std::size_t c = 0; c < 3; ++c)
+      image.pixels[at + c] = static_cast<float>(linear[static_cast<Eigen::Index>(c)]);
+  }
+  return {};
+}
+
 Result<Image> readPixels(const InputFile& file, Imf::InputFile& exr,
                          const ImageReadOptions& options) {
   VOLUTE_ASSIGN(const auto channels, chooseChannels(exr.header().channels(), file.path().string()));
-  return readChannels(file, exr, channels, options);
+  VOLUTE_ASSIGN(auto image, readChannels(file, exr, channels, options));
+  if (channels.size() == 3)
+    VOLUTE_TRY(toSrgbPrimaries(exr.header(), file.path().string(), image));
+  return image;
 }
 
 Result<std::optional<Image>> readAlphaChannel(const InputFile& file, Imf::InputFile& exr,

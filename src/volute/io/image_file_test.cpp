@@ -7,6 +7,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -194,6 +195,28 @@ TEST(Exr, SaysWhichColoursItsNumbersAre) {
   };
   EXPECT_TRUE(says("a.exr"));
   EXPECT_FALSE(says("b.exr")) << "a quantity";
+}
+
+TEST(Exr, ColoursOfOtherPrimariesBecomeThoseOfSrgb) {
+  const TempFolder folder;
+  Image written(4, 1, 3);
+  written.pixels = {1, 1, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  ASSERT_TRUE(writeImage(folder / "a.exr", written));
+  std::string bytes = readBytes(folder / "a.exr");
+  const std::string name("chromaticities\0chromaticities\0", 30);
+  const std::size_t at = bytes.find(name);
+  ASSERT_NE(at, std::string::npos);
+  const std::array<float, 8> aces{0.7347F, 0.2653F, 0, 1, 0.0001F, -0.077F, 0.32168F, 0.33767F};
+  bytes.replace(at + name.size() + 4, sizeof aces, reinterpret_cast<const char*>(aces.data()),
+                sizeof aces);
+  writeBytes(folder / "a.exr", bytes);
+  ASSERT_VALUE(const auto read, readImage(folder / "a.exr"));
+  // The Academy's matrix for Rec. 709, by Bradford's adaptation.
+  const std::array<float, 12> expected{1,         1,         1,         2.52169F,
+                                       -0.27648F, -0.01538F, -1.13413F, 1.37272F,
+                                       -0.15298F, -0.38756F, -0.09624F, 1.16835F};
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NEAR(read.pixels[i], expected[i], 2e-3) << i;
 }
 
 TEST(Exr, EqualInputsGiveEqualBytes) {
