@@ -14,6 +14,7 @@ import subprocess
 import time
 import unittest
 
+import pictures
 import ring
 import sight_cases
 import support
@@ -114,15 +115,15 @@ class Memory(support.TestCase):
         self.assertLess(peaks["long"], peaks["short"] + (16 << 20))
 
 
-class AllProcesses(support.TestCase):
+class Held(support.TestCase):
     """The program and the processes that read for it, together: proportional set sizes (PSS), asked for every few milliseconds."""
     OWN = 128 << 20
 
-    def held(self, *arguments):
+    def held(self, *arguments, cwd=None):
         """(exit code, message, the most that all hold)."""
         self.measures_memory()
         process = subprocess.Popen([support.PROGRAM, *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                                   start_new_session=True)
+                                   start_new_session=True, cwd=cwd)
         most = 0
         while process.poll() is None:
             total = 0
@@ -146,6 +147,8 @@ class AllProcesses(support.TestCase):
         if not done:
             self.assertRegex(message, "[MG]i?B", message)
 
+
+class AllProcesses(Held):
     def test_visibility_and_sweep(self):
         hall = sight_cases.Mesh("hall", (0, 12, 0, 8, 0, 3), (12, 8, 3))
         sight_cases.FdsCase([hall], [0.0, 10.0], lambda t, *_: 0.02 * t).write(self.folder, "hall")
@@ -175,6 +178,12 @@ class AllProcesses(support.TestCase):
         self.within(16, *arguments, "-o", self.path("b"), done=False)
         self.within(400, "render", self.path("room.vtu"), "--field", "smoke", "--quantity", "extinction", "-o", self.path("x.png"), "--size",
                     "24x18", done=True)
+
+    def test_pictures(self):
+        pictures.write_rows(self.path("a.png"), [[x % 251 for x in range(9000)]] * 3000, channels=3)  # 108 MB of floats
+        self.within(40, "compare", self.path("a.png"), self.path("a.png"), done=False)
+        self.within(40, "info", self.path("a.png"), done=False)
+        self.within(220, "compare", self.path("a.png"), self.path("a.png"), done=True)
 
     def test_reconstruct_and_compress(self):
         try:

@@ -48,9 +48,10 @@ Status writeDifference(const std::string& target, const Image& errors) {
 }
 
 Result<Report> comparePictures(const std::string& a, const std::string& b,
-                               const Arguments& arguments) {
-  VOLUTE_ASSIGN(const auto imageA, readImage(a));
-  VOLUTE_ASSIGN(const auto imageB, readImage(b));
+                               const Arguments& arguments, std::uint64_t maxMemory) {
+  const ImageReadOptions options{.maxMemory = maxMemory / 2};  // both are held
+  VOLUTE_ASSIGN(const auto imageA, readImage(a, options));
+  VOLUTE_ASSIGN(const auto imageB, readImage(b, options));
   VOLUTE_ASSIGN(const auto difference, compareImages(imageA, imageB));
   if (const auto target = arguments.find<std::string>("difference"))
     VOLUTE_TRY(writeDifference(*target, largestDifferences(imageA, imageB)));
@@ -94,8 +95,9 @@ Status runCompare(const Arguments& arguments, Context& context) {
                 isPicturePath(a) ? a : b, isPicturePath(a) ? b : a);
   }
   VOLUTE_TRY(refuseIdle(arguments, {readKind(a), readKind(b)}));
-  VOLUTE_ASSIGN(const auto report, isPicturePath(a) ? comparePictures(a, b, arguments)
-                                                    : compareVolumes(a, b, arguments, context));
+  VOLUTE_ASSIGN(const auto report, isPicturePath(a)
+                                       ? comparePictures(a, b, arguments, context.maxMemory)
+                                       : compareVolumes(a, b, arguments, context));
   context.print(report);
   return {};
 }
