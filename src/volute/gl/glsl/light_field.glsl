@@ -128,5 +128,18 @@ float M_evenTo@(float s, float before) {
   vec3 place = rayOrigin + s * rayDirection;
   before = min(before, s + M_evenFor@(place));
   if (M_lampIsSun@ != 0) return before;
+  // Up to where the ray enters or leaves the cone, and the part of it on which all light is.
+  for (int i = 0; i < 2 && M_lampShape@.x > -1.0; ++i) {
+    float cosine = i == 0 ? M_lampShape@.x : cos(acos(M_lampShape@.x) * (1.0 - M_lampShape@.y));
+    vec3 away = rayOrigin - M_lampPlace@;
+    float along = dot(away, M_lampWay@), rises = dot(rayDirection, M_lampWay@);
+    float p = rises * rises - cosine * cosine;
+    float q = along * rises - cosine * cosine * dot(away, rayDirection);
+    float root = q * q - p * (along * along - cosine * cosine * dot(away, away));
+    for (float side = -1.0; side < 2.0 && root > 0.0 && p != 0.0; side += 2.0) {
+      float edge = (side * sqrt(root) - q) / p;
+      if (edge > s + 1e-4 * (1.0 + abs(s))) before = min(before, edge);
+    }
+  }
   return min(before, s + max(0.3 * length(M_towards@(place)), 0.5 * M_lampShape@.z));
 }
