@@ -85,10 +85,11 @@ class VoluteSource final : public RoundingSource {
 
   std::uint64_t brickBytes() const override {
     std::uint64_t most = 0;
-    const int rows = reader_->blocks().counts()[0];
-    for (int row = 0; row < rows; ++row)
-      most = std::max(
-          most, reader_->brickBytes(row) / static_cast<std::uint64_t>(reader_->blocks().frames()));
+    const BlockGrid& grid = reader_->blocks();
+    for (int row = 0; row < grid.counts()[0]; ++row) {
+      const int frames = grid.endOfRow(row) - row * grid.frames();
+      most = std::max(most, reader_->brickBytes(row) / static_cast<std::uint64_t>(frames));
+    }
     return std::min(most, FrameSource::brickBytes());
   }
 

@@ -307,6 +307,19 @@ Result<Extraction> Extractor::extractionOf(const VolumeInfo& info) const {
   return extraction;
 }
 
+/// The voxels of a frame of .vdb files, as they are read and as they are written.
+Status checkBricks(std::span<const std::shared_ptr<const VoluteReader>> readers,
+                   const std::string& path, std::uint64_t maxMemory) {
+  std::uint64_t needed = 0;
+  for (const auto& reader : readers)
+    needed += reader && reader->hasTopology() ? 2 * frameSource(reader)->brickBytes() : 0;
+  if (needed <= maxMemory)
+    return {};
+  return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+              "{}: the voxels of a frame need {} MiB of memory, more than the {} MiB allowed", path,
+              (needed >> 20) + 1, maxMemory >> 20);
+}
+
 Status Extractor::one(const std::string& grid, const std::string& target) {
   VOLUTE_ASSIGN(auto reader,
                 openVolute(path_, request_.partial, reading_, true, grid, request_.level == 0));
@@ -334,6 +347,8 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
                 (needed >> 20) + 1, reading_.maxMemory >> 20, fits.begin[0], fits.end[0],
                 fits.begin[1], fits.end[1], fits.begin[2], fits.end[2]);
   }
+  if (extraction.bricks && extraction.level == 0)
+    VOLUTE_TRY(checkBricks(std::array{reader}, path_, reading_.maxMemory));
   VOLUTE_ASSIGN(auto source,
                 ExtractSource::create(reader, std::move(extraction), reading_.progress));
   const VolumeInfo info = source->info();
@@ -364,6 +379,8 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
                         const VolumeInfo& frames) {
   VOLUTE_ASSIGN(const auto extraction, extractionOf(frames));
   VOLUTE_ASSIGN(auto grids, openGrids(path_, names, extraction, request_.partial, reading_));
+  if (extraction.level == 0)
+    VOLUTE_TRY(checkBricks(grids.readers, path_, reading_.maxMemory));
   const VolumeInfo numbers = framesAt(frames, grids.positions);
   const MakeSink make = [&] {
     return createCacheSink(target, grids.targets, grids.fileMetadata, grids.kept, &numbers);
