@@ -140,8 +140,12 @@ Error noAnswer(Wait wait, int signal, const std::string& file) {
     return {ErrorCode::kCancelled, fmt::format("{}: stopped while reading it", file)};
   if (wait != Wait::kGone || signal == SIGXCPU || signal == SIGKILL) {
     return {ErrorCode::kInvalidData,
-            fmt::format("{}: reading it takes too long or too much memory; the file is damaged{}",
-                        file, lowLimits())};
+            fmt::format("{}: reading it takes too long or too much memory: the file is damaged, or "
+                        "larger than what may be used{}",
+                        file, lowLimits()),
+            {},
+            {},
+            {Hint::raise("max_memory")}};
   }
   return {ErrorCode::kInvalidData,
           fmt::format("{}: the file is damaged: its library {} while reading it{}", file,
