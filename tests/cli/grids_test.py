@@ -365,6 +365,9 @@ class Places(support.TestCase):
             self.assertIn("upright_0002.vdb: grid 'density', frame 2: the file does not say which axis points upwards, but", text)
             self.assertIn("upright_0001.vdb says that y points upwards; expected one up axis in all frames", text)
             self.works(verb[0], upright, *verb[1:], "--file-up", "y")
+        alone = ("render", self.blocks / "upright_0002.vdb", "-o", self.path("x.png"), "--size", "16x16")
+        self.assertIn("does not say which axis points upwards; z is taken for it; --up y", self.works(*alone).message)
+        self.assertNotIn("upwards", self.works(*alone, "--up", "z").message)
         self.assertIn("so that no voxel of one is one of the other", self.fails(1, "compare", self.blocks / "turned.vdb", self.blocks / "skewed.vdb"))
         for name in ("turned", "skewed"):
             lit = ("render", self.blocks / f"{name}.vdb", "--preset", "smoke", "--size", "48x48")

@@ -858,12 +858,14 @@ bool addBackground(const openvdb::GridBase& base, GridTraits& traits) {
   return true;
 }
 
-/// Programs whose up axis is y, by what they write into a file's metadata.
+/// The up axis of the program that wrote a file, by its metadata; 0: unknown.
 char upAxisOf(const openvdb::MetaMap& map) {
   for (const char* key : {"creator", "software", "application"}) {
     const auto creator = map.getMetadata<openvdb::StringMetadata>(key);
     if (creator && creator->value().find("Houdini") != std::string::npos)
       return 'y';
+    if (creator && creator->value().find("Blender") != std::string::npos)
+      return 'z';
   }
   return 0;
 }

@@ -16,6 +16,7 @@
 #include "volute/base/parallel.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
+#include "volute/io/volume_source.hpp"
 #include "volute/math/rotation.hpp"
 #include "volute/media/volume/volume_medium.hpp"
 #include "volute/optics/black_body.hpp"
@@ -254,8 +255,15 @@ Result<std::shared_ptr<VolumeMedium>> VolumeMedium::open(const std::string& path
                 "{}: a frame needs {} MiB of memory, more than the {} MiB allowed", path,
                 (bytes >> 20) + 1, reading.maxMemory >> 20);
   }
-  if (const char up = input.source->info().up; up != 0 && up != 'z' && options.stated.up == 0)
-    reading.progress.remark(fmt::format("{}: its {} axis points upwards, as it says", path, up));
+  if (const char up = input.source->info().up; options.stated.up == 0) {
+    if (up != 0 && up != 'z')
+      reading.progress.remark(fmt::format("{}: its {} axis points upwards, as it says", path, up));
+    else if (up == 0 && isVdbPath(path))
+      reading.progress.remark(
+          {RemarkCode::kAssumed,
+           fmt::format("{}: does not say which axis points upwards; z is taken for it", path),
+           {Hint::set("up", "y").so("turns y upwards")}});
+  }
   std::shared_ptr<VolumeMedium> volume(new VolumeMedium(std::move(input), appearance));
   volume->path_ = path;
   volume->options_ = std::move(finite);
