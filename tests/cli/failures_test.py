@@ -105,7 +105,7 @@ class Failures(support.TestCase):
     def test_too_little_memory(self):
         self.assertIn("memory", self.compress_fails(self.make_npy(size=16), "--max-memory", "1K"))
         packed = self.make_volute(size=16)
-        self.fails(1, "extract", packed, "-o", self.path("x.npy"), "--max-memory", "1K")
+        self.assertNotIn("so does .vdb", self.fails(1, "extract", packed, "-o", self.path("x.npy"), "--max-memory", "1K"))
         self.assertIn("the voxels of a frame need", self.fails(1, "extract", packed, "-o", self.path("x.vdb"), "--frames", 0, "--max-memory", "20K"))
         self.fails(1, "render", packed, "-o", self.path("x.png"), "--max-memory", "1K")
         self.assertIn("pixels", self.fails(1, "render", packed, "-o", self.path("x.png"), "--size", "20000x20000"))

@@ -339,13 +339,14 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
     const Region fits =
         fittingRegion(*reader, positions,
                       reading_.maxMemory / 8 / static_cast<std::uint64_t>(reader->info().channels));
-    return fail(ErrorCode::kTooLarge,
-                "{}: a file of this format holds all {} x {} x {} voxels of a frame, which need {} "
-                "MiB of memory, more than the {} MiB allowed; the region {}:{},{}:{},{}:{} fits, "
-                "and so does .vdb",
-                target, extraction.region.x(), extraction.region.y(), extraction.region.z(),
-                (needed >> 20) + 1, reading_.maxMemory >> 20, fits.begin[0], fits.end[0],
-                fits.begin[1], fits.end[1], fits.begin[2], fits.end[2]);
+    return fail(
+        ErrorCode::kTooLarge,
+        "{}: a file of this format holds all {} x {} x {} voxels of a frame, which need {} "
+        "MiB of memory, more than the {} MiB allowed; the region {}:{},{}:{},{}:{} fits{}",
+        target, extraction.region.x(), extraction.region.y(), extraction.region.z(),
+        (needed >> 20) + 1, reading_.maxMemory >> 20, fits.begin[0], fits.end[0], fits.begin[1],
+        fits.end[1], fits.begin[2], fits.end[2],
+        checkBricks(std::array{reader}, path_, reading_.maxMemory) ? ", and so does .vdb" : "");
   }
   if (extraction.bricks && extraction.level == 0)
     VOLUTE_TRY(checkBricks(std::array{reader}, path_, reading_.maxMemory));
