@@ -8,6 +8,7 @@
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/fds/smv_index.hpp"
+#include "volute/io/volume_source.hpp"
 #include "volute/volume_files/volume_extraction.hpp"
 #include "volute/volume_files/volume_input.hpp"
 
@@ -53,7 +54,9 @@ Status runExtract(const Arguments& arguments, Context& context) {
   Status status = isSmvPath(path)
                       ? extractFds(path, target, request, extracted, context)
                       : extractVolute(path, target, request, extracted, context, context.team);
-  if (!status && status.error().code == ErrorCode::kTooLarge && !request.region)
+  // On the way to .vdb frames are read whole.
+  if (!status && status.error().code == ErrorCode::kTooLarge && !request.region &&
+      !isVdbPath(target))
     status.error().hints = {Hint::set("region").so("takes a part"), Hint::raise("max_memory")};
   VOLUTE_TRY(std::move(status));
   if (!several)
