@@ -596,21 +596,33 @@ class PlanDrawing {
         at(std::clamp(static_cast<int>(std::lround(wanted.x())), 0, plan.nx - 1),
            std::clamp(static_cast<int>(std::lround(wanted.y())), 0, plan.ny - 1));
     const auto isOwn = [&](int x, int y) {
-      return x >= 0 && y >= 0 && x < plan.nx && y < plan.ny && !solid[at(x, y)] &&
-             picture_.marks[at(x, y)] == picture_.marks[own] &&
+      return !solid[at(x, y)] && picture_.marks[at(x, y)] == picture_.marks[own] &&
              picture_.values[at(x, y)] == picture_.values[own];
     };
+    // How many of its own lie below and to the left of a corner.
+    std::vector<int> before(static_cast<std::size_t>(plan.nx + 1) * (plan.ny + 1), 0);
+    const auto below = [&](int x, int y) -> int& {
+      return before[static_cast<std::size_t>(std::clamp(y, 0, plan.ny)) * (plan.nx + 1) +
+                    std::clamp(x, 0, plan.nx)];
+    };
+    for (int y = 0; y < plan.ny; ++y) {
+      for (int x = 0; x < plan.nx; ++x)
+        below(x + 1, y + 1) = below(x, y + 1) + below(x + 1, y) - below(x, y) + isOwn(x, y);
+    }
     Vec2 best = wanted;
     std::pair<int, double> least{std::numeric_limits<int>::max(), 0};
     for (int y = 0; y < plan.ny; ++y) {
       for (int x = 0; x < plan.nx; ++x) {
         if (!isOwn(x, y))
           continue;
-        std::pair<int, double> cost{0, (Vec2(x, y) - wanted).squaredNorm()};
-        for (int v = static_cast<int>(std::floor(y + 0.5 - halfY)); v < y + 0.5 + halfY; ++v) {
-          for (int u = static_cast<int>(std::floor(x + 0.5 - halfX)); u < x + 0.5 + halfX; ++u)
-            cost.first += !isOwn(u, v);
-        }
+        const int left = static_cast<int>(std::floor(x + 0.5 - halfX)),
+                  right = static_cast<int>(std::ceil(x + 0.5 + halfX)),
+                  low = static_cast<int>(std::floor(y + 0.5 - halfY)),
+                  high = static_cast<int>(std::ceil(y + 0.5 + halfY));
+        const int shown =
+            below(right, high) - below(left, high) - below(right, low) + below(left, low);
+        const std::pair<int, double> cost{(right - left) * (high - low) - shown,
+                                          (Vec2(x, y) - wanted).squaredNorm()};
         if (cost < least)
           least = cost, best = Vec2(x, y);
       }
