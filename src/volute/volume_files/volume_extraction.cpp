@@ -307,12 +307,29 @@ Result<Extraction> Extractor::extractionOf(const VolumeInfo& info) const {
   return extraction;
 }
 
+/// What the voxels take of the largest of some frames. Looks up no others: a file may have many.
+std::uint64_t brickBytes(const VoluteReader& reader, std::span<const int> positions) {
+  const BlockGrid& grid = reader.blocks();
+  std::uint64_t most = 0;
+  int last = -1;
+  for (const int position : positions) {
+    const int row = grid.rowOf(position);
+    if (row == last)
+      continue;
+    last = row;
+    const int frames = grid.endOfRow(row) - row * grid.frames();
+    most = std::max(most, reader.brickBytes(row) / static_cast<std::uint64_t>(frames));
+  }
+  return most;
+}
+
 /// The voxels of a frame of .vdb files, as they are read and as they are written.
 Status checkBricks(std::span<const std::shared_ptr<const VoluteReader>> readers,
-                   const std::string& path, std::uint64_t maxMemory) {
+                   std::span<const int> positions, const std::string& path,
+                   std::uint64_t maxMemory) {
   std::uint64_t needed = 0;
   for (const auto& reader : readers)
-    needed += reader && reader->hasTopology() ? 2 * frameSource(reader)->brickBytes() : 0;
+    needed += reader && reader->hasTopology() ? 2 * brickBytes(*reader, positions) : 0;
   if (needed <= maxMemory)
     return {};
   return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
@@ -339,17 +356,18 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
     const Region fits =
         fittingRegion(*reader, positions,
                       reading_.maxMemory / 8 / static_cast<std::uint64_t>(reader->info().channels));
-    return fail(
-        ErrorCode::kTooLarge,
-        "{}: a file of this format holds all {} x {} x {} voxels of a frame, which need {} "
-        "MiB of memory, more than the {} MiB allowed; the region {}:{},{}:{},{}:{} fits{}",
-        target, extraction.region.x(), extraction.region.y(), extraction.region.z(),
-        (needed >> 20) + 1, reading_.maxMemory >> 20, fits.begin[0], fits.end[0], fits.begin[1],
-        fits.end[1], fits.begin[2], fits.end[2],
-        checkBricks(std::array{reader}, path_, reading_.maxMemory) ? ", and so does .vdb" : "");
+    return fail(ErrorCode::kTooLarge,
+                "{}: a file of this format holds all {} x {} x {} voxels of a frame, which need {} "
+                "MiB of memory, more than the {} MiB allowed; the region {}:{},{}:{},{}:{} fits{}",
+                target, extraction.region.x(), extraction.region.y(), extraction.region.z(),
+                (needed >> 20) + 1, reading_.maxMemory >> 20, fits.begin[0], fits.end[0],
+                fits.begin[1], fits.end[1], fits.begin[2], fits.end[2],
+                checkBricks(std::array{reader}, positions, path_, reading_.maxMemory)
+                    ? ", and so does .vdb"
+                    : "");
   }
   if (extraction.bricks && extraction.level == 0)
-    VOLUTE_TRY(checkBricks(std::array{reader}, path_, reading_.maxMemory));
+    VOLUTE_TRY(checkBricks(std::array{reader}, positions, path_, reading_.maxMemory));
   VOLUTE_ASSIGN(auto source,
                 ExtractSource::create(reader, std::move(extraction), reading_.progress));
   const VolumeInfo info = source->info();
@@ -381,7 +399,7 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
   VOLUTE_ASSIGN(const auto extraction, extractionOf(frames));
   VOLUTE_ASSIGN(auto grids, openGrids(path_, names, extraction, request_.partial, reading_));
   if (extraction.level == 0)
-    VOLUTE_TRY(checkBricks(grids.readers, path_, reading_.maxMemory));
+    VOLUTE_TRY(checkBricks(grids.readers, grids.positions, path_, reading_.maxMemory));
   const VolumeInfo numbers = framesAt(frames, grids.positions);
   const MakeSink make = [&] {
     return createCacheSink(target, grids.targets, grids.fileMetadata, grids.kept, &numbers);
