@@ -24,8 +24,10 @@ constexpr int kMaxSteps = 4096;
 constexpr int kMaxParts = 64;         ///< of a step
 constexpr double kPartDepth = 0.125;  ///< optical depth of a part
 constexpr double kPartReach = 0.125;  ///< of the distance from a lamp: a part's length
-constexpr double kRimParts = 16;    ///< on which the soft edge of a cone grows from nothing to all
-constexpr double kStepLost = 1e-4;  ///< of the light that all steps may scatter towards the eye
+constexpr double kRimParts = 16;     ///< on which the soft edge of a cone grows from nothing to all
+constexpr int kRimSteps = 4;         ///< in which the medium is even, on such an edge
+constexpr double kStepReach = 0.25;  ///< of the distance from a lamp: the length of such a step
+constexpr double kStepLost = 1e-4;   ///< of the light that all steps may scatter towards the eye
 
 /// The mean of 1 / max(distance, radius)^2 from a lamp on a part of a ray.
 double meanInverseSquare(const Lamp& lamp, const Segment& ray, double begin, double end) {
@@ -137,19 +139,36 @@ class LitMedium::Ray {
   double cosine(std::size_t lamp) const { return cosines_[lamp]; }
 
  private:
-  /// Where it enters and leaves a spot's cone.
+  /// Where it enters and leaves a spot's cone and the part of it on which all light is, and places
+  /// between, as the light grows there.
   void addRim(const Lamp& lamp) {
     if (lamp.kind == Lamp::Kind::kSun || lamp.coneCosine <= -1)
       return;
+    std::vector<double> rims;
+    addCone(lamp, lamp.coneCosine, rims);
+    if (lamp.edge > 0)
+      addCone(lamp, std::cos((1 - lamp.edge) * std::acos(lamp.coneCosine)), rims);
+    std::ranges::sort(rims);
+    for (std::size_t i = 0; i + 1 < rims.size(); ++i) {
+      const double length = rims[i + 1] - rims[i];
+      const double share = lamp.coneShare(segment_.at(rims[i] + 0.5 * length));
+      for (int k = 1; share > 0 && share < 1 && k < kRimSteps; ++k)
+        turns_.push_back(rims[i] + length * k / kRimSteps);
+    }
+    turns_.insert(turns_.end(), rims.begin(), rims.end());
+  }
+
+  /// Where it crosses a cone around a spot's axis.
+  void addCone(const Lamp& lamp, double cosine, std::vector<double>& rims) const {
     // (a + b s)^2 = cos^2 (from + s direction)^2, and the place behind the lamp that does so, too.
     const Vec3 from = segment_.origin - lamp.position;
     const double a = from.dot(lamp.direction), b = segment_.direction.dot(lamp.direction);
-    const double square = lamp.coneCosine * lamp.coneCosine;
+    const double square = cosine * cosine;
     const double p = b * b - square, q = a * b - square * from.dot(segment_.direction);
     const double root = q * q - p * (a * a - square * from.squaredNorm());
     if (!(root > 0) || p == 0)
       return;
-    for (const double sign : {-1.0, 1.0}) turns_.push_back((-q + sign * std::sqrt(root)) / p);
+    for (const double sign : {-1.0, 1.0}) rims.push_back((-q + sign * std::sqrt(root)) / p);
   }
 
   Segment segment_;
@@ -199,7 +218,12 @@ double LitMedium::goesOn(double share, double cosine) const {
 
 double LitMedium::evenFor(const Vec3& point) const {
   double even = std::numeric_limits<double>::infinity();
-  for (const LightField& field : fields_) even = std::min(even, field.evenFor(point));
+  for (const LightField& field : fields_) {
+    even = std::min(even, field.evenFor(point));
+    const Lamp& lamp = field.lamp();
+    if (lamp.kind != Lamp::Kind::kSun)
+      even = std::min(even, kStepReach * std::max((point - lamp.position).norm(), lamp.radius));
+  }
   return even;
 }
 
