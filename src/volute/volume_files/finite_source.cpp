@@ -10,6 +10,7 @@
 
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/grid_matrix.hpp"
+#include "volute/grid/masked_source.hpp"
 #include "volute/grid/rounding_source.hpp"
 
 namespace volute {
@@ -160,6 +161,8 @@ std::unique_ptr<FrameSource> asFinite(std::unique_ptr<FrameSource> source, NotFi
                                       const std::string& path) {
   if (what == NotFinite::kKeep)
     return source;
+  if (what == NotFinite::kInactive)
+    return withoutHoles(std::move(source));
   return std::make_unique<FiniteSource>(std::move(source), what, path);
 }
 

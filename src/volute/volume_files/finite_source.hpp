@@ -14,6 +14,7 @@ enum class NotFinite {
   kKeep,
   kRefuse,      ///< an error with file, grid, frame, the voxel as the file counts it, and its place
   kBackground,  ///< the background instead; they stay active where they were
+  kInactive,    ///< they are not there, as withoutHoles() has it
 };
 
 /// @param source  as it was opened: a PlacedFrames names its files and indices

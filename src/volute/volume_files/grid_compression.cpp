@@ -14,7 +14,6 @@
 #include "volute/base/output_file.hpp"
 #include "volute/codec/bundle.hpp"
 #include "volute/grid/bricks.hpp"
-#include "volute/grid/masked_source.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/volume_files/compression_report.hpp"
 #include "volute/volume_files/finite_source.hpp"
@@ -98,8 +97,7 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   if (grid.empty)
     return {};
   VOLUTE_ASSIGN(auto source, grids_.source(chosen_[i]));
-  source = how_.holes ? withoutHoles(std::move(source))
-                      : asFinite(std::move(source), how_.notFinite, target_);
+  source = asFinite(std::move(source), how_.notFinite, target_);
   source = asStated(std::move(source), how_.stated);
   VOLUTE_ASSIGN(source, selectFrames(std::move(source), how_.frames));
   CompressOptions options = how_.options;
@@ -467,7 +465,7 @@ Result<Report> compressVolume(const std::string& path, const std::string& target
   if (report)
     return *std::move(report);
   InputOptions finite = input;
-  finite.notFinite = how.holes ? NotFinite::kKeep : how.notFinite;
+  finite.notFinite = how.notFinite;
   finite.stated = how.stated;
   VOLUTE_ASSIGN(auto volume, openVolume(path, finite, reading));
   if (!volume.places.empty()) {
@@ -475,8 +473,6 @@ Result<Report> compressVolume(const std::string& path, const std::string& target
     VOLUTE_ASSIGN(const auto result, compressGrids(grid, {0}, target, how, reading, team));
     return compressionReport(target, result, result.frames.frames, std::nullopt);
   }
-  if (how.holes)
-    volume.source = withoutHoles(std::move(volume.source));
   remarkOnTimes(path, volume.source->info(), reading);
   const bool whole =
       how.frames == FrameRange{} && !input.bounds && volume.source->otherGrids().empty();

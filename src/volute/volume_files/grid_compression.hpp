@@ -23,7 +23,6 @@ struct GridCompression {
   StatedInfo stated{};
   std::vector<std::string> keep{};  ///< grids that are kept as bytes though they are volumes
   NotFinite notFinite = NotFinite::kRefuse;
-  bool holes = false;        ///< instead: what is not finite is not there, as withoutHoles() does
   bool dropUncoded = false;  ///< what is no volume is left out, not kept as bytes
 };
 

@@ -75,9 +75,8 @@ Status runCompress(const Arguments& arguments, Context& context) {
   how.rmsOverAll = rmsOverAll(arguments);
   how.keep = gridNames(arguments.find<std::string>("keep").value_or(""));
   const auto notFinite = arguments.get<std::string>("not-finite");
-  how.holes = notFinite == "inactive";
-  if (notFinite == "background")
-    how.notFinite = NotFinite::kBackground;
+  if (notFinite != "refuse")
+    how.notFinite = notFinite == "inactive" ? NotFinite::kInactive : NotFinite::kBackground;
   how.dropUncoded = arguments.get<std::string>("uncoded") == "drop";
   CompressOptions& options = how.options;
   options.target = targetOf(arguments);
