@@ -245,7 +245,8 @@ Box3 VolumeMedium::boundsInScene() const {
 Result<std::shared_ptr<VolumeMedium>> VolumeMedium::open(const std::string& path,
                                                          const InputOptions& options,
                                                          const Appearance& appearance,
-                                                         Reading& reading) {
+                                                         Reading& reading,
+                                                         std::shared_ptr<LoneFrame> frame) {
   InputOptions finite = options;
   finite.notFinite = NotFinite::kRefuse;
   VOLUTE_ASSIGN(auto input, openVolume(path, finite, reading));
@@ -264,7 +265,12 @@ Result<std::shared_ptr<VolumeMedium>> VolumeMedium::open(const std::string& path
            fmt::format("{}: does not say which axis points upwards; z is taken for it", path),
            {Hint::set("up", "y").so("turns y upwards")}});
   }
+  if (!frame)
+    frame = std::make_shared<LoneFrame>();
+  if (!input.reader)
+    input.source = LoneFrame::keeping(std::move(input.source), frame);
   std::shared_ptr<VolumeMedium> volume(new VolumeMedium(std::move(input), appearance));
+  volume->frame_ = std::move(frame);
   volume->path_ = path;
   volume->options_ = std::move(finite);
   volume->progress_ = &reading.progress;
@@ -272,6 +278,9 @@ Result<std::shared_ptr<VolumeMedium>> VolumeMedium::open(const std::string& path
   VOLUTE_TRY(volume->chooseInterpolation(reading.progress));
   VOLUTE_TRY(volume->openOthers(reading));
   VOLUTE_TRY(volume->findContent(reading.progress));
+  std::vector<std::string> grids{volume->input_->source->info().name};
+  for (const auto& [name, other] : volume->others_) grids.push_back(name);
+  volume->frame_->keepOnly(grids);
   volume->info_ = volume->describe();
   return volume;
 }
@@ -441,6 +450,8 @@ Status VolumeMedium::openOthers(Reading& reading) {
                   "shown together need one place",
                   path_, name, input_->source->info().name);
     }
+    if (!found->reader)
+      found->source = LoneFrame::keeping(std::move(found->source), frame_);
     others_[name] = std::make_shared<VolumeInput>(std::move(*found));
     if (std::ranges::find(velocities_, name) != velocities_.end())
       continue;  // where nothing else is, it moves nothing
@@ -495,6 +506,7 @@ Result<BrickSlice> VolumeMedium::readSlice(FrameSource& source, int position) {
                                   });
   }
   Bricks bricks;
+  frame_->handOver();
   VOLUTE_TRY(source.readBricks(position, bricks));
   if (source.info().levelSet)
     bricks = insideOf(bricks, source.info().voxelSize().minCoeff());

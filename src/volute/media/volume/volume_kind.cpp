@@ -42,8 +42,8 @@ void addStudio(VolumePreset preset, int version, VolumeLighting& lighting) {
 
 /// Of this file, whatever its appearance; read again where nobody has it.
 Result<std::shared_ptr<VolumeMedium>> volumeOf(const std::string& file, InputOptions input,
-                                               const Appearance& appearance,
-                                               MediumContext& context) {
+                                               const Appearance& appearance, MediumContext& context,
+                                               std::shared_ptr<LoneFrame> frame = {}) {
   input.partial = context.options.partial, input.verify = context.options.verify;
   const auto before = context.take<VolumeMedium>([&](const VolumeMedium& volume) {
     const InputOptions& options = volume.options();
@@ -57,7 +57,8 @@ Result<std::shared_ptr<VolumeMedium>> volumeOf(const std::string& file, InputOpt
     return before->with(appearance);
   RemarkLog heard(context.reading.progress);
   Reading reading = context.reading.with(heard);
-  VOLUTE_ASSIGN(auto medium, VolumeMedium::open(file, input, appearance, reading));
+  VOLUTE_ASSIGN(auto medium,
+                VolumeMedium::open(file, input, appearance, reading, std::move(frame)));
   medium->remarks = heard.remarks();
   return medium;
 }
@@ -108,10 +109,12 @@ class VolumeKind final : public MediumKind {
         entry.contains("preset") || entry.contains("emission") || entry.contains("transfer");
     const bool looks =
         context.version >= 2 && !said && !context.options.measured && !context.options.byTree;
-    VOLUTE_ASSIGN(const auto preset, applyPreset(looks                        ? VolumePreset::kAuto
-                                                 : volume.appearance.transfer ? VolumePreset::kNone
-                                                                              : volume.preset,
-                                                 volume.file, input, volume.appearance, reading));
+    const auto frame = std::make_shared<LoneFrame>();
+    VOLUTE_ASSIGN(const auto preset,
+                  applyPreset(looks                        ? VolumePreset::kAuto
+                              : volume.appearance.transfer ? VolumePreset::kNone
+                                                           : volume.preset,
+                              volume.file, input, volume.appearance, reading, frame));
     volume.input.grid = input.grid;
     VOLUTE_TRY(readFields(volumeFields(), entry, origin, &volume));  // what is said stands
     Appearance& appearance = volume.appearance;
@@ -151,7 +154,7 @@ class VolumeKind final : public MediumKind {
                                       context.file, context.path))
                        .in(context.file, context.path));
     }
-    VOLUTE_ASSIGN(auto medium, volumeOf(volume.file, volume.input, appearance, context));
+    VOLUTE_ASSIGN(auto medium, volumeOf(volume.file, volume.input, appearance, context, frame));
     medium->remarks.insert(medium->remarks.begin(), heard.remarks().begin(), heard.remarks().end());
     medium->setLighting(std::move(lighting));
     return std::shared_ptr<SceneMedium>(std::move(medium));

@@ -340,6 +340,7 @@ Status VolumeMedium::addSurfaces(const InstantRequest& request, TriangleMesh& to
   to.materials.push_back({base, base * lighting_.surrounding});
   const int position = positionAt(request.time);
   Bricks bricks;
+  frame_->handOver();
   VOLUTE_TRY(input_->source->readBricks(position, bricks));
   const Placement world = placed(appearance_);
   const Mat3 linear = world.turn * world.scale.asDiagonal();

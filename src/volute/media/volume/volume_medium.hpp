@@ -13,6 +13,7 @@
 #include "volute/grid/voxel_medium.hpp"
 #include "volute/media/field_probe.hpp"
 #include "volute/media/medium_kind.hpp"
+#include "volute/media/volume/lone_frame.hpp"
 #include "volute/media/volume/volume_fields.hpp"
 #include "volute/media/volume/volume_light.hpp"
 #include "volute/media/volume/volume_motion.hpp"
@@ -110,10 +111,10 @@ ShadedVoxels seenFrom(const VolumeLight& light, const Camera& camera);
 /// A volume file in a scene. Copies share what was read.
 class VolumeMedium : public SceneMedium, public ProbedMedium {
  public:
-  [[nodiscard]] static Result<std::shared_ptr<VolumeMedium>> open(const std::string& path,
-                                                                  const InputOptions& options,
-                                                                  const Appearance& appearance,
-                                                                  Reading& reading);
+  /// @param frame  what is kept of a single frame that was looked at before; null: nothing
+  [[nodiscard]] static Result<std::shared_ptr<VolumeMedium>> open(
+      const std::string& path, const InputOptions& options, const Appearance& appearance,
+      Reading& reading, std::shared_ptr<LoneFrame> frame = {});
 
   Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
                                              Progress& progress) override;
@@ -275,6 +276,7 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   std::shared_ptr<VolumeInput> input_;  ///< shared by copies: one thread uses them all
   std::map<std::string, std::shared_ptr<VolumeInput>>
       others_;  ///< grids by name; null: it is empty
+  std::shared_ptr<LoneFrame> frame_;
   Appearance appearance_;
   Placement placement_;  ///< what volume_.bounds leave to do; nothing where it is not turned and
                          ///< was not moved since it was opened

@@ -100,9 +100,11 @@ Result<LookFigures> figuresOf(const VolumeInput& volume) {
 /// The grids of a volume, and what presets want to know of them.
 class Grids {
  public:
-  static Result<Grids> open(const std::string& path, const InputOptions& input, Reading& reading) {
-    Grids grids(path, input, reading);
+  static Result<Grids> open(const std::string& path, const InputOptions& input, Reading& reading,
+                            std::shared_ptr<LoneFrame> frame) {
+    Grids grids(path, input, reading, std::move(frame));
     InputOptions first = input;
+    first.notFinite = NotFinite::kRefuse;  // as whoever draws it does
     Progress quiet;
     Reading silent = reading.with(quiet);
     auto found = openVolume(path, first, silent);
@@ -138,6 +140,7 @@ class Grids {
     if (!found)
       return tl::unexpected(std::move(found.error()));
     grids.main_ = std::move(*found);
+    grids.keep(grids.main_);
     grids.names_ = grids.main_.source->otherGrids();
     grids.named_ = grids.isNamed(path);
     if (grids.named_)
@@ -184,12 +187,24 @@ class Grids {
       return LookFigures();  // nothing is active in it
     if (!other)
       return tl::unexpected(std::move(other.error()));
+    other->source = asFinite(std::move(other->source), NotFinite::kRefuse, path_);
+    keep(*other);
+    if (auto figures = figuresOf(*other); figures || figures.error().code == ErrorCode::kCancelled)
+      return figures;
+    // It may not be drawn at all.
+    VOLUTE_ASSIGN(*other, openVolume(path_, one, silent));
     return figuresOf(*other);
   }
 
  private:
-  Grids(const std::string& path, const InputOptions& input, Reading& reading)
-      : path_(path), input_(input), reading_(reading) {}
+  Grids(const std::string& path, const InputOptions& input, Reading& reading,
+        std::shared_ptr<LoneFrame> frame)
+      : path_(path), input_(input), reading_(reading), frame_(std::move(frame)) {}
+
+  void keep(VolumeInput& input) const {
+    if (!input.reader)
+      input.source = LoneFrame::keeping(std::move(input.source), frame_);
+  }
 
   /// A .npy has no names, nor has an array without one in a .npz or in memory, and a .volute of
   /// that alone says "density" of whatever it holds.
@@ -207,6 +222,7 @@ class Grids {
   std::string path_;
   InputOptions input_;
   Reading& reading_;
+  std::shared_ptr<LoneFrame> frame_;
   VolumeInput main_;
   std::vector<std::string> names_;
   bool named_ = true;
@@ -290,10 +306,11 @@ double rounded(double value) {
 }  // namespace
 
 Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, InputOptions& input,
-                                 Appearance& appearance, Reading& reading) {
+                                 Appearance& appearance, Reading& reading,
+                                 const std::shared_ptr<LoneFrame>& frame) {
   if (preset == VolumePreset::kNone)
     return preset;
-  VOLUTE_ASSIGN(auto grids, Grids::open(path, input, reading));
+  VOLUTE_ASSIGN(auto grids, Grids::open(path, input, reading, frame));
   // Light that somebody has measured or computed is shown as it is.
   const std::string light = grids.find(kLightNames);
   if (preset == VolumePreset::kAuto && !light.empty() && grids.named()) {

@@ -2,9 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "volute/media/volume/appearance.hpp"
+#include "volute/media/volume/lone_frame.hpp"
 #include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
@@ -21,10 +23,12 @@ enum class VolumePreset {
 /// Sets what the preset decides, from the grids of the volume and some of its frames. Says in a
 /// remark what was chosen.
 /// @param input  its grid becomes the one that absorbs or, of fire alone, that burns
+/// @param frame  keeps what is read of a single frame
 /// @return the preset, of kAuto the one it found. kInvalidArgument, with the names of its grids,
 /// where the volume lacks what the preset needs.
 [[nodiscard]] Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path,
                                                InputOptions& input, Appearance& appearance,
-                                               Reading& reading);
+                                               Reading& reading,
+                                               const std::shared_ptr<LoneFrame>& frame);
 
 }  // namespace volute
