@@ -86,21 +86,22 @@ void makeCorners(const BrickSlice& slice, const BrickPlace& count, bool shares, 
     grid.bricks.push_back({place, number});
   }
   const std::size_t each = static_cast<std::size_t>(kCornersOfBrick) * slice.channels();
-  grid.corners.resize(distinct.size() * each);
+  std::vector<float> corners(distinct.size() * each);
   std::vector<std::int32_t> number(distinct.size());
   parallelRanges(distinct.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      number[i] = copyCorners(slice, distinct[i], &grid.corners[i * each]) ? 0 : -1;
+      number[i] = copyCorners(slice, distinct[i], &corners[i * each]) ? 0 : -1;
   });
   for (std::size_t i = 0; i < number.size(); ++i) {
     if (number[i] < 0)
       continue;
     number[i] = grid.stored++;
     if (static_cast<std::size_t>(number[i]) != i)
-      std::copy_n(&grid.corners[i * each], each,
-                  &grid.corners[static_cast<std::size_t>(number[i]) * each]);
+      std::copy_n(&corners[i * each], each, &corners[static_cast<std::size_t>(number[i]) * each]);
   }
-  grid.corners.resize(static_cast<std::size_t>(grid.stored) * each);
+  corners.resize(static_cast<std::size_t>(grid.stored) * each);
+  corners.shrink_to_fit();
+  grid.corners = std::make_shared<const std::vector<float>>(std::move(corners));
   for (BrickSlice::Entry& entry : grid.bricks) {
     entry.stored = number[static_cast<std::size_t>(entry.stored)];
     grid.table.set(entry.place, entry.stored);
@@ -157,7 +158,7 @@ std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>
   }
   if (grid->trilinear) {
     makeCorners(*slice, count, shares, *grid);
-    grid->values = grid->corners.data();
+    grid->values = grid->corners->data();
   } else {
     grid->table = slice->table();
     grid->bricks.assign(slice->entries().begin(), slice->entries().end());

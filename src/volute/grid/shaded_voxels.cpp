@@ -100,8 +100,23 @@ struct ShadedVoxels::Counters {
 };
 
 ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
-    : slice_(unshared(std::move(slice))),
-      extinction_(firstChannel(slice_), 0, 1),
+    : ShadedVoxels(Drawn(unshared(std::move(slice)))) {}
+
+/// Null over the cubic basis.
+ShadedVoxels::Drawn::Drawn(std::shared_ptr<const BrickSlice> whole) : slice(std::move(whole)) {
+  if (slice->basis() != Basis::kCubic)
+    march = marchOf(slice, voxels::cellsOf(*slice));
+}
+
+VoxelMedium ShadedVoxels::Drawn::absorption() const {
+  if (march && slice->channels() == 1)
+    return {march, 0, 1};
+  return {firstChannel(slice), 0, 1};
+}
+
+ShadedVoxels::ShadedVoxels(const Drawn& drawn)
+    : slice_(drawn.slice),
+      extinction_(drawn.absorption()),
       cells_(voxels::cellsOf(*slice_)),
       occupied_(voxels::occupiedCells(*slice_, cells_)),
       counters_(std::make_shared<Counters>()) {
@@ -113,7 +128,7 @@ ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
     corners_ = findCentres(*slice_);
     return;
   }
-  march_ = marchOf(slice_, cells_);
+  march_ = drawn.march;
   corners_ = findCorners(*march_);
 }
 
@@ -143,7 +158,7 @@ ShadedVoxels ShadedVoxels::drawnFrom(const BrickSlice& splines) const {
   made.corners_ = kNone;
   made.light_ = nullptr;
   if (made.slice_->channels() == 1)
-    made.extinction_ = VoxelMedium(made.slice_, 0, 1);
+    made.extinction_ = VoxelMedium(made.march_, 0, 1);
   made.counters_ = std::make_shared<Counters>();
   return made;
 }
@@ -427,8 +442,7 @@ ShadedVoxels ShadedVoxels::withLight(std::vector<VoxelLight> given) const {
   if (!march->fits)
     return lit;  // by pieces
   march->brickStride = static_cast<std::int32_t>(to);
-  march->corners.assign(bricks * to, 0);
-  march->values = march->corners.data();
+  std::vector<float> corners(bricks * to);
   const bool beside = channels == 1;  // light is beside extinction, so that one load takes both
   if (beside) {
     march->channelStride = 1;
@@ -437,7 +451,7 @@ ShadedVoxels ShadedVoxels::withLight(std::vector<VoxelLight> given) const {
   parallelRanges(bricks, 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
       const float* values = march_->values + b * from;
-      float* out = &march->corners[b * to];
+      float* out = &corners[b * to];
       if (beside) {
         for (int i = 0; i < kShadedCorners; ++i) out[2 * i] = values[i];
       } else {
@@ -451,6 +465,8 @@ ShadedVoxels ShadedVoxels::withLight(std::vector<VoxelLight> given) const {
       }
     }
   });
+  march->corners = std::make_shared<const std::vector<float>>(std::move(corners));
+  march->values = march->corners->data();
   lit.march_ = std::move(march);
   return lit;
 }

@@ -95,6 +95,16 @@ class ShadedVoxels {
   }
 
  private:
+  /// What is drawn, and the bricks that the march reads.
+  struct Drawn {
+    std::shared_ptr<const BrickSlice> slice;
+    std::shared_ptr<const MarchGrid> march;
+
+    explicit Drawn(std::shared_ptr<const BrickSlice> whole);
+    VoxelMedium absorption() const;
+  };
+
+  explicit ShadedVoxels(const Drawn& drawn);
   bool marchesLight() const;
 
   /// The corners of a brick of cells, 9 a side, and which of the places is at each; -1: none is

@@ -32,8 +32,8 @@ struct MarchGrid {
   std::vector<BrickSlice::Entry> bricks;  ///< those of the table, in the order of isBefore()
   std::int32_t stored = 0;                ///< numbers
   const float* values = nullptr;
-  std::int32_t brickStride = 0;  ///< in values, from one number to the next
-  std::vector<float> corners;    ///< the trilinear bricks
+  std::int32_t brickStride = 0;                       ///< in values, from one number to the next
+  std::shared_ptr<const std::vector<float>> corners;  ///< the trilinear bricks; copies share them
   std::int32_t stride[3]{};  ///< in values, for a step of one cell on x, y, z; stride[0] is 1, but
                              ///< 2 where light lies beside extinction
   std::int32_t channelStride = 0;

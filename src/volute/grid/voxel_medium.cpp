@@ -37,6 +37,22 @@ VoxelMedium::VoxelMedium(std::shared_ptr<const BrickSlice> slice, double emissio
     march_ = makeMarchGrid(slice_, cells_, emissionScale, extinctionScale);
 }
 
+VoxelMedium::VoxelMedium(const std::shared_ptr<const MarchGrid>& march, double emissionScale,
+                         double extinctionScale)
+    : slice_(march->slice),
+      emissionScale_(emissionScale),
+      extinctionScale_(extinctionScale),
+      cells_(cellsOf(*slice_)),
+      occupied_(occupiedCells(*slice_, cells_)),
+      counters_(std::make_shared<Counters>()) {
+  VOLUTE_ASSERT(march->trilinear && march->channels == 1 && march->lightChannel < 0);
+  auto own = std::make_shared<MarchGrid>(*march);
+  own->emissionScale = emissionScale, own->extinctionScale = extinctionScale;
+  own->shaded = false, own->emissionChannel = -1;
+  own->steps = MarchGrid().steps, own->lightLost = MarchGrid().lightLost;
+  march_ = std::move(own);
+}
+
 double VoxelMedium::weightedValue(const Vec3& point, int channel) const {
   if (!bounds().contains(point))
     return 0;

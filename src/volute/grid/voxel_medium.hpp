@@ -38,6 +38,10 @@ class VoxelMedium {
   VoxelMedium(std::shared_ptr<const BrickSlice> slice, double emissionScale,
               double extinctionScale);
 
+  /// The same of bricks that another medium marches through, too: one channel, trilinear.
+  VoxelMedium(const std::shared_ptr<const MarchGrid>& march, double emissionScale,
+              double extinctionScale);
+
   Box3 bounds() const { return cells_.bounds(); }
 
   double extinction(const Vec3& point) const;
