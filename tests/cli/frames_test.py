@@ -186,6 +186,25 @@ class Frames(support.TestCase):
         self.assertIn("cut off", self.works(*self.words()).message)
         self.assertEqual(struct.unpack("<4i", self.header("x.exr")["dataWindow"]), display)
 
+    def test_frames_keep_their_primaries(self):
+        aces = (0.7347, 0.2653, 0, 1, 0.0001, -0.077, 0.32168, 0.33767)
+        black = {name: [0.0] * (WIDTH * HEIGHT) for name in "RGB"}
+        self.depth({"Z": self.depths})
+        more = exr_attribute("chromaticities", "chromaticities", struct.pack("<8f", *aces))
+        write_parts(self.path("aces.exr"), [Part(WIDTH, HEIGHT, black, more=more)])
+        write_planes(self.path("black.exr"), WIDTH, HEIGHT, black)
+        for out in ("x.exr", "x.png"):
+            self.works(*self.words("--fog-color", "1,0,0", "--depth-kind", "z", color="aces.exr", out=out))
+            self.works(*self.words("--fog-color", "1,0,0", "--depth-kind", "z", color="black.exr", out="plain_" + out))
+        there, plain = read_exr(self.path("x.exr")), read_exr(self.path("plain_x.exr"))
+        light = plain.values[0]
+        self.assertGreater(light, 0.01)
+        # The red of Rec. 709 in ACES2065-1, by Bradford's adaptation.
+        for found, share in zip(there.values, (0.4397, 0.0898, 0.0175)):
+            self.assertAlmostEqual(found / light, share, delta=1e-3)
+        self.assertEqual(struct.unpack("<8f", self.header("x.exr")["chromaticities"]), struct.unpack("<8f", struct.pack("<8f", *aces)))
+        self.assertEqual(self.path("x.png").read_bytes(), self.path("plain_x.png").read_bytes())
+
     def test_the_fog_alone_is_a_layer(self):
         self.depth({"Z": self.depths})
         self.works(*self.words("--edges", "hard"))

@@ -13,6 +13,7 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -143,33 +144,30 @@ Result<Image> readChannels(const InputFile& file, Imf::InputFile& exr,
   return window == display ? image : toDisplay(image, window, display);
 }
 
-/// Colours of the primaries that a picture states, ACES's for one, as those of sRGB.
-Status toSrgbPrimaries(const Imf::Header& header, const std::string& where, Image& image) {
+/// From the primaries that a picture states, ACES's for one, to those of sRGB; none: the same.
+Result<std::optional<Mat3>> srgbFrom(const Imf::Header& header, const std::string& where) {
   if (!Imf::hasChromaticities(header))
-    return {};
+    return std::nullopt;
   const Imf::Chromaticities& its = Imf::chromaticities(header);
   std::array<double, 8> places{};
   std::size_t i = 0;
   for (const auto& place : {its.white, its.red, its.green, its.blue})
     places[i++] = place.x, places[i++] = place.y;
-  const auto toSrgb = srgbFromPrimaries(places);
+  auto toSrgb = srgbFromPrimaries(places);
   if (!toSrgb)
     return fail(toSrgb.error().code, "{}: {}", where, toSrgb.error().message);
-  for (std::size_t at = 0; *toSrgb && at < image.pixels.size(); at += 3) {
-    const Vec3 light(image.pixels[at], image.pixels[at + 1], image.pixels[at + 2]);
-    const Vec3 linear = **toSrgb * light;
-    for (std::size_t c = 0; c < 3; ++c)
-      image.pixels[at + c] = static_cast<float>(linear[static_cast<Eigen::Index>(c)]);
-  }
-  return {};
+  return toSrgb;
 }
 
 Result<Image> readPixels(const InputFile& file, Imf::InputFile& exr,
                          const ImageReadOptions& options) {
   VOLUTE_ASSIGN(const auto channels, chooseChannels(exr.header().channels(), file.path().string()));
   VOLUTE_ASSIGN(auto image, readChannels(file, exr, channels, options));
-  if (channels.size() == 3)
-    VOLUTE_TRY(toSrgbPrimaries(exr.header(), file.path().string(), image));
+  if (channels.size() == 3) {
+    VOLUTE_ASSIGN(const auto toSrgb, srgbFrom(exr.header(), file.path().string()));
+    if (toSrgb)
+      transformColors(*toSrgb, image);
+  }
   return image;
 }
 
@@ -223,9 +221,10 @@ Result<FrameInfo> infoOf(const InputFile& file, Imf::MultiPartInputFile& exr,
                   "soft edges a depth of several times its size",
                   file.path().string());
     }
-    info.parts.push_back({windowOf(header.dataWindow()), windowOf(header.displayWindow()),
-                          header.pixelAspectRatio(),
-                          std::make_shared<const FrameAttributes>(FrameAttributes{header})});
+    VOLUTE_ASSIGN(const auto toSrgb, srgbFrom(header, file.path().string()));
+    info.parts.push_back(
+        {windowOf(header.dataWindow()), windowOf(header.displayWindow()), header.pixelAspectRatio(),
+         std::make_shared<const FrameAttributes>(FrameAttributes{header}), toSrgb});
     if (const auto* text = header.findTypedAttribute<Imf::StringAttribute>("Software"))
       info.software = text->value();
     if (header.find("BlenderMultiChannel") != header.end())
@@ -329,6 +328,11 @@ Result<Image> readFrameChannels(const std::filesystem::path& path,
 }
 
 Status writeFrame(const std::filesystem::path& path, const FramePixels& pixels) {
+  Image color;
+  if (const auto& toSrgb = pixels.part.toSrgb) {
+    color = pixels.color;
+    transformColors(toSrgb->inverse(), color);
+  }
   return encode(path, headerFor(pixels.part), [&](Imf::Header& header, Imf::FrameBuffer& buffer) {
     const auto add = [&](const char* name, const Image& image, int channel) {
       header.channels().insert(name, Imf::Channel(Imf::FLOAT));
@@ -336,7 +340,8 @@ Status writeFrame(const std::filesystem::path& path, const FramePixels& pixels) 
                                            boxOf(pixels.part.data), sizeof(float) * image.channels,
                                            sizeof(float) * image.channels * image.width));
     };
-    for (int c = 0; c < 3; ++c) add(&"R\0G\0B"[2 * c], pixels.color, c);
+    for (int c = 0; c < 3; ++c)
+      add(&"R\0G\0B"[2 * c], pixels.part.toSrgb ? color : pixels.color, c);
     if (pixels.alpha)
       add("A", *pixels.alpha, 0);
   });

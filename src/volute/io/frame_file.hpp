@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "volute/io/image_file.hpp"
+#include "volute/math/vec.hpp"
 
 // Frames of other renderers: .exr files with layers, parts, windows and attributes.
 
@@ -44,6 +45,7 @@ struct FramePart {
   PixelWindow display;     ///< of what a camera shows
   double pixelAspect = 1;  ///< width of a pixel / its height
   std::shared_ptr<const FrameAttributes> attributes{};
+  std::optional<Mat3> toSrgb{};  ///< of the light of its primaries; none: they are sRGB's
 };
 
 /// What is in a .exr, before its pixels are read.
@@ -61,15 +63,16 @@ struct FrameInfo {
                                               std::span<const FrameChannel> channels,
                                               std::uint64_t maxMemory);
 
-/// A picture in its windows: linear RGB over `data`, and where there is alpha the colour is
-/// multiplied by it.
+/// A picture in its windows: linear RGB of sRGB's primaries over `data`, and where there is alpha
+/// the colour is multiplied by it.
 struct FramePixels {
   Image color{};
   std::optional<Image> alpha{};
   FramePart part{};
 };
 
-/// Writes a .exr: scan lines, float32, ZIP, with all attributes that still hold.
+/// Writes a .exr: scan lines, float32, ZIP, with all attributes that still hold, in the primaries
+/// that they state.
 [[nodiscard]] Status writeFrame(const std::filesystem::path& path, const FramePixels& pixels);
 
 /// The integers of a .png as they are stored, 0 to 255 or 65535, and how many a channel can be.

@@ -182,6 +182,14 @@ Result<std::optional<Mat3>> srgbFromPrimaries(const std::array<double, 8>& place
   return srgbFromProfile(cones.inverse() * scale.asDiagonal() * cones * own);
 }
 
+void transformColors(const Mat3& matrix, Image& image) {
+  for (std::size_t at = 0; at + 2 < image.pixels.size(); at += 3) {
+    const Vec3 light(image.pixels[at], image.pixels[at + 1], image.pixels[at + 2]);
+    const Vec3 other = matrix * light;
+    for (int c = 0; c < 3; ++c) image.pixels[at + c] = static_cast<float>(other[c]);
+  }
+}
+
 Result<StoredColor> colorOfProfile(std::span<const std::byte> profile, bool grey) {
   const ProfileBytes bytes(profile);
   StoredColor color;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/image/image.hpp"
 #include "volute/math/vec.hpp"
 
 namespace volute {
@@ -32,6 +33,9 @@ struct StoredColor {
 /// The places of white, red, green and blue, x and y each, in the chromaticity diagram (cHRM).
 /// Nothing where they are sRGB's. kInvalidData in half a sentence where they span no colors.
 [[nodiscard]] Result<std::optional<Mat3>> srgbFromPrimaries(const std::array<double, 8>& places);
+
+/// Each pixel of a picture of three channels through the matrix, in double.
+void transformColors(const Mat3& matrix, Image& image);
 
 /// Of an ICC profile with curves and primaries, or with a curve of grey, as pictures have them.
 /// Nothing in it is trusted. Errors are half a sentence.

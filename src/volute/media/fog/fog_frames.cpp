@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "volute/io/frame_pattern.hpp"
+#include "volute/io/stored_color.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/media/fog/fog_scene_medium.hpp"
 #include "volute/media/fog/frame_edges.hpp"
@@ -70,6 +71,8 @@ Result<Color> readExrColor(const std::string& path, const std::string& layer,
   Color color{{.part = info.parts[static_cast<std::size_t>(wanted[0].part)]}, channels->layer};
   const int colors = grey ? 1 : 3;
   color.pixels.color = channelsOf(channelsOf(image, 0, colors), 0, 3);
+  if (const auto& toSrgb = color.pixels.part.toSrgb)
+    transformColors(*toSrgb, color.pixels.color);
   if (image.channels > colors)
     color.pixels.alpha = channelsOf(image, colors, 1);
   return color;
