@@ -204,6 +204,12 @@ class Frames(support.TestCase):
             self.assertAlmostEqual(found / light, share, delta=1e-3)
         self.assertEqual(struct.unpack("<8f", self.header("x.exr")["chromaticities"]), struct.unpack("<8f", struct.pack("<8f", *aces)))
         self.assertEqual(self.path("x.png").read_bytes(), self.path("plain_x.png").read_bytes())
+        # What spans no colours matters to depths as little as their primaries do.
+        more = exr_attribute("chromaticities", "chromaticities", bytes(32))
+        write_parts(self.path("depth.exr"), [Part(WIDTH, HEIGHT, {"Z": self.depths}, more=more)])
+        self.works(*self.words("--depth-kind", "z", color="black.exr"))
+        write_parts(self.path("none.exr"), [Part(WIDTH, HEIGHT, black, more=more)])
+        self.assertIn("none.exr", self.fails(1, *self.words("--depth-kind", "z", color="none.exr")))
 
     def test_the_fog_alone_is_a_layer(self):
         self.depth({"Z": self.depths})

@@ -86,13 +86,7 @@ class VoluteSource final : public RoundingSource {
   std::uint64_t brickBytes() const override {
     std::uint64_t most = 0;
     const BlockGrid& grid = reader_->blocks();
-    // The row of the fullest frame, where the file says which one that is: others would be looked
-    // up in all of the index.
-    const auto& shares = reader_->header().amounts.shares;
-    const auto fullest = static_cast<int>(std::ranges::max_element(shares) - shares.begin());
-    const int first = shares.empty() ? 0 : grid.rowOf(fullest);
-    const int end = shares.empty() ? grid.counts()[0] : first + 1;
-    for (int row = first; row < end; ++row) {
+    for (int row = 0; row < grid.counts()[0]; ++row) {
       const int frames = grid.endOfRow(row) - row * grid.frames();
       most = std::max(most, reader_->brickBytes(row) / static_cast<std::uint64_t>(frames));
     }

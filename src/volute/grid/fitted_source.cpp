@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "volute/grid/resample.hpp"
-#include "volute/grid/rounding_source.hpp"
+#include "volute/grid/wrapped_source.hpp"
 
 namespace volute {
 namespace {
@@ -19,20 +19,12 @@ std::array<int, 3> sizeOf(const VolumeInfo& info) {
 }
 
 /// A source around which there is something else than its frames say.
-class SurroundedSource final : public RoundingSource {
+class SurroundedSource final : public WrappedSource {
  public:
   SurroundedSource(std::unique_ptr<FrameSource> source, const std::array<double, 3>& outside)
-      : source_(std::move(source)) {
+      : WrappedSource(std::move(source)) {
     for (std::size_t c = 0; c < static_cast<std::size_t>(info().channels); ++c)
       outside_[c] = static_cast<float>(outside[c] - offsetOf(*source_));
-  }
-
-  const VolumeInfo& info() const override { return source_->info(); }
-
-  std::vector<std::string> otherGrids() const override { return source_->otherGrids(); }
-
-  Status readFrame(int index, std::span<float> values) override {
-    return source_->readFrame(index, values);
   }
 
   Status readBricks(int index, int first, int end, Bricks& bricks) override {
@@ -54,16 +46,7 @@ class SurroundedSource final : public RoundingSource {
     return {};
   }
 
-  bool hasTopology() const override { return source_->hasTopology(); }
-
-  std::uint64_t brickBytes() const override { return source_->brickBytes(); }
-
-  double rounding() const override { return roundingOf(*source_); }
-
-  double offset() const override { return offsetOf(*source_); }
-
  private:
-  std::unique_ptr<FrameSource> source_;
   std::array<float, 3> outside_{};
 };
 

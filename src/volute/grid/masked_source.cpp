@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "volute/grid/bricks.hpp"
-#include "volute/grid/rounding_source.hpp"
+#include "volute/grid/wrapped_source.hpp"
 
 namespace volute {
 namespace {
@@ -21,19 +21,13 @@ void setVoxel(BrickMask& mask, std::size_t at, bool on) {
   mask[at / 64] = on ? mask[at / 64] | bit : mask[at / 64] & ~bit;
 }
 
-class MaskedSource final : public RoundingSource {
+class MaskedSource final : public WrappedSource {
  public:
-  explicit MaskedSource(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}
-
-  const VolumeInfo& info() const override { return source_->info(); }
-
-  std::vector<std::string> otherGrids() const override { return source_->otherGrids(); }
+  using WrappedSource::WrappedSource;
 
   Status readFrame(int index, std::span<float> values) override {
     return readLayers(index, 0, info().z, values);
   }
-
-  bool readsLayers() const override { return source_->readsLayers(); }
 
   Status readLayers(int index, int first, int end, std::span<float> values) override {
     VOLUTE_TRY(source_->readLayers(index, first, end, values));
@@ -91,12 +85,6 @@ class MaskedSource final : public RoundingSource {
 
   bool hasTopology() const override { return true; }
 
-  std::uint64_t brickBytes() const override { return source_->brickBytes(); }
-
-  double rounding() const override { return roundingOf(*source_); }
-
-  double offset() const override { return offsetOf(*source_); }
-
  private:
   std::array<float, 3> zero() const {
     std::array<float, 3> background{};
@@ -146,8 +134,6 @@ class MaskedSource final : public RoundingSource {
     bricks.sort();
     return {};
   }
-
-  std::unique_ptr<FrameSource> source_;
 };
 
 }  // namespace

@@ -7,16 +7,16 @@
 #include <numeric>
 #include <utility>
 
-#include "volute/grid/rounding_source.hpp"
+#include "volute/grid/wrapped_source.hpp"
 
 namespace volute {
 namespace {
 
-class SelectedFrames final : public RoundingSource {
+class SelectedFrames final : public WrappedSource {
  public:
   SelectedFrames(std::unique_ptr<FrameSource> source, std::vector<int> positions,
                  const StatedInfo& stated = {})
-      : source_(std::move(source)), positions_(std::move(positions)), info_(source_->info()) {
+      : WrappedSource(std::move(source)), positions_(std::move(positions)), info_(source_->info()) {
     if (stated.framesPerSecond)
       info_.setRate(*stated.framesPerSecond);
     if (stated.up != 0)
@@ -33,32 +33,19 @@ class SelectedFrames final : public RoundingSource {
 
   const VolumeInfo& info() const override { return info_; }
 
-  std::vector<std::string> otherGrids() const override { return source_->otherGrids(); }
-
   [[nodiscard]] Status readFrame(int index, std::span<float> values) override {
     return source_->readFrame(positions_[index], values);
   }
-
-  bool readsLayers() const override { return source_->readsLayers(); }
 
   [[nodiscard]] Status readLayers(int index, int first, int end, std::span<float> values) override {
     return source_->readLayers(positions_[index], first, end, values);
   }
 
-  double rounding() const override { return roundingOf(*source_); }
-
-  double offset() const override { return offsetOf(*source_); }
-
   [[nodiscard]] Status readBricks(int index, int first, int end, Bricks& bricks) override {
     return source_->readBricks(positions_[index], first, end, bricks);
   }
 
-  bool hasTopology() const override { return source_->hasTopology(); }
-
-  std::uint64_t brickBytes() const override { return source_->brickBytes(); }
-
  private:
-  std::unique_ptr<FrameSource> source_;
   std::vector<int> positions_;
   VolumeInfo info_;
 };

@@ -145,7 +145,8 @@ Result<Image> readChannels(const InputFile& file, Imf::InputFile& exr,
 }
 
 /// From the primaries that a picture states, ACES's for one, to those of sRGB; none: the same.
-Result<std::optional<Mat3>> srgbFrom(const Imf::Header& header, const std::string& where) {
+/// kInvalidData in half a sentence.
+Result<std::optional<Mat3>> srgbFrom(const Imf::Header& header) {
   if (!Imf::hasChromaticities(header))
     return std::nullopt;
   const Imf::Chromaticities& its = Imf::chromaticities(header);
@@ -153,10 +154,7 @@ Result<std::optional<Mat3>> srgbFrom(const Imf::Header& header, const std::strin
   std::size_t i = 0;
   for (const auto& place : {its.white, its.red, its.green, its.blue})
     places[i++] = place.x, places[i++] = place.y;
-  auto toSrgb = srgbFromPrimaries(places);
-  if (!toSrgb)
-    return fail(toSrgb.error().code, "{}: {}", where, toSrgb.error().message);
-  return toSrgb;
+  return srgbFromPrimaries(places);
 }
 
 Result<Image> readPixels(const InputFile& file, Imf::InputFile& exr,
@@ -164,9 +162,11 @@ Result<Image> readPixels(const InputFile& file, Imf::InputFile& exr,
   VOLUTE_ASSIGN(const auto channels, chooseChannels(exr.header().channels(), file.path().string()));
   VOLUTE_ASSIGN(auto image, readChannels(file, exr, channels, options));
   if (channels.size() == 3) {
-    VOLUTE_ASSIGN(const auto toSrgb, srgbFrom(exr.header(), file.path().string()));
-    if (toSrgb)
-      transformColors(*toSrgb, image);
+    const auto toSrgb = srgbFrom(exr.header());
+    if (!toSrgb)
+      return fail(toSrgb.error().code, "{}: {}", file.path().string(), toSrgb.error().message);
+    if (*toSrgb)
+      transformColors(**toSrgb, image);
   }
   return image;
 }
@@ -221,10 +221,9 @@ Result<FrameInfo> infoOf(const InputFile& file, Imf::MultiPartInputFile& exr,
                   "soft edges a depth of several times its size",
                   file.path().string());
     }
-    VOLUTE_ASSIGN(const auto toSrgb, srgbFrom(header, file.path().string()));
-    info.parts.push_back(
-        {windowOf(header.dataWindow()), windowOf(header.displayWindow()), header.pixelAspectRatio(),
-         std::make_shared<const FrameAttributes>(FrameAttributes{header}), toSrgb});
+    info.parts.push_back({windowOf(header.dataWindow()), windowOf(header.displayWindow()),
+                          header.pixelAspectRatio(),
+                          std::make_shared<const FrameAttributes>(FrameAttributes{header})});
     if (const auto* text = header.findTypedAttribute<Imf::StringAttribute>("Software"))
       info.software = text->value();
     if (header.find("BlenderMultiChannel") != header.end())
@@ -319,6 +318,10 @@ Result<FrameInfo> readFrameInfo(const std::filesystem::path& path) {
   return readWith<Imf::MultiPartInputFile>(path, {}, infoOf);
 }
 
+Result<std::optional<Mat3>> srgbFromPrimaries(const FramePart& part) {
+  return part.attributes ? srgbFrom(part.attributes->header) : std::nullopt;
+}
+
 Result<Image> readFrameChannels(const std::filesystem::path& path,
                                 std::span<const FrameChannel> channels, std::uint64_t maxMemory) {
   return readWith<Imf::MultiPartInputFile>(
@@ -328,10 +331,11 @@ Result<Image> readFrameChannels(const std::filesystem::path& path,
 }
 
 Status writeFrame(const std::filesystem::path& path, const FramePixels& pixels) {
-  Image color;
-  if (const auto& toSrgb = pixels.part.toSrgb) {
-    color = pixels.color;
-    transformColors(toSrgb->inverse(), color);
+  VOLUTE_ASSIGN(const auto toSrgb, srgbFromPrimaries(pixels.part));
+  Image own;
+  if (toSrgb) {
+    own = pixels.color;
+    transformColors(toSrgb->inverse(), own);
   }
   return encode(path, headerFor(pixels.part), [&](Imf::Header& header, Imf::FrameBuffer& buffer) {
     const auto add = [&](const char* name, const Image& image, int channel) {
@@ -340,8 +344,7 @@ Status writeFrame(const std::filesystem::path& path, const FramePixels& pixels) 
                                            boxOf(pixels.part.data), sizeof(float) * image.channels,
                                            sizeof(float) * image.channels * image.width));
     };
-    for (int c = 0; c < 3; ++c)
-      add(&"R\0G\0B"[2 * c], pixels.part.toSrgb ? color : pixels.color, c);
+    for (int c = 0; c < 3; ++c) add(&"R\0G\0B"[2 * c], toSrgb ? own : pixels.color, c);
     if (pixels.alpha)
       add("A", *pixels.alpha, 0);
   });

@@ -45,7 +45,6 @@ struct FramePart {
   PixelWindow display;     ///< of what a camera shows
   double pixelAspect = 1;  ///< width of a pixel / its height
   std::shared_ptr<const FrameAttributes> attributes{};
-  std::optional<Mat3> toSrgb{};  ///< of the light of its primaries; none: they are sRGB's
 };
 
 /// What is in a .exr, before its pixels are read.
@@ -57,6 +56,10 @@ struct FrameInfo {
 
 /// kUnsupported for deep pictures.
 [[nodiscard]] Result<FrameInfo> readFrameInfo(const std::filesystem::path& path);
+
+/// From the primaries that a part states, ACES's for one, to sRGB's; none: the same. kInvalidData
+/// in half a sentence where they span no colors.
+[[nodiscard]] Result<std::optional<Mat3>> srgbFromPrimaries(const FramePart& part);
 
 /// Channels of one part over its data window, interleaved.
 [[nodiscard]] Result<Image> readFrameChannels(const std::filesystem::path& path,

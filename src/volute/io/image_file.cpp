@@ -31,6 +31,10 @@ Result<Image> readFrameChannels(const std::filesystem::path& path, std::span<con
   return readExr(path, {});
 }
 
+Result<std::optional<Mat3>> srgbFromPrimaries(const FramePart&) {
+  return std::nullopt;
+}
+
 Status writeFrame(const std::filesystem::path& path, const FramePixels&) {
   return writeExr(path, {}, {});
 }

@@ -11,7 +11,7 @@
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/grid_matrix.hpp"
 #include "volute/grid/masked_source.hpp"
-#include "volute/grid/rounding_source.hpp"
+#include "volute/grid/wrapped_source.hpp"
 
 namespace volute {
 namespace {
@@ -44,33 +44,23 @@ std::optional<std::pair<VoxelIndex, float>> notFiniteIn(const Bricks& bricks) {
   return std::nullopt;
 }
 
-class FiniteSource final : public RoundingSource {
+class FiniteSource final : public WrappedSource {
  public:
   FiniteSource(std::unique_ptr<FrameSource> source, NotFinite what, std::string path)
-      : source_(std::move(source)),
+      : WrappedSource(std::move(source)),
         placed_(dynamic_cast<const PlacedFrames*>(source_.get())),
         refuses_(what == NotFinite::kRefuse),
         path_(std::move(path)) {}
-
-  const VolumeInfo& info() const override { return source_->info(); }
-
-  std::vector<std::string> otherGrids() const override { return source_->otherGrids(); }
 
   Status readFrame(int index, std::span<float> values) override {
     VOLUTE_TRY(source_->readFrame(index, values));
     return replace(index, 0, values);
   }
 
-  bool readsLayers() const override { return source_->readsLayers(); }
-
   Status readLayers(int index, int first, int end, std::span<float> values) override {
     VOLUTE_TRY(source_->readLayers(index, first, end, values));
     return replace(index, first, values);
   }
-
-  double rounding() const override { return roundingOf(*source_); }
-
-  double offset() const override { return offsetOf(*source_); }
 
   Status readBricks(int index, int first, int end, Bricks& bricks) override {
     VOLUTE_TRY(source_->readBricks(index, first, end, bricks));
@@ -94,10 +84,6 @@ class FiniteSource final : public RoundingSource {
     bricks = std::move(finite);
     return {};
   }
-
-  bool hasTopology() const override { return source_->hasTopology(); }
-
-  std::uint64_t brickBytes() const override { return source_->brickBytes(); }
 
  private:
   /// @param first  layer of the values
@@ -149,7 +135,6 @@ class FiniteSource final : public RoundingSource {
                 std::isnan(value) ? "not a number" : "infinite");
   }
 
-  std::unique_ptr<FrameSource> source_;
   const PlacedFrames* placed_;
   bool refuses_;
   std::string path_;

@@ -71,8 +71,11 @@ Result<Color> readExrColor(const std::string& path, const std::string& layer,
   Color color{{.part = info.parts[static_cast<std::size_t>(wanted[0].part)]}, channels->layer};
   const int colors = grey ? 1 : 3;
   color.pixels.color = channelsOf(channelsOf(image, 0, colors), 0, 3);
-  if (const auto& toSrgb = color.pixels.part.toSrgb)
-    transformColors(*toSrgb, color.pixels.color);
+  const auto toSrgb = srgbFromPrimaries(color.pixels.part);
+  if (!toSrgb)
+    return in(path, toSrgb.error());
+  if (*toSrgb)
+    transformColors(**toSrgb, color.pixels.color);
   if (image.channels > colors)
     color.pixels.alpha = channelsOf(image, colors, 1);
   return color;

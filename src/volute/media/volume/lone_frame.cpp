@@ -5,28 +5,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "volute/grid/rounding_source.hpp"
+#include "volute/grid/wrapped_source.hpp"
 
 namespace volute {
 
-class LoneFrame::Source final : public RoundingSource {
+class LoneFrame::Source final : public WrappedSource {
  public:
   Source(std::unique_ptr<FrameSource> source, std::shared_ptr<LoneFrame> frame)
-      : source_(std::move(source)), frame_(std::move(frame)) {}
-
-  const VolumeInfo& info() const override { return source_->info(); }
-
-  std::vector<std::string> otherGrids() const override { return source_->otherGrids(); }
-
-  Status readFrame(int index, std::span<float> values) override {
-    return source_->readFrame(index, values);
-  }
-
-  bool readsLayers() const override { return source_->readsLayers(); }
-
-  Status readLayers(int index, int first, int end, std::span<float> values) override {
-    return source_->readLayers(index, first, end, values);
-  }
+      : WrappedSource(std::move(source)), frame_(std::move(frame)) {}
 
   Status readBricks(int index, int first, int end, Bricks& bricks) override {
     if (first > 0 || end < info().z)
@@ -46,16 +32,7 @@ class LoneFrame::Source final : public RoundingSource {
     return {};
   }
 
-  bool hasTopology() const override { return source_->hasTopology(); }
-
-  std::uint64_t brickBytes() const override { return source_->brickBytes(); }
-
-  double rounding() const override { return roundingOf(*source_); }
-
-  double offset() const override { return offsetOf(*source_); }
-
  private:
-  std::unique_ptr<FrameSource> source_;
   std::shared_ptr<LoneFrame> frame_;
 };
 

@@ -43,7 +43,7 @@ float firstValue(FrameSource& source) {
   return std::as_const(bricks).values(0)[0];
 }
 
-TEST(LoneFrame, isReadOnceByAllUntilItIsDrawn) {
+TEST(LoneFrame, IsReadOnceByAllUntilItIsDrawn) {
   int reads = 0;
   const auto frame = std::make_shared<LoneFrame>();
   const auto preset =
@@ -59,7 +59,7 @@ TEST(LoneFrame, isReadOnceByAllUntilItIsDrawn) {
   EXPECT_EQ(firstValue(*medium), 3);
 }
 
-TEST(LoneFrame, gridsAreKeptApartAndThoseThatNobodyDrawsAreForgotten) {
+TEST(LoneFrame, GridsAreKeptApartAndThoseThatNobodyDrawsAreForgotten) {
   int density = 0, heat = 0;
   const auto frame = std::make_shared<LoneFrame>();
   const auto one =
@@ -72,7 +72,7 @@ TEST(LoneFrame, gridsAreKeptApartAndThoseThatNobodyDrawsAreForgotten) {
   EXPECT_EQ(heat, 2);
 }
 
-TEST(LoneFrame, framesOfASequenceAreNotKept) {
+TEST(LoneFrame, FramesOfASequenceAreNotKept) {
   int reads = 0;
   const auto frame = std::make_shared<LoneFrame>();
   const auto source =
