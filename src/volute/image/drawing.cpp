@@ -30,15 +30,32 @@ void drawLine(Image& image, double x0, double y0, double x1, double y1, double w
   const auto high = [&](double a, double b) {
     return static_cast<int>(std::ceil(std::max(a, b) + half));
   };
+  const double none = half + 0.5;  // coverage falls from 1 to 0 over one pixel
+  const double dx = x1 - x0, dy = y1 - y0;
+  const int left = std::max(low(x0, x1), 0), right = std::min(high(x0, x1), image.width);
+  if (left >= right)
+    return;
+  const bool flat = std::abs(dy) < 1e-9 * length || length == 0;
   for (int y = std::max(low(y0, y1), 0); y < std::min(high(y0, y1), image.height); ++y) {
-    for (int x = std::max(low(x0, x1), 0); x < std::min(high(x0, x1), image.width); ++x) {
-      const double px = x + 0.5 - x0, py = y + 0.5 - y0;
-      const double along =
-          length > 0 ? std::clamp((px * (x1 - x0) + py * (y1 - y0)) / length, 0.0, length) : 0;
-      const double share = length > 0 ? along / length : 0;
-      // Coverage falls from 1 to 0 over one pixel.
-      const double off = std::hypot(px - share * (x1 - x0), py - share * (y1 - y0));
-      const double cover = std::clamp(half + 0.5 - off, 0.0, 1.0);
+    const double py = y + 0.5 - y0;
+    int from = left, to = right;
+    if (!flat) {  // within `none` of the endless line; a pixel more for rounding
+      const double middle = x0 + py * dx / dy, reach = none * length / std::abs(dy) + 1;
+      const auto within = [&](double x) {
+        return static_cast<int>(std::clamp<double>(x, left, right));
+      };
+      from = within(middle - reach);
+      to = within(middle + reach + 1);
+    }
+    for (int x = from; x < to; ++x) {
+      const double px = x + 0.5 - x0;
+      const double share =
+          length > 0 ? std::clamp((px * dx + py * dy) / length, 0.0, length) / length : 0;
+      const double offX = px - share * dx, offY = py - share * dy;
+      const double squared = offX * offX + offY * offY;
+      if (squared >= none * none)
+        continue;
+      const double cover = std::clamp(none - std::sqrt(squared), 0.0, 1.0);
       for (int c = 0; c < image.channels; ++c) {
         float& value = image.at(x, y, c);
         value = static_cast<float>(value + cover * (color[c] - value));

@@ -167,6 +167,41 @@ TEST(Drawing, LinesHaveTheirWidthAndRectanglesAreCut) {
   EXPECT_EQ(image.at(2, 19), 0);
 }
 
+TEST(Drawing, LinesCoverWhatIsNearThem) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-20, 60), width(0.2, 7);
+  for (int n = 0; n < 300; ++n) {
+    std::array<double, 4> end;
+    for (double& one : end) one = n % 3 == 0 ? std::round(place(random)) : place(random);
+    auto [x0, y0, x1, y1] = end;
+    if (n % 5 == 0)
+      y1 = y0 + (n % 2) * 1e-12;
+    if (n % 7 == 0)
+      x1 = x0;
+    const double half = 0.5 * width(random);
+    Image image(40, 30, 1);
+    drawLine(image, x0, y0, x1, y1, 2 * half, Rgb::Ones());
+    // Whole pixels beyond the ends are cut.
+    const auto inside = [&](int pixel, double a, double b) {
+      return pixel >= std::floor(std::min(a, b) - half) && pixel < std::ceil(std::max(a, b) + half);
+    };
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        const double px = x + 0.5 - x0, py = y + 0.5 - y0;
+        const double length = std::hypot(x1 - x0, y1 - y0);
+        const double share =
+            length > 0
+                ? std::clamp((px * (x1 - x0) + py * (y1 - y0)) / length, 0.0, length) / length
+                : 0;
+        const double off = std::hypot(px - share * (x1 - x0), py - share * (y1 - y0));
+        const double cover = std::clamp(half + 0.5 - off, 0.0, 1.0);
+        EXPECT_NEAR(image.at(x, y), inside(x, x0, x1) && inside(y, y0, y1) ? cover : 0, 1e-6)
+            << n << ' ' << x << ' ' << y;
+      }
+    }
+  }
+}
+
 TEST(PictureTiles, CoverThePictureOnceTheMiddleFirst) {
   for (const auto& [width, height, about] :
        {std::array{300, 200, 4}, {1280, 800, 63}, {5, 3, 10}, {700, 65, 1}}) {

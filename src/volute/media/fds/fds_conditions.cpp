@@ -325,6 +325,20 @@ Result<std::vector<FirePlace>> fdsFires(const SmvIndex& index, std::uint64_t max
   }
   const std::span<const FdsLattice> lattices = fds->grid().lattices();
 
+  constexpr auto isFlame = [](double value) { return value >= kFlame; };
+  // The value in the middle of a cell.
+  const auto middleOf = [](const FdsLattice& lattice, const std::vector<float>& values,
+                           const std::array<int, 3>& cell) -> double {
+    if (!lattice.nodal)
+      return values[lattice.cellAt(cell)];
+    const std::size_t rows = lattice.planes[0].size(), layers = rows * lattice.planes[1].size();
+    const float* corner = &values[cell[2] * layers + cell[1] * rows + cell[0]];
+    double sum = 0;
+    for (const std::size_t row : {std::size_t{0}, rows, layers, layers + rows})
+      sum += static_cast<double>(corner[row]) + corner[row + 1];
+    return sum / 8;
+  };
+
   struct Column {
     double low = std::numeric_limits<double>::infinity(), high = -low;  // where it burns at a time
     double since = std::numeric_limits<double>::infinity();
@@ -338,18 +352,20 @@ Result<std::vector<FirePlace>> fdsFires(const SmvIndex& index, std::uint64_t max
     const double time = fds->times()[taken > 1 ? n * (times - 1) / (taken - 1) : 0];
     VOLUTE_ASSIGN(const FdsField field, fds->field(time));
     parallelFor(lattices.size(), [&](std::size_t l) {
-      const FdsPlanes& planes = lattices[l].planes;
-      if (!fds->grid().holds(l))
+      if (!fds->grid().holds(l) || !std::ranges::any_of(field.values(l).value, isFlame))
         return;
-      const auto middle = [&](int axis, std::size_t i) {
-        return 0.5 * (planes[axis][i] + planes[axis][i + 1]);
-      };
-      for (std::size_t k = 0; k + 1 < planes[2].size(); ++k) {
-        for (std::size_t j = 0; j + 1 < planes[1].size(); ++j) {
-          for (std::size_t i = 0; i + 1 < planes[0].size(); ++i) {
-            if (field.extinction({middle(0, i), middle(1, j), middle(2, k)}) < kFlame)
+      const FdsLattice& lattice = lattices[l];
+      const FdsPlanes& planes = lattice.planes;
+      std::array<int, 3> cell;
+      auto& [i, j, k] = cell;
+      for (k = 0; k < lattice.cells(2); ++k) {
+        for (j = 0; j < lattice.cells(1); ++j) {
+          for (i = 0; i < lattice.cells(0); ++i) {
+            if (field.cells(l)[lattice.cellAt(cell)] != FdsCell::kGas ||
+                !isFlame(middleOf(lattice, field.values(l).value, cell)))
               continue;
-            auto& [low, high, since] = columns[l][j * (planes[0].size() - 1) + i];
+            auto& [low, high, since] =
+                columns[l][static_cast<std::size_t>(j) * lattice.cells(0) + i];
             low = std::min(low, planes[2][k]);
             high = std::max(high, planes[2][k + 1]);
             since = std::min(since, time);
