@@ -3,11 +3,63 @@
 #include "volute/capture/capture_check.hpp"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <optional>
 
 #include "volute/capture/capture_images.hpp"
 #include "volute/capture/geometry_check.hpp"
 
 namespace volute {
+
+namespace {
+
+/// Whether two cameras see a frame by the same bytes; nothing where either has no picture of it.
+std::optional<bool> samePicture(const PictureSource& a, const PictureSource& b, int frame) {
+  const PicturePlace first = a.placeOf(frame), second = b.placeOf(frame);
+  const bool sameNumber = first.number == second.number && first.share == second.share;
+  if (!a.video.empty() || !b.video.empty())
+    return a.video == b.video && sameNumber;
+  if (!a.isThere(first.number) || !b.isThere(second.number))
+    return std::nullopt;
+  const auto one = a.fileOf(first.number), other = b.fileOf(second.number);
+  std::error_code error;
+  if (std::filesystem::file_size(one, error) != std::filesystem::file_size(other, error))
+    return false;
+  if (!(a.pages == 1 && b.pages == 1) && first.number != second.number)
+    return false;
+  if (std::filesystem::equivalent(one, other, error))
+    return true;
+  std::ifstream bytes(one, std::ios::binary), otherBytes(other, std::ios::binary);
+  using Bytes = std::istreambuf_iterator<char>;
+  return bytes && otherBytes && std::equal(Bytes(bytes), Bytes(), Bytes(otherBytes), Bytes());
+}
+
+/// Two cameras in different places do not see the same, all the time.
+std::vector<std::string> picturesOfOthers(const Capture& capture) {
+  std::vector<std::string> faults;
+  for (std::size_t i = 0; i < capture.cameras.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const CaptureCamera &camera = capture.cameras[i], &other = capture.cameras[j];
+      std::size_t same = 0;
+      const bool differ = std::ranges::any_of(capture.frames, [&](int frame) {
+        const auto is = samePicture(camera.pictures, other.pictures, frame);
+        same += is.value_or(false) ? 1 : 0;
+        return is == false;
+      });
+      if (differ || same == 0)
+        continue;
+      faults.push_back(fmt::format(
+          "cameras {} and {} have the same picture{}, byte for byte; expected "
+          "different ones, as they look from different places",
+          other.name, camera.name, capture.frames.size() == 1 ? "" : "s at all frames"));
+      break;
+    }
+  }
+  return faults;
+}
+
+}  // namespace
 
 Status checkCapture(const Capture& capture, const std::vector<std::string>& heldOut, bool force,
                     std::uint64_t maxMemory, Progress& progress) {
@@ -22,6 +74,7 @@ Status checkCapture(const Capture& capture, const std::vector<std::string>& held
                     fitted, fitted == 1 ? "" : "s", fitted == 1 ? "is" : "are", kFewest));
   }
   for (const GeometryFault& fault : checkGeometry(capture)) faults.push_back(fault.message);
+  std::ranges::move(picturesOfOthers(capture), std::back_inserter(faults));
   if (!faults.empty() && !force)
     return fail(ErrorCode::kInvalidData, Hint::set("force").so("goes on"), "{}: {}",
                 capture.file.string(), faults.front());

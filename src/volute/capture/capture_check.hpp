@@ -11,7 +11,8 @@
 namespace volute {
 
 /// Before any picture is read: whether enough cameras are left besides those held out, the places
-/// of cameras and volume make sense, and all pictures are there. With `force`, doubts are remarks.
+/// of cameras and volume make sense, and all pictures are there and each camera's own. With
+/// `force`, doubts are remarks.
 [[nodiscard]] Status checkCapture(const Capture& capture, const std::vector<std::string>& heldOut,
                                   bool force, std::uint64_t maxMemory, Progress& progress);
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/capture/background.hpp"
+#include "volute/capture/capture_check.hpp"
 #include "volute/capture/testing.hpp"
 
 namespace volute {
@@ -497,6 +498,33 @@ TEST_F(CaptureImagesTest, WhatIsMissingIsToldBeforeAnyPictureIsRead) {
   EXPECT_TRUE(failsWith(check(), "camera b: "));
   EXPECT_TRUE(failsWith(check(), "none.mp4: cannot open: No such file"));
   EXPECT_TRUE(failsWith(readPicture(1, 4), "camera b, frame 4: "));
+}
+
+TEST_F(CaptureImagesTest, PicturesOfAnotherCameraAreRefused) {
+  const auto check = [&](bool force = false) -> Result<int> {
+    testing::writeText(folder / "capture.json", json.dump());
+    VOLUTE_ASSIGN(const auto opened, openCapture(folder / "capture.json", {}));
+    Progress progress;
+    VOLUTE_TRY(checkCapture(opened, {}, force, 1 << 30, progress));
+    return 0;
+  };
+  EXPECT_TRUE(ok(check()));
+  json["cameras"][2]["image"] = "f_%04d_a.exr";
+  const std::string told =
+      "cameras a and c have the same pictures at all frames, byte for byte; expected different "
+      "ones";
+  EXPECT_TRUE(failsWith(check(), told));
+  EXPECT_TRUE(ok(check(true)));
+  json["cameras"][2]["image"] = "f_%04d_c.exr";
+  const auto copy = [&](const char* frame) {
+    std::filesystem::copy_file(folder / fmt::format("f_{}_a.exr", frame),
+                               folder / fmt::format("f_{}_c.exr", frame),
+                               std::filesystem::copy_options::overwrite_existing);
+  };
+  copy("0004");
+  EXPECT_TRUE(ok(check())) << "of one frame alone: it may show nothing";
+  copy("0005");
+  EXPECT_TRUE(failsWith(check(), told));
 }
 
 TEST_F(CaptureImagesTest, APictureThatIsMissingIsLeftOut) {

@@ -545,6 +545,34 @@ Status MeshSource::settleSeries(const MeshData& data, std::size_t frame) {
   return {};
 }
 
+/// Not checked: that a mesh moves or grows, as many do, but that all of it is scaled about the
+/// origin as another unit of length would.
+Status MeshSource::checkScale(const CellSoup& soup, std::size_t frame) const {
+  constexpr double kUnits[] = {10, 12, 39.3701, 3.28084, 100, 1000};
+  constexpr double kRounding = 1e-4;
+  const auto boundsOf = [](const CellSoup& one) {
+    Box3 box;
+    for (const Vec3& vertex : one.vertices) box.extend(vertex);
+    return box;
+  };
+  const Box3 before = boundsOf(soup_), now = boundsOf(soup);
+  const double sizeBefore = before.size().maxCoeff(), sizeNow = now.size().maxCoeff();
+  for (const double unit : kUnits) {
+    for (const double scale : {unit, 1 / unit}) {
+      const double near = kRounding * sizeNow;
+      if (std::abs(scale * sizeBefore - sizeNow) > near ||
+          (scale * before.min - now.min).cwiseAbs().maxCoeff() > near ||
+          (scale * before.max - now.max).cwiseAbs().maxCoeff() > near)
+        continue;
+      return fail(ErrorCode::kInvalidData,
+                  "{}: at {} s the mesh is {:.4g} times as large as at a time before, in all "
+                  "directions; expected one unit of length, metres, at all times",
+                  instants_[frame].file.string(), times_[frame], scale);
+    }
+  }
+  return {};
+}
+
 Result<MeshFrame> MeshSource::read(std::size_t frame) {
   VOLUTE_ASSERT(frame < instants_.size());
   const Instant& instant = instants_[frame];
@@ -575,6 +603,8 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
   VOLUTE_ASSIGN(out.clamped, checkField(data.values, options_.negatives,
                                         fmt::format("{}: field '{}'", file, data.field)));
   if (!mesh_ || soup_ != data.soup) {
+    if (mesh_)
+      VOLUTE_TRY(checkScale(data.soup, frame));
     VOLUTE_ASSIGN(SplitCells split, splitCells(data.soup, file));
     MeshOrder order;
     VOLUTE_ASSIGN(mesh_, buildInSpace(data.soup, split, order, file));

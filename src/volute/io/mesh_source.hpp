@@ -106,6 +106,7 @@ class MeshSource {
   template <class Absent>
   void leaveOut(const Absent& isAbsent);
   [[nodiscard]] Status settleSeries(const MeshData& data, std::size_t frame);
+  [[nodiscard]] Status checkScale(const CellSoup& soup, std::size_t frame) const;
 
   std::vector<Instant> instants_;
   std::vector<double> absent_;

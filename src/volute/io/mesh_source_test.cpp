@@ -278,6 +278,29 @@ std::string tets(const std::string& points, int pointCount, const std::string& c
       pointCount, cellCount, ones, points, cells, offsets, types);
 }
 
+TEST(MeshSource, AFrameInAnotherUnitOfLengthIsRefused) {
+  const TempFolder folder;
+  const auto cube = [](double low, double high) {
+    return tets(fmt::format("{0} 0 0 {1} 0 0 {0} {1} 0 {0} 0 {1} ", low, high), 4, "0 1 2 3", 1);
+  };
+  write(folder / "metres.vtu", cube(0.25, 2));
+  write(folder / "mm.vtu", cube(250, 2000));
+  write(folder / "moved.vtu", cube(3, 20));
+  write(folder / "s.pvd", R"(<VTKFile type="Collection"><Collection>
+<DataSet timestep="1" part="0" file="metres.vtu"/><DataSet timestep="2" part="0" file="mm.vtu"/>
+<DataSet timestep="3" part="0" file="moved.vtu"/></Collection></VTKFile>
+)");
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "s.pvd"));
+  ASSERT_VALUE(const auto first, source.read(0));
+  ASSERT_VALUE(const auto moved, source.read(2));
+  ASSERT_VALUE(const auto again, source.read(0));
+  const auto other = source.read(1);
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().message,
+              HasSubstr("mm.vtu: at 2 s the mesh is 1000 times as large as at a time before, in "
+                        "all directions; expected one unit of length, metres, at all times"));
+}
+
 TEST(MeshSource, SaysWhatIsWrongWithAField) {
   const TempFolder folder;
   const std::string file = (folder / "a.vtu").string();

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/camera_file.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -109,6 +110,11 @@ Result<CameraDescription> parseCamera(const nlohmann::json& json, const FieldOri
     return origin.wrong("eye and target are the same point");
   if (camera.view.up == Vec3::Zero())
     return origin.wrong("up is 0, 0, 0; expected a direction, such as 0, 0, 1");
+  // z is what cameras have without being asked: a plan from above has y upwards then.
+  const Vec3 &up = camera.view.up, along = camera.view.target - camera.view.eye;
+  if (camera.keys.empty() && up != Vec3::UnitZ() &&
+      up.cross(along).norm() <= 1e-9 * up.norm() * along.norm())
+    return origin.wrong("up is along the view, from eye to target; expected another direction");
   return camera;
 }
 

@@ -52,6 +52,20 @@ TEST(CameraFile, ErrorsNameThePlace) {
   EXPECT_FALSE(parse(R"({"eye": [0, -4, 1], "target": [0, 0, 0], "fov": 40, "size": [1e99, 48]})"));
 }
 
+TEST(CameraFile, AnUpAlongTheViewIsRefused) {
+  EXPECT_EQ(parse(R"({"eye": [0, -4, 1], "target": [0, 4, 1], "up": [0, -2, 0], "fov": 40})")
+                .error()
+                .message,
+            "scene.json: /camera: up is along the view, from eye to target; expected another "
+            "direction");
+  EXPECT_FALSE(parse(R"({"eye": [1, 2, 3], "target": [2, 4, 5], "up": [2, 4, 4], "ortho": 4})"));
+  EXPECT_TRUE(parse(R"({"eye": [1, 2, 3], "target": [2, 4, 5], "up": [2, 4, 4.1], "ortho": 4})"));
+  // A plan from above: y is upwards where nothing else is stated.
+  EXPECT_TRUE(parse(R"({"eye": [0, 0, 9], "target": [0, 0, 0], "ortho": 4})"));
+  EXPECT_TRUE(parse(R"({"eye": [0, 0, 9], "target": [0, 0, 0], "up": [0, 0, 1], "ortho": 4})"));
+  EXPECT_FALSE(parse(R"({"eye": [0, 0, 9], "target": [0, 0, 0], "up": [0, 0, -1], "ortho": 4})"));
+}
+
 TEST(CameraFile, KeysAreAWayThatIsSmoothInPlaceAndDirection) {
   const auto camera = parse(R"({"eye": [0, -4, 1], "target": [0, 0, 0], "fov": 40, "keys":
       [[0, 0, -4, 1, 0, 0, 0], [1, 3, -3, 2, 0, 0, 1], [4, 4, 1, 1, 1, 0, 0], [5, 0, 4, 1, 0, 0, 0]]})");

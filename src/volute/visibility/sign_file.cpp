@@ -65,8 +65,12 @@ class SignReader {
     std::array<double, 2> out{};
     for (std::size_t i = 0; i < 2; ++i) {
       VOLUTE_ASSIGN(out[i], jsonToNumber(size[i], file_, fmt::format("{}/{}", where("size"), i)));
-      if (!(out[i] > 0))
-        return wrong("size", "expected [width, height] > 0 in metres");
+      constexpr double kMax = 10;  // larger ones are in centimetres or millimetres
+      if (!(out[i] > 0 && out[i] <= kMax)) {
+        return wrong("size", fmt::format("{:g} is out of range; expected [width, height] in "
+                                         "metres, more than 0 and at most {:g}",
+                                         out[i], kMax));
+      }
     }
     return out;
   }

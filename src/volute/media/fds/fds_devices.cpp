@@ -174,6 +174,13 @@ class CurveReader {
               firstRestart_, restarts_ > 1 ? ", and again" : "");
     }
     std::erase_if(curves_, [](const FactCurve& curve) { return curve.times.empty(); });
+    std::set<std::string> single;
+    for (const FactCurve& curve : curves_) {
+      if (curve.times.size() == 1)
+        single.insert(fmt::format("{} (at {:g} s)", curve.name, curve.times.front()));
+    }
+    if (!single.empty())
+      leftOut("one value alone, and so nothing known at any other time: of {}", namesOf(single));
     std::set<std::string> again;
     for (const FactCurve& curve : curves_) {
       const StoredSpan own{curve.times.front(), curve.times.back()};

@@ -101,6 +101,17 @@ TEST_F(FdsDevices, ABadCellIsThatCellAlone) {
                     "T1, T2"));
 }
 
+TEST_F(FdsDevices, OneLineOfValuesIsTold) {
+  device("T1", "TEMPERATURE");
+  device("T2", "TEMPERATURE");
+  const std::string text =
+      "made_devc.csv: one value alone, and so nothing known at any other time: of ";
+  EXPECT_THAT(fdsFacts(read("s,C,C\nTime,\"T1\",\"T2\"\n5,20,30\n")).remarks,
+              tells(text + "T1 (at 5 s), T2 (at 5 s)"));
+  EXPECT_THAT(fdsFacts(read("s,C,C\nTime,\"T1\",\"T2\"\n5,20,30\n6,20,*\n")).remarks,
+              tells(text + "T2 (at 5 s)"));
+}
+
 TEST_F(FdsDevices, NamesAreLatin1OrUtf8) {
   device("T\xFCr", "VOLUME FRACTION");
   const auto index = read("s,mol/mol\nTime,\"T\xFCr\"\n0,0.1\n",
