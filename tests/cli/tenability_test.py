@@ -143,6 +143,37 @@ class Tenability(Cases):
         for found, seconds in zip(report["criteria"][1]["dose_at_the_end"], (60, 20)):
             self.assertLess(abs(found - seconds * rate), 0.6 * rate)
 
+    def test_points_and_people_have_a_verdict(self):
+        """The first of them, by what and where; what nobody reaches, with the worst; what is not known comes first."""
+        case, signs, criteria = self.case(), self.signs(), self.criteria(self.HOT, self.FED | {"limit": 0.3})
+        self.path("walk.csv").write_text("id,time,x,y\n4,0,1,1\n4,60,19,1\n7,30,5,1\n7,60,5,1\n")
+
+        def look(*options):
+            result = self.works("visibility", case, "--signs", signs, "--criteria", criteria, *options, "-o", self.path("out"))
+            report = self.report("out")
+            self.assertIn(report["verdict"][0]["sentence"], result.text)
+            return report["verdict"]
+
+        first, hot, fed = look("--trajectories", self.path("walk.csv"), "--height", 1.5)
+        self.assertRegex(first["sentence"], r"^ASET of all criteria, 2 people: 50 s \(between 50 and 60 s, interpolated 55.2 s\), by hot, "
+                                            r"of person 7, at x = 5, y = 1, z = 1.5 m; 50 % of them reach one by 120 s\.$")
+        self.assertEqual((first["time"], first["first"], first["position"], first["known"]), (50, "person 7", [5, 1, 1.5], True))
+        self.assertIn("by 120 s by 50 % of the people", hot["sentence"])
+        self.assertRegex(fed["sentence"], r"^fed-gas \(fds\) >= 0.3 is reached by none of 2 people until 120 s; the worst is 0.06.*, of person 4\.$")
+        page = (self.path("out") / "report.html").read_text()
+        self.assertIn("of person 7", page)
+        self.assertIn("<h2>Criteria of tenability</h2>", page)
+        self.assertIn("slice3d-temperature-cells", page)
+        self.path("eyes.csv").write_text("x,y,z\n15,2,1.5\n0.5,2,1.5\n")
+        first = look("--eyes", self.path("eyes.csv"))[0]
+        self.assertIn("2 points: 40 s (between 40 and 50 s, interpolated 41 s), by hot, of point 2, at x = 0.5", first["sentence"])
+        self.cut(case, 2, 4)
+        first, hot, _ = look("--eyes", self.path("eyes.csv"))
+        self.assertEqual((first["time"], first["known"]), (None, 30))
+        self.assertIn("2 points: not reached by 30 s, and not known after that at 100 % of the points, because of hot", first["sentence"])
+        (self.folder / "case_1_2.sf").unlink()
+        self.assertIn("none is reached until 120 s. Not assessed: hot.", look("--eyes", self.path("eyes.csv"))[0]["sentence"])
+
     def test_devices_stand_in_for_slices(self):
         case = self.case(more=[])
         names = ["T", "CO", "CO2", "O2, left"]

@@ -111,6 +111,12 @@ std::string sourcesTable(const Json& sources) {
          htmlTable({"quantity", "source", "stored times", "stored [s]", "used [s]"}, rows);
 }
 
+std::string assumedWords(const ExposureMeter& meter, std::size_t criterion) {
+  const std::string assumed = listOf(meter.assumed(criterion));
+  return assumed.empty() ? assumed
+                         : fmt::format(" Not stored, counted as in clean air: {}.", assumed);
+}
+
 Json criteriaJson(const ExposureMeter& meter) {
   Json list = Json::array();
   for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
@@ -231,46 +237,18 @@ Status PlanTenability::take(const SurveyTime& at) {
 LossTimes PlanTenability::combined(const LossTimes& signs, const std::vector<bool>& inSight,
                                    std::span<const LevelWatch> smoke,
                                    std::vector<int>* which) const {
-  LossTimes first(eyes_.size());
-  if (which != nullptr)
-    which->assign(eyes_.size(), -1);
-  std::vector<std::pair<const LossTimes*, int>> all{{&signs, 0}};
+  std::vector<CountedLoss> all{{&signs, &inSight}};
+  std::vector<int> of{0};
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
-    const auto place = std::ranges::find(smoke_, c) - smoke_.begin();
-    const bool replaced = static_cast<std::size_t>(place) < smoke.size();
-    if (isKnownSomewhere(c))
-      all.emplace_back(
-          replaced ? &smoke[static_cast<std::size_t>(place)].times() : &meter_.times(c),
-          static_cast<int>(c) + 1);
-  }
-  for (std::size_t i = 0; i < eyes_.size(); ++i) {
-    const auto add = [&](const LossTimes& times, int criterion) {
-      // Criteria are compared by what is the best guess of each; the first is rounded then.
-      const bool sooner = times.none[i] < first.none[i];
-      first.down[i] = std::min(first.down[i], times.down[i]);
-      first.none[i] = std::min(first.none[i], times.none[i]);
-      first.up[i] = std::min(first.up[i], times.up[i]);
-      if (sooner && which != nullptr)
-        (*which)[i] = criterion;
-    };
-    const auto counts = [&](int criterion) {
-      return criterion > 0 ? holds_[static_cast<std::size_t>(criterion) - 1][i] : inSight[i];
-    };
-    for (const auto& [times, criterion] : all) {
-      if (counts(criterion) && times->complete(i))
-        add(*times, criterion);
-    }
-    // What is not known matters unless another criterion is reached before.
-    for (const auto& [times, criterion] : all) {
-      if (counts(criterion) && !times->complete(i) && times->known[i] < first.by(survey_->round)[i])
-        first.lose(i, times->known[i]);
-    }
-    if (first.complete(i))
+    const auto place = static_cast<std::size_t>(std::ranges::find(smoke_, c) - smoke_.begin());
+    if (!isKnownSomewhere(c))
       continue;
-    for (const auto& [times, criterion] : all) {
-      if (counts(criterion) && !times->complete(i))
-        add(*times, criterion);
-    }
+    all.push_back({place < smoke.size() ? &smoke[place].times() : &meter_.times(c), &holds_[c]});
+    of.push_back(static_cast<int>(c) + 1);
+  }
+  LossTimes first = firstOf(all, survey_->round, which);
+  if (which != nullptr) {
+    for (int& one : *which) one = one < 0 ? one : of[static_cast<std::size_t>(one)];
   }
   return first;
 }
@@ -387,19 +365,16 @@ Json PlanTenability::sentence(std::size_t c) const {
                                     placeWords(eyes_[first.place]))
                       : ".";
   } else {
-    text =
-        first.any
-            ? fmt::format("{} is first reached at {}, at {}; by {:g} s at {:.0f} % of the floor.",
-                          criterion.words(), timeWords(first), placeWords(eyes_[first.place]), end,
-                          100 * first.share)
-            : fmt::format("{} is not reached anywhere until {:g} s.", criterion.words(), end);
+    text = first.any
+               ? fmt::format("{} is first reached at {}, at {}; by {:g} s at {} of the floor.",
+                             criterion.words(), timeWords(first), placeWords(eyes_[first.place]),
+                             end, percentWords(first.share))
+               : fmt::format("{} is not reached anywhere until {:g} s.", criterion.words(), end);
     if (first.unknown > 0)
       text += fmt::format(" It is not known all along at {} of the floor{}.",
                           percentWords(first.unknown), storedWords(c));
   }
-  const std::string assumed = listOf(meter_.assumed(c));
-  if (!assumed.empty())
-    text += fmt::format(" Not stored, counted as in clean air: {}.", assumed);
+  text += assumedWords(meter_, c);
   return verdictJson(criterion.name, text, first, survey_->round, eyes_);
 }
 

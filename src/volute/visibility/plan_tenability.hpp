@@ -120,6 +120,9 @@ Json sourcesJson(const Survey& survey, const ExposureMeter* meter);
 /// The same as a table of the page.
 std::string sourcesTable(const Json& sources);
 
+/// " Not stored, counted as in clean air: oxygen." of what a criterion takes in; empty: nothing.
+std::string assumedWords(const ExposureMeter& meter, std::size_t criterion);
+
 /// The criteria of a survey as a report's list, with what was missing and assumed.
 Json criteriaJson(const ExposureMeter& meter);
 

@@ -600,9 +600,9 @@ class PlanWatch final : public Watch {
         !soonestLoss.certain() ? uncertain(fmt::format("Sight of sign '{}'", name), soonestLoss)
         : soonestLoss.any
             ? fmt::format("Sign '{}' is lost first: at {}, from {}; by {:g} s it is lost from "
-                          "{:.0f} % of the points that see it without smoke.",
+                          "{} of the points that see it without smoke.",
                           name, timeWords(soonestLoss), placeWords(eyes_[soonestLoss.place]), end,
-                          100 * soonestLoss.share)
+                          percentWords(soonestLoss.share))
             : fmt::format("No sign is lost from anywhere until {:g} s.", end),
         soonestLoss, survey_->round, eyes_));
     verdict.back()["sign"] = soonestLoss.any || !soonestLoss.certain() ? Json(name) : Json();
@@ -611,12 +611,12 @@ class PlanWatch final : public Watch {
       verdict.push_back(verdictJson(
           "sight of signs",
           !all.certain() ? uncertain("Sight of any sign", all)
-          : all.any
-              ? fmt::format("From {} no sign is visible from {} on; by {:g} s this holds for "
-                            "{:.0f} % of the points that see a sign without smoke.",
-                            placeWords(eyes_[all.place]), timeWords(all), end, 100 * all.share)
-              : fmt::format("Every point that sees a sign without smoke sees one until {:g} s.",
-                            end),
+          : all.any ? fmt::format("From {} no sign is visible from {} on; by {:g} s this holds for "
+                                  "{} of the points that see a sign without smoke.",
+                                  placeWords(eyes_[all.place]), timeWords(all), end,
+                                  percentWords(all.share))
+                    : fmt::format(
+                          "Every point that sees a sign without smoke sees one until {:g} s.", end),
           all, survey_->round, eyes_));
     }
   }

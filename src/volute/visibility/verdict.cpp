@@ -61,6 +61,38 @@ FirstLoss firstLoss(const LossTimes& times, RoundTime round, std::span<const std
   return first;
 }
 
+LossTimes firstOf(std::span<const CountedLoss> all, RoundTime round, std::vector<int>* which) {
+  const std::size_t places = all.empty() ? 0 : all.front().times->up.size();
+  LossTimes first(places);
+  if (which != nullptr)
+    which->assign(places, -1);
+  const auto counts = [](const CountedLoss& one, std::size_t place) {
+    return one.counts == nullptr || (*one.counts)[place];
+  };
+  for (std::size_t i = 0; i < places; ++i) {
+    const auto addThose = [&](bool complete) {
+      for (std::size_t n = 0; n < all.size(); ++n) {
+        const LossTimes& times = *all[n].times;
+        if (!counts(all[n], i) || times.complete(i) != complete)
+          continue;
+        if (times.none[i] < first.none[i] && which != nullptr)
+          (*which)[i] = static_cast<int>(n);
+        first.down[i] = std::min(first.down[i], times.down[i]);
+        first.none[i] = std::min(first.none[i], times.none[i]);
+        first.up[i] = std::min(first.up[i], times.up[i]);
+      }
+    };
+    addThose(true);
+    for (const CountedLoss& one : all) {
+      if (counts(one, i) && !one.times->complete(i) && one.times->known[i] < first.by(round)[i])
+        first.lose(i, one.times->known[i]);
+    }
+    if (!first.complete(i))
+      addThose(false);
+  }
+  return first;
+}
+
 std::string percentWords(double share) {
   const double percent = 100 * share;
   return share > 0 && percent < 0.5    ? "less than 1 %"

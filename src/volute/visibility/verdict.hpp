@@ -43,6 +43,18 @@ FirstLoss firstLoss(const LossTimes& times, RoundTime round, const std::vector<b
 /// The same among some places.
 FirstLoss firstLoss(const LossTimes& times, RoundTime round, std::span<const std::size_t> places);
 
+/// Losses, and the places at which they count; null: all.
+struct CountedLoss {
+  const LossTimes* times;
+  const std::vector<bool>* counts = nullptr;
+};
+
+/// The first of several losses at each place, compared by what is the best guess of each. What is
+/// not known of one matters unless another one comes before.
+/// @param which  null, or of each place which of them that is; -1: none
+LossTimes firstOf(std::span<const CountedLoss> all, RoundTime round,
+                  std::vector<int>* which = nullptr);
+
 /// "12.6 s (between 12 and 24 s) at x, y, z".
 std::string timeWords(const FirstLoss& loss);
 std::string placeWords(const Vec3& place);

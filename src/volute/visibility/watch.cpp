@@ -14,6 +14,7 @@
 #include "volute/base/write_file.hpp"
 #include "volute/report/line_plot.hpp"
 #include "volute/visibility/plan_tenability.hpp"
+#include "volute/visibility/verdict.hpp"
 
 namespace volute {
 namespace {
@@ -48,6 +49,120 @@ Json exposureJson(const ExposureMeter& meter, RoundTime round) {
   return list;
 }
 
+/// Points or people, as a verdict names them.
+struct Exposed {
+  std::string single, many;                                   ///< "person", "people"
+  std::function<std::string(std::size_t)> one;                ///< "person 7"
+  std::function<Vec3(std::size_t one, double time)> placeOf;  ///< NaN: not there
+};
+
+/// When the first of them reaches any criterion, and each; what nobody reaches, with the worst of
+/// all.
+/// @param sight  losses of sight of all signs, and where one is seen at all; null: of no matter
+Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exposed& exposed,
+                     const CountedLoss& sight) {
+  const double end = survey.times.back();
+  std::size_t count = 0;
+  std::vector<CountedLoss> losses;
+  std::vector<std::string> names;
+  std::string missing;
+  const auto add = [](std::string& list, const std::string& name) {
+    list += (list.empty() ? "" : ", ") + name;
+  };
+  const auto isStored = [&](std::size_t c) {
+    return std::ranges::any_of(meter.worst(c), [](double value) { return !std::isnan(value); });
+  };
+  if (sight.times != nullptr) {
+    losses.push_back(sight);
+    names.emplace_back("sight of signs");
+    count = sight.times->up.size();
+  }
+  for (const ExposureMeter::Missing& one : meter.missing()) add(missing, one.criterion.name);
+  for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
+    count = meter.worst(c).size();
+    if (!isStored(c)) {
+      add(missing, meter.criteria()[c].name + " (not stored there)");
+      continue;
+    }
+    losses.push_back({&meter.times(c)});
+    names.push_back(meter.criteria()[c].name);
+  }
+  const std::string all = fmt::format("{} {}", count, count == 1 ? exposed.single : exposed.many);
+  const auto who = [&](const FirstLoss& first) {
+    const Vec3 place = exposed.placeOf(first.place, first.none);
+    return exposed.one(first.place) + (place.allFinite() ? ", at " + placeWords(place) : "");
+  };
+  const auto sayUnknown = [&](const FirstLoss& first) {
+    return unknownWords(first, "reached", "the " + exposed.many);
+  };
+  const auto asJson = [&](const std::string& name, const std::string& text,
+                          const FirstLoss& first) {
+    std::vector<Vec3> places(count, Vec3::Zero());
+    if (first.any)
+      places[first.place] = exposed.placeOf(first.place, first.none);
+    Json json = verdictJson(name, text, first, survey.round, places);
+    if (first.any)
+      json["first"] = exposed.one(first.place);
+    return json;
+  };
+  Json verdict = Json::array();
+  std::vector<int> which;
+  const LossTimes together = firstOf(losses, survey.round, &which);
+  const FirstLoss first = firstLoss(together, survey.round);
+  const std::string by = first.any ? names[static_cast<std::size_t>(which[first.place])] : "";
+  std::string text = fmt::format("ASET of all criteria, {}: ", all);
+  if (losses.empty()) {
+    text += "not known";
+  } else if (!first.certain()) {
+    std::string because;
+    for (std::size_t n = 0; n < losses.size(); ++n) {
+      if (!firstLoss(*losses[n].times, survey.round).certain())
+        add(because, names[n]);
+    }
+    text += fmt::format("{}, because of {}", sayUnknown(first), because);
+    if (first.any)
+      text += fmt::format("; it is at the latest {:.4g} s, by {}, of {}", first.up, by, who(first));
+  } else if (first.any) {
+    text += fmt::format("{}, by {}, of {}; {} of them reach one by {:g} s", timeWords(first), by,
+                        who(first), percentWords(first.share), end);
+  } else {
+    text += fmt::format("none is reached until {:g} s", end);
+  }
+  text += missing.empty() ? "." : fmt::format(". Not assessed: {}.", missing);
+  verdict.push_back(asJson("all", text, first));
+  if (first.any)
+    verdict.back()["by"] = by;
+  for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
+    if (!isStored(c))
+      continue;
+    const Criterion& criterion = meter.criteria()[c];
+    const FirstLoss one = firstLoss(meter.times(c), survey.round);
+    text = criterion.words() + " is ";
+    if (!one.certain()) {
+      text += sayUnknown(one);
+      if (one.any)
+        text += fmt::format("; reached at the latest at {:.4g} s, by {}", one.up, who(one));
+    } else if (one.any) {
+      text += fmt::format("first reached at {}, by {}; by {:g} s by {} of the {}", timeWords(one),
+                          who(one), end, percentWords(one.share), exposed.many);
+    } else {
+      text += fmt::format("reached by none of {} until {:g} s", all, end);
+      const auto worst = meter.worst(c);
+      const auto most = std::ranges::max_element(worst, {}, [&](double value) {
+        return std::isnan(value)   ? -std::numeric_limits<double>::infinity()
+               : criterion.falling ? -value
+                                   : value;
+      });
+      const std::string unit = criterion.unit();
+      text += fmt::format("; the worst is {:.3g}{}{}, of {}", *most, unit.empty() ? "" : " ", unit,
+                          exposed.one(static_cast<std::size_t>(most - worst.begin())));
+    }
+    text += '.';
+    verdict.push_back(asJson(criterion.name, text + assumedWords(meter, c), one));
+  }
+  return verdict;
+}
+
 /// Points of a file, or people who walk. Gives sight.csv and figures, no page.
 class PointWatch : public Watch {
  public:
@@ -69,6 +184,7 @@ class PointWatch : public Watch {
     std::vector<std::vector<std::size_t>> sets;
     for (const SignSet& set : survey.sets) sets.push_back(set.members);
     losses_.emplace(survey.signs, std::move(sets), points_.size());
+    inSight_.assign(points_.size(), false);
     if (!survey.criteria.empty())
       meter_.emplace(AirField::open(*survey.field, survey.criteria, survey.times.front()),
                      survey.criteria, points_.size());
@@ -81,6 +197,11 @@ class PointWatch : public Watch {
 
   Status take(const SurveyTime& at) override {
     losses_->update(at.time, at.sightings);
+    for (std::size_t i = 0; i < at.sightings.size(); ++i) {
+      const Sighting& one = at.sightings[i];
+      if (!one.blocked && one.limit > 0)
+        inSight_[i % points_.size()] = true;
+    }
     if (!meter_ || !at.stored)
       return {};
     VOLUTE_TRY(meter_->advance(
@@ -116,6 +237,12 @@ class PointWatch : public Watch {
     }
     report["sources"] = sourcesJson(*survey_, meter_ ? &*meter_ : nullptr);
     if (meter_) {
+      const LossTimes sight = losses_->earliest(0);
+      report["verdict"] = exposureVerdict(
+          *meter_, *survey_,
+          {"point", "points", [](std::size_t i) { return fmt::format("point {}", i + 1); },
+           [&](std::size_t i, double) { return points_[i]; }},
+          {&sight, &inSight_});
       report["tenability"]["criteria"] = exposureJson(*meter_, survey_->round);
       std::string head = "time,x,y,z";
       for (const Criterion& one : meter_->criteria())
@@ -131,6 +258,7 @@ class PointWatch : public Watch {
   const Survey* survey_ = nullptr;
   std::vector<Vec3> points_;
   std::optional<SignLoss> losses_;
+  std::vector<bool> inSight_;  // from which points a sign is seen without smoke
   std::optional<ExposureMeter> meter_;
   std::string table_;  // lines of tenability.csv
 };
@@ -360,6 +488,16 @@ class TrajectoryWatch final : public Watch {
     if (meter_) {
       report["tenability"]["ids"] = std::vector<int>(people_.ids().begin(), people_.ids().end());
       report["tenability"]["criteria"] = exposureJson(*meter_, survey_->round);
+      report["verdict"] = exposureVerdict(
+          *meter_, *survey_,
+          {"person", "people",
+           [&](std::size_t i) { return fmt::format("person {}", people_.ids()[i]); },
+           [&](std::size_t i, double time) {
+             std::vector<Vec3> places(people_.ids().size());
+             placesAt(time, places);
+             return places[i];
+           }},
+          {});
     }
     report["eyes"] = {{"kind", "trajectories"},
                       {"people", people_.people()},
@@ -373,10 +511,14 @@ class TrajectoryWatch final : public Watch {
       there.y.push_back(record["people"].get<double>());
       seeing.y.push_back(record["see_a_sign"].get<double>());
     }
-    if (times.size() < 2)
-      return std::string();
-    return linePlot("People on their way, and those who see a sign", "time [s]", "people", times,
-                    {there, seeing});
+    std::string page;
+    if (times.size() > 1) {
+      page = linePlot("People on their way, and those who see a sign", "time [s]", "people", times,
+                      {there, seeing});
+    }
+    if (meter_)
+      page += criteriaTable(*meter_);
+    return page + sourcesTable(report["sources"]);
   }
 
  private:
