@@ -15,6 +15,7 @@
 #include "volute/codec/extract_source.hpp"
 #include "volute/codec/kept_grids.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/io/lattice_sink.hpp"
 #include "volute/io/plugin.hpp"
 
 namespace volute {
@@ -69,8 +70,8 @@ Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path,
   std::string stem = std::filesystem::path(path).stem().string();
   std::ranges::replace_if(stem, [](char c) { return c == '%' || c == '#'; }, '_');
   VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(stem + "_%04d.vdb"));
-  for (const int number : files->info().frameNumbers)
-    files->names_.push_back(pattern.format(number, files->info().frameScale).string());
+  for (const auto& name : framePaths(pattern, files->info(), files->fileMetadata_))
+    files->names_.push_back(name.string());
   files->writer_ = plugin->makeWriter({});
   files->sizes_.resize(files->names_.size());
   return files;

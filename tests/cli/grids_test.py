@@ -120,6 +120,7 @@ class EveryType(support.TestCase):
         self.assertIn("no grid can be compressed", self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--field", "id,mask", "--uncoded", "drop"))
         text = self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--fast")
         self.assertIn("all_0001.vdb: grid 'holes', frame 1: the value at index (0, 5, 8), which is (0, 5, 8) m, is not a number", text)
+        self.assertIn("--not-finite inactive makes their voxels inactive, too, or --keep holes keeps the grid as it is", text)
         self.assertIn("all_0001.vdb: grid 'holes', frame 1: the value at index (0, 5, 8)",
                       self.fails(1, "render", folder / "all_0001.vdb", "-o", self.path("x.png"), "--field", "holes"))
         said = self.works("compress", folder, "-o", self.path("z.volute"), "--field", "holes", "--not-finite", "background", "--json").json
@@ -254,6 +255,18 @@ class Extremes(support.TestCase):
         self.assertIn("grid 'density', frame 2: its background is 0.5, but 0 in the frames before", text)
         self.assertFalse(self.path("x.volute").exists())
 
+    def test_frames_of_different_kinds(self):
+        packed = self.path("x.volute")
+        self.works("compress", self.made / "kinds_%04d.vdb", "-o", packed, "--max-error", "1e-4", "--fps", "24")
+        self.works("extract", packed, "-o", self.path("x_%04d.vdb"))
+        for frame in (1, 2, 3):
+            done = subprocess.run([os.environ["VDB_MAKER"], "compare", str(self.made / f"kinds_000{frame}.vdb"), str(self.path(f"x_000{frame}.vdb")), "1e-3"],
+                                  capture_output=True, text=True)
+            self.assertEqual(done.stdout.splitlines()[:-1], ["density new metadata volute:time "], done.stdout)
+        # A rate that was given, though the first frame is at 0 s anyway.
+        said = self.works("info", self.path("x_%04d.vdb"), "--json")
+        self.assertEqual((said.json["times"], said.message), ([0, 2 / 24], ""))
+
     def test_inactive_voxels_that_are_no_numbers(self):
         file, packed = self.made / "hidden.vdb", self.path("x.volute")
         self.assertEqual(self.works("info", file, "--json").json["grids"][0]["active_voxels"], 512)
@@ -333,6 +346,9 @@ class Places(support.TestCase):
                                   capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stdout)
             self.works("compare", pattern, self.path("x.volute"))
+            nano = self.path("x_%04d.nvdb" if name.startswith("moving") else "x.nvdb")
+            self.works("extract", self.path("x.volute"), "-o", nano)
+            self.works("compare", pattern, nano)
         self.assertIn("cannot say", self.fails(1, "extract", self.path("x.volute"), "-o", self.path("x_%04d.vti")))
         self.assertIn("cannot say", self.fails(1, "extract", self.path("x.volute"), "-o", self.path("x_%04d.vdb"), "--level", "1"))
 

@@ -65,7 +65,7 @@ class Volumes(support.TestCase):
         self.assertEqual(said["frames"], len(names))
         back = self.path("back")
         back.mkdir()
-        self.works("extract", self.path(packed), "-o", back / pattern)
+        self.works("extract", self.path(packed), "-o", back / pathlib.Path(pattern).name)
         self.assertEqual(sorted(file.name for file in back.iterdir()), sorted(names))
         shutil.rmtree(back)
         return self.works("info", self.path(packed), "--json").json
@@ -93,10 +93,38 @@ class Volumes(support.TestCase):
             self.path(old).rename(self.path(new))
         self.there_and_back("f.%04d.vdb", all_decimals, "q.volute")
 
+    def test_numbers_come_back_as_they_were_written(self):
+        # printf counts the sign as a digit; decimals of one length are those that some frames need.
+        for pattern, names in (("s_%04d.vdb", ["s_-002.vdb", "s_-001.vdb", "s_0000.vdb"]), ("t.$F3.vdb", ["t.-07.vdb", "t.-06.vdb"]),
+                               ("u_<frame>.vdb", ["u_0009.vdb", "u_0010.vdb"]), ("v.####.vdb", ["v.0001.0.vdb", "v.0001.25.vdb", "v.0002.0.vdb"])):
+            with self.subTest(pattern):
+                folder = self.path(pattern[0])
+                folder.mkdir()
+                self.cache([f"{pattern[0]}/{name}" for name in names])
+                self.there_and_back(f"{pattern[0]}/{pattern}", names)
+                self.works("compress", self.path("p.volute"), "-o", self.path("q.volute"), "--effort", "1")
+                back = self.path("back")
+                back.mkdir()
+                self.works("extract", self.path("q.volute"), "-o", back / pattern)
+                self.assertEqual(sorted(file.name for file in back.iterdir()), sorted(names))
+                shutil.rmtree(back)
+        back.mkdir()
+        self.works("extract", self.path("q.volute"), "-o", back / "v.%d.vdb")
+        self.assertEqual(sorted(file.name for file in back.iterdir()), ["v.1.25.vdb", "v.1.vdb", "v.2.vdb"])
+
     def test_files_that_are_left_out_are_named(self):
         self.cache(["s_1.vdb", "s_2.vdb", "s_03.vdb"])
         said = self.works("compress", self.path("s_%d.vdb"), "-o", self.path("p.volute"))
         self.assertIn("1 file is left out: s_03.vdb", said.message)
+
+    def test_two_files_of_one_number(self):
+        self.cache(["s_1.vdb", "s_2.vdb", "s_02.vdb"])
+        text = self.fails(2, "compress", self.path("s_<frame>.vdb"), "-o", self.path("p.volute"))
+        self.assertIn(f"{self.path('s_02.vdb')} and s_2.vdb are both frame 2; name one series with a pattern such as {self.path('s_%d.vdb')}", text)
+        self.works("compress", self.path("s_%d.vdb"), "-o", self.path("p.volute"))
+        self.path("s_02.vdb").rename(self.path("s_2.0.vdb"))
+        text = self.fails(2, "compress", self.path("s_%d.vdb"), "-o", self.path("p.volute"))
+        self.assertIn("s_2.vdb are both frame 2; move one of them elsewhere", text)
 
     def test_percent_and_hash_signs_in_names_are_characters(self):
         self.works("compress", self.make_npy(), "-o", self.path("take#2.volute"))

@@ -17,6 +17,7 @@ constexpr std::string_view kDigits = "0123456789";
 
 /// A frame number as it stands in a name: "-0001.25".
 struct WrittenNumber {
+  std::string_view text;
   bool negative = false;
   std::string_view whole, decimals;
 };
@@ -24,6 +25,7 @@ struct WrittenNumber {
 /// Nothing unless `text` is all of a number.
 std::optional<WrittenNumber> writtenNumber(std::string_view text) {
   WrittenNumber number;
+  number.text = text;
   number.negative = text.starts_with('-');
   text.remove_prefix(number.negative ? 1 : 0);
   const std::size_t end = std::min(text.find_first_not_of(kDigits), text.size());
@@ -48,7 +50,8 @@ std::optional<NumberedFile> numberedBy(const WrittenNumber& written, std::filesy
     return std::nullopt;
   return NumberedFile{static_cast<int>(written.negative ? -number : number),
                       std::move(path),
-                      {static_cast<int>(written.decimals.size()), true}};
+                      {static_cast<int>(written.decimals.size()), true},
+                      std::string(written.text)};
 }
 
 /// Brings all numbers to one scale.
@@ -92,6 +95,22 @@ Result<std::vector<std::filesystem::path>> filesOf(const std::filesystem::path& 
   return files;
 }
 
+/// What helps where two files have one number: a pattern that only one of them has, if there is
+/// one.
+std::string adviceOnTwins(const NumberedFile& one, const NumberedFile& other) {
+  const auto digits = [](const NumberedFile& file) {
+    const std::string& text = file.written;
+    return std::min(text.find('.'), text.size()) - (text.starts_with('-') ? 1 : 0);
+  };
+  if (digits(one) == digits(other))
+    return "move one of them elsewhere";
+  std::string name = other.path.filename().string();
+  const std::string field = digits(other) == 1 ? "%d" : fmt::format("%0{}d", digits(other));
+  name.replace(name.rfind(other.written), other.written.size(), field);
+  return fmt::format("name one series with a pattern such as {}",
+                     (other.path.parent_path() / name).string());
+}
+
 Status sortByNumber(std::vector<NumberedFile>& files) {
   std::ranges::sort(files, [](const NumberedFile& a, const NumberedFile& b) {
     return std::pair(a.number, a.path) < std::pair(b.number, b.path);
@@ -99,11 +118,10 @@ Status sortByNumber(std::vector<NumberedFile>& files) {
   const auto twice = std::ranges::adjacent_find(files, {}, &NumberedFile::number);
   if (twice == files.end())
     return {};
-  return fail(
-      ErrorCode::kInvalidArgument,
-      "{} and {} have the same frame number; name one series with a pattern such as {}",
-      twice->path.string(), std::next(twice)->path.filename().string(),
-      (twice->path.parent_path() / ("name_%04d" + twice->path.extension().string())).string());
+  const NumberedFile& other = *std::next(twice);
+  return fail(ErrorCode::kInvalidArgument, "{} and {} are both frame {}; {}", twice->path.string(),
+              other.path.filename().string(), frameText(twice->number, twice->scale),
+              adviceOnTwins(*twice, other));
 }
 
 /// The last number in a file's stem: where it begins and ends in the name.
@@ -205,6 +223,14 @@ Result<FramePattern> FramePattern::parse(const std::filesystem::path& path) {
 
 std::filesystem::path FramePattern::format(int number, FrameScale scale) const {
   return path_.parent_path() / (prefix_ + frameText(number, scale, field_.width) + suffix_);
+}
+
+std::filesystem::path FramePattern::format(int number, FrameScale scale,
+                                           std::string_view written) const {
+  const std::string name = prefix_ + std::string(written) + suffix_;
+  const auto same = match(name);
+  return same && same->frame() == scale.frame(number) ? path_.parent_path() / name
+                                                      : format(number, scale);
 }
 
 std::optional<std::string_view> FramePattern::numberIn(std::string_view fileName) const {

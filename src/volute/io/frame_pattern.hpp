@@ -19,6 +19,7 @@ struct NumberedFile {
   int number = 0;  ///< in units of its scale, the same one for the whole series
   std::filesystem::path path;
   FrameScale scale{};
+  std::string written{};  ///< the number as it stands in the name: "-0001.25"
 
   double frame() const { return scale.frame(number); }
 };
@@ -37,6 +38,9 @@ class FramePattern {
 
   /// The file of a frame.
   std::filesystem::path format(int number, FrameScale scale = {}) const;
+
+  /// The same with the number as it is written where that is one of this pattern's.
+  std::filesystem::path format(int number, FrameScale scale, std::string_view written) const;
 
   /// The number in a file's name (without folder), when it is one that format() would give.
   std::optional<NumberedFile> match(std::string_view fileName) const;

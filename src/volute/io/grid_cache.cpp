@@ -20,6 +20,23 @@ const LatticeGrid* gridNamed(const LatticeCache& file, const std::string& name) 
   return found == file.grids.end() ? nullptr : &*found;
 }
 
+/// What this frame says of its grid, and how that is of another kind than in the first frame.
+MetadataList metadataOf(const LatticeGrid& grid, const LatticeGrid& first) {
+  MetadataList list = grid.metadata;
+  const auto say = [&](const char* name, const char* type, const std::string& value) {
+    if (!findEntry(list, name))
+      list.push_back({name, type, value});
+  };
+  const GridTraits &one = grid.traits, &other = first.traits;
+  if (std::string_view(one.type) != other.type)
+    say(kTypeEntry, "string", one.type);
+  if (std::string_view(one.gridClass) != other.gridClass)
+    say("class", "string", one.gridClass);
+  if (one.half != other.half)
+    say("is_saved_as_half_float", "bool", std::string(1, one.half ? 1 : 0));
+  return list;
+}
+
 /// What a file without the grid has that is called nearly so.
 std::string missingText(const LatticeCache& cache, const LatticeFile& file,
                         const std::string& name) {
@@ -30,6 +47,22 @@ std::string missingText(const LatticeCache& cache, const LatticeFile& file,
                      near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
 }
 
+/// The digits that frame numbers have in the names of files, at least: those of a pattern, else the
+/// fewest of one without a sign, which some programs count as a digit.
+int widthOfNumbers(const std::filesystem::path& input, const std::vector<LatticeFile>& files) {
+  const auto field = findFrameField(input.filename().string());
+  std::error_code error;
+  if (field && *field && !std::filesystem::exists(input, error))
+    return (*field)->width;
+  std::size_t width = 0;
+  for (const LatticeFile& file : files) {
+    const std::size_t digits = std::min(file.written.find('.'), file.written.size());
+    if (file.number >= 0 && digits > 0)
+      width = width == 0 ? digits : std::min(width, digits);
+  }
+  return static_cast<int>(std::max<std::size_t>(width, 1));
+}
+
 }  // namespace
 
 Result<GridCache> GridCache::open(const std::filesystem::path& input,
@@ -38,6 +71,7 @@ Result<GridCache> GridCache::open(const std::filesystem::path& input,
   cache.options_ = options;
   VOLUTE_ASSIGN(cache.files_, listLatticeFiles(input));
   VOLUTE_ASSIGN(const auto files, describeCache(cache.files_, options.maxMemory));
+  const int width = widthOfNumbers(input, cache.files_);
   // Times that one grid of each file states are those of all.
   for (std::size_t i = 0; i < files.size(); ++i) {
     for (const LatticeGrid& grid : files[i].grids) {
@@ -45,7 +79,11 @@ Result<GridCache> GridCache::open(const std::filesystem::path& input,
       if (std::isfinite(grid.frame.time) && !cache.files_[i].time)
         cache.files_[i].time = grid.frame.time;
     }
-    cache.fileMetadata_.add(files[i].metadata.empty() ? nullptr : &files[i].metadata);
+    MetadataList metadata = files[i].metadata;
+    const LatticeFile& file = cache.files_[i];
+    if (!file.written.empty() && file.written != frameText(file.number, file.scale, width))
+      metadata.insert(metadata.begin(), {kNumberEntry, "string", file.written});
+    cache.fileMetadata_.add(metadata.empty() ? nullptr : &metadata);
   }
   if (cache.fileMetadata_.lists.empty())
     cache.fileMetadata_ = {};
@@ -76,7 +114,8 @@ Status GridCache::collect(const std::vector<LatticeCache>& files) {
         grid.mostBytesIn = known.present.size();
       }
       grid.places.push_back(one ? static_cast<int>(one - file.grids.data()) : -1);
-      grid.description.metadata.add(one ? &one->metadata : nullptr);
+      const auto metadata = one ? metadataOf(*one, *first) : MetadataList();
+      grid.description.metadata.add(one ? &metadata : nullptr);
       known.present.push_back(one != nullptr);
       if (!one && known.missing.empty())
         known.missing = missingText(file, files_[known.present.size() - 1], name);

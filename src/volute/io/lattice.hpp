@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "volute/base/result.hpp"
@@ -22,6 +24,18 @@
 #include "volute/grid/volume_info.hpp"
 
 namespace volute {
+
+/// Names of metadata of our own, which no file of another program gets: the type of a grid's values
+/// in a frame where that is not GridDescription::type, and the frame's number as it stands in the
+/// name of its file ("-002") where frameText() would write another.
+inline constexpr const char* kTypeEntry = "volute:type";
+inline constexpr const char* kNumberEntry = "volute:number";
+
+/// The entry of that name; null: there is none.
+inline const GridMetadata* findEntry(const MetadataList& list, std::string_view name) {
+  const auto found = std::ranges::find(list, name, &GridMetadata::name);
+  return found == list.end() ? nullptr : &*found;
+}
 
 /// One file's grid on its lattice of voxels, without the values. Trivially copyable: it crosses
 /// from the process that reads the file to ours as bytes.

@@ -82,7 +82,8 @@ class LatticeSink final : public FrameSink {
 
 /// A file for each frame.
 Result<std::vector<std::filesystem::path>> targetsOf(const std::filesystem::path& output,
-                                                     const VolumeInfo& info) {
+                                                     const VolumeInfo& info,
+                                                     const FrameMetadata& files = {}) {
   if (!namesSeries(output)) {
     if (info.frames == 1)
       return std::vector{output};
@@ -93,9 +94,7 @@ Result<std::vector<std::filesystem::path>> targetsOf(const std::filesystem::path
                 output.string(), info.frames, example.string());
   }
   VOLUTE_ASSIGN(const FramePattern pattern, FramePattern::parse(output));
-  std::vector<std::filesystem::path> targets;
-  for (int number : info.frameNumbers) targets.push_back(pattern.format(number, info.frameScale));
-  return targets;
+  return framePaths(pattern, info, files);
 }
 
 class LatticeCacheSink final : public CacheSink {
@@ -152,13 +151,25 @@ class LatticeCacheSink final : public CacheSink {
 
 }  // namespace
 
+std::vector<std::filesystem::path> framePaths(const FramePattern& pattern, const VolumeInfo& info,
+                                              const FrameMetadata& files) {
+  std::vector<std::filesystem::path> paths;
+  for (std::size_t i = 0; i < info.frameNumbers.size(); ++i) {
+    const MetadataList* const own = files.at(static_cast<int>(i));
+    const GridMetadata* const written = own ? findEntry(*own, kNumberEntry) : nullptr;
+    paths.push_back(pattern.format(info.frameNumbers[i], info.frameScale,
+                                   written ? std::string_view(written->value) : ""));
+  }
+  return paths;
+}
+
 Result<std::unique_ptr<CacheSink>> createLatticeCacheSink(const std::filesystem::path& output,
                                                           const VolumeInfo& frames,
                                                           std::vector<GridTarget> grids,
                                                           FrameMetadata fileMetadata,
                                                           std::vector<KeptTarget> kept,
                                                           std::unique_ptr<LatticeWriter> writer) {
-  VOLUTE_ASSIGN(auto targets, targetsOf(output, frames));
+  VOLUTE_ASSIGN(auto targets, targetsOf(output, frames, fileMetadata));
   return std::make_unique<LatticeCacheSink>(std::move(targets), std::move(grids),
                                             std::move(fileMetadata), std::move(kept),
                                             std::move(writer));

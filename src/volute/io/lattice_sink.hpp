@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "volute/grid/frame_source.hpp"
+#include "volute/io/frame_pattern.hpp"
 #include "volute/io/lattice.hpp"
 #include "volute/io/volume_sink.hpp"
 
@@ -23,5 +24,11 @@ namespace volute {
     const std::filesystem::path& output, const VolumeInfo& frames, std::vector<GridTarget> grids,
     FrameMetadata fileMetadata, std::vector<KeptTarget> kept,
     std::unique_ptr<LatticeWriter> writer);
+
+/// The files of frames, with their numbers as those of the cache are written where the pattern has
+/// such numbers.
+/// @param files  what the cache's files say
+std::vector<std::filesystem::path> framePaths(const FramePattern& pattern, const VolumeInfo& frames,
+                                              const FrameMetadata& files);
 
 }  // namespace volute

@@ -19,8 +19,9 @@ struct LatticeFile {
   int number = 0;
   std::filesystem::path path;
   std::optional<double>
-      time;            ///< [s]; when not stated the file may state it, else the numbers give it
-  FrameScale scale{};  ///< of the number
+      time;               ///< [s]; when not stated the file may state it, else the numbers give it
+  FrameScale scale{};     ///< of the number
+  std::string written{};  ///< the number as it stands in the file's name; empty: it does not
 
   std::string frameText() const { return volute::frameText(number, scale); }
 };

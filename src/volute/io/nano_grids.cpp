@@ -103,7 +103,7 @@ openvdb::GridBase::Ptr toOpenVdb(const nanovdb::NanoGrid<Kind>& grid) {
   const nanovdb::Map& map = grid.map();
   auto matrix = openvdb::math::Mat4d::identity();
   matrix.setMat3(openvdb::math::Mat3d(map.mMatD));
-  matrix.transpose();  // NanoVDB's is the transposed of OpenVDB's
+  matrix = matrix.transpose();  // NanoVDB's is the transposed of OpenVDB's
   matrix.setTranslation(openvdb::Vec3d(map.mVecD));
   made->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
   Root& root = made->tree().root();

@@ -180,6 +180,8 @@ void place(const std::filesystem::path& folder) {
   write("flat", affine(rows({.1, 0, 0, 0, .1, 1e-12, 0, 0, 0, 0, .1, 0, 0, 0, 0, 1})));
 }
 
+void makeKinds(const std::filesystem::path& folder);
+
 /// What is within the format and beyond what anybody expects.
 void makeExtremes(const std::filesystem::path& folder) {
   const auto write = [&](const std::string& name, const FloatGrid::Ptr& grid) {
@@ -213,6 +215,31 @@ void makeExtremes(const std::filesystem::path& folder) {
   const auto unset = FloatGrid::create(std::numeric_limits<float>::quiet_NaN());
   unset->tree().setValue(Coord(0), 1.f);
   write("unset", unset);
+  makeKinds(folder);
+}
+
+/// One grid whose values, class, precision and place are of another kind in each frame.
+void makeKinds(const std::filesystem::path& folder) {
+  const auto block = [&]<class GridType>(int frame, const Vec3d& at, double size) {
+    const auto grid =
+        puff<GridType>("density", frame, [](int x, int, int) { return .125f * (6 + x); });
+    const auto transform = math::Transform::createLinearTransform(size);
+    transform->postTranslate(at);
+    grid->setTransform(transform);
+    return grid;
+  };
+  const auto write = [&](int frame, const GridBase::Ptr& grid) {
+    io::File(folder / ("kinds_000" + std::to_string(frame) + ".vdb")).write(GridPtrVec{grid});
+  };
+  const auto fog = block.operator()<FloatGrid>(1, Vec3d(0, 0, 0), .25);
+  fog->setGridClass(GRID_FOG_VOLUME);
+  write(1, fog);
+  const auto half = block.operator()<FloatGrid>(2, Vec3d(.5, 0, 0), .25);
+  half->setSaveFloatAsHalf(true);
+  write(2, half);
+  const auto none = block.operator()<DoubleGrid>(3, Vec3d(0, .25, 0), .25);
+  none->setGridClass(GRID_UNKNOWN);
+  write(3, none);
 }
 
 /// Two frames, at .5 and 1 s, of grids that are all empty, and of one that is not coded.

@@ -825,7 +825,8 @@ MetadataList listMetadata(const openvdb::MetaMap& map) {
 void putMetadata(const MetadataList& list, openvdb::MetaMap& map) {
   using openvdb::Metadata;
   for (const GridMetadata& entry : list) {
-    if (entry.name.empty() || isKeptElsewhere(entry.name) || entry.type.starts_with("__"))
+    if (entry.name.empty() || isKeptElsewhere(entry.name) || entry.name == kTypeEntry ||
+        entry.name == kNumberEntry || entry.type.starts_with("__"))
       continue;
     const bool known = Metadata::isRegisteredType(entry.type);
     const Metadata::Ptr metadata = known ? Metadata::createMetadata(entry.type)
@@ -922,6 +923,10 @@ Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
   traits.memory = memory && memory->value() > 0 ? static_cast<std::uint64_t>(memory->value())
                                                 : tree->memUsage();
   result.metadata = listMetadata(grid);
+  // That it has no class may be said, too.
+  const auto stated = grid.getMetadata<openvdb::StringMetadata>(openvdb::GridBase::META_GRID_CLASS);
+  if (stated && grid.getGridClass() == openvdb::GRID_UNKNOWN)
+    result.metadata.push_back({openvdb::GridBase::META_GRID_CLASS, "string", stated->value()});
   // A name that reads as if OpenVDB had told it apart from another.
   if (grid.getName() != nameInFile(file.name(index)))
     result.metadata.push_back({openvdb::GridBase::META_GRID_NAME, "string", grid.getName()});
@@ -1232,20 +1237,27 @@ openvdb::math::Transform::Ptr makeCacheTransform(const GridFrame& frame) {
   }
   const bool even = scale[0] == scale[1] && scale[0] == scale[2];
   MapBase::Ptr map;
-  if (grid.map == UniformScaleMap::mapType() && even && origin.isZero())
+  // Of a domain that moves, the first frame alone may lie at the origin.
+  const bool cubes = grid.map == UniformScaleMap::mapType();
+  const bool boxes = grid.map == ScaleMap::mapType();
+  if (cubes && even && origin.isZero())
     map = std::make_shared<UniformScaleMap>(scale[0]);
-  else if (grid.map == ScaleMap::mapType() && origin.isZero())
+  else if (boxes && origin.isZero())
     map = std::make_shared<ScaleMap>(scale);
-  else if (grid.map == UniformScaleTranslateMap::mapType() && even)
+  else if ((cubes || grid.map == UniformScaleTranslateMap::mapType()) && even)
     map = std::make_shared<UniformScaleTranslateMap>(scale[0], origin);
-  else if (grid.map == ScaleTranslateMap::mapType())
+  else if (boxes || grid.map == ScaleTranslateMap::mapType())
     map = std::make_shared<ScaleTranslateMap>(scale, origin);
   else if (grid.map == TranslationMap::mapType() && scale == openvdb::Vec3d(1, 1, 1))
     map = std::make_shared<TranslationMap>(origin);
   else
     map = std::make_shared<AffineMap>(Mat4d(scale[0], 0., 0., 0., 0., scale[1], 0., 0., 0., 0.,
                                             scale[2], 0., origin[0], origin[1], origin[2], 1.));
-  return std::make_shared<Transform>(map);
+  const auto transform = std::make_shared<Transform>(map);
+  // OpenVDB leaves out a translation by nothing when it makes one, but not when it reads one.
+  if (origin.isZero() && grid.map.ends_with("ScaleTranslateMap"))
+    transform->postTranslate(origin);
+  return transform;
 }
 
 /// The index of the first voxel in this frame; an error where OpenVDB cannot count so far.
@@ -1267,43 +1279,47 @@ Result<Index3> beginOf(const GridFrame& frame, const std::string& target) {
   return begin;
 }
 
-/// Where frame numbers alone would give another time, or the file stated one.
+/// Where frame numbers alone would give other times to any frame, or the file stated one: files of
+/// which some say no time have none.
 void putTime(const VolumeInfo& info, int frame, openvdb::GridBase& grid) {
   VolumeInfo numbered = info;
   numbered.times.clear();
   numbered.fillDefaults();
-  const double time = info.times[static_cast<std::size_t>(frame)];
   const bool stated = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey) != nullptr;
-  if (!stated && time == numbered.times[static_cast<std::size_t>(frame)])
+  if (!stated && info.times == numbered.times)
     return;
   grid.removeMeta(kTimeKey);
-  grid.insertMeta(kTimeKey, openvdb::DoubleMetadata(time));
+  grid.insertMeta(kTimeKey, openvdb::DoubleMetadata(info.times[static_cast<std::size_t>(frame)]));
 }
 
 /// A grid of a frame of a cache.
 Result<openvdb::GridBase::Ptr> cacheGrid(const GridFrame& frame, const std::string& target) {
   const GridDescription& description = *frame.description;
   VOLUTE_ASSIGN(const Index3 begin, beginOf(frame, target));
+  const MetadataList* const own = description.metadata.at(frame.frame);
+  const auto said = [own](const char* name, const std::string& otherwise) {
+    const GridMetadata* const entry = own ? findEntry(*own, name) : nullptr;
+    return entry ? entry->value : otherwise;
+  };
   const bool vectors = frame.info->channels == 3;
-  const bool doubles = description.type == (vectors ? "vec3d" : "double");
+  const bool doubles = said(kTypeEntry, description.type) == (vectors ? "vec3d" : "double");
   const auto grid = vectors   ? doubles ? makeCacheGrid<openvdb::Vec3DGrid>(frame, begin)
                                         : makeCacheGrid<openvdb::Vec3SGrid>(frame, begin)
                       : doubles ? makeCacheGrid<openvdb::DoubleGrid>(frame, begin)
                               : makeCacheGrid<openvdb::FloatGrid>(frame, begin);
-  std::string name = nameInFile(frame.info->name);
-  if (const MetadataList* own = description.metadata.at(frame.frame)) {
+  if (own)
     putMetadata(*own, *grid);
-    const auto given = std::ranges::find(*own, std::string(openvdb::GridBase::META_GRID_NAME),
-                                         &GridMetadata::name);
-    if (given != own->end() && frame.info->name.starts_with(given->value))
-      name = given->value;
-  }
   putTime(*frame.info, frame.frame, *grid);
-  grid->setName(name);
-  if (!description.gridClass.empty())
-    grid->setGridClass(openvdb::GridBase::stringToGridClass(description.gridClass));
-  if (grid->saveFloatAsHalf() != description.half)
-    grid->setSaveFloatAsHalf(description.half);
+  const std::string plainName = nameInFile(frame.info->name);
+  const std::string name = said(openvdb::GridBase::META_GRID_NAME, plainName);
+  grid->setName(frame.info->name.starts_with(name) ? name : plainName);
+  const std::string kind = said(openvdb::GridBase::META_GRID_CLASS, description.gridClass);
+  if (!kind.empty())
+    grid->setGridClass(openvdb::GridBase::stringToGridClass(kind));
+  const std::string half =
+      said(openvdb::GridBase::META_SAVE_HALF_FLOAT, std::string(1, description.half ? 1 : 0));
+  if (grid->saveFloatAsHalf() != (half == std::string(1, 1)))
+    grid->setSaveFloatAsHalf(half == std::string(1, 1));
   grid->setTransform(makeCacheTransform(frame));
   return grid;
 }

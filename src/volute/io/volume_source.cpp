@@ -21,7 +21,8 @@ namespace {
 std::vector<LatticeFile> toLatticeFiles(std::vector<NumberedFile> numbered) {
   std::vector<LatticeFile> files;
   for (auto& file : numbered)
-    files.push_back({file.number, std::move(file.path), std::nullopt, file.scale});
+    files.push_back(
+        {file.number, std::move(file.path), std::nullopt, file.scale, std::move(file.written)});
   return files;
 }
 

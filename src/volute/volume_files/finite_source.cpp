@@ -126,10 +126,14 @@ class FiniteSource final : public WrappedSource {
         place = linearOf(matrix) * place + offsetOf(matrix);
       }
     }
-    return fail(ErrorCode::kInvalidData,
+    Hints hints{Hint::set("not_finite", "background").so("takes the background for them"),
+                Hint::set("not_finite", "inactive").so("makes their voxels inactive, too")};
+    if (placed_)
+      hints.push_back(Hint::set("keep", of.name).so("keeps the grid as it is"));
+    return fail(ErrorCode::kInvalidData, std::move(hints),
                 "{}: grid '{}', frame {}: the value at {} ({}, {}, {}), which is ({:.6g}, {:.6g}, "
-                "{:.6g}) m, is {}; expected finite values: mend the input, or have compress keep "
-                "the grid as it is, take the background for them, or make them inactive",
+                "{:.6g}) m, is {}; expected finite values: mend the input, or compress it without "
+                "them",
                 file, of.name, of.frameText(static_cast<std::size_t>(index)), what, voxel[0],
                 voxel[1], voxel[2], place.x(), place.y(), place.z(),
                 std::isnan(value) ? "not a number" : "infinite");

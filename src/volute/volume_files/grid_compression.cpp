@@ -218,7 +218,7 @@ bool wantsDescription(const VolumeGrid& grid, bool cropped) {
     return false;
   const GridDescription& one = *grid.description;
   const bool plainType = one.type == "float" || one.type == "vec3s";
-  const bool plainClass = one.gridClass.empty() || one.gridClass == "fog volume";
+  const bool plainClass = one.gridClass == "fog volume";
   const bool plainMetadata = std::ranges::all_of(one.metadata.lists, [&](const MetadataList& list) {
     return std::ranges::all_of(
         list, [&](const auto& entry) { return entry.name == kOwnTime || entry.name == kHalf; });
@@ -359,6 +359,7 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
                 fmt::join(asBytes, ", "));
   }
   if (named.empty() || (chosen.size() == 1 && (all.size() == 1 || one) && how.rms.empty() &&
+                        grids->fileMetadata().lists.empty() &&
                         !wantsDescription(all[chosen[0]], input.bounds.has_value())))
     return std::nullopt;
   if (input.bounds) {
