@@ -92,6 +92,21 @@ class Package(unittest.TestCase):
         self.assertLessEqual(abs(self.decoded - self.values).max(), v.max_error)
         self.assertEqual(volute.open(self.path / "colour.volute").shape, (3, 24, 20, 18, 3))
 
+    def test_pictures_where_no_grid_is_the_usual_one(self):
+        file = self.path / "burns.vdb"
+        cache = pathlib.Path(__file__).parents[2] / "tests" / "data" / "cache.volute"
+        subprocess.run([COMMAND, "extract", cache, "-o", file, "--field", "flame,temperature", "--frames", "101:102"], check=True,
+                       capture_output=True)
+        file.write_bytes(file.read_bytes().replace(b"flame", b"fire1").replace(b"temperature", b"temp.second"))
+        scene = volute.Scene(file)
+        self.assertEqual(scene.picture(size=(16, 12)).shape, (12, 16, 3))
+        with self.assertRaisesRegex(volute.InvalidArgument, "which grid"):
+            scene.render(size=(16, 12))
+        said = scene.json
+        said["media"][0]["field"] = "temp.second"
+        scene.change(said)
+        self.assertGreater(scene.render(size=(16, 12)).max(), 0)
+
     def test_grids_of_a_cache(self):
         cache = pathlib.Path(__file__).parents[2] / "tests" / "data" / "cache.volute"
         v = volute.open(cache)

@@ -11,6 +11,7 @@ import tempfile
 import numpy as np
 
 from ._arrays import corners, number, plain, unmasked, volume, whole
+from ._errors import InvalidArgument
 from ._mesh import Mesh
 from ._progress import Listener
 from ._volume import Frames, _png, open as _open
@@ -149,7 +150,6 @@ class Scene:
         """folder: where a dict's file names are found."""
         self._volumes = _Volumes()
         self._max_memory = whole("max_memory", max_memory)
-        self._shown = None
         if isinstance(source, dict):
             if members:
                 raise TypeError(f"{', '.join(members)}: members are for a single file; write them into the scene")
@@ -159,7 +159,15 @@ class Scene:
             file, members = self._volumes.source(source, members)
             self._maker = "open", (file, _text(members))
         self._added = self._volumes.take()
-        self._scene = self._opened(True, progress)
+        self._open(progress)
+
+    def _open(self, progress):
+        try:
+            self._scene, self._shown, self._unclear = self._opened(True, progress), None, None
+        except InvalidArgument as error:
+            # Which grid is to be measured may not be clear where it is clear what to show.
+            self._scene = self._shown = self._opened(False, progress)
+            self._unclear = error
 
     def _opened(self, measured, progress):
         """For measurements, or as it is shown."""
@@ -222,11 +230,13 @@ class Scene:
             self._scene.change(new, more, listener)
         self._added += more
         self._maker, self._shown = ("make", (new, self._scene.path)), None
+        if self._unclear:
+            self._open(progress)
 
     def touch(self, progress=None):
         """Reads everything anew: for arrays whose values have changed in their place, and functions that give others."""
         self._scene.path  # says that it is closed
-        self._scene, self._shown = self._opened(True, progress), None
+        self._open(progress)
 
     def render(self, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None, background=None, measured=True, progress=None):
         """Light at `time` [s]: linear RGB, float32, shape (height, width, 3), row 0 at the top.
@@ -241,6 +251,8 @@ class Scene:
         _choice("aov", aov, ("optical-depth", "transmittance"))
         said = {"time": None if time is None else number("time", time), "aov": aov, "measured": bool(measured), "renderer": renderer,
                 **_view(camera, size, background)}
+        if measured and self._unclear:
+            raise self._unclear
         with Listener(progress) as listener:
             return (self._scene if measured else self._pictured(progress)).render(said, listener)
 

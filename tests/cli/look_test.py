@@ -197,9 +197,33 @@ class Look(support.TestCase):
         alone, plain = (read_png(self.path(name).read_bytes())[2] for name in ("alone.png", "plain.png"))
         self.assertNotEqual(alone, plain)
         self.assertEqual(picture(2), alone)
+        # Advice names what can be written there.
+        said = self.works("render", self.path("look.json"), "-o", self.path("x.png"), *size).message
+        self.assertIn('; "preset": "none" in /media/0 shows plain values as light', said)
+        self.assertNotIn("--preset", said)
         self.assertEqual(picture(2, preset="none"), plain)
         self.assertEqual(picture(1), plain)
         self.assertEqual(picture(1, preset="auto"), alone)
+
+    def test_a_scene_of_one_file_shows_the_frame_that_the_file_shows(self):
+        shape, values = support.plume(4, 8)
+        write_npy(self.path("late.npy"), shape, [0.01 * value for value in values[:512]] + values[512:])
+        self.works("compress", self.path("late.npy"), "-o", self.path("late.volute"), "--rms", "1e-4")
+        size = ("--size", "24x24", "--renderer", "cpu")
+        self.works("render", self.path("late.volute"), "-o", self.path("alone.png"), *size)
+
+        def picture(version=2, **members):
+            scene = {"format": f"volute-scene-{version}", "media": [{"kind": "volume", "file": "late.volute"}]} | members
+            self.path("late.json").write_text(json.dumps(scene))
+            said = self.works("render", self.path("late.json"), "-o", self.path("x.png"), *size)
+            return said.message, self.path("x.png").read_bytes()
+
+        said, same = picture()
+        self.assertIn("showing frame 1: the first of 4", said)
+        self.assertEqual(same, self.path("alone.png").read_bytes())
+        for members in ({"version": 1}, {"camera": {"eye": [0.5, -2, 0.5], "target": [0.5, 0.5, 0.5], "fov": 30}},
+                        {"media": 2 * [{"kind": "volume", "file": "late.volute"}]}):
+            self.assertNotIn("showing", picture(**members)[0])
 
     def test_scenes_of_the_first_format_keep_their_pictures(self):
         """Light of pixels as volutes of before drew it: values as emission, and a preset's own light."""

@@ -7,9 +7,20 @@
 namespace volute {
 namespace {
 
+/// A member of a scene, "/media/0/up", as it is written there.
+std::string memberText(const std::string& member, const std::string& value) {
+  const std::size_t slash = member.rfind('/');
+  const bool literal =
+      value == "true" || value == "false" || value.find_first_of("-0123456789[") == 0;
+  return fmt::format("\"{}\"{}{} in {}", member.substr(slash + 1), value.empty() ? "" : ": ",
+                     value.empty() || literal ? value : '"' + value + '"', member.substr(0, slash));
+}
+
 std::string adviceText(const Hint& hint, const SettingText& name) {
   const bool isValue = hint.change == Hint::Change::kSet;
-  const std::string text = name(hint.setting, isValue ? hint.value : "");
+  const std::string value = isValue ? hint.value : "";
+  const std::string text =
+      hint.setting.starts_with('/') ? memberText(hint.setting, value) : name(hint.setting, value);
   if (text.empty())
     return "";
   if (!hint.purpose.empty())

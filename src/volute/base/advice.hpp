@@ -17,6 +17,7 @@ using SettingText =
     std::function<std::string(const std::string& setting, const std::string& value)>;
 
 /// "raise --max-memory, or leave out --bounds"; empty where the interface has none of the settings.
+/// Members of a scene ("/media/0/up") are named as they stand there by all interfaces.
 std::string adviceText(const Hints& hints, const SettingText& name);
 
 /// The sentence with the setting that it is about and the advice.

@@ -28,6 +28,15 @@ TEST(Advice, NamesOnlyWhatTheInterfaceHas) {
   EXPECT_EQ(adviceText({Hint::set("absent")}, named), "");
 }
 
+TEST(Advice, MembersOfAScene) {
+  EXPECT_EQ(
+      adviceText({Hint::set("/media/0/up", "y").so("turns y upwards"),
+                  Hint::set("/media/0/factor", "2"), Hint::choose("/media/0/field")},
+                 named),
+      "\"up\": \"y\" in /media/0 turns y upwards, or use \"factor\": 2 in /media/0, or choose "
+      "one with \"field\" in /media/0");
+}
+
 TEST(Advice, AnErrorBeginsWithTheSettingUnlessItIsOfAFile) {
   Error error = failFor("slice", ErrorCode::kInvalidArgument, Hint::leaveOut("slice"),
                         "'{}' is not a plane", "w")

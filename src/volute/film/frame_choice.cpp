@@ -128,7 +128,7 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
   const MediumInfo& info = leader->info();
   const bool film = isFilmPath(target);
   if (!request.frames && !takesSeveral(target)) {
-    if (scene.isFile())
+    if (!showsOneFile(scene))
       return ChosenFrames{{FilmFrame{numberAt(info, 0), 0}}};
     ChosenFrames chosen{
         {FilmFrame{info.interpolates ? 0 : info.numbers.front(), info.times.front()}}};

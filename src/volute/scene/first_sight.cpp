@@ -111,6 +111,15 @@ SnapshotContent contentOf(const Snapshot& snapshot) {
   return content;
 }
 
+bool showsOneFile(const Scene& scene) {
+  if (!scene.isFile())
+    return true;
+  const SceneDescription& says = scene.description();
+  return scene.media().size() == 1 && !scene.media().front()->info().interpolates &&
+         !scene.media().front()->info().endless && says.version >= kSceneVersion && !says.camera &&
+         says.geometry.empty() && says.signs.empty();
+}
+
 Result<FirstSight> firstSight(Scene& scene, Progress& progress, std::uint64_t enough) {
   const auto times = scene.times();
   FirstSight sight{times.front(), scene.bounds(), ""};
@@ -121,7 +130,7 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, std::uint64_t en
   };
 
   std::vector<Look> looks;
-  if (!scene.isFile() && !scene.media().empty()) {
+  if (showsOneFile(scene) && !scene.media().empty()) {
     VOLUTE_ASSIGN(const auto known, scene.media().front()->firstTime(progress));
     if (known) {
       sight.time = known->time, sight.reason = known->reason;

@@ -28,6 +28,10 @@ struct SnapshotContent {
 /// cache are around all its frames, those of a simulation around its meshes.
 SnapshotContent contentOf(const Snapshot& snapshot);
 
+/// Whether a scene is a file alone, or a scene file that shows the frames of one and says neither a
+/// camera nor anything else to be seen: it is to look as the file does.
+bool showsOneFile(const Scene& scene);
+
 /// The first of the scene's times if there is something to see, else the earliest of some that
 /// shows much: of eight coarse snapshots, or of those that together take so many bytes as are
 /// `enough`, if there is something in them. A file alone whose medium knows better says it

@@ -60,6 +60,58 @@ void extend(Box3& box, const Box3& by) {
   box.extend(by.max);
 }
 
+/// An entry of a scene file, in which settings of its kind are members.
+struct SceneEntry {
+  const std::string& file;
+  const MediumEntry& entry;
+
+  bool has(const std::string& setting) const {
+    return isScenePath(file) && entry.kind->fields().find(setting);
+  }
+
+  Hints here(Hints hints) const {
+    for (Hint& hint : hints) {
+      if (has(hint.setting))
+        hint.setting = entry.path + '/' + hint.setting;
+    }
+    return hints;
+  }
+
+  Error here(Error error) const {
+    error.hints = here(std::move(error.hints));
+    if (error.path.empty() && has(error.member)) {
+      error.member = entry.path + '/' + error.member;
+      error.message = fmt::format("{}: {}: {}", file, error.member, error.message);
+      error.path = file;
+    }
+    return error;
+  }
+};
+
+/// Advises on members of the entry where its medium advises on settings.
+class EntryProgress final : public Progress {
+ public:
+  EntryProgress(Progress& outer, SceneEntry entry) : outer_(outer), entry_(entry) {}
+
+  void report(std::string_view stage, double done, double total) override {
+    outer_.report(stage, done, total);
+  }
+
+  void detail(std::string_view text) override { outer_.detail(text); }
+
+  void remark(const Remark& remark) override {
+    Remark here = remark;
+    here.hints = entry_.here(std::move(here.hints));
+    outer_.remark(here);
+  }
+
+  bool cancelled() const override { return outer_.cancelled(); }
+
+ private:
+  Progress& outer_;
+  SceneEntry entry_;
+};
+
 /// As it is written, with its members in their order.
 Result<OrderedJson> readScene(const std::string& path) {
   // Whatever is wrong with it is said there. A member of an ordered object is found by looking
@@ -164,7 +216,9 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
     if (media[i])
       continue;
     const MediumEntry& entry = entries[i];
-    Reading reading{progress, options_.maxMemory, options_.files.volumes.get()};
+    const SceneEntry here{path_, entry};
+    EntryProgress heard(progress, here);
+    Reading reading{heard, options_.maxMemory, options_.files.volumes.get()};
     nlohmann::json json = *entry.json;
     for (const auto& [name, value] : options_.overrides->items()) {
       if (entry.kind->fields().find(name))
@@ -173,7 +227,10 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
     MediumContext context{reading, options_.files, description.lights,  geometry_,
                           path_,   entry.path,     description.version, same ? media_[i] : nullptr,
                           &earlier};
-    VOLUTE_ASSIGN(media[i], ofFile(entry.kind->open(json, context), path_, entry.path));
+    auto opened = entry.kind->open(json, context).map_error([&](const Error& error) {
+      return here.here(error);
+    });
+    VOLUTE_ASSIGN(media[i], ofFile(std::move(opened), path_, entry.path));
   }
   return media;
 }
@@ -326,8 +383,11 @@ Result<Snapshot> Scene::at(const InstantRequest& request, Progress& progress) {
   snapshot.law = law();
   InstantRequest seen = request;
   seen.factor = snapshot.law.factor();
-  for (const auto& medium : media_) {
-    VOLUTE_ASSIGN(auto now, medium->at(seen, progress));
+  for (std::size_t i = 0; i < media_.size(); ++i) {
+    const SceneEntry here{path_, description_.media[i]};
+    VOLUTE_ASSIGN(auto now, media_[i]->at(seen, progress).map_error([&](const Error& error) {
+      return here.here(error);
+    }));
     snapshot.media.push_back(std::move(now));
   }
   VOLUTE_TRY(placeSurfaces(request));

@@ -389,16 +389,21 @@ Status VolumeMedium::chooseInterpolation(Progress& progress) {
                 "with _x, _y, _z); it has {}; linear goes over from frame to frame in place",
                 path_, fmt::join(grids, ", "));
   }
-  if (appearance_.interpolation == Interpolation::kAuto) {
-    interpolation_ = velocities_.empty() ? Interpolation::kLinear : Interpolation::kVelocity;
-    progress.remark(
-        velocities_.empty()
-            ? fmt::format("{}: no grid of velocities: its frames go over into each other in place",
-                          path_)
-            : fmt::format("{}: moved along '{}' between its frames, in units of {:g} {}", path_,
-                          fmt::join(velocities_, "', '"), appearance_.velocityScale,
-                          kVelocityUnits[static_cast<std::size_t>(appearance_.velocityUnit)]));
+  if (velocities_.empty()) {
+    interpolation_ = Interpolation::kLinear;
+    progress.remark(fmt::format(
+        "{}: no grid of velocities: its frames go over into each other in place", path_));
+    return {};
   }
+  interpolation_ = Interpolation::kVelocity;
+  // No file says its unit, and with a wrong one everything is blurred.
+  Remark remark(RemarkCode::kNote,
+                fmt::format("{}: moved along '{}' between its frames, in units of {:g} {}", path_,
+                            fmt::join(velocities_, "', '"), appearance_.velocityScale,
+                            kVelocityUnits[static_cast<std::size_t>(appearance_.velocityUnit)]));
+  if (appearance_.velocityUnit == VelocityUnit::kMetresPerSecond)
+    remark.hints = {Hint::set("velocity_unit").so("states another unit")};
+  progress.remark(std::move(remark).in(path_));
   return {};
 }
 
