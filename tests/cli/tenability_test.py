@@ -159,7 +159,7 @@ class Tenability(Cases):
                                             r"of person 7, at x = 5, y = 1, z = 1.5 m; 50 % of them reach one by 120 s\.$")
         self.assertEqual((first["time"], first["first"], first["position"], first["known"]), (50, "person 7", [5, 1, 1.5], True))
         self.assertIn("by 120 s by 50 % of the people", hot["sentence"])
-        self.assertRegex(fed["sentence"], r"^fed-gas \(fds\) >= 0.3 is reached by none of 2 people until 120 s; the worst is 0.06.*, of person 4\.$")
+        self.assertRegex(fed["sentence"], r"^fed-gas \(fds\) >= 0.3 is reached by none of 2 people until 120 s; the worst is 0.06.*, of person 4\. Not stored, counted as in clean air: hydrogen-cyanide")
         page = (self.path("out") / "report.html").read_text()
         self.assertIn("of person 7", page)
         self.assertIn("<h2>Criteria of tenability</h2>", page)
@@ -629,6 +629,10 @@ class Areas(Cases):
                        "-o", self.path("out"))
             report = self.report("out")
             self.assertEqual(report["criteria_profile"]["name"], "nz-c4.3")
+            sentences = " ".join(one["sentence"] for one in report["verdict"])
+            other = ("0.3 1/m (rooms of 100 m2 and more)", "0.6 1/m (rooms below 100 m2)")[case == hall]
+            self.assertIn(f"extinction >= {other} applies nowhere: people are in no such room.", sentences)
+            self.assertNotIn("extinction >= 0.3 1/m is not reached", sentences)
             for area in report["areas"]:
                 times[case.stem, area["name"]] = {one["criterion"]: one["time_interpolated"] for one in area["criteria"]
                                                   if one["applies"] and one["time"] is not None}

@@ -3,6 +3,7 @@
 #include "volute/fds/fds_grid.hpp"
 
 #include <numeric>
+#include <utility>
 
 namespace volute {
 namespace {
@@ -75,9 +76,12 @@ Result<std::shared_ptr<const FdsGrid>> FdsGrid::create(std::vector<FdsLattice> l
   grid->table_.assign(static_cast<std::size_t>(parts), -1);
   std::vector<int> order(grid->lattices_.size());
   std::iota(order.rbegin(), order.rend(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return cellVolume(grid->lattices_[a]) > cellVolume(grid->lattices_[b]);
-  });
+  // Layers lie over what stands in for the rest of their mesh.
+  const auto rank = [&](int lattice) {
+    const FdsLattice& one = grid->lattices_[lattice];
+    return std::pair(one.thinAxis >= 0, -cellVolume(one));
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
   for (const int index : order) {
     const FdsLattice& lattice = grid->lattices_[index];
     std::array<int, 3> begin;

@@ -316,8 +316,12 @@ class SightField {
   /// Which of a file's sources it is, where a picture can be taken of that too; empty: not known.
   virtual std::string fillingSource() const { return ""; }
 
-  /// Another source of the same file that reaches further up and down, to be asked for by its name;
-  /// empty: none.
+  /// Whether it is stored wherever the case has something at a height [m]; sources in layers may
+  /// know a strip of it, or nothing.
+  virtual bool reaches(double z) const { return z >= bounds().min.z() && z <= bounds().max.z(); }
+
+  /// Another source of the same file that reaches further, to be asked for by its name; empty:
+  /// none.
   virtual std::string tallerSource() const { return ""; }
 
   /// What its reader has to say.

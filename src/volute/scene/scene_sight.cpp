@@ -94,22 +94,28 @@ Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Sce
                                               std::span<const double> heights,
                                               std::vector<Remark>& remarks, Progress& progress) {
   VOLUTE_ASSIGN(auto field, openSight(path, options, progress));
-  const double low = field->bounds().min.z(), high = field->bounds().max.z();
-  const bool outside = std::ranges::any_of(heights, [&](double z) { return z < low || z > high; });
+  const auto beyond = std::ranges::find_if(heights, [&](double z) { return !field->reaches(z); });
   // A scene says itself which source it shows; members are for a file alone.
-  if (!outside || isScenePath(path) || options.members->contains("field"))
+  if (beyond == heights.end() || isScenePath(path) || options.members->contains("field"))
     return field;
   const std::string taller = field->tallerSource();
-  if (taller.empty())
+  if (taller.empty()) {
+    const Box3 bounds = field->bounds();
+    if (*beyond >= bounds.min.z() && *beyond <= bounds.max.z()) {
+      remarks.push_back({RemarkCode::kDoubtful,
+                         fmt::format("{} does not reach all of z = {:g} m: nothing is known of the "
+                                     "rest, and no verdict is of it",
+                                     field->description(), *beyond)});
+    }
     return field;
+  }
   SceneOptions other = options;
   (*other.members)["field"] = taller;
   remarks.push_back(
       {RemarkCode::kFallback,
-       fmt::format(
-           "{} reaches from z = {:g} to {:g} m only, and eyes or signs are outside; {} is read "
-           "instead",
-           field->description(), low, high, taller),
+       fmt::format("{} does not reach all of z = {:g} m, where eyes or signs are; {} is read "
+                   "instead",
+                   field->description(), *beyond, taller),
        {Hint::choose("field")}});
   return openSight(path, other, progress);
 }

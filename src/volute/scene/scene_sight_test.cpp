@@ -92,7 +92,7 @@ TEST(OpenSight, ALayerGivesWayToATallerSourceWhereLinesLeaveIt) {
   EXPECT_THAT(remarks, IsEmpty());
   EXPECT_EQ(sourceFor({1.5, 2.5}), "tall");
   EXPECT_THAT(remarks, ElementsAre(::testing::Field(&Remark::sentence,
-                                                    HasSubstr("from z = 1 to 2 m only"))));
+                                                    HasSubstr("does not reach all of z = 2.5 m"))));
   (*options.members)["field"] = "mine";
   EXPECT_EQ(sourceFor({2.5}), "mine");
   EXPECT_THAT(remarks, IsEmpty());

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -353,13 +354,30 @@ std::string PlanTenability::storedWords(std::size_t c) const {
   return words.empty() ? words : " (" + words + ")";
 }
 
+namespace {
+
+/// " (rooms of 100 m2 and more)" of one that is for rooms of a size.
+std::string roomWords(const Criterion& criterion) {
+  const double from = criterion.roomFrom, below = criterion.roomBelow;
+  return from > 0 && !std::isinf(below) ? fmt::format(" (rooms of {:g} to {:g} m2)", from, below)
+         : from > 0                     ? fmt::format(" (rooms of {:g} m2 and more)", from)
+         : !std::isinf(below)           ? fmt::format(" (rooms below {:g} m2)", below)
+                                        : "";
+}
+
+}  // namespace
+
 Json PlanTenability::sentence(std::size_t c) const {
   const Criterion& criterion = meter_.criteria()[c];
-  const FirstLoss first = firstLoss(meter_.times(c), survey_->round, countsOf(c));
+  const std::vector<bool> counts = countsOf(c);
+  const std::string words = criterion.words() + roomWords(criterion);
+  const FirstLoss first = firstLoss(meter_.times(c), survey_->round, counts);
   const double end = survey_->times.back();
   std::string text;
-  if (!first.certain()) {
-    text = fmt::format("{} is {}{}", criterion.words(), unknownWords(first, "reached", "the floor"),
+  if (std::ranges::none_of(counts, std::identity())) {
+    text = words + " applies nowhere: people are in no such room.";
+  } else if (!first.certain()) {
+    text = fmt::format("{} is {}{}", words, unknownWords(first, "reached", "the floor"),
                        storedWords(c));
     text += first.any ? fmt::format("; reached at the latest at {:.4g} s, at {}.", first.up,
                                     placeWords(eyes_[first.place]))
@@ -367,9 +385,9 @@ Json PlanTenability::sentence(std::size_t c) const {
   } else {
     text = first.any
                ? fmt::format("{} is first reached at {}, at {}; by {:g} s at {} of the floor.",
-                             criterion.words(), timeWords(first), placeWords(eyes_[first.place]),
-                             end, percentWords(first.share))
-               : fmt::format("{} is not reached anywhere until {:g} s.", criterion.words(), end);
+                             words, timeWords(first), placeWords(eyes_[first.place]), end,
+                             percentWords(first.share))
+               : fmt::format("{} is not reached anywhere until {:g} s.", words, end);
     if (first.unknown > 0)
       text += fmt::format(" It is not known all along at {} of the floor{}.",
                           percentWords(first.unknown), storedWords(c));

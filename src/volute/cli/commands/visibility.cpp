@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
 #include "volute/base/read_text.hpp"
 #include "volute/cli/commands/commands.hpp"
@@ -43,8 +45,9 @@ Result<std::vector<double>> heightsOf(const Arguments& arguments) {
   return heights;
 }
 
+/// @param heights  gets those of the eyes [m], other than a plan's
 Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context& context,
-                                       std::vector<Remark>& remarks) {
+                                       std::vector<Remark>& remarks, std::set<double>& heights) {
   for (const char* option : {"route", "eyes", "trajectories"}) {
     for (const char* areas : {"areas", "area-layer"}) {
       if (arguments.given(areas) && arguments.given(option))
@@ -68,6 +71,7 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     VOLUTE_ASSIGN(const auto text, textOf(*file, context));
     VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
     VOLUTE_ASSIGN(auto routes, routesOf(points, *file));
+    for (const NamedPoint& point : points) heights.insert(point.position.z());
     VOLUTE_ASSIGN(const auto slowed,
                   ofOption("slowed", speedLaw(arguments.get<std::string>("slowed"))));
     VOLUTE_ASSIGN(const auto start,
@@ -78,7 +82,10 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     VOLUTE_ASSIGN(const auto text, textOf(*file, context));
     VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
     std::vector<Vec3> eyes;
-    for (const NamedPoint& point : points) eyes.push_back(point.position);
+    for (const NamedPoint& point : points) {
+      eyes.push_back(point.position);
+      heights.insert(point.position.z());
+    }
     return pointWatch(std::move(eyes));
   }
   if (const auto file = arguments.find<std::string>("trajectories")) {
@@ -86,6 +93,10 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     VOLUTE_ASSIGN(auto people,
                   Trajectories::parse(text, *file, height, arguments.get<double>("eye-height")));
     remarks.insert(remarks.end(), people.remarks().begin(), people.remarks().end());
+    people.outside([&](double z) {
+      heights.insert(std::round(20 * z) / 20);  // as fine as a layer of a slice
+      return false;
+    });
     return trajectoryWatch(std::move(people));
   }
   return planWatch();
@@ -154,12 +165,12 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
 
 /// The smoke of a case, which is to reach the signs and the eyes' height.
 Result<std::unique_ptr<SightField>> fieldOf(const Arguments& arguments, Context& context,
+                                            const std::set<double>& ofEyes,
                                             SurveyRequest& request) {
   VOLUTE_ASSIGN(const auto options, sceneOptions(request.casePath, arguments, context));
-  std::vector<double> heights;
+  std::vector<double> heights(ofEyes.begin(), ofEyes.end());
   for (const SafetySign& sign : request.signs) heights.push_back(sign.position.z());
-  if (arguments.given("height") ||
-      !(arguments.given("eyes") || arguments.given("route") || arguments.given("trajectories")))
+  if (ofEyes.empty())
     heights.push_back(request.survey.height);
   auto field = openSight(request.casePath, options, heights, request.remarks, context.progress);
   if (!field)
@@ -229,10 +240,11 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   request.survey.everywhere = arguments.flag("everywhere");
   VOLUTE_ASSIGN(request.survey.fires, firesOf(arguments));
   VOLUTE_ASSIGN(request.survey.round, roundTime(arguments.get<std::string>("round")));
-  VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context, request.remarks));
+  std::set<double> ofEyes;
+  VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context, request.remarks, ofEyes));
   VOLUTE_ASSIGN(auto views, viewsOf(arguments));
   VOLUTE_TRY(checkFolderIsShared(request.output, context.team));
-  VOLUTE_ASSIGN(const auto field, fieldOf(arguments, context, request));
+  VOLUTE_ASSIGN(const auto field, fieldOf(arguments, context, ofEyes, request));
   VOLUTE_ASSIGN(request.survey.underlay,
                 underlayOf(arguments, field->bounds(), context.maxMemory, request.remarks));
   if (arguments.given("area-layer")) {

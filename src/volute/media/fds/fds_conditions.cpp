@@ -445,11 +445,13 @@ CaseFacts fdsFacts(const SmvIndex& index) {
           "{} of {} devices have no column in the table of devices: '{}'{}", missing.size(),
           index.devices.size(), missing.front(), missing.size() > 1 ? " and others" : ""));
     }
-    std::vector<std::string> unread, unnamed;
+    std::vector<std::string> unread, unnamed, ofNothing;
     DeviceUnits units(index);
     for (const FdsDevice& device : index.devices) {
       const auto curve = columns.find(device.label);
       const std::string measured = measuredBy(index, device);
+      if (measured == "VOLUME FRACTION")
+        ofNothing.push_back(device.label);
       const auto* stored = std::ranges::find_if(kStored, [&](const Stored& one) {
         return std::ranges::equal(one.fds, measured, {},
                                   [](unsigned char c) { return std::toupper(c); });
@@ -460,6 +462,15 @@ CaseFacts fdsFacts(const SmvIndex& index) {
         unread.push_back(fmt::format("'{}' ({} {})", device.label, measured, why));
       else if (curve->second->unit.empty())
         unnamed.push_back(fmt::format("'{}' in {}", device.label, unitOf(stored->name)));
+    }
+    if (!ofNothing.empty()) {
+      facts.remarks.push_back(fmt::format(
+          "{} of {} devices measure VOLUME FRACTION of a species that {}: they serve no criterion: "
+          "'{}'{}",
+          ofNothing.size(), index.devices.size(),
+          inputOf(index).path.empty() ? "the input file would say, which is not there"
+                                      : inputOf(index).path.filename().string() + " does not name",
+          printable(ofNothing.front()), ofNothing.size() > 1 ? " and others" : ""));
     }
     if (!unnamed.empty()) {
       facts.remarks.push_back(

@@ -84,6 +84,17 @@ TEST_F(FdsDevices, SpeciesAreThoseOfTheInput) {
   EXPECT_EQ(fdsConditions(index, "hydrogen-cyanide", 1 << 20).error().code, ErrorCode::kNotFound);
 }
 
+TEST_F(FdsDevices, AFractionOfNobodyKnowsWhatIsTold) {
+  device("P1 CO", "VOLUME FRACTION");
+  const std::string table = "s,mol/mol\nTime,\"P1 CO\"\n0,0\n10,.01\n";
+  const std::string text = "1 of 1 devices measure VOLUME FRACTION of a species that ";
+  EXPECT_THAT(fdsFacts(read(table)).remarks,
+              tells(text + "the input file would say, which is not there: they serve no "
+                           "criterion: 'P1 CO'"));
+  EXPECT_THAT(fdsFacts(read(table, "&DEVC ID='other', QUANTITY='TIME', XYZ=1,.5,.5 /\n")).remarks,
+              tells(text + "made.fds does not name"));
+}
+
 TEST_F(FdsDevices, ABadCellIsThatCellAlone) {
   for (const char* label : {"T1", "T2", "T3"}) device(label, "TEMPERATURE");
   const auto index = read(

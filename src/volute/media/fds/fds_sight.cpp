@@ -708,10 +708,15 @@ const FdsSight::Unknown& FdsSight::unknownMesh(int mesh, double time) {
   return made;
 }
 
-/// In meshes of which a source has no file, what the others know there.
+/// In meshes of which a source has no file, what the others know there; so, too, above and below
+/// the layers of one that stands in for a while.
 Result<FdsField> FdsSight::completed(FdsField field, const FdsCase& of, double time) {
   const auto& meshes = case_.index().meshes;
-  std::set<int> known = meshesIn(field.grid());
+  const bool inLayers = case_.source().volume && !of.source().volume;
+  const auto meshesOf = [&](const FdsCase& one) {
+    return inLayers && !one.source().volume ? std::set<int>() : meshesIn(one.grid());
+  };
+  std::set<int> known = meshesOf(of);
   if (known.size() == meshes.size())
     return field;
   std::vector<FdsLattice> lattices;
@@ -733,7 +738,7 @@ Result<FdsField> FdsSight::completed(FdsField field, const FdsCase& of, double t
   take(field, {});
   for (std::size_t i = 0; i <= others_.size(); ++i) {
     FdsCase& other = i == 0 ? case_ : others_[i - 1];
-    std::set<int> its = meshesIn(other.grid());
+    std::set<int> its = meshesOf(other);
     if (&other == &of || std::ranges::includes(known, its) || !storedPlace(other.times(), time))
       continue;
     VOLUTE_ASSIGN(const FdsField more, other.field(time));
@@ -776,8 +781,37 @@ std::string FdsSight::tallerSource() const {
   FdsOptions filling{.volume = true};
   filling.maxMemory = maxMemory_;
   const auto other = FdsCase::open(case_.index(), filling);
-  const bool taller = other && other->bounds().size().z() > ownBounds().size().z();
-  return taller ? other->source().name : "";
+  const bool further =
+      other && (!case_.source().volume || other->bounds().size().z() > ownBounds().size().z());
+  return further ? other->source().name : "";
+}
+
+bool FdsSight::reaches(double z) const {
+  if (case_.source().volume)
+    return SightField::reaches(z);
+  std::map<int, std::vector<Box3>> known;  // of each mesh
+  const auto add = [&](const FdsCase& one, const std::set<int>& without) {
+    for (const FdsLattice& lattice : one.grid().lattices()) {
+      if (!without.contains(lattice.mesh))
+        known[lattice.mesh].push_back(lattice.bounds());
+    }
+  };
+  add(case_, {});
+  for (const FdsCase& other : others_) add(other, meshesIn(case_.grid()));
+  for (const auto& [number, boxes] : known) {
+    const Box3 mesh = case_.index().meshes[static_cast<std::size_t>(number)].bounds();
+    if (z < mesh.min.z() || z > mesh.max.z())
+      continue;
+    constexpr int kPlaces = 32;  // on an axis
+    for (int i = 0; i < kPlaces * kPlaces; ++i) {
+      const Vec3 share((i % kPlaces + 0.5) / kPlaces, (i / kPlaces + 0.5) / kPlaces, 0);
+      Vec3 place = mesh.min + share.cwiseProduct(mesh.size());
+      place.z() = z;
+      if (std::ranges::none_of(boxes, [&](const Box3& box) { return box.contains(place); }))
+        return false;
+    }
+  }
+  return true;  // of all that there is
 }
 
 std::vector<double> FdsSight::changes() const {

@@ -86,6 +86,8 @@ class FdsSight final : public SightField {
     return case_.source().volume ? case_.source().name : "";
   }
 
+  bool reaches(double z) const override;
+
   std::string tallerSource() const override;
 
   std::vector<Remark> remarks() const override;

@@ -160,5 +160,73 @@ TEST(FdsSight, ASliceNamesTheSourceThatFillsItsMesh) {
   EXPECT_EQ(sight("slice-extinction").tallerSource(), "slice3d-extinction");
 }
 
+TEST(FdsSight, LayersThatLeaveOutAPartOfAHeightGiveWayToWhatFillsMeshes) {
+  const Folder folder;
+  // Cells of 0.2 m, and 0.3, 0.2, 0.1 m on z.
+  const auto sightOf = [&](const std::vector<Indices>& layers) {
+    fdswriter::Index index;
+    index.meshes.push_back({kFirst, {}, {}});
+    for (const Indices& at : layers) {
+      const fdswriter::Slice slice{at, "SOOT VISIBILITY", "VIS", "m"};
+      const std::string name = fmt::format("{}.sf", &at - layers.data());
+      fdswriter::sliceFile(slice,
+                           {{0, fdswriter::atNodes(kFirst, at, [](auto...) { return 9.0; })}})
+          .save(folder / name);
+      index.slice(1, slice, name, false);
+    }
+    fdswriter::smokeFile(cellsOf(kFirst), {{0, std::vector<std::uint8_t>(6 * 5 * 4, 50)}})
+        .save(folder / "made.s3d");
+    index.smoke(1, "made.s3d", 7600);
+    index.save(folder / "made.smv");
+    return FdsSight(opened(folder / "made.smv"));
+  };
+  const FdsSight upright = sightOf({{0, 5, 2, 2, 0, 3}});
+  EXPECT_FALSE(upright.reaches(0.3)) << "a strip of it";
+  EXPECT_EQ(upright.tallerSource(), "s3d");
+  const FdsSight flat = sightOf({{0, 5, 0, 4, 0, 0}, {0, 5, 0, 4, 3, 3}});
+  EXPECT_TRUE(flat.reaches(0.1));
+  EXPECT_TRUE(flat.reaches(0.58));
+  EXPECT_FALSE(flat.reaches(0.3)) << "between two layers";
+  EXPECT_TRUE(flat.reaches(0.7)) << "nothing does";
+  EXPECT_EQ(flat.tallerSource(), "s3d");
+  EXPECT_FALSE(sightOf({{1, 5, 0, 4, 1, 1}}).reaches(0.3)) << "all but a row of cells";
+  EXPECT_TRUE(sightOf({{0, 5, 0, 4, 1, 1}}).reaches(0.3));
+}
+
+TEST(FdsSight, LayersThatStandInForAWhileLeaveTheRestUnknown) {
+  const Folder folder;
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {}, {}});
+  const auto add = [&](const fdswriter::Slice& slice, const std::string& name,
+                       const std::vector<float>& times, double value) {
+    std::vector<std::pair<float, std::vector<float>>> frames;
+    for (const float time : times)
+      frames.emplace_back(time,
+                          fdswriter::atNodes(kFirst, slice.at, [&](auto...) { return value; }));
+    fdswriter::sliceFile(slice, frames).save(folder / name);
+    index.slice(1, slice, name, false);
+  };
+  add({whole(kFirst)}, "whole.sf", {10, 20}, 0.1);
+  add({{0, 5, 0, 4, 1, 1}, "SOOT VISIBILITY", "VIS", "m"}, "flat.sf", {0, 10, 20}, 6);
+  index.save(folder / "made.smv");
+  FdsCase fds = opened(folder / "made.smv", {.source = "slice3d-extinction"});
+  auto others = fillingSources(fds, {});
+  ASSERT_EQ(others.size(), 1U);
+  FdsSight sight(std::move(fds), "made", 1 << 30, std::move(others));
+  const Vec3 points[] = {{0.5, 0.4, 0.3}, {0.5, 0.4, 0.55}};
+  std::vector<Place> places(2);
+  std::vector<double> k(2);
+  const auto before = sight.readAt(0).value();
+  before->places(points, places);
+  EXPECT_EQ(places, (std::vector{Place::kGas, Place::kGas}));
+  before->extinction(points, k);
+  EXPECT_NEAR(k[0], 0.5, 1e-6);
+  EXPECT_TRUE(std::isnan(k[1]));
+  const auto after = sight.readAt(10).value();
+  after->extinction(points, k);
+  EXPECT_NEAR(k[0], 0.1, 1e-6);
+  EXPECT_NEAR(k[1], 0.1, 1e-6);
+}
+
 }  // namespace
 }  // namespace volute
