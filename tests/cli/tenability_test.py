@@ -109,6 +109,7 @@ class Tenability(Cases):
         self.assertGreater(margin["points_too_late"], 0)
         page = (self.path("out") / "report.html").read_text()
         self.assertLess(page.index("ASET of all criteria: 40 s"), page.index("computed by"))
+        self.assertEqual([one["criterion"] for one in report["verdict"][:2]], ["all", "margin"])
         self.assertIn("not assessed", page)
         for name in ("aset_all.png", "tenability_first.png", "margin.png", "tenability_hot.png"):
             self.assertEqual((self.path("out") / name).read_bytes()[:8], b"\x89PNG\r\n\x1a\n")

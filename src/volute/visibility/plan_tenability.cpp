@@ -582,7 +582,8 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
                                      {"position", {place[0], place[1], place[2]}}};
   }
   report["margin"]["known"] = unknown == 0;
-  verdict.push_back(Json{{"criterion", "margin"}, {"sentence", text}, {"known", unknown == 0}});
+  verdict.insert(verdict.begin() + 1,
+                 Json{{"criterion", "margin"}, {"sentence", text}, {"known", unknown == 0}});
   std::vector<double> finite;
   for (const double one : margins_.margin) {
     if (std::isfinite(one))
@@ -595,7 +596,7 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
   picture.subtitle = from;
   picture.barLabel = "margin [s]";
   picture.low = *std::ranges::min_element(finite);
-  picture.high = std::max(*std::ranges::max_element(finite), picture.low + 1e-9);
+  picture.high = std::max(*std::ranges::max_element(finite), picture.low + 1);
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
     const double one = margins_.margin[i];
     picture.values[values_.places[i]] = one;

@@ -164,7 +164,9 @@ class CurveReader {
 
   void finish() {
     if (badCells_ > 0) {
-      leftOut("{} cells hold no number and are left out (line {} is the first): of {}", badCells_,
+      leftOut("{} left out (line {} is the first): of {}",
+              badCells_ == 1 ? "1 cell holds no number and is"
+                             : fmt::format("{} cells hold no number and are", badCells_),
               firstBad_, namesOf(bad_));
     }
     if (badTimes_ > 0)
