@@ -379,7 +379,7 @@ class Places(support.TestCase):
         for verb in (("compress", "-o", self.path("x.volute")), ("render", "-o", self.path("x.png"), "--size", "16x16")):
             text = self.fails(1, verb[0], upright, *verb[1:])
             self.assertIn("upright_0002.vdb: grid 'density', frame 2: the file does not say which axis points upwards, but", text)
-            self.assertIn("upright_0001.vdb says that y points upwards; expected one up axis in all frames", text)
+            self.assertIn("upright_0001.vdb says that y points upwards; expected one up axis in all frames; --up y takes that for all of them", text)
             self.works(verb[0], upright, *verb[1:], "--file-up", "y")
         alone = ("render", self.blocks / "upright_0002.vdb", "-o", self.path("x.png"), "--size", "16x16")
         self.assertIn("does not say which axis points upwards; z is taken for it; --up y", self.works(*alone).message)
@@ -493,7 +493,8 @@ class Resampled(Places):
             self.assertLessEqual(one["relative_rms"], 1e-3, one)  # halves are floats there
             if one["name"] in ("temperature", "velocity", "solid") and not one["empty"]:
                 self.assertLessEqual(one["max_error"], 0 if one["name"] == "temperature" else 1e-2, one)
-        self.works("compress", self.path("n_%04d.nvdb"), "-o", self.path("n.volute"))
+        self.works("compress", self.path("n_%04d.nvdb"), "-o", self.path("n.volute"), "--fps", "50")
+        self.assertIn(".nvdb files state no times", self.works("extract", self.path("n.volute"), "-o", self.path("f_%04d.nvdb")).message)
         self.works("render", self.path("n_0101.nvdb"), "-o", self.path("n.png"), "--size", "32x32")
         data = bytearray(self.path("n_0101.nvdb").read_bytes())
         for what, expected in (((7, b"2"), "of a newer kind"), ((8, struct.pack("<I", 33 << 21)), "version 33.0.0"),
@@ -640,6 +641,12 @@ class Grids(support.TestCase):
         shown = volute("render", self.path("fire.volute"), "-o", self.path("x.png"), "--size", "16x16")
         self.assertIn("smoke from 'density'", shown.message)
         self.assertIn("fire from 'flame'", shown.message)
+
+    def test_a_grid_without_a_name_is_shown_by_the_name_of_its_file(self):
+        source = VdbFile(self.unpack() / "c_0101.vdb")
+        for name, says in (("thick_smoke.vdb", "smoke from '[0]'"), ("campfire.vdb", "fire from '[0]'")):
+            source.write(self.path(name), [(b"\x1e0", b"density")])  # as OpenVDB writes an empty name
+            self.assertIn(says, self.works("render", self.path(name), "-o", self.path("x.png"), "--size", "16x16").message)
 
     def test_damage_is_told_with_the_grid(self):
         broken = self.path("broken.volute")

@@ -603,9 +603,11 @@ class LatticeSource final : public RoundingSource,
     for (std::size_t i = 1; i < frames.size() && !options_.upStated; ++i) {
       if (frames[i].up == frames[0].up)
         continue;
+      const char stated = frames[0].up ? frames[0].up : frames[i].up;
       return fail(ErrorCode::kInvalidData,
+                  Hint::set("up", std::string(1, stated)).so("takes that for all of them"),
                   "{}: grid '{}', frame {}: the file {}, but {} {}; expected one up axis in all "
-                  "frames: state it",
+                  "frames",
                   files_[i].path.string(), grid, files_[i].frameText(), said(frames[i]),
                   files_[0].path.string(), said(frames[0]));
     }

@@ -401,6 +401,16 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
   if (extraction.level == 0)
     VOLUTE_TRY(checkBricks(grids.readers, grids.positions, path_, reading_.maxMemory));
   const VolumeInfo numbers = framesAt(frames, grids.positions);
+  VolumeInfo untimed = numbers;
+  untimed.times.clear();
+  untimed.fillDefaults();
+  if (extensionOf(target) == ".nvdb" && numbers.frames > 1 && numbers.times != untimed.times) {
+    reading_.progress.remark(
+        Remark(RemarkCode::kLeftOut,
+               fmt::format("{}: .nvdb files state no times: who reads them has to state the rate",
+                           target))
+            .in(target));
+  }
   const MakeSink make = [&] {
     return createCacheSink(target, grids.targets, grids.fileMetadata, grids.kept, &numbers);
   };

@@ -206,12 +206,12 @@ class Grids {
       input.source = LoneFrame::keeping(std::move(input.source), frame_);
   }
 
-  /// A .npy has no names, nor has an array without one in a .npz or in memory, and a .volute of
-  /// that alone says "density" of whatever it holds.
+  /// A .npy has no names, nor has an array without one in a .npz or in memory, or a grid that
+  /// OpenVDB calls "[0]", and a .volute of that alone says "density" of whatever it holds.
   bool isNamed(const std::string& path) const {
     std::error_code error;
     const bool nameless = isNumpyPath(path) || MemoryVolumes::isName(path);
-    if ((nameless && info().name == VolumeInfo().name) ||
+    if ((nameless && info().name == VolumeInfo().name) || info().name.starts_with('[') ||
         (std::filesystem::is_directory(path, error) && volumesIn(path).value_or(".vdb") == ".npy"))
       return false;
     const std::string file = lower(std::filesystem::path(path).stem().string());
