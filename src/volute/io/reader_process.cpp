@@ -135,22 +135,24 @@ std::string lowLimits() {
 }
 
 /// Why a child gave no answer.
-Error noAnswer(Wait wait, int signal, const std::string& file) {
+Error noAnswer(Wait wait, int signal, const std::string& file, std::uint64_t memory) {
   if (wait == Wait::kCancelled)
     return {ErrorCode::kCancelled, fmt::format("{}: stopped while reading it", file)};
-  if (wait != Wait::kGone || signal == SIGXCPU || signal == SIGKILL) {
-    return {ErrorCode::kInvalidData,
-            fmt::format("{}: reading it takes too long or too much memory: the file is damaged, or "
-                        "larger than what may be used{}",
-                        file, lowLimits()),
-            {},
-            {},
-            {Hint::raise("max_memory")}};
-  }
+  const bool ended = wait != Wait::kGone || signal == SIGXCPU || signal == SIGKILL;
+  const std::string sentence =
+      ended ? std::string(
+                  "reading it takes too long or too much memory: the file is damaged, or "
+                  "larger than what may be used")
+            // Few libraries look at what an allocation gives.
+            : fmt::format(
+                  "its library {} while reading it: the file is damaged, or needs more than "
+                  "the {} MiB that may be used",
+                  signal ? fmt::format("crashed (signal {})", signal) : "gave up", memory >> 20);
   return {ErrorCode::kInvalidData,
-          fmt::format("{}: the file is damaged: its library {} while reading it{}", file,
-                      signal ? fmt::format("crashed (signal {})", signal) : std::string("gave up"),
-                      lowLimits())};
+          fmt::format("{}: {}{}", file, sentence, lowLimits()),
+          {},
+          {},
+          {Hint::raise("max_memory")}};
 }
 
 /// A code as it came from the other process.
@@ -287,7 +289,7 @@ Result<std::string> ReaderProcess::call(const std::string& file, std::string_vie
                   lowLimits());
     }
     if (wait != Wait::kForever || fork == forks)
-      return tl::unexpected<Error>(noAnswer(wait, signal, file));
+      return tl::unexpected<Error>(noAnswer(wait, signal, file, limits.memory));
   }
   if (reply.code < 0)
     return text;
