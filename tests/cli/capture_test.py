@@ -471,7 +471,7 @@ class Step(ring.TestCase):
         self.camera("c2")["K"][0][2] += 1
         self.write_capture()
         message = self.works("reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), "--frames", "12", "--refine",
-                             "never", "--regularization", "none", "--resolution", 16, "--iterations", 25).message
+                             "never", "--regularization", "none", "--resolution", 16, "--iterations", 18).message
         self.assertIn("camera c2, frame 12: does not fit the others", message)
         self.assertNotIn("refined", message)
 

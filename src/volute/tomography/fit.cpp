@@ -431,8 +431,12 @@ Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
     start.assign(setup.expected.begin(), setup.expected.end());
   const PriorStrength prior{choice.regularization, choice.strength * setup.typical,
                             choice.sparsity};
-  const StopRule stop{plain ? choice.iterations : most,           0,        {},
-                      plain || options.iterations ? 0 : kSettled, searched, searched + most};
+  const StopRule stop{plain ? choice.iterations : most,
+                      0,
+                      {},
+                      plain || options.iterations ? 0 : 2 * kSettled,
+                      searched,
+                      searched + most};
   VOLUTE_ASSIGN(Fit fit, runFit(setup, setup.problem.data, prior, std::move(start), stop));
   if (plain)
     fit.stoppedBy = "held-out pixels";

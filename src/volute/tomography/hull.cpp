@@ -33,11 +33,10 @@ int raysPerSide(const Camera& camera, const VolumeGeometry& geometry) {
 
 enum Seen : std::uint8_t { kUnseen = 0, kOutside = 1, kInside = 2 };
 
-/// (z, y, x): how the camera sees each voxel.
+/// (z, y, x): how the camera sees each voxel of a range; the others count as unseen.
 std::vector<std::uint8_t> seenVoxels(const Camera& camera, std::span<const std::uint8_t> silhouette,
-                                     const VolumeGeometry& geometry) {
+                                     const VolumeGeometry& geometry, const CellRange& range) {
   const CellGrid cells = basisCells(geometry, Basis::kBox);
-  const CellRange all{{0, 0, 0}, cells.count};
   std::vector<std::uint8_t> seen(geometry.voxels(), kUnseen);
   const int side = raysPerSide(camera, geometry);
   parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t row) {
@@ -46,7 +45,7 @@ std::vector<std::uint8_t> seenVoxels(const Camera& camera, std::span<const std::
       for (int i = 0; i < side * side; ++i) {
         const Segment ray = camera.ray(x + (i % side + 0.5) / side,
                                        static_cast<double>(row) + (i / side + 0.5) / side);
-        traverseCells(cells, all, ray, [&](const std::array<int, 3>& cell, double, double) {
+        traverseCells(cells, range, ray, [&](const std::array<int, 3>& cell, double, double) {
           const std::size_t voxel =
               (static_cast<std::size_t>(cell[2]) * cells.count[1] + cell[1]) * cells.count[0] +
               cell[0];
@@ -155,7 +154,8 @@ std::vector<std::uint8_t> visualHull(std::span<const TomographyView> views,
                                      const VolumeGeometry& geometry) {
   std::vector<std::uint8_t> hull(geometry.voxels(), 1);
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const auto seen = seenVoxels(views[v].camera, silhouettes[v], geometry);
+    const auto seen =
+        seenVoxels(views[v].camera, silhouettes[v], geometry, boxAround(geometry, hull));
     for (std::size_t i = 0; i < hull.size(); ++i) hull[i] &= seen[i] != kOutside ? 1 : 0;
   }
   return hull;

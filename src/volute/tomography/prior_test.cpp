@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "volute/tomography/singular_values.hpp"
+#include "volute/tomography/variation_kernels.hpp"
 
 namespace volute {
 namespace {
@@ -51,11 +51,11 @@ double totalVariation(const std::vector<float>& a, int side) {
 TEST(SingularValues, LargeOnesBecomeOne) {
   std::mt19937 random(3);
   std::normal_distribution<float> normal;
-  std::vector<ColourSlopes> slopes(1001);
-  for (std::size_t i = 0; i < slopes.size(); ++i) {
+  std::vector<Eigen::Matrix3f> matrices(1001);
+  for (std::size_t i = 0; i < matrices.size(); ++i) {
     // Any, of nearly one direction, of one direction, turned by a rotation times 1.3, small.
     const std::size_t kind = i % 5;
-    Eigen::Matrix3f m;
+    Eigen::Matrix3f& m = matrices[i];
     for (float& value : m.reshaped()) value = normal(random);
     if (kind == 1)
       m.rightCols<2>() *= 1e-3F;
@@ -65,22 +65,21 @@ TEST(SingularValues, LargeOnesBecomeOne) {
       m = 1.3F * Eigen::Quaternionf(m(0, 0), m(1, 0), m(2, 0), m(0, 1)).normalized().matrix();
     if (kind == 4)
       m *= 0.1F;
-    for (int axis = 0; axis < 3; ++axis) slopes[i][axis] << m.row(axis).transpose().array(), 0;
+    if (i < 16)  // grey
+      m.rightCols<2>().colwise() = m.col(0);
   }
-  for (std::size_t i = 0; i < 16; ++i)  // grey
-    for (Colour& slope : slopes[i]) slope << slope[0], slope[0], slope[0], 0;
-  std::vector<ColourSlopes> clipped = slopes;
-  clipSingularValues(clipped);
-  for (std::size_t i = 0; i < 16; ++i)
-    for (const Colour& slope : clipped[i])
-      EXPECT_TRUE(slope[0] == slope[1] && slope[1] == slope[2]);
-  for (std::size_t i = 0; i < slopes.size(); ++i) {
-    Eigen::Matrix3f before, after;
-    for (int axis = 0; axis < 3; ++axis) {
-      before.row(axis) = slopes[i][axis].head<3>().matrix().transpose();
-      after.row(axis) = clipped[i][axis].head<3>().matrix().transpose();
-      EXPECT_EQ(clipped[i][axis][3], 0);
+  SlopePlanes slopes;
+  for (Eigen::Index k = 0; k < 9; ++k)
+    for (const auto& m : matrices) slopes[static_cast<std::size_t>(k)].push_back(m(k / 3, k % 3));
+  clipSingularValues(slopes);
+  for (std::size_t i = 0; i < matrices.size(); ++i) {
+    Eigen::Matrix3f after;
+    for (Eigen::Index k = 0; k < 9; ++k)
+      after(k / 3, k % 3) = slopes[static_cast<std::size_t>(k)][i];
+    if (i < 16) {
+      EXPECT_TRUE(after.col(0) == after.col(1) && after.col(1) == after.col(2));
     }
+    const Eigen::Matrix3f& before = matrices[i];
     const Eigen::JacobiSVD<Eigen::Matrix3f> svd(before, Eigen::ComputeFullU | Eigen::ComputeFullV);
     const Eigen::Matrix3f expected = svd.matrixU() *
                                      svd.singularValues().cwiseMin(1.0F).asDiagonal() *

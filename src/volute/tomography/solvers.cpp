@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
-#include "volute/tomography/momentum.hpp"
 #include "volute/tomography/vector_ops.hpp"
 
 namespace volute {
@@ -68,22 +68,37 @@ int solveApg(const LeastSquares& problem, double largest, Prior& prior, int iter
              Vector& unknowns, const SolverWatch& watch) {
   const std::vector<float> step = steps(problem, largest, prior);
   Vector& x = unknowns;
-  Vector y = x, before(x.size()), gradient(x.size());
-  Vector sy(4 * problem.rows()), sx(sy.size());
-  Momentum momentum;
-  float beta = 0;
+  Vector before = x, descended = x, ahead = x, whole = x, gradient(x.size());
+  Vector sx(4 * problem.rows());
+  std::vector<float> length(step.size());
+  double weight = 1, reach = 1;  // theta and L gamma of the paper
   for (int k = 1; k <= iterations; ++k) {
-    problem.projectAndGradient(y, sy, gradient);
-    // y is x + beta (x - before), and S is linear: the product with x need not be made.
-    forElements(sx.size(), [&](std::size_t i) { sx[i] = (sy[i] + beta * sx[i]) / (1 + beta); });
+    problem.projectAndGradient(x, sx, gradient);
     if (k > 1 && !watch(k - 1, x, sx))
       return k - 1;
-    prior.addGradient(y, gradient);
+    prior.addGradient(x, gradient);
+    const double next = 0.5 * (1 + std::sqrt(1 + 4 * weight * weight));
+    const auto along = static_cast<float>((weight - 1) / next),
+               over = static_cast<float>(weight / next),
+               back = static_cast<float>((weight - 1) / (reach * next));
+    reach = (2 * weight + next - 1) / next;
+    forElements(step.size(),
+                [&](std::size_t i) { length[i] = static_cast<float>(reach) * step[i]; });
     std::swap(before, x);
-    forElements(x.size(), [&](std::size_t i) { x[i] = y[i] - step[i / 4] * gradient[i]; });
-    prior.proximal(x, step);
-    beta = momentum.next(x, y, before, step);
-    forElements(x.size(), [&](std::size_t i) { y[i] = x[i] + beta * (x[i] - before[i]); });
+    forElements(x.size(), [&](std::size_t i) {
+      const float down = before[i] - step[i / 4] * gradient[i];
+      ahead[i] = down + along * (down - descended[i]) + over * (down - before[i]) +
+                 back * (ahead[i] - before[i]);
+      descended[i] = down;
+      x[i] = ahead[i];
+    });
+    prior.proximal(x, length);
+    const double uphill = sumElements(x.size(), [&](std::size_t i) {
+      const float slope = gradient[i] + (ahead[i] - x[i]) / length[i / 4];  // the prior's too
+      const float moved = before[i] - step[i / 4] * slope;
+      return static_cast<double>(slope) * (moved - std::exchange(whole[i], moved));
+    });
+    weight = uphill > 0 && k > 1 ? 1 : next;
   }
   problem.projector->forward(x, sx);
   watch(iterations, x, sx);

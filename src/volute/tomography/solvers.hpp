@@ -19,8 +19,9 @@ using SolverWatch = std::function<bool(int iteration, std::span<const float> unk
 /// Each changes `unknowns` from where they are (four floats for each), and returns how many
 /// iterations it made.
 
-/// Accelerated projected gradient (Beck and Teboulle 2009) with adaptive restart (O'Donoghue and
-/// Candes 2015). One product with S and one with S' an iteration, in one walk.
+/// The proximal optimized gradient method (Taylor, Hendrickx and Glineur 2017) with adaptive
+/// restart (Kim and Fessler 2018, POGM'). One product with S and one with S' an iteration, in one
+/// walk.
 /// @param largest  the largest eigenvalue of S' W^2 S.
 int solveApg(const LeastSquares& problem, double largest, Prior& prior, int iterations,
              std::vector<float>& unknowns, const SolverWatch& watch);

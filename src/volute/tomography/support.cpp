@@ -9,29 +9,6 @@
 namespace volute {
 namespace {
 
-/// The voxels around those that are not 0; all when `hull` is empty.
-CellRange boxAround(const VolumeGeometry& geometry, std::span<const std::uint8_t> hull) {
-  const auto& n = geometry.resolution;
-  if (hull.empty())
-    return {{0, 0, 0}, n};
-  CellRange box{n, {0, 0, 0}};
-  std::size_t i = 0;
-  for (int z = 0; z < n[2]; ++z) {
-    for (int y = 0; y < n[1]; ++y) {
-      for (int x = 0; x < n[0]; ++x, ++i) {
-        if (hull[i] == 0)
-          continue;
-        const std::array<int, 3> voxel{x, y, z};
-        for (int a = 0; a < 3; ++a) {
-          box.begin[a] = std::min(box.begin[a], voxel[a]);
-          box.end[a] = std::max(box.end[a], voxel[a] + 1);
-        }
-      }
-    }
-  }
-  return box.empty() ? CellRange{{0, 0, 0}, {1, 1, 1}} : box;
-}
-
 /// A cell on a segment's way, and where it passes it [m].
 struct PassedCell {
   std::array<int, 3> cell;
@@ -109,6 +86,28 @@ std::optional<PassedCell> firstTouched(const Support& support, const Segment& se
 }
 
 }  // namespace
+
+CellRange boxAround(const VolumeGeometry& geometry, std::span<const std::uint8_t> hull) {
+  const auto& n = geometry.resolution;
+  if (hull.empty())
+    return {{0, 0, 0}, n};
+  CellRange box{n, {0, 0, 0}};
+  std::size_t i = 0;
+  for (int z = 0; z < n[2]; ++z) {
+    for (int y = 0; y < n[1]; ++y) {
+      for (int x = 0; x < n[0]; ++x, ++i) {
+        if (hull[i] == 0)
+          continue;
+        const std::array<int, 3> voxel{x, y, z};
+        for (int a = 0; a < 3; ++a) {
+          box.begin[a] = std::min(box.begin[a], voxel[a]);
+          box.end[a] = std::max(box.end[a], voxel[a] + 1);
+        }
+      }
+    }
+  }
+  return box.empty() ? CellRange{{0, 0, 0}, {1, 1, 1}} : box;
+}
 
 CellGrid basisCells(const VolumeGeometry& geometry, Basis basis) {
   CellGrid cells{geometry.bounds.min, geometry.voxelSize(), geometry.resolution};

@@ -102,6 +102,10 @@ struct TouchedPart {
 
 TouchedPart touchedPart(const Support& support, const Segment& segment);
 
+/// The least box around the voxels of a hull that are not 0, one voxel where none is; all of them
+/// when `hull` is empty.
+CellRange boxAround(const VolumeGeometry& geometry, std::span<const std::uint8_t> hull);
+
 /// The cells of a basis over a volume: its voxels, or the cells between their centres with one
 /// layer around.
 CellGrid basisCells(const VolumeGeometry& geometry, Basis basis);
