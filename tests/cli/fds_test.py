@@ -254,12 +254,12 @@ class Fds(support.TestCase):
                              "--criteria", "none", "-o", self.path("seen"))
             said = json.loads((self.path("seen") / "visibility.json").read_text())
             self.assertEqual("s3d" in said["smoke"], read == "s3d", said["smoke"])
-            self.assertEqual(b"s3d is read instead" in ran.err, read == "s3d", ran.err)
+            self.assertEqual(b"extinction is read from s3d alone" in ran.err, read == "s3d", ran.err)
         # A scene shows what it says, and nothing else is claimed.
         scene = self.path("scene.json")
         scene.write_text(json.dumps({"format": "volute-scene-1", "media": [{"kind": "smoke", "case": self.case.name}]}))
         said = self.fails(2, "visibility", scene, "--signs", signs, "--height", "0.5", "--step", "0.25", "-o", self.path("seen"))
-        self.assertNotIn("instead", said)
+        self.assertNotIn("s3d alone", said)
         self.assertIn("outside", said)
 
     def test_stored_isosurfaces_are_shown(self):

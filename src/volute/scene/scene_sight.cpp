@@ -113,9 +113,11 @@ Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Sce
   (*other.members)["field"] = taller;
   remarks.push_back(
       {RemarkCode::kFallback,
-       fmt::format("{} does not reach all of z = {:g} m, where eyes or signs are; {} is read "
-                   "instead",
-                   field->description(), *beyond, taller),
+       fmt::format(
+           "at z = {:g} m, where eyes or signs are, extinction is read from {} alone, because {} "
+           "leaves out places at that height; name a source to use it all the same: those "
+           "places are then not known",
+           *beyond, taller, field->description()),
        {Hint::choose("field")}});
   return openSight(path, other, progress);
 }

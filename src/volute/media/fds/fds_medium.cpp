@@ -325,9 +325,9 @@ Result<std::unique_ptr<SightField>> FdsMedium::sight(Reading& reading) {
   VOLUTE_ASSIGN(auto files, FdsCase::open(case_->index(), options, case_.get()));
   // Somebody who names a source is asking for that alone.
   std::vector<FdsCase> others;
-  if (description_.field.empty())
-    others = fillingSources(files, options, case_.get());
   std::vector<std::string> notes = notes_;
+  if (description_.field.empty())
+    others = fillingSources(files, options, case_.get(), &notes);
   const auto isCut = [](const FdsCase& one) {
     return one.source().quantity == SmokeQuantity::kVisibility;
   };

@@ -528,10 +528,81 @@ bool isBeyond(std::span<const double> times, std::span<const double> known) {
          (times.back() > known.back() && !storedPlace(known, times.back()));
 }
 
+/// How far stored times are apart around a time that they know [s].
+double apartAt(std::span<const double> times, double time) {
+  if (times.size() < 2)
+    return std::numeric_limits<double>::infinity();
+  const auto after = std::ranges::upper_bound(times.begin() + 1, times.end() - 1, time);
+  return *after - *(after - 1);
+}
+
+/// Whether a time is stored, or so close to one as files of one output differ.
+bool isStored(std::span<const double> times, double time) {
+  constexpr double kSame = 0.05;  // of an interval, as storedPlace() has it
+  const auto place = storedPlace(times, time);
+  return place && (place->share <= kSame || place->share >= 1 - kSame);
+}
+
+/// Times in FDS's files are apart by a time step more or less, so that a half more is a difference.
+constexpr double kFiner = 1.5;
+
+/// Whether a case stores times closer together around a time that both know.
+bool isFinerAt(double time, const FdsCase& one, const FdsCase& than) {
+  return kFiner * apartAt(one.times(), time) <= apartAt(than.times(), time);
+}
+
+/// At some time within the other's.
+bool isFiner(const FdsCase& one, const FdsCase& than) {
+  return std::ranges::any_of(one.times(), [&](double time) {
+    return storedPlace(than.times(), time) && isFinerAt(time, one, than);
+  });
+}
+
+/// A field of a source beside one whose times are closer together: at a time that it does not store
+/// its bounds are those of the stored times around, between which it may have been either.
+Result<FdsField> fieldBeside(const FdsCase& finer, FdsCase& fds, double time) {
+  VOLUTE_ASSIGN(const FdsField field, fds.field(time));
+  if (isStored(fds.times(), time) || !isFinerAt(time, finer, fds))
+    return field;
+  const auto place = storedPlace(fds.times(), time);
+  std::vector<std::shared_ptr<const FdsValues>> values(field.allValues().begin(),
+                                                       field.allValues().end());
+  for (const std::size_t end : {place->first, place->second}) {
+    VOLUTE_ASSIGN(const FdsField stored, fds.field(fds.times()[end]));
+    parallelFor(values.size(), [&](std::size_t l) {
+      const FdsValues& ends = stored.values(l);
+      auto wide = std::make_shared<FdsValues>(*values[l]);
+      if (wide->low.empty())
+        wide->low = wide->high = wide->value;
+      for (std::size_t i = 0; i < ends.value.size(); ++i) {
+        const bool banded = !ends.low.empty();
+        wide->low[i] = std::fmin(wide->low[i], banded ? ends.low[i] : ends.value[i]);
+        wide->high[i] = std::fmax(wide->high[i], banded ? ends.high[i] : ends.value[i]);
+      }
+      values[l] = std::move(wide);
+    });
+  }
+  return field.withValues(std::move(values));
+}
+
+/// Whether a case can take the place of another one in its meshes without leaving a part of them
+/// out. A volume goes on to serve beside the layers of another source.
+bool replaces(const FdsCase& one, const FdsCase& other) {
+  return other.source().volume || std::ranges::all_of(other.grid().lattices(), [&](auto& lattice) {
+           const auto ofItsMesh = [&](const FdsLattice& its) { return its.mesh == lattice.mesh; };
+           const auto holds = [&](const FdsLattice& its) {
+             return ofItsMesh(its) && its.bounds().contains(lattice.bounds().min) &&
+                    its.bounds().contains(lattice.bounds().max);
+           };
+           const auto lattices = one.grid().lattices();
+           return std::ranges::none_of(lattices, ofItsMesh) || std::ranges::any_of(lattices, holds);
+         });
+}
+
 }  // namespace
 
 std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& options,
-                                    const FdsCase* earlier) {
+                                    const FdsCase* earlier, std::vector<std::string>* unread) {
   std::vector<FdsCase> others;
   const bool cut = first.source().quantity == SmokeQuantity::kVisibility;
   std::vector<double> known(first.times().begin(), first.times().end());
@@ -542,13 +613,18 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
     FdsOptions other = options;
     other.source = source.name;
     auto opened = FdsCase::open(first.index(), other, earlier);
-    if (!opened)
+    if (!opened) {
+      if (unread != nullptr)
+        unread->push_back(fmt::format("{}: {} cannot serve where {} does not reach",
+                                      opened.error().message, source.name, first.source().name));
       continue;
+    }
     const bool beyond = isBeyond(opened->times(), known);
     const bool precise = cut && source.quantity != SmokeQuantity::kVisibility;
+    const bool finer = isFiner(*opened, first) && replaces(*opened, first);
     const std::size_t before = meshes.size();
     meshes.merge(meshesIn(opened->grid()));
-    if (!beyond && !precise && meshes.size() == before)
+    if (!beyond && !precise && !finer && meshes.size() == before)
       continue;
     known.insert(known.end(), opened->times().begin(), opened->times().end());
     std::ranges::sort(known);
@@ -563,19 +639,15 @@ FdsSight::FdsSight(FdsCase fds, std::string name, std::uint64_t maxMemory,
       others_(std::move(others)),
       walls_(std::move(walls)),
       notes_(std::move(notes)),
-      times_(case_.times().begin(), case_.times().end()),
       name_(std::move(name)),
       maxMemory_(maxMemory) {
-  // Of each of the others the times that none before it knows.
-  for (const FdsCase& other : others_) {
-    std::vector<double> more;
-    for (const double time : other.times()) {
-      if ((time < times_.front() || time > times_.back()) && !storedPlace(times_, time))
-        more.push_back(time);
-    }
-    times_.insert(times_.end(), more.begin(), more.end());
-    std::ranges::sort(times_);
+  // Of each the times at which it serves.
+  for (std::size_t i = 0; i <= others_.size(); ++i) {
+    FdsCase& one = i == 0 ? case_ : others_[i - 1];
+    std::ranges::copy_if(one.times(), std::back_inserter(times_),
+                         [&](double time) { return caseAt(time).first == &one; });
   }
+  std::ranges::sort(times_);
   events_ = obstructionEvents(case_.index());
   bounds_ = case_.bounds();
   const auto extend = [&](const Box3& box) {
@@ -615,6 +687,14 @@ std::vector<Remark> FdsSight::remarks() const {
           "{}: {} is stored from {:g} to {:g} s; {} serves at other times", name_,
           case_.source().name, case_.times().front(), case_.times().back(), other.source().name));
     }
+    if (isFiner(other, case_) && replaces(other, case_)) {
+      remarks.push_back(fmt::format(
+          "{}: {} is stored at {} times only; between them {}, stored at {}, serves {}, and "
+          "elsewhere "
+          "the smoke is known to lie between two stored times' values",
+          name_, case_.source().name, case_.times().size(), other.source().name,
+          other.times().size(), other.source().volume ? "in its meshes" : "in its layers"));
+    }
   }
   std::set<int> known = meshesIn(case_.grid());
   for (const FdsCase& other : others_) {
@@ -634,43 +714,75 @@ std::vector<Remark> FdsSight::remarks() const {
     remarks.push_back(fmt::format("{}: where {} is cut, the extinction is that of {}", name_,
                                   case_.source().name, others_.front().source().name));
   }
+  const auto isMeanOfVisibilities = [](const FdsCase& one) {
+    return one.source().quantity == SmokeQuantity::kVisibility &&
+           one.grid().lattices().front().nodal;
+  };
+  const bool byMeans = isMeanOfVisibilities(case_);
+  if (const auto other = std::ranges::find_if(others_, isMeanOfVisibilities);
+      byMeans || other != others_.end()) {
+    remarks.push_back(fmt::format(
+        "{}: {} holds means of the visibility in the cells around each node: where smoke is "
+        "uneven, "
+        "its extinction is less than the cells' mean, and limits are reached later than by a slice "
+        "of EXTINCTION COEFFICIENT or .s3d",
+        name_, (byMeans ? case_ : *other).source().name));
+  }
   return remarks;
 }
 
-/// The best that knows a time, and the time to read of it: between what two of them store, the next
-/// one that is stored.
+/// The first that stores a time; between the times of all that know it, the one whose times are
+/// closest together of those that can take the first's place. And the time to read of it: between
+/// what two of them store, the next one that is stored.
 std::pair<FdsCase*, double> FdsSight::caseAt(double time) {
+  FdsCase* best = nullptr;
   std::pair<FdsCase*, double> next{&case_, std::numeric_limits<double>::infinity()};
   for (std::size_t i = 0; i <= others_.size(); ++i) {
     FdsCase& one = i == 0 ? case_ : others_[i - 1];
-    if (storedPlace(one.times(), time))
-      return {&one, time};
+    if (storedPlace(one.times(), time)) {
+      if (best == nullptr || (!isStored(best->times(), time) && isFinerAt(time, one, *best) &&
+                              replaces(one, *best) && replaces(one, case_)))
+        best = &one;
+      continue;
+    }
     const auto after = std::ranges::upper_bound(one.times(), time);
     if (after != one.times().end() && *after < next.second)
       next = {&one, *after};
   }
+  if (best != nullptr)
+    return {best, time};
   return std::isinf(next.second) ? std::pair(&case_, time) : next;
 }
 
-/// Where a visibility is cut, by what the others know.
-Result<FdsField> FdsSight::refined(FdsField field, double time) {
+/// Where a visibility is cut, by what the others know. Where its values are means over cells they
+/// are the least that the extinction is (Jensen's inequality); it may be as much as a source whose
+/// times are farther apart has before or after.
+Result<FdsField> FdsSight::refined(FdsField field, const FdsCase& of, double time) {
   std::vector<std::shared_ptr<const FdsValues>> values(field.allValues().begin(),
                                                        field.allValues().end());
-  for (FdsCase& other : others_) {
+  for (std::size_t n = 0; n <= others_.size(); ++n) {
+    FdsCase& other = n == 0 ? case_ : others_[n - 1];
     if (other.source().quantity == SmokeQuantity::kVisibility || !storedPlace(other.times(), time))
       continue;
-    VOLUTE_ASSIGN(const FdsField more, other.field(time));
+    VOLUTE_ASSIGN(const FdsField more, fieldBeside(of, other, time));
+    const bool between = !isStored(other.times(), time) && isFinerAt(time, of, other);
     parallelFor(values.size(), [&](std::size_t l) {
       const FdsLattice& lattice = field.grid().lattices()[l];
-      if (!field.grid().holds(l) || values[l]->low.empty())
+      const bool means = lattice.nodal && between;
+      if (!field.grid().holds(l) || (values[l]->low.empty() && !means))
         return;
       auto better = std::make_shared<FdsValues>(*values[l]);
+      if (better->low.empty())
+        better->low = better->high = better->value;
       for (std::size_t i = 0; i < better->value.size(); ++i) {
         const float low = better->low[i], high = better->high[i];
-        if (!(low < high * 0.999F))
+        const bool cut = low < high * 0.999F;
+        if (!cut && !means)
           continue;
         const auto band = bandAt(more, lattice.mesh, placeOfValue(lattice, i));
-        if (!band || band->high - band->low >= high - low)
+        if (band && !cut)
+          better->high[i] = std::fmax(high, band->high);
+        if (!band || !cut || band->high - band->low >= high - low)
           continue;
         better->low[i] = std::clamp(band->low, low, high);
         better->high[i] = std::clamp(band->high, low, high);
@@ -741,7 +853,7 @@ Result<FdsField> FdsSight::completed(FdsField field, const FdsCase& of, double t
     std::set<int> its = meshesOf(other);
     if (&other == &of || std::ranges::includes(known, its) || !storedPlace(other.times(), time))
       continue;
-    VOLUTE_ASSIGN(const FdsField more, other.field(time));
+    VOLUTE_ASSIGN(const FdsField more, fieldBeside(of, other, time));
     take(more, known);
     known.merge(its);
   }
@@ -827,7 +939,7 @@ Result<std::shared_ptr<const SightInstant>> FdsSight::readOwnAt(double when) {
   const auto [best, stored] = caseAt(when);
   VOLUTE_ASSIGN(auto field, best->field(stored));
   if (best->source().quantity == SmokeQuantity::kVisibility && !others_.empty()) {
-    VOLUTE_ASSIGN(field, refined(std::move(field), stored));
+    VOLUTE_ASSIGN(field, refined(std::move(field), *best, stored));
   }
   VOLUTE_ASSIGN(field, completed(std::move(field), *best, stored));
   if (!sameGeometry(field, when))

@@ -60,19 +60,21 @@ class FdsInstant final : public BasicSightInstant {
 };
 
 /// Sources of the same smoke that know what another one does not: of a visibility that is cut, the
-/// extinction where it is; of any, times at which it stores nothing, and meshes of which it has no
-/// file. Best first. What cannot be read is left out.
+/// extinction where it is; of any, times at which it stores nothing, or fewer, and meshes of which
+/// it has no file. Best first. What cannot be read is left out.
 /// @param options  those of `first`
 /// @param earlier  see FdsCase::open()
+/// @param unread  is given a sentence for each that cannot be read; may be null
 std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& options,
-                                    const FdsCase* earlier = nullptr);
+                                    const FdsCase* earlier = nullptr,
+                                    std::vector<std::string>* unread = nullptr);
 
 /// An FDS case over time: obstructions come and go. It reaches over all meshes; in those of which
 /// no source has smoke, nothing is known.
 class FdsSight final : public SightField {
  public:
   /// `name` is the case's, for people; `maxMemory` of the frames of each of its other quantities.
-  /// @param others  serve where and when `fds` does not know, see fillingSources()
+  /// @param others  serve where and when `fds` does not know, or less, see fillingSources()
   /// @param walls  besides obstructions: closed bodies, see fdsWalls()
   /// @param notes  of remarks()
   explicit FdsSight(FdsCase fds, std::string name = "",
@@ -131,7 +133,7 @@ class FdsSight final : public SightField {
 
   bool sameGeometry(const FdsField& field, double time) const;
   std::pair<FdsCase*, double> caseAt(double time);
-  Result<FdsField> refined(FdsField field, double time);
+  Result<FdsField> refined(FdsField field, const FdsCase& of, double time);
   Result<FdsField> completed(FdsField field, const FdsCase& of, double time);
   const Unknown& unknownMesh(int mesh, double time);
   std::size_t changesUntil(double time) const;

@@ -2,9 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fds/fds_sight.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <random>
 #include <utility>
 
@@ -226,6 +228,86 @@ TEST(FdsSight, LayersThatStandInForAWhileLeaveTheRestUnknown) {
   after->extinction(points, k);
   EXPECT_NEAR(k[0], 0.1, 1e-6);
   EXPECT_NEAR(k[1], 0.1, 1e-6);
+}
+
+// A limit that is exceeded between the times of what fills the mesh, and only then.
+TEST(FdsSight, LayersWithMoreTimesServeBetweenThoseOfAVolume) {
+  std::mt19937 draw(7);
+  std::uniform_real_distribution<double> uniform(0.15, 1);
+  constexpr double kLimit = 0.8;
+  constexpr double kMean = 0.95;  // what a mean of visibilities in uneven smoke leaves of it
+  constexpr int kTimes = 13;
+  int missed = 0;  // by the volume alone
+  for (int n = 0; n < 40; ++n) {
+    const int every = 2 + n % 5;
+    std::vector<double> truth(kTimes);
+    for (double& k : truth) k = uniform(draw);
+    truth[0] = 0.1;  // where visibilities are cut
+    const Folder folder;
+    fdswriter::Index index;
+    index.meshes.push_back({kFirst, {}, {}});
+    const auto add = [&](const fdswriter::Slice& slice, const std::string& name, int step,
+                         auto&& stored) {
+      std::vector<std::pair<float, std::vector<float>>> frames;
+      for (int t = 0; t < kTimes; t += step)
+        frames.emplace_back(
+            static_cast<float>(2 * t),
+            fdswriter::atNodes(kFirst, slice.at, [&](auto...) { return stored(truth[t]); }));
+      fdswriter::sliceFile(slice, frames).save(folder / name);
+      index.slice(1, slice, name, false);
+    };
+    add({whole(kFirst)}, "whole.sf", every, [](double k) { return k; });
+    add({{0, 5, 0, 4, 1, 1}, "SOOT VISIBILITY", "VIS", "m"}, "flat.sf", 1,
+        [](double k) { return 3 / (kMean * k); });
+    index.save(folder / "made.smv");
+    FdsCase fds = opened(folder / "made.smv", {.source = "slice3d-extinction"});
+    auto others = fillingSources(fds, {});
+    FdsSight sight(std::move(fds), "made", 1 << 30, std::move(others));
+    ASSERT_EQ(sight.times().size(), kTimes);
+    const Vec3 points[] = {{0.5, 0.4, 0.3}, {0.5, 0.4, 0.55}};
+    std::optional<int> first, known;
+    for (int t = 0; t < kTimes; ++t) {
+      std::vector<double> low(2), high(2);
+      const auto instant = sight.read(t).value();
+      instant->extinctionBounds(points, low, high);
+      const int before = t / every * every, after = before + (t > before ? every : 0);
+      EXPECT_NEAR(low[0], t == before ? truth[t] : kMean * truth[t], 1e-5);
+      if (low[0] >= kMean * kLimit && !first)
+        first = t;
+      if ((t == before ? truth[t] : kMean * truth[t]) >= kMean * kLimit && !known)
+        known = t;
+      if (after >= kTimes) {
+        EXPECT_NEAR(high[0], kMean * truth[t], 1e-5);
+        EXPECT_TRUE(std::isnan(low[1])) << "the volume has ended";
+        continue;
+      }
+      const auto [least, most] = std::minmax(truth[before], truth[after]);
+      EXPECT_NEAR(high[0], t == before ? truth[t] : std::max(kMean * truth[t], most), 1e-5);
+      EXPECT_NEAR(low[1], least, 1e-5);
+      EXPECT_NEAR(high[1], most, 1e-5);
+    }
+    EXPECT_EQ(first, known);
+    missed += known.has_value() && *known % every != 0;
+  }
+  EXPECT_GT(missed, 10);
+}
+
+TEST(FdsSight, AFileThatShouldServeBesideALayerIsNamedWhenItIsMissing) {
+  const Folder folder;
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {}, {}});
+  const fdswriter::Slice slice{{0, 5, 0, 4, 1, 1}};
+  fdswriter::sliceFile(slice, {{0, fdswriter::atNodes(kFirst, slice.at, linear)}})
+      .save(folder / "flat.sf");
+  index.slice(1, slice, "flat.sf", false);
+  index.smoke(1, "gone.s3d", 7600);
+  index.save(folder / "made.smv");
+  const FdsCase fds = opened(folder / "made.smv", {.source = "slice-extinction"});
+  std::vector<std::string> unread;
+  EXPECT_TRUE(fillingSources(fds, {}, nullptr, &unread).empty());
+  ASSERT_EQ(unread.size(), 1U);
+  EXPECT_THAT(unread[0], ::testing::HasSubstr("gone.s3d"));
+  EXPECT_THAT(unread[0], ::testing::HasSubstr("cannot serve where slice-extinction does not"));
 }
 
 }  // namespace
