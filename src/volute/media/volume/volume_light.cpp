@@ -19,6 +19,9 @@ namespace {
 constexpr std::size_t kLightGrain = 512;  // rays that are marched together
 constexpr int kCoarse = 4;                // voxels between places where even light is known
 constexpr std::size_t kMaxFires = 48;
+constexpr int kFireStep = 4;  // voxels between places where light of its own fire is known
+constexpr int kSkyFans = 100, kSkyRays = 26;          // ways, by fans and by rays
+constexpr std::size_t kSmall = std::size_t{1} << 18;  // voxels, at each of which the sky is known
 
 /// Transmittances of the volume along segments of the world.
 void transmittances(const ShadedVoxels& volume, const AffineMap& place,
@@ -29,37 +32,87 @@ void transmittances(const ShadedVoxels& volume, const AffineMap& place,
     out[i] = static_cast<float>(light[i].transmittance);
 }
 
-/// The 14 ways to the faces and corners of a cube, unit, and their shares of the sphere (Lebedev's
-/// rule of 14 points, exact to degree 5).
-struct Way {
-  Vec3 direction;
-  double share = 0;
-};
-
-const std::array<Way, 14>& ways() {
-  static const auto kWays = [] {
-    std::array<Way, 14> all;
-    std::size_t count = 0;
-    for (int i = 0; i < 27; ++i) {
-      const Vec3 way(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-      const auto axes = std::lround(way.squaredNorm());
-      if (axes == 1 || axes == 3)
-        all[count++] = {way.normalized(), axes == 1 ? 1 / 15.0 : 3 / 40.0};
-    }
-    return all;
-  }();
-  return kWays;
+/// Evenly from everywhere, of radiance 1: a spiral over half of the sphere, each way with its
+/// opposite behind it. Smoke hides parts of the sky with sharp edges, which many ways average out
+/// sooner than rules for smooth functions.
+/// @param count  even
+std::vector<Lamp> skyOf(int count) {
+  const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
+  std::vector<Lamp> lamps;
+  for (int i = 0; i < count / 2; ++i) {
+    const double up = 1 - (2 * i + 1.0) / count, aside = std::sqrt(1 - up * up);
+    Lamp lamp;
+    lamp.kind = Lamp::Kind::kSun;
+    lamp.direction = Vec3(aside * std::cos(turn * i), aside * std::sin(turn * i), up);
+    lamp.intensity.setConstant(4 * std::numbers::pi / count);
+    lamps.push_back(lamp);
+    lamp.direction = -lamp.direction;
+    lamps.push_back(lamp);
+  }
+  return lamps;
 }
 
 }  // namespace
 
-/// Even light on a lattice of every kCoarse-th voxel, from the voxel before the first on.
-class VolumeLight::Coarse {
+/// Light that is scattered evenly, on a lattice of every so many-th voxel, from the voxel before
+/// the first on; or at each of the volume's places.
+class VolumeLight::Lattice {
  public:
-  Coarse(const BrickSlice& slice, std::span<const Place> places)
-      // Places reach one voxel beyond the volume; cells need the node behind them.
-      : node_({slice.x() / kCoarse + 3, slice.y() / kCoarse + 3, slice.z() / kCoarse + 3},
-              places.size() / (kCoarse * kCoarse)) {
+  /// @param places  of the volume; must outlive it
+  Lattice(const BrickSlice& slice, std::span<const Place> places, int voxels) : step_(voxels) {
+    if (step_ == 1) {
+      nodes = places;
+    } else {
+      findNodes(slice, places);
+      nodes = own_;
+    }
+    light.resize(nodes.size(), VoxelLight::Zero());
+  }
+
+  /// Looks up places, most of which are beside the one before.
+  class Reader {
+   public:
+    explicit Reader(const Lattice& lattice) : lattice_(lattice) {}
+
+    /// Between the eight nodes around a place, which is the i-th of all.
+    Rgb at(const Place& place, std::size_t i) {
+      const int step = lattice_.step_;
+      if (step == 1)
+        return lattice_.light[i].cast<double>();
+      if (const Place cell = lattice_.cellOf(place); cell != cell_) {
+        cell_ = cell;
+        for (int c = 0; c < 8; ++c) {
+          const std::int32_t node =
+              lattice_.node_.at(cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2));
+          corners_[c] = lattice_.light[static_cast<std::size_t>(node)].cast<double>();
+        }
+      }
+      const auto share = [&](std::size_t axis) {
+        return static_cast<double>(place[axis] + 1 - step * cell_[axis]) / step;
+      };
+      const double x = share(0), y = share(1), z = share(2);
+      const auto along = [&](int c) -> Rgb {
+        return corners_[c] + x * (corners_[c + 1] - corners_[c]);
+      };
+      const Rgb low = along(0) + y * (along(2) - along(0));
+      const Rgb high = along(4) + y * (along(6) - along(4));
+      return low + z * (high - low);
+    }
+
+   private:
+    const Lattice& lattice_;
+    Place cell_{-1, -1, -1};
+    Rgb corners_[8];
+  };
+
+  std::span<const Place> nodes;
+  std::vector<VoxelLight> light;  ///< at the nodes
+
+ private:
+  void findNodes(const BrickSlice& slice, std::span<const Place> places) {
+    // Places reach one voxel beyond the volume; cells need the node behind them.
+    node_ = BrickTable({slice.x() / step_ + 3, slice.y() / step_ + 3, slice.z() / step_ + 3},
+                       places.size() / static_cast<std::size_t>(step_ * step_));
     Place last{-1, -1, -1};
     for (const Place& place : places) {
       const Place cell = cellOf(place);
@@ -70,52 +123,18 @@ class VolumeLight::Coarse {
         const BrickPlace node{cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)};
         if (node_.at(node) >= 0)
           continue;
-        node_.set(node, static_cast<std::int32_t>(nodes.size()));
-        nodes.push_back({kCoarse * node[0] - 1, kCoarse * node[1] - 1, kCoarse * node[2] - 1});
+        node_.set(node, static_cast<std::int32_t>(own_.size()));
+        own_.push_back({step_ * node[0] - 1, step_ * node[1] - 1, step_ * node[2] - 1});
       }
     }
-    light.resize(nodes.size(), Rgb::Zero());
   }
 
-  /// Looks up places, most of which are beside the one before.
-  class Reader {
-   public:
-    explicit Reader(const Coarse& coarse) : coarse_(coarse) {}
-
-    /// Between the eight nodes around a place.
-    Rgb at(const Place& place) {
-      if (const Place cell = cellOf(place); cell != cell_) {
-        cell_ = cell;
-        for (int i = 0; i < 8; ++i)
-          corners_[i] = coarse_.light[static_cast<std::size_t>(
-              coarse_.node_.at(cell[0] + (i & 1), cell[1] + (i >> 1 & 1), cell[2] + (i >> 2)))];
-      }
-      const auto share = [&](std::size_t axis) {
-        return static_cast<double>(place[axis] + 1 - kCoarse * cell_[axis]) / kCoarse;
-      };
-      const double x = share(0), y = share(1), z = share(2);
-      const auto along = [&](int i) -> Rgb {
-        return corners_[i] + x * (corners_[i + 1] - corners_[i]);
-      };
-      const Rgb low = along(0) + y * (along(2) - along(0));
-      const Rgb high = along(4) + y * (along(6) - along(4));
-      return low + z * (high - low);
-    }
-
-   private:
-    const Coarse& coarse_;
-    Place cell_{-1, -1, -1};
-    Rgb corners_[8];
-  };
-
-  std::vector<Place> nodes;
-  std::vector<Rgb> light;
-
- private:
-  static Place cellOf(const Place& place) {
-    return {(place[0] + 1) / kCoarse, (place[1] + 1) / kCoarse, (place[2] + 1) / kCoarse};
+  Place cellOf(const Place& place) const {
+    return {(place[0] + 1) / step_, (place[1] + 1) / step_, (place[2] + 1) / step_};
   }
 
+  int step_;
+  std::vector<Place> own_;
   BrickTable node_;  // numbers of nodes
 };
 
@@ -195,54 +214,57 @@ std::vector<Lamp> VolumeLight::lampsOf(const BrickSlice& slice, const AffineMap&
   return lamps;
 }
 
-/// Light that is scattered evenly: on a coarse lattice, since it changes slowly.
-void VolumeLight::addSurrounding() const {
-  const bool surrounded = lighting_.surrounding.maxCoeff() > 0;
-  const std::vector<Lamp> fires = lighting_.ownFire && volume_.slice().channels() == 4
-                                      ? lampsOf(volume_.slice(), lighting_.place, 1, kMaxFires)
-                                      : std::vector<Lamp>();
-  if (!surrounded && fires.empty())
-    return;
-  auto coarse = std::make_shared<Coarse>(volume_.slice(), volume_.lightPlaces());
-  std::vector<Rgb>& light = coarse->light;
-  const LightFan fan(volume_.slice(), coarse->nodes);
-  std::vector<Way> marched;
-  std::vector<float> passes(light.size()), beyond(light.size());
-  // Each has its opposite, with the same share, as far from the other end.
-  for (std::size_t w = 0; surrounded && w < ways().size() / 2; ++w) {
-    const Way& way = ways()[w];
-    Lamp sky;
-    sky.kind = Lamp::Kind::kSun;
-    sky.direction = -way.direction;
-    if (!fanned(fan, sky, passes, beyond)) {
-      marched.push_back(way);
-      marched.push_back(ways()[ways().size() - 1 - w]);
+std::vector<Lamp> VolumeLight::fires() const {
+  if (!lighting_.ownFire || volume_.slice().channels() != 4)
+    return {};
+  return lampsOf(volume_.slice(), lighting_.place, 1, kMaxFires);
+}
+
+/// From everywhere beyond the volume.
+std::shared_ptr<const VolumeLight::Lattice> VolumeLight::sky() const {
+  const auto places = volume_.lightPlaces();
+  const bool fans = lighting_.place.keepsLengths() && volume_.slice().basis() == Basis::kTrilinear;
+  // Larger volumes have larger features.
+  const std::size_t small = fans ? kSmall : kSmall / 8;
+  const int step = places.size() <= small ? 1 : places.size() <= 8 * small ? 2 : 4;
+  auto lattice = std::make_shared<Lattice>(volume_.slice(), places, step);
+  const std::vector<Lamp> lamps = skyOf(fans ? kSkyFans : kSkyRays);
+  const LightFan fan(volume_.slice(), lattice->nodes);
+  std::vector<float> passes(lattice->nodes.size()), beyond(passes.size());
+  const VoxelLight each = (lighting_.surrounding / static_cast<double>(lamps.size())).cast<float>();
+  std::vector<Lamp> marched;
+  for (std::size_t i = 0; i < lamps.size(); i += 2) {
+    if (!fanned(fan, lamps[i], passes, beyond)) {
+      marched.insert(marched.end(), {lamps[i], lamps[i + 1]});
       continue;
     }
-    for (std::size_t i = 0; i < light.size(); ++i)
-      light[i] += (passes[i] + beyond[i]) * way.share * lighting_.surrounding;
+    for (std::size_t n = 0; n < passes.size(); ++n)
+      lattice->light[n] += (passes[n] + beyond[n]) * each;
   }
-  const std::size_t rays = std::max<std::size_t>(marched.size() + fires.size(), 1);
-  parallelRanges(light.size(), 1 + kLightGrain / rays, [&](std::size_t begin, std::size_t end) {
-    std::vector<Segment> segments;
-    std::vector<Rgb> sent;
-    for (std::size_t i = begin; i < end; ++i) {
-      segments.clear(), sent.clear();
-      const Vec3 node = placeOf(coarse->nodes[i]);
-      for (const Way& way : marched) {
-        segments.push_back({node, way.direction, 0, std::numeric_limits<double>::infinity()});
-        sent.push_back(way.share * lighting_.surrounding);
-      }
-      for (const Lamp& fire : fires) {
-        segments.push_back(fire.towards(node));
-        sent.push_back(fire.irradiance(node) / (4 * std::numbers::pi));
-      }
-      std::vector<float> passes(segments.size());
-      transmittances(volume_, lighting_.place, segments, passes);
-      for (std::size_t k = 0; k < segments.size(); ++k) light[i] += passes[k] * sent[k];
-    }
-  });
-  even_ = std::move(coarse);
+  for (Lamp& lamp : marched) lamp.intensity *= lighting_.surrounding;
+  addRays(marched, *lattice);
+  return lattice;
+}
+
+/// By a ray from each node to each lamp.
+void VolumeLight::addRays(std::span<const Lamp> lamps, Lattice& lattice) const {
+  if (lamps.empty())
+    return;
+  parallelRanges(lattice.nodes.size(), 1 + kLightGrain / lamps.size(),
+                 [&](std::size_t begin, std::size_t end) {
+                   std::vector<Segment> segments;
+                   std::vector<float> passes(lamps.size());
+                   for (std::size_t i = begin; i < end; ++i) {
+                     segments.clear();
+                     const Vec3 node = placeOf(lattice.nodes[i]);
+                     for (const Lamp& lamp : lamps) segments.push_back(lamp.towards(node));
+                     transmittances(volume_, lighting_.place, segments, passes);
+                     Rgb sum = Rgb::Zero();
+                     for (std::size_t k = 0; k < lamps.size(); ++k)
+                       sum += passes[k] / (4 * std::numbers::pi) * lamps[k].irradiance(node);
+                     lattice.light[i] += sum.cast<float>();
+                   }
+                 });
 }
 
 /// Whether rays of its fan, which measure lengths in the volume's space, say what arrives.
@@ -318,7 +340,13 @@ void VolumeLight::gather() const {
     lampShares_.resize(lighting_.lamps.size());
     const ArrivingLight arriving(illumination(), medium().bounds());
     for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) addShares(l, arriving);
-    addSurrounding();
+    if (lighting_.surrounding.maxCoeff() > 0)
+      even_.push_back(sky());
+    if (const std::vector<Lamp> lamps = fires(); !lamps.empty()) {
+      auto lattice = std::make_shared<Lattice>(volume_.slice(), volume_.lightPlaces(), kFireStep);
+      addRays(lamps, *lattice);
+      even_.push_back(std::move(lattice));
+    }
   });
 }
 
@@ -343,26 +371,21 @@ const DiffuseLight* VolumeLight::again() const {
     if (!lighting_.multiple || !(lighting_.albedo.maxCoeff() > 0))
       return;
     Illumination light = illumination();
-    for (const Way& way : ways()) {
-      Lamp sky;
-      sky.kind = Lamp::Kind::kSun;
-      sky.direction = -way.direction;
-      sky.intensity = 4 * std::numbers::pi * way.share * lighting_.surrounding;
-      if (sky.intensity.maxCoeff() > 0)
-        light.lamps.push_back(sky);
+    for (Lamp lamp : skyOf(kSkyRays)) {
+      lamp.intensity *= lighting_.surrounding;
+      if (lamp.intensity.maxCoeff() > 0)
+        light.lamps.push_back(lamp);
     }
-    if (lighting_.ownFire && volume_.slice().channels() == 4) {
-      const auto fires = lampsOf(volume_.slice(), lighting_.place, 1, kMaxFires);
-      light.lamps.insert(light.lamps.end(), fires.begin(), fires.end());
-    }
+    const std::vector<Lamp> own = fires();
+    light.lamps.insert(light.lamps.end(), own.begin(), own.end());
     Rgb albedo = lighting_.albedo;
     if (!lighting_.colors.empty()) {
       Rgb sum = Rgb::Zero();
       for (const Rgb& color : lighting_.colors) sum += color;
       albedo *= sum / static_cast<double>(lighting_.colors.size());
     }
-    const AnyMedium own = medium();
-    again_ = light.again(own, own.bounds(), {albedo, lighting_.asymmetry});
+    const AnyMedium whole = medium();
+    again_ = light.again(whole, whole.bounds(), {albedo, lighting_.asymmetry});
   });
   return again_.get();
 }
@@ -399,17 +422,17 @@ Rgb scatteredTo(const Lamp& lamp, const Vec3& point, const Vec3* way, double sha
 ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   gather();
   const DiffuseLight* const again = this->again();
-  if (lampShares_.empty() && !even_ && !again)
+  if (lampShares_.empty() && even_.empty() && !again)
     return volume_.drawn();
   const auto places = volume_.lightPlaces();
   const Scattering scattering{lighting_.albedo, lighting_.asymmetry};
   std::vector<VoxelLight> light(places.size());
   parallelRanges(places.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    std::optional<Coarse::Reader> even;
-    if (even_)
-      even.emplace(*even_);
+    std::vector<Lattice::Reader> even;
+    for (const auto& lattice : even_) even.emplace_back(*lattice);
     for (std::size_t i = begin; i < end; ++i) {
-      Rgb sum = even ? even->at(places[i]) : Rgb(Rgb::Zero());
+      Rgb sum = Rgb::Zero();
+      for (Lattice::Reader& lattice : even) sum += lattice.at(places[i], i);
       const Vec3 point = placeOf(places[i]);
       Vec3 way = Vec3::Zero();  // from the point to the eye
       if (view)

@@ -33,9 +33,9 @@ struct VolumeLighting {
 ///   L(x, w) = albedo (sum over lamps of E(x) exp(-t(x, lamp)) V phase + A(x) + F(x))
 /// with E a lamp's irradiance where nothing is in the way, t the volume's own optical depth towards
 /// it at the centre of every voxel: exact, or by LightFan, exact on rays as close as voxels. A, the
-/// share of an even surrounding that arrives, is a mean over 14 directions, and F, what its own
-/// fire sends, a sum over the bricks that emit, each as a point; both are found at every fourth
-/// voxel, and are scattered evenly.
+/// share of an even surrounding that arrives, is a mean over 100 directions by fans or 26 by rays,
+/// at each voxel, or every second or fourth of a large volume; F, what its own fire sends, a sum
+/// over the bricks that emit, each as a point, at every fourth. Both are scattered evenly.
 ///
 /// Threads may share it.
 class VolumeLight {
@@ -81,7 +81,7 @@ class VolumeLight {
 
  private:
   using Place = std::array<std::int32_t, 3>;
-  class Coarse;
+  class Lattice;
 
   void gather() const;
   void addShares(std::size_t lamp, const ArrivingLight& arriving) const;
@@ -93,7 +93,9 @@ class VolumeLight {
     return lighting_.place.toWorld(volume_.centreOf(voxel));
   }
 
-  void addSurrounding() const;
+  std::vector<Lamp> fires() const;
+  std::shared_ptr<const Lattice> sky() const;
+  void addRays(std::span<const Lamp> lamps, Lattice& lattice) const;
   AnyMedium medium() const;
   Illumination illumination() const;
   const DiffuseLight* again() const;
@@ -105,7 +107,7 @@ class VolumeLight {
   mutable std::once_flag gathered_, scattered_;
   mutable std::vector<std::vector<float>> lampShares_;  ///< of each lamp, at each light point: 0..1
   mutable std::shared_ptr<const DiffuseLight> again_;   ///< null: light is scattered once
-  mutable std::shared_ptr<const Coarse> even_;          ///< A + F; null: neither is there
+  mutable std::vector<std::shared_ptr<const Lattice>> even_;  ///< A and F, where they are there
   mutable std::mutex guard_;
   mutable std::shared_ptr<const VolumeLight> inMore_;  ///< withLamps()
   mutable std::optional<View> lastView_;
