@@ -20,8 +20,8 @@ constexpr std::size_t kLightGrain = 512;  // rays that are marched together
 constexpr int kCoarse = 4;                // voxels between places where even light is known
 constexpr std::size_t kMaxFires = 48;
 constexpr int kFireStep = 4;  // voxels between places where light of its own fire is known
-constexpr int kSkyFans = 100, kSkyRays = 26;          // ways, by fans and by rays
-constexpr std::size_t kSmall = std::size_t{1} << 18;  // voxels, at each of which the sky is known
+constexpr int kSkyFans = 100, kFewSkyFans = 50, kSkyRays = 26;  // ways, by fans and by rays
+constexpr std::size_t kSmall = std::size_t{1} << 17;  // voxels, at each of which the sky is known
 
 /// Transmittances of the volume along segments of the world.
 void transmittances(const ShadedVoxels& volume, const AffineMap& place,
@@ -226,9 +226,9 @@ std::shared_ptr<const VolumeLight::Lattice> VolumeLight::sky() const {
   const bool fans = lighting_.place.keepsLengths() && volume_.slice().basis() == Basis::kTrilinear;
   // Larger volumes have larger features.
   const std::size_t small = fans ? kSmall : kSmall / 8;
-  const int step = places.size() <= small ? 1 : places.size() <= 8 * small ? 2 : 4;
+  const int step = places.size() <= small ? 1 : places.size() <= 8 * small ? 2 : kCoarse;
   auto lattice = std::make_shared<Lattice>(volume_.slice(), places, step);
-  const std::vector<Lamp> lamps = skyOf(fans ? kSkyFans : kSkyRays);
+  const std::vector<Lamp> lamps = skyOf(!fans ? kSkyRays : step < kCoarse ? kSkyFans : kFewSkyFans);
   const LightFan fan(volume_.slice(), lattice->nodes);
   std::vector<float> passes(lattice->nodes.size()), beyond(passes.size());
   const VoxelLight each = (lighting_.surrounding / static_cast<double>(lamps.size())).cast<float>();
