@@ -138,6 +138,7 @@ class VolumeKind final : public MediumKind {
     if (!appearance.basis && (appearance.shaded() || !context.options.measured))
       appearance.basis = Basis::kTrilinear;
     VolumeLighting lighting;
+    lighting.firstSky = context.version < 2;
     lighting.albedo = appearance.albedo, lighting.asymmetry = appearance.asymmetry;
     lighting.lamps = context.lights.lamps;
     lighting.surrounding = context.lights.ambient;

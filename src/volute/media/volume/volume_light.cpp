@@ -20,7 +20,7 @@ constexpr std::size_t kLightGrain = 512;  // rays that are marched together
 constexpr int kCoarse = 4;                // voxels between places where even light is known
 constexpr std::size_t kMaxFires = 48;
 constexpr int kFireStep = 4;  // voxels between places where light of its own fire is known
-constexpr int kSkyFans = 100, kFewSkyFans = 50, kSkyRays = 26;  // ways, by fans and by rays
+constexpr int kSkyWays = 100, kFewSkyWays = 26;
 constexpr std::size_t kSmall = std::size_t{1} << 17;  // voxels, at each of which the sky is known
 
 /// Transmittances of the volume along segments of the world.
@@ -45,6 +45,26 @@ std::vector<Lamp> skyOf(int count) {
     lamp.kind = Lamp::Kind::kSun;
     lamp.direction = Vec3(aside * std::cos(turn * i), aside * std::sin(turn * i), up);
     lamp.intensity.setConstant(4 * std::numbers::pi / count);
+    lamps.push_back(lamp);
+    lamp.direction = -lamp.direction;
+    lamps.push_back(lamp);
+  }
+  return lamps;
+}
+
+/// From the faces and corners of a cube alone (Lebedev's rule of 14 points, exact to degree 5):
+/// what the first format of scenes has.
+std::vector<Lamp> skyOfCube() {
+  std::vector<Lamp> lamps;
+  for (int i = 0; i < 13; ++i) {
+    const Vec3 way(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    const auto axes = std::lround(way.squaredNorm());
+    if (axes == 2)
+      continue;
+    Lamp lamp;
+    lamp.kind = Lamp::Kind::kSun;
+    lamp.direction = way.normalized();
+    lamp.intensity.setConstant(4 * std::numbers::pi * (axes == 1 ? 1 / 15.0 : 3 / 40.0));
     lamps.push_back(lamp);
     lamp.direction = -lamp.direction;
     lamps.push_back(lamp);
@@ -226,18 +246,24 @@ std::shared_ptr<const VolumeLight::Lattice> VolumeLight::sky() const {
   const bool fans = lighting_.place.keepsLengths() && volume_.slice().basis() == Basis::kTrilinear;
   // Larger volumes have larger features.
   const std::size_t small = fans ? kSmall : kSmall / 8;
-  const int step = places.size() <= small ? 1 : places.size() <= 8 * small ? 2 : kCoarse;
+  const int step = lighting_.firstSky           ? kCoarse
+                   : places.size() <= small     ? 1
+                   : places.size() <= 8 * small ? 2
+                                                : kCoarse;
   auto lattice = std::make_shared<Lattice>(volume_.slice(), places, step);
-  const std::vector<Lamp> lamps = skyOf(!fans ? kSkyRays : step < kCoarse ? kSkyFans : kFewSkyFans);
+  const std::vector<Lamp> lamps = lighting_.firstSky       ? skyOfCube()
+                                  : fans && step < kCoarse ? skyOf(kSkyWays)
+                                                           : skyOf(kFewSkyWays);
   const LightFan fan(volume_.slice(), lattice->nodes);
   std::vector<float> passes(lattice->nodes.size()), beyond(passes.size());
-  const VoxelLight each = (lighting_.surrounding / static_cast<double>(lamps.size())).cast<float>();
   std::vector<Lamp> marched;
   for (std::size_t i = 0; i < lamps.size(); i += 2) {
     if (!fanned(fan, lamps[i], passes, beyond)) {
       marched.insert(marched.end(), {lamps[i], lamps[i + 1]});
       continue;
     }
+    const VoxelLight each =
+        (lamps[i].intensity / (4 * std::numbers::pi) * lighting_.surrounding).cast<float>();
     for (std::size_t n = 0; n < passes.size(); ++n)
       lattice->light[n] += (passes[n] + beyond[n]) * each;
   }
@@ -371,7 +397,7 @@ const DiffuseLight* VolumeLight::again() const {
     if (!lighting_.multiple || !(lighting_.albedo.maxCoeff() > 0))
       return;
     Illumination light = illumination();
-    for (Lamp lamp : skyOf(kSkyRays)) {
+    for (Lamp lamp : lighting_.firstSky ? skyOfCube() : skyOf(kFewSkyWays)) {
       lamp.intensity *= lighting_.surrounding;
       if (lamp.intensity.maxCoeff() > 0)
         light.lamps.push_back(lamp);

@@ -26,6 +26,7 @@ struct VolumeLighting {
   std::vector<Rgb> colors{};      ///< of the albedo, at each light point; empty: none
   bool ownFire = true;            ///< what the volume emits is light for it, too
   bool multiple = false;          ///< light is scattered more than once: DiffuseLight
+  bool firstSky = false;          ///< the surrounding as the first format of scenes has it
   AffineMap place{};              ///< from the volume's own space to that of lamps and views
 };
 
@@ -34,8 +35,9 @@ struct VolumeLighting {
 /// with E a lamp's irradiance where nothing is in the way, t the volume's own optical depth towards
 /// it at the centre of every voxel: exact, or by LightFan, exact on rays as close as voxels. A, the
 /// share of an even surrounding that arrives, is a mean over 100 directions by fans or 26 by rays,
-/// at each voxel, or every second or fourth of a large volume; F, what its own fire sends, a sum
-/// over the bricks that emit, each as a point, at every fourth. Both are scattered evenly.
+/// at each voxel, or every second, or 26 at every fourth of a large volume; F, what its own fire
+/// sends, a sum over the bricks that emit, each as a point, at every fourth. Both are scattered
+/// evenly.
 ///
 /// Threads may share it.
 class VolumeLight {
