@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -99,6 +100,31 @@ TEST(ParallelRanges, CoverEveryIndexOnce) {
     for (std::size_t i = begin; i < end; ++i) ++seen[i];
   });
   for (const auto& count : seen) ASSERT_EQ(count.load(), 1);
+}
+
+/// A worker may be about to sleep, with a lock, when its process is forked.
+TEST(ParallelRanges, GoOnInTheChildOfAFork) {
+  const auto sum = [] {
+    std::atomic<int> found = 0;
+    parallelFor(64, [&](std::size_t) {
+      parallelRanges(10, 3, [&](auto a, auto b) { found += static_cast<int>(b - a); });
+    });
+    return found.load();
+  };
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_EQ(sum(), 640);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      ::alarm(20);  // ends a child that waits for workers that it does not have
+      bool fine = sum() == 640;
+      isolated([&] { fine = fine && sum() == 640; });
+      const ThreadLimit limit(1);
+      ::_exit(fine && threadCount() == 1 ? 0 : 1);
+    }
+    int status = -1;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_EQ(status, 0);
+  }
 }
 
 TEST(ThreadLimit, HoldsWhileItLives) {

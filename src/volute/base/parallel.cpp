@@ -6,15 +6,18 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#ifdef __SANITIZE_THREAD__
+#ifdef __unix__
+#include <pthread.h>
+#endif
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
-#endif
 
 #include "volute/base/thread_priority.hpp"
 
@@ -22,14 +25,32 @@ namespace volute {
 
 namespace {
 
-#ifdef __SANITIZE_THREAD__
-
+/// Whether loops run on threads that each of them begins instead of on the workers of TBB.
 /// ThreadSanitizer does not see how the system's TBB orders its tasks and reports races that are
-/// none, so loops run on threads that it sees. A loop within a loop stays on its thread.
+/// none. And the child of a fork has none of its parent's workers, of which one may have held a
+/// lock of TBB's: what asks TBB for anything there may wait for ever.
+#ifdef __SANITIZE_THREAD__
+std::atomic<bool> ownThreads = true;
+#else
+std::atomic<bool> ownThreads = false;
+#endif
+
+/// The limit of the own threads of this one; 0: none.
+thread_local int ownLimit = 0;
+
+/// Before TBB is asked for anything: children of a fork are not to ask it.
+void begin() {
+#ifdef __unix__
+  static const int watched = ::pthread_atfork(nullptr, nullptr, [] { ownThreads = true; });
+  static_cast<void>(watched);
+#endif
+}
+
+/// A loop within a loop on own threads stays on its thread.
 thread_local bool insideLoop = false;
 
-void forRanges(std::size_t count, std::size_t grain,
-               const std::function<void(std::size_t, std::size_t)>& body) {
+void onOwnThreads(std::size_t count, std::size_t grain,
+                  const std::function<void(std::size_t, std::size_t)>& body) {
   const std::size_t parts = (count + grain - 1) / grain;
   std::atomic<std::size_t> next{0};
   std::exception_ptr error;
@@ -60,21 +81,20 @@ void forRanges(std::size_t count, std::size_t grain,
     std::rethrow_exception(error);
 }
 
-#else
-
 /// The place that a loop's caller has among the threads that work on it.
 constexpr int kCaller = 0;
 
 void forRanges(std::size_t count, std::size_t grain,
                const std::function<void(std::size_t, std::size_t)>& body) {
+  begin();
+  if (ownThreads)
+    return onOwnThreads(count, grain, body);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
     if (tbb::this_task_arena::current_thread_index() != kCaller)
       detail::beginAsWorker();
     body(range.begin(), range.end());
   });
 }
-
-#endif
 
 }  // namespace
 
@@ -90,17 +110,31 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
 }
 
 void isolated(const std::function<void()>& body) {
-#ifdef __SANITIZE_THREAD__  // as above: what workers of others' loops do is not seen
+  begin();
+#ifdef __SANITIZE_THREAD__  // what workers of other libraries' loops do is not seen
   const tbb::global_control alone(tbb::global_control::max_allowed_parallelism, 1);
 #endif
+  if (ownThreads)
+    return body();  // they take no part of other loops
   tbb::this_task_arena::isolate(body);
 }
 
 struct ThreadLimit::Impl {
-  explicit Impl(int threads)
-      : control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {}
+  explicit Impl(int threads) : before(std::exchange(ownLimit, threads)) {
+    begin();
+    if (!ownThreads)
+      control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                      static_cast<std::size_t>(threads));
+  }
 
-  tbb::global_control control;
+  ~Impl() {
+    ownLimit = before;
+    if (ownThreads)
+      static_cast<void>(control.release());  // of the parent's TBB
+  }
+
+  int before;
+  std::unique_ptr<tbb::global_control> control;
 };
 
 ThreadLimit::ThreadLimit(int threads)
@@ -109,8 +143,12 @@ ThreadLimit::ThreadLimit(int threads)
 ThreadLimit::~ThreadLimit() = default;
 
 int threadCount() {
-  return static_cast<int>(
-      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  if (!ownThreads)
+    return static_cast<int>(
+        tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+
+  const int all = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return ownLimit > 0 ? std::min(ownLimit, all) : all;
 }
 
 }  // namespace volute

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <set>
 
@@ -588,15 +589,17 @@ Result<FdsField> fieldBeside(const FdsCase& finer, FdsCase& fds, double time) {
 /// Whether a case can take the place of another one in its meshes without leaving a part of them
 /// out. A volume goes on to serve beside the layers of another source.
 bool replaces(const FdsCase& one, const FdsCase& other) {
-  return other.source().volume || std::ranges::all_of(other.grid().lattices(), [&](auto& lattice) {
-           const auto ofItsMesh = [&](const FdsLattice& its) { return its.mesh == lattice.mesh; };
-           const auto holds = [&](const FdsLattice& its) {
-             return ofItsMesh(its) && its.bounds().contains(lattice.bounds().min) &&
-                    its.bounds().contains(lattice.bounds().max);
-           };
-           const auto lattices = one.grid().lattices();
-           return std::ranges::none_of(lattices, ofItsMesh) || std::ranges::any_of(lattices, holds);
-         });
+  if (other.source().volume)
+    return true;
+  std::map<int, std::vector<Box3>> its;  // of each mesh
+  for (const FdsLattice& lattice : one.grid().lattices())
+    its[lattice.mesh].push_back(lattice.bounds());
+  return std::ranges::all_of(other.grid().lattices(), [&](const FdsLattice& lattice) {
+    const auto found = its.find(lattice.mesh);
+    return found == its.end() || std::ranges::any_of(found->second, [&](const Box3& box) {
+             return box.contains(lattice.bounds().min) && box.contains(lattice.bounds().max);
+           });
+  });
 }
 
 }  // namespace
