@@ -378,8 +378,9 @@ Result<CaptureVolume> chooseVolume(const std::filesystem::path& file, const Capt
 }
 
 std::string conventionText(const CaptureDraft& draft) {
-  std::string text = fmt::format("{}: {} cameras, pixel centres at {}", draft.kind,
-                                 draft.cameras.size(), draft.pixelCentre);
+  const std::string kind = draft.kind == "capture.json" ? "" : draft.kind + ": ";
+  std::string text = fmt::format("{}{} cameras, pixel centres at {}", kind, draft.cameras.size(),
+                                 draft.pixelCentre);
   if (draft.kind == "NeRF transforms" || draft.kind == "filmed fluid")
     text += ", OpenGL's camera axes turned to x right, y down, z forward";
   return text;

@@ -117,11 +117,14 @@ void Console::writeLine(double done, double total, double elapsed) {
 }
 
 void Console::remark(const Remark& remark) {
+  const std::string text = fullText(remark, settings_);
+  if (!said_.insert({text, remark.file, remark.place}).second)
+    return;
   remarks_.push_back(remark);
   if (volume_ == Volume::kQuiet)
     return;
   clear();
-  say("volute {}: {}\n", command_, printableMessage(fullText(remark, settings_)));
+  say("volute {}: {}\n", command_, printableMessage(text));
 }
 
 Status Console::strictness() const {

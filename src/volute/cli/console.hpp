@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <chrono>
 #include <cstdio>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,6 +38,7 @@ class Console final : public Progress {
 
   void detail(std::string_view text) override { detail_ = text; }
 
+  /// Each remark is said once, whoever repeats it.
   void remark(const Remark& remark) override;
   bool cancelled() const override;
 
@@ -62,6 +65,7 @@ class Console final : public Progress {
   SettingText settings_;
   bool strict_;
   std::vector<Remark> remarks_;
+  std::set<std::array<std::string, 3>> said_;  // sentence, file, place
   bool terminal_;
   bool barShown_ = false;
   std::string stage_;
