@@ -173,7 +173,7 @@ class Tenability(Cases):
         self.assertEqual((first["time"], first["known"]), (None, 30))
         self.assertIn("2 points: not reached by 30 s, and not known after that at 100 % of the points, because of hot", first["sentence"])
         (self.folder / "case_1_2.sf").unlink()
-        self.assertIn("none is reached until 120 s. Not assessed: hot.", look("--eyes", self.path("eyes.csv"))[0]["sentence"])
+        self.assertIn("not known at 100 % of the points, because of hot.", look("--eyes", self.path("eyes.csv"))[0]["sentence"])
 
     def test_devices_stand_in_for_slices(self):
         case = self.case(more=[])
@@ -349,6 +349,51 @@ class Tenability(Cases):
                    self.path("out"))
         self.assertTrue(any("'route' leads through something solid" in remark for remark in self.report("out")["remarks"]))
 
+    def test_means_of_visibility_are_bounded(self):
+        """A layer of smoke comes down through a slice at the nodes of z = 2 m, as FDS writes it: means of C / K over the cells around."""
+        mesh = Mesh("hall", (0, 8, 0, 4, 0, 3), (16, 8, 6))
+        case = FdsCase([mesh], [4.0 * i for i in range(16)],
+                       lambda t, x, y, z: 0.01 + 1.5 / (1 + math.exp((3.2 - 0.03 * t + 0.1 * math.sin(x + y) - z) / 0.15)))
+        index = case.write(self.folder)
+
+        class Means(FdsCase):
+            def value(self, mesh, time, cell, formula=None):
+                around = [tuple(min(max(cell[a] + 1 - (n >> a & 1), 0), mesh.cells[a] - 1) for a in range(3)) for n in range(8)]
+                return sum(formula(case.value(mesh, time, one)) for one in around) / 8
+
+        def of_layer(name, quantity, unit, formula):
+            """The values of index (i, j, 4) of the file that value() makes for cell (i - 1, j - 1, 3)."""
+            Means([mesh], case.times, None).write_slice(self.path("all.sf"), mesh, (quantity, "short", unit), formula)
+            data, size = self.path("all.sf").read_bytes(), 17 * 9 * 7 * 4
+            head = data[:114] + struct.pack("<8i", 24, 1, 15, 1, 7, 4, 4, 24)
+            frames = data[146:]
+            for n in range(len(case.times)):
+                frame = frames[n * (20 + size):]
+                values = [frame[16 + 4 * ((4 * 9 + j) * 17 + i):][:4] for j in range(1, 8) for i in range(1, 16)]
+                head += frame[:12] + struct.pack("<i", 4 * len(values)) + b"".join(values) + struct.pack("<i", 4 * len(values))
+            self.path(f"{name}.sf").write_bytes(head)
+            text = index.read_text()
+            self.path(f"{name}.smv").write_text(
+                text[:text.index("SLCC")] + f"SLCF     1 # STRUCTURED & 1 15 1 7 4 4 ! 1 1\n {name}.sf\n {quantity}\n short\n {unit}\n")
+            self.path("in.json").write_text(json.dumps({"signs": [{"name": "in", "position": [7.2, 2, 2], "normal": [-1, 0, 0]}]}))
+            self.works("visibility", self.path(f"{name}.smv"), "--signs", self.path("in.json"), "--height", "2", "--step", "0.5",
+                       "--maps", "aset", "--everywhere", "-o", self.path(name))
+            report = self.report(name)
+            return report, next(c for c in report["tenability"]["criteria"] if c["name"] == "visibility")
+
+        _, truth = of_layer("k", "SOOT EXTINCTION COEFFICIENT", "1/m", lambda k: k)
+        report, means = of_layer("v", "SOOT VISIBILITY", "m", lambda k: min(3 / k, 30))
+        rows = [[v for row in one[key] for v in row if v is not None]
+                for one, key in ((truth, "rows"), (means, "rows"), (means, "rows_latest"))]
+        self.assertGreater(len(rows[0]), 50)
+        self.assertEqual({len(row) for row in rows}, {len(rows[0])})
+        self.assertTrue(all(early <= k <= late for k, early, late in zip(*rows)))
+        self.assertTrue(any(late > k for k, _, late in zip(*rows)), "the means alone are too late")
+        verdict = next(v for v in report["verdict"] if v["criterion"] == "visibility")
+        self.assertIn("by the thinnest it is first reached at", verdict["sentence"])
+        self.assertGreater(verdict["time_latest"], verdict["time"])
+        self.assertEqual(verdict["known"], True)
+
     def test_floors_that_are_higher_lift_the_eyes(self):
         """A deck of a metre under smoke that ends above the heads of those who stand beside it."""
         mesh = Mesh("hall", (0, 20, 0, 4, 0, 6), (20, 4, 12), [(6, 20, 0, 4, 0, 1)])
@@ -500,13 +545,39 @@ class Tenability(Cases):
         criteria = {one["name"]: one for one in self.report("out")["tenability"]["criteria"]}
         self.assertIn("rows", criteria["visibility"])
         self.assertIn("CARBON MONOXIDE", criteria["fed-gas-iso"]["not_assessed"])
-        # A file that ends too early is a reason, not the end.
-        case = self.case("cut")
-        (self.folder / "cut_1_2.sf").write_bytes((self.folder / "cut_1_2.sf").read_bytes()[:60])
-        self.works("visibility", case, "--signs", self.signs(), "--height", 1.5, "--step", 2, "-o", self.path("out"))
-        criteria = {one["name"]: one for one in self.report("out")["tenability"]["criteria"]}
-        self.assertIn("cut_1_2.sf", criteria["temperature"]["not_assessed"])
-        self.assertIn("rows", criteria["fed-gas-iso"])
+
+    def test_what_is_stored_and_cannot_be_read_is_not_known(self):
+        """A slice of the temperature that is cut off, missing, or damaged; one of CO2, which would count as in clean air; points and routes too."""
+        whole = self.case("whole")
+        where = ("--height", 1.5, "--step", 2)
+        self.works("visibility", whole, "--signs", self.signs(), *where, "-o", self.path("out"))
+        self.assertEqual(self.report("out")["verdict"][0]["known"], True)
+        self.path("eyes.csv").write_text("x,y,z\n3,2,1.5\n")
+        self.path("route.csv").write_text("x,y,z\n3,2,1.5\n9,2,1.5\n")
+
+        def cut(path):
+            path.write_bytes(path.read_bytes()[:60])
+
+        def damage(path):
+            path.write_bytes(b"\x07" * 4 + path.read_bytes()[4:])
+
+        for number, (wrong, file, name) in enumerate([
+                (cut, 2, "temperature"), (pathlib.Path.unlink, 2, "temperature"), (damage, 2, "temperature"), (damage, 4, "fed-gas-iso")]):
+            case = self.case(f"bad{number}")
+            wrong(self.path(f"bad{number}_1_{file}.sf"))
+            for more in (where, ("--eyes", self.path("eyes.csv")), ("--route", self.path("route.csv"))):
+                self.works("visibility", case, "--signs", self.signs(), *more, "-o", self.path("out"))
+                report = self.report("out")
+                verdict = report["verdict"][0]
+                self.assertEqual((verdict["time"], verdict["known"] is True), (None, False), verdict)
+                self.assertIn(name, verdict["sentence"])
+                if more[0] == "--route":
+                    continue
+                (of_it,) = (one for one in report["verdict"] if one["criterion"] == name)
+                self.assertIn(f"bad{number}_1_{file}.sf", of_it["sentence"])
+                (criterion,) = (one for one in report["tenability"]["criteria"] if one["name"] == name)
+                known = criterion["rows_known" if more is where else "times_known"]
+                self.assertEqual({str(one) for row in known for one in (row if more is where else [row])} - {"None"}, {"False"})
 
     def test_criteria_and_rset_are_checked(self):
         case, signs = self.case(), self.signs()

@@ -13,6 +13,7 @@
 
 #include "volute/base/parallel.hpp"
 #include "volute/fds/fds_part.hpp"
+#include "volute/fds/mean_visibility.hpp"
 #include "volute/fds/solids.hpp"
 
 namespace volute {
@@ -516,7 +517,13 @@ Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(Part& part,
     VOLUTE_ASSIGN(firstScale, scaleOf(part, 0));
   }
   const Bands bands(scale), firstBands(firstScale);
+  const bool means =
+      part.lattice.nodal && !scale.asStored && scale.quantity == SmokeQuantity::kVisibility;
+  const auto ofMeans =
+      means ? bandsOfMeans(scale, stored, part.axes.size) : std::vector<SmokeBand>();
   const auto bandOf = [&](std::size_t from) {
+    if (means)
+      return ofMeans[from];
     if (!averaged)
       return bands.of(stored[from]);
     const NodeCells& cells = geometry->round[from];

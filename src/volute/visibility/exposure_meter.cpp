@@ -14,6 +14,33 @@ namespace {
 
 constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
+/// Of the extinction where people are.
+bool isOfSmoke(const Criterion& criterion) {
+  return !criterion.law && criterion.quantity == Air::kExtinction;
+}
+
+/// What a case stores and nobody can read.
+class UnreadPoints final : public PointField {
+ public:
+  UnreadPoints(std::string why, std::span<const double> times)
+      : why_(std::move(why)), times_(times.begin(), times.end()) {}
+
+  std::string description() const override { return why_; }
+
+  std::span<const double> times() const override { return times_; }
+
+  Status at(double, std::span<const Vec3>, std::span<double> out) override {
+    std::ranges::fill(out, kNotKnown);
+    return {};
+  }
+
+  std::vector<ServedSource> sources() const override { return {{why_, 0, {}, std::nullopt}}; }
+
+ private:
+  std::string why_;
+  std::vector<double> times_;
+};
+
 std::string whyNot(const AirField& air, const Criterion& criterion) {
   std::vector<std::string> reasons;
   for (const Air one : criterion.needed()) {
@@ -38,8 +65,11 @@ AirField AirField::open(SightField& field, std::span<const Criterion> criteria, 
     auto opened = field.conditions(one.name);
     if (opened) {
       air.fields_[index(one.quantity)] = std::move(*opened);
-    } else {
+    } else if (opened.error().code == ErrorCode::kNotFound) {
       air.gaps_[index(one.quantity)] = opened.error().message;
+    } else {
+      air.fields_[index(one.quantity)] =
+          std::make_unique<UnreadPoints>(opened.error().message, field.times());
     }
   }
   air.begin_ = std::min(field.begin(), field.times().front());
@@ -57,6 +87,15 @@ std::string AirField::description(Air air) const {
 
 std::vector<ServedSource> AirField::sources(Air air) const {
   return fields_[index(air)] ? fields_[index(air)]->sources() : std::vector<ServedSource>();
+}
+
+std::string AirField::unread(Air air) const {
+  std::string all;
+  for (const ServedSource& one : sources(air)) {
+    if (one.times == 0)
+      all += (all.empty() ? "" : "; ") + one.description;
+  }
+  return all;
 }
 
 std::vector<double> AirField::timesBetween(double from, double to) const {
@@ -143,6 +182,22 @@ std::vector<Air> ExposureMeter::assumed(std::size_t criterion) const {
   return absent;
 }
 
+std::string ExposureMeter::unread(std::size_t criterion) const {
+  std::string all;
+  for (const auto& quantities : {criteria_[criterion].needed(), criteria_[criterion].taken()}) {
+    for (const Air one : quantities) {
+      const std::string why = air_.unread(one);
+      all += (all.empty() || why.empty() ? "" : "; ") + why;
+    }
+  }
+  return all;
+}
+
+bool ExposureMeter::isAssessed(std::size_t criterion) const {
+  return !unread(criterion).empty() ||
+         std::ranges::any_of(worst_[criterion], [](double value) { return !std::isnan(value); });
+}
+
 Status ExposureMeter::advance(double time, const Places& places, std::span<const double> extinction,
                               double step, const SmokeBetween& between) {
   if (criteria_.empty())
@@ -153,7 +208,7 @@ Status ExposureMeter::advance(double time, const Places& places, std::span<const
       VOLUTE_TRY(sample(last_, places, {}));
     if (air_.smokeIsLate()) {
       for (std::size_t c = 0; c < criteria_.size(); ++c) {
-        if (criteria_[c].law || criteria_[c].quantity != Air::kExtinction)
+        if (!isOfSmoke(criteria_[c]))
           continue;
         std::ranges::fill(unknown_[c], 1);
         for (std::size_t i = 0; i < people_; ++i) watches_[c].lose(i);
@@ -176,6 +231,21 @@ Status ExposureMeter::advance(double time, const Places& places, std::span<const
   }
   begunSmoke_ = true;
   return sample(time, places, extinction);
+}
+
+void ExposureMeter::takeLeast(double time, std::span<const double> extinction) {
+  if (least_.empty()) {
+    for (const Criterion& one : criteria_)
+      least_.emplace_back(isOfSmoke(one) ? people_ : 0, one.limit, one.falling);
+  }
+  for (std::size_t c = 0; c < criteria_.size(); ++c) {
+    if (isOfSmoke(criteria_[c]))
+      least_[c].update(time, extinction);
+  }
+}
+
+const LossTimes* ExposureMeter::latest(std::size_t criterion) const {
+  return least_.empty() || !isOfSmoke(criteria_[criterion]) ? nullptr : &least_[criterion].times();
 }
 
 Status ExposureMeter::sample(double time, const Places& places,
@@ -202,7 +272,7 @@ Status ExposureMeter::sample(double time, const Places& places,
   const double passed = begun_ ? time - last_ : 0;
   for (std::size_t c = 0; c < criteria_.size(); ++c) {
     const Criterion& criterion = criteria_[c];
-    const bool ofSmoke = !criterion.law && criterion.quantity == Air::kExtinction;
+    const bool ofSmoke = isOfSmoke(criterion);
     const std::vector<Air> needed = criterion.needed(), taken = criterion.taken();
     parallelRanges(people_, 512, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {

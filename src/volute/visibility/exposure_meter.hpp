@@ -19,8 +19,9 @@ namespace volute {
 /// The air of a case, quantity by quantity, as far as it is stored.
 class AirField {
  public:
-  /// Opens what `criteria` need or take in. What cannot be read is a sentence of gaps(), no error.
-  /// The extinction comes from whoever asks.
+  /// Opens what `criteria` need or take in. What is not stored is a sentence of gaps(), no error;
+  /// what is and cannot be read is there, and unknown at all times. The extinction comes from
+  /// whoever asks.
   /// @param smokeFrom  when the smoke is looked at first [s]
   static AirField open(SightField& field, std::span<const Criterion> criteria,
                        double smokeFrom = -std::numeric_limits<double>::infinity());
@@ -35,6 +36,9 @@ class AirField {
 
   /// The sources of a quantity, and what they have served.
   std::vector<ServedSource> sources(Air air) const;
+
+  /// Why some of what a case stores of a quantity cannot be read; empty: all of it can.
+  std::string unread(Air air) const;
 
   /// Stored times of any quantity after `from` and before `to` [s], ascending.
   std::vector<double> timesBetween(double from, double to) const;
@@ -96,6 +100,13 @@ class ExposureMeter {
 
   const AirField& air() const { return air_; }
 
+  /// Whether anything is known of a criterion, anywhere at any time, or would be if all files could
+  /// be read; else it is not assessed at these places.
+  bool isAssessed(std::size_t criterion) const;
+
+  /// Why files of what a criterion takes in cannot be read; empty: they can.
+  std::string unread(std::size_t criterion) const;
+
   /// Where people are at a time; NaN: not there.
   using Places = std::function<void(double time, std::span<Vec3> places)>;
 
@@ -112,6 +123,14 @@ class ExposureMeter {
                                std::span<const double> extinction = {},
                                double step = std::numeric_limits<double>::infinity(),
                                const SmokeBetween& between = nullptr);
+
+  /// The least extinction that the data allow at the places of people who stay, at each time at
+  /// which advance() was given the largest.
+  void takeLeast(double time, std::span<const double> extinction);
+
+  /// When a criterion of the smoke is reached by takeLeast(); null of others, or if it was not
+  /// called.
+  const LossTimes* latest(std::size_t criterion) const;
 
   /// Doses so far, or levels at the last time; NaN where nothing is known. Of doses that are not
   /// known(), lower bounds.
@@ -145,6 +164,7 @@ class ExposureMeter {
   std::vector<Exposure> inAir_;  // of those who are there, as far as it is stored
   std::vector<AirField::Spans> spans_;
   std::vector<LevelWatch> watches_;
+  std::vector<LevelWatch> least_;  // of all criteria, those of the smoke are followed
 };
 
 }  // namespace volute

@@ -204,8 +204,6 @@ PlanTenability::PlanTenability(const Survey& survey, std::span<const Vec3> eyes,
     if (one.smoke != 1)
       addSmoke(one.smoke);
   }
-  varied_.emplace_back();
-  addSmoke(1);
 }
 
 /// Watches of what is reached if the smoke is so many times as thick.
@@ -226,25 +224,26 @@ std::vector<bool> PlanTenability::countsOf(std::size_t criterion) const {
 Status PlanTenability::take(const SurveyTime& at) {
   if (!at.stored)
     return {};
-  for (std::size_t v = 0; v < varied_.size(); ++v) {
-    for (LevelWatch& watch : varied_[v])
-      watch.update(at.time, v + 1 < varied_.size() ? at.extinctionHigh : at.extinction);
+  for (auto& variation : varied_) {
+    for (LevelWatch& watch : variation) watch.update(at.time, at.extinctionHigh);
   }
+  meter_.takeLeast(at.time, at.extinctionLow);
   return meter_.advance(
       at.time, [&](double, std::span<Vec3> places) { std::ranges::copy(eyes_, places.begin()); },
       at.extinctionHigh);
 }
 
 LossTimes PlanTenability::combined(const LossTimes& signs, const std::vector<bool>& inSight,
-                                   std::span<const LevelWatch> smoke,
+                                   const std::function<const LossTimes*(std::size_t)>& smoke,
                                    std::vector<int>* which) const {
   std::vector<CountedLoss> all{{&signs, &inSight}};
   std::vector<int> of{0};
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
     const auto place = static_cast<std::size_t>(std::ranges::find(smoke_, c) - smoke_.begin());
-    if (!isKnownSomewhere(c))
+    if (!meter_.isAssessed(c))
       continue;
-    all.push_back({place < smoke.size() ? &smoke[place].times() : &meter_.times(c), &holds_[c]});
+    const LossTimes* other = smoke && place < smoke_.size() ? smoke(place) : nullptr;
+    all.push_back({other != nullptr ? other : &meter_.times(c), &holds_[c]});
     of.push_back(static_cast<int>(c) + 1);
   }
   LossTimes first = firstOf(all, survey_->round, which);
@@ -254,13 +253,22 @@ LossTimes PlanTenability::combined(const LossTimes& signs, const std::vector<boo
   return first;
 }
 
+LossTimes PlanTenability::latest(const Sight& sight) const {
+  return combined(
+      sight.latest, sight.in, [&](std::size_t place) { return meter_.latest(smoke_[place]); },
+      nullptr);
+}
+
 /// How the ASET of places where people are depends on what is not known well.
 Result<std::string> PlanTenability::sensitivity(const Sight& sight, Json& report) const {
   const auto firstOf = [&](const LossTimes& times) {
     return firstLoss(times, RoundTime::kNone, people_);
   };
   const auto varied = [&](std::size_t v) {
-    return firstOf(combined(sight.varied[v], sight.in, varied_[v], nullptr));
+    const auto watch = [&](std::size_t place) {
+      return place < varied_[v].size() ? &varied_[v][place].times() : nullptr;
+    };
+    return firstOf(combined(sight.varied[v], sight.in, watch, nullptr));
   };
   const auto at = [&](RoundTime round) {
     FirstLoss loss = firstLoss(all_, round, people_);
@@ -274,7 +282,7 @@ Result<std::string> PlanTenability::sensitivity(const Sight& sight, Json& report
       {"spacing of the stored times", "the one before", "the one after", at(RoundTime::kDown),
        at(RoundTime::kUp)},
       {"rounding and caps of the files", "rounded up", "rounded down", firstOf(all_),
-       firstOf(combined(sight.latest, sight.in, varied_.back(), nullptr))},
+       firstOf(latest_)},
       {"brief losses between stored times", "within 2 % of a limit counts", "as stored",
        varied(kBrief), firstOf(all_)},
       {"C of the signs", "33 % lower", "33 % higher", varied(kLowC), varied(kHighC)},
@@ -287,18 +295,12 @@ Result<std::string> PlanTenability::sensitivity(const Sight& sight, Json& report
                          survey_->times.back(), survey_->folder / "tornado.png");
 }
 
-/// False of a criterion that is not assessed at this height: nothing is stored for any point at any
-/// time.
-bool PlanTenability::isKnownSomewhere(std::size_t c) const {
-  return !std::ranges::all_of(meter_.worst(c), [](double value) { return std::isnan(value); });
-}
-
 std::string PlanTenability::notAssessed() const {
   std::string names;
   for (const ExposureMeter::Missing& one : meter_.missing())
     names += (names.empty() ? "" : ", ") + one.criterion.name;
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
-    if (!isKnownSomewhere(c)) {
+    if (!meter_.isAssessed(c)) {
       names += fmt::format("{}{} (not stored at this height)", names.empty() ? "" : ", ",
                            meter_.criteria()[c].name);
     }
@@ -322,6 +324,8 @@ Json PlanTenability::criterionJson(std::size_t c) const {
   json["rows_interpolated"] = values_.rows(times.answers(RoundTime::kNone));
   json["rows_down"] = values_.rows(times.answers(RoundTime::kDown));
   json["rows_up"] = values_.rows(times.answers(RoundTime::kUp));
+  if (const LossTimes* late = meter_.latest(c))
+    json["rows_latest"] = values_.rows(late->answers(survey_->round));
   json[meter_.criteria()[c].isDose() ? "dose_at_the_end" : "worst_value"] = values_.rows(worst);
   return json;
 }
@@ -351,6 +355,9 @@ std::string PlanTenability::storedWords(std::size_t c) const {
     if (!spans.empty())
       words += fmt::format("{}{} is stored{}", words.empty() ? "" : "; ", name, spans);
   }
+  if (const std::string unread = meter_.unread(c); !unread.empty())
+    words +=
+        fmt::format("{}not all that is stored can be read: {}", words.empty() ? "" : "; ", unread);
   return words.empty() ? words : " (" + words + ")";
 }
 
@@ -392,8 +399,17 @@ Json PlanTenability::sentence(std::size_t c) const {
       text += fmt::format(" It is not known all along at {} of the floor{}.",
                           percentWords(first.unknown), storedWords(c));
   }
+  Json latest;
+  if (meter_.latest(c) != nullptr) {
+    const FirstLoss late = firstLoss(*meter_.latest(c), survey_->round, counts);
+    text += latestWords(first, late, "reached");
+    latest = late.any ? jsonNumber(late.by(survey_->round)) : Json();
+  }
   text += assumedWords(meter_, c);
-  return verdictJson(criterion.name, text, first, survey_->round, eyes_);
+  Json json = verdictJson(criterion.name, text, first, survey_->round, eyes_);
+  if (meter_.latest(c) != nullptr)
+    json["time_latest"] = std::move(latest);
+  return json;
 }
 
 /// Criteria that leave the first of all open.
@@ -401,7 +417,7 @@ std::string PlanTenability::unknownReasons() const {
   std::string names;
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
     const FirstLoss one = firstLoss(meter_.times(c), survey_->round, countsOf(c));
-    if (!one.certain() && isKnownSomewhere(c))
+    if (!one.certain() && meter_.isAssessed(c))
       names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", meter_.criteria()[c].name,
                            std::isinf(one.known)
                                ? fmt::format("{} of the floor", percentWords(one.unknown))
@@ -426,16 +442,19 @@ Json PlanTenability::headline(const std::vector<std::string>& names) const {
   } else {
     text = fmt::format("ASET of all criteria: none is reached until {:g} s.", end);
   }
+  const FirstLoss late = firstLoss(latest_, survey_->round, people_);
+  text += latestWords(first, late, "reached");
   if (const std::string missing = notAssessed(); !missing.empty())
     text += fmt::format(" Not assessed: {}.", missing);
   Json json = verdictJson("all", text, first, survey_->round, eyes_);
+  json["time_latest"] = late.certain() && late.any ? jsonNumber(late.by(survey_->round)) : Json();
   if (first.any)
     json["by"] = names[first.place];
   json["not_assessed"] = Json::array();
   for (const ExposureMeter::Missing& one : meter_.missing())
     json["not_assessed"].push_back(one.criterion.name);
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
-    if (!isKnownSomewhere(c))
+    if (!meter_.isAssessed(c))
       json["not_assessed"].push_back(meter_.criteria()[c].name);
   }
   return json;
@@ -636,7 +655,7 @@ void PlanTenability::find(AreaFindings& found) const {
   found.all = &all_;
   found.by = names_;
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
-    if (isKnownSomewhere(c))
+    if (meter_.isAssessed(c))
       found.single.push_back({meter_.criteria()[c].name, &meter_.times(c), holds_[c]});
   }
   if (measuresMargins())
@@ -660,6 +679,7 @@ Result<PlanTenability::Parts> PlanTenability::finish(const Sight& sight, Json& r
                                                      std::vector<PlanArray>& arrays,
                                                      Json& verdict) {
   all_ = combined(sight.earliest, sight.in, {}, &which_);
+  latest_ = latest(sight);
   Json json = Json::object();
   json["criteria"] = criteriaJson(meter_);
   report["sources"] = sourcesJson(*survey_, &meter_);
@@ -678,6 +698,8 @@ Result<PlanTenability::Parts> PlanTenability::finish(const Sight& sight, Json& r
         worst[i] = kNoTime;
     }
     arrays.push_back({"aset_" + name, values_.cells(times.answers(survey_->round))});
+    if (const LossTimes* late = meter_.latest(c))
+      arrays.push_back({"aset_latest_" + name, values_.cells(late->answers(survey_->round))});
     arrays.push_back({"known_until_" + name, values_.cells(knownUntil(times))});
     arrays.push_back({"worst_" + name, values_.cells(worst)});
     if (firstLoss(times, survey_->round, holds_[c]).certain() &&
@@ -702,8 +724,10 @@ Result<PlanTenability::Parts> PlanTenability::finish(const Sight& sight, Json& r
   json["aset"]["rows_interpolated"] = values_.rows(all_.answers(RoundTime::kNone));
   json["aset"]["rows_down"] = values_.rows(all_.answers(RoundTime::kDown));
   json["aset"]["rows_up"] = values_.rows(all_.answers(RoundTime::kUp));
+  json["aset"]["rows_latest"] = values_.rows(latest_.answers(survey_->round));
   json["aset"]["rows_of_the_first_criterion"] = values_.rowsOfText(names);
   arrays.push_back({"aset_all", values_.cells(all_.answers(survey_->round))});
+  arrays.push_back({"aset_latest_all", values_.cells(latest_.answers(survey_->round))});
   arrays.push_back({"known_until_all", values_.cells(knownUntil(all_))});
   verdict.insert(verdict.begin(), headline(names));
   if (use_.count(PlanUse::Kind::kFire) > 0)

@@ -67,9 +67,14 @@ class PlanTenability {
   Json criterionJson(std::size_t c) const;
 
   /// The first of all criteria at each point, with some losses of sight, and times of the criteria
-  /// of the smoke where one stands. `which`: the first, if it is not null.
+  /// of the smoke where one stands: by their number in smoke_; null: the meter's. `which`: the
+  /// first, if it is not null.
   LossTimes combined(const LossTimes& signs, const std::vector<bool>& inSight,
-                     std::span<const LevelWatch> smoke, std::vector<int>* which) const;
+                     const std::function<const LossTimes*(std::size_t)>& smoke,
+                     std::vector<int>* which) const;
+
+  /// The same by the least smoke that the data allow.
+  LossTimes latest(const Sight& sight) const;
   Result<std::string> sensitivity(const Sight& sight, Json& report) const;
   Status writeTimes(const std::string& name, const std::string& title, const LossTimes& times,
                     const std::vector<bool>& holds = {}) const;
@@ -82,7 +87,6 @@ class PlanTenability {
   Json sentence(std::size_t c) const;
   Json headline(const std::vector<std::string>& names) const;
   Json ofTheFire(const std::vector<std::string>& names) const;
-  bool isKnownSomewhere(std::size_t c) const;
   std::string notAssessed() const;
   std::string unknownReasons() const;
   std::string storedWords(std::size_t c) const;
@@ -97,11 +101,11 @@ class PlanTenability {
   std::vector<SightTarget> signs_;
   ExposureMeter meter_;
   std::vector<std::size_t> smoke_;  // criteria of the extinction where one stands
-  /// Of each variation that changes the smoke, and of the middle values last; else empty. Shape
-  /// (variation, smoke_).
+  /// Of each variation that changes the smoke; else empty. Shape (variation, smoke_).
   std::vector<std::vector<LevelWatch>> varied_;
   std::vector<std::vector<bool>> holds_;  // of each criterion, eye: it is for such a room
   LossTimes all_;                         // of all criteria together
+  LossTimes latest_;                      // by the least smoke that the data allow
   PlanMargins margins_;
   std::vector<std::string> names_;  // of the first criterion of each eye
   std::vector<int> which_;          // the first: -1 none, 0 sight of signs, else criterion + 1

@@ -169,9 +169,9 @@ class Job {
  private:
   using Bytes = OrderedDelivery::Bytes;
 
-  /// What a rank sends of a time: this, the sightings, extinction at the eyes and its upper
-  /// bounds there and at places that are passed, and rows of the table, each at a multiple of eight
-  /// bytes.
+  /// What a rank sends of a time: this, the sightings, extinction at the eyes, its upper and lower
+  /// bounds there, upper ones at places that are passed, and rows of the table, each at a multiple
+  /// of eight bytes.
   struct Lengths {
     double time = 0;
     bool stored = false, packed = false;
@@ -265,7 +265,7 @@ class Job {
     // All is worked out where it is handed over, as there may be millions of lines.
     const std::size_t start = bytes.size();
     const std::size_t size =
-        sizeof(Lengths) + lines * sizeof(Sighting) + (2 * points + passed.size()) * sizeof(double);
+        sizeof(Lengths) + lines * sizeof(Sighting) + (3 * points + passed.size()) * sizeof(double);
     bytes.reserve(start + size + (stored ? lines * bytesOfRow(lines) : 0));
     bytes.resize(start + size);
     auto* const firstSighting = reinterpret_cast<Sighting*>(bytes.data() + start + sizeof(Lengths));
@@ -273,23 +273,23 @@ class Job {
     const std::span sightings(firstSighting, lines);
     const std::span extinction(reinterpret_cast<double*>(firstSighting + lines), points);
     const std::span high(extinction.data() + points, points);
-    const std::span passedHigh(high.data() + points, passed.size());
+    const std::span low(high.data() + points, points);
+    const std::span passedHigh(low.data() + points, passed.size());
     lookout_.look(instant, survey_.signs, eyes, sightings, looksAgain());
     parallelRanges(extinction.size(), 512, [&](std::size_t begin, std::size_t end) {
       const auto part = [&](auto all) { return std::span(all).subspan(begin, end - begin); };
-      std::vector<double> low(end - begin);
-      instant.extinctionBounds(part(eyes), low, part(high));
+      instant.extinctionBounds(part(eyes), part(low), part(high));
       const auto sameOrNot = [](double a, double b) {
         return a == b || (std::isnan(a) && std::isnan(b));
       };
-      if (std::ranges::equal(low, part(high), sameOrNot))
-        std::ranges::copy(low, part(extinction).begin());
+      if (std::ranges::equal(part(low), part(high), sameOrNot))
+        std::ranges::copy(part(low), part(extinction).begin());
       else
         instant.extinction(part(eyes), part(extinction));
     });
     parallelRanges(passed.size(), 512, [&](std::size_t begin, std::size_t end) {
-      std::vector<double> low(end - begin);
-      instant.extinctionBounds(std::span(passed).subspan(begin, end - begin), low,
+      std::vector<double> least(end - begin);
+      instant.extinctionBounds(std::span(passed).subspan(begin, end - begin), least,
                                passedHigh.subspan(begin, end - begin));
     });
     SightRows rows;
@@ -299,7 +299,8 @@ class Job {
       Result<SightRows> made;
       parallelFor(2, [&](std::size_t what) {
         if (what == 0)
-          drawn = watch_.draw({index, time, eyes, sightings, extinction, high, {}, true}, instant);
+          drawn =
+              watch_.draw({index, time, eyes, sightings, extinction, high, low, {}, true}, instant);
         else
           made = rowMaker_.make(time, eyes, survey_.signs, sightings);
       });
@@ -334,7 +335,8 @@ class Job {
       const std::span extinction(
           reinterpret_cast<const double*>(sightings.data() + sightings.size()), lengths.extinction);
       const std::span high(extinction.data() + extinction.size(), lengths.extinction);
-      const std::span passed(high.data() + high.size(), lengths.passed);
+      const std::span low(high.data() + high.size(), lengths.extinction);
+      const std::span passed(low.data() + low.size(), lengths.passed);
       const auto* text = reinterpret_cast<const char*>(passed.data() + passed.size());
       at = reinterpret_cast<const std::byte*>(text) + paddedSize(lengths.rows);
       const auto eyes = watch_.eyes(lengths.time);
@@ -344,6 +346,7 @@ class Job {
                             sightings,
                             extinction,
                             high,
+                            low,
                             passed,
                             lengths.stored};
       if (lengths.stored) {

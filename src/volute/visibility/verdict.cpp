@@ -115,6 +115,17 @@ std::string timeWords(const FirstLoss& loss) {
                      loss.down, loss.up, loss.none);
 }
 
+std::string latestWords(const FirstLoss& first, const FirstLoss& latest, std::string_view reached) {
+  if (!first.certain() || !first.any || (latest.any && latest.down <= first.up))
+    return "";
+  const std::string by = latest.any ? fmt::format("first {} at {:.4g} s", reached, latest.none)
+                                    : fmt::format("perhaps never {}", reached);
+  return fmt::format(
+      " This is by the thickest smoke that rounding, caps and means of the files allow; by the "
+      "thinnest it is {}.",
+      by);
+}
+
 std::string placeWords(const Vec3& place) {
   return fmt::format("x = {:.3g}, y = {:.3g}, z = {:.3g} m", place[0], place[1], place[2]);
 }

@@ -57,6 +57,11 @@ LossTimes firstOf(std::span<const CountedLoss> all, RoundTime round,
 
 /// "12.6 s (between 12 and 24 s) at x, y, z".
 std::string timeWords(const FirstLoss& loss);
+
+/// What is added to a verdict of the largest smoke that rounding, caps and means of the files
+/// allow, where that of the least comes later than its times; else empty. `reached` as in
+/// unknownWords().
+std::string latestWords(const FirstLoss& first, const FirstLoss& latest, std::string_view reached);
 std::string placeWords(const Vec3& place);
 std::string percentWords(double share);  ///< "12 %", "less than 1 %"
 

@@ -45,6 +45,8 @@ Json exposureJson(const ExposureMeter& meter, RoundTime round) {
         Json{{"times_interpolated", timesOf(times.answers(RoundTime::kNone))},
              {"times_up", timesOf(times.answers(RoundTime::kUp))},
              {meter.criteria()[c].isDose() ? "dose_at_the_end" : "worst_value", timesOf(worst)}});
+    if (const LossTimes* latest = meter.latest(c))
+      list[c]["times_latest"] = timesOf(latest->answers(round));
   }
   return list;
 }
@@ -69,9 +71,6 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
   const auto add = [](std::string& list, const std::string& name) {
     list += (list.empty() ? "" : ", ") + name;
   };
-  const auto isStored = [&](std::size_t c) {
-    return std::ranges::any_of(meter.worst(c), [](double value) { return !std::isnan(value); });
-  };
   if (sight.times != nullptr) {
     losses.push_back(sight);
     names.emplace_back("sight of signs");
@@ -80,7 +79,7 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
   for (const ExposureMeter::Missing& one : meter.missing()) add(missing, one.criterion.name);
   for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
     count = meter.worst(c).size();
-    if (!isStored(c)) {
+    if (!meter.isAssessed(c)) {
       add(missing, meter.criteria()[c].name + " (not stored there)");
       continue;
     }
@@ -133,13 +132,15 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
   if (first.any)
     verdict.back()["by"] = by;
   for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
-    if (!isStored(c))
+    if (!meter.isAssessed(c))
       continue;
     const Criterion& criterion = meter.criteria()[c];
     const FirstLoss one = firstLoss(meter.times(c), survey.round);
     text = criterion.words() + " is ";
     if (!one.certain()) {
       text += sayUnknown(one);
+      if (const std::string unread = meter.unread(c); !unread.empty())
+        text += fmt::format(" (not all that is stored can be read: {})", unread);
       if (one.any)
         text += fmt::format("; reached at the latest at {:.4g} s, by {}", one.up, who(one));
     } else if (one.any) {
@@ -158,6 +159,8 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
                           exposed.one(static_cast<std::size_t>(most - worst.begin())));
     }
     text += '.';
+    if (const LossTimes* latest = meter.latest(c))
+      text += latestWords(one, firstLoss(*latest, survey.round), "reached");
     verdict.push_back(asJson(criterion.name, text + assumedWords(meter, c), one));
   }
   return verdict;
@@ -208,6 +211,7 @@ class PointWatch : public Watch {
         at.time,
         [&](double, std::span<Vec3> places) { std::ranges::copy(points_, places.begin()); },
         at.extinctionHigh));
+    meter_->takeLeast(at.time, at.extinctionLow);
     for (std::size_t i = 0; i < points_.size(); ++i) {
       table_ +=
           fmt::format("{:g},{:g},{:g},{:g}", at.time, points_[i][0], points_[i][1], points_[i][2]);

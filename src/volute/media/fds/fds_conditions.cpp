@@ -193,10 +193,14 @@ std::string cellsText(const SmvIndex& index) {
 
 Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::string_view quantity,
                                                   std::uint64_t maxMemory) {
-  std::string names;
+  std::string names, unread;  // what cannot be read
   std::vector<std::unique_ptr<PointField>> sources;
-  std::optional<Error> error;
+  std::vector<std::string> notes;  // of what does not serve
   std::vector<FdsQuantity> spellings;
+  const auto failed = [&](const Error& error) {
+    unread += (unread.empty() ? "" : "; ") + error.message;
+    notes.push_back(error.message);
+  };
   for (const Stored& stored : kStored) {
     if (stored.name != quantity)
       continue;
@@ -207,7 +211,7 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
     for (const FdsSource& source : findSources(index, stored.fds)) {
       const auto change = unitChangeOf(index, source, unitOf(quantity));
       if (!change) {
-        error = error.value_or(change.error());
+        notes.push_back(change.error().message);
         continue;
       }
       FdsOptions options;
@@ -218,24 +222,25 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
       if (fds)
         sources.push_back(std::make_unique<FdsPoints>(std::move(*fds), *change, stored.factor,
                                                       quantity, unitOf(quantity) == kFraction));
-      else if (!error)
-        error = fds.error();
+      else
+        failed(fds.error());
     }
   }
   auto devices = fdsDevicePoints(index, spellings, unitOf(quantity), quantity);
-  if (devices && *devices)
+  if (!devices)
+    failed(devices.error());
+  else if (*devices)
     sources.push_back(std::move(*devices));
-  else if (!devices && !error)
-    error = devices.error();
-  if (sources.empty() && error)
-    return tl::unexpected(std::move(*error));
+  if (sources.empty() && !unread.empty())
+    return fail(ErrorCode::kInvalidData, "{}", unread);
+  if (sources.empty() && !notes.empty())
+    return fail(ErrorCode::kNotFound, "{}", notes.front());
   // For a list of such reasons: the case is named above it.
   if (sources.empty()) {
     return fail(ErrorCode::kNotFound, "no slice, PLOT3D file or device has {}",
                 names.empty() ? quantity : names);
   }
-  return std::make_unique<BestPoints>(
-      std::move(sources), error ? std::vector{error->message} : std::vector<std::string>());
+  return std::make_unique<BestPoints>(std::move(sources), std::move(notes));
 }
 
 std::vector<std::string> fdsQuantities(const SmvIndex& index) {

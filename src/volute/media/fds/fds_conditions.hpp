@@ -17,7 +17,7 @@ namespace volute {
 /// them at each place and time: "temperature" [degrees
 /// C], "radiant-flux" [kW/m2], gases by their names [mol/mol]. The radiant flux is a quarter of the
 /// integrated intensity: the mean over the surface of a small body. kNotFound names what FDS would
-/// have to write.
+/// have to write; any other error what is there and cannot be read.
 [[nodiscard]] Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index,
                                                                 std::string_view quantity,
                                                                 std::uint64_t maxMemory);

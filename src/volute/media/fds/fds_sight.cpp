@@ -725,10 +725,10 @@ std::vector<Remark> FdsSight::remarks() const {
   if (const auto other = std::ranges::find_if(others_, isMeanOfVisibilities);
       byMeans || other != others_.end()) {
     remarks.push_back(fmt::format(
-        "{}: {} holds means of the visibility in the cells around each node: where smoke is "
-        "uneven, "
-        "its extinction is less than the cells' mean, and limits are reached later than by a slice "
-        "of EXTINCTION COEFFICIENT or .s3d",
+        "{}: {} holds means of the visibility in the cells around each node, of which the mean "
+        "extinction does not follow: where nothing else is stored, it is bounded by how much the "
+        "nodes around differ, and times are intervals. Slices of EXTINCTION COEFFICIENT, or .s3d, "
+        "end that",
         name_, (byMeans ? case_ : *other).source().name));
   }
   return remarks;
@@ -757,9 +757,8 @@ std::pair<FdsCase*, double> FdsSight::caseAt(double time) {
   return std::isinf(next.second) ? std::pair(&case_, time) : next;
 }
 
-/// Where a visibility is cut, by what the others know. Where its values are means over cells they
-/// are the least that the extinction is (Jensen's inequality); it may be as much as a source whose
-/// times are farther apart has before or after.
+/// What visibilities leave open, by what the others know at that time; and where they are cut, by
+/// those between whose times it lies.
 Result<FdsField> FdsSight::refined(FdsField field, const FdsCase& of, double time) {
   std::vector<std::shared_ptr<const FdsValues>> values(field.allValues().begin(),
                                                        field.allValues().end());
@@ -771,25 +770,20 @@ Result<FdsField> FdsSight::refined(FdsField field, const FdsCase& of, double tim
     const bool between = !isStored(other.times(), time) && isFinerAt(time, of, other);
     parallelFor(values.size(), [&](std::size_t l) {
       const FdsLattice& lattice = field.grid().lattices()[l];
-      const bool means = lattice.nodal && between;
-      if (!field.grid().holds(l) || (values[l]->low.empty() && !means))
+      if (!field.grid().holds(l))
         return;
       auto better = std::make_shared<FdsValues>(*values[l]);
-      if (better->low.empty())
-        better->low = better->high = better->value;
       for (std::size_t i = 0; i < better->value.size(); ++i) {
         const float low = better->low[i], high = better->high[i];
-        const bool cut = low < high * 0.999F;
-        if (!cut && !means)
+        const bool cut = low <= 0;
+        if (!(low < high * 0.999F) || (between && !cut))
           continue;
         const auto band = bandAt(more, lattice.mesh, placeOfValue(lattice, i));
-        if (band && !cut)
-          better->high[i] = std::fmax(high, band->high);
-        if (!band || !cut || band->high - band->low >= high - low)
+        if (!band || band->high - band->low >= high - low)
           continue;
-        better->low[i] = std::clamp(band->low, low, high);
-        better->high[i] = std::clamp(band->high, low, high);
-        better->value[i] = std::clamp(band->value, better->low[i], better->high[i]);
+        better->low[i] = cut ? std::clamp(band->low, low, high) : band->low;
+        better->high[i] = cut ? std::clamp(band->high, low, high) : band->high;
+        better->value[i] = cut ? std::clamp(band->value, low, high) : band->value;
       }
       values[l] = std::move(better);
     });
