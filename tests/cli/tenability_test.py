@@ -394,6 +394,50 @@ class Tenability(Cases):
         self.assertGreater(verdict["time_latest"], verdict["time"])
         self.assertEqual(verdict["known"], True)
 
+    def test_bytes_of_temperature_serve_where_nothing_else_does(self):
+        """8-bit temperature (.s3d) by the most that a byte may stand for; slices of the same times come first."""
+        def s3d(path):
+            values = bytes(21 * 5 * 4)
+            data = struct.pack("<i8ii", 32, 1, 0, 0, 20, 0, 4, 0, 3, 32)
+            for time in TIMES:
+                run = b"".join(b"\xff" + bytes([int(254 * time / 1980), n]) for n in [210, len(values) - 210])
+                for record in (struct.pack("<f", time), struct.pack("<2i", len(values), len(run)), run):
+                    data += struct.pack("<i", len(record)) + record + struct.pack("<i", len(record))
+            path.write_bytes(data)
+
+        def hot(case):
+            self.works("visibility", case, "--signs", self.signs(), "--criteria", self.criteria(self.HOT), "--height", 1.5, "--step", 2,
+                       "--everywhere", "-o", self.path("out"))
+            (one,) = self.report("out")["tenability"]["criteria"]
+            return one, self.report("out")["verdict"][0]
+
+        s3d(self.path("t.s3d"))
+        for name, more in (("bytes", []), ("both", None)):
+            index = self.case(name, more=more)
+            index.write_text(index.read_text() + "SMOKG3D     1\n t.s3d\n TEMPERATURE\n temp\n C\n")
+        one, verdict = hot(self.path("bytes.smv"))
+        # 20 + t: byte 5 at 40 s, which is 59 to 66.8 degrees; byte 3 at 30 s, 43.4 to 51.2.
+        self.assertEqual({v for row in one["rows"] for v in row}, {30})
+        self.assertEqual(one["from"], ["temperature (s3d-temperature, the most that its bytes allow)"])
+        self.assertEqual((verdict["time"], verdict["known"]), (30, True))
+        one, _ = hot(self.path("both.smv"))
+        self.assertIn("slice3d-temperature-cells), else temperature (s3d-temperature", one["from"][0])
+        self.assertGreater(len({v for row in one["rows"] for v in row}), 1, "as the slices have it")
+
+    def test_nobody_stands_where_a_curtain_comes_down(self):
+        """From then on its place does not count; before, it does."""
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (20, 4, 3), [(12, 13, 0, 4, 0, 3)])
+        for first, when in (("12", 75), ("3", 15)):
+            case = FdsCase([mesh], TIMES, lambda t, *_: 0.001 * t, events=[(0, 0, 0, False), (0, 0, when, True)],
+                           more=[("TEMPERATURE", "C", lambda t, x, *_: 20 + t + (10 if 12 < x < 13 else 0))]).write(self.folder, f"c{first}")
+            self.works("visibility", case, "--signs", self.signs(), "--criteria", self.criteria(self.HOT), "--height", 1.5, "--step", 1,
+                       "--everywhere", "-o", self.path("out"))
+            (hot,) = self.report("out")["tenability"]["criteria"]
+            self.assertEqual({str(v) for row in hot["rows_known"] for v in row}, {"True"})
+            self.assertEqual(hot["rows"][1][12], 20 if when == 75 else None)
+            self.assertEqual(hot["rows"][1][3], 30)
+            self.assertEqual(self.report("out")["verdict"][0]["known"], True)
+
     def test_floors_that_are_higher_lift_the_eyes(self):
         """A deck of a metre under smoke that ends above the heads of those who stand beside it."""
         mesh = Mesh("hall", (0, 20, 0, 4, 0, 6), (20, 4, 12), [(6, 20, 0, 4, 0, 1)])

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "volute/base/parallel.hpp"
+#include "volute/fds/fds_input.hpp"
 #include "volute/fds/fds_part.hpp"
 #include "volute/fds/mean_visibility.hpp"
 #include "volute/fds/solids.hpp"
@@ -508,7 +509,10 @@ Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(Part& part,
   VOLUTE_ASSIGN(const SmokeScale scale, scaleOf(part, frame));
   findGeometry(part, times_[position]);
   const std::shared_ptr<const Part::Geometry> geometry = part.geometry;
-  // What FDS counts as the temperature of solids and behind walls is not known, so the mean stays.
+  // What FDS counts as the flames' temperature of solids and behind walls is not known, so the mean
+  // stays; of the air's it is the ambient one.
+  const bool warm = options_.quantity == kFdsTemperature && !geometry->round.empty();
+  const double ambient = inputOf(index_).ambient.value_or(20);
   const bool averaged = !geometry->round.empty() && scale.bytes != SmokeScale::Bytes::kTemperature;
   std::vector<float> first;  // stored values of the first stored time, where there were any
   SmokeScale firstScale;
@@ -524,6 +528,8 @@ Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(Part& part,
   const auto bandOf = [&](std::size_t from) {
     if (means)
       return ofMeans[from];
+    if (warm && !isAllGas(geometry->round[from]))
+      return gasOnly(bands.of(stored[from]), ambient, geometry->round[from]);
     if (!averaged)
       return bands.of(stored[from]);
     const NodeCells& cells = geometry->round[from];

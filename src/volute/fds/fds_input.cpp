@@ -228,6 +228,7 @@ Status take(const std::string& text, const std::filesystem::path& path, FdsInput
     } else if (group.group == "MISC") {
       VOLUTE_TRY(takeNumber(group, "VISIBILITY_FACTOR", path, input.visibilityFactor));
       VOLUTE_TRY(takeNumber(group, "MAXIMUM_VISIBILITY", path, input.maximumVisibility));
+      input.ambient = group.values.contains("TMPA") ? group.number("TMPA") : input.ambient;
     } else if (group.group == "REAC") {
       const std::string fuel = group.text("FUEL").empty() ? id : group.text("FUEL");
       input.reactions.push_back(

@@ -53,7 +53,8 @@ struct FdsInput {
 
   std::filesystem::path path;  ///< empty: there is none
   std::string chid;
-  std::optional<double> begin;  ///< [s]; FDS's default is 0
+  std::optional<double> begin;    ///< [s]; FDS's default is 0
+  std::optional<double> ambient;  ///< TMPA [degrees C]; FDS's default is 20
   std::optional<double> visibilityFactor;
   std::optional<double> maximumVisibility;  ///< [m]
   std::optional<double> massExtinction;     ///< of soot [m2/kg]

@@ -35,6 +35,7 @@ TEST(FdsInput, SaysWhatOutputsDoNot) {
   EXPECT_EQ(input.chid, "case");
   EXPECT_EQ(input.visibilityFactor, 8);
   EXPECT_EQ(input.maximumVisibility, 100);
+  EXPECT_EQ(input.ambient, 20);
   ASSERT_EQ(input.reactions.size(), 1U);
   EXPECT_EQ(input.reactions[0].fuel, "PROPANE");
   EXPECT_EQ(input.reactions[0].sootYield, 0.1);

@@ -317,5 +317,49 @@ TEST(FdsSmoke, smokeThatWasThereFromTheFirstIsNotDividedByWalls) {
     EXPECT_NEAR(field.extinction(point), 2, 0.05) << point.transpose();
 }
 
+// Solids and what is behind walls keep the ambient temperature in the means, as FDS 6.7.1 writes
+// them.
+TEST(FdsSmoke, theTrueTemperatureLiesWithinTheBandOfItsByte) {
+  for (const double ambient : {20.0, 12.0}) {
+    const Folder folder;
+    const Indices solid{1, 3, 1, 3, 0, 2};
+    const Cells rises = randomCells(kFirst, solid, 300, 11);
+    const auto bytesOf = [&](const std::vector<double>& mean) {
+      std::vector<std::uint8_t> bytes;
+      for (const double rise : mean)
+        bytes.push_back(static_cast<std::uint8_t>(254 * std::max(0.0, ambient + rise - 20) / 1980));
+      return bytes;
+    };
+    const auto mean = rises.nodes(false), truth = rises.nodes(true);
+    fdswriter::Index index;
+    index.meshes.push_back({kFirst, {solid}, {}});
+    index.files += "SMOKG3D 1\n t.s3d\n TEMPERATURE\n temp\n C\n";
+    index.input = "made.fds";
+    index.save(folder / "made.smv");
+    fdswriter::saveText(folder / "made.fds",
+                        fmt::format("&HEAD CHID='made' /\n&MISC TMPA={} /\n", ambient));
+    fdswriter::smokeFile(cellsOf(kFirst),
+                         {{0, bytesOf(std::vector<double>(mean.size(), 0))}, {5, bytesOf(mean)}})
+        .save(folder / "t.s3d");
+    FdsCase read = opened(folder / "made.smv", {.quantity = std::string(kFdsTemperature)});
+    EXPECT_EQ(read.source().name, "s3d-temperature");
+    EXPECT_THAT(read.remarks(), testing::ElementsAre(testing::HasSubstr("20 to 2000 degrees C")));
+    const FdsField field = fieldAt(read, 5);
+    const FdsField before = fieldAt(read, 0);
+    int checked = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const float high = field.values(0).high[i];
+      if (std::isnan(high))
+        continue;
+      ++checked;
+      EXPECT_GE(high, ambient + truth[i] - 1e-3);
+      EXPECT_LE(field.values(0).low[i], std::max(20.0, ambient + truth[i]) + 1e-3);
+      EXPECT_LE(high - field.values(0).low[i], 8 * (1980 / 254.0 + 20 - ambient) + 1e-3);
+      EXPECT_LE(before.values(0).value[i], 20 + 1e-3);
+    }
+    EXPECT_GT(checked, 60);
+  }
+}
+
 }  // namespace
 }  // namespace volute

@@ -132,13 +132,14 @@ bool isFire(std::string_view quantity) {
   return quantity == kFdsHeatRelease || quantity == kFdsFlameTemperature;
 }
 
-/// Bytes of heat release, or of the flames' temperature.
-void addFire(const SmvIndex& index, std::string_view quantity, std::vector<FdsSource>& sources) {
+/// Bytes of heat release, or of the flames' or the air's temperature.
+void addBytes(const SmvIndex& index, std::string_view quantity, std::vector<FdsSource>& sources) {
   FdsSource bytes;
   bytes.name = "s3d-" + spelled(quantity);
-  bytes.description =
-      fmt::format("8-bit {} at nodes (.s3d)",
-                  quantity == kFdsHeatRelease ? "heat release" : "flame temperature");
+  bytes.description = fmt::format("8-bit {} at nodes (.s3d)",
+                                  quantity == kFdsHeatRelease        ? "heat release"
+                                  : quantity == kFdsFlameTemperature ? "flame temperature"
+                                                                     : "temperature");
   bytes.volume = true;
   for (std::size_t i = 0; i < index.smoke.size(); ++i) {
     if (index.smoke[i].labels.quantity == quantity)
@@ -267,9 +268,11 @@ std::vector<FdsSource> findSources(const SmvIndex& index, std::string_view quant
   std::vector<FdsSource> sources;
   addSlices(index, {quantity}, sources);
   if (isFire(quantity))
-    addFire(index, quantity, sources);
+    addBytes(index, quantity, sources);
   addPlots(index, {quantity}, sources);
   sortByRank(sources);
+  if (quantity == kFdsTemperature)
+    addBytes(index, quantity, sources);  // steps of 8 degrees: after all others
   return sources;
 }
 

@@ -58,6 +58,7 @@ inline constexpr std::string_view kFdsHeatRelease = "HRRPUV";
 
 /// The name of the gas temperature [degrees C] of FDS 6.11 that is times the fourth root of its
 /// correction of the radiation where it burns (T in K).
+inline constexpr std::string_view kFdsTemperature = "TEMPERATURE";
 inline constexpr std::string_view kFdsFlameTemperature = "EFFECTIVE FLAME TEMPERATURE";
 
 /// The same for any quantity by the name that FDS gives it, as it is stored. Besides slices and

@@ -115,4 +115,12 @@ SmokeBand gasOnly(const SmokeBand& all, const SmokeBand& first, const NodeCells&
   return widened(value, std::min(low, value), std::max(high, value));
 }
 
+SmokeBand gasOnly(const SmokeBand& all, double ambient, const NodeCells& cells) {
+  const auto rise = [&](float value) { return static_cast<float>(value - ambient); };
+  const float value = std::isinf(all.low) ? 0 : rise(all.value);  // "at most"
+  const SmokeBand gas = gasOnly({value, rise(all.low), rise(all.high)}, SmokeBand{}, cells);
+  const auto shifted = [&](float value) { return static_cast<float>(value + ambient); };
+  return {shifted(gas.value), shifted(gas.low), shifted(gas.high)};
+}
+
 }  // namespace volute

@@ -28,8 +28,8 @@ struct SmokeBand {
 /// TEMP_MIN_SMV and TEMP_MAX_SMV; the first says "at most", the last "at least".
 ///
 /// All of them are means over the eight cells round a node. Obstructions and what lies behind the
-/// mesh's walls count with the value that they had at first (0 in a fire), what lies
-/// across its edges with 0; taking these out gives the mean of the gas.
+/// mesh's walls count with the value that they had at first (0 in a fire, TMPA of temperature),
+/// what lies across its edges with 0; taking these out gives the mean of the gas.
 struct SmokeScale {
   enum class Bytes { kNone, kOpacity, kDensity, kHeat, kTemperature };
   enum class Rounding { kUnknown, kDown, kNearest };
@@ -59,5 +59,9 @@ struct SmokeScale {
 /// The mean of the gas alone, from the mean `all` over the eight cells round a node and what these
 /// are. `first` is the mean at the first stored time.
 SmokeBand gasOnly(const SmokeBand& all, const SmokeBand& first, const NodeCells& cells);
+
+/// The same of temperatures [degrees C], of which solids keep the ambient one. What is open counts
+/// as that at most: across a face of it flames may be, or fresh air.
+SmokeBand gasOnly(const SmokeBand& all, double ambient, const NodeCells& cells);
 
 }  // namespace volute

@@ -224,13 +224,26 @@ std::vector<bool> PlanTenability::countsOf(std::size_t criterion) const {
 Status PlanTenability::take(const SurveyTime& at) {
   if (!at.stored)
     return {};
+  // Where a door or a curtain stands now, nobody does.
+  std::vector<double> smoke(at.extinctionHigh.begin(), at.extinctionHigh.end());
+  for (std::size_t i = 0; i < smoke.size(); ++i) {
+    if (at.extinctionLow[i] == SurveyTime::kSolid)
+      smoke[i] = SurveyTime::kSolid;
+  }
   for (auto& variation : varied_) {
-    for (LevelWatch& watch : variation) watch.update(at.time, at.extinctionHigh);
+    for (LevelWatch& watch : variation) watch.update(at.time, smoke);
   }
   meter_.takeLeast(at.time, at.extinctionLow);
   return meter_.advance(
-      at.time, [&](double, std::span<Vec3> places) { std::ranges::copy(eyes_, places.begin()); },
-      at.extinctionHigh);
+      at.time,
+      [&](double, std::span<Vec3> places) {
+        for (std::size_t i = 0; i < places.size(); ++i) {
+          places[i] = smoke[i] == SurveyTime::kSolid
+                          ? Vec3::Constant(std::numeric_limits<double>::quiet_NaN())
+                          : eyes_[i];
+        }
+      },
+      smoke);
 }
 
 LossTimes PlanTenability::combined(const LossTimes& signs, const std::vector<bool>& inSight,
@@ -442,6 +455,8 @@ Json PlanTenability::headline(const std::vector<std::string>& names) const {
   } else {
     text = fmt::format("ASET of all criteria: none is reached until {:g} s.", end);
   }
+  if (use_.fireUnknown && first.any)
+    text += " Where it burns is not known: this may be the fire's own place.";
   const FirstLoss late = firstLoss(latest_, survey_->round, people_);
   text += latestWords(first, late, "reached");
   if (const std::string missing = notAssessed(); !missing.empty())

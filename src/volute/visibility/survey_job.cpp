@@ -279,6 +279,13 @@ class Job {
     parallelRanges(extinction.size(), 512, [&](std::size_t begin, std::size_t end) {
       const auto part = [&](auto all) { return std::span(all).subspan(begin, end - begin); };
       instant.extinctionBounds(part(eyes), part(low), part(high));
+      for (std::size_t i = begin; i < end; ++i) {
+        Place place{};
+        if (std::isnan(low[i]))
+          instant.places({&eyes[i], 1}, {&place, 1});
+        if (place == Place::kSolid)
+          low[i] = SurveyTime::kSolid;
+      }
       const auto sameOrNot = [](double a, double b) {
         return a == b || (std::isnan(a) && std::isnan(b));
       };

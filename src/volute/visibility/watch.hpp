@@ -93,8 +93,11 @@ struct SurveyTime {
   std::span<const double> extinction{};
   /// The largest that the data's rounding allows there, for criteria.
   std::span<const double> extinctionHigh{};
-  std::span<const double> extinctionLow{};  ///< the least
-  std::span<const double> passedHigh{};     ///< the same at Watch::passed()
+  std::span<const double> extinctionLow{};  ///< the least; kSolid in what stands there now
+
+  static constexpr double kSolid = -1;
+
+  std::span<const double> passedHigh{};  ///< the same at Watch::passed()
   /// False at the times at which something opaque comes or goes, which are given before and after.
   bool stored = true;
 };

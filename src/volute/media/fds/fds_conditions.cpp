@@ -74,7 +74,8 @@ class FdsPoints final : public PointField {
         fraction_(fraction) {}
 
   std::string description() const override {
-    return fmt::format("{} ({}{})", quantity_, case_.source().name, factor_ == 1 ? "" : " / 4");
+    return fmt::format("{} ({}{}{})", quantity_, case_.source().name, factor_ == 1 ? "" : " / 4",
+                       isRounded() ? ", the most that its bytes allow" : "");
   }
 
   std::span<const double> times() const override { return case_.times(); }
@@ -114,6 +115,21 @@ class FdsPoints final : public PointField {
                                                 : std::numeric_limits<double>::quiet_NaN();
   }
 
+  bool isRounded() const { return case_.source().kind == FdsFileKind::kSmoke; }
+
+  /// With the largest value that each byte may stand for; the last one may be anything.
+  static FdsField largest(const FdsField& field) {
+    constexpr float kLargest = 1e4F;
+    std::vector<std::shared_ptr<const FdsValues>> values;
+    for (const auto& own : field.allValues()) {
+      auto high = std::make_shared<FdsValues>();
+      high->value = own->high;
+      for (float& value : high->value) value = value > kLargest ? kLargest : value;
+      values.push_back(std::move(high));
+    }
+    return field.withValues(std::move(values));
+  }
+
   const FdsField* held(std::size_t frame) const {
     for (const auto& one : held_) {
       if (one && one->first == frame)
@@ -129,7 +145,7 @@ class FdsPoints final : public PointField {
     VOLUTE_ASSIGN(auto field, case_.field(case_.times()[frame]));
     auto& place =
         !held_[0] || (held_[1] && held_[0]->first < held_[1]->first) ? held_[0] : held_[1];
-    place.emplace(frame, std::move(field));
+    place.emplace(frame, isRounded() ? largest(field) : std::move(field));
     return {};
   }
 
