@@ -35,16 +35,6 @@ std::vector<float> lightTable(const Response& response, double exponent, double 
   return table;
 }
 
-/// The stored value of a linear one, 0..1, for people.
-double storedOf(const Response& response, double linear) {
-  double low = 0, high = 1;
-  for (int step = 0; step < 40; ++step) {
-    const double middle = 0.5 * (low + high);
-    (response.linear(middle) < linear ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
-
 /// White becomes 1 where values have fewer bits than their file.
 Status scaleBits(Image& image, int bits, const std::string& name) {
   if (bits == 0)
@@ -392,7 +382,7 @@ Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int numb
             stored.image.channels == 1,
             stored.mosaic,
             stored.plateau,
-            stored.linear ? Response() : stored.response};
+            stored.linear ? std::nullopt : std::optional(stored.response)};
   const auto channels = static_cast<std::size_t>(stored.image.channels);
   seen.atLeast.assign(stored.image.pixels.size() / channels, 0);
   for (std::size_t i = 0; i < seen.atLeast.size(); ++i) {
@@ -481,8 +471,9 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
   return picture;
 }
 
-/// Without a background, what all pixels beside the volume show evenly is none of its light.
-void CaptureImages::subtractPedestal(std::size_t camera, const Response& response,
+/// Without a background, what all pixels beside the volume show evenly is none of its light. Of
+/// stored values it is a black level, as "black" states one; of floats, light that is added.
+void CaptureImages::subtractPedestal(std::size_t camera, const std::optional<Response>& response,
                                      CameraPicture& picture) {
   const CaptureCamera& known = capture_->cameras[camera];
   if (capture_->volume.bounds.empty() || capture_->measured != Measured::kEmission)
@@ -498,16 +489,33 @@ void CaptureImages::subtractPedestal(std::size_t camera, const Response& respons
   const auto pedestal = findPedestal(picture.radiance, pixels);
   if (!pedestal)
     return;
-  picture.pedestal = *pedestal;
   const PictureSource& source = known.pictures;
-  const double linear = pedestal->mean() / (capture_->white * source.gain);
-  picture.storedPedestal =
-      source.black + (1 - source.black) * storedOf(response, std::pow(linear, 1 / source.exponent));
+  const Rgb white = capture_->white * source.gain * source.channelGain;
+  const std::vector<float> light =
+      lightTable(response.value_or(Response()), response ? source.exponent : 1, 1);
+  const auto top = static_cast<double>(light.size() - 1);
+  const auto storedOf = [&](double value) {
+    const auto above = std::ranges::lower_bound(light, static_cast<float>(std::abs(value)));
+    return std::copysign(std::min(static_cast<double>(above - light.begin()), top) / top, value);
+  };
+  const auto lightOf = [&](double stored) {
+    const double size =
+        light[static_cast<std::size_t>(std::lround(std::clamp(std::abs(stored), 0.0, 1.0) * top))];
+    return stored < 0 ? -size : size;
+  };
+  const Rgb linear = *pedestal / white;
+  const Rgb black = linear.unaryExpr(storedOf);
+  picture.storedPedestal = source.black + (1 - source.black) * black.mean();
   for (std::size_t i = 0; i < picture.radiance.pixels.size(); ++i) {
-    const bool masked = picture.weight[i / 3] == 0 && picture.atLeast[i / 3] == 0;
-    if (!masked)
-      picture.radiance.pixels[i] -=
-          static_cast<float>((*pedestal)[static_cast<Eigen::Index>(i % 3)]);
+    if (picture.weight[i / 3] == 0 && picture.atLeast[i / 3] == 0)
+      continue;  // masked
+    const auto c = static_cast<Eigen::Index>(i % 3);
+    float& value = picture.radiance.pixels[i];
+    if (response)
+      value = static_cast<float>(white[c] *
+                                 lightOf((storedOf(value / white[c]) - black[c]) / (1 - black[c])));
+    else
+      value -= static_cast<float>((*pedestal)[c]);
   }
 }
 

@@ -35,9 +35,8 @@ struct CameraPicture {
   bool grey = false;            ///< one channel in the file
   bool mosaic = false;          ///< brightness goes by the place in blocks of 2 x 2 pixels
   std::optional<StoredPlateau> plateau;  ///< that was taken as saturation, for none is stated
-  /// What all pixels beside the volume show, and was subtracted: a black level; 0: nothing. Each
-  /// channel's linear radiance, and a stored value that stands for it.
-  Rgb pedestal = Rgb::Zero();
+  /// What all pixels beside the volume show, as a stored value: a black level, which was
+  /// subtracted; 0: nothing.
   double storedPedestal = 0;
 };
 
@@ -83,7 +82,7 @@ class CaptureImages {
     bool grey = false;
     bool mosaic = false;
     std::optional<StoredPlateau> plateau;
-    Response response;  // by which it became light
+    std::optional<Response> response;  // by which it became light; none: floats
   };
 
   // `number` is the picture's, `frame` that which it is for: messages name it.
@@ -97,7 +96,8 @@ class CaptureImages {
   [[nodiscard]] Status checkSize(std::size_t camera, const Image& image,
                                  const std::string& name) const;
   void subtractBackground(std::size_t camera, CameraPicture& picture) const;
-  void subtractPedestal(std::size_t camera, const Response& response, CameraPicture& picture);
+  void subtractPedestal(std::size_t camera, const std::optional<Response>& response,
+                        CameraPicture& picture);
   Image linearised(std::size_t camera, const Stored& stored) const;
   [[nodiscard]] Status openMask(std::size_t camera);
   [[nodiscard]] Status openBackground(std::size_t camera, Progress& progress);
