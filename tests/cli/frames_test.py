@@ -75,6 +75,59 @@ class Frames(support.TestCase):
                 self.assertIn("5 to 61 m along the view axis", message)
                 self.assertIn("1.04 % sky", message)
 
+    def test_other_spellings_and_whole_pictures(self):
+        self.plain()
+        zero = [0.5] * (WIDTH * HEIGHT)
+        for planes in ({f"Z-Depth.{c}": self.depths for c in "RGB"}, {f"VRayZDepth.{c}": self.depths for c in "RGB"},
+                       {f"left.{c}": zero for c in "RGB"} | {"left.Z": self.depths}):
+            with self.subTest(sorted(planes)):
+                self.depth(planes)
+                self.assertAsPlain()
+        views = {f"{view}.{c}": self.color[c] for view in ("left", "right") for c in "RGB"}
+        self.depth(views | {"left.Z": zero, "right.Z": self.depths})
+        self.assertAsPlain("--color-layer", "right", color="depth.exr")
+        self.depth({"SceneDepthWorldUnits.R": [100 * depth for depth in self.depths]})
+        self.assertIn("centimetres, 0.01", self.fails(1, *self.words()))
+
+    def test_inverse_depth(self):
+        self.plain()
+        self.depth({"depth.Z": [1 / depth if depth < 1e9 else 0 for depth in self.depths]})
+        self.assertIn("inverse", self.works(*self.words()).message)
+        self.assertIn("5 to 61 m along the view axis, by 1 / z, 1.04 % sky", self.assertAsPlain("--depth-kind", "inverse", within=1e-5))
+
+    def test_what_no_frame_before_had_is_told(self):
+        write_planes(self.path("d_0001.exr"), WIDTH, HEIGHT, {"Z": self.depths})
+        write_planes(self.path("d_0002.exr"), WIDTH, HEIGHT, {"Z": self.depths})
+        write_planes(self.path("d_0005.exr"), WIDTH, HEIGHT, {"Z": [0.0] * (WIDTH * HEIGHT)})
+        for number in (1, 2, 5):
+            write_planes(self.path(f"c_{number:04d}.exr"), WIDTH, HEIGHT, self.color)
+        message = self.works(*self.words(color="c_%04d.exr", depth="d_%04d.exr", out="x_%04d.png")).message
+        self.assertIn("2 of the frames 1 to 5 are missing: 3 to 4", message)
+        self.assertIn("d_0005.exr: depth by channel 'Z': nothing but sky", message)
+        self.assertNotIn("d_0002.exr", message)
+
+    def test_a_fog_that_changes_nothing_is_told(self):
+        self.depth({"Z": self.depths})
+        self.assertIn("the fog changes no pixel", self.works(*self.words("--profile", "slab:1000,1010")).message)
+        self.assertNotIn("the fog changes no pixel", self.works(*self.words()).message)
+        self.assertIn("2 pictures that are the same", self.works(*self.words("--frames", "0:2", out="x_%04d.png")).message)
+        self.assertNotIn("the same", self.works(*self.words("--frames", "0:2", "--wind", "1,0,0", out="x_%04d.png")).message)
+
+    def test_overscan_that_depth_has_in_part(self):
+        wide, high = WIDTH + 8, HEIGHT + 8
+        display = (0, 0, WIDTH - 1, HEIGHT - 1)
+        write_parts(self.path("color.exr"), [Part(wide, high, {name: [0.2] * (wide * high) for name in "RGB"}, data=(-4, -4, WIDTH + 3, HEIGHT + 3), display=display)])
+        size = (WIDTH + 3) * (HEIGHT + 2)
+        write_parts(self.path("depth.exr"), [Part(WIDTH + 3, HEIGHT + 2, {"Z": [20.0] * size}, data=(-2, 0, WIDTH, HEIGHT + 1), display=display)])
+        message = self.works(*self.words()).message
+        self.assertIn("cut off", message)
+        self.assertNotIn("sky", message)
+        self.assertEqual(struct.unpack("<4i", self.header("x.exr")["dataWindow"]), (-2, 0, WIDTH, HEIGHT + 1))
+
+    def test_a_depth_that_is_no_picture_of_it(self):
+        self.path("depth.jpg").write_bytes(b"\xff\xd8\xff")
+        self.assertIn("expected the depth as .exr or .png", self.fails(1, *self.words("--depth-scale", "1", depth="depth.jpg")))
+
     def test_what_cannot_be_known_is_asked_for(self):
         zero = [1.0] * (WIDTH * HEIGHT)
         self.depth({"Z": self.depths})

@@ -43,6 +43,15 @@ double grey(const Image& image, int x, int y) {
   return 0.2126 * image.at(x, y, 0) + 0.7152 * image.at(x, y, 1) + 0.0722 * image.at(x, y, 2);
 }
 
+/// Three channels with the same values, as most programs for painting save grey.
+bool isGrey(const Image& image) {
+  for (std::size_t i = 0; i + 2 < image.pixels.size(); i += 3) {
+    if (image.pixels[i] != image.pixels[i + 1] || image.pixels[i] != image.pixels[i + 2])
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Result<FogMap> FogMap::fromImage(const Image& pixels, const FogPlacement& placement,
@@ -50,7 +59,7 @@ Result<FogMap> FogMap::fromImage(const Image& pixels, const FogPlacement& placem
   VOLUTE_TRY(check(placement));
   VOLUTE_TRY(checkSize(pixels.width, pixels.height));
   const bool rgb = pixels.channels == 3;
-  if (pixels.channels != 1 && !(rgb && colour == FogColour::kLuma)) {
+  if (pixels.channels != 1 && !(rgb && (colour == FogColour::kLuma || isGrey(pixels)))) {
     return fail(ErrorCode::kInvalidData,
                 "the fog map has {} channels, but one is expected: give a greyscale picture{}",
                 pixels.channels, rgb ? ", or ask for its luma" : "");

@@ -80,6 +80,15 @@ TEST(FogMap, ColourOnRequestOnly) {
   EXPECT_DOUBLE_EQ(map.coefficients.at(0, 1), 0.7152);
 }
 
+TEST(FogMap, GreyInThreeChannels) {
+  Image image(2, 1, 3);
+  for (int c = 0; c < 3; ++c) image.at(1, 0, c) = 0.25F;
+  const auto map = FogMap::fromImage(image, {.sigmaMax = 2});
+  ASSERT_TRUE(map) << map.error().message;
+  EXPECT_NEAR(map->coefficients.at(1, 0), 0.5, 1e-12);
+  EXPECT_EQ(map->coefficients.at(0, 0), 0);
+}
+
 TEST(FogMap, BadInputIsNamed) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const auto message = [](const Result<FogMap>& map) {

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/file_name.hpp"
 #include "volute/io/json_file.hpp"
 #include "volute/media/field_members.hpp"
+#include "volute/media/gltf_camera.hpp"
 
 namespace volute {
 namespace {
@@ -119,6 +121,8 @@ Result<CameraDescription> parseCamera(const nlohmann::json& json, const FieldOri
 }
 
 Result<CameraDescription> readCamera(const std::string& file) {
+  if (const std::string kind = extensionOf(file); kind == ".gltf" || kind == ".glb")
+    return readGltfCamera(file);
   VOLUTE_ASSIGN(const auto json, readJson(file));
   const bool scene = json.is_object() && json.contains("camera");
   return scene ? parseCamera(json["camera"], {file, "/camera"}) : parseCamera(json, {file});

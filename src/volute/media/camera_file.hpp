@@ -41,7 +41,7 @@ const FieldTable& cameraFields();
 [[nodiscard]] Result<CameraDescription> parseCamera(const nlohmann::json& json,
                                                     const FieldOrigin& origin);
 
-/// A file that holds a camera object, or a scene with one.
+/// A file that holds a camera object, or a scene with one; or a .glb or .gltf with one camera.
 [[nodiscard]] Result<CameraDescription> readCamera(const std::string& file);
 
 Camera makeCamera(const CameraDescription& description, const Pixels& size);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 
 #include "volute/base/stopwatch.hpp"
 #include "volute/cli/commands/commands.hpp"
@@ -27,9 +28,10 @@ FogFrameOptions frameOptions(const Arguments& arguments) {
   options.colorLayer = arguments.find<std::string>("color-layer").value_or("");
   options.depthChannel = arguments.find<std::string>("depth-channel").value_or("");
   const auto kind = arguments.get<std::string>("depth-kind");
-  options.depthKind = kind == "z"     ? DepthKind::kAlongAxis
-                      : kind == "ray" ? DepthKind::kAlongRay
-                                      : DepthKind::kUnknown;
+  options.depthKind = kind == "z"         ? DepthKind::kAlongAxis
+                      : kind == "ray"     ? DepthKind::kAlongRay
+                      : kind == "inverse" ? DepthKind::kInverse
+                                          : DepthKind::kUnknown;
   options.depthScale = arguments.find<double>("depth-scale");
   options.sky = arguments.find<double>("sky-depth").value_or(options.sky);
   options.softEdges = arguments.get<std::string>("edges") == "soft";
@@ -56,9 +58,15 @@ std::vector<std::string> lostIn(const std::string& target, const FramePixels& fr
   return lost;
 }
 
-void tell(const FoggedFrame& frame, const std::string& target, Progress& progress) {
-  progress.remark(frame.depth);
-  for (const std::string& remark : frame.remarks) progress.remark({RemarkCode::kAssumed, remark});
+/// What was not said of a frame before it.
+void tell(const FoggedFrame& frame, std::set<std::string>& told, Progress& progress) {
+  for (const FrameRemark& remark : frame.remarks) {
+    if (told.insert(remark.subject).second)
+      progress.remark({remark.code, remark.text});
+  }
+}
+
+void tellLost(const FoggedFrame& frame, const std::string& target, Progress& progress) {
   const auto lost = lostIn(target, frame.pixels);
   if (!lost.empty()) {
     progress.remark({RemarkCode::kLeftOut, fmt::format("{}: does not keep {}; a .exr does", target,
@@ -72,6 +80,7 @@ Status fogPictures(const std::vector<FogFrame>& frames, FogSceneMedium& fog,
   Development development{.style = {.dither = true}};
   VOLUTE_ASSIGN(development.film, filmStyleOf(arguments, target));
   std::unique_ptr<PictureWriter> writer;
+  std::set<std::string> told;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (context.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before frame {}", frames[i].number);
@@ -83,8 +92,9 @@ Status fogPictures(const std::vector<FogFrame>& frames, FogSceneMedium& fog,
     } else if (!writer) {
       VOLUTE_ASSIGN(writer, imageFileWriter(target, development));
     }
+    tell(fogged, told, context.progress);
     if (i == 0)
-      tell(fogged, target, context.progress);
+      tellLost(fogged, target, context.progress);
     VOLUTE_TRY(writer->writeFrame(fogged.pixels, frames[i].number));
     context.progress.report("fog", static_cast<double>(i + 1), static_cast<double>(frames.size()));
   }
@@ -159,9 +169,22 @@ Result<std::optional<FrameRange>> rangeOf(const Arguments& arguments, const std:
 }
 
 /// Of a film whose fog moves or not.
-void tellOfFilm(const std::vector<FogFrame>& frames, const FogDescription& fog,
-                const Arguments& arguments, Progress& progress) {
+/// @param color  the file of the frames, or their pattern
+void tellOfFilm(const std::vector<FogFrame>& frames, const std::string& color,
+                const FogDescription& fog, const Arguments& arguments, Progress& progress) {
   const bool wind = fog.wind != Vec3::Zero();
+  std::vector<int> numbers;
+  for (const FogFrame& frame : frames) numbers.push_back(frame.number);
+  if (const auto gaps = missingNumbers(numbers); !gaps.empty() && !arguments.given("frames")) {
+    progress.remark({RemarkCode::kAssumed,
+                     fmt::format("{}: {}; a film goes on as if there were none", color, gaps)});
+  }
+  const bool moves = namesSeriesOfFiles(color) || wind || fog.maps.size() > 1 ||
+                     namesSeriesOfFiles(fog.maps.front()) || !isPicturePath(fog.maps.front());
+  if (frames.size() > 1 && !namesSeriesOfFiles(color) && (!moves || arguments.given("time"))) {
+    progress.remark(fmt::format("{} pictures that are the same: {}", frames.size(),
+                                moves ? "--time holds the fog" : "there is no wind (--wind)"));
+  }
   if (frames.size() == 1 && isFilmPath(arguments.get<std::string>("output"))) {
     progress.remark(fmt::format("a film of one picture: --duration S makes a longer one{}",
                                 wind ? ", in which the wind moves the fog" : ""));
@@ -218,7 +241,7 @@ Status runFog(const Arguments& arguments, Context& context) {
                   "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
                   frames.size(), target);
     }
-    tellOfFilm(frames, description, arguments, context.progress);
+    tellOfFilm(frames, names.color, description, arguments, context.progress);
     double milliseconds = 0;
     {
       const Stopwatch watch(milliseconds);
@@ -265,7 +288,7 @@ std::vector<Option> fogCommandOptions() {
       {.name = "camera",
        .kind = kFile,
        .value = "CAMERA.json",
-       .help = "its camera, as a scene's camera object"},
+       .help = "its camera, as a scene's camera object, or a .glb or .gltf with one camera"},
       {.name = "output",
        .letter = 'o',
        .kind = kOutput,
@@ -274,10 +297,10 @@ std::vector<Option> fogCommandOptions() {
       {.name = "depth-kind",
        .kind = kChoice,
        .value = "KIND",
-       .help = "z: along the view axis; ray: distance from the eye; auto: as the file says, "
-               "else z",
+       .help = "z: along the view axis; ray: distance from the eye; inverse: 1 / z, as Nuke writes "
+               "it; auto: as the file says, else z",
        .initial = "auto",
-       .choices = {"auto", "z", "ray"}},
+       .choices = {"auto", "z", "ray", "inverse"}},
       {.name = "sky-depth",
        .kind = kNumber,
        .value = "M",

@@ -100,6 +100,8 @@ struct Depth {
 
 Result<Depth> readPngDepth(const std::string& path, const FogFrameOptions& options,
                            std::uint64_t maxMemory) {
+  if (extensionOf(path) != ".png")
+    return fail(ErrorCode::kInvalidData, "{}: expected the depth as .exr or .png", path);
   if (!options.depthScale) {
     return fail(
         ErrorCode::kInvalidData,
@@ -163,7 +165,7 @@ class Distances {
   /// @param pixels  whose display window is the camera's picture; its data window is cut to where
   /// there may be depths
   static Result<Distances> make(const FogFrame& frame, Depth depth, const FogFrameOptions& options,
-                                FramePart& part, std::vector<std::string>& remarks) {
+                                FramePart& part, std::vector<FrameRemark>& remarks) {
     Distances made(frame, std::move(depth), options);
     const Depth& own = made.depth_;
     const PixelWindow color = part.display;
@@ -182,21 +184,21 @@ class Distances {
                   frame.depth, own.display.width(), own.display.height(), color.width(),
                   color.height());
     }
-    const PixelWindow known{made.left_, made.top_, made.left_ + own.display.width() / made.samples_,
-                            made.top_ + own.display.height() / made.samples_};
-    const PixelWindow before = part.data;
-    const bool overscan = own.data.left < own.display.left || own.data.top < own.display.top ||
-                          own.data.right > own.display.right ||
-                          own.data.bottom > own.display.bottom;
-    if (!overscan) {
-      part.data = {std::max(before.left, known.left), std::max(before.top, known.top),
-                   std::min(before.right, known.right), std::min(before.bottom, known.bottom)};
-    }
+    // Inside the picture what is not stored is sky; outside it nobody knows.
+    const PixelWindow before = part.data, &data = own.data, &display = own.display;
+    const auto pixels = [&](int beyond) { return std::max(beyond, 0) / made.samples_; };
+    const PixelWindow known{
+        made.left_ - pixels(display.left - data.left), made.top_ - pixels(display.top - data.top),
+        made.left_ + display.width() / made.samples_ + pixels(data.right - display.right),
+        made.top_ + display.height() / made.samples_ + pixels(data.bottom - display.bottom)};
+    part.data = {std::max(before.left, known.left), std::max(before.top, known.top),
+                 std::min(before.right, known.right), std::min(before.bottom, known.bottom)};
     if (!(part.data == before)) {
       remarks.push_back(
-          fmt::format("{}: has no depths outside the picture, where {} has pixels; "
-                      "these are cut off",
-                      frame.depth, frame.color));
+          {RemarkCode::kLeftOut, "cut off",
+           fmt::format("{}: has no depths for all pixels of {} outside the picture; these are cut "
+                       "off",
+                       frame.depth, frame.color)});
     }
     return made;
   }
@@ -226,14 +228,17 @@ class Distances {
   }
 
   /// After all of them.
-  std::string sentence() const {
-    const std::string how = kind_ == DepthKind::kAlongRay ? "from the eye" : "along the view axis";
+  FrameRemark sentence() const {
+    const std::string how = kind_ == DepthKind::kAlongRay  ? "from the eye"
+                            : kind_ == DepthKind::kInverse ? "along the view axis, by 1 / z"
+                                                           : "along the view axis";
+    const bool nothing = !(nearest_ <= farthest_);
     std::string text = fmt::format("{}: depth by {}: ", path_, depth_.what);
-    text += nearest_ <= farthest_ ? fmt::format("{:.4g} to {:.4g} m {}", nearest_, farthest_, how)
-                                  : std::string("nothing but sky");
-    if (sky_ > 0 && nearest_ <= farthest_)
+    text += nothing ? std::string("nothing but sky")
+                    : fmt::format("{:.4g} to {:.4g} m {}", nearest_, farthest_, how);
+    if (sky_ > 0 && !nothing)
       text += fmt::format(", {:.3g} % sky", 100.0 * static_cast<double>(sky_) / count_);
-    return text;
+    return {RemarkCode::kNote, nothing ? "sky" : depth_.what + how, std::move(text)};
   }
 
   double farthest() const { return farthest_; }
@@ -255,9 +260,11 @@ class Distances {
     const float stored = depth_.data.contains(x, y)
                              ? depth_.values.at(x - depth_.data.left, y - depth_.data.top)
                              : 0;
+    const bool inverse = kind_ == DepthKind::kInverse;
     const bool nothing =
-        stored == 0 || stored == kLargestHalf || stored >= kFarAway || stored >= depth_.top;
-    const auto metres = static_cast<float>(stored * depth_.scale);
+        stored == 0 ||
+        (!inverse && (stored == kLargestHalf || stored >= kFarAway || stored >= depth_.top));
+    const auto metres = static_cast<float>(inverse ? depth_.scale / stored : stored * depth_.scale);
     if (nothing || metres >= sky_from_) {
       ++sky_;
       return kInfinity;
@@ -343,9 +350,11 @@ struct Fogging {
   std::span<const AnyMedium> media;
   Renderer renderer;
 
-  Status over(FramePixels& pixels, const std::vector<FrameSample>& samples,
-              const std::vector<Camera>& cameras, Progress& progress) const {
+  /// False: nothing is changed.
+  Result<bool> over(FramePixels& pixels, const std::vector<FrameSample>& samples,
+                    const std::vector<Camera>& cameras, Progress& progress) const {
     Image light(camera.width(), camera.height()), passed(camera.width(), camera.height(), 1);
+    Image clear = light;
     for (std::size_t i = 0; i < samples.size(); ++i) {
       const FrameSample& sample = samples[i];
       std::vector<std::uint8_t> some;
@@ -356,18 +365,24 @@ struct Fogging {
       const Camera& seen = cameras[std::min(i, cameras.size() - 1)];
       VOLUTE_ASSIGN(const auto one, render(seen, media, how, progress, nullptr, sample.depth));
       add(light, one, sample);
+      add(clear, sample.color, sample);
       if (!pixels.alpha)
         continue;
       how.aov = Aov::kTransmittance, how.behind = nullptr;
       VOLUTE_ASSIGN(const auto through, render(seen, media, how, progress, nullptr, sample.depth));
       add(passed, through, sample);
     }
+    bool changed = light.pixels != clear.pixels;
     pixels.color = std::move(light);
     if (pixels.alpha) {
-      for (std::size_t i = 0; i < passed.pixels.size(); ++i)
-        pixels.alpha->pixels[i] = 1 - passed.pixels[i] * (1 - pixels.alpha->pixels[i]);
+      for (std::size_t i = 0; i < passed.pixels.size(); ++i) {
+        float& alpha = pixels.alpha->pixels[i];
+        const float now = 1 - passed.pixels[i] * (1 - alpha);
+        changed = changed || now != alpha;
+        alpha = now;
+      }
     }
-    return {};
+    return changed;
   }
 };
 
@@ -435,20 +450,24 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
     VOLUTE_ASSIGN(auto some, distances.at(window, cameras.back(), column, row));
     depths.push_back(std::move(some));
   }
-  out.depth = distances.sentence();
+  out.remarks.insert(out.remarks.begin(), distances.sentence());
   if (!distances.stated() && !camera.isOrthographic()) {
-    out.remarks.push_back(fmt::format(
-        "{}: does not say whether depths are along the view axis (z) or from the eye (ray); z is "
-        "assumed, say which it is",
-        frame.depth));
+    out.remarks.push_back(
+        {RemarkCode::kAssumed, "kind",
+         fmt::format("{}: does not say whether depths are along the view axis (z) or from the eye "
+                     "(ray); z is assumed, say which it is",
+                     frame.depth)});
   }
   const double extent = fog.fogAt(0).bounds().size().head<2>().maxCoeff();
   if (distances.farthest() > 0 &&
       (distances.farthest() <= 1 || distances.farthest() < 1e-3 * extent)) {
-    out.remarks.push_back(fmt::format(
-        "{}: all that is seen is within {:.3g} m of the eye; if depths are not in metres but "
-        "normalised, inverse or in another unit, say how many metres a unit is",
-        frame.depth, distances.farthest()));
+    out.remarks.push_back(
+        {RemarkCode::kAssumed, "near",
+         fmt::format(
+             "{}: all that is seen is within {:.3g} m of the eye; if depths are not in metres but "
+             "normalised or in another unit, say how many metres a unit is; if they are 1 / z, "
+             "that they are inverse",
+             frame.depth, distances.farthest())});
   }
   std::vector<FrameSample> samples;
   if (count > 1)
@@ -468,7 +487,18 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
   VOLUTE_TRY(now->addMediaFor(camera, medium));
   out.pixels.part = part;
   const Fogging fogging{camera, medium, options.renderer};
-  VOLUTE_TRY(fogging.over(out.pixels, samples, cameras, reading.progress));
+  VOLUTE_ASSIGN(const bool changed, fogging.over(out.pixels, samples, cameras, reading.progress));
+  if (!changed) {
+    const Box3 box = fog.fogAt(time).bounds();
+    const Vec3& eye = camera.eye();
+    out.remarks.push_back(
+        {RemarkCode::kDoubtful, "no fog",
+         fmt::format("{}: the fog changes no pixel: its map is 0 there, or elsewhere: it is at x = "
+                     "{:g} to {:g}, y = {:g} to {:g}, z = {:g} to {:g} m, the camera at {:g}, "
+                     "{:g}, {:g}",
+                     frame.color, box.min.x(), box.max.x(), box.min.y(), box.max.y(), box.min.z(),
+                     box.max.z(), eye.x(), eye.y(), eye.z())});
+  }
   return out;
 }
 

@@ -40,11 +40,18 @@ struct FogFrameOptions {
   Renderer renderer = Renderer::kCpu;
 };
 
+/// Something worth saying of a frame. Of frames that follow each other, what has the same subject
+/// is worth it once.
+struct FrameRemark {
+  RemarkCode code = RemarkCode::kNote;
+  std::string subject;
+  std::string text;
+};
+
 /// A frame with fog over it.
 struct FoggedFrame {
   FramePixels pixels;
-  std::string depth{};                 ///< how far what it shows is, in a sentence
-  std::vector<std::string> remarks{};  ///< what was assumed, or is lost
+  std::vector<FrameRemark> remarks{};  ///< how far what it shows is; what was assumed, or is lost
 };
 
 /// All frames that there are of the colour's pattern, or those chosen by their numbers; a name that

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <functional>
 #include <vector>
 
 namespace volute {
@@ -71,31 +72,35 @@ struct DepthName {
   DepthKind kind = DepthKind::kUnknown;
 };
 
-/// What renderers call it: a layer with one channel, or a channel. Blender's mist and the depth for
-/// its denoiser are others.
+/// What renderers call it, in small letters without `_`, `-` and spaces: a layer with one channel,
+/// or a channel. Blender's mist and the depth for its denoiser are others.
 constexpr DepthName kDepths[] = {{"depth"},
                                  {"z"},
                                  {"zdepth"},
                                  {"depthz"},
-                                 {"depth_z"},
-                                 {"z_depth"},
-                                 {"__depth"},
+                                 {"vrayzdepth"},
                                  {"pz", DepthKind::kAlongAxis},
                                  {"hitpz", DepthKind::kAlongAxis},
                                  {"ray:hitpz", DepthKind::kAlongAxis},
                                  {"worlddepth", DepthKind::kAlongAxis},
                                  {"scenedepth", DepthKind::kAlongAxis},
+                                 {"scenedepthworldunits", DepthKind::kAlongAxis},
                                  {"distance", DepthKind::kAlongRay},
                                  {"raylength", DepthKind::kAlongRay},
                                  {"ray:hitdist", DepthKind::kAlongRay},
                                  {"hitdist", DepthKind::kAlongRay}};
 
+std::string withoutMarks(std::string name) {
+  std::erase_if(name, [](char c) { return c == '_' || c == '-' || c == ' '; });
+  return name;
+}
+
 /// "FinalImageMovieRenderQueue_WorldDepth" is one.
 const DepthName* depthOf(const std::string& name) {
-  const std::string own = lower(name);
+  const std::string whole = lower(name), own = withoutMarks(whole);
   const auto known = std::ranges::find_if(kDepths, [&](const DepthName& depth) {
     return own == depth.name || (depth.name.ends_with("depth") && depth.name.size() > 6 &&
-                                 own.ends_with("_" + std::string(depth.name)));
+                                 whole.ends_with("_" + std::string(depth.name)));
   });
   return known == std::end(kDepths) ? nullptr : &*known;
 }
@@ -110,8 +115,11 @@ const DepthName* depthOf(std::span<const FrameChannel> channels, const FrameChan
     if (const DepthName* depth = depthOf(after(layer)))
       return depth;
   }
-  // "ViewLayer.Mist.Z" is none: a channel is one by its own name where no other name says more.
-  return layer.empty() || own != "z" ? depthOf(own) : nullptr;
+  // "ViewLayer.Mist.Z" is none: a channel is one by its own name where no other name says more. In
+  // a layer that is a whole picture, such as "left", it is.
+  const bool picture =
+      in(channels, layer, "R") && in(channels, layer, "G") && in(channels, layer, "B");
+  return layer.empty() || own != "z" || picture ? depthOf(own) : nullptr;
 }
 
 DepthChannel makeDepth(const FrameInfo& info, const FrameChannel& channel, const DepthName* name) {
@@ -198,13 +206,14 @@ Result<DepthChannel> depthChannel(const FrameInfo& info, const std::string& want
   }
   if (found.size() > 1) {  // that of the colour's view, or of the file itself
     const std::string view = lower(layer.substr(0, layer.find('.')));
-    const auto others = [&](const DepthChannel& depth) {
-      const std::string name = lower(depth.channel.name);
-      return layer.find('.') == std::string::npos ? name.find('.') != name.rfind('.') || name != "z"
-                                                  : !name.starts_with(view + ".");
+    const auto ofView = [&](const DepthChannel& depth) {
+      return lower(depth.channel.name).starts_with(view + ".");
     };
-    if (std::ranges::count_if(found, others) == std::ssize(found) - 1)
-      std::erase_if(found, others);
+    const auto ofFile = [](const DepthChannel& depth) { return lower(depth.channel.name) == "z"; };
+    if (std::ranges::count_if(found, ofView) == 1)
+      std::erase_if(found, std::not_fn(ofView));
+    else if (layer.find('.') == std::string::npos && std::ranges::count_if(found, ofFile) == 1)
+      std::erase_if(found, std::not_fn(ofFile));
   }
   if (found.size() == 1)
     return found.front();

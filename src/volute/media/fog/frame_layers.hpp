@@ -28,6 +28,7 @@ enum class DepthKind {
   kUnknown,
   kAlongAxis,  ///< along the camera's view axis, "z"
   kAlongRay,   ///< distance from the eye
+  kInverse,    ///< 1 / kAlongAxis, 0 for the sky
 };
 
 /// What says how far away each pixel is.
