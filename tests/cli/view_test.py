@@ -35,6 +35,13 @@ class View(support.TestCase):
         self.assertNotEqual(first, later)
         self.assertEqual(first, self.frame(self.volume(), "--no-panels"))
 
+    def test_another_file_is_on_the_right(self):
+        alone = self.frame(self.volume(), "--no-panels")
+        write_npy(self.path("empty.npy"), (2, 10, 10, 10), [0.0] * 2000)
+        self.assertNotEqual(alone, self.frame(self.path("v.npy"), "--no-panels", "--compare", self.path("empty.npy")))
+        message = self.fails(1, "view", self.path("v.npy"), "--compare", self.path("gone.npy"), "--screenshot", self.path("s.png"))
+        self.assertIn("gone.npy", message)
+
     def test_a_time_past_the_end_is_refused(self):
         message = self.fails(2, "view", self.volume(), "--time", "99", "--screenshot", self.path("s.png"), "--size", "160x100")
         self.assertIn("--time: 99 s is past the end", message)

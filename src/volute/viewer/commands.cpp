@@ -115,6 +115,12 @@ void lookFrom(App& app, const In&) {
   app.view().lookFrom(sign * Vec3::Unit(axis));
 }
 
+template <SceneEdit::Kind kind>
+void addToScene(App& app, const In&) {
+  if (app.document().info() && app.document().info()->editable)
+    app.tools().pointer.add(kind);
+}
+
 Timeline& timelineOf(App& app) {
   return app.playback().timeline();
 }
@@ -151,9 +157,12 @@ std::span<const ViewerCommand> viewerCommands() {
       {"darker by half a stop", "-", brighten<-1>, Key::kMinus},
       {"the whole view, from outside", "F", [](App& app, const In& in) { app.view().whole(in.width, in.height); }, Key::kF},
       {"the first view", "", [](App& app, const In& in) { app.view().reset(in.width, in.height); }},
-      {"from the front", "1", lookFrom<1, -1>, Key::k1},
-      {"from the right", "3", lookFrom<0, 1>, Key::k3},
-      {"from above", "7", lookFrom<2, 1>, Key::k7},
+      {"from the front; with Ctrl from behind", "1", lookFrom<1, -1>, Key::k1},
+      {"from the right; with Ctrl from the left", "3", lookFrom<0, 1>, Key::k3},
+      {"from above; with Ctrl from below", "7", lookFrom<2, 1>, Key::k7},
+      {"from behind", "", lookFrom<1, 1>, Key::k1, true},
+      {"from the left", "", lookFrom<0, -1>, Key::k3, true},
+      {"from below", "", lookFrom<2, -1>, Key::k7, true},
       {"parallel or perspective camera", "5", [](App& app, const In&) { app.view().camera().toggleParallel(); }, Key::k5},
       {"orbit (turn around things) or walk (turn the head)", "M", walkOrOrbit, Key::kM},
       {"show what is under the pointer", "P", [](App& app, const In&) { app.settings().probe = !app.settings().probe; }, Key::kP},
@@ -162,6 +171,12 @@ std::span<const ViewerCommand> viewerCommands() {
       {"hide the panels, show them again", "H", [](App& app, const In&) { app.settings().panels = !app.settings().panels; }, Key::kH},
       {"full screen", "F11", [](App& app, const In&) { app.window().requestFullScreen(); }, Key::kF11},
       {"screenshot without panels: volute_0001.png ...", "F12", [](App& app, const In&) { app.window().requestScreenshot(); }, Key::kF12},
+      {"clip by a box", "", addToScene<SceneEdit::Kind::kAddClipBox>},
+      {"clip by a plane", "", addToScene<SceneEdit::Kind::kAddClipPlane>},
+      {"add a sign", "", addToScene<SceneEdit::Kind::kAddSign>},
+      {"add a lamp", "", addToScene<SceneEdit::Kind::kAddSpot>},
+      {"add a sun", "", addToScene<SceneEdit::Kind::kAddSun>},
+      {"add light from everywhere", "", addToScene<SceneEdit::Kind::kAddAmbient>},
       {"make a film", "", [](App& app, const In& in) { app.beginFilm(in); }},
       {"make a film once around, of a still in 10 s", "", filmAround},
       {"copy the camera, as JSON", "Ctrl C", copyCamera, Key::kC, true},
@@ -186,13 +201,38 @@ void runKey(ViewerApp& app, Key key, const ViewerInput& input) {
     found->run(app, input);
 }
 
+/// Other words that people look for.
+constexpr std::pair<std::string_view, std::string_view> kAlsoCalled[] = {
+    {"open a file", "load import"},
+    {"compare with another file", "difference wiper side by side"},
+    {"the whole view, from outside", "fit frame all zoom reset"},
+    {"the first view", "reset home camera"},
+    {"twice as fast", "speed"},
+    {"half as fast", "speed slower"},
+    {"brighter by half a stop", "exposure light"},
+    {"darker by half a stop", "exposure light"},
+    {"show what is under the pointer", "value probe read"},
+    {"measure a distance by two clicks", "ruler length"},
+    {"screenshot without panels: volute_0001.png ...", "export save image still picture"},
+    {"make a film", "export save video animation movie"},
+    {"make a film once around, of a still in 10 s", "export orbit turntable video"},
+    {"parallel or perspective camera", "orthographic"},
+    {"full screen", "fullscreen"},
+    {"set a key of the camera path at this time", "keyframe animation"},
+    {"set or remove a mark at this time", "bookmark"},
+    {"clip by a box", "cut crop section"},
+    {"clip by a plane", "cut section slice"}};
+
 bool isFound(const ViewerCommand& command, const std::string& words) {
   const auto lower = [](std::string text) {
     std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
     return text;
   };
+  const auto also = std::ranges::find(kAlsoCalled, std::string_view(command.name),
+                                      &std::pair<std::string_view, std::string_view>::first);
   const std::string text =
-      lower(fmt::format("{} {} {}", command.name, tr(command.name), command.keys));
+      lower(fmt::format("{} {} {} {}", command.name, tr(command.name), command.keys,
+                        also == std::end(kAlsoCalled) ? "" : also->second));
   std::istringstream each(lower(words));
   for (std::string word; each >> word;) {
     if (text.find(word) == std::string::npos)

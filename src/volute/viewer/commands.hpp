@@ -26,7 +26,8 @@ std::span<const ViewerCommand> viewerCommands();
 /// Does what the key stands for, if it does.
 void runKey(ViewerApp& app, Key key, const ViewerInput& input);
 
-/// Whether all of the words are in the command's name or its keys, in any case.
+/// Whether all of the words are in the command's name, its keys or what else it is called, in any
+/// case.
 bool isFound(const ViewerCommand& command, const std::string& words);
 
 }  // namespace volute

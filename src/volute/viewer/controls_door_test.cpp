@@ -230,6 +230,8 @@ TEST_F(DoorControls, KeysLookAlongTheAxes) {
   EXPECT_NEAR((app().view().camera().forward() + Vec3::UnitX()).norm(), 0, 1e-9);
   script_->press(Key::k7);
   EXPECT_NEAR((app().view().camera().forward() + Vec3::UnitZ()).norm(), 0, 1e-9);
+  script_->press(Key::k1, true);
+  EXPECT_NEAR((app().view().camera().forward() + Vec3::UnitY()).norm(), 0, 1e-9);
 }
 
 TEST_F(DoorControls, TheProbeSaysWhatIsUnderThePointer) {

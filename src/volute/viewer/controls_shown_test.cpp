@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "volute/viewer/commands.hpp"
 #include "volute/viewer/controls_testing.hpp"
 
 namespace volute {
@@ -335,6 +336,30 @@ TEST_F(ShownControls, EveryCommandIsFoundByItsWords) {
   script_->frames(2);
   EXPECT_TRUE(script_->click("command play, pause"));
   EXPECT_TRUE(app().playback().timeline().playing());
+}
+
+TEST_F(ShownControls, CommandsAreFoundByOtherWordsForThem) {
+  for (const auto& [words, name] : {std::pair{"export", "make a film"},
+                                    {"turntable", "make a film once around, of a still in 10 s"},
+                                    {"exposure", "brighter by half a stop"},
+                                    {"clip", "clip by a plane"},
+                                    {"lamp", "add a lamp"},
+                                    {"ruler", "measure a distance by two clicks"},
+                                    {"speed", "twice as fast"},
+                                    {"value", "show what is under the pointer"},
+                                    {"fit", "the whole view, from outside"}}) {
+    EXPECT_TRUE(std::ranges::any_of(viewerCommands(), [&](const ViewerCommand& command) {
+      return std::string_view(command.name) == name && isFound(command, words);
+    })) << words;
+  }
+  open("blob.npy");
+  script_->press(Key::kF3);
+  script_->frames(2);
+  ASSERT_TRUE(script_->click("search"));
+  script_->type("clip plane");
+  script_->press(Key::kEnter);
+  load();
+  EXPECT_TRUE(app().document().info()->canUndo);
 }
 
 TEST_F(ShownControls, TheLoopAndMarksAreSetByKeys) {

@@ -96,9 +96,7 @@ Result<Image> viewerScreenshot(OpenDocument open, const ViewerStart& start, bool
   VOLUTE_ASSIGN(const auto viewer, HeadlessViewer::create(std::move(open), start.options));
   ViewerApp& app = viewer->app();
   app.settings().panels = panels;
-  app.open(start.path, start.time);
-  if (!start.other.empty())
-    VOLUTE_TRY(app.comparison().begin(start.other, app.view().picture().makers()));
+  app.open(start.path, start.time, start.other);
   ViewerInput input;
   input.scale = start.options.scale;
   input.width = static_cast<int>(start.width / input.scale);
@@ -107,6 +105,8 @@ Result<Image> viewerScreenshot(OpenDocument open, const ViewerStart& start, bool
   VOLUTE_TRY(viewer->settle(input, progress));
   if (app.document().failure())
     return tl::unexpected(*app.document().failure());
+  if (app.comparison().active() && !app.comparison().error().empty())
+    return fail(ErrorCode::kInvalidData, "compared with: {}", app.comparison().error());
   return viewer->picture();
 }
 

@@ -71,6 +71,18 @@ float PanelLayout::width(SidePanel panel) const {
   return std::clamp(kShare[i] * width_, kMin[i], kMax[i]);
 }
 
+float PanelLayout::shownWidth(SidePanel panel) const {
+  if (isOpen(panel))
+    return width(panel);
+  const float free = width_ - 2 * kPanelMargin - kPanelGap;
+  float others = free / 2;
+  for (const SidePanel other : {SidePanel::kPicture, SidePanel::kPaint, SidePanel::kScene}) {
+    if (isOpen(other) && (other == SidePanel::kScene) != (panel == SidePanel::kScene))
+      others = std::max(others, width(other));
+  }
+  return std::min(width(panel), free - others);
+}
+
 float PanelLayout::most(SidePanel panel) const {
   const Of &upper = of(SidePanel::kPicture), &lower = of(SidePanel::kPaint);
   const auto taken = [](const Of& other) {

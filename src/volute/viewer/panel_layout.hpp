@@ -44,7 +44,11 @@ class PanelLayout {
   /// Where the lower one on the left begins, which would follow what ends at `above`.
   float lowerTop(float above);
 
+  /// Of an open one.
   float width(SidePanel panel) const;
+
+  /// As it is: titles of closed ones leave room for those on the other side.
+  float shownWidth(SidePanel panel) const;
 
   /// That it may have; the upper one on the left leaves the lower one its own.
   float most(SidePanel panel) const;

@@ -35,6 +35,21 @@ TEST(PanelLayout, ASmallWindowHasOneOpenAtMost) {
   EXPECT_TRUE(layout.isOpen(kPicture)) << "as a person left it";
 }
 
+TEST(PanelLayout, TitlesOfANarrowWindowDoNotOverlap) {
+  PanelLayout layout;
+  layout.fit(450, 250, 0);
+  const auto both = [&] { return layout.shownWidth(kPicture) + layout.shownWidth(kScene); };
+  EXPECT_LE(both(), 450 - 2 * kPanelMargin - kPanelGap);
+  for (const SidePanel panel : {kPicture, kScene}) {
+    layout.set(panel, true);
+    EXPECT_EQ(layout.shownWidth(panel), layout.width(panel));
+    EXPECT_LE(both(), 450 - 2 * kPanelMargin - kPanelGap);
+  }
+  layout.fit(1280, 720, 0);
+  layout.set(kScene, false);
+  EXPECT_EQ(layout.shownWidth(kScene), layout.width(kScene));
+}
+
 TEST(PanelLayout, AWindowThatIsMadeSmallerAndLargerBeginsAnew) {
   PanelLayout layout;
   layout.fit(1280, 720, 0);

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <string>
 
 #include "volute/image/text.hpp"
 #include "volute/viewer/panels.hpp"
@@ -63,11 +64,35 @@ void styleControls() {
   colors[ImGuiCol_PlotLines] = colors[ImGuiCol_PlotHistogram] = {0.36F, 0.78F, 0.70F, 1};
 }
 
+namespace {
+
+/// With lines that end at spaces: by itself ImGui breaks "0.0015" behind its point.
+std::string inLines(const std::string& text) {
+  const float wide = ImGui::GetContentRegionAvail().x;
+  std::string lines;
+  std::size_t line = 0;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    const bool fits =
+        begin == 0 || ImGui::CalcTextSize((lines.substr(line) + " " + word).c_str()).x <= wide;
+    if (begin > 0)
+      lines += fits ? ' ' : '\n';
+    if (!fits)
+      line = lines.size();
+    lines += word;
+    begin = end + 1;
+  }
+  return lines;
+}
+
+}  // namespace
+
 void wrappedText(const std::string& text, bool faint) {
   ImGui::PushTextWrapPos(0);
   if (faint)
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-  ImGui::TextUnformatted(text.c_str());
+  ImGui::TextUnformatted(inLines(text).c_str());
   if (faint)
     ImGui::PopStyleColor();
   ImGui::PopTextWrapPos();

@@ -282,9 +282,9 @@ void timesPart(ViewerApp& app) {
                        1.1F * most, {ImGui::GetContentRegionAvail().x, 36});
   app.window().mark("times");
   hint("times of the last pictures");
-  wrappedText(fmt::format(fmt::runtime(tr("{}, {} x {} pixels")), shortTime(times.milliseconds),
-                          times.width, times.height));
-  wrappedText(fmt::format(fmt::runtime(tr("{} at most")), shortTime(most)));
+  wrappedText(fmt::format(fmt::runtime(tr("picture in {}, {} x {} pixels")),
+                          shortTime(times.milliseconds), times.width, times.height));
+  wrappedText(fmt::format(fmt::runtime(tr("slowest of the last: {}")), shortTime(most)));
   whoDraws(app);
 }
 
@@ -316,7 +316,7 @@ void drawNotices(ViewerApp& app) {
 
 bool beginSidePanel(ViewerApp& app, SidePanel panel, const char* title, float left, float top) {
   PanelLayout& layout = app.settings().layout;
-  const float width = layout.width(panel);
+  const float width = layout.shownWidth(panel);
   ImGui::SetNextWindowPos({left, top});
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, layout.most(panel)});
   ImGui::SetNextWindowCollapsed(!layout.isOpen(panel));

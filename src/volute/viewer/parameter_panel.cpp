@@ -359,7 +359,7 @@ void drawParameterPanel(ViewerApp& app, const ViewerInput& input) {
       (app.document().info()->parameters.empty() && !app.document().info()->editable))
     return;
   const float right = static_cast<float>(input.width) - kPanelMargin;
-  const float left = right - app.settings().layout.width(SidePanel::kScene);
+  const float left = right - app.settings().layout.shownWidth(SidePanel::kScene);
   if (beginSidePanel(app, SidePanel::kScene, "Scene", left, kPanelMargin))
     parametersPart(app);
   endSidePanel(app, SidePanel::kScene);

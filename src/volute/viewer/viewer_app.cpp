@@ -124,6 +124,11 @@ void ViewerApp::takeDocument(const DocumentNews& news, const ViewerInput& input)
     if (!Recovery::nameOf(info.path))
       document_.files().recent().add(info.path);
     comparison_.end();
+    if (!other_.empty()) {
+      const Status begun = comparison_.begin(std::exchange(other_, {}), view_.picture().makers());
+      if (!begun)
+        document_.say(viewerText(begun.error()));
+    }
     recovery_.adopt(info.path);
   }
   tools_.painting.take(info, news.another);
@@ -187,10 +192,10 @@ ViewerRest ViewerApp::rest() const {
       playback_.timeline().time(), view_.camera()};
 }
 
-void ViewerApp::open(const ViewerRest& rest) {
+void ViewerApp::open(const ViewerRest& rest, std::string other) {
   rest_ = rest.camera;
   if (!rest.path.empty())
-    open(rest.path, rest.time);
+    open(rest.path, rest.time, std::move(other));
 }
 
 void ViewerApp::saveScene() {

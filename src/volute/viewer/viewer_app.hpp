@@ -45,14 +45,17 @@ class ViewerApp {
   ~ViewerApp();
 
   /// @param time  [s] to begin at; nothing: where the document's look says, else at 0
-  void open(const std::string& path, std::optional<double> time = std::nullopt) {
+  /// @param other  a file that it is compared with; empty: none
+  void open(const std::string& path, std::optional<double> time = std::nullopt,
+            std::string other = {}) {
+    other_ = std::move(other);
     document_.open(path, time);
   }
 
   /// Where another one goes on, which open() lets it. What is unsaved is kept in a file.
   ViewerRest rest() const;
 
-  void open(const ViewerRest& rest);
+  void open(const ViewerRest& rest, std::string other = {});
 
   ViewerSettings& settings() { return settings_; }
 
@@ -150,6 +153,7 @@ class ViewerApp {
   WindowLanguage language_;
   WorkNotes notes_;
   FrameCosts costs_;
+  std::string other_;               ///< that the document is compared with from when it is there
   std::optional<ViewCamera> rest_;  ///< of rest(), until the document is there
   bool timeAsked_ = false;          ///< a person said at which time to begin
   bool moving_ = false;             ///< a person is turning it, or it plays

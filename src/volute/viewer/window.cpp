@@ -264,9 +264,7 @@ Result<std::optional<ViewerRest>> runWindow(OpenDocument open, const ViewerStart
   VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open), options));
   app->window().clipboard().use([&] { return window->clipboard(); },
                                 [&](const std::string& text) { window->setClipboard(text); });
-  app->open(rest);
-  if (!start.other.empty())
-    VOLUTE_TRY(app->comparison().begin(start.other, app->view().picture().makers()));
+  app->open(rest, start.other);
   app->view().picture().onNews([] { glfwPostEmptyEvent(); });
   double skipped = 0;  // [s] since the last frame
   while (!app->leaving().ends() && !progress.cancelled()) {
