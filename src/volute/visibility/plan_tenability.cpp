@@ -294,7 +294,7 @@ Result<std::string> PlanTenability::sensitivity(const Sight& sight, Json& report
   const std::vector<Uncertainty> all{
       {"spacing of the stored times", "the one before", "the one after", at(RoundTime::kDown),
        at(RoundTime::kUp)},
-      {"rounding and caps of the files", "rounded up", "rounded down", firstOf(all_),
+      {"rounding, caps and means of files", "the thickest smoke", "the thinnest", firstOf(all_),
        firstOf(latest_)},
       {"brief losses between stored times", "within 2 % of a limit counts", "as stored",
        varied(kBrief), firstOf(all_)},

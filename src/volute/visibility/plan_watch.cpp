@@ -568,6 +568,9 @@ class PlanWatch final : public Watch {
     const auto lossOf = [&](std::size_t set) {
       return firstLoss(losses_->earliest(set), survey_->round, countsOf(set));
     };
+    const auto latestOf = [&](std::size_t set) {
+      return firstLoss(losses_->latest(set), survey_->round, countsOf(set));
+    };
     // What may be lost sooner is worse, whether it is certain or not.
     const auto sooner = [&](const FirstLoss& one, const FirstLoss& other) {
       const auto time = [&](const FirstLoss& loss) {
@@ -600,9 +603,10 @@ class PlanWatch final : public Watch {
         !soonestLoss.certain() ? uncertain(fmt::format("Sight of sign '{}'", name), soonestLoss)
         : soonestLoss.any
             ? fmt::format("Sign '{}' is lost first: at {}, from {}; by {:g} s it is lost from "
-                          "{} of the points that see it without smoke.",
+                          "{} of the points that see it without smoke.{}",
                           name, timeWords(soonestLoss), placeWords(eyes_[soonestLoss.place]), end,
-                          percentWords(soonestLoss.share))
+                          percentWords(soonestLoss.share),
+                          latestWords(soonestLoss, latestOf(soonest), "lost"))
             : fmt::format("No sign is lost from anywhere until {:g} s.", end),
         soonestLoss, survey_->round, eyes_));
     verdict.back()["sign"] = soonestLoss.any || !soonestLoss.certain() ? Json(name) : Json();
@@ -612,9 +616,9 @@ class PlanWatch final : public Watch {
           "sight of signs",
           !all.certain() ? uncertain("Sight of any sign", all)
           : all.any ? fmt::format("From {} no sign is visible from {} on; by {:g} s this holds for "
-                                  "{} of the points that see a sign without smoke.",
+                                  "{} of the points that see a sign without smoke.{}",
                                   placeWords(eyes_[all.place]), timeWords(all), end,
-                                  percentWords(all.share))
+                                  percentWords(all.share), latestWords(all, latestOf(0), "lost"))
                     : fmt::format(
                           "Every point that sees a sign without smoke sees one until {:g} s.", end),
           all, survey_->round, eyes_));

@@ -627,8 +627,15 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
     const bool finer = isFiner(*opened, first) && replaces(*opened, first);
     const std::size_t before = meshes.size();
     meshes.merge(meshesIn(opened->grid()));
-    if (!beyond && !precise && !finer && meshes.size() == before)
+    if (!beyond && !precise && !finer && meshes.size() == before) {
+      // Perhaps because it is cut.
+      for (const std::string& remark : opened->remarks()) {
+        if (unread != nullptr && remark.find("left out") != remark.npos &&
+            std::ranges::find(first.remarks(), remark) == first.remarks().end())
+          unread->push_back(remark);
+      }
       continue;
+    }
     known.insert(known.end(), opened->times().begin(), opened->times().end());
     std::ranges::sort(known);
     others.push_back(std::move(*opened));
@@ -685,6 +692,11 @@ std::vector<Remark> FdsSight::remarks() const {
   std::vector<Remark> remarks(case_.remarks().begin(), case_.remarks().end());
   for (const std::string& note : notes_) remarks.push_back({RemarkCode::kLeftOut, note});
   for (const FdsCase& other : others_) {
+    for (const std::string& remark : other.remarks()) {
+      if (remark.find("does not cover") == remark.npos &&  // it need not
+          std::ranges::find(remarks, remark, &Remark::sentence) == remarks.end())
+        remarks.push_back(remark);
+    }
     if (isBeyond(other.times(), case_.times())) {
       remarks.push_back(fmt::format(
           "{}: {} is stored from {:g} to {:g} s; {} serves at other times", name_,

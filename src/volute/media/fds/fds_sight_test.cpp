@@ -297,6 +297,42 @@ TEST(FdsSight, LayersWithMoreTimesServeBetweenThoseOfAVolume) {
   EXPECT_GT(missed, 10);
 }
 
+TEST(FdsSight, AFileThatIsCutIsNamedWhetherItServesOrNot) {
+  for (const bool serves : {true, false}) {
+    const Folder folder;
+    fdswriter::Index index;
+    // Of another mesh, or in the same as a source with as many times.
+    index.meshes.push_back({kFirst, {}, {}});
+    index.meshes.push_back({kSecond, {}, {}});
+    const auto add = [&](int mesh, const Planes& planes, const std::string& quantity,
+                         const std::vector<float>& times, const std::string& name) {
+      const fdswriter::Slice slice{whole(planes), quantity, "short",
+                                   quantity.ends_with("Y") ? "m" : "1/m"};
+      std::vector<std::pair<float, std::vector<float>>> frames;
+      for (const float time : times)
+        frames.emplace_back(time,
+                            fdswriter::atNodes(planes, slice.at, [](auto...) { return 1.0; }));
+      fdswriter::sliceFile(slice, frames).save(folder / name);
+      index.slice(mesh, slice, name, false);
+    };
+    add(1, kFirst, "SOOT EXTINCTION COEFFICIENT", {0, 10, 20}, "a.sf");
+    if (!serves)
+      add(2, kSecond, "SOOT EXTINCTION COEFFICIENT", {0, 10, 20}, "b.sf");
+    add(1, kFirst, "SOOT VISIBILITY", {0, 10, 20}, "c.sf");
+    add(2, kSecond, "SOOT VISIBILITY", {0}, "d.sf");
+    index.save(folder / "made.smv");
+    FdsCase fds = opened(folder / "made.smv", {.source = "slice3d-extinction"});
+    std::vector<std::string> unread;
+    auto others = fillingSources(fds, {}, nullptr, &unread);
+    ASSERT_EQ(others.size(), serves ? 1U : 0U);
+    const FdsSight sight(std::move(fds), "made", 1 << 30, std::move(others), {}, unread);
+    std::vector<std::string> said;
+    for (const Remark& remark : sight.remarks()) said.push_back(remark.sentence);
+    EXPECT_THAT(said,
+                ::testing::Contains(::testing::HasSubstr("2 of 3 stored times are left out")));
+  }
+}
+
 TEST(FdsSight, AFileThatShouldServeBesideALayerIsNamedWhenItIsMissing) {
   const Folder folder;
   fdswriter::Index index;
