@@ -115,6 +115,11 @@ void lookFrom(App& app, const In&) {
   app.view().lookFrom(sign * Vec3::Unit(axis));
 }
 
+void openScene(App& app, const In&) {
+  app.settings().panels = true;
+  app.settings().layout.set(SidePanel::kScene, true);
+}
+
 template <SceneEdit::Kind kind>
 void addToScene(App& app, const In&) {
   if (app.document().info() && app.document().info()->editable)
@@ -168,6 +173,7 @@ std::span<const ViewerCommand> viewerCommands() {
       {"show what is under the pointer", "P", [](App& app, const In&) { app.settings().probe = !app.settings().probe; }, Key::kP},
       {"measure a distance by two clicks", "R", measure, Key::kR},
       {"the next control of the panels; arrows, Enter and Space use it", "Tab", [](App&, const In&) {}},
+      {"choose what is shown, in the panel Scene", "", openScene},
       {"hide the panels, show them again", "H", [](App& app, const In&) { app.settings().panels = !app.settings().panels; }, Key::kH},
       {"full screen", "F11", [](App& app, const In&) { app.window().requestFullScreen(); }, Key::kF11},
       {"screenshot without panels: volute_0001.png ...", "F12", [](App& app, const In&) { app.window().requestScreenshot(); }, Key::kF12},
@@ -218,6 +224,8 @@ constexpr std::pair<std::string_view, std::string_view> kAlsoCalled[] = {
     {"make a film once around, of a still in 10 s", "export orbit turntable video"},
     {"parallel or perspective camera", "orthographic"},
     {"full screen", "fullscreen"},
+    {"choose what is shown, in the panel Scene",
+     "field slice isosurface particles preset basis transfer function colours colors by value"},
     {"set a key of the camera path at this time", "keyframe animation"},
     {"set or remove a mark at this time", "bookmark"},
     {"clip by a box", "cut crop section"},

@@ -347,7 +347,8 @@ TEST_F(ShownControls, CommandsAreFoundByOtherWordsForThem) {
                                     {"ruler", "measure a distance by two clicks"},
                                     {"speed", "twice as fast"},
                                     {"value", "show what is under the pointer"},
-                                    {"fit", "the whole view, from outside"}}) {
+                                    {"fit", "the whole view, from outside"},
+                                    {"transfer", "choose what is shown, in the panel Scene"}}) {
     EXPECT_TRUE(std::ranges::any_of(viewerCommands(), [&](const ViewerCommand& command) {
       return std::string_view(command.name) == name && isFound(command, words);
     })) << words;

@@ -322,6 +322,7 @@ inline constexpr std::pair<std::string_view, const char*> kGermanStrings[] = {
     {"measure a distance by two clicks", "eine Strecke mit zwei Klicks messen"},
     {"the next control of the panels; arrows, Enter and Space use it",
      "der nächste Regler; Pfeile, Eingabe, Leertaste bedienen ihn"},
+    {"choose what is shown, in the panel Scene", "wählen, was gezeigt wird, im Feld Szene"},
     {"hide the panels, show them again", "Felder verbergen und zeigen"},
     {"full screen", "ganzer Bildschirm"},
     {"screenshot without panels: volute_0001.png ...", "Bild ohne Felder: volute_0001.png ..."},
