@@ -40,7 +40,7 @@ inline const GridMetadata* findEntry(const MetadataList& list, std::string_view 
 /// One file's grid on its lattice of voxels, without the values. Trivially copyable: it crosses
 /// from the process that reads the file to ours as bytes.
 struct LatticeFrame {
-  static constexpr std::size_t kMaxName = 255;
+  static constexpr std::size_t kMaxName = 255, kMaxWriter = 23;
 
   char grid[kMaxName + 1] = {};    ///< the name, ends in 0
   char others[kMaxName + 1] = {};  ///< the names of grids that were not chosen, as people read them
@@ -54,11 +54,13 @@ struct LatticeFrame {
   GridMatrix matrix{};
   double time = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN when not stated
   bool levelSet = false;
-  char up = 0;               ///< the axis that points upwards for what wrote the file; 0: unknown
-  bool bricks = false;       ///< LatticeReader::readBricks() gives its topology
-  bool rounded = false;      ///< a float may be another number than one of the file
-  std::uint64_t memory = 0;  ///< [bytes] that its bricks take, about; 0: unknown
-  VectorKind vectors{};      ///< of three channels
+  char up = 0;  ///< the axis that points upwards for what wrote the file; 0: unknown
+  char writer[kMaxWriter + 1] = {};     ///< that program; empty: unknown
+  char gridClass[kMaxWriter + 1] = {};  ///< "fog volume"; empty: unknown
+  bool bricks = false;                  ///< LatticeReader::readBricks() gives its topology
+  bool rounded = false;                 ///< a float may be another number than one of the file
+  std::uint64_t memory = 0;             ///< [bytes] that its bricks take, about; 0: unknown
+  VectorKind vectors{};                 ///< of three channels
 };
 
 /// What a file says of one of its grids, and what is in it. Trivially copyable, as LatticeFrame.

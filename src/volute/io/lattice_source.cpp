@@ -17,6 +17,7 @@
 #include "volute/io/lattice_message.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
+#include "volute/io/written_frames.hpp"
 
 namespace volute {
 namespace {
@@ -341,10 +342,18 @@ std::vector<double> statedTimes(const std::vector<LatticeFile>& files,
   return times;
 }
 
+/// What is wrong with data of one file of several says which frame that is.
+Error inFrame(Error error, const std::vector<LatticeFile>& files, std::size_t i) {
+  if (files.size() > 1 && error.code == ErrorCode::kInvalidData)
+    error.message += fmt::format(" (frame {})", files[i].frameText());
+  return error;
+}
+
 class LatticeSource final : public RoundingSource,
                             public PlacedFrames,
                             public VectorFrames,
-                            public CountedFrames {
+                            public CountedFrames,
+                            public WrittenFrames {
  public:
   LatticeSource(std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
                 const SourceOptions& options, std::optional<KnownGrid> known)
@@ -391,9 +400,9 @@ class LatticeSource final : public RoundingSource,
     if (options_.bounds) {
       VOLUTE_ASSIGN(box, toIndexBox(frames.front(), *options_.bounds, where));
     } else if (box.empty()) {
-      return fail(ErrorCode::kInvalidData,
-                  "{}: grid '{}' has no active voxels in any of the {} frames", where, grid,
-                  files_.size());
+      return fail(
+          ErrorCode::kInvalidData, "{}: grid '{}' is empty{}", where, grid,
+          files_.size() == 1 ? std::string() : fmt::format(" in all {} frames", files_.size()));
     }
     hasBricks_ = std::ranges::any_of(frames, [](const auto& frame) { return frame.bricks; });
     rounded_ = std::ranges::any_of(frames, [](const auto& frame) { return frame.rounded; });
@@ -413,6 +422,10 @@ class LatticeSource final : public RoundingSource,
   const std::vector<GridMatrix>& places() const override { return places_; }
 
   VectorKind vectors() const override { return vectors_; }
+
+  const std::string& writer() const override { return writer_; }
+
+  const std::string& gridClass() const override { return gridClass_; }
 
   std::vector<double> amounts() const override {
     return memory_ > 0 ? amounts_ : std::vector<double>();
@@ -559,7 +572,7 @@ class LatticeSource final : public RoundingSource,
       const bool absent = !frame && !grid.empty() && frame.error().code == ErrorCode::kNotFound &&
                           std::filesystem::exists(files_[i].path, error);
       if (!frame && !absent)
-        return tl::unexpected(std::move(frame.error()));
+        return tl::unexpected(inFrame(std::move(frame.error()), files_, i));
       present.push_back(!absent);
       if (absent) {
         if (!missing)
@@ -597,8 +610,9 @@ class LatticeSource final : public RoundingSource,
   /// One sequence has one up axis.
   Status checkUp(const std::vector<LatticeFrame>& frames, const std::string& grid) const {
     const auto said = [](const LatticeFrame& frame) {
-      return frame.up ? fmt::format("says that {} points upwards", frame.up)
-                      : std::string("does not say which axis points upwards");
+      return frame.up
+                 ? fmt::format("was written by {}, where {} points upwards", frame.writer, frame.up)
+                 : std::string("does not say which axis points upwards");
     };
     for (std::size_t i = 1; i < frames.size() && !options_.upStated; ++i) {
       if (frames[i].up == frames[0].up)
@@ -674,6 +688,8 @@ class LatticeSource final : public RoundingSource,
     info_.frameScale = files_.front().scale;
     info_.up = frames.front().up;
     info_.levelSet = frames.front().levelSet;
+    writer_ = frames.front().writer;
+    gridClass_ = frames.front().gridClass;
     vectors_ = frames.front().vectors;
     std::string remark;
     info_.times =
@@ -687,7 +703,7 @@ class LatticeSource final : public RoundingSource,
   ReaderProcess process_;
   SourceOptions options_;
   std::optional<KnownGrid> known_;
-  std::string grid_;
+  std::string grid_, writer_, gridClass_;
   std::vector<std::string> others_;
   std::string unchosen_;  ///< the grids of the file that first had the grid, where none was named
   IndexBox box_;          // on the first frame's lattice
@@ -776,14 +792,18 @@ Result<std::vector<LatticeCache>> describeCache(const std::vector<LatticeFile>& 
                                                 std::uint64_t maxMemory) {
   ReaderProcess process(readerOf(files, loadVdbPlugin));
   std::vector<LatticeCache> caches;
-  for (const LatticeFile& file : files) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const LatticeFile& file = files[i];
     const std::string name = file.path.string();
     Request request;
     request.cache = true;
     // Grids whose box the file does not note are read for it.
     ReaderProcess::Limits limits = limitsFor(file.path, 0, maxMemory);
     limits.seconds += 2e-6 * static_cast<double>(sizeOf(file.path));
-    VOLUTE_ASSIGN(HeldBytes bytes, HeldBytes::ask(process, file.path, request, limits));
+    auto asked = HeldBytes::ask(process, file.path, request, limits);
+    if (!asked)
+      return tl::unexpected(inFrame(std::move(asked.error()), files, i));
+    HeldBytes bytes = std::move(*asked);
     constexpr std::uint64_t kMaxBytes = std::uint64_t{32} << 20;
     if (bytes.size() > kMaxBytes) {
       return fail(ErrorCode::kTooLarge,

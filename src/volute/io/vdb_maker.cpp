@@ -13,6 +13,8 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <initializer_list>
 #include <iostream>
 #include <limits>
 
@@ -174,6 +176,35 @@ void place(const std::filesystem::path& folder) {
   setMeta(houdini, "creator", std::string("Houdini/GEO_VDBTranslator"));
   const auto unit = math::Transform::createLinearTransform(.1);
   write("upright_0001", unit, houdini), write("upright_0002", unit);
+  // By programs that say who they are in other ways, and with names that say nothing.
+  const auto named = [&](const std::string& name, std::initializer_list<const char*> grids,
+                         GridClass kind, const std::function<void(MetaMap&)>& mark) {
+    GridPtrVec all;
+    for (const char* one : grids) {
+      const auto grid = FloatGrid::create();
+      grid->setName(one);
+      grid->setGridClass(kind);
+      grid->fill(CoordBBox(Coord(0), Coord(9)), 1.f);
+      grid->setTransform(unit);
+      mark(*grid);
+      all.push_back(grid);
+    }
+    MetaMap file;
+    if (name == "ember")
+      setMeta(file, "creator", std::string("EmberGen 1.2"));
+    io::File(folder / (name + ".vdb")).write(all, file);
+  };
+  const auto nothing = [](MetaMap&) {};
+  named("ember", {"density"}, GRID_FOG_VOLUME, nothing);
+  named("bifrost", {"voxel_field"}, GRID_FOG_VOLUME,
+        [](MetaMap& map) { setMeta(map, "_bifrost_volume_index", int32_t{0}); });
+  named("mantaflow", {"density"}, GRID_FOG_VOLUME, [](MetaMap& map) {
+    setMeta(map, "file_base_resolution", Vec3i(10));
+    setMeta(map, "file_voxel_size", .1f);
+  });
+  named("thrice", {"density", "density", "density"}, GRID_FOG_VOLUME, nothing);
+  named("unnamed", {"", ""}, GRID_FOG_VOLUME, nothing);
+  named("amount", {"amount"}, GRID_UNKNOWN, nothing);
   // 10 voxels of 0.01 m at z = 0, twice as wide at z = 0.5.
   write("frustum", math::Transform::createFrustumTransform(BBoxd(Vec3d(0), Vec3d(10)), .5, 5, .1));
   // As flat as OpenVDB lets through.

@@ -859,16 +859,47 @@ bool addBackground(const openvdb::GridBase& base, GridTraits& traits) {
   return true;
 }
 
-/// The up axis of the program that wrote a file, by its metadata; 0: unknown.
-char upAxisOf(const openvdb::MetaMap& map) {
-  for (const char* key : {"creator", "software", "application"}) {
-    const auto creator = map.getMetadata<openvdb::StringMetadata>(key);
-    if (creator && creator->value().find("Houdini") != std::string::npos)
-      return 'y';
-    if (creator && creator->value().find("Blender") != std::string::npos)
-      return 'z';
+/// A program that writes caches, and its up axis.
+struct Writer {
+  std::string_view name;
+  char up;
+};
+
+/// As what people and programs state calls them.
+constexpr Writer kWriters[] = {
+    {"Houdini", 'y'},  {"Blender", 'z'}, {"Bifrost", 'y'},   {"EmberGen", 'y'},  {"JangaFX", 'y'},
+    {"LiquiGen", 'y'}, {"GeoGen", 'y'},  {"Maya", 'y'},      {"Cinema 4D", 'y'}, {"Katana", 'y'},
+    {"Unreal", 'z'},   {"3ds Max", 'z'}, {"Mantaflow", 'z'}, {"RealFlow", 'y'}};
+
+/// By what metadata of a file or a grid say; null: nothing.
+const Writer* writerOf(const openvdb::MetaMap& map) {
+  const auto named = [](std::string_view name) {
+    return std::ranges::find(kWriters, name, &Writer::name);
+  };
+  for (const char* key : {"creator", "software", "application", "generator", "author"}) {
+    const auto stated = map.getMetadata<openvdb::StringMetadata>(key);
+    for (const Writer& writer : kWriters) {
+      if (stated && stated->value().find(writer.name) != std::string::npos)
+        return &writer;
+    }
   }
-  return 0;
+  for (auto entry = map.beginMeta(); entry != map.endMeta(); ++entry) {
+    if (entry->first.find("bifrost") != std::string::npos)
+      return named("Bifrost");
+  }
+  // Mantaflow's, which is Blender's solver.
+  if (map["file_base_resolution"] && map["file_voxel_size"])
+    return named("Blender");
+  return nullptr;
+}
+
+void putWriter(const VdbFile& file, LatticeFrame& frame) {
+  const Writer* writer = writerOf(file.metadata());
+  for (std::size_t i = 0; !writer && i < file.gridCount(); ++i) writer = writerOf(file.grid(i));
+  if (!writer)
+    return;
+  frame.up = writer->up;
+  putText(writer->name, frame.writer, LatticeFrame::kMaxWriter);
 }
 
 Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
@@ -889,7 +920,7 @@ Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
       grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>() ? 3 : 1;
   if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
     result.frame.time = time->value();
-  result.frame.up = upAxisOf(file.metadata());
+  putWriter(file, result.frame);
   if (file.name(index).size() > LatticeFrame::kMaxName) {
     putText("with a name that is too long", traits.problem, GridTraits::kMaxProblem);
     return result;
@@ -960,8 +991,11 @@ class VdbReader final : public LatticeReader {
         VOLUTE_TRY(readTransform(grid, where, frame));
       if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
         frame.time = time->value();
-      frame.up = upAxisOf(file.metadata());
+      putWriter(file, frame);
       frame.levelSet = entries[index].type == kLevelSet;
+      if (grid.getGridClass() != openvdb::GRID_UNKNOWN)
+        putText(openvdb::GridBase::gridClassToString(grid.getGridClass()), frame.gridClass,
+                LatticeFrame::kMaxWriter);
       frame.bricks = true;
       frame.rounded = hasDoubles(grid);
       if (sampled)

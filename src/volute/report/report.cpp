@@ -42,7 +42,7 @@ std::string bytesText(std::uint64_t bytes) {
   constexpr const char* kUnits[] = {"kB", "MB", "GB", "TB", "PB", "EB"};
   double value = static_cast<double>(bytes) / 1000;
   int unit = 0;
-  for (; value >= 1000 && unit < 5; ++unit) value /= 1000;
+  for (; value >= 999.5 && unit < 5; ++unit) value /= 1000;
   return fmt::format("{:.3g} {}", value, kUnits[unit]);
 }
 

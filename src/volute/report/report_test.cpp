@@ -27,6 +27,7 @@ TEST(Report, BytesAreReadable) {
   EXPECT_EQ(bytesText(0), "0 bytes");
   EXPECT_EQ(bytesText(9999), "9999 bytes");
   EXPECT_EQ(bytesText(67108864), "67.1 MB");
+  EXPECT_EQ(bytesText(999600), "1 MB");
   EXPECT_EQ(bytesText(UINT64_MAX), "18.4 EB");
 }
 

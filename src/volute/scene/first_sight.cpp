@@ -15,7 +15,7 @@ namespace volute {
 namespace {
 
 constexpr int kPoints = 20;       ///< a side of the grid
-constexpr double kSeen = 0.03;    ///< of the largest value: less is hardly seen
+constexpr double kSeen = 0.03;    ///< of what is seen most: less is hardly seen
 constexpr double kNear = 0.75;    ///< of the media's largest side: surfaces that belong to them
 constexpr double kEndless = 1e6;  ///< [m]
 
@@ -59,24 +59,30 @@ SnapshotContent contentOfMedium(const AnyMedium& medium) {
   if (bounds.empty() || !bounds.size().allFinite())
     return {};
   const Vec3 cell = bounds.size() / kPoints;
-  std::vector<double> values(kPoints * kPoints * kPoints);
+  const double side = bounds.size().maxCoeff();
+  std::vector<double> values(kPoints * kPoints * kPoints), seen(values.size());
   parallelFor(values.size() / kPoints, [&](std::size_t row) {
     for (int x = 0; x < kPoints; ++x) {
       const Vec3 place(x + 0.5, static_cast<double>(row % kPoints) + 0.5,
                        static_cast<double>(row / kPoints) + 0.5);
       const Vec3 point = bounds.min + cell.cwiseProduct(place);
-      const double value =
-          std::max(medium.extinction(point), 0.0) + medium.emission(point).maxCoeff();
-      values[row * kPoints + x] = std::isfinite(value) ? std::max(value, 0.0) : 0;
+      const double extinction = std::max(medium.extinction(point), 0.0);
+      const double emission = medium.emission(point).maxCoeff();
+      if (!std::isfinite(extinction + emission))
+        continue;
+      const std::size_t i = row * kPoints + x;
+      values[i] = std::max(extinction + emission, 0.0);
+      // Dense smoke hides no more than all: beside it thin smoke is as visible as ever.
+      seen[i] = std::max(-std::expm1(-extinction * side) / side + emission, 0.0);
     }
   });
-  const double most = *std::ranges::max_element(values);
+  const double most = *std::ranges::max_element(seen);
   SnapshotContent content;
   if (!(most > 0))
     return content;
   for (std::size_t i = 0; i < values.size(); ++i) {
     content.amount += values[i] * cell.prod();
-    if (values[i] < kSeen * most)
+    if (seen[i] < kSeen * most)
       continue;
     const Vec3 place(static_cast<double>(i % kPoints), static_cast<double>(i / kPoints % kPoints),
                      static_cast<double>(i / kPoints / kPoints));

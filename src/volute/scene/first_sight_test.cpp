@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "volute/io/npy.hpp"
 #include "volute/volume_files/grid_compression.hpp"
@@ -26,7 +27,8 @@ class FirstSights : public testing::Test {
     std::filesystem::create_directories(folder_);
   }
 
-  std::string blob(const std::vector<float>& brightness) const {
+  /// @param around  of what is within 40 cm of it, as a share
+  std::string blob(const std::vector<float>& brightness, float around = 0) const {
     VolumeInfo info;
     info.frames = static_cast<int>(brightness.size());
     info.x = info.y = info.z = kSide;
@@ -38,8 +40,10 @@ class FirstSights : public testing::Test {
       std::vector<float> values;
       for (int z = 0; z < kSide; ++z) {
         for (int y = 0; y < kSide; ++y) {
-          for (int x = 0; x < kSide; ++x)
-            values.push_back(std::hypot(x - 3, y - 3, z - 3) < 2.5 ? bright : 0);
+          for (int x = 0; x < kSide; ++x) {
+            const double far = std::hypot(x - 3, y - 3, z - 3);
+            values.push_back(far < 2.5 ? bright : far < 8 ? around * bright : 0);
+          }
         }
       }
       EXPECT_TRUE((*sink)->writeFrame(values));
@@ -48,9 +52,11 @@ class FirstSights : public testing::Test {
     return path;
   }
 
-  static FirstSight sightOf(const std::string& path) {
+  static FirstSight sightOf(const std::string& path, const char* preset = "none") {
     Progress quiet;
-    auto scene = Scene::open(path, {.assume = true}, quiet);
+    SceneOptions options{.assume = true};
+    options.members = nlohmann::ordered_json{{"preset", preset}};
+    auto scene = Scene::open(path, options, quiet);
     EXPECT_TRUE(scene) << scene.error().message;
     auto sight = firstSight(*scene, quiet);
     EXPECT_TRUE(sight);
@@ -68,6 +74,12 @@ TEST_F(FirstSights, IsAroundTheContentNotTheBounds) {
     EXPECT_LE(sight.content.min[axis], 0.05 + 1e-9);
     EXPECT_NEAR(sight.content.max[axis], 0.3, 0.051);
   }
+}
+
+TEST_F(FirstSights, TakesInThinSmokeAroundDenseSmoke) {
+  const std::string path = blob({1}, 0.02F);
+  EXPECT_LT(sightOf(path).content.max.x(), 0.36);
+  EXPECT_GT(sightOf(path, "smoke").content.max.x(), 0.49);
 }
 
 TEST_F(FirstSights, IsWhenThereIsSomethingToSee) {

@@ -17,7 +17,8 @@ void addRatios(Report& report, std::uint64_t raw, std::uint64_t bytes,
   const auto ratio = [&](std::uint64_t of) {
     return static_cast<double>(of) / static_cast<double>(bytes);
   };
-  report.add("ratio", jsonNumber(ratio(raw)), fmt::format("{:.4g} (of dense floats)", ratio(raw)));
+  report.add("ratio", jsonNumber(ratio(raw)),
+             raw > 0 ? fmt::format("{:.4g} (of dense floats)", ratio(raw)) : std::string());
   if (inputBytes) {
     report.add("input_bytes", *inputBytes, bytesText(*inputBytes))
         .add("ratio_to_input", jsonNumber(ratio(*inputBytes)),
@@ -102,7 +103,8 @@ Report compressionReport(const std::string& target, const CompressedGrids& resul
   Report report;
   report.add("output", target)
       .add("frames", frames, fmt::format("{}", frames))
-      .add("raw_bytes", result.rawBytes(), bytesText(result.rawBytes()))
+      .add("raw_bytes", result.rawBytes(),
+           result.rawBytes() > 0 ? bytesText(result.rawBytes()) : std::string())
       .add("bytes", result.fileBytes, bytesText(result.fileBytes));
   addRatios(report, result.rawBytes(), result.fileBytes, inputBytes);
   auto list = nlohmann::ordered_json::array();
@@ -149,12 +151,14 @@ Report compressionReport(const std::string& target, const CompressedGrids& resul
   report.add("grids", list, text);
   if (!result.kept.empty())
     addKept(report, result.kept);
+  // Of numbers that were coded; people read none where there are none.
+  const auto of = [&](std::string one) { return result.rawBytes() > 0 ? one : std::string(); };
   report
       .add("support_rms", jsonNumber(worstOverSupport),
-           fmt::format("{:.6g} (over what is in use, of the worst grid)", worstOverSupport))
-      .add("relative_rms", jsonNumber(worst), fmt::format("{:.6g} (of the worst grid)", worst))
+           of(fmt::format("{:.6g} (over what is in use, of the worst grid)", worstOverSupport)))
+      .add("relative_rms", jsonNumber(worst), of(fmt::format("{:.6g} (of the worst grid)", worst)))
       .add("seconds", jsonNumber(result.seconds), fmt::format("{:.2f} s", result.seconds))
-      .add("megabytes_per_second", jsonNumber(speed), fmt::format("{:.3g} MB/s", speed));
+      .add("megabytes_per_second", jsonNumber(speed), of(fmt::format("{:.3g} MB/s", speed)));
   return report;
 }
 

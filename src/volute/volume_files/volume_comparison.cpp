@@ -330,15 +330,19 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
 void addDetails(Report& report, const VolumeComparison& comparison) {
   const GridComparison& worst = comparison.worst();
   const Difference& whole = worst.whole;
+  const auto of = [&](std::string text) {
+    return comparison.measured() ? std::move(text) : std::string();
+  };
   report
       .add("support_rms", jsonNumber(whole.supportRms()),
-           fmt::format("{:.6g} of the range {:.4g} to {:.4g}{}", whole.supportRms(),
-                       whole.supportLow, whole.supportHigh,
-                       whole.robust ? ", without outliers" : ""))
+           of(fmt::format("{:.6g} of the range {:.4g} to {:.4g}{}", whole.supportRms(),
+                          whole.supportLow, whole.supportHigh,
+                          whole.robust ? ", without outliers" : "")))
       .add("support_share", whole.supportShare(),
-           fmt::format("{:.4g} %", 100 * whole.supportShare()))
-      .add("outside_error", jsonNumber(whole.outsideError))
-      .add("max_error_at", worstPlaceJson(worst), worstPlaceText(worst));
+           of(fmt::format("{:.4g} %", 100 * whole.supportShare())))
+      .add("outside_error", jsonNumber(whole.outsideError),
+           of(fmt::format("{:.6g}", whole.outsideError)))
+      .add("max_error_at", worstPlaceJson(worst), of(worstPlaceText(worst)));
   if (worst.byFrame.size() > 1)
     report.add("by_frame", framesJson(worst), worstFrameText(worst));
   if (!comparison.caches)
@@ -365,7 +369,7 @@ void addDetails(Report& report, const VolumeComparison& comparison) {
                              grid.whole.maxError, grid.byFrame.size() > 1 ? "; " : "",
                              grid.byFrame.size() > 1 ? worstFrameText(grid) : "");
   }
-  report.add("worst_grid", worst.name).add("grids", list, text);
+  report.add("worst_grid", worst.name, of(worst.name)).add("grids", list, text);
   auto kept = nlohmann::ordered_json::array();
   std::string keptText;
   for (const auto& [name, same] : comparison.kept) {

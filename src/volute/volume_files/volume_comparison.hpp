@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <string>
@@ -56,6 +57,9 @@ struct VolumeComparison {
   /// The grid with the largest relative RMS, over what was asked for; an empty one if there is
   /// none.
   const GridComparison& worst() const;
+
+  /// Whether there were numbers to compare.
+  bool measured() const { return !std::ranges::all_of(grids, &GridComparison::empty); }
 };
 
 /// Compares two volumes of any format frame by frame in the order of their frames, and caches grid

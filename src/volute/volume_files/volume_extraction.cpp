@@ -411,6 +411,21 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
                            target))
             .in(target));
   }
+  const auto says = [](const FrameMetadata& of) {
+    return std::ranges::any_of(of.lists, [](const auto& list) { return !list.empty(); });
+  };
+  if (extensionOf(target) == ".nvdb" &&
+      (says(grids.fileMetadata) || std::ranges::any_of(grids.targets, [&](const GridTarget& grid) {
+         return says(grid.description.metadata);
+       }))) {
+    reading_.progress.remark(
+        Remark(RemarkCode::kLeftOut,
+               fmt::format("{}: .nvdb files keep no metadata{}", target,
+                           frames.up == 0
+                               ? std::string()
+                               : fmt::format(", and do not say that {} points upwards", frames.up)))
+            .in(target));
+  }
   const MakeSink make = [&] {
     return createCacheSink(target, grids.targets, grids.fileMetadata, grids.kept, &numbers);
   };

@@ -8,6 +8,7 @@
 #include "volute/grid/select_frames.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/volume_source.hpp"
+#include "volute/io/written_frames.hpp"
 #include "volute/volume_files/fds_input.hpp"
 #include "volute/volume_files/memory_volumes.hpp"
 
@@ -136,6 +137,7 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
     input.amounts.assign(shares.begin(), shares.end());
     if (const auto& description = input.reader->grid().description) {
       input.places = description->places();
+      input.gridClass = description->gridClass;
       if (!description->metadata.lists.empty())
         input.vectors = vectorKindOf(description->metadata.lists.front());
     }
@@ -168,6 +170,8 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
     input.places = placed->places();
   if (const auto* vectors = dynamic_cast<const VectorFrames*>(input.source.get()))
     input.vectors = vectors->vectors();
+  if (const auto* written = dynamic_cast<const WrittenFrames*>(input.source.get()))
+    input.writer = written->writer(), input.gridClass = written->gridClass();
   if (const auto* counted = dynamic_cast<const CountedFrames*>(input.source.get()))
     input.amounts = counted->amounts();
   remarkOnFiles(path, reading);

@@ -42,6 +42,8 @@ struct VolumeInput {
   std::vector<GridMatrix> places{};
   VectorKind vectors{};           ///< of three channels
   std::vector<double> amounts{};  ///< how much is in each frame, in any unit; empty: not known
+  std::string writer{};           ///< the program whose up axis it has; empty: it says so, or not
+  std::string gridClass{};        ///< "fog volume"; empty: unknown
 };
 
 /// An error unless the volume lies along the axes, in one place: of who makes something of its

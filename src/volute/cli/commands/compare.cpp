@@ -29,12 +29,16 @@ std::string bytesLine(const std::string& a, const std::string& b) {
   return fmt::format("{} and {}", text(a), text(b));
 }
 
-Report compareReport(const ImageDifference& whole, const std::string& a, const std::string& b) {
+/// @param measured  else there were no numbers to compare, and people read none
+Report compareReport(const ImageDifference& whole, const std::string& a, const std::string& b,
+                     bool measured = true) {
+  const auto of = [&](std::string text) { return measured ? std::move(text) : std::string(); };
   Report report;
-  report.add("rms", whole.rms)
-      .add("relative_rms", whole.relativeRms)
-      .add("psnr", jsonNumber(whole.psnr), fmt::format("{:.2f} dB", whole.psnr))
-      .add("max_error", whole.maxError)
+  report.add("rms", jsonNumber(whole.rms), of(fmt::format("{:.6g}", whole.rms)))
+      .add("relative_rms", jsonNumber(whole.relativeRms),
+           of(fmt::format("{:.6g}", whole.relativeRms)))
+      .add("psnr", jsonNumber(whole.psnr), of(fmt::format("{:.2f} dB", whole.psnr)))
+      .add("max_error", jsonNumber(whole.maxError), of(fmt::format("{:.6g}", whole.maxError)))
       .add("bytes", {bytesJson(a), bytesJson(b)}, bytesLine(a, b));
   return report;
 }
@@ -74,7 +78,7 @@ Result<Report> compareVolumes(const std::string& a, const std::string& b,
   const GridComparison& worst = comparison.worst();
   Report report = compareReport({worst.empty ? 0 : worst.whole.rms(), worst.relativeRms(),
                                  worst.psnr(), worst.whole.maxError},
-                                a, b);
+                                a, b, comparison.measured());
   addDetails(report, comparison);
   return report;
 }

@@ -257,7 +257,13 @@ Result<std::shared_ptr<VolumeMedium>> VolumeMedium::open(const std::string& path
                 (bytes >> 20) + 1, reading.maxMemory >> 20);
   }
   if (const char up = input.source->info().up; options.stated.up == 0) {
-    if (up != 0 && up != 'z')
+    if (up != 0 && up != 'z' && !input.writer.empty())
+      reading.progress.remark(
+          {RemarkCode::kAssumed,
+           fmt::format("{}: its {} axis points upwards, as in {}, which wrote it", path, up,
+                       input.writer),
+           {Hint::set("up", "z").so("turns z upwards")}});
+    else if (up != 0 && up != 'z')
       reading.progress.remark(fmt::format("{}: its {} axis points upwards, as it says", path, up));
     else if (up == 0 && isVdbPath(path))
       reading.progress.remark(

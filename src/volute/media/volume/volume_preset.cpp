@@ -30,6 +30,8 @@ constexpr std::string_view kFireWords[] = {"fire", "flame", "burn", "torch", "ex
 constexpr std::string_view kSmokeWords[] = {"smoke", "density", "soot", "fog",
                                             "cloud", "steam",   "mist"};
 
+constexpr std::string_view kFogClass = "fog volume";
+
 constexpr double kSmokeDepth = 6;  ///< optical depth of dense columns
 constexpr double kFireLight = 4;   ///< radiance of bright columns
 constexpr double kSmokeAlbedo = 0.9;
@@ -137,6 +139,12 @@ class Grids {
           found = std::move(other);
       }
     }
+    for (std::size_t i = 0; i < there.size() && unclear(); ++i) {
+      first.grid = there[i];
+      if (auto other = openVolume(path, first, silent);
+          other && other->source->info().channels == 1)
+        found = std::move(other), grids.taken_ = there[i];
+    }
     if (!found)
       return tl::unexpected(std::move(found.error()));
     grids.main_ = std::move(*found);
@@ -156,6 +164,26 @@ class Grids {
   bool named() const { return named_; }
 
   const std::vector<std::string>& names() const { return names_; }
+
+  /// Whether somebody said which grid is meant.
+  bool stated() const { return !input_.grid.empty(); }
+
+  /// The first of several of which no name says anything; empty: there is no need.
+  const std::string& taken() const { return taken_; }
+
+  const std::string& gridClass() const { return main_.gridClass; }
+
+  /// As find() but others that are called the same, as OpenVDB counts them: "density[1]".
+  std::string namesakes(const std::string& name) const {
+    const std::size_t count = name.find_last_of('[');
+    std::string others;
+    for (const std::string& other : names_) {
+      if (count != std::string::npos && count > 0 && other != name &&
+          other.starts_with(name.substr(0, count + 1)))
+        others += (others.empty() ? "'" : ", '") + other + "'";
+    }
+    return others;
+  }
 
   /// As nameAmong().
   std::string find(Names wanted) const { return nameAmong(names_, wanted); }
@@ -225,6 +253,7 @@ class Grids {
   std::shared_ptr<LoneFrame> frame_;
   VolumeInput main_;
   std::vector<std::string> names_;
+  std::string taken_;
   bool named_ = true;
 };
 
@@ -258,11 +287,16 @@ Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path
         wanted == VolumePreset::kSmoke || (automatic && holdsWord(file, kSmokeWords));
     (fire ? choice.flame : choice.density) = fire || smoke ? grids.mainName() : "";
   }
-  // The only grid is what somebody says it is.
-  if (grids.names().size() == 1 && wanted == VolumePreset::kFire && choice.flame.empty())
+  // The only grid, or the one that is chosen, is what somebody says it is.
+  const bool one = grids.names().size() == 1 || grids.stated();
+  if (one && wanted == VolumePreset::kFire && choice.flame.empty())
     choice.flame = grids.mainName(), choice.density.clear();
-  if (grids.names().size() == 1 && wanted == VolumePreset::kSmoke && choice.density.empty())
+  if (one && wanted == VolumePreset::kSmoke && choice.density.empty())
     choice.density = grids.mainName(), choice.flame.clear();
+  // Of whatever name: fog is what its class says.
+  const bool unknown = choice.density.empty() && choice.flame.empty() && choice.heat.empty();
+  if (automatic && unknown && grids.gridClass() == kFogClass)
+    choice.density = grids.mainName();
   for (const auto& [name, range] :
        {std::pair(&choice.density, &choice.densityRange),
         std::pair(&choice.flame, &choice.flameRange), std::pair(&choice.heat, &choice.heatRange)}) {
@@ -311,6 +345,19 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
   if (preset == VolumePreset::kNone)
     return preset;
   VOLUTE_ASSIGN(auto grids, Grids::open(path, input, reading, frame));
+  if (!grids.taken().empty()) {
+    input.grid = grids.taken();
+    std::string others;
+    for (const std::string& name : grids.names()) {
+      if (name != grids.taken())
+        others += (others.empty() ? "" : ", ") + name;
+    }
+    reading.progress.remark(Remark(RemarkCode::kAssumed,
+                                   fmt::format("{}: the grid '{}' is read; it also has {}", path,
+                                               grids.taken(), others),
+                                   {Hint::choose("field")})
+                                .in(path));
+  }
   // Light that somebody has measured or computed is shown as it is.
   const std::string light = grids.find(kLightNames);
   if (preset == VolumePreset::kAuto && !light.empty() && grids.named()) {
@@ -345,8 +392,17 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
     return VolumePreset::kSmoke;
   }
   VOLUTE_ASSIGN(const Choice choice, choose(preset, grids, path));
-  if (choice.preset == VolumePreset::kNone)
+  if (choice.preset == VolumePreset::kNone) {
+    if (isVdbPath(path) && grids.info().channels == 1)
+      reading.progress.remark(
+          Remark(RemarkCode::kAssumed,
+                 fmt::format("{}: '{}' is shown as light: neither its name nor its class says that "
+                             "it is smoke or fire",
+                             path, grids.mainName()),
+                 {Hint::set("preset", "smoke").so("shows it as smoke")})
+              .in(path));
     return choice.preset;
+  }
   const bool smokes = choice.preset != VolumePreset::kFire;
   const bool burns = choice.preset != VolumePreset::kSmoke;
   if (grids.named())
@@ -389,6 +445,13 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
   reading.progress.remark(Remark(RemarkCode::kAssumed, fmt::format("{}: shown as {}", path, text),
                                  {Hint::set("preset", "none").so("shows plain values as light")})
                               .in(path));
+  if (const std::string others = grids.namesakes(smokes ? choice.density : choice.flame);
+      !others.empty()) {
+    reading.progress.remark(Remark(RemarkCode::kAssumed,
+                                   fmt::format("{}: not shown: {}", path, others),
+                                   {Hint::choose("field")})
+                                .in(path));
+  }
   return choice.preset;
 }
 

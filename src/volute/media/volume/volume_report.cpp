@@ -217,9 +217,10 @@ void addVoluteGrids(Report& report, const VoluteReader& reader) {
     if (grid.description)
       text += fmt::format("{} voxels not empty, ", own.voxels);
     text += fmt::format(
-        "{} in memory, {} in the file ({:.4g} of dense floats), relative rms {:.3g}, "
-        "max error {:.3g}",
-        bytesText(memory), bytesText(grid.bytes), ratio, header.reachedRms, header.reachedMaxError);
+        "{} in memory, {} in the file{}, relative rms {:.3g}, max error {:.3g}", bytesText(memory),
+        bytesText(grid.bytes),
+        grid.bytes > 0 ? fmt::format(" ({:.4g} of dense floats)", ratio) : std::string(),
+        header.reachedRms, header.reachedMaxError);
   }
   report.add("grids", list, text);
 }
