@@ -166,7 +166,8 @@ class ShadedPart final : public GlPart {
     const std::shared_ptr<const MarchGrid> grid = volume_.seenFrom(picture.camera).march();
     if (!grid || !grid->fits) {
       return fail(ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
-                  "a volume of more than 8 GiB is not rendered by OpenGL");
+                  "a volume of large constant regions, or of more than 8 GiB, is not rendered by "
+                  "OpenGL when it is lit");
     }
     VOLUTE_ASSIGN(auto atlas, picture.resources.upload<GlShadedAtlas>(
                                   grid->slice, name(), [&] { return makeShadedAtlas(*grid); }));

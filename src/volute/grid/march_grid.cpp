@@ -67,8 +67,17 @@ BricksAround bricksAround(const BrickSlice& slice, const BrickPlace& place) {
 }
 
 /// Fills in the trilinear bricks: all into whose cells a stored brick reaches.
-void makeCorners(const BrickSlice& slice, const BrickPlace& count, bool shares, MarchGrid& grid) {
-  const std::vector<BrickPlace> places = slice.reached(count, grid.table);
+void makeCorners(const BrickSlice& slice, const BrickPlace& count, bool shares,
+                 const BrickTable* without, MarchGrid& grid) {
+  std::vector<BrickPlace> places = slice.reached(count, grid.table);
+  if (without) {
+    std::erase_if(places, [&](const BrickPlace& place) {
+      const bool out = without->at(place) != BrickTable::kEmpty;
+      if (out)
+        grid.table.set(place, BrickTable::kEmpty);
+      return out;
+    });
+  }
   // Where all around is of one value or empty, bricks with the same around them are equal.
   std::map<BricksAround, std::int32_t> uniform;
   std::vector<BrickPlace> distinct;
@@ -141,7 +150,8 @@ Rgb unpackLight(float packed) {
 
 std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
                                          const CellGrid& cells, double emissionScale,
-                                         double extinctionScale, bool shares) {
+                                         double extinctionScale, bool shares,
+                                         const BrickTable* without) {
   auto grid = std::make_shared<MarchGrid>();
   grid->slice = slice;
   grid->trilinear = slice->basis() == Basis::kTrilinear;
@@ -157,7 +167,7 @@ std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>
     grid->stride[axis] = axis == 0 ? 1 : grid->stride[axis - 1] * side;
   }
   if (grid->trilinear) {
-    makeCorners(*slice, count, shares, *grid);
+    makeCorners(*slice, count, shares, without, *grid);
     grid->values = grid->corners->data();
   } else {
     grid->table = slice->table();

@@ -19,6 +19,7 @@ namespace volute {
 namespace {
 
 constexpr int kShadedSide = BrickSlice::kSide + 1;
+constexpr float kMaxOfMeans = 1.5F;  // of the light itself
 constexpr int kShadedCorners = kShadedSide * kShadedSide * kShadedSide;
 
 /// The first channel alone, of what is unshared.
@@ -59,8 +60,9 @@ int stepsOf(const BrickSlice& slice, const CellGrid& cells) {
 }
 
 std::shared_ptr<const MarchGrid> marchOf(const std::shared_ptr<const BrickSlice>& slice,
-                                         const CellGrid& cells) {
-  auto march = makeMarchGrid(slice, cells, 1, 1, false);
+                                         const CellGrid& cells,
+                                         const BrickTable* without = nullptr) {
+  auto march = makeMarchGrid(slice, cells, 1, 1, false, without);
   march->shaded = true;
   march->emissionChannel = slice->channels() == 4 ? 1 : -1;
   march->steps = stepsOf(*slice, cells);
@@ -83,6 +85,18 @@ void markNeeded(const float* values, std::array<std::uint8_t, kShadedCorners>& m
   }
 }
 
+/// Whether all of it is the brightest, made darker.
+bool isOneColor(std::span<const VoxelLight> light, const Rgb& largest) {
+  constexpr double kSame = 1e-6;
+  const double brightest = largest.maxCoeff();
+  const Rgb color = largest / brightest;
+  return std::ranges::all_of(light, [&](const VoxelLight& voxel) {
+    const Rgb one = voxel.cast<double>();
+    const double share = (one * color).sum() / color.square().sum();
+    return ((one - share * color).abs() <= kSame * brightest).all();
+  });
+}
+
 Polynomial product(const Cubic& a, const Cubic& b) {
   Polynomial out;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -99,17 +113,47 @@ struct ShadedVoxels::Counters {
   std::atomic<std::uint64_t> bricksSkipped{0};
 };
 
+constexpr int kTileSide = 4;  // cells
+constexpr int kTilesOfBrick = BrickSlice::kSide / kTileSide;
+
+/// Cubes of cells in which the extinction is the same everywhere, and so it is in their bricks.
+struct ShadedVoxels::Tiles {
+  BrickTable bricks;  ///< of cells, that are tiles
+  BrickTable table;   ///< the number of each tile
+  std::vector<BrickPlace> places;
+  std::vector<float> extinction;
+  std::vector<std::array<std::int32_t, 8>> points;  ///< which of the places their corners are
+  BrickTable corners;                               ///< the same of each corner, in tiles
+  std::size_t firstPoint = 0;                       ///< those before are of other cells, too
+};
+
 ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
     : ShadedVoxels(Drawn(unshared(std::move(slice)))) {}
 
+ShadedVoxels ShadedVoxels::withTiles(std::shared_ptr<const BrickSlice> slice, std::size_t many) {
+  auto tiles = slice->channels() == 1 && slice->basis() == Basis::kTrilinear &&
+                       slice->entries().size() >= many
+                   ? findTiles(*slice)
+                   : nullptr;
+  if (!tiles || tiles->places.size() < many * kTilesOfBrick * kTilesOfBrick * kTilesOfBrick)
+    return ShadedVoxels(std::move(slice));
+  ShadedVoxels made(Drawn(std::move(slice), &tiles->bricks));
+  auto corners = std::make_shared<Corners>(*made.corners_);
+  made.addCorners(*tiles, *corners);
+  made.corners_ = std::move(corners);
+  made.tiles_ = std::move(tiles);
+  return made;
+}
+
 /// Null over the cubic basis.
-ShadedVoxels::Drawn::Drawn(std::shared_ptr<const BrickSlice> whole) : slice(std::move(whole)) {
+ShadedVoxels::Drawn::Drawn(std::shared_ptr<const BrickSlice> whole, const BrickTable* without)
+    : slice(std::move(whole)) {
   if (slice->basis() != Basis::kCubic)
-    march = marchOf(slice, voxels::cellsOf(*slice));
+    march = marchOf(slice, voxels::cellsOf(*slice), without);
 }
 
 VoxelMedium ShadedVoxels::Drawn::absorption() const {
-  if (march && slice->channels() == 1)
+  if (march && slice->channels() == 1 && slice->entries().size() == slice->storedBricks())
     return {march, 0, 1};
   return {firstChannel(slice), 0, 1};
 }
@@ -170,14 +214,80 @@ Vec3 ShadedVoxels::centreOf(const std::array<std::int32_t, 3>& place) const {
   return slice_->bounds().min + slice_->bounds().size().cwiseProduct(shares);
 }
 
+VoxelPlaces ShadedVoxels::lightPlaces() const {
+  if (corners_->packed.empty())
+    return corners_->places;
+  return {corners_->packed, march_->bricks, corners_->places};
+}
+
 std::vector<Vec3> ShadedVoxels::lightPoints() const {
   std::vector<Vec3> points;
-  points.reserve(lightPlaces().size());
-  for (const auto& place : lightPlaces()) points.push_back(centreOf(place));
+  const VoxelPlaces places = lightPlaces();
+  points.reserve(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) points.push_back(centreOf(places[i]));
   return points;
 }
 
-std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const MarchGrid& grid) {
+std::shared_ptr<ShadedVoxels::Tiles> ShadedVoxels::findTiles(const BrickSlice& slice) {
+  auto tiles = std::make_shared<Tiles>();
+  const BrickPlace count{slice.bricksX() + 1, slice.bricksY() + 1, slice.bricksZ() + 1};
+  tiles->bricks = BrickTable(count, slice.entries().size());
+  constexpr int kMany = kTilesOfBrick * kTilesOfBrick * kTilesOfBrick;
+  tiles->table =
+      BrickTable({kTilesOfBrick * count[0], kTilesOfBrick * count[1], kTilesOfBrick * count[2]},
+                 kMany * slice.entries().size());
+  for (const BrickSlice::Entry& entry : slice.entries()) {
+    if (entry.stored < slice.firstUniform())
+      continue;
+    // Cells begin one voxel before a brick; light changes most just below the surface.
+    bool alone = true;
+    for (int i = 1; i < 8 && alone; ++i) {
+      for (const int way : {-1, 1}) {
+        alone = alone &&
+                slice.brickAt(entry.place[0] + way * (i & 1), entry.place[1] + way * (i >> 1 & 1),
+                              entry.place[2] + way * (i >> 2)) == entry.stored;
+      }
+    }
+    if (!alone)
+      continue;
+    tiles->bricks.set(entry.place, 0);
+    for (int i = 0; i < kMany; ++i) {
+      const BrickPlace place{kTilesOfBrick * entry.place[0] + i % kTilesOfBrick,
+                             kTilesOfBrick * entry.place[1] + i / kTilesOfBrick % kTilesOfBrick,
+                             kTilesOfBrick * entry.place[2] + i / kTilesOfBrick / kTilesOfBrick};
+      tiles->table.set(place, static_cast<std::int32_t>(tiles->places.size()));
+      tiles->places.push_back(place);
+      tiles->extinction.push_back(*slice.brick(entry.stored));
+    }
+  }
+  return tiles;
+}
+
+void ShadedVoxels::addCorners(Tiles& tiles, Corners& corners) const {
+  const BrickPlace& count = tiles.table.count();
+  tiles.corners = BrickTable({count[0] + 1, count[1] + 1, count[2] + 1}, tiles.places.size());
+  tiles.firstPoint = corners.packed.size();
+  for (const BrickPlace& tile : tiles.places) {
+    auto& points = tiles.points.emplace_back();
+    for (int i = 0; i < 8; ++i) {
+      const BrickPlace corner{tile[0] + (i & 1), tile[1] + (i >> 1 & 1), tile[2] + (i >> 2)};
+      std::int32_t point = tiles.corners.at(corner);
+      if (point < 0) {
+        const std::array<std::int32_t, 3> voxel{
+            kTileSide * corner[0] - 1, kTileSide * corner[1] - 1, kTileSide * corner[2] - 1};
+        point = pointAt(voxel);
+        if (point < 0) {
+          point = static_cast<std::int32_t>(tiles.firstPoint + corners.places.size());
+          corners.places.push_back(voxel);
+        }
+        tiles.corners.set(corner, point);
+      }
+      points[static_cast<std::size_t>(i)] = point;
+    }
+  }
+}
+
+std::shared_ptr<ShadedVoxels::Corners> ShadedVoxels::findCorners(const MarchGrid& grid) {
   auto corners = std::make_shared<Corners>();
   const std::size_t bricks = grid.bricks.size();
   corners->ofBrick.assign(bricks * kShadedCorners, -1);
@@ -189,9 +299,10 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const Mar
   std::size_t needed = 0;
   for (const auto& ofBrick : marks)
     needed += static_cast<std::size_t>(std::ranges::count(ofBrick, 1));
-  corners->places.reserve(needed);
+  VOLUTE_ASSERT(bricks * kShadedCorners <= std::numeric_limits<std::uint32_t>::max());
+  corners->packed.reserve(needed);
   for (std::size_t b = 0; b < bricks; ++b) {
-    corners->firstPoint.push_back(static_cast<std::int32_t>(corners->places.size()));
+    corners->firstPoint.push_back(static_cast<std::int32_t>(corners->packed.size()));
     const BrickPlace& brick = grid.bricks[b].place;
     std::int32_t* out = &corners->ofBrick[b * kShadedCorners];
     for (int i = 0; i < kShadedCorners; ++i) {
@@ -221,11 +332,9 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const Mar
       }
       if (out[i] >= 0)
         continue;
-      out[i] = static_cast<std::int32_t>(corners->places.size());
-      // A cell's first corner is the voxel before it.
-      corners->places.push_back({brick[0] * BrickSlice::kSide + place[0] - 1,
-                                 brick[1] * BrickSlice::kSide + place[1] - 1,
-                                 brick[2] * BrickSlice::kSide + place[2] - 1});
+      out[i] = static_cast<std::int32_t>(corners->packed.size());
+      corners->packed.push_back(static_cast<std::uint32_t>(b * kShadedCorners) +
+                                static_cast<std::uint32_t>(i));
     }
   }
   return corners;
@@ -300,6 +409,29 @@ std::vector<VoxelLight> ShadedVoxels::forMeans(std::span<const VoxelLight> light
   if (!march_ || splines_)
     return {light.begin(), light.end()};
   std::vector<VoxelLight> out(light.size());
+  eachMean(light, [&](std::size_t i, const VoxelLight& mean) { out[i] = mean; });
+  return out;
+}
+
+ShadedVoxels ShadedVoxels::withMeansOf(std::vector<VoxelLight> light) const {
+  if (!march_ || splines_)
+    return withLight(std::move(light));
+  VoxelLight most = VoxelLight::Zero();
+  for (const VoxelLight& one : light) most = most.max(one);
+  if (!(most.maxCoeff() > 0))
+    return withLight(std::move(light));
+  const bool oneColor = isOneColor(light, most.cast<double>());
+  auto packed = std::make_shared<PackedLight>(kMaxOfMeans * most, light.size());
+  eachMean(light, [&](std::size_t i, const VoxelLight& mean) { packed->set(i, mean); });
+  light = {};
+  return withPacked(std::move(packed), oneColor);
+}
+
+template <class Put>
+void ShadedVoxels::eachMean(std::span<const VoxelLight> light, Put&& put) const {
+  if (tiles_)
+    eachMeanOfTiles(light, put);
+  const VoxelPlaces places = lightPlaces();
   // By the brick that has a point first; its neighbours are mostly there.
   parallelRanges(corners_->firstPoint.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
@@ -315,7 +447,7 @@ std::vector<VoxelLight> ShadedVoxels::forMeans(std::span<const VoxelLight> light
           const auto neighbour = [&](int way) {
             if (at + way >= 0 && at + way < kShadedSide)
               return points[corner + way * step];
-            auto place = corners_->places[i];
+            auto place = places[i];
             place[axis] += way;
             return pointAt(place);
           };
@@ -324,11 +456,33 @@ std::vector<VoxelLight> ShadedVoxels::forMeans(std::span<const VoxelLight> light
             differences += light[static_cast<std::size_t>(before)] +
                            light[static_cast<std::size_t>(after)] - 2 * light[i];
         }
-        out[i] = (light[i] - differences / 12).max(0.5F * light[i]).min(1.5F * light[i]);
+        put(i, (light[i] - differences / 12).max(0.5F * light[i]).min(kMaxOfMeans * light[i]));
       }
     }
   });
-  return out;
+}
+
+template <class Put>
+void ShadedVoxels::eachMeanOfTiles(std::span<const VoxelLight> light, Put&& put) const {
+  for (std::size_t i = tiles_->firstPoint; i < light.size(); ++i) {
+    const auto& place = corners_->places[i - tiles_->firstPoint];
+    VoxelLight differences = VoxelLight::Zero();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto neighbour = [&](int way) {
+        auto voxel = place;
+        voxel[axis] += way * kTileSide;
+        BrickPlace corner;
+        for (std::size_t a = 0; a < 3; ++a) corner[a] = (voxel[a] + 1) / kTileSide;
+        const std::int32_t point = tiles_->corners.at(corner);
+        return point >= 0 ? point : pointAt(voxel);
+      };
+      const std::int32_t before = neighbour(-1), after = neighbour(1);
+      if (before >= 0 && after >= 0)
+        differences += light[static_cast<std::size_t>(before)] +
+                       light[static_cast<std::size_t>(after)] - 2 * light[i];
+    }
+    put(i, (light[i] - differences / 12).max(0.5F * light[i]).min(kMaxOfMeans * light[i]));
+  }
 }
 
 /// Between voxels the spline of products K_i L_i is K L plus a sixth of its second derivative, and
@@ -392,40 +546,35 @@ ShadedVoxels ShadedVoxels::withSplines(std::span<const VoxelLight> light) const 
   return lit;
 }
 
-namespace {
-
-/// Whether all of it is the brightest, made darker.
-bool isOneColor(std::span<const VoxelLight> light, const Rgb& largest) {
-  constexpr double kSame = 1e-6;
-  const double brightest = largest.maxCoeff();
-  const Rgb color = largest / brightest;
-  return std::ranges::all_of(light, [&](const VoxelLight& voxel) {
-    const Rgb one = voxel.cast<double>();
-    const double share = (one * color).sum() / color.square().sum();
-    return ((one - share * color).abs() <= kSame * brightest).all();
-  });
-}
-
-}  // namespace
-
 ShadedVoxels ShadedVoxels::withLight(std::vector<VoxelLight> given) const {
-  const std::span<const VoxelLight> light = given;
-  VOLUTE_ASSERT(light.size() == corners_->places.size());
+  VOLUTE_ASSERT(given.size() == lightPlaces().size());
   if (!march_ || splines_)
-    return withSplines(light);
-  ShadedVoxels lit = *this;
-  Rgb largest = Rgb::Zero();
-  for (const VoxelLight& one : light) largest = largest.max(one.cast<double>());
-  if (!(largest.maxCoeff() > 0)) {
+    return withSplines(given);
+  VoxelLight most = VoxelLight::Zero();
+  for (const VoxelLight& one : given) most = most.max(one);
+  if (!(most.maxCoeff() > 0)) {
+    ShadedVoxels lit = *this;
     lit.light_ = nullptr;
     return lit;
   }
-  lit.light_ =
-      std::make_shared<const std::vector<VoxelLight>>(std::move(given));  // `light` still sees it
+  const bool oneColor = isOneColor(given, most.cast<double>());
+  auto packed = std::make_shared<PackedLight>(most, given.size());
+  for (std::size_t i = 0; i < given.size(); ++i) packed->set(i, given[i]);
+  given = {};
+  return withPacked(std::move(packed), oneColor);
+}
+
+ShadedVoxels ShadedVoxels::withPacked(std::shared_ptr<const PackedLight> light,
+                                      bool oneColor) const {
+  ShadedVoxels lit = *this;
+  lit.light_ = light;
+  Rgb largest = Rgb::Zero();
+  for (std::size_t i = 0; i < light->shares.size(); ++i)
+    largest = largest.max(light->at(static_cast<std::int32_t>(i)).cast<double>());
   const int channels = slice_->channels();
   auto march = std::make_shared<MarchGrid>(*march_);
   march->lightChannel = channels;
-  march->oneColor = isOneColor(light, largest);
+  march->oneColor = oneColor;
   for (int c = 0; c < 3; ++c) {
     const double levels = march->oneColor ? 1 : kPackedLevels[c];
     march->lightScale[c] = static_cast<float>(largest[c] / (levels * levels));
@@ -461,7 +610,7 @@ ShadedVoxels ShadedVoxels::withLight(std::vector<VoxelLight> given) const {
       const std::int32_t* points = &corners_->ofBrick[b * kShadedCorners];
       for (int i = 0; i < kShadedCorners; ++i, out += march->stride[0]) {
         if (points[i] >= 0)
-          *out = valueOf(light[static_cast<std::size_t>(points[i])]);
+          *out = valueOf(light->at(points[i]));
       }
     }
   });
@@ -480,8 +629,7 @@ Rgb ShadedVoxels::lightAt(std::int32_t brick, const std::array<int, 3>& cell, in
         (cell[static_cast<std::size_t>(axis)] % BrickSlice::kSide + (corner >> axis & 1)) * stride;
   const std::int32_t point = corners_->ofBrick[static_cast<std::size_t>(brick) * kShadedCorners +
                                                static_cast<std::size_t>(place)];
-  return point < 0 ? Rgb(Rgb::Zero())
-                   : Rgb((*light_)[static_cast<std::size_t>(point)].cast<double>());
+  return point < 0 ? Rgb(Rgb::Zero()) : Rgb(light_->at(point).cast<double>());
 }
 
 Rgb ShadedVoxels::emission(const Vec3& point) const {
@@ -491,6 +639,20 @@ Rgb ShadedVoxels::emission(const Vec3& point) const {
   if (!bounds().contains(point))
     return sent;
   const auto cell = cells_.cellAt(point);
+  if (const std::int32_t tile =
+          tiles_ && light_
+              ? tiles_->table.at(cell[0] / kTileSide, cell[1] / kTileSide, cell[2] / kTileSide)
+              : BrickTable::kEmpty;
+      tile >= 0) {
+    const auto n = static_cast<std::size_t>(tile);
+    const auto part =
+        voxels::cornerShares(voxels::placeInCell(tileGrid(), tiles_->places[n], point));
+    for (std::size_t i = 0; i < 8; ++i) {
+      const VoxelLight one = light_->at(tiles_->points[n][i]);
+      sent += part[i] * tiles_->extinction[n] * one.cast<double>();
+    }
+    return sent;
+  }
   const auto shares = voxels::cornerShares(voxels::placeInCell(cells_, cell, point));
   const std::int32_t brick = march_->table.at(
       cell[0] / BrickSlice::kSide, cell[1] / BrickSlice::kSide, cell[2] / BrickSlice::kSide);
@@ -546,6 +708,110 @@ void ShadedVoxels::pieces(std::span<const Segment> segments,
           }
           pieces[s].push_back(piece);
         });
+    if (tiles_) {
+      addTilePieces(segments[s], pieces[s]);
+      std::ranges::sort(pieces[s], {}, &Piece::begin);
+    }
+  }
+}
+
+CellGrid ShadedVoxels::tileGrid() const {
+  return {cells_.origin, kTileSide * cells_.cell, {}};
+}
+
+void ShadedVoxels::addTilePieces(const Segment& segment, std::vector<Piece>& pieces) const {
+  const CellGrid grid = tileGrid();
+  tiles_->table.walk(grid, segment,
+                     [&](const BrickPlace& place, std::int32_t number, double begin, double end) {
+                       if (!(end > begin))
+                         return true;
+                       const auto n = static_cast<std::size_t>(number);
+                       const voxels::InCell ray(grid, place, segment, begin, end);
+                       Piece piece{begin, end, {}, {}, 0};
+                       piece.extinction.c[0] = tiles_->extinction[n];
+                       for (int c = 0; c < 3 && light_; ++c) {
+                         std::array<double, 8> values{};
+                         for (std::size_t i = 0; i < 8; ++i)
+                           values[i] = piece.extinction.c[0] * light_->at(tiles_->points[n][i])[c];
+                         piece.emission[c] = voxels::cornerCubic(ray, values);
+                       }
+                       pieces.push_back(piece);
+                       return true;
+                     });
+}
+
+/// Emission and absorption in a tile, by two Gauss points for each step.
+Radiance ShadedVoxels::radianceOfTile(const OnTile& on, const Segment& segment) const {
+  constexpr double kMaxDepth = 1.3;
+  const auto n = static_cast<std::size_t>(on.number);
+  const double extinction = tiles_->extinction[n], length = on.end - on.begin;
+  const voxels::InCell ray(tileGrid(), tiles_->places[n], segment, on.begin, on.end);
+  std::array<VoxelLight, 8> light;
+  for (std::size_t i = 0; i < 8; ++i) light[i] = light_->at(tiles_->points[n][i]);
+  const GaussRule rule = gaussRule(2);
+  const double steps = std::ceil(std::max(extinction * length / kMaxDepth, 1.0));
+  const double step = length / steps;
+  Radiance sum;
+  for (double k = 0; k < steps && sum.transmittance > march_->lightLost; ++k) {
+    for (std::size_t g = 0; g < 2; ++g) {
+      const double into = 0.5 * step * (1 + rule.nodes[g]);
+      const auto shares = voxels::cornerShares(ray.at + (k * step + into) * ray.velocity);
+      VoxelLight at = VoxelLight::Zero();
+      for (std::size_t i = 0; i < 8; ++i) at += static_cast<float>(shares[i]) * light[i];
+      sum.emitted += 0.5 * step * rule.weights[g] * extinction * sum.transmittance *
+                     std::exp(-extinction * into) * at.cast<double>();
+    }
+    sum.transmittance *= std::exp(-extinction * step);
+  }
+  return sum;
+}
+
+void ShadedVoxels::radianceWithTiles(std::span<const Segment> segments, std::span<Radiance> out,
+                                     MarchCounts& counts) const {
+  // What is before each run of tiles, and behind the last.
+  std::vector<OnTile> tiles;
+  std::vector<Segment> between;
+  std::vector<std::size_t> firstTile;
+  constexpr double kTogether = 1e-9;
+  for (const Segment& segment : segments) {
+    firstTile.push_back(tiles.size());
+    Segment rest = segment;
+    tiles_->table.walk(
+        tileGrid(), segment, [&](const BrickPlace&, std::int32_t number, double begin, double end) {
+          if (!(end > begin))
+            return true;
+          const bool first = tiles.size() == firstTile.back();
+          const bool begins = first || begin - tiles.back().end > kTogether * std::abs(begin);
+          if (begins) {
+            Segment before = rest;
+            before.end = std::max(before.begin, begin);
+            between.push_back(before);
+          }
+          tiles.push_back({number, begin, end, begins});
+          rest.begin = end;
+          return true;
+        });
+    rest.end = std::max(rest.begin, rest.end);
+    between.push_back(rest);
+  }
+  firstTile.push_back(tiles.size());
+  std::vector<Radiance> marched(between.size());
+  marchRadiance(*march_, cells_, occupied_, between, marched, counts);
+  auto next = marched.begin();
+  for (std::size_t s = 0; s < segments.size(); ++s) {
+    Radiance sum;
+    const auto add = [&](const Radiance& one) {
+      sum.emitted += sum.transmittance * one.emitted;
+      sum.transmittance *= one.transmittance;
+    };
+    for (std::size_t i = firstTile[s]; i < firstTile[s + 1]; ++i) {
+      if (tiles[i].begins)
+        add(*next++);
+      if (sum.transmittance > march_->lightLost)
+        add(radianceOfTile(tiles[i], segments[s]));
+    }
+    add(*next++);
+    out[s] = sum;
   }
 }
 
@@ -563,7 +829,10 @@ void ShadedVoxels::radiance(std::span<const Segment> segments, std::span<Radianc
     extinction_.radiance(segments, out);
     return;
   }
-  marchRadiance(*march_, cells_, occupied_, segments, out, counts);
+  if (tiles_)
+    radianceWithTiles(segments, out, counts);
+  else
+    marchRadiance(*march_, cells_, occupied_, segments, out, counts);
   counters_->voxels += counts.voxels;
   counters_->bricksVisited += counts.bricksVisited;
   counters_->bricksSkipped += counts.bricksSkipped;

@@ -10,6 +10,7 @@
 
 #include "volute/grid/cubic_voxels.hpp"
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/grid/voxel_places.hpp"
 
 namespace volute {
 
@@ -37,6 +38,11 @@ class ShadedVoxels {
   /// without light, as refinedSpline(). Several times faster than the cubic basis.
   static ShadedVoxels refining(std::shared_ptr<const BrickSlice> spline);
 
+  /// Where bricks of cells of one value lie together, and are `many`, 4 million voxels, as in tiles
+  /// of OpenVDB, light is known at every fourth voxel. For lamps whose light changes slowly there.
+  /// Only without J, over the trilinear basis; march() is null then. Else as ShadedVoxels(slice).
+  static ShadedVoxels withTiles(std::shared_ptr<const BrickSlice> slice, std::size_t many = 8192);
+
   /// What is drawn where no light was given: itself, unless it is refining().
   ShadedVoxels drawn() const;
 
@@ -44,11 +50,12 @@ class ShadedVoxels {
   std::uint64_t drawnBytes() const;
 
   /// Where light is to be known: the centres of all voxels in cells in which K is not zero, up to
-  /// one voxel outside of the volume [m]; over the cubic basis those of voxels with K > 0.
+  /// one voxel outside of the volume [m]; over the cubic basis those of voxels with K > 0. Of
+  /// tiles every fourth.
   std::vector<Vec3> lightPoints() const;
 
   /// The same as voxels; -1 is one before the first.
-  std::span<const std::array<std::int32_t, 3>> lightPlaces() const { return corners_->places; }
+  VoxelPlaces lightPlaces() const;
 
   /// [m]
   Vec3 centreOf(const std::array<std::int32_t, 3>& place) const;
@@ -58,6 +65,9 @@ class ShadedVoxels {
   /// between values of e^-t would else be too bright everywhere. Over the cubic basis it is the
   /// light itself.
   std::vector<VoxelLight> forMeans(std::span<const VoxelLight> light) const;
+
+  /// withLight() of forMeans(), with less memory.
+  ShadedVoxels withMeansOf(std::vector<VoxelLight> light) const;
 
   /// The same with light: L at each of lightPoints().
   ShadedVoxels withLight(std::vector<VoxelLight> light) const;
@@ -89,9 +99,9 @@ class ShadedVoxels {
   MarchCounts counts() const;
 
   /// What the SIMD march reads, for its twins on other devices. Null where its values and light are
-  /// too many to be addressed.
+  /// too many to be addressed, and where there are tiles.
   std::shared_ptr<const MarchGrid> march() const {
-    return light_ && !marchesLight() ? nullptr : march_;
+    return tiles_ || (light_ && !marchesLight()) ? nullptr : march_;
   }
 
  private:
@@ -100,7 +110,7 @@ class ShadedVoxels {
     std::shared_ptr<const BrickSlice> slice;
     std::shared_ptr<const MarchGrid> march;
 
-    explicit Drawn(std::shared_ptr<const BrickSlice> whole);
+    explicit Drawn(std::shared_ptr<const BrickSlice> whole, const BrickTable* without = nullptr);
     VoxelMedium absorption() const;
   };
 
@@ -110,7 +120,8 @@ class ShadedVoxels {
   /// The corners of a brick of cells, 9 a side, and which of the places is at each; -1: none is
   /// needed.
   struct Corners {
-    std::vector<std::array<std::int32_t, 3>> places;  ///< voxels
+    std::vector<std::uint32_t> packed;                ///< VoxelPlaces of bricks of cells
+    std::vector<std::array<std::int32_t, 3>> places;  ///< voxels behind those
     std::vector<std::int32_t> ofBrick;                ///< shape (bricks, 9, 9, 9)
     std::vector<std::int32_t> firstPoint;  ///< of each brick; those before are of earlier bricks
     std::vector<std::int32_t>
@@ -118,6 +129,7 @@ class ShadedVoxels {
   };
 
   struct Counters;
+  struct Tiles;
 
   static std::shared_ptr<const Corners> findCentres(const BrickSlice& slice);
 
@@ -130,10 +142,58 @@ class ShadedVoxels {
   /// Refined splines, which take no light of their own.
   ShadedVoxels drawnFrom(const BrickSlice& splines) const;
 
+  /// Light as shares of the brightest, of each colour, in 6 bytes.
+  struct PackedLight {
+    VoxelLight brightest = VoxelLight::Zero();
+    std::vector<Eigen::Array<Eigen::half, 3, 1>> shares;
+
+    PackedLight(const VoxelLight& most, std::size_t count) : brightest(most), shares(count) {}
+
+    void set(std::size_t i, const VoxelLight& light) {
+      shares[i] = (light / brightest.max(1e-30F)).cast<Eigen::half>();
+    }
+
+    VoxelLight at(std::int32_t i) const {
+      return brightest * shares[static_cast<std::size_t>(i)].cast<float>();
+    }
+  };
+
+  ShadedVoxels withPacked(std::shared_ptr<const PackedLight> light, bool oneColor) const;
+
   /// Which of the places is this voxel; -1: none.
   std::int32_t pointAt(const std::array<std::int32_t, 3>& voxel) const;
 
-  static std::shared_ptr<const Corners> findCorners(const MarchGrid& grid);
+  static std::shared_ptr<Corners> findCorners(const MarchGrid& grid);
+  static std::shared_ptr<Tiles> findTiles(const BrickSlice& slice);
+
+  /// Gives the corners of tiles their places, behind those of other cells.
+  void addCorners(Tiles& tiles, Corners& corners) const;
+
+  /// Calls put(i, light) for each place, as forMeans() says.
+  template <class Put>
+  void eachMean(std::span<const VoxelLight> light, Put&& put) const;
+
+  /// The same for the places that only tiles have.
+  template <class Put>
+  void eachMeanOfTiles(std::span<const VoxelLight> light, Put&& put) const;
+
+  CellGrid tileGrid() const;
+
+  /// Appends the pieces of tiles.
+  void addTilePieces(const Segment& segment, std::vector<Piece>& pieces) const;
+
+  /// A ray in a tile.
+  struct OnTile {
+    std::int32_t number = 0;
+    double begin = 0, end = 0;
+    bool begins = false;  ///< there is something else before it, or a gap
+  };
+
+  Radiance radianceOfTile(const OnTile& on, const Segment& segment) const;
+
+  /// From tile to tile, and by the march between them.
+  void radianceWithTiles(std::span<const Segment> segments, std::span<Radiance> out,
+                         MarchCounts& counts) const;
 
   /// L at a corner of a cell in a brick; 0 where it is not known.
   Rgb lightAt(std::int32_t brick, const std::array<int, 3>& cell, int corner) const;
@@ -146,7 +206,8 @@ class ShadedVoxels {
   std::shared_ptr<const MarchGrid> march_;    ///< null: cubic
   std::shared_ptr<const CubicVoxels> cubic_;  ///< of K and emission; null: trilinear
   std::shared_ptr<const Corners> corners_;
-  std::shared_ptr<const std::vector<VoxelLight>> light_;  ///< at corners_->places; or null
+  std::shared_ptr<const Tiles> tiles_;        ///< null: there are none
+  std::shared_ptr<const PackedLight> light_;  ///< at the places; or null
   std::shared_ptr<Counters> counters_;
 };
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/voxel_march.hpp"
 #include "volute/medium/conformance.hpp"
 #include "volute/medium/integrate.hpp"
@@ -55,6 +56,43 @@ conformance::MediumUnderTest shadedUnderTest(int channels, bool lit, bool grey =
   return conformance::underTest(medium, traits);
 }
 
+/// A tile of 32^3 voxels, and a leaf of others beside it.
+std::shared_ptr<const BrickSlice> tileAndLeaf() {
+  VolumeInfo info;
+  info.x = 52, info.y = 44, info.z = 44;
+  info.bounds = {Vec3(-1, 0.5, 2), Vec3(1, 2, 3)};
+  info.basis = Basis::kTrilinear;
+  Bricks bricks;
+  bricks.addTile({{8, 8, 0}, 32, true, {1.5F, 0, 0}});
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> uniform(0, 2);
+  BrickMask all;
+  all.fill(~std::uint64_t{0});
+  for (float& value : bricks.addLeaf({{40, 16, 16}, all, all})) value = uniform(random);
+  bricks.sort();
+  return std::make_shared<const BrickSlice>(BrickSlice::fromBricks(info, bricks));
+}
+
+conformance::MediumUnderTest tilesUnderTest() {
+  const ShadedVoxels dark = ShadedVoxels::withTiles(tileAndLeaf(), 1);
+  EXPECT_FALSE(dark.march());
+  std::vector<VoxelLight> light;
+  for (const Vec3& p : dark.lightPoints())
+    light.push_back(Rgb(std::exp(p.x()), 1 + 0.2 * p.y(), 0.3).cast<float>());
+  const ShadedVoxels medium = dark.withLight(light);
+  conformance::Traits traits;
+  const std::array<int, 3> count{52, 44, 44};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i < count[static_cast<std::size_t>(axis)]; ++i)
+      traits.planes[static_cast<std::size_t>(axis)].push_back(
+          medium.bounds().min[axis] +
+          (i + 1) * medium.slice().bounds().size()[axis] / count[static_cast<std::size_t>(axis)]);
+  }
+  traits.tolerance.closedForm = 1e-3;  // of the fast path, as it says
+  return conformance::underTest(medium, traits);
+}
+
+VOLUTE_CONFORMANCE(ShadedTiles, tilesUnderTest());
 VOLUTE_CONFORMANCE(ShadedGlowing, shadedUnderTest(4, false));
 VOLUTE_CONFORMANCE(ShadedLit, shadedUnderTest(1, true));
 VOLUTE_CONFORMANCE(ShadedGlowingAndLit, shadedUnderTest(4, true));

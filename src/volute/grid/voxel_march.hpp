@@ -60,9 +60,11 @@ constexpr double kPackedLevels[3] = {2047, 2047, 1023};  ///< the largest number
 Rgb unpackLight(float packed);
 
 /// @param shares  bricks with equal values may have one number
+/// @param without  bricks of cells that are left out, trilinear; null: none
 std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
                                          const CellGrid& cells, double emissionScale,
-                                         double extinctionScale, bool shares = true);
+                                         double extinctionScale, bool shares = true,
+                                         const BrickTable* without = nullptr);
 
 /// Calls visit(cell, number of its brick, the first of its values, begin, end) for each cell of a
 /// brick that is stored on a segment, front to back.

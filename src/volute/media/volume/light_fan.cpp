@@ -141,14 +141,14 @@ FanTaps tapsOf(double b, double db, double c, double dc, double length) {
 
 }  // namespace
 
-LightFan::LightFan(const BrickSlice& slice, std::span<const Place> places)
+LightFan::LightFan(const BrickSlice& slice, const VoxelPlaces& places)
     : slice_(slice),
       voxel_(slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()))),
       size_{slice.x(), slice.y(), slice.z()},
       places_(places) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     bricks_[axis] = {size_[axis], 0}, reach_[axis] = {-1, size_[axis]};
-    for (const Place& place : places_) reach_[axis].add(place[axis]);
+    for (std::size_t i = 0; i < places_.size(); ++i) reach_[axis].add(places_[i][axis]);
     for (const BrickSlice::Entry& entry : slice.entries()) {
       const int from = entry.place[axis] * BrickSlice::kSide;
       bricks_[axis].add(from),
@@ -304,7 +304,7 @@ void LightFan::fromSun(const SunRays& rays, std::span<float> out, std::span<floa
     parallelRanges(points.size(), 2048, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto point = static_cast<std::size_t>(points[i]);
-        const Place& place = places_[point];
+        const Place place = places_[point];
         const float* from = depths + rays.rayAt(place[rays.across.row] - toB - 1,
                                                 place[rays.across.column] - toC - 1);
         float sum = 0;
@@ -366,7 +366,8 @@ void LightFan::fromSun(const SunRays& rays, std::span<float> out, std::span<floa
 void LightFan::fromPoint(const Vec3& lamp, std::span<float> out) const {
   std::vector<std::int32_t> pyramids[6];
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    const Vec3 way = Vec3(places_[i][0], places_[i][1], places_[i][2]) - lamp;
+    const Place place = places_[i];
+    const Vec3 way = Vec3(place[0], place[1], place[2]) - lamp;
     Eigen::Index axis = 0;
     if (!(way.cwiseAbs().maxCoeff(&axis) > 1e-9)) {
       out[i] = 1;
@@ -389,7 +390,7 @@ void LightFan::inPyramid(const Vec3& lamp, std::size_t axis, int sign,
   int last = sign > 0 ? -1 : size_[axis];
   double least[2] = {1, 1}, most[2] = {-1, -1};
   for (const std::int32_t i : which) {
-    const Place& place = places_[static_cast<std::size_t>(i)];
+    const Place place = places_[static_cast<std::size_t>(i)];
     last = sign > 0 ? std::max(last, place[axis]) : std::min(last, place[axis]);
     const double far = std::abs(place[axis] - la);
     const double slope[2] = {(place[across.row] - lb) / far, (place[across.column] - lc) / far};
@@ -459,7 +460,7 @@ void LightFan::inPyramid(const Vec3& lamp, std::size_t axis, int sign,
     const double perFar = perSlope / far;
     parallelRanges(points.size(), 1024, [&](std::size_t first, std::size_t end) {
       for (std::size_t p = first; p < end; ++p) {
-        const Place& place = places_[static_cast<std::size_t>(points[p])];
+        const Place place = places_[static_cast<std::size_t>(points[p])];
         const double i = (place[across.row] - lb) * perFar - begin[0];
         const double j = (place[across.column] - lc) * perFar - begin[1];
         const std::size_t row = floorOf(i), column = floorOf(j);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "volute/grid/brick_slice.hpp"
+#include "volute/grid/voxel_places.hpp"
 #include "volute/lighting/lamp.hpp"
 
 namespace volute {
@@ -24,7 +25,7 @@ class LightFan {
   /// @param slice  must outlive it; channel 0 is the extinction
   /// @param places  voxels, of the volume or around it, whose centres are the points; must outlive
   /// it
-  LightFan(const BrickSlice& slice, std::span<const std::array<std::int32_t, 3>> places);
+  LightFan(const BrickSlice& slice, const VoxelPlaces& places);
 
   /// Of the light of a lamp at each point, 0..1. False where one ray for each point costs less, or
   /// the basis is another: nothing is done then.
@@ -86,7 +87,7 @@ class LightFan {
   Vec3 voxel_;
   std::array<int, 3> size_;
   std::array<Span, 3> bricks_, reach_;  ///< of bricks; of points, and the volume with its border
-  std::span<const Place> places_;
+  VoxelPlaces places_;
 };
 
 }  // namespace volute

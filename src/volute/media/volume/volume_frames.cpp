@@ -736,6 +736,21 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double mom
   info.channels = emits ? 4 : 1;
   if (info.basis == Basis::kBox)
     info.basis = Basis::kTrilinear;
+  // The same bricks, which may be in many places.
+  if (!emits && main->channels() == 1) {
+    BrickSlice same(*main);
+    same.setBasis(info.basis);
+    same.setBounds(info.bounds);
+    const auto factor = static_cast<float>(appearance_.extinction);
+    for (std::size_t i = 0; i < same.storedBricks(); ++i) {
+      float* values = same.brick(static_cast<std::int32_t>(i));
+      for (int k = 0; k < BrickSlice::kVoxels; ++k) values[k] = std::max(0.0F, factor * values[k]);
+    }
+    same.dropEmpty();
+    shadedSlice_ = std::make_shared<const BrickSlice>(std::move(same));
+    shadedMoment_ = moment;
+    return shadedSlice_;
+  }
   Slice burns, hot;
   if (flames) {
     VOLUTE_ASSIGN(burns, grid(flames->field));

@@ -79,7 +79,7 @@ std::vector<Lamp> skyOfCube() {
 class VolumeLight::Lattice {
  public:
   /// @param places  of the volume; must outlive it
-  Lattice(const BrickSlice& slice, std::span<const Place> places, int voxels) : step_(voxels) {
+  Lattice(const BrickSlice& slice, const VoxelPlaces& places, int voxels) : step_(voxels) {
     if (step_ == 1) {
       nodes = places;
     } else {
@@ -125,17 +125,17 @@ class VolumeLight::Lattice {
     Rgb corners_[8];
   };
 
-  std::span<const Place> nodes;
+  VoxelPlaces nodes;
   std::vector<VoxelLight> light;  ///< at the nodes
 
  private:
-  void findNodes(const BrickSlice& slice, std::span<const Place> places) {
+  void findNodes(const BrickSlice& slice, const VoxelPlaces& places) {
     // Places reach one voxel beyond the volume; cells need the node behind them.
     node_ = BrickTable({slice.x() / step_ + 3, slice.y() / step_ + 3, slice.z() / step_ + 3},
                        places.size() / static_cast<std::size_t>(step_ * step_));
     Place last{-1, -1, -1};
-    for (const Place& place : places) {
-      const Place cell = cellOf(place);
+    for (std::size_t p = 0; p < places.size(); ++p) {
+      const Place cell = cellOf(places[p]);
       if (cell == last)
         continue;
       last = cell;
@@ -350,7 +350,8 @@ std::shared_ptr<const VolumeLight> VolumeLight::withLamps(
     if (between.empty())
       return;
     std::vector<Vec3> points;
-    for (const Place& place : volume_.lightPlaces()) points.push_back(placeOf(place));
+    const VoxelPlaces places = volume_.lightPlaces();
+    for (std::size_t i = 0; i < places.size(); ++i) points.push_back(placeOf(places[i]));
     for (std::size_t l = 0; l < own; ++l)  // surfaces have taken from them
       arriving.takeFrom(l, points, more->lampShares_[l], false);
   });
@@ -476,9 +477,7 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
       light[i] = sum.cast<float>();
     }
   });
-  auto means = volume_.forMeans(light);
-  light = {};
-  return volume_.withLight(std::move(means));
+  return volume_.withMeansOf(std::move(light));
 }
 
 ShadedVoxels VolumeLight::seenFrom(const View& view) const {
@@ -494,7 +493,7 @@ ShadedVoxels VolumeLight::seenFrom(const View& view) const {
 
 std::uint64_t VolumeLight::memoryBytes() const {
   const BrickSlice& slice = volume_.slice();
-  const std::uint64_t points = slice.values().size();
+  const std::uint64_t points = std::max<std::uint64_t>(volume_.lightPlaces().size(), 1);
   const std::uint64_t colors = 3 * sizeof(float);  // of the fire, and of what is seen
   return slice.bytes() + slice.values().size_bytes() + volume_.drawnBytes() +
          points * (2 * colors + sizeof(VoxelLight) + lighting_.lamps.size() * sizeof(float));

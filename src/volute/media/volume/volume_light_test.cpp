@@ -9,8 +9,10 @@
 #include <functional>
 #include <numbers>
 
+#include "volute/grid/bricks.hpp"
 #include "volute/math/phase_function.hpp"
 #include "volute/math/quadrature.hpp"
+#include "volute/medium/integrate.hpp"
 
 namespace volute {
 namespace {
@@ -39,6 +41,17 @@ ShadedVoxels filled(int n, const Field& field, const Field& fire = {},
     }
   }
   return ShadedVoxels(std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values)));
+}
+
+/// A tile of 64^3 voxels of 2.5 per metre in a volume of 80^3 over -1..1 m.
+std::shared_ptr<const BrickSlice> tile() {
+  VolumeInfo info;
+  info.x = info.y = info.z = 80;
+  info.bounds = {Vec3::Constant(-1), Vec3::Constant(1)};
+  info.basis = Basis::kTrilinear;
+  Bricks bricks;
+  bricks.addTile({{8, 8, 8}, 64, true, {2.5F, 0, 0}});
+  return std::make_shared<const BrickSlice>(BrickSlice::fromBricks(info, bricks));
 }
 
 /// Billows: several soft balls, thick in the middle of each.
@@ -182,6 +195,42 @@ double worstOfEightViews(const ShadedVoxels& smoke, const AffineMap& place = {})
   }
   EXPECT_GT(brightest, 0.1);
   return *std::ranges::max_element(errors) / brightest;
+}
+
+TEST(VolumeLight, OfATileIsKnownAtEveryFourthVoxel) {
+  const ShadedVoxels plain(tile()), coarse = ShadedVoxels::withTiles(tile(), 8);
+  EXPECT_LT(3 * coarse.lightPlaces().size(), 2 * plain.lightPlaces().size());
+  VolumeLighting lighting;
+  lighting.albedo = Rgb(0.9, 0.8, 0.7);
+  lighting.asymmetry = 0.3;
+  lighting.surrounding = Rgb(0.1, 0.15, 0.2);
+  Lamp sun;
+  sun.kind = Lamp::Kind::kSun;
+  sun.direction = Vec3(0.5, 0.3, -0.8).normalized();
+  sun.intensity = Rgb(3, 2.5, 2);
+  lighting.lamps.push_back(sun);
+  const VolumeLight::View view{.at = Vec3(2, -3, 1)};
+  std::vector<Segment> rays;
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 to(std::sin(1.7 * i), std::cos(2.3 * i), std::sin(3.1 * i + 1));
+    rays.push_back({view.at, (0.9 * to - view.at).normalized(), 0, 10});
+  }
+  std::vector<Radiance> a(rays.size()), b(rays.size()), exact(rays.size());
+  VolumeLight(plain, lighting).seenFrom(view).radiance(rays, a);
+  const ShadedVoxels lit = VolumeLight(coarse, lighting).seenFrom(view);
+  lit.radiance(rays, b);
+  radianceByPieces(lit, rays, exact);
+  double brightest = 0, squares = 0;
+  for (const Radiance& one : a) brightest = std::max(brightest, one.emitted.maxCoeff());
+  ASSERT_GT(brightest, 0.1);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const double off = (a[i].emitted - b[i].emitted).abs().maxCoeff();
+    squares += off * off;
+    EXPECT_LE(off, 2e-2 * brightest) << i;  // where the sun's way leaves by another face
+    EXPECT_LE((exact[i].emitted - b[i].emitted).abs().maxCoeff(), 1e-3 * brightest) << i;
+    EXPECT_NEAR(a[i].transmittance, b[i].transmittance, 1e-3) << i;
+  }
+  EXPECT_LE(std::sqrt(squares / static_cast<double>(rays.size())), 5e-3 * brightest);
 }
 
 TEST(VolumeLight, IsTheBruteForceMarchOnEightViews) {

@@ -410,8 +410,14 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, 
   if (lit)
     lighting = lighting_;
   lighting.place = {place.turn, place.offset};
-  ShadedVoxels volume =
-      refines(*slice) ? ShadedVoxels::refining(std::move(slice)) : ShadedVoxels(std::move(slice));
+  // Edges of shadows, colours, and light near a lamp change from voxel to voxel.
+  const bool smooth = appearance_.colors.empty() && !lighting.blocks &&
+                      std::ranges::all_of(lighting.lamps, [](const Lamp& lamp) {
+                        return lamp.kind == Lamp::Kind::kSun;
+                      });
+  ShadedVoxels volume = refines(*slice) ? ShadedVoxels::refining(std::move(slice))
+                        : smooth        ? ShadedVoxels::withTiles(std::move(slice))
+                                        : ShadedVoxels(std::move(slice));
   if (lit && appearance_.scatters() && !appearance_.colors.empty()) {
     VOLUTE_ASSIGN(lighting.colors, colorsAt(moment, volume.lightPoints()));
   }
