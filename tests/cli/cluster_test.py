@@ -485,8 +485,9 @@ class FdsInShares(Cluster):
     def test_lamps_light_smoke_and_walls(self):
         lights = [{"kind": "ambient", "radiance": [0.3, 0.3, 0.4]}, {"kind": "sun", "direction": [0.5, 0.3, -1], "radiance": [1, 0.9, 0.8]},
                   {"kind": "spot", "position": [3, 2, 2.2], "target": [6, 2, 0], "angle": 100, "intensity": [3, 2, 1]}]
-        for members in ({}, {"scale": 2.0}):
-            self.check_same("render", self.scene(self.case(), lights, **members), "--measured", "--time", "1", ranks=(2, 4))
+        for members in ({}, {"scale": 2.0}):  # one process goes in steps, ranks by exact pieces: both are within their bound
+            self.check_same("render", self.scene(self.case(), lights, **members), "--measured", "--time", "1", ranks=(2, 4),
+                            within=5e-4)
 
     def test_fire_and_signs(self):
         scene = self.scene(self.case(fire=True), [{"kind": "ambient", "radiance": [1, 1, 1]}])

@@ -457,6 +457,22 @@ class Fds(support.TestCase):
             brightest.append(self.works("info", self.path("x.exr"), "--json").json["maximum"])
         self.assertAlmostEqual(brightest[1] / brightest[0], 2, delta=1e-3)
 
+    def test_closed_walls_of_the_meshes_keep_light_from_smoke_as_they_are_drawn(self):
+        def brightest(building, eye, target):
+            scene = {"format": "volute-scene-2", "camera": {"eye": eye, "target": target, "fov": 30, "size": [32, 24]},
+                     "lights": [{"kind": "sun", "direction": [0.1, 0.1, -1]}],
+                     "media": [{"kind": "smoke", "case": "case.smv", "building": building}]}
+            self.path("scene.json").write_text(json.dumps(scene))
+            self.works("render", self.path("scene.json"), "-o", self.path("x.exr"), "--time", "0")
+            return self.works("info", self.path("x.exr"), "--json").json["maximum"]
+        inside = ([1.1, 0.5, 0.5], [1.9, 0.6, 0.5])
+        above = ([1.2, 0.4, 3], [1.5, 0.5, 0])
+        self.assertGreater(brightest("whole", *inside), 1e-3)
+        roofs = iter(("0 1 0 1 1 1 1 0\n 0 2 0 2 2 2 0 0", "1 2 0 1 1 1 1 0\n 0 4 0 4 4 4 0 0"))
+        self.case.write_text(re.sub(r"VENT\n 0 0", lambda _: f"VENT\n 1 1\n {next(roofs)}", self.case.read_text()))
+        self.assertEqual(brightest("whole", *inside), 0)
+        self.assertGreater(brightest("open", *above), 1e-3)  # the roof is left out
+
     def test_what_is_not_there_is_said(self):
         self.assertIn("no source 's3d'; the case has slice3d-extinction-cells",
                       self.fails(1, "info", self.case, "--grid", "s3d"))

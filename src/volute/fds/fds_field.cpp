@@ -89,19 +89,6 @@ std::array<Polynomial, 8> cornerCurves(const FdsLattice& lattice, const std::arr
   return curves;
 }
 
-/// Of two cubics.
-Polynomial product(const Polynomial& a, const Polynomial& b) {
-  Polynomial out;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 4; ++j) out.c[i + j] += a.c[i] * b.c[j];
-  }
-  return out;
-}
-
-Rgb lightAt(const FdsLight& light, std::size_t node) {
-  return {light[3 * node], light[3 * node + 1], light[3 * node + 2]};
-}
-
 bool anyInfinite(const float* first, const NodePlaces& places) {
   for (int corner = 0; corner < 8; ++corner) {
     if (std::isinf(first[places.offset(corner)]))
@@ -160,23 +147,12 @@ const FdsField::Marches& FdsField::marches() const {
 FdsField FdsField::withSource(const Rgb& source) const {
   FdsField other = *this;
   other.source_ = source;
-  other.light_.clear();
-  return other;
-}
-
-FdsField FdsField::withLight(std::vector<std::shared_ptr<const FdsLight>> light) const {
-  VOLUTE_ASSERT(light.size() == grid_->lattices().size());
-  for (std::size_t i = 0; i < light.size(); ++i)
-    VOLUTE_ASSERT(!grid_->holds(i) || light[i]->size() == 3 * grid_->lattices()[i].nodeCount());
-  FdsField other = *this;
-  other.light_ = std::move(light);
   return other;
 }
 
 FdsField FdsField::withValues(std::vector<std::shared_ptr<const FdsValues>> values) const {
   FdsField other(grid_, std::move(values), cells_);
   other.source_ = source_;
-  other.light_ = light_;
   return other;
 }
 
@@ -357,20 +333,7 @@ void FdsField::depthsReference(std::span<const Segment> segments, std::span<FdsD
 }
 
 Rgb FdsField::emission(const Vec3& point) const {
-  const double taken = extinction(point);
-  if (light_.empty() || taken == 0)
-    return source_ * taken;
-  const int index = grid_->latticeAt(point);
-  const FdsLattice& lattice = grid_->lattices()[index];
-  std::array<int, 3> cell;
-  for (int axis = 0; axis < 3; ++axis) cell[axis] = cellBetween(lattice.planes[axis], point[axis]);
-  const auto corners = cornerCurves(lattice, cell, {point, Vec3::UnitX(), 0, 0}, 0);
-  const NodePlaces places(lattice);
-  Rgb light = Rgb::Zero();
-  for (int corner = 0; corner < 8; ++corner)
-    light +=
-        corners[corner].c[0] * lightAt(*light_[index], places.first(cell) + places.offset(corner));
-  return taken * light;
+  return source_ * extinction(point);
 }
 
 std::vector<Piece> FdsField::piecesOf(const Segment& segment) const {
@@ -380,32 +343,21 @@ std::vector<Piece> FdsField::piecesOf(const Segment& segment) const {
     const FdsCell* cells = cells_[index]->data();
     const float* values = values_[index]->value.data();
     const NodePlaces places(lattice);
-    const bool lit = !light_.empty();
     traversePlanes(lattice.planes, segment, begin, end,
                    [&](const std::array<int, 3>& cell, double from, double to) {
                      const std::size_t place = lattice.cellAt(cell);
                      if (cells[place] != FdsCell::kGas)
                        return;
                      Piece piece{from, to, {}, {}, 0};
-                     std::array<Polynomial, 8> corners;
-                     if (lattice.nodal || lit)
-                       corners = cornerCurves(lattice, cell, segment, from);
                      if (lattice.nodal) {
+                       const auto corners = cornerCurves(lattice, cell, segment, from);
                        for (int corner = 0; corner < 8; ++corner)
                          piece.extinction +=
                              corners[corner] * values[places.first(cell) + places.offset(corner)];
                      } else {
                        piece.extinction.c[0] = values[place];
                      }
-                     std::array<Polynomial, 3> light;
-                     for (int corner = 0; lit && corner < 8; ++corner) {
-                       const Rgb colour =
-                           lightAt(*light_[index], places.first(cell) + places.offset(corner));
-                       for (int c = 0; c < 3; ++c) light[c] += corners[corner] * colour[c];
-                     }
-                     for (int c = 0; c < 3; ++c)
-                       piece.emission[c] = lit ? product(piece.extinction, light[c])
-                                               : piece.extinction * source_[c];
+                     for (int c = 0; c < 3; ++c) piece.emission[c] = piece.extinction * source_[c];
                      out.push_back(piece);
                    });
   });
@@ -418,8 +370,6 @@ void FdsField::pieces(std::span<const Segment> segments,
 }
 
 void FdsField::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
-  if (!light_.empty())
-    return radianceByPieces(*this, segments, out);
   const Lines lines = march(segments);
   for (std::size_t i = 0; i < segments.size(); ++i)
     out[i] = {source_ * -std::expm1(-lines.depth[i]), std::exp(-lines.depth[i])};

@@ -37,13 +37,9 @@ struct FdsDepth {
   double insideSolids = 0;  ///< [m] of the segment inside obstructions
 };
 
-/// Radiance of infinitely thick smoke at the nodes of one lattice, linear RGB, three for each node,
-/// x fastest; trilinear between them.
-using FdsLight = std::vector<float>;
-
 /// A snapshot of a case's smoke as a medium: extinction constant in each cell, or trilinear between
 /// nodes, zero inside obstructions and outside of the meshes. The light that it scatters towards us
-/// is even, or given at the nodes.
+/// is the same everywhere.
 ///
 /// Exact, in double. Cheap to copy: what it holds is shared and const.
 class FdsField {
@@ -57,9 +53,6 @@ class FdsField {
 
   /// The same smoke in another light, the same everywhere.
   FdsField withSource(const Rgb& source) const;
-
-  /// The same smoke in a light that is given at the nodes of each lattice.
-  FdsField withLight(std::vector<std::shared_ptr<const FdsLight>> light) const;
 
   /// Other values of the same lattices, as many.
   FdsField withValues(std::vector<std::shared_ptr<const FdsValues>> values) const;
@@ -75,13 +68,7 @@ class FdsField {
 
   std::span<const std::shared_ptr<const std::vector<FdsCell>>> allCells() const { return cells_; }
 
-  /// The light that is the same everywhere; zero where light is given at the nodes.
   const Rgb& source() const { return source_; }
-
-  /// Null in even light.
-  const FdsLight* light(std::size_t lattice) const {
-    return light_.empty() ? nullptr : light_[lattice].get();
-  }
 
   Box3 bounds() const { return grid_->bounds(); }
 
@@ -107,7 +94,6 @@ class FdsField {
   /// One piece for each cell.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
-  /// In even light a closed form, else through the pieces.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
  private:
@@ -124,8 +110,7 @@ class FdsField {
   std::vector<std::shared_ptr<const FdsValues>> values_;
   std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells_;
   Rgb source_ = Rgb::Zero();
-  std::vector<std::shared_ptr<const FdsLight>> light_;  // empty: even
-  std::shared_ptr<Marches> marches_;                    // made when they are asked for
+  std::shared_ptr<Marches> marches_;  // made when they are asked for
 };
 
 }  // namespace volute

@@ -70,9 +70,7 @@ FdsDepth checkedDepthOf(const FdsField& field, const Segment& segment) {
   return depth;
 }
 
-FdsField lit(const FdsField& field);
-
-conformance::MediumUnderTest underTest(bool nodal, bool inLight) {
+conformance::MediumUnderTest underTest(bool nodal) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(0, 2);
   const FdsField field = fieldOf(meshes(nodal), [&](const Vec3&) { return uniform(random); }, 3);
@@ -89,26 +87,11 @@ conformance::MediumUnderTest underTest(bool nodal, bool inLight) {
   }
   // The adaptive Simpson of the suite steps over corners of cells, where solids end.
   traits.tolerance.quadrature = 5e-3;
-  return conformance::underTest(inLight ? lit(field) : field.withSource({0.5, 1, 2}), traits);
+  return conformance::underTest(field.withSource({0.5, 1, 2}), traits);
 }
 
-/// In light that differs from node to node.
-FdsField lit(const FdsField& field) {
-  std::mt19937 random(6);
-  std::uniform_real_distribution<float> uniform(0, 1);
-  std::vector<std::shared_ptr<const FdsLight>> light;
-  for (const FdsLattice& one : field.grid().lattices()) {
-    auto made = std::make_shared<FdsLight>(3 * one.nodeCount());
-    for (float& value : *made) value = uniform(random);
-    light.push_back(std::move(made));
-  }
-  return field.withLight(std::move(light));
-}
-
-VOLUTE_CONFORMANCE(FdsCells, underTest(false, false));
-VOLUTE_CONFORMANCE(FdsNodes, underTest(true, false));
-VOLUTE_CONFORMANCE(FdsCellsInLight, underTest(false, true));
-VOLUTE_CONFORMANCE(FdsNodesInLight, underTest(true, true));
+VOLUTE_CONFORMANCE(FdsCells, underTest(false));
+VOLUTE_CONFORMANCE(FdsNodes, underTest(true));
 
 TEST(FdsField, manyLinesAtOnceEqualOneAfterTheOther) {
   std::mt19937 random(8);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "volute/gl/gl_lamps.hpp"
 #include "volute/gl/gl_part.hpp"
 #include "volute/gl/glsl_sources.hpp"
 
@@ -58,9 +59,7 @@ std::size_t wordsOf(const FdsField& field) {
   for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
     const FdsLattice& lattice = field.grid().lattices()[i];
     for (const auto& planes : lattice.planes) words += planes.size();
-    words += 10 + lattice.valueCount() + lattice.cellCount() / 32 + 1;
-    if (field.light(i))
-      words += field.light(i)->size();
+    words += 9 + lattice.valueCount() + lattice.cellCount() / 32 + 1;
   }
   return words;
 }
@@ -71,15 +70,13 @@ std::vector<const void*> identityOf(const FdsField& field) {
   for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
     identity.push_back(&field.values(i));
     identity.push_back(&field.cells(i));
-    identity.push_back(field.light(i));
   }
   return identity;
 }
 
 /// A field's arrays, one after the other.
 struct GlFdsData {
-  explicit GlFdsData(const FdsField& of)
-      : field(of), middle(of.bounds().centre()), lit(of.light(0) != nullptr) {
+  explicit GlFdsData(const FdsField& of) : field(of), middle(of.bounds().centre()) {
     const FdsGrid& grid = field.grid();
     FdsWords all;
     for (int axis = 0; axis < 3; ++axis) {
@@ -96,7 +93,6 @@ struct GlFdsData {
       for (int axis = 0; axis < 3; ++axis) records.add(lattice.cells(axis));
       records.add(all.add(field.values(i).value));
       records.add(all.addGas(field.cells(i)));
-      records.add(lit ? all.add(*field.light(i)) : 0);
       records.add(lattice.nodal ? 1 : 0);
       nodal = nodal || lattice.nodal;
     }
@@ -107,7 +103,6 @@ struct GlFdsData {
 
   FdsField field;  ///< so that no other one's arrays get its addresses
   Vec3 middle;
-  bool lit;
   bool nodal = false;
   std::array<int, 3> partCount{}, partPlanes{};
   int table = 0, lattices = 0;
@@ -131,28 +126,31 @@ double maxCells(const FdsField& field) {
 
 class FdsOnDevice final : public GlMedium {
  public:
-  FdsOnDevice(const GlFds& fds, std::shared_ptr<const GlFdsData> data)
-      : fds_(fds), data_(std::move(data)), lit_(!fds.glow && data_->lit) {}
+  FdsOnDevice(const GlFds& fds, std::shared_ptr<const GlFdsData> data, GlLamps lamps)
+      : fds_(fds), data_(std::move(data)), lamps_(std::move(lamps)) {}
 
-  std::string key() const override { return lit_ ? "fds lit" : "fds"; }
+  std::string key() const override { return "fds " + lamps_.key(); }
 
   std::vector<ShaderPart> parts() const override {
-    return {{"fds settings", fmt::format("#define M_LIT {}\n", lit_ ? 1 : 0)},
-            {"fds.glsl", glsl::kFds}};
+    return {{"light_field.glsl", lamps_.functions()}, {"fds.glsl", glsl::kFds}};
   }
 
   GlMediumTraits traits() const override {
     GlMediumTraits traits;
-    traits.constant = !data_->nodal && !lit_;
+    traits.constant = !data_->nodal && !lamps_.any();
     traits.absorbs = !fds_.glow;
-    traits.points = lit_ ? 4 : data_->nodal ? 2 : 1;
-    if (!lit_ && !fds_.glow)
+    traits.points = lamps_.any() ? 4 : data_->nodal ? 2 : 1;
+    if (!lamps_.any() && !fds_.glow)
       traits.color = fds_.field.source();
     return traits;
   }
 
   GlNeeds needs() const override {
-    return {.storage = 1, .cells = maxCells(data_->field), .roundsPerCell = kFdsRoundsPerCell};
+    GlNeeds needs = lamps_.needs();
+    needs.storage += 1;
+    needs.cells = maxCells(data_->field);
+    needs.roundsPerCell += kFdsRoundsPerCell;
+    return needs;
   }
 
   Box3 bounds() const override { return data_->field.bounds(); }
@@ -160,9 +158,7 @@ class FdsOnDevice final : public GlMedium {
   void bind(const GlProgram& program, const std::string& prefix, const GlView& view,
             GlBindings& bindings) const override {
     const auto name = [&](const char* rest) { return prefix + rest; };
-    const Rgb sent = fds_.glow ? *fds_.glow
-                     : lit_    ? Rgb(Rgb::Constant(fds_.scale))
-                               : Rgb(fds_.scale * fds_.field.source());
+    const Rgb sent = fds_.glow ? *fds_.glow : Rgb(fds_.scale * fds_.field.source());
     program.set(name("origin").c_str(), Vec3(view.origin - data_->middle));
     program.set(name("partCount").c_str(), data_->partCount);
     program.set(name("partPlanes").c_str(), data_->partPlanes);
@@ -171,12 +167,13 @@ class FdsOnDevice final : public GlMedium {
     program.set(name("extinction").c_str(), fds_.glow ? 0.0F : static_cast<float>(fds_.scale));
     program.set(name("source").c_str(), Vec3(sent));
     program.bindStorage(name("Words").c_str(), bindings.storage++, data_->words);
+    lamps_.bind(program, prefix, view.origin, bindings);
   }
 
  private:
   GlFds fds_;
   std::shared_ptr<const GlFdsData> data_;
-  bool lit_;
+  GlLamps lamps_;
 };
 
 /// kTooLarge where it does not fit into one of the device's buffers.
@@ -201,13 +198,17 @@ class FdsPart final : public GlPart {
   Result<std::unique_ptr<GlMedium>> medium(const GlPicture& picture) const override {
     const auto held = std::make_shared<const FdsField>(fds_.field);
     const std::shared_ptr<const void> source(held, &held->values(0));
-    // The same lattices with the same values in the same light.
+    // The same lattices with the same values.
     const auto holds = [&](const GlFdsData& made) {
       return identityOf(made.field) == identityOf(fds_.field);
     };
     VOLUTE_ASSIGN(auto data, picture.resources.upload<GlFdsData>(
                                  source, name(), [&] { return makeFdsData(fds_.field); }, holds));
-    return std::make_unique<FdsOnDevice>(fds_, std::move(data));
+    GlLamps lamps;
+    if (fds_.lit) {
+      VOLUTE_ASSIGN(lamps, GlLamps::make(fds_.lit, fds_.surfaces, name(), picture.resources));
+    }
+    return std::make_unique<FdsOnDevice>(fds_, std::move(data), std::move(lamps));
   }
 
   std::shared_ptr<const GlPart> scaled(double factor) const override {

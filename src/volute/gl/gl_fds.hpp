@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "volute/fds/fds_field.hpp"
+#include "volute/geometry/triangle_scene.hpp"
+#include "volute/lighting/lit_medium.hpp"
 
 namespace volute {
 
@@ -16,6 +18,8 @@ struct GlFds {
   FdsField field;
   double scale = 1;           ///< of the extinction and of what it scatters
   std::optional<Rgb> glow{};  ///< of fire: radiance per metre of a unit; it hides nothing
+  std::shared_ptr<const LitMedium> lit{};  ///< the smoke in lamps' light; null: none shines
+  TriangleScene surfaces{};                ///< which shadow it
 };
 
 std::shared_ptr<const GlPart> glPart(GlFds fds);

@@ -75,7 +75,8 @@ GlWalls wallsOf(const SmokeAt& smoke, const TriangleScene& others) {
 }
 
 GlParts partsOf(const FdsAt& fds, const GlSnapshotOptions&) {
-  GlParts parts{glPart(GlFds{fds.smoke(), fds.factor()})};
+  const FdsAt::Lit& lit = fds.lit();
+  GlParts parts{glPart(GlFds{fds.smoke(), fds.factor(), {}, lit.smoke, lit.surfaces})};
   if (fds.fire()) {
     for (const FdsFlame::Light& light : fds.fire()->lights())
       parts.push_back(glPart(GlFds{light.field, 1, light.colour}));

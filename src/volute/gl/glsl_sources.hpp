@@ -28,6 +28,7 @@ extern const char* const kBillboard;
 extern const char* const kSheet;
 extern const char* const kFogSun;
 extern const char* const kLightField;
+extern const char* const kLightAgain;
 extern const char* const kFogShade;
 extern const char* const kFogPolarTable;
 extern const char* const kFogPicture;

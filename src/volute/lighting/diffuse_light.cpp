@@ -579,4 +579,13 @@ Rgb DiffuseLight::towards(const Vec3& point, const Vec3& direction) const {
   return light;
 }
 
+DiffuseLight::Cells DiffuseLight::cells() const {
+  Cells cells{low_, perMetre_, light_.empty() ? std::array<int, 3>{} : cells_};
+  for (const Cell& cell : light_) {
+    for (const auto& channel : cell)
+      cells.values.insert(cells.values.end(), channel.begin(), channel.end());
+  }
+  return cells;
+}
+
 }  // namespace volute

@@ -54,6 +54,15 @@ class DiffuseLight {
   /// The same in a direction of unit length.
   Rgb towards(const Vec3& point, const Vec3& direction) const;
 
+  /// What at() and towards() are trilinear between, for a shader (gl/glsl/light_again.glsl).
+  struct Cells {
+    Vec3 low = Vec3::Zero(), perMetre = Vec3::Ones();
+    std::array<int, 3> count{};   ///< along each axis; 0: there is no such light
+    std::vector<float> values{};  ///< of a cell for each channel: radiance, its change on x, y, z
+  };
+
+  Cells cells() const;
+
  private:
   class Solver;
 

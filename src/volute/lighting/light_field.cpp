@@ -8,6 +8,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -314,9 +315,8 @@ struct LightField::State {
     return 2 * options.tolerance * std::clamp(times / 8, 1.0, 4.0);
   }
 
-  void fill(FieldBrick& brick) const {
-    std::vector<Segment> ways;
-    ways.reserve(kFieldValues);
+  /// From node to node of each ray of a brick, from the light on.
+  void addWays(const FieldBrick& brick, std::vector<Segment>& ways) const {
     const auto placeOf = [&](int axis, int node) {
       return brick.low[axis] + brick.size[axis] * node / kFieldCells;
     };
@@ -332,23 +332,10 @@ struct LightField::State {
         }
       }
     }
-    std::vector<double> sums(ways.size(), 0), depths(ways.size());
-    for (const AnyMedium& medium : media) {
-      medium.opticalDepth(ways, depths);
-      for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += depths[i];
-    }
-    for (int column = 0; column < kFieldAcross; ++column) {
-      double depth = 0;
-      for (int k = 0; k < kFieldNodes; ++k) {
-        const auto node = static_cast<std::size_t>(column * kFieldNodes + k);
-        depth += sums[node];
-        brick.shares[static_cast<std::size_t>(column + kFieldAcross * k)] =
-            static_cast<float>(std::exp(-depth));
-      }
-    }
   }
 
-  const FieldBrick* make(int root, const FieldBrick* whole, int part) const {
+  /// A root, or a part of a brick, before anything is known of its light.
+  std::unique_ptr<FieldBrick> place(int root, const FieldBrick* whole, int part) const {
     auto brick = std::make_unique<FieldBrick>();
     brick->root = root;
     if (whole) {
@@ -367,19 +354,32 @@ struct LightField::State {
       brick->low = isSun ? sun.low(root) : spot.low(root);
       brick->size = Vec3::Ones();
     }
+    return brick;
+  }
+
+  /// @param depths  of its ways
+  void fill(FieldBrick& brick, std::span<const double> depths) const {
+    for (int column = 0; column < kFieldAcross; ++column) {
+      double depth = 0;
+      for (int k = 0; k < kFieldNodes; ++k) {
+        const auto node = static_cast<std::size_t>(column * kFieldNodes + k);
+        depth += depths[node];
+        brick.shares[static_cast<std::size_t>(column + kFieldAcross * k)] =
+            static_cast<float>(std::exp(-depth));
+      }
+    }
     const Vec3 cells =
-        (isSun ? sun.sizes(brick->low, brick->size) : spot.sizes(brick->low, brick->size)) /
+        (isSun ? sun.sizes(brick.low, brick.size) : spot.sizes(brick.low, brick.size)) /
         kFieldCells;
-    brick->cell = cells.minCoeff();
-    fill(*brick);
+    brick.cell = cells.minCoeff();
     Vec3 finest = Vec3::Constant(options.finest), coarsest = Vec3::Constant(cells.maxCoeff());
     if (!isSun) {  // near a lamp light changes within metres, however large what is lit
-      const double far = spot.distance(brick->low.z() + brick->size.z());
+      const double far = spot.distance(brick.low.z() + brick.size.z());
       finest.z() = std::min(finest.z(), std::max(1.0, light_field::kFinestShare * far));
     }
     for (const auto& ball : balls) {
-      const int in = isSun ? sun.shadowedBy(ball, root, brick->low, brick->size)
-                           : spot.shadowedBy(ball, root, brick->low, brick->size);
+      const int in = isSun ? sun.shadowedBy(ball, brick.root, brick.low, brick.size)
+                           : spot.shadowedBy(ball, brick.root, brick.low, brick.size);
       for (int axis = 0; axis < 3; ++axis) {
         if (in >> axis & 1) {
           finest[axis] = std::min(finest[axis], 2 * ball.radius / light_field::kMaxAcross);
@@ -388,13 +388,64 @@ struct LightField::State {
       }
     }
     for (int axis = 0; axis < 3; ++axis) {
-      if (brick->halved[static_cast<std::size_t>(axis)] < options.halvings &&
+      if (brick.halved[static_cast<std::size_t>(axis)] < options.halvings &&
           cells[axis] >= 2 * finest[axis] &&
-          (cells[axis] > coarsest[axis] || brick->bend(axis) > tolerance(*brick)))
-        brick->axes |= 1 << axis;
+          (cells[axis] > coarsest[axis] || brick.bend(axis) > tolerance(brick)))
+        brick.axes |= 1 << axis;
     }
     ++made;
+  }
+
+  const FieldBrick* make(int root, const FieldBrick* whole, int part) const {
+    auto brick = place(root, whole, part);
+    std::vector<Segment> ways;
+    ways.reserve(kFieldValues);
+    addWays(*brick, ways);
+    std::vector<double> sums(ways.size(), 0), depths(ways.size());
+    for (const AnyMedium& medium : media) {
+      medium.opticalDepth(ways, depths);
+      for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += depths[i];
+    }
+    fill(*brick, sums);
     return brick.release();
+  }
+
+  /// All bricks, level by level, by depths that are known of many ways at once.
+  void makeAll(
+      const std::function<void(std::span<const Segment>, std::span<double>)>& depthsOf) const {
+    constexpr std::size_t kTogether = 64, kMaxBricks = 1 << 16;
+
+    struct Slot {
+      std::atomic<const FieldBrick*>* at;
+      int root;
+      const FieldBrick* whole;
+      int part;
+    };
+
+    std::vector<Slot> open;
+    for (std::size_t i = 0; i < roots.size(); ++i)
+      open.push_back({&roots[i], static_cast<int>(i), nullptr, 0});
+    for (std::size_t done = 0; done < open.size();) {
+      std::vector<std::unique_ptr<FieldBrick>> bricks;
+      std::vector<Segment> ways;
+      const std::size_t count = std::min(kTogether, open.size() - done);
+      for (std::size_t i = 0; i < count; ++i) {
+        const Slot& slot = open[done + i];
+        bricks.push_back(place(slot.root, slot.whole, slot.part));
+        addWays(*bricks.back(), ways);
+      }
+      std::vector<double> depths(ways.size());
+      depthsOf(ways, depths);
+      for (std::size_t i = 0; i < count; ++i, ++done) {
+        FieldBrick& brick = *bricks[i];
+        fill(brick, std::span(depths).subspan(i * kFieldValues, kFieldValues));
+        if (open.size() + static_cast<std::size_t>(brick.partCount()) > kMaxBricks)
+          brick.axes = 0;
+        for (int part = 0; part < brick.partCount(); ++part)
+          open.push_back({&brick.parts[static_cast<std::size_t>(part)], brick.root, &brick, part});
+        open[done].at->store(bricks[i].release());
+      }
+    }
   }
 
   /// What is in a slot; whoever comes first puts it there.
@@ -423,6 +474,14 @@ struct LightField::State {
 LightField::LightField(const Lamp& lamp, std::vector<AnyMedium> media, const Box3& lit,
                        const LightFieldOptions& options)
     : state_(std::make_shared<const State>(lamp, std::move(media), lit, options)) {}
+
+LightField::LightField(
+    const Lamp& lamp, std::vector<AnyMedium> media, const Box3& lit,
+    const LightFieldOptions& options,
+    const std::function<void(std::span<const Segment>, std::span<double>)>& depthsOfAll)
+    : LightField(lamp, std::move(media), lit, options) {
+  state_->makeAll(depthsOfAll);
+}
 
 double LightField::exactly(const Vec3& point) const {
   const Segment way = state_->lamp.towards(point);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -55,6 +56,13 @@ class LightField {
   /// @param lit  where points are asked for; elsewhere each costs a ray. Finite
   LightField(const Lamp& lamp, std::vector<AnyMedium> media, const Box3& lit,
              const LightFieldOptions& options = {});
+
+  /// All bricks at once, where ranks hold a share of the media each: the same on all of them.
+  /// Collective.
+  /// @param depthsOfAll  of what all hold, along the same ways on each
+  LightField(const Lamp& lamp, std::vector<AnyMedium> media, const Box3& lit,
+             const LightFieldOptions& options,
+             const std::function<void(std::span<const Segment>, std::span<double>)>& depthsOfAll);
 
   Sample at(const Vec3& point) const;
 

@@ -80,10 +80,15 @@ class LitMedium::Ray {
                  .intersect({segment.begin, segment.end})) {
     const std::span<const LightField> fields = medium.fields_;
     dark_.resize(fields.size());
+    for (const LightField& field : fields) cones_.push_back(inCone(field.lamp()));
     if (medium.options_.shadows && !lit_.empty()) {
-      const Segment part{segment.origin, segment.direction, lit_.begin, lit_.end};
-      for (std::size_t i = 0; i < fields.size(); ++i)
-        medium.options_.shadows(part, fields[i].lamp(), dark_[i]);
+      for (std::size_t i = 0; i < fields.size(); ++i) {
+        const Interval& cone = cones_[i];
+        if (!cone.empty()) {
+          medium.options_.shadows({segment.origin, segment.direction, cone.begin, cone.end},
+                                  fields[i].lamp(), dark_[i]);
+        }
+      }
       // Where a ray ends on a surface is a float: nothing is between that and the shadow's end.
       const double rounding = 1e-6 * std::max(std::abs(lit_.end), lit_.length());
       for (std::vector<Interval>& dark : dark_) {
@@ -92,11 +97,13 @@ class LitMedium::Ray {
       }
     }
     reached_.assign(fields.size(), 1);
-    for (const LightField& field : fields) {
-      const Lamp& lamp = field.lamp();
-      if (lamp.kind != Lamp::Kind::kSun)  // there the phase jumps
-        turns_.push_back((lamp.position - segment.origin).dot(segment.direction));
-      addRim(lamp);
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const Lamp& lamp = fields[i].lamp();
+      if (!cones_[i].empty()) {
+        if (lamp.kind != Lamp::Kind::kSun)  // there the phase jumps
+          turns_.push_back((lamp.position - segment.origin).dot(segment.direction));
+        addRim(lamp);
+      }
       cosines_.push_back(-lamp.direction.dot(segment.direction));
       phases_.push_back(henyeyGreenstein(medium.options_.scattering.asymmetry, cosines_.back()));
     }
@@ -128,7 +135,10 @@ class LitMedium::Ray {
 
   /// From now on lamps reach it as they reach this place.
   void stand(double s) {
-    for (std::size_t i = 0; i < dark_.size(); ++i) reached_[i] = !isDark(dark_[i], s);
+    for (std::size_t i = 0; i < dark_.size(); ++i) {
+      const Interval& cone = cones_[i];
+      reached_[i] = s > cone.begin && s < cone.end && !isDark(dark_[i], s);
+    }
   }
 
   bool reached(std::size_t lamp) const { return reached_[lamp] != 0; }
@@ -139,6 +149,22 @@ class LitMedium::Ray {
   double cosine(std::size_t lamp) const { return cosines_[lamp]; }
 
  private:
+  /// The part that is lit as far as it may be in a lamp's cone.
+  Interval inCone(const Lamp& lamp) const {
+    if (lit_.empty() || lamp.kind == Lamp::Kind::kSun || !(lamp.coneCosine > 0))
+      return lit_;
+    std::vector<double> ends{lit_.begin, lit_.end};
+    addCone(lamp, lamp.coneCosine, ends);
+    for (double& end : ends) end = std::clamp(end, lit_.begin, lit_.end);
+    std::ranges::sort(ends);
+    for (std::size_t i = 0; i + 1 < ends.size(); ++i) {  // a narrow cone is met once
+      const Vec3 away = segment_.at(0.5 * (ends[i] + ends[i + 1])) - lamp.position;
+      if (ends[i] < ends[i + 1] && away.dot(lamp.direction) > lamp.coneCosine * away.norm())
+        return {ends[i], ends[i + 1]};
+    }
+    return {lit_.begin, lit_.begin};
+  }
+
   /// Where it enters and leaves a spot's cone and the part of it on which all light is, and places
   /// between, as the light grows there.
   void addRim(const Lamp& lamp) {
@@ -173,6 +199,7 @@ class LitMedium::Ray {
 
   Segment segment_;
   Interval lit_;
+  std::vector<Interval> cones_;  ///< of each lamp
   std::vector<std::vector<Interval>> dark_;
   std::vector<char> reached_;
   std::vector<double> phases_, cosines_;  ///< of suns
@@ -216,9 +243,12 @@ double LitMedium::goesOn(double share, double cosine) const {
   return more > 0 ? more * henyeyGreenstein(scattering.forward(), cosine) : 0;
 }
 
-double LitMedium::evenFor(const Vec3& point) const {
+double LitMedium::evenFor(const Ray& ray, const Vec3& point) const {
   double even = std::numeric_limits<double>::infinity();
-  for (const LightField& field : fields_) {
+  for (std::size_t i = 0; i < fields_.size(); ++i) {
+    if (!ray.reached(i))
+      continue;
+    const LightField& field = fields_[i];
     even = std::min(even, field.evenFor(point));
     const Lamp& lamp = field.lamp();
     if (lamp.kind != Lamp::Kind::kSun)
@@ -313,7 +343,7 @@ void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> 
     const std::size_t count = std::min(kSegmentsAtOnce, segments.size() - first);
     rays.clear(), steps.clear(), begins.clear();
     for (const Segment& segment : segments.subspan(first, count)) {
-      const Ray& ray = rays.emplace_back(*this, segment);
+      Ray& ray = rays.emplace_back(*this, segment);
       begins.push_back(steps.size());
       Segment step = segment;
       const auto until = [&](double s) {
@@ -326,13 +356,14 @@ void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> 
         until(ray.lit().begin);
         for (const double edge : ray.edges(ray.lit().begin, ray.lit().end)) {
           const double from = step.begin, length = edge - from;
+          ray.stand(from + 0.5 * length);
           const int pieces =
               std::clamp(static_cast<int>(std::min(length / options_.step, 1e6)) + 1, 1, kMaxSteps);
           int left = kMaxSteps;
           for (int k = 1; k <= pieces; ++k) {
             const double to = k == pieces ? edge : from + length * k / pieces;
             for (; left > 0; --left) {  // finer in shadows of media
-              const double even = evenFor(segment.at(step.begin));
+              const double even = evenFor(ray, segment.at(step.begin));
               if (step.begin + 1.5 * even >= to)
                 break;
               until(step.begin + even);

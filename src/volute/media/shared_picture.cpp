@@ -17,10 +17,6 @@ namespace {
 /// Pixels that are exchanged together: bounds what ranks hold of each other's.
 constexpr std::size_t kStrip = std::size_t{1} << 16;
 
-/// Segments of all ranks whose depths are asked for together. A rank holds those of others that
-/// pass its box: all of them at worst, 8 MB.
-constexpr std::size_t kWays = std::size_t{1} << 17;
-
 /// A gap between pieces that rounding makes, relative to where it is.
 constexpr double kSame = 1e-9;
 
@@ -54,11 +50,6 @@ struct SentRun {
   std::array<float, 3> emitted{};
   double begin = 0, end = 0;
 };
-
-bool passes(const Segment& way, const Box3& box) {
-  return !box.empty() &&
-         !box.intersect(way.origin, way.direction).intersect({way.begin, way.end}).empty();
-}
 
 /// RGBT of `pixels` pixels, of runs from all ranks.
 std::vector<float> composed(std::span<const std::vector<SentRun>> received, std::size_t pixels) {
@@ -173,52 +164,6 @@ void composeRuns(Team& team, const std::function<std::vector<HeldRun>(std::size_
       return;
     std::ranges::copy(*finished, rgbt.begin() + static_cast<std::ptrdiff_t>(4 * begin));
   }
-}
-
-Status sumAlong(Team& team, std::span<const Segment> ways, std::span<double> depths,
-                const DepthsAlong& own, const Box3& held) {
-  const auto ranks = static_cast<std::size_t>(team.size());
-  const auto self = static_cast<std::size_t>(team.rank());
-  const std::size_t some = std::max<std::size_t>(1, kWays / ranks);
-
-  struct Holder {
-    std::uint64_t parts = 0;
-    Box3 box;
-  };
-
-  const Holder holder{(ways.size() + some - 1) / some, held};
-  VOLUTE_ASSIGN(const auto holders, gatherValues(team, std::span(&holder, 1)));
-  std::ranges::fill(depths, 0.0);
-  for (std::uint64_t part = 0; part < std::ranges::max(holders, {}, &Holder::parts).parts; ++part) {
-    const std::size_t begin = std::min(static_cast<std::size_t>(part) * some, ways.size());
-    const auto count = static_cast<std::uint32_t>(std::min(some, ways.size() - begin));
-    std::vector<std::vector<Segment>> toEach(ranks);
-    std::vector<std::vector<std::uint32_t>> places(ranks);  // of these among the part's
-    parallelFor(ranks, [&](std::size_t rank) {
-      for (std::uint32_t i = 0; i < count; ++i) {
-        const Segment& way = ways[begin + i];
-        if (!passes(way, holders[rank].box))
-          continue;
-        toEach[rank].push_back(way);
-        places[rank].push_back(i);
-      }
-    });
-    // What this rank holds itself does not travel.
-    std::vector<double> ofSelf(toEach[self].size());
-    own(toEach[self], ofSelf);
-    toEach[self].clear();
-    VOLUTE_ASSIGN(const auto asked,
-                  exchangeValues(team, std::span<const std::vector<Segment>>(toEach)));
-    std::vector<std::vector<double>> answers;
-    for (const auto& segments : asked) own(segments, answers.emplace_back(segments.size()));
-    VOLUTE_ASSIGN(auto found, exchangeValues(team, std::span<const std::vector<double>>(answers)));
-    found[self] = std::move(ofSelf);
-    for (std::size_t rank = 0; rank < ranks; ++rank) {
-      for (std::size_t i = 0; i < places[rank].size(); ++i)
-        depths[begin + places[rank][i]] += found[rank][i];
-    }
-  }
-  return {};
 }
 
 }  // namespace volute

@@ -39,11 +39,4 @@ void sumDepths(Team& team, std::span<double> depth);
 void composeRuns(Team& team, const std::function<std::vector<HeldRun>(std::size_t)>& runs,
                  std::span<float> rgbt);
 
-/// The optical depth along this rank's segments of what all ranks hold. Each rank has its own
-/// segments, as many as it likes, and asks only the ranks whose boxes they pass. Collective.
-/// @param own  the depth of what this rank holds
-/// @param held  the box of that [m]: `own` is 0 along segments that miss it
-[[nodiscard]] Status sumAlong(Team& team, std::span<const Segment> ways, std::span<double> depths,
-                              const DepthsAlong& own, const Box3& held);
-
 }  // namespace volute

@@ -99,50 +99,6 @@ TEST(SharedPicture, RunsOfSeveralMediaAreTheirUnion) {
   }
 }
 
-// Each asks for as many ways as it likes, and gets what all have along its own.
-TEST(SharedPicture, DepthsAlongWaysAreThoseOfAllRanks) {
-  onRanks(3, [](Team& team) {
-    std::vector<Segment> ways(team.rank() == 1 ? 0 : 30000 * (1 + team.rank()));
-    for (std::size_t i = 0; i < ways.size(); ++i) ways[i].end = static_cast<double>(i % 1000);
-    std::vector<double> depths(ways.size(), -1);
-    const auto own = [&](std::span<const Segment> segments, std::span<double> out) {
-      for (std::size_t i = 0; i < segments.size(); ++i)
-        out[i] = (1 + team.rank()) * segments[i].end;
-    };
-    const Box3 everywhere{Vec3::Constant(-2000), Vec3::Constant(2000)};
-    ASSERT_TRUE(sumAlong(team, ways, depths, own, everywhere));
-    for (std::size_t i = 0; i < ways.size(); ++i)
-      ASSERT_EQ(depths[i], 6.0 * static_cast<double>(i % 1000));
-  });
-}
-
-// Rank r holds x from r to r + 1, except the last, which holds nothing.
-TEST(SharedPicture, OnlyRanksWhoseBoxesAWayPassesAreAsked) {
-  onRanks(4, [](Team& team) {
-    const double low = team.rank();
-    const Box3 held = team.rank() == 3 ? Box3() : Box3{Vec3(low, 0, 0), Vec3(low + 1, 1, 1)};
-    std::vector<Segment> ways;
-    for (int i = 0; i < 50000; ++i) {
-      const double begin = 0.5 * (i % 7), end = begin + 0.5 * (i % 5);
-      ways.push_back({Vec3(0, 0.5, i % 11 == 0 ? 1.5 : 0.5), Vec3::UnitX(), begin, end});
-    }
-    std::vector<double> depths(ways.size(), -1);
-    std::size_t misses = 0;
-    const auto own = [&](std::span<const Segment> segments, std::span<double> out) {
-      for (std::size_t i = 0; i < segments.size(); ++i) {
-        out[i] = Interval{segments[i].begin, segments[i].end}.intersect({low, low + 1}).length();
-        misses += out[i] == 0 || segments[i].origin[2] > 1;
-      }
-    };
-    ASSERT_TRUE(sumAlong(team, ways, depths, own, held));
-    EXPECT_EQ(misses, 0u);
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-      const double inside = Interval{ways[i].begin, ways[i].end}.intersect({0, 3}).length();
-      ASSERT_EQ(depths[i], ways[i].origin[2] > 1 ? 0 : inside) << i;
-    }
-  });
-}
-
 // Who leaves with an error is heard of in the middle of a picture.
 TEST(SharedPicture, AnErrorOfOneRankEndsAll) {
   onRanks(3, [](Team& team) {

@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 // The smoke or the fire of an FDS case: lattices with planes at any distance, side by side; M_ stands for the medium's own
 // prefix. Values are constant in each cell or trilinear between nodes; obstructions and what no lattice covers are empty.
-// A coarse table of parts says which lattice is where (FdsGrid). All is in one buffer; gl_fds.cpp writes it.
+// A coarse table of parts says which lattice is where (FdsGrid). All is in one buffer; gl_fds.cpp writes it. M_sunlight(place, s)
+// is what lamps add, M_findShadows() and M_nextShadow() know of the shadows that surfaces throw (gl_lamps.cpp).
 
 layout(std430) readonly buffer M_Words { uint M_words[]; };
 
@@ -10,9 +11,9 @@ uniform vec3 M_origin;      // the picture's, from the middle of all [m]
 uniform ivec3 M_partCount;  // of the table, along each axis
 uniform ivec3 M_partPlanes; // where the planes of each axis begin [words]
 uniform int M_table;
-uniform int M_lattices;     // ten words each: planes, cells, values, bits of gas, light, nodal
+uniform int M_lattices;     // nine words each: planes, cells, values, bits of gas, nodal
 uniform float M_extinction; // of a unit of the values [1/m]
-uniform vec3 M_source;      // light that a unit of the values sends [1/m]; with M_LIT what given light is multiplied by
+uniform vec3 M_source;      // light that a unit of the values sends [1/m], without lamps
 
 vec3 M_o;           // the ray's origin from the middle
 ivec3 M_ahead;      // -1 or 1 on each axis
@@ -25,9 +26,6 @@ ivec3 M_cell;
 vec3 M_leaves;      // where the ray leaves the cell on each axis
 vec3 M_low, M_perCell;
 float M_c[8];       // values of the cell's corners
-#if M_LIT
-vec3 M_light[8];
-#endif
 float M_end;        // the ray is in this cell, or in a part without a lattice, up to here
 float M_stop;
 bool M_on;          // in gas
@@ -61,7 +59,7 @@ int M_gap(int at, int count, float place) {
 int M_leastOf(vec3 v) { return v.x <= v.y ? (v.x <= v.z ? 0 : 2) : (v.y <= v.z ? 1 : 2); }
 
 // What is in M_cell, and how far it goes.
-void M_enterCell() {
+void M_enterCell(float s) {
   for (int axis = 0; axis < 3; ++axis) {
     int plane = M_planesAt[axis] + M_cell[axis];
     M_low[axis] = M_real(plane);
@@ -72,19 +70,14 @@ void M_enterCell() {
   int place = (M_cell.z * M_cells.y + M_cell.y) * M_cells.x + M_cell.x;
   M_on = (M_words[int(M_words[M_lattice + 7]) + (place >> 5)] >> (place & 31) & 1u) != 0u;
   if (!M_on) return;
-  bool nodal = M_words[M_lattice + 9] != 0u;
+  M_end = M_nextShadow(s, M_end);
+  bool nodal = M_words[M_lattice + 8] != 0u;
   int values = int(M_words[M_lattice + 6]);
   int node = (M_cell.z * (M_cells.y + 1) + M_cell.y) * (M_cells.x + 1) + M_cell.x;
   ivec3 stride = ivec3(1, M_cells.x + 1, (M_cells.x + 1) * (M_cells.y + 1));
-#if M_LIT
-  int light = int(M_words[M_lattice + 8]);
-#endif
   for (int i = 0; i < 8; ++i) {
     int corner = node + (i & 1) * stride.x + (i >> 1 & 1) * stride.y + (i >> 2) * stride.z;
     M_c[i] = M_real(values + (nodal ? corner : place));
-#if M_LIT
-    M_light[i] = vec3(M_real(light + 3 * corner), M_real(light + 3 * corner + 1), M_real(light + 3 * corner + 2));
-#endif
   }
 }
 
@@ -97,7 +90,7 @@ bool M_enterPart(float s) {
   int lattice = int(M_words[M_table + part]);
   M_on = false;
   M_end = min(M_partEnd, M_stop);
-  M_lattice = lattice < 0 ? -1 : M_lattices + 10 * lattice;
+  M_lattice = lattice < 0 ? -1 : M_lattices + 9 * lattice;
   if (lattice < 0) return false;
   vec3 place = M_o + s * rayDirection;
   for (int axis = 0; axis < 3; ++axis) {
@@ -109,6 +102,7 @@ bool M_enterPart(float s) {
 }
 
 void M_begin() {
+  M_findShadows();
   M_o = M_origin + rayOrigin;
   float begin = rayBegin;
   float end = rayEnd;
@@ -140,7 +134,7 @@ void M_next() {
     for (int axis = 0; axis < 3; ++axis) M_part[axis] = M_gap(M_partPlanes[axis], M_partCount[axis], place[axis]);
   } else if (inside && M_lattice >= 0 && s < M_partEnd) {
     int axis = M_leastOf(M_leaves);
-    M_cell[axis] += M_ahead[axis];
+    if (M_leaves[axis] <= s) M_cell[axis] += M_ahead[axis];  // else its light changes here
     ofPart = false;
     if (M_cell[axis] < 0 || M_cell[axis] >= M_cells[axis]) {
       M_on = false;  // rounding: the part ends here too
@@ -157,7 +151,7 @@ void M_next() {
     M_finish();
     return;
   }
-  if (!ofPart || M_enterPart(s)) M_enterCell();
+  if (!ofPart || M_enterPart(s)) M_enterCell(s);
 }
 
 // Adds the medium at s, which is in the cell.
@@ -168,11 +162,5 @@ void M_sample(float s, inout float k, inout vec3 e) {
   float v = (1.0 - p.z) * dot(across, vec4(M_c[0], M_c[1], M_c[2], M_c[3])) +
             p.z * dot(across, vec4(M_c[4], M_c[5], M_c[6], M_c[7]));
   k += M_extinction * v;
-#if M_LIT
-  vec3 light = vec3(0.0);
-  for (int i = 0; i < 4; ++i) light += across[i] * ((1.0 - p.z) * M_light[i] + p.z * M_light[i + 4]);
-  e += v * light * M_source;
-#else
-  e += v * M_source;
-#endif
+  e += v * (M_source + M_extinction * M_sunlight(rayOrigin + s * rayDirection, s));
 }

@@ -55,6 +55,9 @@ float M_most@(vec3 f, vec3 centre, vec3 across) { return dot(f, centre) + dot(ab
 
 void M_findDark@() {
   M_darkCount@ = 0;
+  float from = M_cone@.x;
+  float to = M_cone@.y;
+  if (from >= to) return;
   vec3 way = M_towards@(rayOrigin);
   float near = M_lampIsSun@ != 0 ? 0.0 : 1.0;
   vec3 normal = cross(rayDirection, way);
@@ -66,7 +69,6 @@ void M_findDark@() {
   vec3 along = cross(way, normal) / square;
   vec3 across = cross(normal, rayDirection) / square;
   normal *= inversesqrt(square);
-  float from = max(rayBegin, rayFrom);
   vec3 origin = vec3(M_shadeOrigin) + rayOrigin;
   int stack[48];
   int top = 0;
@@ -79,7 +81,7 @@ void M_findDark@() {
     vec3 size = 0.5 * (high.xyz - low.xyz);
     if (abs(dot(normal, centre)) > dot(abs(normal), size) + 1e-5 || M_most@(across, centre, size) < 0.0 ||
         (near > 0.0 && -M_most@(-across, centre, size) > 1.0) || M_most@(along + near * from * across, centre, size) < from ||
-        (rayEnd < 1e30 && -M_most@(-(along + near * rayEnd * across), centre, size) > rayEnd))
+        (to < 1e30 && -M_most@(-(along + near * to * across), centre, size) > to))
       continue;
     int first = floatBitsToInt(low.w);
     int count = floatBitsToInt(high.w);
@@ -124,7 +126,7 @@ void M_findDark@() {
         a1 = c.y < 1.0 ? a1 / (1.0 - c.y) : sign(a1) * FARTHEST;
       }
       float begin = max(min(a0, a1), from);
-      float end = min(max(a0, a1), rayEnd);
+      float end = min(max(a0, a1), to);
       if (begin < end) M_addDark@(begin, end);
     }
   }

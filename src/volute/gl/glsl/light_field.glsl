@@ -95,6 +95,27 @@ vec3 M_sun@(vec3 place) {
   return M_lampLight@ * (arriving * phase * M_share@(place) * M_known@(place));
 }
 
+vec2 M_cone@;  // where the ray may be in a spot's cone
+
+void M_findCone@() {
+  M_cone@ = vec2(max(rayBegin, rayFrom), rayEnd);
+  if (M_lampIsSun@ != 0 || M_lampShape@.x <= 0.0) return;
+  vec3 away = rayOrigin - M_lampPlace@;
+  float along = dot(away, M_lampWay@), rises = dot(rayDirection, M_lampWay@), square = M_lampShape@.x * M_lampShape@.x;
+  float p = rises * rises - square;
+  float q = along * rises - square * dot(away, rayDirection);
+  float root = q * q - p * (along * along - square * dot(away, away));
+  if (abs(p) < 1e-6) return;
+  vec2 met = vec2(FARTHEST, -FARTHEST);  // nowhere
+  if (root > 0.0) {
+    vec2 edges = (vec2(-q) + vec2(-1.0, 1.0) * sign(p) * sqrt(root)) / p;
+    edges += vec2(-1e-4, 1e-4) * sign(-p) * (1.0 + abs(edges));
+    if (p > 0.0) met = rises > 0.0 ? vec2(edges.y, FARTHEST) : vec2(-FARTHEST, edges.x);
+    else if (along + 0.5 * (edges.x + edges.y) * rises > 0.0) met = edges;
+  }
+  M_cone@ = vec2(max(M_cone@.x, met.x), min(M_cone@.y, met.y));
+}
+
 // From a place on, shadows of finite media are even about so far (LightField::evenFor).
 float M_evenFor@(vec3 place) {
   float even = 1e30;
@@ -125,6 +146,8 @@ float M_evenFor@(vec3 place) {
 
 // How far a lamp's light is nearly a polynomial from s on.
 float M_evenTo@(float s, float before) {
+  if (s >= M_cone@.y) return before;
+  if (s < M_cone@.x) return min(before, max(M_cone@.x, s + 1e-4 * (1.0 + abs(s))));
   vec3 place = rayOrigin + s * rayDirection;
   before = min(before, s + M_evenFor@(place));
   if (M_lampIsSun@ != 0) return before;

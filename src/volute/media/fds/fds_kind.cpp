@@ -110,7 +110,7 @@ class FdsKind final : public MediumKind {
       return FdsMedium::readsTheSame(other.description(), smoke);
     });
     if (before)
-      return before->with(smoke, context.lights);
+      return before->with(smoke, context);
     RemarkLog heard(context.reading.progress);
     Reading reading = context.reading.with(heard);
     VOLUTE_ASSIGN(auto medium, FdsMedium::open(smoke, context, reading));
@@ -158,27 +158,34 @@ class FdsKind final : public MediumKind {
 
 }  // namespace
 
-const FdsField& FdsAt::smoke() const {
-  std::call_once(asked_, [&] { smoke_ = lit_ ? lit_(plain_, {}) : plain_; });
-  return *smoke_;
+const FdsAt::Lit& FdsAt::lit() const {
+  std::call_once(asked_, [&] {
+    if (lightUp_)
+      lit_ = lightUp_(smoke_, {});
+  });
+  return lit_;
 }
 
 void FdsAt::addMedia(std::vector<AnyMedium>& media) const {
-  media.push_back(scaledBy(factor_, AnyMedium(smoke())));
+  media.push_back(scaledBy(factor_, lit().smoke ? AnyMedium(*lit().smoke) : AnyMedium(smoke_)));
   if (fire_)
     media.emplace_back(*fire_);
   media.insert(media.end(), sheets_.begin(), sheets_.end());
 }
 
 void FdsAt::addExtinction(std::vector<AnyMedium>& media) const {
-  media.push_back(scaledBy(factor_, AnyMedium(plain_)));
+  media.push_back(scaledBy(factor_, AnyMedium(smoke_)));
   media.insert(media.end(), sheets_.begin(), sheets_.end());
 }
 
 std::shared_ptr<const MediumAt> FdsAt::litBy(const MediaLight& light) const {
-  if (!lit_)
+  if (!lightUp_ || shares_)
     return nullptr;
-  return std::make_shared<const FdsAt>(lit_(plain_, light), factor_, fire_, sheets_);
+  const LightUp lightUp =
+      [lightUp = lightUp_, lit = std::vector(light.lamps.begin(), light.lamps.end()),
+       between = std::vector(light.between.begin(), light.between.end())](
+          const FdsField& smoke, const MediaLight&) { return lightUp(smoke, {lit, between}); };
+  return std::make_shared<const FdsAt>(smoke_, factor_, fire_, sheets_, shares_, lightUp);
 }
 
 std::shared_ptr<MediumPicture> FdsAt::picture(std::shared_ptr<MediumPicture>) const {

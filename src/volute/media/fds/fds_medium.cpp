@@ -17,7 +17,6 @@
 #include "volute/base/gather_values.hpp"
 #include "volute/fds/fds_room.hpp"
 #include "volute/image/srgb.hpp"
-#include "volute/media/fds/fds_light.hpp"
 #include "volute/media/fds/fds_probe.hpp"
 #include "volute/media/fds/fds_shares.hpp"
 #include "volute/media/fds/fds_sight.hpp"
@@ -157,7 +156,7 @@ Result<std::shared_ptr<FdsMedium>> FdsMedium::open(const FdsDescription& descrip
   VOLUTE_ASSIGN(auto files, FdsCase::open(description.file, options));
   medium.description_ = description;
   medium.lights_ = context.lights;
-  medium.blocks_ = blocksOf(context.geometry);
+  medium.geometry_ = context.geometry;
   medium.case_ = std::make_shared<FdsCase>(std::move(files));
   const SmvIndex& index = medium.case_->index();
   VOLUTE_ASSIGN(auto walls, fdsWalls(index, medium.notes_));
@@ -268,11 +267,12 @@ bool FdsMedium::readsTheSame(const FdsDescription& a, const FdsDescription& b) {
 }
 
 std::shared_ptr<FdsMedium> FdsMedium::with(const FdsDescription& description,
-                                           const SceneLights& lights) const {
+                                           const MediumContext& context) const {
   VOLUTE_ASSERT(readsTheSame(description_, description));
   auto medium = std::make_shared<FdsMedium>(*this);
   medium->description_ = description;
-  medium->lights_ = lights;
+  medium->lights_ = context.lights;
+  medium->geometry_ = context.geometry;
   medium->describe();
   return medium;
 }
@@ -293,8 +293,11 @@ void FdsMedium::describe() {
 Result<std::shared_ptr<const MediumAt>> FdsMedium::at(const InstantRequest& request, Progress&) {
   const double time = request.time, scale = description_.scale;
   VOLUTE_ASSIGN(auto smoke, case_->field(caseTime(time)));
-  if (request.lit && holders_) {  // which may fail
-    VOLUTE_ASSIGN(smoke, inLight(smoke, time));
+  if (lights_.multiple && holders_ && request.lit && !lights_.lamps.empty()) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: processes that share a case scatter light once; set \"scattering\" to single, "
+                "or use one process",
+                description_.file);
   }
   VOLUTE_ASSIGN(auto fire, fireAt(time));
   std::vector<AnyMedium> sheets;
@@ -304,15 +307,19 @@ Result<std::shared_ptr<const MediumAt>> FdsMedium::at(const InstantRequest& requ
   std::optional<FdsShares> shares;
   if (holders_)
     shares = FdsShares{holders_, scale, burns() || !lights_.lamps.empty()};
-  FdsAt::Lit lit;
-  if (request.lit && !holders_)
-    lit = [self = std::static_pointer_cast<const FdsMedium>(shared_from_this()), time](
-              const FdsField& field, const MediaLight& light) {
-      auto made = self->inLight(field, time, light);
-      return made ? *made : field;  // only ranks can fail
+  FdsAt::LightUp lightUp;
+  if (request.lit) {
+    smoke = smoke.withSource(description_.albedo * lights_.ambient);
+    lightUp = [self = std::static_pointer_cast<const FdsMedium>(shared_from_this()), time,
+               eye = request.eye](const FdsField& field, const MediaLight& light) {
+      return self->inLight(field, time, eye, light);
     };
-  return std::make_shared<const FdsAt>(std::move(smoke), request.factor * scale, std::move(fire),
-                                       std::move(sheets), shares, lit);
+  }
+  auto made = std::make_shared<const FdsAt>(std::move(smoke), request.factor * scale,
+                                            std::move(fire), std::move(sheets), shares, lightUp);
+  if (holders_)
+    made->lit();  // which all ranks find together
+  return made;
 }
 
 Result<std::unique_ptr<SightField>> FdsMedium::sight(Reading& reading) {
@@ -360,28 +367,34 @@ double FdsMedium::caseTime(double time) const {
   return description_.clock.at(time, case_->times());
 }
 
-Result<FdsField> FdsMedium::inLight(const FdsField& field, double time,
-                                    const MediaLight& other) const {
+FdsAt::Lit FdsMedium::inLight(const FdsField& field, double time, const std::optional<Vec3>& eye,
+                              const MediaLight& other) const {
   Illumination light{.lamps = lights_.lamps,
                      .ambient = lights_.ambient,
-                     .blocks = blocks_,
                      .between = {other.between.begin(), other.between.end()},
                      .multiple = lights_.multiple};
   light.lamps.insert(light.lamps.end(), other.lamps.begin(), other.lamps.end());
-  if (light.lamps.empty())
-    return field.withSource(description_.albedo * lights_.ambient);
-  if (light.multiple && holders_) {
-    return fail(ErrorCode::kUnsupported,
-                "{}: processes that share a case scatter light once; set \"scattering\" to single, "
-                "or use one process",
-                description_.file);
-  }
-  VOLUTE_ASSIGN(auto lit, fdsLight(field, case_->obstructions(caseTime(time)),
-                                   {.light = std::move(light),
-                                    .albedo = description_.albedo,
-                                    .density = description_.scale,
-                                    .holders = holders_}));
-  return field.withLight(std::move(lit));
+  if (light.lamps.empty() || !(description_.albedo.maxCoeff() > 0))
+    return {};
+  FdsAt::Lit lit{{}, inTheWay(time, eye)};
+  light.blocks = blocksOf(lit.surfaces);
+  const FdsLamps lamps{.light = std::move(light),
+                       .surfaces = lit.surfaces,
+                       .albedo = description_.albedo,
+                       .density = description_.scale,
+                       .holders = holders_};
+  lit.smoke = std::make_shared<const LitMedium>(litFds(field, lamps));
+  return lit;
+}
+
+TriangleScene FdsMedium::inTheWay(double time, const std::optional<Vec3>& eye) const {
+  const auto triangles = geometry_.triangles();
+  const auto materials = geometry_.materials();
+  TriangleMesh all{{triangles.begin(), triangles.end()}, {materials.begin(), materials.end()}};
+  addFaces(quadsOf(buildingAt(time), eye), all);
+  auto built = TriangleScene::build(std::move(all.triangles), std::move(all.materials));
+  return built ? *built
+               : geometry_;  // corners that are not finite are refused where they are drawn
 }
 
 Status FdsMedium::openFire(Reading& reading) {
@@ -755,12 +768,14 @@ Result<std::optional<FirstTime>> FdsMedium::firstTime(Progress& progress) {
                                looked.size())};
 }
 
-void FdsMedium::addBuilding(double time, const std::optional<Vec3>& eye, TriangleMesh& to) const {
-  const FdsBuilding building = buildingAt(time);
-  const FdsSides open = openTowards(building, eye);
+std::vector<FdsQuad> FdsMedium::quadsOf(const FdsBuilding& building,
+                                        const std::optional<Vec3>& eye) const {
   std::vector<FdsCut> cuts = description_.look.cuts;
   for (FdsCut& cut : cuts) cut.above = !eye || (*eye)[cut.axis] >= cut.place;
-  const std::vector<FdsQuad> quads = building.quads(open, cuts);
+  return building.quads(openTowards(building, eye), cuts);
+}
+
+void FdsMedium::addFaces(std::span<const FdsQuad> quads, TriangleMesh& to) const {
   for (const FdsQuad& quad : quads) {
     const auto& c = quad.corners;
     const Vec3 across = (c[1] - c[0]).cross(c[3] - c[0]);
@@ -770,14 +785,21 @@ void FdsMedium::addBuilding(double time, const std::optional<Vec3>& eye, Triangl
     to.triangles.push_back({{c[0], c[1], c[2]}, material});
     to.triangles.push_back({{c[0], c[2], c[3]}, material});
   }
-  if (description_.look.building != FdsBuildingView::kOpen) {
-    const auto first = static_cast<std::uint32_t>(to.materials.size());
-    to.materials.insert(to.materials.end(), walls_->materials.begin(), walls_->materials.end());
-    for (Triangle triangle : walls_->triangles) {
-      triangle.material += first;
-      to.triangles.push_back(triangle);
-    }
+  if (description_.look.building == FdsBuildingView::kOpen)
+    return;
+  const auto first = static_cast<std::uint32_t>(to.materials.size());
+  to.materials.insert(to.materials.end(), walls_->materials.begin(), walls_->materials.end());
+  for (Triangle triangle : walls_->triangles) {
+    triangle.material += first;
+    to.triangles.push_back(triangle);
   }
+}
+
+void FdsMedium::addBuilding(double time, const std::optional<Vec3>& eye, TriangleMesh& to) const {
+  const FdsBuilding building = buildingAt(time);
+  const FdsSides open = openTowards(building, eye);
+  const std::vector<FdsQuad> quads = quadsOf(building, eye);
+  addFaces(quads, to);
   if (open == 0)
     return;
   if (quads.size() <= kMaxOutlined)

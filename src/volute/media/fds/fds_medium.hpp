@@ -21,6 +21,7 @@
 #include "volute/media/fds/fds_look.hpp"
 #include "volute/media/fds/fds_particle_cloud.hpp"
 #include "volute/media/fds/fds_slice.hpp"
+#include "volute/media/fds/lit_fds.hpp"
 #include "volute/media/field_probe.hpp"
 #include "volute/media/medium_at.hpp"
 #include "volute/media/scene_lights.hpp"
@@ -39,20 +40,27 @@ struct FdsShares {
 /// Smoke and fire of an FDS case at one instant.
 class FdsAt final : public MediumAt {
  public:
-  /// The smoke in the scene's light, and in that and the shadow of other media.
-  using Lit = std::function<FdsField(const FdsField& smoke, const MediaLight& light)>;
+  /// The smoke in lamps' light, and the surfaces that shadow it.
+  struct Lit {
+    std::shared_ptr<const LitMedium> smoke;  ///< null: no lamp shines
+    TriangleScene surfaces;
+  };
+
+  /// In the scene's light, and in that and the shadow of other media.
+  using LightUp = std::function<Lit(const FdsField& smoke, const MediaLight& light)>;
 
   /// @param factor  of the smoke's extinction and of what it scatters
   /// @param shares  nothing: this process holds all
-  /// @param lit  asked when light is first asked for; empty: the smoke is as it is to be seen
+  /// @param smoke  in the light that comes from everywhere
+  /// @param lightUp  asked when light is first asked for; empty: no lamp shines
   FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire, std::vector<AnyMedium> sheets,
-        std::optional<FdsShares> shares = {}, Lit lit = {})
-      : plain_(std::move(smoke)),
+        std::optional<FdsShares> shares = {}, LightUp lightUp = {})
+      : smoke_(std::move(smoke)),
         factor_(factor),
         fire_(std::move(fire)),
         sheets_(std::move(sheets)),
         shares_(shares),
-        lit_(std::move(lit)) {}
+        lightUp_(std::move(lightUp)) {}
 
   void addMedia(std::vector<AnyMedium>& media) const override;
   void addExtinction(std::vector<AnyMedium>& media) const override;
@@ -65,7 +73,10 @@ class FdsAt final : public MediumAt {
   /// Where ranks hold shares, what draws them together.
   std::shared_ptr<MediumPicture> picture(std::shared_ptr<MediumPicture> earlier) const override;
 
-  const FdsField& smoke() const;
+  /// Without lamps.
+  const FdsField& smoke() const { return smoke_; }
+
+  const Lit& lit() const;
 
   double factor() const { return factor_; }
 
@@ -76,14 +87,14 @@ class FdsAt final : public MediumAt {
   std::span<const AnyMedium> sheets() const { return sheets_; }
 
  private:
-  FdsField plain_;
-  mutable std::optional<FdsField> smoke_;  ///< lit, once it was asked for
+  FdsField smoke_;
+  mutable Lit lit_;  ///< once it was asked for
   mutable std::once_flag asked_;
   double factor_;
   std::optional<FdsFlame> fire_;
   std::vector<AnyMedium> sheets_;
   std::optional<FdsShares> shares_;
-  Lit lit_;
+  LightUp lightUp_;
 };
 
 class MediumKind;
@@ -95,8 +106,8 @@ class FdsMedium final : public SceneMedium, public ProbedMedium {
  public:
   /// `description` says the case, the source (its field; empty: the best that fills meshes), a
   /// scale, Km and the albedo; the case itself says what its files hold, so kInvalidArgument for
-  /// another quantity. Smoke scatters the light of the lamps that obstructions and the scene let
-  /// through, once, and the ambient one.
+  /// another quantity. Smoke scatters the light of the lamps that the building, as it is drawn, and
+  /// the scene's own surfaces let through, and the ambient one.
   /// Of ranks that hold a share of the meshes each, see OpenOptions, kUnsupported for what needs
   /// more than that: iso-surfaces, and fire where meshes of two shares overlap.
   [[nodiscard]] static Result<std::shared_ptr<FdsMedium>> open(const FdsDescription& description,
@@ -109,7 +120,7 @@ class FdsMedium final : public SceneMedium, public ProbedMedium {
   /// This case under another description, which readsTheSame(), and in another light; what was read
   /// is shared, so that only one of the two may be used from then on.
   std::shared_ptr<FdsMedium> with(const FdsDescription& description,
-                                  const SceneLights& lights) const;
+                                  const MediumContext& context) const;
 
   Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
                                              Progress& progress) override;
@@ -161,7 +172,10 @@ class FdsMedium final : public SceneMedium, public ProbedMedium {
 
   void describe();
   /// A field of that time as lamps light it: those of the scene and of other media, through them.
-  Result<FdsField> inLight(const FdsField& field, double time, const MediaLight& other = {}) const;
+  FdsAt::Lit inLight(const FdsField& field, double time, const std::optional<Vec3>& eye,
+                     const MediaLight& other = {}) const;
+  /// The scene's own surfaces, and the building and its walls of triangles as they are drawn.
+  TriangleScene inTheWay(double time, const std::optional<Vec3>& eye) const;
   /// The fire at a time of the scene [s], which shines and hides nothing; nothing where the case
   /// has neither flame temperature nor heat release, or it is not shown, or nothing burns.
   Result<std::optional<FdsFlame>> fireAt(double time) const;
@@ -171,6 +185,8 @@ class FdsMedium final : public SceneMedium, public ProbedMedium {
   /// with a ruler along the two lower edges before it, and a needle to the north where the case
   /// says it.
   void addBuilding(double time, const std::optional<Vec3>& eye, TriangleMesh& to) const;
+  std::vector<FdsQuad> quadsOf(const FdsBuilding& building, const std::optional<Vec3>& eye) const;
+  void addFaces(std::span<const FdsQuad> quads, TriangleMesh& to) const;
   std::vector<std::string> words(const std::optional<Vec3>& eye) const;
   /// The numbers of the rulers that addBuilding() lays before an open building: coordinates [m],
   /// and which axis it is.
@@ -202,7 +218,7 @@ class FdsMedium final : public SceneMedium, public ProbedMedium {
 
   FdsDescription description_;
   SceneLights lights_;
-  Blocks blocks_;
+  TriangleScene geometry_;  ///< of the scene
   Team* holders_ = nullptr;
   std::shared_ptr<FdsCase> case_;
   std::shared_ptr<FdsCase> heat_;  // null: no fire
