@@ -179,6 +179,12 @@ class Frames(support.TestCase):
         write_rows(self.path("depth.png"), [sum(([x, x, 9] for x in row), []) for row in rows], 16, channels=3)
         self.assertIn("in colours", self.fails(1, *self.words("--depth-scale", "1", depth="depth.png")))
 
+    def test_the_largest_half_is_a_depth_in_a_picture(self):
+        self.depths = [65.504] * (WIDTH * HEIGHT)
+        self.plain()
+        write_rows(self.path("depth.png"), [[65504] * WIDTH] * HEIGHT, 16)
+        self.assertNotIn("sky", self.assertAsPlain("--depth-scale", "0.001", depth="depth.png", within=1e-5))
+
     def test_layers_and_parts(self):
         self.plain()
         other = [9.0] * (WIDTH * HEIGHT)

@@ -261,9 +261,10 @@ class Distances {
                              ? depth_.values.at(x - depth_.data.left, y - depth_.data.top)
                              : 0;
     const bool inverse = kind_ == DepthKind::kInverse;
+    const float largest = std::isinf(depth_.top) ? kLargestHalf : depth_.top;
     const bool nothing =
         stored == 0 ||
-        (!inverse && (stored == kLargestHalf || stored >= kFarAway || stored >= depth_.top));
+        (!inverse && (stored == largest || stored >= kFarAway || stored >= depth_.top));
     const auto metres = static_cast<float>(inverse ? depth_.scale / stored : stored * depth_.scale);
     if (nothing || metres >= sky_from_) {
       ++sky_;
