@@ -7,6 +7,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "volute/capture/background_drift.hpp"
+#include "volute/tomography/hull.hpp"
 #include "volute/tomography/match.hpp"
 #include "volute/tomography/project.hpp"
 
@@ -291,13 +293,36 @@ std::optional<std::string> layoutAdvice(std::span<const std::string> names,
       pairs);
 }
 
+namespace {
+
+/// Whether the medium itself may fill the bounds: lines of sight beside them see mostly nothing.
+bool isDarkBeside(std::span<const TomographyView> views, const Box3& bounds,
+                  std::optional<double> noiseSigma) {
+  constexpr std::size_t kFewest = 100;
+  std::size_t beside = 0, lit = 0;
+  for (const TomographyView& view : views) {
+    const auto pixels = pixelsBeside(view.camera, bounds);
+    const auto silhouette = dilatedSilhouette(view, noiseSigma);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      if (pixels[i] == 0 || !view.counts(i))
+        continue;
+      ++beside;
+      lit += silhouette[i];
+    }
+  }
+  return beside >= kFewest && 2 * lit < beside;
+}
+
+}  // namespace
+
 Result<TomographyDiagnosis> diagnose(std::span<const TomographyView> views,
                                      const VolumeGeometry& geometry,
                                      const TomographyOptions& options,
                                      const Reconstruction& reconstruction, Progress& progress) {
   VOLUTE_ASSIGN(auto diagnosis,
                 Consistency(views, geometry, options, reconstruction, progress).diagnosis());
-  if (options.hull && reconstruction.hullShare > kFullHull)
+  if (options.hull && reconstruction.hullShare > kFullHull &&
+      !isDarkBeside(views, geometry.bounds, options.noiseSigma))
     diagnosis.warnings.push_back(fmt::format(
         "the visual hull fills {:.0f} % of the volume, so silhouettes tell nothing: are there "
         "backgrounds to subtract, or is noise_sigma too small?",

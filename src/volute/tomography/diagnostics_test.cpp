@@ -82,6 +82,25 @@ TEST(Diagnose, ConsistentDataWarnOfNothing) {
   EXPECT_THAT(warningsOf(TestScene(7), strong), IsEmpty());
 }
 
+TEST(Diagnose, AFullHullIsAFaultWhereLightIsBesideTheVolume) {
+  for (const float background : {0.0F, 0.3F}) {
+    TestScene scene(7);
+    for (TomographyView& view : scene.views)
+      for (float& value : view.radiance.pixels) value += background;
+    Progress progress;
+    auto result = reconstruct(scene.views, scene.geometry, {}, {}, progress);
+    ASSERT_TRUE(result);
+    result->hullShare = 0.99;
+    const auto found = diagnose(scene.views, scene.geometry, {}, *result, progress);
+    ASSERT_TRUE(found);
+    const auto warned = testing::Contains(HasSubstr("backgrounds to subtract"));
+    if (background == 0)
+      EXPECT_THAT(found->warnings, testing::Not(warned));
+    else
+      EXPECT_THAT(found->warnings, warned);
+  }
+}
+
 TEST(Diagnose, NamesTheCameraOutOfStep) {
   TestScene scene(7);
   scene.views[4].radiance = TestScene(7, 0, 0.4).views[4].radiance;
