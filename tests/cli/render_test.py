@@ -145,6 +145,9 @@ class Render(support.TestCase):
         result = volute("render", self.block(), "-o", self.path("x.mp4"), "--size", "32x32")
         if "this build has no" not in result.message:
             self.assertIn("3 pictures from 0 to 0.08 s, 25 a second: a film of 0.12 s", result.message)
+            self.assertNotIn("even numbers", result.message)
+            odd = self.works("render", self.block(), "-o", self.path("x.mp4"), "--size", "33x32")
+            self.assertIn("x.mp4: is 34 x 32 pixels, for films have even numbers of them", odd.message)
 
     def test_camera_files(self):
         camera = {"eye": [0.5, -3, 0.5], "target": [0.5, 0.5, 0.5], "up": [0, 0, 1], "ortho": 0.5, "size": [6, 6]}

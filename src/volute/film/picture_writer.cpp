@@ -165,4 +165,15 @@ Result<std::unique_ptr<PictureWriter>> filmWriter(const std::string& target,
   return std::make_unique<FilmPictures>(std::move(film), development);
 }
 
+std::string evenSizeText(const std::string& target, int width, int height) {
+  const int evenWidth = width + width % 2, evenHeight = height + height % 2;
+  if (evenWidth == width && evenHeight == height)
+    return "";
+  return fmt::format(
+      "{}: is {} x {} pixels, for films have even numbers of them: the last column or row of {} x "
+      "{} "
+      "is repeated",
+      target, evenWidth, evenHeight, width, height);
+}
+
 }  // namespace volute

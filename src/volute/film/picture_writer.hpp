@@ -91,6 +91,9 @@ class PictureWriter {
                                                                 double framesPerSecond,
                                                                 const std::string& comment = {});
 
+/// Says that a film of an odd width or height is a pixel larger than its pictures; empty where not.
+std::string evenSizeText(const std::string& target, int width, int height);
+
 /// By the name's end: .mp4 or .webm.
 bool isFilmPath(const std::string& target);
 

@@ -44,6 +44,10 @@ void remarkOnPictures(const FilmJob& job, const std::string& target, Progress& p
                         static_cast<double>(count) / job.framesPerSecond);
   }
   progress.remark(text);
+  const Camera& camera = job.camera;
+  if (const auto even = evenSizeText(target, camera.width(), camera.height());
+      isFilmPath(target) && !even.empty())
+    progress.remark({RemarkCode::kChanged, even});
 }
 
 /// How long all of it takes if each picture takes as long as one did; nothing of a short while.

@@ -89,6 +89,8 @@ Status fogPictures(const std::vector<FogFrame>& frames, FogSceneMedium& fog,
       const PixelWindow& display = fogged.pixels.part.display;
       VOLUTE_ASSIGN(writer, filmWriter(target, development, display.width(), display.height(),
                                        arguments.get<double>("fps")));
+      if (const auto even = evenSizeText(target, display.width(), display.height()); !even.empty())
+        context.progress.remark({RemarkCode::kChanged, even});
     } else if (!writer) {
       VOLUTE_ASSIGN(writer, imageFileWriter(target, development));
     }
