@@ -231,7 +231,7 @@ Status FdsCase::openParts() {
   parallelFor(wanted.size(), [&](std::size_t i) { opened[i] = openPart(wanted[i]); });
   for (auto& part : opened) {
     if (!part && part.error().code == ErrorCode::kTruncated) {
-      remarks_.push_back(part.error().message + ": the file is left out");
+      leftOut_.push_back(part.error().message + ": the file is left out");
       continue;
     }
     if (!part && part.error().code == ErrorCode::kNotFound) {
@@ -243,21 +243,22 @@ Status FdsCase::openParts() {
           part.error().message, index_.path.filename().string(), mesh + 1);
     }
     VOLUTE_TRY(part);
-    for (const std::string& remark : (*part)->file->frames().remarks) remarks_.push_back(remark);
+    for (const std::string& remark : (*part)->file->frames().remarks) leftOut_.push_back(remark);
     const bool empty = std::ranges::any_of((*part)->lattice.planes,
                                            [](const auto& planes) { return planes.size() < 2; });
     if (empty) {
-      remarks_.push_back(
+      leftOut_.push_back(
           fmt::format("{}: holds nothing but cells outside of its mesh: it is left "
                       "out",
                       (*part)->path.string()));
     } else if ((*part)->file->frames().times.empty()) {
-      remarks_.push_back(
+      leftOut_.push_back(
           fmt::format("{}: holds no whole frame yet: it is left out", (*part)->path.string()));
     } else {
       parts_.push_back(std::move(*part));
     }
   }
+  remarks_.insert(remarks_.end(), leftOut_.begin(), leftOut_.end());
   if (parts_.empty()) {
     return fail(ErrorCode::kTruncated, "{}: no file of the source '{}' holds a whole frame{}{}",
                 index_.path.string(), source().name, remarks_.empty() ? "" : ": ",
@@ -320,13 +321,14 @@ void FdsCase::noteDroppedTimes(std::span<const double> dropped) {
     return fmt::format("{} (mesh {}) has {}, the last at {:g} s", part->path.filename().string(),
                        part->what.mesh + 1, times.size(), times.back());
   };
-  remarks_.push_back(fmt::format(
+  leftOut_.push_back(fmt::format(
       "{}: {} of {} stored times are left out ({:g} to {:g} s): not all files of the source '{}' "
       "have them. {}, {}: {}",
       index_.path.string(), dropped.size(), dropped.size() + times_.size(), dropped.front(),
       dropped.back(), source().name, count(*longest), count(*shortest),
       index_.ended ? "FDS has ended, so files were cut or are of another run: copy them again"
                    : "the case may still be running; else copy the files again"));
+  remarks_.push_back(leftOut_.back());
 }
 
 bool FdsCase::holds(const Part& part) const {
@@ -411,9 +413,10 @@ void FdsCase::noteMissingMeshes() {
       missing += (missing.empty() ? "" : ", ") + std::to_string(i + 1);
   }
   if (count > 0) {
-    remarks_.push_back(fmt::format("{}: the source '{}' does not cover {} of {} meshes ({}{})",
-                                   index_.path.string(), source().name, count, covered.size(),
-                                   missing, count > 8 ? ", ..." : ""));
+    uncovered_ = fmt::format("{}: the source '{}' does not cover {} of {} meshes ({}{})",
+                             index_.path.string(), source().name, count, covered.size(), missing,
+                             count > 8 ? ", ..." : "");
+    remarks_.push_back(uncovered_);
   }
 }
 

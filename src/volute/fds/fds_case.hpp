@@ -69,6 +69,13 @@ class FdsCase {
   /// Sentences about truncated files, meshes without a file, caps.
   std::span<const std::string> remarks() const { return remarks_; }
 
+  /// Those of the remarks that say which of its files and stored times are not read, as
+  /// files are cut or hold no gas.
+  std::span<const std::string> leftOut() const { return leftOut_; }
+
+  /// That of the remarks that says which meshes the source does not cover; empty: none.
+  const std::string& uncovered() const { return uncovered_; }
+
   /// The smoke at a time [s]: linear between the stored frames; the first frame before them, the
   /// last one after them; obstructions as of that time. Keeps the frames read last. Call from one
   /// thread at a time.
@@ -133,7 +140,8 @@ class FdsCase {
   std::vector<double> times_;
   std::vector<double> changes_;  // of obstructions and vents, ascending
   std::shared_ptr<const FdsGrid> grid_;
-  std::vector<std::string> remarks_;
+  std::vector<std::string> remarks_, leftOut_;
+  std::string uncovered_;
   std::size_t chosenBy_ = 0;  // how many of them are about the choice of a source
   std::vector<std::pair<std::size_t, std::shared_ptr<const Frame>>> kept_;  // two at most
 };

@@ -629,8 +629,8 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
     meshes.merge(meshesIn(opened->grid()));
     if (!beyond && !precise && !finer && meshes.size() == before) {
       // Perhaps because it is cut.
-      for (const std::string& remark : opened->remarks()) {
-        if (unread != nullptr && remark.find("left out") != remark.npos &&
+      for (const std::string& remark : opened->leftOut()) {
+        if (unread != nullptr &&
             std::ranges::find(first.remarks(), remark) == first.remarks().end())
           unread->push_back(remark);
       }
@@ -693,7 +693,7 @@ std::vector<Remark> FdsSight::remarks() const {
   for (const std::string& note : notes_) remarks.push_back({RemarkCode::kLeftOut, note});
   for (const FdsCase& other : others_) {
     for (const std::string& remark : other.remarks()) {
-      if (remark.find("does not cover") == remark.npos &&  // it need not
+      if (remark != other.uncovered() &&  // it need not
           std::ranges::find(remarks, remark, &Remark::sentence) == remarks.end())
         remarks.push_back(remark);
     }
@@ -782,7 +782,7 @@ Result<FdsField> FdsSight::refined(FdsField field, const FdsCase& of, double tim
     const bool between = !isStored(other.times(), time) && isFinerAt(time, of, other);
     parallelFor(values.size(), [&](std::size_t l) {
       const FdsLattice& lattice = field.grid().lattices()[l];
-      if (!field.grid().holds(l))
+      if (!field.grid().holds(l) || values[l]->low.empty())
         return;
       auto better = std::make_shared<FdsValues>(*values[l]);
       for (std::size_t i = 0; i < better->value.size(); ++i) {
