@@ -233,6 +233,9 @@ class Frames(support.TestCase):
         self.assertEqual(struct.unpack("<f", header["pixelAspectRatio"]), (2.0,))
         self.assertEqual(header["owner"], b"me")
         self.assertIn(b"A\0", header["channels"])
+        self.works(*self.words("--depth-kind", "z", "--half", out="h.exr"))
+        for full, half in zip(read_exr(self.path("x.exr")).values, read_exr(self.path("h.exr")).values, strict=True):
+            self.assertAlmostEqual(full, half, delta=full / 2048)
         # A pixel is 2 wide: the corner's ray, and fog over a half transparent frame.
         pixel = 2 * math.tan(math.radians(20)) / HEIGHT
         stretch = math.hypot(1, 2 * (0.5 - WIDTH / 2) * pixel, (0.5 - HEIGHT / 2) * pixel)

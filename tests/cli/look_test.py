@@ -283,6 +283,65 @@ class Look(support.TestCase):
         self.assertIn(".exr", self.fails(2, *words, "-o", self.path("y.png"), "--aov", "alpha,z"))
         self.assertIn("'depth' is none of", self.fails(2, *words, "-o", self.path("y.exr"), "--aov", "depth"))
 
+    def test_alpha_is_straight_in_a_png_and_multiplied_in_an_exr(self):
+        """Over black both are the picture without alpha; flames, which hide nothing, too."""
+        def linear(value):
+            return value / 255 / 12.92 if value <= 10 else ((value / 255 + 0.055) / 1.055) ** 2.4
+
+        camera = ("--size", "24x24", "--eye", "0.5,-2,0.5", "--target", "0.5,0.5,0.5", "--fov", "40", "--exposure", "1")
+        for name, look in (("smoke", ("--extinction", "4", "--emission", "1")), ("flame", ("--extinction", "0", "--emission", "4"))):
+            with self.subTest(name):
+                words = ("render", self.npy(name + ".npy"), *camera, *look, "--preset", "none")
+                self.works(*words, "-o", self.path("x.png"))
+                self.works(*words, "-o", self.path("a.png"), "--alpha")
+                over, alphas = read_png(self.path("x.png").read_bytes())[2], set()
+                data = self.path("a.png").read_bytes()
+                self.assertIn(b"volute.alpha\0straight", data)
+                for black, row in zip(over, read_png(data)[2], strict=True):
+                    for x in range(24):
+                        alpha = row[4 * x + 3] / 255
+                        alphas.add(row[4 * x + 3])
+                        for c in range(3):
+                            self.assertAlmostEqual(linear(row[4 * x + c]) * alpha, linear(black[3 * x + c]), delta=0.012)
+                self.assertIn(0, alphas, "the corners are empty")
+                self.assertGreater(max(alphas), 150)
+                self.works(*words, "-o", self.path("x.exr"))
+                self.works(*words, "-o", self.path("a.exr"), "--alpha")
+                plain, layered = (pictures.read_exr(self.path(file)) for file in ("x.exr", "a.exr"))
+                self.assertEqual(layered.channels, 4)
+                for p in range(24 * 24):
+                    self.assertEqual(layered.values[4 * p:4 * p + 3], plain.values[3 * p:3 * p + 3])
+                    self.assertTrue(0 <= layered.values[4 * p + 3] <= 1)
+        self.assertIn("--alpha is for .png and .exr", self.fails(2, *words, "-o", self.path("x.mp4"), "--alpha"))
+        self.fails(2, *words, "-o", self.path("x.png"), "--alpha", "--background", "1,1,1")
+
+    def test_alpha_of_edges_is_their_coverage(self):
+        pictures.write_png(self.path("white.png"), pictures.Picture(2, 2, 3, [1.0] * 12))
+        self.path("sign.json").write_text(json.dumps({
+            "format": "volute-scene-1", "media": [], "background": [0.2, 0.3, 0.4],
+            "camera": {"eye": [0, -3, 0], "target": [0, 0, 0], "up": [0.13, 0, 1], "fov": 30, "size": [64, 64]},
+            "signs": [{"name": "white", "position": [0, 0, 0], "normal": [0, -1, 0], "size": [0.9, 0.6], "picture": "white.png"}]}))
+        self.works("render", self.path("sign.json"), "-o", self.path("x.png"), "--alpha", "--exposure", "1", "--tone", "none")
+        pixels = [row[4 * x:4 * x + 4] for row in read_png(self.path("x.png").read_bytes())[2] for x in range(64)]
+        self.assertGreaterEqual(len({pixel[3] for pixel in pixels}), 7, "eight rays")
+        for pixel in pixels:
+            self.assertGreaterEqual(min(pixel[:3]), 250 if pixel[3] else 0, "the sign is white wherever it is")
+
+    def test_half_floats_are_within_their_rounding(self):
+        words = ("render", self.npy("v.npy", 24), "--size", "64x64", "--emission", "7", "--extinction", "2")
+        for more in ((), ("--alpha",)):
+            self.works(*words, "-o", self.path("x.exr"), *more)
+            self.works(*words, "-o", self.path("h.exr"), "--half", *more)
+            full, half = (pictures.read_exr(self.path(file)).values for file in ("x.exr", "h.exr"))
+            self.assertNotEqual(full, half)
+            for value, rounded in zip(full, half, strict=True):
+                self.assertAlmostEqual(value, rounded, delta=max(abs(value) / 2048, 6e-8))
+            self.assertLess(self.path("h.exr").stat().st_size, 0.6 * self.path("x.exr").stat().st_size)
+        self.works(*words, "-o", self.path("z.exr"), "--half", "--aov", "alpha,z", measured=False)
+        listed = pictures.attributes(self.path("z.exr").read_bytes())[0]["channels"]
+        self.assertEqual([entry[-16] for entry in pictures.split_channels(listed)], [1, 2], "depths stay floats")
+        self.assertIn("--half is for .exr", self.fails(2, *words, "-o", self.path("x.png"), "--half"))
+
     def test_depths_of_what_is_lit_are_those_of_what_is_not(self):
         sun = [{"kind": "sun", "direction": [1, 0, -1], "radiance": [3, 3, 3]}]
         depths = []

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """OpenEXR and PNG pictures with the standard library alone: what the tests read and write."""
-import array
 import pathlib
 import struct
 import zlib
@@ -48,24 +47,27 @@ def unpredicted(data):
 
 
 def read_exr(path):
-    """Scan lines of 32-bit floats, uncompressed or ZIP(S); channels R, G, B, or Y."""
+    """Scan lines of floats or halves, uncompressed or ZIP(S); channels R, G, B, or Y, and A last."""
     data = pathlib.Path(path).read_bytes()
     assert data[:5] == MAGIC[:5] and not data[5] & ~4, path  # one part of scan lines; long names are no matter
     header, at = attributes(data)
-    names = [entry.split(b"\0")[0].decode() for entry in split_channels(header["channels"])]
+    entries = list(split_channels(header["channels"]))
+    names = [entry.split(b"\0")[0].decode() for entry in entries]
+    halves = entries[0][-16] == 1  # all of them, or none
+    kind, size_of = ("e", 2) if halves else ("f", 4)
     x0, y0, x1, y1 = struct.unpack("<4i", header["dataWindow"])
     width, height = x1 - x0 + 1, y1 - y0 + 1
     rows = {0: 1, 2: 1, 3: 16}[header["compression"][0]]
     picture = Picture(width, height, len(names))
-    order = [names.index(name) for name in ("R", "G", "B")] if len(names) == 3 else [0]
+    order = [names.index(name) for name in ("R", "G", "B", "A") if name in names] if len(names) >= 3 else [0]
     count = (height + rows - 1) // rows
     for (offset,) in struct.iter_unpack("<Q", data[at:at + 8 * count]):
         y, size = struct.unpack_from("<ii", data, offset)
         lines = min(rows, height - (y - y0))
         block = data[offset + 8:offset + 8 + size]
-        if header["compression"][0] and size < lines * 4 * width * len(names):
+        if header["compression"][0] and size < lines * size_of * width * len(names):
             block = unpredicted(zlib.decompress(block))
-        values = array.array("f", block)
+        values = struct.unpack(f"<{len(block) // size_of}{kind}", block)
         for line in range(lines):
             for c, stored in enumerate(order):
                 begin = (line * len(names) + stored) * width

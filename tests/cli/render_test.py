@@ -11,17 +11,17 @@ from support import volute, write_npy
 
 
 def read_png(data):
-    """(width, height, rows of bytes) of an 8-bit RGB or grey file without interlacing."""
+    """(width, height, rows of bytes) of an 8-bit RGB, RGBA or grey file without interlacing."""
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     width, height, depth, kind = struct.unpack_from(">IIBB", data, 16)
-    assert depth == 8 and kind in (0, 2)
+    assert depth == 8 and kind in (0, 2, 6)
     packed, place = b"", 8
     while place < len(data):
         (length,) = struct.unpack_from(">I", data, place)
         if data[place + 4:place + 8] == b"IDAT":
             packed += data[place + 8:place + 8 + length]
         place += 12 + length
-    raw, step = zlib.decompress(packed), 3 if kind == 2 else 1
+    raw, step = zlib.decompress(packed), {0: 1, 2: 3, 6: 4}[kind]
     rows, above = [], bytes(width * step)
     for y in range(height):
         line = bytearray(raw[y * (width * step + 1) + 1:(y + 1) * (width * step + 1)])

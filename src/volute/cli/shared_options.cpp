@@ -76,7 +76,7 @@ Option raysOption() {
           .choices = {"1", "4"}};
 }
 
-std::vector<Option> filmStyleOptions() {
+std::vector<Option> fileStyleOptions() {
   return {{.name = "film-bits",
            .kind = ValueKind::kChoice,
            .value = "N",
@@ -90,19 +90,25 @@ std::vector<Option> filmStyleOptions() {
            .help = "constant rate factor of a film's encoder, 0 (best, large) to 51; if not given, "
                    "16 for .mp4, 20 for .webm",
            .least = 0,
-           .most = 51}};
+           .most = 51},
+          {.name = "half",
+           .help = "colours and alpha of .exr files as half floats, which take half the room and "
+                   "are off by at most 1/2048; depths stay float32"}};
 }
 
-Result<FilmStyle> filmStyleOf(const Arguments& arguments, const std::string& target) {
+Status takeFileStyle(const Arguments& arguments, const std::string& target,
+                     Development& development) {
   for (const char* name : {"film-bits", "film-quality"}) {
     if (arguments.given(name) && !isFilmPath(target))
       return fail(ErrorCode::kInvalidArgument, "--{} is for .mp4 and .webm; '{}' is none", name,
                   target);
   }
-  FilmStyle style;
-  style.bits = arguments.get<std::string>("film-bits") == "10" ? 10 : 8;
-  style.rateFactor = arguments.find<double>("film-quality");
-  return style;
+  development.half = arguments.flag("half");
+  if (development.half && extensionOf(target) != ".exr")
+    return fail(ErrorCode::kInvalidArgument, "--half is for .exr; '{}' is none", target);
+  development.film.bits = arguments.get<std::string>("film-bits") == "10" ? 10 : 8;
+  development.film.rateFactor = arguments.find<double>("film-quality");
+  return {};
 }
 
 Option smokeMethodOption(std::string help, std::vector<std::string_view> kinds) {

@@ -4,7 +4,7 @@
 
 #include "volute/cli/arguments.hpp"
 #include "volute/cli/option.hpp"
-#include "volute/io/film.hpp"
+#include "volute/film/picture_writer.hpp"
 
 // Options that several commands have. `kinds` as in Option, empty: all.
 
@@ -37,11 +37,12 @@ Option rmsOption(std::string help, std::string initial = "");
 /// --rays-per-pixel of pictures that are projected.
 Option raysOption();
 
-/// --film-bits and --film-quality.
-std::vector<Option> filmStyleOptions();
+/// --film-bits, --film-quality and --half.
+std::vector<Option> fileStyleOptions();
 
-/// What they say; kInvalidArgument where they are given and the target is no film.
-[[nodiscard]] Result<FilmStyle> filmStyleOf(const Arguments& arguments, const std::string& target);
+/// Sets what they say; kInvalidArgument where they are given and the target is of another kind.
+[[nodiscard]] Status takeFileStyle(const Arguments& arguments, const std::string& target,
+                                   Development& development);
 
 /// --smoke-method of OpenGL.
 Option smokeMethodOption(std::string help, std::vector<std::string_view> kinds = {});

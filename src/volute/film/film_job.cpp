@@ -148,8 +148,10 @@ Result<Image> FilmJob::pictureOf(const Snapshot& snapshot, const Camera& camera,
 
 Result<Image> FilmJob::draw(const Snapshot& snapshot, const Camera& camera, int rays,
                             Progress& progress, PictureCounts& counts) {
-  return rays > 1 && options.aov == Aov::kNone
-             ? renderer->renderSmooth(snapshot, camera, options, rays, style, progress, &counts)
+  const bool alpha = options.aov == Aov::kAlpha;
+  return rays > 1 && (alpha || options.aov == Aov::kNone)
+             ? renderer->renderSmooth(snapshot, camera, options, rays,
+                                      alpha ? PictureStyle() : style, progress, &counts)
              : renderer->render(snapshot, camera, options, progress, &counts);
 }
 

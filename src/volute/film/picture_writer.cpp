@@ -79,8 +79,11 @@ class ImageFileWriter final : public PictureWriter {
   Status write(const Image& image, int frameNumber, const PictureText& text) override {
     const auto path =
         pattern_ ? pattern_->format(frameNumber, scale_) : std::filesystem::path(target_);
-    if (extensionOf(target_) == ".exr")
-      return writeImage(path, image, text.notes);
+    if (extensionOf(target_) == ".exr") {
+      return development_.half
+                 ? writeHalfChannels(path, image.width, image.height, channelsOf(image), text.notes)
+                 : writeImage(path, image, text.notes);
+    }
     return writeImage(path, visible(image, development_, text), text.notes);
   }
 
@@ -88,14 +91,23 @@ class ImageFileWriter final : public PictureWriter {
                      int frameNumber, const PictureText& text) override {
     const auto path =
         pattern_ ? pattern_->format(frameNumber, scale_) : std::filesystem::path(target_);
-    return writeChannels(path, width, height, channels, text.notes);
+    if (extensionOf(target_) == ".exr") {
+      return (development_.half ? writeHalfChannels : writeChannels)(path, width, height, channels,
+                                                                     text.notes);
+    }
+    return writeStraight(path, width, height, channels, text);
   }
 
   Status writeFrame(const FramePixels& frame, int frameNumber) override {
     const auto path =
         pattern_ ? pattern_->format(frameNumber, scale_) : std::filesystem::path(target_);
-    if (extensionOf(target_) == ".exr")
-      return volute::writeFrame(path, frame);
+    if (extensionOf(target_) == ".exr") {
+      if (!development_.half)
+        return volute::writeFrame(path, frame);
+      FramePixels rounded = frame;
+      rounded.half = true;
+      return volute::writeFrame(path, rounded);
+    }
     Image color = displayed(frame.color, frame.part);
     if (!frame.alpha)
       return writeImage(path, developed(std::move(color), development_));
@@ -107,6 +119,33 @@ class ImageFileWriter final : public PictureWriter {
   Status finish() override { return {}; }
 
  private:
+  Status writeStraight(const std::filesystem::path& path, int width, int height,
+                       const std::vector<ImageChannel>& channels, const PictureText& text) {
+    Image color(width, height), alpha(width, height, 1);
+    for (const ImageChannel& channel : channels) {
+      const std::size_t at = std::string_view("RGB").find(channel.name);
+      if (at == std::string_view::npos)
+        alpha.pixels = channel.values;
+      else
+        for (std::size_t i = 0; i < channel.values.size(); ++i)
+          color.pixels[3 * i + at] = channel.values[i];
+    }
+    Development light = development_;
+    light.style.dither = false;
+    color = visible(color, light, {});
+    for (std::size_t i = 0; i < alpha.pixels.size(); ++i) {
+      const float* shown = &color.pixels[3 * i];
+      alpha.pixels[i] =
+          std::clamp(std::max({alpha.pixels[i], shown[0], shown[1], shown[2]}), 0.0F, 1.0F);
+    }
+    color = straight(std::move(color), alpha);
+    if (development_.style.dither)
+      dither(color);
+    ImageNotes notes = text.notes;
+    notes.emplace_back("volute.alpha", "straight: colours are not multiplied by it");
+    return writePngWithAlpha(path, color, alpha, notes);
+  }
+
   std::optional<FramePattern> pattern_;
   FrameScale scale_;
   std::string target_;

@@ -25,6 +25,7 @@ struct Development {
   PictureStyle style;
   std::optional<ColorMap> colorMap{};  ///< of the first channel, from 0 to 1 after the exposure
   FilmStyle film{};                    ///< of films
+  bool half = false;                   ///< .exr: half floats, else float32
 };
 
 /// Letters around a pixel.
@@ -52,7 +53,9 @@ class PictureWriter {
   virtual ~PictureWriter() = default;
   [[nodiscard]] virtual Status write(const Image& image, int frameNumber,
                                      const PictureText& text = {}) = 0;
-  /// Several layers of one picture, into a .exr.
+  /// Several layers of one picture, into a .exr; or R, G, B and A, the colour multiplied by A, into
+  /// a .png with straight alpha. There light that hides nothing, as of flames, has as much alpha as
+  /// it is bright, so that the picture over black is the one without alpha.
   [[nodiscard]] virtual Status writeLayers(int width, int height,
                                            const std::vector<ImageChannel>& channels,
                                            int frameNumber, const PictureText& text) = 0;

@@ -16,6 +16,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -284,6 +285,19 @@ Imf::Header headerFor(const FramePart& part) {
   return header;
 }
 
+/// Finite values stay finite.
+std::vector<half> halvesOf(std::span<const float> values, int first, int step) {
+  constexpr float kLargest = HALF_MAX;
+  std::vector<half> halves;
+  halves.reserve(values.size() / static_cast<std::size_t>(step));
+  for (auto i = static_cast<std::size_t>(first); i < values.size();
+       i += static_cast<std::size_t>(step)) {
+    const float value = values[i];
+    halves.emplace_back(std::isfinite(value) ? std::clamp(value, -kLargest, kLargest) : value);
+  }
+  return halves;
+}
+
 /// Writes what `add` lays out.
 template <class Add>
 Status encode(const std::filesystem::path& path, Imf::Header header, Add&& add) {
@@ -337,12 +351,19 @@ Status writeFrame(const std::filesystem::path& path, const FramePixels& pixels) 
     own = pixels.color;
     transformColors(toSrgb->inverse(), own);
   }
+  std::vector<std::vector<half>> halves;
   return encode(path, headerFor(pixels.part), [&](Imf::Header& header, Imf::FrameBuffer& buffer) {
     const auto add = [&](const char* name, const Image& image, int channel) {
-      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-      buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + channel,
-                                           boxOf(pixels.part.data), sizeof(float) * image.channels,
-                                           sizeof(float) * image.channels * image.width));
+      const Imf::PixelType type = pixels.half ? Imf::HALF : Imf::FLOAT;
+      const void* base = image.pixels.data() + channel;
+      std::size_t step = sizeof(float) * static_cast<std::size_t>(image.channels);
+      if (pixels.half) {
+        base = halves.emplace_back(halvesOf(image.pixels, channel, image.channels)).data();
+        step = sizeof(half);
+      }
+      header.channels().insert(name, Imf::Channel(type));
+      buffer.insert(name, Imf::Slice::Make(type, base, boxOf(pixels.part.data), step,
+                                           step * static_cast<std::size_t>(image.width)));
     };
     for (int c = 0; c < 3; ++c) add(&"R\0G\0B"[2 * c], toSrgb ? own : pixels.color, c);
     if (pixels.alpha)
@@ -350,8 +371,13 @@ Status writeFrame(const std::filesystem::path& path, const FramePixels& pixels) 
   });
 }
 
-Status writeChannels(const std::filesystem::path& path, int width, int height,
-                     const std::vector<ImageChannel>& channels, const ImageNotes& notes) {
+namespace {
+
+/// @param rounds  whether a channel is written as half floats
+Status encodeChannels(const std::filesystem::path& path, int width, int height,
+                      const std::vector<ImageChannel>& channels, const ImageNotes& notes,
+                      bool (*rounds)(const std::string& name)) {
+  std::vector<std::vector<half>> halves;
   return encode(
       path, Imf::Header(width, height), [&](Imf::Header& header, Imf::FrameBuffer& buffer) {
         header.compression() = Imf::ZIP_COMPRESSION;
@@ -360,15 +386,35 @@ Status writeChannels(const std::filesystem::path& path, int width, int height,
           Imf::addChromaticities(header, Imf::Chromaticities());  // Rec. 709's, D65
         for (const auto& [name, text] : notes) header.insert(name, Imf::StringAttribute(text));
         for (const ImageChannel& channel : channels) {
-          header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
-          char* base = reinterpret_cast<char*>(const_cast<float*>(channel.values.data()));
-          buffer.insert(channel.name, Imf::Slice(Imf::FLOAT, base, sizeof(float),
-                                                 sizeof(float) * static_cast<std::size_t>(width)));
+          const bool rounded = rounds(channel.name);
+          const Imf::PixelType type = rounded ? Imf::HALF : Imf::FLOAT;
+          const std::size_t step = rounded ? sizeof(half) : sizeof(float);
+          const void* base = channel.values.data();
+          if (rounded)
+            base = halves.emplace_back(halvesOf(channel.values, 0, 1)).data();
+          header.channels().insert(channel.name, Imf::Channel(type));
+          buffer.insert(channel.name, Imf::Slice(type, static_cast<char*>(const_cast<void*>(base)),
+                                                 step, step * static_cast<std::size_t>(width)));
         }
       });
 }
 
-Status writeExr(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {
+}  // namespace
+
+Status writeChannels(const std::filesystem::path& path, int width, int height,
+                     const std::vector<ImageChannel>& channels, const ImageNotes& notes) {
+  return encodeChannels(path, width, height, channels, notes,
+                        [](const std::string&) { return false; });
+}
+
+Status writeHalfChannels(const std::filesystem::path& path, int width, int height,
+                         const std::vector<ImageChannel>& channels, const ImageNotes& notes) {
+  return encodeChannels(path, width, height, channels, notes, [](const std::string& name) {
+    return name.size() == 1 && std::string_view("RGBAY").find(name[0]) != std::string_view::npos;
+  });
+}
+
+std::vector<ImageChannel> channelsOf(const Image& image) {
   const char* const names[] = {"R", "G", "B"};
   std::vector<ImageChannel> channels;
   const auto count = static_cast<std::size_t>(image.channels);
@@ -378,7 +424,11 @@ Status writeExr(const std::filesystem::path& path, const Image& image, const Ima
     for (std::size_t i = c; i < image.pixels.size(); i += count)
       channel.values.push_back(image.pixels[i]);
   }
-  return writeChannels(path, image.width, image.height, channels, notes);
+  return channels;
+}
+
+Status writeExr(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {
+  return writeChannels(path, image.width, image.height, channelsOf(image), notes);
 }
 
 }  // namespace volute

@@ -72,10 +72,20 @@ struct FramePixels {
   Image color{};
   std::optional<Image> alpha{};
   FramePart part{};
+  bool half = false;  ///< written as half floats, else float32
 };
 
-/// Writes a .exr: scan lines, float32, ZIP, with all attributes that still hold, in the primaries
-/// that they state.
+/// writeChannels() of colours, alpha and brightness (R, G, B, A, Y) as half floats, from which
+/// values are off by at most 1/2048; beyond 65504 they are that. Other channels stay float32.
+[[nodiscard]] Status writeHalfChannels(const std::filesystem::path& path, int width, int height,
+                                       const std::vector<ImageChannel>& channels,
+                                       const ImageNotes& notes = {});
+
+/// The channels R, G, B, or Y, of a picture.
+std::vector<ImageChannel> channelsOf(const Image& image);
+
+/// Writes a .exr: scan lines, ZIP, with all attributes that still hold, in the primaries that they
+/// state.
 [[nodiscard]] Status writeFrame(const std::filesystem::path& path, const FramePixels& pixels);
 
 /// The integers of a .png as they are stored, 0 to 255 or 65535, and how many a channel can be.
@@ -91,6 +101,6 @@ struct StoredPng {
 /// @param color  linear RGB
 /// @param alpha  0..1, one channel
 [[nodiscard]] Status writePngWithAlpha(const std::filesystem::path& path, const Image& color,
-                                       const Image& alpha);
+                                       const Image& alpha, const ImageNotes& notes = {});
 
 }  // namespace volute

@@ -383,8 +383,8 @@ Status writePng(const std::filesystem::path& path, const Image& image, const Ima
   return writePngState(path, state, notes);
 }
 
-Status writePngWithAlpha(const std::filesystem::path& path, const Image& color,
-                         const Image& alpha) {
+Status writePngWithAlpha(const std::filesystem::path& path, const Image& color, const Image& alpha,
+                         const ImageNotes& notes) {
   PngState state = stateOf(color, 8);
   state.channels = 4;
   const std::vector<std::uint8_t> shown = toSrgb8(color);
@@ -394,7 +394,7 @@ Status writePngWithAlpha(const std::filesystem::path& path, const Image& color,
         static_cast<png_byte>(std::lround(255 * std::clamp(alpha.pixels[i], 0.0F, 1.0F))));
   }
   layOutRows(state, std::size_t{4} * state.width);
-  return writePngState(path, state, {});
+  return writePngState(path, state, notes);
 }
 
 Status writePngMap(const std::filesystem::path& path, const Image& map) {

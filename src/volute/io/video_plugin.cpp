@@ -14,10 +14,12 @@ extern "C" {
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "volute/base/file_name.hpp"
 #include "volute/base/output_file.hpp"
+#include "volute/base/parallel.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/film.hpp"
 #include "volute/io/stored_color.hpp"
@@ -96,22 +98,21 @@ const std::array<Encoding, 2>& encodings() {
   return kEncodings;
 }
 
-/// sRGB's values of 16 bits, from a table; within a hundredth of a step before rounding.
-class StoredWord {
+/// sRGB's values, 0 to 1, from a table; within a hundredth of a step of 16 bits.
+class StoredValue {
  public:
-  StoredWord() : table_(kSteps + 2) {
+  StoredValue() : table_(kSteps + 2) {
     for (std::size_t i = 0; i < table_.size(); ++i)
-      table_[i] = static_cast<float>(65535 * srgbEncode(static_cast<double>(i) / kSteps));
+      table_[i] = static_cast<float>(srgbEncode(static_cast<double>(i) / kSteps));
   }
 
-  std::uint16_t operator()(float linear) const {
+  float operator()(float linear) const {
     if (!(linear > 0))
       return 0;
     const float place = std::min(linear, 1.0F) * kSteps;
     const auto first = static_cast<std::size_t>(place);
     const float share = place - static_cast<float>(first);
-    return static_cast<std::uint16_t>(table_[first] + share * (table_[first + 1] - table_[first]) +
-                                      0.5F);
+    return table_[first] + share * (table_[first + 1] - table_[first]);
   }
 
  private:
@@ -120,10 +121,117 @@ class StoredWord {
   std::vector<float> table_;
 };
 
+/// Turns linear pictures into what a codec stores: Y'CbCr of BT.709 in video range, chroma halved
+/// both ways and sited left. Rounding adds grain by a fixed pattern (R2 of Martin Roberts), so that
+/// gradients have no bands. One level of it would drown in a codec's quantisation; of 2.5 levels of
+/// 8 bits (3 where 10 bits are stored) enough survives the usual rate factors. Black and white stay
+/// what they are.
+class StoredPicture {
+ public:
+  explicit StoredPicture(int bits)
+      : unit_(static_cast<float>(1 << (bits - 8))), grain_((bits > 8 ? 3 : 2.5F) * unit_) {}
+
+  /// @param frame  of 8 bits, or 16-bit words; its size is the picture's or one larger: the last
+  ///               column and row are repeated
+  void fill(const Image& linear, AVFrame& frame) const {
+    const auto pairs = static_cast<std::size_t>(frame.height / 2);
+    parallelRanges(pairs, 8, [&](std::size_t begin, std::size_t end) {
+      if (unit_ > 1)
+        fillRows<std::uint16_t>(linear, frame, static_cast<int>(begin), static_cast<int>(end));
+      else
+        fillRows<std::uint8_t>(linear, frame, static_cast<int>(begin), static_cast<int>(end));
+    });
+  }
+
+ private:
+  static constexpr float kRed = 0.2126F, kBlue = 0.0722F;
+
+  /// Of a place in a plane: 0 to 1.
+  static float threshold(int x, int y, int plane) {
+    constexpr std::uint32_t kRight = 3242174889, kDown = 2447445414, kPlane = 1431655765;
+    const std::uint32_t turn = kRight * static_cast<std::uint32_t>(x) +
+                               kDown * static_cast<std::uint32_t>(y) +
+                               kPlane * static_cast<std::uint32_t>(plane);
+    return static_cast<float>(turn >> 8) * 0x1p-24F;
+  }
+
+  /// @param value  >= 2
+  /// @param grain  levels that a value is spread over; 1: those beside it, by its distance to both
+  static int level(float value, float grain, int x, int y, int plane) {
+    constexpr float kRounding = 1e-3F;  // must not push what is a level to its neighbour
+    const float shift = (threshold(x, y, plane) - 0.5F) * (1 - 2 * kRounding);
+    return static_cast<int>(value + grain * shift + 0.5F);
+  }
+
+  template <class Word>
+  void fillRows(const Image& linear, AVFrame& frame, int begin, int end) const {
+    const int width = frame.width;
+    std::vector<float> blue(static_cast<std::size_t>(width)), red(blue.size());
+    for (int pair = begin; pair < end; ++pair) {
+      std::ranges::fill(blue, 0.0F);
+      std::ranges::fill(red, 0.0F);
+      for (int y = 2 * pair; y < 2 * pair + 2; ++y)
+        fillRow(linear, y, rowOf<Word>(frame, 0, y), blue, red);
+      halve(blue, rowOf<Word>(frame, 1, pair), pair, 1);
+      halve(red, rowOf<Word>(frame, 2, pair), pair, 2);
+    }
+  }
+
+  template <class Word>
+  static std::span<Word> rowOf(AVFrame& frame, int plane, int y) {
+    const int count = plane == 0 ? frame.width : frame.width / 2;
+    return {reinterpret_cast<Word*>(frame.data[plane] + std::ptrdiff_t{y} * frame.linesize[plane]),
+            static_cast<std::size_t>(count)};
+  }
+
+  /// Adds half of the row's differences to `blue` and `red`.
+  template <class Word>
+  void fillRow(const Image& linear, int y, std::span<Word> to, std::span<float> blue,
+               std::span<float> red) const {
+    const auto channels = static_cast<std::size_t>(linear.channels);
+    const std::size_t width = static_cast<std::size_t>(linear.width);
+    const float* from =
+        &linear.pixels[static_cast<std::size_t>(std::min(y, linear.height - 1)) * width * channels];
+    const float black = 16 * unit_, range = 219 * unit_;
+    for (std::size_t x = 0; x < to.size(); ++x) {
+      const float* pixel = from + std::min(x, width - 1) * channels;
+      const float r = stored_(pixel[0]);
+      const float g = channels == 3 ? stored_(pixel[1]) : r;
+      const float b = channels == 3 ? stored_(pixel[2]) : r;
+      const float light = kRed * r + (1 - kRed - kBlue) * g + kBlue * b;
+      blue[x] += (b - light) / (4 * (1 - kBlue));
+      red[x] += (r - light) / (4 * (1 - kRed));
+      const float room = range * std::min(light, 1 - light);  // to black or white
+      const float grain = std::min(grain_, std::max(2 * room, 1.0F));
+      const int value = level(black + range * light, grain, static_cast<int>(x), y, 0);
+      to[x] = static_cast<Word>(
+          std::clamp(value, static_cast<int>(black), static_cast<int>(black + range)));
+    }
+  }
+
+  template <class Word>
+  void halve(std::span<const float> from, std::span<Word> to, int y, int plane) const {
+    for (std::size_t x = 0; x < to.size(); ++x) {
+      const std::size_t at = 2 * x, before = at > 0 ? at - 1 : 0;
+      const float mean = (from[before] + 2 * from[at] + from[at + 1]) / 4;
+      to[x] =
+          static_cast<Word>(level(unit_ * (128 + 224 * mean), 1, static_cast<int>(x), y, plane));
+    }
+  }
+
+  float unit_;   ///< levels of one of 8 bits
+  float grain_;  ///< of brightness [levels]
+  StoredValue stored_;
+};
+
 class AvFilmWriter final : public FilmWriter {
  public:
   AvFilmWriter(PendingFile file, int width, int height, const FilmStyle& style)
-      : file_(std::move(file)), width_(width), height_(height), style_(style) {}
+      : file_(std::move(file)),
+        width_(width),
+        height_(height),
+        style_(style),
+        stored_(style.bits > 8 ? 10 : 8) {}
 
   Status open(const Encoding& encoding, double framesPerSecond, const std::string& comment) {
     const AVCodec* codec = avcodec_find_encoder_by_name(encoding.encoder);
@@ -152,7 +260,8 @@ class AvFilmWriter final : public FilmWriter {
     const int written = avformat_write_header(output, &muxing);
     av_dict_free(&muxing);
     VOLUTE_TRY(check(written));
-    return openScaler();
+    frame_ = makeFrame(codec_->pix_fmt, codec_->width, codec_->height);
+    return check(frame_ ? 0 : AVERROR(ENOMEM));
   }
 
   Status addFrame(const Image& linear) override {
@@ -162,9 +271,7 @@ class AvFilmWriter final : public FilmWriter {
                   linear.height, width_, height_);
     }
     VOLUTE_TRY(check(av_frame_make_writable(frame_.get())));
-    fillRgb(linear);
-    VOLUTE_TRY(check(sws_scale(scaler_.get(), rgb_->data, rgb_->linesize, 0, codec_->height,
-                               frame_->data, frame_->linesize)));
+    stored_.fill(linear, *frame_);
     frame_->pts = count_++;
     VOLUTE_TRY(check(avcodec_send_frame(codec_.get(), frame_.get())));
     return writePackets();
@@ -222,42 +329,7 @@ class AvFilmWriter final : public FilmWriter {
     return check(avcodec_parameters_from_context(stream_->codecpar, codec_.get()));
   }
 
-  Status openScaler() {
-    const int width = codec_->width, height = codec_->height;
-    // From 16 bits the scaler dithers what the codec stores. Dithered RGB of 8 bits would be
-    // rounded again, to bands.
-    constexpr AVPixelFormat kRgb = AV_PIX_FMT_RGB48;
-    scaler_.reset(sws_getContext(width, height, kRgb, width, height, codec_->pix_fmt, kExact,
-                                 nullptr, nullptr, nullptr));
-    if (!scaler_)
-      return check(AVERROR(ENOMEM));
-    const int* matrix = sws_getCoefficients(SWS_CS_ITU709);
-    sws_setColorspaceDetails(scaler_.get(), matrix, 1, matrix, 0, 0, 1 << 16, 1 << 16);
-    frame_ = makeFrame(codec_->pix_fmt, width, height);
-    rgb_ = makeFrame(kRgb, width, height);
-    return check(frame_ && rgb_ ? 0 : AVERROR(ENOMEM));
-  }
-
   bool deep() const { return style_.bits > 8; }
-
-  /// sRGB in the codec's even size: the last column and row are repeated.
-  void fillRgb(const Image& linear) {
-    const auto channels = static_cast<std::size_t>(linear.channels);
-    const std::size_t row = static_cast<std::size_t>(width_) * channels;
-    for (int y = 0; y < codec_->height; ++y) {
-      const float* from = &linear.pixels[std::size_t(std::min(y, height_ - 1)) * row];
-      auto* to =
-          reinterpret_cast<std::uint16_t*>(rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0]);
-      if (channels == 3) {
-        to = std::transform(from, from + row, to, std::cref(stored_));
-      } else {
-        for (int x = 0; x < width_; ++x)
-          to = std::fill_n(to, 3, stored_(from[std::size_t(x) * channels]));
-      }
-      if (codec_->width > width_)
-        std::copy_n(to - 3, 3, to);
-    }
-  }
 
   Status writePackets() {
     for (;;) {
@@ -279,11 +351,9 @@ class AvFilmWriter final : public FilmWriter {
   OutputPtr output_;
   AVStream* stream_ = nullptr;
   CodecPtr codec_;
-  StoredWord stored_;
-  FramePtr rgb_;    // what the caller gave
-  FramePtr frame_;  // the same for the encoder
+  StoredPicture stored_;
+  FramePtr frame_;  // what the caller gave, for the encoder
   PacketPtr packet_;
-  ScalerPtr scaler_;
 };
 
 Result<std::unique_ptr<FilmWriter>> makeWriter(const std::filesystem::path& path, int width,

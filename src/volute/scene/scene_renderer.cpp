@@ -128,6 +128,7 @@ Result<Image> SceneRenderer::renderSmooth(const Snapshot& snapshot, const Camera
   const auto edges = edgePixels(developed(image, look));
   if (samples < 2 || std::ranges::count(edges, 1) == 0)
     return image;
+  const auto channels = static_cast<std::size_t>(image.channels);
   Image sum = image;
   Progress quiet;
   for (int i = 1; i < samples; ++i) {
@@ -145,13 +146,13 @@ Result<Image> SceneRenderer::renderSmooth(const Snapshot& snapshot, const Camera
     counted.render.rays += more.render.rays, counted.render.segments += more.render.segments;
     counted.render.pieces += more.render.pieces;
     for (std::size_t p = 0; p < edges.size(); ++p) {
-      for (std::size_t c = 0; edges[p] && c < 3; ++c)
-        sum.pixels[3 * p + c] += one.pixels[3 * p + c];
+      for (std::size_t c = 0; edges[p] && c < channels; ++c)
+        sum.pixels[channels * p + c] += one.pixels[channels * p + c];
     }
   }
   for (std::size_t p = 0; p < edges.size(); ++p) {
-    for (std::size_t c = 0; edges[p] && c < 3; ++c)
-      image.pixels[3 * p + c] = sum.pixels[3 * p + c] / static_cast<float>(samples);
+    for (std::size_t c = 0; edges[p] && c < channels; ++c)
+      image.pixels[channels * p + c] = sum.pixels[channels * p + c] / static_cast<float>(samples);
   }
   return image;
 }

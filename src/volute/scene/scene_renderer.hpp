@@ -40,7 +40,7 @@ class SceneRenderer {
                                      PictureCounts* counts = nullptr);
 
   /// render(), with `samples` rays in pixels with edges: of surfaces, signs and boxes, and any
-  /// other visible steps. No AOVs.
+  /// other visible steps. No AOVs but kAlpha.
   /// @param shown  how light is displayed, for finding edges
   [[nodiscard]] Result<Image> renderSmooth(const Snapshot& snapshot, const Camera& camera,
                                            const RenderOptions& options, int samples,

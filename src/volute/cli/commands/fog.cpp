@@ -78,7 +78,7 @@ Status fogPictures(const std::vector<FogFrame>& frames, FogSceneMedium& fog,
                    const std::string& target, const Arguments& arguments, Context& context) {
   const FogFrameOptions options = frameOptions(arguments);
   Development development{.style = {.dither = true}};
-  VOLUTE_ASSIGN(development.film, filmStyleOf(arguments, target));
+  VOLUTE_TRY(takeFileStyle(arguments, target, development));
   std::unique_ptr<PictureWriter> writer;
   std::set<std::string> told;
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -358,7 +358,7 @@ std::vector<Option> fogCommandOptions() {
        .help = "write the fog as shader functions (OpenGL 4.5, OpenGL ES 3.0), with its texture "
                "and instructions"}};
   options.insert(options.end(), last.begin(), last.end());
-  const auto film = filmStyleOptions();
+  const auto film = fileStyleOptions();
   options.insert(options.end(), film.begin(), film.end());
   return options;
 }

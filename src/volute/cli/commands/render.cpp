@@ -36,8 +36,15 @@ void remarkOnCamera(const FilmJob& job, Progress& progress) {
                   job.way->fov.value_or(0)));
 }
 
-/// What --aov names, where it takes a .exr with named channels; empty: it is one picture.
+/// What --aov names, where it takes a .exr with named channels, and --alpha; empty: it is one
+/// picture.
 Result<std::vector<std::string>> layersOf(const Arguments& arguments, const std::string& target) {
+  if (arguments.flag("alpha")) {
+    if (!isPicturePath(target))
+      return fail(ErrorCode::kInvalidArgument, "--alpha is for .png and .exr; '{}' is none",
+                  target);
+    return std::vector<std::string>{"beauty", "alpha"};
+  }
   const auto aov = arguments.find<std::string>("aov").value_or("");
   VOLUTE_ASSIGN(auto layers, ofOption("aov", parseLayers(aov)));
   if (!layers.empty() && extensionOf(target) != ".exr") {
@@ -171,6 +178,8 @@ Result<RenderRequest> requestOf(const Arguments& arguments, const std::string& t
   if (!(request.up.norm() > 0))
     return fail(ErrorCode::kInvalidArgument, "--up: 0,0,0 is no direction");
   request.size = arguments.find<Pixels>("size");
+  if (arguments.flag("alpha"))
+    request.background = Rgb::Zero(), request.legend = false;
   if (arguments.given("background"))
     request.background = Rgb(arguments.get<Vec3>("background").array());
   const auto aov = arguments.find<std::string>("aov");
@@ -294,7 +303,7 @@ Status runRender(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto request, requestOf(arguments, target));
   VOLUTE_ASSIGN(auto job, makeJob(arguments, target, request, context));
   VOLUTE_ASSIGN(auto development, developmentOf(request, job));
-  VOLUTE_ASSIGN(development.film, filmStyleOf(arguments, target));
+  VOLUTE_TRY(takeFileStyle(arguments, target, development));
   VOLUTE_TRY(
       writeFilm(job, target, development, context.maxMemory, context.progress, context.team));
   VOLUTE_ASSIGN(const auto stats, sumOfFilmStats(job, context.team));
@@ -423,6 +432,11 @@ std::vector<Option> renderOptionTable() {
        .value = "R,G,B",
        .help = "linear radiance behind the volume",
        .initial = "0,0,0"},
+      {.name = "alpha",
+       .help = "write what hides the background as alpha, without a background: into a .png "
+               "straight (colours are not multiplied by it; flames have as much alpha as they are "
+               "bright, so that in linear light all is over black as without --alpha), into a "
+               ".exr premultiplied"},
       {.name = "scattering",
        .kind = kChoice,
        .value = "HOW",
@@ -452,7 +466,7 @@ std::vector<Option> renderOptionTable() {
   auto camera = fieldOptions({&cameraFields()});
   for (Option& option : camera) option.kinds.clear();
   std::ranges::find(camera, "up", &Option::name)->instead = "file-up";
-  for (const auto& more : {camera, mediumOptions(), lightCacheOptions(), filmStyleOptions()})
+  for (const auto& more : {camera, mediumOptions(), lightCacheOptions(), fileStyleOptions()})
     options.insert(options.end(), more.begin(), more.end());
   return options;
 }
@@ -485,7 +499,10 @@ Command renderCommand() {
       .oneOf = {{{"time", "frames"}, false},
                 {{"legend", "no-legend"}, false},
                 {{"fov", "ortho"}, false},
-                {{"slice", "isosurface", "aov"}, false}},
+                {{"slice", "isosurface", "aov", "alpha"}, false},
+                {{"alpha", "background"}, false},
+                {{"alpha", "legend"}, false},
+                {{"alpha", "colormap"}, false}},
       .ranks = true,
       .run = runRender};
 }
