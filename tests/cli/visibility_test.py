@@ -538,6 +538,20 @@ class Damage(Visibility):
         self.assertEqual(sorted(p.name for p in self.path("out").iterdir()), ["sight.csv", "tenability.csv", "visibility.json"])
         self.assertEqual(self.files(), before)
 
+    def test_a_volume_says_what_it_takes_away(self):
+        """What has no extinction hid nothing, and every sign was seen."""
+        support.write_npy(self.path("smoke.npy"), (1, 4, 4, 4), [1.0] * 64)
+        look = ["--signs", self.signs(self.east()), "--eyes", self.eyes([(0.5, 0.5, 0.5)]), "-o", self.path("out")]
+        self.assertIn("smoke.npy: 'density' is without a unit, which does not say how much light it takes away: it would hide nothing; "
+                      "give --extinction", self.fails(2, "visibility", self.path("smoke.npy"), *look))
+        self.works("visibility", self.path("smoke.npy"), "--extinction", 2, *look)
+        self.assertGreater(self.rows()[0]["optical_depth"], 0.9)
+        support.write_npy(self.path("wrong.npy"), (1, 4, 4, 4), [-1.0] * 32 + [1.0] * 32)
+        self.assertIn("values go from -1 to 1; expected an extinction", self.fails(1, "visibility", self.path("wrong.npy"), "--extinction", 2, *look))
+        scene = {"format": "volute-scene-2", "media": [{"kind": "volume", "file": "smoke.npy"}]}
+        self.path("scene.json").write_text(json.dumps(scene))
+        self.assertIn("/media/0 takes no light away and hides nothing", self.works("visibility", self.path("scene.json"), *look).message)
+
     def test_unknown_air_is_not_clear_air(self):
         result = self.works("visibility", self.case, "--signs", self.signs(self.east()), "--eyes",
                             self.eyes([(1, 1, 1), (1, -3, 1)]), "-o", self.path("out"))

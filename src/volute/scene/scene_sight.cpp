@@ -13,6 +13,27 @@
 namespace volute {
 namespace {
 
+/// About volumes of which a scene says neither what they take away of light nor what else they are.
+std::vector<Remark> hidingNothing(const Scene& scene) {
+  std::vector<Remark> remarks;
+  const auto& media = scene.json()["media"];
+  for (std::size_t i = 0; i < media.size(); ++i) {
+    const auto& entry = media[i];
+    if (entry.value("kind", "") != "volume" ||
+        std::ranges::any_of(std::array{"extinction", "emission", "transfer", "preset"},
+                            [&](const char* name) { return entry.contains(name); }))
+      continue;
+    remarks.push_back(
+        Remark(
+            RemarkCode::kDoubtful,
+            fmt::format("warning: {}: /media/{} takes no light away and hides nothing: state its "
+                        "\"extinction\" in 1/m, 0 for what only shines",
+                        scene.path(), i))
+            .in(scene.path(), fmt::format("/media/{}", i)));
+  }
+  return remarks;
+}
+
 /// All media of a scene, along rays, with its surfaces in the way.
 class SceneSight final : public SightField {
  public:
@@ -31,6 +52,8 @@ class SceneSight final : public SightField {
   }
 
   std::span<const double> times() const override { return times_; }
+
+  std::vector<Remark> remarks() const override { return hidingNothing(scene_); }
 
  protected:
   Box3 ownBounds() const override { return bounds_; }
@@ -58,6 +81,8 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
                                             Progress& progress) {
   if (scene.media().size() != 1)
     return std::make_unique<SceneSight>(std::move(scene));
+  for (Remark& remark : hidingNothing(scene))
+    scene.media()[0]->remarks.push_back(std::move(remark));
   Reading reading{progress, options.maxMemory, options.files.volumes.get()};
   VOLUTE_ASSIGN(auto only, scene.media()[0]->sight(reading));
   if (!scene.geometry().empty()) {

@@ -893,10 +893,42 @@ BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info) {
   return slice;
 }
 
+Result<std::unique_ptr<SightField>> VolumeMedium::sight(Reading& reading) {
+  measuresSight_ = true;
+  sliceMoment_ = -1;
+  return SceneMedium::sight(reading);
+}
+
+Result<VolumeMedium::Slice> VolumeMedium::asExtinction(Slice slice, double moment) const {
+  constexpr float kOvershoot = 0.1F;  // of the largest value
+  float least = 0, most = 0;
+  for (const float value : slice->values())
+    least = std::min(least, value), most = std::max(most, value);
+  if (least == 0)
+    return slice;
+  if (-least > kOvershoot * most) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: grid '{}', frame {}: values go from {:g} to {:g}; expected an extinction, "
+                "which is not below 0",
+                path_, volume_.name, volume_.frameText(static_cast<std::size_t>(moment)), least,
+                most);
+  }
+  BrickSlice positive(*slice);
+  for (std::size_t i = 0; i < positive.storedBricks(); ++i) {
+    float* values = positive.brick(static_cast<std::int32_t>(i));
+    for (int k = 0; k < BrickSlice::kVoxels * positive.channels(); ++k)
+      values[k] = std::max(values[k], 0.0F);
+  }
+  return std::make_shared<const BrickSlice>(std::move(positive));
+}
+
 Result<std::shared_ptr<const BrickSlice>> VolumeMedium::sliceAt(double moment) {
   if (moment == sliceMoment_)
     return slice_;
   VOLUTE_ASSIGN(slice_, readAt(*input_->source, moment));
+  if (measuresSight_ && appearance_.extinction != 0) {
+    VOLUTE_ASSIGN(slice_, asExtinction(slice_, moment));
+  }
   // One that was kept may have been read for another place.
   const VolumeInfo info = infoAt(moment);
   if (slice_->basis() != info.basis || slice_->bounds().min != info.bounds.min ||

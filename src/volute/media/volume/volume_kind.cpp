@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/base/remark_log.hpp"
+#include "volute/io/unit.hpp"
 #include "volute/media/light_blockers.hpp"
 #include "volute/media/placement_parameters.hpp"
 #include "volute/media/volume/volume_medium.hpp"
@@ -61,6 +62,29 @@ Result<std::shared_ptr<VolumeMedium>> volumeOf(const std::string& file, InputOpt
                 VolumeMedium::open(file, input, appearance, reading, std::move(frame)));
   medium->remarks = heard.remarks();
   return medium;
+}
+
+/// For lines of sight, where nothing says what the values are but their unit.
+Result<std::shared_ptr<VolumeMedium>> ofItsUnit(std::shared_ptr<VolumeMedium> medium,
+                                                Progress& progress) {
+  const VolumeInfo& info = medium->volume();
+  const auto perMetre = unitChange(info.unit, "1/m");
+  if (!perMetre) {
+    return failFor("extinction", ErrorCode::kInvalidArgument, Hint::set("extinction"),
+                   "{}: '{}' is {}, which does not say how much light it takes away: it would hide "
+                   "nothing",
+                   medium->path(), info.name,
+                   info.unit.empty() ? "without a unit" : fmt::format("in {}", info.unit));
+  }
+  Appearance appearance = medium->appearance();
+  appearance.extinction = perMetre->factor;
+  auto result = medium->with(appearance);
+  Remark remark(RemarkCode::kAssumed,
+                fmt::format("{}: '{}' is in {} and is taken as the extinction", medium->path(),
+                            info.name, info.unit),
+                {Hint::set("extinction")});
+  progress.remark(std::move(remark).in(medium->path()));
+  return result;
 }
 
 /// What is shown of the file: choices that a scene may leave open.
@@ -156,6 +180,10 @@ class VolumeKind final : public MediumKind {
                        .in(context.file, context.path));
     }
     VOLUTE_ASSIGN(auto medium, volumeOf(volume.file, volume.input, appearance, context, frame));
+    if (context.options.sightOnly && !said && !entry.contains("extinction") &&
+        !appearance.surface) {
+      VOLUTE_ASSIGN(medium, ofItsUnit(std::move(medium), heard));
+    }
     medium->remarks.insert(medium->remarks.begin(), heard.remarks().begin(), heard.remarks().end());
     medium->setLighting(std::move(lighting));
     return std::shared_ptr<SceneMedium>(std::move(medium));

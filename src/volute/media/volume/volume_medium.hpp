@@ -132,6 +132,10 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
 
   bool damaged() const override { return damaged_; }
 
+  /// Along rays. Extinction is not negative: values a little below 0 (overshoots of a solver,
+  /// errors of compression) count as 0, and reading a frame that is mostly below is kInvalidData.
+  Result<std::unique_ptr<SightField>> sight(Reading& reading) override;
+
   /// As the file was named when it was opened.
   const std::string& path() const { return path_; }
 
@@ -225,6 +229,8 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   [[nodiscard]] Result<BrickSlice> readSlice(FrameSource& source, int position);
   /// The same at a moment.
   [[nodiscard]] Result<Slice> readAt(FrameSource& source, double moment);
+  /// No value of it is below 0; see sight().
+  [[nodiscard]] Result<Slice> asExtinction(Slice slice, double moment) const;
   /// A stored frame; those around the last moment are kept.
   [[nodiscard]] Result<Slice> frameOf(FrameSource& source, int position);
   /// All bricks of the volume; kTooLarge where they are too many.
@@ -286,6 +292,7 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   std::uint64_t maxMemory_ = 0;   ///< [bytes]
 
   double shown_ = 0;  ///< the moment that was asked for last
+  bool measuresSight_ = false;
   double sliceMoment_ = -1;
   Slice slice_;
   double shadedMoment_ = -1;
