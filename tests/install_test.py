@@ -305,6 +305,12 @@ target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
                    f"-Wl,-rpath,{library}", "-lvolute_c", "-pthread", "-o", "threads")
         self.assertEqual(self.works("./threads", "cloud.volute"), "4 threads read 20 frames 10 times\n")
 
+    def test_values_of_c(self):
+        library = next(PREFIX.rglob("libvolute_c.so.0")).parent
+        self.works("cc", "-std=c11", "-Wall", "-Wextra", "-Werror", SOURCE / "tests/values.c", "-I", PREFIX / "include", "-L", library,
+                   f"-Wl,-rpath,{library}", "-lvolute_c", "-lm", "-o", "values")
+        self.assertEqual(self.works("./values"), "values are seen through\n")
+
     def test_python_package(self):
         module = next((BUILD / "python/volute").glob("_core.*.so"), None)
         if not module:

@@ -8,7 +8,12 @@
  * are created by functions that end in _open and released by functions that end in _close, which
  * accept NULL. Functions that take a const handle may be called from several threads at once. Paths
  * and texts are UTF-8. NULL where this header does not allow it is VOLUTE_INVALID_ARGUMENT. No
- * function ends the process or throws. */
+ * function ends the process or throws. A function of the caller's must not use the handle whose
+ * call waits for it (VOLUTE_INVALID_ARGUMENT). A handle must not be used after its _close.
+ *
+ * From 0.3 on programs that were compiled against this header run with all later 0.x and 1.x
+ * libraries (libvolute_c.so.0): functions, constants and the meaning of arguments stay; structures
+ * grow at their ends alone, and are read by their `size`. */
 #ifndef VOLUTE_VOLUTE_H
 #define VOLUTE_VOLUTE_H
 
@@ -158,7 +163,8 @@ volute_status volute_resample(const char* path, const char* target, const volute
 typedef struct volute_drawing volute_drawing;
 
 /* `members`: those of a scene's entry for a file alone, as a JSON object ("{\"emission\": 2}"), or
- * NULL. */
+ * NULL. Of an array and a function they also are the "name" and the "unit" of the values; the
+ * "transform" of a scene's entry turns and moves them. */
 volute_status volute_drawing_open(const char* path, const char* members, volute_drawing** drawing);
 
 /* The array is not copied: it must stay as it is until the drawing is closed. */
@@ -232,6 +238,17 @@ typedef struct volute_sight {
 typedef struct volute_scene volute_scene;
 
 volute_status volute_scene_open(const char* path, volute_scene** scene);
+
+/* The same of a file or of values in memory, with members of its entry, as volute_drawing_open()
+ * and those that follow it take them. What has no unit of an extinction needs one:
+ * "{\"extinction\": 1}" [1/m] of a unit of the values. */
+volute_status volute_scene_open_file(const char* path, const char* members, volute_scene** scene);
+volute_status volute_scene_open_array(const volute_info* info, const double* times,
+                                      const volute_array* array, const char* members,
+                                      volute_scene** scene);
+volute_status volute_scene_open_function(const volute_info* info, const double* times,
+                                         volute_value_function value, void* user,
+                                         const char* members, volute_scene** scene);
 void volute_scene_close(volute_scene* scene);
 
 /* Number of stored times, and times[0 .. count - 1] [s]. */
@@ -243,6 +260,23 @@ volute_status volute_scene_times(const volute_scene* scene, double* times, size_
  * VOLUTE_INVALID_ARGUMENT; open the scene again to go back. */
 volute_status volute_scene_look(volute_scene* scene, size_t time, const double* lines, size_t count,
                                 volute_sight* sights);
+
+/* Optical depths that were measured along straight lines at one time. */
+typedef struct volute_lines {
+  size_t size;          /* set it to sizeof(volute_lines) */
+  size_t count;         /* of lines */
+  const double* ends;   /* x y z of one end and of the other of each [m] */
+  const double* depths; /* natural logarithm */
+  const double* sigmas; /* standard deviations of the depths; NULL: all lines weigh alike */
+  volute_progress_function progress; /* or NULL */
+  void* user;                        /* for it */
+} volute_lines;
+
+/* Fills `values` with the extinction [1/m] that explains lines best, in order z, y, x: in the
+ * voxels of `info`, which has bounds, one frame and one channel. It is not below 0; what no line
+ * meets follows from its neighbours. VOLUTE_CANCELLED if `progress` stopped. */
+volute_status volute_lines_solve(const volute_lines* lines, const volute_info* info, float* values,
+                                 size_t count);
 
 /* ---- visibility of signs, and doses ---- */
 

@@ -46,9 +46,11 @@
 #include "volute/scene/snapshot.hpp"
 #include "volute/volume_files/memory_volumes.hpp"
 
-// From where signs are seen, and what people take in; fire from pictures; made-up data.
+// From where signs are seen, and what people take in; fire from pictures, smoke from lines; made-up
+// data.
 #include "volute/synth/synth.hpp"
 #include "volute/tenability/walking_speed.hpp"
+#include "volute/tomography/line_reconstruction.hpp"
 #include "volute/tomography/project.hpp"
 #include "volute/tomography/reconstruct.hpp"
 #include "volute/visibility/eyes.hpp"

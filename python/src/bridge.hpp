@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "volute/base/advice.hpp"
+#include "volute/base/callers_function.hpp"
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
 #include "volute/grid/array_source.hpp"
@@ -76,6 +77,12 @@ inline void translateFailures() {
     }
   });
 }
+
+/// The interpreter's lock for something of the caller's.
+class PythonFunction {
+  py::gil_scoped_acquire lock_;
+  CallersFunction running_;
+};
 
 template <class T>
 T take(Result<T> result) {
@@ -142,7 +149,7 @@ class PythonProgress final : public Progress {
 
   template <class Call>
   void guarded(Call&& call) {
-    const py::gil_scoped_acquire lock;
+    const PythonFunction running;
     if (stopped_)
       return;
     try {

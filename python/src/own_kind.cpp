@@ -62,7 +62,7 @@ Dense<double> numbersFrom(const py::object& object, const char* method, const py
 
 const char* openObject(void* user, const double* values, const char* file, void** medium) {
   const auto& kind = *static_cast<const PythonKind*>(user);
-  const py::gil_scoped_acquire lock;
+  const PythonFunction running;
   py::dict members;
   for (const auto& [name, help, unit, usual, low, high] : kind.said) {
     if (usual.size() == 1)
@@ -78,12 +78,12 @@ const char* openObject(void* user, const double* values, const char* file, void*
 }
 
 void closeObject(void* medium) {
-  const py::gil_scoped_acquire lock;
+  const PythonFunction running;
   delete static_cast<py::object*>(medium);
 }
 
 const char* boundsOfObject(void* medium, double bounds[6]) {
-  const py::gil_scoped_acquire lock;
+  const PythonFunction running;
   const py::object& object = objectOf(medium);
   const auto found = numbersFrom(object, "bounds", object.attr("bounds")(), {2, 3});
   std::copy_n(found.data(), 6, bounds);
@@ -91,7 +91,7 @@ const char* boundsOfObject(void* medium, double bounds[6]) {
 }
 
 std::size_t timesOfObject(void* medium, double* times, std::size_t room) {
-  const py::gil_scoped_acquire lock;
+  const PythonFunction running;
   const py::object& object = objectOf(medium);
   const py::object said = py::getattr(object, "times", py::none());
   if (said.is_none()) {
@@ -110,7 +110,7 @@ py::array_t<volute_segment> arrayOfSegments(const volute_segment* segments, std:
 
 const char* piecesOfObject(void* medium, double time, const volute_segment* segments,
                            std::size_t count, volute_pieces_function give, void* to) {
-  const py::gil_scoped_acquire lock;
+  const PythonFunction running;
   const py::object& object = objectOf(medium);
   const py::object returned = object.attr("pieces")(arrayOfSegments(segments, count), time);
   if (!py::isinstance<py::array>(returned) ||
@@ -125,7 +125,7 @@ const char* piecesOfObject(void* medium, double time, const volute_segment* segm
 
 const char* depthsOfObject(void* medium, double time, const volute_segment* segments,
                            std::size_t count, double* depths) {
-  const py::gil_scoped_acquire lock;
+  const PythonFunction running;
   const py::object& object = objectOf(medium);
   const auto found = numbersFrom(
       object, "optical_depth", object.attr("optical_depth")(arrayOfSegments(segments, count), time),
@@ -136,7 +136,7 @@ const char* depthsOfObject(void* medium, double time, const volute_segment* segm
 
 const char* valuesOfObject(void* medium, double time, const double* points, std::size_t count,
                            double* extinction, double* emission) {
-  const py::gil_scoped_acquire lock;
+  const PythonFunction running;
   const py::object& object = objectOf(medium);
   const auto n = static_cast<py::ssize_t>(count);
   py::object returned =

@@ -30,6 +30,7 @@
 #include "volute/scene/scene_sight.hpp"
 #include "volute/tenability/walking_speed.hpp"
 #include "volute/tomography/capture_refinement.hpp"
+#include "volute/tomography/line_volumes.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
 #include "volute/tomography/soot_frames.hpp"
@@ -83,7 +84,7 @@ using Volumes = std::vector<std::tuple<std::string, py::object, Shape, py::dict>
 /// What it raises goes through all that reads it, and ends the call.
 ValueFunction valuesOf(const py::object& function) {
   return [kept = keptObject(function)](const PlacesAtTime& at, std::span<float> values) -> Status {
-    const py::gil_scoped_acquire lock;
+    const PythonFunction running;
     const auto numbers = [](std::span<const double> from) {
       return py::array_t<double>(static_cast<py::ssize_t>(from.size()), from.data());
     };
@@ -208,8 +209,8 @@ class PythonScene {
   void change(const std::string& json, const Volumes& volumes, const py::object& listener) {
     MemoryVolumes more;
     addVolumes(more, volumes);
-    run(listener, [&](Progress& progress) {
-      const std::lock_guard lock(mutex_);
+    run(listener, [&](Progress& progress) -> Status {
+      VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the scene"));
       volumes_->add(more);
       return job_.scene.change(jsonOf(json), progress);
     });
@@ -220,7 +221,7 @@ class PythonScene {
     const RenderRequest request = requestOf(said);
     const auto renderer = said["renderer"].cast<std::string>();
     return arrayOf(run(listener, [&](Progress& progress) -> Result<Image> {
-      const std::lock_guard lock(mutex_);
+      VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the scene"));
       return drawnBy(renderer, [&]() -> Result<Image> {
         VOLUTE_TRY(prepare(job_, request, maxMemory_, progress));
         VOLUTE_ASSIGN(const auto development, developmentOf(request, job_));
@@ -234,7 +235,7 @@ class PythonScene {
     const RenderRequest request = requestOf(said);
     const auto renderer = said["renderer"].cast<std::string>();
     const Image image = run(listener, [&](Progress& progress) -> Result<Image> {
-      const std::lock_guard lock(mutex_);
+      VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the scene"));
       return drawnBy(renderer, [&]() -> Result<Image> {
         VOLUTE_TRY(prepare(job_, request, maxMemory_, progress));
         VOLUTE_ASSIGN(auto development, developmentOf(request, job_));
@@ -251,7 +252,7 @@ class PythonScene {
     const RenderRequest request = requestOf(said);
     const auto renderer = said["renderer"].cast<std::string>();
     run(listener, [&](Progress& progress) -> Status {
-      const std::lock_guard lock(mutex_);
+      VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the scene"));
       return drawnBy(renderer, [&]() -> Status {
         VOLUTE_TRY(prepare(job_, request, maxMemory_, progress));
         VOLUTE_ASSIGN(auto development, developmentOf(request, job_));
@@ -290,11 +291,24 @@ class PythonScene {
   std::mutex mutex_;
 };
 
+/// @param scene  JSON of a scene that is in no file; empty: `path` is a file
+Result<std::unique_ptr<SightField>> lookedThrough(const std::string& path, const std::string& scene,
+                                                  const SceneOptions& options, Progress& progress) {
+  if (scene.empty())
+    return openSight(path, options, progress);
+  VOLUTE_ASSIGN(auto made, Scene::make(jsonOf(scene), path, options, progress));
+  return sightOf(std::move(made), options, progress);
+}
+
 /// As scenes and their files are opened by the command: one that sees.
 class Sight {
  public:
-  Sight(std::string path, std::string members, const Volumes& volumes, std::uint64_t maxMemory)
-      : path_(std::move(path)), options_(sceneOptions(members, maxMemory)) {
+  /// @param scene  as lookedThrough() takes it
+  Sight(std::string path, const std::string& members, std::string scene, const Volumes& volumes,
+        std::uint64_t maxMemory)
+      : path_(std::move(path)),
+        scene_(std::move(scene)),
+        options_(sceneOptions(members, maxMemory)) {
     const auto own = std::make_shared<MemoryVolumes>();
     addVolumes(*own, volumes);
     options_.files.volumes = own;
@@ -388,7 +402,7 @@ class Sight {
   Status open() {
     Progress quiet;
     instant_ = nullptr;
-    VOLUTE_ASSIGN(field_, openSight(path_, options_, quiet));
+    VOLUTE_ASSIGN(field_, lookedThrough(path_, scene_, options_, quiet));
     times_.assign(field_->times().begin(), field_->times().end());
     bounds_ = field_->bounds();
     description_ = field_->description();
@@ -399,7 +413,7 @@ class Sight {
 
   /// Fields are read forwards: for an earlier time they are opened again.
   Result<std::shared_ptr<const SightInstant>> instant(std::size_t time) {
-    const std::lock_guard lock(mutex_);
+    VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the Sight"));
     if (time >= times_.size()) {
       return fail(ErrorCode::kInvalidArgument, "there is no stored time {}; there are {}", time,
                   times_.size());
@@ -413,7 +427,7 @@ class Sight {
     return instant_;
   }
 
-  std::string path_;
+  std::string path_, scene_;
   SceneOptions options_;
   std::mutex mutex_;  // of what follows
   std::unique_ptr<SightField> field_;
@@ -431,9 +445,9 @@ class Engine {
   using Ids = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
   using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-  Engine(const std::string& path, const std::string& members, const Volumes& volumes,
-         const std::string& signsFile, const std::string& criteriaFile, std::uint64_t maxMemory,
-         const py::object& listener) {
+  Engine(const std::string& path, const std::string& members, const std::string& scene,
+         const Volumes& volumes, const std::string& signsFile, const std::string& criteriaFile,
+         std::uint64_t maxMemory, const py::object& listener) {
     SceneOptions options = sceneOptions(members, maxMemory);
     const auto own = std::make_shared<MemoryVolumes>();
     addVolumes(*own, volumes);
@@ -441,7 +455,7 @@ class Engine {
     run(listener, [&](Progress& progress) -> Status {
       VOLUTE_ASSIGN(const auto signs, readSigns(signsFile));
       VOLUTE_ASSIGN(const auto criteria, criteriaOf(criteriaFile.empty() ? "usual" : criteriaFile));
-      VOLUTE_ASSIGN(auto field, openSight(path, options, progress));
+      VOLUTE_ASSIGN(auto field, lookedThrough(path, scene, options, progress));
       VOLUTE_ASSIGN(auto made,
                     SightEngine::open(std::move(field), signs, criteria.criteria, progress));
       engine_ = std::make_unique<SightEngine>(std::move(made));
@@ -538,7 +552,7 @@ class Engine {
   template <class Question>
   void ask(const Question& question) {
     run(py::none(), [&](Progress&) -> Status {
-      const std::lock_guard lock(mutex_);
+      VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the Engine"));
       return question();
     });
   }
@@ -717,9 +731,66 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
       bars = owned(std::move(sigma), {info.frames, info.z, info.y, info.x, info.channels});
     array = owned(std::move(values), {info.frames, info.z, info.y, info.x, info.channels});
   }
-  const py::dict place("grid"_a = info.name, "bounds"_a = boundsTuple(info.bounds),
-                       "times"_a = info.times, "frame_numbers"_a = info.frameNumbers);
+  const py::dict place("grid"_a = info.name, "unit"_a = info.unit,
+                       "bounds"_a = boundsTuple(info.bounds), "times"_a = info.times,
+                       "frame_numbers"_a = info.frameNumbers);
   return py::make_tuple(array, place, report.dump(), bars);
+}
+
+/// (ends (n, 6), values (n,), sigmas (n,), frame of each (n,)) of measured lines, and times of
+/// frames.
+LineFile linesOf(const py::tuple& said) {
+  using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+  const auto ends = said[0].cast<Doubles>(), values = said[1].cast<Doubles>();
+  const auto sigmas = said[2].cast<std::optional<Doubles>>();
+  const auto frames = said[3].cast<std::vector<int>>();
+  const auto times = said[4].cast<std::vector<double>>();
+  LineFile lines;
+  lines.opticalDepths = lines.hasTimes = true;
+  lines.hasSigma = sigmas.has_value();
+  for (std::size_t i = 0; i < times.size(); ++i)
+    lines.frames.push_back({static_cast<int>(i), times[i], {}});
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double* end = ends.data() + 6 * i;
+    const Vec3 from(end[0], end[1], end[2]), to(end[3], end[4], end[5]);
+    const double length = (to - from).norm();
+    lines.frames[static_cast<std::size_t>(frames[i])].lines.push_back(
+        {{from, (to - from) / length, 0, length},
+         values.data()[i],
+         sigmas ? sigmas->data()[i] : 1,
+         static_cast<int>(i) + 1});
+  }
+  return lines;
+}
+
+/// Of a .csv, or of what linesOf() takes: (values (t, z, y, x), where they are, report).
+py::tuple reconstructFromLines(const py::object& source, const std::string& options,
+                               std::uint64_t maxMemory, const py::object& listener) {
+  const auto said = jsonOf(options);
+  const CaptureOptions where = captureOptions(said, maxMemory);
+  LineOptions how;
+  if (said.value("basis", "box") == "trilinear")
+    how.basis = Basis::kTrilinear;
+  if (said.contains("lambda"))
+    how.lambda = said["lambda"].get<double>();
+  if (said.contains("iterations"))
+    how.iterations = said["iterations"].get<int>();
+  const bool leaveOut = said.value("force", false);
+  const bool isFile = py::isinstance<py::str>(source);
+  const auto file = isFile ? source.cast<std::string>() : std::string("lines");
+  LineFile lines = isFile ? LineFile() : linesOf(source.cast<py::tuple>());
+  LineVolumes found = run(listener, [&](Progress& progress) {
+    return isFile ? reconstructLineFile(file, where, how, leaveOut, progress)
+                  : reconstructLineFrames(std::move(lines), file, where, how, leaveOut, progress);
+  });
+  using namespace py::literals;
+  const VolumeInfo& info = found.volumes.info;
+  const py::dict place("grid"_a = info.name, "unit"_a = info.unit,
+                       "bounds"_a = boundsTuple(info.bounds), "times"_a = info.times,
+                       "frame_numbers"_a = info.frameNumbers);
+  return py::make_tuple(
+      owned(std::move(found.volumes.values), {info.frames, info.z, info.y, info.x}), place,
+      found.records.dump());
 }
 
 /// `volute resample`.
@@ -815,8 +886,8 @@ PYBIND11_MODULE(_scene, m) {
   m.def("resample", &resampleFile, "path"_a, "target"_a, "said"_a, "max_memory"_a, "listener"_a);
 
   py::class_<volute::python::Sight>(m, "Sight")
-      .def(py::init<std::string, std::string, const Volumes&, std::uint64_t>(), "path"_a,
-           "members"_a, "volumes"_a, "max_memory"_a)
+      .def(py::init<std::string, const std::string&, std::string, const Volumes&, std::uint64_t>(),
+           "path"_a, "members"_a, "scene"_a, "volumes"_a, "max_memory"_a)
       .def_property_readonly("times", &volute::python::Sight::times)
       .def_property_readonly("bounds", &volute::python::Sight::bounds)
       .def_property_readonly("description", &volute::python::Sight::description)
@@ -827,10 +898,10 @@ PYBIND11_MODULE(_scene, m) {
       .def("sign_names", &volute::python::Sight::signNames, "file"_a);
 
   py::class_<Engine>(m, "Engine")
-      .def(py::init<const std::string&, const std::string&, const Volumes&, const std::string&,
-                    const std::string&, std::uint64_t, const py::object&>(),
-           "path"_a, "members"_a, "volumes"_a, "signs_file"_a, "criteria_file"_a, "max_memory"_a,
-           "listener"_a)
+      .def(py::init<const std::string&, const std::string&, const std::string&, const Volumes&,
+                    const std::string&, const std::string&, std::uint64_t, const py::object&>(),
+           "path"_a, "members"_a, "scene"_a, "volumes"_a, "signs_file"_a, "criteria_file"_a,
+           "max_memory"_a, "listener"_a)
       .def_property_readonly("times", &Engine::times)
       .def_property_readonly("signs", &Engine::signs)
       .def_property_readonly("sign_places", &Engine::signPlaces)
@@ -852,6 +923,8 @@ PYBIND11_MODULE(_scene, m) {
   addOwnKinds(m);
   m.def("reconstruct", &reconstructCapture, "path"_a, "output"_a, "rms"_a, "options"_a,
         "max_memory"_a, "listener"_a);
+  m.def("reconstruct_lines", &reconstructFromLines, "source"_a, "options"_a, "max_memory"_a,
+        "listener"_a);
   m.def(
       "read_image",
       [](const std::filesystem::path& path) {

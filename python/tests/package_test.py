@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: The Volute authors
 """The Python package, as its users see it."""
 import ast
+import importlib.util
 import inspect
 import io
 import json
@@ -437,6 +438,27 @@ class Package(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "masked"):
                 call()
 
+    def test_what_is_not_finite_can_be_left_out(self):
+        values = self.values[:1].copy()
+        values[0, 3, 3, 3], values[0, 4, 4, 4] = np.nan, -np.inf
+        filled = np.where(np.isfinite(values), values, 0)
+        options = {"size": (24, 18), "extinction": 1.0}
+        expected = volute.picture(filled, **options)
+        for given in (values, values.astype(np.float64), np.asfortranarray(values), [frame for frame in values]):
+            with self.assertRaisesRegex(volute.InvalidData, "not a number|infinite"):
+                volute.picture(given, **options)
+            for way in ("inactive", "background"):
+                np.testing.assert_array_equal(volute.picture(given, not_finite=way, **options), expected)
+        volute.compress(values, self.path / "background.volute", not_finite="background", max_error=1e-3)
+        np.testing.assert_allclose(volute.open(self.path / "background.volute"), filled, atol=1.1e-3)
+        for call in (lambda **how: volute.picture(values, **how), lambda **how: volute.compress(values, self.path / "no.volute", **how)):
+            with self.assertRaisesRegex(ValueError, "'refuse', 'inactive' or 'background'"):
+                call(not_finite="leave")
+        with self.assertRaisesRegex(volute.InvalidArgument, "size: 1099511627776 x 2 pixels"):
+            volute.picture(filled, size=(1 << 40, 2))
+        with self.assertRaisesRegex(volute.TooLarge, "beyond what a volume can hold"):
+            volute.picture(volute.Function(lambda x, y, z, t: x, (1 << 33, 1, 1), bounds=((0, 0, 0), (1, 1, 1))))
+
     def test_labels_of_an_array(self):
         class Coordinate:
             def __init__(self, values, units=""):
@@ -803,6 +825,152 @@ time.sleep(float(sys.argv[2]))
             volute.Scene(self.decoded, extinction=...)
         self.assertIn(b"PNG", scene._repr_png_()[:8])
 
+    def test_values_hide_by_what_they_say(self):
+        """No line of sight goes through smoke as through clear air because nobody said what it is."""
+        ones = np.ones((1, 8, 8, 8), np.float32)
+        bounds, line = ((0, 0, 0), (1, 1, 1)), ([-1, 0.5, 0.5], [2, 0.5, 0.5])
+        for unit, depth in (("1/m", 1), ("1/cm", 100), ("m-1", 1)):
+            volute.compress(ones, self.path / "own.volute", max_error=1e-4, bounds=bounds, unit=unit)
+            for sight in (volute.Sight(ones, bounds=bounds, unit=unit), volute.Sight(self.path / "own.volute")):
+                self.assertAlmostEqual(sight.look(*line)["depth"][0], depth, delta=1e-3 * depth)
+                self.assertIn("is taken as the extinction", sight.remarks[0])
+        for unit in ("", "kg/m3", "radiance/m"):
+            with self.assertRaisesRegex(volute.InvalidArgument, "it would hide nothing; give extinction") as raised:
+                volute.Sight(ones, bounds=bounds, unit=unit)
+            self.assertEqual(raised.exception.member, "extinction")
+        self.assertEqual(volute.Sight(ones, bounds=bounds, emission=1.0).look(*line)["depth"][0], 0)
+        half = ones.copy()
+        half[..., 4:] = -1
+        with self.assertRaisesRegex(volute.InvalidData, "frame 0: values go from -1 to 1"):
+            volute.Sight(half, bounds=bounds, extinction=1.0).look(*line)
+        half[..., 4:] = -0.01  # as solvers and compression leave it
+        self.assertEqual(volute.Sight(half, bounds=bounds, extinction=1.0).look(*line)["depth"][0], 0.5)
+        scene = {"format": "volute-scene-2", "media": [{"kind": "volume", "file": ones, "bounds": bounds, "extinction": 1.0},
+                                                       {"kind": "volume", "file": half, "bounds": bounds}]}
+        with volute.Sight(scene) as sight:
+            self.assertEqual(sight.look(*line)["depth"][0], 1)
+            self.assertRegex(sight.remarks[0], "/media/1 takes no light away")
+            copy = pickle.loads(pickle.dumps(sight))
+        with self.assertRaisesRegex(ValueError, "closed"):
+            sight.look(*line)
+        self.assertEqual(copy.look(*line)["depth"][0], 1)
+        exit_sign = [{"name": "exit", "position": [2, 0.5, 0.5], "normal": [-1, 0, 0], "emitting": True}]
+        with volute.Engine(scene, exit_sign) as engine:
+            self.assertEqual(engine.sees([-1, 0.5, 0.5], 0)["exit"], engine.SEEN)
+
+    def test_lines_are_values(self):
+        bounds = ((0, 0, 0), (1, 1, 1))
+        smoke = np.zeros((1, 8, 8, 8), np.float32)
+        smoke[0, 2:6, 2:6, 2:6] = 2
+        places = np.random.default_rng(1).random((400, 3)) * 2 - 0.5
+        begin, end = np.tile(places, (3, 1)), np.tile(places[::-1], (3, 1))
+        for axis in range(3):
+            begin[400 * axis:400 * (axis + 1), axis], end[400 * axis:400 * (axis + 1), axis] = -1, 2
+        depth = volute.Sight(smoke, bounds=bounds, unit="1/m").look(begin, end)["depth"]
+        meets = depth > 0
+        lines = volute.Lines(begin[meets], end[meets], depth[meets])
+        found = volute.reconstruct(lines, bounds=bounds, resolution=8)
+        self.assertLess(abs(found.values - smoke).mean(), 0.02)
+        self.assertEqual((found.name, found.unit, found.bounds), ("extinction", "1/m", bounds))
+        again = volute.Sight(found).look(begin[meets], end[meets])["depth"]
+        self.assertLess(abs(again - depth[meets]).max(), 0.02)
+        written = volute.reconstruct(lines, self.path / "lines.volute", bounds=bounds, resolution=8, rms=1e-4)
+        np.testing.assert_allclose(np.asarray(written.values), found.values, atol=0.02)
+        np.testing.assert_array_equal(volute.picture(found, size=(16, 12)),
+                                      volute.picture(found.values, bounds=bounds, name="extinction", unit="1/m", size=(16, 12)))
+        with open(self.path / "lines.csv", "w") as file:
+            file.write("x0,y0,z0,x1,y1,z1,optical_depth\n")
+            np.savetxt(file, np.column_stack([begin, end, depth])[meets], "%.17g", delimiter=",")
+        np.testing.assert_allclose(volute.reconstruct(self.path / "lines.csv", bounds=bounds, resolution=8).values, found.values, atol=1e-6)
+        twice = volute.Lines(begin[meets], end[meets], depth[meets], time=0.5 * (np.arange(meets.sum()) % 2))
+        np.testing.assert_array_equal(volute.reconstruct(twice, bounds=bounds, resolution=4).times, [0, 0.5])
+        for wrong in ({"depth": [1, np.nan]}, {"end": [[0, 0, 0], [0, 0, 1]]}, {"sigma": [1, 0]}, {"begin": np.zeros((3, 3))}, {"depth": []}):
+            with self.assertRaises(ValueError):
+                volute.Lines(**{"begin": np.zeros((2, 3)), "end": np.ones((2, 3)), "depth": [1, 1], **wrong})
+        with self.assertRaisesRegex(TypeError, "no option 'solver'"):
+            volute.reconstruct(lines, solver="sirt")
+
+    @unittest.skipUnless(importlib.util.find_spec("vtkmodules"), "without python3-vtk9")
+    def test_images_and_grids_of_vtk_are_values(self):
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+        from vtkmodules.vtkCommonCore import vtkPoints
+        from vtkmodules.vtkCommonDataModel import vtkImageData, vtkUnstructuredGrid
+        values = self.decoded[6]
+        bounds = ((1, 0, 0), (2.8, 2, 2.4))
+        options = {"size": (24, 18), "extinction": 1.0}
+        expected = volute.picture(values, bounds=bounds, name="soot", **options)
+        for cells in (0, 1):
+            image = vtkImageData()
+            image.SetDimensions(*(side + cells for side in values.shape[::-1]))
+            image.SetSpacing(0.1, 0.1, 0.1)
+            image.SetOrigin(1 + 0.05 * (1 - cells), 0.05 * (1 - cells), 0.05 * (1 - cells))
+            array = numpy_to_vtk(values.ravel())
+            array.SetName("soot")
+            (image.GetCellData() if cells else image.GetPointData()).AddArray(array)
+            np.testing.assert_allclose(volute.Scene(image).bounds, bounds)
+            np.testing.assert_array_equal(volute.picture(image, **options), expected)
+        other = numpy_to_vtk(2 * values.ravel())
+        other.SetName("heat")
+        image.GetCellData().AddArray(other)
+        with self.assertRaisesRegex(ValueError, "'soot', 'heat'; say name="):
+            volute.Scene(image)
+        self.assertEqual(volute.compress(image, self.path / "vtk.volute", name="heat", max_error=1e-3).open().name, "heat")
+        grid, points = vtkUnstructuredGrid(), vtkPoints()
+        corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1.0]])
+        points.SetData(numpy_to_vtk(corners))
+        grid.SetPoints(points)
+        for cell in ([0, 1, 2, 3], [1, 2, 3, 4]):
+            grid.InsertNextCell(10, 4, cell)
+        at_points, of_cells = numpy_to_vtk(np.arange(5.0)), numpy_to_vtk(np.array([1.0, 3.0]))
+        at_points.SetName("soot"), of_cells.SetName("thick")
+        grid.GetPointData().AddArray(at_points), grid.GetCellData().AddArray(of_cells)
+        own = volute.Mesh(corners, [[0, 1, 2, 3], [1, 2, 3, 4]], {"soot": np.arange(5.0)}, cell_fields={"thick": [1.0, 3.0]})
+        copy = pickle.dumps(own)
+        line = [0.1, 0.1, -1], [0.6, 0.6, 2]
+        for field in ("soot", "thick"):
+            looked = [volute.Sight(mesh, quantity="extinction", field=field).look(*line)["depth"][0] for mesh in (own, grid, pickle.loads(copy))]
+            self.assertGreater(looked[0], 0)
+            self.assertEqual(looked, 3 * looked[:1])
+
+    def test_scenes_are_sent_to_processes(self):
+        scene = volute.Scene({"format": "volute-scene-2", "media": [{"kind": "volume", "file": self.decoded, "extinction": 1.0},
+                                                                    {"kind": "volume", "file": volute.open(self.file), "emission": 1.0}]})
+        expected = scene.picture(2.0, size=(24, 18))
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(scene)).picture(2.0, size=(24, 18)), expected)
+        alone = volute.Scene(self.file, emission=2.0)
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(alone)).picture(2.0, size=(24, 18)), alone.picture(2.0, size=(24, 18)))
+        scene.close()
+        with self.assertRaisesRegex(ValueError, "closed"):
+            pickle.dumps(scene)
+
+    def test_a_function_cannot_use_what_waits_for_it(self):
+        """These waited for each other for ever."""
+        program = """
+import numpy as np, volute
+bounds = ((0, 0, 0), (1, 1, 1))
+for use in (lambda: scene.picture(size=(8, 6)), lambda: scene.render(0, size=(8, 6))):
+    scene = None
+    def value(x, y, z, t):
+        if scene:
+            use()
+        return x
+    scene = volute.Scene(volute.Function(value, (8, 8, 8), bounds=bounds, times=[0, 1]), extinction=1.0)
+    try:
+        scene.picture(1.0, size=(8, 6))
+        print("drawn")
+    except volute.InvalidArgument as error:
+        print(error)
+still = volute.Scene(np.ones((8, 8, 8)))
+try:
+    still.picture(size=(8, 6), progress=lambda *said: still.picture(size=(8, 6)))
+except volute.InvalidArgument as error:
+    print(error)
+volute.picture(volute.Function(lambda x, y, z, t: x + still.picture(size=(8, 6)).mean(), (8, 8, 8), bounds=bounds), size=(8, 6))
+"""
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stdout.splitlines(), 3 * ["the scene is in use by a call that waits for this function; use another one in it"])
+
     def test_arrays_are_not_copied_for_a_picture(self):
         program = """
 import resource, sys
@@ -873,6 +1041,27 @@ print("done", flush=True)
         scene.close()
         with self.assertRaisesRegex(ValueError, "closed"):
             scene.touch()
+        # Of several, the one that is named alone.
+        asked = []
+
+        def value(x, y, z, t):
+            asked.append(t)
+            return x
+
+        other = volute.Function(value, (8, 8, 8), bounds=options["bounds"], name="other")
+        said = {"format": "volute-scene-2", "media": [{"kind": "volume", "file": array, "name": "mine", **options},
+                                                      {"kind": "volume", "file": other, "emission": 0.1}]}
+        scene = volute.Scene(said)
+        before = scene.picture(size=(16, 12))
+        array *= 4
+        asked.clear()
+        scene.touch("mine")
+        after = scene.picture(size=(16, 12))
+        self.assertEqual(asked, [])
+        self.assertTrue((after != before).any())
+        np.testing.assert_array_equal(after, volute.picture(said, size=(16, 12)))
+        with self.assertRaisesRegex(ValueError, "name='nobody': expected 'memory:1' or 'memory:2' or 'mine' or 'other'"):
+            scene.touch("nobody")
 
     def test_films_of_functions_end_with_what_they_raise(self):
         def value(x, y, z, t):

@@ -22,6 +22,7 @@ import os as _os
 from . import _core, fds
 from ._arrays import Function
 from ._compress import Compressed, compress, resample, to_bytes
+from ._lines import Lines
 from ._mesh import Mesh
 from ._errors import (Cancelled, Error, InvalidArgument, InvalidData, IoError, NotFound, TooLarge, Truncated,
                       Unsupported)
@@ -31,7 +32,7 @@ from ._scene_api import (Engine, Reconstruction, Scene, Sight, Survey, Trajector
 from ._own_media import PIECE, SEGMENT, Member, check_medium, medium, pieces
 
 __version__ = _core.version
-__all__ = ["Cancelled", "Compressed", "Engine", "Error", "Frames", "Function", "InvalidArgument", "InvalidData", "IoError", "Member", "Mesh", "NotFound", "Reconstruction",
+__all__ = ["Cancelled", "Compressed", "Engine", "Error", "Frames", "Function", "InvalidArgument", "InvalidData", "IoError", "Lines", "Member", "Mesh", "NotFound", "Reconstruction",
            "Scene", "Sight", "Survey", "TooLarge", "Trajectories", "Truncated", "Unsupported", "Volume", "check_medium", "compress", "fds", "film", "medium", "open",
            "picture", "pieces", "read_image", "reconstruct", "render", "resample", "set_threads", "to_bytes", "to_srgb", "visibility", "write_image"]
 

@@ -7,7 +7,8 @@ import tempfile
 
 import numpy as np
 
-from . import _core
+from . import _core, _vtk_values
+from ._errors import TooLarge
 from ._volume import Frames, _bytes
 
 _log = logging.getLogger("volute")
@@ -104,6 +105,8 @@ def five_axes(shape):
     if len(shape) != 5 or shape[4] not in (1, 3) or 0 in shape:
         raise ValueError(f"the array has shape {tuple(shape)}; expected (z, y, x), (t, z, y, x) or (t, z, y, x, c) with 1 or 3 channels, "
                          "none of them empty")
+    if max(shape) >= 1 << 31:
+        raise TooLarge(f"the array has shape {tuple(shape)}, which is beyond what a volume can hold")
     return shape
 
 
@@ -319,12 +322,24 @@ class Function:
         return values
 
 
+def _without(array, not_finite):
+    """The array with 0 in place of what is not finite, where that is asked for."""
+    if not_finite == "refuse" or array.dtype.kind != "f" or np.isfinite(array).all():
+        return array
+    return np.where(np.isfinite(array), array, array.dtype.type(0))
+
+
 def volume(values, given, folder, lazily=False, not_finite="refuse"):
     """(frames, shape, said, rounding): what _core takes of any volume. `frames`: an array (t, z, y, x, c), or a function that gives
     each frame; `said`: what the volume says of itself, and `given` in place of it; `rounding` of what _core is given. lazily, for
     scenes: a Function is handed on as it is, and masked values are 0. Else they are NaN, and said["masked"] tells so; said["doubles"]
     tells that a function gives doubles."""
+    if not_finite not in ("refuse", "inactive", "background"):
+        raise ValueError(f"not_finite={not_finite!r}: expected 'refuse', 'inactive' or 'background'")
     said, refuses = {}, not_finite == "refuse" and not lazily
+    of_itself = getattr(values, "_of_itself", None)  # a Reconstruction
+    if of_itself is not None:
+        values, said = of_itself()
     if isinstance(values, Frames):
         said = {key: getattr(values, key) for key in ("bounds", "times", "frame_numbers", "name", "unit", "basis")}
         frames, shape, rounding = values.__getitem__, five_axes(values.shape), 0.0
@@ -338,9 +353,13 @@ def volume(values, given, folder, lazily=False, not_finite="refuse"):
             raise TypeError(f"a Dataset has several arrays; give one of {', '.join(map(repr, values.data_vars))}: dataset[name]")
         if hasattr(values, "dims") and hasattr(values, "coords"):
             values, said = labelled(values, given)
+        if _vtk_values.is_image(values):
+            values, said = _vtk_values.image(values, given.get("name"))
         array = _in_memory(values)
         if array is None:
             array, rounding, masks = _spool(values, folder, 0 if lazily else np.nan, refuses)
+            if lazily or not_finite == "background":
+                array = _without(array, not_finite)
             shape, mask = five_axes(array.shape), None
             said["masked"] = masks and not lazily
         else:
@@ -348,6 +367,8 @@ def volume(values, given, folder, lazily=False, not_finite="refuse"):
             array, mask = _apart(array)
             if mask is not None and lazily:
                 array, mask = np.where(mask, 0, array), None
+            if mask is None and (lazily or not_finite == "background"):
+                array = _without(array, not_finite)
             array, rounding = (array, 0.0) if mask is not None else reals(array)
         frames = array.reshape(shape)
         if mask is not None:

@@ -66,7 +66,7 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     wavelet: auto, haar, cdf53 or cdf97. effort: 1, the fastest, to 9, the smallest files. fast: effort 2. provenance: a text stored in the file.
     access: what is read most: "frame", single frames, decoded in a quarter of the time, from a file that may be larger; "film", all frames in order.
         Default: what costs next to nothing of both.
-    not_finite: "refuse" NaN and infinities, or "inactive": as masked values.
+    not_finite: "refuse" NaN and infinities; "inactive": as masked values; or "background": as 0.
     progress: a function (stage, done, total), or True for a bar. An exception raised in it, or Ctrl-C, stops the work; no file is left behind.
 
     The file has the same bytes as from `volute compress`, except for the provenance, on any number of cores."""
@@ -96,8 +96,6 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     effort = 2 if fast else whole("effort", effort)
     if not 1 <= effort <= 9:
         raise ValueError(f"effort={effort}: expected 1 to 9")
-    if not_finite not in ("refuse", "inactive"):
-        raise ValueError(f"not_finite={not_finite!r}: expected 'refuse' or 'inactive'")
     if access not in (None, "frame", "film"):
         raise ValueError(f"access={access!r}: expected 'frame' or 'film'")
     given = dict(bounds=bounds, times=times, frame_numbers=frame_numbers, name=name, unit=unit, basis=basis)

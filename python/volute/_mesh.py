@@ -10,6 +10,7 @@ import weakref
 
 import numpy as np
 
+from . import _vtk_values
 from ._arrays import number, reals, unmasked
 from ._volume import _bytes
 
@@ -26,9 +27,16 @@ class Mesh:
         hexahedra, corners in VTK's order; or a dict of several, {"tetra": .., "hexahedron": ..} (meshio's cells_dict).
     fields: {name: values at points}, shape (n,), or (t, n) at several times. cell_fields: the same of cells, (m,) or (t, m), in the order
         of `cells`. times: [s], ascending.
+    A vtkUnstructuredGrid in place of all of these: Mesh(grid).
     Values are copied, into files of the folder for temporary files that live as long as this."""
 
-    def __init__(self, points, cells, fields=None, *, cell_fields=None, times=None):
+    def __init__(self, points, cells=None, fields=None, *, cell_fields=None, times=None):
+        if _vtk_values.is_grid(points):
+            if cells is not None or fields is not None or cell_fields is not None:
+                raise TypeError("a grid of VTK has its own cells and fields; give it alone")
+            points, cells, fields, cell_fields = _vtk_values.grid(points)
+        elif cells is None:
+            raise TypeError("cells: expected numbers of points, shape (m, 4), (m, 5), (m, 6) or (m, 8)")
         points = np.ascontiguousarray(reals(points, "points")[0], np.float64)
         if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
             raise ValueError(f"points: shape {points.shape}; expected (n, 3), finite numbers")
@@ -60,8 +68,7 @@ class Mesh:
         values = [*self._fields("PointData", fields or {}, self.shape[0]), *self._fields("CellData", cell_fields or {}, self.shape[1])]
         if not values:
             raise ValueError("there are no fields; expected fields={name: values at points}, or cell_fields")
-        self._folder = tempfile.mkdtemp(prefix="volute-mesh-")
-        weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
+        self._make_folder()
         names = [f"mesh_{i:04d}.vtu" for i in range(len(self.times))]
         for i, name in enumerate(names):
             self._write(name, [(place, field, all_of[i]) for place, field, all_of in values] + [("Points", "Points", points), *mesh])
@@ -74,6 +81,25 @@ class Mesh:
                 file.write(f'<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1"><Collection>\n{sets}</Collection></VTKFile>\n')
         _log.info("the mesh is kept in %s, %s", self._folder,
                   _bytes(sum(os.path.getsize(os.path.join(self._folder, name)) for name in names)))
+
+    def _make_folder(self):
+        self._folder = tempfile.mkdtemp(prefix="volute-mesh-")
+        weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
+
+    def __getstate__(self):
+        files = {}
+        for name in os.listdir(self._folder):
+            with open(os.path.join(self._folder, name), "rb") as file:
+                files[name] = file.read()
+        return {"shape": self.shape, "times": self.times, "path": os.path.basename(self.path), "files": files}
+
+    def __setstate__(self, state):
+        self.shape, self.times = state["shape"], state["times"]
+        self._make_folder()
+        for name, data in state["files"].items():
+            with open(os.path.join(self._folder, name), "wb") as file:
+                file.write(data)
+        self.path = os.path.join(self._folder, state["path"])
 
     def _fields(self, place, fields, count):
         for name, values in fields.items():

@@ -10,14 +10,17 @@ import tempfile
 
 import numpy as np
 
+from . import _vtk_values
 from ._arrays import corners, number, plain, unmasked, volume, whole
+from ._compress import compress
 from ._errors import InvalidArgument
+from ._lines import Lines
 from ._mesh import Mesh
 from ._progress import Listener
-from ._volume import Frames, _png, open as _open
+from ._volume import Frames, _Closed, _png, open as _open
 
 #: what a call says of a volume in memory, and not of its appearance
-_OF_VALUES = ("bounds", "times", "frame_numbers", "name", "unit")
+_OF_VALUES = ("bounds", "times", "frame_numbers", "name", "unit", "not_finite")
 
 
 def _part():
@@ -59,7 +62,12 @@ class _Volumes:
 
     def add(self, values, given):
         """The name of a volume. What is computed is kept in a file without a name."""
-        frames, shape, said, _ = volume(values, given, tempfile.gettempdir(), lazily=True)
+        not_finite = given.pop("not_finite", None) or "refuse"
+        frames, shape, said, _ = volume(values, given, tempfile.gettempdir(), lazily=True, not_finite=not_finite)
+        return self.again(frames, shape, said)
+
+    def again(self, frames, shape, said):
+        """The same under a new name."""
         name = str(self._count)
         self._count += 1
         self._kept.append((name, frames, shape, said))
@@ -72,6 +80,12 @@ class _Volumes:
 
     def source(self, source, members):
         """(file, members of its entry) of anything that Scene() takes but dicts."""
+        if isinstance(source, Lines):
+            source = reconstruct(source)
+        if isinstance(source, Reconstruction) and isinstance(source.values, Frames):
+            source = source.values
+        if _vtk_values.is_grid(source):
+            source = Mesh(source)
         if isinstance(source, Mesh):
             self._sources.append(source)
             return source.path, members
@@ -91,6 +105,8 @@ class _Volumes:
             return said
         media = []
         for entry in said["media"]:
+            if isinstance(entry, dict) and _vtk_values.is_grid(entry.get("case")):
+                entry = {**entry, "case": Mesh(entry["case"])}
             if isinstance(entry, dict) and isinstance(entry.get("case"), Mesh):
                 entry = {"kind": "smoke", **entry, "case": self.source(entry["case"], {})[0]}
             if isinstance(entry, dict) and "file" in entry and not isinstance(entry["file"], (str, bytes, os.PathLike)):
@@ -111,6 +127,8 @@ def _view(camera, size, background):
     if size is not None:
         width, height = size
         size = (whole("size", width), whole("size", height))
+        if not (1 <= min(size) and max(size) <= 32768):
+            raise InvalidArgument(f"size: {size[0]} x {size[1]} pixels; expected 1 to 32768 on each side")
     if background is not None:
         background = tuple(number("background", one) for one in background)
     return {"camera": None if camera is None else _text(camera), "size": size, "background": background}
@@ -134,12 +152,27 @@ def _look(exposure, tone, samples, bloom, colormap, legend, shutter):
             "bloom": bloom, "shutter": shutter, "colormap": _choice("colormap", None if colormap == "grey" else colormap, ("viridis", "inferno")), "legend": legend}
 
 
+def _maker_of(volumes, source, folder, members):
+    """(how, (file or scene, ..)) of what the extension makes a scene of."""
+    if isinstance(source, dict):
+        if members:
+            raise TypeError(f"{', '.join(members)}: members are for a single file; write them into the scene")
+        return "make", (_text(volumes.scene(source)), os.path.join(os.fspath(folder), "scene.json"))
+    file, members = volumes.source(source, members)
+    return "open", (file, _text(members))
+
+
+def _made(kind, source, options):
+    return kind(source, **options)
+
+
 class Scene:
     """A scene: media, surfaces, lights, signs and a camera.
 
     Made from
     - a scene file (.json), or any other file that Volute shows (.volute, .npy, .npz, .vdb, .vti, .pvd, .vtu, .smv, a map of fog);
-    - a volute.Volume or an FDS case that is open, or a volute.Mesh;
+    - a volute.Volume or an FDS case that is open, a volute.Mesh, a vtkImageData or vtkUnstructuredGrid, volute.Lines, or what
+      reconstruct() gives;
     - an array of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c), or anything else that compress() takes as `frames`, with bounds, times, name
       and unit as arguments as there. Arrays in memory are not copied: after a change of their values call touch();
     with the members of a scene's entry as arguments: Scene(array, bounds=((0, 0, 0), (2, 2, 2)), emission=2.0); or from
@@ -150,16 +183,14 @@ class Scene:
         """folder: where a dict's file names are found."""
         self._volumes = _Volumes()
         self._max_memory = whole("max_memory", max_memory)
-        if isinstance(source, dict):
-            if members:
-                raise TypeError(f"{', '.join(members)}: members are for a single file; write them into the scene")
-            said = _text(self._volumes.scene(source)), os.path.join(os.fspath(folder), "scene.json")
-            self._maker = "make", said
-        else:
-            file, members = self._volumes.source(source, members)
-            self._maker = "open", (file, _text(members))
+        self._given = source, {"folder": os.path.abspath(folder), "max_memory": self._max_memory, **members}
+        self._maker = _maker_of(self._volumes, source, folder, members)
         self._added = self._volumes.take()
         self._open(progress)
+
+    def __reduce__(self):
+        self._scene.path  # says that it is closed
+        return _made, (type(self), *self._given)
 
     def _open(self, progress):
         try:
@@ -189,7 +220,7 @@ class Scene:
 
     def close(self):
         """Closes its files and lets go of its arrays; what is asked of it then is a ValueError. `with` calls it."""
-        self._scene, self._shown, self._added, self._volumes = _ClosedScene(), None, [], _Volumes()
+        self._scene, self._shown, self._added, self._volumes = _Closed("the scene"), None, [], _Volumes()
 
     def __enter__(self):
         return self
@@ -224,19 +255,42 @@ class Scene:
     def change(self, new, progress=None):
         """Changes the scene to the dict; data already read are reused where entries do not change. An array in it is read anew, so that
         one whose values have changed is given again. An error leaves the scene unchanged."""
-        new = _text(self._volumes.scene(new))
+        given, new = new, _text(self._volumes.scene(new))
         more = self._volumes.take()
         with Listener(progress) as listener:
             self._scene.change(new, more, listener)
         self._added += more
         self._maker, self._shown = ("make", (new, self._scene.path)), None
+        self._given = given, {"folder": os.path.dirname(os.path.abspath(self._scene.path)), "max_memory": self._max_memory}
         if self._unclear:
             self._open(progress)
 
-    def touch(self, progress=None):
-        """Reads everything anew: for arrays whose values have changed in their place, and functions that give others."""
+    def touch(self, name=None, progress=None):
+        """Reads anew: for arrays whose values have changed in their place, and functions that give others. name: of the one that has
+        changed, as it was given with `name`, or as scene.json has it ("memory:0"); None: all."""
         self._scene.path  # says that it is closed
+        if name is not None:
+            known = {f"memory:{at}": said["name"] or "density" for at, _, _, said in self._added}
+            changed = [file for file, own in known.items() if name in (file, own)]
+            if not changed:
+                raise ValueError(f"name={name!r}: expected {' or '.join(repr(own) for own in sorted({*known, *known.values()})) or 'a scene of arrays'}")
+            if self._maker[0] == "make":
+                return self._touch(changed, progress)
         self._open(progress)
+
+    def _touch(self, changed, progress):
+        """Others stay as they were read: these get other names."""
+        scene = self.json
+        for entry in scene["media"]:
+            if os.path.basename(str(entry.get("file"))) in changed:
+                _, frames, shape, said = next(one for one in self._added if os.path.basename(entry["file"]) == "memory:" + one[0])
+                entry["file"] = self._volumes.again(frames, shape, said)
+        more, said = self._volumes.take(), _text(scene)
+        with Listener(progress) as listener:
+            for opened in [self._scene] + [self._shown] * (self._shown not in (None, self._scene)):
+                opened.change(said, more, listener)
+        self._added = [one for one in self._added if "memory:" + one[0] not in changed] + more
+        self._maker = "make", (said, self._scene.path)
 
     def render(self, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None, background=None, measured=True, progress=None):
         """Light at `time` [s]: linear RGB, float32, shape (height, width, 3), row 0 at the top.
@@ -303,13 +357,6 @@ class Scene:
                 f"<div>{html.escape(repr(self)[1:-1])}</div></div>")
 
 
-class _ClosedScene:
-    """In the place of what was closed."""
-
-    def __getattr__(self, name):
-        raise ValueError("the scene is closed")
-
-
 def _scene_of(source, progress, members):
     if not isinstance(source, Scene):
         return Scene(source, progress=progress, **members)
@@ -358,15 +405,37 @@ def write_image(path, image):
     _part().write_image(os.fspath(path), np.asarray(unmasked(image, "the picture"), np.float32))
 
 
+def _looked_through(volumes, source, folder, members):
+    """((file, members), scene) of what lines of sight go through; scene: JSON, or "" of a file."""
+    how, said = _maker_of(volumes, source, folder, members)
+    return (said, "") if how == "open" else ((said[1], "{}"), said[0])
+
+
 class Sight:
-    """Lines of sight through a scene, any file that Volute shows (an FDS case, a mesh, a volume), or an array as Scene() takes it.
+    """Lines of sight through whatever a Scene is made of: a scene file or dict, an FDS case, a mesh, a volume, an array.
 
-    Fields are read forward in time; going back opens them again."""
+    A volume says what its values take away of light by extinction=.. [1/m], or by its unit, where that is 1/m. Fields are read forward
+    in time; going back opens them again."""
 
-    def __init__(self, source, *, max_memory=4 << 30, **members):
+    def __init__(self, source, *, folder=".", max_memory=4 << 30, **members):
+        self._given = source, {"folder": os.path.abspath(folder), "max_memory": whole("max_memory", max_memory), **members}
         self._volumes = volumes = _Volumes()
-        self.path, members = volumes.source(source, members)
-        self._sight = _part().Sight(self.path, _text(members), volumes.take(), whole("max_memory", max_memory))
+        (self.path, members), scene = _looked_through(volumes, source, folder, members)
+        self._sight = _part().Sight(self.path, members, scene, volumes.take(), whole("max_memory", max_memory))
+
+    def __reduce__(self):
+        self._sight.times  # says that it is closed
+        return _made, (type(self), *self._given)
+
+    def close(self):
+        """Closes its files and lets go of its arrays; what is asked of it then is a ValueError. `with` calls it."""
+        self._sight, self._volumes = _Closed(self.path), None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *what):
+        self.close()
 
     @property
     def times(self):
@@ -437,13 +506,23 @@ class Engine:
     #: what sees() says
     NOT_SEEN, SEEN, CANNOT_TELL = 0, 1, 2
 
-    def __init__(self, source, signs, *, criteria=None, max_memory=4 << 30, progress=None, **members):
+    def __init__(self, source, signs, *, criteria=None, folder=".", max_memory=4 << 30, progress=None, **members):
         self._volumes = volumes = _Volumes()
-        self.path, members = volumes.source(source, members)
+        (self.path, members), scene = _looked_through(volumes, source, folder, members)
         with tempfile.TemporaryDirectory() as folder, Listener(progress) as listener:
             said = "" if criteria is None else _list_file(folder, "criteria", criteria)
-            self._engine = _part().Engine(self.path, _text(members), volumes.take(), _list_file(folder, "signs", signs), said,
+            self._engine = _part().Engine(self.path, members, scene, volumes.take(), _list_file(folder, "signs", signs), said,
                                           whole("max_memory", max_memory), listener)
+
+    def close(self):
+        """Closes its files and lets go of its arrays; what is asked of it then is a ValueError. `with` calls it."""
+        self._engine, self._volumes = _Closed(self.path), None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *what):
+        self.close()
 
     @property
     def times(self):
@@ -564,14 +643,22 @@ class Reconstruction:
     times: np.ndarray  #: [s]
     frame_numbers: np.ndarray
     report: dict  #: all that was measured: residuals of each camera, iterations, warnings
+    name: str = ""  #: of the values, and their unit
+    unit: str = ""
     sigma: object = None  #: with error_bars: the standard deviation of each value, of the same shape; of a file its grid 'emission_sigma'
+
+
+    def _of_itself(self):
+        """The values, and what they say: a Reconstruction is a volume wherever arrays are."""
+        return self.values, {"bounds": self.bounds, "times": self.times, "frame_numbers": self.frame_numbers, "name": self.name, "unit": self.unit}
 
 
 def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None, bounds=None, images=None, max_memory=4 << 30,
                 progress=None, **options):
-    """Reconstructs fire from the pictures of calibrated cameras.
+    """Reconstructs fire from the pictures of calibrated cameras, or smoke from optical depths along lines.
 
-    capture: capture.json, NeRF's transforms.json, a COLMAP folder or OpenCV's .yml (docs/capture.md).
+    capture: capture.json, NeRF's transforms.json, a COLMAP folder or OpenCV's .yml (docs/capture.md); or volute.Lines, or a .csv of lines, of
+    which bounds, resolution, frames, basis, iterations, lambda_ and force (leaves lines out that miss the bounds) are the options.
     output: a .volute file to write, at a relative RMS error of `rms`; None: an array is returned.
     frames: (first, end). resolution: (x, y, z) voxels, or one number for the longest side. bounds: ((x0,y0,z0),(x1,y1,z1)) [m].
     images: the pattern of pictures, {camera} and %04d. Options as those of the command: basis, solver, iterations, regularization,
@@ -579,10 +666,13 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
     force. error_bars=True estimates standard deviations, too; temperature=True writes temperature and extinction of a
     flame's soot as grids of `output`."""
     part = _part()
+    lines = isinstance(capture, Lines) or str(capture).lower().endswith(".csv")
     known = {"basis": ("trilinear", "box"), "solver": ("apg", "mlem", "sirt", "cgls"),
              "regularization": ("auto", "none", "tv", "smooth", "wavelet"), "rays_per_pixel": (1, 4), "iterations": None, "lambda": None,
              "sparsity": None, "refine": (True, False), "hull": None, "coarse_to_fine": None, "warm_start": None, "noise_sigma": None, "hold_out": None,
              "error_bars": (True, False), "temperature": (True, False), "force": None}
+    if lines:
+        known = {key: known[key] for key in ("basis", "iterations", "lambda", "force")}
     said = {key.rstrip("_"): value for key, value in options.items() if value is not None}
     for key, value in said.items():
         if key not in known:
@@ -603,11 +693,24 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
         raise ValueError("temperature=True needs an output: its grids are those of the file")
     if output is not None and not os.fspath(output).endswith(".volute"):
         raise ValueError(f"'{os.fspath(output)}' does not end in .volute")
+    if lines:
+        return _from_lines(capture, output, rms, said, max_memory, progress)
     with Listener(progress) as listener:
         values, place, report, sigma = part.reconstruct(os.fspath(capture), "" if output is None else os.fspath(output), float(rms),
                                                         _text(said), whole("max_memory", max_memory), listener)
     if output is not None:
         values = _open(output, grid=place["grid"])
         sigma = _open(output, grid=place["grid"] + "_sigma") if said.get("error_bars") else None
-    return Reconstruction(values, place["bounds"], np.asarray(place["times"]),
-                          np.asarray(place["frame_numbers"]), json.loads(report), sigma)
+    return Reconstruction(values, place["bounds"], np.asarray(place["times"]), np.asarray(place["frame_numbers"]), json.loads(report),
+                          place["grid"], place["unit"], sigma)
+
+
+def _from_lines(lines, output, rms, said, max_memory, progress):
+    source = lines._said() if isinstance(lines, Lines) else os.fspath(lines)
+    with Listener(progress) as listener:
+        values, place, records = _part().reconstruct_lines(source, _text(said), whole("max_memory", max_memory), listener)
+    found = Reconstruction(values, place["bounds"], np.asarray(place["times"]), np.asarray(place["frame_numbers"]),
+                           {"lines": json.loads(records)}, place["grid"], place["unit"])
+    if output is not None:
+        found.values = compress(found, output, rms=rms, basis=said.get("basis", "box"), progress=progress).open()
+    return found

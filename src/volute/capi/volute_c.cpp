@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "volute/base/advice.hpp"
+#include "volute/base/callers_function.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/base/version.hpp"
 #include "volute/codec/compress.hpp"
@@ -25,6 +26,7 @@
 #include "volute/scene/kinds.hpp"
 #include "volute/scene/own_kind.hpp"
 #include "volute/scene/scene_sight.hpp"
+#include "volute/tomography/line_reconstruction.hpp"
 #include "volute/visibility/sight_engine.hpp"
 #include "volute/visibility/sign_file.hpp"
 #include "volute/volume_files/memory_volumes.hpp"
@@ -41,6 +43,7 @@ struct volute_drawing {
 };
 
 struct volute_scene {
+  std::shared_ptr<const volute::MemoryVolumes> volumes{};  // that it looks through
   std::unique_ptr<volute::SightField> field;
   std::mutex mutex;  // of what follows
   std::size_t time = 0;
@@ -168,6 +171,7 @@ class CallerFrames final : public FrameSource {
   const VolumeInfo& info() const override { return info_; }
 
   Status readFrame(int index, std::span<float> values) override {
+    const CallersFunction running;
     if (fill_(user_, index, values.data(), values.size()) != 0)
       return fail(ErrorCode::kCancelled, "the caller's function stopped at frame {}", index);
     return {};
@@ -263,6 +267,7 @@ class CallerProgress final : public Progress {
     if (!call_)
       return;
     const std::lock_guard lock(mutex_);
+    const CallersFunction running;
     if (!stopped_ && call_(user_, std::string(stage).c_str(), done, total) != 0)
       stopped_ = true;
   }
@@ -275,24 +280,6 @@ class CallerProgress final : public Progress {
   std::mutex mutex_;
   std::atomic<bool> stopped_ = false;
 };
-
-Result<volute_drawing*> openDrawing(const std::string& path, const char* members,
-                                    std::shared_ptr<const MemoryVolumes> volumes) {
-  SceneOptions options;
-  if (members) {
-    options.members = nlohmann::ordered_json::parse(members, nullptr, /*allow_exceptions=*/false);
-    if (!options.members->is_object()) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "volute_drawing_open: members are no JSON object; expected {{\"name\": value}}");
-    }
-  }
-  options.files.volumes = std::move(volumes);
-  addUsualMembers(path, {}, options);
-  Progress quiet;
-  VOLUTE_ASSIGN(auto scene, Scene::open(path, options, quiet));
-  FilmJob job{std::move(scene), Camera::framing({}, 1, 1), {}, std::make_unique<CpuRenderer>()};
-  return new volute_drawing{std::move(job)};
-}
 
 Result<RenderRequest> requestOf(const volute_view& given) {
   volute_view view{};
@@ -372,7 +359,7 @@ template <class Draw>
 Result<Image> drawn(volute_drawing& drawing, const volute_view& view, std::size_t room,
                     const Draw& draw) {
   VOLUTE_ASSIGN(const auto request, requestOf(view));
-  const std::lock_guard lock(drawing.mutex);
+  VOLUTE_ASSIGN(const auto lock, waitFor(drawing.mutex, "the drawing"));
   CallerProgress progress(view);
   VOLUTE_TRY(prepare(drawing.job, request, SceneOptions().maxMemory, progress));
   const Camera& camera = drawing.job.camera;
@@ -389,7 +376,7 @@ Result<Image> drawn(volute_drawing& drawing, const volute_view& view, std::size_
 
 /// The scene at a stored time. It is read once; lines are looked along without the lock.
 Result<std::shared_ptr<const SightInstant>> instantOf(volute_scene& scene, std::size_t time) {
-  const std::lock_guard lock(scene.mutex);
+  VOLUTE_ASSIGN(const auto lock, waitFor(scene.mutex, "the scene"));
   if (time >= scene.field->times().size()) {
     return fail(ErrorCode::kInvalidArgument, "volute_scene_look: there is no time {}; there are {}",
                 time, scene.field->times().size());
@@ -602,63 +589,200 @@ int32_t volute_set_threads(int32_t count) {
   return before;
 }
 
-volute_status volute_drawing_open(const char* path, const char* members, volute_drawing** drawing) {
-  return guarded([&]() -> Status {
-    VOLUTE_TRY(volute::given("volute_drawing_open", path, drawing));
-    *drawing = nullptr;
-    VOLUTE_ASSIGN(*drawing, volute::openDrawing(path, members, nullptr));
-    return {};
-  });
-}
-
 namespace volute {
 namespace {
 
-/// @param values  an array or a function
-template <class Values>
-Status openDrawingOf(VolumeInfo info, Values values, const char* members,
-                     volute_drawing** drawing) {
-  auto volumes = std::make_shared<MemoryVolumes>();
-  VOLUTE_TRY(volumes->add("values", std::move(info), std::move(values)));
-  VOLUTE_ASSIGN(*drawing, openDrawing("memory:values", members, std::move(volumes)));
+/// What the caller's function gives.
+ValueFunction functionOf(volute_value_function value, void* user) {
+  return [value, user](const PlacesAtTime& at, std::span<float> values) -> Status {
+    const CallersFunction running;
+    if (value(user, at.time, at.x.data(), at.y.data(), at.z.data(), at.x.size(), values.data()) !=
+        0) {
+      return fail(ErrorCode::kCancelled, "the caller's function stopped at {:g} s", at.time);
+    }
+    return {};
+  };
+}
+
+/// Opens a file, or values in memory, for pictures or lines of sight.
+struct Opening {
+  explicit Opening(const char* function) : function(function) {}
+
+  const char* function;  ///< of C
+  nlohmann::ordered_json members = nlohmann::ordered_json::object();
+  std::string path{};
+  std::shared_ptr<MemoryVolumes> volumes = std::make_shared<MemoryVolumes>();
+
+  Status takeMembers(const char* text) {
+    if (text)
+      members = nlohmann::ordered_json::parse(text, nullptr, /*allow_exceptions=*/false);
+    if (members.is_object())
+      return {};
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: members are no JSON object; expected {{\"name\": value}}", function);
+  }
+
+  /// @param values  an array or a function
+  template <class Values>
+  Status take(VolumeInfo info, Values values) {
+    for (auto [name, text] : {std::pair{"name", &info.name}, {"unit", &info.unit}}) {
+      const auto said = members.find(name);
+      if (said == members.end())
+        continue;
+      if (!said->is_string())
+        return fail(ErrorCode::kInvalidArgument, "{}: members: \"{}\" is no text", function, name);
+      *text = said->template get<std::string>();
+      members.erase(name);
+    }
+    path = "memory:values";
+    return volumes->add("values", std::move(info), std::move(values));
+  }
+
+  SceneOptions options() const {
+    SceneOptions options;
+    options.members = members;
+    options.files.volumes = volumes;
+    return options;
+  }
+
+  Result<volute_drawing*> drawing() const {
+    SceneOptions how = options();
+    addUsualMembers(path, {}, how);
+    Progress quiet;
+    VOLUTE_ASSIGN(auto scene, Scene::open(path, how, quiet));
+    FilmJob job{std::move(scene), Camera::framing({}, 1, 1), {}, std::make_unique<CpuRenderer>()};
+    return new volute_drawing{std::move(job)};
+  }
+
+  Result<volute_scene*> scene() const {
+    Progress quiet;
+    VOLUTE_ASSIGN(auto field, openSight(path, options(), quiet));
+    auto made = std::make_unique<volute_scene>();
+    made->volumes = volumes;
+    made->field = std::move(field);
+    return made.release();
+  }
+};
+
+Status open(Opening& opening, volute_drawing** drawing) {
+  VOLUTE_ASSIGN(*drawing, opening.drawing());
   return {};
+}
+
+Status open(Opening& opening, volute_scene** scene) {
+  VOLUTE_ASSIGN(*scene, opening.scene());
+  return {};
+}
+
+template <class Handle>
+volute_status openFile(const char* function, const char* path, const char* members,
+                       Handle** handle) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(given(function, path, handle));
+    *handle = nullptr;
+    Opening opening(function);
+    VOLUTE_TRY(opening.takeMembers(members));
+    opening.path = path;
+    return open(opening, handle);
+  });
+}
+
+template <class Handle>
+volute_status openArray(const char* function, const volute_info* info, const double* times,
+                        const volute_array* array, const char* members, Handle** handle) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(given(function, info, array, handle));
+    *handle = nullptr;
+    Opening opening(function);
+    VOLUTE_TRY(opening.takeMembers(members));
+    VOLUTE_ASSIGN(auto volume, volumeOf(function, *info, times));
+    VOLUTE_ASSIGN(auto numbers, numbersOf(function, volume, *array));
+    VOLUTE_TRY(opening.take(std::move(volume), std::move(numbers)));
+    return open(opening, handle);
+  });
+}
+
+template <class Handle>
+volute_status openFunction(const char* function, const volute_info* info, const double* times,
+                           volute_value_function value, void* user, const char* members,
+                           Handle** handle) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(given(function, info, value, handle));
+    *handle = nullptr;
+    Opening opening(function);
+    VOLUTE_TRY(opening.takeMembers(members));
+    VOLUTE_ASSIGN(auto volume, volumeOf(function, *info, times));
+    VOLUTE_TRY(opening.take(std::move(volume), functionOf(value, user)));
+    return open(opening, handle);
+  });
+}
+
+Result<std::vector<LineMeasurement>> linesOf(const char* function, const volute_lines& given) {
+  VOLUTE_TRY(checkSize(function, "lines", given));
+  VOLUTE_TRY(volute::given(function, given.ends, given.depths));
+  std::vector<LineMeasurement> lines;
+  for (std::size_t i = 0; i < given.count; ++i) {
+    const double* ends = given.ends + 6 * i;
+    const Vec3 from(ends[0], ends[1], ends[2]), to(ends[3], ends[4], ends[5]);
+    const double length = (to - from).norm(), sigma = given.sigmas ? given.sigmas[i] : 1;
+    if (!(length > 0) || !std::isfinite(length) || !std::isfinite(given.depths[i]) ||
+        !(sigma > 0) || !std::isfinite(sigma)) {
+      return fail(
+          ErrorCode::kInvalidArgument,
+          "{}: line {} has a length of {:g} m, a depth of {:g} and a sigma of {:g}; expected "
+          "finite numbers, and length and sigma above 0",
+          function, i, length, given.depths[i], sigma);
+    }
+    lines.push_back({{from, (to - from) / length, 0, length}, given.depths[i], sigma});
+    lines.back().row = static_cast<int>(i) + 1;
+  }
+  return lines;
 }
 
 }  // namespace
 }  // namespace volute
 
+volute_status volute_lines_solve(const volute_lines* lines, const volute_info* info, float* values,
+                                 size_t count) {
+  constexpr const char* kName = "volute_lines_solve";
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given(kName, lines, info, values));
+    VOLUTE_ASSIGN(const auto volume, volute::volumeOf(kName, *info, nullptr));
+    if (volume.frames != 1 || volume.channels != 1 || volume.basis == volute::Basis::kCubic ||
+        count != volume.values()) {
+      return volute::fail(
+          volute::ErrorCode::kInvalidArgument,
+          "{}: room for {} values, {} frames, {} channels and basis {}; expected as "
+          "many as voxels, one frame, one channel, and basis 0 or 1",
+          kName, count, volume.frames, volume.channels, info->trilinear);
+    }
+    VOLUTE_ASSIGN(const auto measured, volute::linesOf(kName, *lines));
+    volute::CallerProgress progress(*lines);
+    volute::LineOptions how;
+    how.basis = volume.basis;
+    VOLUTE_ASSIGN(const auto found,
+                  volute::reconstructLines(
+                      measured, {volume.bounds, {volume.x, volume.y, volume.z}}, how, progress));
+    std::ranges::copy(found.volume, values);
+    return {};
+  });
+}
+
+volute_status volute_drawing_open(const char* path, const char* members, volute_drawing** drawing) {
+  return volute::openFile("volute_drawing_open", path, members, drawing);
+}
+
 volute_status volute_drawing_open_array(const volute_info* info, const double* times,
                                         const volute_array* array, const char* members,
                                         volute_drawing** drawing) {
-  constexpr const char* kName = "volute_drawing_open_array";
-  return guarded([&]() -> Status {
-    VOLUTE_TRY(volute::given(kName, info, array, drawing));
-    *drawing = nullptr;
-    VOLUTE_ASSIGN(auto volume, volute::volumeOf(kName, *info, times));
-    VOLUTE_ASSIGN(auto numbers, volute::numbersOf(kName, volume, *array));
-    return volute::openDrawingOf(std::move(volume), std::move(numbers), members, drawing);
-  });
+  return volute::openArray("volute_drawing_open_array", info, times, array, members, drawing);
 }
 
 volute_status volute_drawing_open_function(const volute_info* info, const double* times,
                                            volute_value_function value, void* user,
                                            const char* members, volute_drawing** drawing) {
-  constexpr const char* kName = "volute_drawing_open_function";
-  return guarded([&]() -> Status {
-    VOLUTE_TRY(volute::given(kName, info, value, drawing));
-    *drawing = nullptr;
-    VOLUTE_ASSIGN(auto volume, volute::volumeOf(kName, *info, times));
-    const volute::ValueFunction function = [value, user](const volute::PlacesAtTime& at,
-                                                         std::span<float> values) -> Status {
-      if (value(user, at.time, at.x.data(), at.y.data(), at.z.data(), at.x.size(), values.data()) !=
-          0) {
-        return volute::fail(volute::ErrorCode::kCancelled,
-                            "the caller's function stopped at {:g} s", at.time);
-      }
-      return {};
-    };
-    return volute::openDrawingOf(std::move(volume), function, members, drawing);
-  });
+  return volute::openFunction("volute_drawing_open_function", info, times, value, user, members,
+                              drawing);
 }
 
 volute_status volute_medium_register(const volute_medium_kind* kind) {
@@ -711,16 +835,24 @@ volute_status volute_drawing_light(volute_drawing* drawing, const volute_view* v
 }
 
 volute_status volute_scene_open(const char* path, volute_scene** scene) {
-  return guarded([&]() -> Status {
-    VOLUTE_TRY(volute::given("volute_scene_open", path, scene));
-    *scene = nullptr;
-    volute::Progress quiet;
-    VOLUTE_ASSIGN(auto field, volute::openSight(path, {}, quiet));
-    auto made = std::make_unique<volute_scene>();
-    made->field = std::move(field);
-    *scene = made.release();
-    return {};
-  });
+  return volute::openFile("volute_scene_open", path, nullptr, scene);
+}
+
+volute_status volute_scene_open_file(const char* path, const char* members, volute_scene** scene) {
+  return volute::openFile("volute_scene_open_file", path, members, scene);
+}
+
+volute_status volute_scene_open_array(const volute_info* info, const double* times,
+                                      const volute_array* array, const char* members,
+                                      volute_scene** scene) {
+  return volute::openArray("volute_scene_open_array", info, times, array, members, scene);
+}
+
+volute_status volute_scene_open_function(const volute_info* info, const double* times,
+                                         volute_value_function value, void* user,
+                                         const char* members, volute_scene** scene) {
+  return volute::openFunction("volute_scene_open_function", info, times, value, user, members,
+                              scene);
 }
 
 void volute_scene_close(volute_scene* scene) {

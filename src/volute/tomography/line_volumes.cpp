@@ -104,8 +104,14 @@ double LineVolumes::mean(const char* figure) const {
 
 Result<LineVolumes> reconstructLineFile(const std::string& file, const CaptureOptions& where,
                                         const LineOptions& how, bool leaveOut, Progress& progress) {
-  constexpr double kOften = 0.5, kUnexplained = 0.9;
   VOLUTE_ASSIGN(auto lines, readLines(file));
+  return reconstructLineFrames(std::move(lines), file, where, how, leaveOut, progress);
+}
+
+Result<LineVolumes> reconstructLineFrames(LineFile lines, const std::string& file,
+                                          const CaptureOptions& where, const LineOptions& how,
+                                          bool leaveOut, Progress& progress) {
+  constexpr double kOften = 0.5, kUnexplained = 0.9;
   for (const std::string& remark : lines.remarks) progress.remark({RemarkCode::kAssumed, remark});
   VOLUTE_TRY(choose(lines, where.frames));
   VOLUTE_ASSIGN(const auto geometry, geometryOf(lines, where, file, progress));

@@ -24,13 +24,20 @@ struct LineVolumes {
   double mean(const char* figure) const;
 };
 
-/// Reads such a file (readLines()) and reconstructs its frames one by one. Without bounds the
+/// Reconstructs the frames of lines one by one. Without bounds the
 /// volume is the box around the lines' ends, which a remark states; without a resolution it has 32
 /// voxels on its longest side.
+/// @param name   in errors and remarks
 /// @param where  its bounds, resolution, frames and maxMemory count, the latter for all values
 /// @param leaveOut  leave out lines that miss the volume, with a remark, instead of refusing them
-/// Errors: those of readLines() and reconstructLines(), with file and frame; kInvalidArgument where
-/// the lines do not tell where the volume is, or no frame is selected; kTooLarge.
+/// Errors: those of reconstructLines(), with name and frame; kInvalidArgument where the lines do
+/// not tell where the volume is, or no frame is selected; kTooLarge.
+[[nodiscard]] Result<LineVolumes> reconstructLineFrames(LineFile lines, const std::string& name,
+                                                        const CaptureOptions& where,
+                                                        const LineOptions& how, bool leaveOut,
+                                                        Progress& progress);
+
+/// The same of a file (readLines()).
 [[nodiscard]] Result<LineVolumes> reconstructLineFile(const std::string& file,
                                                       const CaptureOptions& where,
                                                       const LineOptions& how, bool leaveOut,

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * SPDX-FileCopyrightText: The Volute authors
+ *
+ * Values of a C program in lines of sight, and volumes from lines; tests/install_test.py builds and runs it. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <volute/volute.h>
+
+#define CHECK(truth) \
+  if (!(truth)) {    \
+    fprintf(stderr, "%d: not %s; %s\n", __LINE__, #truth, volute_error()); \
+    return 1;        \
+  }
+
+enum { kSide = 8, kLines = 3 * kSide * kSide };
+
+static volute_drawing* drawing;
+static int asks;
+static volute_status inner = VOLUTE_OK;
+
+/* 1 everywhere; draws what waits for it. */
+static int value(void* user, double time, const double* x, const double* y, const double* z, size_t count, float* values) {
+  (void)user, (void)time, (void)x, (void)y, (void)z;
+  for (size_t i = 0; i < count; ++i) values[i] = 1;
+  if (drawing && asks++ == 0) {
+    unsigned char pixels[12];
+    volute_view view = {.size = sizeof view, .width = 2, .height = 2};
+    inner = volute_drawing_draw(drawing, &view, pixels, sizeof pixels);
+  }
+  return 0;
+}
+
+static int stop(void* user, const char* stage, double done, double total) {
+  (void)user, (void)stage, (void)done, (void)total;
+  return 1;
+}
+
+/* Of one line through the middle. */
+static double depth(volute_scene* scene, double y) {
+  const double line[6] = {-1, y, 0.5, 2, y, 0.5};
+  volute_sight sight;
+  const volute_status status = volute_scene_look(scene, 0, line, 1, &sight);
+  volute_scene_close(scene);
+  return status == VOLUTE_OK ? sight.depth : -status;
+}
+
+int main(void) {
+  float values[kSide * kSide * kSide];
+  for (size_t i = 0; i < sizeof values / sizeof *values; ++i) values[i] = 1;
+  const volute_info info = {.size = sizeof info, .frames = 1, .z = kSide, .y = kSide, .x = kSide, .channels = 1, .bounds_max = {1, 1, 1}};
+  const volute_array array = {.size = sizeof array, .data = values};
+  volute_scene* scene = NULL;
+
+  CHECK(volute_scene_open_array(&info, NULL, &array, NULL, &scene) == VOLUTE_INVALID_ARGUMENT);
+  CHECK(!scene && strstr(volute_error(), "would hide nothing"));
+  CHECK(volute_scene_open_array(&info, NULL, &array, "{\"unit\": \"1/m\"}", &scene) == VOLUTE_OK);
+  CHECK(depth(scene, 0.5) == 1);
+  CHECK(volute_scene_open_array(&info, NULL, &array, "{\"extinction\": 3, \"name\": \"soot\"}", &scene) == VOLUTE_OK);
+  CHECK(depth(scene, 0.5) == 3);
+  const char* moved = "{\"extinction\": 3, \"transform\": [1,0,0,0, 0,1,0,10, 0,0,1,0, 0,0,0,1]}";
+  CHECK(volute_scene_open_array(&info, NULL, &array, moved, &scene) == VOLUTE_OK);
+  CHECK(depth(scene, 10.5) == 3);
+  CHECK(volute_scene_open_function(&info, NULL, value, NULL, "{\"extinction\": 2}", &scene) == VOLUTE_OK);
+  CHECK(depth(scene, 0.5) == 2);
+  CHECK(volute_compress_array("ones.volute", &info, NULL, &array, VOLUTE_MAX_ERROR, 1e-6) == VOLUTE_OK);
+  CHECK(volute_scene_open("ones.volute", &scene) == VOLUTE_INVALID_ARGUMENT);
+  CHECK(volute_scene_open_file("ones.volute", "{\"extinction\": 2}", &scene) == VOLUTE_OK);
+  CHECK(fabs(depth(scene, 0.5) - 2) < 1e-5);
+  CHECK(volute_scene_open_array(&info, NULL, &array, "{\"name\": 3}", &scene) == VOLUTE_INVALID_ARGUMENT);
+  for (size_t i = 0; i < sizeof values / sizeof *values; ++i) values[i] = -1;
+  CHECK(volute_scene_open_array(&info, NULL, &array, "{\"unit\": \"1/m\"}", &scene) == VOLUTE_OK);
+  CHECK(depth(scene, 0.5) == -VOLUTE_INVALID_DATA);
+
+  CHECK(volute_drawing_open_function(&info, NULL, value, NULL, NULL, &drawing) == VOLUTE_OK);
+  unsigned char pixels[3 * 16 * 12];
+  const volute_view view = {.size = sizeof view, .width = 16, .height = 12};
+  CHECK(volute_drawing_draw(drawing, &view, pixels, sizeof pixels) == VOLUTE_OK);
+  CHECK(asks > 0 && inner == VOLUTE_INVALID_ARGUMENT);
+  volute_drawing_close(drawing);
+
+  /* A cube of 2 1/m in the middle, by a line through the centres of each row of voxels. */
+  double ends[6 * kLines] = {0}, depths[kLines];
+  for (int axis = 0, k = 0; axis < 3; ++axis)
+    for (int i = 0; i < kSide; ++i)
+      for (int j = 0; j < kSide; ++j, ++k) {
+        double* begin = ends + 6 * k;
+        begin[axis] = -1, begin[3 + axis] = 2;
+        begin[(axis + 1) % 3] = begin[3 + (axis + 1) % 3] = (i + 0.5) / kSide;
+        begin[(axis + 2) % 3] = begin[3 + (axis + 2) % 3] = (j + 0.5) / kSide;
+        depths[k] = i >= 2 && i < 6 && j >= 2 && j < 6 ? 1 : 0;
+      }
+  volute_lines lines = {.size = sizeof lines, .count = kLines, .ends = ends, .depths = depths};
+  CHECK(volute_lines_solve(&lines, &info, values, kSide * kSide * kSide) == VOLUTE_OK);
+  CHECK(fabs(values[(4 * kSide + 4) * kSide + 4] - 2) < 0.05 && values[0] < 0.05);
+  CHECK(volute_lines_solve(&lines, &info, values, 3) == VOLUTE_INVALID_ARGUMENT);
+  lines.progress = stop;
+  CHECK(volute_lines_solve(&lines, &info, values, kSide * kSide * kSide) == VOLUTE_CANCELLED);
+  depths[3] = NAN;
+  CHECK(volute_lines_solve(&lines, &info, values, kSide * kSide * kSide) == VOLUTE_INVALID_ARGUMENT);
+  puts("values are seen through");
+  return 0;
+}
