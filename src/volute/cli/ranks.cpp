@@ -16,19 +16,14 @@
 #include "volute/report/team_stats.hpp"
 
 namespace volute::cli {
-namespace {
 
-/// Messages are blocks of megabytes that come and go. If each went back to the system, a rank would
-/// spend a tenth of its time on having fresh pages cleared and mapped.
 void keepFreedMemory() {
 #ifdef __GLIBC__
-  constexpr int kOwnMapping = 32 << 20, kTrim = 256 << 20;  // bytes
+  constexpr int kOwnMapping = 64 << 20, kTrim = 256 << 20;  // bytes
   ::mallopt(M_MMAP_THRESHOLD, kOwnMapping);
   ::mallopt(M_TRIM_THRESHOLD, kTrim);
 #endif
 }
-
-}  // namespace
 
 Status checkRanks(const Command& command) {
   const auto launch = launchOfThisProcess();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "volute/base/parallel.hpp"
 #include "volute/base/stopwatch.hpp"
@@ -46,29 +47,35 @@ std::vector<std::uint8_t> pixelsThatMeet(const Camera& camera, std::span<const A
 /// `opaqueDepth`, and 0 where a pixel is not asked for: what draws all pixels at once has nothing
 /// to do there.
 std::vector<float> endsOf(std::span<const float> opaqueDepth, std::span<const std::uint8_t> only) {
-  std::vector<float> ends(opaqueDepth.begin(), opaqueDepth.end());
-  if (!only.empty())
-    ends.resize(only.size(), std::numeric_limits<float>::infinity());
+  if (only.empty())
+    return {opaqueDepth.begin(), opaqueDepth.end()};
+  std::vector<float> ends(only.size(), 0);
   for (std::size_t i = 0; i < only.size(); ++i) {
-    if (!only[i])
-      ends[i] = 0;
+    if (only[i])
+      ends[i] = opaqueDepth.empty() ? std::numeric_limits<float>::infinity() : opaqueDepth[i];
   }
   return ends;
 }
 
 /// Light of a medium, and its transmittance, over what is behind.
-Image over(std::span<const float> rgbt, const Camera& camera, std::span<const float> opaqueDepth,
-           const RenderOptions& options) {
+/// @param only  as View::only
+Image over(std::span<const float> rgbt, const Camera& camera, std::span<const std::uint8_t> only,
+           std::span<const float> opaqueDepth, const RenderOptions& options) {
+  constexpr std::size_t kGrain = 1 << 16;  // pixels
   Image image(camera.width(), camera.height(), 3);
-  for (std::size_t i = 0; i < rgbt.size() / 4; ++i) {
-    const bool opaque = !opaqueDepth.empty() && std::isfinite(opaqueDepth[i]);
-    for (std::size_t c = 0; c < 3; ++c) {
-      double behind = opaque ? 0 : options.background[static_cast<Eigen::Index>(c)];
-      if (options.behind)
-        behind = options.behind->pixels[3 * i + c];
-      image.pixels[3 * i + c] = static_cast<float>(rgbt[4 * i + c] + rgbt[4 * i + 3] * behind);
+  parallelRanges(rgbt.size() / 4, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!only.empty() && !only[i])
+        continue;
+      const bool opaque = !opaqueDepth.empty() && std::isfinite(opaqueDepth[i]);
+      for (std::size_t c = 0; c < 3; ++c) {
+        double behind = opaque ? 0 : options.background[static_cast<Eigen::Index>(c)];
+        if (options.behind)
+          behind = options.behind->pixels[3 * i + c];
+        image.pixels[3 * i + c] = static_cast<float>(rgbt[4 * i + c] + rgbt[4 * i + 3] * behind);
+      }
     }
-  }
+  });
   return image;
 }
 
@@ -91,12 +98,17 @@ class SceneRenderer::Opaque {
     for (std::size_t i = 0; i < snapshot.media.size(); ++i) {
       if (!view.surfaces || !snapshot.media[i]->hasWalls())
         continue;
-      VOLUTE_ASSIGN(const auto seen, renderer.walls(view, i));
-      opaque.stack.add(seen);
+      VOLUTE_ASSIGN(auto seen, renderer.walls(view, i));
+      opaque.stack.add(std::move(seen));
     }
     if (!snapshot.signs.empty()) {
       view.opaqueDepth = opaque.stack.depth();
       VOLUTE_ASSIGN(opaque.signs, renderer.findSigns(view));
+      if (!view.only.empty()) {
+        std::erase_if(opaque.signs, [&](const SignPixel& sign) {
+          return !view.only[static_cast<std::size_t>(sign.pixel)];
+        });
+      }
       opaque.stack.add(opaque.signs);
     }
     return opaque;
@@ -129,7 +141,12 @@ Result<Image> SceneRenderer::renderSmooth(const Snapshot& snapshot, const Camera
   if (samples < 2 || std::ranges::count(edges, 1) == 0)
     return image;
   const auto channels = static_cast<std::size_t>(image.channels);
-  Image sum = image;
+  std::vector<std::size_t> places;  // of the channels of pixels with edges
+  for (std::size_t p = 0; p < edges.size(); ++p) {
+    for (std::size_t c = 0; edges[p] && c < channels; ++c) places.push_back(channels * p + c);
+  }
+  std::vector<float> sums;
+  for (const std::size_t at : places) sums.push_back(image.pixels[at]);
   Progress quiet;
   for (int i = 1; i < samples; ++i) {
     if (progress.cancelled())
@@ -145,15 +162,10 @@ Result<Image> SceneRenderer::renderSmooth(const Snapshot& snapshot, const Camera
     counted.shadowRays += more.shadowRays;
     counted.render.rays += more.render.rays, counted.render.segments += more.render.segments;
     counted.render.pieces += more.render.pieces;
-    for (std::size_t p = 0; p < edges.size(); ++p) {
-      for (std::size_t c = 0; edges[p] && c < channels; ++c)
-        sum.pixels[channels * p + c] += one.pixels[channels * p + c];
-    }
+    for (std::size_t k = 0; k < places.size(); ++k) sums[k] += one.pixels[places[k]];
   }
-  for (std::size_t p = 0; p < edges.size(); ++p) {
-    for (std::size_t c = 0; edges[p] && c < channels; ++c)
-      image.pixels[channels * p + c] = sum.pixels[channels * p + c] / static_cast<float>(samples);
-  }
+  for (std::size_t k = 0; k < places.size(); ++k)
+    image.pixels[places[k]] = sums[k] / static_cast<float>(samples);
   return image;
 }
 
@@ -309,7 +321,7 @@ Result<Image> CpuRenderer::color(const View& view, const RenderOptions& options,
   const auto ends = endsOf(view.opaqueDepth, view.only);
   std::vector<float> rgbt(4 * pixels, 0);
   (*std::ranges::find_if(pictures_, whole))->light(view.camera, ends, rgbt);
-  Image image = over(rgbt, view.camera, ends, own);
+  Image image = over(rgbt, view.camera, view.only, ends, own);
   const auto mixed = pixelsThatMeet(view.camera, others_, ends);
   const auto others = static_cast<std::uint64_t>(std::ranges::count(mixed, 1));
   stats.rays = mixed.size() - others;
@@ -336,18 +348,26 @@ Result<Image> CpuRenderer::opticalDepth(const View& view, const RenderOptions& o
   RenderOptions depths = options;
   depths.renderer = method_;
   depths.aov = Aov::kOpticalDepth;
-  VOLUTE_ASSIGN(auto sum,
-                volute::render(view.camera, others_, depths, progress, &stats, view.opaqueDepth));
-  const double factor = view.snapshot.law.factor();
-  for (float& depth : sum.pixels) depth = static_cast<float>(depth / factor);
+  Image sum(view.camera.width(), view.camera.height(), 1);
+  if (!others_.empty()) {
+    VOLUTE_ASSIGN(sum,
+                  volute::render(view.camera, others_, depths, progress, &stats, view.opaqueDepth));
+    const double factor = view.snapshot.law.factor();
+    for (float& depth : sum.pixels) depth = static_cast<float>(depth / factor);
+  }
   const auto ends = endsOf(view.opaqueDepth, view.only);
-  std::vector<float> depth(sum.pixels.size());
+  bool empty = others_.empty();
   for (const auto& picture : pictures_) {
     if (!picture)
       continue;
+    stats.segments += sum.pixels.size();
+    if (std::exchange(empty, false)) {
+      picture->opticalDepth(view.camera, ends, sum.pixels);
+      continue;
+    }
+    std::vector<float> depth(sum.pixels.size());
     picture->opticalDepth(view.camera, ends, depth);
     for (std::size_t i = 0; i < depth.size(); ++i) sum.pixels[i] += depth[i];
-    stats.segments += depth.size();
   }
   return sum;
 }

@@ -3,16 +3,31 @@
 #include "volute/scene/surface_stack.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
+
+#include "volute/base/parallel.hpp"
 
 namespace volute {
 
-void SurfaceStack::add(const SurfaceView& view) {
-  begin();
-  for (std::size_t i = 0; i < depth_.size(); ++i) {
-    if (view.depth[i] < depth_[i])
-      set(i, view.depth[i], &view.color.pixels[3 * i]);
-  }
+void SurfaceStack::add(SurfaceView view) {
+  constexpr std::size_t kGrain = 1 << 16;  // pixels
+  const bool first = depth_.empty();
+  if (first)
+    depth_ = std::move(view.depth), color_ = std::move(view.color);
+  if (first && background_.isZero(0))
+    return;  // black where nothing is
+  parallelRanges(depth_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (first && !std::isfinite(depth_[i])) {
+        for (std::size_t c = 0; c < 3; ++c)
+          color_.pixels[3 * i + c] = static_cast<float>(background_[static_cast<Eigen::Index>(c)]);
+      } else if (!first && view.depth[i] < depth_[i]) {
+        set(i, view.depth[i], &view.color.pixels[3 * i]);
+      }
+    }
+  });
 }
 
 void SurfaceStack::add(std::span<const SignPixel> signs) {

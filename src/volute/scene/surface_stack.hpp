@@ -19,7 +19,7 @@ class SurfaceStack {
   SurfaceStack(const Camera& camera, const Rgb& background)
       : width_(camera.width()), height_(camera.height()), background_(background) {}
 
-  void add(const SurfaceView& view);
+  void add(SurfaceView view);
 
   /// Signs are opaque, but seen through a law of their own: what they send is not added here.
   void add(std::span<const SignPixel> signs);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "volute/base/parallel.hpp"
 #include "volute/base/remark_log.hpp"
 #include "volute/camera/pixel_ray.hpp"
 #include "volute/media/light_blockers.hpp"
@@ -40,15 +41,15 @@ class MeshPicture final : public MediumPicture {
   const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
 
   void show(const SmokeAt& smoke) {
-    natural_ = smoke.state().extinction;
-    extinction_ = smoke.extinction();
-    source_ = smoke.state().source;
+    keep(natural_, smoke.state().extinction);
+    keep(extinction_, smoke.extinction());
+    keep(source_, smoke.state().source);
     holders_ = smoke.holders();
   }
 
   void opticalDepth(const Camera& camera, std::span<const float> opaqueDepth,
                     std::span<float> depth) override {
-    splat_.setExtinction(natural_);
+    setExtinction(natural_);
     splat_.opticalDepth(camera, opaqueDepth, depth);
     if (holders_)
       sumDepths(*holders_, depth);
@@ -58,9 +59,11 @@ class MeshPicture final : public MediumPicture {
              std::span<float> rgbt) override {
     if (holders_ && !source_.empty())
       return lightOfShares(camera, opaqueDepth, rgbt);
-    splat_.setExtinction(extinction_);
+    setExtinction(extinction_);
     if (!source_.empty()) {
-      splat_.setSource(source_);
+      if (!sourceShown_)
+        splat_.setSource(source_);
+      sourceShown_ = true;
       splat_.litColor(camera, opaqueDepth, rgbt);
       return;
     }
@@ -68,11 +71,30 @@ class MeshPicture final : public MediumPicture {
     splat_.opticalDepth(camera, opaqueDepth, depth);
     if (holders_)
       sumDepths(*holders_, depth);
-    std::ranges::fill(rgbt, 0.0F);
-    for (std::size_t i = 0; i < depth.size(); ++i) rgbt[4 * i + 3] = std::exp(-depth[i]);
+    constexpr std::size_t kGrain = 1 << 14;  // pixels
+    parallelRanges(depth.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        std::fill_n(&rgbt[4 * i], 3, 0.0F);
+        rgbt[4 * i + 3] = depth[i] > 0 ? std::exp(-depth[i]) : 1;
+      }
+    });
   }
 
  private:
+  void keep(std::vector<float>& own, const std::vector<float>& given) {
+    if (own == given)
+      return;
+    own = given, shown_ = nullptr, sourceShown_ = false;
+  }
+
+  /// Again for each picture of the same snapshot would be for nothing.
+  void setExtinction(const std::vector<float>& extinction) {
+    if (shown_ == &extinction || (shown_ && *shown_ == extinction))
+      return;
+    splat_.setExtinction(extinction);
+    shown_ = &extinction;
+  }
+
   void lightOfShares(const Camera& camera, std::span<const float> opaqueDepth,
                      std::span<float> rgbt) const {
     const TetMedium own(locator_, extinction_, source_);
@@ -93,6 +115,8 @@ class MeshPicture final : public MediumPicture {
   std::shared_ptr<const TetLocator> locator_;
   TetSplat splat_;
   std::vector<float> natural_, extinction_, source_;
+  const std::vector<float>* shown_ = nullptr;  ///< what the splat has; null: something else
+  bool sourceShown_ = false;
   Team* holders_ = nullptr;
 };
 

@@ -176,7 +176,7 @@ Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
                                                             light[static_cast<Eigen::Index>(c)]);
     }
   };
-  std::vector<std::uint32_t> faceOf(view.depth.size(), kNoFace);
+  std::vector<std::uint32_t> faceOf(lights.lamps.empty() ? 0 : view.depth.size(), kNoFace);
   parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t y) {
     std::vector<Segment> rays;
     std::vector<std::size_t> pixels;
@@ -190,7 +190,8 @@ Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
       if (!hits[i].found())
         continue;
       view.depth[pixels[i]] = static_cast<float>(hits[i].distance);
-      faceOf[pixels[i]] = hits[i].triangle;
+      if (!faceOf.empty())
+        faceOf[pixels[i]] = hits[i].triangle;
       show(pixels[i], lights.ambient);
     }
   });
