@@ -63,10 +63,11 @@ long MemoryFile::read(char* to, std::size_t count, std::uint64_t offset) const {
 }
 
 Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path,
+                                                     const std::optional<double>& rate,
                                                      std::uint64_t maxMemory) {
   VOLUTE_ASSIGN(const LatticePlugin* plugin, loadVdbPlugin());
   auto files = std::unique_ptr<FrameFiles>(new FrameFiles(maxMemory));
-  VOLUTE_TRY(files->openGrids(path));
+  VOLUTE_TRY(files->openGrids(path, rate));
   std::string stem = std::filesystem::path(path).stem().string();
   std::ranges::replace_if(stem, [](char c) { return c == '%' || c == '#'; }, '_');
   VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(stem + "_%04d.vdb"));
@@ -77,11 +78,13 @@ Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path,
   return files;
 }
 
-Status FrameFiles::openGrids(const std::string& path) {
+Status FrameFiles::openGrids(const std::string& path, const std::optional<double>& rate) {
   VOLUTE_ASSIGN(auto opened, VoluteReader::open(path, {.maxMemory = maxMemory_}));
   whole_ = std::make_unique<VoluteReader>(std::move(opened));
   const VoluteReader& whole = *whole_;
   frames_ = whole.info();
+  if (rate)
+    frames_.setRate(*rate);
   fileMetadata_ = whole.fileMetadata();
   plain_ = whole.grids().size() == 1 && !whole.grid().empty && !whole.grid().description &&
            whole.kept().grids.empty();
@@ -102,6 +105,7 @@ Status FrameFiles::openGrids(const std::string& path) {
     volume.info = volume.source->info();
     frameBytes += volume.source->brickBytes();
   }
+  for (Volume& volume : volumes_) volume.info.times = frames_.times;
   if (frameBytes > maxMemory_ / 4) {
     return fail(
         ErrorCode::kTooLarge,

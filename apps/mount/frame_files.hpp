@@ -53,8 +53,10 @@ class FrameFiles {
     std::uint64_t size = 0;
   };
 
+  /// @param rate  frames per second, instead of the times that the file states
   /// @param maxMemory  [bytes] for decoded blocks and files; files that are open may be beyond it
   [[nodiscard]] static Result<std::unique_ptr<FrameFiles>> open(const std::string& path,
+                                                                const std::optional<double>& rate,
                                                                 std::uint64_t maxMemory);
 
   /// STEM_0001.vdb and so on, by the frames' numbers, ascending.
@@ -81,7 +83,7 @@ class FrameFiles {
 
   explicit FrameFiles(std::uint64_t maxMemory) : maxMemory_(maxMemory) {}
 
-  [[nodiscard]] Status openGrids(const std::string& path);
+  [[nodiscard]] Status openGrids(const std::string& path, const std::optional<double>& rate);
   [[nodiscard]] Status writeFrame(const std::string& file, std::size_t frame);
 
   std::shared_ptr<const File> kept(std::size_t frame);

@@ -249,7 +249,8 @@ Status run(const Arguments& arguments, Context& context) {
   VOLUTE_TRY(checkFolder(folder));
   Mounted what;
   what.progress = &context.progress;
-  VOLUTE_ASSIGN(what.files, FrameFiles::open(path, context.maxMemory));
+  VOLUTE_ASSIGN(what.files,
+                FrameFiles::open(path, arguments.find<double>("fps"), context.maxMemory));
   VOLUTE_TRY(checkFuse());
   struct stat status{};
   if (::stat(path.c_str(), &status) == 0)

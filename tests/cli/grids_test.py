@@ -394,6 +394,9 @@ class Places(support.TestCase):
             text = self.fails(1, verb[0], self.blocks / "flat.vdb", *verb[1:])
             self.assertIn("flat.vdb, grid 'density': the grid's matrix is not finite, or makes it flat", text)
         upright = self.blocks / "upright_%04d.vdb"
+        said = self.works("info", upright, "--fps", "24", "--json")
+        self.assertIn("expected one up axis in all frames", said.message)
+        self.assertEqual((said.json["frame_numbers"], said.json["times"]), ([1, 2], [0, 1 / 24]))
         for verb in (("compress", "-o", self.path("x.volute")), ("render", "-o", self.path("x.png"), "--size", "16x16")):
             text = self.fails(1, verb[0], upright, *verb[1:])
             self.assertIn("upright_0002.vdb: grid 'density', frame 2: the file does not say which axis points upwards, but", text)

@@ -107,6 +107,11 @@ class Mount(support.TestCase):
             self.assertEqual(process.returncode, 0, said)
             self.assertTrue(self.is_gone(folder))
 
+    def test_a_rate_that_is_given_is_in_the_files(self):
+        file = self.make_volute("puff.volute", frames=5)
+        _, folder = self.mount(file, "--fps", "50")
+        self.assertEqual(self.works("info", folder / "puff_%04d.vdb", "--json").json["times"], [0, 4 / 50])
+
     def test_caches_have_all_their_grids(self):
         file = self.path("cache.volute")
         shutil.copy(pathlib.Path(__file__).parents[1] / "data" / "cache.volute", file)

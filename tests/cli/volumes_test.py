@@ -216,6 +216,20 @@ class Volumes(support.TestCase):
         self.assertEqual(end(self.path("c.volute")), 4 / 24)
         self.works("compress", self.path("b.volute"), "-o", self.path("d.volute"), "--fps", "10")
         self.assertEqual(end(self.path("d.volute")), 4 / 10)
+        for rate, last in [((), 4 / 24), (("--fps", "50"), 4 / 50)]:
+            self.works("extract", self.path("b.volute"), "-o", self.path("e.nc"), *rate)
+            self.assertAlmostEqual(end(self.path("e.nc")), last)
+        part = self.works("extract", self.path("b.volute"), "-o", self.path("p.pvd"), "--fps", "50", "--frames", "2:4")
+        self.assertEqual(self.works("info", self.path("p.pvd"), "--json").json["times"], [2 / 50, 3 / 50])
+        for file in ["a.npy", "b.volute"]:
+            self.assertEqual(self.works("info", self.path(file), "--fps", "50", "--json").json["times"], [0, 4 / 50])
+        self.assertIn("is for volumes", self.fails(2, "info", self.path("none.png"), "--fps", "50"))
+        self.assertNotIn("other times", self.works("compare", self.path("a.npy"), self.path("b.volute")).message)
+        said = self.works("compare", self.path("a.volute"), self.path("b.volute"))
+        self.assertIn("the two have other times: from the first to the last frame pass 0.16 and 0.166667 s; --fps takes one rate for both", said.message)
+        said = self.works("compare", self.path("a.volute"), self.path("b.volute"), "--fps", "50", "--json")
+        self.assertNotIn("other times", said.message)
+        self.assertEqual([frame["time"] for frame in said.json["by_frame"]], [i / 50 for i in range(5)])
         result = volute("extract", self.path("b.volute"), "-o", self.path("v_%04d.vdb"))
         if "this build has no" not in result.message:
             self.assertEqual(end(self.path("v_%04d.vdb")), 4 / 24)

@@ -36,6 +36,14 @@ Option rateOption(std::string help, std::string initial, std::vector<std::string
           .aliases = std::move(aliases)};
 }
 
+Option filesRateOption(std::vector<std::string_view> kinds) {
+  Option option = rateOption(
+      "frames per second: frame n is at (n - first) / F; if not given, the times that the files "
+      "state, else 25");
+  option.kinds = std::move(kinds);
+  return option;
+}
+
 Option fieldOption(std::string help, std::vector<std::string_view> kinds) {
   return {.name = "field",
           .kind = ValueKind::kText,

@@ -22,6 +22,9 @@ Option framesOption(std::string help = "frames with numbers A <= n < B, every S-
 Option rateOption(std::string help, std::string initial = {},
                   std::vector<std::string_view> aliases = {});
 
+/// The same of files that are read, not of a film.
+Option filesRateOption(std::vector<std::string_view> kinds = {});
+
 /// --field of what has several.
 Option fieldOption(std::string help, std::vector<std::string_view> kinds = {});
 

@@ -87,6 +87,7 @@ struct DescribeRequest {
   std::string field{};  ///< grid of a file with several, or source of a case; empty: the default
   bool values = false;  ///< read all values to report their range
   bool blocks = false;  ///< list each block of data stored in blocks
+  std::optional<double> framesPerSecond{};  ///< of a sequence, instead of the times of its files
 };
 
 /// A kind of medium: its syntax in scenes, its files, and how it is opened and changed by a user.

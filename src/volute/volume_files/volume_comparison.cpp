@@ -85,6 +85,23 @@ void align(std::unique_ptr<FrameSource>& a, const std::array<double, 3>& outside
     b = fitTo(std::move(b), wide, outsideB);
 }
 
+/// What plays at another speed is not the same, though all of its values are.
+void remarkOnTimes(const VolumeInfo& a, const VolumeInfo& b, Reading& reading) {
+  constexpr double kSame = 1e-6;
+  if (a.timesAssumed || b.timesAssumed || a.frames != b.frames || a.frames < 2)
+    return;
+  const auto last = static_cast<std::size_t>(a.frames) - 1;
+  const double spanA = a.times[last] - a.times[0], spanB = b.times[last] - b.times[0];
+  if (std::abs(spanA - spanB) <= kSame * std::max(spanA, spanB))
+    return;
+  reading.progress.remark(
+      {RemarkCode::kDoubtful,
+       fmt::format("the two have other times: from the first to the last frame pass {:.6g} and "
+                   "{:.6g} s",
+                   spanA, spanB),
+       {Hint::set("fps").so("takes one rate for both")}});
+}
+
 /// The chosen frames of both.
 Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
                                       std::unique_ptr<FrameSource> b,
@@ -92,6 +109,7 @@ Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
                                       std::vector<Image>& errors) {
   VOLUTE_ASSIGN(a, selectFrames(std::move(a), request.frames));
   VOLUTE_ASSIGN(b, selectFrames(std::move(b), request.frames));
+  remarkOnTimes(a->info(), b->info(), reading);
   GridComparison grid{a->info().name};
   grid.overAll = request.overAll;
   VOLUTE_ASSIGN(grid.whole, compare(*a, *b, reading.progress, &grid.byFrame));
@@ -104,6 +122,7 @@ Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
   }
   grid.frameNumbers = a->info().frameNumbers;
   grid.frameScale = a->info().frameScale;
+  grid.times = a->info().times;
   if (request.drawErrors) {
     VOLUTE_ASSIGN(auto image,
                   errorsOfFrame(*a, *b, static_cast<int>(worstFrame(grid)), reading.maxMemory));
@@ -140,6 +159,8 @@ Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, cons
     return GridComparison{grid.name, true, request.overAll};
   VOLUTE_ASSIGN(auto sourceA, first.source(i));
   VOLUTE_ASSIGN(auto sourceB, second.source(found[0]));
+  sourceA = asStated(std::move(sourceA), {request.framesPerSecond});
+  sourceB = asStated(std::move(sourceB), {request.framesPerSecond});
   const auto places = [](const VolumeGrid& of) {
     return of.description ? of.description->places() : std::vector<GridMatrix>();
   };
@@ -236,8 +257,8 @@ Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::stri
 
 std::string worstFrameText(const GridComparison& grid) {
   const std::size_t at = worstFrame(grid);
-  return fmt::format("worst in frame {}: rms {:.6g}, max error {:.6g}",
-                     frameText(grid.frameNumbers[at], grid.frameScale),
+  return fmt::format("worst in frame {} at {:.4g} s: rms {:.6g}, max error {:.6g}",
+                     frameText(grid.frameNumbers[at], grid.frameScale), grid.times[at],
                      rmsOf(grid, grid.byFrame[at]), grid.byFrame[at].maxError);
 }
 
@@ -266,6 +287,7 @@ nlohmann::ordered_json framesJson(const GridComparison& grid) {
   auto frames = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < grid.byFrame.size(); ++i) {
     frames.push_back({{"frame", jsonFrame(grid.frameNumbers[i], grid.frameScale)},
+                      {"time", grid.times[i]},
                       {"rms", jsonNumber(grid.byFrame[i].rms())},
                       {"support_rms", jsonNumber(grid.byFrame[i].supportRms())},
                       {"max_error", jsonNumber(grid.byFrame[i].maxError)}});
@@ -287,6 +309,7 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
   options.partial = request.partial;
   options.mayOffset = true;
   options.bounds = request.bounds;
+  options.stated.framesPerSecond = request.framesPerSecond;
   if (VolumeGrids::mayBe(a) && VolumeGrids::mayBe(b) && !options.bounds) {
     VOLUTE_ASSIGN(const auto first, VolumeGrids::open(a, options, reading));
     VOLUTE_ASSIGN(const auto second, VolumeGrids::open(b, options, reading));

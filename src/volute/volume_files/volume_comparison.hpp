@@ -21,7 +21,8 @@ namespace volute {
 struct ComparisonRequest {
   std::string fields{};  ///< the grids of a cache, "density,flame"; all of them where it is empty
   FrameRange frames{};
-  std::optional<Box3> bounds{};  ///< of volumes that state none [m]
+  std::optional<Box3> bounds{};             ///< of volumes that state none [m]
+  std::optional<double> framesPerSecond{};  ///< of both, instead of the times of their files
   bool partial = false;
   bool drawErrors = false;  ///< fill VolumeComparison::errors
   bool overAll = false;     ///< the worst frame and grid are those over all voxels, not the support
@@ -36,6 +37,7 @@ struct GridComparison {
   std::vector<Difference> byFrame{};
   std::vector<int> frameNumbers{};  ///< of byFrame, in A
   FrameScale frameScale{};
+  std::vector<double> times{};  ///< of byFrame, in A [s]
 
   double relativeRms() const { return empty ? 0 : whole.relativeRms(); }
 

@@ -67,7 +67,11 @@ GridDescription descriptionOf(const VoluteGrid& grid, const Extraction& extracti
 }
 
 /// Some frames of a volume.
-VolumeInfo framesAt(VolumeInfo info, const std::vector<int>& positions) {
+/// @param rate  of all of its frames, instead of its own times
+VolumeInfo framesAt(VolumeInfo info, const std::vector<int>& positions,
+                    const std::optional<double>& rate = {}) {
+  if (rate)
+    info.setRate(*rate);
   std::vector<int> numbers;
   std::vector<double> times;
   for (const int position : positions) {
@@ -370,7 +374,8 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
     VOLUTE_TRY(checkBricks(std::array{reader}, positions, path_, reading_.maxMemory));
   VOLUTE_ASSIGN(auto source,
                 ExtractSource::create(reader, std::move(extraction), reading_.progress));
-  const VolumeInfo info = source->info();
+  VolumeInfo info = source->info();
+  info.times = framesAt(reader->info(), positions, request_.framesPerSecond).times;
   const auto open = [&] { return createSink(target, info, {.offset = reader->offset()}); };
   if (team_.size() == 1) {
     VOLUTE_ASSIGN(const auto sink, open());
@@ -400,7 +405,8 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
   VOLUTE_ASSIGN(auto grids, openGrids(path_, names, extraction, request_.partial, reading_));
   if (extraction.level == 0)
     VOLUTE_TRY(checkBricks(grids.readers, grids.positions, path_, reading_.maxMemory));
-  const VolumeInfo numbers = framesAt(frames, grids.positions);
+  const VolumeInfo numbers = framesAt(frames, grids.positions, request_.framesPerSecond);
+  for (GridTarget& grid : grids.targets) grid.info.times = numbers.times;
   VolumeInfo untimed = numbers;
   untimed.times.clear();
   untimed.fillDefaults();

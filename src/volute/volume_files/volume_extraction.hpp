@@ -21,10 +21,11 @@ namespace volute {
 struct ExtractionRequest {
   std::string fields{};  ///< grids of a .volute, "density,flame", or the source of an FDS case
   FrameRange frames{};
-  std::optional<Region> region{};    ///< of a .volute
-  int level = 0;                     ///< of a .volute: the resolution is divided by 2^level
-  bool partial = false;              ///< a damaged .volute is read as far as it is intact
-  std::vector<std::string> taken{};  ///< names of other outputs, which none may have
+  std::optional<Region> region{};           ///< of a .volute
+  int level = 0;                            ///< of a .volute: the resolution is divided by 2^level
+  std::optional<double> framesPerSecond{};  ///< of a .volute, instead of its own times
+  bool partial = false;                     ///< a damaged .volute is read as far as it is intact
+  std::vector<std::string> taken{};         ///< names of other outputs, which none may have
 };
 
 /// Receives what was written, after each output. Collective.

@@ -69,6 +69,7 @@ Result<Report> compareVolumes(const std::string& a, const std::string& b,
       .fields = arguments.find<std::string>("field").value_or(""),
       .frames = arguments.find<FrameRange>("frames").value_or(FrameRange{}),
       .bounds = arguments.find<Box3>("bounds"),
+      .framesPerSecond = arguments.find<double>("fps"),
       .partial = arguments.flag("partial"),
       .drawErrors = target.has_value(),
       .overAll = arguments.get<std::string>("rms-over") == "all"};
@@ -148,6 +149,7 @@ Command compareCommand() {
                    .value = "X0,Y0,Z0,X1,Y1,Z1",
                    .help = "as for compress [m]",
                    .kinds = {"volume"}},
+                  filesRateOption({"volume", kVoluteKind}),
                   partialOption({kVoluteKind})},
       .run = runCompare};
 }

@@ -216,8 +216,7 @@ Command compressCommand() {
                     "they are",
             .choices = {"x", "y", "z"},
             .aliases = {"file-up"}},
-           rateOption("frames per second: frame n is at (n - first) / F; if not given, the "
-                      "times that the files state, else 25"),
+           filesRateOption(),
            {.name = "wavelet",
             .kind = kChoice,
             .value = "NAME",

@@ -38,6 +38,7 @@ Status runExtract(const Arguments& arguments, Context& context) {
       .frames = arguments.find<FrameRange>("frames").value_or(FrameRange{}),
       .region = arguments.find<Region>("region"),
       .level = arguments.get<int>("level"),
+      .framesPerSecond = arguments.find<double>("fps"),
       .partial = arguments.flag("partial"),
       .taken = stats ? std::vector{*stats} : std::vector<std::string>()};
   const bool several = isSmvPath(path) ? namesEachMesh(target) : namesEachGrid(target);
@@ -119,6 +120,7 @@ Command extractCommand() {
                    .least = 0,
                    .most = 4,
                    .kinds = {kVoluteKind}},
+                  filesRateOption({kVoluteKind}),
                   statsOption({kVoluteKind}),
                   partialOption({kVoluteKind})},
       .ranks = true,

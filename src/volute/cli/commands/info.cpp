@@ -37,7 +37,8 @@ Status runInfo(const Arguments& arguments, Context& context) {
   for (const auto& path : arguments.positionals()) kinds.push_back(readKind(path));
   VOLUTE_TRY(refuseIdle(arguments, kinds));
   const DescribeRequest request{arguments.find<std::string>("field").value_or(""),
-                                arguments.flag("values"), arguments.flag("blocks")};
+                                arguments.flag("values"), arguments.flag("blocks"),
+                                arguments.find<double>("fps")};
   bool damaged = false;
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   const auto& paths = arguments.positionals();
@@ -82,6 +83,7 @@ Command infoCommand() {
             .optional = true}},
       .options = {fieldOption("grid or field of a file with several; source of an FDS case",
                               {"volume", kVoluteKind, "fds"}),
+                  filesRateOption({"volume", kVoluteKind}),
                   {.name = "blocks",
                    .help = "for a .volute: each block's offset, transform and size",
                    .kinds = {kVoluteKind}},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/shared_options.hpp"
 #include "volute/cli/sibling_program.hpp"
 
 namespace volute::cli {
@@ -33,6 +34,7 @@ Command mountCommand() {
           "unmounts it.",
       .positionals = {{.name = "FILE", .help = "a .volute file"},
                       {.name = "FOLDER", .help = "an empty folder"}},
+      .options = {filesRateOption()},
       .run = runMount};
 }
 

@@ -12,6 +12,7 @@
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/lattice_source.hpp"
 #include "volute/volume_files/compression_report.hpp"
+#include "volute/volume_files/volume_grids.hpp"
 #include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
@@ -263,7 +264,9 @@ Result<FileDescription> describeVolute(const std::string& path, const DescribeRe
   Report report;
   report.add("file", path).add("kind", "volute").add("bytes", bytes, bytesText(bytes));
   addIntegrity(report, integrity, reader);
-  const VoluteGrid& own = reader.grid();
+  VoluteGrid own = reader.grid();
+  if (request.framesPerSecond)
+    own.info.setRate(*request.framesPerSecond);
   if (own.empty) {  // no grid has values
     addFrames(report, own.info);
     report.add("up", own.info.up == 0 ? "" : std::string(1, own.info.up))
@@ -389,6 +392,7 @@ Result<FileDescription> describeVolume(const std::string& path, const DescribeRe
     return describeVolute(path, request, reading);
   InputOptions options;
   options.grid = request.field;
+  options.stated.framesPerSecond = request.framesPerSecond;
   options.byLayers = true;  // nothing is read that is as large as a frame's box
   auto opened = openVolume(path, options, reading);
   const auto vdb = firstVdb(path);
@@ -402,9 +406,19 @@ Result<FileDescription> describeVolume(const std::string& path, const DescribeRe
                        opened.error().code == ErrorCode::kInvalidData ||
                        opened.error().code == ErrorCode::kUnsupported);
   if (listed) {
-    auto grids = addGrids(report, *vdb, reading);
-    if (grids)
+    if (const auto all = VolumeGrids::open(path, options, reading)) {
+      VolumeInfo frames = (*all)->frames();
+      if (request.framesPerSecond)
+        frames.setRate(*request.framesPerSecond);
+      addFrames(report, frames);
+    }
+    if (addGrids(report, *vdb, reading)) {
+      // All but that a grid has to be chosen is what other commands end with.
+      if (opened.error().code != ErrorCode::kInvalidArgument)
+        reading.progress.remark(
+            Remark(RemarkCode::kNote, opened.error().message, opened.error().hints).in(path));
       return FileDescription{std::move(report)};
+    }
   }
   if (!opened)
     return tl::unexpected(std::move(opened.error()));
