@@ -197,6 +197,8 @@ void VolumeMedium::setAppearance(const Appearance& appearance) {
   shadedMoment_ = pathsMoment_ = lightMoment_ = -1;
   light_ = nullptr;
   refinedOf_ = refined_ = nullptr;
+  velocitiesChecked_ = velocitiesChecked_ && appearance.velocityUnit == appearance_.velocityUnit &&
+                       appearance.velocityScale == appearance_.velocityScale;
   const Placement before = placed(std::exchange(appearance_, appearance));
   volume_.basis = appearance_.basis.value_or(input_->source->info().basis);
   if (slice_ && slice_->basis() != volume_.basis)
@@ -630,14 +632,14 @@ BetweenFrames VolumeMedium::instantAt(double moment) const {
   return instant;
 }
 
-Mat3 VolumeMedium::velocityStep(int position, int in) const {
+Mat3 VolumeMedium::velocityStep(int position, int in, VelocityUnit unit) const {
   const auto at = static_cast<std::size_t>(position);
   const double frames = volume_.frameScale.frame(volume_.frameNumbers[at + 1]) -
                         volume_.frameScale.frame(volume_.frameNumbers[at]);
-  const bool perSecond = appearance_.velocityUnit == VelocityUnit::kMetresPerSecond;
+  const bool perSecond = unit == VelocityUnit::kMetresPerSecond;
   const double span = perSecond ? volume_.times[at + 1] - volume_.times[at] : frames;
   const double times = span * appearance_.velocityScale;
-  if (appearance_.velocityUnit == VelocityUnit::kVoxelsPerFrame)
+  if (unit == VelocityUnit::kVoxelsPerFrame)
     return times * Mat3::Identity();
   const Vec3 voxel = input_->source->info().voxelSize();  // the file's, before its placement
   const Mat3 toGrid = hasPlaces()
@@ -657,6 +659,62 @@ Mat3 VolumeMedium::velocityStep(int position, int in) const {
   return times * fromWorld * fromScene * vectorTurn(type, moved) * up;
 }
 
+/// Once for a sequence: of the first frames in which something moves.
+Status VolumeMedium::checkVelocityUnit(double moment, const Velocities& before,
+                                       const Velocities& after) {
+  if (velocitiesChecked_)
+    return {};
+  constexpr double kPoor = 0.1, kClearly = 0.6;
+  const int position = static_cast<int>(moment);
+  VOLUTE_ASSIGN(const auto first, frameOf(*input_->source, position));
+  VOLUTE_ASSIGN(const auto second, frameOf(*input_->source, position + 1));
+  const BetweenFrames instant = instantAt(moment);
+  const auto misfitIn = [&](VelocityUnit unit) {
+    return misfit(*first, *second, before, after, velocityStep(position, position, unit),
+                  velocityStep(position, position + 1, unit), instant);
+  };
+  const double still = misfit(*first, *second, before, after, Mat3::Zero(), Mat3::Zero(), instant);
+  if (!(still > 0))
+    return {};
+  velocitiesChecked_ = true;
+  const VelocityUnit stated = appearance_.velocityUnit;
+  const double now = misfitIn(stated);
+  if (!(now > kPoor))
+    return {};
+  VelocityUnit best = stated;
+  double least = now;
+  for (std::size_t i = 0; i < std::size(kVelocityUnits); ++i) {
+    const auto unit = static_cast<VelocityUnit>(i);
+    if (const double one = misfitIn(unit); one < least)
+      best = unit, least = one;
+  }
+  const auto name = [](VelocityUnit unit) {
+    return kVelocityUnits[static_cast<std::size_t>(unit)];
+  };
+  const auto at = static_cast<std::size_t>(position);
+  const std::string frames =
+      fmt::format("{}: frames {} and {}", path_, volume_.frameText(at), volume_.frameText(at + 1));
+  const std::string along = fmt::format("along '{}'", fmt::join(velocities_, "', '"));
+  if (least < kClearly * now && least < kClearly * still) {
+    progress_->remark(
+        Remark(RemarkCode::kDoubtful,
+               fmt::format("{} fit together {} in {}, not in {}: they differ by {:.2g} instead of "
+                           "{:.2g} of what is in them",
+                           frames, along, name(best), name(stated), least, now),
+               {Hint::set("velocity_unit", std::string(name(best)))})
+            .in(path_));
+  } else if (still < kClearly * now) {
+    progress_->remark(
+        Remark(RemarkCode::kDoubtful,
+               fmt::format("{} differ more {} in {}, by {:.2g} of what is in them, than in place, "
+                           "by {:.2g}: the velocities may be in another unit, or another scale",
+                           frames, along, name(stated), now, still),
+               {Hint::set("velocity_unit")})
+            .in(path_));
+  }
+  return {};
+}
+
 Result<std::shared_ptr<const VoxelPaths>> VolumeMedium::pathsAt(double moment) {
   if (interpolation_ != Interpolation::kVelocity)
     return std::shared_ptr<const VoxelPaths>();
@@ -665,9 +723,11 @@ Result<std::shared_ptr<const VoxelPaths>> VolumeMedium::pathsAt(double moment) {
   const int position = static_cast<int>(moment);
   VOLUTE_ASSIGN(const auto before, velocitiesOf(position));
   VOLUTE_ASSIGN(const auto after, velocitiesOf(position + 1));
+  VOLUTE_TRY(checkVelocityUnit(moment, before, after));
+  const VelocityUnit unit = appearance_.velocityUnit;
   paths_ = std::make_shared<const VoxelPaths>(
-      pathsBetween(volume_, before, after, velocityStep(position, position),
-                   velocityStep(position, position + 1), instantAt(moment)));
+      pathsBetween(volume_, before, after, velocityStep(position, position, unit),
+                   velocityStep(position, position + 1, unit), instantAt(moment)));
   pathsMoment_ = moment;
   return paths_;
 }

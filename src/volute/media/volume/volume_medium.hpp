@@ -262,7 +262,10 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   [[nodiscard]] Result<Velocities> velocitiesOf(int position);
   /// From a velocity to its way between the frame at a position and the next one, in the voxels of
   /// the frame at `in` [voxels].
-  Mat3 velocityStep(int position, int in) const;
+  Mat3 velocityStep(int position, int in, VelocityUnit unit) const;
+  /// Says so where two frames fit together in another unit of their velocities.
+  [[nodiscard]] Status checkVelocityUnit(double moment, const Velocities& before,
+                                         const Velocities& after);
   /// From a place among the file's voxels, 0 at the centre of the first, to its world.
   VoxelMap voxelToFile(const GridMatrix& place) const;
   BetweenFrames instantAt(double moment) const;
@@ -307,6 +310,7 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   std::vector<std::string> velocities_;                 ///< one grid of three channels, or three
   VectorKind vectors_{};                                ///< of the former
   std::vector<KeptFrame> kept_;
+  bool velocitiesChecked_ = false;
   double pathsMoment_ = -1;
   std::shared_ptr<const VoxelPaths> paths_;
 

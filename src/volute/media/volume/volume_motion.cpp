@@ -228,6 +228,66 @@ VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const 
   return paths;
 }
 
+namespace {
+
+/// Sums of squares: of what differs, and of the values.
+struct Misfit {
+  double wrong = 0, all = 0;
+};
+
+/// Of the voxels of one frame, each moved into the other.
+/// @param step  from a velocity to the way to the other frame, in this one's voxels
+/// @param toOther  from this frame's voxels to the other's
+Misfit misfitOf(const BrickSlice& one, const BrickSlice& other, const Velocities& velocities,
+                const Mat3& step, const VoxelMap& toOther) {
+  constexpr std::size_t kMaxBricks = 128;
+  const auto entries = one.entries();
+  const std::size_t count = std::min(entries.size(), kMaxBricks);
+  const Flow flow(velocities);
+  const Between there(other);
+  const PlaceMap map(toOther);
+  const Eigen::Matrix3f way = step.cast<float>();
+  std::vector<Misfit> sums(count);
+  parallelRanges(count, 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const BrickSlice::Entry& entry = entries[i * entries.size() / count];
+      const float* values = one.brick(entry.stored);
+      for (int voxel = 0; voxel < BrickSlice::kVoxels; ++voxel) {
+        VoxelPlace at;
+        for (int axis = 0; axis < 3; ++axis)
+          at[axis] = static_cast<float>(entry.place[axis] * kMotionSide +
+                                        (voxel >> 3 * axis) % kMotionSide);
+        const VoxelPlace v = flow.read(at);
+        const Eigen::Vector3f moved = way * Eigen::Vector3f(v[0], v[1], v[2]);
+        float found[3];
+        there.read(map(sum(at, {moved[0], moved[1], moved[2]})), found);
+        for (int c = 0; c < one.channels(); ++c) {
+          const double value = values[c * BrickSlice::kVoxels + voxel];
+          sums[i].wrong += (value - found[c]) * (value - found[c]);
+          sums[i].all += value * value;
+        }
+      }
+    }
+  });
+  Misfit total;
+  for (const Misfit& some : sums) total.wrong += some.wrong, total.all += some.all;
+  return total;
+}
+
+}  // namespace
+
+double misfit(const BrickSlice& before, const BrickSlice& after, const Velocities& vBefore,
+              const Velocities& vAfter, const Mat3& early, const Mat3& late,
+              const BetweenFrames& instant) {
+  const VoxelMap back = instant.before.inverse();
+  const VoxelMap onward{instant.after.linear * back.linear,
+                        instant.after.linear * back.offset + instant.after.offset};
+  const Misfit forwards = misfitOf(before, after, vBefore, early, onward);
+  const Misfit backwards = misfitOf(after, before, vAfter, -late, onward.inverse());
+  const double all = forwards.all + backwards.all;
+  return all > 0 ? std::sqrt((forwards.wrong + backwards.wrong) / all) : 0;
+}
+
 BrickSlice blendFrames(const VolumeInfo& info, const BrickSlice& before, const BrickSlice& after,
                        const BetweenFrames& instant, const VoxelPaths* paths) {
   const auto late = static_cast<float>(instant.share), early = 1 - late;

@@ -56,6 +56,15 @@ VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const 
 BrickSlice blendFrames(const VolumeInfo& info, const BrickSlice& before, const BrickSlice& after,
                        const BetweenFrames& instant, const VoxelPaths* paths);
 
+/// How badly two frames fit together where each of their voxels goes along its own velocity to the
+/// other frame, which should have the same there: the root mean square of what differs, relative to
+/// that of the values; 0: they fit, 0 too where both are empty. Some bricks stand for all where
+/// there are many.
+/// @param early, late  as pathsBetween(); zero: nothing moves
+double misfit(const BrickSlice& before, const BrickSlice& after, const Velocities& vBefore,
+              const Velocities& vAfter, const Mat3& early, const Mat3& late,
+              const BetweenFrames& instant);
+
 /// All places of bricks of some slices, in the order of isBefore(); null ones have none.
 std::vector<BrickPlace> placesOf(std::span<const std::shared_ptr<const BrickSlice>> slices);
 

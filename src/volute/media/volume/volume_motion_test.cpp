@@ -233,6 +233,60 @@ TEST(VolumeMotion, VelocitiesHaveAUnitAndAreThoseOfTheWorld) {
   }
 }
 
+class Remarks : public Progress {
+ public:
+  void remark(const Remark& said) override {
+    if (said.code == RemarkCode::kDoubtful)
+      said_.push_back(said);
+  }
+
+  std::vector<Remark> said_;
+};
+
+/// A wrong unit is told with the one in which the frames fit, once.
+TEST(VolumeMotion, AWrongUnitOfVelocitiesIsTold) {
+  using enum VelocityUnit;
+  constexpr double kSizes[] = {1, 2.5, 25};  // in the order of the units
+  InputOptions input;
+  input.grid = "density";
+  for (const VelocityUnit truth : {kMetresPerSecond, kVoxelsPerFrame, kMetresPerFrame}) {
+    const TempFolder folder;
+    const auto at = static_cast<std::size_t>(truth);
+    const std::string file = writeBlobs(folder, true, kSizes[at]);
+    if (file.empty())
+      GTEST_SKIP() << "built without OpenVDB";
+    for (const VelocityUnit stated : {kMetresPerSecond, kVoxelsPerFrame, kMetresPerFrame}) {
+      Remarks heard;
+      Reading reading{heard, 1 << 30};
+      Appearance appearance;
+      appearance.interpolation = Interpolation::kVelocity;
+      appearance.velocityUnit = stated;
+      auto layer = VolumeMedium::open(file, input, appearance, reading);
+      ASSERT_TRUE(layer) << layer.error().message;
+      for (const double time : {0.3 / 25, 0.5 / 25}) shownAt(**layer, time);
+      ASSERT_EQ(heard.said_.size(), stated == truth ? 0 : 1) << at;
+      if (stated == truth)
+        continue;
+      EXPECT_THAT(heard.said_[0].sentence,
+                  HasSubstr("frames 1 and 2 fit together along 'Velocity' in " +
+                            std::string(kVelocityUnits[at]) + ", not in "));
+      ASSERT_EQ(heard.said_[0].hints.size(), 1u);
+      EXPECT_EQ(heard.said_[0].hints[0].value, kVelocityUnits[at]);
+    }
+  }
+  // What no unit explains.
+  const TempFolder folder;
+  const std::string file = writeBlobs(folder, true, 1e-4);
+  Remarks heard;
+  Reading reading{heard, 1 << 30};
+  Appearance appearance;
+  appearance.interpolation = Interpolation::kVelocity;
+  auto layer = VolumeMedium::open(file, input, appearance, reading);
+  ASSERT_TRUE(layer) << layer.error().message;
+  shownAt(**layer, 0.5 / 25);
+  EXPECT_TRUE(heard.said_.empty());  // nor is it in place that they fit
+}
+
 GridMetadata textOf(std::string name, std::string text) {
   return {std::move(name), "string", std::move(text)};
 }
