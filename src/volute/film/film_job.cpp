@@ -354,7 +354,7 @@ OrderedJson FilmJob::stats() const {
   if (contour ? contour->shows == Contour::Shows::kVisibility : law.mode == PictureMode::kThreshold)
     json["C"] = law.c;
   if (!scene.geometry().empty() || totals.counts.surfacePixels > 0) {
-    json["geometry"] = {{"triangles", scene.surfaces().triangles().size()},
+    json["geometry"] = {{"triangles", scene.surfaces().flat().size()},
                         {"surface_pixels", totals.counts.surfacePixels},
                         {"shadow_rays", totals.counts.shadowRays}};
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <future>
+#include <iterator>
 #include <mutex>
 #include <optional>
 
@@ -19,22 +20,52 @@
 namespace volute {
 
 struct TriangleScene::Impl {
-  Impl(std::vector<Triangle> given, std::vector<Material> looks)
-      : triangles(std::move(given)), materials(std::move(looks)) {
+  explicit Impl(TriangleMesh mesh)
+      : triangles(std::move(mesh.triangles)),
+        materials(std::move(mesh.materials)),
+        curved(std::move(mesh.curved)) {
     for (const Triangle& triangle : triangles) {
-      for (const Vec3& corner : triangle.corners) bounds.extend(corner);
+      for (const Vec3& corner : triangle.corners) flatBounds.extend(corner);
+    }
+    bounds = flatBounds;
+    for (const CurvedPart& part : curved) {
+      const Box3& box = part.surface->bounds();
+      if (!box.empty())
+        bounds.extend(box.min), bounds.extend(box.max);
     }
   }
 
   std::vector<Triangle> triangles;
   std::vector<Material> materials;
-  Box3 bounds;
+  std::vector<CurvedPart> curved;
+  Box3 flatBounds, bounds;
 
-  /// Made when somebody needs it first: where Embree answers, only shadows of lamps do, and a
-  /// million triangles take a second.
+  /// Trees are made when somebody needs them first: where Embree answers, only shadows of lamps
+  /// do, and a million triangles take a second.
   const TriangleTree& tree() const {
     std::call_once(treeMade, [&] { madeTree.emplace(triangles); });
     return *madeTree;
+  }
+
+  /// Curved surfaces as triangles, after the others.
+  std::span<const Triangle> all() const {
+    if (curved.empty())
+      return triangles;
+    std::call_once(allMade, [&] {
+      madeAll = triangles;
+      for (const CurvedPart& part : curved) {
+        part.surface->addTriangles(part.material, madeAll);
+        ends.push_back(madeAll.size());
+      }
+    });
+    return madeAll;
+  }
+
+  const TriangleTree& treeOfAll() const {
+    if (curved.empty())
+      return tree();
+    std::call_once(treeOfAllMade, [&] { madeTreeOfAll.emplace(all()); });
+    return *madeTreeOfAll;
   }
 
   /// As a far light sees them: made when it is asked for first, and kept for the last few. In one
@@ -47,7 +78,7 @@ struct TriangleScene::Impl {
     }
     if (suns.size() == kMaxSuns)
       suns.erase(suns.begin());
-    suns.emplace_back(towards, std::make_shared<const SunTree>(triangles, towards));
+    suns.emplace_back(towards, std::make_shared<const SunTree>(all(), towards));
     return suns.back().second;
   }
 
@@ -56,14 +87,16 @@ struct TriangleScene::Impl {
   Execution execution = Execution::kFast;
   mutable std::mutex sunsMutex;
   mutable std::vector<std::pair<Vec3, std::shared_ptr<const SunTree>>> suns;
-  mutable std::once_flag treeMade;
-  mutable std::optional<TriangleTree> madeTree;
+  mutable std::once_flag treeMade, allMade, treeOfAllMade;
+  mutable std::optional<TriangleTree> madeTree, madeTreeOfAll;
+  mutable std::vector<Triangle> madeAll;
+  mutable std::vector<std::size_t> ends;  ///< of each curved surface in them
 #if VOLUTE_HAS_EMBREE
   static constexpr std::size_t kManyTriangles = 1 << 14;
 
   /// Builds Embree's tree; that of many triangles beside what the caller does next.
   void buildEmbree() {
-    const auto build = [this] { return EmbreeScene::make(triangles, bounds); };
+    const auto build = [this] { return EmbreeScene::make(triangles, flatBounds); };
     if (triangles.size() < kManyTriangles || threadCount() == 1)
       builtEmbree = build();
     else  // where no thread can be had, when it is asked for
@@ -86,6 +119,29 @@ struct TriangleScene::Impl {
 #endif
 
   Hit nearest(const Segment& segment) const {
+    Hit hit = nearestFlat(segment);
+    addCurved(segment, hit);
+    return hit;
+  }
+
+  /// What curved surfaces have before a hit.
+  void addCurved(const Segment& segment, Hit& hit) const {
+    for (std::size_t i = 0; i < curved.size(); ++i) {
+      Segment before = segment;
+      before.end = std::min(segment.end, hit.distance);
+      if (const auto distance = curved[i].surface->nearest(before))
+        hit = {*distance, Hit::kCurved + static_cast<std::uint32_t>(i)};
+    }
+  }
+
+  bool occluded(const Segment& segment) const {
+    return occludedFlat(segment) || std::ranges::any_of(curved, [&](const CurvedPart& part) {
+             return part.surface->nearest(segment).has_value();
+           });
+  }
+
+ private:
+  Hit nearestFlat(const Segment& segment) const {
 #if VOLUTE_HAS_EMBREE
     if (const EmbreeScene* fast = embree())
       return fast->nearest(segment);
@@ -93,7 +149,7 @@ struct TriangleScene::Impl {
     return tree().nearest(segment);
   }
 
-  bool occluded(const Segment& segment) const {
+  bool occludedFlat(const Segment& segment) const {
 #if VOLUTE_HAS_EMBREE
     if (const EmbreeScene* fast = embree())
       return fast->occluded(segment);
@@ -112,11 +168,25 @@ std::vector<Triangle> transformed(std::span<const Triangle> triangles, const Mat
   return moved;
 }
 
-TriangleScene::TriangleScene()
-    : impl_(std::make_shared<const Impl>(std::vector<Triangle>{}, std::vector<Material>{})) {}
+void append(TriangleMesh& to, TriangleMesh mesh) {
+  const auto first = static_cast<std::uint32_t>(to.materials.size());
+  for (Triangle& triangle : mesh.triangles) triangle.material += first;
+  for (CurvedPart& part : mesh.curved) part.material += first;
+  to.triangles.insert(to.triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
+  to.materials.insert(to.materials.end(), mesh.materials.begin(), mesh.materials.end());
+  std::ranges::move(mesh.curved, std::back_inserter(to.curved));
+}
+
+TriangleScene::TriangleScene() : impl_(std::make_shared<const Impl>(TriangleMesh())) {}
 
 Result<TriangleScene> TriangleScene::build(std::vector<Triangle> triangles,
                                            std::vector<Material> materials, Execution execution) {
+  return of(TriangleMesh{std::move(triangles), std::move(materials)}, execution);
+}
+
+Result<TriangleScene> TriangleScene::of(TriangleMesh mesh, Execution execution) {
+  const auto& triangles = mesh.triangles;
+  auto& materials = mesh.materials;
   if (triangles.size() > (1ull << 31)) {
     return fail(ErrorCode::kTooLarge, "the geometry has {} triangles, more than 2^31",
                 triangles.size());
@@ -133,7 +203,12 @@ Result<TriangleScene> TriangleScene::build(std::vector<Triangle> triangles,
                   triangles[i].material, materials.size());
     }
   }
-  auto impl = std::make_shared<Impl>(std::move(triangles), std::move(materials));
+  for (const CurvedPart& part : mesh.curved) {
+    if (part.material >= materials.size())
+      return fail(ErrorCode::kInvalidArgument, "a surface names material {}, but there are {}",
+                  part.material, materials.size());
+  }
+  auto impl = std::make_shared<Impl>(std::move(mesh));
 #if VOLUTE_HAS_EMBREE
   if (execution == Execution::kFast && !impl->triangles.empty())
     impl->buildEmbree();
@@ -147,8 +222,12 @@ Result<TriangleScene> TriangleScene::build(std::vector<Triangle> triangles,
 void TriangleScene::nearest(std::span<const Segment> segments, std::span<Hit> hits) const {
   VOLUTE_ASSERT(segments.size() == hits.size());
 #if VOLUTE_HAS_EMBREE
-  if (const EmbreeScene* fast = impl_->embree())
-    return fast->nearest(segments, hits);
+  if (const EmbreeScene* fast = impl_->embree()) {
+    fast->nearest(segments, hits);
+    for (std::size_t i = 0; i < hits.size() && !impl_->curved.empty(); ++i)
+      impl_->addCurved(segments[i], hits[i]);
+    return;
+  }
 #endif
   std::ranges::transform(segments, hits.begin(),
                          [&](const Segment& segment) { return impl_->nearest(segment); });
@@ -167,11 +246,28 @@ void TriangleScene::shadows(const Segment& segment, const LightPoint& light,
     shadowsOn(segment, light, *impl_->treeOf(light.place), *this, dark);
     return;
   }
-  shadowsOn(segment, light, impl_->tree(), dark);
+  shadowsOn(segment, light, impl_->treeOfAll(), dark);
 }
 
 std::span<const Triangle> TriangleScene::triangles() const {
+  return impl_->all();
+}
+
+const CurvedSurface* TriangleScene::surfaceOf(std::size_t triangle) const {
+  if (triangle < impl_->triangles.size())
+    return nullptr;
+  const auto all = impl_->all();
+  VOLUTE_ASSERT(triangle < all.size());
+  const auto end = std::ranges::upper_bound(impl_->ends, triangle);
+  return impl_->curved[static_cast<std::size_t>(end - impl_->ends.begin())].surface.get();
+}
+
+std::span<const Triangle> TriangleScene::flat() const {
   return impl_->triangles;
+}
+
+std::span<const CurvedPart> TriangleScene::curved() const {
+  return impl_->curved;
 }
 
 std::span<const Material> TriangleScene::materials() const {

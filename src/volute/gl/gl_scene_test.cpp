@@ -111,6 +111,78 @@ TEST_F(GlSceneTest, SurfacesAreLitThroughMediaAsByTheCpu) {
   }
 }
 
+/// A ball, which is 2 x 24 x 12 triangles where it has to be flat.
+class RoundBall final : public CurvedSurface {
+ public:
+  static constexpr double kBallRadius = 0.9;
+
+  std::optional<double> nearest(const Segment& segment) const override {
+    const Vec3 from = segment.origin - middle_;
+    const double along = from.dot(segment.direction);
+    const double under = along * along - from.squaredNorm() + kBallRadius * kBallRadius;
+    for (const double sign : {-1.0, 1.0}) {
+      const double s = -along + sign * std::sqrt(std::max(under, 0.0));
+      if (under > 0 && s > segment.begin && s < segment.end)
+        return s;
+    }
+    return std::nullopt;
+  }
+
+  Vec3 outward(const Segment& segment, double distance) const override {
+    return (segment.at(distance) - middle_).normalized();
+  }
+
+  double roughness() const override { return 0.02; }
+
+  const Box3& bounds() const override { return bounds_; }
+
+  void addTriangles(std::uint32_t material, std::vector<Triangle>& to) const override {
+    constexpr int kAround = 24, kUp = 12;
+    const auto at = [&](int i, int k) {
+      const double turn = 2 * M_PI * i / kAround, height = M_PI * k / kUp;
+      return Vec3(middle_ + kBallRadius * Vec3(std::sin(height) * std::cos(turn),
+                                               std::sin(height) * std::sin(turn),
+                                               std::cos(height)));
+    };
+    for (int i = 0; i < kAround; ++i)
+      for (int k = 0; k < kUp; ++k) {
+        to.push_back({{at(i, k), at(i, k + 1), at(i + 1, k + 1)}, material});
+        to.push_back({{at(i, k), at(i + 1, k + 1), at(i + 1, k)}, material});
+      }
+  }
+
+  std::shared_ptr<const CurvedSurface> moved(const Mat4&) const override { return nullptr; }
+
+ private:
+  Vec3 middle_{0.1, 3, 1};
+  Box3 bounds_{middle_ - Vec3::Constant(kBallRadius), middle_ + Vec3::Constant(kBallRadius)};
+};
+
+/// Curved surfaces are flat pieces to a device, with the normals of what they stand for.
+TEST_F(GlSceneTest, CurvedSurfacesAreLitAsByTheCpu) {
+  TriangleMesh mesh = room().mesh();
+  mesh.triangles.resize(2);  // the floor
+  mesh.curved.push_back({std::make_shared<RoundBall>(), 1});
+  const TriangleScene geometry = TriangleScene::of(std::move(mesh)).value();
+  EXPECT_EQ(geometry.surfaceOf(1), nullptr);
+  EXPECT_EQ(geometry.surfaceOf(2), geometry.curved()[0].surface.get());
+  const auto lights = lamps();
+  const SurfaceScene lit{geometry, lights, Rgb(0.02, 0.03, 0.04)};
+  const Camera camera =
+      Camera::pinhole({Vec3(-3.1, -2.2, 4.1), Vec3(0.1, 3, 1)}, 30, 3 * kWidth, 3 * kHeight);
+  const auto expected = renderSurfaces(camera, lit, Rgb::Zero(), quiet_).value();
+  const auto found = renderer_->surfaces(camera, lit, {}, Rgb::Zero(), quiet_);
+  ASSERT_TRUE(found) << found.error().message;
+  const float brightest = *std::ranges::max_element(expected.color.pixels);
+  std::size_t off = 0, ball = 0;
+  for (std::size_t i = 0; i < expected.color.pixels.size(); ++i) {
+    off += std::abs(found->color.pixels[i] - expected.color.pixels[i]) > 0.02F * brightest;
+    ball += expected.color.pixels[i] > 0;
+  }
+  EXPECT_GT(ball, 1000u);
+  EXPECT_LT(static_cast<double>(off), 0.02 * static_cast<double>(ball));  // at its outline
+}
+
 /// On a pillar's top, and in the plane of its side.
 TEST_F(GlSceneTest, LampsInThePlaneOfASurfaceAreThoseOfTheCpu) {
   const TriangleScene geometry = room();

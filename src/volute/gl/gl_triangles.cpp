@@ -5,11 +5,43 @@
 #include <algorithm>
 #include <array>
 
+#include "volute/base/parallel.hpp"
 #include "volute/gl/box_tree.hpp"
 
 namespace volute {
 
+namespace {
+
+/// Normals of the curved surfaces that triangles stand for, at their corners.
+std::vector<Texel> normalsOf(const TriangleScene& scene) {
+  const auto triangles = scene.triangles();
+  std::vector<Texel> normals(3 * triangles.size(), Texel{});
+  parallelRanges(triangles.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = std::max(begin, scene.flat().size()); i < end; ++i) {
+      const CurvedSurface& surface = *scene.surfaceOf(i);
+      const Vec3 across = triangles[i].normal();
+      for (std::size_t k = 0; k < 3 && across.norm() > 0; ++k) {
+        const Segment there{triangles[i].corners[k], across.normalized(), 0, 1};
+        normals[3 * i + k] =
+            texel(surface.outward(there, 0), static_cast<float>(surface.roughness()));
+      }
+    }
+  });
+  return normals;
+}
+
+}  // namespace
+
 Result<GlTriangles> GlTriangles::make(std::span<const Triangle> triangles) {
+  return make(triangles, {});
+}
+
+Result<GlTriangles> GlTriangles::make(const TriangleScene& scene) {
+  return make(scene.triangles(), scene.curved().empty() ? std::vector<Texel>() : normalsOf(scene));
+}
+
+Result<GlTriangles> GlTriangles::make(std::span<const Triangle> triangles,
+                                      std::span<const Texel> normals) {
   using Corner = std::array<double, 4>;
   GLint64 most = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
@@ -46,6 +78,15 @@ Result<GlTriangles> GlTriangles::make(std::span<const Triangle> triangles) {
   }
   made.nodes = makeBuffer(std::span<const BoxTree::Node>(tree.nodes));
   made.corners = makeBuffer(std::span<const Corner>(corners));
+  std::vector<Texel> inOrder(1, Texel{});  // no buffer may be empty
+  if (!normals.empty()) {
+    inOrder.clear();
+    for (const std::int32_t item : tree.items)
+      for (std::size_t k = 0; k < 3; ++k)
+        inOrder.push_back(normals[3 * static_cast<std::size_t>(item) + k]);
+  }
+  made.normals = makeBuffer(std::span<const Texel>(inOrder));
+  made.smooth = !normals.empty();
   return made;
 }
 

@@ -89,7 +89,7 @@ Status SurfacePasses::prepareSurfaces(const TriangleScene& scene) {
   if (surfaces_ && surfaces_->scene.triangles().data() == scene.triangles().data())
     return {};
   surfaces_.reset();
-  VOLUTE_ASSIGN(auto triangles, GlTriangles::make(scene.triangles()));
+  VOLUTE_ASSIGN(auto triangles, GlTriangles::make(scene));
   std::vector<Texel> materials;
   for (const Material& material : scene.materials()) {
     materials.push_back(texel(material.baseColor));
@@ -119,6 +119,8 @@ void SurfacePasses::look(const Camera& camera, const Occluders& seen, const GlBu
     origin_ = pictureOrigin(camera, {&triangles.bounds, 1});
     bindRays(hit, camera, origin_, {.lens = lens.directions.name(), .rest = lens.rest.name()});
     triangles.bind(hit, origin_, seen.sides);
+    hit.bindStorage("Normals", 3, triangles.normals);
+    hit.set("smoothed", triangles.smooth ? 1 : 0);
     hit.bindStorage("Materials", 2, materials);
     hit.set("reach", static_cast<float>(triangles.reach));
     hit.set("ambient", Vec3(ambient));

@@ -10,7 +10,8 @@
 #include "volute/math/cubic.hpp"
 #include "volute/math/quadrature.hpp"
 
-// What media of voxels share: their cells, and what is interpolated in one. Not for others.
+// What media and surfaces of voxels share: their cells, and what is interpolated in one. Not for
+// others.
 
 namespace volute::voxels {
 

@@ -2,15 +2,31 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/level_set_surface.hpp"
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <utility>
+
+#include "volute/grid/brick_table.hpp"
+#include "volute/grid/voxel_cells.hpp"
 
 namespace volute {
 namespace {
 
 constexpr int kSide = Bricks::kSide;
-constexpr int kCorners = kSide + 1;  // of the cells of a leaf, along an axis
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+
+Vec3 vecOf(const VoxelIndex& voxel) {
+  return {static_cast<double>(voxel[0]), static_cast<double>(voxel[1]),
+          static_cast<double>(voxel[2])};
+}
+
+VoxelIndex plus(const VoxelIndex& voxel, int x, int y, int z) {
+  return {voxel[0] + x, voxel[1] + y, voxel[2] + z};
+}
 
 /// Values at the corners of a cell; bits 0, 1, 2 of a corner are its x, y, z.
 using Cell = std::array<double, 8>;
@@ -78,89 +94,361 @@ void cutCell(const Cell& cell, const Piece& piece) {
   }
 }
 
+/// Where the slope of a cubic is 0, ascending; infinite where it is not.
+std::array<double, 2> extremesOf(const Cubic& cubic) {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const double a = 3 * cubic.c[3], b = cubic.c[2], c = cubic.c[1];  // a s^2 + 2 b s + c
+  const double under = b * b - a * c;
+  if (!(under >= 0))
+    return {kNever, kNever};
+  const double q = -(b + std::copysign(std::sqrt(under), b));
+  const double one = a != 0 ? q / a : kNever, other = q != 0 ? c / q : kNever;
+  return {std::min(one, other), std::max(one, other)};
+}
+
+/// Where a distance within 0 <= s <= end is first on the other side.
+std::optional<double> crossingOf(const Cubic& distance, double end, bool inside) {
+  const auto crossed = [&](double s) { return (distance(s) < 0) != inside; };
+  if (crossed(0))
+    return 0;
+  double from = 0;
+  const std::array<double, 2> extremes = extremesOf(distance);
+  for (const double to : {extremes[0], extremes[1], end}) {
+    if (!(to > from && to <= end))
+      continue;
+    if (!crossed(to)) {
+      from = to;
+      continue;
+    }
+    double low = from, high = to;
+    for (int halving = 0; halving < 52; ++halving) {
+      const double middle = 0.5 * (low + high);
+      (crossed(middle) ? high : low) = middle;
+    }
+    return high;
+  }
+  return std::nullopt;
+}
+
+/// Into how many triangles a cell with such voxels inside is cut: bit i of `inside` is corner i.
+std::uint64_t piecesOf(unsigned inside) {
+  std::uint64_t pieces = 0;
+  for (const auto& corners : kTetrahedra) {
+    int in = 0;
+    for (const int corner : corners) in += static_cast<int>(inside >> corner & 1);
+    pieces += in == 2 ? 2 : in % 4 != 0 ? 1 : 0;
+  }
+  return pieces;
+}
+
+}  // namespace
+
+/// Distances and where among them there is a surface; shared by those that lie elsewhere.
+struct LevelSetSurface::Field {
+  explicit Field(Bricks distances);
+
+  BrickPlace placeOf(const VoxelIndex& voxel) const {
+    BrickPlace place{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      place[axis] = static_cast<int>((voxel[axis] - lowest[axis]) >> 3);
+    return place;
+  }
+
+  /// A voxel of the leaves, or next to them; NaN where there is none.
+  double value(const VoxelIndex& voxel) const {
+    const std::int32_t leaf = table.at(placeOf(voxel));
+    if (leaf < 0)
+      return kNoValue;
+    std::size_t in[3];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      in[axis] = static_cast<std::size_t>(voxel[axis] - lowest[axis]) % kSide;
+    return bricks.values(static_cast<std::size_t>(leaf))[(in[2] * kSide + in[1]) * kSide + in[0]];
+  }
+
+  Cell cell(const VoxelIndex& lowest) const {
+    Cell cell{};
+    for (int corner = 0; corner < 8; ++corner)
+      cell[static_cast<std::size_t>(corner)] =
+          value(plus(lowest, corner & 1, corner >> 1 & 1, corner >> 2));
+    return cell;
+  }
+
+  /// Whether a cell without a surface is inside; nothing where it reaches out of the leaves.
+  std::optional<bool> sideOf(const VoxelIndex& lowest) const {
+    const Cell values = cell(lowest);
+    if (!std::ranges::all_of(values, [](double value) { return std::isfinite(value); }))
+      return std::nullopt;
+    return values[0] < 0;
+  }
+
+  bool crosses(std::size_t leaf, const std::array<int, 3>& in) const {
+    return (cells[leaf][static_cast<std::size_t>(in[2])] >> (8 * in[1] + in[0]) & 1) != 0;
+  }
+
+  /// Calls visit(leaf, place in it) for each cell in which there is a surface.
+  template <class Visit>
+  void forCells(const Visit& visit) const {
+    for (std::size_t leaf = 0; leaf < cells.size(); ++leaf)
+      for (std::size_t z = 0; z < kSide; ++z)
+        for (std::uint64_t left = cells[leaf][z]; left != 0; left &= left - 1) {
+          const int bit = std::countr_zero(left);
+          visit(leaf, std::array<int, 3>{bit % kSide, bit / kSide, static_cast<int>(z)});
+        }
+  }
+
+  Bricks bricks;
+  VoxelIndex lowest{};           ///< the first voxel of the lowest leaf on each axis
+  BrickTable table;              ///< numbers of the leaves, by their place
+  CellGrid grid;                 ///< the leaves, among voxels
+  std::vector<BrickMask> cells;  ///< of each leaf: the cells, by their lowest corners
+  std::uint64_t triangles = 0;   ///< that addTriangles() makes
+  Box3 box;                      ///< around those cells
+};
+
+namespace {
+
 /// The values of a leaf and of those before it on all axes' upper sides; NaN where there is none.
 class LeafCorners {
  public:
-  LeafCorners(const Bricks& bricks, std::size_t leaf) {
-    const VoxelIndex& origin = bricks.leaves()[leaf].origin;
-    const std::size_t none = bricks.leaves().size();
-    std::array<std::size_t, 8> leaves{};
-    for (std::size_t i = 0; i < 8; ++i) {
-      VoxelIndex at = origin;
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        at[axis] += static_cast<std::int64_t>(i >> axis & 1) * kSide;
-      leaves[i] = i == 0 ? leaf : bricks.find(at);
-    }
+  LeafCorners(const Bricks& bricks, const BrickTable& table, BrickPlace place) {
+    std::array<std::int32_t, 8> leaves{};
+    for (int i = 0; i < 8; ++i)
+      leaves[static_cast<std::size_t>(i)] =
+          table.at(place[0] + (i & 1), place[1] + (i >> 1 & 1), place[2] + (i >> 2));
     for (int z = 0; z < kCorners; ++z)
       for (int y = 0; y < kCorners; ++y)
         for (int x = 0; x < kCorners; ++x) {
           const int which = (x / kSide) + 2 * (y / kSide) + 4 * (z / kSide);
-          const std::size_t from = leaves[static_cast<std::size_t>(which)];
-          at(x, y, z) = from == none ? std::numeric_limits<double>::quiet_NaN()
-                                     : bricks.values(from)[static_cast<std::size_t>(
-                                           (z % kSide * kSide + y % kSide) * kSide + x % kSide)];
+          const std::int32_t from = leaves[static_cast<std::size_t>(which)];
+          values_[index(x, y, z)] =
+              from < 0 ? kNoValue
+                       : bricks.values(static_cast<std::size_t>(from))[static_cast<std::size_t>(
+                             (z % kSide * kSide + y % kSide) * kSide + x % kSide)];
         }
   }
 
-  /// False: it reaches out, or has no surface.
-  bool cell(int x, int y, int z, Cell& cell) const {
-    int inside = 0;
-    for (int corner = 0; corner < 8; ++corner) {
+  /// Which corners are inside; 0, too, where one has no value.
+  unsigned inside(int x, int y, int z) const {
+    unsigned inside = 0;
+    for (unsigned corner = 0; corner < 8; ++corner) {
       const double value =
-          values_[index(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2))];
+          values_[index(x + static_cast<int>(corner & 1), y + static_cast<int>(corner >> 1 & 1),
+                        z + static_cast<int>(corner >> 2))];
       if (!std::isfinite(value))
-        return false;
-      cell[static_cast<std::size_t>(corner)] = value;
-      inside += value < 0;
+        return 0;
+      inside |= static_cast<unsigned>(value < 0) << corner;
     }
-    return inside > 0 && inside < 8;
+    return inside;
   }
 
  private:
+  static constexpr int kCorners = kSide + 1;  // of the cells of a leaf, along an axis
+
   static std::size_t index(int x, int y, int z) {
     return static_cast<std::size_t>((z * kCorners + y) * kCorners + x);
   }
-
-  double& at(int x, int y, int z) { return values_[index(x, y, z)]; }
 
   std::array<double, std::size_t{kCorners} * kCorners * kCorners> values_{};
 };
 
 }  // namespace
 
-Status addLevelSet(const Bricks& distances, const VolumeInfo& info,
-                   const std::optional<GridMatrix>& place, std::uint32_t material,
-                   std::uint64_t maxMemory, std::vector<Triangle>& triangles) {
+LevelSetSurface::Field::Field(Bricks distances) : bricks(std::move(distances)) {
+  const auto leaves = bricks.leaves();
+  cells.resize(leaves.size());
+  if (leaves.empty())
+    return;
+  VoxelIndex last = lowest = leaves.front().origin;
+  for (const Bricks::Leaf& leaf : leaves) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lowest[axis] = std::min(lowest[axis], leaf.origin[axis]);
+      last[axis] = std::max(last[axis], leaf.origin[axis]);
+    }
+  }
+  const BrickPlace top = placeOf(last);
+  const BrickPlace count{top[0] + 1, top[1] + 1, top[2] + 1};
+  table = BrickTable(count, leaves.size());
+  grid = {vecOf(lowest), Vec3::Constant(kSide), count};
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    table.set(placeOf(leaves[i].origin), static_cast<std::int32_t>(i));
+  std::array<std::uint64_t, 256> pieces{};
+  for (unsigned i = 0; i < pieces.size(); ++i) pieces[i] = piecesOf(i);
+  for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf) {
+    const VoxelIndex& origin = leaves[leaf].origin;
+    const LeafCorners corners(bricks, table, placeOf(origin));
+    for (int z = 0; z < kSide; ++z)
+      for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) {
+          const std::uint64_t more = pieces[corners.inside(x, y, z)];
+          if (more == 0)
+            continue;
+          triangles += more;
+          cells[leaf][static_cast<std::size_t>(z)] |= std::uint64_t{1} << (8 * y + x);
+          const Vec3 at = vecOf(plus(origin, x, y, z));
+          box.extend(at), box.extend(at + Vec3::Ones());
+        }
+  }
+}
+
+Result<std::shared_ptr<const LevelSetSurface>> LevelSetSurface::make(
+    Bricks distances, const VolumeInfo& info, const std::optional<GridMatrix>& place,
+    std::uint64_t maxMemory) {
   const Vec3 voxel = info.voxelSize(), first = info.bounds.min + 0.5 * voxel;
   const Mat3 linear =
       place ? Mat3(linearOf(*place) * voxel.asDiagonal()) : Mat3(voxel.asDiagonal());
   const Vec3 offset = place ? Vec3(linearOf(*place) * first + offsetOf(*place)) : first;
-  Cell cell{};
-  for (std::size_t leaf = 0; leaf < distances.leaves().size(); ++leaf) {
-    const LeafCorners corners(distances, leaf);
-    const VoxelIndex& origin = distances.leaves()[leaf].origin;
-    for (int z = 0; z < kSide; ++z)
-      for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x) {
-          if (!corners.cell(x, y, z, cell))
-            continue;
-          const Vec3 begin(static_cast<double>(origin[0] + x), static_cast<double>(origin[1] + y),
-                           static_cast<double>(origin[2] + z));
-          cutCell(cell, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-            Triangle triangle;
-            const Vec3* const all[] = {&a, &b, &c};
-            for (int i = 0; i < 3; ++i) triangle.corners[i] = linear * (begin + *all[i]) + offset;
-            triangle.material = material;
-            triangles.push_back(triangle);
-          });
-        }
-    if (triangles.size() > maxMemory / sizeof(Triangle)) {
-      return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
-                  "the surface of '{}' has more triangles than the {} MiB of memory allowed hold",
-                  info.name, maxMemory >> 20);
+  auto field = std::make_shared<const Field>(std::move(distances));
+  if (field->triangles > maxMemory / sizeof(Triangle)) {
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+                "the surface of '{}' has more triangles than the {} MiB of memory allowed hold",
+                info.name, maxMemory >> 20);
+  }
+  return std::shared_ptr<const LevelSetSurface>(
+      new LevelSetSurface(std::move(field), linear, offset));
+}
+
+LevelSetSurface::LevelSetSurface(std::shared_ptr<const Field> field, const Mat3& linear,
+                                 const Vec3& offset)
+    : field_(std::move(field)), linear_(linear), offset_(offset), inverse_(linear.inverse()) {
+  constexpr double kRoughness = 0.1;  // of a voxel: cells meet in edges
+  roughness_ = kRoughness * linear.colwise().norm().minCoeff();
+  const Box3& box = field_->box;
+  for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
+    bounds_.extend(linear * Vec3((corner & 1 ? box.max : box.min).x(),
+                                 (corner & 2 ? box.max : box.min).y(),
+                                 (corner & 4 ? box.max : box.min).z()) +
+                   offset);
+  }
+}
+
+std::shared_ptr<const CurvedSurface> LevelSetSurface::moved(const Mat4& transform) const {
+  const Mat3 linear = transform.topLeftCorner<3, 3>();
+  return std::shared_ptr<const CurvedSurface>(new LevelSetSurface(
+      field_, linear * linear_, linear * offset_ + transform.topRightCorner<3, 1>()));
+}
+
+/// The same parameters mean the same places.
+Segment LevelSetSurface::amongVoxels(const Segment& segment) const {
+  return {inverse_ * (segment.origin - offset_), inverse_ * segment.direction, segment.begin,
+          segment.end};
+}
+
+std::optional<double> LevelSetSurface::nearest(const Segment& segment) const {
+  const Field& field = *field_;
+  if (field.triangles == 0)
+    return std::nullopt;
+  const Segment ray = amongVoxels(segment);
+  std::optional<double> found;
+
+  // A crossing may be rounded into the next cell: what side the ray was on goes along.
+  struct {
+    VoxelIndex cell{};
+    double end = -std::numeric_limits<double>::infinity();
+    std::optional<bool> inside{};  ///< at the end; nothing: that of the cell's corners
+  } last;
+
+  const auto look = [&](std::size_t leaf, const CellGrid& cells, const std::array<int, 3>& in,
+                        double begin, double end) {
+    const VoxelIndex at = plus(field.bricks.leaves()[leaf].origin, in[0], in[1], in[2]);
+    const bool crosses = field.crosses(leaf, in);
+    std::optional<bool> before;
+    if (begin == last.end)
+      before = last.inside || !crosses ? last.inside : field.sideOf(last.cell);
+    last = {at, end, std::nullopt};
+    if (!crosses) {
+      if (before && field.sideOf(at).value_or(*before) != *before)
+        found = begin;
+      return;
+    }
+    const Cubic distance =
+        voxels::cornerCubic(voxels::InCell(cells, in, ray, begin, end), field.cell(at));
+    const bool inside = before.value_or(distance(0) < 0);
+    if (const auto way = crossingOf(distance, end - begin, inside))
+      found = begin + *way;
+    last.inside = distance(end - begin) < 0;
+  };
+
+  field.table.walk(
+      field.grid, ray, [&](const BrickPlace&, std::int32_t number, double begin, double end) {
+        const auto leaf = static_cast<std::size_t>(number);
+        const CellGrid cells{
+            vecOf(field.bricks.leaves()[leaf].origin), Vec3::Ones(), {kSide, kSide, kSide}};
+        traverseCells(cells, {{0, 0, 0}, {kSide, kSide, kSide}, true},
+                      Segment{ray.origin, ray.direction, begin, end},
+                      [&](const std::array<int, 3>& in, double from, double to) {
+                        if (!found)
+                          look(leaf, cells, in, from, to);
+                      });
+        return !found;
+      });
+  if (found && !(*found > segment.begin && *found < segment.end))
+    return std::nullopt;
+  return found;
+}
+
+/// Central differences at the voxels, of one side where there is no value on the other.
+Vec3 LevelSetSurface::outward(const Segment& segment, double distance) const {
+  const Segment ray = amongVoxels(segment);
+  const Vec3 at = ray.at(distance);
+  VoxelIndex lowest{};
+  Vec3 share;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = std::floor(at[axis]);
+    lowest[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(low);
+    share[axis] = at[axis] - low;
+  }
+  std::array<double, 64> near{};
+  for (int i = 0; i < 64; ++i)
+    near[static_cast<std::size_t>(i)] =
+        field_->value(plus(lowest, i % 4 - 1, i / 4 % 4 - 1, i / 16 - 1));
+  Vec3 smooth = Vec3::Zero(), own = Vec3::Zero();
+  for (int corner = 0; corner < 8; ++corner) {
+    const int side[3] = {corner & 1, corner >> 1 & 1, corner >> 2};
+    const int voxel = (side[0] + 1) + 4 * (side[1] + 1) + 16 * (side[2] + 1);
+    const double value = near[static_cast<std::size_t>(voxel)];
+    if (!std::isfinite(value))
+      continue;
+    double weights[3];
+    for (int axis = 0; axis < 3; ++axis) weights[axis] = side[axis] ? share[axis] : 1 - share[axis];
+    for (int axis = 0; axis < 3; ++axis) {
+      const int step = 1 << 2 * axis;
+      const double below = near[static_cast<std::size_t>(voxel - step)],
+                   above = near[static_cast<std::size_t>(voxel + step)];
+      const double slope = std::isfinite(above) && std::isfinite(below) ? 0.5 * (above - below)
+                           : std::isfinite(above)                       ? above - value
+                           : std::isfinite(below)                       ? value - below
+                                                                        : 0;
+      smooth[axis] += weights[0] * weights[1] * weights[2] * slope;
+      own[axis] +=
+          weights[(axis + 1) % 3] * weights[(axis + 2) % 3] * (side[axis] ? value : -value);
     }
   }
-  return {};
+  const Mat3 toWorld = inverse_.transpose();
+  const Vec3 exact = toWorld * own;
+  Vec3 normal = toWorld * smooth;
+  if (!(normal.norm() > 0))
+    normal = exact;
+  normal.normalize();
+  // What is seen from outside at a grazing angle is not seen from inside.
+  constexpr double kGrazing = 1e-6;
+  const double sign = exact.dot(segment.direction) > 0 ? 1 : -1;
+  const double length = segment.direction.norm();
+  if (const double along = normal.dot(segment.direction) / length; !(sign * along >= kGrazing))
+    normal = (normal + (sign * kGrazing - along) / length * segment.direction).normalized();
+  return normal;
+}
+
+void LevelSetSurface::addTriangles(std::uint32_t material, std::vector<Triangle>& to) const {
+  to.reserve(to.size() + field_->triangles);
+  field_->forCells([&](std::size_t leaf, const std::array<int, 3>& in) {
+    const VoxelIndex at = plus(field_->bricks.leaves()[leaf].origin, in[0], in[1], in[2]);
+    const Vec3 begin = vecOf(at);
+    cutCell(field_->cell(at), [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+      to.push_back({{linear_ * (begin + a) + offset_, linear_ * (begin + b) + offset_,
+                     linear_ * (begin + c) + offset_},
+                    material});
+    });
+  });
 }
 
 }  // namespace volute

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -14,16 +15,45 @@
 
 namespace volute {
 
-/// Appends the surface on which distances are 0, interpolated trilinearly between voxel centres:
-/// flat pieces whose corners lie exactly on it, and which leave no gap. Each cell of eight voxels
-/// is cut into six tetrahedra, which find every sheet that crosses an edge of theirs. Cells that
-/// reach out of the leaves, where a narrow band has no surface, are passed over.
-/// @param distances  one channel, negative inside
-/// @param info  where its voxels are
-/// @param place  from the space of info's bounds to the world; nothing: that is the world
-/// kTooLarge where the triangles need more than `maxMemory` bytes.
-[[nodiscard]] Status addLevelSet(const Bricks& distances, const VolumeInfo& info,
-                                 const std::optional<GridMatrix>& place, std::uint32_t material,
-                                 std::uint64_t maxMemory, std::vector<Triangle>& triangles);
+/// The surface on which distances are 0, interpolated trilinearly between voxel centres. Rays meet
+/// it where the cubic that the distance is along them in a cell of eight voxels is 0; its normals
+/// are interpolated from central differences at the voxels. Cells that reach out of the leaves,
+/// where a narrow band has no surface, are passed over.
+class LevelSetSurface final : public CurvedSurface {
+ public:
+  /// @param distances  one channel, negative inside; sorted
+  /// @param info  where its voxels are
+  /// @param place  from the space of info's bounds to the world; nothing: that is the world
+  /// kTooLarge where flat pieces of it need more than `maxMemory` bytes.
+  [[nodiscard]] static Result<std::shared_ptr<const LevelSetSurface>> make(
+      Bricks distances, const VolumeInfo& info, const std::optional<GridMatrix>& place,
+      std::uint64_t maxMemory);
+
+  std::optional<double> nearest(const Segment& segment) const override;
+  Vec3 outward(const Segment& segment, double distance) const override;
+
+  double roughness() const override { return roughness_; }
+
+  const Box3& bounds() const override { return bounds_; }
+
+  /// Each cell is cut into six tetrahedra, which find every sheet that crosses an edge of theirs:
+  /// corners lie exactly on the surface, and pieces leave no gap.
+  void addTriangles(std::uint32_t material, std::vector<Triangle>& to) const override;
+  std::shared_ptr<const CurvedSurface> moved(const Mat4& transform) const override;
+
+ private:
+  struct Field;
+
+  LevelSetSurface(std::shared_ptr<const Field> field, const Mat3& linear, const Vec3& offset);
+
+  Segment amongVoxels(const Segment& segment) const;
+
+  std::shared_ptr<const Field> field_;
+  Mat3 linear_;  ///< from places among voxels, 0 at the centre of the first, to the world
+  Vec3 offset_;
+  Mat3 inverse_;
+  Box3 bounds_;
+  double roughness_ = 0;
+};
 
 }  // namespace volute

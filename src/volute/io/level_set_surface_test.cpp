@@ -4,9 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
+#include <random>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -51,17 +55,30 @@ Corner cornerOf(const Vec3& at) {
   return {at.x(), at.y(), at.z()};
 }
 
-TEST(LevelSetSurface, IsClosedAndWhereTheDistanceIsZero) {
-  const Bricks bricks = sphere();
+std::shared_ptr<const LevelSetSurface> surfaceOf(const Bricks& bricks,
+                                                 const std::optional<GridMatrix>& place = {}) {
+  auto surface = LevelSetSurface::make(bricks, volume(), place, 1 << 30);
+  EXPECT_TRUE(surface.has_value());
+  return surface.value_or(nullptr);
+}
+
+std::vector<Triangle> piecesOf(const CurvedSurface& surface) {
   std::vector<Triangle> triangles;
-  ASSERT_TRUE(addLevelSet(bricks, volume(), std::nullopt, 3, 1 << 30, triangles).has_value());
+  surface.addTriangles(3, triangles);
+  return triangles;
+}
+
+TEST(LevelSetSurface, PiecesAreClosedAndWhereTheDistanceIsZero) {
+  const auto surface = surfaceOf(sphere());
   std::map<std::pair<Corner, Corner>, int> edges;
   double area = 0, farthest = 0;
-  for (const Triangle& triangle : triangles) {
+  Box3 around;
+  for (const Triangle& triangle : piecesOf(*surface)) {
     EXPECT_EQ(triangle.material, 3u);
     area += 0.5 * triangle.normal().norm();
     for (int i = 0; i < 3; ++i) {
       const Vec3& from = triangle.corners[i];
+      around.extend(from);
       farthest = std::max(farthest, std::abs(from.norm() - kRadius));
       const Corner a = cornerOf(from), b = cornerOf(triangle.corners[(i + 1) % 3]);
       if (a != b)
@@ -73,19 +90,114 @@ TEST(LevelSetSurface, IsClosedAndWhereTheDistanceIsZero) {
   EXPECT_LT(farthest, voxel * voxel / (2 * kRadius));
   EXPECT_NEAR(area, 4 * std::numbers::pi * kRadius * kRadius, 0.005 * area);
   for (const auto& [edge, count] : edges) EXPECT_EQ(count % 2, 0);
+  EXPECT_GE((around.min - surface->bounds().min).minCoeff(), 0);
+  EXPECT_GE((surface->bounds().max - around.max).minCoeff(), 0);
+  EXPECT_LT((surface->bounds().size() - around.size()).maxCoeff(), 2 * voxel);
+}
+
+Mat3 sheared() {
+  return Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix() *
+         (Mat3() << 1, 0.4, 0, 0, 1.5, 0.2, 0, 0, -2).finished();
+}
+
+/// The trilinear distance at a place among voxels; NaN where a voxel has none.
+double distanceAt(const Bricks& bricks, const Vec3& at) {
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    VoxelIndex voxel{}, origin{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const double low = std::floor(at[axis]);
+      const int side = corner >> axis & 1;
+      weight *= side ? at[axis] - low : 1 - (at[axis] - low);
+      const auto i = static_cast<std::size_t>(axis);
+      voxel[i] = static_cast<std::int64_t>(low) + side;
+      origin[i] = voxel[i] >> 3 << 3;
+    }
+    const std::size_t leaf = bricks.find(origin);
+    if (leaf == bricks.leaves().size())
+      return std::numeric_limits<double>::quiet_NaN();
+    sum += weight *
+           bricks.values(leaf)[static_cast<std::size_t>(
+               ((voxel[2] - origin[2]) * 8 + voxel[1] - origin[1]) * 8 + voxel[0] - origin[0])];
+  }
+  return sum;
+}
+
+/// Nothing is met before it is crossed, and nothing crossed is passed over, in a ball and in noise
+/// whose cells have several sheets, turned, sheared and mirrored.
+TEST(LevelSetSurface, RaysMeetItWhereTheDistanceIsZero) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> number(-1, 1);
+  std::vector<float> noise(kVoxels * kVoxels * kVoxels);
+  for (float& value : noise) value = static_cast<float>(number(random));
+  const GridMatrix place = gridMatrix(sheared(), Vec3(5, -3, 2));
+  const Vec3 voxel = volume().voxelSize();
+  for (const Bricks& bricks : {sphere(), Bricks::fromDense(volume(), noise, {2, 2, 2})}) {
+    const auto surface = surfaceOf(bricks, place);
+    int met = 0;
+    for (int ray = 0; ray < 400; ++ray) {
+      const auto point = [&] {
+        return Vec3(sheared() * (0.8 * Vec3(number(random), number(random), number(random))) +
+                    Vec3(5, -3, 2));
+      };
+      const Vec3 from = point(), to = point();
+      const Segment segment{from, (to - from).normalized(), 0, (to - from).norm()};
+      const auto distance = [&](double s) {
+        const Vec3 own = sheared().inverse() * (segment.at(s) - Vec3(5, -3, 2));
+        return distanceAt(bricks,
+                          (own - volume().bounds.min).cwiseQuotient(voxel) - Vec3::Constant(0.5));
+      };
+      const auto hit = surface->nearest(segment);
+      met += hit.has_value();
+      const double end = hit.value_or(segment.end);
+      constexpr int kSteps = 4000;
+      double last = distance(0);
+      for (int i = 1; i <= kSteps; ++i) {
+        const double s = end * (i - 0.01) / kSteps, now = distance(s);
+        ASSERT_FALSE(last * now < 0 && s < end - 1e-9) << "passed over at " << s << " of " << end;
+        last = now;
+      }
+      if (hit) {
+        EXPECT_LT(std::abs(distance(*hit)), 1e-9);
+      }
+    }
+    EXPECT_GT(met, 50);
+  }
+}
+
+/// Of a ball: within a degree, from outside and from inside.
+TEST(LevelSetSurface, NormalsAreThoseOfTheBall) {
+  const auto still = surfaceOf(sphere());
+  const auto moved =
+      still->moved((Mat4() << 2, 0, 0, 1, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1).finished());
+  std::mt19937 random(7);
+  std::normal_distribution<double> number;
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 way = Vec3(number(random), number(random), number(random)).normalized();
+    for (const double sign : {-1.0, 1.0}) {
+      const Segment segment{Vec3(way * (sign < 0 ? 1 : 0)), sign * way, 0, 2};
+      const auto hit = still->nearest(segment);
+      ASSERT_TRUE(hit);
+      EXPECT_NEAR(segment.at(*hit).norm(), kRadius, 1e-3);
+      const Vec3 normal = still->outward(segment, *hit);
+      EXPECT_NEAR(normal.norm(), 1, 1e-12);
+      EXPECT_GT(normal.dot(way), std::cos(1.0 / 180 * std::numbers::pi));
+    }
+    const Segment there{2 * way + Vec3(1, 0, 0), -way, 0, 2};
+    const auto hit = moved->nearest(there);
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR((there.at(*hit) - Vec3(1, 0, 0)).norm(), 2 * kRadius, 2e-3);
+  }
 }
 
 TEST(LevelSetSurface, MovesWithTheMatrixAndIsRefusedWhereItIsTooLarge) {
-  const Bricks bricks = sphere();
   const Mat3 stretched = Vec3(1, 2, 3).asDiagonal();
-  std::vector<Triangle> triangles;
-  const GridMatrix place = gridMatrix(stretched, Vec3(5, 0, 0));
-  ASSERT_TRUE(addLevelSet(bricks, volume(), place, 0, 1 << 30, triangles).has_value());
-  for (const Triangle& triangle : triangles)
+  const auto surface = surfaceOf(sphere(), gridMatrix(stretched, Vec3(5, 0, 0)));
+  for (const Triangle& triangle : piecesOf(*surface))
     for (const Vec3& corner : triangle.corners)
       EXPECT_NEAR((corner - Vec3(5, 0, 0)).cwiseQuotient(Vec3(1, 2, 3)).norm(), kRadius, 1e-3);
-  triangles.clear();
-  EXPECT_EQ(addLevelSet(bricks, volume(), std::nullopt, 0, 1000, triangles).error().code,
+  EXPECT_EQ(LevelSetSurface::make(sphere(), volume(), std::nullopt, 1000).error().code,
             ErrorCode::kTooLarge);
 }
 
@@ -107,8 +219,10 @@ TEST(LevelSetSurface, IsReadFromAFile) {
   ASSERT_TRUE(sink->finish().has_value());
   ASSERT_VALUE(const auto mesh, readSurfaces(folder / "a.vdb"));
   EXPECT_EQ(mesh.materials.size(), 1u);
-  ASSERT_GT(mesh.triangles.size(), 1000u);
-  for (const Triangle& triangle : mesh.triangles)
+  ASSERT_EQ(mesh.curved.size(), 1u);
+  const auto triangles = piecesOf(*mesh.curved[0].surface);
+  ASSERT_GT(triangles.size(), 1000u);
+  for (const Triangle& triangle : triangles)
     for (const Vec3& corner : triangle.corners) EXPECT_NEAR(corner.norm(), kRadius, 2e-3);
   EXPECT_EQ(readSurfaces(folder / "a.vdb", 100000).error().code, ErrorCode::kTooLarge);
 

@@ -128,9 +128,9 @@ Result<TriangleMesh> readLevelSet(const std::filesystem::path& path, std::uint64
     place = placed->places().front();
   Bricks bricks;
   VOLUTE_TRY(source->readBricks(0, bricks));
-  TriangleMesh mesh{{}, {Material()}};
-  VOLUTE_TRY(addLevelSet(bricks, source->info(), place, 0, maxMemory, mesh.triangles));
-  return mesh;
+  VOLUTE_ASSIGN(auto surface,
+                LevelSetSurface::make(std::move(bricks), source->info(), place, maxMemory));
+  return TriangleMesh{{}, {Material()}, {{std::move(surface)}}};
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ std::vector<std::uint8_t> OccludedSight::within(std::span<const Vec3> points) co
   std::vector<Hit> hits(points.size());
   surfaces_.nearest(up, hits);
   for (std::size_t i = 0; i < points.size(); ++i)
-    within[i] = hits[i].found() && surfaces_.triangles()[hits[i].triangle].normal().z() > 0;
+    within[i] = hits[i].found() && surfaces_.outward(up[i], hits[i]).z() > 0;
   return within;
 }
 

@@ -30,12 +30,6 @@ struct ShadowRays {
   std::vector<Segment> segments;
 };
 
-/// Towards the side from which the ray came.
-Vec3 facing(const Triangle& triangle, const Vec3& direction) {
-  const Vec3 normal = triangle.normal().normalized();
-  return normal.dot(direction) > 0 ? Vec3(-normal) : normal;
-}
-
 ShadowRays shadowRaysTo(const Lamp& lamp, const TriangleScene& geometry,
                         std::span<const Segment> segments, std::span<const SurfacePoint> points) {
   ShadowRays rays;
@@ -43,10 +37,10 @@ ShadowRays shadowRaysTo(const Lamp& lamp, const TriangleScene& geometry,
     const Hit& hit = points[i].hit;
     if (!hit.found())
       continue;
-    const Vec3 place = segments[i].at(hit.distance);
+    const Vec3 normal = facing(geometry, segments[i], hit);
+    const Vec3 place = segments[i].at(hit.distance) + geometry.roughness(hit) * normal;
     Segment way = lamp.towards(place);
-    const double cosine =
-        facing(geometry.triangles()[hit.triangle], segments[i].direction).dot(way.direction);
+    const double cosine = normal.dot(way.direction);
     const double lift = kLift + kRounding * place.cwiseAbs().maxCoeff();
     const bool before = cosine > 0 && cosine * way.end > lift;  // the surface's plane
     if (way.empty() || !before || (lamp.irradiance(place) == 0).all())
@@ -90,6 +84,11 @@ std::vector<double> arriving(const SurfaceScene& scene, const ShadowRays& rays) 
 }
 
 }  // namespace
+
+Vec3 facing(const TriangleScene& geometry, const Segment& segment, const Hit& hit) {
+  const Vec3 normal = geometry.outward(segment, hit);
+  return normal.dot(segment.direction) > 0 ? Vec3(-normal) : normal;
+}
 
 std::vector<SurfacePoint> lookAtSurfaces(const SurfaceScene& scene,
                                          std::span<const Segment> segments,

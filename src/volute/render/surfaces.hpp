@@ -58,6 +58,9 @@ struct SurfacePicture {
                                                     const Rgb& background, Progress& progress,
                                                     std::span<const std::uint8_t> only = {});
 
+/// The normal of what a segment meets, towards the side from which the segment comes.
+Vec3 facing(const TriangleScene& geometry, const Segment& segment, const Hit& hit);
+
 /// The same for any segments: where each meets a surface first and what comes back from there; no
 /// light and an infinite distance where it meets none.
 struct SurfacePoint {

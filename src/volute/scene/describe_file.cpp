@@ -51,8 +51,9 @@ Result<Report> describeScene(const std::string& path, Reading& reading) {
   addMedia(report, scene);
   report.add("times", {times.front(), times.back()}, range(times.front(), times.back()))
       .add("bounds", boxJson(scene.bounds()), boxText(scene.bounds()))
-      .add("triangles", scene.geometry().triangles().size(),
-           countText(scene.geometry().triangles().size()))
+      .add("triangles", scene.geometry().flat().size(), countText(scene.geometry().flat().size()))
+      .add("level_sets", scene.geometry().curved().size(),
+           countText(scene.geometry().curved().size()))
       .add("lights", description.lights.lamps.size(), countText(description.lights.lamps.size()))
       .add("signs", description.signs.size(), countText(description.signs.size()))
       .add("camera", scene.camera().has_value(),

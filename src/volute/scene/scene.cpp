@@ -367,12 +367,9 @@ Status Scene::placeSurfaces(const InstantRequest& request) {
   if (std::ranges::all_of(wanted, [](std::uint64_t key) { return key == 0; }) ||
       wanted == surfacesOf_)
     return {};
-  const auto triangles = geometry_.triangles();
-  const auto materials = geometry_.materials();
-  TriangleMesh all{{triangles.begin(), triangles.end()}, {materials.begin(), materials.end()}};
+  TriangleMesh all = geometry_.mesh();
   for (const auto& medium : media_) VOLUTE_TRY(medium->addSurfaces(request, all));
-  VOLUTE_ASSIGN(surfaces_,
-                TriangleScene::build(std::move(all.triangles), std::move(all.materials)));
+  VOLUTE_ASSIGN(surfaces_, TriangleScene::of(std::move(all)));
   surfacesOf_ = std::move(wanted);
   return {};
 }

@@ -80,18 +80,17 @@ Result<TriangleScene> loadGeometry(const std::vector<SceneGeometry>& entries,
     VOLUTE_ASSIGN(auto mesh, readSurfaces(entry.file, reading.maxMemory));
     // A million triangles are 80 MB, and each copy of them costs as much as reading them.
     const Mat4 placed = isYUp(entry) ? Mat4(entry.transform * yUpwards()) : entry.transform;
-    if (placed != Mat4::Identity())
+    if (placed != Mat4::Identity()) {
       mesh.triangles = transformed(mesh.triangles, placed);
-    if (all.triangles.empty() && all.materials.empty()) {
+      for (CurvedPart& part : mesh.curved) part.surface = part.surface->moved(placed);
+    }
+    if (all.materials.empty()) {
       all = std::move(mesh);
       continue;
     }
-    const auto first = static_cast<std::uint32_t>(all.materials.size());
-    for (Triangle& triangle : mesh.triangles) triangle.material += first;
-    all.triangles.insert(all.triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
-    all.materials.insert(all.materials.end(), mesh.materials.begin(), mesh.materials.end());
+    append(all, std::move(mesh));
   }
-  return TriangleScene::build(std::move(all.triangles), std::move(all.materials));
+  return TriangleScene::of(std::move(all));
 }
 
 }  // namespace volute

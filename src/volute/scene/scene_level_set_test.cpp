@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -108,6 +109,38 @@ TEST_F(SceneLevelSet, AreSurfacesInTheLightOfAStudioOrOfTheScene) {
   const auto there = lookAtSurfaces({lit.geometry, lit.lights.lamps}, {&moved, 1});
   EXPECT_NEAR(there[0].hit.distance, 5 - 2 * kBallRadius, 6e-3);
   EXPECT_NEAR(there[0].radiance[1] * std::numbers::pi / (0.7 * 3), 1, 0.02);
+}
+
+/// A ball in the sun is as bright as its normals say, up to where night begins.
+TEST_F(SceneLevelSet, AreLitAsWhatTheyAre) {
+  const Vec3 light = Vec3(1, -0.5, 0.8).normalized();
+  const Snapshot lit = at(fmt::format(
+      R"("media": [{{"kind": "volume", "file": "ball.vdb"}}],
+      "lights": [{{"kind": "sun", "direction": [{}, {}, {}], "radiance": [1, 1, 1]}}])",
+      -light.x(), -light.y(), -light.z()));
+  std::vector<Segment> rays;
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 60; ++x)
+      rays.push_back({Vec3(0.2 + x * 0.01, -1, 0.2 + y * 0.01), Vec3::UnitY(), 0, 3});
+  const auto points = lookAtSurfaces({lit.geometry, lit.lights.lamps}, rays);
+  const double brightest = 0.7 / std::numbers::pi;
+  double worst = 0;
+  int seen = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Vec3 out = rays[i].origin - Vec3(0.5, 0.5, 0.5);
+    const double across = std::hypot(out.x(), out.z());
+    if (across > 0.97 * kBallRadius)
+      continue;
+    ASSERT_TRUE(points[i].hit.found());
+    const Vec3 normal =
+        Vec3(out.x(), -std::sqrt(kBallRadius * kBallRadius - across * across), out.z()) /
+        kBallRadius;
+    const double expected = brightest * std::max(0.0, normal.dot(light));
+    worst = std::max(worst, std::abs(points[i].radiance[1] - expected));
+    ++seen;
+  }
+  EXPECT_GT(seen, 2000);
+  EXPECT_LT(worst, 0.025 * brightest);
 }
 
 TEST_F(SceneLevelSet, AreDenseMatterWhereThatIsAskedFor) {

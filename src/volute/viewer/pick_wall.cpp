@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/pick_wall.hpp"
 
+#include "volute/render/surfaces.hpp"
+
 namespace volute {
 
 std::optional<WallPlace> pickWall(const ViewScene& scene, const Segment& ray) {
@@ -11,11 +13,8 @@ std::optional<WallPlace> pickWall(const ViewScene& scene, const Segment& ray) {
   double nearest = hit.distance;
   Vec3 normal = -ray.direction;
   bool found = hit.found();
-  if (found) {
-    normal = scene.geometry.triangles()[hit.triangle].normal().normalized();
-    if (normal.dot(ray.direction) > 0)
-      normal = -normal;
-  }
+  if (found)
+    normal = facing(scene.geometry, ray, hit);
   for (const auto& medium : scene.now) {
     const auto wall = medium->wallOn(ray);
     if (!wall || !(wall->distance < nearest))

@@ -111,7 +111,9 @@ struct LitPiece {
 };
 
 std::vector<LitPiece> lit(const SurfaceScene& scene, std::span<const Triangle> triangles) {
-  const double reach = 1e-4 * scene.geometry.bounds().size().norm();
+  double reach = 1e-4 * scene.geometry.bounds().size().norm();
+  for (const CurvedPart& part : scene.geometry.curved())
+    reach = std::max(reach, part.surface->roughness());
   std::vector<LitPiece> pieces;
   std::vector<Segment> looks;
   for (const Triangle& triangle : triangles) {

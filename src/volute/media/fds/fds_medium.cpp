@@ -388,11 +388,9 @@ FdsAt::Lit FdsMedium::inLight(const FdsField& field, double time, const std::opt
 }
 
 TriangleScene FdsMedium::inTheWay(double time, const std::optional<Vec3>& eye) const {
-  const auto triangles = geometry_.triangles();
-  const auto materials = geometry_.materials();
-  TriangleMesh all{{triangles.begin(), triangles.end()}, {materials.begin(), materials.end()}};
+  TriangleMesh all = geometry_.mesh();
   addFaces(quadsOf(buildingAt(time), eye), all);
-  auto built = TriangleScene::build(std::move(all.triangles), std::move(all.materials));
+  auto built = TriangleScene::of(std::move(all));
   return built ? *built
                : geometry_;  // corners that are not finite are refused where they are drawn
 }

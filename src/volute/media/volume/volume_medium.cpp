@@ -349,7 +349,10 @@ Status VolumeMedium::addSurfaces(const InstantRequest& request, TriangleMesh& to
     const GridMatrix& own = input_->places[static_cast<std::size_t>(position)];
     place = gridMatrix(linear * linearOf(own), linear * offsetOf(own) + world.offset);
   }
-  return addLevelSet(bricks, input_->source->info(), place, material, maxMemory_, to.triangles);
+  VOLUTE_ASSIGN(auto surface, LevelSetSurface::make(std::move(bricks), input_->source->info(),
+                                                    place, maxMemory_));
+  to.curved.push_back({std::move(surface), material});
+  return {};
 }
 
 Result<std::optional<FirstTime>> VolumeMedium::firstTime(Progress&) {
