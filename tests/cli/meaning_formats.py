@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """The formats of meaning_test.py: a small right input of each, written here, what reads it, and what it says."""
+import base64
 import dataclasses
 import json
 import pathlib
@@ -165,6 +166,17 @@ def scene(folder):
     pictures.write_rows(folder / "map.png", [[40 * (x + y) % 256 for x in range(6)] for y in range(6)])
     put("wall.obj", "mtllib wall.mtl\nv 0 3 0\nv 3 3 0\nv 3 3 1\nv 1 3 1\nv 1 3 3\nv 0 3 3\nusemtl red\nf 1 2 3 4 5 6\n")
     put("wall.mtl", "newmtl red\nKd 0.8 0.2 0.1\n")
+    corners = struct.pack("<9f", 0, 0, 0, 2, 0, 0, 0, 2, 0)
+    put("wall.gltf", json.dumps({
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "translation": [1.0, 0.5, -2.0], "scale": [1.0, 1.0, 1.0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.2, 0.1, 1.0]}}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [2, 2, 0]}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + base64.b64encode(corners).decode()}]}))
+    put("gltf.json", json.dumps({"format": "volute-scene-2", "background": [0.1, 0.2, 0.4], "geometry": [{"file": "wall.gltf"}], "media": [],
+                                 "camera": {"eye": [2.0, -5.0, 2.5], "target": [2.0, 2.0, 1.0], "fov": 50, "size": [24, 16]},
+                                 "lights": [{"kind": "sun", "direction": [0.3, 0.5, -1], "radiance": [2, 2, 1.5]}]}))
     put("all.json", json.dumps({
         "format": "volute-scene-2",
         "camera": {"eye": [2.0, -5.0, 2.5], "target": [2.0, 2.0, 1.0], "up": [0, 0, 1], "fov": 50, "size": [24, 16]},

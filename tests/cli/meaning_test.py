@@ -5,6 +5,7 @@ the same, or there is a sentence: an error, or a remark that the unchanged file 
 the reason. `python3 tests/cli/meaning_test.py --table` tells each verdict and then a table of them, which goes between the marks BEGIN
 and END of docs/robustness.md where that page has them; words after it choose formats."""
 import concurrent.futures
+import itertools
 import json
 import pathlib
 import re
@@ -396,7 +397,8 @@ NC = {
               ("packed with an offset", nc(kind="h", change=lambda v: [round(1000 * one) - 700 for one in v],
                extra=[("scale_factor", ("d", [0.001])), ("add_offset", ("d", [0.7]))]), True),
               ("places in mm that do not say so", nc(places=scaled(1000, "xyz")), False), ("a factor of 0", nc(extra=[("scale_factor", ("d", [0.0]))]), False),
-              ("a factor of text", nc(extra=[("scale_factor", ("c", "0.001"))]), False)],
+              ("a factor of text", nc(extra=[("scale_factor", ("c", "0.001"))]), False),
+              ("two factors", nc(extra=[("scale_factor", ("d", [0.001, 0.002]))]), False)],
     "sign": [("unsigned", nc(kind="h", change=lambda v: [round(50000 * one) - 65536 * (one > 0.65535) for one in v],
              extra=[("scale_factor", ("d", [2e-5])), ("_Unsigned", ("c", "true"))]), True)],
     "time": [("going back", nc(places={"t": [0.0, 4.0, 2.0]}), False), ("a time twice", nc(places={"t": [0.0, 2.0, 2.0]}), False)],
@@ -454,6 +456,15 @@ SLICE = {
 }
 
 SIGN = {"at": ("signs", 0), "number": "position", "needed": "position", "text": "name"}
+def gltf(old, new):
+    return lambda data: data.replace(old.encode(), new.encode(), 1)
+
+
+GLTF = [("unit", "a version of its own", gltf('"version": "2.0"', '"version": "1.0"'), False),
+        ("missing", "a number of its place", gltf("[1.0, 0.5, -2.0]", "[1.0, 0.5]"), False),
+        ("duplicate", "a matrix beside its place", gltf('"mesh": 0,', '"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1],'), False),
+        ("length", "instances", gltf('"mesh": 0,', '"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}},'), False)]
+
 FORMATS = [
     Format("signs.json: the list", "text", "room", "signs.json", EYES.format("hall.smv"), "out/sight.csv", SIGNS),
     Format("signs.json", "json", "room", "signs.json", EYES.format("hall.smv"), "out/sight.csv", SIGN),
@@ -502,6 +513,9 @@ FORMATS = [
            {"at": ("media", 2), "number": "albedo", "needed": "case", "positive": True, "text": "field"}),
     Format("scene: sign", "json", "scene", "all.json", SCENE, "out.png", {"at": ("signs", 0), "number": "size", "needed": "position", "positive": True, "text": "name"}),
     Format(".obj", "text", "scene", "wall.obj", SCENE, "out.png", OBJ),
+    Format(".gltf: a node", "json", "scene", "wall.gltf", "render gltf.json -o out.png", "out.png", {"at": ("nodes", 0), "number": "translation"}, GLTF),
+    Format(".gltf: a material", "json", "scene", "wall.gltf", "render gltf.json -o out.png", "out.png",
+           {"at": ("materials", 0, "pbrMetallicRoughness"), "number": "baseColorFactor", "positive": True}),
     Format(".mtl", "text", "scene", "wall.mtl", SCENE, "out.png", MTL),
     Format("capture.json", "json", "capture", "capture.json", FIT, "out.npy",
            {"number": "frames_per_second", "needed": "cameras", "positive": True, "time": "frames_per_second"}),
@@ -541,6 +555,9 @@ UNKNOWABLE = {
     (".exr", "fill", "nan"): "the figures of the comparison are null",
     (".mtl", "name", "another material"): "materials that are not there have the default colour: .obj files often travel without their .mtl",
     (".vtu", "length", "a value too many"): "VTK's readers take as many numbers as they expect",
+    **{(f".gltf: a {part}", *change): "a number is what it says, and nothing else contradicts it"
+       for part, change in (("node", ("scale", "mm")), ("node", ("axis", "the other way round")), ("material", ("axis", "the other way round")))},
+    **{(f".gltf: a {part}", "name", "another member"): "what a file has beyond its format is for other programs" for part in ("node", "material")},
     (".mtl", "scale", "bytes"): "colours above 1 are used for light",
 }
 
@@ -620,7 +637,8 @@ class Machine:
         assert code == 0 and right, (form.name, code, right_message)
         data = (base / form.file).read_bytes()
         verdicts = []
-        for mutation, label, changed, kept in FAMILIES[form.family](data, form.hints):
+        own = ((mutation, label, change(data), kept) for mutation, label, change, kept in form.more)
+        for mutation, label, changed, kept in itertools.chain(FAMILIES[form.family](data, form.hints), own):
             with tempfile.TemporaryDirectory(dir=self.folder) as name:
                 work = pathlib.Path(name) / "base"
                 shutil.copytree(base, work)

@@ -271,6 +271,11 @@ class GdalReader final : public ArrayReader {
     VOLUTE_ASSIGN(const auto offset, numbersOf("add_offset"));
     if (!known && !offset.empty())
       offset_ = offset.front();
+    if (scale.size() > 1 || offset.size() > 1) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: '{}' has {} numbers to scale with and {} to move by; expected one of each",
+                  file_, array_->GetName(), scale.size(), offset.size());
+    }
     if (scale_ == 0 || !std::isfinite(scale_) || !std::isfinite(offset_)) {
       return fail(ErrorCode::kInvalidData,
                   "{}: the numbers of '{}' are scaled by {} and moved by {}; expected finite "

@@ -5,10 +5,11 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "volute/base/input_file.hpp"
 #include "volute/io/below_folder.hpp"
-#include "volute/io/json_depth.hpp"
+#include "volute/io/gltf_text.hpp"
 #include "volute/io/surface.hpp"
 
 namespace volute {
@@ -76,7 +77,7 @@ Result<tinygltf::Model> loadModel(const std::filesystem::path& path) {
   std::vector<unsigned char> bytes(file.size());
   VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(bytes))));
   const bool binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
-  VOLUTE_TRY(checkJsonDepth(jsonOf(bytes, binary), name));
+  VOLUTE_TRY(parseGltf(jsonOf(bytes, binary), name));
   std::filesystem::path folder =
       path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
   tinygltf::TinyGLTF loader;

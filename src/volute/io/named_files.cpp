@@ -3,6 +3,7 @@
 #include "volute/io/named_files.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <climits>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -49,6 +50,9 @@ class OutsideFinder {
       return;
     std::error_code error;
     const fs::path path = folder / text;
+    // Most texts by far: to follow a path takes twenty calls of the system.
+    if (isPlainName(text) && fs::symlink_status(path, error).type() == fs::file_type::not_found)
+      return;
     if (!isBelowFolder(path, folder)) {
       // "/" is more likely a text than the root of all folders.
       const fs::path normal = fs::path(text).lexically_normal();
@@ -60,6 +64,13 @@ class OutsideFinder {
       found_.push_back(text);
     else if (extensionOf(path) == ".json" && fs::is_regular_file(path, error))
       addFile(path);
+  }
+
+  /// Of one thing in the folder itself, and no pattern of frames.
+  static bool isPlainName(const std::string& text) {
+    return text != "." && text != ".." && std::ranges::all_of(text, [](unsigned char c) {
+             return std::isalnum(c) || c == ' ' || c == '-' || c == '_' || c == '.';
+           });
   }
 
   /// No file has such a name.

@@ -212,6 +212,29 @@ TEST(Gltf, ErrorsNameTheElement) {
   EXPECT_THAT(message(sample(R"([{"children":[3]}])"), square()), HasSubstr("no node 3"));
   EXPECT_THAT(message(sample(R"([{"name":"empty"}])"), square()), HasSubstr("no triangles"));
   EXPECT_THAT(message("{", ""), HasSubstr("d.glb: not a whole glTF"));
+  // What would be left out without a word.
+  const auto node = [&](const char* members) {
+    return message(sample(fmt::format(R"([{{"mesh":0,{}}}])", members)), square());
+  };
+  EXPECT_EQ(node(R"("translation":[0,1,2])"), "");
+  EXPECT_THAT(node(R"("translation":[0,1])"),
+              HasSubstr("/nodes/0/translation: expected 3 numbers"));
+  EXPECT_THAT(node(R"("translation":[0,1,9.97e36])"), HasSubstr("3 numbers of up to 1e+12"));
+  EXPECT_THAT(node(R"("translation_cm":[0,1,2])"), HasSubstr("'translation_cm' is unknown"));
+  EXPECT_THAT(node(R"("Scale":[2,2,2])"), HasSubstr("'Scale' is unknown; expected scale"));
+  EXPECT_THAT(node(R"("scale":["1","1","1"])"), HasSubstr("/nodes/0/scale: expected 3 numbers"));
+  EXPECT_THAT(node(R"("matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0])"),
+              HasSubstr("expected 16 numbers"));
+  EXPECT_THAT(node(R"("scale":[1,1,1],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1])"),
+              HasSubstr("has both matrix and scale"));
+  EXPECT_THAT(node(R"("scale":[1,1,1],"scale":[2,2,2])"), HasSubstr("'scale' is there twice"));
+  EXPECT_THAT(node(R"("extensions":{"EXT_mesh_gpu_instancing":{}})"), HasSubstr("instancing"));
+  EXPECT_THAT(with(R"("version":"2.0")", R"("version":"1.0")"), HasSubstr("/asset/version is 1.0"));
+  EXPECT_THAT(with(R"("version":"2.0")", R"("version":"2.1","minVersion":"2.1")"),
+              HasSubstr("/asset/minVersion is 2.1; expected glTF 2.0"));
+  EXPECT_EQ(with(R"("version":"2.0")", R"("version":"2.1")"), "");
+  EXPECT_THAT(with(R"("baseColorFactor":[)", R"("baseColorFactor":[1,)"),
+              HasSubstr("/materials/0/pbrMetallicRoughness/baseColorFactor: expected 4 numbers"));
   std::string outside = sample(R"([{"mesh":0}])");
   outside.replace(outside.find(R"("byteLength":60)"), 15,
                   R"("byteLength":60,"uri":"../../../../etc/hostname")");

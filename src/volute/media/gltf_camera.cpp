@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "volute/base/input_file.hpp"
-#include "volute/io/json_depth.hpp"
+#include "volute/io/gltf_text.hpp"
 
 namespace volute {
 namespace {
@@ -146,9 +146,9 @@ Result<CameraDescription> cameraOf(const Json& gltf, const std::string& file) {
 Result<CameraDescription> readGltfCamera(const std::string& file) {
   VOLUTE_ASSIGN(const auto input, InputFile::open(file));
   VOLUTE_ASSIGN(const auto text, textOf(input));
-  VOLUTE_TRY(checkJsonDepth(text, file));
+  VOLUTE_ASSIGN(const Json gltf, parseGltf(text, file));
   try {
-    return cameraOf(Json::parse(text), file);
+    return cameraOf(gltf, file);
   } catch (const std::exception& error) {
     return fail(ErrorCode::kInvalidData, "{}: not a whole glTF 2.0 file: {}", file, error.what());
   }

@@ -52,6 +52,15 @@ TEST_F(GltfCamera, IsTurnedAsItsGeometryIs) {
   EXPECT_FALSE(camera->ortho);
 }
 
+TEST_F(GltfCamera, WhatIsThereTwiceIsRefused) {
+  std::string twice = simple().dump();
+  twice.insert(twice.find("\"yfov\""), "\"yfov\":0.2,");
+  EXPECT_THAT(read(twice).error().message, HasSubstr("'yfov' is there twice"));
+  json other = simple();
+  other["asset"]["version"] = "1.0";
+  EXPECT_THAT(read(other.dump()).error().message, HasSubstr("/asset/version is 1.0"));
+}
+
 TEST_F(GltfCamera, OfABinaryFileIsTheSame) {
   const std::string text = simple().dump();
   const auto size = static_cast<std::uint32_t>(text.size());
