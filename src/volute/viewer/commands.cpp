@@ -62,6 +62,7 @@ void stop(App& app, const In&) {
   settings.help = settings.search = settings.painting = settings.probe = settings.measuring = false;
   app.tools().pointer.place("");
   app.tools().pointer.forgetRuler();
+  app.stopReport();
 }
 
 void measure(App& app, const In&) {
@@ -177,6 +178,7 @@ std::span<const ViewerCommand> viewerCommands() {
       {"hide the panels, show them again", "H", [](App& app, const In&) { app.settings().panels = !app.settings().panels; }, Key::kH},
       {"full screen", "F11", [](App& app, const In&) { app.window().requestFullScreen(); }, Key::kF11},
       {"screenshot without panels: volute_0001.png ...", "F12", [](App& app, const In&) { app.window().requestScreenshot(); }, Key::kF12},
+      {"write a report of what is shown: volute_0001.html ...", "Ctrl F12", [](App& app, const In&) { app.window().requestReport(); }, Key::kF12, true},
       {"clip by a box", "", addToScene<SceneEdit::Kind::kAddClipBox>},
       {"clip by a plane", "", addToScene<SceneEdit::Kind::kAddClipPlane>},
       {"add a sign", "", addToScene<SceneEdit::Kind::kAddSign>},
@@ -220,6 +222,8 @@ constexpr std::pair<std::string_view, std::string_view> kAlsoCalled[] = {
     {"show what is under the pointer", "value probe read"},
     {"measure a distance by two clicks", "ruler length"},
     {"screenshot without panels: volute_0001.png ...", "export save image still picture"},
+    {"write a report of what is shown: volute_0001.html ...",
+     "export save page document files checksum"},
     {"make a film", "export save video animation movie"},
     {"make a film once around, of a still in 10 s", "export orbit turntable video"},
     {"parallel or perspective camera", "orthographic"},

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/viewer/controls_testing.hpp"
+#include "volute/viewer/view_report.hpp"
 
 namespace volute {
 namespace {
@@ -338,6 +339,61 @@ TEST_F(DoorControls, AScreenshotHasNoPanels) {
   const Image without = viewer_->screenshot();
   EXPECT_GT(difference(with, without), 0.1);
   app().settings().panels = true;
+}
+
+TEST_F(DoorControls, AReportSaysWhatWasShownWhileOneGoesOn) {
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(std::filesystem::path(folder_.path("x")).parent_path());
+  open("fog.json");
+  script_->press(Key::kF12, true);
+  ASSERT_NE(app().report(), nullptr);
+  const std::string page = app().report()->target().string();
+  // A change after the request is not in it.
+  const auto& parameters = app().document().info()->parameters;
+  const auto degree = std::ranges::find(parameters, "/media/0/sigma_max", &Parameter::path);
+  ASSERT_NE(degree, parameters.end());
+  EXPECT_EQ(degree->value[0], 0.4);
+  app().document().set(*degree, {0.1});
+  for (int i = 0; i < 2000 && app().report(); ++i) {
+    script_->frame();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  std::filesystem::current_path(before);
+  ASSERT_EQ(app().report(), nullptr);
+  EXPECT_THAT(app().document().message(), ::testing::HasSubstr("volute_0001.html is written"));
+  std::ifstream stream(page);
+  const std::string text((std::istreambuf_iterator<char>(stream)), {});
+  for (const char* part : {"data:image/png;base64", "map.png", "SHA-256", "/media/0/sigma_max",
+                           ">0.4 ", "<td>eye</td>"})
+    EXPECT_THAT(text, ::testing::HasSubstr(part));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("volute_0001.picture.png")));
+}
+
+TEST_F(DoorControls, AReportIsMadeByItsButtonAndStoppedByEscape) {
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(std::filesystem::path(folder_.path("x")).parent_path());
+  open("blob.npy");
+  ASSERT_TRUE(script_->click("Report"));
+  ASSERT_NE(app().report(), nullptr);
+  script_->press(Key::kEscape);
+  EXPECT_EQ(app().report(), nullptr);
+  std::filesystem::current_path(before);
+}
+
+TEST(ReportJob, LeavesNoPageWhereItWasStoppedOrFindsNoRoom) {
+  const SceneFolder folder;
+  const auto target = folder.path("volute_0001.html");
+  {
+    ReportJob job({target, Image(4, 4)});
+    job.stop();
+    job.begin({}, {folder.path("blob.npy")});
+  }
+  EXPECT_FALSE(std::filesystem::exists(target));
+  ReportJob job({folder.path("gone/volute_0001.html"), Image(4, 4)});
+  job.begin({}, {folder.path("blob.npy")});
+  while (!job.done()) std::this_thread::yield();
+  ASSERT_FALSE(job.status());
+  EXPECT_THAT(job.status().error().message, ::testing::HasSubstr("gone/volute_0001"));
 }
 
 }  // namespace

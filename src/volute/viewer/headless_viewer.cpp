@@ -40,6 +40,8 @@ Status HeadlessViewer::frame(const ViewerInput& input) {
   VOLUTE_TRY(app_->frame(input));
   if (app_->drew())
     drawn_ = whole_;
+  if (app_->window().takeReportRequest())
+    app_->beginReport(screenshot());
   glFinish();  // as a window's swap does: else what is deleted stays until the queue is full
   return {};
 }

@@ -137,6 +137,11 @@ void openAndHelp(ViewerApp& app, bool picture) {
     if (ImGui::Button(tr("Screenshot")))
       app.window().requestScreenshot();
     app.window().mark("Screenshot");
+    besideOrBelow("Report");
+    if (ImGui::Button(tr("Report")))
+      app.window().requestReport();
+    app.window().mark("Report");
+    hint("a page with picture, settings and files: Ctrl F12");
     besideOrBelow("Help");
   }
   if (ImGui::Button(tr("Help")))

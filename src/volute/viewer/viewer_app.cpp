@@ -14,6 +14,7 @@
 #include "volute/scene/scene.hpp"
 #include "volute/viewer/error_text.hpp"
 #include "volute/viewer/panels.hpp"
+#include "volute/viewer/view_report.hpp"
 
 namespace volute {
 namespace {
@@ -238,6 +239,36 @@ void ViewerApp::beginFilm(const ViewerInput& input) {
   playback_.beginFilm(order, view_.picture().makers());
 }
 
+void ViewerApp::beginReport(Image picture) {
+  if (!document_.info() || report_)
+    return;
+  const auto point = [](const Vec3& v) {
+    return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
+  };
+  const StartView view = view_.camera().view();
+  ReportOrder order{freeReportName(std::filesystem::current_path()), std::move(picture)};
+  order.view = {{"time", fmt::format("{:.6g} s", playback_.timeline().snapshotTime())},
+                {"eye", point(view.eye)},
+                {"target", point(view.target)},
+                {"up", point(view.up)},
+                view.ortho > 0 ? std::pair("ortho", fmt::format("{:.6g} m", view.ortho))
+                               : std::pair("fov", fmt::format("{:.6g} degrees", view.fov)),
+                {"exposure", fmt::format("{:.6g}", view_.display().exposure)},
+                {"tone", std::string(nameOf(view_.display().tone))}};
+  report_ = std::make_shared<ReportJob>(std::move(order));
+  document_.loader().change("report",
+                            [job = report_](Document& document, Progress&) -> Result<std::string> {
+                              job->begin(document.info(), document.files());
+                              return job->target().filename().string() + " is being written";
+                            });
+}
+
+void ViewerApp::stopReport() {
+  if (report_)
+    report_->stop();
+  report_.reset();
+}
+
 WorkNotes::Seen ViewerApp::seenWork() const {
   const ViewPicture& picture = view_.picture();
   const LoadedScene* scene = document_.scene();
@@ -247,6 +278,8 @@ WorkNotes::Seen ViewerApp::seenWork() const {
   seen.loaded = document_.loading().share;
   seen.drawn = picture.progress();
   seen.draws = seen.drawn.busy && !moving_ && !picture.stopped();
+  if (report_)
+    seen.report = report_->share(), seen.reportLeft = report_->secondsLeft();
   seen.shown = picture.shown();
   seen.late = !moving_ && scene && picture.shown() &&
               (picture.state().stale || std::abs(picture.state().time - scene->time) > 1e-9);
@@ -327,6 +360,11 @@ Status ViewerApp::frame(const ViewerInput& input) {
   takeLoaded(input);
   if (document_.info())
     recovery_.keep(document_.info()->unsaved, settings_.sceneName);
+  if (report_ && report_->done()) {
+    document_.say(report_->status() ? report_->target().filename().string() + " is written"
+                                    : viewerText(report_->status().error()));
+    report_.reset();
+  }
   notes_.update(seenWork(), document_.message());
   usePanels(input);
   {
@@ -363,7 +401,7 @@ bool ViewerApp::due(const ViewerInput& input) {
                     input.pixelsDown() != seen_.pixelsDown() || input.scale != seen_.scale ||
                     std::ranges::count(input.buttons, true) > 0 ||
                     !std::ranges::equal(input.buttons, seen_.buttons);
-  if (acts || playback_.film() || view_.picture().refining() || leaving_.asked())
+  if (acts || playback_.film() || report_ || view_.picture().refining() || leaving_.asked())
     lively_ = kLively;
   const bool writes = ImGui::GetIO().WantTextInput && input.seconds > 0.25;  // the cursor blinks
   const bool shows = lively_ > 0 || writes || view_.picture().hasNews() || input.seconds > 0.5;
@@ -385,7 +423,7 @@ bool ViewerApp::settled() const {
   const PictureRequest requested = request(seen_);
   const ViewPicture& picture = view_.picture();
   const bool there = document_.info() && document_.scene();
-  return document_.idle() && !playback_.film() && picture.settled(requested) &&
+  return document_.idle() && !playback_.film() && !report_ && picture.settled(requested) &&
          picture.exact(requested) && (!comparison_.active() || comparison_.settled(requested)) &&
          (there || !document_.error().empty());
 }

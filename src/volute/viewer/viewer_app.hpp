@@ -19,6 +19,8 @@
 
 namespace volute {
 
+class ReportJob;
+
 /// What parts of the last frame took [ms].
 struct FrameCosts {
   double loaded = 0;   ///< to take over what the loader has
@@ -93,6 +95,15 @@ class ViewerApp {
   void saveScene();
   void beginFilm(const ViewerInput& input);
 
+  /// Of what is open as it is now, into the current folder.
+  /// @param picture  of it
+  void beginReport(Image picture);
+
+  /// Null: none is being written.
+  const ReportJob* report() const { return report_.get(); }
+
+  void stopReport();
+
   /// One frame. Errors of documents are shown, not returned; what is returned ends the viewer.
   [[nodiscard]] Status frame(const ViewerInput& input);
 
@@ -153,6 +164,7 @@ class ViewerApp {
   WindowLanguage language_;
   WorkNotes notes_;
   FrameCosts costs_;
+  std::shared_ptr<ReportJob> report_;
   std::string other_;               ///< that the document is compared with from when it is there
   std::optional<ViewCamera> rest_;  ///< of rest(), until the document is there
   bool timeAsked_ = false;          ///< a person said at which time to begin

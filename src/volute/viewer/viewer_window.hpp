@@ -56,6 +56,10 @@ class ViewerWindow {
 
   bool takeScreenshotRequest() { return std::exchange(screenshot_, false); }
 
+  void requestReport() { report_ = true; }
+
+  bool takeReportRequest() { return std::exchange(report_, false); }
+
  private:
   std::map<std::string, ControlPlace> controls_;
   std::string focused_;
@@ -74,7 +78,7 @@ class ViewerWindow {
   std::vector<Stop> stops_;
   int steps_ = 0;
   Clipboard clipboard_;
-  bool fullScreen_ = false, screenshot_ = false;
+  bool fullScreen_ = false, screenshot_ = false, report_ = false;
 };
 
 }  // namespace volute

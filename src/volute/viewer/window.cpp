@@ -295,6 +295,11 @@ Result<std::optional<ViewerRest>> runWindow(OpenDocument open, const ViewerStart
       app->showAgain();
       app->document().say(written ? name + " is written" : written.error().message);
     }
+    if (app->window().takeReportRequest()) {
+      app->showAgain(false);
+      app->beginReport(shownPicture(input.columns, input.rows));
+      app->showAgain();
+    }
     if (app->window().takeFullScreenRequest())
       window->toggleFullScreen();
     window->setTitle(app->title());

@@ -48,6 +48,10 @@ void WorkNotes::update(const Seen& seen, const std::string& message) {
     work_.share = seen.drawn.share;
     work_.stops = seen.shown;
   }
+  if (seen.report && work_.text.empty()) {
+    work_.text = tr("writing the report") + timeLeft(seen.reportLeft.value_or(0));
+    work_.share = *seen.report;
+  }
   if (message != toasted_) {
     toast_ = toasted_ = message;
     toastUntil_ = Clock::now() + kToast;

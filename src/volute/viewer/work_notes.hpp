@@ -27,8 +27,10 @@ class WorkNotes {
     double loaded = 0;    ///< share, 0..1; negative when nobody knows
     bool draws = false;
     CpuProgress drawn{};
-    bool shown = false;  ///< there is a picture
-    bool late = false;   ///< and it is of something else
+    std::optional<double> report{};      ///< share of one that is written, 0..1
+    std::optional<double> reportLeft{};  ///< [s]
+    bool shown = false;                  ///< there is a picture
+    bool late = false;                   ///< and it is of something else
   };
 
   /// To be called in every frame.
