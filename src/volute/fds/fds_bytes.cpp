@@ -37,9 +37,11 @@ Status FdsCase::findTemperatureScale() {
         index_.path.string(), options_.quantity, *largestSaid());
   }
   remarks_.push_back(
-      fmt::format("{}: bytes of {} are taken for {:g} to {:g} degrees C, as FDS writes them unless "
-                  "it is told otherwise: no TEMP_MINMAX says it",
-                  index_.path.string(), options_.quantity, least, most));
+      {RemarkCode::kAssumed,
+       fmt::format(
+           "{}: bytes of {} are taken for {:g} to {:g} degrees C, as FDS writes them unless "
+           "it is told otherwise: no TEMP_MINMAX says it",
+           index_.path.string(), options_.quantity, least, most)});
   return {};
 }
 
@@ -99,10 +101,11 @@ Status FdsCase::findHeatScale() {
                 index_.path.string(), kFdsHeatRelease);
   }
   largestHeat_ = 0.5 * (least + most);
-  remarks_.push_back(fmt::format(
-      "{}: the last byte of {} stands for {:.4g} to {:.4g} kW/m3 by its .sz files; the middle is "
-      "taken",
-      index_.path.string(), kFdsHeatRelease, least, most));
+  remarks_.push_back(
+      {RemarkCode::kAssumed, fmt::format("{}: the last byte of {} stands for {:.4g} to {:.4g} "
+                                         "kW/m3 by its .sz files; the middle is "
+                                         "taken",
+                                         index_.path.string(), kFdsHeatRelease, least, most)});
   return {};
 }
 
@@ -131,10 +134,11 @@ Status FdsCase::findGeneration() {
   }
   if (best == nullptr) {
     if (!any) {
-      remarks_.push_back(fmt::format(
-          "{}: without a fourth column in .s3d.sz its bytes are taken for opacity, as FDS wrote "
-          "them until 2025",
-          index_.path.string()));
+      remarks_.push_back(
+          {RemarkCode::kAssumed, fmt::format("{}: without a fourth column in .s3d.sz its bytes are "
+                                             "taken for opacity, as FDS wrote "
+                                             "them until 2025",
+                                             index_.path.string())});
     }
     return {};
   }
@@ -238,11 +242,14 @@ Status FdsCase::findVisibility() {
     visibilityCap_ = largest;
     cap = "the largest value at the first stored time";
   }
-  remarks_.push_back(fmt::format(
-      "{}: K = C / visibility with C = {:g} ({}); visibility is cut at {:g} m ({}): where it is, "
-      "extinction is anything from 0 to {:.4g} 1/m, and {:.4g} is taken",
-      index_.path.string(), visibilityFactor_, factor, visibilityCap_, cap,
-      visibilityFactor_ / visibilityCap_, visibilityFactor_ / visibilityCap_));
+  const bool assumed = input.path.empty();
+  remarks_.push_back(
+      {assumed ? RemarkCode::kAssumed : RemarkCode::kNote,
+       fmt::format("{}: K = C / visibility with C = {:g} ({}); visibility is cut at {:g} m ({}): "
+                   "where it is, "
+                   "extinction is anything from 0 to {:.4g} 1/m, and {:.4g} is taken",
+                   index_.path.string(), visibilityFactor_, factor, visibilityCap_, cap,
+                   visibilityFactor_ / visibilityCap_, visibilityFactor_ / visibilityCap_)});
   return {};
 }
 

@@ -220,9 +220,10 @@ void FdsCase::noteOtherSmoke() {
   }
   if (others.empty())
     return;
-  remarks_.push_back(fmt::format(
-      "{}: warning: only the smoke of {} is seen; that of {} is thick by itself and is left out",
-      index_.path.string(), source().smoke, fmt::join(others, ", ")));
+  remarks_.push_back({RemarkCode::kLeftOut,
+                      fmt::format("{}: warning: only the smoke of {} is seen; that of {} is thick "
+                                  "by itself and is left out",
+                                  index_.path.string(), source().smoke, fmt::join(others, ", "))});
 }
 
 Status FdsCase::openParts() {
@@ -231,7 +232,7 @@ Status FdsCase::openParts() {
   parallelFor(wanted.size(), [&](std::size_t i) { opened[i] = openPart(wanted[i]); });
   for (auto& part : opened) {
     if (!part && part.error().code == ErrorCode::kTruncated) {
-      leftOut_.push_back(part.error().message + ": the file is left out");
+      leftOut_.push_back({RemarkCode::kDamaged, part.error().message + ": the file is left out"});
       continue;
     }
     if (!part && part.error().code == ErrorCode::kNotFound) {
@@ -243,17 +244,18 @@ Status FdsCase::openParts() {
           part.error().message, index_.path.filename().string(), mesh + 1);
     }
     VOLUTE_TRY(part);
-    for (const std::string& remark : (*part)->file->frames().remarks) leftOut_.push_back(remark);
+    for (const Remark& remark : (*part)->file->frames().remarks) leftOut_.push_back(remark);
     const bool empty = std::ranges::any_of((*part)->lattice.planes,
                                            [](const auto& planes) { return planes.size() < 2; });
     if (empty) {
-      leftOut_.push_back(
-          fmt::format("{}: holds nothing but cells outside of its mesh: it is left "
-                      "out",
-                      (*part)->path.string()));
+      leftOut_.push_back({RemarkCode::kLeftOut,
+                          fmt::format("{}: holds nothing but cells outside of its mesh: it is left "
+                                      "out",
+                                      (*part)->path.string())});
     } else if ((*part)->file->frames().times.empty()) {
       leftOut_.push_back(
-          fmt::format("{}: holds no whole frame yet: it is left out", (*part)->path.string()));
+          {RemarkCode::kDamaged,
+           fmt::format("{}: holds no whole frame yet: it is left out", (*part)->path.string())});
     } else {
       parts_.push_back(std::move(*part));
     }
@@ -262,7 +264,7 @@ Status FdsCase::openParts() {
   if (parts_.empty()) {
     return fail(ErrorCode::kTruncated, "{}: no file of the source '{}' holds a whole frame{}{}",
                 index_.path.string(), source().name, remarks_.empty() ? "" : ": ",
-                remarks_.empty() ? "" : remarks_.back());
+                remarks_.empty() ? "" : remarks_.back().sentence);
   }
   return {};
 }
@@ -305,6 +307,7 @@ Status FdsCase::findTimes() {
     return fail(ErrorCode::kTruncated, "{}: the {} files of the source '{}' have no time in common",
                 index_.path.string(), parts_.size(), source().name);
   }
+  storedUntil_ = dropped.empty() ? times_.back() : std::max(times_.back(), dropped.back());
   if (!dropped.empty())
     noteDroppedTimes(dropped);
   for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->frameAt = std::move(frames[i]);
@@ -321,13 +324,16 @@ void FdsCase::noteDroppedTimes(std::span<const double> dropped) {
     return fmt::format("{} (mesh {}) has {}, the last at {:g} s", part->path.filename().string(),
                        part->what.mesh + 1, times.size(), times.back());
   };
-  leftOut_.push_back(fmt::format(
-      "{}: {} of {} stored times are left out ({:g} to {:g} s): not all files of the source '{}' "
-      "have them. {}, {}: {}",
-      index_.path.string(), dropped.size(), dropped.size() + times_.size(), dropped.front(),
-      dropped.back(), source().name, count(*longest), count(*shortest),
-      index_.ended ? "FDS has ended, so files were cut or are of another run: copy them again"
-                   : "the case may still be running; else copy the files again"));
+  leftOut_.push_back(
+      {RemarkCode::kLeftOut,
+       fmt::format(
+           "{}: {} of {} stored times are left out ({:g} to {:g} s): not all files of the source "
+           "'{}' "
+           "have them. {}, {}: {}",
+           index_.path.string(), dropped.size(), dropped.size() + times_.size(), dropped.front(),
+           dropped.back(), source().name, count(*longest), count(*shortest),
+           index_.ended ? "FDS has ended, so files were cut or are of another run: copy them again"
+                        : "the case may still be running; else copy the files again")});
   remarks_.push_back(leftOut_.back());
 }
 
@@ -383,11 +389,14 @@ void FdsCase::noteGaps(std::span<const FdsLattice> lattices) {
     }
   }
   if (count > 0) {
-    remarks_.push_back(fmt::format(
-        "{}: {} pairs of meshes are apart by more than FDS connects (1 mm, and a twentieth of a "
-        "cell): {}{}. Nothing is known in between: sight lines across count as blocked by smoke "
-        "that nobody knows",
-        index_.path.string(), count, first, count > 1 ? ", and others" : ""));
+    remarks_.push_back(
+        {RemarkCode::kDoubtful,
+         fmt::format("{}: {} pairs of meshes are apart by more than FDS connects (1 mm, and a "
+                     "twentieth of a "
+                     "cell): {}{}. Nothing is known in between: sight lines across count as "
+                     "blocked by smoke "
+                     "that nobody knows",
+                     index_.path.string(), count, first, count > 1 ? ", and others" : "")});
   }
 }
 
@@ -416,7 +425,7 @@ void FdsCase::noteMissingMeshes() {
     uncovered_ = fmt::format("{}: the source '{}' does not cover {} of {} meshes ({}{})",
                              index_.path.string(), source().name, count, covered.size(), missing,
                              count > 8 ? ", ..." : "");
-    remarks_.push_back(uncovered_);
+    remarks_.push_back({RemarkCode::kLeftOut, uncovered_});
   }
 }
 

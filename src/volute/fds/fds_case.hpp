@@ -61,19 +61,22 @@ class FdsCase {
   /// Times [s] of the stored frames that all files of the source have; ascending, at least one.
   std::span<const double> times() const { return times_; }
 
+  /// The last time [s] that any file of the source has.
+  double storedUntil() const { return storedUntil_; }
+
   /// Bounds of the region the source covers.
   const Box3& bounds() const { return grid_->bounds(); }
 
   const FdsGrid& grid() const { return *grid_; }
 
-  /// Sentences about truncated files, meshes without a file, caps.
-  std::span<const std::string> remarks() const { return remarks_; }
+  /// On truncated files, meshes without a file, caps.
+  std::span<const Remark> remarks() const { return remarks_; }
 
   /// Those of the remarks that say which of its files and stored times are not read, as
   /// files are cut or hold no gas.
-  std::span<const std::string> leftOut() const { return leftOut_; }
+  std::span<const Remark> leftOut() const { return leftOut_; }
 
-  /// That of the remarks that says which meshes the source does not cover; empty: none.
+  /// The sentence of the remark that says which meshes the source does not cover; empty: none.
   const std::string& uncovered() const { return uncovered_; }
 
   /// The smoke at a time [s]: linear between the stored frames; the first frame before them, the
@@ -138,9 +141,10 @@ class FdsCase {
   double largestHeat_ = 1200;                                       // [kW/m3], FDS's default
   SmokeScale::Rounding rounding_ = SmokeScale::Rounding::kUnknown;  // of .s3d's opacity
   std::vector<double> times_;
+  double storedUntil_ = 0;       // [s]
   std::vector<double> changes_;  // of obstructions and vents, ascending
   std::shared_ptr<const FdsGrid> grid_;
-  std::vector<std::string> remarks_, leftOut_;
+  std::vector<Remark> remarks_, leftOut_;
   std::string uncovered_;
   std::size_t chosenBy_ = 0;  // how many of them are about the choice of a source
   std::vector<std::pair<std::size_t, std::shared_ptr<const Frame>>> kept_;  // two at most

@@ -43,7 +43,7 @@ TEST(FdsCase, nodesOfTwoMeshesGiveTheClosedFormAtAnyTime) {
   const Folder folder;
   saveSlices(folder, false, 3, linear);
   FdsCase read = opened(folder / "made.smv");
-  EXPECT_THAT(read.remarks(), IsEmpty());
+  EXPECT_THAT(sentences(read.remarks()), IsEmpty());
   EXPECT_EQ(read.source().name, "slice3d-extinction");
   EXPECT_THAT(read.times(), ElementsAre(0, 10));
   const Vec3 a(0.05, 0.7, 0.1);
@@ -243,7 +243,7 @@ TEST(FdsCase, manyTimesGoBeforeExactValuesAtFew) {
   saveSliceAndBytes(folder, few, many);
   const FdsCase bytes = opened(folder / "made.smv");
   EXPECT_EQ(bytes.source().name, "s3d");
-  EXPECT_THAT(bytes.remarks(),
+  EXPECT_THAT(sentences(bytes.remarks()),
               testing::Contains(testing::HasSubstr(
                   "s3d (7 stored times): it has 7 stored times, "
                   "slice3d-extinction only 3; the case also has slice3d-extinction")));
@@ -251,7 +251,8 @@ TEST(FdsCase, manyTimesGoBeforeExactValuesAtFew) {
   saveSliceAndBytes(folder, few, some);
   const FdsCase floats = opened(folder / "made.smv");
   EXPECT_EQ(floats.source().name, "slice3d-extinction") << "fewer than twice as many";
-  EXPECT_THAT(floats.remarks(), testing::Contains(testing::HasSubstr("the most precise")));
+  EXPECT_THAT(sentences(floats.remarks()),
+              testing::Contains(testing::HasSubstr("the most precise")));
 }
 
 TEST(FdsCase, aSourceWhoseFileIsMissingIsNotPassedOverInSilence) {
@@ -285,7 +286,7 @@ TEST(FdsCase, visibilityAtItsCapSaysOnlyHowThickSmokeIsAtMost) {
   index.slice(1, slice, "v.sf", false);
   index.save(folder / "made.smv");
   FdsCase read = opened(folder / "made.smv");
-  EXPECT_THAT(read.remarks(), ElementsAre(HasSubstr("visibility is cut at 30 m")));
+  EXPECT_THAT(sentences(read.remarks()), ElementsAre(HasSubstr("visibility is cut at 30 m")));
   const FdsDepth depth = depthOf(fieldAt(read, 0), between({0, 0.4, 0.4}, {1, 0.4, 0.4}));
   EXPECT_EQ(depth.low, 0);
   EXPECT_NEAR(depth.value, 0.1, 1e-6);
@@ -311,7 +312,7 @@ TEST(FdsCase, visibilityHasTheFactorAndCapOfTheInput) {
   const auto line = between({0, 0.4, 0.4}, {1, 0.4, 0.4});
   {
     FdsCase read = opened(folder / "made.smv");
-    EXPECT_THAT(read.remarks(),
+    EXPECT_THAT(sentences(read.remarks()),
                 ElementsAre(AllOf(HasSubstr("C = 3 (FDS's default: its input file is not there"),
                                   HasSubstr("cut at 50 m (the largest value"))));
     EXPECT_EQ(depthOf(fieldAt(read, 0), line).low, 0) << "50 m is this case's cap";
@@ -319,14 +320,15 @@ TEST(FdsCase, visibilityHasTheFactorAndCapOfTheInput) {
   fdswriter::saveText(folder / "made.fds",
                       "&HEAD CHID='made' /\n&MISC VISIBILITY_FACTOR=8, MAXIMUM_VISIBILITY=100 /\n");
   FdsCase read = opened(folder / "made.smv");
-  EXPECT_THAT(read.remarks(), ElementsAre(AllOf(HasSubstr("C = 8 (VISIBILITY_FACTOR of made.fds)"),
-                                                HasSubstr("cut at 100 m (MAXIMUM_VISIBILITY of"))));
+  EXPECT_THAT(sentences(read.remarks()),
+              ElementsAre(AllOf(HasSubstr("C = 8 (VISIBILITY_FACTOR of made.fds)"),
+                                HasSubstr("cut at 100 m (MAXIMUM_VISIBILITY of"))));
   EXPECT_NEAR(depthOf(fieldAt(read, 0), line).value, 8.0 / 50, 1e-6);
   EXPECT_NEAR(depthOf(fieldAt(read, 0), line).low, 8.0 / 50, 1e-6);
   FdsOptions options;
   options.visibilityFactor = 3;
   FdsCase stated = opened(folder / "made.smv", options);
-  EXPECT_THAT(stated.remarks(),
+  EXPECT_THAT(sentences(stated.remarks()),
               ElementsAre(HasSubstr("C = 3 (as stated, although made.fds says 8)")));
 }
 
@@ -373,7 +375,7 @@ TEST(FdsCase, meshesThatFdsConnectsAreOne) {
     const FdsDepth depth = depthOf(fieldAt(read, 0), between({0.5, 0.4, 0.4}, {1.5, 0.4, 0.4}));
     EXPECT_EQ(depth.uncovered == 0, gap <= 1e-3) << gap;
     if (gap > 1e-3) {
-      EXPECT_THAT(read.remarks(), ElementsAre(HasSubstr("1 and 2 by 4 mm on x")));
+      EXPECT_THAT(sentences(read.remarks()), ElementsAre(HasSubstr("1 and 2 by 4 mm on x")));
     } else {
       EXPECT_NEAR(depth.value, 1, 1e-6) << gap;
       EXPECT_TRUE(read.remarks().empty());
@@ -471,8 +473,9 @@ TEST(FdsCase, aRunningCaseIsReadAsFarAsAllItsFilesGo) {
                                std::filesystem::file_size(folder / "made_2_1.sf") - 9);
   const FdsCase read = opened(folder / "made.smv");
   EXPECT_THAT(read.times(), ElementsAre(0));
-  EXPECT_THAT(read.remarks(), Contains(HasSubstr("within frame 1 that begins at byte")));
-  EXPECT_THAT(read.remarks(), Contains(HasSubstr("1 of 2 stored times are left out (10 to 10 s)")));
+  EXPECT_THAT(sentences(read.remarks()), Contains(HasSubstr("within frame 1 that begins at byte")));
+  EXPECT_THAT(sentences(read.remarks()),
+              Contains(HasSubstr("1 of 2 stored times are left out (10 to 10 s)")));
 }
 
 TEST(FdsCase, aMeshThatEndsBetweenFramesIsNamedWhicheverItIs) {
@@ -484,9 +487,9 @@ TEST(FdsCase, aMeshThatEndsBetweenFramesIsNamedWhicheverItIs) {
     std::filesystem::resize_file(file, header + (std::filesystem::file_size(file) - header) / 2);
     const FdsCase read = opened(folder / "made.smv");
     EXPECT_THAT(read.times(), ElementsAre(0));
-    EXPECT_THAT(read.remarks(), Contains(HasSubstr("1 of 2 stored times are left out")));
+    EXPECT_THAT(sentences(read.remarks()), Contains(HasSubstr("1 of 2 stored times are left out")));
     EXPECT_THAT(
-        read.remarks(),
+        sentences(read.remarks()),
         Contains(HasSubstr(fmt::format("made_{0}_1.sf (mesh {0}) has 1, the last at 0 s", mesh))));
   }
 }
@@ -497,7 +500,7 @@ TEST(FdsCase, aMeshWithoutAWholeFrameIsLeftOutAndNamed) {
   std::filesystem::resize_file(folder / "made_2_1.sf", 200);
   const FdsCase read = opened(folder / "made.smv");
   EXPECT_THAT(read.times(), ElementsAre(0, 10));
-  EXPECT_THAT(read.remarks(), Contains(HasSubstr("does not cover 1 of 2 meshes (2)")));
+  EXPECT_THAT(sentences(read.remarks()), Contains(HasSubstr("does not cover 1 of 2 meshes (2)")));
 }
 
 TEST(FdsCase, valuesThatAreNoNumbersAreRefusedWhereThereIsGas) {

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_writer.hpp"
@@ -32,6 +34,12 @@ inline std::array<int, 3> cellsOf(const Planes& planes) {
 inline Indices whole(const Planes& planes) {
   const auto cells = cellsOf(planes);
   return {0, cells[0], 0, cells[1], 0, cells[2]};
+}
+
+inline std::vector<std::string> sentences(std::span<const Remark> remarks) {
+  std::vector<std::string> said;
+  for (const Remark& remark : remarks) said.push_back(remark.sentence);
+  return said;
 }
 
 inline double linear(double x, double y, double z) {

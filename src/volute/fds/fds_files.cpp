@@ -34,12 +34,10 @@ void note(FdsFileCheck& check, const Result<FdsFrameIndex>& frames) {
     return;
   }
   check.times = frames->times;
-  const auto cut = std::ranges::find_if(frames->remarks, [](const std::string& remark) {
-    return remark.find(": ends at byte ") != std::string::npos;
-  });
+  const auto cut = std::ranges::find(frames->remarks, RemarkCode::kDamaged, &Remark::code);
   if (cut != frames->remarks.end()) {
     check.state = check.times.empty() ? FdsFileState::kEmpty : FdsFileState::kTruncated;
-    check.reason = *cut;
+    check.reason = cut->sentence;
   } else if (check.times.empty()) {
     check.state = FdsFileState::kEmpty;
     check.reason = fmt::format("{}: holds no whole frame", check.path.string());

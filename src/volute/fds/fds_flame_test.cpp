@@ -164,9 +164,9 @@ TEST(FdsFlame, BytesHaveTheScaleThatTheirSizesSay) {
     // In the middle, where no wall dilutes: within a byte, or what one byte's scale leaves open.
     EXPECT_NEAR(fieldAt(read, 5).extinction({0.5, 0.4, 0.4}), 267.8, 0.6 * byte) << most;
     if (most == 1200) {
-      EXPECT_THAT(read.remarks(), IsEmpty());
+      EXPECT_THAT(sentences(read.remarks()), IsEmpty());
     } else {
-      EXPECT_THAT(read.remarks(), Contains(HasSubstr("stands for")));
+      EXPECT_THAT(sentences(read.remarks()), Contains(HasSubstr("stands for")));
     }
   }
 }
@@ -179,7 +179,7 @@ TEST(FdsFlame, TheIndexSaysWhatTheLastByteIs) {
   fdswriter::saveText(folder / "made.smv", "HRRPUV_MINMAX\n   0.00000   5000.00000\n\n" + text);
   FdsCase read = opened(folder / "made.smv", kHeat);
   EXPECT_NEAR(fieldAt(read, 5).extinction({0.5, 0.4, 0.4}), 267.8, 0.6 * 5000 / 254);
-  EXPECT_THAT(read.remarks(), IsEmpty()) << "nothing is guessed";
+  EXPECT_THAT(sentences(read.remarks()), IsEmpty()) << "nothing is guessed";
   fdswriter::saveText(folder / "made.smv", "HRRPUV_MINMAX\n   5.0   -1.0\n\n" + text);
   EXPECT_FALSE(SmvIndex::read(folder / "made.smv"));
 }
@@ -210,7 +210,7 @@ TEST(FdsFlame, BytesOfTemperatureReachAsTheIndexSays) {
     saveTemperature(folder, 127, range, "0\n 0 1 1 20.0\n 5 1 1 1010\n");
     FdsCase read = opened(folder / "made.smv", kGlow);
     EXPECT_EQ(read.source().name, "s3d-effective-flame-temperature");
-    EXPECT_THAT(read.remarks(), IsEmpty());
+    EXPECT_THAT(sentences(read.remarks()), IsEmpty());
     EXPECT_EQ(read.largestSaid(), 1010);
     const double step = (most - least) / 254;
     // At a wall too: what FDS counts behind it is not known, and nothing is put on it.
@@ -226,7 +226,7 @@ TEST(FdsFlame, WithoutARangeBytesOfTemperatureHaveTheDefaults) {
   const Folder folder;
   saveTemperature(folder, 127, "", "0\n 0 1 1 20.0\n 5 1 1 1010\n");
   FdsCase read = opened(folder / "made.smv", kGlow);
-  EXPECT_THAT(read.remarks(), Contains(HasSubstr("no TEMP_MINMAX")));
+  EXPECT_THAT(sentences(read.remarks()), Contains(HasSubstr("no TEMP_MINMAX")));
   EXPECT_NEAR(fieldAt(read, 5).extinction({0.5, 0.4, 0.4}), 20 + 127.5 * 1980 / 254, 5);
   fdswriter::saveText(folder / "made.s3d.sz", "0\n 0 1 1 20.0\n 5 1 1 2500\n");
   EXPECT_FALSE(FdsCase::open(folder / "made.smv", kGlow)) << "the bytes reach further";

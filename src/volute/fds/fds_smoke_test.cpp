@@ -343,7 +343,8 @@ TEST(FdsSmoke, theTrueTemperatureLiesWithinTheBandOfItsByte) {
         .save(folder / "t.s3d");
     FdsCase read = opened(folder / "made.smv", {.quantity = std::string(kFdsTemperature)});
     EXPECT_EQ(read.source().name, "s3d-temperature");
-    EXPECT_THAT(read.remarks(), testing::ElementsAre(testing::HasSubstr("20 to 2000 degrees C")));
+    EXPECT_THAT(sentences(read.remarks()),
+                testing::ElementsAre(testing::HasSubstr("20 to 2000 degrees C")));
     const FdsField field = fieldAt(read, 5);
     const FdsField before = fieldAt(read, 0);
     int checked = 0;

@@ -292,7 +292,8 @@ Result<FdsPlotFiles> FdsPlotFiles::open(std::vector<FdsPlotEntry> entries, int v
     };
     const Status status = check();
     if (!status && status.error().code == ErrorCode::kTruncated) {
-      plots.frames_.remarks.push_back(status.error().message + ": its time is left out");
+      plots.frames_.remarks.push_back(
+          {RemarkCode::kDamaged, status.error().message + ": its time is left out"});
       continue;
     }
     VOLUTE_TRY(status);

@@ -184,7 +184,7 @@ TEST(FrameFile, everyTruncationLeavesTheWholeFramesAndSaysSo) {
                                         all.begin() + static_cast<std::ptrdiff_t>(frames.size())));
         const bool atFrameEnd = (*file)->frames().remarks.empty();
         if (!atFrameEnd) {
-          EXPECT_THAT((*file)->frames().remarks[0], HasSubstr("ends at byte"));
+          EXPECT_THAT((*file)->frames().remarks[0].sentence, HasSubstr("ends at byte"));
         }
         EXPECT_TRUE(!atFrameEnd || kind.name != "q");
       }
@@ -233,7 +233,7 @@ TEST(FrameFile, aRestartReplacesLaterFrames) {
   ASSERT_TRUE(file);
   EXPECT_THAT(file->frames().times, ::testing::ElementsAre(0, 1, 3));
   ASSERT_EQ(file->frames().remarks.size(), 1U);
-  EXPECT_THAT(file->frames().remarks[0], HasSubstr("go back from 2 s to 1 s"));
+  EXPECT_THAT(file->frames().remarks[0].sentence, HasSubstr("go back from 2 s to 1 s"));
   EXPECT_EQ(readAll(*file)[1], valuesAt(5));
 }
 

@@ -44,10 +44,12 @@ inline bool isCutOff(const Status& status, const FortranFile& file, std::uint64_
                      FdsFrameIndex& frames) {
   if (status || status.error().code != ErrorCode::kTruncated)
     return false;
-  frames.remarks.push_back(fmt::format(
-      "{}: ends at byte {}, within frame {} that begins at byte {}: {} whole frames "
-      "are used; the case may still be running",
-      file.path().string(), file.size(), frames.times.size(), frameBegin, frames.times.size()));
+  frames.remarks.push_back(
+      {RemarkCode::kDamaged,
+       fmt::format("{}: ends at byte {}, within frame {} that begins at byte {}: {} whole frames "
+                   "are used; the case may still be running",
+                   file.path().string(), file.size(), frames.times.size(), frameBegin,
+                   frames.times.size())});
   return true;
 }
 

@@ -7,13 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/remark.hpp"
+
 namespace volute {
 
 /// Where the frames of a file are, and when.
 struct FdsFrameIndex {
   std::vector<double> times;           ///< [s], strictly ascending
   std::vector<std::uint64_t> offsets;  ///< of each frame's first record
-  std::vector<std::string> remarks;    ///< truncation and restarts, each with file and frame
+  std::vector<Remark> remarks;         ///< truncation and restarts, each with file and frame
 
   /// Adds a frame. A time that is not later than the last one is where FDS was started again: the
   /// frames from that time on are replaced.

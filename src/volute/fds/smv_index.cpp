@@ -421,10 +421,11 @@ Status SmvReader::handle(std::string_view line) {
     // Smoke by another name than the two above is written in another way, too.
     if (keyword.starts_with("SMOK") && unreadSmoke_.empty()) {
       unreadSmoke_ = keyword;
-      index_.remarks.push_back(fmt::format(
-          "{}: 3D smoke that the index calls {} is in a format that is not read, and left out; FDS "
-          "writes one that is (SMOKF3D) with SMOKE3D_VERSION=1",
-          lines_.path().string(), keyword));
+      index_.remarks.push_back(
+          {RemarkCode::kLeftOut, fmt::format("{}: 3D smoke that the index calls {} is in a format "
+                                             "that is not read, and left out; FDS "
+                                             "writes one that is (SMOKF3D) with SMOKE3D_VERSION=1",
+                                             lines_.path().string(), keyword)});
     }
     return {};
   }
@@ -463,10 +464,11 @@ void SmvReader::leaveOutEvacuation() {
   keep(index_.particles);
   keep(index_.others);
   std::erase_if(index_.meshes, [](const FdsMesh& mesh) { return mesh.evacuation; });
-  index_.remarks.push_back(fmt::format(
-      "{}: {} of {} meshes are of FDS+Evac: they are left out, with their walls and files, and the "
-      "others are numbered without them",
-      lines_.path().string(), left, kept.size()));
+  index_.remarks.push_back(
+      {RemarkCode::kLeftOut, fmt::format("{}: {} of {} meshes are of FDS+Evac: they are left out, "
+                                         "with their walls and files, and the "
+                                         "others are numbered without them",
+                                         lines_.path().string(), left, kept.size())});
 }
 
 void SmvReader::findInput() {
@@ -484,10 +486,12 @@ void SmvReader::findInput() {
   if (!input && input.error().code == ErrorCode::kNotFound)
     return;
   if (!input) {
-    index_.remarks.push_back(input.error().message + ": the input file is not used");
+    index_.remarks.push_back(
+        {RemarkCode::kLeftOut, input.error().message + ": the input file is not used"});
   } else if (input->chid != index_.chid && !index_.chid.empty()) {
-    index_.remarks.push_back(fmt::format("{}: is the input of '{}', not of '{}': it is not used",
-                                         path.string(), input->chid, index_.chid));
+    index_.remarks.push_back(
+        {RemarkCode::kLeftOut, fmt::format("{}: is the input of '{}', not of '{}': it is not used",
+                                           path.string(), input->chid, index_.chid)});
   } else {
     index_.input = std::make_shared<const FdsInput>(std::move(*input));
   }
@@ -518,8 +522,10 @@ Status SmvReader::finish() {
   if (const std::string remark = files_.remark(); !remark.empty())
     index_.remarks.push_back(fmt::format("{}: {}", name, remark));
   if (lines_.endedWithinLine() || cutOff_) {
-    index_.remarks.push_back(fmt::format("{}: ends within line {}: what it names there is left out",
-                                         name, lines_.lineNumber() + 1));
+    index_.remarks.push_back(
+        {RemarkCode::kDamaged,
+         fmt::format("{}: ends within line {}: what it names there is left out", name,
+                     lines_.lineNumber() + 1)});
   }
   int walls = 0;
   std::string lost;
@@ -534,21 +540,27 @@ Status SmvReader::finish() {
     return !there;
   });
   if (!lost.empty() || (cutFaces_ > 0 && walls == 0)) {
-    index_.remarks.push_back(fmt::format(
-        "{}: warning: walls made of triangles (GEOM) are not there{}: they are not drawn and block "
-        "no sight line, so that signs may count as seen through them",
-        name, lost));
+    index_.remarks.push_back(
+        {RemarkCode::kLeftOut,
+         fmt::format("{}: warning: walls made of triangles (GEOM) are not there{}: they are not "
+                     "drawn and block "
+                     "no sight line, so that signs may count as seen through them",
+                     name, lost)});
   }
   if (walls > 0 || cutFaces_ > 0) {
-    index_.remarks.push_back(fmt::format(
-        "{}: the gas of cells that walls made of triangles (GEOM) cut counts as the files have it "
-        "(.s3d: clear in their corners within walls): values beside such walls are less certain",
-        name));
+    index_.remarks.push_back(
+        {RemarkCode::kAssumed, fmt::format("{}: the gas of cells that walls made of triangles "
+                                           "(GEOM) cut counts as the files have it "
+                                           "(.s3d: clear in their corners within walls): values "
+                                           "beside such walls are less certain",
+                                           name)});
   }
   for (const auto& [quantity, number] : skippedSlices_) {
-    index_.remarks.push_back(fmt::format(
-        "{}: {} slices of '{}' on cut cells are left out: only structured ones are read", name,
-        number, quantity));
+    index_.remarks.push_back(
+        {RemarkCode::kLeftOut,
+         fmt::format(
+             "{}: {} slices of '{}' on cut cells are left out: only structured ones are read", name,
+             number, quantity)});
   }
   return {};
 }

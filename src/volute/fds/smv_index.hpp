@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 #include "volute/math/box.hpp"
 
@@ -185,8 +186,8 @@ struct SmvIndex {
   std::vector<FdsParticleEntry> particles;
   std::vector<FdsPeopleEntry> people;
   std::vector<FdsOtherFile> others;
-  bool ended = false;                ///< FDS has written its .end file
-  std::vector<std::string> remarks;  ///< what was left out and why
+  bool ended = false;           ///< FDS has written its .end file
+  std::vector<Remark> remarks;  ///< what was left out and why
 
   /// kTruncated when the file ends within the meshes; what is cut off later is left out with a
   /// remark. All errors name the line.

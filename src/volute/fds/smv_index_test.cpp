@@ -55,7 +55,7 @@ TEST(SmvIndex, leavesOutMeshesOfEvacuation) {
   ASSERT_THAT(read->slices, SizeIs(1));
   EXPECT_EQ(read->slices[0].mesh, 0);
   EXPECT_EQ(read->slices[0].file.filename(), "smoke.sf");
-  EXPECT_THAT(read->remarks, ElementsAre(HasSubstr("1 of 2 meshes are of FDS+Evac")));
+  EXPECT_THAT(sentences(read->remarks), ElementsAre(HasSubstr("1 of 2 meshes are of FDS+Evac")));
   // Versions that name neighbours there have no such mark.
   std::string later = index.text();
   for (const char* mark : {"    1\n\nPDIM", "    0\n\nPDIM"})
@@ -91,7 +91,8 @@ TEST(SmvIndex, findsFilesThatWindowsNamed) {
   EXPECT_EQ(read->slices[1].file, folder / "Results/a.sf");
   EXPECT_EQ(read->slices[2].file.filename(), "results\\A.SF")
       << "two could be meant: it is missing";
-  EXPECT_THAT(read->remarks, ElementsAre(HasSubstr("2 names differ from those of the files")));
+  EXPECT_THAT(sentences(read->remarks),
+              ElementsAre(HasSubstr("2 names differ from those of the files")));
 }
 
 TEST(SmvIndex, readsTheInputThatItNames) {
@@ -107,7 +108,8 @@ TEST(SmvIndex, readsTheInputThatItNames) {
   fdswriter::saveText(folder / "made.fds", "&HEAD CHID='other' /\n&MISC VISIBILITY_FACTOR=8 /\n");
   const auto other = readText(folder, index.text());
   EXPECT_FALSE(other->input);
-  EXPECT_THAT(other->remarks, ElementsAre(HasSubstr("is the input of 'other', not of 'made'")));
+  EXPECT_THAT(sentences(other->remarks),
+              ElementsAre(HasSubstr("is the input of 'other', not of 'made'")));
 }
 
 TEST(SmvIndex, readsWhatAnyVersionWrites) {
@@ -154,8 +156,8 @@ TEST(SmvIndex, readsWhatAnyVersionWrites) {
   ASSERT_TRUE(newer);
   EXPECT_THAT(newer->smoke, SizeIs(0));
   EXPECT_EQ(std::ranges::count_if(newer->remarks,
-                                  [](const std::string& one) {
-                                    return one.find("calls SMOKH3D") != std::string::npos;
+                                  [](const Remark& one) {
+                                    return one.sentence.find("calls SMOKH3D") != one.sentence.npos;
                                   }),
             1);
 }
@@ -190,13 +192,14 @@ TEST(SmvIndex, wallsOfTrianglesAreNamedAndMissedWhereTheyAreNotThere) {
   const auto without = readText(folder, text.text());
   ASSERT_TRUE(without) << without.error().message;
   ASSERT_THAT(without->remarks, SizeIs(2));
-  EXPECT_THAT(without->remarks[0], HasSubstr("(GEOM) are not there: made.ge: they are not drawn"));
+  EXPECT_THAT(without->remarks[0].sentence,
+              HasSubstr("(GEOM) are not there: made.ge: they are not drawn"));
   EXPECT_TRUE(without->others.empty());
   fdswriter::geometryFile({}, {}, {}).save(folder / "made.ge");
   const auto with = readText(folder, text.text());
   ASSERT_THAT(with->others, SizeIs(1));
   ASSERT_THAT(with->remarks, SizeIs(1));
-  EXPECT_THAT(with->remarks[0], HasSubstr("values beside such walls are less certain"));
+  EXPECT_THAT(with->remarks[0].sentence, HasSubstr("values beside such walls are less certain"));
 }
 
 TEST(SmvIndex, nodesThatDoNotReachTheEndsOfTheMeshAreRefused) {

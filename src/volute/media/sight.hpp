@@ -333,6 +333,9 @@ class SightField {
   /// When the case begins [s], as far as it says so: what is not stored since then is not known.
   [[nodiscard]] virtual double begin() { return times().front(); }
 
+  /// When the case ends [s], as far as it says so: what is not stored until then is not known.
+  [[nodiscard]] virtual double end() { return times().back(); }
+
   /// Whether the case begins before the first stored time, by more than storedPlace() allows.
   [[nodiscard]] bool beginsBefore() {
     return !storedPlace(times(), std::min(begin(), times().front()));

@@ -13,8 +13,7 @@ Result<std::unique_ptr<FdsVolume>> openFdsVolume(const std::string& path, const 
   options.bounds = bounds;
   options.mesh = mesh;
   VOLUTE_ASSIGN(auto volume, FdsVolume::open(path, options));
-  for (const std::string& remark : volume->fdsCase().remarks())
-    reading.progress.remark({RemarkCode::kLeftOut, remark});
+  for (const Remark& remark : volume->fdsCase().remarks()) reading.progress.remark(remark);
   reading.progress.remark(fmt::format("{}: extinction from {} ({})", path,
                                       volume->fdsCase().source().name,
                                       volume->fdsCase().source().description));

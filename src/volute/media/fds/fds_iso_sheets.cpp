@@ -98,9 +98,9 @@ Result<FdsIsoSheets> FdsIsoSheets::open(const SmvIndex& index, const std::string
                        .labels[static_cast<std::size_t>(source.plotVariable)]
                        .unit;
   }
-  for (const std::string& remark : opened->remarks()) {
+  for (const Remark& remark : opened->remarks()) {
     if (std::ranges::find(index.remarks, remark) == index.remarks.end())
-      reading.progress.remark({RemarkCode::kLeftOut, remark});
+      reading.progress.remark(remark);
   }
   sheets.case_ = std::make_shared<FdsCase>(std::move(*opened));
   return sheets;
@@ -115,8 +115,7 @@ Status FdsIsoSheets::openFiles(const SmvIndex& index, bool all, Reading& reading
       continue;
     VOLUTE_ASSIGN(auto file,
                   FdsIsoFile::open(iso, index.meshes[static_cast<std::size_t>(iso.mesh)]));
-    for (const std::string& remark : file.frames().remarks)
-      reading.progress.remark({RemarkCode::kDamaged, remark});
+    for (const Remark& remark : file.frames().remarks) reading.progress.remark(remark);
     for (const float level : file.levels()) {
       if (std::ranges::none_of(found, [&](double other) { return isLevel(level, other); }))
         found.push_back(level);

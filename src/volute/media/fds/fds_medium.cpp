@@ -163,14 +163,15 @@ Result<std::shared_ptr<FdsMedium>> FdsMedium::open(const FdsDescription& descrip
   if (const FdsSource& source = medium.case_->source();
       options.massExtinction > 0 && source.kind != FdsFileKind::kClear &&
       source.quantity != SmokeQuantity::kSootDensity) {
-    medium.notes_.push_back(fmt::format(
-        "{}: a mass extinction of {:g} m2/kg has no effect: {} says how thick the smoke is without "
-        "one",
-        description.file, options.massExtinction, source.name));
+    medium.notes_.push_back(
+        {RemarkCode::kLeftOut,
+         fmt::format("{}: a mass extinction of {:g} m2/kg has no effect: {} says how thick the "
+                     "smoke is without one",
+                     description.file, options.massExtinction, source.name)});
   }
-  for (const std::string& note : medium.notes_) {
+  for (const Remark& note : medium.notes_) {
     if (drawn)
-      reading.progress.remark({RemarkCode::kLeftOut, note});
+      reading.progress.remark(note);
   }
   medium.walls_ = std::make_shared<const TriangleMesh>(std::move(walls));
   medium.describe();
@@ -194,8 +195,7 @@ Result<std::shared_ptr<FdsMedium>> FdsMedium::open(const FdsDescription& descrip
     }
   }
   std::ranges::sort(medium.events_);
-  for (const std::string& remark : medium.case_->remarks())
-    reading.progress.remark({RemarkCode::kLeftOut, remark});
+  for (const Remark& remark : medium.case_->remarks()) reading.progress.remark(remark);
   if (!medium.isClear()) {
     const FdsSource& source = medium.case_->source();
     reading.progress.remark(fmt::format("{}: extinction from {} ({})", description.file,
@@ -332,7 +332,7 @@ Result<std::unique_ptr<SightField>> FdsMedium::sight(Reading& reading) {
   VOLUTE_ASSIGN(auto files, FdsCase::open(case_->index(), options, case_.get()));
   // Somebody who names a source is asking for that alone.
   std::vector<FdsCase> others;
-  std::vector<std::string> notes = notes_;
+  std::vector<Remark> notes = notes_;
   if (description_.field.empty())
     others = fillingSources(files, options, case_.get(), &notes);
   const auto isCut = [](const FdsCase& one) {
@@ -340,8 +340,9 @@ Result<std::unique_ptr<SightField>> FdsMedium::sight(Reading& reading) {
   };
   if (options.visibilityFactor && !isCut(files) && std::ranges::none_of(others, isCut)) {
     notes.push_back(
-        fmt::format("{}: C = {:g} has no effect: {} is no visibility, and signs have their own C",
-                    description_.file, *options.visibilityFactor, files.source().name));
+        {RemarkCode::kLeftOut,
+         fmt::format("{}: C = {:g} has no effect: {} is no visibility, and signs have their own C",
+                     description_.file, *options.visibilityFactor, files.source().name)});
   }
   VOLUTE_ASSIGN(auto walls, TriangleScene::build(walls_->triangles, walls_->materials));
   return std::make_unique<FdsSight>(std::move(files), description_.file, options.maxMemory,
@@ -417,9 +418,9 @@ Status FdsMedium::openFire(Reading& reading) {
     return {};
   flame_ = look.flame;
   flame_.cutoff = look.cutoff.value_or(case_->index().fireCutoff.value_or(flame_.cutoff));
-  for (const std::string& remark : heat_->remarks()) {
+  for (const Remark& remark : heat_->remarks()) {
     if (std::ranges::find(case_->remarks(), remark) == case_->remarks().end())
-      reading.progress.remark({RemarkCode::kLeftOut, remark});
+      reading.progress.remark(remark);
   }
   brightest_ = flame_.temperature;
   if (const auto hottest = glows_ ? heat_->largestSaid() : std::nullopt)

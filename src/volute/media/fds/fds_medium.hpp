@@ -229,7 +229,7 @@ class FdsMedium final : public SceneMedium, public ProbedMedium {
   std::optional<FdsIsoSheets> iso_;
   std::optional<FdsParticleCloud> particles_;
   std::shared_ptr<const FdsBuilding> shell_;   // at the first time
-  std::vector<std::string> notes_;             // of walls and options, for people
+  std::vector<Remark> notes_;                  // of walls and options, for people
   std::shared_ptr<const TriangleMesh> walls_;  // of triangles
   std::vector<double> events_;  // of obstructions, and of devices where they are shown; ascending
 };

@@ -50,8 +50,7 @@ Result<FdsParticleCloud> FdsParticleCloud::open(const SmvIndex& index, const std
   const bool named = std::ranges::any_of(index.particleClasses, isClass);
   for (const FdsParticleEntry& entry : index.particles) {
     VOLUTE_ASSIGN(auto file, FdsParticleFile::open(entry));
-    for (const std::string& remark : file.frames().remarks)
-      reading.progress.remark({RemarkCode::kDamaged, remark});
+    for (const Remark& remark : file.frames().remarks) reading.progress.remark(remark);
     Part part;
     for (std::size_t i = 0; i < entry.classes.size(); ++i) {
       const std::string& name =

@@ -261,11 +261,12 @@ Result<Report> describeFdsCase(const std::string& path, const DescribeRequest& r
     return tl::unexpected<Error>(opened.error());
   addSources(report, *opened);
   std::string text;
-  for (const std::string& remark : opened->remarks()) text += "\n  " + remark;
-  report.add(
-      "remarks",
-      OrderedJson(std::vector<std::string>(opened->remarks().begin(), opened->remarks().end())),
-      text.empty() ? "none: all files are whole" : text);
+  OrderedJson sentences = OrderedJson::array();
+  for (const Remark& remark : opened->remarks()) {
+    sentences.push_back(remark.sentence);
+    text += "\n  " + remark.sentence;
+  }
+  report.add("remarks", sentences, text.empty() ? "none: all files are whole" : text);
   if (request.values)
     VOLUTE_TRY(addValues(report, *opened, reading));
   return report;

@@ -605,7 +605,7 @@ bool replaces(const FdsCase& one, const FdsCase& other) {
 }  // namespace
 
 std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& options,
-                                    const FdsCase* earlier, std::vector<std::string>* unread) {
+                                    const FdsCase* earlier, std::vector<Remark>* unread) {
   std::vector<FdsCase> others;
   const bool cut = first.source().quantity == SmokeQuantity::kVisibility;
   std::vector<double> known(first.times().begin(), first.times().end());
@@ -618,8 +618,9 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
     auto opened = FdsCase::open(first.index(), other, earlier);
     if (!opened) {
       if (unread != nullptr)
-        unread->push_back(fmt::format("{}: {} cannot serve where {} does not reach",
-                                      opened.error().message, source.name, first.source().name));
+        unread->push_back({RemarkCode::kDamaged,
+                           fmt::format("{}: {} cannot serve where {} does not reach",
+                                       opened.error().message, source.name, first.source().name)});
       continue;
     }
     const bool beyond = isBeyond(opened->times(), known);
@@ -629,7 +630,7 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
     meshes.merge(meshesIn(opened->grid()));
     if (!beyond && !precise && !finer && meshes.size() == before) {
       // Perhaps because it is cut.
-      for (const std::string& remark : opened->leftOut()) {
+      for (const Remark& remark : opened->leftOut()) {
         if (unread != nullptr &&
             std::ranges::find(first.remarks(), remark) == first.remarks().end())
           unread->push_back(remark);
@@ -644,7 +645,7 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
 }
 
 FdsSight::FdsSight(FdsCase fds, std::string name, std::uint64_t maxMemory,
-                   std::vector<FdsCase> others, TriangleScene walls, std::vector<std::string> notes)
+                   std::vector<FdsCase> others, TriangleScene walls, std::vector<Remark> notes)
     : case_(std::move(fds)),
       others_(std::move(others)),
       walls_(std::move(walls)),
@@ -690,11 +691,11 @@ std::string FdsSight::description() const {
 
 std::vector<Remark> FdsSight::remarks() const {
   std::vector<Remark> remarks(case_.remarks().begin(), case_.remarks().end());
-  for (const std::string& note : notes_) remarks.push_back({RemarkCode::kLeftOut, note});
+  remarks.insert(remarks.end(), notes_.begin(), notes_.end());
   for (const FdsCase& other : others_) {
-    for (const std::string& remark : other.remarks()) {
-      if (remark != other.uncovered() &&  // it need not
-          std::ranges::find(remarks, remark, &Remark::sentence) == remarks.end())
+    for (const Remark& remark : other.remarks()) {
+      if (remark.sentence != other.uncovered() &&  // it need not
+          std::ranges::find(remarks, remark) == remarks.end())
         remarks.push_back(remark);
     }
     if (isBeyond(other.times(), case_.times())) {
@@ -968,16 +969,27 @@ Result<std::unique_ptr<PointField>> FdsSight::conditions(std::string_view quanti
   return fdsConditions(case_.index(), quantity, maxMemory_);
 }
 
-double FdsSight::begin() {
-  if (!begin_) {
-    begin_ = times_.front();
+/// When the case begins and ends [s].
+const std::pair<double, double>& FdsSight::span() {
+  if (!span_) {
+    span_ = {times_.front(), std::max(times_.back(), case_.storedUntil())};
     const auto fire = readCurves(case_.index(), "hrr",
                                  [](const auto& name, const auto&) { return name == "HRR"; });
+    const bool any = fire && !fire->curves.empty() && !fire->curves.front().times.empty();
     const double stated = inputOf(case_.index()).begin.value_or(0);
-    begin_ = std::min(*begin_,
-                      fire && !fire->curves.empty() ? fire->curves.front().times.front() : stated);
+    span_->first = std::min(span_->first, any ? fire->curves.front().times.front() : stated);
+    if (any)
+      span_->second = std::max(span_->second, fire->curves.front().times.back());
   }
-  return *begin_;
+  return *span_;
+}
+
+double FdsSight::begin() {
+  return span().first;
+}
+
+double FdsSight::end() {
+  return span().second;
 }
 
 Result<std::vector<FirePlace>> FdsSight::fires() {

@@ -64,10 +64,10 @@ class FdsInstant final : public BasicSightInstant {
 /// it has no file. Best first. What cannot be read is left out.
 /// @param options  those of `first`
 /// @param earlier  see FdsCase::open()
-/// @param unread  is given a sentence for each that cannot be read; may be null
+/// @param unread  is given a remark on each that cannot be read; may be null
 std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& options,
                                     const FdsCase* earlier = nullptr,
-                                    std::vector<std::string>* unread = nullptr);
+                                    std::vector<Remark>* unread = nullptr);
 
 /// An FDS case over time: obstructions come and go. It reaches over all meshes; in those of which
 /// no source has smoke, nothing is known.
@@ -80,7 +80,7 @@ class FdsSight final : public SightField {
   explicit FdsSight(FdsCase fds, std::string name = "",
                     std::uint64_t maxMemory = std::uint64_t{4} << 30,
                     std::vector<FdsCase> others = {}, TriangleScene walls = {},
-                    std::vector<std::string> notes = {});
+                    std::vector<Remark> notes = {});
 
   std::string description() const override;
 
@@ -98,6 +98,7 @@ class FdsSight final : public SightField {
 
   /// By its heat release, which FDS writes from the beginning on.
   double begin() override;
+  double end() override;
 
   std::optional<double> north() const override { return case_.index().north; }
 
@@ -119,6 +120,8 @@ class FdsSight final : public SightField {
   [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwnAt(double time) override;
 
  private:
+  const std::pair<double, double>& span();
+
   /// Lattices of several sources together.
   struct Whole {
     std::vector<const FdsGrid*> from;  // of each; null: of a mesh that nobody knows
@@ -141,14 +144,14 @@ class FdsSight final : public SightField {
   FdsCase case_;
   std::vector<FdsCase> others_;
   TriangleScene walls_;
-  std::vector<std::string> notes_;
+  std::vector<Remark> notes_;
   Box3 bounds_;
   std::vector<Whole> wholes_;
   std::vector<int> nowhereKnown_;   // meshes of which no source has smoke
   std::map<int, Unknown> unknown_;  // what stands in them
   std::vector<double> times_;
-  std::vector<double> events_;   // of obstructions, ascending
-  std::optional<double> begin_;  // when it was asked for
+  std::vector<double> events_;                     // of obstructions, ascending
+  std::optional<std::pair<double, double>> span_;  // when it was asked for
   std::string name_;
   std::uint64_t maxMemory_;
   std::uint64_t geometry_ = 0;

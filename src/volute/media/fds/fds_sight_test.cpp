@@ -113,7 +113,7 @@ TEST(FdsSight, WallsOfTrianglesBlockAndCarry) {
   fdswriter::boxGeometry({2.2F, 1, 0}, {3.4F, 3, 1.2F}, 0).save(folder / "made.ge");
   index.save(folder / "made.smv");
   FdsCase fds = opened(folder / "made.smv");
-  std::vector<std::string> remarks;
+  std::vector<Remark> remarks;
   auto mesh = fdsWalls(fds.index(), remarks).value();
   EXPECT_TRUE(remarks.empty());
   FdsSight sight(std::move(fds), "made", 1 << 30, {},
@@ -322,7 +322,7 @@ TEST(FdsSight, AFileThatIsCutIsNamedWhetherItServesOrNot) {
     add(2, kSecond, "SOOT VISIBILITY", {0}, "d.sf");
     index.save(folder / "made.smv");
     FdsCase fds = opened(folder / "made.smv", {.source = "slice3d-extinction"});
-    std::vector<std::string> unread;
+    std::vector<Remark> unread;
     auto others = fillingSources(fds, {}, nullptr, &unread);
     ASSERT_EQ(others.size(), serves ? 1U : 0U);
     const FdsSight sight(std::move(fds), "made", 1 << 30, std::move(others), {}, unread);
@@ -344,11 +344,12 @@ TEST(FdsSight, AFileThatShouldServeBesideALayerIsNamedWhenItIsMissing) {
   index.smoke(1, "gone.s3d", 7600);
   index.save(folder / "made.smv");
   const FdsCase fds = opened(folder / "made.smv", {.source = "slice-extinction"});
-  std::vector<std::string> unread;
+  std::vector<Remark> unread;
   EXPECT_TRUE(fillingSources(fds, {}, nullptr, &unread).empty());
   ASSERT_EQ(unread.size(), 1U);
-  EXPECT_THAT(unread[0], ::testing::HasSubstr("gone.s3d"));
-  EXPECT_THAT(unread[0], ::testing::HasSubstr("cannot serve where slice-extinction does not"));
+  EXPECT_THAT(unread[0].sentence, ::testing::HasSubstr("gone.s3d"));
+  EXPECT_THAT(unread[0].sentence,
+              ::testing::HasSubstr("cannot serve where slice-extinction does not"));
 }
 
 }  // namespace

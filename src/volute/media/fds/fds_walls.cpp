@@ -11,7 +11,7 @@
 
 namespace volute {
 
-Result<TriangleMesh> fdsWalls(const SmvIndex& index, std::vector<std::string>& remarks) {
+Result<TriangleMesh> fdsWalls(const SmvIndex& index, std::vector<Remark>& remarks) {
   TriangleMesh mesh;
   for (const FdsSurface& surface : index.surfaces) {
     mesh.materials.push_back({Rgb(srgbDecode(surface.colour[0]), srgbDecode(surface.colour[1]),
@@ -25,9 +25,10 @@ Result<TriangleMesh> fdsWalls(const SmvIndex& index, std::vector<std::string>& r
       continue;
     VOLUTE_ASSIGN(const auto read, readGeometryFile(other.file));
     if (read.moves) {
-      remarks.push_back(fmt::format(
-          "{}: walls of triangles that come or move are left out: they block no sight line",
-          other.file.string()));
+      remarks.push_back({RemarkCode::kLeftOut,
+                         fmt::format("{}: walls of triangles that come or move are left out: they "
+                                     "block no sight line",
+                                     other.file.string())});
     }
     for (std::size_t i = 0; i < read.triangles.size(); ++i) {
       Triangle triangle;

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "volute/fds/smv_index.hpp"
@@ -12,7 +11,6 @@ namespace volute {
 
 /// Walls of an FDS case that are made of triangles (GEOM) and stand still: closed bodies, in the
 /// colours of their surfaces. What moves is named in `remarks`.
-[[nodiscard]] Result<TriangleMesh> fdsWalls(const SmvIndex& index,
-                                            std::vector<std::string>& remarks);
+[[nodiscard]] Result<TriangleMesh> fdsWalls(const SmvIndex& index, std::vector<Remark>& remarks);
 
 }  // namespace volute
