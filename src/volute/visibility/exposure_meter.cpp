@@ -77,6 +77,10 @@ AirField AirField::open(SightField& field, std::span<const Criterion> criteria, 
     if (one)
       air.begin_ = std::min(air.begin_, one->times().front());
   }
+  for (const auto& one : air.fields_) {
+    if (one && one->sources().front().times > 0)
+      air.end_ = std::max(air.end_, one->times().back());
+  }
   air.smokeIsLate_ = smokeFrom > field.times().front() || !storedPlace(field.times(), air.begin_);
   return air;
 }
@@ -206,14 +210,8 @@ Status ExposureMeter::advance(double time, const Places& places, std::span<const
     last_ = std::min(time, air_.begin());
     if (last_ < time)
       VOLUTE_TRY(sample(last_, places, {}));
-    if (air_.smokeIsLate()) {
-      for (std::size_t c = 0; c < criteria_.size(); ++c) {
-        if (!isOfSmoke(criteria_[c]))
-          continue;
-        std::ranges::fill(unknown_[c], 1);
-        for (std::size_t i = 0; i < people_; ++i) watches_[c].lose(i);
-      }
-    }
+    if (air_.smokeIsLate())
+      loseSmoke();
   }
   auto times = air_.timesBetween(last_, time);
   if (std::isfinite(step)) {
@@ -231,6 +229,19 @@ Status ExposureMeter::advance(double time, const Places& places, std::span<const
   }
   begunSmoke_ = true;
   return sample(time, places, extinction);
+}
+
+void ExposureMeter::loseSmoke() {
+  for (std::size_t c = 0; c < criteria_.size(); ++c) {
+    if (!isOfSmoke(criteria_[c]))
+      continue;
+    std::ranges::fill(unknown_[c], 1);
+    for (std::size_t i = 0; i < people_; ++i) {
+      watches_[c].lose(i);
+      if (!least_.empty())
+        least_[c].lose(i);
+    }
+  }
 }
 
 void ExposureMeter::takeLeast(double time, std::span<const double> extinction) {

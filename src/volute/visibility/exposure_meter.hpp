@@ -46,6 +46,9 @@ class AirField {
   /// When the case begins [s], by all that is known of it.
   double begin() const { return begin_; }
 
+  /// Until when anything of it is stored [s]; -infinite: nothing is.
+  double end() const { return end_; }
+
   /// Whether the case begins before the smoke is stored, or looked at.
   bool smokeIsLate() const { return smokeIsLate_; }
 
@@ -67,6 +70,7 @@ class AirField {
   std::array<std::unique_ptr<PointField>, kAirQuantities> fields_;
   std::array<std::string, kAirQuantities> gaps_;
   double begin_ = std::numeric_limits<double>::infinity();
+  double end_ = -std::numeric_limits<double>::infinity();
   bool smokeIsLate_ = false;
 };
 
@@ -123,6 +127,9 @@ class ExposureMeter {
                                std::span<const double> extinction = {},
                                double step = std::numeric_limits<double>::infinity(),
                                const SmokeBetween& between = nullptr);
+
+  /// From now on nothing is known of the smoke.
+  void loseSmoke();
 
   /// The least extinction that the data allow at the places of people who stay, at each time at
   /// which advance() was given the largest.

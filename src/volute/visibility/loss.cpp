@@ -166,6 +166,17 @@ void SignLoss::loseAll() {
   }
 }
 
+void SignLoss::loseRest() {
+  for (Set& set : losses_) {
+    for (auto* losses : {&set.middle, &set.worst, &set.best}) {
+      for (Loss& loss : *losses) {
+        if (loss.up == Loss::kNever && loss.known == Loss::kAlways)
+          loss.known = last_;
+      }
+    }
+  }
+}
+
 LossTimes SignLoss::timesOf(const std::vector<Loss>& losses) const {
   LossTimes times(losses.size());
   for (std::size_t i = 0; i < losses.size(); ++i) {

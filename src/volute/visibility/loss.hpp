@@ -134,6 +134,9 @@ class SignLoss {
   /// Nothing is known of what was before the first time.
   void loseAll();
 
+  /// Nor of what comes after the last one.
+  void loseRest();
+
   /// At the field's depths.
   LossTimes times(std::size_t set) const { return timesOf(losses_[set].middle); }
 

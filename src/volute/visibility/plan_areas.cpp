@@ -212,7 +212,7 @@ class AreaReport {
       text += fmt::format(": ASET {}{}, at {}", timeWords(first), by,
                           placeWords(found_.eyes[first.place]));
     } else {
-      text += fmt::format(": no criterion is reached until {:g} s", survey_.times.back());
+      text += fmt::format(": no criterion is reached until {:g} s", survey_.end);
     }
     return text + marginWords(people) + ".";
   }

@@ -226,24 +226,32 @@ Status PlanTenability::take(const SurveyTime& at) {
     return {};
   // Where a door or a curtain stands now, nobody does.
   std::vector<double> smoke(at.extinctionHigh.begin(), at.extinctionHigh.end());
+  free_.assign(eyes_.begin(), eyes_.end());
   for (std::size_t i = 0; i < smoke.size(); ++i) {
-    if (at.extinctionLow[i] == SurveyTime::kSolid)
-      smoke[i] = SurveyTime::kSolid;
+    if (at.extinctionLow[i] != SurveyTime::kSolid)
+      continue;
+    smoke[i] = SurveyTime::kSolid;
+    free_[i].setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   for (auto& variation : varied_) {
     for (LevelWatch& watch : variation) watch.update(at.time, smoke);
   }
   meter_.takeLeast(at.time, at.extinctionLow);
   return meter_.advance(
-      at.time,
-      [&](double, std::span<Vec3> places) {
-        for (std::size_t i = 0; i < places.size(); ++i) {
-          places[i] = smoke[i] == SurveyTime::kSolid
-                          ? Vec3::Constant(std::numeric_limits<double>::quiet_NaN())
-                          : eyes_[i];
-        }
-      },
+      at.time, [&](double, std::span<Vec3> places) { std::ranges::copy(free_, places.begin()); },
       smoke);
+}
+
+Status PlanTenability::goOn() {
+  for (auto& variation : varied_) {
+    for (LevelWatch& watch : variation) {
+      for (std::size_t i = 0; i < eyes_.size(); ++i) watch.lose(i);
+    }
+  }
+  meter_.loseSmoke();
+  return meter_.advance(survey_->end, [&](double, std::span<Vec3> places) {
+    std::ranges::copy(free_, places.begin());
+  });
 }
 
 LossTimes PlanTenability::combined(const LossTimes& signs, const std::vector<bool>& inSight,
@@ -304,8 +312,8 @@ Result<std::string> PlanTenability::sensitivity(const Sight& sight, Json& report
       {"soot yield, 25 % assumed", "25 % larger", "25 % smaller", varied(kMoreSoot),
        varied(kLessSoot)}};
   report["sensitivity_of_aset"] = sensitivityJson(firstOf(all_), all);
-  return sensitivityPart(report["sensitivity_of_aset"], survey_->times.front(),
-                         survey_->times.back(), survey_->folder / "tornado.png");
+  return sensitivityPart(report["sensitivity_of_aset"], survey_->times.front(), survey_->end,
+                         survey_->folder / "tornado.png");
 }
 
 std::string PlanTenability::notAssessed() const {
@@ -392,7 +400,7 @@ Json PlanTenability::sentence(std::size_t c) const {
   const std::vector<bool> counts = countsOf(c);
   const std::string words = criterion.words() + roomWords(criterion);
   const FirstLoss first = firstLoss(meter_.times(c), survey_->round, counts);
-  const double end = survey_->times.back();
+  const double end = survey_->end;
   std::string text;
   if (std::ranges::none_of(counts, std::identity())) {
     text = words + " applies nowhere: people are in no such room.";
@@ -441,7 +449,7 @@ std::string PlanTenability::unknownReasons() const {
 
 Json PlanTenability::headline(const std::vector<std::string>& names) const {
   const FirstLoss first = firstLoss(all_, survey_->round, people_);
-  const double end = survey_->times.back();
+  const double end = survey_->end;
   std::string text;
   if (!first.certain()) {
     text = fmt::format("ASET of all criteria: {}, because of {}",
@@ -506,7 +514,7 @@ Status PlanTenability::writeTimes(const std::string& name, const std::string& ti
   picture.barLabel = "time [s]";
   picture.stored = true;
   picture.low = survey_->times.front();
-  picture.high = std::max(survey_->times.back(), picture.low + 1e-9);
+  picture.high = std::max(survey_->end, picture.low + 1e-9);
   const std::vector<double>& by = times.by(survey_->round);
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
     picture.values[values_.places[i]] = by[i];
@@ -517,7 +525,7 @@ Status PlanTenability::writeTimes(const std::string& name, const std::string& ti
   }
   picture.words = {
       {PlanMark::kHidden, "the criterion is not for rooms of this size"},
-      {PlanMark::kKept, fmt::format("not reached at {:g} s, the last time", survey_->times.back())},
+      {PlanMark::kKept, fmt::format("not reached at {:g} s, the last time", survey_->end)},
       {PlanMark::kUnknown, kNotKnownWords},
       {PlanMark::kSolid, kSolidWords}};
   return writePlan(survey_->folder / name, *values_.plan, picture, signs_);
@@ -535,10 +543,9 @@ Status PlanTenability::writeFirst() const {
                                        : which_[i] >= 0  ? PlanMark::kValue
                                                          : PlanMark::kKept;
   }
-  picture.words = {
-      {PlanMark::kKept, fmt::format("none until {:g} s, the last time", survey_->times.back())},
-      {PlanMark::kUnknown, kNotKnownWords},
-      {PlanMark::kSolid, kSolidWords}};
+  picture.words = {{PlanMark::kKept, fmt::format("none until {:g} s, the last time", survey_->end)},
+                   {PlanMark::kUnknown, kNotKnownWords},
+                   {PlanMark::kSolid, kSolidWords}};
   return writePlan(survey_->folder / "tenability_first.png", *values_.plan, picture, signs_);
 }
 
@@ -565,7 +572,7 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
       continue;
     for (const std::size_t i : area.eyes) rset[i] = people_[i] ? *area.rset : kNoTime;
   }
-  const double end = survey_->times.back();
+  const double end = survey_->end;
   margins_ = planMargins(std::move(rset), all_, survey_->round, end);
   std::vector<std::size_t> everywhere(eyes_.size());
   std::iota(everywhere.begin(), everywhere.end(), std::size_t{0});

@@ -34,6 +34,11 @@ class PlanTenability {
   /// Each time; those between stored ones are passed over.
   [[nodiscard]] Status take(const SurveyTime& at);
 
+  /// Through the times at which the air is stored but no smoke.
+  [[nodiscard]] Status goOn();
+
+  double end() const { return meter_.air().end(); }
+
   /// Losses of sight of all signs.
   struct Sight {
     LossTimes earliest;             ///< by depths that are rounded up
@@ -93,6 +98,7 @@ class PlanTenability {
 
   const Survey* survey_;
   std::span<const Vec3> eyes_;
+  std::vector<Vec3> free_;  // of eyes_; NaN where something opaque stands now
   PlanUse use_;
   std::vector<bool> people_;  // which eyes count
   const PlanAreas* areas_;

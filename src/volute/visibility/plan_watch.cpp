@@ -147,7 +147,11 @@ class PlanWatch final : public Watch {
     return writeMaps(at, instant.shapes(plan_.origin[2]));
   }
 
+  double end() const override { return tenability_ ? tenability_->end() : Watch::end(); }
+
   Result<std::string> finish(Json& report) override {
+    if (survey_->endsAfter())
+      VOLUTE_TRY(goOn());
     leaveOutHigherFloors();
     report["eyes"] = {{"kind", "plan"},           {"height", plan_.origin[2]},
                       {"step", plan_.step},       {"origin", {plan_.origin[0], plan_.origin[1]}},
@@ -220,6 +224,13 @@ class PlanWatch final : public Watch {
   }
 
  private:
+  /// Where the smoke ends before the case does.
+  Status goOn() {
+    losses_->loseRest();
+    for (std::size_t i = 0; local_ && i < eyes_.size(); ++i) local_->lose(i);
+    return tenability_ ? tenability_->goOn() : Status();
+  }
+
   /// Areas that are named as not for people.
   void excludeAreas(Progress& progress) {
     for (const PlanAreas::Area& area : areas_.areas) {
@@ -501,7 +512,7 @@ class PlanWatch final : public Watch {
     picture.barLabel = "time [s]";
     picture.stored = true;
     picture.low = survey_->times.front();
-    picture.high = std::max(survey_->times.back(), picture.low + 1e-9);
+    picture.high = std::max(survey_->end, picture.low + 1e-9);
     for (std::size_t i = 0; i < places_.size(); ++i) {
       const double time = times.by(survey_->round)[i];
       picture.values[places_[i]] = time;
@@ -520,12 +531,11 @@ class PlanWatch final : public Watch {
     }
     picture.title = fmt::format("{}, from z = {:g} m", lossWords(set), plan_.origin[2]);
     picture.subtitle = lawsOf(set);
-    picture.words = {
-        {PlanMark::kKept,
-         fmt::format("never lost: still seen at {:g} s, the last time", survey_->times.back())},
-        {PlanMark::kHidden, "no sign in sight, smoke or not"},
-        {PlanMark::kUnknown, kNotKnownWords},
-        {PlanMark::kSolid, kSolidWords}};
+    picture.words = {{PlanMark::kKept,
+                      fmt::format("never lost: still seen at {:g} s, the last time", survey_->end)},
+                     {PlanMark::kHidden, "no sign in sight, smoke or not"},
+                     {PlanMark::kUnknown, kNotKnownWords},
+                     {PlanMark::kSolid, kSolidWords}};
     return writePlan(survey_->folder / asetName(set), plan_, picture,
                      shownSigns(survey_->sets[set].members));
   }
@@ -589,7 +599,7 @@ class PlanWatch final : public Watch {
         soonestLoss = loss;
       }
     }
-    const double end = survey_->times.back();
+    const double end = survey_->end;
     const std::string name = survey_->signs[survey_->sets[soonest].members[0]].sign.name;
     constexpr const char* kSeeing = "the points that see it without smoke";
     const auto uncertain = [&](const std::string& what, const FirstLoss& loss) {
@@ -644,7 +654,7 @@ class PlanWatch final : public Watch {
         survey_->extinctionLimit, plan_.origin[2]);
     picture.subtitle = "smoke where one stands, signs aside";
     picture.words = {
-        {PlanMark::kKept, fmt::format("below it at {:g} s, the last time", survey_->times.back())},
+        {PlanMark::kKept, fmt::format("below it at {:g} s, the last time", survey_->end)},
         {PlanMark::kUnknown, kNotKnownWords},
         {PlanMark::kSolid, kSolidWords}};
     return writePlan(survey_->folder / "aset_local.png", plan_, picture,

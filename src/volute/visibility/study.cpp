@@ -311,7 +311,7 @@ void StudyResults::addResult(const StudyRun& run, const Json& json, std::span<co
           : times.empty()   ? ""
           : known == false  ? times.front().dump()
           : reached         ? one["time"].dump()
-                            : times.back().dump());
+                            : json.value("end", times.back()).dump());
       put(row, criterion + ", interpolated [s]",
           reached ? one.value("time_interpolated", Json()).dump() : "");
       if (one.contains("height"))

@@ -121,6 +121,7 @@ class Job {
     VOLUTE_ASSIGN(survey_.sets, setsOf(request_));
     VOLUTE_ASSIGN(chosen_, chosenTimes(request_.frames, field_));
     for (const int i : chosen_) survey_.times.push_back(field_.times()[i]);
+    survey_.end = survey_.times.back();
     survey_.bounds = field_.bounds();
     survey_.north = field_.north();
     survey_.field = &field_;
@@ -206,12 +207,30 @@ class Job {
     VOLUTE_ASSIGN(first_, field_.read(static_cast<std::size_t>(chosen_[0])));
     VOLUTE_ASSIGN(survey_.signs, placeSigns(*first_, request_.signs, survey_.bounds, log_));
     VOLUTE_TRY(watch_.begin(survey_, *first_, log_));
+    findEnd();
     if (team_.leads())
       VOLUTE_TRY(pictures_.begin(survey_, *first_));
     if (looksAgain())
       VOLUTE_TRY(lookout_.workOutTogether(*first_, survey_.signs,
                                           watch_.eyes(survey_.times.front()), team_));
     return {};
+  }
+
+  /// Until when the case goes on, if that is more than a stored time beyond the smoke.
+  void findEnd() {
+    const auto stored = field_.times();
+    const std::size_t last = stored.size() - 1;
+    if (static_cast<std::size_t>(chosen_.back()) != last)
+      return;  // somebody wants to know no more
+    const double end = std::max(field_.end(), watch_.end());
+    const double interval = last > 0 ? stored[last] - stored[last - 1] : 0;
+    if (!(end - stored[last] > (1 + 1e-6) * interval))
+      return;
+    survey_.end = end;
+    log_.remark({RemarkCode::kDoubtful,
+                 fmt::format("the smoke is stored until {:g} s, and the case goes on until {:g} s: "
+                             "what is lost since then is not known",
+                             stored[last], end)});
   }
 
   /// Whether the same sight lines are looked along more than once.
@@ -403,6 +422,7 @@ class Job {
     for (const SightTarget& target : survey_.signs)
       page_.report["signs"].push_back(signJson(target));
     page_.report["times"] = survey_.times;
+    page_.report["end"] = survey_.end;
     page_.report["round"] = nameOf(survey_.round);
     page_.report["summary"] = summary_;
     VOLUTE_ASSIGN(page_.body, watch_.finish(page_.report));

@@ -63,7 +63,7 @@ struct Exposed {
 /// @param sight  losses of sight of all signs, and where one is seen at all; null: of no matter
 Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exposed& exposed,
                      const CountedLoss& sight) {
-  const double end = survey.times.back();
+  const double end = survey.end;
   std::size_t count = 0;
   std::vector<CountedLoss> losses;
   std::vector<std::string> names;
@@ -207,26 +207,14 @@ class PointWatch : public Watch {
     }
     if (!meter_ || !at.stored)
       return {};
-    VOLUTE_TRY(meter_->advance(
-        at.time,
-        [&](double, std::span<Vec3> places) { std::ranges::copy(points_, places.begin()); },
-        at.extinctionHigh));
+    VOLUTE_TRY(advance(at.time, at.extinctionHigh));
     meter_->takeLeast(at.time, at.extinctionLow);
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      table_ +=
-          fmt::format("{:g},{:g},{:g},{:g}", at.time, points_[i][0], points_[i][1], points_[i][2]);
-      for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
-        const double value = meter_->values(c)[i];
-        const bool lacks =
-            std::isnan(value) || (meter_->criteria()[c].isDose() && meter_->unknown(c, i));
-        table_ += lacks ? "," : fmt::format(",{:.9g}", value);
-      }
-      table_ += '\n';
-    }
     return {};
   }
 
   Result<std::string> finish(Json& report) override {
+    if (survey_->endsAfter())
+      VOLUTE_TRY(goOn());
     report["eyes"] = {{"kind", "points"}, {"count", points_.size()}};
     report["aset"] = Json::array();
     for (std::size_t set = 0; set < survey_->sets.size(); ++set) {
@@ -256,9 +244,41 @@ class PointWatch : public Watch {
     return std::string();
   }
 
+  double end() const override { return meter_ ? meter_->air().end() : Watch::end(); }
+
   bool hasPage() const override { return false; }
 
  private:
+  /// Through the times at which the air is stored but no smoke.
+  Status goOn() {
+    losses_->loseRest();
+    if (!meter_)
+      return {};
+    meter_->loseSmoke();
+    std::vector<double> times = meter_->air().timesBetween(survey_->times.back(), survey_->end);
+    times.push_back(survey_->end);
+    for (const double time : times) VOLUTE_TRY(advance(time, {}));
+    return {};
+  }
+
+  Status advance(double time, std::span<const double> smoke) {
+    VOLUTE_TRY(meter_->advance(
+        time, [&](double, std::span<Vec3> places) { std::ranges::copy(points_, places.begin()); },
+        smoke));
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      table_ +=
+          fmt::format("{:g},{:g},{:g},{:g}", time, points_[i][0], points_[i][1], points_[i][2]);
+      for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
+        const double value = meter_->values(c)[i];
+        const bool lacks =
+            std::isnan(value) || (meter_->criteria()[c].isDose() && meter_->unknown(c, i));
+        table_ += lacks ? "," : fmt::format(",{:.9g}", value);
+      }
+      table_ += '\n';
+    }
+    return {};
+  }
+
   const Survey* survey_ = nullptr;
   std::vector<Vec3> points_;
   std::optional<SignLoss> losses_;

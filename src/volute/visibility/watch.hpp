@@ -37,6 +37,7 @@ struct Survey {
   std::vector<SightTarget> signs;
   std::vector<SignSet> sets;  ///< the first has all signs
   std::vector<double> times;  ///< those that are looked at [s]
+  double end = 0;             ///< of the case [s]: the last of them, or later, without smoke
   Box3 bounds;
   double step = 0.25;  ///< between points of a plan or a route [m]
   double height = 2;   ///< of a plan's points [m]
@@ -59,6 +60,9 @@ struct Survey {
   SightField* field = nullptr;  ///< whose air criteria ask about
 
   /// Whether the case begins before the smoke is looked at.
+  /// Whether the case goes on when the smoke is no longer known.
+  bool endsAfter() const { return end > times.back(); }
+
   bool beginsBefore() const {
     return field->beginsBefore() || times.front() > field->times().front();
   }
@@ -133,6 +137,9 @@ class Watch {
 
   /// Adds its figures to the report, writes its files, and returns its part of the page. On rank 0.
   [[nodiscard]] virtual Result<std::string> finish(Json& report) = 0;
+
+  /// Until when anything is stored that is asked for besides the smoke [s]. After begin().
+  virtual double end() const { return -std::numeric_limits<double>::infinity(); }
 
   /// Whether times between stored ones, at which something opaque comes or goes, are of use.
   virtual bool wantsChanges() const { return true; }
