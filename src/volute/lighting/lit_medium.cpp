@@ -50,8 +50,28 @@ double meanInverseSquare(const Lamp& lamp, const Segment& ray, double begin, dou
 
 /// Where in a part, 0..1, the light that it sends comes from in the mean; light that is linear
 /// there is exact.
-double centroid(double depth) {
-  return depth < 1e-3 ? 0.5 - depth / 12 : 1 / depth - 1 / std::expm1(depth);
+/// @param growth  of the extinction in the part, in parts of its mean
+double centroid(double depth, double growth) {
+  const double even = depth < 1e-3 ? 0.5 - depth / 12 : 1 / depth - 1 / std::expm1(depth);
+  return even + growth / 12 * std::exp(-depth);
+}
+
+/// How the extinction grows over a step, in parts of its mean, by the steps before and behind: it
+/// is linear there, and nowhere below 0 or beyond them.
+double growthOf(std::span<const Segment> steps, std::span<const double> depths, std::size_t k) {
+  if (k == 0 || k + 1 >= steps.size() || !(depths[k] > 0))
+    return 0;
+  const auto length = [&](std::size_t i) { return steps[i].end - steps[i].begin; };
+  const auto slope = [&](std::size_t i) {  // from step i to the next
+    const double apart = 0.5 * (length(i) + length(i + 1));
+    return (depths[i + 1] / length(i + 1) - depths[i] / length(i)) / apart;
+  };
+  const double before = slope(k - 1), after = slope(k);
+  if (!(before * after > 0))
+    return 0;
+  const double most = 2 * std::min(std::abs(before), std::abs(after));
+  const double growth = std::clamp(0.5 * (before + after), -most, most) * length(k) * length(k);
+  return std::clamp(growth / depths[k], -2.0, 2.0);
 }
 
 /// curve * (a + b s + c s^2).
@@ -339,6 +359,7 @@ void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> 
   std::vector<Segment> steps;
   std::vector<std::size_t> begins;
   std::vector<Radiance> parts;
+  std::vector<double> depths;
   for (std::size_t first = 0; first < segments.size(); first += kSegmentsAtOnce) {
     const std::size_t count = std::min(kSegmentsAtOnce, segments.size() - first);
     rays.clear(), steps.clear(), begins.clear();
@@ -377,16 +398,25 @@ void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> 
     begins.push_back(steps.size());
     parts.resize(steps.size());
     medium_.radiance(steps, parts);
+    depths.clear();
+    for (const Radiance& part : parts)
+      depths.push_back(-std::log(std::max(part.transmittance, 1e-300)));
     for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t own = begins[i], size = begins[i + 1] - own;
+      const auto itsSteps = std::span(steps).subspan(own, size);
+      const auto itsDepths = std::span(depths).subspan(own, size);
       Radiance sum;
-      for (std::size_t k = begins[i]; k < begins[i + 1]; ++k) add(rays[i], steps[k], parts[k], sum);
+      for (std::size_t k = 0; k < size; ++k)
+        add(rays[i], itsSteps[k], parts[own + k], growthOf(itsSteps, itsDepths, k), sum);
       out[first + i] = sum;
     }
   }
 }
 
 /// One more step behind those of `sum`.
-void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, Radiance& sum) const {
+/// @param growth  of its extinction, see growthOf()
+void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, double growth,
+                    Radiance& sum) const {
   sum.emitted += sum.transmittance * own.emitted;
   const double before = sum.transmittance;
   sum.transmittance *= own.transmittance;
@@ -408,7 +438,7 @@ void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, Radiance
     const bool sun = lamp.kind == Lamp::Kind::kSun;
     int count = thick;
     LightField::Sample seen =
-        field.at(step.at(step.begin + length * (thick > 1 ? 0.5 : centroid(depth))));
+        field.at(step.at(step.begin + length * (thick > 1 ? 0.5 : centroid(depth, growth))));
     if (seen.cell > 0)
       count = std::max(count, static_cast<int>(std::min(length / seen.cell, 1e3)));
     if (!sun) {
@@ -427,9 +457,14 @@ void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, Radiance
     }
     count = std::min(count, kMaxParts);
     double passed = 1, share = 0;
-    const double each = std::exp(-depth / count), place = centroid(depth / count);
+    double each = std::exp(-depth / count), place = centroid(depth / count, growth / count);
     for (int part = 0; part < count && passed > kStepLost; ++part) {
       const double begin = step.begin + length * part / count, end = begin + length / count;
+      if (growth != 0 && count > 1) {
+        const double dense = 1 + growth * ((part + 0.5) / count - 0.5);
+        each = std::exp(-depth * dense / count);
+        place = centroid(depth * dense / count, growth / (count * dense));
+      }
       const Vec3 point = step.at(begin + place * (end - begin));
       double arriving = ray.phase(i), cosine = ray.cosine(i), falls = 1;
       if (!sun) {
@@ -449,7 +484,7 @@ void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, Radiance
     light += share * lamp.intensity;
   }
   if (options_.again) {
-    const Vec3 point = step.at(step.begin + length * centroid(depth));
+    const Vec3 point = step.at(step.begin + length * centroid(depth, growth));
     light += (1 - own.transmittance) * options_.again->towards(point, -step.direction);
   }
   sum.emitted += before * options_.scattering.albedo * light;

@@ -72,7 +72,7 @@ class LitMedium {
   Source source(const Ray& ray, const Vec3& point) const;
   double goesOn(double share, double cosine) const;
   double evenFor(const Ray& ray, const Vec3& point) const;
-  void add(Ray& ray, const Segment& step, const Radiance& own, Radiance& sum) const;
+  void add(Ray& ray, const Segment& step, const Radiance& own, double growth, Radiance& sum) const;
   void cut(const Ray& ray, const Piece& piece, int cuts, std::vector<Piece>& out) const;
 
   AnyMedium medium_;
