@@ -488,13 +488,50 @@ void FdsInstant::extinction(std::span<const Vec3> points, std::span<double> exti
 
 namespace {
 
+/// What the gas in the cells says of a point that may be on their planes: all cells that touch it
+/// count, and the value is their mean. NaN where there is none.
+SmokeBand bandAround(const FdsLattice& lattice, const FdsValues& values,
+                     const std::vector<FdsCell>& cells, const Vec3& point) {
+  constexpr double kNothing = 1e-6;  // of a cell: the point is on a plane
+  std::array<int, 3> first{}, last{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& planes = lattice.planes[axis];
+    const int cell = cellBetween(planes, point[axis]);
+    const double begin = planes[cell], end = planes[cell + 1], near = kNothing * (end - begin);
+    first[axis] = cell > 0 && point[axis] - begin < near ? cell - 1 : cell;
+    last[axis] = cell + 1 < lattice.cells(axis) && end - point[axis] < near ? cell + 1 : cell;
+  }
+  constexpr float kNever = std::numeric_limits<float>::infinity();
+  SmokeBand band{0, kNever, -kNever};
+  int count = 0;
+  for (int z = first[2]; z <= last[2]; ++z) {
+    for (int y = first[1]; y <= last[1]; ++y) {
+      for (int x = first[0]; x <= last[0]; ++x) {
+        const std::size_t at = lattice.cellAt({x, y, z});
+        const float value = values.value[at];
+        if (cells[at] != FdsCell::kGas || std::isnan(value))
+          continue;
+        band.value += value;
+        band.low = std::min(band.low, values.low.empty() ? value : values.low[at]);
+        band.high = std::max(band.high, values.high.empty() ? value : values.high[at]);
+        ++count;
+      }
+    }
+  }
+  band.value =
+      count > 0 ? band.value / static_cast<float>(count) : std::numeric_limits<float>::quiet_NaN();
+  return band;
+}
+
 /// What another field of the same mesh says of a point, from the values that it has there.
 std::optional<SmokeBand> bandAt(const FdsField& field, int mesh, const Vec3& point) {
   for (std::size_t l = 0; l < field.grid().lattices().size(); ++l) {
     const FdsLattice& lattice = field.grid().lattices()[l];
     if (lattice.mesh != mesh || !field.grid().holds(l) || !lattice.bounds().contains(point))
       continue;
-    const SmokeBand band = bandAt(lattice, field.values(l), point);
+    const SmokeBand band = lattice.nodal
+                               ? bandAt(lattice, field.values(l), point)
+                               : bandAround(lattice, field.values(l), field.cells(l), point);
     if (!std::isnan(band.value))
       return band;
   }
