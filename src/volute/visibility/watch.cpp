@@ -68,19 +68,24 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
   std::vector<CountedLoss> losses;
   std::vector<std::string> names;
   std::string missing;
+  Json notAssessed = Json::array();
   const auto add = [](std::string& list, const std::string& name) {
     list += (list.empty() ? "" : ", ") + name;
+  };
+  const auto leaveOut = [&](const std::string& name, const char* why) {
+    add(missing, name + why);
+    notAssessed.push_back(name);
   };
   if (sight.times != nullptr) {
     losses.push_back(sight);
     names.emplace_back("sight of signs");
     count = sight.times->up.size();
   }
-  for (const ExposureMeter::Missing& one : meter.missing()) add(missing, one.criterion.name);
+  for (const ExposureMeter::Missing& one : meter.missing()) leaveOut(one.criterion.name, "");
   for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
     count = meter.worst(c).size();
     if (!meter.isAssessed(c)) {
-      add(missing, meter.criteria()[c].name + " (not stored there)");
+      leaveOut(meter.criteria()[c].name, " (not stored there)");
       continue;
     }
     losses.push_back({&meter.times(c)});
@@ -131,6 +136,7 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
   verdict.push_back(asJson("all", text, first));
   if (first.any)
     verdict.back()["by"] = by;
+  verdict.back()["not_assessed"] = std::move(notAssessed);
   for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
     if (!meter.isAssessed(c))
       continue;
