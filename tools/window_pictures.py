@@ -44,7 +44,9 @@ def main():
                     subprocess.run([volute, "view", file, "--screenshot", shot, "--interface-scale", str(scale),
                                     "--size", f"{width * scale}x{height * scale}"], cwd=folder, check=True)
                     target = options.out / f"{name}-{width}x{height}-{100 * scale}.png"
-                    Image.open(shot).convert("RGB").quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.FLOYDSTEINBERG).save(target, optimize=True)
+                    picture = Image.open(shot).convert("RGB")
+                    palette = picture.quantize(256, method=Image.Quantize.MEDIANCUT)  # undithered: flames would have contours
+                    picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG).save(target, optimize=True)
                     print(target.name, target.stat().st_size)
 
 

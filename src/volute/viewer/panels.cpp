@@ -114,8 +114,7 @@ void toolsPart(ViewerApp& app, const ViewerInput& input) {
       {"Camera key", "the camera path goes through this view at this time: K; Ctrl K removes it",
        Key::kK, false, app.document().info()->editable}};
   for (const Tool& tool : tools) {
-    if (&tool != tools)
-      besideOrBelow(tool.label);
+    besideOrBelow(tool.label);
     if (tool.on)
       ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
     const bool pressed = markedButton(app, tool.label, tool.label, tool.enabled);
@@ -179,6 +178,7 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   toolsPart(app, input);
   if (!app.document().info() || !app.document().info()->startView)
     return;
+  besideOrBelow("First view");
   if (ImGui::Button(tr("First view")))
     app.view().reset(input.width, input.height);
   app.window().mark("First view");
