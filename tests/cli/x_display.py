@@ -88,11 +88,12 @@ class Display:
         self.x.XSendEvent(self.connection, window, 0, ctypes.c_long(mask), ctypes.byref(event))
         self.x.XFlush(self.connection)
 
-    def press(self, window, name):
+    def press(self, window, name, control=False):
         code = self.x.XKeysymToKeycode(self.connection, ctypes.c_ulong(self.x.XStringToKeysym(name.encode())))
         for kind in (KEY_PRESS, KEY_RELEASE):
             event = Event()
             event.key = KeyEvent(type=kind, display=self.connection, window=window.value, root=self.root.value, keycode=code & 0xff,
+                                 state=4 if control else 0,
                                  same_screen=1, time=int(1000 * time.monotonic()))
             self.send(window, event, 3)
             time.sleep(0.2)
