@@ -3,6 +3,7 @@
 #include "frame_files.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -12,6 +13,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "volute/base/file_name.hpp"
 #include "volute/codec/extract_source.hpp"
 #include "volute/codec/kept_grids.hpp"
 #include "volute/io/frame_pattern.hpp"
@@ -62,6 +64,18 @@ long MemoryFile::read(char* to, std::size_t count, std::uint64_t offset) const {
   return static_cast<long>(done);
 }
 
+namespace {
+
+/// Numbers as the .vdb files have them that the file was made of, else of four digits.
+std::string numberField(const std::string& provenance) {
+  const auto field = findFrameField(provenance);
+  if (extensionOf(provenance) != ".vdb" || !field || !*field || (*field)->anyWidth)
+    return "%04d";
+  return (*field)->width > 1 ? fmt::format("%0{}d", (*field)->width) : "%d";
+}
+
+}  // namespace
+
 Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path,
                                                      const std::optional<double>& rate,
                                                      std::uint64_t maxMemory) {
@@ -70,7 +84,9 @@ Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path,
   VOLUTE_TRY(files->openGrids(path, rate));
   std::string stem = std::filesystem::path(path).stem().string();
   std::ranges::replace_if(stem, [](char c) { return c == '%' || c == '#'; }, '_');
-  VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(stem + "_%04d.vdb"));
+  VOLUTE_ASSIGN(
+      const auto pattern,
+      FramePattern::parse(stem + "_" + numberField(files->whole_->header().provenance) + ".vdb"));
   for (const auto& name : framePaths(pattern, files->info(), files->fileMetadata_))
     files->names_.push_back(name.string());
   files->writer_ = plugin->makeWriter({});

@@ -59,7 +59,8 @@ class FrameFiles {
                                                                 const std::optional<double>& rate,
                                                                 std::uint64_t maxMemory);
 
-  /// STEM_0001.vdb and so on, by the frames' numbers, ascending.
+  /// STEM_0001.vdb and so on, by the frames' numbers, ascending, with digits as the .vdb files had
+  /// that it was made of.
   const std::vector<std::string>& names() const { return names_; }
 
   std::optional<std::size_t> find(std::string_view name) const;

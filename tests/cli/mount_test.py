@@ -112,6 +112,12 @@ class Mount(support.TestCase):
         _, folder = self.mount(file, "--fps", "50")
         self.assertEqual(self.works("info", folder / "puff_%04d.vdb", "--json").json["times"], [0, 4 / 50])
 
+    def test_numbers_are_those_of_the_files_it_was_made_of(self):
+        self.works("extract", self.make_volute("puff.volute", frames=3), "-o", self.path("s_%d.vdb"))
+        self.works("compress", self.path("s_%d.vdb"), "-o", self.path("t.volute"))
+        _, folder = self.mount(self.path("t.volute"))
+        self.assertEqual(os.listdir(folder), ["t_0.vdb", "t_1.vdb", "t_2.vdb"])
+
     def test_caches_have_all_their_grids(self):
         file = self.path("cache.volute")
         shutil.copy(pathlib.Path(__file__).parents[1] / "data" / "cache.volute", file)

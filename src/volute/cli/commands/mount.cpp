@@ -22,7 +22,8 @@ Command mountCommand() {
       .examples = {"volute mount fire.volute /tmp/fire &",
                    "volute mount fire.volute fire --max-memory 1G"},
       .description =
-          "The folder contains fire_0001.vdb and so on, one file per frame, with the same bytes "
+          "The folder contains fire_0001.vdb and so on, one file per frame, numbered as the .vdb "
+          "files were of which the .volute was made, with the same bytes "
           "as from 'volute extract', generated when a program reads them. Blender, Houdini and "
           "other programs that read OpenVDB play them without a plug-in. The folder is "
           "read-only.\n\nThe frames of a row of blocks, up to 16, are decoded together; they and "
