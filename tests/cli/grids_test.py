@@ -106,6 +106,19 @@ class EveryType(support.TestCase):
         for frame in (1, 2, 3):
             self.same(folder / f"all_000{frame}.vdb", self.path(f"joined_000{frame}.vdb"), 4e-3)
 
+    def test_a_level_set_is_drawn_by_both_renderers(self):
+        if volute("info", "--gl").code != 0:
+            self.skipTest("no OpenGL here")
+        drawn, folder = {}, self.make()
+        for renderer in ("cpu", "gl"):
+            self.works("render", folder / "all_0001.vdb", "--field", "surface", "-o", self.path("x.exr"), "--size", "160x120",
+                       "--renderer", renderer, "--exposure", "1")
+            drawn[renderer] = read_exr(self.path("x.exr")).values
+        limit = 0.02 * max(drawn["cpu"])
+        off = [abs(a - b) > limit for a, b in zip(drawn["cpu"], drawn["gl"], strict=True)]
+        self.assertGreater(sum(value > 0 for value in drawn["cpu"]), 0.05 * len(off))
+        self.assertLess(sum(off), 0.005 * len(off))  # at its outline
+
     def test_some_grids_and_none(self):
         folder = self.make()
         self.works("compress", folder, "-o", self.path("x.volute"), "--field", "density[0],id,surface", "--fast")

@@ -31,67 +31,48 @@ VoxelIndex plus(const VoxelIndex& voxel, int x, int y, int z) {
 /// Values at the corners of a cell; bits 0, 1, 2 of a corner are its x, y, z.
 using Cell = std::array<double, 8>;
 
-/// Around the diagonal from corner 0 to corner 7, the same in all cells: neighbours share faces.
-/// Each edge leads to a corner that has all bits of where it begins.
-constexpr std::array<std::array<int, 4>, 6> kTetrahedra{
-    {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
-
-/// Where the trilinear function is 0 between two corners of unlike signs, 0..1. Cells that share
-/// the edge find the same to the last bit: they sum up the same values in the same order.
-double crossing(const Cell& cell, int from, int to) {
-  const int axes = to ^ from;
-  std::array<double, 4> sums{};  // by how many axes are gone along
-  for (int some = 0; some < 8; ++some) {
-    if ((some & ~axes) == 0)
-      sums[static_cast<std::size_t>(std::popcount(static_cast<unsigned>(some)))] +=
-          cell[static_cast<std::size_t>(from | some)];
-  }
-  const int degree = std::popcount(static_cast<unsigned>(axes));
-  if (degree == 1)
-    return sums[0] / (sums[0] - sums[1]);
-  const auto at = [&](double t) {
-    const double s = 1 - t;
-    return degree == 2 ? s * s * sums[0] + t * s * sums[1] + t * t * sums[2]
-                       : s * s * s * sums[0] + t * s * s * sums[1] + t * t * s * sums[2] +
-                             t * t * t * sums[3];
-  };
-  const bool inside = sums[0] < 0;
-  double low = 0, high = 1;
-  for (int i = 0; i < 52; ++i) {
-    const double middle = 0.5 * (low + high);
-    ((at(middle) < 0) == inside ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+double distanceIn(const Cell& cell, const Vec3& at) {
+  const auto shares = voxels::cornerShares(at);
+  double sum = 0;
+  for (std::size_t i = 0; i < 8; ++i) sum += shares[i] * cell[i];
+  return sum;
 }
 
-/// Calls piece(a, b, c), in the cell's own coordinates.
-template <class Piece>
-void cutCell(const Cell& cell, const Piece& piece) {
-  const auto between = [&](int a, int b) {
-    const int from = std::min(a, b), to = std::max(a, b);
-    const double t = crossing(cell, from, to);
-    Vec3 at;
-    for (int axis = 0; axis < 3; ++axis)
-      at[axis] = (from >> axis & 1) + ((to ^ from) >> axis & 1) * t;
-    return at;
-  };
-  for (const auto& corners : kTetrahedra) {
-    std::array<int, 4> in{}, out{};
-    std::size_t inside = 0, outside = 0;
-    for (const int corner : corners)
-      (cell[static_cast<std::size_t>(corner)] < 0 ? in[inside++] : out[outside++]) = corner;
-    if (inside == 0 || outside == 0)
-      continue;
-    if (inside == 2) {
-      const Vec3 a = between(in[0], out[0]), b = between(in[0], out[1]);
-      const Vec3 c = between(in[1], out[1]), d = between(in[1], out[0]);
-      piece(a, b, c), piece(a, c, d);
-      continue;
-    }
-    const int alone = inside == 1 ? in[0] : out[0];
-    const auto& others = inside == 1 ? out : in;
-    piece(between(alone, others[0]), between(alone, others[1]), between(alone, others[2]));
+/// Of the distance, at a place in the cell's own coordinates.
+Vec3 slopeIn(const Cell& cell, const Vec3& at) {
+  Vec3 slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 low = at, high = at;
+    low[axis] = 0, high[axis] = 1;
+    slope[axis] = distanceIn(cell, high) - distanceIn(cell, low);
   }
+  return slope;
+}
+
+/// A place on the surface in a cell: from the middle of where it crosses the edges, downhill.
+Vec3 placeOnSurface(const Cell& cell) {
+  constexpr int kSteps = 4;
+  Vec3 sum = Vec3::Zero();
+  int count = 0;
+  for (int corner = 0; corner < 8; ++corner)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double from = cell[static_cast<std::size_t>(corner)],
+                   to = cell[static_cast<std::size_t>(corner | 1 << axis)];
+      if ((corner >> axis & 1) != 0 || (from < 0) == (to < 0))
+        continue;
+      Vec3 at(corner & 1, corner >> 1 & 1, corner >> 2);
+      at[axis] = from / (from - to);
+      sum += at, ++count;
+    }
+  Vec3 at = sum / count;
+  for (int i = 0; i < kSteps; ++i) {
+    const Vec3 slope = slopeIn(cell, at);
+    if (!(slope.squaredNorm() > 0))
+      break;
+    at -= distanceIn(cell, at) / slope.squaredNorm() * slope;
+    at = at.cwiseMax(0.0).cwiseMin(1.0);
+  }
+  return at;
 }
 
 /// Where the slope of a cubic is 0, ascending; infinite where it is not.
@@ -128,17 +109,6 @@ std::optional<double> crossingOf(const Cubic& distance, double end, bool inside)
     return high;
   }
   return std::nullopt;
-}
-
-/// Into how many triangles a cell with such voxels inside is cut: bit i of `inside` is corner i.
-std::uint64_t piecesOf(unsigned inside) {
-  std::uint64_t pieces = 0;
-  for (const auto& corners : kTetrahedra) {
-    int in = 0;
-    for (const int corner : corners) in += static_cast<int>(inside >> corner & 1);
-    pieces += in == 2 ? 2 : in % 4 != 0 ? 1 : 0;
-  }
-  return pieces;
 }
 
 }  // namespace
@@ -185,6 +155,26 @@ struct LevelSetSurface::Field {
     return (cells[leaf][static_cast<std::size_t>(in[2])] >> (8 * in[1] + in[0]) & 1) != 0;
   }
 
+  static constexpr std::size_t kNoCell = std::numeric_limits<std::size_t>::max();
+
+  /// The number of a cell with a surface, in the order of forCells(); kNoCell: it has none.
+  std::size_t numberOf(const VoxelIndex& cell) const {
+    const std::int32_t leaf = table.at(placeOf(cell));
+    if (leaf < 0)
+      return kNoCell;
+    const auto at = static_cast<std::size_t>(leaf);
+    const VoxelIndex& origin = bricks.leaves()[at].origin;
+    const auto z = static_cast<std::size_t>(cell[2] - origin[2]);
+    const std::int64_t bit = 8 * (cell[1] - origin[1]) + cell[0] - origin[0];
+    if ((cells[at][z] >> bit & 1) == 0)
+      return kNoCell;
+    std::size_t number = begins[at];
+    for (std::size_t i = 0; i < z; ++i)
+      number += static_cast<std::size_t>(std::popcount(cells[at][i]));
+    return number +
+           static_cast<std::size_t>(std::popcount(cells[at][z] & ((std::uint64_t{1} << bit) - 1)));
+  }
+
   /// Calls visit(leaf, place in it) for each cell in which there is a surface.
   template <class Visit>
   void forCells(const Visit& visit) const {
@@ -197,12 +187,14 @@ struct LevelSetSurface::Field {
   }
 
   Bricks bricks;
-  VoxelIndex lowest{};           ///< the first voxel of the lowest leaf on each axis
-  BrickTable table;              ///< numbers of the leaves, by their place
-  CellGrid grid;                 ///< the leaves, among voxels
-  std::vector<BrickMask> cells;  ///< of each leaf: the cells, by their lowest corners
-  std::uint64_t triangles = 0;   ///< that addTriangles() makes
-  Box3 box;                      ///< around those cells
+  VoxelIndex lowest{};              ///< the first voxel of the lowest leaf on each axis
+  BrickTable table;                 ///< numbers of the leaves, by their place
+  CellGrid grid;                    ///< the leaves, among voxels
+  std::vector<BrickMask> cells;     ///< of each leaf: the cells, by their lowest corners
+  std::vector<std::size_t> begins;  ///< of each leaf: how many cells there are before it
+  std::size_t count = 0;            ///< of cells
+  std::uint64_t triangles = 0;      ///< that addTriangles() makes at most
+  Box3 box;                         ///< around those cells
 };
 
 namespace {
@@ -271,18 +263,19 @@ LevelSetSurface::Field::Field(Bricks distances) : bricks(std::move(distances)) {
   grid = {vecOf(lowest), Vec3::Constant(kSide), count};
   for (std::size_t i = 0; i < leaves.size(); ++i)
     table.set(placeOf(leaves[i].origin), static_cast<std::int32_t>(i));
-  std::array<std::uint64_t, 256> pieces{};
-  for (unsigned i = 0; i < pieces.size(); ++i) pieces[i] = piecesOf(i);
   for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf) {
     const VoxelIndex& origin = leaves[leaf].origin;
     const LeafCorners corners(bricks, table, placeOf(origin));
+    begins.push_back(this->count);
     for (int z = 0; z < kSide; ++z)
       for (int y = 0; y < kSide; ++y)
         for (int x = 0; x < kSide; ++x) {
-          const std::uint64_t more = pieces[corners.inside(x, y, z)];
-          if (more == 0)
+          const unsigned inside = corners.inside(x, y, z);
+          if (inside == 0 || inside == 0xff)
             continue;
-          triangles += more;
+          ++this->count;
+          for (unsigned axis = 0; axis < 3; ++axis)
+            triangles += ((inside >> (1u << axis) ^ inside) & 1) != 0 ? 2 : 0;
           cells[leaf][static_cast<std::size_t>(z)] |= std::uint64_t{1} << (8 * y + x);
           const Vec3 at = vecOf(plus(origin, x, y, z));
           box.extend(at), box.extend(at + Vec3::Ones());
@@ -335,7 +328,7 @@ Segment LevelSetSurface::amongVoxels(const Segment& segment) const {
 
 std::optional<double> LevelSetSurface::nearest(const Segment& segment) const {
   const Field& field = *field_;
-  if (field.triangles == 0)
+  if (field.count == 0)
     return std::nullopt;
   const Segment ray = amongVoxels(segment);
   std::optional<double> found;
@@ -438,16 +431,48 @@ Vec3 LevelSetSurface::outward(const Segment& segment, double distance) const {
   return normal;
 }
 
+/// Dual to the cells (surface nets): one place in each, four of them around each edge that the
+/// surface crosses.
 void LevelSetSurface::addTriangles(std::uint32_t material, std::vector<Triangle>& to) const {
-  to.reserve(to.size() + field_->triangles);
-  field_->forCells([&](std::size_t leaf, const std::array<int, 3>& in) {
-    const VoxelIndex at = plus(field_->bricks.leaves()[leaf].origin, in[0], in[1], in[2]);
-    const Vec3 begin = vecOf(at);
-    cutCell(field_->cell(at), [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-      to.push_back({{linear_ * (begin + a) + offset_, linear_ * (begin + b) + offset_,
-                     linear_ * (begin + c) + offset_},
-                    material});
-    });
+  const Field& field = *field_;
+  std::vector<Vec3> places;
+  places.reserve(field.count);
+  field.forCells([&](std::size_t leaf, const std::array<int, 3>& in) {
+    const VoxelIndex at = plus(field.bricks.leaves()[leaf].origin, in[0], in[1], in[2]);
+    places.emplace_back(linear_ * (vecOf(at) + placeOnSurface(field.cell(at))) + offset_);
+  });
+  const bool mirrored = linear_.determinant() < 0;
+  to.reserve(to.size() + field.triangles);
+  field.forCells([&](std::size_t leaf, const std::array<int, 3>& in) {
+    const VoxelIndex at = plus(field.bricks.leaves()[leaf].origin, in[0], in[1], in[2]);
+    const bool inside = field.value(at) < 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      VoxelIndex end = at;
+      ++end[axis];
+      if ((field.value(end) < 0) == inside)
+        continue;
+      // Around the edge, anticlockwise as seen from its end.
+      std::array<Vec3, 4> around;
+      bool whole = true;
+      for (std::size_t i = 0; i < 4; ++i) {
+        VoxelIndex cell = at;
+        cell[(axis + 1) % 3] -= i == 1 || i == 2 ? 1 : 0;
+        cell[(axis + 2) % 3] -= i >= 2 ? 1 : 0;
+        const std::size_t number = field.numberOf(cell);
+        whole = whole && number != Field::kNoCell;
+        if (whole)
+          around[i] = places[number];
+      }
+      if (!whole)
+        continue;
+      if (inside == mirrored)
+        std::swap(around[1], around[3]);
+      // Along the shorter diagonal.
+      if ((around[0] - around[2]).squaredNorm() > (around[1] - around[3]).squaredNorm())
+        std::ranges::rotate(around, around.begin() + 1);
+      to.push_back({{around[0], around[1], around[2]}, material});
+      to.push_back({{around[0], around[2], around[3]}, material});
+    }
   });
 }
 

@@ -36,8 +36,8 @@ class LevelSetSurface final : public CurvedSurface {
 
   const Box3& bounds() const override { return bounds_; }
 
-  /// Each cell is cut into six tetrahedra, which find every sheet that crosses an edge of theirs:
-  /// corners lie exactly on the surface, and pieces leave no gap.
+  /// One corner in each cell, on the surface, and two triangles around each edge that the surface
+  /// crosses, so that they leave no gap. Where several sheets go through a cell they meet there.
   void addTriangles(std::uint32_t material, std::vector<Triangle>& to) const override;
   std::shared_ptr<const CurvedSurface> moved(const Mat4& transform) const override;
 

@@ -385,7 +385,7 @@ std::shared_ptr<const BrickSlice> VolumeMedium::drawn(std::shared_ptr<const Bric
 void VolumeMedium::chooseLook(std::span<const Camera> views) {
   constexpr double kClose = 3;  // pixels
   Appearance appearance = appearance_;
-  if (!appearance.basisByView)
+  if (!appearance.basisByView || appearance.surface)
     return;
   Basis basis = input_->source->info().basis;
   if (basis == Basis::kBox) {
