@@ -86,9 +86,13 @@ volute_deb(volute-view graphics "fire, smoke and fog: the viewer" "${idea}\nThis
   COMPONENTS viewer DEPENDS "volute (= ${full})" ${openGl})
 volute_deb(volute-vdb graphics "fire, smoke and fog: OpenVDB files" "${idea}\nThis plug-in reads and writes OpenVDB files; volute mount shows .volute files\nas a folder of them."
   COMPONENTS vdb mount DEPENDS "volute (= ${full})" RECOMMENDS fuse3)
+set(hdf5)
+if(TARGET volute_hdf5)
+  set(hdf5 hdf5)
+endif()
 volute_deb(volute-vtk graphics "fire, smoke and fog: VTK, EnSight, Exodus, OpenFOAM, netCDF, HDF5, Zarr"
   "${idea}\nThese plug-ins read meshes, lattices and arrays of CFD programs."
-  COMPONENTS vtk gdal DEPENDS "volute (= ${full})")
+  COMPONENTS vtk gdal ${hdf5} DEPENDS "volute (= ${full})")
 volute_deb(volute-video graphics "fire, smoke and fog: films" "${idea}\nThis plug-in reads and writes films."
   COMPONENTS video DEPENDS "volute (= ${full})")
 if(TARGET volute_mpi)

@@ -32,6 +32,42 @@ int main() {
 """
 
 
+# The picture of a file, and of its values in memory.
+PICTURE = """
+#include <cstdio>
+#include <memory>
+
+#include <volute/volute.hpp>
+
+volute::Status draw(const char* file, const char* png, const char* fromMemory) {
+  volute::Progress quiet;
+  volute::PictureOptions request;
+  request.size = {64, 48}, request.time = 0.4;
+  VOLUTE_ASSIGN(const auto picture, volute::drawPicture(file, request, {}, quiet));
+  VOLUTE_TRY(volute::writeImage(png, picture));
+  VOLUTE_ASSIGN(const auto source, volute::openSource(file, {}));
+  VOLUTE_ASSIGN(const auto values, volute::readAll(*source, 1 << 30));
+  auto volumes = std::make_shared<volute::MemoryVolumes>();
+  const volute::NumberType floats;
+  VOLUTE_TRY(volumes->add("mine", values.info, volute::NumberArray{reinterpret_cast<const std::byte*>(values.values.data()), floats,
+                                                                   volute::denseStrides(values.info, floats)}));
+  volute::SceneOptions options;
+  options.files.volumes = volumes;
+  VOLUTE_ASSIGN(const auto same, volute::drawPicture("memory:mine", request, options, quiet));
+  VOLUTE_TRY(volute::writeImage(fromMemory, same));
+  request.size = {0, 48};
+  std::puts(volute::drawPicture(file, request, {}, quiet).error().message.c_str());
+  return {};
+}
+
+int main(int, char** argv) {
+  const volute::ReaderHelper helper;
+  const auto done = draw(argv[1], argv[2], argv[3]);
+  if (!done) std::puts(done.error().message.c_str());
+  return done ? 0 : 1;
+}
+"""
+
 # What a program sees of types that hold Eigen's, and what the library has written into them.
 LAYOUT = """
 #include <cstdio>
@@ -244,6 +280,20 @@ target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
             self.works("c++", "by_pc.o", *flags, "-o", name)
             library = next(PREFIX.rglob("libvolute.so.0")).parent
             self.assertIn("4 of 24 blocks were decoded", self.works(f"./{name}", env=os.environ | {"LD_LIBRARY_PATH": str(library)}))
+
+    def test_a_picture_is_that_of_the_command(self):
+        self.example(2)
+        library = next(PREFIX.rglob("libvolute.so.0")).parent
+        environment = os.environ | {"PKG_CONFIG_PATH": str(next(PREFIX.rglob("volute.pc")).parent), "LD_LIBRARY_PATH": str(library)}
+        flags = self.works("pkg-config", "--cflags", "--libs", "volute", env=environment).split()
+        (self.work / "draw.cpp").write_text(PICTURE)
+        self.works("c++", "draw.cpp", *flags, "-o", "draw")
+        command = PREFIX / "bin/volute"
+        self.works(command, "extract", "cloud.volute", "-o", "values.npy")
+        self.assertIn("0 x 48 pixels; expected 1 to 32768", self.works("./draw", "values.npy", "mine.png", "memory.png", env=environment))
+        self.works(command, "render", "values.npy", "-o", "its.png", "--size", "64x48", "--time", 0.4)
+        for name in ("mine.png", "memory.png"):
+            self.assertRegex(self.works(command, "compare", name, "its.png"), r"max error +0\n", name)
 
     def test_programs_with_other_flags_of_the_compiler(self):
         """Types of the headers are laid out as in the library whatever a program is compiled with, or the compiler refuses."""

@@ -37,6 +37,7 @@
 #include "volute/tetmesh/tet_mesh.hpp"
 
 // Scenes, and kinds of media of one's own.
+#include "volute/film/draw_picture.hpp"
 #include "volute/media/field.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/scene/own_kind.hpp"

@@ -1208,6 +1208,39 @@ print("done", flush=True)
         with self.assertRaises(ValueError):
             codec.encode(np.array([1, np.nan]))
 
+    @unittest.skipUnless(importlib.util.find_spec("h5py"), "without python3-h5py")
+    def test_hdf5(self):
+        try:
+            import volute.hdf5
+            volute.hdf5.Volute()
+        except ImportError as error:
+            self.skipTest(str(error))
+        import h5py
+        name = self.path / "chunks.h5"
+        arrays = {"f4": self.values, "f8": 1e6 + self.values.astype("f8"), ">f4": self.values.astype(">f4"), "i2": np.round(100 * self.values).astype("i2"),
+                  ">u4": np.round(1000 * self.values).astype(">u4"), "plane": self.values[0, 12], "five": np.stack([self.values[:4]] * 2)}
+        with h5py.File(name, "w") as file:
+            for key, array in arrays.items():
+                chunks = (4, 12, 20, 18)[-array.ndim:] if array.ndim < 5 else (1, 4, 12, 20, 18)
+                file.create_dataset(key, data=array, chunks=chunks, **volute.hdf5.Volute(max_error=1e-3))
+            file.create_dataset("look", data=self.values, chunks=(20, 24, 20, 18), **volute.hdf5.Volute())
+            far = np.stack([np.full((4, 4, 4), np.nan), 1e12 + np.random.default_rng(1).random((4, 4, 4))])
+            file.create_dataset("far", data=far, chunks=(1, 4, 4, 4), **volute.hdf5.Volute(max_error=1e-9))
+            for kind in ("c8", "S3", "i8"):
+                with self.assertRaises((OSError, ValueError)):
+                    file.create_dataset("kind", shape=(4, 4, 4), dtype=kind, chunks=(4, 4, 4), **volute.hdf5.Volute(max_error=1e-3))
+        program = "import h5py, numpy, sys; file = h5py.File(sys.argv[1]); numpy.savez(sys.argv[2], **{key: file[key][...] for key in file})"
+        subprocess.run([sys.executable, "-c", program, name, self.path / "chunks.npz"], check=True, env=os.environ | {"HDF5_PLUGIN_PATH": volute.hdf5.FOLDER})
+        read = np.load(self.path / "chunks.npz")
+        for key, array in arrays.items():
+            self.assertEqual(read[key].dtype, array.dtype)
+            self.assertLessEqual(abs(read[key].astype("f8") - array).max(), 0 if array.dtype.kind in "iu" else 1e-3, key)
+        self.assertLess(abs(read["look"] - self.values).max(), 0.05)
+        np.testing.assert_array_equal(read["far"], far)  # chunks that it cannot take are kept as they are
+        self.assertLess(name.stat().st_size, 0.5 * sum(array.nbytes for array in arrays.values()))
+        with self.assertRaisesRegex(ValueError, "max_error=-1"):
+            volute.hdf5.Volute(max_error=-1)
+
     def test_endless_strides_are_refused(self):
         one = np.ones((1, 8, 8, 8), np.float32)
         for shape, strides in (((10**9, 8, 8, 8), (0, 256, 32, 4)), ((1, 10**4, 10**4, 10**4), (0, 0, 0, 0))):
