@@ -846,22 +846,22 @@ PYBIND11_MODULE(_scene, m) {
       .def_static(
           "open",
           [](const std::string& path, const std::string& members, const Volumes& volumes,
-             bool measured, std::uint64_t maxMemory, const py::object& listener) {
+             bool measured, bool depth, std::uint64_t maxMemory, const py::object& listener) {
             const auto own = std::make_shared<MemoryVolumes>();
             addVolumes(*own, volumes);
             Scene scene = run(listener, [&](Progress& progress) {
               SceneOptions options = sceneOptions(members, maxMemory);
               options.files.volumes = own;
-              addUsualMembers(path, {.measured = measured}, options);
+              addUsualMembers(path, {.measured = measured, .depth = depth}, options);
               return Scene::open(path, options, progress);
             });
             return std::make_unique<PythonScene>(std::move(scene), own, maxMemory);
           },
-          "path"_a, "members"_a, "volumes"_a, "measured"_a, "max_memory"_a, "listener"_a)
+          "path"_a, "members"_a, "volumes"_a, "measured"_a, "depth"_a, "max_memory"_a, "listener"_a)
       .def_static(
           "make",
           [](const std::string& json, const std::string& file, const Volumes& volumes,
-             bool measured, std::uint64_t maxMemory, const py::object& listener) {
+             bool measured, bool /*depth*/, std::uint64_t maxMemory, const py::object& listener) {
             const auto own = std::make_shared<MemoryVolumes>();
             addVolumes(*own, volumes);
             Scene scene = run(listener, [&](Progress& progress) {
@@ -872,7 +872,7 @@ PYBIND11_MODULE(_scene, m) {
             });
             return std::make_unique<PythonScene>(std::move(scene), own, maxMemory);
           },
-          "json"_a, "file"_a, "volumes"_a, "measured"_a, "max_memory"_a, "listener"_a)
+          "json"_a, "file"_a, "volumes"_a, "measured"_a, "depth"_a, "max_memory"_a, "listener"_a)
       .def_property_readonly("json", &PythonScene::json)
       .def_property_readonly("path", &PythonScene::path)
       .def_property_readonly("bounds", &PythonScene::bounds)

@@ -795,6 +795,18 @@ time.sleep(float(sys.argv[2]))
         for source in (self.file, volute.open(self.file)):
             self.assert_pixels(volute.picture(source, size=(60, 48), colormap="inferno"), self.path / "puff.png")
 
+    def test_depths_are_those_of_the_command(self):
+        """They were 0 where nothing said an extinction."""
+        np.save(self.path / "depth.npy", self.decoded[6])
+        for aov in ("optical-depth", "transmittance"):
+            self.command("render", self.path / "depth.npy", "-o", self.path / "depth.exr", "--aov", aov, "--measured", "--size", "24x18")
+            expected = volute.read_image(self.path / "depth.exr")
+            self.assertGreater(np.ptp(expected), 0.1)
+            for source in (self.path / "depth.npy", self.decoded[6]):
+                np.testing.assert_allclose(volute.render(source, aov=aov, size=(24, 18)), expected, rtol=1e-5, atol=1e-6)
+        scene = volute.Scene(self.decoded[6], extinction=2.0)
+        np.testing.assert_allclose(scene.render(aov="optical-depth", size=(24, 18)), 2 * volute.render(self.decoded[6], aov="optical-depth", size=(24, 18)), rtol=1e-5)
+
     def test_values_are_a_medium(self):
         bounds = ((0, 0, 0), (1.8, 2, 2.4))
         times = np.arange(20) * 0.5

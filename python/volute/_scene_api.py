@@ -194,17 +194,17 @@ class Scene:
 
     def _open(self, progress):
         try:
-            self._scene, self._shown, self._unclear = self._opened(True, progress), None, None
+            self._scene, self._shown, self._deep, self._unclear = self._opened(True, progress), None, None, None
         except InvalidArgument as error:
             # Which grid is to be measured may not be clear where it is clear what to show.
             self._scene = self._shown = self._opened(False, progress)
-            self._unclear = error
+            self._deep, self._unclear = None, error
 
-    def _opened(self, measured, progress):
-        """For measurements, or as it is shown."""
+    def _opened(self, measured, progress, depth=False):
+        """For measurements, those of optical depths among them, or as it is shown."""
         name, said = self._maker
         with Listener(progress) as listener:
-            return getattr(_part().Scene, name)(*said, self._added, measured, self._max_memory, listener)
+            return getattr(_part().Scene, name)(*said, self._added, measured, depth, self._max_memory, listener)
 
     def _pictured(self, progress=None):
         """The same as it is shown, opened when it is first asked for."""
@@ -220,7 +220,7 @@ class Scene:
 
     def close(self):
         """Closes its files and lets go of its arrays; what is asked of it then is a ValueError. `with` calls it."""
-        self._scene, self._shown, self._added, self._volumes = _Closed("the scene"), None, [], _Volumes()
+        self._scene, self._shown, self._deep, self._added, self._volumes = _Closed("the scene"), None, None, [], _Volumes()
 
     def __enter__(self):
         return self
@@ -260,7 +260,7 @@ class Scene:
         with Listener(progress) as listener:
             self._scene.change(new, more, listener)
         self._added += more
-        self._maker, self._shown = ("make", (new, self._scene.path)), None
+        self._maker, self._shown, self._deep = ("make", (new, self._scene.path)), None, None
         self._given = given, {"folder": os.path.dirname(os.path.abspath(self._scene.path)), "max_memory": self._max_memory}
         if self._unclear:
             self._open(progress)
@@ -297,7 +297,8 @@ class Scene:
 
         camera: a dict as in scenes: {"eye": [x,y,z], "target": [x,y,z], "fov": degrees} or "ortho": height [m], "up", "size";
             default the scene's, else one that frames the scene. size: (width, height) [pixels], default the camera's or 800 x 600.
-        renderer: "cpu"; "gl", by OpenGL 4.5, a context for each call; or "reference", in double. aov: "optical-depth" or "transmittance" instead of light, shape (height, width).
+        renderer: "cpu"; "gl", by OpenGL 4.5, a context for each call; or "reference", in double. aov: "optical-depth" or "transmittance" instead of light, shape (height, width);
+            of a file or array alone that states no extinction, 1 for a unit of its values is taken, as `volute render --aov` does.
         background: (r, g, b) instead of the scene's. progress: a function (stage, done, total), or True for a bar.
         measured: one ray through each pixel's centre, the file's own basis, as `volute render --measured`; False: as a picture is made,
             with the appearance that a file alone has, and smooth edges: the .exr of `volute render`. time=None: as in picture()."""
@@ -307,8 +308,12 @@ class Scene:
                 **_view(camera, size, background)}
         if measured and self._unclear:
             raise self._unclear
+        scene = self._scene if measured else self._pictured(progress)
+        if aov is not None and self._maker[0] == "open":  # what only shines has a depth: of an extinction of 1, as for `volute render`
+            self._scene.path  # says that it is closed
+            self._deep = scene = self._deep or self._opened(True, progress, depth=True)
         with Listener(progress) as listener:
-            return (self._scene if measured else self._pictured(progress)).render(said, listener)
+            return scene.render(said, listener)
 
     def picture(self, time=None, *, camera=None, size=None, background=None, exposure=None, tone=None, samples=8, bloom=0.0, colormap=None,
                 legend=None, shutter=0.0, renderer="cpu", progress=None):
