@@ -54,6 +54,38 @@ Rgb unitClamped(const Eigen::Vector3d& v) {
   return Rgb(v.array().max(0).min(1));
 }
 
+constexpr double kMaxLight = 1e12;  ///< beyond it curves are level
+
+/// toneMapped(kFilmic) of RGB pixels, to the bit, by loops that become vectors.
+void mapFilmic(float* pixels, std::size_t count) {
+  constexpr std::size_t kBlock = 64;
+  double light[3][kBlock], in[3][kBlock];
+  for (std::size_t first = 0; first < count; first += kBlock) {
+    float* at = pixels + 3 * first;
+    const std::size_t size = std::min(kBlock, count - first);
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double value = i < size ? at[3 * i + c] : 0;
+        light[c][i] = value > 0 ? std::min(value, kMaxLight) : 0;
+      }
+    }
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double red = kHillIn[row][0], green = kHillIn[row][1], blue = kHillIn[row][2];
+      for (std::size_t i = 0; i < kBlock; ++i)
+        in[row][i] = hillCurve(red * light[0][i] + green * light[1][i] + blue * light[2][i]);
+    }
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double red = kHillOut[row][0], green = kHillOut[row][1], blue = kHillOut[row][2];
+      double out[kBlock];
+      for (std::size_t i = 0; i < kBlock; ++i) {
+        const double shown = red * in[0][i] + green * in[1][i] + blue * in[2][i];
+        out[i] = std::min(std::max(shown, 0.0), 1.0);
+      }
+      for (std::size_t i = 0; i < size; ++i) at[3 * i + row] = static_cast<float>(out[i]);
+    }
+  }
+}
+
 /// Deviation in pixels, cut off at three of it; sums to 1.
 std::vector<float> gaussian(double deviation) {
   const int reach = std::max(1, static_cast<int>(std::ceil(3 * deviation)));
@@ -152,9 +184,8 @@ std::string_view nameOf(ToneCurve tone) {
 Rgb toneMapped(ToneCurve tone, const Rgb& light) {
   if (tone == ToneCurve::kNone)
     return light;
-  constexpr double kMax = 1e12;  // beyond it curves are level
   Eigen::Vector3d v;
-  for (int c = 0; c < 3; ++c) v[c] = light[c] > 0 ? std::min(light[c], kMax) : 0;
+  for (int c = 0; c < 3; ++c) v[c] = light[c] > 0 ? std::min(light[c], kMaxLight) : 0;
   if (tone == ToneCurve::kShoulder) {
     const double most = v.maxCoeff();
     return most > kKnee ? Rgb(v * (shoulder(most) / most)) : Rgb(v);
@@ -232,6 +263,8 @@ Image developed(Image light, const PictureStyle& style) {
     const auto channels = static_cast<std::size_t>(light.channels);
     parallelRanges(
         light.pixels.size() / channels, 1 << 13, [&](std::size_t begin, std::size_t end) {
+          if (style.tone == ToneCurve::kFilmic && channels == 3)
+            return mapFilmic(&light.pixels[3 * begin], end - begin);
           for (std::size_t i = begin; i < end; ++i) {
             float* pixel = &light.pixels[i * channels];
             const Rgb shown = toneMapped(

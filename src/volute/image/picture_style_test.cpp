@@ -195,5 +195,19 @@ TEST(Style, OneExposureServesAllPictures) {
   EXPECT_EQ(suggestExposure(std::vector<Image>{Image(3, 3)}, ToneCurve::kFilmic), 1);
 }
 
+TEST(Developed, FilmicPicturesAreTheCurveOfEachPixel) {
+  Image light(173, 2);
+  for (std::size_t i = 0; i < light.pixels.size(); ++i)
+    light.pixels[i] = i % 7 == 0 ? -1.0F : static_cast<float>(std::exp(0.05 * (i % 400) - 12));
+  light.pixels[4] = std::numeric_limits<float>::quiet_NaN();
+  light.pixels[5] = std::numeric_limits<float>::infinity();
+  const Image shown = developed(light, {.tone = ToneCurve::kFilmic});
+  for (std::size_t p = 0; p < light.pixels.size(); p += 3) {
+    const Rgb one =
+        toneMapped(ToneCurve::kFilmic, {light.pixels[p], light.pixels[p + 1], light.pixels[p + 2]});
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(shown.pixels[p + c], static_cast<float>(one[c])) << p;
+  }
+}
+
 }  // namespace
 }  // namespace volute
