@@ -568,8 +568,9 @@ class Fds {
   }
 
   std::vector<std::string> remarks() const {
-    const auto remarks = volume_->fdsCase().remarks();
-    return {remarks.begin(), remarks.end()};
+    std::vector<std::string> sentences;
+    for (const Remark& remark : volume_->fdsCase().remarks()) sentences.push_back(remark.sentence);
+    return sentences;
   }
 
   std::vector<std::pair<std::string, std::string>> sources() const {
