@@ -20,7 +20,7 @@ volute::Status lookForTheExit(const char* file) {
   fmt::print("{} times, {:.0f} to {:.0f} s; the room is {:.1f} x {:.1f} x {:.1f} m\n",
              fire.times().size(), fire.times().front(), fire.times().back(), room.size().x(),
              room.size().y(), room.size().z());
-  for (const Remark& remark : fire.remarks()) fmt::print("{}\n", remark.sentence);
+  for (const volute::Remark& remark : fire.remarks()) fmt::print("{}\n", remark.sentence);
 
   // The same case, for sight lines. Any scene works, with walls and several media.
   VOLUTE_ASSIGN(const auto smoke, volute::openSight(file, {}, quiet));
