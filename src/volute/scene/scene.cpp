@@ -198,6 +198,21 @@ Result<Scene> Scene::make(OrderedJson json, const std::string& file, const Scene
   return scene;
 }
 
+namespace {
+
+/// Media that are one surface for ever, such as a level set.
+std::vector<const SceneMedium*> stillSurfaces(std::span<const std::shared_ptr<SceneMedium>> media) {
+  std::vector<const SceneMedium*> still;
+  for (const auto& medium : media) {
+    const MediumInfo& info = medium->info();
+    if (medium->surfacesKey({}) != 0 && info.times.size() == 1 && !info.moves)
+      still.push_back(medium.get());
+  }
+  return still;
+}
+
+}  // namespace
+
 /// Media of which nothing is said anew stay; what was read serves the others. An error leaves
 /// everything as it was.
 Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
@@ -205,16 +220,8 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
   const auto entries = std::span(description.media);
   const bool same = entries.size() == media_.size() && description.version == description_.version;
   std::vector<std::shared_ptr<SceneMedium>> earlier = media_, media(entries.size());
-  for (std::size_t i = 0; same && sameLights && i < entries.size(); ++i) {
-    const MediumEntry& before = description_.media[i];
-    if (before.kind != entries[i].kind || *before.json != *entries[i].json)
-      continue;
-    media[i] = media_[i];
-    std::erase(earlier, media[i]);
-  }
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    if (media[i])
-      continue;
+  const auto open = [&](std::size_t i, const TriangleScene& geometry,
+                        std::shared_ptr<SceneMedium> before) -> Status {
     const MediumEntry& entry = entries[i];
     const SceneEntry here{path_, entry};
     EntryProgress heard(progress, here);
@@ -224,13 +231,42 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
       if (entry.kind->fields().find(name))
         json[name] = value;
     }
-    MediumContext context{reading, options_.files, description.lights,  geometry_,
-                          path_,   entry.path,     description.version, same ? media_[i] : nullptr,
-                          &earlier};
+    MediumContext context{reading,    options_.files,      description.lights, geometry, path_,
+                          entry.path, description.version, std::move(before),  &earlier};
     auto opened = entry.kind->open(json, context).map_error([&](const Error& error) {
       return here.here(error);
     });
     VOLUTE_ASSIGN(media[i], ofFile(std::move(opened), path_, entry.path));
+    return {};
+  };
+  for (std::size_t i = 0; same && sameLights && i < entries.size(); ++i) {
+    const MediumEntry& before = description_.media[i];
+    if (before.kind != entries[i].kind || *before.json != *entries[i].json)
+      continue;
+    media[i] = media_[i];
+    std::erase(earlier, media[i]);
+  }
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (media[i])
+      kept.push_back(i);
+    else
+      VOLUTE_TRY(open(i, geometry_, same ? media_[i] : nullptr));
+  }
+  // Surfaces among the media shadow the others as the scene's own do.
+  const auto surfaces = stillSurfaces(media);
+  const bool sameSurfaces = surfaces == stillSurfaces(media_);
+  if (surfaces.empty() && sameSurfaces)
+    return media;
+  TriangleMesh mesh = geometry_.mesh();
+  for (const SceneMedium* surface : surfaces) VOLUTE_TRY(surface->addSurfaces({}, mesh));
+  VOLUTE_ASSIGN(const auto all, TriangleScene::of(std::move(mesh)));
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const bool stays = sameSurfaces && std::ranges::find(kept, i) != kept.end();
+    if (stays || std::ranges::find(surfaces, media[i].get()) != surfaces.end())
+      continue;
+    earlier.push_back(media[i]);
+    VOLUTE_TRY(open(i, all, earlier.back()));
   }
   return media;
 }

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/io/npy.hpp"
 #include "volute/io/volume_sink.hpp"
 #include "volute/render/surfaces.hpp"
 #include "volute/scene/scene.hpp"
@@ -109,6 +110,42 @@ TEST_F(SceneLevelSet, AreSurfacesInTheLightOfAStudioOrOfTheScene) {
   const auto there = lookAtSurfaces({lit.geometry, lit.lights.lamps}, {&moved, 1});
   EXPECT_NEAR(there[0].hit.distance, 5 - 2 * kBallRadius, 6e-3);
   EXPECT_NEAR(there[0].radiance[1] * std::numbers::pi / (0.7 * 3), 1, 0.02);
+}
+
+/// As a volume of the scene it shadows smoke as its geometry does, until it is taken for matter.
+TEST_F(SceneLevelSet, ShadowSmoke) {
+  VolumeInfo info;
+  info.frames = 1;
+  info.x = info.y = info.z = 16;
+  info.fillDefaults();
+  auto sink = NpySink::create(folder_ / "smoke.npy", info);
+  ASSERT_TRUE(sink && (*sink)->writeFrame(std::vector<float>(16 * 16 * 16, 1.0F)));
+  ASSERT_TRUE((*sink)->finish());
+  const std::string smoke =
+      R"({"kind": "volume", "file": "smoke.npy", "bounds": [[0, 0, 0], [1, 1, 1]],
+      "emission": 0, "extinction": 1, "albedo": [0.8, 0.8, 0.8]})";
+  const std::string ball = R"({"kind": "volume", "file": "ball.vdb"})";
+  const std::string sun =
+      R"("lights": [{"kind": "sun", "direction": [0, 0, -1], "radiance": [3, 3, 3]}])";
+  const auto below = [&](const std::string& media, const std::string& more) {
+    const Snapshot lit = at(fmt::format(R"("media": [{}], {}{})", media, more, sun));
+    std::vector<AnyMedium> parts;
+    for (const auto& medium : lit.media) medium->addMedia(parts);
+    const Segment ray{Vec3(0.4, 0.5, 0.05), Vec3::UnitX(), 0, 0.2};
+    double light = 0;
+    for (const AnyMedium& part : parts) {
+      Radiance radiance;
+      part.radiance({&ray, 1}, {&radiance, 1});
+      light += radiance.emitted[1];
+    }
+    return light;
+  };
+  const std::string geometry = R"("geometry": [{"file": "ball.vdb"}], )";
+  const double bare = below(smoke, ""), shadowed = below(smoke, geometry);
+  EXPECT_GT(bare, 0.01);
+  EXPECT_LT(shadowed, 0.01 * bare);
+  EXPECT_DOUBLE_EQ(below(smoke + ", " + ball, ""), shadowed);
+  EXPECT_DOUBLE_EQ(below(ball + ", " + smoke, ""), shadowed);
 }
 
 /// A ball in the sun is as bright as its normals say, up to where night begins.
