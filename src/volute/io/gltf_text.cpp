@@ -14,8 +14,6 @@
 namespace volute {
 namespace {
 
-using Json = nlohmann::json;
-
 std::string lowered(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
@@ -23,8 +21,8 @@ std::string lowered(std::string text) {
 
 /// That a member is not there under a name that is nearly its own, or has so many numbers, up to
 /// `most`.
-Status checkNumbers(const Json& object, const std::string& name, std::size_t count, double most,
-                    const std::string& where) {
+Status checkNumbers(const nlohmann::json& object, const std::string& name, std::size_t count,
+                    double most, const std::string& where) {
   if (!object.is_object())
     return fail(ErrorCode::kInvalidData, "{}: expected an object", where);
   for (const auto& [key, value] : object.items()) {
@@ -35,16 +33,17 @@ Status checkNumbers(const Json& object, const std::string& name, std::size_t cou
   const auto found = object.find(name);
   if (found == object.end())
     return {};
-  const bool numbers = found->is_array() && std::ranges::all_of(*found, [&](const Json& one) {
-                         return one.is_number() && std::abs(one.get<double>()) <= most;
-                       });
+  const bool numbers =
+      found->is_array() && std::ranges::all_of(*found, [&](const nlohmann::json& one) {
+        return one.is_number() && std::abs(one.get<double>()) <= most;
+      });
   if (numbers && found->size() == count)
     return {};
   return fail(ErrorCode::kInvalidData, "{}/{}: expected {} numbers of up to {:g}", where, name,
               count, most);
 }
 
-Status checkNode(const Json& node, const std::string& where) {
+Status checkNode(const nlohmann::json& node, const std::string& where) {
   constexpr double kFar = 1e12;  // [m]
   VOLUTE_TRY(checkNumbers(node, "matrix", 16, kFar, where));
   for (const auto& [name, count] : {std::pair{"translation", 3}, {"rotation", 4}, {"scale", 3}}) {
@@ -63,7 +62,7 @@ Status checkNode(const Json& node, const std::string& where) {
 }
 
 /// "2.0" and later ones that a reader of 2.0 may read.
-Status checkVersion(const Json& gltf, const std::string& file) {
+Status checkVersion(const nlohmann::json& gltf, const std::string& file) {
   const auto asset = gltf.find("asset");
   if (asset == gltf.end() || !asset->is_object())
     return {};  // the parser says what is missing
@@ -81,23 +80,23 @@ Status checkVersion(const Json& gltf, const std::string& file) {
 
 }  // namespace
 
-Result<Json> parseGltf(std::string_view text, const std::string& file) {
+Result<nlohmann::json> parseGltf(std::string_view text, const std::string& file) {
   VOLUTE_TRY(checkJsonDepth(text, file));
   VOLUTE_TRY(checkJsonKeys(text, file));
-  Json gltf = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  nlohmann::json gltf = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!gltf.is_object())
     return fail(ErrorCode::kInvalidData, "{}: not a whole glTF 2.0 file", file);
   VOLUTE_TRY(checkVersion(gltf, file));
   const auto listed = [&](const char* name) {
     const auto found = gltf.find(name);
-    return found != gltf.end() && found->is_array() ? *found : Json::array();
+    return found != gltf.end() && found->is_array() ? *found : nlohmann::json::array();
   };
   constexpr double kBright = 1e6;  // exporters write more than the 1 that the format allows
   std::size_t number = 0;
-  for (const Json& node : listed("nodes"))
+  for (const nlohmann::json& node : listed("nodes"))
     VOLUTE_TRY(checkNode(node, fmt::format("{}: /nodes/{}", file, number++)));
   number = 0;
-  for (const Json& material : listed("materials")) {
+  for (const nlohmann::json& material : listed("materials")) {
     const std::string where = fmt::format("{}: /materials/{}", file, number++);
     VOLUTE_TRY(checkNumbers(material, "emissiveFactor", 3, kBright, where));
     const auto plain = material.find("pbrMetallicRoughness");
