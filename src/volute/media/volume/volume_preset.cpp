@@ -393,14 +393,18 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
   }
   VOLUTE_ASSIGN(const Choice choice, choose(preset, grids, path));
   if (choice.preset == VolumePreset::kNone) {
-    if (isVdbPath(path) && grids.info().channels == 1)
-      reading.progress.remark(
-          Remark(RemarkCode::kAssumed,
-                 fmt::format("{}: '{}' is shown as light: neither its name nor its class says that "
-                             "it is smoke or fire",
-                             path, grids.mainName()),
-                 {Hint::set("preset", "smoke").so("shows it as smoke")})
-              .in(path));
+    const std::string shown = grids.mainName();
+    const bool grey = grids.info().channels == 1;
+    if (isVdbPath(path) || (grids.named() && !shown.empty())) {
+      std::string text = fmt::format("{}: '{}' is shown as light", path, shown);
+      text += grey ? ": neither its name nor its class says that it is smoke or fire"
+                   : ", its values as red, green and blue, of which none is below 0: its name does "
+                     "not say what they are";
+      Hints hints;
+      if (grey)
+        hints.push_back(Hint::set("preset", "smoke").so("shows it as smoke"));
+      reading.progress.remark(Remark(RemarkCode::kAssumed, std::move(text), hints).in(path));
+    }
     return choice.preset;
   }
   const bool smokes = choice.preset != VolumePreset::kFire;
