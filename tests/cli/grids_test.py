@@ -572,7 +572,7 @@ class Grids(support.TestCase):
         one = self.works("info", CACHE, "--field", "velocity", "--json").json
         self.assertEqual((one["grid"], one["channels"]), ("velocity", 3))
         drawn = self.works("render", CACHE, "--field", "velocity", "-o", self.path("v.png"), "--size", "16x16")
-        self.assertIn("'velocity' is shown as light, its values as red, green and blue, of which none is below 0", drawn.message)
+        self.assertIn("'velocity' is shown as light, its values as red, green and blue, none where they are below 0", drawn.message)
 
     def test_there_and_back(self):
         folder = self.unpack()

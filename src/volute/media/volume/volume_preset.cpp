@@ -397,9 +397,10 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
     const bool grey = grids.info().channels == 1;
     if (isVdbPath(path) || (grids.named() && !shown.empty())) {
       std::string text = fmt::format("{}: '{}' is shown as light", path, shown);
-      text += grey ? ": neither its name nor its class says that it is smoke or fire"
-                   : ", its values as red, green and blue, of which none is below 0: its name does "
-                     "not say what they are";
+      text +=
+          grey ? ": neither its name nor its class says that it is smoke or fire"
+               : ", its values as red, green and blue, none where they are below 0: its name does "
+                 "not say what they are";
       Hints hints;
       if (grey)
         hints.push_back(Hint::set("preset", "smoke").so("shows it as smoke"));
