@@ -137,6 +137,7 @@ std::span<const ViewerCommand> viewerCommands() {
   // clang-format off: a row is read as one
   static const ViewerCommand kCommands[] = {
       {"open a file", "Ctrl O", [](App& app, const In&) { app.document().files().askToOpen(); }, Key::kO, true},
+      {"add a file to what is shown", "", [](App& app, const In&) { app.document().files().askToOpen(DocumentFiles::Purpose::kAdd); }},
       {"compare with another file", "", [](App& app, const In&) { app.document().files().askToOpen(DocumentFiles::Purpose::kCompare); }},
       {"compare with the file as it is saved", "", compareWithSaved},
       {"end the comparison", "", [](App& app, const In&) { app.comparison().end(); }},
@@ -212,6 +213,7 @@ void runKey(ViewerApp& app, Key key, const ViewerInput& input) {
 /// Other words that people look for.
 constexpr std::pair<std::string_view, std::string_view> kAlsoCalled[] = {
     {"open a file", "load import"},
+    {"add a file to what is shown", "second import append merge"},
     {"compare with another file", "difference wiper side by side"},
     {"the whole view, from outside", "fit frame all zoom reset"},
     {"the first view", "reset home camera"},

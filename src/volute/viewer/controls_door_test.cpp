@@ -47,8 +47,8 @@ TEST_F(DoorControls, TheListGoesThroughFolders) {
   EXPECT_EQ(app().document().files().browser(), nullptr);
   script_->press(Key::kO, true);
   script_->frames(3);
-  ASSERT_TRUE(script_->write("file name", "fog.json"));
-  ASSERT_TRUE(script_->click("open file"));
+  script_->type("fog.json");  // the name has the keyboard
+  script_->press(Key::kEnter);
   load();
   EXPECT_EQ(app().title(), "fog.json - Volute");
   ASSERT_TRUE(script_->click("Open"));
@@ -173,6 +173,21 @@ TEST_F(DoorControls, AFileOfASceneThatMovedIsAskedFor) {
   load();
   EXPECT_EQ(app().document().error(), "") << "it was saved with the new places";
   EXPECT_EQ(app().document().files().moved(), nullptr);
+}
+
+TEST_F(DoorControls, AFirstSceneWhoseFileMovedIsAskedForInWindowsOfAllSizes) {
+  std::filesystem::remove(folder_.path("smoke.pvd"));
+  for (const int width : {kNarrow, 320}) {
+    restart({});
+    script_->input().width = width;
+    app().open(folder_.path("smoke.json"));
+    load();
+    script_->frames(3);
+    EXPECT_FALSE(script_->has("Open a file")) << "one question at a time";
+    ASSERT_TRUE(script_->click("moved cancel"));
+    script_->frames(2);
+    EXPECT_TRUE(script_->has("Open a file"));
+  }
 }
 
 TEST_F(DoorControls, AFileThatVanishesOrIsHalfWrittenKeepsThePicture) {

@@ -216,6 +216,12 @@ TEST_F(ShownControls, SeveralFilesAreOneSceneAndAFileThatIsDroppedIsAdded) {
   load();
   EXPECT_FALSE(offers("/media/1/mode"));
   EXPECT_LT(difference(before, picture()), 1e-3) << "taken out again";
+  ASSERT_TRUE(script_->click("Add file"));
+  script_->frames(3);
+  ASSERT_TRUE(script_->click("entry = smoke.pvd"));
+  ASSERT_TRUE(script_->click("open file"));
+  load();
+  EXPECT_TRUE(offers("/media/1/mode")) << "chosen in the list";
   open("both.json");
   EXPECT_TRUE(offers("/media/1/mode"));
   script_->drop(folder_.path("ground.obj"));

@@ -120,8 +120,8 @@ TEST_F(TimeControls, AFilmIsMadeBesideTheWindowOrNotAtAll) {
   ASSERT_TRUE(script_->choose("film size", "640 x 360"));
   ASSERT_TRUE(script_->write("film", folder_.path("film.mp4")));
   ASSERT_TRUE(script_->click("Make film"));
-  if (!app().playback().film() && !app().document().message().empty())
-    GTEST_SKIP() << app().document().message();
+  if (!app().playback().film() && !app().playback().filmFailure().empty())
+    GTEST_SKIP() << app().playback().filmFailure();
   script_->frames(3);
   ASSERT_TRUE(app().playback().film());
   ASSERT_TRUE(script_->click("Cancel film"));
@@ -155,7 +155,7 @@ TEST_F(TimeControls, AFilmThatFindsNoRoomSaysSoAndLeavesNoFile) {
   ::setrlimit(RLIMIT_FSIZE, &before);
   ::signal(SIGXFSZ, handler);
   EXPECT_EQ(app().playback().film(), nullptr);
-  EXPECT_THAT(app().document().message(), ::testing::HasSubstr("full.mp4"));
+  EXPECT_THAT(app().playback().filmFailure(), ::testing::HasSubstr("full.mp4"));
   EXPECT_FALSE(std::filesystem::exists(folder_.path("full.mp4")));
   const Image shown = picture();
   EXPECT_GT(shown.width, 0) << "the window goes on";
@@ -170,8 +170,8 @@ TEST_F(TimeControls, AFilmOnceAroundIsMadeOfAStillToo) {
   ASSERT_TRUE(script_->click("search"));
   script_->type("once around");
   script_->press(Key::kEnter);
-  if (!app().playback().film() && !app().document().message().empty())
-    GTEST_SKIP() << app().document().message();
+  if (!app().playback().film() && !app().playback().filmFailure().empty())
+    GTEST_SKIP() << app().playback().filmFailure();
   script_->frames(3);
   ASSERT_TRUE(app().playback().film());
   const FilmOrder& order = app().playback().film()->order();
@@ -272,7 +272,7 @@ TEST_F(TimeControls, AFilmThatWasStoppedGoesOn) {
   };
   begin("film.mp4");
   if (!app().playback().film())
-    GTEST_SKIP() << app().document().message();
+    GTEST_SKIP() << app().playback().filmFailure();
   while (app().playback().film() && kept() < 3) script_->frame();
   ASSERT_TRUE(app().playback().film());
   app().playback().cancelFilm();
@@ -334,8 +334,8 @@ TEST_F(TimeControls, AFilmShowsTheSceneAsItWasWhenItWasAskedFor) {
     app().settings().filmName = folder_.path(fmt::format("{}.mp4", still.empty() ? "still" : what));
     ASSERT_TRUE(script_->settle());
     app().beginFilm(script_->input());
-    if (!app().playback().film() && !app().document().message().empty())
-      GTEST_SKIP() << app().document().message();
+    if (!app().playback().film() && !app().playback().filmFailure().empty())
+      GTEST_SKIP() << app().playback().filmFailure();
     act();
     waitForFilm();
     auto reader = FilmReader::open(app().settings().filmName);
@@ -371,8 +371,8 @@ TEST_F(TimeControls, AFilmHasItsSizeAndSpeed) {
     ASSERT_NO_FATAL_FAILURE(writeNumber("speed", speed));
     ASSERT_TRUE(script_->write("film", folder_.path(name)));
     ASSERT_TRUE(script_->click("Make film"));
-    if (!app().playback().film() && !app().document().message().empty())
-      GTEST_SKIP() << app().document().message();
+    if (!app().playback().film() && !app().playback().filmFailure().empty())
+      GTEST_SKIP() << app().playback().filmFailure();
     waitForFilm();
     const Film film = filmOf(name);
     EXPECT_EQ(film.width, width);

@@ -33,7 +33,7 @@ class DocumentFiles {
   };
 
   /// What a person chooses a file for.
-  enum class Purpose { kOpen, kCompare, kFind };
+  enum class Purpose { kOpen, kAdd, kCompare, kFind };
 
   /// @param recent  names of files that were opened are kept here; empty: they are not kept
   /// @param desktop  the desktop's dialog is used, where there is one

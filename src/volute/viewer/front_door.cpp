@@ -69,7 +69,9 @@ void lostPart(ViewerApp& app) {
 
 /// What to do where nothing is open.
 void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
-  if (app.document().info() || app.document().loading().busy || app.view().picture().shown())
+  const bool asks = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
+  if (app.document().info() || app.document().loading().busy || app.view().picture().shown() ||
+      asks)
     return;
   constexpr float kWide = 420;
   const float width = std::min(kWide, static_cast<float>(input.width) - 2 * kPanelMargin);
@@ -110,7 +112,10 @@ void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
 
 /// The viewer's own list of files, where the desktop has no dialog.
 void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
-  const std::string kTitle = tr("Open a file") + std::string("###open a file");
+  constexpr const char* kTitles[] = {"Open a file", "Add a file", "Compare with a file",
+                                     "Find the file"};
+  const auto purpose = static_cast<std::size_t>(app.document().files().purpose());
+  const std::string kTitle = tr(kTitles[purpose]) + std::string("###open a file");
   DocumentFiles::Browser* browser = app.document().files().browser();
   if (browser && !ImGui::IsPopupOpen(kTitle.c_str()))
     ImGui::OpenPopup(kTitle.c_str());
@@ -149,9 +154,14 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
       ImGui::TextDisabled("%s", tr("the folder is empty or cannot be read"));
     ImGui::EndChild();
     ImGui::SetNextItemWidth(-1);
+    if (ImGui::IsWindowAppearing())
+      ImGui::SetKeyboardFocusHere();
     nameBox("##name", browser->name);
+    const bool named =
+        ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter));
     app.window().mark("file name");
-    const bool opens = markedButton(app, "Open", "open file", !browser->name.empty());
+    const bool opens = markedButton(app, "Open", "open file", !browser->name.empty()) ||
+                       (named && !browser->name.empty());
     ImGui::SameLine();
     const bool whole = markedButton(app, "Open this folder", "open folder");
     hint("numbered .vdb frames, or the files of a camera calibration");
@@ -210,8 +220,11 @@ void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
   ImGui::EndPopup();
 }
 
-/// A scene's file that is not there is asked for.
+/// A scene's file that is not there is asked for, once there are panels: those that appear with a
+/// question would lie above it.
 void drawMovedPanel(ViewerApp& app, const ViewerInput& input) {
+  if (ImGui::GetFrameCount() < 3)
+    return;
   const std::string kTitle = tr("A file is missing") + std::string("###moved");
   if (app.document().files().moved() && !ImGui::IsPopupOpen(kTitle.c_str()))
     ImGui::OpenPopup(kTitle.c_str());

@@ -39,6 +39,7 @@ void useFont(double scale) {
 void styleControls() {
   ImGui::StyleColorsDark();
   ImGuiStyle& style = ImGui::GetStyle();
+  style.Colors[ImGuiCol_ModalWindowDimBg] = {0, 0, 0, 0.5F};
   style.WindowRounding = 6;
   style.FrameRounding = 3;
   style.GrabRounding = 3;
@@ -189,8 +190,14 @@ void hint(const char* text) {
 
 void hint(const std::string& text) {
   const std::string said = text.empty() ? "" : trName(text);
-  if (!text.empty() && ImGui::IsItemHovered() && !ImGui::IsItemActive())
-    ImGui::SetTooltip("%s", said.c_str());
+  if (text.empty() || !ImGui::IsItemHovered() || ImGui::IsItemActive())
+    return;
+  constexpr float kLetters = 36;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(kLetters * ImGui::GetFontSize());
+  ImGui::TextUnformatted(said.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
 }
 
 }  // namespace volute

@@ -24,6 +24,8 @@ std::vector<PanelNotice> noticesOf(ViewerApp& app) {
     all.push_back({kText, document->title, false});
   if (!app.document().error().empty())
     all.push_back({kError, app.document().error()});
+  if (!app.playback().filmFailure().empty())
+    all.push_back({kError, app.playback().filmFailure()});
   if (app.view().blank())
     all.push_back(
         {kText, tr("nothing is to be seen: try another time, F for all of it, or +, which "
@@ -131,8 +133,12 @@ void openAndHelp(ViewerApp& app, bool picture) {
     app.document().files().askToOpen();
   app.window().mark("Open");
   hint(picture ? "another file: Ctrl O" : "a file: Ctrl O");
-  ImGui::SameLine();
   if (picture) {
+    besideOrBelow("Add file");
+    if (markedButton(app, "Add file", "Add file", app.document().info()->editable))
+      app.document().files().askToOpen(DocumentFiles::Purpose::kAdd);
+    hint("another one beside what is shown, as dropping it on the window does");
+    besideOrBelow("Screenshot");
     if (ImGui::Button(tr("Screenshot")))
       app.window().requestScreenshot();
     app.window().mark("Screenshot");
@@ -141,11 +147,12 @@ void openAndHelp(ViewerApp& app, bool picture) {
       app.window().requestReport();
     app.window().mark("Report");
     hint("a page with picture, settings and files: Ctrl F12");
-    besideOrBelow("Help");
   }
+  besideOrBelow("Help");
   if (ImGui::Button(tr("Help")))
     app.settings().help = !app.settings().help;
   app.window().mark("Help");
+  hint("mouse and keys: F1; a search over all commands: F3");
 }
 
 void picturePart(ViewerApp& app, const ViewerInput& input) {
@@ -309,7 +316,8 @@ void drawNotices(ViewerApp& app) {
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
   ImGui::Begin("Notices", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
+                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
+                   ImGuiWindowFlags_NoFocusOnAppearing);
   for (const PanelNotice& notice : notices) {
     if (notice.missed)
       drawNotice(notice);
@@ -327,7 +335,8 @@ bool beginSidePanel(ViewerApp& app, SidePanel panel, const char* title, float le
   ImGui::SetNextWindowCollapsed(!layout.isOpen(panel));
   const std::string shown = fmt::format("{}###{}", tr(title), title);
   const bool drawn = ImGui::Begin(shown.c_str(), nullptr,
-                                  ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+                                  ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
+                                      ImGuiWindowFlags_NoFocusOnAppearing);
   const bool open = !ImGui::IsWindowCollapsed();
   if (open != layout.isOpen(panel))
     layout.set(panel, open);

@@ -82,9 +82,10 @@ double Playback::budget(double most) const {
 
 void Playback::beginFilm(const FilmOrder& order, const PictureMakers& makers) {
   timeline_.play(false);
+  filmFailure_.clear();
   auto film = FilmExport::begin(order, makers);
   if (!film)
-    return document_.say(viewerText(film.error()));
+    return failFilm(viewerText(film.error()));
   film_ = std::move(*film);
   document_.loader().freeze();
 }
@@ -104,6 +105,12 @@ void Playback::endFilm(std::string message) {
     document_.loader().discard(std::move((*filmScene_)->scene));
   filmScene_.reset();
   document_.loader().thaw();
+}
+
+/// Nobody may be there to read it.
+void Playback::failFilm(std::string why) {
+  filmFailure_ = std::move(why);
+  endFilm("");
 }
 
 void Playback::takeFilmScene(Result<LoadedScene> scene) {
@@ -128,10 +135,10 @@ void Playback::goOnWithFilm(const ViewPicture& picture) {
         {.time = *wanted, .openGl = picture.mayUseGl(film_->order().renderer)});
   }
   if (filmScene_ && !*filmScene_)
-    return endFilm(fmt::format("{}: {}", film_->order().target, viewerText(filmScene_->error())));
+    return failFilm(fmt::format("{}: {}", film_->order().target, viewerText(filmScene_->error())));
   const bool there = wanted && filmScene_ && (*filmScene_)->time == *wanted;
   if (const Status done = film_->step(there ? (*filmScene_)->scene : nullptr); !done)
-    endFilm(viewerText(done.error()));
+    failFilm(viewerText(done.error()));
 }
 
 }  // namespace volute

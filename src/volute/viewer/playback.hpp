@@ -54,6 +54,9 @@ class Playback {
 
   const FilmExport* film() const { return film_.get(); }
 
+  /// Why there is none, until the next one begins; empty: nothing failed.
+  const std::string& filmFailure() const { return filmFailure_; }
+
   /// What the loader has for it.
   void takeFilmScene(Result<LoadedScene> scene);
 
@@ -62,6 +65,7 @@ class Playback {
 
  private:
   void endFilm(std::string message);
+  void failFilm(std::string why);
 
   ViewerDocument& document_;
   Timeline timeline_;
@@ -71,6 +75,7 @@ class Playback {
   double shownTime_ = 0, counting_ = 0, shownRate_ = 0;
   int shownCount_ = 0;
   std::unique_ptr<FilmExport> film_;
+  std::string filmFailure_;
   std::optional<double> filmAsked_;                 ///< the time that the loader was asked for it
   std::optional<Result<LoadedScene>> filmScene_{};  ///< the last that came for it
 };

@@ -168,7 +168,7 @@ void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
   app.settings().timeHeight = height;
   ImGui::Begin("###Time", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoScrollbar);
+                   ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoFocusOnAppearing);
   const bool wide = isWide(input), whole = isWhole(app, input);
   stepPart(app);
   if (!wide) {

@@ -171,9 +171,18 @@ void ViewerApp::takeLoaded(const ViewerInput& input) {
   leaving_.goOn();
 }
 
+/// To the scene that is open; without one, and for another scene, opens it.
+void ViewerApp::addFile(const std::string& path) {
+  const bool adds = document_.info() && document_.info()->editable && !isScenePath(path);
+  adds ? document_.add(path) : leaving_.leaveFor(path);
+}
+
 void ViewerApp::takeFile(const std::string& path) {
-  if (document_.files().purpose() == DocumentFiles::Purpose::kOpen)
+  using enum DocumentFiles::Purpose;
+  if (document_.files().purpose() == kOpen)
     return leaving_.leaveFor(path);
+  if (document_.files().purpose() == kAdd)
+    return addFile(path);
   if (const auto sought = document_.files().takeSought()) {
     const auto scene = withFileAt(*sought, path);
     if (!scene)
@@ -350,9 +359,8 @@ Status ViewerApp::frame(const ViewerInput& input) {
   lively_ = std::max(lively_ - 1, 0);
   costs_ = {};
   tools_.pointer.setSize(input.width, input.height);
-  const bool adds = document_.info() && document_.info()->editable && !isScenePath(input.dropped);
   if (!input.dropped.empty())
-    adds ? document_.add(input.dropped) : leaving_.leaveFor(input.dropped);
+    addFile(input.dropped);
   if (input.closes)
     leaving_.leaveFor("");
   if (const auto chosen = document_.files().takeChosen())

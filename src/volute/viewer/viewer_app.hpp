@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "volute/base/parallel.hpp"
 #include "volute/gl/gl_device.hpp"
 #include "volute/viewer/comparison.hpp"
 #include "volute/viewer/language.hpp"
@@ -91,6 +92,7 @@ class ViewerApp {
 
   /// What a person chose: opens it, or compares it with what is open.
   void takeFile(const std::string& path);
+  void addFile(const std::string& path);
 
   void saveScene();
   void beginFilm(const ViewerInput& input);
@@ -151,6 +153,9 @@ class ViewerApp {
   PictureRequest request(const ViewerInput& input) const;
 
   ViewerOptions options_;
+  /// Reading and drawing have loops at once. TBB may let the only worker sleep when one of them
+  /// ends, and the other goes on alone.
+  ThreadLimit workers_{threadCount() + 1};
   GlDevice device_;
   ViewerSettings settings_;
   ViewerDocument document_;

@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/watched_files.hpp"
 
+#include <algorithm>
 #include <span>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -46,6 +48,23 @@ std::vector<std::string> namesIn(const std::filesystem::path& collection) {
   return names;
 }
 
+/// What lines of an FDS case's index name alone, which is how it names the files of its results:
+/// those of a run that goes on grow.
+std::vector<std::string> resultsIn(const std::filesystem::path& index) {
+  constexpr std::string_view kKinds[] = {".sf", ".s3d", ".q", ".iso", ".prt5"};
+  std::vector<std::string> names;
+  std::istringstream lines(readText(index, kLargestCollection).value_or(""));
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t begin = line.find_first_not_of(" \t"), end = line.find_last_not_of(" \t\r");
+    if (begin == std::string::npos)
+      continue;
+    line = line.substr(begin, end + 1 - begin);
+    if (std::ranges::any_of(kKinds, [&](std::string_view kind) { return line.ends_with(kind); }))
+      names.push_back(line);
+  }
+  return names;
+}
+
 std::filesystem::path besideOf(const std::filesystem::path& file, const std::string& name) {
   return file.parent_path() / name;
 }
@@ -68,6 +87,9 @@ std::vector<std::filesystem::path> filesOf(const std::string& name) {
   files.emplace_back(name);
   if (extensionOf(name) == ".pvd") {
     for (const std::string& part : namesIn(name)) files.push_back(besideOf(name, part));
+  }
+  if (extensionOf(name) == ".smv") {
+    for (const std::string& part : resultsIn(name)) files.push_back(besideOf(name, part));
   }
   return files;
 }

@@ -8,8 +8,8 @@
 
 namespace volute {
 
-/// The files that a name of a scene stands for: itself; the files of a .pvd collection; of a
-/// pattern those that are there, and the one that would follow them.
+/// The files that a name of a scene stands for: itself; the files of a .pvd collection; the
+/// results of an FDS case; of a pattern those that are there, and the one that would follow them.
 std::vector<std::filesystem::path> filesOf(const std::string& name);
 
 }  // namespace volute

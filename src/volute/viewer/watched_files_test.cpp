@@ -51,6 +51,23 @@ TEST_F(WatchedFiles, ThoseOfAPatternAndTheNext) {
   EXPECT_THAT(filesOf(folder_.path("none_%02d.png")), ElementsAre(in("none_%02d.png")));
 }
 
+TEST_F(WatchedFiles, ThoseOfAnFdsCaseThatIsStillComputed) {
+  EXPECT_THAT(filesOf(folder_.path("room.smv")), ElementsAre(in("room.smv"), in("room_1.s3d")));
+  open("room.smv");
+  const int opened = app().document().info()->opened;
+  const std::vector<std::uint8_t> some(fdswriter::atNodes(kFirst, linear).size(), 20);
+  fdswriter::smokeFile(cellsOf(kFirst), {{0, some}, {5, some}, {10, some}})
+      .save(folder_.path("longer.s3d"));
+  replace("room_1.s3d", "longer.s3d");
+  for (int i = 0; i < 4000 && app().document().info()->opened == opened; ++i) {
+    script_->frame();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  load();
+  EXPECT_EQ(app().document().error(), "");
+  EXPECT_EQ(app().playback().timeline().last(), 10);
+}
+
 TEST_F(WatchedFiles, AStepOfSmokeIsReadAgain) {
   open("smoke.pvd");
   script_->click("time", 0.99);

@@ -7,6 +7,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
@@ -67,6 +68,7 @@ void appendUtf8(std::string& text, unsigned code) {
 /// a display that is opened next finds the rasteriser.
 bool useMesasRasteriser() {
   glfwTerminate();
+  ::unsetenv("MESA_GL_VERSION_OVERRIDE");
   return ::setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1) == 0 &&
          ::setenv("GALLIUM_DRIVER", "llvmpipe", 1) == 0 &&
          ::setenv("__GLX_VENDOR_LIBRARY_NAME", "mesa", 1) == 0;
@@ -312,13 +314,17 @@ Result<std::optional<ViewerRest>> runWindow(OpenDocument open, const ViewerStart
 }  // namespace
 
 Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& progress) {
-  constexpr int kTries = 3;  // a driver that is lost again and again is of no use
+  constexpr int kTries = 3;  // a driver that is lost again and again is of no use,
+  constexpr std::chrono::minutes kSoon{1};
   ViewerRest rest{start.path, start.time, {}};
-  for (int i = 0; i < kTries; ++i) {
+  for (int tries = 0; tries < kTries; ++tries) {
+    const auto begun = std::chrono::steady_clock::now();
     VOLUTE_ASSIGN(auto left, runWindow(open, start, rest, progress));
     if (!left)
       return {};
     rest = *std::move(left);
+    if (std::chrono::steady_clock::now() - begun > kSoon)
+      tries = 0;  // one that is lost once a day is
   }
   return fail(ErrorCode::kUnsupported, Hint::set("renderer"),
               "the graphics driver was reset {} times; what was not saved is offered at the next "
