@@ -390,7 +390,7 @@ class Tenability(Cases):
         self.assertTrue(all(early <= k <= late for k, early, late in zip(*rows)))
         self.assertTrue(any(late > k for k, _, late in zip(*rows)), "the means alone are too late")
         verdict = next(v for v in report["verdict"] if v["criterion"] == "visibility")
-        self.assertIn("by the thinnest it is first reached at", verdict["sentence"])
+        self.assertIn("by the least it is first reached at", verdict["sentence"])
         self.assertGreater(verdict["time_latest"], verdict["time"])
         self.assertEqual(verdict["known"], True)
 

@@ -313,25 +313,33 @@ class Plan(Visibility):
         self.path("occupants.csv").write_text(
             '"t","id","name","active","x","y","z","v","distance","location"\n"s","","","","m","m","m","m/s","m",""\n' + "".join(
                 f'{t},3,"00003",1,{1 + t},2,0,1,{t},"Floor 0.0 m"\n' for t in range(20)) + '20,3,"00003",0,0,0,0,0,0,""\n')
-        database = sqlite3.connect(self.path("people.sqlite"))
-        database.execute("PRAGMA page_size = 512")  # a tree of several levels
-        database.execute("CREATE TABLE metadata (key TEXT NOT NULL UNIQUE PRIMARY KEY, value TEXT NOT NULL)")
-        database.execute("CREATE TABLE geometry (hash INTEGER PRIMARY KEY, wkt TEXT)")
-        database.execute("INSERT INTO geometry VALUES (1, ?)", ("POLYGON " * 1000,))
-        database.execute("CREATE TABLE trajectory_data (frame INTEGER NOT NULL, id INTEGER NOT NULL, pos_x REAL NOT NULL, "
-                         "pos_y REAL NOT NULL, ori_x REAL NOT NULL, ori_y REAL NOT NULL)")
-        database.execute("INSERT INTO metadata VALUES ('version', '2'), ('fps', '100')")
-        database.executemany("INSERT INTO trajectory_data VALUES (?, 3, ?, 2, 1, 0)", [(f, 1 + f / 100) for f in range(1901)])
-        database.commit()
-        database.close()
+        # As jupedsim/sqlite_serialization.py writes them: from version 3 on without where people face.
+        for name, version, facing in (("people.sqlite", 2, ", ori_x REAL NOT NULL, ori_y REAL NOT NULL"), ("newer.sqlite", 3, "")):
+            database = sqlite3.connect(self.path(name))
+            database.execute("PRAGMA page_size = 512")  # a tree of several levels
+            database.execute("CREATE TABLE trajectory_data (frame INTEGER NOT NULL, id INTEGER NOT NULL, pos_x REAL NOT NULL, "
+                             f"pos_y REAL NOT NULL{facing})")
+            database.execute("CREATE TABLE metadata (key TEXT NOT NULL UNIQUE PRIMARY KEY, value TEXT NOT NULL)")
+            database.execute("INSERT INTO metadata VALUES ('version', ?), ('fps', ?)", (version, 1 / 0.0025 / 4))
+            database.execute("CREATE TABLE geometry (hash INTEGER NOT NULL, wkt TEXT NOT NULL)")
+            database.execute("CREATE UNIQUE INDEX geometry_hash ON geometry (hash)")
+            database.execute("INSERT INTO geometry VALUES (1, ?)", ("POLYGON " * 1000,))
+            database.execute("CREATE TABLE frame_data (frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL)")
+            database.execute("CREATE INDEX frame_id_idx ON trajectory_data (frame, id)")
+            database.executemany(f"INSERT INTO trajectory_data VALUES (?, 3, ?, 2{', 1, 0' * (version < 3)})",
+                                 [(f / 1, 1 + f / 100) for f in range(1901)])
+            database.executemany("INSERT INTO frame_data VALUES (?, 1)", [(f / 1,) for f in range(1901)])
+            database.commit()
+            database.close()
         seen = []
-        for name in ("occupants.csv", "people.sqlite"):
+        for name in ("occupants.csv", "people.sqlite", "newer.sqlite"):
             rows = self.look(self.case([0, 1, 14, 20]), self.signs_of_hall(), "--trajectories", self.path(name), "--eye-height", 1.6)
             seen.append(rows)
             self.assertEqual([(row["time"], row["eye_x"], row["eye_z"]) for row in rows if row["sign"] == "lit"],
                              [(0, 1, 1.6), (1, 2, 1.6), (14, 15, 1.6)])
             self.assertTrue(any("eyes are 1.6 m above it" in remark for remark in self.report()["remarks"]))
         self.assertEqual(seen[0], seen[1])
+        self.assertEqual(seen[1], seen[2])
         whole = self.path("people.sqlite").read_bytes()
         self.path("people.sqlite").write_bytes(whole[:len(whole) // 2])
         self.assertIn("pages: copy the file again",

@@ -31,15 +31,21 @@ std::optional<StoredPlace> storedPlace(std::span<const double> times, double tim
   return StoredPlace{first, second, share, {times[first], times[second]}};
 }
 
-Status PointField::at(double time, std::span<const Vec3> points, std::span<double> out,
-                      std::span<StoredSpan> spans) {
+Status PointField::answer(double time, std::span<const Vec3> points, std::span<PointValue> out) {
+  std::vector<double> values(points.size(), std::numeric_limits<double>::quiet_NaN());
   const auto place = storedPlace(times(), time);
-  if (!place) {
-    std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
-    return {};
-  }
-  std::ranges::fill(spans, place->span);
-  return at(time, points, out);
+  if (place)
+    VOLUTE_TRY(at(time, points, values));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    out[i] = {values[i], values[i], values[i], place ? place->span : out[i].span};
+  return {};
+}
+
+Status PointField::valuesOf(double time, std::span<const Vec3> points, std::span<double> out) {
+  std::vector<PointValue> values(points.size());
+  VOLUTE_TRY(answer(time, points, values));
+  std::ranges::transform(values, out.begin(), &PointValue::value);
+  return {};
 }
 
 std::vector<ServedSource> PointField::sources() const {
@@ -62,14 +68,12 @@ std::string BestPoints::description() const {
   return all;
 }
 
-Status BestPoints::at(double time, std::span<const Vec3> points, std::span<double> out) {
-  std::vector<StoredSpan> spans(points.size());
-  return at(time, points, out, spans);
+bool BestPoints::isExact() const {
+  return std::ranges::all_of(sources_, [](const auto& source) { return source->isExact(); });
 }
 
-Status BestPoints::at(double time, std::span<const Vec3> points, std::span<double> out,
-                      std::span<StoredSpan> spans) {
-  std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
+Status BestPoints::answer(double time, std::span<const Vec3> points, std::span<PointValue> out) {
+  for (PointValue& one : out) one = {.span = one.span};
   // Sources that know this time, with how far their times are apart there. Those that do by what is
   // allowed beyond their ends come last.
   std::vector<std::tuple<bool, double, std::size_t>> order;
@@ -94,26 +98,24 @@ Status BestPoints::at(double time, std::span<const Vec3> points, std::span<doubl
   for (const auto& [beyond, apart, s] : order) {
     bool any = false;
     if (&s == &std::get<2>(order.front())) {
-      VOLUTE_TRY(sources_[s]->at(time, points, out, spans));
+      VOLUTE_TRY(sources_[s]->answer(time, points, out));
       for (std::size_t i = 0; i < points.size(); ++i) {
-        if (std::isnan(out[i]))
+        if (std::isnan(out[i].value))
           left.push_back(i);
       }
       any = left.size() < points.size();
     } else {
       std::vector<Vec3> at;
       for (const std::size_t i : left) at.push_back(points[i]);
-      std::vector<double> values(at.size());
-      std::vector<StoredSpan> own(at.size());
-      VOLUTE_TRY(sources_[s]->at(time, at, values, own));
+      std::vector<PointValue> values(at.size());
+      VOLUTE_TRY(sources_[s]->answer(time, at, values));
       std::vector<std::size_t> open;
       for (std::size_t k = 0; k < left.size(); ++k) {
-        if (std::isnan(values[k])) {
+        if (std::isnan(values[k].value)) {
           open.push_back(left[k]);
           continue;
         }
         out[left[k]] = values[k];
-        spans[left[k]] = own[k];
         any = true;
       }
       left = std::move(open);

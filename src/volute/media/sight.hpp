@@ -218,6 +218,14 @@ struct ServedSource {
   std::optional<StoredSpan> served;  ///< the first and the last time for which it was taken
 };
 
+/// A quantity at a point; NaN where it is not known.
+struct PointValue {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  /// What the air around the point is within: low <= value <= high.
+  double low = value, high = value;
+  StoredSpan span{};  ///< the stored times around it, of what served
+};
+
 /// One quantity of the air, at points, over time.
 class PointField {
  public:
@@ -235,13 +243,20 @@ class PointField {
   [[nodiscard]] virtual Status at(double time, std::span<const Vec3> points,
                                   std::span<double> out) = 0;
 
-  /// The same, with the stored times around `time` of what served each point; as they are where
-  /// nothing did.
-  [[nodiscard]] virtual Status at(double time, std::span<const Vec3> points, std::span<double> out,
-                                  std::span<StoredSpan> spans);
+  /// The same, with what the values leave open and the stored times around `time`; those stay as
+  /// they are where nothing is known.
+  [[nodiscard]] virtual Status answer(double time, std::span<const Vec3> points,
+                                      std::span<PointValue> out);
+
+  /// Whether values leave nothing open: those of cells do not, means of the cells around nodes do.
+  virtual bool isExact() const { return true; }
 
   /// What it is put together from, best first.
   virtual std::vector<ServedSource> sources() const;
+
+ protected:
+  /// at(), by answer().
+  [[nodiscard]] Status valuesOf(double time, std::span<const Vec3> points, std::span<double> out);
 };
 
 /// The best of several sources of a quantity at each place and time: of those that know it there
@@ -258,9 +273,13 @@ class BestPoints final : public PointField {
   std::span<const double> times() const override { return times_; }
 
   [[nodiscard]] Status at(double time, std::span<const Vec3> points,
-                          std::span<double> out) override;
-  [[nodiscard]] Status at(double time, std::span<const Vec3> points, std::span<double> out,
-                          std::span<StoredSpan> spans) override;
+                          std::span<double> out) override {
+    return valuesOf(time, points, out);
+  }
+
+  [[nodiscard]] Status answer(double time, std::span<const Vec3> points,
+                              std::span<PointValue> out) override;
+  bool isExact() const override;
   std::vector<ServedSource> sources() const override;
 
  private:

@@ -59,9 +59,10 @@ TEST(BestPoints, TheOneThatKnowsAPlaceAndTimeBestServes) {
   EXPECT_EQ(best.times().back(), 110);
   const std::vector<Vec3> points{Vec3(1, 0, 0), Vec3(-1, 0, 0)};
   const auto valuesAt = [&](double time, StoredSpan* spans) {
-    std::vector<double> values(2);
-    EXPECT_TRUE(best.at(time, points, values, {spans, 2}));
-    return values;
+    PointValue answers[2];
+    EXPECT_TRUE(best.answer(time, points, answers));
+    std::ranges::transform(answers, spans, &PointValue::span);
+    return std::vector{answers[0].value, answers[1].value};
   };
   StoredSpan spans[2];
   EXPECT_TRUE(std::isnan(valuesAt(10, spans)[0]));

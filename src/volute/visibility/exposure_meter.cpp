@@ -123,20 +123,34 @@ Exposure AirField::unknown() {
   return air;
 }
 
+bool AirField::isExact(const Criterion& criterion) const {
+  for (const auto& quantities : {criterion.needed(), criterion.taken()}) {
+    for (const Air one : quantities) {
+      if (fields_[index(one)] && !fields_[index(one)]->isExact())
+        return false;
+    }
+  }
+  return true;
+}
+
 Status AirField::at(double time, std::span<const Vec3> points, std::span<Exposure> out,
-                    std::span<Spans> spans) {
-  std::vector<double> values(points.size());
-  std::vector<StoredSpan> own(points.size());
+                    std::span<Around> around) {
+  std::vector<PointValue> values(points.size());
   for (const AirQuantity& one : airQuantities()) {
     PointField* field = fields_[index(one.quantity)].get();
     if (field == nullptr)
       continue;
-    std::ranges::fill(own, StoredSpan{time, time});
-    VOLUTE_TRY(field->at(time, points, values, own));
+    std::ranges::fill(values, PointValue{.span = {time, time}});
+    VOLUTE_TRY(field->answer(time, points, values));
+    const bool lessIsWorse = one.quantity == Air::kOxygen;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      out[i][one.quantity] = values[i];
-      if (!spans.empty())
-        spans[i][index(one.quantity)] = own[i];
+      const PointValue& value = values[i];
+      out[i][one.quantity] = value.value;
+      if (around.empty())
+        continue;
+      around[i].worst[one.quantity] = lessIsWorse ? value.low : value.high;
+      around[i].least[one.quantity] = lessIsWorse ? value.high : value.low;
+      around[i].spans[index(one.quantity)] = value.span;
     }
   }
   return {};
@@ -159,6 +173,18 @@ ExposureMeter::ExposureMeter(AirField air, std::span<const Criterion> criteria, 
     }
     criteria_.push_back(criterion);
     watches_.emplace_back(people, criterion.limit, criterion.falling);
+    const bool exact = air_.isExact(criterion);
+    least_.emplace_back(!exact || isOfSmoke(criterion) ? people : 0, criterion.limit,
+                        criterion.falling);
+    followed_.emplace_back();
+    if (exact)
+      continue;
+    Followed& followed = followed_.back();
+    followed.most.assign(people, 0.0);
+    followed.least.assign(people, 0.0);
+    followed.mostRate.assign(people, kNotKnown);
+    followed.leastRate.assign(people, kNotKnown);
+    followed.worst.assign(people, kNotKnown);
   }
   values_.assign(criteria_.size(), std::vector<double>(people, 0.0));
   worst_.assign(criteria_.size(), std::vector<double>(people, kNotKnown));
@@ -171,6 +197,8 @@ void ExposureMeter::lose(std::size_t person) {
   for (std::size_t c = 0; c < criteria_.size(); ++c) {
     unknown_[c][person] = 1;
     watches_[c].lose(person);
+    if (!followed_[c].most.empty())
+      least_[c].lose(person);
   }
 }
 
@@ -238,17 +266,13 @@ void ExposureMeter::loseSmoke() {
     std::ranges::fill(unknown_[c], 1);
     for (std::size_t i = 0; i < people_; ++i) {
       watches_[c].lose(i);
-      if (!least_.empty())
-        least_[c].lose(i);
+      least_[c].lose(i);
     }
   }
 }
 
 void ExposureMeter::takeLeast(double time, std::span<const double> extinction) {
-  if (least_.empty()) {
-    for (const Criterion& one : criteria_)
-      least_.emplace_back(isOfSmoke(one) ? people_ : 0, one.limit, one.falling);
-  }
+  tookLeast_ = true;
   for (std::size_t c = 0; c < criteria_.size(); ++c) {
     if (isOfSmoke(criteria_[c]))
       least_[c].update(time, extinction);
@@ -256,7 +280,9 @@ void ExposureMeter::takeLeast(double time, std::span<const double> extinction) {
 }
 
 const LossTimes* ExposureMeter::latest(std::size_t criterion) const {
-  return least_.empty() || !isOfSmoke(criteria_[criterion]) ? nullptr : &least_[criterion].times();
+  const bool open =
+      isOfSmoke(criteria_[criterion]) ? tookLeast_ : !followed_[criterion].most.empty();
+  return open ? &least_[criterion].times() : nullptr;
 }
 
 Status ExposureMeter::sample(double time, const Places& places,
@@ -269,15 +295,15 @@ Status ExposureMeter::sample(double time, const Places& places,
   }
   // Kept from time to time: what is not stored stays as it was made.
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  AirField::Spans none;
-  none.fill({kNever, -kNever});
+  AirField::Around none;
+  none.spans.fill({kNever, -kNever});
   if (inAir_.size() < present.size()) {
     inAir_.resize(present.size(), AirField::unknown());
-    spans_.resize(present.size(), none);
+    around_.resize(present.size(), none);
   }
   const std::span air(inAir_.data(), present.size());
-  const std::span spans(spans_.data(), present.size());
-  VOLUTE_TRY(air_.at(time, present, air, spans));
+  const std::span around(around_.data(), present.size());
+  VOLUTE_TRY(air_.at(time, present, air, around));
   std::vector<std::size_t> place(people_);  // in `air`
   for (std::size_t i = 0, n = 0; i < people_; ++i) place[i] = std::isnan(points[i][0]) ? 0 : n++;
   const double passed = begun_ ? time - last_ : 0;
@@ -285,22 +311,31 @@ Status ExposureMeter::sample(double time, const Places& places,
     const Criterion& criterion = criteria_[c];
     const bool ofSmoke = isOfSmoke(criterion);
     const std::vector<Air> needed = criterion.needed(), taken = criterion.taken();
+    Followed& followed = followed_[c];
+    const bool open = !followed.most.empty();
     parallelRanges(people_, 512, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         double& rateBefore = rates_[c][i];
         if (std::isnan(points[i][0])) {
           rateBefore = kNotKnown;
+          if (open)
+            followed.mostRate[i] = followed.leastRate[i] = kNotKnown;
           if (!criterion.isDose())
             values_[c][i] = kNotKnown;
           // Somebody who came and went between two times at which the smoke is known.
           if (there_[i] != 0 && !watches_[c].hasBegun(i)) {
             unknown_[c][i] = 1;
             watches_[c].lose(i);
+            if (open)
+              least_[c].lose(i);
           }
           continue;
         }
-        if (there_[i] == 0 && begun_)
+        if (there_[i] == 0 && begun_) {
           watches_[c].begin(i, time);
+          if (open)
+            least_[c].begin(i, time);
+        }
         if (ofSmoke && extinction.empty())
           continue;
         const double value = ofSmoke ? extinction[i] : criterion.value(air[place[i]]);
@@ -315,7 +350,7 @@ Status ExposureMeter::sample(double time, const Places& places,
         if (ofSmoke && time < smokeSpan_.until)
           span = smokeSpan_;
         const auto widen = [&](Air one) {
-          const StoredSpan& own = spans[place[i]][static_cast<std::size_t>(one)];
+          const StoredSpan& own = around[place[i]].spans[static_cast<std::size_t>(one)];
           span = {std::min(span.from, own.from), std::max(span.until, own.until)};
         };
         if (!ofSmoke) {
@@ -325,24 +360,45 @@ Status ExposureMeter::sample(double time, const Places& places,
         if (!whole) {
           unknown_[c][i] = 1;
           watches_[c].lose(i);
+          if (open)
+            least_[c].lose(i);
         }
-        double compared = value;
-        if (criterion.isDose()) {
-          // Of rates at both ends; while one is not known it does not grow.
-          if (known && !std::isnan(rateBefore) && there_[i] != 0)
-            values_[c][i] += 0.5 * (rateBefore + value) * passed;
-          compared = known ? values_[c][i] : kNotKnown;
-        } else {
-          values_[c][i] = value;
+        // The level, or the dose so far: of rates at both ends; while one is not known it does not
+        // grow.
+        const auto follow = [&](double now, double& before, double& dose) {
+          if (criterion.isDose()) {
+            if (known && !std::isnan(before) && there_[i] != 0)
+              dose += 0.5 * (before + now) * passed;
+          } else {
+            dose = now;
+          }
+          before = now;
+          return known ? dose : kNotKnown;
+        };
+        const auto keepWorst = [&](double& worst, double compared) {
+          if (std::isnan(worst)) {
+            worst = compared;
+          } else if (!std::isnan(compared)) {
+            worst = criterion.falling ? std::min(worst, compared) : std::max(worst, compared);
+          }
+        };
+        const double compared = follow(value, rateBefore, values_[c][i]);
+        keepWorst(worst_[c][i], compared);
+        if (!open) {
+          if (known)
+            watches_[c].note(i, time, compared, span);
+          continue;
         }
-        rateBefore = value;
-        if (known)
-          watches_[c].note(i, time, compared, span);
-        double& worst = worst_[c][i];
-        if (std::isnan(worst)) {
-          worst = compared;
-        } else if (!std::isnan(compared)) {
-          worst = criterion.falling ? std::min(worst, compared) : std::max(worst, compared);
+        double most = criterion.value(around[place[i]].worst);
+        double least = criterion.value(around[place[i]].least);
+        if (criterion.falling ? most > least : most < least)
+          std::swap(most, least);
+        most = follow(most, followed.mostRate[i], followed.most[i]);
+        least = follow(least, followed.leastRate[i], followed.least[i]);
+        keepWorst(followed.worst[i], most);
+        if (known) {
+          watches_[c].note(i, time, most, span);
+          least_[c].note(i, time, least, span);
         }
       }
     });

@@ -55,14 +55,23 @@ class AirField {
   /// The stored times around another one, of each quantity.
   using Spans = std::array<StoredSpan, kAirQuantities>;
 
+  /// What the air around a point may be like.
+  struct Around {
+    Exposure worst = unknown(), least = unknown();  ///< of all quantities at once
+    Spans spans{};                                  ///< from which times each value comes
+  };
+
   /// Of which nothing is known: all NaN.
   static Exposure unknown();
 
+  /// Whether values of what a criterion takes in leave nothing open.
+  bool isExact(const Criterion& criterion) const;
+
   /// The air at points. Quantities that are not stored there and then are NaN; those that the case
   /// does not store at all, and the extinction, stay as they are, as in unknown().
-  /// @param spans  from which times each value comes; empty: not asked for
+  /// @param around  empty: not asked for
   [[nodiscard]] Status at(double time, std::span<const Vec3> points, std::span<Exposure> out,
-                          std::span<Spans> spans = {});
+                          std::span<Around> around = {});
 
  private:
   static std::size_t index(Air air) { return static_cast<std::size_t>(air); }
@@ -135,8 +144,8 @@ class ExposureMeter {
   /// which advance() was given the largest.
   void takeLeast(double time, std::span<const double> extinction);
 
-  /// When a criterion of the smoke is reached by takeLeast(); null of others, or if it was not
-  /// called.
+  /// When a criterion is reached by the least that the data allow: by takeLeast(), or by what means
+  /// of cells leave open. Null where that is times().
   const LossTimes* latest(std::size_t criterion) const;
 
   /// Doses so far, or levels at the last time; NaN where nothing is known. Of doses that are not
@@ -145,6 +154,11 @@ class ExposureMeter {
 
   /// The largest value so far.
   std::span<const double> worst(std::size_t criterion) const { return worst_[criterion]; }
+
+  /// The same by the worst that the data allow, which times() are of; empty where that is worst().
+  std::span<const double> worstAllowed(std::size_t criterion) const {
+    return followed_[criterion].worst;
+  }
 
   const LossTimes& times(std::size_t criterion) const { return watches_[criterion].times(); }
 
@@ -157,9 +171,15 @@ class ExposureMeter {
  private:
   Status sample(double time, const Places& places, std::span<const double> extinction);
 
+  /// Of a criterion whose air is known within bounds: doses so far and rates, of each person.
+  struct Followed {
+    std::vector<double> most, least, mostRate, leastRate, worst;
+  };
+
   AirField air_;
   std::vector<Criterion> criteria_;
   std::vector<Missing> missing_;
+  std::vector<Followed> followed_;  // of each criterion, empty where the air is exact
   std::size_t people_;
   bool begun_ = false;
   bool begunSmoke_ = false;  // advance() was there
@@ -169,9 +189,10 @@ class ExposureMeter {
   std::vector<std::vector<char>> unknown_;
   std::vector<char> there_;      // at the last time
   std::vector<Exposure> inAir_;  // of those who are there, as far as it is stored
-  std::vector<AirField::Spans> spans_;
+  std::vector<AirField::Around> around_;
   std::vector<LevelWatch> watches_;
-  std::vector<LevelWatch> least_;  // of all criteria, those of the smoke are followed
+  std::vector<LevelWatch> least_;  // of each criterion; without places where nothing is open
+  bool tookLeast_ = false;
 };
 
 }  // namespace volute

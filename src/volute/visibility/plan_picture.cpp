@@ -536,6 +536,8 @@ class PlanDrawing {
 
   void drawSigns(Canvas& canvas) const {
     constexpr std::size_t kMaxNames = 24;
+    constexpr double kRowOfNames = kCanvasTextHeight + 6;
+    std::vector<std::pair<Vec2, double>> names;  // corners and widths
     for (const SightTarget& target : signs_) {
       const SafetySign& sign = target.sign;
       const Vec2 at = frame_.at(sign.position[0], sign.position[1]);
@@ -559,6 +561,23 @@ class PlanDrawing {
           std::clamp(place.x(), kLeft + 2, std::max(kLeft + 2, kLeft + frame_.width() - wide - 4));
       place.y() = std::clamp(place.y(), kTop + 2,
                              std::max(kTop + 2, kTop + frame_.height() - kCanvasTextHeight - 2));
+      // Names of signs at one place stand below each other, or above.
+      const auto isFree = [&](const Vec2& corner) {
+        return corner.y() >= kTop && corner.y() <= kTop + frame_.height() - kCanvasTextHeight &&
+               std::ranges::none_of(names, [&](const auto& other) {
+                 return std::abs(other.first.y() - corner.y()) < kRowOfNames - 1 &&
+                        corner.x() < other.first.x() + other.second + 6 &&
+                        other.first.x() < corner.x() + wide + 6;
+               });
+      };
+      const Vec2 wanted = place;
+      for (std::size_t row = 1; !isFree(place) && row <= 2 * kMaxNames; ++row) {
+        const double rows = static_cast<double>((row + 1) / 2) * (row % 2 != 0 ? 1 : -1);
+        const Vec2 other = wanted + Vec2(0, rows * kRowOfNames);
+        if (isFree(other))
+          place = other;
+      }
+      names.emplace_back(place, wide);
       canvas.rect(place.x() - 3, place.y() - 3, place.x() + wide + 3,
                   place.y() + kCanvasTextHeight + 2, Rgb::Ones());
       canvas.text(sign.name, place.x(), place.y(), kSignColor);

@@ -199,6 +199,27 @@ TEST(PlanPicture, signsHaveTheirNamesAndPointWhereTheyFace) {
   EXPECT_THAT(svg, HasSubstr("points='552.00,326.00"));
 }
 
+TEST(PlanPicture, namesOfSignsAtOnePlaceStandBelowEachOther) {
+  PlanOfRoom room;
+  std::vector<SightTarget> targets(4);
+  const char* names[] = {"exit", "exit left", "way out", "far"};
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    targets[i].sign.name = names[i];
+    targets[i].sign.position = Vec3(i == 3 ? 1 : 5, 3, 2);
+    targets[i].sign.normal = Vec3(1, 0, 0);
+  }
+  const std::string svg = planSvg(room.plan, room.picture, targets);
+  const auto rowOf = [&](const std::string& name) {
+    const std::size_t text = svg.find(">" + name + "<");
+    EXPECT_NE(text, std::string::npos) << name;
+    return std::stod(svg.substr(svg.rfind(" y='", text) + 4));
+  };
+  const double first = rowOf("exit");
+  EXPECT_EQ(rowOf("exit left"), first + kCanvasTextHeight + 6);
+  EXPECT_EQ(rowOf("way out"), first - kCanvasTextHeight - 6);
+  EXPECT_EQ(rowOf("far"), first) << "where there is room";
+}
+
 TEST(PlanPicture, labelsStandBesideWalls) {
   PlanOfRoom room;
   room.picture.barLabel.clear();

@@ -255,15 +255,14 @@ Status PlanTenability::goOn() {
 }
 
 LossTimes PlanTenability::combined(const LossTimes& signs, const std::vector<bool>& inSight,
-                                   const std::function<const LossTimes*(std::size_t)>& smoke,
+                                   const std::function<const LossTimes*(std::size_t)>& instead,
                                    std::vector<int>* which) const {
   std::vector<CountedLoss> all{{&signs, &inSight}};
   std::vector<int> of{0};
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
-    const auto place = static_cast<std::size_t>(std::ranges::find(smoke_, c) - smoke_.begin());
     if (!meter_.isAssessed(c))
       continue;
-    const LossTimes* other = smoke && place < smoke_.size() ? smoke(place) : nullptr;
+    const LossTimes* other = instead ? instead(c) : nullptr;
     all.push_back({other != nullptr ? other : &meter_.times(c), &holds_[c]});
     of.push_back(static_cast<int>(c) + 1);
   }
@@ -275,9 +274,7 @@ LossTimes PlanTenability::combined(const LossTimes& signs, const std::vector<boo
 }
 
 LossTimes PlanTenability::latest(const Sight& sight) const {
-  return combined(
-      sight.latest, sight.in, [&](std::size_t place) { return meter_.latest(smoke_[place]); },
-      nullptr);
+  return combined(sight.latest, sight.in, [&](std::size_t c) { return meter_.latest(c); }, nullptr);
 }
 
 /// How the ASET of places where people are depends on what is not known well.
@@ -286,7 +283,8 @@ Result<std::string> PlanTenability::sensitivity(const Sight& sight, Json& report
     return firstLoss(times, RoundTime::kNone, people_);
   };
   const auto varied = [&](std::size_t v) {
-    const auto watch = [&](std::size_t place) {
+    const auto watch = [&](std::size_t c) {
+      const auto place = static_cast<std::size_t>(std::ranges::find(smoke_, c) - smoke_.begin());
       return place < varied_[v].size() ? &varied_[v][place].times() : nullptr;
     };
     return firstOf(combined(sight.varied[v], sight.in, watch, nullptr));
@@ -347,7 +345,13 @@ Json PlanTenability::criterionJson(std::size_t c) const {
   json["rows_up"] = values_.rows(times.answers(RoundTime::kUp));
   if (const LossTimes* late = meter_.latest(c))
     json["rows_latest"] = values_.rows(late->answers(survey_->round));
-  json[meter_.criteria()[c].isDose() ? "dose_at_the_end" : "worst_value"] = values_.rows(worst);
+  const bool dose = meter_.criteria()[c].isDose();
+  json[dose ? "dose_at_the_end" : "worst_value"] = values_.rows(worst);
+  if (const auto allowed = meter_.worstAllowed(c); !allowed.empty()) {
+    for (std::size_t i = 0; i < eyes_.size(); ++i)
+      worst[i] = meter_.unknown(c, i) ? kNoTime : allowed[i];
+    json[dose ? "dose_at_most" : "worst_value_at_most"] = values_.rows(worst);
+  }
   return json;
 }
 

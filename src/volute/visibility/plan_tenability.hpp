@@ -71,14 +71,13 @@ class PlanTenability {
   PlanPicture emptyPicture(std::string title) const;
   Json criterionJson(std::size_t c) const;
 
-  /// The first of all criteria at each point, with some losses of sight, and times of the criteria
-  /// of the smoke where one stands: by their number in smoke_; null: the meter's. `which`: the
-  /// first, if it is not null.
+  /// The first of all criteria at each point, with some losses of sight, and other times of some
+  /// criteria than the meter's, which null stands for. `which`: the first, if it is not null.
   LossTimes combined(const LossTimes& signs, const std::vector<bool>& inSight,
-                     const std::function<const LossTimes*(std::size_t)>& smoke,
+                     const std::function<const LossTimes*(std::size_t)>& instead,
                      std::vector<int>* which) const;
 
-  /// The same by the least smoke that the data allow.
+  /// The same by the least smoke, heat and gases that the data allow.
   LossTimes latest(const Sight& sight) const;
   Result<std::string> sensitivity(const Sight& sight, Json& report) const;
   Status writeTimes(const std::string& name, const std::string& title, const LossTimes& times,

@@ -121,8 +121,8 @@ std::string latestWords(const FirstLoss& first, const FirstLoss& latest, std::st
   const std::string by = latest.any ? fmt::format("first {} at {:.4g} s", reached, latest.none)
                                     : fmt::format("perhaps never {}", reached);
   return fmt::format(
-      " This is by the thickest smoke that rounding, caps and means of the files allow; by the "
-      "thinnest it is {}.",
+      " This is by the worst air that rounding, caps and means at nodes allow; by the least it is "
+      "{}.",
       by);
 }
 

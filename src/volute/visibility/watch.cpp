@@ -47,6 +47,12 @@ Json exposureJson(const ExposureMeter& meter, RoundTime round) {
              {meter.criteria()[c].isDose() ? "dose_at_the_end" : "worst_value", timesOf(worst)}});
     if (const LossTimes* latest = meter.latest(c))
       list[c]["times_latest"] = timesOf(latest->answers(round));
+    if (const auto allowed = meter.worstAllowed(c); !allowed.empty()) {
+      for (std::size_t i = 0; i < worst.size(); ++i)
+        worst[i] = meter.unknown(c, i) ? std::numeric_limits<double>::quiet_NaN() : allowed[i];
+      list[c][meter.criteria()[c].isDose() ? "dose_at_most" : "worst_value_at_most"] =
+          timesOf(worst);
+    }
   }
   return list;
 }

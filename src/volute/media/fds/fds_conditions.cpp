@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "volute/fds/fds_input.hpp"
 #include "volute/io/unit.hpp"
 #include "volute/media/fds/fds_devices.hpp"
+#include "volute/media/fds/touching_cells.hpp"
 #include "volute/report/sha256.hpp"
 
 namespace volute {
@@ -62,6 +64,22 @@ std::string_view unitOf(std::string_view quantity) {
   return quantity == "temperature" ? "C" : quantity == "radiant-flux" ? "kW/m2" : kFraction;
 }
 
+/// What an undisturbed air has of a quantity.
+double cleanOf(const SmvIndex& index, std::string_view quantity) {
+  const double ambient = inputOf(index).ambient.value_or(20);
+  if (quantity == "radiant-flux")
+    return 5.67e-11 * std::pow(ambient + 273.15, 4);  // of a black body [kW/m2]
+  return quantity == "temperature" ? ambient : quantity == "oxygen" ? 0.2095 : 0;
+}
+
+/// Values at nodes are means of the cells around them, of which one alone may have it all: eight
+/// times as much as the mean, which leaves every verdict open. It is assumed that a cell is between
+/// the least and the largest of the nodes at its corners, and, in layers, of which only the nodes
+/// on one side of a cell are known, that it is not farther from clean air than 1.5 times the
+/// farthest of these, nor nearer to it than half of the nearest: from one cell to the next this
+/// changes by less than three times. In a fire on grids of 0.25 and 0.5 m, no more than 0.03 % of
+/// the cells above 30, 60 and 100 degrees were there unnoticed, 0.3 to 1.2 % by the nodes' own
+/// values, and none in layers.
 class FdsPoints final : public PointField {
  public:
   /// `change` is from what is stored to what criteria mean, `factor` of the quantity after it.
@@ -71,7 +89,8 @@ class FdsPoints final : public PointField {
         change_(change),
         factor_(factor),
         quantity_(quantity),
-        fraction_(fraction) {}
+        fraction_(fraction),
+        clean_(cleanOf(case_.index(), quantity)) {}
 
   std::string description() const override {
     return fmt::format("{} ({}{}{})", quantity_, case_.source().name, factor_ == 1 ? "" : " / 4",
@@ -81,8 +100,17 @@ class FdsPoints final : public PointField {
   std::span<const double> times() const override { return case_.times(); }
 
   Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
+    return valuesOf(time, points, out);
+  }
+
+  bool isExact() const override {
+    return isRounded() ||
+           std::ranges::none_of(case_.grid().lattices(), [](const auto& one) { return one.nodal; });
+  }
+
+  Status answer(double time, std::span<const Vec3> points, std::span<PointValue> out) override {
     const auto place = storedPlace(times(), time);
-    std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
+    for (PointValue& one : out) one = {.span = place ? place->span : one.span};
     if (!place)
       return {};
     const auto [first, second, share, span] = *place;
@@ -93,26 +121,68 @@ class FdsPoints final : public PointField {
     const FdsField* b = share > 0 ? held(second) : nullptr;
     parallelRanges(points.size(), 256, [&, share = share](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const double now = valueAt(a, points[i]);
-        out[i] = b == nullptr ? now : (1 - share) * now + share * valueAt(*b, points[i]);
+        PointValue& now = out[i];
+        read(a, points[i], now);
+        if (b == nullptr)
+          continue;
+        PointValue then;
+        read(*b, points[i], then);
+        for (const auto part : {&PointValue::value, &PointValue::low, &PointValue::high})
+          now.*part = (1 - share) * now.*part + share * then.*part;
       }
     });
     if (!fraction_)
       return {};
     constexpr double kMaxRounded = 1.01;
-    const auto many = std::ranges::find_if(out, [](double value) { return value > kMaxRounded; });
+    const auto many = std::ranges::find_if(
+        out, [](double value) { return value > kMaxRounded; }, &PointValue::value);
     if (many == out.end())
       return {};
     return fail(ErrorCode::kInvalidData,
                 "{}: {} is {:.4g} mol/mol at {:g} s; expected a fraction of at most 1: the file is "
                 "damaged, or in another unit than it says",
-                case_.index().path.string(), case_.source().name, *many, time);
+                case_.index().path.string(), case_.source().name, many->value, time);
   }
 
  private:
-  double valueAt(const FdsField& field, const Vec3& point) const {
-    return field.cellAt(point) == FdsCell::kGas ? factor_ * change_(field.extinction(point))
-                                                : std::numeric_limits<double>::quiet_NaN();
+  void read(const FdsField& field, const Vec3& point, PointValue& out) const {
+    if (field.cellAt(point) != FdsCell::kGas)
+      return;
+    out.value = factor_ * change_(field.extinction(point));
+    out.low = out.high = out.value;
+    const auto number = static_cast<std::size_t>(field.grid().latticeAt(point));
+    const FdsLattice& lattice = field.grid().lattices()[number];
+    if (!lattice.nodal || isRounded() || std::isnan(out.value))
+      return;
+    const SmokeBand nodes = nodesAround(lattice, field.values(number), field.cells(number), point);
+    const double low = factor_ * change_(nodes.low), high = factor_ * change_(nodes.high);
+    const bool layer = lattice.thinAxis >= 0;
+    const auto from = [&](double value, double outwards) {
+      return clean_ + (layer ? outwards : 1) * (value - clean_);
+    };
+    out.low = std::min(out.low, from(low, low > clean_ ? 0.5 : 1.5));
+    out.high = std::max(out.high, from(high, high > clean_ ? 1.5 : 0.5));
+  }
+
+  /// The least and the largest at the corners of the gas cells that touch a point.
+  static SmokeBand nodesAround(const FdsLattice& lattice, const FdsValues& values,
+                               const std::vector<FdsCell>& cells, const Vec3& point) {
+    const std::size_t nx = lattice.planes[0].size(), ny = lattice.planes[1].size();
+    constexpr float kNever = std::numeric_limits<float>::infinity();
+    SmokeBand band{0, kNever, -kNever};
+    forTouchingCells(lattice, point, [&](const std::array<int, 3>& cell) {
+      if (cells[lattice.cellAt(cell)] != FdsCell::kGas)
+        return;
+      for (int corner = 0; corner < 8; ++corner) {
+        const auto at = [&](int axis) {
+          return static_cast<std::size_t>(cell[axis] + (corner >> axis & 1));
+        };
+        const std::size_t node = (at(2) * ny + at(1)) * nx + at(0);
+        band.low = std::fmin(band.low, values.value[node]);
+        band.high = std::fmax(band.high, values.value[node]);
+      }
+    });
+    return band;
   }
 
   bool isRounded() const { return case_.source().kind == FdsFileKind::kSmoke; }
@@ -154,6 +224,7 @@ class FdsPoints final : public PointField {
   double factor_;
   std::string quantity_;
   bool fraction_;
+  double clean_;
   std::array<std::optional<std::pair<std::size_t, FdsField>>, 2> held_;
 };
 

@@ -245,14 +245,12 @@ class FdsDevicePoints final : public PointField {
   std::span<const double> times() const override { return times_; }
 
   Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
-    std::vector<StoredSpan> spans(points.size());
-    return at(time, points, out, spans);
+    return valuesOf(time, points, out);
   }
 
-  Status at(double time, std::span<const Vec3> points, std::span<double> out,
-            std::span<StoredSpan> spans) override {
+  Status answer(double time, std::span<const Vec3> points, std::span<PointValue> out) override {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      out[i] = std::numeric_limits<double>::quiet_NaN();
+      out[i] = {.span = out[i].span};
       double least = kNear;
       const auto xOf = [](const Device& one) { return one.position.x(); };
       const double x = points[i].x(), reach = kNear + kSamePlace;
@@ -269,10 +267,9 @@ class FdsDevicePoints final : public PointField {
         const double value = (1 - place->share) * device.curve.values[place->first] +
                              place->share * device.curve.values[place->second];
         // Of several at one place, such as radiometers that face several ways, the worst counts.
-        if (distance > least - kSamePlace && worst_ * value <= worst_ * out[i])
+        if (distance > least - kSamePlace && worst_ * value <= worst_ * out[i].value)
           continue;
-        out[i] = value;
-        spans[i] = place->span;
+        out[i] = {value, value, value, place->span};
         least = std::min(least, distance);
       }
     }

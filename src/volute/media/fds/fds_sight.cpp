@@ -16,6 +16,7 @@
 #include "volute/fds/solids.hpp"
 #include "volute/media/fds/fds_conditions.hpp"
 #include "volute/media/fds/fds_devices.hpp"
+#include "volute/media/fds/touching_cells.hpp"
 #include "volute/media/occluded_sight.hpp"
 
 namespace volute {
@@ -492,32 +493,19 @@ namespace {
 /// count, and the value is their mean. NaN where there is none.
 SmokeBand bandAround(const FdsLattice& lattice, const FdsValues& values,
                      const std::vector<FdsCell>& cells, const Vec3& point) {
-  constexpr double kNothing = 1e-6;  // of a cell: the point is on a plane
-  std::array<int, 3> first{}, last{};
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto& planes = lattice.planes[axis];
-    const int cell = cellBetween(planes, point[axis]);
-    const double begin = planes[cell], end = planes[cell + 1], near = kNothing * (end - begin);
-    first[axis] = cell > 0 && point[axis] - begin < near ? cell - 1 : cell;
-    last[axis] = cell + 1 < lattice.cells(axis) && end - point[axis] < near ? cell + 1 : cell;
-  }
   constexpr float kNever = std::numeric_limits<float>::infinity();
   SmokeBand band{0, kNever, -kNever};
   int count = 0;
-  for (int z = first[2]; z <= last[2]; ++z) {
-    for (int y = first[1]; y <= last[1]; ++y) {
-      for (int x = first[0]; x <= last[0]; ++x) {
-        const std::size_t at = lattice.cellAt({x, y, z});
-        const float value = values.value[at];
-        if (cells[at] != FdsCell::kGas || std::isnan(value))
-          continue;
-        band.value += value;
-        band.low = std::min(band.low, values.low.empty() ? value : values.low[at]);
-        band.high = std::max(band.high, values.high.empty() ? value : values.high[at]);
-        ++count;
-      }
-    }
-  }
+  forTouchingCells(lattice, point, [&](const std::array<int, 3>& cell) {
+    const std::size_t at = lattice.cellAt(cell);
+    const float value = values.value[at];
+    if (cells[at] != FdsCell::kGas || std::isnan(value))
+      return;
+    band.value += value;
+    band.low = std::min(band.low, values.low.empty() ? value : values.low[at]);
+    band.high = std::max(band.high, values.high.empty() ? value : values.high[at]);
+    ++count;
+  });
   band.value =
       count > 0 ? band.value / static_cast<float>(count) : std::numeric_limits<float>::quiet_NaN();
   return band;
