@@ -24,15 +24,30 @@ using FaultKind = CaptureFault::Kind;
 using Views = std::vector<TomographyView>;
 
 constexpr std::size_t kFewestToTell = 4;
-constexpr double kMinUnexplained = 0.12;  // of a view; below, nothing is looked for
+constexpr double kMinUnexplained = 0.05;  // of a view; below, little is looked for
 constexpr double kTimesResolved = 1.3;
 
-/// Reduced so that a voxel of `coarse` is two pixels wide.
-TomographyView coarseView(const TomographyView& view, const VolumeGeometry& coarse) {
-  const int most = std::max(1, std::min(view.camera.width(), view.camera.height()) / 8);
-  const auto factor = static_cast<int>(voxelInPixels(view.camera, coarse) / 2);
-  TomographyView reduced = reducedView(view, std::clamp(factor, 1, most));
-  reduced.atLeast.clear();
+bool sameSize(const TomographyView& a, const TomographyView& b) {
+  return a.camera.width() == b.camera.width() && a.camera.height() == b.camera.height();
+}
+
+/// Reduced so that a voxel of `coarse` is two pixels wide; those of one size alike, for they may be
+/// exchanged.
+Views coarseViews(const Views& views, const VolumeGeometry& coarse) {
+  const auto factorOf = [&](const TomographyView& view) {
+    const int most = std::max(1, std::min(view.camera.width(), view.camera.height()) / 8);
+    return std::clamp(static_cast<int>(voxelInPixels(view.camera, coarse) / 2), 1, most);
+  };
+  Views reduced;
+  for (const TomographyView& view : views) {
+    int factor = factorOf(view);
+    for (const TomographyView& other : views) {
+      if (sameSize(view, other))
+        factor = std::min(factor, factorOf(other));
+    }
+    reduced.push_back(reducedView(view, factor));
+    reduced.back().atLeast.clear();
+  }
   return reduced;
 }
 
@@ -75,6 +90,14 @@ void respond(TomographyView& view, bool decode, double white) {
   }
 }
 
+/// Light to a power, `white` as it is.
+void raise(TomographyView& view, double exponent, double white) {
+  for (float& value : view.radiance.pixels) {
+    const double share = value / white;
+    value = static_cast<float>(white * std::copysign(std::pow(std::abs(share), exponent), share));
+  }
+}
+
 /// With another focal length.
 Camera zoomed(const Camera& camera, double factor) {
   Calibration calibration;
@@ -86,10 +109,6 @@ Camera zoomed(const Camera& camera, double factor) {
   calibration.t = -calibration.R * camera.eye();
   calibration.distortion = camera.distortion();
   return Camera::calibrated(calibration).value_or(camera);
-}
-
-bool sameSize(const TomographyView& a, const TomographyView& b) {
-  return a.camera.width() == b.camera.width() && a.camera.height() == b.camera.height();
 }
 
 /// The views without the mistake.
@@ -123,6 +142,9 @@ Views without(const Views& views, std::span<const double> white, FaultKind kind,
       case FaultKind::kDecoded:
         respond(mended[v], kind == FaultKind::kEncoded, white[v]);
         break;
+      case FaultKind::kExponent:
+        raise(mended[v], value, white[v]);
+        break;
       case FaultKind::kExchanged:
       case FaultKind::kBox:
         break;
@@ -140,7 +162,7 @@ struct Hypothesis {
 };
 
 bool isResponse(FaultKind kind) {
-  return kind == FaultKind::kEncoded || kind == FaultKind::kDecoded;
+  return kind == FaultKind::kEncoded || kind == FaultKind::kDecoded || kind == FaultKind::kExponent;
 }
 
 /// How one coarse volume explains all views.
@@ -170,7 +192,7 @@ class Level {
             geometry, std::max(1, (hull ? std::ranges::max(geometry.resolution) + longest - 1
                                         : std::ranges::max(geometry.resolution)) /
                                       longest))) {
-    for (const TomographyView& view : views) coloured_.push_back(coarseView(view, geometry_));
+    coloured_ = coarseViews(views, geometry_);
     views_ = greyed(coloured_);
     options_.regularization = Regularization::kNone;
     options_.iterations = iterations;
@@ -292,15 +314,15 @@ class FaultSearch {
       VOLUTE_ASSIGN(candidates, likely(now));
     }
     // Flat pictures are easily explained, so that those of another response need not stand out.
-    const auto addResponse = [&](FaultKind kind) {
+    if (first && !white_.empty()) {
       const bool known = std::ranges::any_of(candidates, [&](const Hypothesis& one) {
-        return one.kind == kind && one.cameras.empty();
+        return one.kind == FaultKind::kEncoded && one.cameras.empty();
       });
-      if (!known && !white_.empty())
-        candidates.push_back({kind, {}, 1, 0});
-    };
-    if (first)
-      addResponse(FaultKind::kEncoded);
+      if (!known)
+        candidates.push_back({FaultKind::kEncoded, {}, 1, 0});
+      for (const double exponent : {0.8, 1.25})
+        candidates.push_back({FaultKind::kExponent, {}, exponent, 0});
+    }
     if (candidates.empty())
       return std::optional<CaptureFault>();
     return judged(std::move(candidates));
@@ -377,7 +399,7 @@ class FaultSearch {
   /// Mistakes without which a coarse volume explains more, the best first.
   Result<std::vector<Hypothesis>> likely(const Explanation& now) const {
     constexpr std::size_t kMax = 4;
-    constexpr double kWorthALook = 0.85;
+    constexpr double kWorthALook = 0.85, kMuchUnexplained = 0.12;
     std::vector<Hypothesis> found;
     const auto attempt = [&](FaultKind kind, std::vector<std::size_t> cameras,
                              double value = 1) -> Status {
@@ -400,7 +422,12 @@ class FaultSearch {
         if (!white_.empty())
           VOLUTE_TRY(attempt(kind, cameras));
       }
-      for (const double zoom : kZooms) VOLUTE_TRY(attempt(FaultKind::kZoom, cameras, zoom));
+      // Smaller or larger pictures in all cameras are nearly a larger or smaller medium, and take
+      // in what the bounds cut: it takes much to say so.
+      for (const double zoom : kZooms) {
+        if (!cameras.empty() || now.all > kMuchUnexplained)
+          VOLUTE_TRY(attempt(FaultKind::kZoom, cameras, zoom));
+      }
       if (cameras.empty())
         continue;
       VOLUTE_ASSIGN(const double gain, gainOf(cameras[0]));
@@ -408,9 +435,16 @@ class FaultSearch {
       if (gain > kMin || gain < 1 / kMin)
         VOLUTE_TRY(attempt(FaultKind::kGain, cameras, gain));
     }
-    for (std::size_t a = 0; a < suspects.size(); ++a) {
-      for (std::size_t b = a + 1; b < suspects.size(); ++b) {
-        const auto [low, high] = std::minmax(suspects[a], suspects[b]);
+    // Two that are exchanged spoil the others' fits as much as their own.
+    constexpr std::size_t kFew = 8;
+    std::vector<std::size_t> either = suspects;
+    if (coarse_.views().size() <= kFew) {
+      either.resize(coarse_.views().size());
+      std::iota(either.begin(), either.end(), 0);
+    }
+    for (std::size_t a = 0; a < either.size(); ++a) {
+      for (std::size_t b = a + 1; b < either.size(); ++b) {
+        const auto [low, high] = std::minmax(either[a], either[b]);
         if (sameSize(coarse_.views()[low], coarse_.views()[high]))
           VOLUTE_TRY(attempt(FaultKind::kExchanged, {low, high}));
       }
@@ -458,6 +492,8 @@ class FaultSearch {
       return {0.6, 0.7};
     if (one.kind == FaultKind::kEncoded && one.cameras.empty())
       return {0.78, 1};
+    if (one.kind == FaultKind::kExponent)
+      return {0.5, 1};
     return {0.75, one.cameras.empty() ? 0.75 : 0.6};
   }
 
@@ -478,7 +514,11 @@ class FaultSearch {
   /// asked, and clearly better than the second.
   Result<std::optional<CaptureFault>> judged(std::vector<Hypothesis> candidates) const {
     constexpr double kSecond = 0.95;
+    constexpr double kMinLeft = 0.02;  // of the pictures, for another curve to be looked for
     VOLUTE_ASSIGN(const Explanation now, fine_.explain(fine_.views(), progress_));
+    if (now.all < kMinLeft)
+      std::erase_if(candidates,
+                    [](const Hypothesis& one) { return one.kind == FaultKind::kExponent; });
     // By what each leaves over what it must, so that flat pictures have no advantage.
     std::vector<double> over;
     for (Hypothesis& one : candidates) {
@@ -502,7 +542,24 @@ class FaultSearch {
     const bool obvious = one.left < 0.5 * barOf(one).fitted * now.all;
     if (!(after < (obvious ? 1 : barOf(one).heldOut) * before))
       return std::optional<CaptureFault>();
-    return std::optional(CaptureFault{one.kind, one.cameras, one.value, now.all, one.left, {}});
+    CaptureFault fault{one.kind, one.cameras, one.value, now.all, one.left, {}};
+    if (one.kind == FaultKind::kExponent)
+      VOLUTE_TRY(measureExponent(fault));
+    return std::optional(std::move(fault));
+  }
+
+  /// The exponent that leaves least, about.
+  Status measureExponent(CaptureFault& fault) const {
+    const double found = fault.value;
+    for (const double factor : {0.8, 0.875, 0.94, 1.06, 1.125}) {
+      const Hypothesis one{fault.kind, fault.cameras, factor * found, 0};
+      VOLUTE_ASSIGN(const auto explained, fine_.explain(mended(fine_, one), progress_));
+      if (explained.all < fault.after) {
+        fault.after = explained.all;
+        fault.value = one.value;
+      }
+    }
+    return {};
   }
 
   Level coarse_, fine_;
@@ -548,6 +605,11 @@ std::string describe(const CaptureFault& fault, const Views& views) {
           "{}: the pictures are stored linearly and taken as sRGB {}; set \"color\": "
           "\"linear\"",
           who, evidence);
+    case FaultKind::kExponent:
+      return fmt::format(
+          "{}: the light is stored by another curve: to the power of about {:.2f} it fits {}; set "
+          "\"color\" to that of the camera, or \"exponent\"",
+          who, fault.value, evidence);
     case FaultKind::kGain:
       return fmt::format(
           "{}: {:.0f} % too {}: its radiance times {:.3g} fits the others {}; set its \"gain\"",

@@ -21,6 +21,7 @@ struct CaptureFault {
     kExchanged,   ///< two cameras' pictures, or calibrations
     kEncoded,     ///< stored as sRGB and taken as linear
     kDecoded,     ///< stored linearly and taken as sRGB
+    kExponent,    ///< stored by another curve: its light to a power
     kGain,        ///< brighter or darker than the others by a factor
     kZoom,        ///< of another focal length by much
     kBox,         ///< the volume's bounds cut what is seen
@@ -28,7 +29,7 @@ struct CaptureFault {
 
   Kind kind = Kind::kMirrored;
   std::vector<std::size_t> cameras;  ///< positions among the views; empty: all of them
-  double value = 1;                  ///< kGain, kZoom: the factor that mends it
+  double value = 1;                  ///< kGain, kZoom: the factor that mends it; kExponent
   double before = 0, after = 0;      ///< misfit of the views, as matchOf() has it, root mean square
   std::string text;                  ///< for people: what it is, the evidence, what to do
 };
