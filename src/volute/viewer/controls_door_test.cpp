@@ -51,6 +51,11 @@ TEST_F(DoorControls, TheListGoesThroughFolders) {
   script_->press(Key::kEnter);
   load();
   EXPECT_EQ(app().title(), "fog.json - Volute");
+  script_->press(Key::kO, true);
+  script_->frames(3);
+  ASSERT_TRUE(script_->write("file name", "blob.npy"));  // with Enter
+  load();
+  EXPECT_EQ(app().title(), "blob.npy - Volute");
   ASSERT_TRUE(script_->click("Open"));
   script_->frames(3);
   ASSERT_NE(app().document().files().browser(), nullptr);

@@ -71,6 +71,7 @@ class SceneDocument final : public Document {
   std::shared_ptr<Drawer> drawer_ = std::make_shared<Drawer>();
   Scene scene_;
   SceneHistory history_;
+  bool opens_ = true;  ///< nothing has been shown of it
   std::optional<StartView> start_;
   std::optional<FirstSight> sight_;             ///< of what is no scene file
   nlohmann::ordered_json saved_;                ///< the scene, as a file has it

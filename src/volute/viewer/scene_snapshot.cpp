@@ -196,10 +196,12 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneRequest& request, Progress& 
   scene.inTiles = std::ranges::none_of(snapshot->media,
                                        [](const auto& medium) { return medium->drawsItself(); });
   for (const auto& medium : snapshot->media) scene.bytes += medium->memoryBytes();
-  // Here, not while a picture is waited for.
+  // Here, not while a picture is waited for; but the first one that is waited for is a preview,
+  // which needs none of it.
+  const bool later = std::exchange(opens_, false) && scene.preview;
   if (request.openGl) {
     for (const auto& part : scene.media.parts) part->prepare();
-  } else {
+  } else if (!later) {
     std::vector<AnyMedium> prepared;
     for (const auto& medium : snapshot->media) medium->addMedia(prepared);
   }

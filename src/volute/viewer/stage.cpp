@@ -29,6 +29,12 @@ struct FreeArea {
   float left, top, right, bottom;
 
   float middle() const { return 0.5F * (left + right); }
+
+  /// Where what stands in the middle ends: above the scale bar where that reaches below it.
+  float middleBottom() const {
+    constexpr float kBar = 160, kMiddle = 300, kHigh = 46;
+    return right - left < 2 * kBar + kMiddle ? bottom - kHigh : bottom;
+  }
 };
 
 FreeArea freeArea(ViewerApp& app, const ViewerInput& input) {
@@ -67,7 +73,7 @@ void drawProgress(ViewerApp& app, const FreeArea& free) {
     return;
   const bool nothing = !app.view().picture().shown();  // then it is all that there is to see
   const float width = std::min(nothing ? 360.0F : 300.0F, free.right - free.left);
-  const float y = nothing ? 0.5F * (free.top + free.bottom) : free.bottom;
+  const float y = nothing ? 0.5F * (free.top + free.bottom) : free.middleBottom();
   ImGui::SetNextWindowPos({free.middle(), y}, 0, {0.5F, nothing ? 0.5F : 1.0F});
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
   ImGui::SetNextWindowBgAlpha(0.8F);
@@ -81,8 +87,9 @@ void drawProgress(ViewerApp& app, const FreeArea& free) {
                                   : 0;
   if (work.share >= 0) {
     ImGui::ProgressBar(static_cast<float>(work.share), {-std::max(button, 1.0F), 8}, "");
-    if (work.stops)
-      ImGui::SameLine();
+    ImGui::SameLine();
+    if (!work.stops)
+      ImGui::Dummy({1, ImGui::GetFrameHeight()});  // it is as high when the button comes
   }
   if (work.stops && markedButton(app, "Stop", "stop drawing"))
     app.view().picture().stopRefining();
@@ -114,7 +121,7 @@ void drawBadge(ViewerApp& app, const FreeArea& free) {
     return;
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-  const ImVec2 at{free.middle() - 0.5F * size.x, free.bottom - size.y - 6};
+  const ImVec2 at{free.middle() - 0.5F * size.x, free.middleBottom() - size.y - 6};
   list->AddRectFilled({at.x - 10, at.y - 4}, {at.x + size.x + 10, at.y + size.y + 4}, kShade, 9);
   list->AddText(at, kInk, text.c_str());
 }

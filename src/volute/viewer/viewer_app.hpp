@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "volute/base/parallel.hpp"
 #include "volute/gl/gl_device.hpp"
 #include "volute/viewer/comparison.hpp"
 #include "volute/viewer/language.hpp"
@@ -153,9 +152,6 @@ class ViewerApp {
   PictureRequest request(const ViewerInput& input) const;
 
   ViewerOptions options_;
-  /// Reading and drawing have loops at once. TBB may let the only worker sleep when one of them
-  /// ends, and the other goes on alone.
-  ThreadLimit workers_{threadCount() + 1};
   GlDevice device_;
   ViewerSettings settings_;
   ViewerDocument document_;
