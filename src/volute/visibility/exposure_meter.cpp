@@ -156,6 +156,9 @@ Status AirField::at(double time, std::span<const Vec3> points, std::span<Exposur
   return {};
 }
 
+ExposureMeter::Course::Course(std::size_t people)
+    : values(people, 0.0), rates(people, kNotKnown), worst(people, kNotKnown) {}
+
 ExposureMeter::ExposureMeter(AirField air, std::span<const Criterion> criteria, std::size_t people,
                              bool rooms)
     : air_(std::move(air)), people_(people) {
@@ -176,19 +179,10 @@ ExposureMeter::ExposureMeter(AirField air, std::span<const Criterion> criteria, 
     const bool exact = air_.isExact(criterion);
     least_.emplace_back(!exact || isOfSmoke(criterion) ? people : 0, criterion.limit,
                         criterion.falling);
-    followed_.emplace_back();
-    if (exact)
-      continue;
-    Followed& followed = followed_.back();
-    followed.most.assign(people, 0.0);
-    followed.least.assign(people, 0.0);
-    followed.mostRate.assign(people, kNotKnown);
-    followed.leastRate.assign(people, kNotKnown);
-    followed.worst.assign(people, kNotKnown);
+    means_.emplace_back(people);
+    most_.emplace_back(exact ? 0 : people);
+    fewest_.emplace_back(exact ? 0 : people);
   }
-  values_.assign(criteria_.size(), std::vector<double>(people, 0.0));
-  worst_.assign(criteria_.size(), std::vector<double>(people, kNotKnown));
-  rates_.assign(criteria_.size(), std::vector<double>(people, kNotKnown));
   unknown_.assign(criteria_.size(), std::vector<char>(people, 0));
   there_.assign(people, 0);
 }
@@ -197,7 +191,7 @@ void ExposureMeter::lose(std::size_t person) {
   for (std::size_t c = 0; c < criteria_.size(); ++c) {
     unknown_[c][person] = 1;
     watches_[c].lose(person);
-    if (!followed_[c].most.empty())
+    if (!most_[c].empty())
       least_[c].lose(person);
   }
 }
@@ -227,7 +221,8 @@ std::string ExposureMeter::unread(std::size_t criterion) const {
 
 bool ExposureMeter::isAssessed(std::size_t criterion) const {
   return !unread(criterion).empty() ||
-         std::ranges::any_of(worst_[criterion], [](double value) { return !std::isnan(value); });
+         std::ranges::any_of(means_[criterion].worst,
+                             [](double value) { return !std::isnan(value); });
 }
 
 Status ExposureMeter::advance(double time, const Places& places, std::span<const double> extinction,
@@ -280,8 +275,7 @@ void ExposureMeter::takeLeast(double time, std::span<const double> extinction) {
 }
 
 const LossTimes* ExposureMeter::latest(std::size_t criterion) const {
-  const bool open =
-      isOfSmoke(criteria_[criterion]) ? tookLeast_ : !followed_[criterion].most.empty();
+  const bool open = isOfSmoke(criteria_[criterion]) ? tookLeast_ : !most_[criterion].empty();
   return open ? &least_[criterion].times() : nullptr;
 }
 
@@ -311,17 +305,16 @@ Status ExposureMeter::sample(double time, const Places& places,
     const Criterion& criterion = criteria_[c];
     const bool ofSmoke = isOfSmoke(criterion);
     const std::vector<Air> needed = criterion.needed(), taken = criterion.taken();
-    Followed& followed = followed_[c];
-    const bool open = !followed.most.empty();
+    Course &means = means_[c], &most = most_[c], &fewest = fewest_[c];
+    const bool open = !most.empty();
     parallelRanges(people_, 512, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        double& rateBefore = rates_[c][i];
         if (std::isnan(points[i][0])) {
-          rateBefore = kNotKnown;
+          means.rates[i] = kNotKnown;
           if (open)
-            followed.mostRate[i] = followed.leastRate[i] = kNotKnown;
+            most.rates[i] = fewest.rates[i] = kNotKnown;
           if (!criterion.isDose())
-            values_[c][i] = kNotKnown;
+            means.values[i] = kNotKnown;
           // Somebody who came and went between two times at which the smoke is known.
           if (there_[i] != 0 && !watches_[c].hasBegun(i)) {
             unknown_[c][i] = 1;
@@ -363,42 +356,38 @@ Status ExposureMeter::sample(double time, const Places& places,
           if (open)
             least_[c].lose(i);
         }
-        // The level, or the dose so far: of rates at both ends; while one is not known it does not
-        // grow.
-        const auto follow = [&](double now, double& before, double& dose) {
-          if (criterion.isDose()) {
-            if (known && !std::isnan(before) && there_[i] != 0)
-              dose += 0.5 * (before + now) * passed;
-          } else {
-            dose = now;
-          }
+        // Doses grow by rates at both ends, and do not while one is not known.
+        const auto follow = [&](Course& course, double now) {
+          double& so = course.values[i];
+          double& before = course.rates[i];
+          double& worst = course.worst[i];
+          if (!criterion.isDose())
+            so = now;
+          else if (known && !std::isnan(before) && there_[i] != 0)
+            so += 0.5 * (before + now) * passed;
           before = now;
-          return known ? dose : kNotKnown;
-        };
-        const auto keepWorst = [&](double& worst, double compared) {
-          if (std::isnan(worst)) {
+          const double compared = known ? so : kNotKnown;
+          if (std::isnan(worst))
             worst = compared;
-          } else if (!std::isnan(compared)) {
+          else if (!std::isnan(compared))
             worst = criterion.falling ? std::min(worst, compared) : std::max(worst, compared);
-          }
+          return compared;
         };
-        const double compared = follow(value, rateBefore, values_[c][i]);
-        keepWorst(worst_[c][i], compared);
+        const double mean = follow(means, value);
         if (!open) {
           if (known)
-            watches_[c].note(i, time, compared, span);
+            watches_[c].note(i, time, mean, span);
           continue;
         }
-        double most = criterion.value(around[place[i]].worst);
-        double least = criterion.value(around[place[i]].least);
-        if (criterion.falling ? most > least : most < least)
-          std::swap(most, least);
-        most = follow(most, followed.mostRate[i], followed.most[i]);
-        least = follow(least, followed.leastRate[i], followed.least[i]);
-        keepWorst(followed.worst[i], most);
+        double worse = criterion.value(around[place[i]].worst);
+        double better = criterion.value(around[place[i]].least);
+        if (criterion.falling ? worse > better : worse < better)
+          std::swap(worse, better);
+        worse = follow(most, worse);
+        better = follow(fewest, better);
         if (known) {
-          watches_[c].note(i, time, most, span);
-          least_[c].note(i, time, least, span);
+          watches_[c].note(i, time, worse, span);
+          least_[c].note(i, time, better, span);
         }
       }
     });

@@ -150,14 +150,14 @@ class ExposureMeter {
 
   /// Doses so far, or levels at the last time; NaN where nothing is known. Of doses that are not
   /// known(), lower bounds.
-  std::span<const double> values(std::size_t criterion) const { return values_[criterion]; }
+  std::span<const double> values(std::size_t criterion) const { return means_[criterion].values; }
 
   /// The largest value so far.
-  std::span<const double> worst(std::size_t criterion) const { return worst_[criterion]; }
+  std::span<const double> worst(std::size_t criterion) const { return means_[criterion].worst; }
 
   /// The same by the worst that the data allow, which times() are of; empty where that is worst().
   std::span<const double> worstAllowed(std::size_t criterion) const {
-    return followed_[criterion].worst;
+    return most_[criterion].worst;
   }
 
   const LossTimes& times(std::size_t criterion) const { return watches_[criterion].times(); }
@@ -171,21 +171,27 @@ class ExposureMeter {
  private:
   Status sample(double time, const Places& places, std::span<const double> extinction);
 
-  /// Of a criterion whose air is known within bounds: doses so far and rates, of each person.
-  struct Followed {
-    std::vector<double> most, least, mostRate, leastRate, worst;
+  /// What a criterion goes by, of each person: the level or the dose so far, the last rate, and the
+  /// worst so far.
+  struct Course {
+    std::vector<double> values, rates, worst;
+
+    explicit Course(std::size_t people);
+
+    bool empty() const { return values.empty(); }
   };
 
   AirField air_;
   std::vector<Criterion> criteria_;
   std::vector<Missing> missing_;
-  std::vector<Followed> followed_;  // of each criterion, empty where the air is exact
+  // Of each criterion: by the values, and by the worst and the least that they leave open, which
+  // are empty where they leave nothing open.
+  std::vector<Course> means_, most_, fewest_;
   std::size_t people_;
   bool begun_ = false;
   bool begunSmoke_ = false;  // advance() was there
   StoredSpan smokeSpan_;     // of the last two times at which the smoke is known
   double last_ = 0;
-  std::vector<std::vector<double>> values_, worst_, rates_;  // of each criterion, person
   std::vector<std::vector<char>> unknown_;
   std::vector<char> there_;      // at the last time
   std::vector<Exposure> inAir_;  // of those who are there, as far as it is stored
