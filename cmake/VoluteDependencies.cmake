@@ -35,7 +35,7 @@ volute_package(PNG::PNG PNG REQUIRED)
 volute_package(nlohmann_json::nlohmann_json nlohmann_json REQUIRED)
 volute_package(CLI11::CLI11 CLI11 REQUIRED)
 volute_package(tl::expected tl-expected REQUIRED)
-volute_package(yaml-cpp yaml-cpp REQUIRED)
+volute_pkg_config(YAML yaml-0.1)
 volute_pkg_config(ZSTD libzstd)
 # What a process that reads files of others' formats may ask of the system. Without those readers there is no such process.
 set(VOLUTE_HAS_SECCOMP 0)

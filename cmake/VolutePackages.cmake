@@ -76,7 +76,7 @@ volute_deb(libvolute-dev libdevel "fire, smoke and fog: headers and static libra
   "${idea}\nThis package has what C++ and C programs are built with."
   COMPONENTS headers library shared-dev
   DEPENDS "libvolute0 (= ${full})" "libvolute-core0 (= ${full})" libtbb-dev libfmt-dev libexpected-dev libeigen3-dev libhwy-dev
-    nlohmann-json3-dev libepoxy-dev libzstd-dev zlib1g-dev libpng-dev libyaml-cpp-dev libopenexr-dev libembree-dev libfreetype-dev libseccomp-dev
+    nlohmann-json3-dev libepoxy-dev libzstd-dev zlib1g-dev libpng-dev libyaml-dev libopenexr-dev libembree-dev libfreetype-dev libseccomp-dev
   SUGGESTS volute-doc)
 volute_deb(volute graphics "fire, smoke and fog: the command"
   "${idea}\nThe command compresses volumes, reconstructs them from pictures, renders\nscenes and says from where exit signs are still seen."

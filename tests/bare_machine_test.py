@@ -10,11 +10,11 @@ import unittest
 
 SOURCE = pathlib.Path(sys.argv.pop(1))
 OPTIONAL = ["VTK", "OpenVDB", "NanoVDB", "OpenEXR", "embree", "GTest", "rapidcheck", "zfp", "glfw3", "HDF5"]
-NEEDED = ["TBB", "fmt", "Eigen3", "hwy", "ZLIB", "PNG", "nlohmann_json", "CLI11", "tl-expected", "yaml-cpp", "PkgConfig"]
+NEEDED = ["TBB", "fmt", "Eigen3", "hwy", "ZLIB", "PNG", "nlohmann_json", "CLI11", "tl-expected", "PkgConfig"]
 # What the recipes of cmake/VoluteFetched.cmake look for.
 FILES = ["include/tl/expected.hpp", "include/fmt/format.h", "include/nlohmann/json.hpp", "include/CLI/CLI.hpp",
          "include/eigen3/Eigen/Core", "highway/hwy/targets.cc", "zlib/zlib.c", "libpng1.6/png.c",
-         "libpng1.6/scripts/pnglibconf.h.prebuilt", "yaml-cpp/src/node.cpp", "libzstd/lib/common/xxhash.c",
+         "libpng1.6/scripts/pnglibconf.h.prebuilt", "libyaml/src/parser.c", "libzstd/lib/common/xxhash.c",
          "libepoxy/src/dispatch_common.c"]
 TBB = "add_library(tbb INTERFACE)\nadd_library(TBB::tbb ALIAS tbb)\n"
 

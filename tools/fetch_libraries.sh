@@ -10,7 +10,7 @@ folder=$(cd "$1" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 headers=(libexpected-dev libfmt-dev nlohmann-json3-dev libcli11-dev libeigen3-dev)
-sources=(onetbb highway zlib libpng1.6 yaml-cpp libzstd libepoxy)
+sources=(onetbb highway zlib libpng1.6 libyaml libzstd libepoxy)
 
 mkdir -p "$work/lists/partial" "$work/headers" "$work/sources"
 release=$(. /etc/os-release && echo "$VERSION_CODENAME")

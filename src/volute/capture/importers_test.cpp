@@ -476,6 +476,21 @@ TEST_F(Importers, NerfAnglesInDegreesAreRefused) {
                         "below 3.1416: 45.8 degrees are 0.799361"));
 }
 
+TEST_F(Importers, NerfFilesHaveOneFocalLength) {
+  writeNerf(folder, true);
+  auto json = readJson(folder / "transforms.json").value();
+  json["camera_angle_x"] = 0.4;  // an entry's own counts before it
+  auto& first = json["frames"][0];
+  const double right = 2 * std::atan(0.5 * testing::kWidth / first["fl_x"].get<double>());
+  first["camera_angle_x"] = right;
+  writeText(folder / "transforms.json", json.dump());
+  EXPECT_TRUE(ok(openCapture(folder / "transforms.json", options)));
+  first["camera_angle_x"] = 0.5 * right;
+  writeText(folder / "transforms.json", json.dump());
+  EXPECT_TRUE(failsWith(openCapture(folder / "transforms.json", options),
+                        "expected one focal length: leave out what is wrong"));
+}
+
 TEST_F(Importers, NerfAnglesOfBothSides) {
   writeNerf(folder, true);
   auto json = readJson(folder / "transforms.json").value();
@@ -599,6 +614,48 @@ TEST_F(Importers, OpenCvMatricesAreThereOnceAndWrittenOut) {
     aliases += fmt::format("K_{}: {{rows: 1, cols: 1001, data: *base}}\n", i);
   writeText(folder / "a.yml", aliases);
   EXPECT_TRUE(failsWith(openCapture(folder / "a.yml", options), "its matrices repeat others"));
+}
+
+TEST_F(Importers, OpenCvFilesThatAreAppendedToAreReadWhole) {
+  auto entries = openCvEntries(false);
+  const std::string last(entries.back());
+  entries.pop_back();
+  writeText(folder / "cameras.yml",
+            fmt::format("%YAML:1.0\n---\n{}...\n---\n{}...\n---\n", fmt::join(entries, ""), last));
+  expectOurs(folder / "cameras.yml", "OpenCV: 3 cameras, pixel centres at 0");
+  writeText(folder / "cameras.yml",
+            fmt::format("%YAML:1.0\n---\n{}{}...\n---\n{}", fmt::join(entries, ""), last, last));
+  EXPECT_TRUE(failsWith(openCapture(folder / "cameras.yml", options), "T_c is there twice"));
+}
+
+TEST_F(Importers, OpenCvMatricesMeanOneThing) {
+  const auto with = [&](const std::string& text) {
+    writeText(folder / "a.yml",
+              fmt::format("%YAML:1.0\n---\n{}{}", fmt::join(openCvEntries(false), ""), text));
+    return openCapture(folder / "a.yml", options);
+  };
+  EXPECT_TRUE(failsWith(with("K_z: {rows: 3, cols: 3, rows: 1, data: [1]}\n"),
+                        "rows is there twice in one matrix"));
+  EXPECT_TRUE(failsWith(with("D_a: {rows: 5, cols: 1, data: [0, 0, 0, 0]}\n"), "D_a is no whole"));
+  EXPECT_TRUE(failsWith(with("rvec_a: {rows: 3, cols: 1, data: [0, 0, 1]}\n"),
+                        "camera a has both R_a and rvec_a"));
+  EXPECT_TRUE(failsWith(
+      with(
+          "K_z: {rows: 3, cols: 3, data: [9, 0, 1, 0, 9, 1, 0, 0, 1]}\n"
+          "T_z: {rows: 3, cols: 1, data: [0, 0, 1]}\nR_z: {rows: 3, cols: 1, data: [90, 0, 45]}\n"),
+      "camera z is turned by 100.6 radians"));
+  EXPECT_TRUE(failsWith(with("image_width: 24.5\n"), "the width of its pictures is 24.5"));
+  EXPECT_TRUE(failsWith(with("error: *none\n"), "there is no &none before *none"));
+  EXPECT_TRUE(failsWith(with("K_z: &z [*z]\n"), "there is no &z before *z"));
+  EXPECT_TRUE(failsWith(with("error: \xE4\n"), "line 63: no valid YAML or JSON"));
+  EXPECT_TRUE(failsWith(with("deep: " + std::string(70, '[') + "\n"), "more than 64 deep"));
+  EXPECT_TRUE(
+      ok(with("views: !!opencv-matrix\n   rows: 1\n   cols: 2\n   dt: \"2f\"\n"
+              "   data: [ 1., .5, -.Inf, .Nan ]\n")));
+  EXPECT_TRUE(
+      ok(with("none: !!opencv-matrix\n   rows: 0\n   cols: 0\n   dt: d\n   data: []\n"
+              "? [ 1, 2 ]\n: { a: [ [ 1 ], words ] }\nshared: &s [ 1, 2 ]\n"
+              "one: { rows: 1, cols: 2, data: *s }\n")));
 }
 
 TEST_F(Importers, ColmapTextsThatAreCutBetweenLinesAreTold) {

@@ -100,6 +100,15 @@ Status readIntrinsics(const JsonValue& frame, const JsonValue& root, Calibration
   const double byAngle = angleX > 0 ? 0.5 * width / std::tan(0.5 * angleX) : 0;
   auto& K = calibration.K;
   VOLUTE_ASSIGN(K(0, 0), numberIn(frame, root, "fl_x", byAngle));
+  for (const JsonValue& one : {frame, root}) {  // an entry's own counts before the file's
+    constexpr double kSame = 0.05;
+    if (byAngle > 0 && one.find("fl_x") && one.find("camera_angle_x") &&
+        std::abs(K(0, 0) / byAngle - 1) > kSame)
+      return one.fault(
+          fmt::format("fl_x is {:.6g}, and camera_angle_x with w says {:.6g} pixels; expected one "
+                      "focal length: leave out what is wrong",
+                      K(0, 0), byAngle));
+  }
   const double byAngleY =
       angleY > 0 && height > 0 ? 0.5 * height / std::tan(0.5 * angleY) : K(0, 0);
   VOLUTE_ASSIGN(K(1, 1), numberIn(frame, root, "fl_y", byAngleY));
