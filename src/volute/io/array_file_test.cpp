@@ -199,6 +199,37 @@ TEST(ArrayFile, NoCutFileIsReadAsClearAir) {
   std::vector<float> frame(120);
   EXPECT_FALSE((*opened)->readFrame(0, frame));
 }
+
+TEST(ArrayFileOfZarr, ChunksAreThereAndWholeOrAreTheFillValue) {
+  const TempFolder folder;
+  makeArrays("Zarr", folder / "a.zarr", "m");
+  std::filesystem::remove(folder / "a.zarr" / ".zmetadata");
+  const auto array = folder / "a.zarr" / "soot";
+  const std::string said = readBytes(array / ".zarray"), chunk = readBytes(array / "0.0.0.0");
+  const auto readWith = [&](const std::string& old, const std::string& value) -> Result<float> {
+    std::string changed = said;
+    changed.replace(changed.find(old), old.size(), value);
+    writeBytes(array / ".zarray", changed);
+    VOLUTE_ASSIGN(const auto opened, openSource((folder / "a.zarr").string() + ":soot", {}));
+    std::vector<float> frame(120);
+    VOLUTE_TRY(opened->readFrame(0, frame));
+    return frame[97];  // in the topmost layer, which is stored first
+  };
+  const auto message = [&](const std::string& old, const std::string& value) {
+    const auto read = readWith(old, value);
+    return read ? "read" : read.error().message;
+  };
+  const std::string fill = "\"fill_value\":-1";
+  EXPECT_EQ(message(fill, "\"fill_value\":null"), "read");
+  EXPECT_THAT(message("\"zarr_format\"", "\"dimension_separator\":\"/\",\"zarr_format\""),
+              HasSubstr("named by another dimension_separator"));
+  writeBytes(array / "0.0.0.0", chunk + chunk);
+  EXPECT_THAT(message(fill, fill), HasSubstr("has 120 bytes; expected 60"));
+  std::filesystem::remove(array / "0.0.0.0");
+  EXPECT_THAT(message(fill, "\"fill_value\":null"), HasSubstr("has no chunk 0.0.0.0"));
+  EXPECT_EQ(readWith(fill, "\"fill_value\":0").value(), 0);
+  EXPECT_TRUE(std::isnan(readWith(fill, fill).value()));
+}
 #endif
 
 }  // namespace

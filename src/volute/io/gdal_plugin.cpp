@@ -11,7 +11,9 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
 
@@ -148,6 +150,7 @@ class GdalReader final : public ArrayReader {
                               "time before them or components after"}));
     array_ = arrays[index];
     root_ = root;
+    VOLUTE_TRY(findChunks());
     ArrayFacts facts;
     entries[index].name.copy(facts.name, ArrayFacts::kMaxText);
     array_->GetUnit().copy(facts.unit, ArrayFacts::kMaxText);
@@ -311,6 +314,84 @@ class GdalReader final : public ArrayReader {
     return {};
   }
 
+  /// Where the chunks of a Zarr array are. GDAL reads the fill value where there is none, 0 where
+  /// that is null, and whatever length a chunk has.
+  Status findChunks() {
+    chunks_.clear();
+    if (std::string_view(dataset_->GetDriver()->GetDescription()) != "Zarr")
+      return {};
+    std::filesystem::path folder = std::filesystem::path(file_) / array_->GetFullName().substr(1);
+    if (!std::filesystem::exists(folder / ".zarray"))
+      folder = file_;  // the array alone
+    std::ifstream text(folder / ".zarray");
+    const auto said = nlohmann::json::parse(text, nullptr, false);
+    if (!said.is_object())
+      return {};
+    const auto isStated = [&](const char* name) {
+      const auto found = said.find(name);
+      return found != said.end() && !found->is_null() && *found != nlohmann::json::array();
+    };
+    separator_ = said.value("dimension_separator", nlohmann::json(".")) == "/" ? "/" : ".";
+    allChunks_ = !array_->GetRawNoDataValue();
+    chunkBytes_ = 0;
+    if (!isStated("compressor") && !isStated("filters")) {
+      chunkBytes_ = GDALGetDataTypeSizeBytes(array_->GetDataType().GetNumericDataType());
+      for (const GUInt64 side : array_->GetBlockSize()) chunkBytes_ *= std::max<GUInt64>(side, 1);
+    }
+    bool any = false, others = false;
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+      const std::string name = entry.path().filename().string();
+      if (!std::isdigit(static_cast<unsigned char>(name.front())))
+        continue;
+      const bool dots = name.find('.') != name.npos;
+      (dots == (separator_ == ".") ? any : others) = true;
+    }
+    if (others && !any) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: the chunks of '{}' are named by another dimension_separator than its "
+                  ".zarray says, '{}'",
+                  file_, array_->GetName(), separator_);
+    }
+    chunks_ = folder;
+    return {};
+  }
+
+  Status checkChunks(const GUInt64* starts, const std::size_t* counts, const GInt64* steps) const {
+    if (chunks_.empty() || (!allChunks_ && chunkBytes_ == 0))
+      return {};
+    const auto blocks = array_->GetBlockSize();
+    std::vector<GUInt64> first, last;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const GUInt64 low = steps[i] < 0 ? starts[i] + 1 - counts[i] : starts[i];
+      const GUInt64 block = std::max<GUInt64>(blocks[i], 1);
+      first.push_back(low / block), last.push_back((low + counts[i] - 1) / block);
+    }
+    for (std::vector<GUInt64> at = first;;) {
+      const std::string name = fmt::format("{}", fmt::join(at, separator_));
+      std::error_code error;
+      const auto size = std::filesystem::file_size(chunks_ / name, error);
+      if (error && allChunks_) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: '{}' has no chunk {}, and its fill_value is null, which leaves open what "
+                    "is there; expected the chunk, or a fill_value",
+                    file_, array_->GetName(), name);
+      }
+      if (!error && chunkBytes_ > 0 && size != chunkBytes_) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: chunk {} of '{}' has {} bytes; expected {}, as it is not compressed",
+                    file_, name, array_->GetName(), size, chunkBytes_);
+      }
+      std::size_t axis = at.size();
+      while (axis > 0 && ++at[axis - 1] > last[axis - 1]) {
+        at[axis - 1] = first[axis - 1];
+        --axis;
+      }
+      if (axis == 0)
+        return {};
+    }
+  }
+
   bool isMissing(double number) const {
     // A file may state doubles about floats.
     const auto rounded = [&](double one) {
@@ -447,6 +528,7 @@ class GdalReader final : public ArrayReader {
       steps[i] = backwards_[axis] ? -1 : 1;
       strides[i] = static_cast<GPtrDiff_t>(stride[axis]);
     }
+    VOLUTE_TRY(checkChunks(starts, counts, steps));
     CPLErrorReset();
     if (array_->Read(starts, counts, steps, strides, GDALExtendedDataType::Create(type), values))
       return {};
@@ -458,6 +540,10 @@ class GdalReader final : public ArrayReader {
   std::unique_ptr<GDALDataset> dataset_;
   std::shared_ptr<GDALGroup> root_;
   ArrayPtr array_;
+  std::filesystem::path chunks_;   // the folder of a Zarr array's chunks
+  std::string separator_;          // in their names
+  bool allChunks_ = false;         // must be there
+  std::uintmax_t chunkBytes_ = 0;  // of each; 0: it is not known
   bool asFloats_ = false;
   double scale_ = 1, offset_ = 0;  // of the stored numbers
   std::vector<double> missing_;    // stored in the place of what is not there

@@ -101,6 +101,11 @@ constexpr const char* kPalette =
     "89504e470d0a1a0a0000000d49484452000000020000000208030000004568fd160000000c504c5445ff000000"
     "ff000000fffffffffb0060f60000000274524e5300809b2b4e180000000e49444154789c636060646062060000"
     "1100079ea22a120000000049454e44ae426082";
+// The same without white, which its last pixel has.
+constexpr const char* kShortPalette =
+    "89504e470d0a1a0a0000000d49484452000000020000000208030000004568fd1600000009504c5445ff000000"
+    "ff000000ff2d4acd8a0000000274524e5300809b2b4e180000000e49444154789c636060646062060000110007"
+    "9ea22a120000000049454e44ae426082";
 constexpr const char* kRgba =
     "89504e470d0a1a0a0000000d494844520000000200000002080600000072b60d240000001649444154789c6360"
     "64626ef8cf0002ff19fe7302010020b103a816ff1b4f0000000049454e44ae426082";
@@ -119,11 +124,41 @@ TEST(Png, PaletteAndAlpha) {
   ASSERT_VALUE(const auto palette, readImage(folder / "p.png"));
   EXPECT_EQ(palette.channels, 3);
   EXPECT_EQ(palette.pixels, (std::vector<float>{1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1}));
+  ASSERT_VALUE(const auto seen, readAlpha(folder / "p.png"));
+  ASSERT_TRUE(seen);
+  EXPECT_EQ(seen->pixels, (std::vector<float>{0, 128 / 255.0f, 1, 1}));
+  writeBytes(folder / "p.png", fromHex(kShortPalette));
+  const auto shorter = readImage(folder / "p.png");
+  ASSERT_FALSE(shorter);
+  EXPECT_THAT(shorter.error().message, HasSubstr("pixel 1, 1 has colour 3 of a palette of 3"));
   writeBytes(folder / "a.png", fromHex(kRgba));
   ASSERT_VALUE(const auto alpha, readImage(folder / "a.png", {.raw = true}));
   EXPECT_EQ(alpha.channels, 3);
   EXPECT_EQ(alpha.pixels[2], 3 / 255.0f);
   EXPECT_EQ(alpha.pixels[3], 1);
+}
+
+TEST(Png, PicturesThatAreMarkedAsTurnedAreRefused) {
+  const TempFolder folder;
+  // eXIf with TIFF's tag 274, big-endian: orientation 3 with its checksum, and 1.
+  const std::string turned =
+                        "0000001a65584966"
+                        "4d4d002a0000000800010112000300000001000300000000"
+                        "0000",
+                    upright =
+                        "0000001a65584966"
+                        "4d4d002a0000000800010112000300000001000100000000"
+                        "0000";
+  const auto with = [&](const std::string& exif, const std::string& sum) {
+    std::string hex = kGrey16;
+    hex.insert(2 * 33, exif + sum);  // behind IHDR
+    writeBytes(folder / "a.png", fromHex(hex));
+    return readImage(folder / "a.png");
+  };
+  EXPECT_TRUE(with(upright, "13c075e7"));
+  const auto refused = with(turned, "845f64ce");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("shown turned or mirrored (orientation 3)"));
 }
 
 TEST(Png, EveryTruncationAndEveryBitFlipIsRefused) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <fmt/format.h>
 #include <png.h>
 
 #include <Eigen/Core>
@@ -9,6 +10,7 @@
 #include <csetjmp>
 #include <cstring>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +37,9 @@ struct PngState {
   bool headerOnly = false;
   bool keepAlpha = false;  // as the last channel, if there is one
   bool hasAlpha = false;
+  int orientation = 1;  // as EXIF counts
+  // Of pictures whose pixels are indices: RGBA of each; libpng takes what is beyond it for black.
+  std::vector<std::array<png_byte, 4>> palette;
   // What it states of its colors.
   bool srgb = false;
   double gamma = 0;  // of gAMA; 0: not there
@@ -125,6 +130,57 @@ Result<std::optional<StoredColor>> colorOf(const PngState& state, const std::str
   return color;
 }
 
+/// The orientation of an eXIf chunk (TIFF's tag 274): 1 is upright, as where none is stated.
+int orientationOf(std::span<const png_byte> exif) {
+  constexpr std::size_t kHead = 8, kEntry = 12;
+  constexpr std::uint32_t kOrientation = 274;
+  if (exif.size() < kHead || (exif[0] != 'M' && exif[0] != 'I'))
+    return 1;
+  const auto number = [&](std::size_t at, std::size_t bytes) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < bytes && at + bytes <= exif.size(); ++i)
+      value = value << 8 | exif[exif[0] == 'M' ? at + i : at + bytes - 1 - i];
+    return value;
+  };
+  const std::size_t list = number(4, 4);
+  for (std::size_t i = 0, at = list + 2; i < number(list, 2) && at < exif.size();
+       ++i, at += kEntry) {
+    if (number(at, 2) == kOrientation)
+      return static_cast<int>(number(at + 8, 2));
+  }
+  return 1;
+}
+
+/// Runs below libpng's error handling.
+void readPalette(png_structp png, png_infop info, PngState& state) {
+  png_colorp colors = nullptr;
+  png_bytep alphas = nullptr;
+  int count = 0, transparent = 0;
+  png_get_PLTE(png, info, &colors, &count);
+  png_get_tRNS(png, info, &alphas, &transparent, nullptr);
+  for (int i = 0; i < count; ++i) {
+    const png_byte alpha = i < transparent ? alphas[i] : 255;
+    state.palette.push_back({colors[i].red, colors[i].green, colors[i].blue, alpha});
+  }
+}
+
+/// Rows that hold an index for each pixel get its colour. False: there is none.
+bool applyPalette(PngState& state) {
+  for (std::size_t y = 0; y < state.rows.size(); ++y) {
+    for (std::size_t x = state.width; x-- > 0;) {
+      const std::size_t index = state.rows[y][x];
+      if (index >= state.palette.size()) {
+        state.message = fmt::format("pixel {}, {} has colour {} of a palette of {}", x, y, index,
+                                    state.palette.size());
+        return false;
+      }
+      std::copy_n(state.palette[index].begin(), state.channels,
+                  state.rows[y] + x * static_cast<std::size_t>(state.channels));
+    }
+  }
+  return true;
+}
+
 /// Reads up to the first pixel and settles on 1 or 3 channels of 8 or 16 bits. False on an error.
 bool readPngHeader(png_structp png, png_infop info, PngState& state) {
   if (setjmp(png_jmpbuf(png)))
@@ -137,12 +193,21 @@ bool readPngHeader(png_structp png, png_infop info, PngState& state) {
                               reinterpret_cast<png_const_bytep>("cICP"), 1);
   png_read_info(png, info);
   readColor(png, info, state);
+  png_bytep exif = nullptr;
+  png_uint_32 exifLength = 0;
+  if (png_get_eXIf_1(png, info, &exifLength, &exif) != 0)
+    state.orientation = orientationOf({exif, exifLength});
   const int type = png_get_color_type(png, info);
-  png_set_palette_to_rgb(png);
+  if (type == PNG_COLOR_TYPE_PALETTE) {
+    png_set_packing(png);  // a byte for each index
+    readPalette(png, info, state);
+  }
   if (type == PNG_COLOR_TYPE_GRAY)
     png_set_expand_gray_1_2_4_to_8(png);
   state.hasAlpha = (type & PNG_COLOR_MASK_ALPHA) || png_get_valid(png, info, PNG_INFO_tRNS);
-  if (state.keepAlpha && state.hasAlpha) {
+  if (type == PNG_COLOR_TYPE_PALETTE) {
+    // applyPalette() does the rest
+  } else if (state.keepAlpha && state.hasAlpha) {
     png_set_tRNS_to_alpha(png);
   } else {
     png_set_strip_alpha(png);
@@ -161,12 +226,14 @@ bool readPngPixels(png_structp png, png_infop info, PngState& state) {
     return false;
   png_set_interlace_handling(png);
   png_read_update_info(png, info);
-  if (png_get_rowbytes(png, info) != state.pixels.size() / state.height) {
+  const std::size_t row =
+      state.palette.empty() ? state.pixels.size() / state.height : std::size_t{state.width};
+  if (png_get_rowbytes(png, info) != row) {
     png_error(png, "rows of an unexpected length");
   }
   png_read_image(png, state.rows.data());
   png_read_end(png, info);
-  return true;
+  return state.palette.empty() || applyPalette(state);
 }
 
 /// @param color  null: stored values as they are
@@ -267,6 +334,13 @@ Status readPngFile(const std::filesystem::path& path, const ImageReadOptions& op
   const auto readAll = [&]() -> Status {
     if (!info || !readPngHeader(png, info, state))
       return fail(ErrorCode::kInvalidData, "");
+    if (state.orientation > 1) {
+      return fail(
+          ErrorCode::kUnsupported,
+          "{}: its EXIF says that the picture is shown turned or mirrored (orientation {}); "
+          "expected upright pixels: turn them, and remove the mark",
+          path.string(), state.orientation);
+    }
     if (state.headerOnly || (state.keepAlpha && !state.hasAlpha))
       return {};  // nothing more to read
     VOLUTE_TRY(checkImageSize(path, state.width, state.height, state.channels, options.maxMemory));
