@@ -61,6 +61,7 @@ class LineReader {
  private:
   Status checkNames();
   Status checkSigns();
+  void checkPercent();
   Status readRow();
   Result<Segment> line() const;
   Status readValue(LineMeasurement& one) const;
@@ -184,6 +185,21 @@ Status LineReader::readRow() {
   return {};
 }
 
+/// A column in percent whose values are none.
+void LineReader::checkPercent() {
+  if (quantity_ != kTransmittance || table_.change(kTransmittance).factor == 1)
+    return;
+  constexpr double kMin = 0.012;
+  const bool isDark = std::ranges::all_of(frames_, [&](const auto& one) {
+    return std::ranges::all_of(one.second.lines, [&](const LineMeasurement& line) {
+      return line.value > -std::log(kMin);
+    });
+  });
+  if (isDark)
+    lines_.remarks.push_back(
+        fmt::format("{}: all transmittances are at most 1.2 percent: are they fractions?", file_));
+}
+
 /// Smoke takes light, so that depths below 0 are noise, or of another sign.
 Status LineReader::checkSigns() {
   if (!lines_.opticalDepths)
@@ -230,6 +246,7 @@ Result<LineFile> LineReader::read(std::string_view text) {
     return fail(ErrorCode::kInvalidData, "{}: no line; expected a row of names and one a line",
                 file_);
   VOLUTE_TRY(checkSigns());
+  checkPercent();
   for (auto& [key, frame] : frames_) {
     if (lines_.hasTimes)
       frame.number = static_cast<int>(lines_.frames.size());

@@ -220,7 +220,11 @@ TEST_F(LineFileTest, ReadsUnitsAndRefusesWhatMeansSomethingElse) {
   EXPECT_NEAR(one.value, std::log(2), 1e-12);
   EXPECT_NEAR(one.sigma, 0.1, 1e-12);
   EXPECT_EQ(lines->frames[0].time, 0.25);
+  EXPECT_THAT(lines->remarks, ::testing::IsEmpty());
   const std::string head = "x0,y0,z0,x1,y1,z1,";
+  const auto fractions = read(head + "transmittance [%]\n0,0,0,1,1,1,0.8\n0,0,0,1,1,2,0.9\n");
+  ASSERT_TRUE(fractions);
+  EXPECT_THAT(fractions->remarks, Contains(HasSubstr("at most 1.2 percent: are they fractions?")));
   EXPECT_THAT(refusal(head + "transmittance\n0,0,0,1,1,1,66.11\n"),
               HasSubstr("transmittance is 66.11; expected 0 to 1"));
   EXPECT_THAT(refusal(head + "optical_depth,times\n0,0,0,1,1,1,1,0\n"),

@@ -195,6 +195,7 @@ TEST(Trajectories, DamageIsNamed) {
     return Trajectories::parse(text, "t.txt", 1.8).error().message;
   };
   EXPECT_THAT(message("1 0 1 1 0\n"), HasSubstr("t.txt: no frame rate"));
+  EXPECT_THAT(message("#framerate: 125 ms\n1 0 1 1 0\n"), HasSubstr("t.txt: no frame rate"));
   EXPECT_THAT(message("#framerate: 8\n1 0 1\n"), HasSubstr("t.txt: line 2"));
   EXPECT_THAT(message("#framerate: 8\n1 0.5 1 1 0\n"), HasSubstr("line 2"));
   EXPECT_THAT(message("#framerate: 8\n"), HasSubstr("nobody"));
@@ -206,6 +207,22 @@ TEST(Trajectories, DamageIsNamed) {
   EXPECT_THAT(message("id,time [km],x,y,z\n1,0,1,1,0\n"), HasSubstr("time is in 'km'"));
   EXPECT_THAT(message("#framerate: 8\n1 0 1 1 0 0.2\n1 1 1 1 0\n"),
               HasSubstr("line 3: 5 columns; expected 6"));
+}
+
+TEST(Trajectories, NobodyRunsAThousandTimesTooFast) {
+  const auto walk = [](double scale) {
+    std::string text = "#framerate: 8\n";
+    for (int frame = 0; frame < 20; ++frame)
+      text += fmt::format("1 {} {} 2 0\n2 {} 3 4 0\n", frame, scale * frame * 0.16, frame);
+    text += "2 20 30 4 0\n";  // one jump of one person
+    return Trajectories::parse(text, "t.txt", 1.8);
+  };
+  EXPECT_THAT(walk(1000).error().message, HasSubstr("expected places in metres"));
+  ASSERT_TRUE(walk(1));
+  EXPECT_THAT(walk(1)->remarks(), ::testing::Not(Contains(HasSubstr("people move"))));
+  const auto slow = Trajectories::parse("#framerate: 8\n1 0 0 0 0\n1 8 0.001 0 0\n", "t.txt", 1.8);
+  ASSERT_TRUE(slow);
+  EXPECT_THAT(slow->remarks(), Contains(HasSubstr("people move at 0.001 m/s")));
 }
 
 /// Calls check for a text with every bit flipped once, and for every beginning of it.

@@ -199,6 +199,13 @@ class StudyReader {
       for (const std::string& value : values)
         run.words.push_back(fmt::format("--{}={}", key, value));
     }
+    std::error_code error;
+    std::vector<std::string> same = run.words;
+    same.push_back(std::filesystem::weakly_canonical(file, error).string());
+    if (const auto [other, isNew] = runs_.emplace(std::move(same), run.name); !isNew)
+      return wrong("/cases", fmt::format("{} is there twice with the same options, as {} and {}; "
+                                         "expected it once",
+                                         file, other->second, run.name));
     study.runs.push_back(std::move(run));
     return {};
   }
@@ -229,6 +236,7 @@ class StudyReader {
   const std::string& file_;
   std::vector<Variant> variants_;
   std::set<std::string> names_;
+  std::map<std::vector<std::string>, std::string> runs_;  // by options and case
 };
 
 /// Any size: it is this program's own.

@@ -137,6 +137,21 @@ TEST_F(StudyComparison, ARunWithOneStoreyIsComparedWithThatHeightOfTheBaseline) 
   EXPECT_THAT(remarks_, IsEmpty());
 }
 
+TEST(StudyFile, ARunThatIsThereTwiceIsRefused) {
+  const testing::TempFolder folder;
+  const auto message = [&](const Json& cases) {
+    const auto file = folder / "study.json";
+    EXPECT_TRUE(writeFile(file, dumpJson({{"cases", cases}, {"options", {{"height", 2}}}})));
+    const auto study = Study::read(file.string());
+    return study ? "read" : study.error().message;
+  };
+  EXPECT_EQ(message({"a.smv", "b.smv"}), "read");
+  EXPECT_EQ(message({"a.smv", {{"case", "a.smv"}, {"options", {{"height", 1}}}}}), "read");
+  EXPECT_THAT(message({"a.smv", "./a.smv"}), HasSubstr("with the same options, as a and a_2"));
+  EXPECT_THAT(message({"a.smv", {{"case", "a.smv"}, {"name", "b"}}}),
+              HasSubstr("with the same options, as a and b"));
+}
+
 TEST_F(StudyComparison, AStoreyThatIsMissingIsAnError) {
   StudyResults results("a");
   write(folder_ / "a",

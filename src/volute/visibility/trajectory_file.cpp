@@ -72,6 +72,33 @@ class Walks {
 
   bool empty() const { return people_.empty(); }
 
+  /// Nobody runs so fast: lengths or times are in another unit.
+  Status checkSpeeds(double rate) {
+    constexpr double kFastest = 20, kSlowest = 0.01;  // [m/s]
+    std::size_t moves = 0, tooFast = 0;
+    double length = 0, duration = 0;  // of moves
+    for (const auto& [id, steps] : people_) {
+      for (auto to = steps.begin(), from = to++; to != steps.end(); from = to++) {
+        const double way = (to->second - from->second).head<2>().norm();
+        const double time = (to->first - from->first) / rate;
+        if (!(way > kSamePlace))
+          continue;
+        ++moves, length += way, duration += time;
+        tooFast += way > kFastest * time ? 1 : 0;
+      }
+    }
+    if (2 * tooFast > moves) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: people move at {:.3g} m/s in the mean, most of the time faster than {:g}; "
+                  "expected places in metres and times in seconds: are they in mm, or is the frame "
+                  "rate another?",
+                  file_, length / duration, kFastest);
+    }
+    if (moves > 0 && length < kSlowest * duration)
+      slow_ = length / duration;
+    return {};
+  }
+
   /// Of each person, ascending by id; times are divided by `rate`.
   template <class Take>
   void give(double rate, Take&& take) const {
@@ -90,6 +117,11 @@ class Walks {
           "{}: time goes back there{}: places are sorted by time, so that "
           "two walks of one person become one",
           backAt_, back_ > 1 ? fmt::format(", and at {} lines more", back_ - 1) : std::string()));
+    }
+    if (slow_) {
+      remarks.push_back(fmt::format(
+          "{}: people move at {:.2g} m/s in the mean, where they move: are places in km?", file_,
+          *slow_));
     }
     if (height_ && !std::isnan(*height_) && zIs != HeightOf::kNothing)
       remarks.push_back(
@@ -119,6 +151,7 @@ class Walks {
   std::map<int, double> last_;  // the time of each person's last line
   std::size_t back_ = 0;        // lines with an earlier one
   std::string backAt_;          // the first of them
+  std::optional<double> slow_;  // their speed [m/s], if it is nobody's
 };
 
 tl::unexpected<Error> nobody(std::string_view file, std::string_view expected) {
@@ -227,7 +260,9 @@ std::optional<double> rateIn(std::string_view line) {
     return std::nullopt;
   const auto words = fieldsOf(std::string_view(remark).substr(at + kRate.size()), '\0');
   const auto value = words.empty() ? std::nullopt : finiteNumber(words[0]);
-  return value.value_or(0);
+  constexpr std::string_view kUnits[] = {"fps", "hz", "1/s", "s-1", "s^-1", "frames"};
+  const bool known = words.size() < 2 || std::ranges::find(kUnits, words[1]) != std::end(kUnits);
+  return known ? value.value_or(0) : 0;
 }
 
 enum FrameColumn : std::size_t { kFrameId, kFrame, kFx, kFy, kFz };
@@ -302,7 +337,7 @@ Status readFrames(std::string_view text, std::string_view file, std::optional<do
     return nobody(file, "lines 'id frame x y z'");
   if (!(rate > 0)) {
     return fail(ErrorCode::kInvalidData,
-                "{}: no frame rate; expected a line '# framerate: 8.00' with frames a second",
+                "{}: no frame rate; expected a line '# framerate: 8.00 fps' with frames a second",
                 file);
   }
   return {};
@@ -387,6 +422,7 @@ Result<Trajectories> Trajectories::parse(std::string_view text, std::string_view
   } else {
     VOLUTE_TRY(readFrames(text, file, height, walks, rate));
   }
+  VOLUTE_TRY(walks.checkSpeeds(rate));
   for (std::string& remark : walks.remarks()) result.remarks_.push_back(std::move(remark));
   walks.give(rate, [&](int id, const std::vector<std::pair<double, Vec3>>& list) {
     std::vector<Step> steps;
