@@ -412,7 +412,7 @@ class Fds(support.TestCase):
 
     def test_a_case_with_a_roof_is_seen_from_inside(self):
         text = self.case.read_text()
-        roof = "OBST\n 1\n 1 0 2 0 1 0.75 1 0 0 0 0 0 0\n 0 4 0 4 3 4 -1 -1\n"
+        roof = "OBST\n 1\n 1 2 0 1 0.75 1 1 0 0 0 0 0 0\n 0 4 0 4 3 4 -1 -1\n"
         self.assertIn("OBST\n 0\n", text)
         self.case.write_text(text.replace("OBST\n 0\n", roof, 1))  # over the second mesh
         self.works("render", self.case, "-o", self.path("a.exr"), "--size", "16x12", "--building", "inside")
@@ -424,7 +424,7 @@ class Fds(support.TestCase):
     def test_a_case_alone_is_a_doll_s_house_with_a_caption(self):
         text = self.case.read_text()
         # The second mesh has a wall before it and a roof.
-        house = ("OBST\n 2\n 1 0 2 0 1 0.75 1 0 0 0 0 0 0\n 1 0 2 0 1 0.75 1 0 0 0 0 0 0\n"
+        house = ("OBST\n 2\n 1 2 0 1 0.75 1 1 0 0 0 0 0 0\n 1 2 0 0.25 0 0.75 2 0 0 0 0 0 0\n"
                  " 0 4 0 4 3 4 -1 -1\n 0 4 0 1 0 3 -1 -1\n")
         self.assertIn("OBST\n 0\n", text)
         self.case.write_text(text.replace("OBST\n 0\n", house, 1))

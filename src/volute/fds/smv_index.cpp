@@ -167,6 +167,14 @@ Result<FdsMesh*> SmvReader::lastMesh() {
   return &index_.meshes.back();
 }
 
+/// Smokeview moves a mesh by it; FDS writes 0.
+Status SmvReader::readOffset(std::string_view) {
+  VOLUTE_ASSIGN(const auto values, numbers("where a mesh is moved to", 3));
+  if (std::ranges::all_of(values, [](double one) { return one == 0; }))
+    return {};
+  return wrong("an OFFSET of 0 0 0: moved meshes are not read");
+}
+
 Status SmvReader::readGrid(std::string_view rest) {
   VOLUTE_ASSIGN(const auto values, numbers("the cells of a mesh on x, y, z", 3));
   FdsMesh mesh;
@@ -261,12 +269,41 @@ std::optional<FdsColour> colourOf(std::span<const double> values) {
 
 }  // namespace
 
+/// An obstruction lies where its nodes are, within the cells that FDS moves it by.
+Status SmvReader::checkEnds(const FdsMesh& mesh, const FdsNodeBox& box,
+                            const std::array<float, 6>& ends) {
+  if (std::ranges::all_of(ends, [](float end) { return end == 0; }))
+    return {};  // left out, by programs that write such files for Smokeview
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& planes = mesh.planes[axis];
+    if (planes.empty())
+      return {};
+    const int last = static_cast<int>(planes.size()) - 1;
+    for (const auto& [node, end] : {std::pair(box.begin[axis], ends[2 * axis]),
+                                    std::pair(box.end[axis], ends[2 * axis + 1])}) {
+      constexpr int kCells = 1;
+      const double low = planes[std::max(node - kCells, 0)];
+      const double high = planes[std::min(node + kCells, last)];
+      const bool below = end < low && node > 0, above = end > high && node < last;
+      if (below || above)
+        return wrong(
+            fmt::format("an obstruction that lies where its nodes are, at {} = {:g} m by "
+                        "node {}, not at {:g} m",
+                        "xyz"[axis], planes[node], node, end));
+    }
+  }
+  return {};
+}
+
 Status SmvReader::readObstructions(std::string_view) {
   VOLUTE_ASSIGN(FdsMesh * mesh, lastMesh());
   VOLUTE_ASSIGN(const int number, count("the number of obstructions"));
   std::vector<FdsObstruction> obstructions;
+  std::vector<std::array<float, 6>> ends;
   for (int i = 0; i < number; ++i) {
     VOLUTE_ASSIGN(const auto first, numbers("an obstruction's ends and surfaces", 6));
+    std::ranges::transform(std::span(first).first(6), ends.emplace_back().begin(),
+                           [](double end) { return static_cast<float>(end); });
     FdsObstruction& one = obstructions.emplace_back();
     for (std::size_t face = 0; face < 6 && 7 + face < first.size(); ++face) {
       VOLUTE_ASSIGN(one.surfaces[face], surface(first[7 + face]));
@@ -275,6 +312,8 @@ Status SmvReader::readObstructions(std::string_view) {
   for (FdsObstruction& one : obstructions) {
     VOLUTE_ASSIGN(const auto second, numbers("an obstruction's node indices", 6));
     VOLUTE_ASSIGN(one.nodes, nodeBox(second));
+    VOLUTE_TRY(
+        checkEnds(*mesh, one.nodes, ends[static_cast<std::size_t>(&one - obstructions.data())]));
     if (second.size() >= 7 && second[6] == -3)
       one.colour = colourOf(second);
     one.drawn = second.size() < 8 || second[7] != -2;
@@ -392,6 +431,7 @@ Status SmvReader::handle(std::string_view line) {
       {"ISOG", &SmvReader::readIsosurface},
       {"TISOG", &SmvReader::readColouredIsosurface},
       {"SURFACE", &SmvReader::readSurface},
+      {"OFFSET", &SmvReader::readOffset},
       {"GRID", &SmvReader::readGrid},
       {"PDIM", &SmvReader::readExtent},
       {"TRNX", &SmvReader::readTrnx},

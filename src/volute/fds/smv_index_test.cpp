@@ -212,6 +212,34 @@ TEST(SmvIndex, nodesThatDoNotReachTheEndsOfTheMeshAreRefused) {
               HasSubstr("mesh 1 goes from 0 to 3 m on x by its nodes (TRNX), and from 0 to 3.5 m"));
 }
 
+TEST(SmvIndex, meshesThatAreMovedAreRefused) {
+  const Folder folder;
+  std::string text = made().text();
+  const std::size_t offset = text.find("OFFSET\n") + 7;
+  text.replace(offset, text.find('\n', offset) - offset, " 5.0 0.0 0.0");
+  const auto moved = readText(folder, text);
+  ASSERT_FALSE(moved);
+  EXPECT_THAT(moved.error().message, HasSubstr("expected an OFFSET of 0 0 0"));
+}
+
+TEST(SmvIndex, obstructionsLieWhereTheirNodesAre) {
+  const Folder folder;
+  fdswriter::Index index;
+  const std::vector<double> planes{0, 1, 2, 3, 4, 5, 6, 7, 8};
+  index.meshes.push_back({{{planes, planes, planes}}, {{1, 3, 1, 3, 0, 2}}, {}});
+  std::string text = index.text();
+  ASSERT_TRUE(readText(folder, text));
+  const std::string right = "    1    3    1    3    0    2";
+  const std::size_t indices = text.find(right);
+  ASSERT_NE(indices, std::string::npos);
+  text.replace(indices, right.size(), "    4    6    1    3    0    2");
+  const auto elsewhere = readText(folder, text);
+  ASSERT_FALSE(elsewhere);
+  EXPECT_THAT(elsewhere.error().message,
+              HasSubstr("an obstruction that lies where its nodes are, at x = 4 m by node 4, not "
+                        "at 1 m"));
+}
+
 TEST(SmvIndex, everyTruncationIsAnErrorWithinTheMeshesAndARemarkAfterThem) {
   const Folder folder;
   const std::string text = made().text();

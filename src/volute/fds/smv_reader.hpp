@@ -65,6 +65,7 @@ class SmvReader {
   Status readColouredIsosurface(std::string_view rest) { return readSurfaces(rest, true); }
 
   Status readSurface(std::string_view);
+  Status readOffset(std::string_view);
   Status readGrid(std::string_view rest);
   Status readExtent(std::string_view);
   Status checkPlanes(int axis, const std::vector<double>& planes) const;
@@ -100,6 +101,7 @@ class SmvReader {
   Status readCutFaces(std::string_view);
 
   Result<FdsMesh*> lastMesh();
+  Status checkEnds(const FdsMesh& mesh, const FdsNodeBox& box, const std::array<float, 6>& ends);
   Result<FdsNodeBox> nodeBox(std::span<const double> indices);
   Result<int> surface(double number);
   Status finish();
