@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <numeric>
 #include <optional>
+#include <unordered_map>
 
 #include "volute/capture/capture_images.hpp"
 #include "volute/capture/geometry_check.hpp"
@@ -35,11 +37,54 @@ std::optional<bool> samePicture(const PictureSource& a, const PictureSource& b, 
   return bytes && otherBytes && std::equal(Bytes(bytes), Bytes(), Bytes(otherBytes), Bytes());
 }
 
+/// What cameras share that see one picture in the first frame: its file's length and beginning.
+/// Nothing where it has no picture of that frame.
+std::optional<std::string> beginningOf(const PictureSource& source, int frame) {
+  const PicturePlace place = source.placeOf(frame);
+  if (!source.video.empty())
+    return source.video.string();
+  if (!source.isThere(place.number))
+    return std::nullopt;
+  const auto file = source.fileOf(place.number);
+  std::error_code error;
+  std::string beginning(4096, '\0');
+  std::ifstream bytes(file, std::ios::binary);
+  bytes.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
+  beginning.resize(static_cast<std::size_t>(bytes.gcount()));
+  return fmt::format("{} {}", std::filesystem::file_size(file, error), beginning);
+}
+
+/// For each camera those before it that may have its pictures, so that thousands of cameras are not
+/// compared each with each.
+std::vector<std::vector<std::size_t>> alike(const Capture& capture) {
+  std::vector<std::vector<std::size_t>> others(capture.cameras.size());
+  std::unordered_map<std::string, std::vector<std::size_t>> seen;
+  std::vector<std::size_t> late;  // without a picture of the first frame
+  for (std::size_t i = 0; i < capture.cameras.size() && !capture.frames.empty(); ++i) {
+    const PictureSource& pictures = capture.cameras[i].pictures;
+    const auto beginning = beginningOf(pictures, capture.frames.front());
+    if (beginning) {
+      auto& same = seen[*beginning];
+      others[i] = same;
+      others[i].insert(others[i].end(), late.begin(), late.end());
+      same.push_back(i);
+    } else if (std::ranges::any_of(capture.frames, [&](int frame) {
+                 return pictures.isThere(pictures.placeOf(frame).number);
+               })) {
+      others[i].resize(i);
+      std::iota(others[i].begin(), others[i].end(), std::size_t{0});
+      late.push_back(i);
+    }
+  }
+  return others;
+}
+
 /// Two cameras in different places do not see the same, all the time.
 std::vector<std::string> picturesOfOthers(const Capture& capture) {
   std::vector<std::string> faults;
+  const auto others = alike(capture);
   for (std::size_t i = 0; i < capture.cameras.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
+    for (const std::size_t j : others[i]) {
       const CaptureCamera &camera = capture.cameras[i], &other = capture.cameras[j];
       std::size_t same = 0;
       const bool differ = std::ranges::any_of(capture.frames, [&](int frame) {
