@@ -506,14 +506,18 @@ class Engine {
   }
 
   /// Shape (criterion, agent).
-  py::array dose(double time, const Ids& ids, const Points& eyes) {
+  /// @param worst  by the worst that the files allow
+  py::array dose(double time, const Ids& ids, const Points& eyes, bool worst) {
     const auto from = eyesOf(time, eyes);
     if (ids.ndim() != 1 || static_cast<std::size_t>(ids.shape(0)) != from.size())
       throw py::value_error(fmt::format("ids: expected shape ({},), one an agent", from.size()));
     py::array_t<double> out({engine_->criteria().size(), from.size()});
+    const std::span all(out.mutable_data(), static_cast<std::size_t>(out.size()));
+    std::vector<double> means(worst ? all.size() : 0);
     ask([&] {
-      return engine_->dose({ids.data(), from.size()}, from, time,
-                           {out.mutable_data(), static_cast<std::size_t>(out.size())});
+      const std::span<const std::int64_t> people(ids.data(), from.size());
+      return worst ? engine_->dose(people, from, time, means, all)
+                   : engine_->dose(people, from, time, all);
     });
     return out;
   }
@@ -908,7 +912,7 @@ PYBIND11_MODULE(_scene, m) {
       .def_property_readonly("criteria", &Engine::criteria)
       .def_property_readonly("missing", &Engine::missing)
       .def("sees", &Engine::sees, "time"_a, "eyes"_a)
-      .def("dose", &Engine::dose, "time"_a, "ids"_a, "eyes"_a)
+      .def("dose", &Engine::dose, "time"_a, "ids"_a, "eyes"_a, "worst"_a)
       .def("extinction", &Engine::extinction, "time"_a, "eyes"_a)
       .def("walking_speed", &Engine::walkingSpeed, "time"_a, "eyes"_a, "clear"_a, "law"_a);
 

@@ -1373,6 +1373,7 @@ print("done", flush=True)
         walkers = engine.sees(eyes, 9, facing=[[1, 0], [-1, 0], [1, 0]])
         self.assertEqual((list(walkers["exit"]), list(walkers["back"])), ([1, 0, 1], [0, 0, 0]))
         np.testing.assert_allclose(engine.dose([7, 8, 9], eyes, 15)["extinction"], 1.5, rtol=1e-5)
+        np.testing.assert_allclose(engine.dose([7, 8, 9], eyes, 15, worst=True)["extinction"], 1.5, rtol=1e-5)
         with self.assertRaisesRegex(ValueError, "ids"):
             engine.dose([7, 8], eyes, 16)
         with self.assertRaisesRegex(ValueError, "finite"):

@@ -569,12 +569,14 @@ class Engine:
             seen = np.where((ahead * facing).sum(-1) < 0, np.uint8(self.NOT_SEEN), seen)
         return _fields(self.signs, np.uint8, seen)
 
-    def dose(self, ids, eyes, time):
+    def dose(self, ids, eyes, time, worst=False):
         """What each agent has taken in until `time` [s] since the calls before, by trapezoids: steps of a second or less are small
         enough for people who walk. A structured array, shape (agent,), with a field a criterion: a dose so far or a level (see
-        criteria); NaN where nothing is known. ids: shape (agent,), whole numbers, each once."""
+        criteria); NaN where nothing is known. ids: shape (agent,), whole numbers, each once. worst: by the worst that rounding, caps
+        and means at nodes of the files allow, instead of by the values themselves; both are followed, and may be asked for at the
+        same time."""
         ids = np.atleast_1d(np.asarray(unmasked(ids, "ids"), np.int64))
-        return _fields(self.criteria, float, self._engine.dose(float(time), ids, _points(eyes)))
+        return _fields(self.criteria, float, self._engine.dose(float(time), ids, _points(eyes), bool(worst)))
 
     def extinction(self, eyes, time):
         """K at each eye [1/m], shape (agent,), for walking speeds; NaN where nothing is known."""

@@ -206,8 +206,8 @@ std::optional<Answers> judge(const Fire& fire, const Sources& sources) {
     std::vector<double> low(kEyes.size()), high(kEyes.size());
     instant->extinctionBounds(kEyes, low, high);
     EXPECT_TRUE(meter.advance(
-        time, [](double, std::span<Vec3> out) { std::ranges::copy(kEyes, out.begin()); }, high,
-        kStep));
+        time, [](double, std::span<Vec3> out) { std::ranges::copy(kEyes, out.begin()); },
+        {high, low}, kStep));
   }
   Answers answers;
   // Of the end of the smoke, all that follows is not known.

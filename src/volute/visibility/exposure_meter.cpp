@@ -191,7 +191,7 @@ void ExposureMeter::lose(std::size_t person) {
   for (std::size_t c = 0; c < criteria_.size(); ++c) {
     unknown_[c][person] = 1;
     watches_[c].lose(person);
-    if (!most_[c].empty())
+    if (hasLeast(c))
       least_[c].lose(person);
   }
 }
@@ -225,8 +225,8 @@ bool ExposureMeter::isAssessed(std::size_t criterion) const {
                              [](double value) { return !std::isnan(value); });
 }
 
-Status ExposureMeter::advance(double time, const Places& places, std::span<const double> extinction,
-                              double step, const SmokeBetween& between) {
+Status ExposureMeter::advance(double time, const Places& places, const Smoke& smoke, double step,
+                              const SmokeBetween& between) {
   if (criteria_.empty())
     return {};
   if (!begun_) {
@@ -243,15 +243,15 @@ Status ExposureMeter::advance(double time, const Places& places, std::span<const
     std::ranges::sort(times);
   }
   smokeSpan_ = {begunSmoke_ ? smokeSpan_.until : time, time};
-  std::vector<double> smoke(between ? people_ : 0);
+  tookLeast_ = tookLeast_ || !smoke.least.empty();
+  std::vector<double> most(between ? people_ : 0), least(smoke.least.empty() ? 0 : most.size());
   for (const double early : times) {
     if (between && begun_ && begunSmoke_)
-      between(early, smoke);
-    VOLUTE_TRY(sample(early, places,
-                      begunSmoke_ ? std::span<const double>(smoke) : std::span<const double>()));
+      between(early, most, least);
+    VOLUTE_TRY(sample(early, places, begunSmoke_ ? Smoke{most, least} : Smoke{}));
   }
   begunSmoke_ = true;
-  return sample(time, places, extinction);
+  return sample(time, places, smoke);
 }
 
 void ExposureMeter::loseSmoke() {
@@ -266,21 +266,17 @@ void ExposureMeter::loseSmoke() {
   }
 }
 
-void ExposureMeter::takeLeast(double time, std::span<const double> extinction) {
-  tookLeast_ = true;
-  for (std::size_t c = 0; c < criteria_.size(); ++c) {
-    if (isOfSmoke(criteria_[c]))
-      least_[c].update(time, extinction);
-  }
-}
-
 const LossTimes* ExposureMeter::latest(std::size_t criterion) const {
   const bool open = isOfSmoke(criteria_[criterion]) ? tookLeast_ : !most_[criterion].empty();
   return open ? &least_[criterion].times() : nullptr;
 }
 
-Status ExposureMeter::sample(double time, const Places& places,
-                             std::span<const double> extinction) {
+/// Whether the least that the data allow is followed, too.
+bool ExposureMeter::hasLeast(std::size_t criterion) const {
+  return !most_[criterion].empty() || isOfSmoke(criteria_[criterion]);
+}
+
+Status ExposureMeter::sample(double time, const Places& places, const Smoke& smoke) {
   std::vector<Vec3> points(people_), present;
   places(time, points);
   for (const Vec3& point : points) {
@@ -306,7 +302,7 @@ Status ExposureMeter::sample(double time, const Places& places,
     const bool ofSmoke = isOfSmoke(criterion);
     const std::vector<Air> needed = criterion.needed(), taken = criterion.taken();
     Course &means = means_[c], &most = most_[c], &fewest = fewest_[c];
-    const bool open = !most.empty();
+    const bool open = !most.empty(), bounded = hasLeast(c);
     parallelRanges(people_, 512, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         if (std::isnan(points[i][0])) {
@@ -319,19 +315,19 @@ Status ExposureMeter::sample(double time, const Places& places,
           if (there_[i] != 0 && !watches_[c].hasBegun(i)) {
             unknown_[c][i] = 1;
             watches_[c].lose(i);
-            if (open)
+            if (bounded)
               least_[c].lose(i);
           }
           continue;
         }
         if (there_[i] == 0 && begun_) {
           watches_[c].begin(i, time);
-          if (open)
+          if (bounded)
             least_[c].begin(i, time);
         }
-        if (ofSmoke && extinction.empty())
+        if (ofSmoke && smoke.most.empty())
           continue;
-        const double value = ofSmoke ? extinction[i] : criterion.value(air[place[i]]);
+        const double value = ofSmoke ? smoke.most[i] : criterion.value(air[place[i]]);
         const bool known = !std::isnan(value);
         // What is stored, but not here and now, does not count as in clean air.
         const auto isHere = [&](Air one) {
@@ -353,7 +349,7 @@ Status ExposureMeter::sample(double time, const Places& places,
         if (!whole) {
           unknown_[c][i] = 1;
           watches_[c].lose(i);
-          if (open)
+          if (bounded)
             least_[c].lose(i);
         }
         // Doses grow by rates at both ends, and do not while one is not known.
@@ -377,6 +373,8 @@ Status ExposureMeter::sample(double time, const Places& places,
         if (!open) {
           if (known)
             watches_[c].note(i, time, mean, span);
+          if (known && ofSmoke && !smoke.least.empty())
+            least_[c].note(i, time, smoke.least[i], span);
           continue;
         }
         double worse = criterion.value(around[place[i]].worst);

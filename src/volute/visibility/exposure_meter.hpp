@@ -126,26 +126,28 @@ class ExposureMeter {
   /// Nothing is known of somebody who is there before the first time, or stays beyond the last one.
   void lose(std::size_t person);
 
-  /// The extinction where people are, at a time between two at which it is given.
-  using SmokeBetween = std::function<void(double time, std::span<double> extinction)>;
+  /// The extinction where people are [1/m]: the most and the least that the data allow.
+  struct Smoke {
+    std::span<const double> most;   ///< empty: not known
+    std::span<const double> least;  ///< empty: nobody asks for latest() of criteria of the smoke
+  };
+
+  /// The same at a time between two at which it is given; `least` may be empty.
+  using SmokeBetween =
+      std::function<void(double time, std::span<double> most, std::span<double> least)>;
 
   /// Goes on to `time` [s], through the stored times between and in steps of at most `step`.
-  /// @param extinction  at the places at `time`; empty: not known, those criteria wait.
+  /// @param smoke  at the places at `time`; where it is not known, its criteria wait.
   /// @param between  null: criteria of the smoke wait for `time`
-  [[nodiscard]] Status advance(double time, const Places& places,
-                               std::span<const double> extinction = {},
+  [[nodiscard]] Status advance(double time, const Places& places, const Smoke& smoke = {},
                                double step = std::numeric_limits<double>::infinity(),
                                const SmokeBetween& between = nullptr);
 
   /// From now on nothing is known of the smoke.
   void loseSmoke();
 
-  /// The least extinction that the data allow at the places of people who stay, at each time at
-  /// which advance() was given the largest.
-  void takeLeast(double time, std::span<const double> extinction);
-
-  /// When a criterion is reached by the least that the data allow: by takeLeast(), or by what means
-  /// of cells leave open. Null where that is times().
+  /// When a criterion is reached by the least that the data allow, of the smoke or by what means of
+  /// cells leave open. Null where that is times().
   const LossTimes* latest(std::size_t criterion) const;
 
   /// Doses so far, or levels at the last time; NaN where nothing is known. Of doses that are not
@@ -160,6 +162,11 @@ class ExposureMeter {
     return most_[criterion].worst;
   }
 
+  /// values() by the worst that the data allow; empty where that is values().
+  std::span<const double> valuesAllowed(std::size_t criterion) const {
+    return most_[criterion].values;
+  }
+
   const LossTimes& times(std::size_t criterion) const { return watches_[criterion].times(); }
 
   /// Whether somebody's criterion could not be followed all along: the air was not known there at
@@ -169,7 +176,8 @@ class ExposureMeter {
   }
 
  private:
-  Status sample(double time, const Places& places, std::span<const double> extinction);
+  bool hasLeast(std::size_t criterion) const;
+  Status sample(double time, const Places& places, const Smoke& smoke);
 
   /// What a criterion goes by, of each person: the level or the dose so far, the last rate, and the
   /// worst so far.

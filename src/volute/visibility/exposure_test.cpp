@@ -230,6 +230,79 @@ TEST(SightEngine, DosesGoOnWithThePerson) {
   EXPECT_NEAR(dose[1], 62 / 981.69, 1e-5);
 }
 
+/// Carbon monoxide that is a mean of up to twice as much.
+class MeanOfTwo final : public PointField {
+ public:
+  std::string description() const override { return "means"; }
+
+  std::span<const double> times() const override { return times_; }
+
+  Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
+    return valuesOf(time, points, out);
+  }
+
+  Status answer(double, std::span<const Vec3>, std::span<PointValue> out) override {
+    for (PointValue& one : out) one = {0.001, 0, 0.002, {0, 2000}};
+    return {};
+  }
+
+  bool isExact() const override { return false; }
+
+ private:
+  std::vector<double> times_{0, 2000};
+};
+
+class RoomOfMeans final : public SightField {
+ public:
+  explicit RoomOfMeans(bool means) : means_(means) {}
+
+  std::string description() const override { return "a room"; }
+
+  std::span<const double> times() const override { return times_; }
+
+  Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override {
+    if (quantity != "carbon-monoxide")
+      return fail(ErrorCode::kNotFound, "no {} here", quantity);
+    if (means_)
+      return std::make_unique<MeanOfTwo>();
+    return std::make_unique<Formula>([](double, const Vec3&) { return 0.002; });
+  }
+
+ protected:
+  Box3 ownBounds() const override { return Room::bounds(); }
+
+  Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t) override {
+    return std::make_shared<const Room>(0.1);
+  }
+
+ private:
+  bool means_;
+  std::vector<double> times_{0, 2000};
+};
+
+TEST(SightEngine, TheWorstDoseIsThatOfTheWorstAir) {
+  Progress quiet;
+  const std::vector<Vec3> eyes{Vec3(10, 2, 2)};
+  const std::vector<std::int64_t> ids{7};
+  const auto doses = [&](bool means) {
+    auto engine =
+        SightEngine::open(std::make_shared<RoomOfMeans>(means), {}, std::vector{fdsDose(1)}, quiet)
+            .value();
+    std::vector<double> dose(1), worst(1), asked(1);
+    for (int t = 0; t <= 60; ++t) {
+      EXPECT_TRUE(engine.dose(ids, eyes, t, dose));
+      EXPECT_TRUE(engine.dose(ids, eyes, t, asked, worst)) << "at the same time again";
+      EXPECT_EQ(dose[0], asked[0]);
+    }
+    return std::array{dose[0], worst[0]};
+  };
+  const auto cells = doses(false), means = doses(true);
+  EXPECT_GT(cells[0], 0);
+  EXPECT_DOUBLE_EQ(cells[0], cells[1]);
+  EXPECT_LT(means[0], 0.6 * cells[0]);
+  EXPECT_DOUBLE_EQ(means[1], cells[0]);
+}
+
 TEST(Rset, IsANumberAMapOrPeople) {
   const std::vector<Vec3> points{Vec3(0, 0, 2), Vec3(10, 0, 2)};
   EXPECT_EQ(Rset(90).at(points, 1)[1], 90);

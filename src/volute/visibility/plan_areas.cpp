@@ -153,13 +153,15 @@ class AreaReport {
     if (area.kind == "room")
       json["opens_outside"] = area.outside;
     const FirstLoss first = firstLoss(*found_.all, survey_.round, people);
-    json["aset"] = verdictJson(area.kind + " " + area.name, sentence(area, first, people), first,
-                               survey_.round, found_.eyes);
+    const FirstLoss late = firstLoss(*found_.latest, survey_.round, people);
+    json["aset"] = verdictJson(area.kind + " " + area.name, sentence(area, first, late, people),
+                               first, survey_.round, found_.eyes);
+    json["aset"]["time_latest"] = latestJson(late, survey_.round);
     json["aset"]["by"] = first.any && !found_.by.empty() ? Json(found_.by[first.place]) : Json();
     if (people.empty())
       json["aset"]["known"] = nullptr;  // there is nobody to ask for
     json["criteria"] = Json::array();
-    for (const auto& [name, times, holds] : found_.single) {
+    for (const auto& [name, times, holds, latest] : found_.single) {
       std::vector<std::size_t> places;
       std::ranges::copy_if(people, std::back_inserter(places), [&, &holds = holds](std::size_t i) {
         return holds.empty() || holds[i];
@@ -168,6 +170,8 @@ class AreaReport {
       Json of = verdictJson(name, "", one, survey_.round, found_.eyes);
       of.erase("sentence");
       of["applies"] = !places.empty();
+      of["time_latest"] = latestJson(
+          latest == nullptr ? one : firstLoss(*latest, survey_.round, places), survey_.round);
       json["criteria"].push_back(std::move(of));
     }
     if (found_.margins == nullptr)
@@ -196,7 +200,7 @@ class AreaReport {
     return people;
   }
 
-  std::string sentence(const PlanAreas::Area& area, const FirstLoss& first,
+  std::string sentence(const PlanAreas::Area& area, const FirstLoss& first, const FirstLoss& late,
                        std::span<const std::size_t> people) const {
     std::string text = fmt::format("{}{} '{}'", static_cast<char>(std::toupper(area.kind[0])),
                                    area.kind.substr(1), area.name);
@@ -214,7 +218,7 @@ class AreaReport {
     } else {
       text += fmt::format(": no criterion is reached until {:g} s", survey_.end);
     }
-    return text + marginWords(people) + ".";
+    return text + marginWords(people) + "." + latestWords(first, late, "reached");
   }
 
   std::string marginWords(std::span<const std::size_t> people) const {
@@ -301,23 +305,24 @@ std::string knownCell(const Json& known) {
 std::string csvOf(const Json& areas) {
   const auto number = [](const Json& json) { return json.is_number() ? json.dump() : ""; };
   std::string text =
-      "name,kind,storey,floor_area,points,people,aset,aset_known,aset_at_the_latest,by,x,y,z,rset,"
-      "margin,margin_known";
+      "name,kind,storey,floor_area,points,people,aset,aset_known,aset_at_the_latest,aset_latest,by,"
+      "x,y,z,rset,margin,margin_known";
   if (!areas.empty()) {
     for (const Json& one : areas[0]["criteria"]) {
       const std::string name = one["criterion"].get<std::string>();
-      text += "," + csvCell("aset_" + name) + "," + csvCell("aset_" + name + "_known");
+      text += "," + csvCell("aset_" + name) + "," + csvCell("aset_" + name + "_known") + "," +
+              csvCell("aset_" + name + "_latest");
     }
   }
   text += "\n";
   for (const Json& area : areas) {
     const Json& aset = area["aset"];
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{}", csvCell(area["name"].get<std::string>()),
-                        area["kind"].get<std::string>(),
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}",
+                        csvCell(area["name"].get<std::string>()), area["kind"].get<std::string>(),
                         area["storey"].is_null() ? "" : csvCell(area["storey"].get<std::string>()),
                         area["floor_area"].dump(), area["points"].dump(), area["people"].dump(),
                         number(aset["time"]), knownCell(aset["known"]),
-                        number(aset.value("at_the_latest", Json())),
+                        number(aset.value("at_the_latest", Json())), number(aset["time_latest"]),
                         aset["by"].is_null() ? "" : csvCell(aset["by"].get<std::string>()));
     for (std::size_t axis = 0; axis < 3; ++axis)
       text += "," + (aset.contains("position") ? aset["position"][axis].dump() : "");
@@ -328,7 +333,8 @@ std::string csvOf(const Json& areas) {
       text += ",,,";
     }
     for (const Json& one : area["criteria"])
-      text += "," + number(one["time"]) + "," + knownCell(one["known"]);
+      text += "," + number(one["time"]) + "," + knownCell(one["known"]) + "," +
+              number(one["time_latest"]);
     text += "\n";
   }
   return text;

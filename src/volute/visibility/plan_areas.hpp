@@ -75,17 +75,19 @@ PlanMargins planMargins(std::vector<double> rset, const LossTimes& aset, RoundTi
 /// What is told of each part of a plan.
 struct AreaFindings {
   std::span<const Vec3> eyes;
-  const LossTimes* all = nullptr;  ///< of all criteria
-  std::vector<std::string> by;     ///< the first of them at each eye; may be empty
+  const LossTimes* all = nullptr;     ///< of all criteria
+  const LossTimes* latest = nullptr;  ///< the same by the least that the data allow; may be null
+  std::vector<std::string> by{};      ///< the first of them at each eye; may be empty
 
   struct Single {
     std::string name;
     const LossTimes* times = nullptr;
-    std::vector<bool> holds{};  ///< at which eyes it is a criterion; empty: at all
+    std::vector<bool> holds{};          ///< at which eyes it is a criterion; empty: at all
+    const LossTimes* latest = nullptr;  ///< by the least that the data allow; null: as times
   };
 
   std::vector<Single> single{};          ///< each criterion by itself
-  std::vector<bool> people;              ///< which eyes count
+  std::vector<bool> people{};            ///< which eyes count
   const PlanMargins* margins = nullptr;  ///< may be null
 };
 

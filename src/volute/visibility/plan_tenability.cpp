@@ -236,10 +236,9 @@ Status PlanTenability::take(const SurveyTime& at) {
   for (auto& variation : varied_) {
     for (LevelWatch& watch : variation) watch.update(at.time, smoke);
   }
-  meter_.takeLeast(at.time, at.extinctionLow);
   return meter_.advance(
       at.time, [&](double, std::span<Vec3> places) { std::ranges::copy(free_, places.begin()); },
-      smoke);
+      {smoke, at.extinctionLow});
 }
 
 Status PlanTenability::goOn() {
@@ -428,7 +427,7 @@ Json PlanTenability::sentence(std::size_t c) const {
   if (meter_.latest(c) != nullptr) {
     const FirstLoss late = firstLoss(*meter_.latest(c), survey_->round, counts);
     text += latestWords(first, late, "reached");
-    latest = late.any ? jsonNumber(late.by(survey_->round)) : Json();
+    latest = latestJson(late, survey_->round);
   }
   text += assumedWords(meter_, c);
   Json json = verdictJson(criterion.name, text, first, survey_->round, eyes_);
@@ -474,7 +473,7 @@ Json PlanTenability::headline(const std::vector<std::string>& names) const {
   if (const std::string missing = notAssessed(); !missing.empty())
     text += fmt::format(" Not assessed: {}.", missing);
   Json json = verdictJson("all", text, first, survey_->round, eyes_);
-  json["time_latest"] = late.certain() && late.any ? jsonNumber(late.by(survey_->round)) : Json();
+  json["time_latest"] = latestJson(late, survey_->round);
   if (first.any)
     json["by"] = names[first.place];
   json["not_assessed"] = Json::array();
@@ -679,10 +678,12 @@ std::string PlanTenability::rsetDescription() const {
 
 void PlanTenability::find(AreaFindings& found) const {
   found.all = &all_;
+  found.latest = &latest_;
   found.by = names_;
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c) {
     if (meter_.isAssessed(c))
-      found.single.push_back({meter_.criteria()[c].name, &meter_.times(c), holds_[c]});
+      found.single.push_back(
+          {meter_.criteria()[c].name, &meter_.times(c), holds_[c], meter_.latest(c)});
   }
   if (measuresMargins())
     found.margins = &margins_;
@@ -692,7 +693,8 @@ std::vector<std::size_t> PlanTenability::notKnown(const Sight& sight,
                                                   std::span<const std::size_t> eyes) const {
   const LossTimes all = combined(sight.earliest, sight.in, {}, nullptr);
   std::vector<std::size_t> some(eyes.begin(), eyes.end());
-  std::erase_if(some, [&](std::size_t eye) { return all.complete(eye); });
+  constexpr double kNever = -std::numeric_limits<double>::infinity();
+  std::erase_if(some, [&](std::size_t eye) { return all.known[eye] > kNever; });
   return some;
 }
 

@@ -193,8 +193,9 @@ class PlanWatch final : public Watch {
     addVerdict(verdict);
     const std::string sensitivity = addSensitivity(report);
     PlanTenability::Parts tenability;
-    AreaFindings found{eyes_, nullptr, {}, {}, use_.are(PlanUse::Kind::kPeople)};
-    const LossTimes signs = sightLosses();
+    AreaFindings found{.eyes = eyes_, .people = use_.are(PlanUse::Kind::kPeople)};
+    const LossTimes signs = sightLosses(losses_->earliest(0));
+    const LossTimes latestSigns = sightLosses(losses_->latest(0));
     if (tenability_) {
       PlanTenability::Sight sight = sightOfSigns();
       for (std::size_t i = 0; i < variations().size(); ++i)
@@ -204,8 +205,9 @@ class PlanWatch final : public Watch {
     } else {
       report["sources"] = sourcesJson(*survey_, nullptr);
       found.all = &signs;
+      found.latest = &latestSigns;
     }
-    found.single.insert(found.single.begin(), {"sight of signs", &signs});
+    found.single.insert(found.single.begin(), {"sight of signs", &signs, {}, &latestSigns});
     VOLUTE_ASSIGN(const auto areas, reportAreas(*survey_, areas_, found, emptyPicture(),
                                                 planValues(), report, verdict));
     if (const std::string words = use_.words(); !words.empty()) {
@@ -250,16 +252,18 @@ class PlanWatch final : public Watch {
     return sight;
   }
 
-  /// Eyes that were lifted to where the case does not store all that matters: slices at the height
-  /// of a storey say nothing about its stairs, which is said, and the others have a verdict.
+  /// Eyes that were lifted to where the case stores not all that matters at any time: slices at the
+  /// height of a storey say nothing about its stairs, which is said, and the others have a verdict.
+  /// What is known until a file ends counts.
   void leaveOutHigherFloors() {
     std::vector<std::size_t> unknown;
     if (tenability_) {
       unknown = tenability_->notKnown(sightOfSigns(), lifted_);
     } else {
-      const LossTimes losses = sightLosses();
+      const LossTimes losses = sightLosses(losses_->earliest(0));
+      constexpr double kNever = -std::numeric_limits<double>::infinity();
       std::ranges::copy_if(lifted_, std::back_inserter(unknown),
-                           [&](std::size_t eye) { return !losses.complete(eye); });
+                           [&](std::size_t eye) { return losses.known[eye] == kNever; });
     }
     if (unknown.size() == use_.count(PlanUse::Kind::kPeople))
       return;
@@ -269,8 +273,7 @@ class PlanWatch final : public Watch {
   }
 
   /// Of any sign, where one is in sight without smoke.
-  LossTimes sightLosses() const {
-    LossTimes losses = losses_->earliest(0);
+  LossTimes sightLosses(LossTimes losses) const {
     constexpr double kNever = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < eyes_.size(); ++i) {
       if (hidden_[0][i])

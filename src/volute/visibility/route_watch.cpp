@@ -371,29 +371,38 @@ class RouteWatch final : public Watch {
       for (std::size_t r = 0; r < routes_.size(); ++r) out[r] = placeAt(r, alongAt(r, time));
     };
     // Between stations, and between the two times, the smoke is linear.
-    const auto smokeAt = [&](double time, std::span<double> out) {
-      const double passed = at.time - smokeBefore_.first;
-      const double late =
-          passed > 0 && !smokeBefore_.second.empty() ? (time - smokeBefore_.first) / passed : 1;
-      const auto stationAt = [&](std::size_t i) {
-        return late < 1 ? mixed(smokeBefore_.second[i], at.extinctionHigh[i], late)
-                        : at.extinctionHigh[i];
+    // The least of what is not known, or of something solid, is not known either.
+    std::vector<double> low(at.extinctionLow.begin(), at.extinctionLow.end());
+    for (std::size_t i = 0; i < low.size(); ++i)
+      low[i] = std::isnan(at.extinctionHigh[i]) ? at.extinctionHigh[i] : low[i];
+    const double passed = at.time - smokeBefore_;
+    const auto smokeAt = [&](double time, std::span<double> most, std::span<double> least) {
+      const double late = passed > 0 && !highBefore_.empty() ? (time - smokeBefore_) / passed : 1;
+      const auto stationAt = [&](std::size_t i, const std::vector<double>& before,
+                                 std::span<const double> now) {
+        return late < 1 ? mixed(before[i], now[i], late) : now[i];
       };
-      std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
+      std::ranges::fill(most, std::numeric_limits<double>::quiet_NaN());
+      std::ranges::fill(least, std::numeric_limits<double>::quiet_NaN());
       for (std::size_t i = 1; i < stations_.size(); ++i) {
         const Station &from = stations_[i - 1], &to = stations_[i];
         const double along = alongAt(to.route, time);
         if (from.route != to.route || !(along >= from.along && along <= to.along))
           continue;
         const double share = (along - from.along) / (to.along - from.along);
-        out[to.route] = mixed(stationAt(i - 1), stationAt(i), share);
+        most[to.route] = mixed(stationAt(i - 1, highBefore_, at.extinctionHigh),
+                               stationAt(i, highBefore_, at.extinctionHigh), share);
+        least[to.route] =
+            mixed(stationAt(i - 1, lowBefore_, low), stationAt(i, lowBefore_, low), share);
       }
     };
-    std::vector<double> extinction(routes_.size());
-    smokeAt(at.time, extinction);
+    std::vector<double> most(routes_.size()), least(routes_.size());
+    smokeAt(at.time, most, least);
     constexpr double kStep = 0.25;  // [s]
-    VOLUTE_TRY(meter_->advance(at.time, places, extinction, kStep, smokeAt));
-    smokeBefore_ = {at.time, {at.extinctionHigh.begin(), at.extinctionHigh.end()}};
+    VOLUTE_TRY(meter_->advance(at.time, places, {most, least}, kStep, smokeAt));
+    smokeBefore_ = at.time;
+    highBefore_.assign(at.extinctionHigh.begin(), at.extinctionHigh.end());
+    lowBefore_ = std::move(low);
     return {};
   }
 
@@ -586,6 +595,13 @@ class RouteWatch final : public Watch {
              {"time_interpolated", known ? jsonNumber(times.none[r]) : Json()}});
         if (!known && !std::isinf(times.up[r]))
           json["exposure"].back()["at_the_latest"] = times.up[r];
+        if (const LossTimes* latest = meter_->latest(c))
+          json["exposure"].back()["time_latest"] = jsonNumber(latest->answers(survey_->round)[r]);
+        if (const auto allowed = meter_->worstAllowed(c); !allowed.empty()) {
+          json["exposure"]
+              .back()[meter_->criteria()[c].isDose() ? "dose_at_most" : "worst_value_at_most"] =
+              meter_->unknown(c, r) ? Json() : jsonNumber(allowed[r]);
+        }
       }
     }
     json["walk_share_known"] = std::min(known, 1.0);
@@ -648,11 +664,12 @@ class RouteWatch final : public Watch {
   const Survey* survey_ = nullptr;
   std::vector<Route> routes_;
   Walk walking_;
-  std::vector<double> starts_;                          // of each walker [s]
-  std::vector<std::vector<TrackPoint>> tracks_;         // of each walker whom smoke slows down
-  std::vector<bool> unsure_;                            // walkers in smoke that is not known
-  std::vector<double> extinction_;                      // at the stations, at the last time
-  std::pair<double, std::vector<double>> smokeBefore_;  // the same, at the last stored one
+  std::vector<double> starts_;                   // of each walker [s]
+  std::vector<std::vector<TrackPoint>> tracks_;  // of each walker whom smoke slows down
+  std::vector<bool> unsure_;                     // walkers in smoke that is not known
+  std::vector<double> extinction_;               // at the stations, at the last time
+  double smokeBefore_ = 0;                       // the last stored time [s]
+  std::vector<double> highBefore_, lowBefore_;   // the same then
   double smokeTime_ = 0;
   std::optional<ExposureMeter> meter_;
   std::vector<Station> stations_;           // of one route after the other

@@ -186,40 +186,71 @@ Status SightEngine::extinction(std::span<const Vec3> eyes, double t, std::span<d
   return {};
 }
 
+Status SightEngine::largestExtinction(std::span<const Vec3> eyes, double t, std::span<double> out) {
+  std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
+  if (!knows(t))
+    return {};
+  VOLUTE_ASSIGN(const Instants now, instantsAt(t));
+  std::vector<double> low(eyes.size()), later(eyes.size());
+  now.before->extinctionBounds(eyes, low, out);
+  if (!now.after)
+    return {};
+  now.after->extinctionBounds(eyes, low, later);
+  for (std::size_t i = 0; i < eyes.size(); ++i) out[i] = mixed(out[i], later[i], now.share);
+  return {};
+}
+
 Status SightEngine::dose(std::span<const std::int64_t> ids, std::span<const Vec3> eyes, double t,
-                         std::span<double> out) {
+                         std::span<double> out, std::span<double> worst) {
   VOLUTE_ASSERT(ids.size() == eyes.size() && out.size() == criteria_.size() * ids.size());
+  VOLUTE_ASSERT(worst.empty() || worst.size() == out.size());
   std::vector<Exposure> air(eyes.size(), AirField::unknown());
-  VOLUTE_TRY(air_.at(t, eyes, air));
+  std::vector<AirField::Around> around(eyes.size());
+  VOLUTE_TRY(air_.at(t, eyes, air, around));
   const bool ofSmoke = std::ranges::any_of(
       criteria_, [](const Criterion& one) { return !one.law && one.quantity == Air::kExtinction; });
   if (ofSmoke) {
-    std::vector<double> k(eyes.size());
+    std::vector<double> k(eyes.size()), most(eyes.size());
     VOLUTE_TRY(extinction(eyes, t, k));
-    for (std::size_t i = 0; i < eyes.size(); ++i) air[i][Air::kExtinction] = k[i];
+    if (!worst.empty())
+      VOLUTE_TRY(largestExtinction(eyes, t, most));
+    for (std::size_t i = 0; i < eyes.size(); ++i) {
+      air[i][Air::kExtinction] = around[i].least[Air::kExtinction] = k[i];
+      around[i].worst[Air::kExtinction] = most[i];
+    }
   }
+  constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < ids.size(); ++i) {
     Agent& agent = agents_[ids[i]];
-    const bool fresh = agent.rates.empty();
+    const bool fresh = agent.mean.rates.empty();
     if (fresh) {
-      agent.rates.assign(criteria_.size(), std::numeric_limits<double>::quiet_NaN());
-      agent.doses.assign(criteria_.size(), 0.0);
+      for (Course* course : {&agent.mean, &agent.worst}) {
+        course->rates.assign(criteria_.size(), kNotKnown);
+        course->doses.assign(criteria_.size(), 0.0);
+      }
     }
     const double passed = !fresh && called_ && agent.time == lastCall_ ? t - agent.time : 0;
     for (std::size_t c = 0; c < criteria_.size(); ++c) {
-      const double value = criteria_[c].value(air[i]);
-      double& result = out[c * ids.size() + i];
-      if (!criteria_[c].isDose()) {
-        result = value;
-        continue;
-      }
+      const Criterion& criterion = criteria_[c];
       const auto isHere = [&](Air one) { return !air_.has(one) || !std::isnan(air[i][one]); };
-      if (std::isnan(value) || !std::ranges::all_of(criteria_[c].taken(), isHere))
-        agent.doses[c] = std::numeric_limits<double>::quiet_NaN();  // from now on
-      if (passed > 0)
-        agent.doses[c] += 0.5 * (agent.rates[c] + value) * passed;
-      agent.rates[c] = value;
-      result = agent.doses[c];
+      const auto follow = [&](Course& course, double value) {
+        if (!criterion.isDose())
+          return value;
+        double& dose = course.doses[c];
+        if (std::isnan(value) || !std::ranges::all_of(criterion.taken(), isHere))
+          dose = kNotKnown;  // from now on
+        if (passed > 0)
+          dose += 0.5 * (course.rates[c] + value) * passed;
+        course.rates[c] = value;
+        return dose;
+      };
+      const std::size_t at = c * ids.size() + i;
+      out[at] = follow(agent.mean, criterion.value(air[i]));
+      const double one = criterion.value(around[i].worst), other = criterion.value(around[i].least);
+      const double most =
+          follow(agent.worst, criterion.falling ? std::fmin(one, other) : std::fmax(one, other));
+      if (!worst.empty())
+        worst[at] = most;
     }
     agent.time = t;
   }

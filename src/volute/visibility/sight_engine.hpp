@@ -40,8 +40,10 @@ class SightEngine {
   /// @param eyes  position of each [m].
   /// @param out  shape (criterion, agent): doses so far, or levels; NaN where the case does not
   /// say, for doses from then on.
+  /// @param worst  the same by the worst that rounding, caps and means of the files allow; empty:
+  /// not asked for.
   [[nodiscard]] Status dose(std::span<const std::int64_t> ids, std::span<const Vec3> eyes, double t,
-                            std::span<double> out);
+                            std::span<double> out, std::span<double> worst = {});
 
   /// K at each eye [1/m], for walking speeds in smoke; NaN where nothing is known.
   [[nodiscard]] Status extinction(std::span<const Vec3> eyes, double t, std::span<double> out);
@@ -61,9 +63,13 @@ class SightEngine {
     double share = 0;                                   // of `after`
   };
 
+  struct Course {
+    std::vector<double> rates, doses;  // of each criterion
+  };
+
   struct Agent {
     double time = 0;  // of the last call with them
-    std::vector<double> rates, doses;
+    Course mean, worst;
   };
 
   /// Lines of a batch, and where their answers go.
@@ -93,6 +99,7 @@ class SightEngine {
   bool changed(double stored, double now) const;
   Result<Instants> instantsAt(double t);
   Result<std::shared_ptr<const SightInstant>> stored(std::size_t index);
+  Status largestExtinction(std::span<const Vec3> eyes, double t, std::span<double> out);
 
   std::shared_ptr<SightField> field_;
   std::vector<SightTarget> signs_;

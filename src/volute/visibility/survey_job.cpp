@@ -283,8 +283,8 @@ class Job {
     const auto passed = stored && smoke ? watch_.passed(time) : std::vector<Vec3>();
     // All is worked out where it is handed over, as there may be millions of lines.
     const std::size_t start = bytes.size();
-    const std::size_t size =
-        sizeof(Lengths) + lines * sizeof(Sighting) + (3 * points + passed.size()) * sizeof(double);
+    const std::size_t size = sizeof(Lengths) + lines * sizeof(Sighting) +
+                             (3 * points + 2 * passed.size()) * sizeof(double);
     bytes.reserve(start + size + (stored ? lines * bytesOfRow(lines) : 0));
     bytes.resize(start + size);
     auto* const firstSighting = reinterpret_cast<Sighting*>(bytes.data() + start + sizeof(Lengths));
@@ -294,6 +294,7 @@ class Job {
     const std::span high(extinction.data() + points, points);
     const std::span low(high.data() + points, points);
     const std::span passedHigh(low.data() + points, passed.size());
+    const std::span passedLow(passedHigh.data() + passed.size(), passed.size());
     lookout_.look(instant, survey_.signs, eyes, sightings, looksAgain());
     parallelRanges(extinction.size(), 512, [&](std::size_t begin, std::size_t end) {
       const auto part = [&](auto all) { return std::span(all).subspan(begin, end - begin); };
@@ -314,8 +315,8 @@ class Job {
         instant.extinction(part(eyes), part(extinction));
     });
     parallelRanges(passed.size(), 512, [&](std::size_t begin, std::size_t end) {
-      std::vector<double> least(end - begin);
-      instant.extinctionBounds(std::span(passed).subspan(begin, end - begin), least,
+      instant.extinctionBounds(std::span(passed).subspan(begin, end - begin),
+                               passedLow.subspan(begin, end - begin),
                                passedHigh.subspan(begin, end - begin));
     });
     SightRows rows;
@@ -325,8 +326,7 @@ class Job {
       Result<SightRows> made;
       parallelFor(2, [&](std::size_t what) {
         if (what == 0)
-          drawn =
-              watch_.draw({index, time, eyes, sightings, extinction, high, low, {}, true}, instant);
+          drawn = watch_.draw({index, time, eyes, sightings, extinction, high, low}, instant);
         else
           made = rowMaker_.make(time, eyes, survey_.signs, sightings);
       });
@@ -363,7 +363,8 @@ class Job {
       const std::span high(extinction.data() + extinction.size(), lengths.extinction);
       const std::span low(high.data() + high.size(), lengths.extinction);
       const std::span passed(low.data() + low.size(), lengths.passed);
-      const auto* text = reinterpret_cast<const char*>(passed.data() + passed.size());
+      const std::span passedLow(passed.data() + passed.size(), lengths.passed);
+      const auto* text = reinterpret_cast<const char*>(passedLow.data() + passedLow.size());
       at = reinterpret_cast<const std::byte*>(text) + paddedSize(lengths.rows);
       const auto eyes = watch_.eyes(lengths.time);
       const SurveyTime seen{static_cast<std::size_t>(i),
@@ -374,6 +375,7 @@ class Job {
                             high,
                             low,
                             passed,
+                            passedLow,
                             lengths.stored};
       if (lengths.stored) {
         VOLUTE_TRY(csv_->write(

@@ -14,6 +14,10 @@ Json knownJson(double known) {
   return std::isinf(known) ? Json(known > 0) : Json(known);
 }
 
+Json latestJson(const FirstLoss& latest, RoundTime round) {
+  return latest.any && latest.certain() ? jsonNumber(latest.by(round)) : Json();
+}
+
 FirstLoss firstLoss(const LossTimes& times, RoundTime round, const std::vector<bool>& counts) {
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < times.up.size(); ++i) {

@@ -37,6 +37,11 @@ struct FirstLoss {
 /// LossTimes::known as results state it: true (known all along), false (never), or until when [s].
 Json knownJson(double known);
 
+struct FirstLoss;
+
+/// When the first loss comes by the least that the data allow; null: not certain, or never.
+Json latestJson(const FirstLoss& latest, RoundTime round);
+
 /// Among the places for which `counts` is true; empty: all.
 FirstLoss firstLoss(const LossTimes& times, RoundTime round, const std::vector<bool>& counts = {});
 

@@ -67,11 +67,12 @@ struct Exposed {
 /// When the first of them reaches any criterion, and each; what nobody reaches, with the worst of
 /// all.
 /// @param sight  losses of sight of all signs, and where one is seen at all; null: of no matter
+/// @param latestSight  the same by the least smoke that the data allow
 Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exposed& exposed,
-                     const CountedLoss& sight) {
+                     const CountedLoss& sight, const CountedLoss& latestSight) {
   const double end = survey.end;
   std::size_t count = 0;
-  std::vector<CountedLoss> losses;
+  std::vector<CountedLoss> losses, latest;
   std::vector<std::string> names;
   std::string missing;
   Json notAssessed = Json::array();
@@ -84,6 +85,7 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
   };
   if (sight.times != nullptr) {
     losses.push_back(sight);
+    latest.push_back(latestSight);
     names.emplace_back("sight of signs");
     count = sight.times->up.size();
   }
@@ -95,6 +97,7 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
       continue;
     }
     losses.push_back({&meter.times(c)});
+    latest.push_back({meter.latest(c) != nullptr ? meter.latest(c) : &meter.times(c)});
     names.push_back(meter.criteria()[c].name);
   }
   const std::string all = fmt::format("{} {}", count, count == 1 ? exposed.single : exposed.many);
@@ -119,6 +122,7 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
   std::vector<int> which;
   const LossTimes together = firstOf(losses, survey.round, &which);
   const FirstLoss first = firstLoss(together, survey.round);
+  const FirstLoss late = firstLoss(firstOf(latest, survey.round), survey.round);
   const std::string by = first.any ? names[static_cast<std::size_t>(which[first.place])] : "";
   std::string text = fmt::format("ASET of all criteria, {}: ", all);
   if (losses.empty()) {
@@ -138,8 +142,11 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
   } else {
     text += fmt::format("none is reached until {:g} s", end);
   }
-  text += missing.empty() ? "." : fmt::format(". Not assessed: {}.", missing);
+  text += "." + latestWords(first, late, "reached");
+  if (!missing.empty())
+    text += fmt::format(" Not assessed: {}.", missing);
   verdict.push_back(asJson("all", text, first));
+  verdict.back()["time_latest"] = latestJson(late, survey.round);
   if (first.any)
     verdict.back()["by"] = by;
   verdict.back()["not_assessed"] = std::move(notAssessed);
@@ -171,9 +178,15 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
                           exposed.one(static_cast<std::size_t>(most - worst.begin())));
     }
     text += '.';
-    if (const LossTimes* latest = meter.latest(c))
-      text += latestWords(one, firstLoss(*latest, survey.round), "reached");
+    Json latestTime;
+    if (meter.latest(c) != nullptr) {
+      const FirstLoss last = firstLoss(*meter.latest(c), survey.round);
+      text += latestWords(one, last, "reached");
+      latestTime = latestJson(last, survey.round);
+    }
     verdict.push_back(asJson(criterion.name, text + assumedWords(meter, c), one));
+    if (meter.latest(c) != nullptr)
+      verdict.back()["time_latest"] = std::move(latestTime);
   }
   return verdict;
 }
@@ -219,9 +232,7 @@ class PointWatch : public Watch {
     }
     if (!meter_ || !at.stored)
       return {};
-    VOLUTE_TRY(advance(at.time, at.extinctionHigh));
-    meter_->takeLeast(at.time, at.extinctionLow);
-    return {};
+    return advance(at.time, {at.extinctionHigh, at.extinctionLow});
   }
 
   Result<std::string> finish(Json& report) override {
@@ -241,16 +252,20 @@ class PointWatch : public Watch {
     }
     report["sources"] = sourcesJson(*survey_, meter_ ? &*meter_ : nullptr);
     if (meter_) {
-      const LossTimes sight = losses_->earliest(0);
+      const LossTimes sight = losses_->earliest(0), latest = losses_->latest(0);
       report["verdict"] = exposureVerdict(
           *meter_, *survey_,
           {"point", "points", [](std::size_t i) { return fmt::format("point {}", i + 1); },
            [&](std::size_t i, double) { return points_[i]; }},
-          {&sight, &inSight_});
+          {&sight, &inSight_}, {&latest, &inSight_});
       report["tenability"]["criteria"] = exposureJson(*meter_, survey_->round);
       std::string head = "time,x,y,z";
-      for (const Criterion& one : meter_->criteria())
-        head.append(",").append(Survey::fileName(one.name));
+      for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
+        const std::string name = Survey::fileName(meter_->criteria()[c].name);
+        head.append(",").append(name);
+        if (!meter_->valuesAllowed(c).empty())
+          head.append(",").append(name).append("_at_worst");
+      }
       VOLUTE_TRY(writeFile(survey_->folder / "tenability.csv", head + "\n" + table_));
     }
     return std::string();
@@ -273,7 +288,7 @@ class PointWatch : public Watch {
     return {};
   }
 
-  Status advance(double time, std::span<const double> smoke) {
+  Status advance(double time, const ExposureMeter::Smoke& smoke) {
     VOLUTE_TRY(meter_->advance(
         time, [&](double, std::span<Vec3> places) { std::ranges::copy(points_, places.begin()); },
         smoke));
@@ -281,10 +296,11 @@ class PointWatch : public Watch {
       table_ +=
           fmt::format("{:g},{:g},{:g},{:g}", time, points_[i][0], points_[i][1], points_[i][2]);
       for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
-        const double value = meter_->values(c)[i];
-        const bool lacks =
-            std::isnan(value) || (meter_->criteria()[c].isDose() && meter_->unknown(c, i));
-        table_ += lacks ? "," : fmt::format(",{:.9g}", value);
+        const bool lost = meter_->criteria()[c].isDose() && meter_->unknown(c, i);
+        for (const auto& values : {meter_->values(c), meter_->valuesAllowed(c)}) {
+          if (!values.empty())
+            table_ += lost || std::isnan(values[i]) ? "," : fmt::format(",{:.9g}", values[i]);
+        }
       }
       table_ += '\n';
     }
@@ -374,49 +390,62 @@ class TrajectoryWatch final : public Watch {
     return meter_ ? expose(at) : Status();
   }
 
+  /// Extinctions where people were at the last time, and on the way since, as it was then.
+  struct OnTheWay {
+    std::vector<double> last, since;
+  };
+
   /// Doses along the ways since the time before.
   Status expose(const SurveyTime& at) {
     constexpr double kAbsent = -1;
     const std::size_t count = people_.ids().size();
-    std::vector<double> extinction(count, kAbsent);
     const auto people = people_.at(at.time);
-    for (std::size_t i = 0; i < people.size(); ++i)
-      extinction[placeOf(people[i].id)] = at.extinctionHigh[i];
     const auto before = timesBeside(at.time, false);
-    // At each of these times since the one before: the smoke is linear in time at each place.
     std::vector<double> passing{lastTime_};
-    std::vector<std::vector<double>> smoke{std::move(lastExtinction_)};
-    std::vector<Vec3> places(count);
-    for (std::size_t m = 0; m < before.size(); ++m) {
-      const double share = (before[m] - lastTime_) / (at.time - lastTime_);
-      std::vector<double>& now = smoke.emplace_back(count, kAbsent);
-      passing.push_back(before[m]);
-      placesAt(before[m], places);
-      for (std::size_t i = 0; i < count; ++i) {
-        if (!std::isnan(places[i].x()))
-          now[i] = mixed(passedSince_[m * count + i], at.passedHigh[m * count + i], share);
-      }
-    }
+    passing.insert(passing.end(), before.begin(), before.end());
     passing.push_back(at.time);
-    smoke.push_back(extinction);
-    const auto between = [&](double time, std::span<double> out) {
+    // At each of these times since the one before: the smoke is linear in time at each place.
+    std::vector<Vec3> places(count);
+    const auto follow = [&](OnTheWay& way, std::span<const double> now,
+                            std::span<const double> passed) {
+      std::vector<std::vector<double>> smoke{std::move(way.last)};
+      for (std::size_t m = 0; m < before.size(); ++m) {
+        const double share = (before[m] - lastTime_) / (at.time - lastTime_);
+        std::vector<double>& then = smoke.emplace_back(count, kAbsent);
+        placesAt(before[m], places);
+        for (std::size_t i = 0; i < count; ++i) {
+          if (!std::isnan(places[i].x()))
+            then[i] = mixed(way.since[m * count + i], passed[m * count + i], share);
+        }
+      }
+      std::vector<double>& last = smoke.emplace_back(count, kAbsent);
+      for (std::size_t i = 0; i < people.size(); ++i)  // the least is no number either then
+        last[placeOf(people[i].id)] =
+            std::isnan(at.extinctionHigh[i]) ? at.extinctionHigh[i] : now[i];
+      way.last = last;
+      way.since.assign(passed.begin() + static_cast<std::ptrdiff_t>(before.size() * count),
+                       passed.end());
+      return smoke;
+    };
+    const auto most = follow(most_, at.extinctionHigh, at.passedHigh);
+    const auto least = follow(least_, at.extinctionLow, at.passedLow);
+    const auto between = [&](double time, std::span<double> mostOut, std::span<double> leastOut) {
       const auto next =
           static_cast<std::size_t>(std::ranges::lower_bound(passing, time) - passing.begin());
       const std::size_t n = std::clamp<std::size_t>(next, 1, passing.size() - 1);
       const double share = (time - passing[n - 1]) / (passing[n] - passing[n - 1]);
       for (std::size_t i = 0; i < count; ++i) {
-        const double early = smoke[n - 1][i], late = smoke[n][i];
-        // Who comes or goes between two of these times is in the smoke of the other one.
-        out[i] = early < 0 ? late : late < 0 ? early : mixed(early, late, share);
+        for (const auto& [smoke, out] : {std::pair(&most, mostOut), std::pair(&least, leastOut)}) {
+          const double early = (*smoke)[n - 1][i], late = (*smoke)[n][i];
+          // Who comes or goes between two of these times is in the smoke of the other one.
+          out[i] = early < 0 ? late : late < 0 ? early : mixed(early, late, share);
+        }
       }
     };
     VOLUTE_TRY(meter_->advance(
-        at.time, [&](double time, std::span<Vec3> out) { placesAt(time, out); }, extinction,
-        kPassing, between));
+        at.time, [&](double time, std::span<Vec3> out) { placesAt(time, out); },
+        {most.back(), least.back()}, kPassing, between));
     lastTime_ = at.time;
-    lastExtinction_ = std::move(extinction);
-    passedSince_.assign(at.passedHigh.begin() + static_cast<std::ptrdiff_t>(before.size() * count),
-                        at.passedHigh.end());
     return {};
   }
 
@@ -533,7 +562,7 @@ class TrajectoryWatch final : public Watch {
              placesAt(time, places);
              return places[i];
            }},
-          {});
+          {}, {});
     }
     report["eyes"] = {{"kind", "trajectories"},
                       {"people", people_.people()},
@@ -563,9 +592,8 @@ class TrajectoryWatch final : public Watch {
   const Survey* survey_ = nullptr;
   Progress* progress_ = nullptr;
   double lastTime_ = 0;
-  std::vector<double> lastExtinction_;  // where people were then
-  std::vector<double> passedSince_;     // on the way since, as it was then
-  std::set<int> outside_;               // who was at some time where there is no gas
+  OnTheWay most_, least_;
+  std::set<int> outside_;  // who was at some time where there is no gas
   std::optional<ExposureMeter> meter_;
   Trajectories people_;
   Json records_ = Json::array();

@@ -101,7 +101,7 @@ struct SurveyTime {
 
   static constexpr double kSolid = -1;
 
-  std::span<const double> passedHigh{};  ///< the same at Watch::passed()
+  std::span<const double> passedHigh{}, passedLow{};  ///< the same at Watch::passed()
   /// False at the times at which something opaque comes or goes, which are given before and after.
   bool stored = true;
 };
