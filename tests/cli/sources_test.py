@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """volute visibility on random cases of several sources: less that is stored never makes a verdict safer, unless it is said to be unknown."""
+import csv
 import itertools
 import json
 import math
@@ -127,14 +128,17 @@ class Sources(support.TestCase):
         index.write_text("".join(lines))
         return index, files
 
-    def answers(self, case, plan=False):
+    def answers(self, case, plan=False, people=False):
         """{criterion: [(not before, at the latest)]} of each place, or None where the case is refused; and the report."""
         where = ("--height", "1.6", "--step", "1", "--everywhere", "--maps", "aset") if plan else ("--eyes", self.path("eyes.csv"))
+        out = self.path("walked" if people else "out")
+        if people:
+            where = ("--trajectories", self.path("people.csv"))
         result = support.volute("visibility", case, "--signs", self.path("signs.json"), "--criteria", self.path("criteria.json"), *where,
-                                "-o", self.path("out"))
+                                "-o", out)
         if result.code != 0:
             return None
-        report = json.loads((self.path("out") / "visibility.json").read_text())
+        report = json.loads((out / "visibility.json").read_text())
 
         def span(known, first, *last):
             """Of rounding down; what is not known is infinitely late."""
@@ -210,10 +214,14 @@ class Sources(support.TestCase):
         self.path("criteria.json").write_text(json.dumps({"criteria": [
             {"name": "hot", "kind": "temperature", "limit": 60}, {"name": "gas", "kind": "carbon-monoxide", "limit": .001}]}))
         self.path("eyes.csv").write_text("x,y,z\n1.75,1.25,1.5\n")
+        self.path("people.csv").write_text("id,time,x,y,z\n1,0,1.75,1.25,1.5\n1,40,1.75,1.25,1.5\n")
         smoke = ("bytes", "SOOT DENSITY", "kg/m3", lambda t, x, y, z: 0.01, times)
-        found = {}
+        found, walks, tables = {}, {}, {}
         for kind in ("cells", "nodes", "layer"):
-            found[kind] = self.answers(self.write(world, [smoke] + [(kind,) + one + (times,) for one in air])[0])
+            case, _ = self.write(world, [smoke] + [(kind,) + one + (times,) for one in air])
+            found[kind] = self.answers(case)
+            walks[kind] = self.answers(case, people=True)
+            tables[kind] = list(csv.DictReader(self.path("out/tenability.csv").read_text().splitlines()))
         for name in ("hot", "gas"):
             (cells,) = found["cells"][0][name]
             self.assertLess(cells[1], 40)
@@ -226,9 +234,76 @@ class Sources(support.TestCase):
                 self.assertGreater(one["worst_value_at_most"][0], one["worst_value"][0])
                 (verdict,) = [one for one in report["verdict"] if one["criterion"] == name]
                 self.assertIn("This is by the worst air that rounding, caps and means at nodes allow", verdict["sentence"])
+                self.assertGreaterEqual(verdict["time_latest"] or NEVER, last - 1)
+                # A person who stands is a point; the first of all criteria is between both ends, too.
+                _, walked = walks[kind]
+                (there,) = [one for one in walked["tenability"]["criteria"] if one["name"] == name]
+                for key in ("times", "times_latest", "worst_value_at_most"):
+                    self.assertEqual(there[key], one[key], (name, kind, key))
+                for everything in (report["verdict"][0], walked["verdict"][0]):
+                    self.assertEqual(everything["criterion"], "all")
+                    self.assertGreater(everything["time_latest"] or NEVER, everything["time"])
+                for row in tables[kind][1:]:
+                    self.assertGreater(float(row[name + "_at_worst"]), float(row[name]))
+                self.assertNotIn(name + "_at_worst", tables["cells"][0])
             (one,) = [one for one in found["cells"][1]["tenability"]["criteria"] if one["name"] == name]
             self.assertNotIn("worst_value_at_most", one)
             self.assertNotIn("times_latest", one)
+
+    def test_one_mesh_whose_file_is_cut_or_missing(self):
+        """The other mesh keeps its times; in this one nothing is known then: of points, plans, people and lines through it."""
+        meshes = [Mesh("west", (0, 10, 0, 4, 0, 3), (10, 4, 3)), Mesh("east", (10, 20, 0, 4, 0, 3), (10, 4, 3))]
+        times = [10.0 * i for i in range(13)]
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "west", "position": [0, 2, 1.6], "normal": [1, 0, 0]},
+                                                                 {"name": "east", "position": [20, 2, 1.6], "normal": [-1, 0, 0]}]}))
+        self.path("criteria.json").write_text(json.dumps({"criteria": [CRITERIA[0] | {"limit": 3}, CRITERIA[1], CRITERIA[3]]}))
+        self.path("eyes.csv").write_text("x,y,z\n5.5,2.5,1.6\n19.5,2.5,1.6\n")
+        self.path("walk.csv").write_text("id,time,x,y,z\n1,0,1,2,1.6\n1,120,2,2,1.6\n2,0,18,2,1.6\n2,120,19,2,1.6\n")
+        for damage in ("smoke cut", "heat cut", "heat missing", "smoke missing"):
+            shutil.rmtree(self.path("case"), ignore_errors=True)
+            self.path("case").mkdir()
+            case = FdsCase(meshes, times, lambda t, *_: 0.0045 * t,
+                           more=[("TEMPERATURE", "C", lambda t, x, *_: 20 + t * (0.75 if x < 10 else 0.6))]).write(self.path("case"))
+            heat, until = "heat" in damage, 30 if "cut" in damage else False
+            file = self.path(f"case/case_2_{2 if heat else 1}.sf")
+            data = file.read_bytes()
+            header = 3 * 38 + 32
+            if until:
+                file.write_bytes(data[:header + 4 * (len(data) - header) // len(times)])
+            else:
+                file.unlink()
+            for plan in (False, True):
+                said, report = self.answers(case, plan)
+                self.assertEqual(report["end"], 120, damage)
+                self.assertIn(file.name, json.dumps([report["remarks"], report["sources"]]), damage)
+
+                def known(one):
+                    return [one["rows_known"][2][x] for x in (5, -1)] if plan else one["times_known"]
+
+                criteria = {one["name"]: known(one) for one in report["tenability"]["criteria"]}
+                signs = {one["set"]: known(one) for one in report["aset"]}
+                self.assertEqual(criteria["hot"], [True, until if heat else True], damage)
+                self.assertEqual(criteria["heat"], [True, until if heat else True], damage)
+                self.assertEqual(criteria["visibility"], [True, True if heat else until], damage)
+                self.assertEqual(signs["west"], [True, True if heat else until], damage)
+                self.assertEqual(signs["east"], [True, True] if heat else [until, until], damage)
+                verdicts = {one["criterion"]: one for one in report["verdict"]}
+                self.assertEqual(verdicts["hot"]["known"], until if heat else True, damage)
+                self.assertEqual(verdicts["visibility"]["known"], True if heat else until, damage)
+                self.assertEqual(verdicts["all"]["known"], until, damage)
+                self.assertEqual(verdicts["hot"]["at_the_latest" if heat else "time"], 60 if heat else 50, damage)
+            self.works("visibility", case, "--signs", self.path("signs.json"), "--criteria", self.path("criteria.json"), "--trajectories",
+                       self.path("walk.csv"), "-o", self.path("walk"))
+            report = json.loads((self.path("walk") / "visibility.json").read_text())
+            known = {one["name"]: one["times_known"] for one in report["tenability"]["criteria"]}
+            self.assertEqual(known["hot"], [True, until if heat else True], damage)
+            self.assertEqual(known["visibility"], [True, True if heat else until], damage)
+            if heat:
+                continue
+            # A picture shows what all files have, or nothing: what is not known looks like clear air.
+            drawn = support.volute("render", case, "--time", "20", "--size", "32x24", "-o", self.path("x.png"))
+            self.assertEqual(drawn.code, 0 if until else 1, drawn.message)
+            self.assertIn("9 of 13 stored times are left out (40 to 120 s)" if until else "copy it beside that file", drawn.message)
 
     def test_smoke_that_ends_before_the_case(self):
         """The rest goes on: what is hot later is, and whether a sign is seen is not known."""

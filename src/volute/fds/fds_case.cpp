@@ -44,7 +44,8 @@ bool FdsCase::readsAs(const FdsCase& other) const {
   const FdsOptions &a = options_, &b = other.options_;
   return source().name == other.source().name && a.quantity == b.quantity &&
          a.massExtinction == b.massExtinction && a.visibilityFactor == b.visibilityFactor &&
-         a.maxMemory == b.maxMemory && heldMeshes_ == other.heldMeshes_;
+         (a.partly == b.partly || other.leftOut_.empty()) && a.maxMemory == b.maxMemory &&
+         heldMeshes_ == other.heldMeshes_;
 }
 
 Result<FdsCase> FdsCase::open(SmvIndex index, const FdsOptions& options, const FdsCase* earlier) {
@@ -237,11 +238,15 @@ Status FdsCase::openParts() {
     }
     if (!part && part.error().code == ErrorCode::kNotFound) {
       const auto mesh = wanted[static_cast<std::size_t>(&part - opened.data())].mesh;
-      return fail(
-          ErrorCode::kNotFound,
-          "{}; {} names it for mesh {}: copy it beside that file (volute info lists what is "
-          "missing)",
-          part.error().message, index_.path.filename().string(), mesh + 1);
+      const std::string why = fmt::format("{}; {} names it for mesh {}", part.error().message,
+                                          index_.path.filename().string(), mesh + 1);
+      if (options_.partly) {
+        leftOut_.push_back({RemarkCode::kDamaged,
+                            why + ": what it holds is not known there; copy it beside that file"});
+        continue;
+      }
+      return fail(ErrorCode::kNotFound,
+                  "{}: copy it beside that file (volute info lists what is missing)", why);
     }
     VOLUTE_TRY(part);
     for (const Remark& remark : (*part)->file->frames().remarks) leftOut_.push_back(remark);
@@ -269,11 +274,13 @@ Status FdsCase::openParts() {
   return {};
 }
 
-/// The times that all files have. What one file has and another has not is said with both names.
+/// The times that all files have, and, if some may be unknown, those before the first and after the
+/// last of a file's own. What one file has and another has not is said with both names.
 Status FdsCase::findTimes() {
   std::vector<std::size_t> next(parts_.size(), 0);
   std::vector<std::vector<std::size_t>> frames(parts_.size());
   std::vector<double> dropped;
+  bool common = false;
   const auto timesOf = [&](std::size_t i) -> const std::vector<double>& {
     return parts_[i]->file->frames().times;
   };
@@ -288,30 +295,69 @@ Status FdsCase::findTimes() {
     const auto has = [&](std::size_t i) {
       return next[i] < timesOf(i).size() && sameTime(timesOf(i)[next[i]], time);
     };
-    bool everywhere = true;
-    for (std::size_t i = 0; i < parts_.size(); ++i) everywhere = everywhere && has(i);
-    if (everywhere) {
-      times_.push_back(timesOf(0)[next[0]]);
-    } else {
-      dropped.push_back(time);
-    }
+    bool everywhere = true, kept = true;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-      if (!has(i))
-        continue;
-      if (everywhere)
-        frames[i].push_back(next[i]);
-      ++next[i];
+      const bool outside = next[i] == 0 || next[i] == timesOf(i).size();
+      everywhere = everywhere && has(i);
+      kept = kept && (has(i) || (options_.partly && outside));
+    }
+    common = common || everywhere;
+    (kept ? times_ : dropped).push_back(everywhere ? timesOf(0)[next[0]] : time);
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const bool its = has(i);
+      if (kept)
+        frames[i].push_back(its ? next[i] : Part::kNoFrame);
+      next[i] += its ? 1 : 0;
     }
   }
-  if (times_.empty()) {
+  if (!common) {
     return fail(ErrorCode::kTruncated, "{}: the {} files of the source '{}' have no time in common",
                 index_.path.string(), parts_.size(), source().name);
   }
   storedUntil_ = dropped.empty() ? times_.back() : std::max(times_.back(), dropped.back());
   if (!dropped.empty())
     noteDroppedTimes(dropped);
-  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->frameAt = std::move(frames[i]);
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    whole_ = whole_ && std::ranges::find(frames[i], Part::kNoFrame) == frames[i].end();
+    parts_[i]->frameAt = std::move(frames[i]);
+  }
+  if (!whole_)
+    noteShortFiles();
   return {};
+}
+
+bool FdsCase::knows(std::size_t lattice, double time) const {
+  const Place place = placeOf(time);
+  const Part& part = *parts_[lattice];
+  return part.hasFrame(place.first) && (place.share <= 0 || part.hasFrame(place.second));
+}
+
+/// Files that begin later or end earlier than others.
+void FdsCase::noteShortFiles() {
+  constexpr std::size_t kNamed = 3;
+  std::vector<std::string> files;
+  for (const auto& part : parts_) {
+    const auto& times = part->file->frames().times;
+    const bool late = !part->hasFrame(0), early = !part->hasFrame(times_.size() - 1);
+    if (!late && !early)
+      continue;
+    std::string when = late ? fmt::format("before {:g} s", times.front()) : "";
+    if (early)
+      when += fmt::format("{}after {:g} s", late ? " and " : "", times.back());
+    files.push_back(fmt::format("{} in mesh {} ({})", when, part->what.mesh + 1,
+                                part->path.filename().string()));
+  }
+  const std::size_t count = files.size();
+  files.resize(std::min(count, kNamed));
+  leftOut_.push_back(
+      {RemarkCode::kLeftOut,
+       fmt::format(
+           "{}: '{}' is stored from {:g} to {:g} s, but not known {}{}: {}", index_.path.string(),
+           source().name, times_.front(), times_.back(), fmt::join(files, ", nor "),
+           count > kNamed ? fmt::format(", nor in {} others", count - kNamed) : "",
+           index_.ended ? "FDS has ended, so files were cut or are of another run: copy them again"
+                        : "the case may still be running; else copy the files again")});
+  remarks_.push_back(leftOut_.back());
 }
 
 void FdsCase::noteDroppedTimes(std::span<const double> dropped) {
@@ -593,6 +639,8 @@ Result<std::shared_ptr<const FdsCase::Frame>> FdsCase::frame(std::size_t positio
   std::mutex mutex;
   std::optional<Error> error;
   parallelFor(parts_.size(), [&](std::size_t i) {
+    if (holds(*parts_[i]) && !parts_[i]->hasFrame(position))
+      return;
     auto values =
         holds(*parts_[i]) ? partValues(*parts_[i], position) : std::make_shared<const FdsValues>();
     if (values) {
@@ -649,8 +697,9 @@ FdsCase::Cells FdsCase::cellsAt(double time, double frameBefore, double frameAft
       cells[i] = std::make_shared<const std::vector<FdsCell>>();
       return;
     }
-    if (known && part.cells.second && part.cells.first == changes) {
-      cells[i] = part.cells.second;
+    Part::Cells& kept = values[i] ? part.cells : part.unknownCells;
+    if ((known || !values[i]) && kept.second && kept.first == changes) {
+      cells[i] = kept.second;
       return;
     }
     const FdsMesh& mesh = index_.meshes[static_cast<std::size_t>(part.what.mesh)];
@@ -660,31 +709,47 @@ FdsCase::Cells FdsCase::cellsAt(double time, double frameBefore, double frameAft
       FdsCell& state = (*states)[part.lattice.cellAt(cell)];
       if (part.isSolid(mesh, solid, cell)) {
         state = FdsCell::kSolid;
-      } else if (!known && !part.hasValues(values[i]->value, cell)) {
+      } else if (!values[i] || (!known && !part.hasValues(values[i]->value, cell))) {
         state = FdsCell::kUnknown;
       }
     });
     cells[i] = std::move(states);
-    if (known)
-      part.cells = {changes, cells[i]};
+    if (known || !values[i])
+      kept = {changes, cells[i]};
   });
   return cells;
 }
 
-Result<FdsField> FdsCase::field(double time) {
+FdsCase::Place FdsCase::placeOf(double time) const {
   const auto after = std::upper_bound(times_.begin(), times_.end(), time);
   const std::size_t first = after == times_.begin() ? 0 : (after - times_.begin()) - 1;
   const std::size_t second = std::min(first + 1, times_.size() - 1);
   const double length = times_[second] - times_[first];
-  const double share = length > 0 ? std::clamp((time - times_[first]) / length, 0.0, 1.0) : 0;
+  return {first, second, length > 0 ? std::clamp((time - times_[first]) / length, 0.0, 1.0) : 0};
+}
+
+Result<FdsField> FdsCase::field(double time) {
+  const auto [first, second, share] = placeOf(time);
   VOLUTE_ASSIGN(const auto a, frame(first));
   Frame values = *a;
   if (share > 0) {
     VOLUTE_ASSIGN(const auto b, frame(second));
-    parallelFor(values.size(),
-                [&](std::size_t i) { values[i] = between(*(*a)[i], *(*b)[i], share); });
+    parallelFor(values.size(), [&, share = share](std::size_t i) {
+      values[i] = (*a)[i] && (*b)[i] ? between(*(*a)[i], *(*b)[i], share) : nullptr;
+    });
   }
   Cells cells = cellsAt(time, times_[first], share > 0 ? times_[second] : times_[first], values);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i])
+      continue;
+    std::shared_ptr<const FdsValues>& unknown = parts_[i]->unknownValues;
+    if (!unknown) {
+      constexpr float kNotKnown = std::numeric_limits<float>::quiet_NaN();
+      unknown = std::make_shared<const FdsValues>(
+          FdsValues{std::vector(parts_[i]->lattice.valueCount(), kNotKnown), {}, {}});
+    }
+    values[i] = unknown;
+  }
   return FdsField(grid_, std::move(values), std::move(cells));
 }
 

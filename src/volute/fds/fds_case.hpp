@@ -27,6 +27,10 @@ struct FdsOptions {
   /// C of visibility slices; without it VISIBILITY_FACTOR of the case's input, else FDS's 3.
   std::optional<double> visibilityFactor{};
   bool orClear = false;  ///< a case that stores no smoke is clear air, for pictures
+  /// Times that not all files have stay where those of the others begin later or end earlier, and
+  /// so do meshes whose file is missing: nothing is known there and then. Else such times are left
+  /// out, and a missing file is an error: in a picture, what is not known looks like clear air.
+  bool partly = false;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes], for frames
   FdsShare share{};                                  ///< fields have values of these meshes alone
 };
@@ -58,8 +62,15 @@ class FdsCase {
 
   const FdsSource& source() const { return sources_[chosen_]; }
 
-  /// Times [s] of the stored frames that all files of the source have; ascending, at least one.
+  /// Times [s] of the stored frames that all files of the source have, and, of a case that is read
+  /// partly, those at which some know nothing; ascending, at least one.
   std::span<const double> times() const { return times_; }
+
+  /// Whether all files have frames at all times().
+  bool isWhole() const { return whole_; }
+
+  /// Whether the file of a lattice has the frames that field() takes at a time.
+  bool knows(std::size_t lattice, double time) const;
 
   /// The last time [s] that any file of the source has.
   double storedUntil() const { return storedUntil_; }
@@ -93,7 +104,16 @@ class FdsCase {
 
  private:
   struct Part;
+
+  /// Of each part; null: its file has none.
   using Frame = std::vector<std::shared_ptr<const FdsValues>>;
+
+  /// Where a time is among the stored ones.
+  struct Place {
+    std::size_t first = 0, second = 0;
+    double share = 0;  ///< of the second; 0: it does not matter
+  };
+
   using Cells = std::vector<std::shared_ptr<const std::vector<FdsCell>>>;
 
   FdsCase() = default;
@@ -116,6 +136,8 @@ class FdsCase {
   bool holds(const Part& part) const;
   Status findTimes();
   void noteDroppedTimes(std::span<const double> dropped);
+  void noteShortFiles();
+  Place placeOf(double time) const;
   Status buildGrid();
   void findChanges();
   void noteMissingMeshes();
@@ -142,6 +164,7 @@ class FdsCase {
   SmokeScale::Rounding rounding_ = SmokeScale::Rounding::kUnknown;  // of .s3d's opacity
   std::vector<double> times_;
   double storedUntil_ = 0;       // [s]
+  bool whole_ = true;            // all files have all times
   std::vector<double> changes_;  // of obstructions and vents, ascending
   std::shared_ptr<const FdsGrid> grid_;
   std::vector<Remark> remarks_, leftOut_;

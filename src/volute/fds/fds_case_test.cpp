@@ -494,6 +494,54 @@ TEST(FdsCase, aMeshThatEndsBetweenFramesIsNamedWhicheverItIs) {
   }
 }
 
+// Where one mesh's file ends earlier, or begins later, the others go on, and nothing is known
+// there.
+TEST(FdsCase, aMeshThatEndsEarlierIsUnknownWhereThatIsAskedFor) {
+  const Segment first = between({0, 0.4, 0.3}, {1, 0.4, 0.3});
+  const Segment second = between({1.01, 0.4, 0.3}, {1.9, 0.4, 0.3});
+  for (const int mesh : {1, 2}) {
+    const Folder folder;
+    saveSlices(folder, false, 2, linear);
+    const auto file = folder / fmt::format("made_{}_1.sf", mesh);
+    const auto header = 3 * (30 + 8) + (6 * 4 + 8);
+    std::filesystem::resize_file(file, header + (std::filesystem::file_size(file) - header) / 2);
+    FdsCase read = opened(folder / "made.smv", {.partly = true});
+    EXPECT_THAT(read.times(), ElementsAre(0, 10));
+    EXPECT_FALSE(read.isWhole());
+    EXPECT_THAT(sentences(read.leftOut()),
+                Contains(HasSubstr(
+                    fmt::format("is stored from 0 to 10 s, but not known after 0 s in mesh {0} "
+                                "(made_{0}_1.sf)",
+                                mesh))));
+    const Segment &cut = mesh == 1 ? first : second, &whole = mesh == 1 ? second : first;
+    const double length = cut.end - cut.begin;
+    for (const auto& [time, unknown] : {std::pair{0.0, 0.0}, {0.5, length}, {10, length}}) {
+      const FdsField field = fieldAt(read, time);
+      EXPECT_NEAR(depthOf(field, cut).uncovered, unknown, 1e-9) << time;
+      EXPECT_EQ(depthOf(field, whole).uncovered, 0) << time;
+      EXPECT_GT(depthOf(field, whole).value, 0) << time;
+      const std::size_t number = static_cast<std::size_t>(mesh) - 1;
+      EXPECT_EQ(read.knows(number, time), unknown == 0) << time;
+      EXPECT_TRUE(read.knows(1 - number, time)) << time;
+    }
+    EXPECT_NEAR(depthOf(fieldAt(read, 0), cut).uncovered, 0, 1e-9) << "back to what is known";
+  }
+}
+
+TEST(FdsCase, aMissingFileLeavesItsMeshUnknownWhereThatIsAskedFor) {
+  const Folder folder;
+  saveSlices(folder, false, 2, linear);
+  std::filesystem::remove(folder / "made_2_1.sf");
+  EXPECT_FALSE(FdsCase::open(folder / "made.smv"));
+  const FdsCase read = opened(folder / "made.smv", {.partly = true});
+  EXPECT_THAT(read.times(), ElementsAre(0, 10));
+  EXPECT_THAT(sentences(read.leftOut()),
+              Contains(AllOf(HasSubstr("made_2_1.sf"), HasSubstr("made.smv names it for mesh 2: "
+                                                                 "what it holds is not known"))));
+  std::filesystem::remove(folder / "made_1_1.sf");
+  EXPECT_FALSE(FdsCase::open(folder / "made.smv", {.partly = true})) << "nothing is left";
+}
+
 TEST(FdsCase, aMeshWithoutAWholeFrameIsLeftOutAndNamed) {
   const Folder folder;
   saveSlices(folder, false, 2, linear);

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <limits>
+
 #include "volute/fds/fds_case.hpp"
 
 // Inside of FdsCase.
@@ -25,7 +27,8 @@ struct FdsCase::Part {
   double massExtinction = kFdsMassExtinction;
   double cellLength = 0;             // dx of the opacity of .s3d [m]
   std::vector<FdsSizeRow> sizeRows;  // of .s3d
-  std::vector<std::size_t> frameAt;  // of the file, for each of the case's times
+  static constexpr std::size_t kNoFrame = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> frameAt;  // of the file, for each of the case's times, or kNoFrame
 
   /// What stays while no obstruction or vent comes or goes.
   struct Geometry {
@@ -36,7 +39,13 @@ struct FdsCase::Part {
 
   std::shared_ptr<const Geometry> geometry;  // of the last time
   std::optional<bool> beginsClear;           // whether the first frame has no smoke
-  std::pair<std::size_t, std::shared_ptr<const std::vector<FdsCell>>> cells;  // by their changes
+
+  using Cells = std::pair<std::size_t, std::shared_ptr<const std::vector<FdsCell>>>;
+  Cells cells;         // by their changes
+  Cells unknownCells;  // the same while there is no frame
+  std::shared_ptr<const FdsValues> unknownValues;
+
+  bool hasFrame(std::size_t position) const { return frameAt[position] != kNoFrame; }
 
   /// The lattice cell's state where `solid` are the mesh's cells: solid when all it spans are.
   bool isSolid(const FdsMesh& mesh, std::span<const std::uint8_t> solid,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "volute/fds/frame_scan.hpp"
 #include "volute/fds/text_lines.hpp"
@@ -269,8 +270,16 @@ Result<FdsPlotFiles> FdsPlotFiles::open(std::vector<FdsPlotEntry> entries, int v
   plots.variable_ = variable;
   plots.nodes_ = nodesOf(mesh);
   plots.values_ = mesh.nodeCount();
+  std::optional<Error> missing;
   for (const FdsPlotEntry& entry : entries) {
-    VOLUTE_ASSIGN(const auto file, FortranFile::open(entry.file));
+    auto opened = FortranFile::open(entry.file);
+    if (!opened && opened.error().code == ErrorCode::kNotFound) {
+      plots.frames_.remarks.push_back(
+          {RemarkCode::kDamaged, opened.error().message + ": its time is left out"});
+      missing = opened.error();
+      continue;
+    }
+    VOLUTE_ASSIGN(const auto file, std::move(opened));
     const auto check = [&]() -> Status {
       std::array<std::int32_t, 3> words{};
       VOLUTE_ASSIGN(std::uint64_t offset, file.readInto(0, std::span(words), "the header"));
@@ -300,6 +309,8 @@ Result<FdsPlotFiles> FdsPlotFiles::open(std::vector<FdsPlotEntry> entries, int v
     plots.frames_.add(entry.time, plots.paths_.size(), entry.file.string());
     plots.paths_.push_back(entry.file);
   }
+  if (plots.paths_.empty() && missing)
+    return tl::unexpected<Error>(*missing);
   return plots;
 }
 

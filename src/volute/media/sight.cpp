@@ -31,6 +31,12 @@ std::optional<StoredPlace> storedPlace(std::span<const double> times, double tim
   return StoredPlace{first, second, share, {times[first], times[second]}};
 }
 
+bool isStored(std::span<const double> times, double time) {
+  constexpr double kSame = 0.05;  // of an interval, as storedPlace() has it
+  const auto place = storedPlace(times, time);
+  return place && (place->share <= kSame || place->share >= 1 - kSame);
+}
+
 Status PointField::answer(double time, std::span<const Vec3> points, std::span<PointValue> out) {
   std::vector<double> values(points.size(), std::numeric_limits<double>::quiet_NaN());
   const auto place = storedPlace(times(), time);
@@ -72,6 +78,21 @@ bool BestPoints::isExact() const {
   return std::ranges::all_of(sources_, [](const auto& source) { return source->isExact(); });
 }
 
+namespace {
+
+/// Bounds within both; false: the other's do not narrow them, or contradict them.
+bool narrow(PointValue& one, const PointValue& by) {
+  const double low = std::max(one.low, by.low), high = std::min(one.high, by.high);
+  if (!by.ofPlace || !(low <= high) || (low == one.low && high == one.high))
+    return false;
+  one.low = low;
+  one.high = high;
+  one.value = std::clamp(one.value, low, high);
+  return true;
+}
+
+}  // namespace
+
 Status BestPoints::answer(double time, std::span<const Vec3> points, std::span<PointValue> out) {
   for (PointValue& one : out) one = {.span = one.span};
   // Sources that know this time, with how far their times are apart there. Those that do by what is
@@ -94,39 +115,43 @@ Status BestPoints::answer(double time, std::span<const Vec3> points, std::span<P
   for (auto& [beyond, apart, s] : order)  // by powers of two of the closest
     apart = std::isinf(closest) ? 0 : std::floor(std::log2(apart / closest));
   std::ranges::sort(order);
-  std::vector<std::size_t> left;
   for (const auto& [beyond, apart, s] : order) {
+    PointField& source = *sources_[s];
     bool any = false;
     if (&s == &std::get<2>(order.front())) {
-      VOLUTE_TRY(sources_[s]->answer(time, points, out));
-      for (std::size_t i = 0; i < points.size(); ++i) {
-        if (std::isnan(out[i].value))
-          left.push_back(i);
-      }
-      any = left.size() < points.size();
+      VOLUTE_TRY(source.answer(time, points, out));
+      any = std::ranges::any_of(out, [](const PointValue& one) { return !std::isnan(one.value); });
     } else {
-      std::vector<Vec3> at;
-      for (const std::size_t i : left) at.push_back(points[i]);
-      std::vector<PointValue> values(at.size());
-      VOLUTE_TRY(sources_[s]->answer(time, at, values));
+      const bool narrows =
+          !beyond && (apart == std::get<1>(order.front()) || isStored(source.times(), time));
       std::vector<std::size_t> open;
-      for (std::size_t k = 0; k < left.size(); ++k) {
-        if (std::isnan(values[k].value)) {
-          open.push_back(left[k]);
+      std::vector<Vec3> at;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!std::isnan(out[i].value) && !(narrows && out[i].low < out[i].high))
           continue;
-        }
-        out[left[k]] = values[k];
-        any = true;
+        open.push_back(i);
+        at.push_back(points[i]);
       }
-      left = std::move(open);
+      if (open.empty())
+        continue;
+      std::vector<PointValue> values(at.size());
+      VOLUTE_TRY(source.answer(time, at, values));
+      for (std::size_t k = 0; k < open.size(); ++k) {
+        if (std::isnan(values[k].value))
+          continue;
+        if (std::isnan(out[open[k]].value)) {
+          out[open[k]] = values[k];
+          any = true;
+        } else if (narrow(out[open[k]], values[k])) {
+          any = true;
+        }
+      }
     }
     if (any) {
       auto& served = served_[s];
       served = served ? StoredSpan{std::min(served->from, time), std::max(served->until, time)}
                       : StoredSpan{time, time};
     }
-    if (left.empty())
-      break;
   }
   return {};
 }

@@ -210,6 +210,9 @@ struct StoredPlace {
 /// time there is no such interval.
 [[nodiscard]] std::optional<StoredPlace> storedPlace(std::span<const double> times, double time);
 
+/// Whether a time is stored, or so close to one as files of one output differ.
+[[nodiscard]] bool isStored(std::span<const double> times, double time);
+
 /// A source of a quantity, and what it has served.
 struct ServedSource {
   std::string description;
@@ -224,6 +227,9 @@ struct PointValue {
   /// What the air around the point is within: low <= value <= high.
   double low = value, high = value;
   StoredSpan span{};  ///< the stored times around it, of what served
+  /// Whether the bounds are of this very place: not what an instrument reads nearby, nor a mean
+  /// that is rounded up.
+  bool ofPlace = true;
 };
 
 /// One quantity of the air, at points, over time.
@@ -261,7 +267,9 @@ class PointField {
 
 /// The best of several sources of a quantity at each place and time: of those that know it there
 /// and then, one whose stored times around are closest together, where it is by a factor of two;
-/// else the first. One source at least.
+/// else the first. What this one leaves open is narrowed by the bounds of those whose times are as
+/// close together, and of the others at their stored times; where they contradict each other, the
+/// best one's stay. One source at least.
 class BestPoints final : public PointField {
  public:
   /// @param unread  sentences about further sources that could not be read.

@@ -80,5 +80,65 @@ TEST(BestPoints, TheOneThatKnowsAPlaceAndTimeBestServes) {
   EXPECT_EQ(served[1].served->from, 30);
 }
 
+/// As a mean that leaves something open.
+class Open final : public PointField {
+ public:
+  Open(std::vector<double> times, PointValue value) : times_(std::move(times)), value_(value) {}
+
+  std::string description() const override { return "open"; }
+
+  std::span<const double> times() const override { return times_; }
+
+  Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
+    return valuesOf(time, points, out);
+  }
+
+  bool isExact() const override { return false; }
+
+  Status answer(double time, std::span<const Vec3>, std::span<PointValue> out) override {
+    const auto place = storedPlace(times_, time);
+    for (PointValue& one : out) {
+      one = place ? value_ : PointValue{};
+      one.span = place ? place->span : one.span;
+    }
+    return {};
+  }
+
+ private:
+  std::vector<double> times_;
+  PointValue value_;
+};
+
+TEST(BestPoints, WhatIsExactAtItsTimesNarrowsWhatIsStoredMoreOften) {
+  const auto answer = [](std::vector<double> times, PointValue other, double time) {
+    std::vector<std::unique_ptr<PointField>> sources;
+    sources.push_back(std::make_unique<Open>(std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10},
+                                             PointValue{60, 50, 80}));
+    sources.push_back(std::make_unique<Open>(std::move(times), other));
+    BestPoints best(std::move(sources));
+    const std::vector<Vec3> point{Vec3(1, 0, 0)};
+    std::vector<PointValue> out(1);
+    EXPECT_TRUE(best.answer(time, point, out));
+    return out.front();
+  };
+  const PointValue exact{70, 70, 70};
+  const std::vector<double> few{0, 5, 10};
+  PointValue one = answer(few, exact, 5);
+  EXPECT_EQ((std::array{one.value, one.low, one.high}), (std::array{70.0, 70.0, 70.0}));
+  EXPECT_EQ(one.span.from, 5);
+  one = answer(few, exact, 6);
+  EXPECT_EQ((std::array{one.value, one.low, one.high}), (std::array{60.0, 50.0, 80.0}))
+      << "it may have been more between its times";
+  EXPECT_EQ(one.span.until, 6);
+  one = answer({0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5}, exact, 6);
+  EXPECT_EQ(one.high, 70) << "as often";
+  one = answer(few, {55, 40, 58}, 5);
+  EXPECT_EQ((std::array{one.value, one.low, one.high}), (std::array{58.0, 50.0, 58.0}));
+  one = answer(few, {30, 20, 40}, 5);
+  EXPECT_EQ((std::array{one.low, one.high}), (std::array{50.0, 80.0})) << "a contradiction";
+  one = answer(few, {.value = 70, .low = 70, .high = 70, .ofPlace = false}, 5);
+  EXPECT_EQ(one.high, 80) << "from nearby";
+}
+
 }  // namespace
 }  // namespace volute

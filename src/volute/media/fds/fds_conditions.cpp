@@ -110,7 +110,8 @@ class FdsPoints final : public PointField {
 
   Status answer(double time, std::span<const Vec3> points, std::span<PointValue> out) override {
     const auto place = storedPlace(times(), time);
-    for (PointValue& one : out) one = {.span = place ? place->span : one.span};
+    for (PointValue& one : out)
+      one = {.span = place ? place->span : one.span, .ofPlace = !isRounded()};
     if (!place)
       return {};
     const auto [first, second, share, span] = *place;
@@ -160,8 +161,10 @@ class FdsPoints final : public PointField {
     const auto from = [&](double value, double outwards) {
       return clean_ + (layer ? outwards : 1) * (value - clean_);
     };
-    out.low = std::min(out.low, from(low, low > clean_ ? 0.5 : 1.5));
-    out.high = std::max(out.high, from(high, high > clean_ ? 1.5 : 0.5));
+    const double least = quantity_ == "temperature" ? -273.15 : 0;
+    const double most = fraction_ ? 1 : std::numeric_limits<double>::infinity();
+    out.low = std::min(out.low, std::max(from(low, low > clean_ ? 0.5 : 1.5), least));
+    out.high = std::max(out.high, std::min(from(high, high > clean_ ? 1.5 : 0.5), most));
   }
 
   /// The least and the largest at the corners of the gas cells that touch a point.
@@ -193,7 +196,7 @@ class FdsPoints final : public PointField {
     std::vector<std::shared_ptr<const FdsValues>> values;
     for (const auto& own : field.allValues()) {
       auto high = std::make_shared<FdsValues>();
-      high->value = own->high;
+      high->value = own->high.empty() ? own->value : own->high;  // the first: where none is known
       for (float& value : high->value) value = value > kLargest ? kLargest : value;
       values.push_back(std::move(high));
     }
@@ -304,13 +307,16 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
       FdsOptions options;
       options.quantity = stored.fds;
       options.source = source.name;
+      options.partly = true;
       options.maxMemory = maxMemory;
       auto fds = FdsCase::open(index, options);
-      if (fds)
-        sources.push_back(std::make_unique<FdsPoints>(std::move(*fds), *change, stored.factor,
-                                                      quantity, unitOf(quantity) == kFraction));
-      else
+      if (!fds) {
         failed(fds.error());
+        continue;
+      }
+      for (const Remark& remark : fds->leftOut()) notes.push_back(remark.sentence);
+      sources.push_back(std::make_unique<FdsPoints>(std::move(*fds), *change, stored.factor,
+                                                    quantity, unitOf(quantity) == kFraction));
     }
   }
   auto devices = fdsDevicePoints(index, spellings, unitOf(quantity), quantity);

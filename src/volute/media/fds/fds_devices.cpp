@@ -269,7 +269,8 @@ class FdsDevicePoints final : public PointField {
         // Of several at one place, such as radiometers that face several ways, the worst counts.
         if (distance > least - kSamePlace && worst_ * value <= worst_ * out[i].value)
           continue;
-        out[i] = {value, value, value, place->span};
+        constexpr double kHere = 1e-3;  // [m]
+        out[i] = {value, value, value, place->span, distance <= kHere};
         least = std::min(least, distance);
       }
     }

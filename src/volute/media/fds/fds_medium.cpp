@@ -148,6 +148,7 @@ Result<std::shared_ptr<FdsMedium>> FdsMedium::open(const FdsDescription& descrip
   const bool drawn = !context.options.sightOnly;
   FdsOptions options = optionsOf(description, reading.maxMemory);
   options.volume = options.orClear = drawn && description.field.empty();
+  options.partly = !drawn;
   auto opened = std::make_shared<FdsMedium>();
   FdsMedium& medium = *opened;
   medium.holders_ = context.options.holders;
@@ -328,7 +329,8 @@ Result<std::unique_ptr<SightField>> FdsMedium::sight(Reading& reading) {
                 "{}/scale: is for meshes: the files of an FDS case say what they hold",
                 description_.where);
   }
-  const FdsOptions options = optionsOf(description_, reading.maxMemory);
+  FdsOptions options = optionsOf(description_, reading.maxMemory);
+  options.partly = true;
   VOLUTE_ASSIGN(auto files, FdsCase::open(case_->index(), options, case_.get()));
   // Somebody who names a source is asking for that alone.
   std::vector<FdsCase> others;

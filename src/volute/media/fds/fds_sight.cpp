@@ -562,13 +562,6 @@ double apartAt(std::span<const double> times, double time) {
   return *after - *(after - 1);
 }
 
-/// Whether a time is stored, or so close to one as files of one output differ.
-bool isStored(std::span<const double> times, double time) {
-  constexpr double kSame = 0.05;  // of an interval, as storedPlace() has it
-  const auto place = storedPlace(times, time);
-  return place && (place->share <= kSame || place->share >= 1 - kSame);
-}
-
 /// Times in FDS's files are apart by a time step more or less, so that a half more is a difference.
 constexpr double kFiner = 1.5;
 
@@ -653,7 +646,7 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
     const bool finer = isFiner(*opened, first) && replaces(*opened, first);
     const std::size_t before = meshes.size();
     meshes.merge(meshesIn(opened->grid()));
-    if (!beyond && !precise && !finer && meshes.size() == before) {
+    if (!beyond && !precise && !finer && meshes.size() == before && first.isWhole()) {
       // Perhaps because it is cut.
       for (const Remark& remark : opened->leftOut()) {
         if (unread != nullptr &&
@@ -727,6 +720,12 @@ std::vector<Remark> FdsSight::remarks() const {
       remarks.push_back(fmt::format(
           "{}: {} is stored from {:g} to {:g} s; {} serves at other times", name_,
           case_.source().name, case_.times().front(), case_.times().back(), other.source().name));
+    }
+    if (!case_.isWhole()) {
+      remarks.push_back(
+          fmt::format("{}: where files of {} have no frames, {} serves, as far as it "
+                      "has any",
+                      name_, case_.source().name, other.source().name));
     }
     if (isFiner(other, case_) && replaces(other, case_)) {
       remarks.push_back(fmt::format(
@@ -855,13 +854,20 @@ const FdsSight::Unknown& FdsSight::unknownMesh(int mesh, double time) {
   return made;
 }
 
-/// In meshes of which a source has no file, what the others know there; so, too, above and below
-/// the layers of one that stands in for a while.
+/// In meshes of which a source has no file, or none that reaches until that time, what the others
+/// know there; so, too, above and below the layers of one that stands in for a while.
 Result<FdsField> FdsSight::completed(FdsField field, const FdsCase& of, double time) {
   const auto& meshes = case_.index().meshes;
   const bool inLayers = case_.source().volume && !of.source().volume;
   const auto meshesOf = [&](const FdsCase& one) {
-    return inLayers && !one.source().volume ? std::set<int>() : meshesIn(one.grid());
+    if (inLayers && !one.source().volume)
+      return std::set<int>();
+    std::set<int> all = meshesIn(one.grid());
+    for (std::size_t l = 0; !one.isWhole() && l < one.grid().lattices().size(); ++l) {
+      if (!one.knows(l, time))
+        all.erase(one.grid().lattices()[l].mesh);
+    }
+    return all;
   };
   std::set<int> known = meshesOf(of);
   if (known.size() == meshes.size())
@@ -870,26 +876,26 @@ Result<FdsField> FdsSight::completed(FdsField field, const FdsCase& of, double t
   std::vector<bool> held;
   std::vector<std::shared_ptr<const FdsValues>> values;
   std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells;
-  std::vector<const FdsGrid*> from;
-  const auto take = [&](const FdsField& one, const std::set<int>& without) {
+  std::vector<std::pair<const FdsGrid*, std::size_t>> from;
+  const auto take = [&](const FdsField& one, const FdsCase& its, const std::set<int>& without) {
     for (std::size_t l = 0; l < one.grid().lattices().size(); ++l) {
-      if (without.contains(one.grid().lattices()[l].mesh))
+      if (without.contains(one.grid().lattices()[l].mesh) || !its.knows(l, time))
         continue;
       lattices.push_back(one.grid().lattices()[l]);
       held.push_back(one.grid().holds(l));
       values.push_back(one.allValues()[l]);
       cells.push_back(one.allCells()[l]);
-      from.push_back(&one.grid());
+      from.emplace_back(&one.grid(), l);
     }
   };
-  take(field, {});
+  take(field, of, {});
   for (std::size_t i = 0; i <= others_.size(); ++i) {
     FdsCase& other = i == 0 ? case_ : others_[i - 1];
     std::set<int> its = meshesOf(other);
     if (&other == &of || std::ranges::includes(known, its) || !storedPlace(other.times(), time))
       continue;
     VOLUTE_ASSIGN(const FdsField more, fieldBeside(of, other, time));
-    take(more, known);
+    take(more, other, known);
     known.merge(its);
   }
   for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {
@@ -901,7 +907,7 @@ Result<FdsField> FdsSight::completed(FdsField field, const FdsCase& of, double t
     held.push_back(true);
     values.push_back(unknown.values);
     cells.push_back(unknown.cells);
-    from.push_back(nullptr);
+    from.emplace_back(nullptr, mesh);
   }
   auto whole = std::ranges::find(wholes_, from, &Whole::from);
   if (whole == wholes_.end()) {
@@ -925,7 +931,7 @@ bool FdsSight::sameGeometry(const FdsField& field, double time) const {
 }
 
 std::string FdsSight::tallerSource() const {
-  FdsOptions filling{.volume = true};
+  FdsOptions filling{.volume = true, .partly = true};
   filling.maxMemory = maxMemory_;
   const auto other = FdsCase::open(case_.index(), filling);
   const bool further =

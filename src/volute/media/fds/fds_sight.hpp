@@ -61,7 +61,7 @@ class FdsInstant final : public BasicSightInstant {
 
 /// Sources of the same smoke that know what another one does not: of a visibility that is cut, the
 /// extinction where it is; of any, times at which it stores nothing, or fewer, and meshes of which
-/// it has no file. Best first. What cannot be read is left out.
+/// it has no file, or one that is cut. Best first. What cannot be read is left out.
 /// @param options  those of `first`
 /// @param earlier  see FdsCase::open()
 /// @param unread  is given a remark on each that cannot be read; may be null
@@ -124,7 +124,8 @@ class FdsSight final : public SightField {
 
   /// Lattices of several sources together.
   struct Whole {
-    std::vector<const FdsGrid*> from;  // of each; null: of a mesh that nobody knows
+    // Of each; null: of a mesh that nobody knows.
+    std::vector<std::pair<const FdsGrid*, std::size_t>> from;
     std::shared_ptr<const FdsGrid> grid;
   };
 
