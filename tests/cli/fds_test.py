@@ -377,6 +377,15 @@ class Fds(support.TestCase):
         within = said("--eye", "0.25,0.25,0.5", "--target", "3,0.25,0.5", "--fov", "60", "--time", "8")
         self.assertFalse(b"ruler" in within)
 
+    def test_a_tall_case_has_a_ruler_upwards(self):
+        for height, upwards in ((60, b"ruler: 2 m each, 5 m upwards"), (9, b"ruler: 2 m each")):
+            mesh = Mesh("tower", (0, 20, 0, 15, 0, height), (10, 10, 30))
+            case = FdsCase([mesh], [0.0], lambda *_: 0.1).write(self.folder, f"tower{height}")
+            self.works("render", case, "-o", self.path("x.png"), "--size", "300x400")
+            said = self.path("x.png").read_bytes()
+            self.assertIn(upwards, said)
+            self.assertEqual(b"upwards" in said, height > 12)
+
     def test_options_that_would_change_nothing_are_refused_by_all_commands(self):
         self.path("signs.json").write_text('{"signs": [{"name": "a", "position": [1, 0.5, 0.5], "normal": [0, 0, 1]}]}')
         survey = ("visibility", self.case, "--signs", self.path("signs.json"), "-o", self.path("out"))

@@ -566,7 +566,8 @@ std::vector<std::string> FdsMedium::words(const std::optional<Vec3>& eye) const 
   if (heat_)
     words.push_back("fire: " + fireLaw());
   if (openTowards(*shell_, eye) != 0)
-    words.push_back(fmt::format("ruler: {:g} m each", ruler()));
+    words.push_back(fmt::format("ruler: {:g} m each", ruler(0)) +
+                    (rulerAxes() > 2 ? fmt::format(", {:g} m upwards", ruler(2)) : ""));
   if (!description_.look.cuts.empty()) {
     std::string planes;
     for (const FdsCut& cut : description_.look.cuts)
@@ -845,7 +846,8 @@ void FdsMedium::addEdges(std::span<const FdsQuad> quads, const Box3& bounds,
   }
 }
 
-/// The edges of what the meshes fill, and a ruler along the lower edges before it.
+/// The edges of what the meshes fill, and rulers along the lower edges before it, and beside what
+/// is tall.
 void FdsMedium::addOutline(const FdsBuilding& building, FdsSides open, TriangleMesh& to) const {
   const Box3& box = building.bounds();
   const double half = kLine * box.size().norm();
@@ -862,8 +864,8 @@ void FdsMedium::addOutline(const FdsBuilding& building, FdsSides open, TriangleM
   }
   const auto dark = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kDarkMark * light)});
   const auto bright = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kLightMark * light)});
-  const double step = ruler();
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; axis < rulerAxes(); ++axis) {
+    const double step = ruler(axis);
     const Vec3 from = rulerStart(box, axis, open, 5 * half);
     // At round coordinates, wherever the meshes begin.
     const double first = std::floor(box.min[axis] / step + 1e-6) * step;
@@ -900,10 +902,15 @@ FdsMedium::Needle FdsMedium::northNeedle(const Vec3& eye, FdsSides open) const {
 }
 
 Vec3 FdsMedium::rulerStart(const Box3& box, int axis, FdsSides open, double beside) {
-  const int across = 1 - axis;
-  const bool far = (open >> (2 * across + 1) & 1) != 0;
+  const auto far = [&](int across) { return (open >> (2 * across + 1) & 1) != 0; };
   Vec3 from = box.min;
-  from[across] = far ? box.max[across] + beside : box.min[across] - beside;
+  if (axis == 2) {  // where the ruler along x ends, on the side away from the eye
+    from.x() = far(0) ? box.min.x() - beside : box.max.x() + beside;
+    from.y() = far(1) ? box.max.y() : box.min.y();
+    return from;
+  }
+  const int across = 1 - axis;
+  from[across] = far(across) ? box.max[across] + beside : box.min[across] - beside;
   return from;
 }
 
@@ -913,11 +920,12 @@ std::vector<PlaceMark> FdsMedium::rulerMarks(const std::optional<Vec3>& eye) con
     return {};
   constexpr double kBeside = 0.035;  // of the outline's diagonal
   const Box3& box = shell_->bounds();
-  const double step = ruler(), beside = kBeside * box.size().norm();
+  const double beside = kBeside * box.size().norm();
   std::vector<PlaceMark> marks;
   if (case_->index().north && eye)
     marks.push_back({northNeedle(*eye, open).letter, "N"});
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; axis < rulerAxes(); ++axis) {
+    const double step = ruler(axis);
     const Vec3 from = rulerStart(box, axis, open, beside);
     const double length = box.size()[axis];
     const auto first = static_cast<int>(std::ceil(box.min[axis] / step - 1e-6));
@@ -933,13 +941,21 @@ std::vector<PlaceMark> FdsMedium::rulerMarks(const std::optional<Vec3>& eye) con
     }
     Vec3 name = rulerStart(box, axis, open, 2.2 * beside);
     name[axis] += 0.5 * length;
-    marks.push_back({name, fmt::format("{} [m]", "xy"[axis])});
+    marks.push_back({name, fmt::format("{} [m]", "xyz"[axis])});
   }
   return marks;
 }
 
-double FdsMedium::ruler() const {
-  return divisionOf(shell_->bounds().size().head<2>().maxCoeff());
+/// The length of its divisions [m].
+double FdsMedium::ruler(int axis) const {
+  const Vec3 size = shell_->bounds().size();
+  return divisionOf(axis < 2 ? size.head<2>().maxCoeff() : size.z());
+}
+
+/// One upwards, too, where storeys cannot be counted at a glance.
+int FdsMedium::rulerAxes() const {
+  constexpr double kTall = 12;  // [m]
+  return shell_->bounds().size().z() >= kTall ? 3 : 2;
 }
 
 }  // namespace volute

@@ -196,7 +196,8 @@ class FdsMedium final : public SceneMedium, public ProbedMedium {
   FdsSides openTowards(const FdsBuilding& building, const std::optional<Vec3>& eye) const;
   CameraDescription outsideCamera() const;
   std::optional<CameraDescription> insideCamera() const;
-  double ruler() const;
+  double ruler(int axis) const;
+  int rulerAxes() const;
 
   /// Which points north, where the case says it.
   struct Needle {
