@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -83,12 +83,12 @@ Result<std::vector<Camera>> camerasAround(const Capture& capture) {
 Result<Image> finePicture(std::span<const float> volume, const VolumeGeometry& geometry,
                           const Camera& camera) {
   Mat3 k = camera.intrinsics();
-  k.topRows<2>() *= 2;
+  for (int column = 0; column < 3; ++column) k(0, column) *= 2, k(1, column) *= 2;
   VOLUTE_ASSIGN(const Camera twice, Camera::calibrated({2 * camera.width(),
                                                         2 * camera.height(),
                                                         k,
                                                         camera.rotation(),
-                                                        -camera.rotation() * camera.eye(),
+                                                        -(camera.rotation() * camera.eye()),
                                                         {},
                                                         0.5}));
   const Image large = projectVolume(volume, geometry, Basis::kTrilinear, twice, 4);

@@ -16,8 +16,8 @@ namespace volute::bench {
 namespace {
 
 constexpr int kNx = 200, kNy = 100, kTimes = 21;
-constexpr double kMapCell = 0.1;  // [m]
-constexpr double kHeight = 2.0;   // [m], of the slice
+constexpr double kMapCell = 0.1;      // [m]
+constexpr double kSliceHeight = 2.0;  // [m], of the slice
 
 /// A floor of 20 x 10 m with walls, seen at the height of one slice; smoke spreads from a fire.
 struct Floor {
@@ -56,7 +56,7 @@ Floor makeFloor() {
   FdsMesh mesh;
   for (int i = 0; i <= kNx; ++i) mesh.planes[0].push_back(i * kMapCell);
   for (int i = 0; i <= kNy; ++i) mesh.planes[1].push_back(i * kMapCell);
-  mesh.planes[2] = {kHeight - 0.05, kHeight + 0.05};
+  mesh.planes[2] = {kSliceHeight - 0.05, kSliceHeight + 0.05};
   mesh.obstructions = {wall(60, 62, 0, 70), wall(130, 132, 30, kNy), wall(80, 120, 50, 52)};
   floor.index.meshes.push_back(std::move(mesh));
   return floor;
@@ -91,7 +91,7 @@ std::vector<SightTarget> threeSigns() {
        {std::tuple(0.05, 2.05, 1.0, 0.0), {19.95, 8.05, -1.0, 0.0}, {9.95, 0.05, 0.0, 1.0}}) {
     SafetySign sign;
     sign.name = fmt::format("sign {}", signs.size());
-    sign.position = Vec3(x, y, kHeight);
+    sign.position = Vec3(x, y, kSliceHeight);
     sign.normal = Vec3(nx, ny, 0);
     sign.law = *visibilityLaw("jin-reflecting");
     signs.push_back({sign, sign.position});
@@ -103,7 +103,7 @@ std::vector<Vec3> eyesOfPlan() {
   std::vector<Vec3> eyes;
   for (int y = 0; y < kNy; ++y) {
     for (int x = 0; x < kNx; ++x)
-      eyes.emplace_back((x + 0.5) * kMapCell, (y + 0.5) * kMapCell, kHeight);
+      eyes.emplace_back((x + 0.5) * kMapCell, (y + 0.5) * kMapCell, kSliceHeight);
   }
   return eyes;
 }

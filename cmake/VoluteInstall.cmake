@@ -53,11 +53,13 @@ if(VOLUTE_DEPS_DIR)
   return()
 endif()
 
-# Public are the headers in include/volute/volute.hpp, what joins processes and, where OpenGL is, its renderer; and all that they include.
+# Public are the headers in include/volute/volute.hpp, what joins processes, the way to Eigen's types and, where OpenGL is, its
+# renderer; and all that they include.
 set(publicHeaders)
 file(STRINGS include/volute/volute.hpp wanted REGEX "^#include \"volute/")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS include/volute/volute.hpp)
-list(APPEND wanted "#include \"volute/cluster/cluster.hpp\"" "#include \"volute/media/field_members.hpp\"")
+list(APPEND wanted "#include \"volute/cluster/cluster.hpp\"" "#include \"volute/math/eigen.hpp\"" "#include \"volute/math/rotation.hpp\""
+     "#include \"volute/media/field_members.hpp\"")
 if(VOLUTE_WITH_GL)
   list(APPEND wanted "#include \"volute/gl/gl_scene_renderer.hpp\"")
 endif()
@@ -80,23 +82,6 @@ install(FILES include/volute/volute.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/
 
 install(FILES include/volute/volute.h include/volute/medium.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/volute COMPONENT headers)
 install(TARGETS volute_c LIBRARY COMPONENT c NAMELINK_COMPONENT headers)
-
-# Eigen aligns by a program's flags (-mavx, -march=native, EIGEN_DONT_ALIGN), and with it types of the public headers. Programs are
-# told to align as this build does: they work with every -m, and Eigen refuses its own macros beside these.
-include(CheckCXXSourceCompiles)
-get_target_property(CMAKE_REQUIRED_INCLUDES Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
-foreach(bytes 16 32 64)
-  check_cxx_source_compiles("#include <Eigen/Core>
-static_assert(EIGEN_MAX_STATIC_ALIGN_BYTES == ${bytes} && EIGEN_MAX_ALIGN_BYTES == ${bytes});
-int main() {}" VOLUTE_EIGEN_ALIGNS_${bytes})
-  if(VOLUTE_EIGEN_ALIGNS_${bytes})
-    set(eigenAlignment EIGEN_MAX_ALIGN_BYTES=${bytes} EIGEN_MAX_STATIC_ALIGN_BYTES=${bytes})
-    break()
-  endif()
-endforeach()
-unset(CMAKE_REQUIRED_INCLUDES)
-list(TRANSFORM eigenAlignment REPLACE "(.+)" "$<INSTALL_INTERFACE:\\1>" OUTPUT_VARIABLE eigenDefinitions)
-target_compile_definitions(volute_math INTERFACE ${eigenDefinitions})
 
 # Modules that others may link with: what makes programs of them is no part of the library. In the order in which they were
 # added, which is that of docs/layers.txt.
@@ -169,7 +154,7 @@ list(REMOVE_DUPLICATES pcLibraries)
 list(JOIN pcRequires ", " pcRequires)
 list(JOIN archives " " archives)
 list(JOIN pcLibraries " " pcLibraries)
-set(pcDefinitions ${eigenAlignment})
+set(pcDefinitions)
 if(VOLUTE_ASSERTS)
   list(APPEND pcDefinitions VOLUTE_ASSERTS)
 endif()

@@ -68,15 +68,20 @@ int main(int, char** argv) {
 }
 """
 
-# What a program sees of types that hold Eigen's, and what the library has written into them.
+# What a program sees of types that hold vectors, and what the library has written into them; vectors from and to Eigen.
 LAYOUT = """
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
+#include <volute/math/eigen.hpp>
 #include <volute/volute.hpp>
 
 int main() {
-  const auto camera = volute::Camera::framing({volute::Vec3::Zero(), volute::Vec3::Ones()}, 64, 48);
+  const Eigen::Vector3d far = 2 * Eigen::Vector3d::Ones() - Eigen::Vector3d::Constant(1);
+  const auto camera = volute::Camera::framing({volute::Vec3::Zero(), far}, 64, 48);
+  Eigen::Matrix3d turn;
+  turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  if (volute::asEigen(volute::Mat3(turn)) != turn || (volute::Mat3(turn) * volute::Vec3(1, 0, 0)).y() != 1) return 1;
   std::printf("%zu %zu %zu %zu: %g %g\\n", sizeof(volute::Camera), sizeof(volute::SceneGeometry), alignof(volute::SceneGeometry),
               sizeof(volute::SightField), camera.principalPoint().x(), camera.principalPoint().y());
   const char* json = R"({"format": "volute-scene-1", "geometry": [{"file": "a.obj", "transform": [1,0,0,2, 0,1,0,3, 0,0,1,4, 0,0,0,1]}],
@@ -305,6 +310,7 @@ target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
         (self.work / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
         cpu = pathlib.Path("/proc/cpuinfo").read_text()
         ways = [("g++", [], True), ("g++", ["-march=native"], True), ("g++", ["-mavx"], " avx " in cpu), ("g++", ["-mavx512f", "-DEIGEN_DONT_VECTORIZE"], " avx512f " in cpu),
+                ("g++", ["-DEIGEN_DONT_ALIGN"], True), ("g++", ["-DEIGEN_DEFAULT_TO_ROW_MAJOR"], True),
                 ("g++", ["-fno-rtti", "-fno-exceptions"], True), ("clang++-19", ["-march=native", "-std=c++23"], True)]
         said = {}
         for compiler, more, runs in ways:
@@ -315,10 +321,6 @@ target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
         self.assertEqual(set(said.values()), {said["g++",]}, said)
         self.assertIn(": 32 24\n", said["g++",])
         self.assertIn(f"\n{50 * (4 + 2 + 3 + 4)}\n", said["g++",])
-        for macro, refusal in [("EIGEN_DONT_ALIGN", "EIGEN_DONT_ALIGN are both defined"), ("EIGEN_DEFAULT_TO_ROW_MAJOR", "column-major")]:
-            result = run("g++", *flags, f"-D{macro}", "-fsyntax-only", "layout.cpp", cwd=self.work)
-            self.assertNotEqual(result.returncode, 0)
-            self.assertIn(refusal, result.stdout)
 
     def test_in_c_alone(self):
         """By compilers that know no C++, from the shared library, which shows what its header says and nothing else."""

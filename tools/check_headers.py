@@ -2,15 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fails when what is installed of the headers is not docs/public_headers.txt: `check_headers.py ROOT [--update]`.
 
-Public are the headers that include/volute/volute.hpp names, OpenGL's renderer, what joins processes, and the
-fields of kinds of media; with them goes what they
+Public are the headers that include/volute/volute.hpp names, OpenGL's renderer, what joins processes, the way to
+Eigen's types, and the fields of kinds of media; with them goes what they
 include. A header that users have not seen before is a line of a commit (`--update` writes it), not something that an `#include`
 brought along. Pages for users name no other headers."""
 import pathlib
 import re
 import sys
 
-BESIDES = ["volute/gl/gl_scene_renderer.hpp", "volute/cluster/cluster.hpp", "volute/media/field_members.hpp"]  # as cmake/VoluteInstall.cmake has it
+BESIDES = ["volute/gl/gl_scene_renderer.hpp", "volute/cluster/cluster.hpp", "volute/math/eigen.hpp", "volute/math/rotation.hpp",
+           "volute/media/field_members.hpp"]  # as cmake/VoluteInstall.cmake has it
 INCLUDE = re.compile(r'^#include "(volute/[^"]+)"', re.M)
 
 
@@ -29,7 +30,7 @@ def headers(root):
 def page(root):
     named, parts = headers(root)
     return "\n".join(["# What is installed of the headers; tools/check_headers.py --update writes this list.", "",
-                      f"# Public ({len(named)}): in <volute/volute.hpp>, the renderer of OpenGL, teams of processes, fields of kinds of media.", *named, "",
+                      f"# Public ({len(named)}): in <volute/volute.hpp>, the renderer of OpenGL, teams of processes, Eigen's types, fields of kinds of media.", *named, "",
                       f"# What these include ({len(parts)}): may change without a word.", *parts, ""])
 
 

@@ -65,10 +65,3 @@
 #include "volute/io/reader_helper.hpp"
 #include "volute/io/volume_sink.hpp"
 #include "volute/io/volume_source.hpp"
-
-// The installed targets and pkg-config say how Eigen aligns; with other macros of Eigen's, types of
-// the library would be laid out in another way than they are in it.
-static_assert(
-    !volute::Mat3::IsRowMajor && !volute::Mat4::IsRowMajor,
-    "Volute's matrices are column-major; leave EIGEN_DEFAULT_TO_ROW_MAJOR out where its headers "
-    "are included");

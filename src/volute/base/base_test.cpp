@@ -75,6 +75,23 @@ TEST(Suggest, HugeNamesAreLikeNone) {
   EXPECT_EQ(editDistance(huge, huge), huge.size());
 }
 
+TEST(Half, FloatsBecomeTheNearestHalf) {
+  for (std::uint32_t bits = 0; bits < 0x7C00u; ++bits) {
+    const Half half{static_cast<std::uint16_t>(bits)}, next{static_cast<std::uint16_t>(bits + 1)};
+    const float value = toFloat(half);
+    ASSERT_EQ(toHalf(value).bits, bits);
+    ASSERT_EQ(toHalf(-value).bits, bits | 0x8000u);
+    // In the middle to the even one; the half after the greatest would be 65,536.
+    const float after = bits == 0x7BFFu ? 65536.0F : toFloat(next), middle = (value + after) / 2;
+    ASSERT_EQ(toHalf(middle).bits, bits % 2 == 0 ? bits : bits + 1);
+    ASSERT_EQ(toHalf(std::nextafter(middle, 0.0F)).bits, bits);
+    ASSERT_EQ(toHalf(std::nextafter(middle, 1e9F)).bits, bits + 1);
+  }
+  EXPECT_EQ(toHalf(std::numeric_limits<float>::infinity()).bits, 0x7C00u);
+  EXPECT_EQ(toHalf(1e30F).bits, 0x7C00u);
+  EXPECT_TRUE(std::isnan(toFloat(toHalf(std::nanf("")))));
+}
+
 TEST(Half, EveryFiniteHalfMatchesItsDefinition) {
   for (unsigned bits = 0; bits < 0x10000; ++bits) {
     const int exponent = static_cast<int>(bits >> 10 & 31);

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 
 #include "volute/camera/camera.hpp"
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
@@ -18,9 +18,8 @@ Calibration someCalibration() {
   Calibration calibration;
   calibration.width = 180;
   calibration.height = 144;
-  calibration.K << 187.5, 1.25, 92.3, 0, 191.25, 70.1, 0, 0, 1;
-  calibration.R =
-      (Eigen::AngleAxisd(0.7, Vec3(1, -2, 0.5).normalized()) * Mat3::Identity()).matrix();
+  calibration.K = Mat3(187.5, 1.25, 92.3, 0, 191.25, 70.1, 0, 0, 1);
+  calibration.R = turnAbout(Vec3(1, -2, 0.5).normalized(), 0.7);
   calibration.t = Vec3(0.2, -0.1, 4.5);
   calibration.distortion = {-0.2, 0.05, 0.002, -0.003, 0.01};
   return calibration;
@@ -105,7 +104,7 @@ TEST(CalibratedCamera, PointsBehindItAreNotSeen) {
 
 TEST(CalibratedCamera, RefusesWhatIsNoRotation) {
   Calibration mirrored = someCalibration();
-  mirrored.R.row(1) *= -1;
+  mirrored.R = Vec3(1, -1, 1).asDiagonal() * mirrored.R;
   EXPECT_THAT(messageOf(mirrored), HasSubstr("R is mirrored (determinant -1)"));
   Calibration scaled = someCalibration();
   scaled.R *= 1.01;
@@ -117,7 +116,7 @@ TEST(CalibratedCamera, RefusesWhatIsNoRotation) {
 
 TEST(CalibratedCamera, RepairsRoundedDigits) {
   Calibration rounded = someCalibration();
-  rounded.R = (rounded.R * 1e4).array().round() / 1e4;
+  rounded.R = (rounded.R * 1e4).unaryExpr([](double x) { return std::round(x); }) / 1e4;
   const Camera camera = Camera::calibrated(rounded).value();
   EXPECT_NEAR((camera.rotation() * camera.rotation().transpose() - Mat3::Identity()).norm(), 0,
               1e-14);
@@ -164,7 +163,7 @@ TEST(Lens, SaysWhenItCannot) {
   c.distortion = strong;
   EXPECT_THAT(messageOf(c), HasSubstr("the lens distortion cannot be undone at image point (0.0, "
                                       "0.0)"));
-  c.K.topLeftCorner<2, 2>() *= 4;  // a long lens uses the middle of the polynomial alone
+  c.K(0, 0) *= 4, c.K(1, 1) *= 4;  // a long lens uses the middle of the polynomial alone
   EXPECT_EQ(messageOf(c), "");
 }
 

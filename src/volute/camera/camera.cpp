@@ -2,8 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/camera/camera.hpp"
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -123,7 +121,7 @@ Camera::Camera(const Calibration& calibration, const Mat3& rotation)
       skew_(calibration.K(0, 1) / calibration.K(1, 1)),
       principal_(calibration.K(0, 2), calibration.K(1, 2)),
       distortion_(calibration.distortion) {
-  principal_.array() += 0.5 - calibration.pixelCentre;
+  principal_ += Vec2::Constant(0.5 - calibration.pixelCentre);
 }
 
 Result<Camera> Camera::calibrated(const Calibration& calibration) {
@@ -182,14 +180,12 @@ Mat3 Camera::intrinsics() const {
   K(0, 0) = 1 / pixelWidth_;
   K(1, 1) = 1 / pixelSize_;
   K(0, 1) = skew_ / pixelSize_;
-  K.block<2, 1>(0, 2) = principal_;
+  K(0, 2) = principal_.x(), K(1, 2) = principal_.y();
   return K;
 }
 
 Mat3 Camera::rotation() const {
-  Mat3 R;
-  R << right_.transpose(), down_.transpose(), forward_.transpose();
-  return R;
+  return Mat3::ofRows(right_, down_, forward_);
 }
 
 Camera Camera::cropped(int left, int top, int width, int height) const {
@@ -216,7 +212,7 @@ Segment Camera::ray(double px, double py) const {
 }
 
 Camera Camera::turned(const Vec3& point, const Vec3& axis, double angle) const {
-  const Mat3 turn = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+  const Mat3 turn = turnAbout(axis.normalized(), angle);
   Camera other = *this;
   other.eye_ = point + turn * (eye_ - point);
   other.right_ = turn * right_, other.down_ = turn * down_, other.forward_ = turn * forward_;

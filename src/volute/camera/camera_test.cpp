@@ -5,9 +5,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Where a point appears in the image, in pixels: the inverse of Camera::ray.
-Eigen::Vector2d pixelOf(const Camera& camera, const Vec3& point) {
+Vec2 pixelOf(const Camera& camera, const Vec3& point) {
   const Vec3 offset = point - camera.eye();
   const double scale =
       (camera.isOrthographic() ? 1 : 1 / offset.dot(camera.forward())) / camera.pixelSize();
@@ -79,7 +80,7 @@ RC_GTEST_PROP(Camera, RayPassesThroughThePointSeenAtItsPixel, ()) {
                                                     : Camera::orthographic(view, 3, 33, 21);
   const double px = *rc::gen::inRange(0, 330) / 10.0;
   const double py = *rc::gen::inRange(0, 210) / 10.0;
-  const Eigen::Vector2d back = pixelOf(camera, camera.ray(px, py).at(2.5));
+  const Vec2 back = pixelOf(camera, camera.ray(px, py).at(2.5));
   RC_ASSERT(std::abs(back.x() - px) < 1e-9);
   RC_ASSERT(std::abs(back.y() - py) < 1e-9);
 }
@@ -91,7 +92,7 @@ TEST(Camera, FramingShowsEveryCornerAndWastesLittle) {
     double reach = 0;
     for (int i = 0; i < 8; ++i) {
       const Vec3 corner(i & 1 ? -1 : 3, i & 2 ? 2 : 2.5, i & 4 ? 0 : 7);
-      const Eigen::Vector2d pixel = pixelOf(camera, corner);
+      const Vec2 pixel = pixelOf(camera, corner);
       reach = std::max(
           {reach, std::abs(2 * pixel.x() / width - 1), std::abs(2 * pixel.y() / height - 1)});
     }
@@ -116,7 +117,7 @@ TEST(Camera, TurnedSeesWhatTurnsWithIt) {
   const Vec3 middle(0.1, 0.2, 0.3);
   const Camera other = camera.turned(middle, 2 * Vec3::UnitZ(), 0.7);
   const Vec3 seen(0.3, 0.1, 0.4);
-  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3::UnitZ()).toRotationMatrix();
+  const Mat3 turn = turnAbout(Vec3::UnitZ(), 0.7);
   const auto before = camera.project(seen), after = other.project(middle + turn * (seen - middle));
   ASSERT_TRUE(before && after);
   EXPECT_LT((*before - *after).norm(), 1e-9);

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/camera/lens.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -15,15 +14,13 @@ double radialFactor(const Distortion& lens, double r2) {
   return 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
 }
 
-Eigen::Matrix2d jacobian(const Distortion& lens, const Vec2& point) {
+Mat2 jacobian(const Distortion& lens, const Vec2& point) {
   const double x = point.x(), y = point.y(), r2 = point.squaredNorm();
   const double radial = radialFactor(lens, r2);
   const double slope = 2 * (lens.k1 + r2 * (2 * lens.k2 + 3 * r2 * lens.k3));
   const double mixed = x * y * slope + 2 * lens.p1 * x + 2 * lens.p2 * y;
-  Eigen::Matrix2d matrix;
-  matrix << radial + x * x * slope + 2 * lens.p1 * y + 6 * lens.p2 * x, mixed, mixed,
-      radial + y * y * slope + 6 * lens.p1 * y + 2 * lens.p2 * x;
-  return matrix;
+  return {radial + x * x * slope + 2 * lens.p1 * y + 6 * lens.p2 * x, mixed, mixed,
+          radial + y * y * slope + 6 * lens.p1 * y + 2 * lens.p2 * x};
 }
 
 /// Newton's method with halved steps where a whole one does not come closer.
@@ -32,7 +29,7 @@ std::optional<Vec2> solve(const Distortion& lens, const Vec2& target, Vec2 point
   const double enough = kTolerance * std::max(1.0, target.norm());
   Vec2 miss = distort(lens, point) - target;
   for (int i = 0; i < kMaxSteps && !(miss.norm() <= 1e-3 * enough); ++i) {
-    const Eigen::Matrix2d slope = jacobian(lens, point);
+    const Mat2 slope = jacobian(lens, point);
     if (!(std::abs(slope.determinant()) > 1e-9))
       return std::nullopt;
     const Vec2 step = slope.inverse() * miss;
@@ -67,7 +64,7 @@ bool beforeFold(const Distortion& lens, const Vec2& point) {
   if (lens.none())
     return true;
   for (int i = 1; i <= kPlaces; ++i) {
-    const Eigen::Matrix2d slope = jacobian(lens, point * (static_cast<double>(i) / kPlaces));
+    const Mat2 slope = jacobian(lens, point * (static_cast<double>(i) / kPlaces));
     if (!(slope.determinant() > 0 && slope.trace() > 0))
       return false;
   }

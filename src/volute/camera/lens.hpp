@@ -2,10 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
 
-#include "volute/math/vec2.hpp"
+#include "volute/math/vec.hpp"
 
 namespace volute {
 

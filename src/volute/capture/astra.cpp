@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include <Eigen/Geometry>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -15,9 +14,8 @@ namespace {
 /// upper triangular, the camera's axes are the columns of Q, and K is the inverse of U.
 Status placeDetector(const JsonValue& row, CameraDraft& camera) {
   VOLUTE_ASSIGN(const auto numbers, row.numbers(12));
-  const Eigen::Map<const Eigen::Matrix<double, 3, 4>> vectors(numbers.data());
-  const Vec3 source = vectors.col(0), centre = vectors.col(1), u = vectors.col(2);
-  Vec3 v = vectors.col(3);
+  const Vec3 source(&numbers[0]), centre(&numbers[3]), u(&numbers[6]);
+  Vec3 v(&numbers[9]);
   Calibration& calibration = camera.calibration;
   const double middle = 0.5 * (calibration.height - 1);
   // Pictures that show the world's up at their last rows have no camera whose y is down.
@@ -25,13 +23,10 @@ Status placeDetector(const JsonValue& row, CameraDraft& camera) {
   if (camera.pictures.bottomUp)
     v = -v;
   const Vec3 w = centre - source - 0.5 * (calibration.width - 1) * u - middle * v;
-  Eigen::Matrix3d axes, corner = Eigen::Matrix3d::Zero();
-  axes.col(0) = u.normalized();
-  axes.col(2) = u.cross(v).normalized();
-  axes.col(1) = axes.col(2).cross(axes.col(0));
-  corner.col(0) << u.norm(), 0, 0;
-  corner.col(1) << v.dot(axes.col(0)), v.dot(axes.col(1)), 0;
-  corner.col(2) = axes.transpose() * w;
+  const Vec3 x = u.normalized(), z = u.cross(v).normalized(), y = z.cross(x);
+  const Mat3 axes = Mat3::ofColumns(x, y, z);
+  const Mat3 corner =
+      Mat3::ofColumns(Vec3(u.norm(), 0, 0), Vec3(v.dot(x), v.dot(y), 0), axes.transpose() * w);
   const double distance = corner(2, 2);
   if (!(corner(0, 0) > 0 && corner(1, 1) > 0 && distance > 1e-9 * (centre - source).norm())) {
     return row.fault(

@@ -200,7 +200,7 @@ std::optional<Rgb> findPedestal(const Image& picture, std::span<const std::uint8
           std::abs(middleOf(part) - middle) > kEven * middle + uncertain)
         return std::nullopt;
     }
-    pedestal[static_cast<Eigen::Index>(c)] = middle;
+    pedestal[c] = middle;
   }
   return pedestal.maxCoeff() > 0 ? std::optional(pedestal) : std::nullopt;
 }

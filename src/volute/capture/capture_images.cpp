@@ -509,7 +509,7 @@ void CaptureImages::subtractPedestal(std::size_t camera, const std::optional<Res
   for (std::size_t i = 0; i < picture.radiance.pixels.size(); ++i) {
     if (picture.weight[i / 3] == 0 && picture.atLeast[i / 3] == 0)
       continue;  // masked
-    const auto c = static_cast<Eigen::Index>(i % 3);
+    const auto c = i % 3;
     float& value = picture.radiance.pixels[i];
     if (response)
       value = static_cast<float>(white[c] *

@@ -202,9 +202,9 @@ class CameraReader {
     VOLUTE_ASSIGN(const auto height, value_.at("height"));
     VOLUTE_ASSIGN(calibration.height, readSide(height));
     VOLUTE_ASSIGN(const auto K, value_.at("K"));
-    VOLUTE_ASSIGN(calibration.K, K.matrix(3, 3));
+    VOLUTE_ASSIGN(calibration.K, K.matrix());
     VOLUTE_ASSIGN(const auto R, value_.at("R"));
-    VOLUTE_ASSIGN(calibration.R, R.matrix(3, 3));
+    VOLUTE_ASSIGN(calibration.R, R.matrix());
     VOLUTE_ASSIGN(const auto t, value_.at("t"));
     VOLUTE_ASSIGN(calibration.t, t.vector());
     if (const auto distortion = value_.find("distortion")) {

@@ -2,13 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <set>
 #include <span>
 
 #include "volute/capture/colmap_files.hpp"
 #include "volute/capture/importers.hpp"
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
@@ -70,13 +70,13 @@ Result<CaptureDraft> readColmap(const std::filesystem::path& folder) {
     }
     VOLUTE_TRY(readIntrinsics(found->second, image.where, camera.calibration));
     const auto& q = image.rotation;
-    const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
+    const Vec4 rotation(q[1], q[2], q[3], q[0]);
     if (!(std::abs(rotation.norm() - 1) < 0.01)) {
       return fail(ErrorCode::kInvalidData,
                   "{}: ({}, {}, {}, {}) is no rotation; expected a quaternion of length 1",
                   image.where, q[0], q[1], q[2], q[3]);
     }
-    camera.calibration.R = rotation.normalized().toRotationMatrix();
+    camera.calibration.R = turnOfQuaternion(rotation);
     camera.calibration.t = image.translation;
     draft.cameras.push_back(std::move(camera));
   }

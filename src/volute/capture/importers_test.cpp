@@ -14,6 +14,7 @@
 
 #include "volute/capture/testing.hpp"
 #include "volute/io/json_file.hpp"
+#include "volute/math/eigen.hpp"
 
 namespace volute {
 namespace {
@@ -42,9 +43,8 @@ void writeNerf(const TempFolder& folder, bool common) {
   nlohmann::json json = {{"frames", nlohmann::json::array()}, {"aabb_scale", 2}};
   for (int i = 0; i < kCameras; ++i) {
     const Calibration c = ringCalibration(i, kCameras);
-    Mat4 toWorld = Mat4::Identity();
-    toWorld.topLeftCorner<3, 3>() = c.R.transpose() * Vec3(1, -1, -1).asDiagonal();
-    toWorld.block<3, 1>(0, 3) = -c.R.transpose() * c.t;
+    const Mat4 toWorld =
+        affine(c.R.transpose() * Vec3(1, -1, -1).asDiagonal(), -(c.R.transpose() * c.t));
     nlohmann::json frame = {{"file_path", "pictures/f_####_" + nameOf(i) + ".exr"},
                             {"transform_matrix", testing::toJson(toWorld)},
                             {"fl_x", c.K(0, 0)},
@@ -75,7 +75,7 @@ void writeColmapBinary(const TempFolder& folder) {
     put<std::uint64_t>(cameras, testing::kWidth);
     put<std::uint64_t>(cameras, testing::kHeight);
     for (const double p : {c.K(0, 0), c.K(1, 1), c.K(0, 2), c.K(1, 2)}) put(cameras, p);
-    const Eigen::Quaterniond q(c.R);
+    const Eigen::Quaterniond q(asEigen(c.R));
     put<std::uint32_t>(images, static_cast<std::uint32_t>(i + 1));
     for (const double v : {q.w(), q.x(), q.y(), q.z(), c.t.x(), c.t.y(), c.t.z()}) put(images, v);
     put<std::uint32_t>(images, static_cast<std::uint32_t>(i + 1));
@@ -97,7 +97,7 @@ void writeColmapText(const TempFolder& folder, const std::string& points) {
     cameras +=
         fmt::format("{} PINHOLE {} {} {} {} {} {}\n", i + 1, testing::kWidth, testing::kHeight,
                     digits(c.K(0, 0)), digits(c.K(1, 1)), digits(c.K(0, 2)), digits(c.K(1, 2)));
-    const Eigen::Quaterniond q(c.R);
+    const Eigen::Quaterniond q(asEigen(c.R));
     images += fmt::format("{} {} {} {} {} {} {} {} {} f_0004_{}.exr\n{}", i + 1, digits(q.w()),
                           digits(q.x()), digits(q.y()), digits(q.z()), digits(c.t.x()),
                           digits(c.t.y()), digits(c.t.z()), i + 1, nameOf(i), points);
@@ -121,6 +121,12 @@ std::string openCvMatrix(const std::string& name, const Eigen::MatrixXd& m, bool
   }
   return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: {}\n", name,
                      m.rows(), m.cols(), data);
+}
+
+template <class Values>
+  requires requires(const Values& values) { asEigen(values); }
+std::string openCvMatrix(const std::string& name, const Values& values, bool json) {
+  return openCvMatrix(name, Eigen::MatrixXd(asEigen(values)), json);
 }
 
 std::vector<std::string> openCvEntries(bool json) {
@@ -730,6 +736,12 @@ std::string xmlMatrix(const std::string& name, const Eigen::MatrixXd& m) {
       name, m.rows(), m.cols(), data);
 }
 
+template <class Values>
+  requires requires(const Values& values) { asEigen(values); }
+std::string xmlMatrix(const std::string& name, const Values& values) {
+  return xmlMatrix(name, Eigen::MatrixXd(asEigen(values)));
+}
+
 TEST_F(Importers, OpenCvXml) {
   std::string text = "<?xml version=\"1.0\"?>\n<!-- by hand -->\n<opencv_storage>\n";
   for (int i = 0; i < kCameras; ++i) {
@@ -784,9 +796,9 @@ TEST_F(Importers, OpenCvCalibrationSample) {
   std::filesystem::create_directory(folder / "boards");
   for (int i = 0; i < kCameras; ++i) {
     const Calibration c = ringCalibration(i, kCameras);
-    const Eigen::AngleAxisd turn(c.R);
+    const Eigen::AngleAxisd turn(asEigen(c.R));
     Eigen::MatrixXd poses = Eigen::MatrixXd::Constant(2, 6, 0.25);
-    poses.row(0) << (turn.angle() * turn.axis()).transpose(), c.t.transpose();
+    poses.row(0) << (turn.angle() * turn.axis()).transpose(), asEigen(c.t).transpose();
     writeText(folder / "boards" / fmt::format("{}.yml", static_cast<char>('a' + i)),
               "%YAML:1.0\n---\nnframes: 2\nimage_width: 24\nimage_height: 16\n" +
                   openCvMatrix("camera_matrix", c.K, false) +
@@ -805,7 +817,7 @@ TEST_F(Importers, OpenCvCalibrationSample) {
 
 TEST_F(Importers, OpenCvRotationVectors) {
   const Calibration c = ringCalibration(1, kCameras);
-  const Eigen::AngleAxisd turn(c.R);
+  const Eigen::AngleAxisd turn(asEigen(c.R));
   writeText(folder / "v.yml", "%YAML:1.0\n---\n" + openCvMatrix("K_b", c.K, false) +
                                   openCvMatrix("rvec_b", turn.angle() * turn.axis(), false) +
                                   openCvMatrix("tvec_b", c.t, false));

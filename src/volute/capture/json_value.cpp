@@ -92,16 +92,28 @@ Result<Vec3> JsonValue::vector() const {
   return Vec3(values[0], values[1], values[2]);
 }
 
-Result<Eigen::MatrixXd> JsonValue::matrix(int rows, int columns) const {
-  if (!json_->is_array() || json_->size() != static_cast<std::size_t>(rows))
-    return fault(fmt::format("expected {} rows of {} numbers", rows, columns));
+Result<std::vector<double>> JsonValue::rows(std::size_t count, std::size_t columns) const {
+  if (!json_->is_array() || json_->size() != count)
+    return fault(fmt::format("expected {} rows of {} numbers", count, columns));
   VOLUTE_ASSIGN(const auto lines, items());
-  Eigen::MatrixXd matrix(rows, columns);
-  for (int row = 0; row < rows; ++row) {
-    VOLUTE_ASSIGN(const auto values, lines[row].numbers(static_cast<std::size_t>(columns)));
-    for (int column = 0; column < columns; ++column) matrix(row, column) = values[column];
+  std::vector<double> all;
+  for (const JsonValue& line : lines) {
+    VOLUTE_ASSIGN(const auto values, line.numbers(columns));
+    all.insert(all.end(), values.begin(), values.end());
   }
-  return matrix;
+  return all;
+}
+
+Result<Mat3> JsonValue::matrix() const {
+  VOLUTE_ASSIGN(const auto numbers, rows(3, 3));
+  return Mat3(numbers.data()).transpose();
+}
+
+Result<Mat4> JsonValue::affine() const {
+  VOLUTE_ASSIGN(auto numbers, rows(json_->is_array() && json_->size() == 3 ? 3 : 4, 4));
+  if (numbers.size() == 12)
+    numbers.insert(numbers.end(), {0, 0, 0, 1});
+  return Mat4(numbers.data()).transpose();
 }
 
 std::vector<std::string> JsonValue::unknownKeys(

@@ -40,8 +40,9 @@ class JsonValue {
   [[nodiscard]] Result<std::vector<double>> numbers() const;
   [[nodiscard]] Result<std::vector<double>> numbers(std::size_t count) const;
   [[nodiscard]] Result<Vec3> vector() const;
-  /// Rows of numbers, exactly so many.
-  [[nodiscard]] Result<Eigen::MatrixXd> matrix(int rows, int columns) const;
+  [[nodiscard]] Result<Mat3> matrix() const;  ///< three rows of three numbers
+  /// Three or four rows of four numbers; the fourth is 0, 0, 0, 1 where it is missing.
+  [[nodiscard]] Result<Mat4> affine() const;
 
   /// The members whose names are not in `known`, as "PATH.name".
   std::vector<std::string> unknownKeys(std::initializer_list<std::string_view> known) const;
@@ -49,6 +50,8 @@ class JsonValue {
   const nlohmann::json& json() const { return *json_; }
 
  private:
+  /// Rows of numbers, exactly so many, one after the other.
+  [[nodiscard]] Result<std::vector<double>> rows(std::size_t count, std::size_t columns) const;
   JsonValue child(const nlohmann::json& json, const std::string& step) const;
 
   const nlohmann::json* json_;

@@ -129,19 +129,18 @@ Status readIntrinsics(const JsonValue& frame, const JsonValue& root, Calibration
 
 Status readPose(const JsonValue& frame, Calibration& calibration) {
   VOLUTE_ASSIGN(const auto value, frame.at("transform_matrix"));
-  const int rows = value.json().is_array() && value.json().size() == 3 ? 3 : 4;
-  VOLUTE_ASSIGN(const auto toWorld, value.matrix(rows, 4));
+  VOLUTE_ASSIGN(const Mat4 toWorld, value.affine());
   constexpr double kRounding = 1e-6;
-  if (rows == 4 && (toWorld.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() > kRounding) {
+  if ((toWorld.row(3) - Vec4(0, 0, 0, 1)).norm() > kRounding) {
     return value.fault(
         "its last row is not 0, 0, 0, 1; expected rows of the matrix from camera to world: is it "
         "written by columns?");
   }
-  const Mat3 axes = toWorld.topLeftCorner(3, 3);
-  const Vec3 eye = toWorld.block(0, 3, 3, 1);
+  const Mat3 axes = linearPart(toWorld);
+  const Vec3 eye = offsetPart(toWorld);
   // From OpenGL's camera axes (y up, z backward) to ours (y down, z forward).
   calibration.R = Vec3(1, -1, -1).asDiagonal() * axes.transpose();
-  calibration.t = -calibration.R * eye;
+  calibration.t = -(calibration.R * eye);
   return {};
 }
 
@@ -193,9 +192,8 @@ Status remarkFrameOfReference(const JsonValue& root, CaptureDraft& draft) {
     }
   }
   if (const auto applied = root.find("applied_transform")) {
-    const int rows = applied->json().is_array() && applied->json().size() == 4 ? 4 : 3;
-    VOLUTE_ASSIGN(const auto moved, applied->matrix(rows, 4));
-    if (!moved.topRows(3).isApprox(Eigen::MatrixXd::Identity(3, 4)))
+    VOLUTE_ASSIGN(const Mat4 moved, applied->affine());
+    if (!linearPart(moved).isApprox(Mat3::Identity()) || !offsetPart(moved).isZero())
       draft.remarks.emplace_back(
           "positions were turned or moved from what was measured (\"applied_transform\"); bounds "
           "are "
@@ -256,7 +254,7 @@ Status readVoxelBox(const JsonValue& root, CaptureDraft& draft) {
   const auto matrix = root.find("voxel_matrix"), scale = root.find("voxel_scale");
   if (!matrix || !scale)
     return {};
-  VOLUTE_ASSIGN(const auto placed, matrix->matrix(4, 4));
+  VOLUTE_ASSIGN(const auto placed, matrix->affine());
   VOLUTE_ASSIGN(const Vec3 sides, scale->vector());
   if (!(sides.minCoeff() > 0))
     return scale->fault("expected three lengths above 0");
@@ -264,7 +262,7 @@ Status readVoxelBox(const JsonValue& root, CaptureDraft& draft) {
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 at(corner & 1 ? sides.x() : 0, corner & 2 ? sides.y() : 0,
                   corner & 4 ? sides.z() : 0);
-    bounds.extend(Vec3(placed.topLeftCorner(3, 3) * at + placed.topRightCorner(3, 1)));
+    bounds.extend(Vec3(linearPart(placed) * at + offsetPart(placed)));
   }
   constexpr double kGrown = 1.01;
   if (bounds.size().prod() > kGrown * sides.prod())
@@ -292,7 +290,8 @@ Result<CameraDraft> readFilmedCamera(const JsonValue& value, const std::filesyst
   if (!(angle > 0))
     return value.fault("has no camera_angle_x; expected the angle of view over its width");
   const double focal = 0.5 * calibration.width / std::tan(0.5 * angle);
-  calibration.K << focal, 0, 0.5 * calibration.width, 0, focal, 0.5 * calibration.height, 0, 0, 1;
+  calibration.K =
+      Mat3(focal, 0, 0.5 * calibration.width, 0, focal, 0.5 * calibration.height, 0, 0, 1);
   VOLUTE_TRY(readPose(value, calibration));
   if (const auto rate = value.find("frame_rate")) {
     VOLUTE_ASSIGN(camera.framesPerSecond, rate->number());

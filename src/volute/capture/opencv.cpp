@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +13,7 @@
 
 #include "volute/capture/importers.hpp"
 #include "volute/capture/opencv_storage.hpp"
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
@@ -179,8 +179,8 @@ class CameraFinder {
             "times its angle in radians: is it in degrees, or are these three angles?",
             file_, name, axis.norm());
       if (axis.norm() == 0)
-        return Mat3(Mat3::Identity());
-      return Mat3(Eigen::AngleAxisd(axis.norm(), axis.normalized()).toRotationMatrix());
+        return Mat3::Identity();
+      return turnAbout(axis.normalized(), axis.norm());
     }
     VOLUTE_ASSIGN(const OpenCvMatrix R, matrix({"R_", "rvec_"}, name, 3, 3));
     return toMatrix(R);

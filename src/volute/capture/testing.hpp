@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -30,17 +29,18 @@ inline Calibration ringCalibration(int i, int count) {
   Calibration calibration;
   calibration.width = kWidth;
   calibration.height = kHeight;
-  calibration.K << 25 + i, 0, 12 - 0.25 * i, 0, 26 + i, 8 + 0.5 * i, 0, 0, 1;
-  calibration.R << right.transpose(), forward.cross(right).transpose(), forward.transpose();
-  calibration.t = -calibration.R * eye;
+  calibration.K = Mat3(25 + i, 0, 12 - 0.25 * i, 0, 26 + i, 8 + 0.5 * i, 0, 0, 1);
+  calibration.R = Mat3::ofRows(right, forward.cross(right), forward);
+  calibration.t = -(calibration.R * eye);
   return calibration;
 }
 
-inline nlohmann::json toJson(const Eigen::MatrixXd& matrix) {
+template <int Rows, int Columns>
+nlohmann::json toJson(const MatN<double, Rows, Columns>& matrix) {
   nlohmann::json rows = nlohmann::json::array();
-  for (int row = 0; row < matrix.rows(); ++row) {
+  for (int row = 0; row < Rows; ++row) {
     nlohmann::json values = nlohmann::json::array();
-    for (int column = 0; column < matrix.cols(); ++column) values.push_back(matrix(row, column));
+    for (int column = 0; column < Columns; ++column) values.push_back(matrix(row, column));
     rows.push_back(values);
   }
   return rows;

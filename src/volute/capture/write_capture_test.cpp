@@ -21,7 +21,7 @@ TEST(WriteCapture, ReadsAsItWas) {
   capture.framesPerSecond = 20;
   capture.volume = {{Vec3(-1, -2, 0), Vec3(1, 2, 3)}, {8, 16, 12}};
   Mat3 k;
-  k << 90, 0.5, 31, 0, 91, 25, 0, 0, 1;
+  k = Mat3(90, 0.5, 31, 0, 91, 25, 0, 0, 1);
   const Camera seen = Camera::pinhole({Vec3(1, -6, 2), Vec3(0, 0, 1)}, 30, 64, 48);
   const Camera camera = *Camera::calibrated(
       {64, 48, k, seen.rotation(), -seen.rotation() * seen.eye(), {-0.05, 0.01, 0, 0.001, 0}, 0.5});

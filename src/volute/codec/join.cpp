@@ -696,7 +696,7 @@ class GridJoin {
     }
     const Vec3 moved = (info.bounds.min - first.bounds.min).cwiseQuotient(first.voxelSize());
     for (std::size_t axis = 0; row.description && axis < 3; ++axis)
-      row.description->begin[axis] += std::llround(moved[static_cast<Eigen::Index>(axis)]);
+      row.description->begin[axis] += std::llround(moved[axis]);
     info.frames = frames_.frames;
     info.frameNumbers = frames_.frameNumbers;
     info.times = frames_.times;

@@ -36,8 +36,8 @@ std::optional<Box3> roomAmong(std::vector<Indices> obstructions) {
 void expectBox(const std::optional<Box3>& room, const Vec3& min, const Vec3& max) {
   ASSERT_TRUE(room);
   constexpr double kColumn = 12.0 / 200 + 1e-9;
-  EXPECT_LT((room->min - min).cwiseAbs().maxCoeff(), kColumn) << room->min.transpose();
-  EXPECT_LT((room->max - max).cwiseAbs().maxCoeff(), kColumn) << room->max.transpose();
+  EXPECT_LT((room->min - min).cwiseAbs().maxCoeff(), kColumn) << room->min;
+  EXPECT_LT((room->max - max).cwiseAbs().maxCoeff(), kColumn) << room->max;
 }
 
 const Indices kRoof{0, 60, 0, 30, 13, 14};  ///< from 2.6 m on

@@ -242,9 +242,9 @@ TEST(FdsSmoke, aSignOnAWallIsSeenAsTheFloatSliceSeesIt) {
     const Segment line = between(eye, {0.4, 0.4, 0.3});  // the last one slides along the wall
     const double expected = depthOf(exact, line).value;
     const FdsDepth depth = depthOf(rounded, line);
-    EXPECT_NEAR(depth.value, expected, 0.03 * expected) << eye.transpose();
-    EXPECT_LE(depth.low, expected * (1 + 1e-6)) << eye.transpose();
-    EXPECT_GE(depth.high, expected * (1 - 1e-6)) << eye.transpose();
+    EXPECT_NEAR(depth.value, expected, 0.03 * expected) << eye;
+    EXPECT_LE(depth.low, expected * (1 + 1e-6)) << eye;
+    EXPECT_GE(depth.high, expected * (1 - 1e-6)) << eye;
   }
 }
 
@@ -314,7 +314,7 @@ TEST(FdsSmoke, smokeThatWasThereFromTheFirstIsNotDividedByWalls) {
   FdsCase read = opened(folder / "made.smv");
   const FdsField field = fieldAt(read, 5);
   for (const Vec3& point : {Vec3(0, 0, 0), Vec3(0, 0, 0.2), Vec3(0, 0.3, 0.2), Vec3(0.5, 0.3, 0.2)})
-    EXPECT_NEAR(field.extinction(point), 2, 0.05) << point.transpose();
+    EXPECT_NEAR(field.extinction(point), 2, 0.05) << point;
 }
 
 // Solids and what is behind walls keep the ambient temperature in the means, as FDS 6.7.1 writes

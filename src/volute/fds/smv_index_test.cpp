@@ -5,8 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
-
 #include "volute/fds/fds_building.hpp"
 #include "volute/fds/fds_case_testing.hpp"
 #include "volute/fds/fds_input.hpp"

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/geometry/polygon.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <compare>
@@ -28,10 +27,10 @@ std::vector<PlanePoint> seenAlongNormal(std::span<const Vec3> corners) {
     const Vec3 a = corners[i] - corners[0], b = corners[(i + 1) % corners.size()] - corners[0];
     normal += a.cross(b);
   }
-  Eigen::Index axis = 0;
+  int axis = 0;
   if (!(normal.cwiseAbs().maxCoeff(&axis) > 0) || !normal.allFinite())
     return {};
-  const Eigen::Index u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   std::vector<PlanePoint> points;
   points.reserve(corners.size());
   for (const Vec3& corner : corners) {

@@ -2,13 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/geometry/sun_tree.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 
-#include "volute/math/vec2.hpp"
+#include "volute/math/vec.hpp"
 
 namespace volute {
 namespace {
@@ -427,9 +426,7 @@ class SunTreeBuilder {
 SunTree::SunTree(std::span<const Triangle> triangles, const Vec3& towards) : triangles_(triangles) {
   const Vec3 up = towards.normalized();
   const Vec3 right = up.unitOrthogonal();
-  axes_.row(0) = right.transpose();
-  axes_.row(1) = up.cross(right).transpose();
-  axes_.row(2) = up.transpose();
+  axes_ = Mat3::ofRows(right, up.cross(right), up);
   SunTreeBuilder::share(*this);
 }
 

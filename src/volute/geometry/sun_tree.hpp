@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "volute/geometry/triangle_scene.hpp"
-#include "volute/math/vec2.hpp"
+#include "volute/math/vec.hpp"
 
 namespace volute {
 

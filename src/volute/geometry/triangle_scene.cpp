@@ -159,8 +159,8 @@ struct TriangleScene::Impl {
 };
 
 std::vector<Triangle> transformed(std::span<const Triangle> triangles, const Mat4& transform) {
-  const Mat3 linear = transform.topLeftCorner<3, 3>();
-  const Vec3 offset = transform.topRightCorner<3, 1>();
+  const Mat3 linear = linearPart(transform);
+  const Vec3 offset = offsetPart(transform);
   std::vector<Triangle> moved(triangles.begin(), triangles.end());
   for (Triangle& triangle : moved) {
     for (Vec3& corner : triangle.corners) corner = linear * corner + offset;

@@ -22,9 +22,9 @@ Box3 boxOf(const Triangle& triangle) {
 /// A box a little larger than the rounding of what is computed with it.
 Box3 padded(Box3 box) {
   const double reach = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
-  const double margin = 1e-12 * reach + 1e-300;
-  box.min.array() -= margin;
-  box.max.array() += margin;
+  const Vec3 margin = Vec3::Constant(1e-12 * reach + 1e-300);
+  box.min -= margin;
+  box.max += margin;
   return box;
 }
 

@@ -2,8 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/face_tree.hpp"
 
-#include <Eigen/Geometry>
-
 namespace volute {
 namespace {
 

@@ -175,7 +175,7 @@ class GlFarTest : public GlRendererTest {
           const double error =
               errorOf(camera, thing.scene, {&thing.medium, 1}, {.background = Rgb(0.1, 0.2, 0.3)});
           EXPECT_LE(error, bar) << thing.name << (parallel ? ", parallel, " : ", pinhole, ")
-                                << sizes << " sizes away, towards " << way.transpose();
+                                << sizes << " sizes away, towards " << way;
         }
       }
     }
@@ -310,8 +310,8 @@ TEST_F(GlFarTest, LevelsOfDetailAndLenses) {
       continue;  // such focal lengths are refused
     Calibration lens;
     lens.width = kWidth, lens.height = kHeight;
-    lens.K << 27 * sizes, 1.5, 17, 0, 27 * sizes, 16, 0, 0, 1;
-    lens.R << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+    lens.K = Mat3(27 * sizes, 1.5, 17, 0, 27 * sizes, 16, 0, 0, 1);
+    lens.R = Mat3(1, 0, 0, 0, 0, -1, 0, 1, 0);
     lens.t = -lens.R * (bounds.centre() - Vec3(0, sizes * bounds.size().norm(), 0.2));
     lens.distortion.k1 = -0.1 * sizes * sizes;
     const auto camera = Camera::calibrated(lens);
@@ -337,7 +337,7 @@ TEST_F(GlFarTest, FogWithoutAnEndAbove) {
         const Camera camera =
             Camera::pinhole({middle + metres * way, middle}, fov, kWidth, kHeight);
         EXPECT_LE(errorOf(camera, {{glPart(GlFog{fog})}}, {&medium, 1}, {}), kBar)
-            << metres << " m away, towards " << way.transpose() << " from " << offset.transpose();
+            << metres << " m away, towards " << way << " from " << offset;
       }
     }
   }
@@ -388,7 +388,7 @@ TEST_F(GlFarTest, PuffsInAnEmptyBox) {
         for (const Vec3& way : {Vec3(0.48, -0.6, 0.64), Vec3(0.02, -1, 0)}) {
           const Camera camera = Camera::pinhole({middle + 2 * way, middle}, 6, kWidth, kHeight);
           EXPECT_LE(errorOf(camera, {{glPart(GlVolume{slice, 1.3, 1.5})}}, {&medium, 1}, {}), 4e-3)
-              << channels << " " << static_cast<int>(basis) << " " << at << " " << way.transpose();
+              << channels << " " << static_cast<int>(basis) << " " << at << " " << way;
         }
       }
     }

@@ -116,15 +116,14 @@ TEST_F(GlOverlapTest, EightEyesSeeWhatTheReferenceSees) {
   for (const Vec3& eye : kEyes) {
     const Camera camera = from(eye);
     const auto wall = wallOf(camera);
-    EXPECT_GT(std::ranges::count_if(wall, [](float s) { return s < 1e9F; }), 20) << eye.transpose();
+    EXPECT_GT(std::ranges::count_if(wall, [](float s) { return s < 1e9F; }), 20) << eye;
     const auto all = media(true, true, true);
     inside += all[2].bounds().contains(eye);
     const RenderOptions options{.background = Rgb(0.1, 0.2, 0.5)};
-    EXPECT_LE(errorOf(camera, scene(true, true, true), all, options, wall), kBar)
-        << eye.transpose();
+    EXPECT_LE(errorOf(camera, scene(true, true, true), all, options, wall), kBar) << eye;
     EXPECT_LE(errorOf(camera, scene(true, true, true), all, {.aov = Aov::kOpticalDepth}, wall),
               kBar)
-        << eye.transpose();
+        << eye;
   }
   EXPECT_EQ(inside, 4);
 }
@@ -137,7 +136,7 @@ TEST_F(GlOverlapTest, EachMediumAndEachTwoOfThem) {
           errorOf(camera, scene(some & 1, some & 2, some & 4), media(some & 1, some & 2, some & 4),
                   {.background = Rgb(0.3, 0.2, 0.1)}, wallOf(camera)),
           kBar)
-          << "media " << some << ", eye " << kEyes[eye].transpose();
+          << "media " << some << ", eye " << kEyes[eye];
     }
   }
 }

@@ -127,7 +127,7 @@ void GlProgram::setExactly(const char* name, const Vec3& value) const {
   glProgramUniform3dv(object_.name(), place(name), 1, value.data());
 }
 
-void GlProgram::setExactly(const char* name, const Eigen::Vector2d& value) const {
+void GlProgram::setExactly(const char* name, const Vec2& value) const {
   glProgramUniform2dv(object_.name(), place(name), 1, value.data());
 }
 
@@ -153,7 +153,7 @@ void GlProgram::set(const char* name, const Vec3& value) const {
 }
 
 void GlProgram::set(const char* name, const Mat3& value) const {
-  const Eigen::Matrix3f columns = value.cast<float>();
+  const MatN<float, 3, 3> columns = value.cast<float>();
   glProgramUniformMatrix3fv(object_.name(), place(name), 1, GL_FALSE, columns.data());
 }
 

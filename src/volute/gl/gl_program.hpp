@@ -54,7 +54,7 @@ class GlProgram {
 
   /// In double.
   void setExactly(const char* name, const Vec3& value) const;
-  void setExactly(const char* name, const Eigen::Vector2d& value) const;
+  void setExactly(const char* name, const Vec2& value) const;
 
   /// Gives the storage block of that name the buffer, at a binding of its own.
   void bindStorage(const char* block, int binding, const GlBuffer& buffer) const;

@@ -43,9 +43,9 @@ TEST_F(GlRendererTest, OpticalDepthsAreThoseOfTheReference) {
 TEST_F(GlRendererTest, VolumesMayBeTurnedMirroredAndSheared) {
   const auto slice = sliceOf(1, Basis::kTrilinear);
   Mat3 turn;
-  turn << 0.6, 0, 0.8, 0, -1, 0, 0.8, 0, -0.6;
+  turn = Mat3(0.6, 0, 0.8, 0, -1, 0, 0.8, 0, -0.6);
   Mat3 shear;
-  shear << 1, 0.4, 0, 0, 1.5, 0.2, 0, 0, 0.7;
+  shear = Mat3(1, 0.4, 0, 0, 1.5, 0.2, 0, 0, 0.7);
   const Vec3 offset(0.3, 6, 1.5);
   for (const Mat3& place : {turn, Mat3(turn * shear)}) {
     const AnyMedium medium(AffineMedium(AnyMedium(VoxelMedium(slice, 1, 2)), {place, offset}));
@@ -185,7 +185,7 @@ TEST_F(GlRendererTest, SmokeIsThatOfTheReference) {
         EXPECT_LE(
             errorOf(camera, {{smoke.onDevice()}}, {&medium, 1}, {.background = Rgb(0.3, 0.5, 0.1)}),
             kBar)
-            << "lit " << lit << ", thick " << thick << ", eye " << camera.eye().transpose();
+            << "lit " << lit << ", thick " << thick << ", eye " << camera.eye();
       }
     }
   }
@@ -206,7 +206,7 @@ TEST_F(GlRendererTest, EveryWayToDrawSmokeIsTheReference) {
         const GlScene scene{{smoke.onDevice(method)}};
         EXPECT_LE(errorOf(camera, scene, {&medium, 1}, {.background = Rgb(0.3, 0.5, 0.1)}, wall),
                   kBar)
-            << "lit " << lit << ", method " << int(method) << ", eye " << camera.eye().transpose();
+            << "lit " << lit << ", method " << int(method) << ", eye " << camera.eye();
         const auto passes = renderer_->takePasses();
         const bool lens = !camera.distortion().none();
         const char* pass = lens || method == GlSmokeMethod::kMarch ? "march" : "draw tetrahedra";

@@ -466,7 +466,7 @@ TEST_F(GlSceneTest, FogWithATopAndFogWithLevelsByAngle) {
         EXPECT_LE(errorOf(camera, {{glPart(GlFog{fog})}}, {&medium, 1},
                           {.background = Rgb(0.2, 0.1, 0.4)}),
                   kBar)
-            << name << (fog.hasTop() ? ", top" : ", levels") << ", eye " << eye.transpose();
+            << name << (fog.hasTop() ? ", top" : ", levels") << ", eye " << eye;
       }
     }
   }

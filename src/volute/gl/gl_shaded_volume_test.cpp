@@ -4,12 +4,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
-
 #include "volute/gl/gl_part.hpp"
 #include "volute/gl/gl_snapshot.hpp"
 #include "volute/gl/gl_testing.hpp"
 #include "volute/grid/voxel_march.hpp"
+#include "volute/math/rotation.hpp"
 #include "volute/media/volume/volume_medium.hpp"
 #include "volute/medium/affine_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
@@ -88,9 +87,9 @@ class GlShadedVolumeTest : public GlRendererTest {
 constexpr double kAgreement = 2e-3;
 
 TEST_F(GlShadedVolumeTest, SmokeAndFireLookAsOnTheCpuFromAllSides) {
-  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  const Mat3 turn = turnAbout(Vec3(1, 2, -1).normalized(), 0.7);
   Mat3 shear;
-  shear << 1, 0.4, 0, 0, 1.2, 0.2, 0, 0, 0.7;
+  shear = Mat3(1, 0.4, 0, 0, 1.2, 0.2, 0, 0, 0.7);
   const Vec3 centre = infoOf(1, Basis::kTrilinear).bounds.centre();
   const auto about = [&](const Mat3& linear) {
     return AffineMap(linear, centre - linear * centre + Vec3(0.05, -0.1, 0.02));

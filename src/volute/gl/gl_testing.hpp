@@ -121,8 +121,8 @@ inline std::vector<Camera> cameras(const Box3& bounds) {
   const Vec3 centre = bounds.centre();
   Calibration lens;
   lens.width = kWidth, lens.height = kHeight;
-  lens.K << 32, 1.5, 17, 0, 30, 16, 0, 0, 1;
-  lens.R << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  lens.K = Mat3(32, 1.5, 17, 0, 30, 16, 0, 0, 1);
+  lens.R = Mat3(1, 0, 0, 0, 0, -1, 0, 1, 0);
   lens.t = -lens.R * (centre + Vec3(0.1, -4, 0.2));
   lens.distortion.k1 = -0.1;
   return {Camera::framing(bounds, kWidth, kHeight),

@@ -34,7 +34,7 @@ void bindCells(const GlProgram& program, const std::string& prefix, const Vec3& 
   for (std::size_t axis = 0; axis < 3; ++axis) {
     base[axis] = std::max(range.begin[axis] >> 3, 0);
     low[axis] = range.begin[axis] - 8 * base[axis], high[axis] = range.end[axis] - 8 * base[axis];
-    first[static_cast<Eigen::Index>(axis)] = cells.plane(static_cast<int>(axis), 8 * base[axis]);
+    first[axis] = cells.plane(static_cast<int>(axis), 8 * base[axis]);
   }
   const Vec3 inCells = (place.toOwn(origin) - first).cwiseQuotient(cells.cell);
   program.set(name("base").c_str(), base);

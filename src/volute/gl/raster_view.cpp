@@ -17,8 +17,8 @@ Result<RasterView> RasterView::of(const Camera& camera, const Box3& bounds) {
   view.nearest = 1e-4 * size.norm();
   view.farthest = 1.01 * (size.norm() + (bounds.centre() - camera.eye()).norm());
   if (view.orthographic) {
-    view.toImage << 1 / camera.pixelWidth(), 0, camera.principalPoint().x(), 0,
-        1 / camera.pixelSize(), camera.principalPoint().y(), 0, 0, 1;
+    view.toImage = Mat3(1 / camera.pixelWidth(), 0, camera.principalPoint().x(), 0,
+                        1 / camera.pixelSize(), camera.principalPoint().y(), 0, 0, 1);
     view.rayCorner = camera.ray(0, 0).origin - camera.eye();
     view.rayRight = camera.right() * camera.pixelWidth();
     view.rayDown = camera.down() * camera.pixelSize();

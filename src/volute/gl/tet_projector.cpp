@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/tet_projector.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -132,7 +131,7 @@ void TetProjector::State::project(const ViewOrigin& from) {
   std::vector<Texel> points;
   points.reserve(mesh->vertices().size());
   for (const Vec3& vertex : mesh->vertices()) {
-    const Eigen::Vector3f place = (vertex - from.eye).cast<float>();
+    const VecN<float, 3> place = (vertex - from.eye).cast<float>();
     points.push_back({place.x(), place.y(), place.z(), 1});
   }
   seen.resize(mesh->tets().size());

@@ -63,8 +63,7 @@ TEST_F(TetProjectorTest, FloatTargetsMeetTheReference) {
         continue;
       for (const TetBlend blend : {TetBlend::kBackToFront, TetBlend::kFrontToBack}) {
         const Error error = compare(projector, smoke, camera, {.blend = blend});
-        EXPECT_LE(error.worst, kProjected)
-            << "thick " << thick << ", eye " << camera.eye().transpose();
+        EXPECT_LE(error.worst, kProjected) << "thick " << thick << ", eye " << camera.eye();
       }
     }
   }
@@ -97,8 +96,7 @@ TEST_F(TetProjectorTest, ThickCellsAreSeenOnceAtAnySize) {
           continue;
         const Error error = compare(projector, smoke, camera, {}, opaque);
         EXPECT_LE(error.worst, kProjected)
-            << width << " x " << height << ", eye " << camera.eye().transpose() << ", wall "
-            << opaque.size();
+            << width << " x " << height << ", eye " << camera.eye() << ", wall " << opaque.size();
       }
     }
   }
@@ -115,8 +113,8 @@ TEST_F(TetProjectorTest, EyesInThePlanesOfFaces) {
            {Camera::pinhole({eye, eye + Vec3(1, 0, 0)}, 60, size, size),
             Camera::orthographic({eye, eye + Vec3(1, 0, 0)}, 1.2, size, size)}) {
         const Error error = compare(projector, smoke, camera);
-        EXPECT_LE(error.worst, kProjected) << size << ", eye " << eye.transpose()
-                                           << (camera.isOrthographic() ? ", orthographic" : "");
+        EXPECT_LE(error.worst, kProjected)
+            << size << ", eye " << eye << (camera.isOrthographic() ? ", orthographic" : "");
       }
     }
   }
@@ -137,7 +135,7 @@ TEST_F(TetProjectorTest, WallsInAHallThatIsNotConvex) {
     for (const std::span<const float> opaque :
          {std::span<const float>(), std::span<const float>(wall)}) {
       const Error error = compare(projector, smoke, camera, {}, opaque);
-      EXPECT_LE(error.worst, kProjected) << camera.eye().transpose() << " " << opaque.size();
+      EXPECT_LE(error.worst, kProjected) << camera.eye() << " " << opaque.size();
     }
   }
 }

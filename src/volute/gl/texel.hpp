@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 
 namespace volute {

@@ -2,16 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/grid/grid_matrix.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 namespace volute {
 
 Mat3 linearOf(const GridMatrix& m) {
-  Mat3 linear;
-  linear << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
-  return linear;
+  return {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
 }
 
 Vec3 offsetOf(const GridMatrix& m) {
@@ -35,7 +32,7 @@ GridMatrix alongAxes(const std::array<double, 3>& voxelSize, const std::array<do
 
 GridSpace spaceOf(const GridMatrix& indexToWorld) {
   const Mat3 linear = linearOf(indexToWorld);
-  const Vec3 size = linear.colwise().norm().transpose();
+  const Vec3 size = linear.columnNorms();
   const Mat3 turn = linear * size.cwiseInverse().asDiagonal();
   const Vec3 origin = turn.inverse() * offsetOf(indexToWorld);
   return {{size.x(), size.y(), size.z()}, {origin.x(), origin.y(), origin.z()}};
@@ -54,7 +51,7 @@ bool isSound(const GridMatrix& matrix) {
   if (!std::ranges::all_of(matrix, [](double number) { return std::isfinite(number); }))
     return false;
   const Mat3 linear = linearOf(matrix);
-  const Vec3 size = linear.colwise().norm().transpose();
+  const Vec3 size = linear.columnNorms();
   return size.minCoeff() > 0 && std::isfinite(size.maxCoeff()) &&
          std::abs((linear * size.cwiseInverse().asDiagonal()).determinant()) > 1e-9;
 }

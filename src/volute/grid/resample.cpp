@@ -197,12 +197,11 @@ class ReachedBricks {
     IndexBox bricks;
     double count = 1;
     for (std::size_t a = 0; a < 3; ++a) {
-      const auto axis = static_cast<Eigen::Index>(a);
       // Half a voxel for the parts of new ones.
       const auto begin =
-          static_cast<std::int64_t>(std::floor(std::clamp(low[axis] - 0.5, -kFarthest, kFarthest)));
+          static_cast<std::int64_t>(std::floor(std::clamp(low[a] - 0.5, -kFarthest, kFarthest)));
       const auto end =
-          static_cast<std::int64_t>(std::ceil(std::clamp(high[axis] + 0.5, -kFarthest, kFarthest)));
+          static_cast<std::int64_t>(std::ceil(std::clamp(high[a] + 0.5, -kFarthest, kFarthest)));
       const auto first = std::max(begin, box_.begin[a]), last = std::min(end, box_.end[a] - 1);
       if (first > last)
         return true;
@@ -320,12 +319,11 @@ class ResampledSource final : public RoundingSource {
     info_.z = static_cast<int>(lattice.box.size(2));
     const GridSpace space = spaceOf(lattice.indexToWorld);
     for (std::size_t a = 0; a < 3; ++a) {
-      const auto axis = static_cast<Eigen::Index>(a);
       const auto face = [&](std::int64_t index) {
         return space.origin[a] + (static_cast<double>(index) - 0.5) * space.voxelSize[a];
       };
-      info_.bounds.min[axis] = face(lattice.box.begin[a]);
-      info_.bounds.max[axis] = face(lattice.box.end[a]);
+      info_.bounds.min[a] = face(lattice.box.begin[a]);
+      info_.bounds.max[a] = face(lattice.box.end[a]);
     }
   }
 
@@ -398,7 +396,7 @@ class ResampledSource final : public RoundingSource {
       return std::nullopt;
     VoxelIndex by;
     for (std::size_t a = 0; a < 3; ++a) {
-      const double along = moved[static_cast<Eigen::Index>(a)];
+      const double along = moved[a];
       by[a] = std::llround(along);
       if (std::abs(along - std::round(along)) > 1e-3)
         return std::nullopt;
@@ -420,8 +418,7 @@ class ResampledSource final : public RoundingSource {
       constexpr auto kPlane = static_cast<std::size_t>(Bricks::kVoxels);
       for (std::size_t v = 0; v < kPlane; ++v) {
         const Vec3 one = turn * Vec3(from[v], from[kPlane + v], from[2 * kPlane + v]);
-        for (std::size_t c = 0; c < 3; ++c)
-          to[c * kPlane + v] = static_cast<float>(one[static_cast<Eigen::Index>(c)]);
+        for (std::size_t c = 0; c < 3; ++c) to[c * kPlane + v] = static_cast<float>(one[c]);
       }
     }
     bricks = std::move(turned);

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 
 #include "volute/grid/grid_description.hpp"
 #include "volute/grid/sequence.hpp"
 #include "volute/grid/vector_kind.hpp"
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
@@ -35,7 +35,7 @@ std::unique_ptr<FrameSource> rampSource(int channels = 1) {
 }
 
 GridMatrix turnedBy(double angle, double voxel, const Vec3& centre) {
-  const Mat3 turn = Eigen::AngleAxisd(angle, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  const Mat3 turn = turnAbout(Vec3(1, 2, 3).normalized(), angle);
   return gridMatrix(voxel * turn, centre);
 }
 
@@ -198,7 +198,7 @@ TEST(Resample, TooMuchIsRefusedBeforeItIsMade) {
 
 TEST(Resample, VectorsAlongTheGridTurnAsTheirTypeSays) {
   using enum VectorKind::Type;
-  const Mat3 linear = (Mat3() << 0, -2, 0, 1, 0, 0, 0, 0, 4).finished();
+  const Mat3 linear = Mat3(0, -2, 0, 1, 0, 0, 0, 0, 4);
   EXPECT_TRUE(vectorTurn(kInvariant, linear).isIdentity());
   EXPECT_TRUE(vectorTurn(kUnstated, linear).isApprox(linear));
   EXPECT_TRUE(vectorTurn(kContravariantRelative, linear).isApprox(linear));
@@ -212,7 +212,7 @@ TEST(Resample, VectorsAlongTheGridTurnAsTheirTypeSays) {
   EXPECT_EQ(vectorKindOf({}), VectorKind());
   const Lattice turned{gridMatrix(0.1 * Mat3::Identity(), Vec3::Constant(0.05)),
                        {{4, 4, 4}, {8, 8, 8}}};
-  const Mat3 quarter = Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()).toRotationMatrix();
+  const Mat3 quarter = turnAbout(Vec3::UnitZ(), M_PI / 2);
   const auto source = resampleTo(rampSource(3), {}, turned, Basis::kTrilinear, kMemory, {quarter});
   std::vector<float> values(source->info().frameValues());
   ASSERT_TRUE(source->readFrame(0, values));

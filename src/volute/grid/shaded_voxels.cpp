@@ -677,37 +677,37 @@ void ShadedVoxels::pieces(std::span<const Segment> segments,
   const int channels = slice_->channels();
   for (std::size_t s = 0; s < segments.size(); ++s) {
     pieces[s].clear();
-    forMarchedCells(
-        *march_, cells_, segments[s],
-        [&](const std::array<int, 3>& cell, std::int32_t brick, const float* first, double begin,
-            double end) {
-          const voxels::InCell ray(cells_, cell, segments[s], begin, end);
-          std::array<std::array<double, 8>, 7> values{};
-          bool empty = true;
-          for (int i = 0; i < 8; ++i) {
-            for (int c = 0; c < channels; ++c) {
-              const double value = cornerOf(*march_, first, i, c);
-              values[static_cast<std::size_t>(c)][static_cast<std::size_t>(i)] = value;
-              empty = empty && value == 0;
-            }
-          }
-          if (empty)
-            return;
-          for (int i = 0; i < 8 && light_; ++i) {
-            const Rgb light = lightAt(brick, cell, i);
-            for (std::size_t c = 0; c < 3; ++c)
-              values[4 + c][static_cast<std::size_t>(i)] = light[static_cast<Eigen::Index>(c)];
-          }
-          Piece piece{begin, end, {}, {}, 0};
-          const Cubic extinction = voxels::cornerCubic(ray, values[0]);
-          piece.extinction = extinction;
-          for (std::size_t c = 0; c < 3; ++c) {
-            piece.emission[c] = voxels::cornerCubic(ray, values[1 + c]);
-            if (light_)
-              piece.emission[c] += product(extinction, voxels::cornerCubic(ray, values[4 + c]));
-          }
-          pieces[s].push_back(piece);
-        });
+    forMarchedCells(*march_, cells_, segments[s],
+                    [&](const std::array<int, 3>& cell, std::int32_t brick, const float* first,
+                        double begin, double end) {
+                      const voxels::InCell ray(cells_, cell, segments[s], begin, end);
+                      std::array<std::array<double, 8>, 7> values{};
+                      bool empty = true;
+                      for (int i = 0; i < 8; ++i) {
+                        for (int c = 0; c < channels; ++c) {
+                          const double value = cornerOf(*march_, first, i, c);
+                          values[static_cast<std::size_t>(c)][static_cast<std::size_t>(i)] = value;
+                          empty = empty && value == 0;
+                        }
+                      }
+                      if (empty)
+                        return;
+                      for (int i = 0; i < 8 && light_; ++i) {
+                        const Rgb light = lightAt(brick, cell, i);
+                        for (std::size_t c = 0; c < 3; ++c)
+                          values[4 + c][static_cast<std::size_t>(i)] = light[c];
+                      }
+                      Piece piece{begin, end, {}, {}, 0};
+                      const Cubic extinction = voxels::cornerCubic(ray, values[0]);
+                      piece.extinction = extinction;
+                      for (std::size_t c = 0; c < 3; ++c) {
+                        piece.emission[c] = voxels::cornerCubic(ray, values[1 + c]);
+                        if (light_)
+                          piece.emission[c] +=
+                              product(extinction, voxels::cornerCubic(ray, values[4 + c]));
+                      }
+                      pieces[s].push_back(piece);
+                    });
     if (tiles_) {
       addTilePieces(segments[s], pieces[s]);
       std::ranges::sort(pieces[s], {}, &Piece::begin);

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "volute/base/half.hpp"
 #include "volute/grid/cubic_voxels.hpp"
 #include "volute/grid/voxel_medium.hpp"
 #include "volute/grid/voxel_places.hpp"
@@ -15,7 +16,7 @@
 namespace volute {
 
 /// Light at a voxel.
-using VoxelLight = Eigen::Array3f;
+using VoxelLight = ArrayN<float, 3>;
 
 /// One instant of a volume that absorbs, may send light of its own, and may scatter light that
 /// reaches it:
@@ -145,16 +146,18 @@ class ShadedVoxels {
   /// Light as shares of the brightest, of each colour, in 6 bytes.
   struct PackedLight {
     VoxelLight brightest = VoxelLight::Zero();
-    std::vector<Eigen::Array<Eigen::half, 3, 1>> shares;
+    std::vector<std::array<Half, 3>> shares;
 
     PackedLight(const VoxelLight& most, std::size_t count) : brightest(most), shares(count) {}
 
     void set(std::size_t i, const VoxelLight& light) {
-      shares[i] = (light / brightest.max(1e-30F)).cast<Eigen::half>();
+      for (std::size_t c = 0; c < 3; ++c)
+        shares[i][c] = toHalf(light[c] / std::max(brightest[c], 1e-30F));
     }
 
     VoxelLight at(std::int32_t i) const {
-      return brightest * shares[static_cast<std::size_t>(i)].cast<float>();
+      const std::array<Half, 3>& share = shares[static_cast<std::size_t>(i)];
+      return brightest * VoxelLight(toFloat(share[0]), toFloat(share[1]), toFloat(share[2]));
     }
   };
 

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -11,6 +10,7 @@
 #include "volute/grid/brick_slice.hpp"
 #include "volute/grid/grid_matrix.hpp"
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/math/rotation.hpp"
 #include "volute/medium/affine_medium.hpp"
 
 namespace volute {
@@ -19,8 +19,8 @@ namespace {
 /// Turned by 30 degrees, sheared, and stretched.
 Mat3 skew() {
   Mat3 shear;
-  shear << 1, .4, 0, 0, 1.5, .2, 0, 0, .7;
-  return Eigen::AngleAxisd(M_PI / 6, Vec3(1, 2, 3).normalized()).toRotationMatrix() * shear;
+  shear = Mat3(1, .4, 0, 0, 1.5, .2, 0, 0, .7);
+  return turnAbout(Vec3(1, 2, 3).normalized(), M_PI / 6) * shear;
 }
 
 VolumeInfo boxInfo(Basis basis) {

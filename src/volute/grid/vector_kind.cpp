@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/grid/vector_kind.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 

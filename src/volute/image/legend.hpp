@@ -8,7 +8,7 @@
 
 #include "volute/image/color_scale.hpp"
 #include "volute/image/image.hpp"
-#include "volute/math/vec2.hpp"
+#include "volute/math/vec.hpp"
 
 namespace volute {
 

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/image/picture_style.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,8 +11,6 @@
 
 namespace volute {
 namespace {
-
-using Matrix = Eigen::Matrix3d;
 
 /// Before a tone curve: how bright the brightest are, and how bright half of what is lit at most.
 constexpr double kToneKey = 3, kToneMiddle = 0.6;
@@ -28,19 +25,10 @@ inline double hillCurve(double v) {
   return (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081);
 }
 
-const Matrix& agxIn() {
-  static const Matrix m =
-      (Matrix() << 0.842479062253094, 0.0784335999999992, 0.0792237451477643,  //
-       0.0423282422610123, 0.878468636469772, 0.0791661274605434,              //
-       0.0423756549057051, 0.0784336, 0.879142973793104)
-          .finished();
-  return m;
-}
-
-const Matrix& agxOut() {
-  static const Matrix m = agxIn().inverse();
-  return m;
-}
+constexpr Mat3 kAgxIn(0.842479062253094, 0.0784335999999992, 0.0792237451477643,  //
+                      0.0423282422610123, 0.878468636469772, 0.0791661274605434,  //
+                      0.0423756549057051, 0.0784336, 0.879142973793104);
+constexpr Mat3 kAgxOut = kAgxIn.inverse();
 
 /// The sigmoid over a logarithmic scale of 16.5 stops, 10 of them below middle grey.
 double agxCurve(double light) {
@@ -50,7 +38,7 @@ double agxCurve(double light) {
          0.00232;
 }
 
-Rgb unitClamped(const Eigen::Vector3d& v) {
+Rgb unitClamped(const Vec3& v) {
   return Rgb(v.array().max(0).min(1));
 }
 
@@ -184,7 +172,7 @@ std::string_view nameOf(ToneCurve tone) {
 Rgb toneMapped(ToneCurve tone, const Rgb& light) {
   if (tone == ToneCurve::kNone)
     return light;
-  Eigen::Vector3d v;
+  Vec3 v;
   for (int c = 0; c < 3; ++c) v[c] = light[c] > 0 ? std::min(light[c], kMaxLight) : 0;
   if (tone == ToneCurve::kShoulder) {
     const double most = v.maxCoeff();
@@ -201,8 +189,8 @@ Rgb toneMapped(ToneCurve tone, const Rgb& light) {
     }
     return {out[0], out[1], out[2]};
   }
-  const Eigen::Vector3d in = agxIn() * v;
-  const Rgb shown = unitClamped(agxOut() * in.unaryExpr(&agxCurve));
+  const Vec3 in = kAgxIn * v;
+  const Rgb shown = unitClamped(kAgxOut * in.unaryExpr(&agxCurve));
   return shown.pow(2.2);
 }
 
@@ -269,8 +257,7 @@ Image developed(Image light, const PictureStyle& style) {
             float* pixel = &light.pixels[i * channels];
             const Rgb shown = toneMapped(
                 style.tone, {pixel[0], pixel[channels > 2 ? 1 : 0], pixel[channels > 2 ? 2 : 0]});
-            for (std::size_t c = 0; c < channels; ++c)
-              pixel[c] = static_cast<float>(shown[static_cast<Eigen::Index>(c)]);
+            for (std::size_t c = 0; c < channels; ++c) pixel[c] = static_cast<float>(shown[c]);
           }
         });
   }

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <tiny_gltf.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 #include "volute/io/below_folder.hpp"
 #include "volute/io/gltf_text.hpp"
 #include "volute/io/surface.hpp"
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
@@ -169,21 +169,20 @@ class GltfReader {
     if (node.matrix.size() == 16) {
       for (int i = 0; i < 16; ++i) local(i % 4, i / 4) = node.matrix[i];
     } else {
-      if (node.translation.size() == 3)
-        local.topRightCorner<3, 1>() = Vec3(node.translation.data());
       Mat3 linear = Mat3::Identity();
       if (node.rotation.size() == 4) {
         const auto& q = node.rotation;
-        const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
+        const Vec4 turn(q.data());
         if (!(std::abs(turn.norm() - 1) < 1e-2))
           return fail(ErrorCode::kInvalidData, "{}/rotation: expected a unit quaternion", where);
-        linear = turn.normalized().toRotationMatrix();
+        linear = turnOfQuaternion(turn);
       }
       if (node.scale.size() == 3)
         linear = linear * Vec3(node.scale.data()).asDiagonal();
-      local.topLeftCorner<3, 3>() = linear;
+      local = affine(linear, node.translation.size() == 3 ? Vec3(node.translation.data())
+                                                          : Vec3(Vec3::Zero()));
     }
-    if (!local.allFinite() || local.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
+    if (!local.allFinite() || local.row(3) != Vec4(0, 0, 0, 1))
       return fail(ErrorCode::kInvalidData, "{}: expected an affine transform", where);
     return local;
   }
@@ -261,8 +260,7 @@ class GltfReader {
     for (std::size_t i = 0; i < numbers.count; ++i) {
       float xyz[3];
       std::memcpy(xyz, numbers.first + i * numbers.stride, sizeof xyz);
-      positions[i] = placed.topLeftCorner<3, 3>() * Vec3(xyz[0], xyz[1], xyz[2]) +
-                     placed.topRightCorner<3, 1>();
+      positions[i] = linearPart(placed) * Vec3(xyz[0], xyz[1], xyz[2]) + offsetPart(placed);
       if (!positions[i].allFinite())
         return fail(ErrorCode::kInvalidData, "{}/POSITION: vertex {} is not finite", where, i);
     }

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/level_set_surface.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -304,7 +303,7 @@ LevelSetSurface::LevelSetSurface(std::shared_ptr<const Field> field, const Mat3&
                                  const Vec3& offset)
     : field_(std::move(field)), linear_(linear), offset_(offset), inverse_(linear.inverse()) {
   constexpr double kRoughness = 0.1;  // of a voxel: cells meet in edges
-  roughness_ = kRoughness * linear.colwise().norm().minCoeff();
+  roughness_ = kRoughness * linear.columnNorms().minCoeff();
   const Box3& box = field_->box;
   for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
     bounds_.extend(linear * Vec3((corner & 1 ? box.max : box.min).x(),
@@ -315,9 +314,9 @@ LevelSetSurface::LevelSetSurface(std::shared_ptr<const Field> field, const Mat3&
 }
 
 std::shared_ptr<const CurvedSurface> LevelSetSurface::moved(const Mat4& transform) const {
-  const Mat3 linear = transform.topLeftCorner<3, 3>();
-  return std::shared_ptr<const CurvedSurface>(new LevelSetSurface(
-      field_, linear * linear_, linear * offset_ + transform.topRightCorner<3, 1>()));
+  const Mat3 linear = linearPart(transform);
+  return std::shared_ptr<const CurvedSurface>(
+      new LevelSetSurface(field_, linear * linear_, linear * offset_ + offsetPart(transform)));
 }
 
 /// The same parameters mean the same places.

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -18,6 +16,7 @@
 #include "volute/io/surface_file.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/io/volume_sink.hpp"
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
@@ -97,8 +96,7 @@ TEST(LevelSetSurface, PiecesAreClosedAndWhereTheDistanceIsZero) {
 }
 
 Mat3 sheared() {
-  return Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix() *
-         (Mat3() << 1, 0.4, 0, 0, 1.5, 0.2, 0, 0, -2).finished();
+  return turnAbout(Vec3(1, 2, 3).normalized(), 0.7) * Mat3(1, 0.4, 0, 0, 1.5, 0.2, 0, 0, -2);
 }
 
 /// The trilinear distance at a place among voxels; NaN where a voxel has none.
@@ -170,8 +168,7 @@ TEST(LevelSetSurface, RaysMeetItWhereTheDistanceIsZero) {
 /// Of a ball: within a degree, from outside and from inside.
 TEST(LevelSetSurface, NormalsAreThoseOfTheBall) {
   const auto still = surfaceOf(sphere());
-  const auto moved =
-      still->moved((Mat4() << 2, 0, 0, 1, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1).finished());
+  const auto moved = still->moved(Mat4(2, 0, 0, 1, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1));
   std::mt19937 random(7);
   std::normal_distribution<double> number;
   for (int i = 0; i < 500; ++i) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <png.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -264,10 +263,11 @@ Image toImage(const PngState& state, const StoredColor* color) {
   }
   if (!color || !color->toSrgb || channels != 3)
     return image;
-  const Eigen::Matrix3f toSrgb = color->toSrgb->cast<float>();
+  const MatN<float, 3, 3> toSrgb = color->toSrgb->cast<float>();
   for (std::size_t i = 0; i < image.pixels.size(); i += 3) {
-    Eigen::Map<Eigen::Vector3f> pixel(&image.pixels[i]);
-    pixel = (toSrgb * pixel).cwiseMax(0.0f).eval();  // colors beyond sRGB's have negative shares
+    // Colors beyond sRGB's have negative shares.
+    const VecN<float, 3> pixel = (toSrgb * VecN<float, 3>(&image.pixels[i])).cwiseMax(0.0f);
+    std::ranges::copy(pixel, &image.pixels[i]);
   }
   return image;
 }

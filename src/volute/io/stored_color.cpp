@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/stored_color.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -14,11 +13,9 @@ namespace {
 
 /// XYZ of sRGB's primaries, adapted to the white of ICC profiles (D50).
 Mat3 profileFromSrgb() {
-  Mat3 m;
-  m << 0.4360747, 0.3850649, 0.1430804,  //
-      0.2225045, 0.7168786, 0.0606169,   //
-      0.0139322, 0.0971045, 0.7141733;
-  return m;
+  return {0.4360747, 0.3850649, 0.1430804,  //
+          0.2225045, 0.7168786, 0.0606169,  //
+          0.0139322, 0.0971045, 0.7141733};
 }
 
 /// Nothing where both have the same primaries but for what files round.
@@ -166,17 +163,15 @@ Result<std::optional<Mat3>> srgbFromPrimaries(const std::array<double, 8>& place
     const double x = places[2 * i], y = places[2 * i + 1];
     return Vec3(x / y, 1, (1 - x - y) / y);
   };
-  Mat3 own;
-  own << xyz(1), xyz(2), xyz(3);
+  Mat3 own = Mat3::ofColumns(xyz(1), xyz(2), xyz(3));
   if (!own.allFinite() || !xyz(0).allFinite() || !(std::abs(own.determinant()) > 1e-6))
     return fail(ErrorCode::kInvalidData, "its primaries span no colors");
   const Vec3 white = xyz(0);
   own = own * (own.inverse() * white).asDiagonal();
   // Bradford's adaptation, as profiles have it.
-  Mat3 cones;
-  cones << 0.8951, 0.2664, -0.1614,  //
-      -0.7502, 1.7135, 0.0367,       //
-      0.0389, -0.0685, 1.0296;
+  const Mat3 cones(0.8951, 0.2664, -0.1614,  //
+                   -0.7502, 1.7135, 0.0367,  //
+                   0.0389, -0.0685, 1.0296);
   const Vec3 d50(0.96422, 1, 0.82521);
   const Vec3 scale = (cones * d50).cwiseQuotient(cones * white);
   return srgbFromProfile(cones.inverse() * scale.asDiagonal() * cones * own);

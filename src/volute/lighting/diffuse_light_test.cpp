@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -90,7 +89,7 @@ class DenseCloud {
 
 /// Smooth values of 0 to 1 that change over a length of 1.
 double noiseAt(const Vec3& point) {
-  const Vec3 corner = point.array().floor(), in = point - corner;
+  const Vec3 corner = point.array().floor().matrix(), in = point - corner;
   double sum = 0;
   for (unsigned i = 0; i < 8; ++i) {
     double weight = 1;

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/lighting/light_field.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -58,7 +57,7 @@ struct SunSpace {
   SunSpace(const Lamp& lamp, const Box3& lit) {
     const Vec3 along = lamp.direction.normalized();
     const Vec3 across = along.unitOrthogonal();
-    world << across, along.cross(across), along;
+    world = Mat3::ofColumns(across, along.cross(across), along);
     Box3 box;
     for (int i = 0; i < 8; ++i) {
       const Vec3 point(i & 1 ? lit.max.x() : lit.min.x(), i & 2 ? lit.max.y() : lit.min.y(),

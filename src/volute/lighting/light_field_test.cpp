@@ -72,8 +72,8 @@ TEST(LightField, IsTheTransmittanceOfTheWayToTheLight) {
       const LightField field(lamp, {risingSmoke(strength)}, kLit, {.finest = 0.05});
       const auto [most, mean] = errorsOf(field, litPoints(300));
       const bool jumps = lamp.direction == Vec3(1, 0, 0);  // along sides of the mesh
-      EXPECT_LT(most, jumps ? 1.0 : 2e-2) << strength << ", " << lamp.direction.transpose();
-      EXPECT_LT(mean, jumps ? 3e-3 : 1e-3) << strength << ", " << lamp.direction.transpose();
+      EXPECT_LT(most, jumps ? 1.0 : 2e-2) << strength << ", " << lamp.direction;
+      EXPECT_LT(mean, jumps ? 3e-3 : 1e-3) << strength << ", " << lamp.direction;
     }
   }
 }

@@ -314,7 +314,7 @@ void LitMedium::cut(const Ray& ray, const Piece& piece, int cuts, std::vector<Pi
     return;
   }
   Piece lit = piece;
-  for (Eigen::Index k = 0; k < 3; ++k) {
+  for (int k = 0; k < 3; ++k) {
     lit.emission[k] +=
         timesParabola(piece.extinction, a[k], b[k] / length, c[k] / (length * length));
   }

@@ -111,13 +111,13 @@ TEST(LampPaths, AgreeWithARayForEachVertex) {
         continue;
       ++compared;
       ++(reference.share > 0 ? lit : dark);
-      EXPECT_NEAR(shares[i], reference.share, 1e-4) << i << " at " << point.transpose();
+      EXPECT_NEAR(shares[i], reference.share, 1e-4) << i << " at " << point;
     }
     const Vec3& at = lamp.position;
-    EXPECT_GT(compared, 20) << at.transpose();
-    EXPECT_GT(lit, 10) << at.transpose() << ": " << dark << " dark";
+    EXPECT_GT(compared, 20) << at;
+    EXPECT_GT(lit, 10) << at << ": " << dark << " dark";
     if (inside) {
-      EXPECT_GT(dark, 0) << at.transpose();
+      EXPECT_GT(dark, 0) << at;
     }
   }
 }
@@ -167,7 +167,7 @@ TEST(Lamp, ShinesInItsCone) {
   EXPECT_TRUE(lamp.irradiance(Vec3(1.2, 0, 2)).isZero(0));
   EXPECT_TRUE(lamp.irradiance(Vec3(0, 0, 5)).isZero(0));
   EXPECT_TRUE(lamp.irradiance(lamp.position).isApprox(lamp.intensity / (0.05 * 0.05)));
-  EXPECT_TRUE(sun(Vec3(0, 1, -1)).irradiance(Vec3(7, 8, 9)).isApproxToConstant(1));
+  EXPECT_TRUE(sun(Vec3(0, 1, -1)).irradiance(Vec3(7, 8, 9)).isApprox(Rgb::Ones()));
 }
 
 TEST(ScatteredLight, IsWhatComesInTimesTheAlbedo) {

@@ -3,8 +3,9 @@
 #include "volute/math/rotation.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <cmath>
+
+#include "volute/math/eigen.hpp"
 
 namespace volute {
 
@@ -16,6 +17,14 @@ Mat3 turnOfZ(const Vec3& up) {
   if (!(s > 0))
     return Vec3(1, -1, -1).asDiagonal();
   return Eigen::Quaterniond(0.5 * s, -to.y() / s, to.x() / s, 0).toRotationMatrix();
+}
+
+Mat3 turnAbout(const Vec3& axis, double angle) {
+  return Eigen::AngleAxisd(angle, asEigen(axis)).toRotationMatrix();
+}
+
+Mat3 turnOfQuaternion(const Vec4& quaternion) {
+  return Eigen::Quaterniond(asEigen(quaternion)).normalized().toRotationMatrix();
 }
 
 Mat3 nearestRotation(const Mat3& matrix) {

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/camera_file.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 

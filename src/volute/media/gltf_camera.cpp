@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/gltf_camera.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -12,6 +11,7 @@
 
 #include "volute/base/input_file.hpp"
 #include "volute/io/gltf_text.hpp"
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
@@ -58,17 +58,12 @@ std::array<double, N> numbersOf(const Json& node, const char* name, std::array<d
 }
 
 Mat4 transformOf(const Json& node) {
-  Mat4 local = Mat4::Identity();
   if (node.contains("matrix"))
     return Mat4(node.at("matrix").get<std::array<double, 16>>().data());
   const auto t = numbersOf<3>(node, "translation", {0, 0, 0}),
              s = numbersOf<3>(node, "scale", {1, 1, 1});
   const auto q = numbersOf<4>(node, "rotation", {0, 0, 0, 1});
-  local.topLeftCorner<3, 3>() =
-      Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized().toRotationMatrix() *
-      Vec3(s.data()).asDiagonal();
-  local.topRightCorner<3, 1>() = Vec3(t.data());
-  return local;
+  return affine(turnOfQuaternion(Vec4(q.data())) * Vec3(s.data()).asDiagonal(), Vec3(t.data()));
 }
 
 /// Adds the cameras of a node and of what is below it.

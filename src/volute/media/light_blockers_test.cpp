@@ -24,7 +24,7 @@ bool stops(const Blocks& blocks, const Vec3& from, const Vec3& direction) {
 TEST(SceneGeometry, AWallShadesWhatIsNearItAlsoWhereCoordinatesAreLarge) {
   for (const Vec3& place : {Vec3(0, 0, 0), Vec3(500'000, 4'500'000, 120)}) {
     const Blocks blocks = roofAbove(place);
-    EXPECT_TRUE(stops(blocks, place + Vec3(1, 0.5, 3), Vec3::UnitZ())) << place.transpose();
+    EXPECT_TRUE(stops(blocks, place + Vec3(1, 0.5, 3), Vec3::UnitZ())) << place;
     EXPECT_FALSE(stops(blocks, place + Vec3(1, 0.5, 3), -Vec3::UnitZ()));
     EXPECT_FALSE(stops(blocks, place + Vec3(1, 0.5, 5), Vec3::UnitZ())) << "a vertex on the wall";
   }

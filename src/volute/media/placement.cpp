@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/placement.hpp"
 
-#include <Eigen/LU>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -17,11 +16,11 @@ Result<Mat4> transformFrom(const FieldValue& numbers) {
   Mat4 matrix;
   for (int i = 0; i < 16; ++i)
     matrix(i / 4, i % 4) = numbers[static_cast<std::size_t>(i)].get<double>();
-  if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
+  if (matrix.row(3) != Vec4(0, 0, 0, 1)) {
     return fail(ErrorCode::kInvalidData,
                 "expected 0, 0, 0, 1 as the last four of the numbers, which are row-major");
   }
-  if (!(std::abs(matrix.determinant()) > 0))
+  if (!(std::abs(linearPart(matrix).determinant()) > 0))
     return fail(ErrorCode::kInvalidData, "makes everything flat");
   return matrix;
 }
@@ -34,10 +33,10 @@ FieldValue transformValue(const Mat4& matrix) {
 
 Result<Placement> placementFrom(const FieldValue& numbers) {
   VOLUTE_ASSIGN(const Mat4 matrix, transformFrom(numbers));
-  const Mat3 linear = matrix.topLeftCorner<3, 3>();
+  const Mat3 linear = linearPart(matrix);
   Placement placement;
-  placement.scale = linear.colwise().norm().transpose();
-  placement.offset = matrix.topRightCorner<3, 1>();
+  placement.scale = linear.columnNorms();
+  placement.offset = offsetPart(matrix);
   placement.turn = linear * placement.scale.cwiseInverse().asDiagonal();
   const Mat3 square = placement.turn.transpose() * placement.turn - Mat3::Identity();
   if (square.cwiseAbs().maxCoeff() > kRight) {

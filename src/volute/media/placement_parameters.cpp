@@ -2,11 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/placement_parameters.hpp"
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
@@ -34,10 +34,8 @@ Vec3 inRange(const Vec3& scale) {
 
 Mat3 turnBy(const Vec3& degrees) {
   const Vec3 angles = kDegree * degrees;
-  return (Eigen::AngleAxisd(angles.z(), Vec3::UnitZ()) *
-          Eigen::AngleAxisd(angles.y(), Vec3::UnitY()) *
-          Eigen::AngleAxisd(angles.x(), Vec3::UnitX()))
-      .toRotationMatrix();
+  return turnAbout(Vec3::UnitZ(), angles.z()) * turnAbout(Vec3::UnitY(), angles.y()) *
+         turnAbout(Vec3::UnitX(), angles.x());
 }
 
 /// The reverse.
@@ -68,10 +66,8 @@ OrderedJson transformOf(const PlacementWords& words, const Box3& fileBounds) {
   Vec3 scale = words.scale;
   if (words.mirrored)
     scale.x() *= -1;
-  Mat4 matrix = Mat4::Identity();
-  matrix.topLeftCorner<3, 3>() = turnBy(words.turn) * scale.asDiagonal();
-  matrix.topRightCorner<3, 1>() =
-      words.middle - matrix.topLeftCorner<3, 3>() * middleOf(fileBounds);
+  const Mat3 linear = turnBy(words.turn) * scale.asDiagonal();
+  const Mat4 matrix = affine(linear, words.middle - linear * middleOf(fileBounds));
   const double nothing = kNothing * matrix.cwiseAbs().maxCoeff();
   OrderedJson numbers = OrderedJson::array();
   for (int i = 0; i < 16; ++i) {

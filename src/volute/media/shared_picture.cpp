@@ -41,8 +41,7 @@ struct SentRun {
         transmittance(static_cast<float>(run.radiance.transmittance)),
         begin(run.begin),
         end(run.end) {
-    for (std::size_t c = 0; c < 3; ++c)
-      emitted[c] = static_cast<float>(run.radiance.emitted[static_cast<Eigen::Index>(c)]);
+    for (std::size_t c = 0; c < 3; ++c) emitted[c] = static_cast<float>(run.radiance.emitted[c]);
   }
 
   std::uint32_t pixel = 0;  ///< of the owner's band

@@ -20,7 +20,6 @@
 #include "volute/base/result.hpp"
 #include "volute/math/box.hpp"
 #include "volute/math/vec.hpp"
-#include "volute/math/vec2.hpp"
 
 // What the question "from where is the exit sign still seen?" asks of a medium, whatever it is made
 // of: cells, tetrahedra, a formula.

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/math/rotation.hpp"
 #include "volute/medium/affine_medium.hpp"
 #include "volute/render/render.hpp"
 
@@ -139,10 +139,8 @@ TEST(Billboard, BrightFireHidesWhatIsBehindWhenAlphaIsIntensity) {
 
 TEST(AffineMedium, TurnsVoxelsWithTheirFastPath) {
   const VoxelMedium plain = blob(1.5, 0.8);
-  const Mat3 turn =
-      (Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()) * Eigen::AngleAxisd(0.4, Vec3::UnitX()))
-          .toRotationMatrix() *
-      Vec3(1, -1, 1).asDiagonal();
+  const Mat3 turn = turnAbout(Vec3(1, 2, 3).normalized(), 0.7) * turnAbout(Vec3::UnitX(), 0.4) *
+                    Vec3(1, -1, 1).asDiagonal();
   const Vec3 offset(4, -2, 1);
   const AffineMedium turned(AnyMedium(plain), {turn, offset});
   // The camera turned as well sees the same.

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/render/sign.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -165,7 +164,7 @@ Image exitPicture() {
   const Rgb green(srgbDecode(0.0), srgbDecode(0.52), srgbDecode(0.31));
   Image picture(kWidth, kHeight, 3);
   for (std::size_t i = 0; i < picture.pixels.size(); ++i)
-    picture.pixels[i] = static_cast<float>(green[static_cast<Eigen::Index>(i % 3)]);
+    picture.pixels[i] = static_cast<float>(green[i % 3]);
   const TextSize size = textSize("EXIT", style);
   const double left = 0.5 * (kWidth - size.width);
   if (size.height < style.size) {  // letters of dots

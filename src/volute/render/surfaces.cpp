@@ -149,8 +149,7 @@ Result<SurfacePicture> renderSurfaces(const Camera& camera, const SurfaceScene& 
       const SurfacePoint& point = points[i];
       const Rgb color = point.hit.found() ? point.radiance : background;
       for (std::size_t c = 0; c < 3; ++c) {
-        picture.color.pixels[3 * pixels[i] + c] =
-            static_cast<float>(color[static_cast<Eigen::Index>(c)]);
+        picture.color.pixels[3 * pixels[i] + c] = static_cast<float>(color[c]);
       }
       picture.depth[pixels[i]] = static_cast<float>(point.hit.distance);
       found += point.hit.found();

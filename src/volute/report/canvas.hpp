@@ -9,7 +9,6 @@
 
 #include "volute/image/image.hpp"
 #include "volute/math/vec.hpp"
-#include "volute/math/vec2.hpp"
 
 namespace volute {
 

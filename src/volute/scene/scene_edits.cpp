@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/scene_edits.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
 #include <cmath>

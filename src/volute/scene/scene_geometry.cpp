@@ -15,10 +15,7 @@ namespace {
 
 /// +y of the file becomes +z, as in glTF's own convention: (x, y, z) -> (x, -z, y).
 Mat4 yUpwards() {
-  Mat4 turn = Mat4::Identity();
-  turn.row(1) << 0, 0, -1, 0;
-  turn.row(2) << 0, 1, 0, 0;
-  return turn;
+  return affine(Mat3(1, 0, 0, 0, 0, -1, 0, 1, 0), Vec3::Zero());
 }
 
 FieldValue geometryTransform(const SceneGeometry& entry) {

@@ -69,7 +69,7 @@ Image over(std::span<const float> rgbt, const Camera& camera, std::span<const st
         continue;
       const bool opaque = !opaqueDepth.empty() && std::isfinite(opaqueDepth[i]);
       for (std::size_t c = 0; c < 3; ++c) {
-        double behind = opaque ? 0 : options.background[static_cast<Eigen::Index>(c)];
+        double behind = opaque ? 0 : options.background[c];
         if (options.behind)
           behind = options.behind->pixels[3 * i + c];
         image.pixels[3 * i + c] = static_cast<float>(rgbt[4 * i + c] + rgbt[4 * i + 3] * behind);

@@ -22,7 +22,7 @@ void SurfaceStack::add(SurfaceView view) {
     for (std::size_t i = begin; i < end; ++i) {
       if (first && !std::isfinite(depth_[i])) {
         for (std::size_t c = 0; c < 3; ++c)
-          color_.pixels[3 * i + c] = static_cast<float>(background_[static_cast<Eigen::Index>(c)]);
+          color_.pixels[3 * i + c] = static_cast<float>(background_[c]);
       } else if (!first && view.depth[i] < depth_[i]) {
         set(i, view.depth[i], &view.color.pixels[3 * i]);
       }
@@ -44,7 +44,7 @@ void SurfaceStack::begin() {
   color_ = Image(width_, height_, 3);
   depth_.assign(color_.pixels.size() / 3, std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < color_.pixels.size(); ++i)
-    color_.pixels[i] = static_cast<float>(background_[static_cast<Eigen::Index>(i % 3)]);
+    color_.pixels[i] = static_cast<float>(background_[i % 3]);
 }
 
 void SurfaceStack::set(std::size_t pixel, float depth, const float* color) {

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/synth/valley.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>

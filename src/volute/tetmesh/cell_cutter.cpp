@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tetmesh/cell_cutter.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -246,9 +245,9 @@ Status CellCutter::cut(std::int32_t cell, const std::vector<Polygon>& faces) {
       const Vec3 inside = placeInside(middle, volume / 6);
       const double there = minShare(inside, kNone, volume, best);
       if (there > least) {
-        Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+        Mat3 spread = Mat3::Zero();
         for (const std::int64_t v : corners_)
-          spread += (place(v) - middle) * (place(v) - middle).transpose();
+          spread += outerProduct(place(v) - middle, place(v) - middle);
         const Vec3 slope = spread.inverse() * (inside - middle);
         for (std::size_t i = 0; i < shares.size(); ++i)
           shares[i] += slope.dot(place(corners_[i]) - middle);

@@ -2,8 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tetmesh/face_planes.hpp"
 
-#include <Eigen/Geometry>
-
 #include "volute/base/parallel.hpp"
 
 namespace volute {

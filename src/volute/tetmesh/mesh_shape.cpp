@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tetmesh/mesh_shape.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace volute {

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tetmesh/tet_contour.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <unordered_map>
 

@@ -114,8 +114,8 @@ std::int32_t TetLocator::find(const Vec3& point) const {
 void TetLocator::crossings(const Segment& segment, std::vector<TetCrossing>& out) const {
   out.clear();
   Box3 wide = box_;
-  const double margin = kTolerance * box_.size().maxCoeff();
-  wide.min.array() -= margin, wide.max.array() += margin;
+  const Vec3 margin = Vec3::Constant(kTolerance * box_.size().maxCoeff());
+  wide.min -= margin, wide.max += margin;
   const Interval inside = Interval{segment.begin, segment.end}.intersect(
       wide.intersect(segment.origin, segment.direction));
   if (inside.empty())

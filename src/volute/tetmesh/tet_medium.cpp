@@ -21,16 +21,16 @@ TetMedium::TetMedium(std::shared_ptr<const TetLocator> locator, std::vector<floa
   VOLUTE_ASSERT(source_.empty() || source_.size() == 3 * extinction_.size());
 }
 
-Eigen::Vector4d TetMedium::shares(std::int32_t tet, const Vec3& point) const {
+Vec4 TetMedium::shares(std::int32_t tet, const Vec3& point) const {
   const auto shares = locator_->mesh().shares(tet, point);
-  return Eigen::Vector4d(shares[0], shares[1], shares[2], shares[3]).cwiseMax(0);
+  return Vec4(shares[0], shares[1], shares[2], shares[3]).cwiseMax(0);
 }
 
 double TetMedium::extinction(const Vec3& point) const {
   const std::int32_t tet = locator_->find(point);
   if (tet < 0)
     return 0;
-  const Eigen::Vector4d share = shares(tet, point);
+  const Vec4 share = shares(tet, point);
   double sum = 0;
   for (int k = 0; k < 4; ++k) sum += share[k] * extinction_[locator_->mesh().tets()[tet][k]];
   return sum;
@@ -40,7 +40,7 @@ Rgb TetMedium::emission(const Vec3& point) const {
   const std::int32_t tet = locator_->find(point);
   if (tet < 0 || source_.empty())
     return Rgb::Zero();
-  const Eigen::Vector4d share = shares(tet, point);
+  const Vec4 share = shares(tet, point);
   Rgb source = Rgb::Zero();
   for (int k = 0; k < 4; ++k) {
     const auto v = static_cast<std::size_t>(locator_->mesh().tets()[tet][k]);
@@ -56,7 +56,7 @@ void TetMedium::opticalDepth(std::span<const Segment> segments, std::span<double
     double sum = 0;
     for (const TetCrossing& crossing : crossings) {
       // Linear along the ray: the middle is the mean.
-      const Eigen::Vector4d share =
+      const Vec4 share =
           shares(crossing.tet, segments[s].at(0.5 * (crossing.begin + crossing.end)));
       double mean = 0;
       for (int k = 0; k < 4; ++k)
@@ -75,9 +75,8 @@ void TetMedium::pieces(std::span<const Segment> segments,
     locator_->crossings(segments[s], crossings);
     for (const TetCrossing& crossing : crossings) {
       const double length = crossing.end - crossing.begin;
-      const Eigen::Vector4d at = shares(crossing.tet, segments[s].at(crossing.begin));
-      const Eigen::Vector4d slope =
-          (shares(crossing.tet, segments[s].at(crossing.end)) - at) / length;
+      const Vec4 at = shares(crossing.tet, segments[s].at(crossing.begin));
+      const Vec4 slope = (shares(crossing.tet, segments[s].at(crossing.end)) - at) / length;
       const Tet& tet = locator_->mesh().tets()[crossing.tet];
       const auto line = [&](auto&& value) {
         Line sum;

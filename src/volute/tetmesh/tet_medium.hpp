@@ -33,7 +33,7 @@ class TetMedium {
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
  private:
-  Eigen::Vector4d shares(std::int32_t tet, const Vec3& point) const;
+  Vec4 shares(std::int32_t tet, const Vec3& point) const;
 
   std::shared_ptr<const TetLocator> locator_;
   std::vector<float> extinction_;

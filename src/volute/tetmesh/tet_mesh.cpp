@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tetmesh/tet_mesh.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
 #include <cmath>

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tetmesh/tet_splat.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -117,7 +116,7 @@ struct TetSplat::State {
 
   std::shared_ptr<const TetLocator> locator;
   FacePlanes faces;
-  std::vector<std::array<Eigen::Vector3f, 3>> slopes;  // TetMesh::slopes but the first
+  std::vector<std::array<VecN<float, 3>, 3>> slopes;  // TetMesh::slopes but the first
   std::vector<float> extinction, source;
   std::vector<LinearField> smoke;  // the extinction in each tet
   std::vector<TetSource> sources;  // of each tet, when there is a source
@@ -177,8 +176,8 @@ void TetSplat::setExtinction(std::span<const float> extinction) {
                             extinction[tet[3]]};
       state.dark[t] = std::max(std::max(tau[0], tau[1]), std::max(tau[2], tau[3])) <= negligible;
       const auto& slope = state.slopes[t];
-      const Eigen::Vector3f gradient = (tau[1] - tau[0]) * slope[0] + (tau[2] - tau[0]) * slope[1] +
-                                       (tau[3] - tau[0]) * slope[2];
+      const VecN<float, 3> gradient = (tau[1] - tau[0]) * slope[0] + (tau[2] - tau[0]) * slope[1] +
+                                      (tau[3] - tau[0]) * slope[2];
       LinearField& smoke = state.smoke[t];
       smoke.gradient = gradient.cast<double>();
       smoke.offset = tau[0] - smoke.gradient.dot(mesh.vertices()[tet[0]]);
@@ -200,7 +199,7 @@ void TetSplat::setSource(std::span<const float> source) {
       TetSource& out = state.sources[t];
       for (int c = 0; c < 3; ++c) {
         const auto at = [&](int k) { return source[3 * static_cast<std::size_t>(tet[k]) + c]; };
-        Eigen::Vector3f gradient = Eigen::Vector3f::Zero();
+        VecN<float, 3> gradient = VecN<float, 3>::Zero();
         for (int k = 0; k < 3; ++k) gradient += (at(k + 1) - at(0)) * state.slopes[t][k];
         std::copy_n(gradient.data(), 3, out.gradient[c]);
         out.value[c] = at(0);

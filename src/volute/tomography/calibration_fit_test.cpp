@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <numeric>
 #include <random>
 
+#include "volute/math/eigen.hpp"
 #include "volute/tomography/reduced_view.hpp"
 #include "volute/tomography/sight_slopes.hpp"
 #include "volute/tomography/testing.hpp"
@@ -108,9 +108,9 @@ TEST(CameraCorrection, KeepInPlaceUndoesWhatIsCommon) {
   for (const Camera& camera : given) {
     CameraCorrection one;
     const Vec3 turn(0.004, -0.003, 0.006), from = camera.eye() - centre;
-    one.values.segment<3>(CameraCorrection::kTurn) = turn;
+    one.values.segment<3>(CameraCorrection::kTurn) = asEigen(turn);
     one.values.segment<3>(CameraCorrection::kShift) =
-        Vec3(0.02, 0.01, -0.03) + turn.cross(from) + 0.01 * from;
+        asEigen(Vec3(0.02, 0.01, -0.03) + turn.cross(from) + 0.01 * from);
     one.values[CameraCorrection::kGain] = 0.1;
     common.push_back(one);
   }
@@ -124,7 +124,7 @@ TEST(CameraCorrection, OneWrongCameraDoesNotPullTheOthers) {
   const TestScene scene(6);
   const auto given = camerasOf(scene.views);
   std::vector<CameraCorrection> corrections(given.size());
-  corrections[2].values.segment<3>(CameraCorrection::kTurn) = Vec3(0, 0, 0.01);
+  corrections[2].values.segment<3>(CameraCorrection::kTurn) = asEigen(Vec3(0, 0, 0.01));
   corrections[2].values[CameraCorrection::kGain] = 0.3;
   const auto placed = keepInPlace(given, scene.geometry.bounds, corrections);
   ASSERT_TRUE(placed);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/math/eigen.hpp"
 #include "volute/tomography/hull.hpp"
 #include "volute/tomography/momentum.hpp"
 #include "volute/tomography/ray_slopes.hpp"
@@ -381,8 +382,8 @@ void LevelFit::findSlopes() {
       for (std::size_t f = 0; f < frames_; ++f) {
         const SightSlope slope = fields[f].along(ray);
         Parameters& out = slopes_[row * frames_ + f];
-        out = change.direction.transpose() * slope.alongDirection;
-        out.segment<3>(CameraCorrection::kShift) = slope.alongOrigin;
+        out = change.direction.transpose() * asEigen(slope.alongDirection);
+        out.segment<3>(CameraCorrection::kShift) = asEigen(slope.alongOrigin);
         out[CameraCorrection::kGain] = -slope.integral;
         if (!views_[v].slope.empty())
           out[CameraCorrection::kExponent] =
@@ -415,7 +416,7 @@ double LevelFit::sightErrorOf(std::size_t v, const Square& covariance) const {
       const auto camera = cameraOf(v, moved);
       const auto there = camera ? camera->project(point) : std::nullopt;
       if (there)
-        slope.col(p) = (*there - *place) / step;
+        slope.col(p) = asEigen((*there - *place) / step);
     }
     squares += (slope * covariance * slope.transpose()).trace();
     ++seen;

@@ -9,20 +9,18 @@
 #include <numbers>
 
 #include "volute/base/assert.hpp"
+#include "volute/math/eigen.hpp"
+#include "volute/math/rotation.hpp"
 
 namespace volute {
 namespace {
 
 Mat3 rotationOf(const Vec3& turn) {
-  const double angle = turn.norm();
-  return angle > 0 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix()
-                   : Mat3(Mat3::Identity());
+  return turnAbout(turn.normalized(), turn.norm());
 }
 
 Mat3 cross(const Vec3& v) {
-  Mat3 m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
+  return {0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0};
 }
 
 }  // namespace
@@ -31,15 +29,18 @@ Result<Camera> corrected(const Camera& camera, const CameraCorrection& correctio
   if (camera.isOrthographic())
     return fail(ErrorCode::kInvalidArgument, "is orthographic; only pinholes can be refined");
   Mat3 k = camera.intrinsics();
-  k.topLeftCorner<2, 2>() *= std::exp(correction.values[CameraCorrection::kZoom]);
-  k.topRightCorner<2, 1>() += correction.values.segment<2>(CameraCorrection::kPrincipal) / scale;
+  const double zoom = std::exp(correction.values[CameraCorrection::kZoom]);
+  for (int row = 0; row < 2; ++row) {
+    k(row, 0) *= zoom, k(row, 1) *= zoom;
+    k(row, 2) += correction.values[CameraCorrection::kPrincipal + row] / scale;
+  }
   Distortion lens = camera.distortion();
   lens.k1 += correction.values[CameraCorrection::kLens];
   // The camera's axes turn with it.
   const Mat3 rotation = camera.rotation() * rotationOf(correction.turn()).transpose();
   const Vec3 eye = camera.eye() + correction.shift();
   return Camera::calibrated(
-      {camera.width(), camera.height(), k, rotation, -rotation * eye, lens, 0.5});
+      {camera.width(), camera.height(), k, rotation, -(rotation * eye), lens, 0.5});
 }
 
 CameraCorrection plausibleCorrection(const Camera& camera, const Vec3& centre) {
@@ -48,8 +49,8 @@ CameraCorrection plausibleCorrection(const Camera& camera, const Vec3& centre) {
   const double lens = camera.distortion().none() ? 0.03 : 0.005;
   const double border = 0.5 * camera.width() * camera.pixelWidth(), square = border * border;
   CameraCorrection plausible;
-  plausible.values << Vec3::Constant(kTurn),
-      Vec3::Constant(kShift * (camera.eye() - centre).norm()), kZoom, kPrincipal * camera.width(),
+  const double shift = kShift * (camera.eye() - centre).norm();
+  plausible.values << kTurn, kTurn, kTurn, shift, shift, shift, kZoom, kPrincipal * camera.width(),
       kPrincipal * camera.width(), kGain, lens / square, kExponent;
   return plausible;
 }
@@ -67,9 +68,9 @@ void removeCommonPart(std::span<const Camera> cameras, const Vec3& centre,
     const Vec3 from = cameras[i].eye() - centre;
     Eigen::Matrix<double, 6, 7> move = Eigen::Matrix<double, 6, 7>::Zero();
     move.topLeftCorner<3, 3>().setIdentity();
-    move.bottomLeftCorner<3, 3>() = -cross(from);
+    move.bottomLeftCorner<3, 3>() = -asEigen(cross(from));
     move.block<3, 3>(3, 3).setIdentity();
-    move.bottomRightCorner<3, 1>() = from;
+    move.bottomRightCorner<3, 1>() = asEigen(from);
     const Eigen::Matrix<double, 6, 1> weight =
         plausible[i].values.head<6>().cwiseProduct(plausible[i].values.head<6>()).cwiseInverse();
     normal += move.transpose() * weight.asDiagonal() * move;
@@ -91,7 +92,7 @@ namespace {
 using Similarity = Eigen::Matrix<double, 7, 1>;  // turn, shift [m], logarithm of the scale
 
 Vec3 moved(const Similarity& by, const Vec3& centre, const Vec3& point) {
-  return centre + by.segment<3>(3) +
+  return centre + Vec3(by.segment<3>(3)) +
          std::exp(by[6]) * (rotationOf(by.head<3>()) * (point - centre));
 }
 
@@ -101,7 +102,7 @@ Result<Camera> movedCamera(const Camera& camera, const Similarity& by, const Vec
   const double scale = std::exp(by[6]);
   const Mat3 rotation = camera.rotation() * turn;
   const Vec3 t = camera.rotation() *
-                 (centre + by.segment<3>(3) - scale * (turn * centre) - camera.eye()) / scale;
+                 (centre + Vec3(by.segment<3>(3)) - scale * (turn * centre) - camera.eye()) / scale;
   return Camera::calibrated({camera.width(), camera.height(), camera.intrinsics(), rotation, t,
                              camera.distortion(), 0.5});
 }
@@ -113,7 +114,7 @@ Eigen::VectorXd displacements(const Camera& given, const Camera& now, std::span<
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto was = given.project(points[i]), is = now.project(moved(by, centre, points[i]));
     if (was && is)
-      off.segment<2>(2 * static_cast<Eigen::Index>(i)) = (*is - *was) / given.width();
+      off.segment<2>(2 * static_cast<Eigen::Index>(i)) = asEigen((*is - *was) / given.width());
   }
   return off;
 }
@@ -174,9 +175,10 @@ Result<std::vector<Camera>> keepInPlace(std::span<const Camera> given, const Box
   for (std::size_t v = 0; v < given.size(); ++v) {
     VOLUTE_ASSIGN(auto camera, movedCamera(now[v], by, centre));
     // R = R0 rotation(turn)'
-    const Eigen::AngleAxisd turn(Mat3(camera.rotation().transpose() * given[v].rotation()));
+    const Eigen::AngleAxisd turn(asEigen(camera.rotation().transpose() * given[v].rotation()));
     corrections[v].values.segment<3>(CameraCorrection::kTurn) = turn.angle() * turn.axis();
-    corrections[v].values.segment<3>(CameraCorrection::kShift) = camera.eye() - given[v].eye();
+    corrections[v].values.segment<3>(CameraCorrection::kShift) =
+        asEigen(camera.eye() - given[v].eye());
     corrections[v].values[CameraCorrection::kGain] -= gain;
     placed.push_back(camera);
   }

@@ -104,9 +104,10 @@ Camera zoomed(const Camera& camera, double factor) {
   calibration.width = camera.width();
   calibration.height = camera.height();
   calibration.K = camera.intrinsics();
-  calibration.K.topLeftCorner(2, 2) *= factor;
+  for (int row = 0; row < 2; ++row)
+    for (int column = 0; column < 2; ++column) calibration.K(row, column) *= factor;
   calibration.R = camera.rotation();
-  calibration.t = -calibration.R * camera.eye();
+  calibration.t = -(calibration.R * camera.eye());
   calibration.distortion = camera.distortion();
   return Camera::calibrated(calibration).value_or(camera);
 }

@@ -15,9 +15,9 @@ constexpr double kHalf = 0.5;  // [pixels]
 /// The camera with its principal point moved to the right and down.
 Result<Camera> moved(const Camera& camera, double pixels) {
   Mat3 k = camera.intrinsics();
-  k.topRightCorner<2, 1>().array() += pixels;
+  k(0, 2) += pixels, k(1, 2) += pixels;
   return Camera::calibrated({camera.width(), camera.height(), k, camera.rotation(),
-                             -camera.rotation() * camera.eye(), camera.distortion(), 0.5});
+                             -(camera.rotation() * camera.eye()), camera.distortion(), 0.5});
 }
 
 /// Squared relative L2, the mean over the views.

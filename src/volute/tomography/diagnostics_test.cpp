@@ -47,9 +47,9 @@ std::vector<std::string> warningsOf(const TestScene& scene, const TomographyOpti
 /// The camera with its principal point moved and another lens.
 Camera recalibrated(const Camera& camera, const Vec2& moved, const Distortion& lens) {
   Mat3 k = camera.intrinsics();
-  k.topRightCorner<2, 1>() += moved;
+  k(0, 2) += moved.x(), k(1, 2) += moved.y();
   const auto made = Camera::calibrated({camera.width(), camera.height(), k, camera.rotation(),
-                                        -camera.rotation() * camera.eye(), lens, 0.5});
+                                        -(camera.rotation() * camera.eye()), lens, 0.5});
   EXPECT_TRUE(made);
   return *made;
 }
@@ -60,7 +60,7 @@ Camera turned(const Camera& camera) {
                                         camera.height(),
                                         camera.intrinsics(),
                                         camera.rotation().transpose(),
-                                        -camera.rotation() * camera.eye(),
+                                        -(camera.rotation() * camera.eye()),
                                         {},
                                         0.5});
   EXPECT_TRUE(made);

@@ -357,7 +357,7 @@ TEST(Projector, RoundingDoesNotAddUpOnLongWays) {
       double sum = 0;
       for (const Segment& ray : raysOf(camera, projector.pixels()[row].pixel, 4))
         sum += 0.25 * reference.forward(volume, ray);
-      EXPECT_NEAR(sx[4 * row], sum, 2e-6) << from.transpose() << ", row " << row;
+      EXPECT_NEAR(sx[4 * row], sum, 2e-6) << from << ", row " << row;
     }
     const auto y = randomColours(projector.rows(), 22);
     std::vector<float> sy(x.size());

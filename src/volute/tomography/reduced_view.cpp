@@ -11,10 +11,10 @@ namespace {
 
 Camera reducedCamera(const Camera& camera, int factor) {
   Mat3 k = camera.intrinsics();
-  k.topRows<2>() /= factor;
+  for (int column = 0; column < 3; ++column) k(0, column) /= factor, k(1, column) /= factor;
   auto reduced =
       Camera::calibrated({camera.width() / factor, camera.height() / factor, k, camera.rotation(),
-                          -camera.rotation() * camera.eye(), camera.distortion(), 0.5});
+                          -(camera.rotation() * camera.eye()), camera.distortion(), 0.5});
   // A lens that could be undone along the border of the picture can be within it.
   VOLUTE_ASSERT(reduced);
   return *reduced;

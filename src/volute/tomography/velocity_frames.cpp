@@ -108,8 +108,7 @@ Status VelocityFrames::readFrame(int index, std::span<float> values) {
   const Vec3 unit = perVoxel(after ? index : index - 1);
   for (std::size_t i = 0; i < info_.voxels(); ++i)
     for (std::size_t a = 0; a < 3; ++a)
-      values[3 * i + a] =
-          static_cast<float>(frame.along[a][i] * unit[static_cast<Eigen::Index>(a)]);
+      values[3 * i + a] = static_cast<float>(frame.along[a][i] * unit[a]);
   return {};
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // Keys and the mouse over the picture, as the help promises them.
-#include <Eigen/Geometry>
 
 #include "volute/viewer/controls_testing.hpp"
 

@@ -35,7 +35,7 @@ TEST(ExactSurfaces, TilesHaveTheRaysOfThePicture) {
   expectTheSameRays(Camera::orthographic(kView, 3, 64, 48));
   Calibration lens;
   lens.width = 64, lens.height = 48;
-  lens.K << 60, 0.5, 30, 0, 58, 25, 0, 0, 1;
+  lens.K = Mat3(60, 0.5, 30, 0, 58, 25, 0, 0, 1);
   const auto calibrated = Camera::calibrated(lens);
   ASSERT_TRUE(calibrated);
   expectTheSameRays(*calibrated);

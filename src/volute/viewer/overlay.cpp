@@ -3,7 +3,6 @@
 // Lines over the picture: what a scene wants drawn, and the painter's hand.
 #include <imgui.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 #include <imgui.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/view_camera.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,9 +31,7 @@ Vec3 ViewCamera::forward() const {
 }
 
 Mat3 ViewCamera::turned() const {
-  Mat3 turned;
-  turned << right(), forward(), right().cross(forward());
-  return turned;
+  return Mat3::ofColumns(right(), forward(), right().cross(forward()));
 }
 
 void ViewCamera::setPivot(const Vec3& point) {
@@ -108,16 +105,17 @@ void ViewCamera::fit(const Box3& bounds, int width, int height, const Insets& in
   const Vec3 centre = bounds.centre();
   // Of a pinhole that looks at the centre from so far: what the corners cover [pixels].
   const auto covers = [&](double distance) {
-    Eigen::AlignedBox2d on;
+    Vec2 from = Vec2::Constant(1e300), to = -from;
     for (int i = 0; i < 8; ++i) {
       const Vec3 corner(i & 1 ? bounds.max.x() : bounds.min.x(),
                         i & 2 ? bounds.max.y() : bounds.min.y(),
                         i & 4 ? bounds.max.z() : bounds.min.z());
       const Vec3 own = frame.transpose() * (corner - centre);
       const double depth = std::max(own.y() + distance, 1e-3 * distance);
-      on.extend(Vec2(focus * own.x() / depth, -focus * own.z() / depth));
+      const Vec2 on(focus * own.x() / depth, -focus * own.z() / depth);
+      from = from.cwiseMin(on), to = to.cwiseMax(on);
     }
-    return on;
+    return std::pair(from, to);
   };
   const double size = bounds.size().norm();
   double near = 0.5 * size, far = 100 * size;
@@ -125,11 +123,13 @@ void ViewCamera::fit(const Box3& bounds, int width, int height, const Insets& in
   constexpr double kFilled = 0.94;
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = std::sqrt(near * far);
-    const Vec2 covered = covers(middle).sizes();
+    const auto [from, to] = covers(middle);
+    const Vec2 covered = to - from;
     const bool fits = covered.x() <= kFilled * freeWidth && covered.y() <= kFilled * freeHeight;
     (fits ? far : near) = middle;
   }
-  const Vec2 middle = covers(far).center();
+  const auto [from, to] = covers(far);
+  const Vec2 middle = 0.5 * (from + to);
   eye_ = centre - far * forward();
   distance_ = far;
   pivot_ = centre;

@@ -65,7 +65,7 @@ Result<std::unique_ptr<Document>> openBlobs(const std::string& path, Progress&) 
   return document;
 }
 
-class ViewerTest : public testing::Test {
+class ViewerTest : public ::testing::Test {
  protected:
   void SetUp() override {
     auto made = HeadlessViewer::create(openBlobs);
@@ -74,7 +74,7 @@ class ViewerTest : public testing::Test {
     viewer_ = std::move(*made);
     Blobs::held = false;
     Blobs::scenes = 0;
-    path_ = testing::TempDir() + "blobs.txt";
+    path_ = ::testing::TempDir() + "blobs.txt";
     std::ofstream(path_) << "1";
     input_.width = kWidth, input_.height = kHeight;
     viewer_->app().settings().look.quality = 3;
@@ -273,7 +273,7 @@ TEST_F(ViewerTest, AnErrorIsShownAndTheOldPictureStays) {
   settle();
   app().open(path_ + ".missing");
   settle();
-  EXPECT_THAT(app().document().error(), testing::HasSubstr("there is no such file"));
+  EXPECT_THAT(app().document().error(), ::testing::HasSubstr("there is no such file"));
   ASSERT_NE(app().document().info(), nullptr);
   EXPECT_EQ(app().document().info()->title, "blobs");
 }

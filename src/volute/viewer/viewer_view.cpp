@@ -126,7 +126,7 @@ void ViewerView::lookForSomething(const DocumentInfo& document) {
   constexpr double kSeen = 1.0 / 512;  // of white: half a level of a display
   Rgb low = Rgb::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (std::size_t i = 0; i < light.pixels.size(); ++i) {
-    const auto c = static_cast<Eigen::Index>(i % 3);
+    const auto c = i % 3;
     low[c] = std::min<double>(low[c], light.pixels[i]);
     high[c] = std::max<double>(high[c], light.pixels[i]);
   }

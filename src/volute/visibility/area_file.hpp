@@ -11,7 +11,6 @@
 
 #include "volute/base/result.hpp"
 #include "volute/math/vec.hpp"
-#include "volute/math/vec2.hpp"
 
 namespace volute {
 

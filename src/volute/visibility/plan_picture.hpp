@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "volute/image/image.hpp"
-#include "volute/math/vec2.hpp"
+#include "volute/math/vec.hpp"
 #include "volute/visibility/eyes.hpp"
 #include "volute/visibility/plan_underlay.hpp"
 #include "volute/visibility/survey.hpp"

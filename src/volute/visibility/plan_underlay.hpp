@@ -12,7 +12,7 @@
 #include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 #include "volute/image/image.hpp"
-#include "volute/math/vec2.hpp"
+#include "volute/math/vec.hpp"
 #include "volute/visibility/area_file.hpp"
 
 namespace volute {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "volute/math/vec2.hpp"
+#include "volute/math/vec.hpp"
 #include "volute/media/sight.hpp"
 
 namespace volute {

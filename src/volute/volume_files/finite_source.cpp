@@ -113,7 +113,7 @@ class FiniteSource final : public WrappedSource {
     const VolumeInfo& of = info();
     Vec3 place = of.bounds.min;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<Eigen::Index>(axis);
+      const std::size_t a = axis;
       place[a] += (static_cast<double>(voxel[axis]) + 0.5) * of.voxelSize()[a];
     }
     std::string file = path_, what = "voxel";

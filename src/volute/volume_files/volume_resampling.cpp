@@ -42,7 +42,7 @@ void extend(IndexBox& all, const Box3& box, const GridMatrix& worldFromBox,
   }
   IndexBox one;
   for (std::size_t a = 0; a < 3; ++a) {
-    const auto axis = static_cast<Eigen::Index>(a);
+    const std::size_t axis = a;
     const auto whole = [&](double at) {
       return std::llround(std::clamp(at, -kFarthest, kFarthest));
     };

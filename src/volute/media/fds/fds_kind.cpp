@@ -43,7 +43,7 @@ class FdsSharesPicture final : public MediumPicture {
     for (std::size_t i = 0; i < depth.size(); ++i) {
       const double taken = -std::expm1(-static_cast<double>(depth[i]));
       for (std::size_t c = 0; c < 3; ++c) {
-        rgbt[4 * i + c] = static_cast<float>(taken * smoke_.source()[static_cast<Eigen::Index>(c)]);
+        rgbt[4 * i + c] = static_cast<float>(taken * smoke_.source()[c]);
       }
       rgbt[4 * i + 3] = static_cast<float>(1 - taken);
     }

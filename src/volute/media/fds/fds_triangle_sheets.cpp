@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fds/fds_triangle_sheets.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/smoke/smoke_walls.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <numbers>
@@ -172,8 +171,7 @@ Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
   };
   const auto show = [&](std::size_t pixel, const Rgb& light) {
     for (std::size_t c = 0; c < 3; ++c) {
-      view.color.pixels[3 * pixel + c] = static_cast<float>(color[static_cast<Eigen::Index>(c)] *
-                                                            light[static_cast<Eigen::Index>(c)]);
+      view.color.pixels[3 * pixel + c] = static_cast<float>(color[c] * light[c]);
     }
   };
   std::vector<std::uint32_t> faceOf(lights.lamps.empty() ? 0 : view.depth.size(), kNoFace);

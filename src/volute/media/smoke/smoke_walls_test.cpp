@@ -91,7 +91,7 @@ TEST(LookAtWalls, OtherThingsCastShadowsToo) {
       if (seen < 0)
         continue;
       if (point.x() > 12.3) {
-        EXPECT_LE(seen, 0.011) << point.transpose();
+        EXPECT_LE(seen, 0.011) << point;
         ++behind;
       } else {
         before += seen > 0.05;
@@ -209,7 +209,7 @@ TEST(WallLight, SeesTheShadowOfWhatIsThinnerThanAFace) {
       const bool shadow = high > 3.9 && low < 4.1;
       if (std::abs(high - 3.9) < 1e-9 || std::abs(low - 4.1) < 1e-9)
         continue;
-      EXPECT_EQ(shares[i], shadow ? 0 : 1) << point.transpose();
+      EXPECT_EQ(shares[i], shadow ? 0 : 1) << point;
       dark += shadow;
     }
   }

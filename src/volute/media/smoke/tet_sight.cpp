@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/smoke/tet_sight.hpp"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 

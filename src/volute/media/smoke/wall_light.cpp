@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/smoke/wall_light.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
 #include <cmath>

@@ -217,15 +217,15 @@ struct LightFan::SunRays {
   SunRays(const LightFan& fan, const Vec3& towards, std::size_t main)
       : axis(main),
         across(main),
-        away(towards[static_cast<Eigen::Index>(main)] > 0 ? -1 : 1),
+        away(towards[main] > 0 ? -1 : 1),
         first(away < 0 ? fan.bricks_[main].most : fan.bricks_[main].least),
         last(away < 0 ? fan.reach_[main].least : fan.reach_[main].most),
         before(std::min(away < 0 ? first - fan.reach_[main].most : fan.reach_[main].least - first,
                         0)) {
-    const Vec3 step = towards / std::abs(towards[static_cast<Eigen::Index>(main)]);
+    const Vec3 step = towards / std::abs(towards[main]);
     length = step.cwiseProduct(fan.voxel_).norm();
-    b = step[static_cast<Eigen::Index>(across.row)];
-    c = step[static_cast<Eigen::Index>(across.column)];
+    b = step[across.row];
+    c = step[across.column];
     constexpr int kAround = 16;  // what whole bricks, taps and cubics reach
     const auto reached = [&](std::size_t side, double slope, int& begin) {
       const auto [low, high] = std::minmax({0.0, slope * steps(), slope * before});
@@ -261,7 +261,7 @@ bool LightFan::transmittances(const Lamp& lamp, std::span<float> out,
     return false;
   if (lamp.kind == Lamp::Kind::kSun) {
     const Vec3 towards = (-lamp.direction).cwiseQuotient(voxel_);
-    Eigen::Index main = 0;
+    int main = 0;
     towards.cwiseAbs().maxCoeff(&main);
     const SunRays rays(*this, towards, static_cast<std::size_t>(main));
     if (rays.rows > std::max(kRays, 8 * places_.size()) / rays.columns)
@@ -368,7 +368,7 @@ void LightFan::fromPoint(const Vec3& lamp, std::span<float> out) const {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Place place = places_[i];
     const Vec3 way = Vec3(place[0], place[1], place[2]) - lamp;
-    Eigen::Index axis = 0;
+    int axis = 0;
     if (!(way.cwiseAbs().maxCoeff(&axis) > 1e-9)) {
       out[i] = 1;
       continue;
@@ -384,7 +384,7 @@ void LightFan::fromPoint(const Vec3& lamp, std::span<float> out) const {
 void LightFan::inPyramid(const Vec3& lamp, std::size_t axis, int sign,
                          std::span<const std::int32_t> which, std::span<float> out) const {
   const Across across(axis);
-  const auto along = [&](std::size_t a) { return lamp[static_cast<Eigen::Index>(a)]; };
+  const auto along = [&](std::size_t a) { return lamp[a]; };
   const double la = along(axis), lb = along(across.row), lc = along(across.column);
   // Planes from the lamp outwards, and the slopes of all ways to the points.
   int last = sign > 0 ? -1 : size_[axis];
@@ -415,9 +415,8 @@ void LightFan::inPyramid(const Vec3& lamp, std::size_t axis, int sign,
   std::fill_n(depths, 2 * all, 0.0F);
   for (int i = 0; i < count[0]; ++i) {
     for (int j = 0; j < count[1]; ++j) {
-      const Vec3 way(voxel_[static_cast<Eigen::Index>(axis)],
-                     (begin[0] + i) / perSlope * voxel_[static_cast<Eigen::Index>(across.row)],
-                     (begin[1] + j) / perSlope * voxel_[static_cast<Eigen::Index>(across.column)]);
+      const Vec3 way(voxel_[axis], (begin[0] + i) / perSlope * voxel_[across.row],
+                     (begin[1] + j) / perSlope * voxel_[across.column]);
       perStep[static_cast<std::size_t>(i) * rays + static_cast<std::size_t>(j)] =
           static_cast<float>(way.norm());
     }

@@ -158,8 +158,8 @@ TEST(LightFan, OfSunsIsOneRayForEachCentre) {
   const auto slice = fanVolume(smooth);
   for (const Vec3& way : kWays) {
     const FanError error = fanError(slice, sunFrom(way));
-    EXPECT_LT(error.largest, 2.5e-2) << way.transpose();
-    EXPECT_LT(error.mean, 1e-3) << way.transpose();
+    EXPECT_LT(error.largest, 2.5e-2) << way;
+    EXPECT_LT(error.mean, 1e-3) << way;
   }
 }
 
@@ -169,8 +169,8 @@ TEST(LightFan, OfLampsIsOneRayForEachCentre) {
   for (const Vec3& way : kWays) {
     for (const double far : {0.02, 0.9, 2.4, 30.0}) {
       const FanError error = fanError(slice, pointAt(middle + far * way.normalized()));
-      EXPECT_LT(error.largest, 2.5e-2) << way.transpose() << " " << far;
-      EXPECT_LT(error.mean, 1e-3) << way.transpose() << " " << far;
+      EXPECT_LT(error.largest, 2.5e-2) << way << " " << far;
+      EXPECT_LT(error.mean, 1e-3) << way << " " << far;
     }
   }
 }
@@ -238,10 +238,10 @@ TEST(LightFan, OfSunsInASparseVolumeIsOneRayForEachPoint) {
       double mean = 0;
       for (std::size_t i = 0; i < places.size(); ++i) {
         const double off = std::abs(static_cast<double>(one[i]) - std::exp(-depths[i]));
-        EXPECT_LT(off, 0.03) << way.transpose();
+        EXPECT_LT(off, 0.03) << way;
         mean += off / static_cast<double>(places.size());
       }
-      EXPECT_LT(mean, 1e-3) << way.transpose();
+      EXPECT_LT(mean, 1e-3) << way;
     }
   }
 }

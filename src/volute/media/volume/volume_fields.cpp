@@ -13,10 +13,7 @@ namespace {
 
 FieldValue volumeTransform(const SceneVolume& volume) {
   const Placement& placement = volume.appearance.placement;
-  Mat4 matrix = Mat4::Identity();
-  matrix.topLeftCorner<3, 3>() = placement.turn * placement.scale.asDiagonal();
-  matrix.topRightCorner<3, 1>() = placement.offset;
-  return transformValue(matrix);
+  return transformValue(affine(placement.turn * placement.scale.asDiagonal(), placement.offset));
 }
 
 Status setVolumeTransform(SceneVolume& volume, const FieldValue& value) {

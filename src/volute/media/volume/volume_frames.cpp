@@ -17,6 +17,7 @@
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
 #include "volute/io/volume_source.hpp"
+#include "volute/math/eigen.hpp"
 #include "volute/math/rotation.hpp"
 #include "volute/media/volume/volume_medium.hpp"
 #include "volute/optics/black_body.hpp"
@@ -118,8 +119,8 @@ GridMatrix VolumeMedium::filePlaceAt(double moment) const {
   const Mat3 turn = nearestRotation(step);
   const Mat3 stretch = turn.transpose() * step;
   const Eigen::Quaterniond half =
-      Eigen::Quaterniond::Identity().slerp(share, Eigen::Quaterniond(turn));
-  const Mat3 linear = linearOf(before) * half.toRotationMatrix() *
+      Eigen::Quaterniond::Identity().slerp(share, Eigen::Quaterniond(asEigen(turn)));
+  const Mat3 linear = linearOf(before) * Mat3(half.toRotationMatrix()) *
                       ((1 - share) * Mat3::Identity() + share * stretch);
   const Vec3 middle = 0.5 * (fileBounds().min + fileBounds().max);
   const Vec3 there = (1 - share) * (linearOf(before) * middle + offsetOf(before)) +
@@ -132,7 +133,7 @@ Placement VolumeMedium::placeAt(double moment) const {
   const Placement world = placed(appearance_);
   const Mat3 linear = world.turn * world.scale.asDiagonal() * linearOf(own);
   Placement place;
-  place.scale = linear.colwise().norm().transpose();
+  place.scale = linear.columnNorms();
   // Of a sheared voxel the longest diagonal is as long as that of its box, for whoever divides it
   // into steps.
   const Vec3 edges = place.scale.cwiseProduct(fileBounds().size())
@@ -170,9 +171,9 @@ Mat3 VolumeMedium::upright() const {
   Mat3 turn = Mat3::Identity();
   const char up = input_->source->info().up;
   if (up == 'x')
-    turn << 0, 0, -1, 0, 1, 0, 1, 0, 0;
+    turn = Mat3(0, 0, -1, 0, 1, 0, 1, 0, 0);
   else if (up == 'y')
-    turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;  // as geometry: (x, y, z) -> (x, -z, y)
+    turn = Mat3(1, 0, 0, 0, 0, -1, 0, 1, 0);  // as geometry: (x, y, z) -> (x, -z, y)
   return turn;
 }
 
@@ -326,7 +327,7 @@ Status VolumeMedium::findContent(Progress& progress) {
     const double most = kRest / 6 * all;  // at each of six ends
     for (double rest = first->second; rest <= most; rest += first->second) ++first;
     for (double rest = last->second; rest <= most; rest += last->second) --last;
-    const auto at = static_cast<Eigen::Index>(axis);
+    const std::size_t at = axis;
     content.min[at] = std::max(static_cast<double>(first->first) / size[axis], 0.0);
     content.max[at] = std::min(static_cast<double>(last->first + Bricks::kSide) / size[axis], 1.0);
     smaller = smaller || content.max[at] - content.min[at] < 0.5;
@@ -337,7 +338,7 @@ Status VolumeMedium::findContent(Progress& progress) {
   };
   bool cut = false;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto at = static_cast<Eigen::Index>(axis);
+    const std::size_t at = axis;
     const auto [low, high] = ends(axis);
     cut = cut || static_cast<double>(low + Bricks::kSide) / size[axis] < content.min[at] ||
           static_cast<double>(high) / size[axis] > content.max[at];

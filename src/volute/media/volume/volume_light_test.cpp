@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -12,6 +11,7 @@
 #include "volute/grid/bricks.hpp"
 #include "volute/math/phase_function.hpp"
 #include "volute/math/quadrature.hpp"
+#include "volute/math/rotation.hpp"
 #include "volute/medium/integrate.hpp"
 
 namespace volute {
@@ -242,9 +242,8 @@ TEST(VolumeLight, IsTheBruteForceMarchOnEightViews) {
 /// Turned by 30 degrees, sheared and stretched.
 TEST(VolumeLight, IsTheBruteForceMarchInAShearedGrid) {
   Mat3 shear;
-  shear << 1, 0.4, 0, 0, 1.2, 0.3, 0, 0, 0.7;
-  const Mat3 turn =
-      Eigen::AngleAxisd(std::numbers::pi / 6, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  shear = Mat3(1, 0.4, 0, 0, 1.2, 0.3, 0, 0, 0.7);
+  const Mat3 turn = turnAbout(Vec3(1, 2, 3).normalized(), std::numbers::pi / 6);
   const AffineMap place(turn * shear, Vec3(0.1, -0.2, 0.3));
   for (const Basis basis : {Basis::kTrilinear, Basis::kCubic})
     EXPECT_LT(worstOfEightViews(filled(64, billows, {}, basis), place), 5e-3);

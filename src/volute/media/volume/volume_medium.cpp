@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/volume/volume_medium.hpp"
 
-#include <Eigen/LU>
 #include <nlohmann/json.hpp>
 
 #include "volute/grid/bricks.hpp"
@@ -23,7 +22,8 @@ constexpr int kCoarseLevels = 2;  ///< of a block's, the coarsest first
 double pixelsOfVoxel(const Camera& view, const Box3& bounds, double voxel) {
   if (view.isOrthographic())
     return voxel / view.pixelSize();
-  const Vec3 ahead = bounds.centre() + 0.5 * bounds.size().cwiseProduct(view.forward().cwiseSign());
+  const Vec3 signs = view.forward().unaryExpr([](double x) { return double((x > 0) - (x < 0)); });
+  const Vec3 ahead = bounds.centre() + 0.5 * bounds.size().cwiseProduct(signs);
   if (!(view.forward().dot(ahead - view.eye()) > 0))
     return 0;  // it is behind the eye
   const Vec3 nearest = view.eye().cwiseMax(bounds.min).cwiseMin(bounds.max);

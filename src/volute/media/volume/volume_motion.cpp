@@ -205,19 +205,19 @@ VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const 
   paths.to.resize(paths.from.size());
   const Flow earlier(before), later(after);
   const PlaceMap toBefore(instant.before), toAfter(instant.after);
-  const Eigen::Matrix3f back = (-instant.share * early).cast<float>(),
-                        ahead = ((1 - instant.share) * late).cast<float>();
+  const MatN<float, 3, 3> back = (-instant.share * early).cast<float>(),
+                          ahead = ((1 - instant.share) * late).cast<float>();
   forVoxels(info, paths.places, [&](std::size_t brick, std::size_t voxel, const VoxelPlace& place) {
     const VoxelPlace atBefore = toBefore(place), atAfter = toAfter(place);
     const VoxelPlace a = earlier.read(atBefore), b = later.read(atAfter);
-    const auto wayOf = [](const VoxelPlace& v, const Eigen::Matrix3f& times) {
-      const Eigen::Vector3f way = times * Eigen::Vector3f(v[0], v[1], v[2]);
+    const auto wayOf = [](const VoxelPlace& v, const MatN<float, 3, 3>& times) {
+      const VecN<float, 3> way = times * VecN<float, 3>(v[0], v[1], v[2]);
       return VoxelPlace{way[0], way[1], way[2]};
     };
     const auto speed = [](const VoxelPlace& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
     const VoxelPlace& first = speed(a) >= speed(b) ? a : b;  // what moves may not have come yet
     const auto follow = [&](const Flow& velocity, const VoxelPlace& at,
-                            const Eigen::Matrix3f& times) {
+                            const MatN<float, 3, 3>& times) {
       VoxelPlace way = wayOf(first, times);
       for (int i = 0; i < kIterations; ++i) way = wayOf(velocity.read(sum(at, way)), times);
       return way;
@@ -246,7 +246,7 @@ Misfit misfitOf(const BrickSlice& one, const BrickSlice& other, const Velocities
   const Flow flow(velocities);
   const Between there(other);
   const PlaceMap map(toOther);
-  const Eigen::Matrix3f way = step.cast<float>();
+  const MatN<float, 3, 3> way = step.cast<float>();
   std::vector<Misfit> sums(count);
   parallelRanges(count, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -258,7 +258,7 @@ Misfit misfitOf(const BrickSlice& one, const BrickSlice& other, const Velocities
           at[axis] = static_cast<float>(entry.place[axis] * kMotionSide +
                                         (voxel >> 3 * axis) % kMotionSide);
         const VoxelPlace v = flow.read(at);
-        const Eigen::Vector3f moved = way * Eigen::Vector3f(v[0], v[1], v[2]);
+        const VecN<float, 3> moved = way * VecN<float, 3>(v[0], v[1], v[2]);
         float found[3];
         there.read(map(sum(at, {moved[0], moved[1], moved[2]})), found);
         for (int c = 0; c < one.channels(); ++c) {

@@ -5,11 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 
 #include "volute/io/testing.hpp"
 #include "volute/io/volume_sink.hpp"
+#include "volute/math/rotation.hpp"
 #include "volute/media/volume/volume_medium.hpp"
 
 namespace volute {
@@ -150,7 +150,7 @@ std::string writeBlobs(const TempFolder& folder, bool moving, double unit = 1,
     std::vector<float> velocity(3 * longVolume(1).voxels(), 0);
     const Vec3 speed = local ? Vec3(12 * 25, 0, 0) : Vec3(12 * 0.1 * 25 / unit * turn.col(0));
     for (std::size_t i = 0; i < velocity.size(); ++i)
-      velocity[i] = static_cast<float>(speed[static_cast<Eigen::Index>(i % 3)]);
+      velocity[i] = static_cast<float>(speed[i % 3]);
     std::vector values{Bricks::fromDense(targets[0].info, blob(12 + frame * kMoved))};
     if (moving)
       values.push_back(Bricks::fromDense(targets[1].info, velocity));
@@ -197,9 +197,9 @@ TEST(VolumeMotion, ALayerMovesAlongTheVelocitiesOfItsFile) {
 
 /// The same puff with its velocities in other units, and in grids that are turned or sheared.
 TEST(VolumeMotion, VelocitiesHaveAUnitAndAreThoseOfTheWorld) {
-  Mat3 sheared = Eigen::AngleAxisd(M_PI / 6, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-  sheared = sheared * (Mat3() << 1, 0.4, 0, 0, 1, 0.2, 0, 0, 1).finished();
-  const Mat3 turned = Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()).toRotationMatrix();
+  Mat3 sheared = turnAbout(Vec3(1, 2, 3).normalized(), M_PI / 6);
+  sheared = sheared * Mat3(1, 0.4, 0, 0, 1, 0.2, 0, 0, 1);
+  const Mat3 turned = turnAbout(Vec3::UnitZ(), M_PI / 2);
 
   struct Case {
     VelocityUnit unit;
@@ -293,7 +293,7 @@ GridMetadata textOf(std::string name, std::string text) {
 
 /// Vectors are of the world, or along the grid's axes; and turn with the volume in a scene, or not.
 TEST(VolumeMotion, VectorsTurnAsTheirTypeSays) {
-  const Mat3 turned = Eigen::AngleAxisd(M_PI / 6, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  const Mat3 turned = turnAbout(Vec3(1, 2, 3).normalized(), M_PI / 6);
   const GridMetadata local{"is_local_space", "bool", std::string(1, '\1')};
   const auto type = [](std::string name) { return textOf("vector_type", std::move(name)); };
   Progress progress;
@@ -307,8 +307,7 @@ TEST(VolumeMotion, VectorsTurnAsTheirTypeSays) {
     bool moves;  ///< as the puff does
   };
 
-  const Mat3 quarter = Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX()).toRotationMatrix() *
-                       Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()).toRotationMatrix();
+  const Mat3 quarter = turnAbout(Vec3::UnitX(), M_PI / 2) * turnAbout(Vec3::UnitZ(), M_PI / 2);
   const Mat3 stretched = Vec3(2, 1, 3).asDiagonal();
   for (const Case& one :
        {Case{{}, quarter, true}, Case{{local}, quarter, true},
@@ -362,9 +361,7 @@ class TurningPuff {
 
   static Vec3 middle() { return 0.5 * kVoxel * Vec3::Constant(kSize); }
 
-  static Mat3 turn(double angle) {
-    return Eigen::AngleAxisd(angle, Vec3::UnitZ()).toRotationMatrix();
-  }
+  static Mat3 turn(double angle) { return turnAbout(Vec3::UnitZ(), angle); }
 
   /// Density in the world when it has turned so far.
   static double density(const Vec3& world, double angle) {

@@ -2,8 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/medium/conformance.hpp"
 
-#include <Eigen/Geometry>
-
+#include "volute/math/rotation.hpp"
 #include "volute/medium/affine_medium.hpp"
 #include "volute/medium/conformance/dummy_media.hpp"
 
@@ -14,7 +13,7 @@ namespace {
 conformance::MediumUnderTest turned(AnyMedium medium, double shear = 0) {
   Mat3 skew = Vec3(1, 1, -1).asDiagonal();
   skew(0, 1) = shear, skew(1, 2) = -0.5 * shear, skew(2, 2) -= 0.3 * shear;
-  const Mat3 turn = Eigen::AngleAxisd(0.8, Vec3(1, -2, 0.5).normalized()).toRotationMatrix() * skew;
+  const Mat3 turn = turnAbout(Vec3(1, -2, 0.5).normalized(), 0.8) * skew;
   conformance::Traits traits;
   // The suite's Simpson ends near jumps that do not lie along the axes.
   traits.tolerance.quadrature = 5e-3;

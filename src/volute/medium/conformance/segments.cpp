@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <limits>
