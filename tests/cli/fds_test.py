@@ -7,6 +7,7 @@ import re
 import struct
 
 import support
+from sight_cases import FdsCase, Mesh
 from support import read_npy
 
 
@@ -123,8 +124,9 @@ class Fds(support.TestCase):
         eye = ("--eye", "1.5,-1,0.5", "--target", "1.5,0,0.5", "--ortho", "1", "--size", "4x4")
         self.path("signs.json").write_text(json.dumps(
             {"signs": [{"name": "exit", "position": [1.9, 0.5, 0.5], "normal": [-1, 0, 0], "size": [0.3, 0.2]}]}))
-        for command in (("visibility", self.case, "--signs", self.path("signs.json"), "--height", "0.5", "-o", self.path("out")),
-                        ("render", self.case, "-o", self.path("x.png"), *eye),
+        survey = ("visibility", self.case, "--signs", self.path("signs.json"), "--height", "0.5", "-o", self.path("out"))
+        self.assertIn("is stored from 0 to 10 s, but not known after 0 s in mesh 1 (case_1.sf)", self.works(*survey).message)
+        for command in (("render", self.case, "-o", self.path("x.png"), *eye),
                         ("compress", self.case, "-o", self.path("x.volute"), "--rms", "1e-3")):
             self.assertIn("1 of 2 stored times are left out", self.works(*command).message, command)
 
