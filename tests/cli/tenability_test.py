@@ -396,12 +396,14 @@ class Tenability(Cases):
 
     def test_bytes_of_temperature_serve_where_nothing_else_does(self):
         """8-bit temperature (.s3d) by the most that a byte may stand for; slices of the same times come first."""
-        def s3d(path):
-            values = bytes(21 * 5 * 4)
+        def s3d(path, warm=range(20)):
+            """As FDS: each node has the mean of its eight cells, of which those of walls keep 20 degrees."""
+            sides = [1, 2, 2, 2, 1], [1, 2, 2, 1]
+            count = [sum(x in warm for x in (node - 1, node) if 0 <= x < 20) * y * z for z in sides[1] for y in sides[0] for node in range(21)]
             data = struct.pack("<i8ii", 32, 1, 0, 0, 20, 0, 4, 0, 3, 32)
             for time in TIMES:
-                run = b"".join(b"\xff" + bytes([int(254 * time / 1980), n]) for n in [210, len(values) - 210])
-                for record in (struct.pack("<f", time), struct.pack("<2i", len(values), len(run)), run):
+                run = bytes(int(254 * time * of / 8 / 1980) for of in count)
+                for record in (struct.pack("<f", time), struct.pack("<2i", len(count), len(run)), run):
                     data += struct.pack("<i", len(record)) + record + struct.pack("<i", len(record))
             path.write_bytes(data)
 
@@ -418,8 +420,13 @@ class Tenability(Cases):
         one, verdict = hot(self.path("bytes.smv"))
         # 20 + t: byte 5 at 40 s, which is 59 to 66.8 degrees; byte 3 at 30 s, 43.4 to 51.2.
         self.assertEqual({v for row in one["rows"] for v in row}, {30})
-        self.assertEqual(one["from"], ["temperature (s3d-temperature, the most that its bytes allow)"])
+        self.assertEqual(one["from"], ["temperature (s3d-temperature)"])
         self.assertEqual((verdict["time"], verdict["known"]), (30, True))
+        self.assertGreaterEqual(min(v for row in one["rows_latest"] for v in row), 40, "by the least that they may stand for")
+        # Of a warm half, what touches it is as warm.
+        s3d(self.path("t.s3d"), range(11, 20))
+        one, _ = hot(self.path("bytes.smv"))
+        self.assertEqual(one["rows"][0][4:7], [None, 30, 30], "at 11 m one cell is cold and one is warm")
         one, _ = hot(self.path("both.smv"))
         self.assertIn("slice3d-temperature-cells), else temperature (s3d-temperature", one["from"][0])
         self.assertGreater(len({v for row in one["rows"] for v in row}), 1, "as the slices have it")

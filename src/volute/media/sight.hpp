@@ -226,8 +226,7 @@ struct PointValue {
   /// What the air around the point is within: low <= value <= high.
   double low = value, high = value;
   StoredSpan span{};  ///< the stored times around it, of what served
-  /// Whether the bounds are of this very place: not what an instrument reads nearby, nor a mean
-  /// that is rounded up.
+  /// Whether the bounds are of this very place: not what an instrument reads nearby.
   bool ofPlace = true;
 };
 

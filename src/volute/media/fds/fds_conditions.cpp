@@ -93,8 +93,7 @@ class FdsPoints final : public PointField {
         clean_(cleanOf(case_.index(), quantity)) {}
 
   std::string description() const override {
-    return fmt::format("{} ({}{}{})", quantity_, case_.source().name, factor_ == 1 ? "" : " / 4",
-                       isRounded() ? ", the most that its bytes allow" : "");
+    return fmt::format("{} ({}{})", quantity_, case_.source().name, factor_ == 1 ? "" : " / 4");
   }
 
   std::span<const double> times() const override { return case_.times(); }
@@ -104,14 +103,12 @@ class FdsPoints final : public PointField {
   }
 
   bool isExact() const override {
-    return isRounded() ||
-           std::ranges::none_of(case_.grid().lattices(), [](const auto& one) { return one.nodal; });
+    return std::ranges::none_of(case_.grid().lattices(), [](const auto& one) { return one.nodal; });
   }
 
   Status answer(double time, std::span<const Vec3> points, std::span<PointValue> out) override {
     const auto place = storedPlace(times(), time);
-    for (PointValue& one : out)
-      one = {.span = place ? place->span : one.span, .ofPlace = !isRounded()};
+    for (PointValue& one : out) one = {.span = place ? place->span : one.span};
     if (!place)
       return {};
     const auto [first, second, share, span] = *place;
@@ -153,7 +150,7 @@ class FdsPoints final : public PointField {
     out.low = out.high = out.value;
     const auto number = static_cast<std::size_t>(field.grid().latticeAt(point));
     const FdsLattice& lattice = field.grid().lattices()[number];
-    if (!lattice.nodal || isRounded() || std::isnan(out.value))
+    if (!lattice.nodal || std::isnan(out.value))
       return;
     const SmokeBand nodes = nodesAround(lattice, field.values(number), field.cells(number), point);
     const double low = factor_ * change_(nodes.low), high = factor_ * change_(nodes.high);
@@ -167,40 +164,40 @@ class FdsPoints final : public PointField {
     out.high = std::max(out.high, std::min(from(high, high > clean_ ? 1.5 : 0.5), most));
   }
 
-  /// The least and the largest at the corners of the gas cells that touch a point.
+  /// The least and the largest at the corners of the gas cells that touch a point; of bytes, that
+  /// they may stand for. The last byte may be anything. Where walls take most of the eight cells
+  /// round a node, the rounding is that many times as large: such a node counts with the middle of
+  /// what its byte stands for, if others of the cells are surer.
   static SmokeBand nodesAround(const FdsLattice& lattice, const FdsValues& values,
                                const std::vector<FdsCell>& cells, const Vec3& point) {
     const std::size_t nx = lattice.planes[0].size(), ny = lattice.planes[1].size();
-    constexpr float kNever = std::numeric_limits<float>::infinity();
+    constexpr float kNever = std::numeric_limits<float>::infinity(), kLargest = 1e4F;
+    constexpr float kMuchSurer = 2.1F;  // a node on a wall's face is not, one at its edge is
+    const std::vector<float>& low = values.low.empty() ? values.value : values.low;
+    const std::vector<float>& high = values.high.empty() ? values.value : values.high;
+    const auto forNodes = [&](auto&& each) {
+      forTouchingCells(lattice, point, [&](const std::array<int, 3>& cell) {
+        if (cells[lattice.cellAt(cell)] != FdsCell::kGas)
+          return;
+        for (int corner = 0; corner < 8; ++corner) {
+          const auto at = [&](int axis) {
+            return static_cast<std::size_t>(cell[axis] + (corner >> axis & 1));
+          };
+          each((at(2) * ny + at(1)) * nx + at(0));
+        }
+      });
+    };
+    float surest = kNever;
+    forNodes([&](std::size_t node) {
+      surest = std::fmin(surest, std::fmin(high[node], kLargest) - values.value[node]);
+    });
     SmokeBand band{0, kNever, -kNever};
-    forTouchingCells(lattice, point, [&](const std::array<int, 3>& cell) {
-      if (cells[lattice.cellAt(cell)] != FdsCell::kGas)
-        return;
-      for (int corner = 0; corner < 8; ++corner) {
-        const auto at = [&](int axis) {
-          return static_cast<std::size_t>(cell[axis] + (corner >> axis & 1));
-        };
-        const std::size_t node = (at(2) * ny + at(1)) * nx + at(0);
-        band.low = std::fmin(band.low, values.value[node]);
-        band.high = std::fmax(band.high, values.value[node]);
-      }
+    forNodes([&](std::size_t node) {
+      const float value = values.value[node], most = std::fmin(high[node], kLargest);
+      band.low = std::fmin(band.low, low[node]);
+      band.high = std::fmax(band.high, most - value <= kMuchSurer * surest ? most : value);
     });
     return band;
-  }
-
-  bool isRounded() const { return case_.source().kind == FdsFileKind::kSmoke; }
-
-  /// With the largest value that each byte may stand for; the last one may be anything.
-  static FdsField largest(const FdsField& field) {
-    constexpr float kLargest = 1e4F;
-    std::vector<std::shared_ptr<const FdsValues>> values;
-    for (const auto& own : field.allValues()) {
-      auto high = std::make_shared<FdsValues>();
-      high->value = own->high.empty() ? own->value : own->high;  // the first: where none is known
-      for (float& value : high->value) value = value > kLargest ? kLargest : value;
-      values.push_back(std::move(high));
-    }
-    return field.withValues(std::move(values));
   }
 
   const FdsField* held(std::size_t frame) const {
@@ -218,7 +215,7 @@ class FdsPoints final : public PointField {
     VOLUTE_ASSIGN(auto field, case_.field(case_.times()[frame]));
     auto& place =
         !held_[0] || (held_[1] && held_[0]->first < held_[1]->first) ? held_[0] : held_[1];
-    place.emplace(frame, isRounded() ? largest(field) : std::move(field));
+    place.emplace(frame, std::move(field));
     return {};
   }
 
