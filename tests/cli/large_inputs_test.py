@@ -150,6 +150,85 @@ def write_walks(path, people=30_000, times=400):
             file.write("".join(f"{time},{i},{1 + (i + time) % 400 / 100:.2f},3\n" for i in range(people)))
 
 
+def repeated(path, head, block, size=10 * ALLOWED * 1_000_000, tail=""):
+    """A text of that size."""
+    block = block.encode()
+    with open(path, "wb") as file:
+        file.write(head.encode())
+        for _ in range(size // len(block)):
+            file.write(block)
+        file.write(tail.encode())
+
+
+def write_raw(path):
+    with open(path, "wb") as file:
+        for frame in frames():
+            file.write(frame)
+
+
+def write_exr(path, width=12000, height=7000):
+    """Three channels of half floats, not packed."""
+    text = lambda name, kind, value: name + b"\0" + kind + b"\0" + struct.pack("<i", len(value)) + value
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    channels = b"".join(name + b"\0" + struct.pack("<iiii", 1, 0, 1, 1) for name in (b"B", b"G", b"R")) + b"\0"
+    head = (struct.pack("<ii", 20000630, 2) + text(b"channels", b"chlist", channels) + text(b"compression", b"compression", b"\0")
+            + text(b"dataWindow", b"box2i", window) + text(b"displayWindow", b"box2i", window) + text(b"lineOrder", b"lineOrder", b"\0")
+            + text(b"pixelAspectRatio", b"float", struct.pack("<f", 1)) + text(b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0))
+            + text(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0")
+    line = struct.pack("<e", 0.5) * (3 * width)
+    begin = len(head) + 8 * height
+    with open(path, "wb") as file:
+        file.write(head + struct.pack(f"<{height}Q", *(begin + y * (8 + len(line)) for y in range(height))))
+        for y in range(height):
+            file.write(struct.pack("<ii", y, len(line)) + line)
+
+
+def write_glb(path, triangles=40_000_000):
+    """Triangles of three corners, again and again."""
+    points, indices = struct.pack("<9f", 0, 0, 0, 2, 0, 0, 0, 2, 1), struct.pack("<3I", 0, 1, 2)
+    root = {"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [2, 2, 1]},
+                          {"bufferView": 1, "componentType": 5125, "count": 3 * triangles, "type": "SCALAR"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 12 * triangles}],
+            "buffers": [{"byteLength": 36 + 12 * triangles}]}
+    text = json.dumps(root).encode()
+    text += b" " * (-len(text) % 4)
+    size = 36 + 12 * triangles
+    with open(path, "wb") as file:
+        file.write(b"glTF" + struct.pack("<II", 2, 28 + len(text) + size) + struct.pack("<I", len(text)) + b"JSON" + text)
+        file.write(struct.pack("<I", size) + b"BIN\0" + points)
+        for _ in range(40):
+            file.write(indices * (triangles // 40))
+    (path.parent / "glb.json").write_text(json.dumps({"format": "volute-scene-2", "camera": {"eye": [1, -9, 4], "target": [1, 1, 0], "fov": 40},
+                                                     "geometry": [{"file": path.name}]}))
+
+
+def write_lines(path):
+    repeated(path, "x0,y0,z0,x1,y1,z1,transmittance\n", "".join(
+        f"-1,{0.2 + i % 160 / 100:.3f},{0.3 + i % 77 / 100:.3f},3,{1.8 - i % 91 / 100:.3f},{0.3 + i % 50 / 100:.3f},0.{700 + i % 100}\n" for i in range(9000)))
+
+
+def write_colmap(folder):
+    folder.mkdir()
+    (folder / "cameras.txt").write_text("1 PINHOLE 40 32 42 42 20 16\n")
+    (folder / "points3D.txt").write_text("")
+    with open(folder / "images.txt", "w") as file:
+        for begin in range(0, 9_000_000, 100_000):
+            file.write("".join(f"{i + 1} 0.5 0.5 0.5 -0.5 0 0 4 1 picture_{i:010}.png\n\n" for i in range(begin, begin + 100_000)))
+
+
+def write_index(folder):
+    """An index of FDS with as many obstructions."""
+    hall = sight_cases.Mesh("room", (0, 6, 0, 5, 0, 3), (6, 5, 3))
+    sight_cases.FdsCase([hall], [0.0], lambda t, *_: 0.02).write(folder, "room")
+    text = (folder / "room.smv").read_text()
+    count = 5_300_000
+    boxes = "".join(f" 1.0 2.0 1.0 {2 + i % 100 / 100:.2f} 1.0 2.0 1 0 0 0 0 0 0\n" for i in range(100)) * (count // 100)
+    cells = " 1 2 1 3 1 2 -1 -1\n" * count
+    (folder / "room.smv").write_text(text.replace("OBST\n 0\n", f"OBST\n {count}\n{boxes}{cells}"))
+
+
 def write_case(folder):
     """FDS's slices in space, 500 MB in all."""
     hall = sight_cases.Mesh("hall", (0, 6, 0, 5, 0, 3), (60, 50, 30))
@@ -185,6 +264,8 @@ def write_capture(folder):
 INPUTS = {
     "a.npy": write_npy, "d.npy": write_doubles, "one.npy": write_whole, "a.npz": write_npz, "a.nc": write_netcdf, "big.png": write_png,
     "deep.png": lambda path: write_png(path, 9000, 16), "m.vtu": write_mesh, "g.obj": write_obj, "eyes.csv": write_table, "walks.csv": write_walks,
+    "a.raw": write_raw, "big.exr": write_exr, "g.glb": write_glb, "lines.csv": write_lines, "colmap": write_colmap,
+    "room.smv": lambda path: write_index(path.parent),
     "hall.smv": lambda path: write_case(path.parent), "capture.json": lambda path: write_capture(path.parent),
     "a.volute": ("compress a.npy -o a.volute " + TARGET, "a.npy"), "one.volute": ("compress one.npy -o one.volute " + TARGET, "one.npy"),
     "a_0000.vdb": ("extract a.volute -o a_%04d.vdb", "a.volute"), "one_0000.vdb": ("extract one.volute -o one_%04d.vdb", "one.volute"),
@@ -200,6 +281,11 @@ COMMANDS = ([f"compress {name} -o o.volute {TARGET}" for name in VOLUMES] + [f"i
                "visibility hall.smv --signs signs.json --height 1.5 --step 0.5 -o out", "visibility hall.smv --signs signs.json --eyes eyes.csv -o out",
                "visibility hall.smv --signs signs.json --trajectories walks.csv --height 1.7 -o out", "sweep study.json -o out",
                "visibility a.npy --extinction 1 --signs signs.json --height 0.5 --step 0.2 -o out",
+               "visibility room.smv --signs signs.json --eyes few.csv -o out", "info room.smv", "info colmap",
+               f"compress a.raw --raw-size {SIDE},{SIDE},{SIDE} -o o.volute {TARGET}", "compare big.exr big.exr", "info big.exr",
+               f"render glb.json -o o.png {VIEW}",
+               "project a.npy colmap -o {camera}_%04d.exr --images {camera}_%04d.png",
+               "reconstruct lines.csv -o o.npy --bounds=0,0,0,2,2,2 --resolution 4,4,4",
                "reconstruct capture.json -o o.npy --iterations 2 --regularization none --refine never --force"])
 
 
@@ -209,6 +295,7 @@ class Inputs:
     def __init__(self, folder):
         self.folder = folder
         (folder / "signs.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [5.9, 3, 2], "normal": [-1, 0, 0]}]}))
+        (folder / "few.csv").write_text("x,y,z\n2.5,3,1.5\n")
         (folder / "study.json").write_text(json.dumps({"cases": ["hall.smv"], "options": {"signs": "signs.json", "height": 1.5, "step": 0.5}}))
 
     def make(self, name):
@@ -225,7 +312,7 @@ class Inputs:
 
     def of(self, command):
         for word in command.split():
-            self.make({"a_%04d.vdb": "a_0000.vdb", "g.json": "g.obj", "study.json": "hall.smv"}.get(word, word))
+            self.make({"a_%04d.vdb": "a_0000.vdb", "g.json": "g.obj", "glb.json": "g.glb", "study.json": "hall.smv"}.get(word, word))
 
 
 class LargeInputs(memory_test.Held):

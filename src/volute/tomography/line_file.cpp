@@ -257,9 +257,22 @@ Result<LineFile> LineReader::read(std::string_view text) {
 
 }  // namespace
 
-Result<LineFile> readLines(const std::filesystem::path& file) {
+Result<LineFile> readLines(const std::filesystem::path& file, std::uint64_t maxMemory) {
   constexpr std::uint64_t kMax = std::uint64_t{1} << 30;
+  const auto check = [&](std::uint64_t need) -> Status {
+    if (need <= maxMemory)
+      return {};
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+                "{}: its lines need {} MiB, more than the {} MiB allowed", file.string(),
+                (need >> 20) + 1, maxMemory >> 20);
+  };
+  std::error_code unknown;
+  if (const auto size = std::filesystem::file_size(file, unknown); !unknown)
+    VOLUTE_TRY(check(size));
   VOLUTE_ASSIGN(const auto text, readText(file, kMax));
+  // A list that grows takes half as much again while it is moved.
+  const auto rows = static_cast<std::uint64_t>(std::ranges::count(text, '\n')) + 1;
+  VOLUTE_TRY(check(text.size() + 3 * rows * sizeof(LineMeasurement)));
   return LineReader(file.string()).read(text);
 }
 

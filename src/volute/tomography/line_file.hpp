@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -45,6 +47,9 @@ struct LineFile {
 /// - frame (whole numbers from 0 on) or time [s], where there are several.
 /// Rows that are empty or begin with # do not count. Errors name the file, the line and the column;
 /// a column with another name is one.
-[[nodiscard]] Result<LineFile> readLines(const std::filesystem::path& file);
+/// @param maxMemory  [bytes], of the text and what is made of it; kTooLarge else
+[[nodiscard]] Result<LineFile> readLines(
+    const std::filesystem::path& file,
+    std::uint64_t maxMemory = std::numeric_limits<std::uint64_t>::max());
 
 }  // namespace volute

@@ -164,6 +164,19 @@ class LineFileTest : public ::testing::Test {
       std::filesystem::temp_directory_path() / fmt::format("volute-lines-{}.csv", ::getpid());
 };
 
+TEST_F(LineFileTest, TakesNoMoreMemoryThanIsAllowed) {
+  std::string text = "x0,y0,z0,x1,y1,z1,value\n";
+  for (int i = 0; i < 1000; ++i) text += "0,0,0,3,4,0,1\n";
+  ASSERT_TRUE(read(text));
+  ASSERT_TRUE(readLines(file_, 1 << 20));
+  for (const std::uint64_t allowed : {10'000, 100'000}) {  // not the text, not its rows
+    const auto lines = readLines(file_, allowed);
+    ASSERT_FALSE(lines);
+    EXPECT_EQ(lines.error().code, ErrorCode::kTooLarge);
+    EXPECT_THAT(lines.error().message, HasSubstr("its lines need 1 MiB, more than the 0 MiB"));
+  }
+}
+
 TEST_F(LineFileTest, ReadsEndsAndDirections) {
   const auto ends = read(
       "# a comment\n\n X0,y0,z0, x1,y1,z1 ,Optical_Depth,sigma,frame\r\n"

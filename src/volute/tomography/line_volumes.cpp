@@ -104,7 +104,7 @@ double LineVolumes::mean(const char* figure) const {
 
 Result<LineVolumes> reconstructLineFile(const std::string& file, const CaptureOptions& where,
                                         const LineOptions& how, bool leaveOut, Progress& progress) {
-  VOLUTE_ASSIGN(auto lines, readLines(file));
+  VOLUTE_ASSIGN(auto lines, readLines(file, where.maxMemory));
   return reconstructLineFrames(std::move(lines), file, where, how, leaveOut, progress);
 }
 
