@@ -35,7 +35,7 @@ bool near(const Box3& a, const Box3& b) {
 }  // namespace
 
 Result<FdsCase> FdsCase::open(const std::filesystem::path& path, const FdsOptions& options) {
-  VOLUTE_ASSIGN(auto index, SmvIndex::read(path));
+  VOLUTE_ASSIGN(auto index, SmvIndex::read(path, options.maxMemory));
   return open(std::move(index), options);
 }
 

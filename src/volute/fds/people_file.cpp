@@ -58,7 +58,7 @@ Result<std::string> fdsPeopleTable(const std::filesystem::path& path, std::uint6
     VOLUTE_TRY(addFile(path, kOffset, most, table));
     return table;
   }
-  VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path));
+  VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path, most));
   if (index.people.empty()) {
     return fail(ErrorCode::kNotFound,
                 "{}: names no people: expected a case of FDS+Evac, with particles (PRT5) of an "

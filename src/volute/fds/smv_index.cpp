@@ -269,6 +269,19 @@ std::optional<FdsColour> colourOf(std::span<const double> values) {
 
 }  // namespace
 
+/// Before so many more obstructions or vents are read.
+Status SmvReader::hold(double boxes) {
+  constexpr double kEach = 350;  // [bytes], measured, with trees and surfaces that are made of them
+  boxes_ += boxes;
+  if (boxes_ * kEach <= static_cast<double>(maxMemory_))
+    return {};
+  return fail(
+      ErrorCode::kTooLarge, Hint::raise("max_memory"),
+      "{}: line {}: {} obstructions and vents need {:.0f} MiB, more than the {} MiB allowed",
+      lines_.path().string(), lines_.lineNumber(), boxes_, boxes_ * kEach / (1 << 20),
+      maxMemory_ >> 20);
+}
+
 /// An obstruction lies where its nodes are, within the cells that FDS moves it by.
 Status SmvReader::checkEnds(const FdsMesh& mesh, const FdsNodeBox& box,
                             const std::array<float, 6>& ends) {
@@ -298,6 +311,7 @@ Status SmvReader::checkEnds(const FdsMesh& mesh, const FdsNodeBox& box,
 Status SmvReader::readObstructions(std::string_view) {
   VOLUTE_ASSIGN(FdsMesh * mesh, lastMesh());
   VOLUTE_ASSIGN(const int number, count("the number of obstructions"));
+  VOLUTE_TRY(hold(number));
   std::vector<FdsObstruction> obstructions;
   std::vector<std::array<float, 6>> ends;
   for (int i = 0; i < number; ++i) {
@@ -332,6 +346,7 @@ Status SmvReader::readVents(std::string_view) {
       (counted && !(counts[1] >= 0 && counts[1] <= counts[0])))
     return wrong("the number of vents, and of these the mesh's own walls");
   const int number = static_cast<int>(counts[0]);
+  VOLUTE_TRY(hold(number));
   const int firstWall = counted ? number - static_cast<int>(counts[1]) : number;
   std::vector<FdsVent> vents;
   for (int i = 0; i < number; ++i) {
@@ -658,9 +673,9 @@ Box3 FdsMesh::bounds() const {
           Vec3(planes[0].back(), planes[1].back(), planes[2].back())};
 }
 
-Result<SmvIndex> SmvIndex::read(const std::filesystem::path& path) {
+Result<SmvIndex> SmvIndex::read(const std::filesystem::path& path, std::uint64_t maxMemory) {
   VOLUTE_ASSIGN(auto lines, TextLines::open(path));
-  return SmvReader(std::move(lines)).read();
+  return SmvReader(std::move(lines), maxMemory).read();
 }
 
 const FdsInput& inputOf(const SmvIndex& index) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -190,8 +191,11 @@ struct SmvIndex {
   std::vector<Remark> remarks;  ///< what was left out and why
 
   /// kTruncated when the file ends within the meshes; what is cut off later is left out with a
-  /// remark. All errors name the line.
-  [[nodiscard]] static Result<SmvIndex> read(const std::filesystem::path& path);
+  /// remark. All errors name the line. kTooLarge for more obstructions and vents than `maxMemory`
+  /// holds with what is made of them.
+  [[nodiscard]] static Result<SmvIndex> read(
+      const std::filesystem::path& path,
+      std::uint64_t maxMemory = std::numeric_limits<std::uint64_t>::max());
 };
 
 /// By the name's end: .smv.

@@ -238,6 +238,16 @@ TEST(SmvIndex, obstructionsLieWhereTheirNodesAre) {
                         "at 1 m"));
 }
 
+TEST(SmvIndex, moreObstructionsThanMemoryHoldsAreRefused) {
+  const Folder folder;
+  fdswriter::saveText(folder / "made.smv", made().text());
+  EXPECT_TRUE(SmvIndex::read(folder / "made.smv", 10'000));
+  const auto refused = SmvIndex::read(folder / "made.smv", 500);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
+  EXPECT_THAT(refused.error().message, HasSubstr("2 obstructions and vents need"));
+}
+
 TEST(SmvIndex, everyTruncationIsAnErrorWithinTheMeshesAndARemarkAfterThem) {
   const Folder folder;
   const std::string text = made().text();

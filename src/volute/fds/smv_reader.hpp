@@ -25,7 +25,10 @@ inline constexpr const char* kUnknownParticles = "particles of unknown classes";
 /// space or are counted.
 class SmvReader {
  public:
-  explicit SmvReader(TextLines lines) : lines_(std::move(lines)) { index_.path = lines_.path(); }
+  SmvReader(TextLines lines, std::uint64_t maxMemory)
+      : lines_(std::move(lines)), maxMemory_(maxMemory) {
+    index_.path = lines_.path();
+  }
 
   Result<SmvIndex> read();
 
@@ -104,11 +107,14 @@ class SmvReader {
   Status checkEnds(const FdsMesh& mesh, const FdsNodeBox& box, const std::array<float, 6>& ends);
   Result<FdsNodeBox> nodeBox(std::span<const double> indices);
   Result<int> surface(double number);
+  Status hold(double boxes);
   Status finish();
   void leaveOutEvacuation();
   void findInput();
 
   TextLines lines_;
+  std::uint64_t maxMemory_;
+  double boxes_ = 0;  // obstructions and vents so far
   SmvIndex index_;
   std::optional<int> meshCount_;
   std::array<int, 3> cells_{};                   // of the mesh that is being read

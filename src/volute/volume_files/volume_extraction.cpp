@@ -594,7 +594,7 @@ Status extractFds(const std::string& path, const std::string& target,
   Extractor extractor(path, request, extracted, reading, alone);
   if (!namesEachMesh(target))
     return extractor.fds(target, std::nullopt);
-  VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path));
+  VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path, reading.maxMemory));
   VOLUTE_TRY(checkMeshNames(target, request, static_cast<int>(index.meshes.size())));
   for (int mesh = 0; mesh < static_cast<int>(index.meshes.size()); ++mesh) {
     const Status status =

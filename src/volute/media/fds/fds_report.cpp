@@ -239,7 +239,7 @@ Status addValues(Report& report, FdsCase& opened, Reading& reading) {
 
 Result<Report> describeFdsCase(const std::string& path, const DescribeRequest& request,
                                Reading& reading) {
-  VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path));
+  VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path, reading.maxMemory));
   Report report;
   report.add("file", path)
       .add("kind", "fds")
