@@ -65,6 +65,31 @@ int main(void) {
   CHECK(depth(scene, 10.5) == 3);
   CHECK(volute_scene_open_function(&info, NULL, value, NULL, "{\"extinction\": 2}", &scene) == VOLUTE_OK);
   CHECK(depth(scene, 0.5) == 2);
+
+  /* A cube as one hexahedron, and as tetrahedra at two times. */
+  const double points[24] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
+  const int64_t hexahedron[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  const int64_t tets[20] = {0, 1, 3, 4, 1, 2, 3, 6, 1, 4, 5, 6, 3, 4, 6, 7, 1, 3, 4, 6};
+  const float thick[16] = {3, 3, 3, 3, 3, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6};
+  const double times[2] = {0, 5};
+  volute_mesh mesh = {.size = sizeof mesh, .points = points, .point_count = 8, .cells = hexahedron, .cell_count = 1, .cell_points = 8,
+                      .of_cells = 1, .field = "soot", .values = thick};
+  CHECK(volute_scene_open_mesh(&mesh, "{\"quantity\": \"extinction\"}", &scene) == VOLUTE_OK);
+  CHECK(fabs(depth(scene, 0.5) - 3) < 1e-6);
+  mesh.cells = tets, mesh.cell_count = 5, mesh.cell_points = 4, mesh.of_cells = 0, mesh.times = times, mesh.time_count = 2;
+  CHECK(volute_scene_open_mesh(&mesh, "{\"quantity\": \"extinction\"}", &scene) == VOLUTE_OK);
+  CHECK(volute_scene_time_count(scene) == 2 && fabs(depth(scene, 0.4) - 3) < 1e-6);
+  CHECK(volute_drawing_open_mesh(&mesh, "{\"quantity\": \"extinction\"}", &drawing) == VOLUTE_OK);
+  unsigned char cube[3 * 16 * 12];
+  const volute_view last = {.size = sizeof last, .width = 16, .height = 12, .time = times + 1};
+  CHECK(volute_drawing_draw(drawing, &last, cube, sizeof cube) == VOLUTE_OK);
+  CHECK(memcmp(cube, cube + 3 * (6 * 16 + 8), 3) != 0);
+  volute_drawing_close(drawing), drawing = NULL;
+  mesh.cell_points = 7;
+  CHECK(volute_scene_open_mesh(&mesh, NULL, &scene) == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "4, 5, 6 or 8"));
+  mesh.cell_points = 4, mesh.point_count = 6;
+  CHECK(volute_scene_open_mesh(&mesh, "{\"quantity\": \"extinction\"}", &scene) != VOLUTE_OK && strstr(volute_error(), "has vertex 6"));
+
   CHECK(volute_compress_array("ones.volute", &info, NULL, &array, VOLUTE_MAX_ERROR, 1e-6) == VOLUTE_OK);
   CHECK(volute_scene_open("ones.volute", &scene) == VOLUTE_INVALID_ARGUMENT);
   CHECK(volute_scene_open_file("ones.volute", "{\"extinction\": 2}", &scene) == VOLUTE_OK);

@@ -183,6 +183,28 @@ typedef int (*volute_value_function)(void* user, double time, const double* x, c
 volute_status volute_drawing_open_function(const volute_info* info, const double* times,
                                            volute_value_function value, void* user,
                                            const char* members, volute_drawing** drawing);
+
+/* A mesh in memory: `points` x y z [m] after each other; `cells` the numbers of each cell's points,
+ * all of one kind, in VTK's order: tetrahedra of 4, pyramids of 5, wedges of 6, hexahedra of 8;
+ * `values` one for each point, or for each cell, at each time. Copied. */
+typedef struct volute_mesh {
+  size_t size; /* set it to sizeof(volute_mesh) */
+  const double* points;
+  size_t point_count;
+  const int64_t* cells;
+  size_t cell_count;
+  int32_t cell_points; /* 4, 5, 6 or 8 */
+  int32_t of_cells;    /* 1: values of cells; 0: of points */
+  const char* field;   /* what the values are called; NULL: "density" */
+  const float* values; /* those of the first time, then of the next */
+  const double* times; /* [s], ascending; NULL: one, 0 */
+  size_t time_count;   /* 0: 1 */
+} volute_mesh;
+
+/* `members`: those of smoke in a scene, above all what the values are: "{\"quantity\":
+ * \"extinction\"}" [1/m]; densities of soot [kg/m3] else. */
+volute_status volute_drawing_open_mesh(const volute_mesh* mesh, const char* members,
+                                       volute_drawing** drawing);
 void volute_drawing_close(volute_drawing* drawing);
 
 /* Number of stored times, and times[0 .. count - 1] [s]. */
@@ -249,6 +271,8 @@ volute_status volute_scene_open_array(const volute_info* info, const double* tim
 volute_status volute_scene_open_function(const volute_info* info, const double* times,
                                          volute_value_function value, void* user,
                                          const char* members, volute_scene** scene);
+volute_status volute_scene_open_mesh(const volute_mesh* mesh, const char* members,
+                                     volute_scene** scene);
 void volute_scene_close(volute_scene* scene);
 
 /* Number of stored times, and times[0 .. count - 1] [s]. */

@@ -638,6 +638,11 @@ struct Opening {
     return volumes->add("values", std::move(info), std::move(values));
   }
 
+  Status take(MemoryMesh mesh) {
+    path = "memory:mesh.vtu";
+    return volumes->add("mesh", std::move(mesh));
+  }
+
   SceneOptions options() const {
     SceneOptions options;
     options.members = members;
@@ -717,6 +722,61 @@ volute_status openFunction(const char* function, const volute_info* info, const 
   });
 }
 
+Result<MemoryMesh> meshOf(const char* function, const volute_mesh& given) {
+  VOLUTE_TRY(checkSize(function, "mesh", given));
+  VOLUTE_TRY(volute::given(function, given.points, given.cells, given.values));
+  const std::size_t times = std::max<std::size_t>(given.time_count, 1);
+  if (times > 1)
+    VOLUTE_TRY(volute::given(function, given.times));
+  static constexpr std::pair<int, CellShape> kShapes[] = {{4, CellShape::kTet},
+                                                          {5, CellShape::kPyramid},
+                                                          {6, CellShape::kWedge},
+                                                          {8, CellShape::kHexahedron}};
+  const auto shape =
+      std::ranges::find(kShapes, given.cell_points, &std::pair<int, CellShape>::first);
+  constexpr std::size_t kMost = std::size_t{1} << 40;
+  if (shape == std::end(kShapes) || given.point_count > kMost || given.cell_count > kMost ||
+      times > kMost) {
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "{}: {} points, and {} cells of {} points each, at {} times; expected cells of 4, 5, "
+        "6 or 8 points",
+        function, given.point_count, given.cell_count, given.cell_points, times);
+  }
+  MemoryMesh mesh;
+  mesh.cells.vertices.reserve(given.point_count);
+  for (std::size_t i = 0; i < given.point_count; ++i)
+    mesh.cells.vertices.emplace_back(given.points[3 * i], given.points[3 * i + 1],
+                                     given.points[3 * i + 2]);
+  const auto corners = static_cast<std::size_t>(given.cell_points);
+  mesh.cells.shapes.assign(given.cell_count, shape->second);
+  mesh.cells.connectivity.assign(given.cells, given.cells + corners * given.cell_count);
+  for (std::size_t i = 0; i <= given.cell_count; ++i)
+    mesh.cells.offsets.push_back(static_cast<std::int64_t>(corners * i));
+  if (given.times)
+    mesh.times.assign(given.times, given.times + times);
+  MemoryMesh::Field field{given.field ? given.field : "density", given.of_cells != 0, {}};
+  const std::size_t count = field.ofCells ? given.cell_count : given.point_count;
+  for (std::size_t i = 0; i < times; ++i)
+    field.values.emplace_back(given.values + i * count, given.values + (i + 1) * count);
+  mesh.fields.push_back(std::move(field));
+  return mesh;
+}
+
+template <class Handle>
+volute_status openMesh(const char* function, const volute_mesh* mesh, const char* members,
+                       Handle** handle) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(given(function, mesh, handle));
+    *handle = nullptr;
+    Opening opening(function);
+    VOLUTE_TRY(opening.takeMembers(members));
+    VOLUTE_ASSIGN(auto taken, meshOf(function, *mesh));
+    VOLUTE_TRY(opening.take(std::move(taken)));
+    return open(opening, handle);
+  });
+}
+
 Result<std::vector<LineMeasurement>> linesOf(const char* function, const volute_lines& given) {
   VOLUTE_TRY(checkSize(function, "lines", given));
   VOLUTE_TRY(volute::given(function, given.ends, given.depths));
@@ -776,6 +836,11 @@ volute_status volute_drawing_open_array(const volute_info* info, const double* t
                                         const volute_array* array, const char* members,
                                         volute_drawing** drawing) {
   return volute::openArray("volute_drawing_open_array", info, times, array, members, drawing);
+}
+
+volute_status volute_drawing_open_mesh(const volute_mesh* mesh, const char* members,
+                                       volute_drawing** drawing) {
+  return volute::openMesh("volute_drawing_open_mesh", mesh, members, drawing);
 }
 
 volute_status volute_drawing_open_function(const volute_info* info, const double* times,
@@ -846,6 +911,11 @@ volute_status volute_scene_open_array(const volute_info* info, const double* tim
                                       const volute_array* array, const char* members,
                                       volute_scene** scene) {
   return volute::openArray("volute_scene_open_array", info, times, array, members, scene);
+}
+
+volute_status volute_scene_open_mesh(const volute_mesh* mesh, const char* members,
+                                     volute_scene** scene) {
+  return volute::openMesh("volute_scene_open_mesh", mesh, members, scene);
 }
 
 volute_status volute_scene_open_function(const volute_info* info, const double* times,

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <limits>
+#include <set>
 #include <span>
 
 #include "volute/base/assert.hpp"
@@ -294,6 +296,103 @@ Result<std::vector<MeshFieldSummary>> readFields(const std::filesystem::path& pa
   return fields;
 }
 
+/// What a frame has, without values.
+struct Description {
+  MeshContents contents;
+  std::vector<MeshFieldSummary> fields;
+  CellSoup soup;
+};
+
+Result<Description> describeMesh(const std::filesystem::path& path, std::size_t instant,
+                                 const MeshOptions& options) {
+  const std::string file = path.string();
+  VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(path, options.maxMemory));
+  ReaderProcess process(meshReader(path, ""));
+  VOLUTE_ASSIGN(const std::string reply,
+                process.call(file, fmt::format("{}{}", kDescribe, instant), 0, limits));
+  const std::string_view text = reply;
+  Description described;
+  VOLUTE_ASSIGN(described.contents,
+                fromMessage<MeshContents>(text.substr(0, sizeof(MeshContents))));
+  if (!settle(described.contents.size))
+    return notSound(file);
+  VOLUTE_TRY(checkMemory(described.contents.size, file, options));
+  for (std::size_t at = sizeof(MeshContents); at < text.size(); at += sizeof(MeshFieldSummary)) {
+    VOLUTE_ASSIGN(auto summary,
+                  fromMessage<MeshFieldSummary>(text.substr(at, sizeof(MeshFieldSummary))));
+    summary.name[MeshSize::kMaxName] = '\0';
+    settleFlag(summary.ofCells);
+    described.fields.push_back(summary);
+  }
+  VOLUTE_ASSIGN(MeshData data, takeMesh(process, described.contents.size, file, limits));
+  described.soup = std::move(data.soup);
+  return described;
+}
+
+MeshSize sizeOf(const MemoryMesh& mesh) {
+  MeshSize size;
+  size.points = mesh.cells.vertices.size();
+  size.cells = mesh.cells.shapes.size();
+  size.indices = mesh.cells.connectivity.size();
+  return size;
+}
+
+/// The field that is asked for, or the only one, or the density.
+Result<const MemoryMesh::Field*> fieldIn(const MemoryMesh& mesh, const std::string& name,
+                                         const std::string& file) {
+  std::vector<std::string> names;
+  for (const MemoryMesh::Field& field : mesh.fields) names.push_back(field.name);
+  const std::string wanted = !name.empty() ? name : names.size() == 1 ? names[0] : "density";
+  const auto found = std::ranges::find(names, wanted);
+  if (found != names.end())
+    return &mesh.fields[static_cast<std::size_t>(found - names.begin())];
+  return fail(ErrorCode::kNotFound, Hint::choose("field"), "{}: has {}; expected {}", file,
+              fmt::join(names, ", "),
+              name.empty() ? "one field, or one that is named" : fmt::format("'{}'", name));
+}
+
+/// readMesh() of a mesh in memory.
+Result<MeshData> dataIn(const MemoryMesh& mesh, std::size_t frame, const std::string& name,
+                        const std::string& file, const MeshOptions& options) {
+  VOLUTE_TRY(checkMemory(sizeOf(mesh), file, options));
+  VOLUTE_ASSIGN(const MemoryMesh::Field* const field, fieldIn(mesh, name, file));
+  std::vector<std::string> others;
+  for (const MemoryMesh::Field& other : mesh.fields) {
+    if (&other != field)
+      others.push_back(other.name);
+  }
+  return MeshData{.soup = mesh.cells,
+                  .values = field->values[frame],
+                  .ofCells = field->ofCells,
+                  .field = field->name,
+                  .others = fmt::format("{}", fmt::join(others, ", ")),
+                  .dimensions = {}};
+}
+
+MeshContents contentsOf(const MemoryMesh& mesh) {
+  MeshContents contents;
+  contents.size = sizeOf(mesh);
+  for (const CellShape shape : mesh.cells.shapes)
+    ++contents.shapes[static_cast<std::size_t>(shape)];
+  return contents;
+}
+
+MeshFieldSummary summaryOf(const MemoryMesh::Field& field, std::size_t frame) {
+  MeshFieldSummary summary;
+  field.name.copy(summary.name, MeshSize::kMaxName);
+  summary.ofCells = field.ofCells;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const float value : field.values[frame]) {
+    if (std::isfinite(value))
+      least = std::min<double>(least, value), most = std::max<double>(most, value);
+    else
+      ++summary.notFinite;
+  }
+  if (least <= most)
+    summary.least = least, summary.most = most;
+  return summary;
+}
+
 std::string dimensionsText(const std::optional<std::array<double, 7>>& dimensions) {
   return dimensions ? fmt::format("[{}]", fmt::join(*dimensions, " ")) : "none";
 }
@@ -309,6 +408,39 @@ Result<std::shared_ptr<const TetMesh>> buildInSpace(const CellSoup& soup, const 
 }
 
 }  // namespace
+
+Status MemoryMesh::validate(const std::string& name) const {
+  const auto wrong = [&](const std::string& what) -> Status {
+    return fail(ErrorCode::kInvalidArgument, "{}: {}", name, what);
+  };
+  if (times.empty() || fields.empty())
+    return wrong("a mesh in memory has at least a time and a field");
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (!std::isfinite(times[i]) || (i > 0 && times[i] <= times[i - 1]))
+      return wrong(fmt::format("time {} is {} s; expected ascending times", i, times[i]));
+  }
+  std::set<std::string> names;
+  for (const Field& field : fields) {
+    if (field.name.empty() || field.name.size() > MeshSize::kMaxName ||
+        !names.insert(field.name).second) {
+      return wrong(fmt::format("a field is called '{}'; expected different names of 1 to {} bytes",
+                               field.name, MeshSize::kMaxName));
+    }
+    if (field.values.size() != times.size()) {
+      return wrong(fmt::format("field '{}' has values at {} times, and there are {}", field.name,
+                               field.values.size(), times.size()));
+    }
+    const std::size_t count = field.ofCells ? cells.shapes.size() : cells.vertices.size();
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      if (field.values[i].size() != count) {
+        return wrong(fmt::format("field '{}' has {} values at {} s, and there are {} {}",
+                                 field.name, field.values[i].size(), times[i], count,
+                                 field.ofCells ? "cells" : "points"));
+      }
+    }
+  }
+  return {};
+}
 
 bool isMeshCase(const std::filesystem::path& path) {
   static constexpr std::string_view kExtensions[] = {".case", ".e",    ".ex2", ".exo",
@@ -328,6 +460,19 @@ Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const Mes
   }
   for (std::size_t i = 0; !ascending && i < source.numbers_.size(); ++i)
     source.numbers_[i] = static_cast<int>(i);
+  return source;
+}
+
+MeshSource MeshSource::of(std::shared_ptr<const MemoryMesh> mesh, const std::filesystem::path& name,
+                          const MeshOptions& options) {
+  MeshSource source;
+  source.options_ = options;
+  source.times_ = mesh->times;
+  for (std::size_t i = 0; i < mesh->times.size(); ++i) {
+    source.instants_.push_back({name, i});
+    source.numbers_.push_back(static_cast<int>(i));
+  }
+  source.memory_ = std::move(mesh);
   return source;
 }
 
@@ -573,14 +718,19 @@ Status MeshSource::checkScale(const CellSoup& soup, std::size_t frame) const {
   return {};
 }
 
+Result<MeshData> MeshSource::dataOf(std::size_t frame, const std::string& field) const {
+  const Instant& instant = instants_[frame];
+  if (memory_)
+    return dataIn(*memory_, frame, field, instant.file.string(), options_);
+  MeshOptions options = options_;
+  options.field = field;
+  return readMesh(instant.file, instant.index, options);
+}
+
 Result<MeshFrame> MeshSource::read(std::size_t frame) {
   VOLUTE_ASSERT(frame < instants_.size());
-  const Instant& instant = instants_[frame];
-  const std::string file = instant.file.string();
-  MeshOptions options = options_;
-  if (options.field.empty())
-    options.field = settledField_;
-  auto read = readMesh(instant.file, instant.index, options);
+  const std::string file = instants_[frame].file.string();
+  auto read = dataOf(frame, options_.field.empty() ? settledField_ : options_.field);
   if (!read && read.error().code == ErrorCode::kNotFound && !settledField_.empty()) {
     return fail(ErrorCode::kInvalidData, "{} (at {} s; the first time has '{}')",
                 read.error().message, times_[frame], settledField_);
@@ -630,30 +780,20 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
 
 Result<MeshDescription> MeshSource::describe(std::size_t frame) const {
   VOLUTE_ASSERT(frame < instants_.size());
-  const Instant& instant = instants_[frame];
-  const std::string file = instant.file.string();
-  VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(instant.file, options_.maxMemory));
-  ReaderProcess process(meshReader(instant.file, ""));
-  VOLUTE_ASSIGN(const std::string reply,
-                process.call(file, fmt::format("{}{}", kDescribe, instant.index), 0, limits));
-  const std::string_view text = reply;
-  VOLUTE_ASSIGN(auto contents, fromMessage<MeshContents>(text.substr(0, sizeof(MeshContents))));
-  if (!settle(contents.size))
-    return notSound(file);
-  VOLUTE_TRY(checkMemory(contents.size, file, options_));
-  std::vector<MeshFieldSummary> fields;
-  for (std::size_t at = sizeof(MeshContents); at < text.size(); at += sizeof(MeshFieldSummary)) {
-    VOLUTE_ASSIGN(auto summary,
-                  fromMessage<MeshFieldSummary>(text.substr(at, sizeof(MeshFieldSummary))));
-    summary.name[MeshSize::kMaxName] = '\0';
-    settleFlag(summary.ofCells);
-    fields.push_back(summary);
+  const std::string file = instants_[frame].file.string();
+  Description described;
+  if (memory_) {
+    described = {contentsOf(*memory_), {}, memory_->cells};
+    VOLUTE_TRY(checkMemory(described.contents.size, file, options_));
+    for (const MemoryMesh::Field& field : memory_->fields)
+      described.fields.push_back(summaryOf(field, frame));
+  } else {
+    VOLUTE_ASSIGN(described, describeMesh(instants_[frame].file, instants_[frame].index, options_));
   }
-  VOLUTE_ASSIGN(const MeshData data, takeMesh(process, contents.size, file, limits));
-  MeshDescription description{contents, std::move(fields), nullptr};
-  if (const auto split = splitCells(data.soup, file)) {
+  MeshDescription description{described.contents, std::move(described.fields), nullptr};
+  if (const auto split = splitCells(described.soup, file)) {
     MeshOrder order;
-    description.mesh = buildInSpace(data.soup, *split, order, file);
+    description.mesh = buildInSpace(described.soup, *split, order, file);
   } else {
     description.mesh = tl::unexpected<Error>(split.error());
   }

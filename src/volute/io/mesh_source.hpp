@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/io/memory_mesh.hpp"
 #include "volute/io/mesh.hpp"
 #include "volute/tetmesh/spatial_order.hpp"
 #include "volute/tetmesh/tet_field.hpp"
@@ -60,6 +61,10 @@ class MeshSource {
   [[nodiscard]] static Result<MeshSource> open(const std::filesystem::path& path,
                                                const MeshOptions& options = {});
 
+  /// A valid mesh in memory, without a copy of it. Errors call it `name`.
+  static MeshSource of(std::shared_ptr<const MemoryMesh> mesh, const std::filesystem::path& name,
+                       const MeshOptions& options = {});
+
   /// [s], ascending; a single file is at 0.
   std::span<const double> times() const { return times_; }
 
@@ -100,6 +105,9 @@ class MeshSource {
     std::size_t index = 0;
   };
 
+  /// What a frame's file holds, or the mesh in memory.
+  [[nodiscard]] Result<MeshData> dataOf(std::size_t frame, const std::string& field) const;
+
   [[nodiscard]] Status leaveOutAbsent(const std::filesystem::path& path);
   [[nodiscard]] Status listFields();
   [[nodiscard]] Status leaveOutUnwritten();
@@ -108,6 +116,7 @@ class MeshSource {
   [[nodiscard]] Status settleSeries(const MeshData& data, std::size_t frame);
   [[nodiscard]] Status checkScale(const CellSoup& soup, std::size_t frame) const;
 
+  std::shared_ptr<const MemoryMesh> memory_;  // null: files
   std::vector<Instant> instants_;
   std::vector<double> absent_;
   std::string absentWhat_;  // what is absent then

@@ -14,33 +14,58 @@ Status MemoryVolumes::add(const std::string& name, VolumeInfo info, ValueFunctio
   return take(name, {std::move(info), std::move(value)});
 }
 
-Status MemoryVolumes::take(const std::string& name, Volume volume) {
+namespace {
+
+Result<std::string> wholeName(const std::string& name, std::string_view what) {
   if (name.empty() || name.find('/') != std::string::npos) {
     return fail(ErrorCode::kInvalidArgument,
-                "'{}' names no volume in memory; expected a name without '/'", name);
+                "'{}' names no {} in memory; expected a name without '/'", name, what);
   }
-  const std::string whole = std::string(kPrefix) + name;
+  return std::string(MemoryVolumes::kPrefix) + name;
+}
+
+std::string lastPart(const std::string& file) {
+  return std::filesystem::path(file).filename().string();
+}
+
+}  // namespace
+
+Status MemoryVolumes::add(const std::string& name, MemoryMesh mesh) {
+  VOLUTE_ASSIGN(const std::string whole, wholeName(name, "mesh"));
+  VOLUTE_TRY(mesh.validate(whole));
+  meshes_.insert_or_assign(whole + ".vtu", std::make_shared<const MemoryMesh>(std::move(mesh)));
+  return {};
+}
+
+Status MemoryVolumes::take(const std::string& name, Volume volume) {
+  VOLUTE_ASSIGN(const std::string whole, wholeName(name, "volume"));
   VOLUTE_TRY(volume.info.validate(whole));
   volumes_.insert_or_assign(whole, std::move(volume));
   return {};
 }
 
 bool MemoryVolumes::isName(const std::string& file) {
-  return std::filesystem::path(file).filename().string().starts_with(kPrefix);
+  return lastPart(file).starts_with(kPrefix);
 }
 
 void MemoryVolumes::add(const MemoryVolumes& other) {
   for (const auto& [name, volume] : other.volumes_) volumes_.insert_or_assign(name, volume);
+  for (const auto& [name, mesh] : other.meshes_) meshes_.insert_or_assign(name, mesh);
 }
 
 std::unique_ptr<FrameSource> MemoryVolumes::open(const std::string& file) const {
-  const auto found = volumes_.find(std::filesystem::path(file).filename().string());
+  const auto found = volumes_.find(lastPart(file));
   if (found == volumes_.end())
     return nullptr;
   const auto& [info, values] = found->second;
   if (const auto* value = std::get_if<ValueFunction>(&values))
     return std::make_unique<FunctionSource>(info, *value);
   return std::make_unique<ArraySource>(info, std::get<NumberArray>(values));
+}
+
+std::shared_ptr<const MemoryMesh> MemoryVolumes::mesh(const std::string& file) const {
+  const auto found = meshes_.find(lastPart(file));
+  return found == meshes_.end() ? nullptr : found->second;
 }
 
 }  // namespace volute

@@ -19,12 +19,20 @@
 #include "volute/media/smoke/shared_light.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
+#include "volute/volume_files/memory_volumes.hpp"
 
 namespace volute {
 namespace {
 
 /// Smoke through which nobody sees a difference, across the whole case.
 constexpr double kThinDepth = 0.05;
+
+Result<MeshSource> openMesh(const std::string& file, const MeshOptions& options,
+                            const Reading& reading) {
+  if (auto inMemory = reading.volumes ? reading.volumes->mesh(file) : nullptr)
+    return MeshSource::of(std::move(inMemory), file, options);
+  return MeshSource::open(file, options);
+}
 
 std::vector<float> between(const std::vector<float>& a, const std::vector<float>& b, double share) {
   std::vector<float> out(a.size());
@@ -45,11 +53,11 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
   Team* const holders = how.holders;
   if (holders)
     options.share = {holders->rank(), holders->size()};
-  VOLUTE_ASSIGN(auto source, MeshSource::open(description.file, options));
+  VOLUTE_ASSIGN(auto source, openMesh(description.file, options, reading));
   auto files = std::make_shared<Files>(Files{std::move(source)});
   if (!description.densityField.empty()) {
     options.alsoField = std::exchange(options.field, description.densityField);
-    VOLUTE_ASSIGN(files->densitySource, MeshSource::open(description.file, options));
+    VOLUTE_ASSIGN(files->densitySource, openMesh(description.file, options, reading));
   }
   if (const std::string absent = files->source.absentText(); !absent.empty())
     reading.progress.remark(

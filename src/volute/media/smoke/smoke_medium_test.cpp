@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/smoke/smoke_medium.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/smoke/smoke_parameters.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
+#include "volute/volume_files/memory_volumes.hpp"
 
 namespace volute {
 namespace {
@@ -50,6 +52,27 @@ class SmokeMediumTest : public ::testing::Test {
     }
   }
 
+  /// What the files hold, as a mesh in memory.
+  MemoryMesh inMemory() const {
+    const auto mesh = boxMesh({Vec3(0, 0, 0), Vec3(6, 6, 3)}, {4, 4, 3}, 0.1, 1);
+    MemoryMesh made;
+    made.cells.vertices.assign(mesh->vertices().begin(), mesh->vertices().end());
+    made.cells.shapes.assign(mesh->tets().size(), CellShape::kTet);
+    made.cells.offsets = {0};
+    for (const Tet& tet : mesh->tets()) {
+      made.cells.connectivity.insert(made.cells.connectivity.end(), tet.begin(), tet.end());
+      made.cells.offsets.push_back(std::ssize(made.cells.connectivity));
+    }
+    made.times = {0, 2};
+    std::vector<float> values;
+    for (const Vec3& p : mesh->vertices())
+      values.push_back(static_cast<float>(5e-5 * (0.2 + p.z() / 3)));
+    MemoryMesh::Field smoke{"smoke", false, {values, values}};
+    for (float& value : smoke.values[1]) value *= 3;
+    made.fields = {smoke};
+    return made;
+  }
+
   testing::TempFolder folder_;
   Progress quiet_;
   Reading reading_{quiet_, std::uint64_t{1} << 30};
@@ -75,6 +98,56 @@ TEST_F(SmokeMediumTest, OtherWordsReadNothingAgain) {
   auto anew = opened(thicker);
   ASSERT_TRUE(anew);
   expectTheSame(**changed, **anew);
+}
+
+TEST_F(SmokeMediumTest, AMeshInMemoryIsWhatItsFileWouldBe) {
+  auto fromFiles = opened(smoke_);
+  ASSERT_TRUE(fromFiles) << fromFiles.error().message;
+  MemoryVolumes volumes, others;
+  ASSERT_TRUE(others.add("room", inMemory()));
+  volumes.add(others);
+  reading_.volumes = &volumes;
+  smoke_.file = "somewhere/memory:room.vtu";
+  lighting_.memory = nullptr;
+  auto fromMemory = opened(smoke_);
+  ASSERT_TRUE(fromMemory) << fromMemory.error().message;
+  expectTheSame(**fromFiles, **fromMemory);
+  EXPECT_EQ((*fromMemory)->fieldName(), "smoke");
+  const auto described = (*fromMemory)->source().describe(1);
+  ASSERT_TRUE(described) << described.error().message;
+  EXPECT_EQ(described->contents.shapes[0], inMemory().cells.shapes.size());
+  EXPECT_FLOAT_EQ(static_cast<float>(described->fields.at(0).most), 3 * 6e-5F);
+}
+
+TEST_F(SmokeMediumTest, WhatIsNoMeshInMemoryIsRefused) {
+  MemoryVolumes volumes;
+  const auto wrong = [&](auto&& change) {
+    MemoryMesh mesh = inMemory();
+    change(mesh);
+    const Status added = volumes.add("a", std::move(mesh));
+    return added ? "" : added.error().message;
+  };
+  using ::testing::HasSubstr;
+  EXPECT_THAT(wrong([](MemoryMesh& m) { m.fields[0].values[1].pop_back(); }),
+              HasSubstr("memory:a: field 'smoke' has 99 values at 2 s, and there are 100 points"));
+  EXPECT_THAT(wrong([](MemoryMesh& m) { m.fields[0].values.pop_back(); }), HasSubstr("1 times"));
+  EXPECT_THAT(wrong([](MemoryMesh& m) { m.times[1] = 0; }), HasSubstr("ascending"));
+  EXPECT_THAT(wrong([](MemoryMesh& m) { m.fields.clear(); }), HasSubstr("at least a time"));
+  EXPECT_THAT(wrong([](MemoryMesh& m) { m.fields.push_back(m.fields[0]); }),
+              HasSubstr("different names"));
+  EXPECT_EQ(wrong([](MemoryMesh& m) { m.cells.connectivity[7] = 100; }), "") << "reading checks it";
+  reading_.volumes = &volumes;
+  smoke_.file = "memory:a.vtu";
+  const auto outside = opened(smoke_);
+  ASSERT_FALSE(outside);
+  EXPECT_THAT(outside.error().message, HasSubstr("has vertex 100; there are 100 vertices"));
+  MemoryMesh two = inMemory();
+  two.fields.push_back(two.fields[0]);
+  two.fields[1].name = "soot";
+  ASSERT_TRUE(volumes.add("a", std::move(two)));
+  const auto which = opened(smoke_);
+  ASSERT_FALSE(which);
+  EXPECT_THAT(which.error().message, HasSubstr("has smoke, soot; expected one field"));
 }
 
 TEST_F(SmokeMediumTest, LightIsFoundAgainWhereNothingChangesItsWay) {
