@@ -734,9 +734,9 @@ Result<MemoryMesh> meshOf(const char* function, const volute_mesh& given) {
                                                           {8, CellShape::kHexahedron}};
   const auto shape =
       std::ranges::find(kShapes, given.cell_points, &std::pair<int, CellShape>::first);
-  constexpr std::size_t kMost = std::size_t{1} << 40;
-  if (shape == std::end(kShapes) || given.point_count > kMost || given.cell_count > kMost ||
-      times > kMost) {
+  constexpr std::size_t kMax = std::size_t{1} << 40;
+  if (shape == std::end(kShapes) || given.point_count > kMax || given.cell_count > kMax ||
+      times > kMax) {
     return fail(
         ErrorCode::kInvalidArgument,
         "{}: {} points, and {} cells of {} points each, at {} times; expected cells of 4, 5, "
