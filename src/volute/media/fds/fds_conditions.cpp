@@ -188,9 +188,11 @@ class FdsPoints final : public PointField {
       });
     };
     float surest = kNever;
-    forNodes([&](std::size_t node) {
-      surest = std::fmin(surest, std::fmin(high[node], kLargest) - values.value[node]);
-    });
+    if (!values.high.empty()) {
+      forNodes([&](std::size_t node) {
+        surest = std::fmin(surest, std::fmin(high[node], kLargest) - values.value[node]);
+      });
+    }
     SmokeBand band{0, kNever, -kNever};
     forNodes([&](std::size_t node) {
       const float value = values.value[node], most = std::fmin(high[node], kLargest);
