@@ -303,6 +303,36 @@ class Tenability(Cases):
                          / sum(row.count("p") for row in report["plan_use"]))
         self.assertIn("--fire-at: '3,4'", self.fails(2, "visibility", case, *options, "--fire-at", "3,4"))
 
+    def test_a_fire_that_no_file_states_is_where_smoke_rises_from_the_floor(self):
+        """A column that widens from the floor up, and a layer that is down at 1.8 m after 30 s."""
+        def smoke(t):
+            return lambda x, y, z: (5 * math.exp(-((x - 6) ** 2 + (y - 4) ** 2) / (0.4 + 0.2 * z) ** 2) if t > 0 else 0) + (
+                1 / (1 + math.exp(min(50, (3 - t / 25 - z) / 0.1))))
+        for t in range(0, 50, 10):
+            write_vtu(self.path(f"hall_{t}.vtu"), (12, 8, 3), (24, 16, 6), smoke(t))
+        write_pvd(self.path("hall.pvd"), [(t, f"hall_{t}.vtu") for t in range(0, 50, 10)])
+        self.path("exits.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [12, 4, 2], "normal": [-1, 0, 0]}]}))
+        options = ("--field", "smoke", "--quantity", "extinction", "--signs", self.path("exits.json"), "--height", 1.8, "--step", 0.5,
+                   "--criteria", self.criteria({"kind": "extinction", "limit": 0.3, "source": "here"}), "-o", self.path("out"))
+        result = self.works("visibility", self.path("hall.pvd"), *options)
+        self.assertIn("the case does not state where it burns: smoke rises from the floor around x = 5.9, y = 3.9 m", result.message)
+        self.assertIn("--everywhere counts them, or --fire-at states where it burns", result.message)
+        report = self.report("out")
+        first, own = report["verdict"][0], next(v for v in report["verdict"] if v["criterion"] == "the fire's own place")
+        for i, row in enumerate(report["plan_use"]):
+            for k, use in enumerate(row):
+                away = math.hypot(0.25 + 0.5 * k - 6, 0.25 + 0.5 * i - 4)
+                self.assertEqual(use, "f" if away < 1.7 else "p" if away > 2.6 else use, (away, use))
+        visibility = next(v for v in report["verdict"] if v["criterion"] == "extinction")
+        self.assertEqual((visibility["time"], visibility["time_up"]), (20, 30))
+        self.assertEqual((own["time"], own["time_up"]), (0, 10))
+        self.assertRegex(first["sentence"], "This leaves out 17 % of the points, taken for the fire's own place, .* With them it is 0 s\\.")
+        self.works("visibility", self.path("hall.pvd"), *options, "--everywhere")
+        self.assertEqual(self.report("out")["verdict"][0]["time"], 0)
+        result = self.works("visibility", self.path("hall.pvd"), *options, "--fire-at", "6,4,0.5")
+        self.assertNotIn("does not state where it burns", result.message)
+        self.assertEqual(self.report("out")["verdict"][0]["time"], 0)
+
     def test_meshes_have_air_too(self):
         def room(name, *fields):
             for i, t in enumerate((0, 10, 20)):

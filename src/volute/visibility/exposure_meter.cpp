@@ -187,6 +187,23 @@ ExposureMeter::ExposureMeter(AirField air, std::span<const Criterion> criteria, 
   there_.assign(people, 0);
 }
 
+std::uint64_t ExposureMeter::bytesOfPerson(const AirField& air, std::span<const Criterion> criteria,
+                                           bool rooms) {
+  constexpr std::uint64_t kCourse = 3 * sizeof(double);
+  std::uint64_t bytes = 0;
+  for (const Criterion& criterion : criteria) {
+    if (!(rooms || criterion.isForRoom(kNotKnown)) ||
+        !criterion.assessable([&](Air one) { return air.has(one); }))
+      continue;
+    const bool exact = air.isExact(criterion);
+    const std::uint64_t watches = exact && !isOfSmoke(criterion) ? 1 : 2;
+    bytes += watches * LevelWatch::kBytesOfPlace + (exact ? 1 : 3) * kCourse + 1;
+  }
+  const std::uint64_t ofATime =
+      sizeof(Exposure) + sizeof(AirField::Around) + 2 * sizeof(Vec3) + sizeof(std::size_t) + 1;
+  return bytes == 0 ? 0 : bytes + ofATime;
+}
+
 void ExposureMeter::lose(std::size_t person) {
   for (std::size_t c = 0; c < criteria_.size(); ++c) {
     unknown_[c][person] = 1;

@@ -99,6 +99,11 @@ class ExposureMeter {
   ExposureMeter(AirField air, std::span<const Criterion> criteria, std::size_t people,
                 bool rooms = false);
 
+  /// [bytes] that are kept of each person: what follows the criteria, twice where values leave
+  /// something open, and the air of a time.
+  static std::uint64_t bytesOfPerson(const AirField& air, std::span<const Criterion> criteria,
+                                     bool rooms = false);
+
   struct Missing {
     Criterion criterion;
     std::string why;

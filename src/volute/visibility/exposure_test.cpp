@@ -303,6 +303,17 @@ TEST(SightEngine, TheWorstDoseIsThatOfTheWorstAir) {
   EXPECT_DOUBLE_EQ(means[1], cells[0]);
 }
 
+TEST(ExposureMeter, CountsTheMemoryOfBoundsToo) {
+  const std::vector criteria{fdsDose(1)};
+  const auto bytes = [&](bool means) {
+    RoomOfMeans room(means);
+    return ExposureMeter::bytesOfPerson(AirField::open(room, criteria), criteria);
+  };
+  EXPECT_GE(bytes(false), LevelWatch::kBytesOfPlace);
+  EXPECT_GE(bytes(true), bytes(false) + LevelWatch::kBytesOfPlace + 6 * sizeof(double));
+  EXPECT_EQ(ExposureMeter::bytesOfPerson(AirField(), criteria), 0U) << "nothing is stored of it";
+}
+
 TEST(Rset, IsANumberAMapOrPeople) {
   const std::vector<Vec3> points{Vec3(0, 0, 2), Vec3(10, 0, 2)};
   EXPECT_EQ(Rset(90).at(points, 1)[1], 90);

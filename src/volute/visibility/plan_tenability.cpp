@@ -179,8 +179,8 @@ std::string criteriaTable(const ExposureMeter& meter) {
          htmlTable({"name", "untenable when", "from", "source"}, rows);
 }
 
-PlanTenability::PlanTenability(const Survey& survey, std::span<const Vec3> eyes, const PlanUse& use,
-                               const PlanAreas& areas, PlanValues values,
+PlanTenability::PlanTenability(const Survey& survey, AirField air, std::span<const Vec3> eyes,
+                               const PlanUse& use, const PlanAreas& areas, PlanValues values,
                                std::vector<PlanShape> shapes, std::vector<SightTarget> signs)
     : survey_(&survey),
       eyes_(eyes),
@@ -190,8 +190,7 @@ PlanTenability::PlanTenability(const Survey& survey, std::span<const Vec3> eyes,
       values_(values),
       shapes_(std::move(shapes)),
       signs_(std::move(signs)),
-      meter_(AirField::open(*survey.field, survey.criteria, survey.times.front()), survey.criteria,
-             eyes.size(), true) {
+      meter_(std::move(air), survey.criteria, eyes.size(), true) {
   const std::vector<double> sizes = areas.sizes();
   for (const Criterion& criterion : meter_.criteria()) {
     std::vector<bool>& holds = holds_.emplace_back(eyes.size());
@@ -468,6 +467,18 @@ Json PlanTenability::headline(const std::vector<std::string>& names) const {
   }
   if (use_.fireUnknown && first.any)
     text += " Where it burns is not known: this may be the fire's own place.";
+  if (use_.fireFound) {
+    const FirstLoss own = firstLoss(all_, survey_->round, use_.are(PlanUse::Kind::kFire));
+    text += fmt::format(
+        " This leaves out {} of the points, taken for the fire's own place, which the case does "
+        "not state: {}.",
+        percentWords(static_cast<double>(use_.count(PlanUse::Kind::kFire)) /
+                     static_cast<double>(eyes_.size())),
+        use_.firesFrom);
+    if (own.any)
+      text += fmt::format(" With them it is {}{:.4g} s.", own.certain() ? "" : "at the latest ",
+                          own.certain() ? own.by(survey_->round) : own.up);
+  }
   const FirstLoss late = firstLoss(latest_, survey_->round, people_);
   text += latestWords(first, late, "reached");
   if (const std::string missing = notAssessed(); !missing.empty())

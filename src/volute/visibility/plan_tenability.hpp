@@ -19,12 +19,13 @@ namespace volute {
 /// and what is left of it after the time that people need.
 class PlanTenability {
  public:
-  /// With the survey's criteria and its field.
+  /// With the survey's criteria.
+  /// @param air     of the survey's field
   /// @param use     which eyes verdicts are of
   /// @param areas   the plan's rooms and areas, which outlive this
   /// @param shapes  what maps draw at its place, at the eyes' height
   /// @param signs   that maps draw
-  PlanTenability(const Survey& survey, std::span<const Vec3> eyes, const PlanUse& use,
+  PlanTenability(const Survey& survey, AirField air, std::span<const Vec3> eyes, const PlanUse& use,
                  const PlanAreas& areas, PlanValues values, std::vector<PlanShape> shapes,
                  std::vector<SightTarget> signs);
 

@@ -93,6 +93,20 @@ std::size_t PlanUse::count(Kind kind) const {
   return static_cast<std::size_t>(std::ranges::count(kinds, kind));
 }
 
+void PlanUse::findFire(const std::vector<bool>& eyes, std::string from) {
+  std::vector<std::size_t> burning;
+  for (std::size_t i = 0; i < eyes.size(); ++i) {
+    if (eyes[i] && kinds[i] == Kind::kPeople)
+      burning.push_back(i);
+  }
+  if (burning.empty() || 2 * burning.size() > count(Kind::kPeople))
+    return;
+  for (const std::size_t i : burning) kinds[i] = Kind::kFire;
+  firesFrom = std::move(from);
+  fireUnknown = false;
+  fireFound = true;
+}
+
 std::string PlanUse::words() const {
   const auto share = [&](Kind kind) {
     return percentWords(static_cast<double>(count(kind)) / static_cast<double>(kinds.size()));

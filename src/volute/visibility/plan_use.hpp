@@ -33,6 +33,10 @@ struct PlanUse {
   std::string firesFrom{};   ///< how the fire's place is known; empty: no point is in it
   std::string areas{};       ///< names of areas that are not for people
   bool fireUnknown = false;  ///< neither the case nor the user says where it burns
+  bool fireFound = false;    ///< nor do they, and its place is where the smoke rises
+
+  /// The people's places among some are the fire's. Nothing if that is most of them.
+  void findFire(const std::vector<bool>& eyes, std::string from);
 
   /// One for each eye.
   std::vector<bool> are(Kind kind) const;

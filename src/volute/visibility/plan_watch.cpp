@@ -19,6 +19,7 @@
 #include "volute/visibility/plan_values.hpp"
 #include "volute/visibility/plan_vti.hpp"
 #include "volute/visibility/sensitivity.hpp"
+#include "volute/visibility/smoke_column.hpp"
 #include "volute/visibility/verdict.hpp"
 #include "volute/visibility/watch.hpp"
 
@@ -34,6 +35,7 @@ class PlanWatch final : public Watch {
  public:
   Status begin(const Survey& survey, const SightInstant& first, Progress& progress) override {
     survey_ = &survey;
+    progress_ = &progress;
     VOLUTE_ASSIGN(plan_, floorPlan(first, survey.bounds, survey.height, survey.step));
     shapes_ = first.shapes(plan_.origin[2]);
     for (std::size_t s = 0; s < survey.signs.size(); ++s)
@@ -53,15 +55,20 @@ class PlanWatch final : public Watch {
     const auto ofSmoke = std::ranges::count_if(survey.criteria, [](const Criterion& one) {
       return !one.law && one.quantity == Air::kExtinction;
     });
-    const auto thicknesses = 1 + std::ranges::count_if(variations(), [](const Variation& one) {
-                               return one.smoke != 1;
-                             });
-    const std::size_t levels = (survey.extinctionLimit > 0 ? 1 : 0) + survey.criteria.size() +
-                               static_cast<std::size_t>(ofSmoke * thicknesses);
-    VOLUTE_TRY(survey.checkMemory(eyes_.size(), survey.sets.size() * SignLoss::kBytesOfSet +
-                                                    variations().size() * SignLoss::kBytesOfFactor +
-                                                    survey.signs.size() * SignLoss::kBytesOfSign +
-                                                    levels * LevelWatch::kBytesOfPlace + kPlace));
+    const auto thicknesses =
+        std::ranges::count_if(variations(), [](const Variation& one) { return one.smoke != 1; });
+    const std::size_t levels =
+        (survey.extinctionLimit > 0 ? 1 : 0) + static_cast<std::size_t>(ofSmoke * thicknesses);
+    AirField air;
+    if (!survey.criteria.empty())
+      air = AirField::open(*survey.field, survey.criteria, survey.times.front());
+    VOLUTE_TRY(survey.checkMemory(
+        eyes_.size(),
+        survey.sets.size() * SignLoss::kBytesOfSet +
+            variations().size() * SignLoss::kBytesOfFactor +
+            survey.signs.size() * SignLoss::kBytesOfSign + levels * LevelWatch::kBytesOfPlace +
+            ExposureMeter::bytesOfPerson(air, survey.criteria, true) + kPlace +
+            (survey.everywhere || !survey.fires.empty() ? 0 : SmokeColumn::kBytesOfEye)));
     if (const auto remark = survey.rset ? survey.rset->placesBeside(survey.bounds) : "";
         !remark.empty())
       progress.remark(remark);
@@ -77,6 +84,8 @@ class PlanWatch final : public Watch {
       else if (eyes_[i].z() > survey.height)
         lifted_.push_back(i);
     }
+    if (use_.fireUnknown)
+      column_.emplace(plan_, places_, eyes_, floors);
     if (survey.maps == Survey::Maps::kSome && survey.times.size() > Survey::kPicturedTimes) {
       progress.remark(
           {RemarkCode::kNote,
@@ -100,7 +109,7 @@ class PlanWatch final : public Watch {
     if (survey.extinctionLimit > 0)
       local_.emplace(eyes_.size(), survey.extinctionLimit);
     if (!survey.criteria.empty())
-      tenability_.emplace(survey, eyes_, use_, areas_, planValues(), shapes_,
+      tenability_.emplace(survey, std::move(air), eyes_, use_, areas_, planValues(), shapes_,
                           shownSigns(survey.sets[0].members));
     if (tenability_ ? tenability_->smokeIsLate() : survey.beginsBefore()) {
       losses_->loseAll();
@@ -122,6 +131,12 @@ class PlanWatch final : public Watch {
 
   std::vector<Vec3> eyes(double) const override { return eyes_; }
 
+  bool wantsExtinction() const override { return column_.has_value(); }
+
+  std::vector<Vec3> passed(double) const override {
+    return column_ ? column_->below() : std::vector<Vec3>();
+  }
+
   Status take(const SurveyTime& at) override {
     losses_->update(at.time, at.sightings);
     if (!at.stored)
@@ -131,6 +146,8 @@ class PlanWatch final : public Watch {
     noteInView(at);
     if (survey_->extinctionLimit > 0)
       updateLocal(at);
+    if (column_)
+      column_->update(at.time, at.extinction, at.passedHigh);
     if (survey_->maps != Survey::Maps::kNone) {
       for (std::size_t s = 0; s < series_.size(); ++s)
         series_[s].emplace_back(at.time, fmt::format("{}_{:04d}.vti", mapName(s), at.index));
@@ -153,6 +170,7 @@ class PlanWatch final : public Watch {
     if (survey_->endsAfter())
       VOLUTE_TRY(goOn());
     leaveOutHigherFloors();
+    leaveOutColumn();
     report["eyes"] = {{"kind", "plan"},           {"height", plan_.origin[2]},
                       {"step", plan_.step},       {"origin", {plan_.origin[0], plan_.origin[1]}},
                       {"nx", plan_.nx},           {"ny", plan_.ny},
@@ -268,6 +286,22 @@ class PlanWatch final : public Watch {
     if (unknown.size() == use_.count(PlanUse::Kind::kPeople))
       return;
     for (const std::size_t eye : unknown) use_.kinds[eye] = PlanUse::Kind::kHigher;
+    if (tenability_)
+      tenability_->count(use_);
+  }
+
+  /// The fire's own place where only the smoke says where it is.
+  void leaveOutColumn() {
+    if (!column_ || column_->eyes().empty())
+      return;
+    use_.findFire(column_->eyes(), column_->words());
+    if (!use_.fireFound)
+      return;
+    progress_->remark({RemarkCode::kAssumed,
+                       "the case does not state where it burns: " + column_->words() +
+                           ", and verdicts are without these places",
+                       {Hint::set("everywhere").so("counts them"),
+                        Hint::set("fire_at").so("states where it burns")}});
     if (tenability_)
       tenability_->count(use_);
   }
@@ -703,12 +737,14 @@ class PlanWatch final : public Watch {
   }
 
   const Survey* survey_ = nullptr;
+  Progress* progress_ = nullptr;
   FloorPlan plan_;
   std::vector<std::size_t> places_;  // of each eye in the plan
   std::vector<Vec3> eyes_;
   std::vector<std::size_t> lifted_;  // of eyes_, above floors that are higher than the plan's
   std::optional<SignLoss> losses_;
   PlanUse use_;
+  std::optional<SmokeColumn> column_;  // where it is not known where it burns
   PlanAreas areas_;
   std::vector<std::vector<bool>> hidden_;  // of each set
   std::vector<bool> inView_;               // of each sign
