@@ -5,9 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 #include "volute/base/version.hpp"
 #include "volute/base/write_file.hpp"
@@ -16,14 +13,6 @@
 #include "volute/report/team_stats.hpp"
 
 namespace volute::cli {
-
-void keepFreedMemory() {
-#ifdef __GLIBC__
-  constexpr int kOwnMapping = 64 << 20, kTrim = 256 << 20;  // bytes
-  ::mallopt(M_MMAP_THRESHOLD, kOwnMapping);
-  ::mallopt(M_TRIM_THRESHOLD, kTrim);
-#endif
-}
 
 Status checkRanks(const Command& command) {
   const auto launch = launchOfThisProcess();
@@ -47,8 +36,6 @@ Result<std::unique_ptr<Team>> openTeamFor(const Command& command,
   auto team = openTeam();
   if (!team)
     return tl::unexpected<Error>(errorOfThisRank(team.error()));
-  if ((*team)->size() > 1)
-    keepFreedMemory();
   if (auto same = checkSameProgram(**team, VOLUTE_VERSION, words); !same) {
     letFirstRankSpeak();
     return tl::unexpected<Error>(std::move(same.error()));

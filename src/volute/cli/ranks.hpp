@@ -14,10 +14,6 @@
 
 namespace volute::cli {
 
-/// Messages and pictures are blocks of megabytes that come and go. If each went back to the system,
-/// a rank would spend a tenth of its time on having fresh pages cleared and mapped, a film a fifth.
-void keepFreedMemory();
-
 /// kInvalidArgument when several processes were started for a command that one does.
 [[nodiscard]] Status checkRanks(const Command& command);
 

@@ -79,7 +79,6 @@ Status fogPictures(const std::vector<FogFrame>& frames, FogSceneMedium& fog,
   const FogFrameOptions options = frameOptions(arguments);
   Development development{.style = {.dither = true}};
   VOLUTE_TRY(takeFileStyle(arguments, target, development));
-  keepFreedMemory();
   std::unique_ptr<PictureWriter> writer;
   std::set<std::string> told;
   for (std::size_t i = 0; i < frames.size(); ++i) {

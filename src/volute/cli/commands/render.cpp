@@ -304,7 +304,6 @@ Status runRender(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(auto job, makeJob(arguments, target, request, context));
   VOLUTE_ASSIGN(auto development, developmentOf(request, job));
   VOLUTE_TRY(takeFileStyle(arguments, target, development));
-  keepFreedMemory();
   VOLUTE_TRY(
       writeFilm(job, target, development, context.maxMemory, context.progress, context.team));
   VOLUTE_ASSIGN(const auto stats, sumOfFilmStats(job, context.team));
