@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "volute/base/assert.hpp"
@@ -302,69 +303,69 @@ std::vector<std::uint8_t> supportOf(std::span<const float> values, const BlockSh
   return support;
 }
 
-/// What of a block is coded by coefficients.
-struct CodedPart {
-  std::vector<float> values;          ///< without outliers
-  std::vector<std::uint8_t> support;  ///< voxels that coefficients are needed for
-  bool full = false;                  ///< all of them
-  std::vector<Outlier> outliers;
-};
+// Without a branch for each voxel: which are active is seldom foreseen.
+std::vector<std::uint8_t> supportOf(std::span<const VoxelState> states,
+                                    const WaveletParameters& parameters) {
+  std::vector<std::uint8_t> support(states.size());
+  const std::uint8_t valued = isCoded(VoxelState::kValued, parameters);
+  for (std::size_t i = 0; i < states.size(); ++i)
+    support[i] = static_cast<std::uint8_t>((states[i] == VoxelState::kActive) |
+                                           ((states[i] == VoxelState::kValued) & valued));
+  return support;
+}
 
-/// @param states  empty for codec 2, whose support is what is not zero
-CodedPart codedPart(std::span<const float> values, const BlockShape& shape,
-                    std::span<const VoxelState> states, const WaveletParameters& parameters) {
-  CodedPart part;
-  part.values.assign(values.begin(), values.end());
-  const auto channels = static_cast<std::size_t>(shape.channels);
-  if (states.empty()) {
-    part.support = supportOf(values, shape);
-  } else {
-    part.support.resize(states.size());
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      if (!isCoded(states[i], parameters))
-        continue;
-      part.support[i] = 1;
-      bool apart = false;
-      for (std::size_t c = 0; c < channels; ++c) {
-        float& value = part.values[i * channels + c];
-        const float kept = std::clamp(value, parameters.outlierLow, parameters.outlierHigh);
-        apart = apart || kept != value;
-        value = kept;
-      }
-      if (!apart)
-        continue;
-      Outlier& outlier = part.outliers.emplace_back(Outlier{static_cast<std::uint32_t>(i)});
-      std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i * channels), channels,
-                  outlier.value.begin());
+/// Whether a value of the support is an outlier.
+bool anyApart(std::span<const float> values, std::span<const std::uint8_t> support,
+              std::size_t channels, const WaveletParameters& parameters) {
+  const float low = parameters.outlierLow, high = parameters.outlierHigh;
+  std::uint8_t any = 0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    any |= static_cast<std::uint8_t>(support[channels == 1 ? i : i / channels] &
+                                     !((values[i] >= low) & (values[i] <= high)));
+  return any != 0;
+}
+
+/// Takes the outliers of a block out of its values.
+std::vector<Outlier> takeApart(std::span<float> values, std::span<const std::uint8_t> support,
+                               std::size_t channels, const WaveletParameters& parameters) {
+  std::vector<Outlier> outliers;
+  if (!anyApart(values, support, channels, parameters))
+    return outliers;
+  for (std::size_t i = 0; i < support.size(); ++i) {
+    const std::span<float> own = values.subspan(i * channels, channels);
+    Outlier outlier{static_cast<std::uint32_t>(i)};
+    std::ranges::copy(own, outlier.value.begin());
+    bool apart = false;
+    for (float& value : own) {
+      const float kept = std::clamp(value, parameters.outlierLow, parameters.outlierHigh);
+      apart = apart || kept != value;
+      value = support[i] != 0 ? kept : value;
     }
+    if (apart && support[i] != 0)
+      outliers.push_back(outlier);
   }
-  part.full = std::ranges::find(part.support, 0) == part.support.end();
-  if (parameters.bends()) {
-    for (float& value : part.values) value = parameters.bent(value);
-  }
-  return part;
+  return outliers;
 }
 
 /// What the support of a block costs in codec 2.
-double costOfSupport(const WaveletParameters& parameters, const CodedPart& part,
-                     const BlockShape& shape) {
+double costOfSupport(const WaveletParameters& parameters, const BlockContent& block) {
   Contexts contexts(parameters.contexts);
   PriceBits bits{contexts};
-  std::vector<std::uint8_t> support = part.support;
-  codeSupport(bits, shape.extents, std::span(support));
+  std::vector<std::uint8_t> support = block.support;
+  codeSupport(bits, block.shape.extents, std::span(support));
   return kLambda / kUnit * static_cast<double>(bits.price);
 }
 
 /// The coefficients of a block in a mode.
-std::vector<float> transformed(const WaveletParameters& parameters,
-                               std::span<const float> components, const CodedPart& part,
-                               const BlockShape& shape, const BlockMode& mode) {
-  std::vector<float> planes(components.begin(), components.end());
+std::vector<float> transformed(const WaveletParameters& parameters, const BlockContent& block,
+                               const BlockMode& mode) {
+  std::vector<float> planes = block.planes;
+  const BlockShape& shape = block.shape;
   const std::size_t voxels = shape.voxels();
   const AxisLevels levels = blockLevels(shape.extents, mode.timeLevels);
   std::span<const std::uint8_t> support;
   if (mode.shaped)
-    support = part.support;
+    support = block.support;
   for (std::size_t begin = 0; begin < planes.size(); begin += voxels) {
     const std::span<float> plane = std::span(planes).subspan(begin, voxels);
     for (std::size_t i = 0; parameters.sparse && i < support.size(); ++i)
@@ -378,18 +379,18 @@ std::vector<float> transformed(const WaveletParameters& parameters,
 class BlockWriting {
  public:
   /// @param keeps  whether planes() will be asked for what was quantised.
-  BlockWriting(const WaveletParameters& parameters, std::span<const float> components,
-               const CodedPart& part, const BlockShape& shape, const BlockMode& mode, bool keeps)
+  BlockWriting(const WaveletParameters& parameters, const BlockContent& block,
+               const BlockMode& mode, bool keeps)
       : parameters_(parameters),
         keeps_(keeps),
-        full_(part.full),
+        full_(block.full),
         quantiser_(parameters),
-        shape_(shape),
+        shape_(block.shape),
         mode_(mode),
-        planes_(transformed(parameters, components, part, shape, mode)),
+        planes_(transformed(parameters, block, mode)),
         contexts_(parameters.contexts) {
     if (mode.shaped)
-      support_ = part.support;
+      support_ = block.support;
     walk_.emplace(shape_, mode_, support_, memories_);
     thread_local std::array<ComponentFields, 3> fields;  // as costly to get as to use
     fieldWalk_.emplace(shape_, mode_, support_, fields);
@@ -707,6 +708,32 @@ bool codeCorrectionsOf(WriteBits& bits, BlockWriting& block, const BlockShape& s
   return any;
 }
 
+/// What it costs to leave a block out.
+/// @param bent  the values without outliers
+double costOfNothing(const BlockContent& block, std::span<const float> bent,
+                     const WaveletParameters& parameters, const StreamInfo& stream) {
+  constexpr double kTooMuch = std::numeric_limits<double>::infinity();
+  if (!block.outliers.empty())
+    return kTooMuch;
+  const float nothing = std::min(stream.valueMax, std::max(stream.valueMin, 0.0f));
+  const auto channels = static_cast<std::size_t>(block.shape.channels);
+  const auto counts = [&](std::size_t i) {
+    return !parameters.sparse || block.support[channels == 1 ? i : i / channels] != 0;
+  };
+  for (std::size_t i = 0; parameters.maxError > 0 && i < bent.size(); ++i) {
+    if (counts(i) && std::abs(static_cast<double>(block.values[i]) - nothing) > parameters.maxError)
+      return kTooMuch;
+  }
+  const double bentNothing = parameters.bends() ? parameters.bent(nothing) : nothing;
+  std::array<double, 8> sums{};  // so that no sum waits for the one before
+  for (std::size_t i = 0; i < bent.size(); ++i) {
+    const double error = counts(i) * (bent[i] - bentNothing);
+    sums[i % sums.size()] += error * error;
+  }
+  const double step = parameters.step * parameters.unit();
+  return std::accumulate(sums.begin(), sums.end(), 0.0) / (step * step);
+}
+
 }  // namespace
 
 void Training::add(const Training& other) {
@@ -742,59 +769,64 @@ void Training::apply(WaveletParameters& parameters) const {
   parameters.symbolPrices = pricesOf(parameters.symbols);
 }
 
-std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
-                                              const BlockShape& shape,
-                                              std::span<const VoxelState> states,
-                                              const ModeChoice& choice) const {
-  VOLUTE_ASSERT(!choice.candidates.empty() && parameters_.sparse == !states.empty());
-  // What leaving it out costs.
-  const double nothing = std::min(stream_.valueMax, std::max(stream_.valueMin, 0.0f));
-  const double step = parameters_.step * parameters_.unit();
-  double leftOut = 0;
-  double greatest = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (parameters_.sparse &&
-        !isCoded(states[i / static_cast<std::size_t>(shape.channels)], parameters_))
-      continue;
-    const double error =
-        ((parameters_.bends() ? parameters_.bent(values[i]) : values[i]) - nothing) / step;
-    leftOut += error * error;
-    greatest = std::max(greatest, std::abs(values[i] - nothing));
+BlockContent BlockEncoder::contentOf(std::span<const float> values, const BlockShape& shape,
+                                     std::span<const VoxelState> states) const {
+  VOLUTE_ASSERT(values.size() == shape.values() && parameters_.sparse == !states.empty());
+  BlockContent block{shape, values, states};
+  std::vector<float> coded(values.begin(), values.end());
+  if (states.empty()) {
+    block.support = supportOf(values, shape);
+  } else {
+    block.support = supportOf(states, parameters_);
+    const auto channels = static_cast<std::size_t>(shape.channels);
+    block.outliers = takeApart(coded, block.support, channels, parameters_);
   }
-  if (parameters_.maxError > 0 && greatest > parameters_.maxError)
-    leftOut = std::numeric_limits<double>::infinity();
+  block.full = std::ranges::find(block.support, 0) == block.support.end();
+  if (parameters_.bends()) {
+    for (float& value : coded) value = parameters_.bent(value);
+  }
+  block.costOfNothing = costOfNothing(block, coded, parameters_, stream_);
+  block.planes = parameters_.color.split(coded, shape.channels, parameters_.unit());
+  return block;
+}
+
+std::optional<BlockMode> BlockEncoder::choose(const BlockContent& block,
+                                              const ModeChoice& choice) const {
+  VOLUTE_ASSERT(!choice.candidates.empty());
+  const double leftOut = block.costOfNothing;
   if (leftOut == 0)
-    return std::nullopt;  // left out, the block is exact
+    return std::nullopt;
   if (choice.candidates.size() == 1)
     return choice.candidates.front();
-  const CodedPart part = codedPart(values, shape, states, parameters_);
-  const auto components = parameters_.color.split(part.values, shape.channels, parameters_.unit());
   const auto costOf = [&](const BlockMode& mode) {
-    BlockWriting block(parameters_, components, part, shape, mode, false);
-    PriceBits bits{block.contexts()};
+    BlockWriting writing(parameters_, block, mode, false);
+    PriceBits bits{writing.contexts()};
     PriceSymbols symbols{parameters_.symbolPrices};
     if (parameters_.bySymbols)
-      block.codeHead(bits);
+      writing.codeHead(bits);
     for (std::size_t tier = 0; tier < kWaveletTiers.size(); ++tier) {
-      if (!block.hasAny(tier))
-        block.skip(tier);
+      if (!writing.hasAny(tier))
+        writing.skip(tier);
       else if (parameters_.bySymbols)
-        block.codeSymbols(symbols, tier, nullptr);
+        writing.codeSymbols(symbols, tier, nullptr);
       else
-        block.code(bits, tier, nullptr);
+        writing.code(bits, tier, nullptr);
     }
-    return block.squaredError() + kLambda / kUnit * static_cast<double>(bits.price + symbols.price);
+    return writing.squaredError() +
+           kLambda / kUnit * static_cast<double>(bits.price + symbols.price);
   };
   const CostEstimate estimate(parameters_, kLambda);
   std::optional<double> ofSupport;  // codec 3 has its topology in any mode
   const auto estimateOf = [&](const BlockMode& mode) {
     if (mode.shaped && !ofSupport)
-      ofSupport = parameters_.sparse ? 0 : costOfSupport(parameters_, part, shape);
-    return estimate.of(transformed(parameters_, components, part, shape, mode), shape, mode) +
+      ofSupport = parameters_.sparse ? 0 : costOfSupport(parameters_, block);
+    return estimate.of(transformed(parameters_, block, mode), block.shape, mode) +
            (mode.shaped ? *ofSupport : 0);
   };
   const bool estimated = choice.coded != ModeChoice::kAll;
-  const auto simple = [&](const BlockMode& mode) { return simplest(mode, shape, part.full); };
+  const auto simple = [&](const BlockMode& mode) {
+    return simplest(mode, block.shape, block.full);
+  };
   ModeSearch search(choice.candidates, simple,
                     estimated ? ModeSearch::CostOf(estimateOf) : ModeSearch::CostOf(costOf));
   for (const BlockMode& mode : choice.starts) search.tryMode(mode);
@@ -808,22 +840,20 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
   return coded.minCost() < leftOut ? coded.best() : std::nullopt;
 }
 
-void BlockEncoder::addLengthCosts(std::span<const float> values, const BlockShape& shape,
-                                  std::span<const VoxelState> states, LengthCosts& lengths) const {
+void BlockEncoder::addLengthCosts(const BlockContent& block, LengthCosts& lengths) const {
   const CostEstimate estimate(parameters_, kLambda);
+  const BlockShape& shape = block.shape;
   const std::size_t voxels = shape.voxels() / static_cast<std::size_t>(shape.extents[0]);
   const auto costOf = [&](int first, int frames, int timeLevels) {
     BlockShape part = shape;
     part.extents[0] = std::min(frames, shape.extents[0] - first);
     const std::size_t begin = static_cast<std::size_t>(first) * voxels;
     const auto channels = static_cast<std::size_t>(shape.channels);
-    const CodedPart coded =
-        codedPart(values.subspan(begin * channels, part.values()), part,
-                  states.empty() ? states : states.subspan(begin, part.voxels()), parameters_);
-    const BlockMode mode{parameters_.sparse && !coded.full, Wavelet::kCdf53, timeLevels};
-    const auto components =
-        parameters_.color.split(coded.values, shape.channels, parameters_.unit());
-    return estimate.of(transformed(parameters_, components, coded, part, mode), part, mode);
+    const BlockContent content =
+        contentOf(block.values.subspan(begin * channels, part.values()), part,
+                  block.states.empty() ? block.states : block.states.subspan(begin, part.voxels()));
+    const BlockMode mode{parameters_.sparse && !content.full, Wavelet::kCdf53, timeLevels};
+    return estimate.of(transformed(parameters_, content, mode), part, mode);
   };
   constexpr int kShortest = LengthCosts::kFrames.back();
   std::array<double, BlockGrid::kSide / kShortest> still{};  // without time levels
@@ -843,14 +873,12 @@ void BlockEncoder::addLengthCosts(std::span<const float> values, const BlockShap
   ++lengths.blocks;
 }
 
-std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> values,
-                                                         const BlockShape& shape,
-                                                         std::span<const VoxelState> states,
+std::vector<std::vector<std::byte>> BlockEncoder::encode(const BlockContent& block,
                                                          const std::optional<BlockMode>& mode,
                                                          Training& training) const {
-  VOLUTE_ASSERT(values.size() == shape.values() && parameters_.sparse == !states.empty());
+  const BlockShape& shape = block.shape;
   std::vector<std::vector<std::byte>> tiers(kWaveletTiers.size());
-  BlockStates topology(states.begin(), states.end());
+  BlockStates topology(block.states.begin(), block.states.end());
   std::vector<std::uint8_t> room;
   if (!mode) {
     if (!parameters_.sparse)
@@ -866,36 +894,35 @@ std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> 
   }
   if (parameters_.bySymbols)
     training.symbols.resize(symbol::kCount);
-  CodedPart part = codedPart(values, shape, states, parameters_);
-  const auto components = parameters_.color.split(part.values, shape.channels, parameters_.unit());
-  const BlockMode simple = simplest(*mode, shape, part.full && parameters_.sparse);
-  BlockWriting block(parameters_, components, part, shape, parameters_.sparse ? simple : *mode,
-                     parameters_.maxError > 0);
+  const BlockMode simple = simplest(*mode, shape, block.full && parameters_.sparse);
+  BlockWriting writing(parameters_, block, parameters_.sparse ? simple : *mode,
+                       parameters_.maxError > 0);
   std::size_t others = 0;  // bytes that are not of coefficients
   for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
     const bool last = tier + 1 == tiers.size();
     const bool corrects = last && parameters_.maxError > 0;
-    WriteBits bits{block.contexts(), training, {}, parameters_.bySymbols};
+    WriteBits bits{writing.contexts(), training, {}, parameters_.bySymbols};
     WriteSymbols symbols{training.symbols};
     if (tier == 0 && parameters_.sparse) {
       codeStates(bits, shape.extents, std::span(topology), room);
       bits.bit(context::kCoded, true);
-      codeOutliers(bits, shape, part.outliers);
+      std::vector<Outlier> outliers = block.outliers;
+      codeOutliers(bits, shape, outliers);
       others = bits.out.size();
     }
-    bool any = block.hasAny(tier);
+    bool any = writing.hasAny(tier);
     if (parameters_.bySymbols && tier == 0)
-      block.codeHead(bits);
+      writing.codeHead(bits);
     if ((any || corrects) && parameters_.bySymbols)
-      block.codeSymbols(symbols, tier, &training);
+      writing.codeSymbols(symbols, tier, &training);
     else if (any || corrects)
-      block.code(bits, tier, &training);
+      writing.code(bits, tier, &training);
     if (corrects)
-      any |= codeCorrectionsOf(bits, block, shape, parameters_.sparse ? simple : *mode, values,
-                               states, part.outliers, parameters_, stream_);
+      any |= codeCorrectionsOf(bits, writing, shape, parameters_.sparse ? simple : *mode,
+                               block.values, block.states, block.outliers, parameters_, stream_);
     if (!any) {
       if (!last)
-        block.skip(tier);
+        writing.skip(tier);
       continue;
     }
     if (!parameters_.bySymbols || tier == 0 || corrects)

@@ -62,6 +62,18 @@ struct ModeChoice {
   static constexpr int kAll = 99;
 };
 
+/// A block that is to be encoded: its voxels, and what of them is coded by coefficients.
+struct BlockContent {
+  BlockShape shape;
+  std::span<const float> values;
+  std::span<const VoxelState> states;   ///< what its voxels are; of codec 3 alone
+  std::vector<float> planes{};          ///< of each component, bent, without outliers
+  std::vector<std::uint8_t> support{};  ///< voxels that coefficients are needed for
+  bool full = false;                    ///< all of them
+  std::vector<Outlier> outliers{};
+  double costOfNothing = 0;  ///< of leaving it out, in squared steps; 0: it is exact then
+};
+
 /// Writes the blocks of one stream. Thread-safe.
 class BlockEncoder {
  public:
@@ -69,21 +81,20 @@ class BlockEncoder {
   BlockEncoder(const WaveletParameters& parameters, const StreamInfo& stream)
       : parameters_(parameters), stream_(stream) {}
 
+  /// @param values, states  kept by reference; states are those of codec 3, and not empty there
+  BlockContent contentOf(std::span<const float> values, const BlockShape& shape,
+                         std::span<const VoxelState> states) const;
+
   /// The mode among candidates with the least squared error + lambda * bits, where lambda is what
   /// a bit is worth at this quantisation step; none when leaving the block out costs less still.
-  /// @param states  what its voxels are; of codec 3 alone, and not empty there
-  std::optional<BlockMode> choose(std::span<const float> values, const BlockShape& shape,
-                                  std::span<const VoxelState> states,
-                                  const ModeChoice& choice) const;
+  std::optional<BlockMode> choose(const BlockContent& block, const ModeChoice& choice) const;
 
   /// Adds what the block of 16 frames would cost if it were cut in time.
-  void addLengthCosts(std::span<const float> values, const BlockShape& shape,
-                      std::span<const VoxelState> states, LengthCosts& lengths) const;
+  void addLengthCosts(const BlockContent& block, LengthCosts& lengths) const;
 
   /// The tiers of a block; all empty without a mode, but for the topology. Adds to `training` what
   /// is in them.
-  std::vector<std::vector<std::byte>> encode(std::span<const float> values, const BlockShape& shape,
-                                             std::span<const VoxelState> states,
+  std::vector<std::vector<std::byte>> encode(const BlockContent& block,
                                              const std::optional<BlockMode>& mode,
                                              Training& training) const;
 

@@ -152,8 +152,8 @@ class Compressor {
         modes_(static_cast<std::size_t>(plan_.count())),
         someModes_(modes_.size()),
         histogram_(kHistogramBins),
-        effort_(planOf(options.effort)),
         sampled_(row_.grid().rowCount() > kManyBlocks),
+        effort_(planOf(options.effort, sampled_)),
         units_(plan_, team) {
     head_.info = info_;
     // A field that states no topology, judged over all of its voxels, pays for none.
@@ -211,10 +211,11 @@ class Compressor {
   Status shareDone(Way way);
   Status shareModes(Way way);
   Status shareSegments();
-  std::optional<BlockMode> chooseMode(std::size_t block, std::span<const float> values,
-                                      std::span<const VoxelState> states,
-                                      const BlockEncoder& encoder,
+  std::optional<BlockMode> chooseMode(const BlockContent& block, const BlockEncoder& encoder,
                                       const std::optional<BlockMode>& before) const;
+  std::size_t findErrors(std::span<const float> values, std::span<const float> decoded,
+                         std::span<const VoxelState> states, const BlockShape& shape,
+                         CodingError& errors) const;
   Result<EncodedBlock> encodeBlock(std::size_t block, std::optional<BlockMode>& mode, Way way,
                                    Training& training);
   std::vector<std::int64_t> meansOf(std::span<const float> values) const;
@@ -268,8 +269,8 @@ class Compressor {
   BlockRow::InactiveValue inactive_;
   SupportError support_;
   double supportVoxels_ = 0;  // of all frames
-  EffortPlan effort_;
   bool sampled_ = false;      // so many blocks to a row that a part of them is surveyed
+  EffortPlan effort_;
   std::uint64_t blocks_ = 0;  // that hold something
   std::array<std::uint64_t, LengthCosts::kFrames.size()> blocksBy_{};  // the same, by their frames
   std::uint64_t oneOf_ = 1;     // of so many one tells what all are like
@@ -642,11 +643,10 @@ Status Compressor::survey() {
 
 // The mode of a block at this step.
 // @param before  one that it had not far from this step, if there is one
-std::optional<BlockMode> Compressor::chooseMode(std::size_t block, std::span<const float> values,
-                                                std::span<const VoxelState> states,
+std::optional<BlockMode> Compressor::chooseMode(const BlockContent& block,
                                                 const BlockEncoder& encoder,
                                                 const std::optional<BlockMode>& before) const {
-  const bool sparse = !states.empty() && shareOf(states) < kSparseBlock;
+  const bool sparse = !block.states.empty() && shareOf(block.states) < kSparseBlock;
   if (sparse && before && stepsAlike_)
     return before;
   std::vector<BlockMode> modes = modesToTry(options_);
@@ -657,16 +657,53 @@ std::optional<BlockMode> Compressor::chooseMode(std::size_t block, std::span<con
     return mode.timeLevels == 0 || (mode.timeLevels == 4 && mode.wavelet == Wavelet::kCdf53);
   };
   ModeChoice choice{modes, {}, effort_.coded};
-  if (sparse && sampled_ && !options_.mode && options_.wavelet == "auto" && choice.coded <= 3) {
+  if (sparse && sampled_ && !options_.mode && options_.wavelet == "auto" && choice.coded == 0) {
     std::erase_if(modes, [&](const BlockMode& mode) {
       return !usual(mode) || mode.wavelet == Wavelet::kHaar;
     });
-    choice = {modes, {}, 0};
-    return encoder.choose(values, shapeOf(row_.grid(), block), states, choice);
+    choice.candidates = modes;
+    return encoder.choose(block, choice);
   }
   const auto starts = modesToBeginWith(options_, before, sparse);
   choice.starts = starts;
-  return encoder.choose(values, shapeOf(row_.grid(), block), states, choice);
+  return encoder.choose(block, choice);
+}
+
+// Adds up the errors of a block's voxels, those of empty ones left out where they are exact.
+// @return the voxel of the greatest
+std::size_t Compressor::findErrors(std::span<const float> values, std::span<const float> decoded,
+                                   std::span<const VoxelState> states, const BlockShape& shape,
+                                   CodingError& errors) const {
+  const auto channels = static_cast<std::size_t>(shape.channels);
+  const std::size_t voxels = states.size() / static_cast<std::size_t>(shape.extents[0]);
+  const auto errorAt = [&](std::size_t voxel, std::size_t channel) {
+    const std::size_t i = voxel * channels + channel;
+    const bool counts = !parameters_.sparse || states[voxel] != VoxelState::kEmpty;
+    return counts * std::abs(static_cast<double>(decoded[i]) - values[i]);
+  };
+  std::size_t worst = 0;
+  for (std::size_t frame = 0; frame * voxels < states.size(); ++frame) {
+    constexpr std::size_t kLanes = 8;  // so that no sum waits for the one before
+    std::array<double, kLanes> sums{}, greatest{};
+    const std::size_t begin = frame * voxels, end = begin + voxels;
+    for (std::size_t i = begin; i < end; ++i) {
+      errors.voxels += states[i] == VoxelState::kEmpty ? 0 : 1;
+      for (std::size_t c = 0; c < channels; ++c) {
+        const double error = errorAt(i, c);
+        sums[i % kLanes] += error * error;
+        greatest[i % kLanes] = std::max(greatest[i % kLanes], error);
+      }
+    }
+    errors.squaredOf[frame] += std::accumulate(sums.begin(), sums.end(), 0.0);
+    const double most = std::ranges::max(greatest);
+    if (most <= errors.maximum)
+      continue;
+    errors.maximum = most;
+    std::size_t i = begin * channels;
+    while (errorAt(i / channels, i % channels) != most) ++i;
+    worst = i / channels;
+  }
+  return worst;
 }
 
 // Encodes a block and decodes it as the reader will.
@@ -680,49 +717,36 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<Bl
   BlockStates states;
   row_.cut(block, values, states);
   const BlockEncoder encoder(parameters_, stream());
-  const std::span<const VoxelState> coded =
-      parameters_.sparse ? std::span<const VoxelState>(states) : std::span<const VoxelState>();
+  const BlockContent content = encoder.contentOf(
+      values, shape,
+      parameters_.sparse ? std::span<const VoxelState>(states) : std::span<const VoxelState>());
   if (choosesModes(way))
-    chosen = chooseMode(block, values, coded, encoder, chosenBefore_ ? chosen : std::nullopt);
+    chosen = chooseMode(content, encoder, chosenBefore_ ? chosen : std::nullopt);
   std::optional<BlockMode> mode = chosen;
   if (way == Way::kLearn && mode && !options_.mode && parameters_.sparse)
     mode->shaped = mode->shaped || shareOf(states) < kSparseBlock;
   // A block that was not worth its bits at the step its mode was chosen for may be at a finer one.
   // What is chosen here depends on the step alone, so that a try can be had again.
   if (way == Way::kEncode && !mode && parameters_.step < kFinerStep * chosenStep_)
-    mode = chooseMode(block, values, coded, encoder, std::nullopt);
+    mode = chooseMode(content, encoder, std::nullopt);
   EncodedBlock result;
-  result.tiers = encoder.encode(values, shape, coded, mode, training);
+  result.tiers = encoder.encode(content, mode, training);
   // Every second block is enough to tell lengths apart.
   if (way == Way::kLearn && options_.access == Access::kAny && mode && block % 2 == 0 &&
       grid.frames() == BlockGrid::kSide && info_.frames > LengthCosts::kFrames.back()) {
-    encoder.addLengthCosts(values, shape, coded, training.lengths);
+    encoder.addLengthCosts(content, training.lengths);
     for (const auto& tier : result.tiers)
       training.lengths.bits += 8 * static_cast<std::int64_t>(tier.size());
   }
   result.means = meansOf(values);
   BlockStates decodedStates;
   VOLUTE_TRY(head_.decoder->decode(result.tiers, shape.levels(), shape, decoded, &decodedStates));
-  const auto channels = static_cast<std::size_t>(shape.channels);
-  const std::size_t frameVoxels = states.size() / static_cast<std::size_t>(shape.extents[0]);
-  const BlockGrid::Index4 origin = grid.origin(block);
-  std::size_t worst = 0;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    result.error.voxels += states[i] == VoxelState::kEmpty ? 0 : 1;
-    if (parameters_.sparse && states[i] == VoxelState::kEmpty)
-      continue;
-    for (std::size_t c = 0; c < channels; ++c) {
-      const double error =
-          std::abs(static_cast<double>(decoded[i * channels + c]) - values[i * channels + c]);
-      result.error.squaredOf[i / frameVoxels] += error * error;
-      if (error > result.error.maximum)
-        result.error.maximum = error, worst = i;
-    }
-  }
+  const std::size_t worst = findErrors(values, decoded, states, shape, result.error);
   if (!std::isfinite(result.error.squared()) || (parameters_.sparse && states != decodedStates)) {
     return fail(ErrorCode::kInvalidData, "grid '{}': the input changed while it was read",
                 info_.name);
   }
+  const BlockGrid::Index4 origin = grid.origin(block);
   std::uint64_t place = 0;
   for (std::size_t axis = 0, rest = worst; axis < 4; ++axis) {
     std::size_t inner = 1;
@@ -1215,7 +1239,7 @@ Result<CompressReport> Compressor::run() {
   VOLUTE_ASSIGN(const double better, team_.broadcast(betterStep()));
   VOLUTE_ASSIGN(step, team_.broadcast(step));
   const double change = std::max(better / step, step / better);
-  if (change > (effort_.again ? 1.02 : 1.5))
+  if (change > (effort_.again ? 1.02 : 1.2))
     VOLUTE_TRY(encodeAll(better, Way::kChoose));
   VOLUTE_ASSIGN(const bool near, team_.broadcast(nearEnough()));
   if (!near || effort_.again)

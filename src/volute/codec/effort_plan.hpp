@@ -26,20 +26,28 @@ struct EffortPlan {
   double nearness = 0.985;  ///< an error of that part of the one asked for is near enough
 };
 
-constexpr EffortPlan planOf(int effort) {
+/// @param many  whether there are so many blocks that some tell what all are like
+constexpr EffortPlan planOf(int effort, bool many = false) {
   using enum EffortPlan::Modes;
   constexpr std::array<EffortPlan, kMaxEffort> kPlans{{
       {kFew, 0, false, 32, 0.94},
       {kFew, 0, false, 16, 0.97},
       {kUsual, 0, false, 16, 0.98},
       {kAll, 0, false, 16, 0.985},
-      {kAll, 2, false, 16, 0.985},
       {kAll, 3, false, 4, 0.99},
       {kAll, 3, true, 2, 0.99},
+      {kAll, 6, true, 1, 0.99},
       {kAll, ModeChoice::kAll, true, 1, 0.99},
       {kEach, ModeChoice::kAll, true, 1, 0.995},
   }};
-  return kPlans[static_cast<std::size_t>(std::clamp(effort, 1, kMaxEffort) - 1)];
+  EffortPlan plan = kPlans[static_cast<std::size_t>(std::clamp(effort, 1, kMaxEffort) - 1)];
+  if (many && plan.coded <= 3)
+    plan.coded = 0;
+  if (many && effort <= kDefaultEffort) {
+    plan.oneOf = std::max(plan.oneOf, 16);
+    plan.nearness = std::min(plan.nearness, 0.985);
+  }
+  return plan;
 }
 
 }  // namespace volute

@@ -59,8 +59,8 @@ RoundTrip roundTrip(const Block& block, const WaveletParameters& parameters,
   RoundTrip result;
   Training training;
   const StreamInfo stream = infoOf(block);
-  result.tiers =
-      BlockEncoder(parameters, stream).encode(block.values, block.shape, {}, mode, training);
+  const BlockEncoder encoder(parameters, stream);
+  result.tiers = encoder.encode(encoder.contentOf(block.values, block.shape, {}), mode, training);
   const auto decoder =
       openWaveletDecoder(parameters.extended ? kSparseCodec : kWaveletCodec,
                          writeParameters(parameters, block.shape.channels), stream);
@@ -122,7 +122,8 @@ TEST(WaveletCodec, TablesOfSymbolsMakeBlocksSmaller) {
   const BlockEncoder encoder(parameters, infoOf(block));
   const auto bytes = [&] {
     std::size_t sum = 0;
-    for (const auto& tier : encoder.encode(block.values, block.shape, {}, BlockMode{}, training))
+    for (const auto& tier :
+         encoder.encode(encoder.contentOf(block.values, block.shape, {}), BlockMode{}, training))
       sum += tier.size();
     return static_cast<double>(sum);
   };
@@ -183,7 +184,8 @@ TEST(WaveletCodec, TheChosenModeIsNotWorseThanAny) {
   WaveletParameters parameters;
   parameters.step = 0.05;
   const BlockEncoder encoder(parameters, infoOf(block));
-  const auto chosen = encoder.choose(block.values, block.shape, {}, {allBlockModes()});
+  const auto chosen =
+      encoder.choose(encoder.contentOf(block.values, block.shape, {}), {allBlockModes()});
   ASSERT_TRUE(chosen);
   const auto costOf = [&](const BlockMode& mode) {
     const auto result = roundTrip(block, parameters, mode);
@@ -196,13 +198,14 @@ TEST(WaveletCodec, TheChosenModeIsNotWorseThanAny) {
   for (const BlockMode& mode : allBlockModes()) EXPECT_LT(least, 1.03 * costOf(mode));
   // Nor is one that was found from another, or from an estimate.
   for (const BlockMode& start : allBlockModes()) {
-    const auto found =
-        encoder.choose(block.values, block.shape, {}, {allBlockModes(), std::span(&start, 1)});
+    const auto found = encoder.choose(encoder.contentOf(block.values, block.shape, {}),
+                                      {allBlockModes(), std::span(&start, 1)});
     ASSERT_TRUE(found) << describe(start);
     EXPECT_LT(costOf(*found), 1.03 * least) << describe(start);
   }
   for (const int coded : {0, 1, 2, 3}) {
-    const auto found = encoder.choose(block.values, block.shape, {}, {allBlockModes(), {}, coded});
+    const auto found = encoder.choose(encoder.contentOf(block.values, block.shape, {}),
+                                      {allBlockModes(), {}, coded});
     ASSERT_TRUE(found);
     EXPECT_LT(costOf(*found), (coded < 2 ? 1.06 : 1.03) * least) << coded;
   }
@@ -213,12 +216,11 @@ TEST(WaveletCodec, WhatIsNotWorthABitIsLeftOut) {
   for (float& value : block.values) value *= 1e-3f;
   WaveletParameters parameters;
   parameters.step = 1;
-  EXPECT_FALSE(BlockEncoder(parameters, infoOf(block))
-                   .choose(block.values, block.shape, {}, {allBlockModes()}));
+  const BlockEncoder encoder(parameters, infoOf(block));
+  EXPECT_FALSE(encoder.choose(encoder.contentOf(block.values, block.shape, {}), {allBlockModes()}));
   // But not where a bound on the error forbids it.
   parameters.maxError = 1e-5;
-  EXPECT_TRUE(BlockEncoder(parameters, infoOf(block))
-                  .choose(block.values, block.shape, {}, {allBlockModes()}));
+  EXPECT_TRUE(encoder.choose(encoder.contentOf(block.values, block.shape, {}), {allBlockModes()}));
 }
 
 TEST(WaveletCodec, HostileBytesGiveErrorsOrFiniteValues) {
