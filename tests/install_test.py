@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: The Volute authors
 """Installs what is built into a folder, and builds projects outside of the tree against it: install_test.py SOURCE BUILD."""
 import configparser
+import json
 import os
 import pathlib
 import re
@@ -362,6 +363,14 @@ target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
         self.works("cc", "-std=c11", "-Wall", "-Wextra", "-Werror", SOURCE / "tests/values.c", "-I", PREFIX / "include", "-L", library,
                    f"-Wl,-rpath,{library}", "-lvolute_c", "-lm", "-o", "values")
         self.assertEqual(self.works("./values"), "values are seen through\n")
+
+    def test_walkers_of_c(self):
+        library = next(PREFIX.rglob("libvolute_c.so.0")).parent
+        self.works("cc", "-std=c11", "-Wall", "-Wextra", "-Werror", SOURCE / "tests/engine.c", "-I", PREFIX / "include", "-L", library,
+                   f"-Wl,-rpath,{library}", "-lvolute_c", "-lm", "-o", "engine")
+        self.works(PREFIX / "bin/volute", "synthesize", "hall", "-o", "hall.smv", "--cell", 0.8, "--frames", 8)
+        (self.work / "exit.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [0.1, 6, 2.4], "normal": [1, 0, 0]}]}))
+        self.assertEqual(self.works("./engine", "hall.smv", "exit.json"), "doses, and the most that they may be\n")
 
     def test_python_package(self):
         module = next((BUILD / "python/volute").glob("_core.*.so"), None)

@@ -332,6 +332,12 @@ volute_status volute_engine_sees(volute_engine* engine, double time, const doubl
 volute_status volute_engine_dose(volute_engine* engine, double time, const int64_t* ids,
                                  const double* eyes, size_t agents, double* values);
 
+/* The same, and by the worst that rounding, caps and means at nodes of the files allow, which a
+ * verdict goes by: `worst` is as `values`. */
+volute_status volute_engine_dose_at_worst(volute_engine* engine, double time, const int64_t* ids,
+                                          const double* eyes, size_t agents, double* values,
+                                          double* worst);
+
 #ifdef __cplusplus
 }
 #endif

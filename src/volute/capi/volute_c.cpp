@@ -1016,3 +1016,16 @@ volute_status volute_engine_dose(volute_engine* engine, double time, const int64
                                {values, engine->engine.criteria().size() * agents});
   });
 }
+
+volute_status volute_engine_dose_at_worst(volute_engine* engine, double time, const int64_t* ids,
+                                          const double* eyes, size_t agents, double* values,
+                                          double* worst) {
+  constexpr const char* kName = "volute_engine_dose_at_worst";
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given(kName, engine, ids, eyes, values, worst));
+    VOLUTE_TRY(volute::checkTime(time, kName));
+    VOLUTE_ASSIGN(const auto places, volute::eyesOf(eyes, agents, kName));
+    const std::size_t size = engine->engine.criteria().size() * agents;
+    return engine->engine.dose({ids, agents}, places, time, {values, size}, {worst, size});
+  });
+}

@@ -26,11 +26,11 @@ SmokeColumn::SmokeColumn(const FloorPlan& plan, std::span<const std::size_t> pla
       eyes_(eyes.begin(), eyes.end()),
       eyeAt_(plan.size(), -1),
       firstBelow_(eyes.size(), -1) {
-  constexpr double kLeast = 0.5;  // above a floor [m]
+  constexpr double kMin = 0.5;  // above a floor [m]
   for (std::size_t i = 0; i < eyes.size(); ++i) {
     eyeAt_[places[i]] = static_cast<std::ptrdiff_t>(i);
     const double above = eyes[i].z() - floors[i];
-    if (!(above >= kLeast))
+    if (!(above >= kMin))
       continue;
     firstBelow_[i] = static_cast<std::ptrdiff_t>(below_.size());
     for (const double share : kHeights)
@@ -68,7 +68,7 @@ std::vector<SmokeColumn::Patch> SmokeColumn::patches(std::span<const double> her
 
 bool SmokeColumn::isColumn(const Patch& patch, std::span<const double> here,
                            std::span<const double> below) const {
-  if (static_cast<double>(patch.size()) * plan_.step * plan_.step > kLargest)
+  if (static_cast<double>(patch.size()) * plan_.step * plan_.step > kMaxArea)
     return false;
   double atEyes = 0;
   std::array<double, kHeights.size()> under{};

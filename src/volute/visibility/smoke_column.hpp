@@ -21,7 +21,7 @@ namespace volute {
 class SmokeColumn {
  public:
   static constexpr double kSmoke = 0.1;     ///< less is clear air [1/m]
-  static constexpr double kLargest = 20;    ///< of a patch [m2]
+  static constexpr double kMaxArea = 20;    ///< of a patch [m2]
   static constexpr double kClear = 1. / 3;  ///< of a patch's edge, what is clear air, not walls
   static constexpr double kSway = 1;        ///< how far a column goes from its first place [m]
   static constexpr double kMargin = 0.5;    ///< around it [m]
