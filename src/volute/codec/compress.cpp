@@ -271,7 +271,7 @@ class Compressor {
   double supportVoxels_ = 0;  // of all frames
   bool sampled_ = false;      // so many blocks to a row that a part of them is surveyed
   EffortPlan effort_;
-  std::uint64_t blocks_ = 0;  // that hold something
+  std::uint64_t blocks_ = 0;                                           // that hold something
   std::array<std::uint64_t, LengthCosts::kFrames.size()> blocksBy_{};  // the same, by their frames
   std::uint64_t oneOf_ = 1;     // of so many one tells what all are like
   double doneShare_ = 1;        // of the support, that the last way went through
