@@ -38,6 +38,11 @@ static int stop(void* user, const char* stage, double done, double total) {
   return 1;
 }
 
+static int exists(const char* path) {
+  FILE* file = fopen(path, "rb");
+  return file ? fclose(file) == 0 : 0;
+}
+
 /* Of one line through the middle. */
 static double depth(volute_scene* scene, double y) {
   const double line[6] = {-1, y, 0.5, 2, y, 0.5};
@@ -84,6 +89,16 @@ int main(void) {
   const volute_view last = {.size = sizeof last, .width = 16, .height = 12, .time = times + 1};
   CHECK(volute_drawing_draw(drawing, &last, cube, sizeof cube) == VOLUTE_OK);
   CHECK(memcmp(cube, cube + 3 * (6 * 16 + 8), 3) != 0);
+  const volute_film both = {.size = sizeof both, .end = 2}, none = {.size = sizeof none, .first = 5, .end = 9};
+  volute_view small = {.size = sizeof small, .width = 16, .height = 12, .tone = VOLUTE_TONE_SHOULDER, .progress = stop};
+  CHECK(volute_drawing_film(drawing, &last, &both, "cube_%02d.png") == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "leave `time` out"));
+  CHECK(volute_drawing_film(drawing, &small, &both, "cube_%02d.png") == VOLUTE_CANCELLED && !exists("cube_00.png"));
+  small.progress = NULL;
+  CHECK(volute_drawing_film(drawing, &small, &none, "cube_%02d.png") == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "frames"));
+  CHECK(volute_drawing_film(drawing, &small, &both, "cube.png") == VOLUTE_INVALID_ARGUMENT);
+  CHECK(volute_drawing_film(drawing, &small, &both, "cube_%02d.png") == VOLUTE_OK);
+  CHECK(exists("cube_00.png") && exists("cube_01.png") && !exists("cube_02.png"));
+  CHECK(volute_drawing_film(drawing, &small, NULL, "cube.mp4") == VOLUTE_OK && exists("cube.mp4"));
   volute_drawing_close(drawing), drawing = NULL;
   mesh.cell_points = 7;
   CHECK(volute_scene_open_mesh(&mesh, NULL, &scene) == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "4, 5, 6 or 8"));

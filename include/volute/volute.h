@@ -211,7 +211,13 @@ void volute_drawing_close(volute_drawing* drawing);
 size_t volute_drawing_time_count(const volute_drawing* drawing);
 volute_status volute_drawing_times(const volute_drawing* drawing, double* times, size_t count);
 
-enum { VOLUTE_TONE_AUTO = 0, VOLUTE_TONE_NONE = 1, VOLUTE_TONE_FILMIC = 2, VOLUTE_TONE_AGX = 3 };
+enum {
+  VOLUTE_TONE_AUTO = 0,
+  VOLUTE_TONE_NONE = 1,
+  VOLUTE_TONE_FILMIC = 2,
+  VOLUTE_TONE_AGX = 3,
+  VOLUTE_TONE_SHOULDER = 4
+};
 
 /* What a picture shows, and how. Zeros stand for what `volute render` does without its options. */
 typedef struct volute_view {
@@ -238,6 +244,20 @@ volute_status volute_drawing_draw(volute_drawing* drawing, const volute_view* vi
  * height. */
 volute_status volute_drawing_light(volute_drawing* drawing, const volute_view* view, float* rgb,
                                    size_t count);
+
+/* Which pictures a film has. Zeros stand for all frames, at their own pace, from where one looks. */
+typedef struct volute_film {
+  size_t size;        /* set it to sizeof(volute_film) */
+  int32_t first, end; /* numbers of frames, first <= frame < end; both 0: all */
+  double speed;       /* seconds of the scene in a second of film; 0: 1 */
+  double orbit;       /* turns the camera around its target over the film [degrees] */
+} volute_film;
+
+/* Writes a film (.mp4, .webm) or numbered pictures ("fire_%04d.png") as `volute render` does, with
+ * one exposure for all. `view` as above, whose time must be NULL; `film` may be NULL. What is stopped
+ * leaves no file. */
+volute_status volute_drawing_film(volute_drawing* drawing, const volute_view* view,
+                                  const volute_film* film, const char* path);
 
 /* ---- kinds of media ---- */
 

@@ -20,6 +20,7 @@
 #include "volute/codec/compress.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/film/render_request.hpp"
+#include "volute/film/write_film.hpp"
 #include "volute/grid/array_source.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/media/camera_file.hpp"
@@ -308,11 +309,11 @@ Result<RenderRequest> requestOf(const volute_view& given) {
     request.size = Pixels{view.width, view.height};
   }
   if (!(view.exposure >= 0) || !std::isfinite(view.exposure) || view.samples < 0 ||
-      view.samples > 256 || view.tone < VOLUTE_TONE_AUTO || view.tone > VOLUTE_TONE_AGX) {
+      view.samples > 256 || view.tone < VOLUTE_TONE_AUTO || view.tone > VOLUTE_TONE_SHOULDER) {
     return fail(
         ErrorCode::kInvalidArgument,
         "view: an exposure of {}, {} samples and tone {}; expected 0 or more, 0 to 256, and "
-        "VOLUTE_TONE_AUTO to _AGX",
+        "VOLUTE_TONE_AUTO to _SHOULDER",
         view.exposure, view.samples, view.tone);
   }
   if (!(view.shutter >= 0 && view.shutter <= 1)) {
@@ -372,6 +373,41 @@ Result<Image> drawn(volute_drawing& drawing, const volute_view& view, std::size_
   }
   VOLUTE_ASSIGN(auto development, developmentOf(request, drawing.job));
   return draw(drawing.job, development, progress);
+}
+
+Result<FrameRequest> requestOf(const volute_film& film, const char* path) {
+  VOLUTE_TRY(checkSize("volute_drawing_film", "film", film));
+  FrameRequest request{.target = path};
+  if (!std::isfinite(film.speed) || film.speed < 0 || !std::isfinite(film.orbit)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "film: a speed of {} and an orbit of {} degrees; expected 0 or more, and a number",
+                film.speed, film.orbit);
+  }
+  if (film.first != 0 || film.end != 0)
+    request.frames = FrameRange{film.first, film.end};
+  if (film.speed > 0)
+    request.speed = film.speed;
+  if (film.orbit != 0)
+    request.orbit = film.orbit;
+  return request;
+}
+
+Status writeFilmOf(volute_drawing& drawing, const volute_view& view, const volute_film* film,
+                   const char* path) {
+  VOLUTE_ASSIGN(auto request, requestOf(view));
+  if (request.frames.time) {
+    return fail(ErrorCode::kInvalidArgument,
+                "view: a film has its times by `first` and `end`; leave `time` out");
+  }
+  const volute_film all{sizeof(volute_film), 0, 0, 0, 0};
+  VOLUTE_ASSIGN(request.frames, requestOf(film ? *film : all, path));
+  VOLUTE_ASSIGN(const auto lock, waitFor(drawing.mutex, "the drawing"));
+  CallerProgress progress(view);
+  const std::uint64_t maxMemory = SceneOptions().maxMemory;
+  VOLUTE_TRY(prepare(drawing.job, request, maxMemory, progress));
+  VOLUTE_ASSIGN(auto development, developmentOf(request, drawing.job));
+  Team alone;
+  return writeFilm(drawing.job, path, development, maxMemory, progress, alone);
 }
 
 /// The scene at a stored time. It is read once; lines are looked along without the lock.
@@ -896,6 +932,14 @@ volute_status volute_drawing_light(volute_drawing* drawing, const volute_view* v
                   }));
     std::ranges::copy(image.pixels, rgb);
     return {};
+  });
+}
+
+volute_status volute_drawing_film(volute_drawing* drawing, const volute_view* view,
+                                  const volute_film* film, const char* path) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_drawing_film", drawing, view, path));
+    return volute::writeFilmOf(*drawing, *view, film, path);
   });
 }
 
