@@ -74,7 +74,6 @@ std::vector<BlockMode> modesToTry(const CompressOptions& options) {
   if (options.mode)
     return {*options.mode};
   const EffortPlan::Modes which = planOf(options.effort).modes;
-  const bool all = which == kAll || which == kEach;
   const auto wavelet = waveletByName(options.wavelet);
   std::vector<BlockMode> modes;
   for (const BlockMode& mode : allBlockModes()) {
@@ -83,7 +82,7 @@ std::vector<BlockMode> modesToTry(const CompressOptions& options) {
     const bool usual = mode.timeLevels == 0 || mode.timeLevels == 4;
     const bool known = wavelet || mode.wavelet == Wavelet::kCdf53 ||
                        (which == kUsual && mode.wavelet == Wavelet::kCdf97);
-    if (all || (usual && known))
+    if (which == kAll || (usual && known))
       modes.push_back(mode);
   }
   return modes;

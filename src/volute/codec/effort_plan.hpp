@@ -17,7 +17,6 @@ struct EffortPlan {
     kFew,    ///< with one wavelet, and all or no time levels
     kUsual,  ///< with two of them
     kAll,    ///< all, from some that differ much to what is beside the best of them
-    kEach,   ///< all, one by one
   };
   Modes modes = Modes::kAll;
   int coded = 0;            ///< of the modes that seem cheapest, as ModeChoice has it
@@ -38,7 +37,7 @@ constexpr EffortPlan planOf(int effort, bool many = false) {
       {kAll, 3, true, 2, 0.99},
       {kAll, 6, true, 1, 0.99},
       {kAll, ModeChoice::kAll, true, 1, 0.99},
-      {kEach, ModeChoice::kAll, true, 1, 0.995},
+      {kAll, ModeChoice::kAll, true, 1, 0.995},
   }};
   EffortPlan plan = kPlans[static_cast<std::size_t>(std::clamp(effort, 1, kMaxEffort) - 1)];
   if (many && plan.coded <= 3)
