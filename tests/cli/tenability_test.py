@@ -7,6 +7,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import resource
 import struct
 import subprocess
@@ -332,6 +333,19 @@ class Tenability(Cases):
         result = self.works("visibility", self.path("hall.pvd"), *options, "--fire-at", "6,4,0.5")
         self.assertNotIn("does not state where it burns", result.message)
         self.assertEqual(self.report("out")["verdict"][0]["time"], 0)
+
+    def test_heights_of_the_eyes_are_compared_in_a_table(self):
+        case = self.case(smoke=lambda t, x, y, z: (0.011 if z > 2 else 0.006) * t, more=[])
+        self.works("visibility", case, "--signs", self.signs(), "--criteria", self.criteria({"kind": "extinction", "limit": 0.3, "source": "here"}),
+                   "--height", "1.5,2.5", "--step", 1, "--maps", "aset", "--everywhere", "-o", self.path("out"))
+        page = (self.path("out") / "report.html").read_text()
+        table = re.sub(r"<[^>]*>", " ", page[page.index("By the height of the eyes"):][:1500])
+        storeys = json.loads((self.path("out") / "visibility.json").read_text())["heights"]
+        for storey in storeys:
+            first = storey["verdict"][0]
+            self.assertRegex(table, rf"\s{storey['height']:g}\s+{first['time']:g}\s+{first['time_interpolated']:.4g}\s+{first['by']}\s".replace(" ", r"\s"))
+        self.assertLess(storeys[1]["verdict"][0]["time"], storeys[0]["verdict"][0]["time"])
+        self.assertIn("The height of the eyes is not varied here", page)
 
     def test_meshes_have_air_too(self):
         def room(name, *fields):

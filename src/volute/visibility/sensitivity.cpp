@@ -156,7 +156,9 @@ Result<std::string> sensitivityPart(const Json& sensitivity, double begin, doubl
                            "The red line is the verdict. Each bar is one uncertainty alone; "
                            "the others are as in the verdict."));
   return "<h2>Sensitivity of the ASET</h2>\n<p>In the verdict, interpolated: " +
-         cellOf(sensitivity["base"]) + ".</p>\n" +
+         cellOf(sensitivity["base"]) +
+         ". The height of the eyes is not varied here: a report of several heights compares "
+         "them.</p>\n" +
          htmlTable({"uncertain", "ASET at one end", "at the other", "between them"}, rows) + figure;
 }
 

@@ -231,6 +231,32 @@ Status writeSurveyPage(const std::filesystem::path& file, const SurveyPage& page
                        inputsPart(report) + signaturePart(report));
 }
 
+namespace {
+
+/// How the ASET depends on the height of the eyes: of heights on one storey, a sensitivity.
+std::string heightsTable(std::span<const double> heights, std::span<const SurveyPage> storeys) {
+  std::vector<HtmlRow> rows;
+  for (std::size_t i = 0; i < storeys.size(); ++i) {
+    const Json verdict = storeys[i].report.value("verdict", Json::array());
+    const auto all =
+        std::ranges::find_if(verdict, [](const Json& one) { return one["criterion"] == "all"; });
+    if (all == verdict.end())
+      return "";
+    const bool known = (*all)["known"] == true, reached = (*all)["time"].is_number();
+    rows.push_back({fmt::format("{:g}", heights[i]),
+                    !known    ? "not known"
+                    : reached ? htmlOf((*all)["time"], "{:.4g}")
+                              : "not reached",
+                    known && reached ? htmlOf((*all)["time_interpolated"], "{:.4g}") : "\u2013",
+                    known && reached ? htmlOf((*all)["by"]) : "\u2013"});
+  }
+  return "<h3>By the height of the eyes</h3>\n" +
+         htmlTable({"eyes at z [m]", "ASET [s]", "interpolated [s]", "by"}, rows,
+                   HtmlAlign::kNumbers);
+}
+
+}  // namespace
+
 Status writeStoreysPage(const std::filesystem::path& file, std::span<const double> heights,
                         std::span<const SurveyPage> storeys) {
   std::string verdict, parts;
@@ -246,9 +272,9 @@ Status writeStoreysPage(const std::filesystem::path& file, std::span<const doubl
   }
   const Json& first = storeys.front().report;
   return writePage(file, titleOf(first),
-                   verdictPart(verdict) + titlePart(first) + firePart(first) +
-                       signTable(first["signs"]) + profilePart(first) + parts + kLimits +
-                       inputsPart(first) + signaturePart(first));
+                   verdictPart(verdict + heightsTable(heights, storeys)) + titlePart(first) +
+                       firePart(first) + signTable(first["signs"]) + profilePart(first) + parts +
+                       kLimits + inputsPart(first) + signaturePart(first));
 }
 
 }  // namespace volute
