@@ -15,6 +15,8 @@
 
 namespace volute {
 
+class FolderFiles;
+
 /// What pictures tell of the medium along a line of sight.
 enum class Measured {
   kEmission,    ///< its light, in front of a background that is subtracted where it is known
@@ -71,7 +73,7 @@ struct PictureSource {
   bool isThere(int number) const;
 
   /// The numbers of the pictures that are there, ascending; of files alone.
-  std::vector<int> numbersThere() const;
+  std::vector<int> numbersThere(FolderFiles& folders) const;
 
   /// Where picture `number` of the film lies, see filmPlaces.
   double placeInFilm(int number) const {

@@ -103,10 +103,6 @@ std::optional<std::string> ImageName::cameraIn(const std::string& pictureName) c
   return found ? std::optional(camera) : std::nullopt;
 }
 
-std::vector<int> ImageName::framesOf(std::string_view camera) const {
-  return framesThere(ofCamera(camera));
-}
-
 std::string frameFile(const std::string& pattern, int number) {
   if (!namesSeries(pattern))
     return pattern;
@@ -114,7 +110,7 @@ std::string frameFile(const std::string& pattern, int number) {
   return parsed ? parsed->format(number).string() : pattern;
 }
 
-std::vector<int> framesThere(const std::string& pattern) {
+std::vector<int> framesThere(const std::string& pattern, FolderFiles& folders) {
   std::vector<int> frames;
   if (!namesSeries(pattern)) {
     std::error_code error;
@@ -125,7 +121,7 @@ std::vector<int> framesThere(const std::string& pattern) {
   const auto parsed = FramePattern::parse(pattern);
   if (!parsed)
     return frames;
-  const auto files = parsed->list();
+  const auto files = parsed->list(folders);
   for (std::size_t i = 0; files && i < files->size(); ++i) frames.push_back((*files)[i].number);
   return frames;
 }
@@ -140,9 +136,9 @@ bool PictureSource::isThere(int number) const {
          (pages == 1 || (number >= 0 && number < pages));
 }
 
-std::vector<int> PictureSource::numbersThere() const {
+std::vector<int> PictureSource::numbersThere(FolderFiles& folders) const {
   if (pages == 1)
-    return framesThere(image);
+    return framesThere(image, folders);
   std::vector<int> numbers(static_cast<std::size_t>(pages));
   std::iota(numbers.begin(), numbers.end(), 0);
   return numbers;

@@ -33,9 +33,6 @@ class ImageName {
   /// folders count as far as the name has them. Nothing when the name is of another form.
   std::optional<std::string> cameraIn(const std::string& pictureName) const;
 
-  /// The frames that are there for one camera, ascending; empty when there are none.
-  std::vector<int> framesOf(std::string_view camera) const;
-
   const std::string& text() const { return text_; }
 
  private:
@@ -47,6 +44,6 @@ class ImageName {
 std::string frameFile(const std::string& pattern, int number);
 
 /// The frames that are there of such a name; a name without a number is frame 0.
-std::vector<int> framesThere(const std::string& pattern);
+std::vector<int> framesThere(const std::string& pattern, FolderFiles& folders);
 
 }  // namespace volute

@@ -48,8 +48,9 @@ TEST(ImageName, ListsFrames) {
   for (const char* file : {"3_c.png", "12_c.png", "7_d.png"})
     testing::writeText(folder / file, "x");
   const auto name = ImageName::parse((folder / "%d_{camera}.png").string()).value();
-  EXPECT_EQ(name.framesOf("c"), (std::vector<int>{3, 12}));
-  EXPECT_TRUE(name.framesOf("e").empty());
+  FolderFiles folders;
+  EXPECT_EQ(framesThere(name.ofCamera("c"), folders), (std::vector<int>{3, 12}));
+  EXPECT_TRUE(framesThere(name.ofCamera("e"), folders).empty());
 }
 
 }  // namespace

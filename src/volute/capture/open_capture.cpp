@@ -188,12 +188,12 @@ std::vector<int> framesShown(const PictureSource& pictures, const std::set<int>&
 
 /// The frames of which any camera has a picture, by their clocks. kInvalidData for a camera whose
 /// numbers are those of no other: it counts from elsewhere.
-Result<std::vector<int>> framesOfFiles(const std::filesystem::path& file,
-                                       const CaptureDraft& draft) {
+Result<std::vector<int>> framesOfFiles(const std::filesystem::path& file, const CaptureDraft& draft,
+                                       FolderFiles& folders) {
   std::map<int, int> seen;  // how many cameras see a frame
   std::vector<std::vector<int>> own;
   for (const CameraDraft& camera : draft.cameras) {
-    const auto numbers = camera.pictures.numbersThere();
+    const auto numbers = camera.pictures.numbersThere(folders);
     const bool one = !namesSeries(camera.pictures.image) && camera.pictures.pages == 1;
     own.push_back(
         one ? numbers
@@ -230,7 +230,7 @@ tl::unexpected<Error> ofCamera(const CameraDraft& camera, const Error& error) {
 
 /// What the first whole picture of each camera says of all of them. What is wrong with others is
 /// told when they are read.
-Status completeKinds(CaptureDraft& draft, std::uint64_t maxMemory) {
+Status completeKinds(CaptureDraft& draft, FolderFiles& folders, std::uint64_t maxMemory) {
   for (CameraDraft& camera : draft.cameras) {
     PictureSource& pictures = camera.pictures;
     const std::string extension = extensionOf(pictures.video);
@@ -238,7 +238,7 @@ Status completeKinds(CaptureDraft& draft, std::uint64_t maxMemory) {
       pictures.image = pictures.video.string();  // a stack is a film of stills
       pictures.video.clear();
     }
-    const auto numbers = pictures.numbersThere();
+    const auto numbers = pictures.numbersThere(folders);
     if (pictures.image.empty() || numbers.empty())
       continue;
     auto path = pictures.fileOf(numbers.front());
@@ -272,12 +272,13 @@ Status completeKinds(CaptureDraft& draft, std::uint64_t maxMemory) {
 /// All frames of the capture: those that are stated, else those of which there are pictures; of
 /// films those that the range names, else those that all of them have.
 Result<std::vector<int>> findFrames(const std::filesystem::path& file, const CaptureDraft& draft,
-                                    const FrameRange& range, std::uint64_t maxMemory) {
+                                    const FrameRange& range, FolderFiles& folders,
+                                    std::uint64_t maxMemory) {
   if (draft.frames)
     return *draft.frames;
   const bool film = std::ranges::any_of(
       draft.cameras, [](const CameraDraft& camera) { return !camera.pictures.video.empty(); });
-  VOLUTE_ASSIGN(std::vector<int> frames, framesOfFiles(file, draft));
+  VOLUTE_ASSIGN(std::vector<int> frames, framesOfFiles(file, draft, folders));
   if (frames.empty() && film && range.end) {
     for (int frame = static_cast<int>(std::ceil(range.begin.value_or(0))); frame < *range.end;
          ++frame)
@@ -324,7 +325,7 @@ Status checkNumbers(CaptureDraft& draft, const std::vector<int>& all,
 }
 
 /// Calibrations that leave the size out mean that of the pictures.
-Status completeSize(CameraDraft& camera, std::uint64_t maxMemory) {
+Status completeSize(CameraDraft& camera, FolderFiles& folders, std::uint64_t maxMemory) {
   Calibration& calibration = camera.calibration;
   if (calibration.width > 0 && calibration.height > 0)
     return {};
@@ -335,7 +336,7 @@ Status completeSize(CameraDraft& camera, std::uint64_t maxMemory) {
     calibration.width = film->info().width, calibration.height = film->info().height;
     return {};
   }
-  const auto numbers = camera.pictures.numbersThere();
+  const auto numbers = camera.pictures.numbersThere(folders);
   if (numbers.empty()) {
     return fail(ErrorCode::kNotFound, Hint::set("images").so("says where they are"),
                 "{}: states no image size, and there is no picture{} to take it from", camera.where,
@@ -405,7 +406,7 @@ Result<CaptureDraft> openDraft(const std::filesystem::path& file, const CaptureO
 }
 
 Result<Capture> makeCapture(const std::filesystem::path& file, CaptureDraft& draft,
-                            const CaptureOptions& options) {
+                            FolderFiles& folders, const CaptureOptions& options) {
   Capture capture;
   capture.file = file;
   capture.kind = draft.kind;
@@ -423,7 +424,7 @@ Result<Capture> makeCapture(const std::filesystem::path& file, CaptureDraft& dra
   for (CameraDraft& camera : draft.cameras) {
     if (options.response)
       camera.pictures.response = *options.response;
-    VOLUTE_TRY(completeSize(camera, options.maxMemory));
+    VOLUTE_TRY(completeSize(camera, folders, options.maxMemory));
     VOLUTE_ASSIGN(auto made, makeCamera(camera));
     capture.cameras.push_back(std::move(made));
   }
@@ -489,12 +490,14 @@ Result<Capture> openCapture(const std::filesystem::path& file, const CaptureOpti
                   camera.where, camera.name);
     }
   }
-  VOLUTE_TRY(completeKinds(draft, options.maxMemory));
-  VOLUTE_ASSIGN(const auto all, findFrames(file, draft, options.frames, options.maxMemory));
+  FolderFiles folders;
+  VOLUTE_TRY(completeKinds(draft, folders, options.maxMemory));
+  VOLUTE_ASSIGN(const auto all,
+                findFrames(file, draft, options.frames, folders, options.maxMemory));
   VOLUTE_ASSIGN(auto frames, chooseFrames(all, options.frames));
   VOLUTE_TRY(checkNumbers(draft, all, frames));
   VOLUTE_ASSIGN(const auto volume, chooseVolume(file, draft, options));
-  VOLUTE_ASSIGN(auto capture, makeCapture(file, draft, options));
+  VOLUTE_ASSIGN(auto capture, makeCapture(file, draft, folders, options));
   capture.frames = std::move(frames);
   // A film's frames are those that were asked for; its time begins with frame 0.
   const bool stated = draft.frames || !capture.cameras.front().pictures.image.empty();
@@ -506,7 +509,8 @@ Result<Capture> openCapture(const std::filesystem::path& file, const CaptureOpti
 Result<Capture> openCalibration(const std::filesystem::path& file, const CaptureOptions& options) {
   std::optional<ImageName> images;
   VOLUTE_ASSIGN(auto draft, openDraft(file, options, images));
-  VOLUTE_ASSIGN(auto capture, makeCapture(file, draft, options));
+  FolderFiles folders;
+  VOLUTE_ASSIGN(auto capture, makeCapture(file, draft, folders, options));
   capture.frames = draft.frames.value_or(std::vector<int>{});
   if (auto volume = chooseVolume(file, draft, options))
     capture.volume = *volume;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 #include <map>
 
@@ -257,14 +258,59 @@ std::optional<NumberedFile> FramePattern::match(std::string_view fileName) const
   return canonical ? numberedBy(*written, fileName) : std::nullopt;
 }
 
+Result<std::vector<std::string_view>> FolderFiles::named(const std::filesystem::path& folder,
+                                                         std::string_view prefix,
+                                                         std::string_view suffix) {
+  const auto backwards = [](std::string_view a, std::string_view b) {
+    return std::lexicographical_compare(a.rbegin(), a.rend(), b.rbegin(), b.rend());
+  };
+  auto found = folders_.find(folder);
+  if (found == folders_.end()) {
+    VOLUTE_ASSIGN(const auto files, filesOf(folder));
+    found = folders_.try_emplace(folder).first;
+    Names& names = found->second;
+    for (const auto& file : files) names.sorted.push_back(file.filename().string());
+    std::ranges::sort(names.sorted);
+    for (const std::string& name : names.sorted) names.byEnd.push_back(&name);
+    std::ranges::sort(names.byEnd, backwards, [](const std::string* name) { return *name; });
+  }
+  const Names& names = found->second;
+  const auto begin = std::ranges::lower_bound(names.sorted, prefix, std::less<>());
+  const auto end = std::partition_point(
+      begin, names.sorted.end(), [&](const std::string& name) { return name.starts_with(prefix); });
+  const auto beginOfEnds =
+      std::lower_bound(names.byEnd.begin(), names.byEnd.end(), suffix,
+                       [&](const std::string* a, std::string_view b) { return backwards(*a, b); });
+  const auto endOfEnds =
+      std::partition_point(beginOfEnds, names.byEnd.end(),
+                           [&](const std::string* name) { return name->ends_with(suffix); });
+  std::vector<std::string_view> chosen;
+  const auto choose = [&](std::string_view name) {
+    if (name.starts_with(prefix) && name.ends_with(suffix))
+      chosen.push_back(name);
+  };
+  if (end - begin <= endOfEnds - beginOfEnds)
+    std::for_each(begin, end, choose);
+  else
+    std::for_each(beginOfEnds, endOfEnds, [&](const std::string* name) { choose(*name); });
+  return chosen;
+}
+
 Result<std::vector<NumberedFile>> FramePattern::list(SubFrames subFrames) const {
-  VOLUTE_ASSIGN(const auto files, filesOf(path_.parent_path()));
+  FolderFiles folders;
+  return list(folders, subFrames);
+}
+
+Result<std::vector<NumberedFile>> FramePattern::list(FolderFiles& folders,
+                                                     SubFrames subFrames) const {
+  const auto folder = path_.parent_path();
+  VOLUTE_ASSIGN(const auto names, folders.named(folder, prefix_, suffix_));
   std::vector<NumberedFile> matching;
-  for (const auto& file : files) {
-    auto found = match(file.filename().string());
+  for (const std::string_view name : names) {
+    auto found = match(name);
     if (!found)
       continue;
-    found->path = file;
+    found->path = folder / name;
     matching.push_back(std::move(*found));
   }
   if (matching.empty()) {

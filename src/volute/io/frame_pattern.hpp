@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -27,6 +28,29 @@ struct NumberedFile {
 /// Whether a series may have numbers between whole ones.
 enum class SubFrames { kRefused, kAllowed };
 
+/// The regular files of folders, each of which is listed once and looked through by the beginnings
+/// and ends of names: for many series in one folder.
+class FolderFiles {
+ public:
+  FolderFiles() = default;
+  FolderFiles(const FolderFiles&) = delete;
+  FolderFiles& operator=(const FolderFiles&) = delete;
+
+  /// Names that begin with `prefix` and end with `suffix`, in no order; kNotFound or kIo where the
+  /// folder cannot be listed.
+  [[nodiscard]] Result<std::vector<std::string_view>> named(const std::filesystem::path& folder,
+                                                            std::string_view prefix,
+                                                            std::string_view suffix);
+
+ private:
+  struct Names {
+    std::vector<std::string> sorted;
+    std::vector<const std::string*> byEnd;  // sorted by what they read backwards
+  };
+
+  std::map<std::filesystem::path, Names> folders_;
+};
+
 /// The name of a series of files, one for each frame: "flame_%04d.vdb", "out/%d.png",
 /// "flame_####.vdb" (see findFrameField). Numbers may be negative ("flame_-0002.vdb") and have
 /// decimals ("flame_0001.25.vdb").
@@ -48,6 +72,10 @@ class FramePattern {
   /// The files that are there, by ascending number; kNotFound when there are none.
   [[nodiscard]] Result<std::vector<NumberedFile>> list(
       SubFrames subFrames = SubFrames::kRefused) const;
+
+  /// The same by what is known of its folder.
+  [[nodiscard]] Result<std::vector<NumberedFile>> list(
+      FolderFiles& folders, SubFrames subFrames = SubFrames::kRefused) const;
 
   /// Names of files that are there and have another frame number in this place, such as one of
   /// another width; ascending.

@@ -95,6 +95,31 @@ TEST(FramePattern, ListsByNumberAndSkipsGaps) {
   EXPECT_EQ(files[2].path, folder / "f_10.vdb");
 }
 
+TEST(FramePattern, ManySeriesOfOneFolder) {
+  const TempFolder folder;
+  for (const char* name :
+       {"a_1.png", "a_2.png", "ab_1.png", "1_a.png", "2_a.png", "7_ba.png", "a.png"})
+    writeBytes(folder / name, "");
+  FolderFiles folders;
+  const auto numbers = [&](const char* name) {
+    std::vector<int> found;
+    const auto pattern = FramePattern::parse(folder / name);
+    const auto files = pattern.value().list(folders);
+    for (std::size_t i = 0; files && i < files->size(); ++i) {
+      EXPECT_EQ((*files)[i].path, pattern->format((*files)[i].number));
+      found.push_back((*files)[i].number);
+    }
+    return found;
+  };
+  EXPECT_EQ(numbers("a_%d.png"), (std::vector<int>{1, 2}));
+  EXPECT_EQ(numbers("ab_%d.png"), (std::vector<int>{1}));
+  EXPECT_EQ(numbers("%d_a.png"), (std::vector<int>{1, 2}));
+  EXPECT_EQ(numbers("%d_ba.png"), (std::vector<int>{7}));
+  EXPECT_EQ(numbers("%d.png"), (std::vector<int>{}));
+  writeBytes(folder / "a_3.png", "");
+  EXPECT_EQ(numbers("a_%d.png"), (std::vector<int>{1, 2})) << "it is listed once";
+}
+
 TEST(FramePattern, SaysWhenNothingIsThere) {
   const TempFolder folder;
   ASSERT_VALUE(const auto pattern, FramePattern::parse(folder / "f_%d.vdb"));
