@@ -6,6 +6,7 @@
 #include <cctype>
 #include <climits>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -82,23 +83,32 @@ class OutsideFinder {
 
   /// Whether one of the frames of a pattern, or one of the files of a folder, is a link to
   /// elsewhere.
-  static bool leadsOut(const fs::path& path, const fs::path& folder) {
+  bool leadsOut(const fs::path& path, const fs::path& folder) {
     std::error_code error;
-    const bool whole = fs::is_directory(path, error);
-    Result<FramePattern> pattern = fail(ErrorCode::kInvalidArgument, "no pattern");
-    if (!whole)
-      pattern = FramePattern::parse(path);
-    if (!whole && !pattern)
-      return false;
-    for (const auto& entry : fs::directory_iterator(whole ? path : folderOf(path), error)) {
-      const bool counts = whole || pattern->match(entry.path().filename().string()).has_value();
-      if (counts && entry.is_symlink(error) && !isBelowFolder(entry.path(), folder))
-        return true;
+    if (fs::is_directory(path, error))
+      return !linksOutside(path, folder).empty();
+    const auto pattern = FramePattern::parse(path);
+    return pattern &&
+           std::ranges::any_of(linksOutside(folderOf(path), folder), [&](const std::string& name) {
+             return pattern->match(name).has_value();
+           });
+  }
+
+  /// Links in `path` that lead out of `folder`. A capture names many patterns in one folder.
+  const std::vector<std::string>& linksOutside(const fs::path& path, const fs::path& folder) {
+    const auto [place, isNew] = links_.try_emplace({path, folder});
+    std::error_code error;
+    if (!isNew)
+      return place->second;
+    for (const auto& entry : fs::directory_iterator(path, error)) {
+      if (entry.is_symlink(error) && !isBelowFolder(entry.path(), folder))
+        place->second.push_back(entry.path().filename().string());
     }
-    return false;
+    return place->second;
   }
 
   std::set<fs::path> seen_;
+  std::map<std::pair<fs::path, fs::path>, std::vector<std::string>> links_;
   std::vector<std::string> found_;
 };
 

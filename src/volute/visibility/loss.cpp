@@ -56,12 +56,13 @@ const std::vector<double>& LossTimes::by(RoundTime round) const {
   return round == RoundTime::kDown ? down : (round == RoundTime::kUp ? up : none);
 }
 
+double LossTimes::answer(std::size_t place, RoundTime round) const {
+  return complete(place) ? by(round)[place] : std::numeric_limits<double>::quiet_NaN();
+}
+
 std::vector<double> LossTimes::answers(RoundTime round) const {
-  std::vector<double> times = by(round);
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    if (!complete(i))
-      times[i] = std::numeric_limits<double>::quiet_NaN();
-  }
+  std::vector<double> times(known.size());
+  for (std::size_t i = 0; i < times.size(); ++i) times[i] = answer(i, round);
   return times;
 }
 

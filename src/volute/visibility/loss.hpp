@@ -46,7 +46,10 @@ struct LossTimes {
   /// Whether the loss, or that there is none, is certain.
   bool complete(std::size_t place) const { return known[place] > 0 && std::isinf(known[place]); }
 
-  /// The times of places that are complete; NaN of others.
+  /// The time of a place that is complete; NaN of another.
+  double answer(std::size_t place, RoundTime round) const;
+
+  /// Those of all places.
   std::vector<double> answers(RoundTime round) const;
 
   /// Keeps the first loss of a place.

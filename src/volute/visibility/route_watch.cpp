@@ -7,6 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
+#include <unordered_set>
 
 #include "volute/base/number_word.hpp"
 #include "volute/io/image_file.hpp"
@@ -165,9 +167,11 @@ class RouteWatch final : public Watch {
 
   /// Signs belong to routes that are there.
   Status checkSigns() const {
+    std::unordered_set<std::string_view> there;
+    for (const Route& route : routes_) there.insert(route.name);
     for (const SightTarget& target : survey_->signs) {
       for (const std::string& name : target.sign.routes) {
-        if (std::ranges::find(routes_, name, &Route::name) == routes_.end()) {
+        if (!there.contains(name)) {
           std::string names;
           for (const Route& route : routes_)
             names += (names.empty() ? "'" : ", '") + route.name + "'";
@@ -574,11 +578,7 @@ class RouteWatch final : public Watch {
       walk.push_back(std::move(record));
     }
     json["walk"] = std::move(walk);
-    json["arrival"] = nullptr;
-    for (const Station& station : stations_) {
-      if (station.route == r)
-        json["arrival"] = jsonNumber(station.arrival);
-    }
+    json["arrival"] = jsonNumber(stations_[firstStations_[r + 1] - 1].arrival);
     json["start"] = jsonNumber(starts_[r]);
     json["arrival_known"] = !unsure_[r] && !json["arrival"].is_null();
     if (meter_) {
@@ -596,7 +596,7 @@ class RouteWatch final : public Watch {
         if (!known && !std::isinf(times.up[r]))
           json["exposure"].back()["at_the_latest"] = times.up[r];
         if (const LossTimes* latest = meter_->latest(c))
-          json["exposure"].back()["time_latest"] = jsonNumber(latest->answers(survey_->round)[r]);
+          json["exposure"].back()["time_latest"] = jsonNumber(latest->answer(r, survey_->round));
         if (const auto allowed = meter_->worstAllowed(c); !allowed.empty()) {
           json["exposure"]
               .back()[meter_->criteria()[c].isDose() ? "dose_at_most" : "worst_value_at_most"] =
