@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -37,6 +38,17 @@ constexpr std::array<Model, 12> kModels{{{"SIMPLE_PINHOLE", 3},
                                          {"THIN_PRISM_FISHEYE", 12},
                                          {"RAD_TAN_THIN_PRISM_FISHEYE", 16}}};
 
+/// What an image takes until it is a camera of a capture, all copies of its names included.
+constexpr std::uint64_t kBytesOfAnImage = 2048;
+
+Status checkMemory(const std::filesystem::path& path, std::uint64_t images, std::uint64_t most) {
+  if (images <= most / kBytesOfAnImage)
+    return {};
+  return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+              "{}: has more than {} images, which need more than the {} MiB allowed", path.string(),
+              most / kBytesOfAnImage, most >> 20);
+}
+
 std::vector<std::string> wordsOf(const std::string& line) {
   std::istringstream stream(line);
   std::vector<std::string> words;
@@ -50,16 +62,17 @@ struct Line {
   std::vector<std::string> words;
 };
 
-std::vector<Line> linesOf(const std::string& text) {
-  std::vector<Line> lines;
-  std::istringstream stream(text);
+template <class Take>
+Status forEachLine(const std::string& text, Take&& take) {
   int number = 0;
-  for (std::string line; std::getline(stream, line);) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
     ++number;
-    if (!line.starts_with('#'))
-      lines.push_back({number, wordsOf(line)});
+    if (text[at] != '#')
+      VOLUTE_TRY(take(Line{number, wordsOf(text.substr(at, end - at))}));
+    at = end + 1;
   }
-  return lines;
+  return {};
 }
 
 /// What COLMAP itself writes above: "# Number of images: 8, mean observations per image: 312.5".
@@ -103,11 +116,13 @@ Status checkWhole(const std::filesystem::path& path, const std::string& text, st
   return {};
 }
 
-Status readCamerasText(const std::filesystem::path& path, ColmapModel& model) {
-  VOLUTE_ASSIGN(const std::string text, readText(path, kMaxBytes));
-  for (const Line& line : linesOf(text)) {
+Status readCamerasText(const std::filesystem::path& path, std::uint64_t maxMemory,
+                       ColmapModel& model) {
+  VOLUTE_ASSIGN(const std::string text, readText(path, std::min(kMaxBytes, maxMemory)));
+  VOLUTE_TRY(forEachLine(text, [&](const Line& line) -> Status {
     if (line.words.empty())
-      continue;
+      return {};
+    VOLUTE_TRY(checkMemory(path, model.cameras.size(), maxMemory));
     ColmapCamera camera;
     std::uint32_t id = 0;
     bool good = line.words.size() >= 5 && readNumber(line.words[0], id) &&
@@ -125,7 +140,8 @@ Status readCamerasText(const std::filesystem::path& path, ColmapModel& model) {
       return fail(ErrorCode::kInvalidData, "{}: line {}: camera {} is there twice", path.string(),
                   line.number, id);
     }
-  }
+    return {};
+  }));
   return checkWhole(path, text, "cameras", model.cameras.size(), model);
 }
 
@@ -152,16 +168,17 @@ bool parseImage(const Line& line, ColmapImage& image) {
 
 /// Each image has a line of its own and one of points, which may be empty and which some tools
 /// leave out.
-Status readImagesText(const std::filesystem::path& path, ColmapModel& model) {
-  VOLUTE_ASSIGN(const std::string text, readText(path, kMaxBytes));
+Status readImagesText(const std::filesystem::path& path, std::uint64_t maxMemory,
+                      ColmapModel& model) {
+  VOLUTE_ASSIGN(const std::string text, readText(path, std::min(kMaxBytes, maxMemory)));
   bool pointsMayFollow = false;
-  for (const Line& line : linesOf(text)) {
+  VOLUTE_TRY(forEachLine(text, [&](const Line& line) -> Status {
     ColmapImage image;
     if (parseImage(line, image)) {
       image.where = fmt::format("{}: line {}", path.string(), line.number);
       model.images.push_back(std::move(image));
       pointsMayFollow = true;
-      continue;
+      return checkMemory(path, model.images.size(), maxMemory);
     }
     const bool points = line.words.empty() || (pointsMayFollow && line.words.size() % 3 == 0);
     if (!points) {
@@ -170,7 +187,8 @@ Status readImagesText(const std::filesystem::path& path, ColmapModel& model) {
                   path.string(), line.number);
     }
     pointsMayFollow = false;
-  }
+    return {};
+  }));
   return checkWhole(path, text, "images", model.images.size(), model);
 }
 
@@ -228,8 +246,9 @@ tl::unexpected<Error> damaged(const std::filesystem::path& path, const Bytes& by
               path.string(), bytes.at());
 }
 
-Status readCamerasBinary(const std::filesystem::path& path, ColmapModel& model) {
-  VOLUTE_ASSIGN(const std::string text, readText(path, kMaxBytes));
+Status readCamerasBinary(const std::filesystem::path& path, std::uint64_t maxMemory,
+                         ColmapModel& model) {
+  VOLUTE_ASSIGN(const std::string text, readText(path, std::min(kMaxBytes, maxMemory)));
   Bytes bytes(text);
   const auto count = bytes.take<std::uint64_t>();
   for (std::uint64_t i = 0; i < count && bytes.ok(); ++i) {
@@ -252,14 +271,16 @@ Status readCamerasBinary(const std::filesystem::path& path, ColmapModel& model) 
     for (int k = 0; k < kModels[static_cast<std::size_t>(number)].parameters; ++k)
       camera.parameters.push_back(bytes.take<double>());
     model.cameras[id] = std::move(camera);
+    VOLUTE_TRY(checkMemory(path, model.cameras.size(), maxMemory));
   }
   if (!bytes.ok() || !bytes.atEnd())
     return damaged(path, bytes);
   return {};
 }
 
-Status readImagesBinary(const std::filesystem::path& path, ColmapModel& model) {
-  VOLUTE_ASSIGN(const std::string text, readText(path, kMaxBytes));
+Status readImagesBinary(const std::filesystem::path& path, std::uint64_t maxMemory,
+                        ColmapModel& model) {
+  VOLUTE_ASSIGN(const std::string text, readText(path, std::min(kMaxBytes, maxMemory)));
   Bytes bytes(text);
   const auto count = bytes.take<std::uint64_t>();
   for (std::uint64_t i = 0; i < count && bytes.ok(); ++i) {
@@ -272,6 +293,7 @@ Status readImagesBinary(const std::filesystem::path& path, ColmapModel& model) {
     bytes.skip(bytes.take<std::uint64_t>(), 24);  // x, y and the point's number
     if (bytes.ok())
       model.images.push_back(std::move(image));
+    VOLUTE_TRY(checkMemory(path, model.images.size(), maxMemory));
   }
   if (!bytes.ok() || !bytes.atEnd())
     return damaged(path, bytes);
@@ -280,20 +302,20 @@ Status readImagesBinary(const std::filesystem::path& path, ColmapModel& model) {
 
 }  // namespace
 
-Result<ColmapModel> readColmapFiles(const std::filesystem::path& folder) {
+Result<ColmapModel> readColmapFiles(const std::filesystem::path& folder, std::uint64_t maxMemory) {
   const auto has = [&](const char* name) {
     std::error_code error;
     return std::filesystem::exists(folder / name, error);
   };
   ColmapModel model;
   if (has("cameras.txt") && has("images.txt")) {
-    VOLUTE_TRY(readCamerasText(folder / "cameras.txt", model));
-    VOLUTE_TRY(readImagesText(folder / "images.txt", model));
+    VOLUTE_TRY(readCamerasText(folder / "cameras.txt", maxMemory, model));
+    VOLUTE_TRY(readImagesText(folder / "images.txt", maxMemory, model));
     return model;
   }
   if (has("cameras.bin") && has("images.bin")) {
-    VOLUTE_TRY(readCamerasBinary(folder / "cameras.bin", model));
-    VOLUTE_TRY(readImagesBinary(folder / "images.bin", model));
+    VOLUTE_TRY(readCamerasBinary(folder / "cameras.bin", maxMemory, model));
+    VOLUTE_TRY(readImagesBinary(folder / "images.bin", maxMemory, model));
     return model;
   }
   std::vector<std::string> there;

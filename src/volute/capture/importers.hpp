@@ -68,7 +68,8 @@ struct CaptureDraft {
 [[nodiscard]] Status groupEntries(CaptureDraft& draft);
 
 /// A COLMAP model: the folder with cameras and images as .txt or .bin. Pixel centres at 0.5.
-[[nodiscard]] Result<CaptureDraft> readColmap(const std::filesystem::path& folder);
+[[nodiscard]] Result<CaptureDraft> readColmap(const std::filesystem::path& folder,
+                                              std::uint64_t maxMemory);
 
 /// OpenCV FileStorage, YAML, XML or JSON: matrices K_NAME, D_NAME, R_NAME, T_NAME for each camera,
 /// world to camera; or what OpenCV's calibration and stereo samples write. Pixel centres at 0.

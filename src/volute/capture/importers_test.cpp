@@ -532,6 +532,28 @@ TEST_F(Importers, ColmapModelsByHalves) {
   EXPECT_TRUE(failsWith(openCapture(bin, options), "the camera model OPENCV_FISHEYE is not read"));
 }
 
+TEST_F(Importers, ColmapModelsAreCountedWhileTheyAreRead) {
+  writeColmapText(folder, "\n");
+  writeColmapBinary(folder);
+  options.maxMemory = 4096;
+  for (const char* kind : {"text", "bin"})
+    EXPECT_TRUE(failsWith(openCalibration(folder / kind, options), "has more than 2 images"));
+  options.maxMemory = 64 << 10;
+  EXPECT_TRUE(openCalibration(folder / "text", options));
+}
+
+TEST_F(Importers, AFocalLengthInMillimetresIsRemarkedOn) {
+  writeColmapText(folder, "\n");
+  writeText(
+      folder / "text" / "cameras.txt",
+      "1 PINHOLE 24 16 3.5 3.5 12 8\n2 PINHOLE 24 16 25 25 12 8\n3 PINHOLE 24 16 25 25 12 8\n");
+  const auto capture = openCalibration(folder / "text", options);
+  ASSERT_TRUE(capture) << capture.error().message;
+  EXPECT_TRUE(std::ranges::any_of(capture->remarks, [](const std::string& remark) {
+    return remark.find("of 3.5 pixels is an angle of view of 147 degrees") != remark.npos;
+  }));
+}
+
 TEST_F(Importers, ColmapModelsWithLenses) {
   writeColmapText(folder, "\n");
   const auto lensOf = [&](const std::string& model) {

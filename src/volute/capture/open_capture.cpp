@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <regex>
 #include <set>
 #include <unordered_map>
@@ -48,19 +49,19 @@ Result<CaptureDraft> readJsonCapture(const std::filesystem::path& file) {
       file.string());
 }
 
-Result<CaptureDraft> readDraft(const std::filesystem::path& file) {
+Result<CaptureDraft> readDraft(const std::filesystem::path& file, std::uint64_t maxMemory) {
   std::error_code error;
   if (!std::filesystem::exists(file, error))
     return fail(ErrorCode::kNotFound, "{}: there is no such file", file.string());
   if (std::filesystem::is_directory(file, error))
-    return readColmap(file);
+    return readColmap(file, maxMemory);
   const std::string extension = extensionOf(file);
   if (extension == ".json")
     return readJsonCapture(file);
   if (extension == ".yml" || extension == ".yaml" || extension == ".xml")
     return readOpenCv(file);
   if (extension == ".txt" || extension == ".bin")
-    return readColmap(file.parent_path());
+    return readColmap(file.parent_path(), maxMemory);
   return fail(ErrorCode::kUnsupported,
               "{}: not a known kind of calibration; expected capture.json, transforms.json, a "
               "COLMAP model's folder, or OpenCV's .yml or .xml",
@@ -349,6 +350,23 @@ Status completeSize(CameraDraft& camera, FolderFiles& folders, std::uint64_t max
   return {};
 }
 
+/// What may be so, and hardly is; the first camera stands for the others.
+void remarkOnAngles(CaptureDraft& draft) {
+  for (const CameraDraft& camera : draft.cameras) {
+    constexpr double kWide = 140;  // [degrees]; lenses of more are no pinholes
+    const Calibration& calibration = camera.calibration;
+    const double angle =
+        2 * std::atan(calibration.width / (2 * calibration.K(0, 0))) * 180 / std::numbers::pi;
+    if (!(angle > kWide))
+      continue;
+    draft.remarks.push_back(fmt::format(
+        "camera {}: a focal length of {:.4g} pixels is an angle of view of {:.0f} degrees over "
+        "{} pixels: is it in mm?",
+        camera.name, calibration.K(0, 0), angle, calibration.width));
+    return;
+  }
+}
+
 Result<CaptureCamera> makeCamera(CameraDraft& draft) {
   auto camera = Camera::calibrated(draft.calibration);
   if (!camera) {
@@ -393,7 +411,14 @@ Result<CaptureDraft> openDraft(const std::filesystem::path& file, const CaptureO
   if (options.images) {
     VOLUTE_ASSIGN(images, ImageName::parse(*options.images));
   }
-  VOLUTE_ASSIGN(auto draft, readDraft(file));
+  VOLUTE_ASSIGN(auto draft, readDraft(file, options.maxMemory));
+  constexpr std::uint64_t kBytesOfACamera = 1024;  // with its text and its names
+  if (draft.cameras.size() > options.maxMemory / kBytesOfACamera) {
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+                "{}: {} cameras need {} MiB, more than the {} MiB allowed", file.string(),
+                draft.cameras.size(), draft.cameras.size() * kBytesOfACamera >> 20,
+                options.maxMemory >> 20);
+  }
   if (draft.cameras.empty())
     return fail(ErrorCode::kInvalidData, "{}: has no cameras", file.string());
   if (!images)
@@ -419,12 +444,15 @@ Result<Capture> makeCapture(const std::filesystem::path& file, CaptureDraft& dra
   capture.emptyFrames = draft.emptyFrames;
   capture.lighting = draft.lighting;
   capture.spectrum = draft.spectrum;
-  capture.remarks = draft.remarks;
-  capture.remarks.insert(capture.remarks.begin(), conventionText(draft));
   for (CameraDraft& camera : draft.cameras) {
     if (options.response)
       camera.pictures.response = *options.response;
     VOLUTE_TRY(completeSize(camera, folders, options.maxMemory));
+  }
+  remarkOnAngles(draft);
+  capture.remarks = draft.remarks;
+  capture.remarks.insert(capture.remarks.begin(), conventionText(draft));
+  for (CameraDraft& camera : draft.cameras) {
     VOLUTE_ASSIGN(auto made, makeCamera(camera));
     capture.cameras.push_back(std::move(made));
   }
