@@ -243,13 +243,13 @@ SMV = {
 DEVC = {
     "unit": [("K", "s,C", "s,K", None), ("F", "s,C", "s,F", None), ("no unit", "s,C", "s,", True), ("furlongs", "s,C", "s,furlong", False)],
     "order": [("columns reversed", r"(.*?),(.*?)\n(.*?),(.*?)\n(.*?),(.*?)\n(.*?),(.*?)\n(.*?),(.*?)\n", r"\2,\1\n\4,\3\n\6,\5\n\8,\7\n\10,\9\n", True)],
-    "fill": [("NaN", "10,50", "10,NaN", False), ("stars", "10,50", "10,*****", False), ("a Fortran exponent", "10,50", "10,5.0+001", True)],
+    "fill": [("NaN", "10,50", "10,NaN", False), ("stars", "10,50", "10,*****", False), ("below absolute zero", "10,50", "10,-999", False), ("a Fortran exponent", "10,50", "10,5.0+001", True)],
     "duplicate": [("the device twice", r'"T1"\n0,20\n10,50\n20,90', '"T1","T1"\n0,20,1\n10,50,1\n20,90,1', False)],
-    "missing": [("the time", '"Time"', '"Tim"', False)],
+    "missing": [("the time", '"Time"', '"Tim"', False), ("the rows", "0,20.*", "", False)],
     "time": [("going back", "20,90", "5,90", False), ("minutes", "s,C", "min,C", None), ("fortnights", "s,C", "fortnight,C", False)],
     "case": [("names in capitals", '"Time","T1"', '"TIME","t1"', True)],
     "locale": [("semicolons and commas", r"s,C\n(.*),(.*)\n0,20\n10,50\n20,90", r"s;C\n\1;\2\n0;20\n10;50,0\n20;90,0", True)],
-    "length": [("a cell too few", "10,50", "10", False)],
+    "length": [("a cell too few", "10,50", "10", False), ("a cell too many", "10,50", "10,50,5", False), ("the end of the last line", "0\n$", "", False)],
     "name": [("another device", '"T1"', '"T2"', False)],
 }
 FOAM = {
@@ -288,12 +288,12 @@ OBJ = {
 }
 MTL = {
     "fill": [("nan", "Kd 0.8", "Kd nan", False)],
-    "duplicate": [("the material twice", "(newmtl.*)", r"\1newmtl red\nKd 0 0 1\n", False)],
+    "duplicate": [("a colour twice", "Kd 0.8 0.2 0.1\n", "Kd 0.8 0.2 0.1\nKd 0 0 1\n", False), ("the material twice", "(newmtl.*)", r"\1newmtl red\nKd 0 0 1\n", False)],
     "sign": [("negative", "Kd 0.8", "Kd -0.8", False)],
     "scale": [("bytes", "Kd 0.8 0.2 0.1", "Kd 204 51 25", False)],
     "case": [("capitals", "Kd", "KD", True)],
     "locale": [("decimal commas", r"0\.", "0,", False)],
-    "length": [("two shares", "Kd 0.8 0.2 0.1", "Kd 0.8 0.2", False)],
+    "length": [("two shares", "Kd 0.8 0.2 0.1", "Kd 0.8 0.2", False), ("four shares", "Kd 0.8 0.2 0.1", "Kd 0.8 0.2 0.1 0.5", False)],
     "name": [("a near name", "Kd", "Kdd", False), ("another material", "newmtl red", "newmtl Red", False)],
 }
 COLMAP_CAMERAS = {
@@ -302,7 +302,7 @@ COLMAP_CAMERAS = {
     "duplicate": [("a camera twice", r"(1 PINHOLE[^\n]*\n)", lambda m: m[1] + m[1].replace(" 42 ", " 99 "), False)],
     "missing": [("a camera", r"1 PINHOLE[^\n]*\n", "", False)],
     "sign": [("a negative focal length", r"(1 PINHOLE \d+ \d+) ", r"\1 -", False)],
-    "scale": [("a picture of no size", r"1 PINHOLE \d+", "1 PINHOLE 0", False)],
+    "scale": [("a picture of no size", r"1 PINHOLE \d+", "1 PINHOLE 0", False), ("a focal length in mm", r"(1 PINHOLE \d+ \d+) \S+ \S+", r"\1 3.5 3.5", False)],
     "case": [("the model in small letters", "1 PINHOLE", "1 pinhole", False)],
     "locale": [("decimal commas", r"(\d)\.(\d)", r"\1,\2", False)],
     "length": [("a parameter too few", r"(1 PINHOLE[^\n]*) \S+\n", r"\1\n", False), ("one too many", r"(1 PINHOLE[^\n]*)\n", r"\1 0\n", False)],
@@ -346,6 +346,7 @@ SIGNS = {
     "case": [("the name in capitals", "signs", "Signs", False)],
     "length": [("no sign", r'\[{.*}\]', "[]", False)],
     "name": [("another member", '{"signs"', '{"sign": [], "signs"', False)],
+    "order": [("more behind a NUL", r"$", '\0{"signs": []}', False)],
 }
 SCALES = {  # FDS's input where it says what stored values mean
     "unit": [("a unit in a value", "R=8.", "R='8 m'", False)],
@@ -383,7 +384,10 @@ NC = {
     "unit": [("places in cm", nc(units=dict(x="cm", y="cm", z="cm"), places=scaled(100, "xyz")), True),
              ("in furlongs", nc(units=dict(x="furlong")), False), ("times in minutes", nc(units=dict(t="minutes since 2020-01-01"),
               places={"t": [0.0, 2 / 60, 4 / 60]}), True), ("times of fortnights", nc(units=dict(t="fortnights")), False),
-             ("degrees", nc(units=dict(x="degrees_east", y="degrees_north")), False)],
+             ("degrees", nc(units=dict(x="degrees_east", y="degrees_north")), False),
+             ("places in feet", nc(units=dict(x="ft", y="feet", z="ft"), places=scaled(1 / 0.3048, "xyz")), True),
+             ("places in percent", nc(units=dict(x="percent")), False), ("numbers in percent", nc(units=dict(s="%")), None),
+             ("Units of cm in capitals", lambda data: nc(units=dict(x="cm", y="cm", z="cm"), places=scaled(100, "xyz"))(data).replace(b"units", b"Units"), True)],
     "order": [("x first", nc(order="xyzt"), True), ("time last", nc(order="zyxt"), True), ("z from above", nc(places=ABOVE), None)],
     "fill": [("of netCDF", nc(change=lambda v: [NETCDF] + v[1:]), False), ("_FillValue", nc(change=lambda v: [-9999] + v[1:], extra=[("_FillValue", ("f", [-9999.0]))]), False),
              ("missing_value", nc(change=lambda v: [-9999] + v[1:], extra=[("missing_value", ("f", [-9999.0]))]), False),
@@ -397,6 +401,7 @@ NC = {
               ("packed with an offset", nc(kind="h", change=lambda v: [round(1000 * one) - 700 for one in v],
                extra=[("scale_factor", ("d", [0.001])), ("add_offset", ("d", [0.7]))]), True),
               ("places in mm that do not say so", nc(places=scaled(1000, "xyz")), False), ("a factor of 0", nc(extra=[("scale_factor", ("d", [0.0]))]), False),
+              ("SCALE_FACTOR in capitals", nc(kind="h", change=lambda v: [round(1000 * one) for one in v], extra=[("SCALE_FACTOR", ("d", [0.001]))]), True),
               ("a factor of text", nc(extra=[("scale_factor", ("c", "0.001"))]), False),
               ("two factors", nc(extra=[("scale_factor", ("d", [0.001, 0.002]))]), False)],
     "sign": [("unsigned", nc(kind="h", change=lambda v: [round(50000 * one) - 65536 * (one > 0.65535) for one in v],
@@ -599,7 +604,7 @@ def near(a, b):
     if a.startswith(b"\x93NUMPY"):
         ends = [data.index(b"\n") + 1 for data in (a, b)]
         rest = [data.rfind(b"{") if data.rfind(b"{") > end else len(data) for data, end in zip((a, b), ends)]
-        if a[:ends[0]] != b[:ends[1]] or a[rest[0]:] != b[rest[1]:] or rest[0] - ends[0] != rest[1] - ends[1]:
+        if a[:ends[0]] != b[:ends[1]] or not near(a[rest[0]:], b[rest[1]:]) or rest[0] - ends[0] != rest[1] - ends[1]:
             return False
         values = [memoryview(data[end:to]).cast("f") for data, end, to in zip((a, b), ends, rest)]
         return all(abs(x - y) <= 2e-4 * max(1, abs(x)) for x, y in zip(*values))

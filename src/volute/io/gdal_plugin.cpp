@@ -81,6 +81,28 @@ void listArrays(const GDALGroup& group, const std::string& path, int depth,
   }
 }
 
+/// Programs write "Units" and "SCALE_FACTOR", too; GDAL knows the names as netCDF has them.
+std::shared_ptr<GDALAttribute> attributeOf(const GDALMDArray& array, std::string_view name) {
+  if (auto attribute = array.GetAttribute(std::string(name)))
+    return attribute;
+  constexpr const char* kAll[] = {"SHOW_ALL=YES", nullptr};
+  for (const auto& attribute : array.GetAttributes(kAll)) {
+    if (lower(attribute->GetName()) == lower(std::string(name)))
+      return attribute;
+  }
+  return nullptr;
+}
+
+std::string unitOf(const GDALMDArray& array) {
+  std::string unit = array.GetUnit();
+  for (const char* name : {"units", "unit"}) {
+    const auto attribute = unit.empty() ? attributeOf(array, name) : nullptr;
+    const char* said = attribute ? attribute->ReadAsString() : nullptr;
+    unit = said ? said : unit;
+  }
+  return unit;
+}
+
 /// A coordinate's numbers in a unit; nothing where the dimension has none.
 /// @param beside  an array of the dimension's name beside the one that is read; may be null
 Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const ArrayPtr& beside,
@@ -103,7 +125,7 @@ Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const A
     return fail(ErrorCode::kInvalidData, "{}: the coordinate '{}' cannot be read: {}", file,
                 array->GetName(), gdalSaid("the file is damaged"));
   }
-  std::string stated = array->GetUnit();
+  std::string stated = unitOf(*array);
   const std::size_t from = stated.find(" since ");
   since = from != stated.npos;
   if (since)
@@ -153,7 +175,7 @@ class GdalReader final : public ArrayReader {
     VOLUTE_TRY(findChunks());
     ArrayFacts facts;
     entries[index].name.copy(facts.name, ArrayFacts::kMaxText);
-    array_->GetUnit().copy(facts.unit, ArrayFacts::kMaxText);
+    unitOf(*array_).copy(facts.unit, ArrayFacts::kMaxText);
     otherGrids(entries, index, ArrayFacts::kMaxText).copy(facts.others, ArrayFacts::kMaxText);
     VOLUTE_TRY(settleAxes(facts));
     const GDALDataType type = array_->GetDataType().GetNumericDataType();
@@ -251,8 +273,8 @@ class GdalReader final : public ArrayReader {
   }
 
   /// The numbers of an attribute; none where it is not there.
-  Result<std::vector<double>> numbersOf(const char* name) const {
-    const auto attribute = array_->GetAttribute(name);
+  Result<std::vector<double>> numbersOf(std::string_view name) const {
+    const auto attribute = attributeOf(*array_, name);
     if (!attribute)
       return std::vector<double>();
     if (attribute->GetDataType().GetClass() != GEDTC_NUMERIC) {
@@ -305,7 +327,7 @@ class GdalReader final : public ArrayReader {
     range.resize(range.size() == 2 ? 2 : 0);
     low_ = !least.empty() ? least.front() : !range.empty() ? range[0] : -kInfinite;
     high_ = !most.empty() ? most.front() : !range.empty() ? range[1] : kInfinite;
-    const auto isUnsigned = array_->GetAttribute("_Unsigned");
+    const auto isUnsigned = attributeOf(*array_, "_Unsigned");
     const char* said = isUnsigned ? isUnsigned->ReadAsString() : nullptr;
     wrap_ = !isFloat_ && said && lower(said) == "true"
                 ? std::exp2(8.0 * GDALGetDataTypeSizeBytes(type))

@@ -35,6 +35,11 @@ Result<nlohmann::json> readJson(const std::filesystem::path& path, std::size_t m
   VOLUTE_ASSIGN(const auto text, readText(path, kMaxBytes));
   if (text.empty())
     return fail(ErrorCode::kInvalidData, "{}: is empty; expected JSON", file);
+  if (const std::size_t end = text.find('\0'); end != text.npos) {  // where the parser would end
+    return fail(ErrorCode::kInvalidData,
+                "{}: byte {} is 0; expected text: the file is damaged, or of another encoding",
+                file, end + 1);
+  }
   VOLUTE_TRY(checkJsonDepth(text, file));
   VOLUTE_TRY(checkJsonKeys(text, file, mostMembers));
   try {

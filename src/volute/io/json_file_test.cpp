@@ -34,6 +34,10 @@ TEST(JsonFile, AMemberThatIsThereTwiceIsRefusedWithItsPlace) {
   EXPECT_THAT(messageOf(R"({"a": 1, "a)"), HasSubstr("line 1 is no valid JSON"));
 }
 
+TEST(JsonFile, NothingStandsBehindANul) {
+  EXPECT_THAT(messageOf(std::string("{\"a\": 1}\0{\"a\": 2}", 17)), HasSubstr("byte 9 is 0"));
+}
+
 TEST(JsonFile, ObjectsMayBeLimited) {
   EXPECT_EQ(messageOf(R"({"a": 1, "b": {"a": 2, "b": 3}})", 2), "");
   EXPECT_THAT(messageOf(R"({"a": 1, "o": {"a": 2, "b": 3, "c": 4}})", 2),

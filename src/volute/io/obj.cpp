@@ -145,6 +145,8 @@ class ObjReader {
     } else if (keyword == "call" || keyword == "csh") {
       return fault(line, "'{}': other files and programs are not run; export it as one file",
                    keyword);
+    } else if (keyword == "surf") {
+      return fault(line, "free-form surfaces are not read; export them as polygons");
     } else if (!isOneOf(keyword, kObjWords)) {
       return fault(line, "{}", unknownWord(keyword, kObjWords));
     }
@@ -205,6 +207,7 @@ class ObjReader {
       return {};
     VOLUTE_ASSIGN(std::string text, readText(file, maxMemory_));
     std::uint32_t current = 0;
+    std::set<std::string> colors;  // that the current one has
     std::map<std::string, std::vector<std::uint32_t>> own;
     VOLUTE_TRY(
         forEachLine(text, [&](std::string_view keyword, std::string_view rest, int at) -> Status {
@@ -214,6 +217,7 @@ class ObjReader {
             named_[trimmedName(rest)] = current;
             own[trimmedName(rest)].push_back(current);
             mesh_.materials.emplace_back();
+            colors.clear();
             return {};
           }
           const bool slip = !isOneOf(word, kMtlRead) && !isOneOf(word, kMtlOther) &&
@@ -232,6 +236,12 @@ class ObjReader {
               return fail(ErrorCode::kInvalidData, "{}: line {}: '{}' is no share of a color",
                           file.string(), at, share);
             }
+          }
+          const bool isMore = !nextWord(rest).empty();
+          if (isMore || !colors.insert(word).second) {
+            return fail(ErrorCode::kInvalidData, "{}: line {}: {} {}; expected three shares once",
+                        file.string(), at, keyword,
+                        isMore ? "has more than three shares" : "is there twice for a material");
           }
           Material& material = mesh_.materials[current];
           (word == "kd" ? material.baseColor : material.emission) = color;

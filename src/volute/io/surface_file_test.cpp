@@ -66,6 +66,9 @@ TEST(Obj, UnknownWordsAreRefused) {
   EXPECT_THAT(mtl("newmtl a\nKf 1 0 0\n"), HasSubstr("b.mtl: line 2: 'Kf' is no statement"));
   EXPECT_THAT(mtl("newmtl a\nKd 1 0 0\nnewmtl a\nKd 0 1 0\n"),
               HasSubstr("b.mtl: the material 'a' is there twice, with other colors"));
+  EXPECT_THAT(mtl("newmtl a\nKd 1 0 0\nKd 0 1 0\n"), HasSubstr("line 3: Kd is there twice"));
+  EXPECT_THAT(mtl("newmtl a\nKe 1 0 0 1\n"), HasSubstr("Ke has more than three shares"));
+  EXPECT_THAT(obj("surf 0 1 0 1 1 2 3 4\n"), HasSubstr("free-form surfaces are not read"));
   EXPECT_EQ(mtl("\xEF\xBB\xBFnewmtl a\nKd 1 0 0\nnewmtl a\nKd 1 0 0\n"), "");
   EXPECT_THAT(mtl(std::string("\xFF\xFEn\0e\0", 6)), HasSubstr("b.mtl: is text in UTF-16"));
   EXPECT_THAT(mtl("newmtk a\nKd 1 0 0\n"), HasSubstr("did you mean 'newmtl'?"));

@@ -81,12 +81,15 @@ class CurveReader {
     }
     seconds_ = *change;
     choose(asUtf8(unitNames), asUtf8(*names), wanted);
+    named_ = fieldsOf(*names, separator_).size();
     for (std::size_t row = 0; row < kMaxRows && !curves_.empty(); ++row) {
       VOLUTE_ASSIGN(const auto line, lines.next());
       if (!line)
         break;
       take(*line, lines.lineNumber());
     }
+    if (lines.endedWithinLine())
+      leftOut("its last line has no end and is left out: a value may be cut off");
     finish();
     return {};
   }
@@ -125,7 +128,13 @@ class CurveReader {
   }
 
   void take(std::string_view line, int number) {
-    const auto cells = fieldsOf(line, separator_);
+    auto cells = fieldsOf(line, separator_);
+    while (cells.size() > named_ && trimmed(cells.back()).empty()) cells.pop_back();
+    if (cells.size() > named_) {
+      if (longLines_++ == 0)
+        firstLong_ = number;
+      return;
+    }
     auto time = valueOf(cells[0]);
     if (time)
       time = seconds_(*time);
@@ -162,7 +171,41 @@ class CurveReader {
       firstRestart_ = fmt::format("line {}, from {:g} to {:g} s", number, last_, time);
   }
 
+  /// What no place can have: programs fill gaps with -1 and -999.
+  void leaveOutFills(FactCurve& curve) {
+    constexpr double kRounding = 0.001;  // of a fraction
+    double least = -std::numeric_limits<double>::infinity();
+    if (const auto kelvin = unitChange(curve.unit, "K"))
+      least = 0 - kelvin->offset / kelvin->factor;
+    for (const char* fraction : {"mol/mol", "kg/kg"}) {
+      if (const auto share = unitChange(curve.unit, fraction); share && !curve.unit.empty())
+        least = -kRounding / share->factor;
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < curve.values.size(); ++i) {
+      if (curve.values[i] < least)
+        continue;
+      curve.times[kept] = curve.times[i];
+      curve.values[kept++] = curve.values[i];
+    }
+    if (kept == curve.values.size())
+      return;
+    impossible_.insert(fmt::format("{} ({} of {} below {:g} {})", curve.name,
+                                   curve.values.size() - kept, curve.values.size(), least,
+                                   printable(curve.unit)));
+    curve.times.resize(kept), curve.values.resize(kept);
+  }
+
   void finish() {
+    for (FactCurve& curve : curves_) leaveOutFills(curve);
+    if (!impossible_.empty())
+      leftOut("values that cannot be are left out: {}", namesOf(impossible_));
+    if (longLines_ > 0) {
+      leftOut(
+          "{} lines have more cells than there are names (line {} is the first) and are left out: "
+          "decimal commas between commas?",
+          longLines_, firstLong_);
+    }
     if (badCells_ > 0) {
       leftOut("{} left out (line {} is the first): of {}",
               badCells_ == 1 ? "1 cell holds no number and is"
@@ -175,6 +218,8 @@ class CurveReader {
       leftOut("times go back ({}{}): FDS was started again, and the later lines count",
               firstRestart_, restarts_ > 1 ? ", and again" : "");
     }
+    if (!curves_.empty() && last_ == -std::numeric_limits<double>::infinity())
+      leftOut("has no line of values yet");
     std::erase_if(curves_, [](const FactCurve& curve) { return curve.times.empty(); });
     std::set<std::string> single;
     for (const FactCurve& curve : curves_) {
@@ -211,10 +256,12 @@ class CurveReader {
   std::vector<FactCurve> curves_;
   std::vector<std::size_t> columns_;  // of each curve
   double last_ = -std::numeric_limits<double>::infinity();
-  std::size_t badCells_ = 0, badTimes_ = 0, restarts_ = 0;
-  int firstBad_ = 0;
+  std::size_t named_ = 0;  // columns
+  std::size_t badCells_ = 0, badTimes_ = 0, restarts_ = 0, longLines_ = 0;
+  int firstBad_ = 0, firstLong_ = 0;
   std::string firstRestart_;
-  std::set<std::string> bad_;  // names of columns with such cells
+  std::set<std::string> bad_;         // names of columns with such cells
+  std::set<std::string> impossible_;  // names of columns with values that cannot be
 };
 
 struct Device {

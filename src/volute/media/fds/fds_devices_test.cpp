@@ -113,6 +113,41 @@ TEST_F(FdsDevices, ABadCellIsThatCellAlone) {
                     "T1, T2"));
 }
 
+TEST_F(FdsDevices, WhatNoPlaceCanHaveIsAGap) {
+  device("T1", "TEMPERATURE");
+  device("T2", "TEMPERATURE");
+  device("O2", "OXYGEN VOLUME FRACTION");
+  const auto index = read(
+      "s,C,K,%\nTime,\"T1\",\"T2\",\"O2\"\n0,-999,293.15,21\n5,30,-1,-1\n10,-60,313.15,-0.1\n");
+  auto field = fdsConditions(index, "temperature", 1 << 20).value();
+  EXPECT_TRUE(std::isnan(valueAt(*field, 2, 1)));
+  EXPECT_EQ(valueAt(*field, 10, 1), -60);
+  EXPECT_NEAR(valueAt(*field, 5, 2), 30, 1e-9) << "between its numbers";
+  auto oxygen = fdsConditions(index, "oxygen", 1 << 20).value();
+  EXPECT_NEAR(valueAt(*oxygen, 5, 3), (0.21 - 0.001) / 2, 1e-12);
+  EXPECT_THAT(
+      fdsFacts(index).remarks,
+      tells("values that cannot be are left out: O2 (1 of 3 below -0.1 %), T1 (1 of 3 below "
+            "-273.15 C), T2 (1 of 3 below 0 K)"));
+}
+
+TEST_F(FdsDevices, LinesThatAreNotWholeAreTold) {
+  device("T1", "TEMPERATURE");
+  const std::string head = "s,C\nTime,\"T1\"\n";
+  const auto values = [&](const std::string& rows) {
+    auto field = fdsConditions(read(head + rows), "temperature", 1 << 20);
+    return field ? std::vector<double>((*field)->times().begin(), (*field)->times().end())
+                 : std::vector<double>();
+  };
+  EXPECT_THAT(values("0,20\n5,30\n10,9"), ElementsAre(0, 5));
+  EXPECT_THAT(fdsFacts(read(head + "0,20\n5,30\n10,9")).remarks,
+              tells("its last line has no end and is left out"));
+  EXPECT_THAT(values("0,20,\n5,30,5\n10,40\n"), ElementsAre(0, 10));
+  EXPECT_THAT(fdsFacts(read(head + "0,20,\n5,30,5\n10,40\n")).remarks,
+              tells("1 lines have more cells than there are names (line 4 is the first)"));
+  EXPECT_THAT(fdsFacts(read(head)).remarks, tells("made_devc.csv: has no line of values yet"));
+}
+
 TEST_F(FdsDevices, OneLineOfValuesIsTold) {
   device("T1", "TEMPERATURE");
   device("T2", "TEMPERATURE");
