@@ -288,6 +288,37 @@ float BrickSlice::value(int vx, int vy, int vz, int channel) const {
       stored)[channel * kVoxels + ((vz % kSide) * kSide + vy % kSide) * kSide + vx % kSide];
 }
 
+BrickSlice BrickSlice::halved(int channel) const {
+  VolumeInfo info;
+  info.x = (x() + 1) / 2, info.y = (y() + 1) / 2, info.z = (z() + 1) / 2;
+  info.basis = basis_;
+  const Vec3 voxel = bounds_.size().cwiseQuotient(Vec3(x(), y(), z()));
+  const Vec3 size = 2 * voxel.cwiseProduct(Vec3(info.x, info.y, info.z));
+  info.bounds = Box3{bounds_.min, bounds_.min + size};
+  std::vector<BrickPlace> places;
+  BrickTable found({bricksX() / 2 + 1, bricksY() / 2 + 1, bricksZ() / 2 + 1}, entries_.size());
+  for (const Entry& entry : entries_) {
+    const BrickPlace place{entry.place[0] / 2, entry.place[1] / 2, entry.place[2] / 2};
+    if (found.at(place) < 0) {
+      found.set(place, 0);
+      places.push_back(place);
+    }
+  }
+  std::ranges::sort(places, isBefore);
+  BrickSlice half(info, places);
+  constexpr int kHalf = kSide / 2;
+  for (const Entry& entry : entries_) {
+    const auto& [bx, by, bz] = entry.place;
+    const int corner = ((bz % 2 * kSide + by % 2) * kSide + bx % 2) * kHalf;
+    float* to = half.brick(half.brickAt(bx / 2, by / 2, bz / 2)) + corner;
+    const float* from = brick(entry.stored) + channel * kVoxels;
+    for (int z = 0; z < kSide; ++z)
+      for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) to[(z / 2 * kSide + y / 2) * kSide + x / 2] += *from++ / 8;
+  }
+  return half;
+}
+
 BrickSlice BrickSlice::unshared() const {
   if (entries_.size() == storedBricks())
     return *this;

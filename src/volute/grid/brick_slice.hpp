@@ -110,6 +110,10 @@ class BrickSlice {
   /// The same with a brick of its own in each place.
   BrickSlice unshared() const;
 
+  /// A channel on voxels of twice the edges, of which each is the mean of eight. They lie as the
+  /// first ones do; where those are of an odd number the last reach beyond them.
+  BrickSlice halved(int channel) const;
+
   /// The bricks of cells, of so many, into which a stored brick reaches where a cell is between
   /// voxels: its own place, and those behind it. In the order of isBefore(); `table` numbers them.
   std::vector<BrickPlace> reached(const BrickPlace& count, BrickTable& table) const;

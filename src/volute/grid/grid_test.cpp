@@ -57,6 +57,30 @@ TEST(BrickSlice, KeepsEveryValueAndNoEmptyBrick) {
   EXPECT_EQ(slice.value(-1, 0, 0), 0);
 }
 
+TEST(BrickSlice, HalvedHasTheMeansOfEightVoxels) {
+  Sequence sequence = makeSequence(1, 19, 33, 8, 3);
+  auto view = sequence.view();
+  for (int z : {0, 7, 8, 18})
+    for (int y = 0; y < 33; y += 2)
+      for (int x = 1; x < 8; ++x) view(0, z, y, x, 1) = static_cast<float>(z + 2 * y + 3 * x);
+  const BrickSlice slice = BrickSlice::fromDense(sequence.info, sequence.frame(0));
+  const BrickSlice half = slice.halved(1);
+  EXPECT_EQ(half.channels(), 1);
+  const Vec3 voxels(half.x(), half.y(), half.z());
+  EXPECT_EQ(voxels, Vec3(4, 17, 10));
+  const Vec3 voxel = sequence.info.voxelSize();
+  EXPECT_NEAR((half.bounds().max - half.bounds().min - 2 * voxel.cwiseProduct(voxels)).norm(), 0,
+              1e-12);
+  for (int z = 0; z < 10; ++z)
+    for (int y = 0; y < 17; ++y)
+      for (int x = 0; x < 4; ++x) {
+        float sum = 0;
+        for (int i = 0; i < 8; ++i)
+          sum += slice.value(2 * x + i % 2, 2 * y + i / 2 % 2, 2 * z + i / 4, 1);
+        ASSERT_FLOAT_EQ(half.value(x, y, z), sum / 8);
+      }
+}
+
 /// Leaves that lie across bricks and beyond the volume, and tiles of which parts are whole bricks.
 TEST(BrickSlice, HoldsWhatIsInAFrame) {
   VolumeInfo info;

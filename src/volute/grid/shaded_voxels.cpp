@@ -568,9 +568,10 @@ ShadedVoxels ShadedVoxels::withPacked(std::shared_ptr<const PackedLight> light,
                                       bool oneColor) const {
   ShadedVoxels lit = *this;
   lit.light_ = light;
-  Rgb largest = Rgb::Zero();
+  VoxelLight greatest = VoxelLight::Zero();
   for (std::size_t i = 0; i < light->shares.size(); ++i)
-    largest = largest.max(light->at(static_cast<std::int32_t>(i)).cast<double>());
+    greatest = greatest.max(light->at(static_cast<std::int32_t>(i)));
+  const Rgb largest = greatest.cast<double>();
   const int channels = slice_->channels();
   auto march = std::make_shared<MarchGrid>(*march_);
   march->lightChannel = channels;

@@ -20,7 +20,7 @@ constexpr std::size_t kLightGrain = 512;  // rays that are marched together
 constexpr int kCoarse = 4;                // voxels between places where even light is known
 constexpr std::size_t kMaxFires = 48;
 constexpr int kFireStep = 4;  // voxels between places where light of its own fire is known
-constexpr int kSkyWays = 100, kFewSkyWays = 26;
+constexpr int kSkyWays = 100, kFewSkyWays = 26, kHalvedSkyWays = 50;
 constexpr std::size_t kSmall = std::size_t{1} << 17;  // voxels, at each of which the sky is known
 
 /// Transmittances of the volume along segments of the world.
@@ -79,7 +79,9 @@ std::vector<Lamp> skyOfCube() {
 class VolumeLight::Lattice {
  public:
   /// @param places  of the volume; must outlive it
-  Lattice(const BrickSlice& slice, const VoxelPlaces& places, int voxels) : step_(voxels) {
+  /// @param halved  its nodes are voxels of BrickSlice::halved()
+  Lattice(const BrickSlice& slice, const VoxelPlaces& places, int voxels, bool halved = false)
+      : step_(voxels), halved_(halved) {
     if (step_ == 1) {
       nodes = places;
     } else {
@@ -99,31 +101,52 @@ class VolumeLight::Lattice {
       const int step = lattice_.step_;
       if (step == 1)
         return lattice_.light[i].cast<double>();
-      if (const Place cell = lattice_.cellOf(place); cell != cell_) {
-        cell_ = cell;
-        for (int c = 0; c < 8; ++c) {
-          const std::int32_t node =
-              lattice_.node_.at(cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2));
-          corners_[c] = lattice_.light[static_cast<std::size_t>(node)].cast<double>();
-        }
-      }
+      const Place cell = lattice_.cellOf(place);
       const auto share = [&](std::size_t axis) {
-        return static_cast<double>(place[axis] + 1 - step * cell_[axis]) / step;
+        const double before = lattice_.halved_ ? 1.5 : 1;
+        return (place[axis] + before - step * cell[axis]) / step;
       };
-      const double x = share(0), y = share(1), z = share(2);
-      const auto along = [&](int c) -> Rgb {
-        return corners_[c] + x * (corners_[c + 1] - corners_[c]);
-      };
-      const Rgb low = along(0) + y * (along(2) - along(0));
-      const Rgb high = along(4) + y * (along(6) - along(4));
-      return low + z * (high - low);
+      if (cell != cell_ || place[1] != row_[0] || place[2] != row_[1]) {
+        if (cell != cell_)
+          readCorners(cell);
+        row_ = {place[1], place[2]};
+        const double y = share(1), z = share(2);
+        const auto across = [&](int c) -> Rgb {
+          const Rgb low = corners_[c] + y * (corners_[c + 2] - corners_[c]);
+          const Rgb high = corners_[c + 4] + y * (corners_[c + 6] - corners_[c + 4]);
+          return low + z * (high - low);
+        };
+        begin_ = across(0);
+        along_ = across(1) - begin_;
+      }
+      return begin_ + share(0) * along_;
     }
 
    private:
+    void readCorners(const Place& cell) {
+      cell_ = cell;
+      for (int c = 0; c < 8; ++c) {
+        const std::int32_t node =
+            lattice_.node_.at(cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2));
+        corners_[c] = lattice_.light[static_cast<std::size_t>(node)].cast<double>();
+      }
+    }
+
     const Lattice& lattice_;
     Place cell_{-1, -1, -1};
-    Rgb corners_[8];
+    std::array<std::int32_t, 2> row_{};  // y and z
+    Rgb corners_[8], begin_, along_;     // along a row
   };
+
+  /// Of a node, in the volume's own space.
+  Vec3 centreOf(std::size_t node, const ShadedVoxels& volume) const {
+    const Place at = nodes[node];
+    if (!halved_)
+      return volume.centreOf(at);
+    const Place first{2 * at[0], 2 * at[1], 2 * at[2]};
+    return 0.5 *
+           (volume.centreOf(first) + volume.centreOf({first[0] + 1, first[1] + 1, first[2] + 1}));
+  }
 
   VoxelPlaces nodes;
   std::vector<VoxelLight> light;  ///< at the nodes
@@ -144,7 +167,8 @@ class VolumeLight::Lattice {
         if (node_.at(node) >= 0)
           continue;
         node_.set(node, static_cast<std::int32_t>(own_.size()));
-        own_.push_back({step_ * node[0] - 1, step_ * node[1] - 1, step_ * node[2] - 1});
+        const int own = halved_ ? step_ / 2 : step_;
+        own_.push_back({own * node[0] - 1, own * node[1] - 1, own * node[2] - 1});
       }
     }
   }
@@ -154,6 +178,7 @@ class VolumeLight::Lattice {
   }
 
   int step_;
+  bool halved_;
   std::vector<Place> own_;
   BrickTable node_;  // numbers of nodes
 };
@@ -250,11 +275,14 @@ std::shared_ptr<const VolumeLight::Lattice> VolumeLight::sky() const {
                    : places.size() <= small     ? 1
                    : places.size() <= 8 * small ? 2
                                                 : kCoarse;
-  auto lattice = std::make_shared<Lattice>(volume_.slice(), places, step);
-  const std::vector<Lamp> lamps = lighting_.firstSky       ? skyOfCube()
-                                  : fans && step < kCoarse ? skyOf(kSkyWays)
-                                                           : skyOf(kFewSkyWays);
-  const LightFan fan(volume_.slice(), lattice->nodes);
+  // Between places so far apart nothing is seen of single voxels.
+  const bool halved = fans && step == kCoarse && !lighting_.firstSky;
+  auto lattice = std::make_shared<Lattice>(volume_.slice(), places, step, halved);
+  const int ways = !fans ? kFewSkyWays : halved ? kHalvedSkyWays : kSkyWays;
+  const std::vector<Lamp> lamps = lighting_.firstSky ? skyOfCube() : skyOf(ways);
+  const std::optional<BrickSlice> half =
+      halved ? std::optional(volume_.slice().halved(0)) : std::nullopt;
+  const LightFan fan(half ? *half : volume_.slice(), lattice->nodes);
   std::vector<float> passes(lattice->nodes.size()), beyond(passes.size());
   std::vector<Lamp> marched;
   for (std::size_t i = 0; i < lamps.size(); i += 2) {
@@ -282,7 +310,7 @@ void VolumeLight::addRays(std::span<const Lamp> lamps, Lattice& lattice) const {
                    std::vector<float> passes(lamps.size());
                    for (std::size_t i = begin; i < end; ++i) {
                      segments.clear();
-                     const Vec3 node = placeOf(lattice.nodes[i]);
+                     const Vec3 node = lighting_.place.toWorld(lattice.centreOf(i, volume_));
                      for (const Lamp& lamp : lamps) segments.push_back(lamp.towards(node));
                      transmittances(volume_, lighting_.place, segments, passes);
                      Rgb sum = Rgb::Zero();

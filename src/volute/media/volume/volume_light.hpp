@@ -35,9 +35,9 @@ struct VolumeLighting {
 /// with E a lamp's irradiance where nothing is in the way, t the volume's own optical depth towards
 /// it at the centre of every voxel: exact, or by LightFan, exact on rays as close as voxels. A, the
 /// share of an even surrounding that arrives, is a mean over 100 directions by fans or 26 by rays,
-/// at each voxel, or every second, or 26 at every fourth of a large volume; F, what its own fire
-/// sends, a sum over the bricks that emit, each as a point, at every fourth. Both are scattered
-/// evenly.
+/// at each voxel, or every second, or over 50 at every fourth of a large volume, whose extinction
+/// is taken from voxels of twice the edges; F, what its own fire sends, a sum over the bricks that
+/// emit, each as a point, at every fourth. Both are scattered evenly.
 ///
 /// Threads may share it.
 class VolumeLight {
