@@ -98,7 +98,7 @@ int main(void) {
   CHECK(volute_drawing_film(drawing, &small, &both, "cube.png") == VOLUTE_INVALID_ARGUMENT);
   CHECK(volute_drawing_film(drawing, &small, &both, "cube_%02d.png") == VOLUTE_OK);
   CHECK(exists("cube_00.png") && exists("cube_01.png") && !exists("cube_02.png"));
-  CHECK(volute_drawing_film(drawing, &small, NULL, "cube.mp4") == VOLUTE_OK && exists("cube.mp4"));
+  CHECK(volute_drawing_film(drawing, &small, NULL, "all_%02d.png") == VOLUTE_OK && exists("all_01.png") && !exists("all_02.png"));
   volute_drawing_close(drawing), drawing = NULL;
   mesh.cell_points = 7;
   CHECK(volute_scene_open_mesh(&mesh, NULL, &scene) == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "4, 5, 6 or 8"));

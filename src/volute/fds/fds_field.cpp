@@ -156,31 +156,40 @@ FdsField FdsField::withValues(std::vector<std::shared_ptr<const FdsValues>> valu
   return other;
 }
 
-std::optional<FdsCell> FdsField::cellAt(const Vec3& point) const {
-  const int index = grid_->latticeAt(point);
-  if (index < 0)
+std::optional<FdsField::Place> FdsField::placeOf(const Vec3& point) const {
+  Place place{grid_->latticeAt(point)};
+  if (place.lattice < 0)
     return std::nullopt;
-  const FdsLattice& lattice = grid_->lattices()[index];
-  std::array<int, 3> cell;
-  for (int axis = 0; axis < 3; ++axis) cell[axis] = cellBetween(lattice.planes[axis], point[axis]);
-  return (*cells_[index])[lattice.cellAt(cell)];
+  const FdsLattice& lattice = grid_->lattices()[place.lattice];
+  for (int axis = 0; axis < 3; ++axis)
+    place.cell[axis] = cellBetween(lattice.planes[axis], point[axis]);
+  return place;
+}
+
+FdsCell FdsField::cellIn(const Place& place) const {
+  return (*cells_[place.lattice])[grid_->lattices()[place.lattice].cellAt(place.cell)];
+}
+
+std::optional<FdsCell> FdsField::cellAt(const Vec3& point) const {
+  const auto place = placeOf(point);
+  return place ? std::optional(cellIn(*place)) : std::nullopt;
 }
 
 double FdsField::extinction(const Vec3& point) const {
-  const int index = grid_->latticeAt(point);
-  if (index < 0)
+  const auto place = placeOf(point);
+  return place ? extinction(*place, point) : 0;
+}
+
+double FdsField::extinction(const Place& place, const Vec3& point) const {
+  if (cellIn(place) != FdsCell::kGas)
     return 0;
-  const FdsLattice& lattice = grid_->lattices()[index];
-  std::array<int, 3> cell;
-  for (int axis = 0; axis < 3; ++axis) cell[axis] = cellBetween(lattice.planes[axis], point[axis]);
-  if ((*cells_[index])[lattice.cellAt(cell)] != FdsCell::kGas)
-    return 0;
-  const float* values = values_[index]->value.data();
+  const FdsLattice& lattice = grid_->lattices()[place.lattice];
+  const float* values = values_[place.lattice]->value.data();
   if (!lattice.nodal)
-    return values[lattice.cellAt(cell)];
+    return values[lattice.cellAt(place.cell)];
   const NodePlaces places(lattice);
-  return Local(lattice, cell, {point, Vec3::UnitX(), 0, 0})
-      .interpolate(values + places.first(cell), places, 0);
+  return Local(lattice, place.cell, {point, Vec3::UnitX(), 0, 0})
+      .interpolate(values + places.first(place.cell), places, 0);
 }
 
 double FdsField::depthOf(const Segment& segment) const {

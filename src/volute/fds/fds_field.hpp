@@ -72,10 +72,23 @@ class FdsField {
 
   Box3 bounds() const { return grid_->bounds(); }
 
-  /// What stands at a point; nothing outside of what the source covers.
+  /// A cell of a lattice.
+  struct Place {
+    int lattice = 0;
+    std::array<int, 3> cell{};
+  };
+
+  /// In which cell a point is; nothing outside of what the source covers.
+  std::optional<Place> placeOf(const Vec3& point) const;
+
+  /// What stands there.
+  FdsCell cellIn(const Place& place) const;
   std::optional<FdsCell> cellAt(const Vec3& point) const;
 
   double extinction(const Vec3& point) const;
+
+  /// The same of a point whose place is known.
+  double extinction(const Place& place, const Vec3& point) const;
 
   Rgb emission(const Vec3& point) const;
 

@@ -126,9 +126,17 @@ double sfpeHeat(const Exposure& air) {
          (flux > kHarmlessFlux ? std::pow(flux, 1.33) / 1.33 : 0);
 }
 
+constexpr std::size_t kDoseLaws = 8;
+
 bool lacks(DoseLaw law, const Exposure& air) {
   const auto unknown = [&](Air one) { return std::isnan(air[one]); };
-  const auto all = needed(law);
+  static const auto kNeeded = [] {
+    std::array<std::vector<Air>, kDoseLaws> needed;
+    for (std::size_t i = 0; i < needed.size(); ++i)
+      needed[i] = volute::needed(static_cast<DoseLaw>(i));
+    return needed;
+  }();
+  const auto& all = kNeeded[static_cast<std::size_t>(law)];
   if (isInstantaneous(law))
     return std::ranges::all_of(all, unknown);
   return std::ranges::any_of(all, unknown);
@@ -142,7 +150,7 @@ constexpr std::string_view kQuoted =
 }  // namespace
 
 std::span<const DoseLawInfo> doseLaws() {
-  static constexpr std::array<DoseLawInfo, 8> laws{{
+  static constexpr std::array<DoseLawInfo, kDoseLaws> laws{{
       {DoseLaw::kIsoGas, "iso-13571", "fed-gas",
        "ISO 13571:2012, 6.1: CO 35000 ppm min, HCN^2.36 / 1.2e6, times exp(CO2 / 5)",
        "35000 ppm min: the documentation of pyFDS-Evac and the source of BRANZFIRE; the HCN term "

@@ -144,15 +144,17 @@ class FdsPoints final : public PointField {
 
  private:
   void read(const FdsField& field, const Vec3& point, PointValue& out) const {
-    if (field.cellAt(point) != FdsCell::kGas)
+    const auto place = field.placeOf(point);
+    if (!place || field.cellIn(*place) != FdsCell::kGas)
       return;
-    out.value = factor_ * change_(field.extinction(point));
+    out.value = factor_ * change_(field.extinction(*place, point));
     out.low = out.high = out.value;
-    const auto number = static_cast<std::size_t>(field.grid().latticeAt(point));
+    const auto number = static_cast<std::size_t>(place->lattice);
     const FdsLattice& lattice = field.grid().lattices()[number];
     if (!lattice.nodal || std::isnan(out.value))
       return;
-    const SmokeBand nodes = nodesAround(lattice, field.values(number), field.cells(number), point);
+    const SmokeBand nodes =
+        nodesAround(lattice, field.values(number), field.cells(number), *place, point);
     const double low = factor_ * change_(nodes.low), high = factor_ * change_(nodes.high);
     const bool layer = lattice.thinAxis >= 0;
     const auto from = [&](double value, double outwards) {
@@ -169,14 +171,15 @@ class FdsPoints final : public PointField {
   /// round a node, the rounding is that many times as large: such a node counts with the middle of
   /// what its byte stands for, if others of the cells are surer.
   static SmokeBand nodesAround(const FdsLattice& lattice, const FdsValues& values,
-                               const std::vector<FdsCell>& cells, const Vec3& point) {
+                               const std::vector<FdsCell>& cells, const FdsField::Place& place,
+                               const Vec3& point) {
     const std::size_t nx = lattice.planes[0].size(), ny = lattice.planes[1].size();
     constexpr float kNever = std::numeric_limits<float>::infinity(), kLargest = 1e4F;
     constexpr float kMuchSurer = 2.1F;  // a node on a wall's face is not, one at its edge is
     const std::vector<float>& low = values.low.empty() ? values.value : values.low;
     const std::vector<float>& high = values.high.empty() ? values.value : values.high;
     const auto forNodes = [&](auto&& each) {
-      forTouchingCells(lattice, point, [&](const std::array<int, 3>& cell) {
+      forTouchingCells(lattice, point, place.cell, [&](const std::array<int, 3>& cell) {
         if (cells[lattice.cellAt(cell)] != FdsCell::kGas)
           return;
         for (int corner = 0; corner < 8; ++corner) {
@@ -187,17 +190,20 @@ class FdsPoints final : public PointField {
         }
       });
     };
+    // Of what is no number the other one, as std::fmin() has it, which is a call.
+    const auto least = [](float a, float b) { return b < a ? b : a; };
     float surest = kNever;
     if (!values.high.empty()) {
       forNodes([&](std::size_t node) {
-        surest = std::fmin(surest, std::fmin(high[node], kLargest) - values.value[node]);
+        surest = least(surest, least(kLargest, high[node]) - values.value[node]);
       });
     }
     SmokeBand band{0, kNever, -kNever};
     forNodes([&](std::size_t node) {
-      const float value = values.value[node], most = std::fmin(high[node], kLargest);
-      band.low = std::fmin(band.low, low[node]);
-      band.high = std::fmax(band.high, most - value <= kMuchSurer * surest ? most : value);
+      const float value = values.value[node], most = least(kLargest, high[node]);
+      const float highest = most - value <= kMuchSurer * surest ? most : value;
+      band.low = least(band.low, low[node]);
+      band.high = highest > band.high ? highest : band.high;
     });
     return band;
   }
