@@ -113,7 +113,7 @@ def configure(source, build, *options):
     if shutil.which("ccache"):
         faster.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
     if shutil.which("mold"):
-        faster.append("-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold")
+        faster.append("-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold -Wl,-z,separate-code")
     return run("cmake", "-S", source, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={PREFIX}",
                *faster, *options)
 
@@ -209,7 +209,7 @@ class Install(unittest.TestCase):
     def test_shared_libraries(self):
         """Programs whose sources were compiled for the archives run with libvolute.so, those of files with libvolute-core.so alone."""
         libraries = next(PREFIX.rglob("libvolute.so.0")).parent
-        linked = ["-L", libraries, f"-Wl,-rpath,{libraries}", "-lfmt"] + (["-fuse-ld=mold"] if shutil.which("mold") else [])
+        linked = ["-L", libraries, f"-Wl,-rpath,{libraries}", "-lfmt"] + (["-fuse-ld=mold", "-Wl,-z,separate-code"] if shutil.which("mold") else [])
         for number, library in [*((i, "volute") for i in range(1, 9)), (2, "volute-core")]:
             objects = [*self.examples.glob(f"CMakeFiles/example_{number:02}.dir/*.o")]
             program = self.work / f"shared_{number}_{library}"
