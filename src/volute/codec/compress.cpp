@@ -699,7 +699,7 @@ std::size_t Compressor::findErrors(std::span<const float> values, std::span<cons
       continue;
     errors.maximum = most;
     std::size_t i = begin * channels;
-    while (errorAt(i / channels, i % channels) != most) ++i;
+    while (i + 1 < end * channels && errorAt(i / channels, i % channels) != most) ++i;
     worst = i / channels;
   }
   return worst;
