@@ -999,6 +999,26 @@ print(1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before), valu
         more, own = map(int, subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split())
         self.assertLess(more, 0.5 * own)
 
+    def test_light_of_values_takes_a_few_times_their_memory(self):
+        """Of a volume that is full, the values' bricks, corners with light and shares of a lamp; it was 14 times."""
+        program = """
+import re, numpy as np, volute
+def kept(key):
+    return 1024 * int(re.search(key + r":\\s*(\\d+)", open("/proc/self/status").read())[1])
+x = np.arange(160, dtype=np.float32)
+values = 1.01 + np.sin(x / 9) * np.cos(x[:, None] / 7) * np.sin(x[:, None, None] / 11)
+volute.picture(values[:8, :8, :8].copy(), size=(40, 30), preset="smoke")
+open("/proc/self/clear_refs", "w").write("5")
+before = kept("VmRSS")
+volute.picture(values, size=(40, 30), preset="smoke")
+print(kept("VmHWM") - before, values.nbytes)
+"""
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+        if "PermissionError" in done.stderr or "FileNotFoundError" in done.stderr:
+            self.skipTest("the peak of a process's memory cannot be set back here")
+        more, own = map(int, done.stdout.split())
+        self.assertLess(more, 9 * own)
+
     def test_scenes_in_threads_after_fork_and_at_the_end(self):
         program = """
 import os, sys, threading

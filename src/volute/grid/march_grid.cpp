@@ -17,41 +17,6 @@ constexpr int kBrickSide = BrickSlice::kSide;
 constexpr int kCornerSide = kBrickSide + 1;
 constexpr int kCornersOfBrick = kCornerSide * kCornerSide * kCornerSide;
 
-/// The voxels around the cells of a brick, shape (c, z, y, x).
-/// @return  whether one is not zero
-bool copyCorners(const BrickSlice& slice, const BrickPlace& place, float* out) {
-  const auto [bx, by, bz] = place;
-  bool any = false;
-  // Along x there is one voxel of the brick before, and those of this one.
-  const int own = std::clamp(slice.x() - bx * kBrickSide, 0, kBrickSide);
-  const auto rowOf = [&](int column, int y, int z, int c) -> const float* {
-    const int brickY = y < 0 ? -1 : y / kBrickSide, brickZ = z < 0 ? -1 : z / kBrickSide;
-    if (column < 0 || y < 0 || z < 0 || column >= slice.bricksX() || y >= slice.y() ||
-        z >= slice.z())
-      return nullptr;
-    const std::int32_t stored = slice.brickAt(column, brickY, brickZ);
-    return stored == BrickSlice::kEmpty
-               ? nullptr
-               : slice.brick(stored) + (c * kBrickSide + z % kBrickSide) * kBrickSide * kBrickSide +
-                     y % kBrickSide * kBrickSide;
-  };
-  for (int c = 0; c < slice.channels(); ++c) {
-    for (int z = 0; z < kCornerSide; ++z) {
-      for (int y = 0; y < kCornerSide; ++y, out += kCornerSide) {
-        const int atY = by * kBrickSide + y - 1, atZ = bz * kBrickSide + z - 1;
-        const float* last = rowOf(bx - 1, atY, atZ, c);
-        const float* row = rowOf(bx, atY, atZ, c);
-        out[0] = last ? last[kBrickSide - 1] : 0;
-        std::fill_n(out + 1, kBrickSide, 0.0F);
-        if (row)
-          std::copy_n(row, own, out + 1);
-        any = any || std::any_of(out, out + kCornerSide, [](float value) { return value != 0; });
-      }
-    }
-  }
-  return any;
-}
-
 /// The stored bricks around a brick's cells: its own and those before it on any axes.
 using BricksAround = std::array<std::int32_t, 8>;
 
@@ -67,23 +32,13 @@ BricksAround bricksAround(const BrickSlice& slice, const BrickPlace& place) {
 }
 
 /// Fills in the trilinear bricks: all into whose cells a stored brick reaches.
-void makeCorners(const BrickSlice& slice, const BrickPlace& count, bool shares,
-                 const BrickTable* without, MarchGrid& grid) {
-  std::vector<BrickPlace> places = slice.reached(count, grid.table);
-  if (without) {
-    std::erase_if(places, [&](const BrickPlace& place) {
-      const bool out = without->at(place) != BrickTable::kEmpty;
-      if (out)
-        grid.table.set(place, BrickTable::kEmpty);
-      return out;
-    });
-  }
+void makeCorners(const BrickSlice& slice, const BrickPlace& count, MarchGrid& grid) {
   // Where all around is of one value or empty, bricks with the same around them are equal.
   std::map<BricksAround, std::int32_t> uniform;
   std::vector<BrickPlace> distinct;
-  for (const BrickPlace& place : places) {
+  for (const BrickPlace& place : slice.reached(count, grid.table)) {
     auto number = static_cast<std::int32_t>(distinct.size());
-    if (shares && slice.firstUniform() < static_cast<std::int32_t>(slice.storedBricks())) {
+    if (slice.firstUniform() < static_cast<std::int32_t>(slice.storedBricks())) {
       const BricksAround around = bricksAround(slice, place);
       if (std::ranges::all_of(around, [&](std::int32_t stored) {
             return stored == BrickSlice::kEmpty || stored >= slice.firstUniform();
@@ -148,26 +103,74 @@ Rgb unpackLight(float packed) {
   return levels * levels;
 }
 
-std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
-                                         const CellGrid& cells, double emissionScale,
-                                         double extinctionScale, bool shares,
-                                         const BrickTable* without) {
+bool copyCorners(const BrickSlice& slice, const BrickPlace& place, float* out) {
+  const auto [bx, by, bz] = place;
+  bool any = false;
+  // Along x there is one voxel of the brick before, and those of this one.
+  const int own = std::clamp(slice.x() - bx * kBrickSide, 0, kBrickSide);
+  const auto rowOf = [&](int column, int y, int z, int c) -> const float* {
+    const int brickY = y < 0 ? -1 : y / kBrickSide, brickZ = z < 0 ? -1 : z / kBrickSide;
+    if (column < 0 || y < 0 || z < 0 || column >= slice.bricksX() || y >= slice.y() ||
+        z >= slice.z())
+      return nullptr;
+    const std::int32_t stored = slice.brickAt(column, brickY, brickZ);
+    return stored == BrickSlice::kEmpty
+               ? nullptr
+               : slice.brick(stored) + (c * kBrickSide + z % kBrickSide) * kBrickSide * kBrickSide +
+                     y % kBrickSide * kBrickSide;
+  };
+  for (int c = 0; c < slice.channels(); ++c) {
+    for (int z = 0; z < kCornerSide; ++z) {
+      for (int y = 0; y < kCornerSide; ++y, out += kCornerSide) {
+        const int atY = by * kBrickSide + y - 1, atZ = bz * kBrickSide + z - 1;
+        const float* last = rowOf(bx - 1, atY, atZ, c);
+        const float* row = rowOf(bx, atY, atZ, c);
+        out[0] = last ? last[kBrickSide - 1] : 0;
+        std::fill_n(out + 1, kBrickSide, 0.0F);
+        if (row)
+          std::copy_n(row, own, out + 1);
+        any = any || std::any_of(out, out + kCornerSide, [](float value) { return value != 0; });
+      }
+    }
+  }
+  return any;
+}
+
+namespace {
+
+/// Without bricks. @param count  of them on each axis
+std::shared_ptr<MarchGrid> emptyMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
+                                          const CellGrid& cells, BrickPlace& count) {
   auto grid = std::make_shared<MarchGrid>();
   grid->slice = slice;
   grid->trilinear = slice->basis() == Basis::kTrilinear;
   grid->channels = slice->channels();
-  grid->emissionScale = emissionScale;
-  grid->extinctionScale = extinctionScale;
   const int side = grid->trilinear ? kCornerSide : kBrickSide;
   grid->channelStride = grid->trilinear ? kCornersOfBrick : BrickSlice::kVoxels;
   grid->brickStride = grid->channelStride * grid->channels;
-  BrickPlace count;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     count[axis] = (cells.count[axis] + kBrickSide - 1) / kBrickSide;
     grid->stride[axis] = axis == 0 ? 1 : grid->stride[axis - 1] * side;
   }
+  return grid;
+}
+
+bool fits(const MarchGrid& grid) {
+  return static_cast<std::int64_t>(grid.stored) * grid.brickStride <=
+         std::numeric_limits<std::int32_t>::max();
+}
+
+}  // namespace
+
+std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
+                                         const CellGrid& cells, double emissionScale,
+                                         double extinctionScale) {
+  BrickPlace count;
+  auto grid = emptyMarchGrid(slice, cells, count);
+  grid->emissionScale = emissionScale;
+  grid->extinctionScale = extinctionScale;
   if (grid->trilinear) {
-    makeCorners(*slice, count, shares, without, *grid);
+    makeCorners(*slice, count, *grid);
     grid->values = grid->corners->data();
   } else {
     grid->table = slice->table();
@@ -175,10 +178,44 @@ std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>
     grid->stored = static_cast<std::int32_t>(slice->storedBricks());
     grid->values = slice->values().data();
   }
-  grid->fits = static_cast<std::int64_t>(grid->stored) * grid->brickStride <=
-               std::numeric_limits<std::int32_t>::max();
+  grid->fits = fits(*grid);
   if (grid->trilinear && grid->channels == 3 && extinctionScale != 0)
     grid->steps = gaussSteps(*slice, cells, extinctionScale);
+  return grid;
+}
+
+std::shared_ptr<MarchGrid> layMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
+                                        const CellGrid& cells, const BrickTable* without) {
+  BrickPlace count;
+  auto grid = emptyMarchGrid(slice, cells, count);
+  const std::vector<BrickPlace> places = slice->reached(count, grid->table);
+  std::vector<std::uint8_t> any(places.size());
+  parallelRanges(places.size(), 16, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> corners(static_cast<std::size_t>(grid->brickStride));
+    for (std::size_t i = begin; i < end; ++i) {
+      const bool in = !without || without->at(places[i]) == BrickTable::kEmpty;
+      any[i] = in && copyCorners(*slice, places[i], corners.data());
+    }
+  });
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    grid->table.set(places[i], any[i] ? grid->stored : BrickTable::kEmpty);
+    if (any[i])
+      grid->bricks.push_back({places[i], grid->stored++});
+  }
+  grid->fits = fits(*grid);
+  return grid;
+}
+
+std::shared_ptr<const MarchGrid> filled(const MarchGrid& laid) {
+  auto grid = std::make_shared<MarchGrid>(laid);
+  const auto each = static_cast<std::size_t>(grid->brickStride);
+  std::vector<float> corners(grid->bricks.size() * each);
+  parallelRanges(grid->bricks.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      copyCorners(*grid->slice, grid->bricks[i].place, &corners[i * each]);
+  });
+  grid->corners = std::make_shared<const std::vector<float>>(std::move(corners));
+  grid->values = grid->corners->data();
   return grid;
 }
 

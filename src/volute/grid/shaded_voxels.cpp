@@ -7,6 +7,8 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <mutex>
+#include <optional>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
@@ -18,9 +20,9 @@
 namespace volute {
 namespace {
 
-constexpr int kShadedSide = BrickSlice::kSide + 1;
+constexpr int kShadedSide = CornerSet::kSide;
 constexpr float kMaxOfMeans = 1.5F;  // of the light itself
-constexpr int kShadedCorners = kShadedSide * kShadedSide * kShadedSide;
+constexpr int kShadedCorners = CornerSet::kCorners;
 
 /// The first channel alone, of what is unshared.
 std::shared_ptr<const BrickSlice> firstChannel(const std::shared_ptr<const BrickSlice>& whole) {
@@ -59,10 +61,10 @@ int stepsOf(const BrickSlice& slice, const CellGrid& cells) {
   return static_cast<int>(steps < kMaxSteps ? std::max(steps, 1.0) : kMaxSteps);
 }
 
-std::shared_ptr<const MarchGrid> marchOf(const std::shared_ptr<const BrickSlice>& slice,
-                                         const CellGrid& cells,
-                                         const BrickTable* without = nullptr) {
-  auto march = makeMarchGrid(slice, cells, 1, 1, false, without);
+std::shared_ptr<const MarchGrid> layoutOf(const std::shared_ptr<const BrickSlice>& slice,
+                                          const CellGrid& cells,
+                                          const BrickTable* without = nullptr) {
+  auto march = layMarchGrid(slice, cells, without);
   march->shaded = true;
   march->emissionChannel = slice->channels() == 4 ? 1 : -1;
   march->steps = stepsOf(*slice, cells);
@@ -113,6 +115,38 @@ struct ShadedVoxels::Counters {
   std::atomic<std::uint64_t> bricksSkipped{0};
 };
 
+/// What a march without light reads, made when it is first asked for, maybe by one of many that
+/// march: fans of rays find their light without it.
+class ShadedVoxels::Values {
+ public:
+  Values(std::shared_ptr<const BrickSlice> slice, std::shared_ptr<const MarchGrid> layout)
+      : slice_(std::move(slice)), layout_(std::move(layout)) {}
+
+  Box3 bounds() const { return voxels::cellsOf(*slice_).bounds(); }
+
+  const std::shared_ptr<const MarchGrid>& march() const {
+    std::call_once(marched_, [&] { isolated([&] { march_ = filled(*layout_); }); });
+    return march_;
+  }
+
+  const VoxelMedium& absorption() const {
+    std::call_once(absorbs_, [&] {
+      if (layout_ && slice_->channels() == 1 && slice_->entries().size() == slice_->storedBricks())
+        absorption_.emplace(march(), 0, 1);
+      else
+        isolated([&] { absorption_.emplace(firstChannel(slice_), 0, 1); });
+    });
+    return *absorption_;
+  }
+
+ private:
+  std::shared_ptr<const BrickSlice> slice_;
+  std::shared_ptr<const MarchGrid> layout_;  ///< null: cubic
+  mutable std::once_flag marched_, absorbs_;
+  mutable std::shared_ptr<const MarchGrid> march_;
+  mutable std::optional<VoxelMedium> absorption_;
+};
+
 constexpr int kTileSide = 4;  // cells
 constexpr int kTilesOfBrick = BrickSlice::kSide / kTileSide;
 
@@ -128,7 +162,7 @@ struct ShadedVoxels::Tiles {
 };
 
 ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
-    : ShadedVoxels(Drawn(unshared(std::move(slice)))) {}
+    : ShadedVoxels(unshared(std::move(slice)), nullptr) {}
 
 ShadedVoxels ShadedVoxels::withTiles(std::shared_ptr<const BrickSlice> slice, std::size_t many) {
   auto tiles = slice->channels() == 1 && slice->basis() == Basis::kTrilinear &&
@@ -137,7 +171,7 @@ ShadedVoxels ShadedVoxels::withTiles(std::shared_ptr<const BrickSlice> slice, st
                    : nullptr;
   if (!tiles || tiles->places.size() < many * kTilesOfBrick * kTilesOfBrick * kTilesOfBrick)
     return ShadedVoxels(std::move(slice));
-  ShadedVoxels made(Drawn(std::move(slice), &tiles->bricks));
+  ShadedVoxels made(std::move(slice), &tiles->bricks);
   auto corners = std::make_shared<Corners>(*made.corners_);
   made.addCorners(*tiles, *corners);
   made.corners_ = std::move(corners);
@@ -145,22 +179,8 @@ ShadedVoxels ShadedVoxels::withTiles(std::shared_ptr<const BrickSlice> slice, st
   return made;
 }
 
-/// Null over the cubic basis.
-ShadedVoxels::Drawn::Drawn(std::shared_ptr<const BrickSlice> whole, const BrickTable* without)
-    : slice(std::move(whole)) {
-  if (slice->basis() != Basis::kCubic)
-    march = marchOf(slice, voxels::cellsOf(*slice), without);
-}
-
-VoxelMedium ShadedVoxels::Drawn::absorption() const {
-  if (march && slice->channels() == 1 && slice->entries().size() == slice->storedBricks())
-    return {march, 0, 1};
-  return {firstChannel(slice), 0, 1};
-}
-
-ShadedVoxels::ShadedVoxels(const Drawn& drawn)
-    : slice_(drawn.slice),
-      extinction_(drawn.absorption()),
+ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> whole, const BrickTable* without)
+    : slice_(std::move(whole)),
       cells_(voxels::cellsOf(*slice_)),
       occupied_(voxels::occupiedCells(*slice_, cells_)),
       counters_(std::make_shared<Counters>()) {
@@ -170,10 +190,23 @@ ShadedVoxels::ShadedVoxels(const Drawn& drawn)
     if (slice_->channels() == 4)
       cubic_ = std::make_shared<const CubicVoxels>(slice_, 1, 1);
     corners_ = findCentres(*slice_);
-    return;
+  } else {
+    layout_ = layoutOf(slice_, cells_, without);
+    corners_ = findCorners(*layout_);
   }
-  march_ = drawn.march;
-  corners_ = findCorners(*march_);
+  values_ = std::make_shared<const Values>(slice_, layout_);
+}
+
+Box3 ShadedVoxels::bounds() const {
+  return values_->bounds();
+}
+
+const VoxelMedium& ShadedVoxels::absorption() const {
+  return values_->absorption();
+}
+
+std::shared_ptr<const MarchGrid> ShadedVoxels::marched() const {
+  return lit_ ? lit_ : values_->march();
 }
 
 ShadedVoxels ShadedVoxels::refining(std::shared_ptr<const BrickSlice> spline) {
@@ -197,12 +230,15 @@ ShadedVoxels ShadedVoxels::drawnFrom(const BrickSlice& splines) const {
   made.splines_ = nullptr;
   made.cells_ = voxels::cellsOf(*made.slice_);
   made.occupied_ = voxels::occupiedCells(*made.slice_, made.cells_);
-  made.march_ = marchOf(made.slice_, made.cells_);
+  made.layout_ = layoutOf(made.slice_, made.cells_);
   static const auto kNone = std::make_shared<const Corners>();
   made.corners_ = kNone;
   made.light_ = nullptr;
+  const auto values = std::make_shared<const Values>(made.slice_, made.layout_);
   if (made.slice_->channels() == 1)
-    made.extinction_ = VoxelMedium(made.march_, 0, 1);
+    made.values_ = values;
+  else
+    made.lit_ = values->march();
   made.counters_ = std::make_shared<Counters>();
   return made;
 }
@@ -215,16 +251,17 @@ Vec3 ShadedVoxels::centreOf(const std::array<std::int32_t, 3>& place) const {
 }
 
 VoxelPlaces ShadedVoxels::lightPlaces() const {
-  if (corners_->packed.empty())
+  if (corners_->ofBrick.empty())
     return corners_->places;
-  return {corners_->packed, march_->bricks, corners_->places};
+  return {corners_->ofBrick, layout_->bricks, corners_->places};
 }
 
 std::vector<Vec3> ShadedVoxels::lightPoints() const {
   std::vector<Vec3> points;
   const VoxelPlaces places = lightPlaces();
   points.reserve(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) points.push_back(centreOf(places[i]));
+  VoxelPlaces::Reader at(places);
+  for (std::size_t i = 0; i < places.size(); ++i) points.push_back(centreOf(at[i]));
   return points;
 }
 
@@ -266,7 +303,7 @@ std::shared_ptr<ShadedVoxels::Tiles> ShadedVoxels::findTiles(const BrickSlice& s
 void ShadedVoxels::addCorners(Tiles& tiles, Corners& corners) const {
   const BrickPlace& count = tiles.table.count();
   tiles.corners = BrickTable({count[0] + 1, count[1] + 1, count[2] + 1}, tiles.places.size());
-  tiles.firstPoint = corners.packed.size();
+  tiles.firstPoint = lightPlaces().size();
   for (const BrickPlace& tile : tiles.places) {
     auto& points = tiles.points.emplace_back();
     for (int i = 0; i < 8; ++i) {
@@ -287,56 +324,101 @@ void ShadedVoxels::addCorners(Tiles& tiles, Corners& corners) const {
   }
 }
 
+namespace {
+
+/// Calls visit(brick before, its corner) for each brick before, on any axes, that shares a corner,
+/// until it returns true.
+template <class Visit>
+bool forBricksBefore(const MarchGrid& grid, const BrickPlace& brick, int corner, Visit&& visit) {
+  const int place[3] = {corner % kShadedSide, corner / kShadedSide % kShadedSide,
+                        corner / kShadedSide / kShadedSide};
+  for (int way = 1; way < 8; ++way) {
+    BrickPlace other = brick;
+    int there = corner;
+    bool shared = true;
+    for (std::size_t axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
+      if (!(way >> axis & 1))
+        continue;
+      shared = shared && place[axis] == 0;
+      --other[axis];
+      there += BrickSlice::kSide * static_cast<int>(stride);
+    }
+    const std::int32_t before = shared ? grid.table.at(other) : BrickTable::kEmpty;
+    if (before >= 0 && visit(static_cast<std::size_t>(before), there))
+      return true;
+  }
+  return false;
+}
+
+bool isAtFace(int corner) {
+  return corner % kShadedSide == 0 || corner / kShadedSide % kShadedSide == 0 ||
+         corner < kShadedSide * kShadedSide;
+}
+
+}  // namespace
+
+std::int32_t ShadedVoxels::Corners::pointAt(const MarchGrid& grid, std::size_t brick,
+                                            int corner) const {
+  const BrickCorners& marks = ofBrick[brick];
+  if (!marks.needed.has(corner))
+    return -1;
+  if (marks.own.has(corner))
+    return static_cast<std::int32_t>(marks.first) + marks.own.before(corner);
+  std::int32_t point = -1;
+  forBricksBefore(grid, grid.bricks[brick].place, corner, [&](std::size_t before, int there) {
+    point = pointAt(grid, before, there);
+    return point >= 0;
+  });
+  return point;
+}
+
+std::array<std::int32_t, CornerSet::kCorners> ShadedVoxels::Corners::pointsOf(
+    const MarchGrid& grid, std::size_t brick) const {
+  std::array<std::int32_t, CornerSet::kCorners> points;
+  points.fill(-1);
+  const BrickCorners& marks = ofBrick[brick];
+  auto next = static_cast<std::int32_t>(marks.first);
+  marks.own.each([&](int corner) { points[static_cast<std::size_t>(corner)] = next++; });
+  marks.needed.each([&](int corner) {
+    if (std::int32_t& point = points[static_cast<std::size_t>(corner)]; point < 0)
+      point = pointAt(grid, brick, corner);
+  });
+  return points;
+}
+
 std::shared_ptr<ShadedVoxels::Corners> ShadedVoxels::findCorners(const MarchGrid& grid) {
   auto corners = std::make_shared<Corners>();
-  const std::size_t bricks = grid.bricks.size();
-  corners->ofBrick.assign(bricks * kShadedCorners, -1);
-  std::vector<std::array<std::uint8_t, kShadedCorners>> marks(bricks);
-  parallelRanges(bricks, 16, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b)
-      markNeeded(grid.values + b * static_cast<std::size_t>(grid.brickStride), marks[b]);
-  });
-  std::size_t needed = 0;
-  for (const auto& ofBrick : marks)
-    needed += static_cast<std::size_t>(std::ranges::count(ofBrick, 1));
-  VOLUTE_ASSERT(bricks * kShadedCorners <= std::numeric_limits<std::uint32_t>::max());
-  corners->packed.reserve(needed);
-  for (std::size_t b = 0; b < bricks; ++b) {
-    corners->firstPoint.push_back(static_cast<std::int32_t>(corners->packed.size()));
-    const BrickPlace& brick = grid.bricks[b].place;
-    std::int32_t* out = &corners->ofBrick[b * kShadedCorners];
-    for (int i = 0; i < kShadedCorners; ++i) {
-      if (!marks[b][static_cast<std::size_t>(i)])
-        continue;
-      const int place[3] = {i % kShadedSide, i / kShadedSide % kShadedSide,
-                            i / kShadedSide / kShadedSide};
-      // One that a brick before has too is that one's.
-      const bool atFace = place[0] == 0 || place[1] == 0 || place[2] == 0;
-      for (int way = 1; atFace && way < 8 && out[i] < 0; ++way) {
-        BrickPlace other = brick;
-        int there = i;
-        bool shared = true;
-        for (std::size_t axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
-          if (!(way >> axis & 1))
-            continue;
-          shared = shared && place[axis] == 0;
-          --other[axis];
-          there += BrickSlice::kSide * static_cast<int>(stride);
-        }
-        if (!shared)
-          continue;
-        const std::int32_t before = grid.table.at(other);
-        if (before >= 0)
-          out[i] = corners->ofBrick[static_cast<std::size_t>(before) * kShadedCorners +
-                                    static_cast<std::size_t>(there)];
+  std::vector<BrickCorners>& marks = corners->ofBrick;
+  marks.resize(grid.bricks.size());
+  parallelRanges(marks.size(), 16, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> values(static_cast<std::size_t>(grid.brickStride));
+    std::array<std::uint8_t, kShadedCorners> needed;
+    for (std::size_t b = begin; b < end; ++b) {
+      copyCorners(*grid.slice, grid.bricks[b].place, values.data());
+      markNeeded(values.data(), needed);
+      for (int i = 0; i < kShadedCorners; ++i) {
+        if (needed[static_cast<std::size_t>(i)])
+          marks[b].needed.add(i);
       }
-      if (out[i] >= 0)
-        continue;
-      out[i] = static_cast<std::int32_t>(corners->packed.size());
-      corners->packed.push_back(static_cast<std::uint32_t>(b * kShadedCorners) +
-                                static_cast<std::uint32_t>(i));
     }
+  });
+  parallelRanges(marks.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      marks[b].needed.each([&](int i) {
+        const auto has = [&](std::size_t before, int there) {
+          return marks[before].needed.has(there);
+        };
+        if (!isAtFace(i) || !forBricksBefore(grid, grid.bricks[b].place, i, has))
+          marks[b].own.add(i);
+      });
+    }
+  });
+  std::size_t points = 0;
+  for (BrickCorners& brick : marks) {
+    brick.first = static_cast<std::uint32_t>(points);
+    points += static_cast<std::size_t>(brick.own.before(kShadedCorners));
   }
+  VOLUTE_ASSERT(points <= std::numeric_limits<std::int32_t>::max());
   return corners;
 }
 
@@ -365,15 +447,14 @@ std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& voxel) con
       place[1] <= cells_.count[1] && place[2] <= cells_.count[2]) {
     const int x = place[0] / BrickSlice::kSide, y = place[1] / BrickSlice::kSide,
               z = place[2] / BrickSlice::kSide;
-    const std::int32_t brick = march_->table.at(x, y, z);
+    const std::int32_t brick = layout_->table.at(x, y, z);
     if (brick >= 0) {
       const int corner =
           ((place[2] % BrickSlice::kSide) * kShadedSide + place[1] % BrickSlice::kSide) *
               kShadedSide +
           place[0] % BrickSlice::kSide;
       const std::int32_t point =
-          corners_->ofBrick[static_cast<std::size_t>(brick) * kShadedCorners +
-                            static_cast<std::size_t>(corner)];
+          corners_->pointAt(*layout_, static_cast<std::size_t>(brick), corner);
       if (point >= 0)
         return point;
     }
@@ -394,11 +475,11 @@ std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& voxel) con
       brickOf[axis] = brick;
       corner += in * static_cast<int>(stride);
     }
-    const std::int32_t number = possible ? march_->table.at(brickOf) : BrickTable::kEmpty;
+    const std::int32_t number = possible ? layout_->table.at(brickOf) : BrickTable::kEmpty;
     if (number < 0)
       continue;
-    const std::int32_t point = corners_->ofBrick[static_cast<std::size_t>(number) * kShadedCorners +
-                                                 static_cast<std::size_t>(corner)];
+    const std::int32_t point =
+        corners_->pointAt(*layout_, static_cast<std::size_t>(number), corner);
     if (point >= 0)
       return point;
   }
@@ -406,7 +487,7 @@ std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& voxel) con
 }
 
 std::vector<VoxelLight> ShadedVoxels::forMeans(std::span<const VoxelLight> light) const {
-  if (!march_ || splines_)
+  if (!layout_ || splines_)
     return {light.begin(), light.end()};
   std::vector<VoxelLight> out(light.size());
   eachMean(light, [&](std::size_t i, const VoxelLight& mean) { out[i] = mean; });
@@ -414,40 +495,37 @@ std::vector<VoxelLight> ShadedVoxels::forMeans(std::span<const VoxelLight> light
 }
 
 ShadedVoxels ShadedVoxels::withMeansOf(std::vector<VoxelLight> light) const {
-  if (!march_ || splines_)
+  if (!layout_ || splines_)
     return withLight(std::move(light));
   VoxelLight most = VoxelLight::Zero();
   for (const VoxelLight& one : light) most = most.max(one);
   if (!(most.maxCoeff() > 0))
     return withLight(std::move(light));
-  const bool oneColor = isOneColor(light, most.cast<double>());
-  auto packed = std::make_shared<PackedLight>(kMaxOfMeans * most, light.size());
+  auto packed = std::make_shared<PackedLight>(kMaxOfMeans * most,
+                                              isOneColor(light, most.cast<double>()), light.size());
   eachMean(light, [&](std::size_t i, const VoxelLight& mean) { packed->set(i, mean); });
-  light = {};
-  return withPacked(std::move(packed), oneColor);
+  light = std::vector<VoxelLight>();  // {} would keep its memory
+  return withPacked(std::move(packed));
 }
 
 template <class Put>
 void ShadedVoxels::eachMean(std::span<const VoxelLight> light, Put&& put) const {
   if (tiles_)
     eachMeanOfTiles(light, put);
-  const VoxelPlaces places = lightPlaces();
   // By the brick that has a point first; its neighbours are mostly there.
-  parallelRanges(corners_->firstPoint.size(), 4, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(corners_->ofBrick.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
-      const std::int32_t* points = &corners_->ofBrick[b * kShadedCorners];
-      for (int corner = 0; corner < kShadedCorners; ++corner) {
-        if (points[corner] < corners_->firstPoint[b])
-          continue;
-        const auto i = static_cast<std::size_t>(points[corner]);
+      const auto points = corners_->pointsOf(*layout_, b);
+      corners_->ofBrick[b].own.each([&](int corner) {
+        const auto i = static_cast<std::size_t>(points[static_cast<std::size_t>(corner)]);
         VoxelLight differences = VoxelLight::Zero();
         for (std::size_t axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
           const auto step = static_cast<int>(stride);
           const int at = corner / step % kShadedSide;
           const auto neighbour = [&](int way) {
             if (at + way >= 0 && at + way < kShadedSide)
-              return points[corner + way * step];
-            auto place = places[i];
+              return points[static_cast<std::size_t>(corner + way * step)];
+            auto place = VoxelPlaces::cornerOf(layout_->bricks[b].place, corner);
             place[axis] += way;
             return pointAt(place);
           };
@@ -457,7 +535,7 @@ void ShadedVoxels::eachMean(std::span<const VoxelLight> light, Put&& put) const 
                            light[static_cast<std::size_t>(after)] - 2 * light[i];
         }
         put(i, (light[i] - differences / 12).max(0.5F * light[i]).min(kMaxOfMeans * light[i]));
-      }
+      });
     }
   });
 }
@@ -501,8 +579,8 @@ BrickSlice ShadedVoxels::litSplines(const BrickSlice& splines,
   BrickSlice lit(info, bricks);
   // Smoothed voxels begin one earlier.
   const auto pointOf = [&](const std::array<std::int32_t, 3>& at) {
-    return march_ ? pointAt({at[0] + 1, at[1] + 1, at[2] + 1})
-                  : corners_->ofVoxel[splines.placeOf(at[0], at[1], at[2])];
+    return layout_ ? pointAt({at[0] + 1, at[1] + 1, at[2] + 1})
+                   : corners_->ofVoxel[splines.placeOf(at[0], at[1], at[2])];
   };
   parallelRanges(bricks.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
@@ -548,34 +626,33 @@ ShadedVoxels ShadedVoxels::withSplines(std::span<const VoxelLight> light) const 
 
 ShadedVoxels ShadedVoxels::withLight(std::vector<VoxelLight> given) const {
   VOLUTE_ASSERT(given.size() == lightPlaces().size());
-  if (!march_ || splines_)
+  if (!layout_ || splines_)
     return withSplines(given);
   VoxelLight most = VoxelLight::Zero();
   for (const VoxelLight& one : given) most = most.max(one);
   if (!(most.maxCoeff() > 0)) {
     ShadedVoxels lit = *this;
-    lit.light_ = nullptr;
+    lit.light_ = nullptr, lit.lit_ = nullptr;
     return lit;
   }
-  const bool oneColor = isOneColor(given, most.cast<double>());
-  auto packed = std::make_shared<PackedLight>(most, given.size());
+  auto packed =
+      std::make_shared<PackedLight>(most, isOneColor(given, most.cast<double>()), given.size());
   for (std::size_t i = 0; i < given.size(); ++i) packed->set(i, given[i]);
-  given = {};
-  return withPacked(std::move(packed), oneColor);
+  given = std::vector<VoxelLight>();
+  return withPacked(std::move(packed));
 }
 
-ShadedVoxels ShadedVoxels::withPacked(std::shared_ptr<const PackedLight> light,
-                                      bool oneColor) const {
+ShadedVoxels ShadedVoxels::withPacked(std::shared_ptr<const PackedLight> light) const {
   ShadedVoxels lit = *this;
-  lit.light_ = light;
+  lit.light_ = light, lit.lit_ = nullptr;
   VoxelLight greatest = VoxelLight::Zero();
-  for (std::size_t i = 0; i < light->shares.size(); ++i)
+  for (std::size_t i = 0; i < light->size(); ++i)
     greatest = greatest.max(light->at(static_cast<std::int32_t>(i)));
   const Rgb largest = greatest.cast<double>();
   const int channels = slice_->channels();
-  auto march = std::make_shared<MarchGrid>(*march_);
+  auto march = std::make_shared<MarchGrid>(*layout_);
   march->lightChannel = channels;
-  march->oneColor = oneColor;
+  march->oneColor = light->oneColor();
   for (int c = 0; c < 3; ++c) {
     const double levels = march->oneColor ? 1 : kPackedLevels[c];
     march->lightScale[c] = static_cast<float>(largest[c] / (levels * levels));
@@ -585,8 +662,7 @@ ShadedVoxels ShadedVoxels::withPacked(std::shared_ptr<const PackedLight> light,
     const Rgb shares = one.cast<double>() * perLargest;
     return march->oneColor ? static_cast<float>(shares.maxCoeff()) : packLight(shares);
   };
-  const std::size_t bricks = march_->bricks.size();
-  const auto from = static_cast<std::size_t>(channels) * kShadedCorners;
+  const std::size_t bricks = layout_->bricks.size();
   const auto to = static_cast<std::size_t>(channels + 1) * kShadedCorners;
   march->fits = march->fits && bricks * to < std::numeric_limits<std::int32_t>::max();
   if (!march->fits)
@@ -599,25 +675,23 @@ ShadedVoxels ShadedVoxels::withPacked(std::shared_ptr<const PackedLight> light,
     for (std::int32_t& stride : march->stride) stride *= 2;
   }
   parallelRanges(bricks, 16, [&](std::size_t begin, std::size_t end) {
+    std::array<float, kShadedCorners> extinction;
     for (std::size_t b = begin; b < end; ++b) {
-      const float* values = march_->values + b * from;
       float* out = &corners[b * to];
-      if (beside) {
-        for (int i = 0; i < kShadedCorners; ++i) out[2 * i] = values[i];
-      } else {
-        std::copy_n(values, from, out);
-      }
+      copyCorners(*slice_, layout_->bricks[b].place, beside ? extinction.data() : out);
+      for (int i = 0; beside && i < kShadedCorners; ++i)
+        out[2 * i] = extinction[static_cast<std::size_t>(i)];
       out += channels * march->channelStride;
-      const std::int32_t* points = &corners_->ofBrick[b * kShadedCorners];
-      for (int i = 0; i < kShadedCorners; ++i, out += march->stride[0]) {
-        if (points[i] >= 0)
-          *out = valueOf(light->at(points[i]));
+      for (const std::int32_t point : corners_->pointsOf(*layout_, b)) {
+        if (point >= 0)
+          *out = valueOf(light->at(point));
+        out += march->stride[0];
       }
     }
   });
   march->corners = std::make_shared<const std::vector<float>>(std::move(corners));
   march->values = march->corners->data();
-  lit.march_ = std::move(march);
+  lit.lit_ = std::move(march);
   return lit;
 }
 
@@ -628,14 +702,13 @@ Rgb ShadedVoxels::lightAt(std::int32_t brick, const std::array<int, 3>& cell, in
   for (int axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide)
     place +=
         (cell[static_cast<std::size_t>(axis)] % BrickSlice::kSide + (corner >> axis & 1)) * stride;
-  const std::int32_t point = corners_->ofBrick[static_cast<std::size_t>(brick) * kShadedCorners +
-                                               static_cast<std::size_t>(place)];
+  const std::int32_t point = corners_->pointAt(*layout_, static_cast<std::size_t>(brick), place);
   return point < 0 ? Rgb(Rgb::Zero()) : Rgb(light_->at(point).cast<double>());
 }
 
 Rgb ShadedVoxels::emission(const Vec3& point) const {
   Rgb sent = Rgb::Zero();
-  if (!march_)
+  if (!layout_)
     return cubic_ ? cubic_->emission(point) : sent;
   if (!bounds().contains(point))
     return sent;
@@ -655,7 +728,7 @@ Rgb ShadedVoxels::emission(const Vec3& point) const {
     return sent;
   }
   const auto shares = voxels::cornerShares(voxels::placeInCell(cells_, cell, point));
-  const std::int32_t brick = march_->table.at(
+  const std::int32_t brick = layout_->table.at(
       cell[0] / BrickSlice::kSide, cell[1] / BrickSlice::kSide, cell[2] / BrickSlice::kSide);
   Rgb light = Rgb::Zero();
   double extinction = 0;
@@ -673,12 +746,13 @@ Rgb ShadedVoxels::emission(const Vec3& point) const {
 
 void ShadedVoxels::pieces(std::span<const Segment> segments,
                           std::span<std::vector<Piece>> pieces) const {
-  if (!march_)
-    return cubic_ ? cubic_->pieces(segments, pieces) : extinction_.pieces(segments, pieces);
+  if (!layout_)
+    return cubic_ ? cubic_->pieces(segments, pieces) : absorption().pieces(segments, pieces);
   const int channels = slice_->channels();
+  const auto march = marched();
   for (std::size_t s = 0; s < segments.size(); ++s) {
     pieces[s].clear();
-    forMarchedCells(*march_, cells_, segments[s],
+    forMarchedCells(*march, cells_, segments[s],
                     [&](const std::array<int, 3>& cell, std::int32_t brick, const float* first,
                         double begin, double end) {
                       const voxels::InCell ray(cells_, cell, segments[s], begin, end);
@@ -686,7 +760,7 @@ void ShadedVoxels::pieces(std::span<const Segment> segments,
                       bool empty = true;
                       for (int i = 0; i < 8; ++i) {
                         for (int c = 0; c < channels; ++c) {
-                          const double value = cornerOf(*march_, first, i, c);
+                          const double value = cornerOf(*march, first, i, c);
                           values[static_cast<std::size_t>(c)][static_cast<std::size_t>(i)] = value;
                           empty = empty && value == 0;
                         }
@@ -753,7 +827,7 @@ Radiance ShadedVoxels::radianceOfTile(const OnTile& on, const Segment& segment) 
   const double steps = std::ceil(std::max(extinction * length / kMaxDepth, 1.0));
   const double step = length / steps;
   Radiance sum;
-  for (double k = 0; k < steps && sum.transmittance > march_->lightLost; ++k) {
+  for (double k = 0; k < steps && sum.transmittance > layout_->lightLost; ++k) {
     for (std::size_t g = 0; g < 2; ++g) {
       const double into = 0.5 * step * (1 + rule.nodes[g]);
       const auto shares = voxels::cornerShares(ray.at + (k * step + into) * ray.velocity);
@@ -797,7 +871,7 @@ void ShadedVoxels::radianceWithTiles(std::span<const Segment> segments, std::spa
   }
   firstTile.push_back(tiles.size());
   std::vector<Radiance> marched(between.size());
-  marchRadiance(*march_, cells_, occupied_, between, marched, counts);
+  marchRadiance(*lit_, cells_, occupied_, between, marched, counts);
   auto next = marched.begin();
   for (std::size_t s = 0; s < segments.size(); ++s) {
     Radiance sum;
@@ -808,7 +882,7 @@ void ShadedVoxels::radianceWithTiles(std::span<const Segment> segments, std::spa
     for (std::size_t i = firstTile[s]; i < firstTile[s + 1]; ++i) {
       if (tiles[i].begins)
         add(*next++);
-      if (sum.transmittance > march_->lightLost)
+      if (sum.transmittance > layout_->lightLost)
         add(radianceOfTile(tiles[i], segments[s]));
     }
     add(*next++);
@@ -817,31 +891,29 @@ void ShadedVoxels::radianceWithTiles(std::span<const Segment> segments, std::spa
 }
 
 bool ShadedVoxels::marchesLight() const {
-  return march_ && march_->lightChannel >= 0;
+  return lit_ && lit_->lightChannel >= 0;
 }
 
 void ShadedVoxels::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
-  if (!march_)
-    return cubic_ ? cubic_->radiance(segments, out) : extinction_.radiance(segments, out);
-  if (!march_->fits || (light_ && !marchesLight()))
+  if (!layout_)
+    return cubic_ ? cubic_->radiance(segments, out) : absorption().radiance(segments, out);
+  if (!layout_->fits || (light_ && !marchesLight()))
     return radianceByPieces(*this, segments, out);
+  if (!marchesLight() && layout_->emissionChannel < 0)
+    return absorption().radiance(segments, out);
   MarchCounts counts;
-  if (march_->lightChannel < 0 && march_->emissionChannel < 0) {
-    extinction_.radiance(segments, out);
-    return;
-  }
   if (tiles_)
     radianceWithTiles(segments, out, counts);
   else
-    marchRadiance(*march_, cells_, occupied_, segments, out, counts);
+    marchRadiance(*marched(), cells_, occupied_, segments, out, counts);
   counters_->voxels += counts.voxels;
   counters_->bricksVisited += counts.bricksVisited;
   counters_->bricksSkipped += counts.bricksSkipped;
 }
 
 MarchCounts ShadedVoxels::counts() const {
-  if (!march_)
-    return cubic_ ? cubic_->counts() : extinction_.counts();
+  if (!layout_)
+    return cubic_ ? cubic_->counts() : absorption().counts();
   return {counters_->voxels, counters_->bricksVisited, counters_->bricksSkipped};
 }
 

@@ -73,14 +73,14 @@ class ShadedVoxels {
   /// The same with light: L at each of lightPoints().
   ShadedVoxels withLight(std::vector<VoxelLight> light) const;
 
-  Box3 bounds() const { return extinction_.bounds(); }
+  Box3 bounds() const;
 
-  double extinction(const Vec3& point) const { return extinction_.extinction(point); }
+  double extinction(const Vec3& point) const { return absorption().extinction(point); }
 
   Rgb emission(const Vec3& point) const;
 
   void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
-    extinction_.opticalDepth(segments, depths);
+    absorption().opticalDepth(segments, depths);
   }
 
   /// One for each cell that is not all zero.
@@ -92,7 +92,7 @@ class ShadedVoxels {
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
   /// What absorbs in it, and sends nothing: for light on its way to somewhere.
-  const VoxelMedium& absorption() const { return extinction_; }
+  const VoxelMedium& absorption() const;
 
   /// K, and J where there is one.
   const BrickSlice& slice() const { return *slice_; }
@@ -102,31 +102,30 @@ class ShadedVoxels {
   /// What the SIMD march reads, for its twins on other devices. Null where its values and light are
   /// too many to be addressed, and where there are tiles.
   std::shared_ptr<const MarchGrid> march() const {
-    return tiles_ || (light_ && !marchesLight()) ? nullptr : march_;
+    return tiles_ || !layout_ || (light_ && !marchesLight()) ? nullptr : marched();
   }
 
  private:
-  /// What is drawn, and the bricks that the march reads.
-  struct Drawn {
-    std::shared_ptr<const BrickSlice> slice;
-    std::shared_ptr<const MarchGrid> march;
+  class Values;
 
-    explicit Drawn(std::shared_ptr<const BrickSlice> whole, const BrickTable* without = nullptr);
-    VoxelMedium absorption() const;
-  };
-
-  explicit ShadedVoxels(const Drawn& drawn);
+  /// @param without  bricks of cells that are not marched through; null: none
+  ShadedVoxels(std::shared_ptr<const BrickSlice> whole, const BrickTable* without);
   bool marchesLight() const;
+  std::shared_ptr<const MarchGrid> marched() const;
 
-  /// The corners of a brick of cells, 9 a side, and which of the places is at each; -1: none is
-  /// needed.
+  /// Where light is to be known.
   struct Corners {
-    std::vector<std::uint32_t> packed;                ///< VoxelPlaces of bricks of cells
+    std::vector<BrickCorners> ofBrick;                ///< of bricks of cells
     std::vector<std::array<std::int32_t, 3>> places;  ///< voxels behind those
-    std::vector<std::int32_t> ofBrick;                ///< shape (bricks, 9, 9, 9)
-    std::vector<std::int32_t> firstPoint;  ///< of each brick; those before are of earlier bricks
     std::vector<std::int32_t>
         ofVoxel;  ///< cubic: which of the places is at each, of stored bricks; or -1
+
+    /// Which of the places is a corner of a brick; -1: none.
+    std::int32_t pointAt(const MarchGrid& grid, std::size_t brick, int corner) const;
+
+    /// The same of all its corners.
+    std::array<std::int32_t, CornerSet::kCorners> pointsOf(const MarchGrid& grid,
+                                                           std::size_t brick) const;
   };
 
   struct Counters;
@@ -143,25 +142,42 @@ class ShadedVoxels {
   /// Refined splines, which take no light of their own.
   ShadedVoxels drawnFrom(const BrickSlice& splines) const;
 
-  /// Light as shares of the brightest, of each colour, in 6 bytes.
-  struct PackedLight {
-    VoxelLight brightest = VoxelLight::Zero();
-    std::vector<std::array<Half, 3>> shares;
+  /// Light as shares of the brightest: of each colour, in 6 bytes; of one colour in 4, exactly.
+  class PackedLight {
+   public:
+    PackedLight(const VoxelLight& brightest, bool oneColor, std::size_t count)
+        : brightest_(brightest), colors_(oneColor ? 0 : count), shares_(oneColor ? count : 0) {
+      brightest.maxCoeff(&main_);
+    }
 
-    PackedLight(const VoxelLight& most, std::size_t count) : brightest(most), shares(count) {}
+    bool oneColor() const { return colors_.empty(); }
+
+    std::size_t size() const { return oneColor() ? shares_.size() : colors_.size(); }
 
     void set(std::size_t i, const VoxelLight& light) {
+      if (oneColor()) {
+        shares_[i] = light[main_] / brightest_[main_];
+        return;
+      }
       for (std::size_t c = 0; c < 3; ++c)
-        shares[i][c] = toHalf(light[c] / std::max(brightest[c], 1e-30F));
+        colors_[i][c] = toHalf(light[c] / std::max(brightest_[c], 1e-30F));
     }
 
     VoxelLight at(std::int32_t i) const {
-      const std::array<Half, 3>& share = shares[static_cast<std::size_t>(i)];
-      return brightest * VoxelLight(toFloat(share[0]), toFloat(share[1]), toFloat(share[2]));
+      if (oneColor())
+        return brightest_ * shares_[static_cast<std::size_t>(i)];
+      const std::array<Half, 3>& share = colors_[static_cast<std::size_t>(i)];
+      return brightest_ * VoxelLight(toFloat(share[0]), toFloat(share[1]), toFloat(share[2]));
     }
+
+   private:
+    VoxelLight brightest_;
+    int main_ = 0;  ///< the brightest one
+    std::vector<std::array<Half, 3>> colors_;
+    std::vector<float> shares_;
   };
 
-  ShadedVoxels withPacked(std::shared_ptr<const PackedLight> light, bool oneColor) const;
+  ShadedVoxels withPacked(std::shared_ptr<const PackedLight> light) const;
 
   /// Which of the places is this voxel; -1: none.
   std::int32_t pointAt(const std::array<std::int32_t, 3>& voxel) const;
@@ -203,10 +219,11 @@ class ShadedVoxels {
 
   std::shared_ptr<const BrickSlice> slice_;
   std::shared_ptr<const BrickSlice> splines_{};  ///< of which slice_ is smoothed; or null
-  VoxelMedium extinction_;
   CellGrid cells_;
   CellRange occupied_;
-  std::shared_ptr<const MarchGrid> march_;    ///< null: cubic
+  std::shared_ptr<const MarchGrid> layout_;   ///< which bricks are marched through; null: cubic
+  std::shared_ptr<const MarchGrid> lit_;      ///< the same with values and light; or null
+  std::shared_ptr<const Values> values_;      ///< without light
   std::shared_ptr<const CubicVoxels> cubic_;  ///< of K and emission; null: trilinear
   std::shared_ptr<const Corners> corners_;
   std::shared_ptr<const Tiles> tiles_;        ///< null: there are none

@@ -59,12 +59,22 @@ float packLight(const Rgb& shares);
 constexpr double kPackedLevels[3] = {2047, 2047, 1023};  ///< the largest numbers that are packed
 Rgb unpackLight(float packed);
 
-/// @param shares  bricks with equal values may have one number
-/// @param without  bricks of cells that are left out, trilinear; null: none
+/// Bricks with equal values may have one number.
 std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
                                          const CellGrid& cells, double emissionScale,
-                                         double extinctionScale, bool shares = true,
-                                         const BrickTable* without = nullptr);
+                                         double extinctionScale);
+
+/// Which bricks there are, trilinear, each with a number of its own; `values` is null.
+/// @param without  bricks of cells that are left out; null: none
+std::shared_ptr<MarchGrid> layMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
+                                        const CellGrid& cells, const BrickTable* without);
+
+/// The same with values.
+std::shared_ptr<const MarchGrid> filled(const MarchGrid& laid);
+
+/// The voxels around the cells of a brick, shape (c, z, y, x).
+/// @return  whether one is not zero
+bool copyCorners(const BrickSlice& slice, const BrickPlace& place, float* out);
 
 /// Calls visit(cell, number of its brick, the first of its values, begin, end) for each cell of a
 /// brick that is stored on a segment, front to back.

@@ -146,9 +146,14 @@ LightFan::LightFan(const BrickSlice& slice, const VoxelPlaces& places)
       voxel_(slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()))),
       size_{slice.x(), slice.y(), slice.z()},
       places_(places) {
+  for (std::size_t axis = 0; axis < 3; ++axis) reach_[axis] = {-1, size_[axis]};
+  VoxelPlaces::Reader at(places_);
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Place place = at[i];
+    for (std::size_t axis = 0; axis < 3; ++axis) reach_[axis].add(place[axis]);
+  }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    bricks_[axis] = {size_[axis], 0}, reach_[axis] = {-1, size_[axis]};
-    for (std::size_t i = 0; i < places_.size(); ++i) reach_[axis].add(places_[i][axis]);
+    bricks_[axis] = {size_[axis], 0};
     for (const BrickSlice::Entry& entry : slice.entries()) {
       const int from = entry.place[axis] * BrickSlice::kSide;
       bricks_[axis].add(from),
@@ -167,8 +172,9 @@ LightFan::Planes LightFan::planesOf(std::size_t axis, std::size_t count, Which&&
   planes.first = reach_[axis].least;
   planes.begin.resize(static_cast<std::size_t>(reach_[axis].most - planes.first) + 2);
   planes.points.resize(count);
+  VoxelPlaces::Reader at(places_);
   const auto planeOf = [&](std::int32_t point) {
-    return static_cast<std::size_t>(places_[static_cast<std::size_t>(point)][axis] - planes.first);
+    return static_cast<std::size_t>(at[static_cast<std::size_t>(point)][axis] - planes.first);
   };
   for (std::size_t i = 0; i < count; ++i) ++planes.begin[planeOf(which(i)) + 1];
   std::partial_sum(planes.begin.begin(), planes.begin.end(), planes.begin.begin());
@@ -302,9 +308,10 @@ void LightFan::fromSun(const SunRays& rays, std::span<float> out, std::span<floa
     const int toB = ib + (fb > 0 ? 1 : 0), toC = ic + (fc > 0 ? 1 : 0);
     const auto alongB = cubicShares(fb > 0 ? 1 - fb : 0), alongC = cubicShares(fc > 0 ? 1 - fc : 0);
     parallelRanges(points.size(), 2048, [&](std::size_t begin, std::size_t end) {
+      VoxelPlaces::Reader at(places_);
       for (std::size_t i = begin; i < end; ++i) {
         const auto point = static_cast<std::size_t>(points[i]);
-        const Place place = places_[point];
+        const Place place = at[point];
         const float* from = depths + rays.rayAt(place[rays.across.row] - toB - 1,
                                                 place[rays.across.column] - toC - 1);
         float sum = 0;
@@ -365,8 +372,9 @@ void LightFan::fromSun(const SunRays& rays, std::span<float> out, std::span<floa
 
 void LightFan::fromPoint(const Vec3& lamp, std::span<float> out) const {
   std::vector<std::int32_t> pyramids[6];
+  VoxelPlaces::Reader at(places_);
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    const Place place = places_[i];
+    const Place place = at[i];
     const Vec3 way = Vec3(place[0], place[1], place[2]) - lamp;
     int axis = 0;
     if (!(way.cwiseAbs().maxCoeff(&axis) > 1e-9)) {
@@ -389,8 +397,9 @@ void LightFan::inPyramid(const Vec3& lamp, std::size_t axis, int sign,
   // Planes from the lamp outwards, and the slopes of all ways to the points.
   int last = sign > 0 ? -1 : size_[axis];
   double least[2] = {1, 1}, most[2] = {-1, -1};
+  VoxelPlaces::Reader at(places_);
   for (const std::int32_t i : which) {
-    const Place place = places_[static_cast<std::size_t>(i)];
+    const Place place = at[static_cast<std::size_t>(i)];
     last = sign > 0 ? std::max(last, place[axis]) : std::min(last, place[axis]);
     const double far = std::abs(place[axis] - la);
     const double slope[2] = {(place[across.row] - lb) / far, (place[across.column] - lc) / far};
@@ -458,8 +467,9 @@ void LightFan::inPyramid(const Vec3& lamp, std::size_t axis, int sign,
     const auto points = planes.at(k);
     const double perFar = perSlope / far;
     parallelRanges(points.size(), 1024, [&](std::size_t first, std::size_t end) {
+      VoxelPlaces::Reader at(places_);
       for (std::size_t p = first; p < end; ++p) {
-        const Place place = places_[static_cast<std::size_t>(points[p])];
+        const Place place = at[static_cast<std::size_t>(points[p])];
         const double i = (place[across.row] - lb) * perFar - begin[0];
         const double j = (place[across.column] - lc) * perFar - begin[1];
         const std::size_t row = floorOf(i), column = floorOf(j);

@@ -139,8 +139,7 @@ class VolumeLight::Lattice {
   };
 
   /// Of a node, in the volume's own space.
-  Vec3 centreOf(std::size_t node, const ShadedVoxels& volume) const {
-    const Place at = nodes[node];
+  Vec3 centreOf(const Place& at, const ShadedVoxels& volume) const {
     if (!halved_)
       return volume.centreOf(at);
     const Place first{2 * at[0], 2 * at[1], 2 * at[2]};
@@ -157,8 +156,9 @@ class VolumeLight::Lattice {
     node_ = BrickTable({slice.x() / step_ + 3, slice.y() / step_ + 3, slice.z() / step_ + 3},
                        places.size() / static_cast<std::size_t>(step_ * step_));
     Place last{-1, -1, -1};
+    VoxelPlaces::Reader at(places);
     for (std::size_t p = 0; p < places.size(); ++p) {
-      const Place cell = cellOf(places[p]);
+      const Place cell = cellOf(at[p]);
       if (cell == last)
         continue;
       last = cell;
@@ -308,9 +308,10 @@ void VolumeLight::addRays(std::span<const Lamp> lamps, Lattice& lattice) const {
                  [&](std::size_t begin, std::size_t end) {
                    std::vector<Segment> segments;
                    std::vector<float> passes(lamps.size());
+                   VoxelPlaces::Reader at(lattice.nodes);
                    for (std::size_t i = begin; i < end; ++i) {
                      segments.clear();
-                     const Vec3 node = lighting_.place.toWorld(lattice.centreOf(i, volume_));
+                     const Vec3 node = lighting_.place.toWorld(lattice.centreOf(at[i], volume_));
                      for (const Lamp& lamp : lamps) segments.push_back(lamp.towards(node));
                      transmittances(volume_, lighting_.place, segments, passes);
                      Rgb sum = Rgb::Zero();
@@ -342,8 +343,9 @@ void VolumeLight::addShares(std::size_t lamp, const ArrivingLight& arriving) con
     const std::span<float> shares(&lampShares_[lamp][begin], end - begin);
     std::vector<Vec3> points;
     std::vector<Segment> segments;
+    VoxelPlaces::Reader at(places);
     for (std::size_t i = begin; i < end; ++i) {
-      points.push_back(placeOf(places[i]));
+      points.push_back(placeOf(at[i]));
       if (!fan)
         segments.push_back(lighting_.lamps[lamp].towards(points.back()));
     }
@@ -373,13 +375,14 @@ std::shared_ptr<const VolumeLight> VolumeLight::withLamps(
   std::call_once(more->gathered_, [&] {
     more->lampShares_ = lampShares_, more->even_ = even_;
     more->lampShares_.resize(more->lighting_.lamps.size());
-    const ArrivingLight arriving(more->illumination(), medium().bounds());
+    const ArrivingLight arriving(more->illumination(), bounds());
     for (std::size_t l = own; l < more->lampShares_.size(); ++l) more->addShares(l, arriving);
     if (between.empty())
       return;
     std::vector<Vec3> points;
     const VoxelPlaces places = volume_.lightPlaces();
-    for (std::size_t i = 0; i < places.size(); ++i) points.push_back(placeOf(places[i]));
+    VoxelPlaces::Reader at(places);
+    for (std::size_t i = 0; i < places.size(); ++i) points.push_back(placeOf(at[i]));
     for (std::size_t l = 0; l < own; ++l)  // surfaces have taken from them
       arriving.takeFrom(l, points, more->lampShares_[l], false);
   });
@@ -393,7 +396,7 @@ void VolumeLight::gather() const {
     if (!(lighting_.albedo.maxCoeff() > 0))
       return;
     lampShares_.resize(lighting_.lamps.size());
-    const ArrivingLight arriving(illumination(), medium().bounds());
+    const ArrivingLight arriving(illumination(), bounds());
     for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) addShares(l, arriving);
     if (lighting_.surrounding.maxCoeff() > 0)
       even_.push_back(sky());
@@ -406,6 +409,11 @@ void VolumeLight::gather() const {
 }
 
 /// In the world.
+Box3 VolumeLight::bounds() const {
+  return lighting_.place.isIdentity() ? volume_.bounds() : lighting_.place.around(volume_.bounds());
+}
+
+/// The same.
 AnyMedium VolumeLight::medium() const {
   AnyMedium medium(volume_.absorption());
   if (lighting_.place.isIdentity())
@@ -485,10 +493,12 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   parallelRanges(places.size(), 4096, [&](std::size_t begin, std::size_t end) {
     std::vector<Lattice::Reader> even;
     for (const auto& lattice : even_) even.emplace_back(*lattice);
+    VoxelPlaces::Reader at(places);
     for (std::size_t i = begin; i < end; ++i) {
+      const Place place = at[i];
       Rgb sum = Rgb::Zero();
-      for (Lattice::Reader& lattice : even) sum += lattice.at(places[i], i);
-      const Vec3 point = placeOf(places[i]);
+      for (Lattice::Reader& lattice : even) sum += lattice.at(place, i);
+      const Vec3 point = placeOf(place);
       Vec3 way = Vec3::Zero();  // from the point to the eye
       if (view)
         way = view->parallel ? Vec3(-view->at) : Vec3((view->at - point).normalized());
@@ -522,9 +532,11 @@ ShadedVoxels VolumeLight::seenFrom(const View& view) const {
 std::uint64_t VolumeLight::memoryBytes() const {
   const BrickSlice& slice = volume_.slice();
   const std::uint64_t points = std::max<std::uint64_t>(volume_.lightPlaces().size(), 1);
-  const std::uint64_t colors = 3 * sizeof(float);  // of the fire, and of what is seen
-  return slice.bytes() + slice.values().size_bytes() + volume_.drawnBytes() +
-         points * (2 * colors + sizeof(VoxelLight) + lighting_.lamps.size() * sizeof(float));
+  // Corners are in up to eight bricks: of the values with light, and of the values alone.
+  const auto channels = static_cast<std::uint64_t>(slice.channels());
+  const std::uint64_t corners = 3 * (2 * channels + 1) * sizeof(float) / 2;
+  return slice.bytes() + volume_.drawnBytes() +
+         points * (corners + sizeof(VoxelLight) / 2 + lighting_.lamps.size() * sizeof(float));
 }
 
 ShadedVoxels VolumeLight::seen() const {

@@ -98,6 +98,7 @@ class VolumeLight {
   std::vector<Lamp> fires() const;
   std::shared_ptr<const Lattice> sky() const;
   void addRays(std::span<const Lamp> lamps, Lattice& lattice) const;
+  Box3 bounds() const;
   AnyMedium medium() const;
   Illumination illumination() const;
   const DiffuseLight* again() const;
