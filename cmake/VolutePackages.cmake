@@ -80,7 +80,7 @@ volute_deb(libvolute-dev libdevel "fire, smoke and fog: headers and static libra
   SUGGESTS volute-doc)
 volute_deb(volute graphics "fire, smoke and fog: the command"
   "${idea}\nThe command compresses volumes, reconstructs them from pictures, renders\nscenes and says from where exit signs are still seen."
-  COMPONENTS command gltf tiff RECOMMENDS fonts-dejavu-core fuse3 ${openGl} "volute-view (= ${full})" "volute-vdb (= ${full})" "volute-video (= ${full})"
+  COMPONENTS command gltf tiff ocio RECOMMENDS fonts-dejavu-core fuse3 ${openGl} "volute-view (= ${full})" "volute-vdb (= ${full})" "volute-video (= ${full})"
   SUGGESTS "volute-vtk (= ${full})" volute-doc)
 volute_deb(volute-view graphics "fire, smoke and fog: the viewer" "${idea}\nThis is the window that volute view opens."
   COMPONENTS viewer DEPENDS "volute (= ${full})" ${openGl})

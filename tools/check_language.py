@@ -12,7 +12,8 @@ import sys
 SUFFIXES = {".cpp", ".hpp", ".h", ".glsl", ".py", ".md", ".txt", ".in"}
 EVERYWHERE = r"."
 # OpenFOAM calls the folders of a decomposed case processor0, ...
-NOT_OF_OPENFOAM = r"(?!src/volute/io/(foam_files|mesh_cases_test)\.cpp|docs/meshes\.md)"
+# OpenColorIO what computes colours.
+NOT_OF_OPENFOAM = r"(?!src/volute/io/(foam_files|mesh_cases_test|ocio_plugin)\.cpp|docs/meshes\.md)"
 # Where a time is the only thing that the word could mean.
 OF_TIMES = r"(src/volute/(cli|film|scene|render|report|image|synth|capture|fds|visibility|media/fds|cluster|capi)|bench|apps|tools|docs|README|python|examples)"
 

@@ -159,10 +159,8 @@ RenderRequest requestOf(const py::dict& said) {
                 : aov == "transmittance" ? Aov::kTransmittance
                                          : Aov::kNone;
   if (!tone.empty()) {
-    request.tone = tone == "filmic"     ? ToneCurve::kFilmic
-                   : tone == "agx"      ? ToneCurve::kAgx
-                   : tone == "shoulder" ? ToneCurve::kShoulder
-                                        : ToneCurve::kNone;
+    if (const Status taken = takeTone(tone, request); !taken)
+      throw Failure{taken.error()};
   }
   if (!colors.empty())
     request.colors = colors == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;

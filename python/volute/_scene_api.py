@@ -148,7 +148,7 @@ def _look(exposure, tone, samples, bloom, colormap, legend, shutter):
     shutter = number("shutter", shutter)
     if not 0 <= shutter <= 1:
         raise ValueError(f"shutter={shutter}: expected 0 to 1, of the time to the next frame")
-    return {"exposure": exposure, "tone": _choice("tone", None if tone == "auto" else tone, ("none", "filmic", "agx", "shoulder")), "samples": samples,
+    return {"exposure": exposure, "tone": None if tone is None else str(tone), "samples": samples,
             "bloom": bloom, "shutter": shutter, "colormap": _choice("colormap", None if colormap == "grey" else colormap, ("viridis", "inferno")), "legend": legend}
 
 
@@ -321,8 +321,8 @@ class Scene:
         .png that `volute render` writes of the same file or values.
 
         time: [s]; default one that has something to see. camera, size, background, progress, renderer ("cpu" or "gl"): as for render().
-        exposure: a factor of light; default: brightest parts near white. tone: "filmic", "agx", "shoulder" or "none"; default
-            filmic; for measured transmittance none, with flames shoulder. samples: rays per pixel at edges. bloom: share of light that glows, 0 to 1.
+        exposure: a factor of light; default: brightest parts near white. tone: "filmic", "agx", "shoulder", "none", or by
+            OpenColorIO "aces", "ocio" and "ocio:DISPLAY/VIEW"; default filmic; for measured transmittance none, with flames shoulder. samples: rays per pixel at edges. bloom: share of light that glows, 0 to 1.
         colormap: "viridis" or "inferno", for volumes with one channel. legend: draw mode, field, time and colour scale into it.
         shutter: averages light over this share of the time to the next frame, 0.5 is 180 degrees; a volume moves then if its member
             `interpolate` is "auto", "velocity" or "linear"."""

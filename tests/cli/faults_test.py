@@ -6,6 +6,7 @@ import dataclasses
 import json
 import os
 import pathlib
+import resource
 import shutil
 import subprocess
 import tempfile
@@ -269,6 +270,60 @@ class Faults(support.TestCase):
                     if code == 1:
                         self.assertTrue(message.startswith("volute"), f"{what}: {message}")
                     self.check_files(whole, what, command)
+
+    def run_limited(self, command, prepare):
+        shutil.rmtree(self.out, ignore_errors=True)
+        self.out.mkdir()
+        done = subprocess.run([support.PROGRAM, *map(str, command.words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              stdin=subprocess.DEVNULL, timeout=60, preexec_fn=prepare)
+        return done.returncode, done.stderr.decode(errors="replace")
+
+    def test_address_space(self):
+        """`ulimit -v`, from what does not start the program to what is enough."""
+        started = 0
+        for command, whole, _ in self.known():
+            size = 60 << 20
+            code = None
+            while code != 0:
+                what = f"ulimit -v {size >> 10}: {command}"
+                self.assertLess(size, 16 << 30, what)
+                with self.subTest(what):
+                    code, message = self.run_limited(command, lambda: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
+                    if "loading shared libraries" in message or code == 127:
+                        self.assertEqual(self.written(command), {}, what)
+                    else:
+                        started += code == 1
+                        self.assertIn(code, (0, 1), f"{what}: {message}")
+                        self.assertTrue(code == 0 or message.startswith("volute"), f"{what}: {message}")
+                        self.assertNotRegex(message, r"^volute[^:]*: Resource temporarily unavailable", what)
+                        self.check_files(whole, what, command)
+                size = size * 5 // 4
+        self.assertGreater(started, 10, "commands that ended for want of memory")
+
+    def test_a_group_of_little_memory(self):
+        """Linux ends a process of a control group that is full: the program by a signal, or a reader's, and then with a sentence."""
+        first = pathlib.Path("/sys/fs/cgroup/memory")
+        group = (first if first.is_dir() else pathlib.Path("/sys/fs/cgroup")) / f"volute-{os.getpid()}"
+        try:
+            group.mkdir()
+            self.addCleanup(group.rmdir)
+            limit = group / ("memory.limit_in_bytes" if first.is_dir() else "memory.max")
+            limit.write_text(str(64 << 20))
+        except OSError as error:
+            self.skipTest(f"no group may be made: {error}")
+        members = group / "cgroup.procs"
+        ended = 0
+        for command, whole, _ in self.known():
+            for size in (6 << 20, 16 << 20, 40 << 20):
+                what = f"a group of {size >> 20} MB: {command}"
+                with self.subTest(what):
+                    limit.write_text(str(size))
+                    code, message = self.run_limited(command, lambda: members.write_text(str(os.getpid())))
+                    ended += code != 0
+                    self.assertIn(code, (0, 1, -9), f"{what}: {message}")
+                    self.assertTrue(code != 1 or message.startswith("volute"), f"{what}: {message}")
+                    self.check_files(whole, what, command, parts=code == -9)
+        self.assertGreater(ended, 0, "commands that were ended")
 
     def test_clocks_that_jump(self):
         for command, whole, _ in self.known():

@@ -204,7 +204,7 @@ PVD = {
     "unit": [("a unit in a time", 'timestep="10"', 'timestep="10 s"', False)],
     "order": [("files reversed", r"(<DataSet[^\n]*\n)(<DataSet[^\n]*\n)(<DataSet[^\n]*\n)", r"\3\2\1", True)],
     "fill": [("a time of nan", 'timestep="10"', 'timestep="nan"', False), ("a time of netCDF", 'timestep="20"', f'timestep="{NETCDF}"', False)],
-    "duplicate": [("a time twice", 'timestep="10"', 'timestep="0"', False)],
+    "duplicate": [("a time twice", 'timestep="10"', 'timestep="0"', False), ("a file twice", 'file="r1', 'file="r2', False)],
     "missing": [("a time", 'timestep="10" ', "", False), ("a file", 'file="r1', 'file="r9', False)],
     "time": [("another order than the files", 'timestep="20"', 'timestep="5"', None)],
     "case": [("a file in capitals", "r1.vtu", "R1.VTU", True)],
@@ -276,6 +276,7 @@ CASE = {
     "name": [("backslashes", "model: e.geo", r"model: .\\e.geo", True)],
 }
 OBJ = {
+    "unit": [("a comment that says mm", "mtllib", "# File units = millimeters\nmtllib", False)],
     "order": [("material after the face", r"(usemtl red\n)(f [^\n]*\n)", r"\2\1", None)],
     "fill": [("nan", "v 0 3 0", "v nan 3 0", False), ("inf", "v 0 3 0", "v inf 3 0", False)],
     "duplicate": [("a corner twice", "f 1 2", "f 1 1 2", True)],
@@ -283,10 +284,12 @@ OBJ = {
     "sign": [("corners from the end", "f 1 2 3 4 5 6", "f -6 -5 -4 -3 -2 -1", True)],
     "case": [("capitals", "v 0 3 0", "V 0 3 0", False)],
     "locale": [("decimal commas", "v 0 3 0", "v 0,0 3,0 0,0", False)],
+    "scale": [("a curve", "usemtl red", "curv 0 1 1 2 3\nusemtl red", False)],
     "length": [("two coordinates", "v 0 3 0", "v 0 3", False), ("a face of two", "f 1 2 3 4 5 6", "f 1 2", False)],
     "name": [("an unknown statement", "usemtl red", "usemtll red", False), ("by another folder", "mtllib wall", "mtllib ../base/wall", True)],
 }
 MTL = {
+    "unit": [("a picture for a colour", "Kd 0.8 0.2 0.1", "map_Kd red.png", False), ("a dissolve", "Kd", "d 0.2\nKd", False)],
     "fill": [("nan", "Kd 0.8", "Kd nan", False)],
     "duplicate": [("a colour twice", "Kd 0.8 0.2 0.1\n", "Kd 0.8 0.2 0.1\nKd 0 0 1\n", False), ("the material twice", "(newmtl.*)", r"\1newmtl red\nKd 0 0 1\n", False)],
     "sign": [("negative", "Kd 0.8", "Kd -0.8", False)],
@@ -294,7 +297,7 @@ MTL = {
     "case": [("capitals", "Kd", "KD", True)],
     "locale": [("decimal commas", r"0\.", "0,", False)],
     "length": [("two shares", "Kd 0.8 0.2 0.1", "Kd 0.8 0.2", False), ("four shares", "Kd 0.8 0.2 0.1", "Kd 0.8 0.2 0.1 0.5", False)],
-    "name": [("a near name", "Kd", "Kdd", False), ("another material", "newmtl red", "newmtl Red", False)],
+    "name": [("a near name", "Kd", "Kdd", False), ("another material", "newmtl red", "newmtl Red", False), ("none", "newmtl red", "newmtl blue", False)],
 }
 COLMAP_CAMERAS = {
     "order": [("lines reversed", r"(# cameras\n)(.*?\n)(.*?\n)(.*?\n)(.*?\n)(.*?\n)", r"\1\6\5\4\3\2", True)],
@@ -319,6 +322,7 @@ COLMAP_IMAGES = {
     "name": [("another camera", r"(\n1 [^\n]*) 1 (\S+\n)", r"\1 77 \2", False)],
 }
 YAML = {
+    "unit": [("integers that are none", "dt: d", "dt: i", False)],
     "order": [("matrices reversed", r"(%YAML:1.0\n---\n)(K_north.*?)(K_c1.*)", r"\1\3\2", True)],
     "fill": [("nan", r"(R_north.*?data: \[) \S+,", r"\1 .nan,", False)],
     "duplicate": [("a matrix twice", r"(R_north.*?\n)(T_north)", r"\1\1\2", False)],
@@ -425,7 +429,8 @@ EXR = {
     "missing": [("a channel's name", swap(b"G\0\2\0", b"H\0\2\0"), False)],
     "case": [("channels in small letters", swap(b"R\0\2\0", b"r\0\2\0"), False)],
     "length": [("a line too few", lambda d: d[:-150], False)],
-    "scale": [("an aspect of 0", swap(b"float\0\4\0\0\0\0\0\x80\x3f", b"float\0\4\0\0\0\0\0\0\0"), False)],
+    "scale": [("an aspect of 0", swap(b"float\0\4\0\0\0\0\0\x80\x3f", b"float\0\4\0\0\0\0\0\0\0"), False),
+              ("an aspect of 2", swap(b"float\0\4\0\0\0\0\0\x80\x3f", b"float\0\4\0\0\0\0\0\0\x40"), False)],
     "axis": [("lines from below", swap(b"lineOrder\0lineOrder\0\1\0\0\0\0", b"lineOrder\0lineOrder\0\1\0\0\0\1"), True)],
 }
 
@@ -504,7 +509,8 @@ FORMATS = [
     Format(".volute", "bytes", "volumes", "a.volute", "extract a.volute -o out.npy", "out.npy", VOLUTE),
     Format(".vdb in a series", "bytes", "volumes", "d_0001.vdb", VOLUME.format("d_%04d.vdb"), "out.npy", VDB),
     Format("scene: camera", "json", "scene", "all.json", SCENE, "out.png", {"at": ("camera",), "number": "eye", "needed": "target"}),
-    Format("scene: camera.fov", "json", "scene", "all.json", SCENE, "out.png", {"at": ("camera",), "number": "fov", "needed": "fov", "positive": True}),
+    Format("scene: camera.fov", "json", "scene", "all.json", SCENE, "out.png", {"at": ("camera",), "number": "fov", "needed": "fov", "positive": True},
+           [("unit", "radians", lambda d: d.replace(b'"fov": 50', b'"fov": 0.873'), False)]),
     Format("scene: background", "json", "scene", "all.json", SCENE, "out.png", {"number": "background", "needed": "format", "positive": True}),
     Format("scene: geometry", "json", "scene", "all.json", SCENE, "out.png", {"number": "background", "needed": "format"}),
     Format("scene: light", "json", "scene", "all.json", SCENE, "out.png", {"at": ("lights", 0), "number": "direction", "needed": "direction"}),
@@ -557,13 +563,10 @@ UNKNOWABLE = {
     ("lines of sight", "scale", "*"): "lines may begin and end anywhere around the volume",
     ("capture.json", "fill", "null"): "null is a member that is not stated",
     ("lines of sight", "time", "going back"): "the order of lines decides which are held out, and so the smoothness that is chosen",
-    (".exr", "fill", "nan"): "the figures of the comparison are null",
-    (".mtl", "name", "another material"): "materials that are not there have the default colour: .obj files often travel without their .mtl",
     (".vtu", "length", "a value too many"): "VTK's readers take as many numbers as they expect",
     **{(f".gltf: a {part}", *change): "a number is what it says, and nothing else contradicts it"
        for part, change in (("node", ("scale", "mm")), ("node", ("axis", "the other way round")), ("material", ("axis", "the other way round")))},
     **{(f".gltf: a {part}", "name", "another member"): "what a file has beyond its format is for other programs" for part in ("node", "material")},
-    (".mtl", "scale", "bytes"): "colours above 1 are used for light",
 }
 
 

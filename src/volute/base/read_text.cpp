@@ -8,11 +8,16 @@
 
 namespace volute {
 
+static double mebibytes(std::uint64_t bytes) {
+  return static_cast<double>(bytes) / (1 << 20);
+}
+
 Result<std::string> readText(const std::filesystem::path& path, std::uint64_t most) {
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
   if (file.size() > most) {
-    return fail(ErrorCode::kTooLarge, "{}: {} bytes of text are too many; expected at most {}",
-                path.string(), file.size(), most);
+    return fail(ErrorCode::kTooLarge,
+                "{}: {:.4g} MiB of text are too many; expected at most {:.4g} MiB", path.string(),
+                mebibytes(file.size()), mebibytes(most));
   }
   std::string text(file.size(), '\0');
   VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));

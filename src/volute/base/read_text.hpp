@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <string>
 
 #include "volute/base/result.hpp"
@@ -13,8 +12,7 @@ namespace volute {
 
 /// All of a text file, without a byte order mark; kInvalidData for UTF-16, kTooLarge for more than
 /// `most` bytes; else as InputFile::open() and read().
-[[nodiscard]] Result<std::string> readText(
-    const std::filesystem::path& path,
-    std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+[[nodiscard]] Result<std::string> readText(const std::filesystem::path& path,
+                                           std::uint64_t most = 16 << 20);
 
 }  // namespace volute

@@ -672,6 +672,9 @@ TEST_F(Importers, OpenCvMatricesMeanOneThing) {
           "K_z: {rows: 3, cols: 3, data: [9, 0, 1, 0, 9, 1, 0, 0, 1]}\n"
           "T_z: {rows: 3, cols: 1, data: [0, 0, 1]}\nR_z: {rows: 3, cols: 1, data: [90, 0, 45]}\n"),
       "camera z is turned by 100.6 radians"));
+  EXPECT_TRUE(
+      failsWith(with("K_z: {rows: 3, cols: 3, dt: i, data: [9.5, 0, 1, 0, 9.5, 1, 0, 0, 1]}\n"),
+                "K_z is no whole matrix; expected rows, cols and data of its type (dt)"));
   EXPECT_TRUE(failsWith(with("image_width: 24.5\n"), "the width of its pictures is 24.5"));
   EXPECT_TRUE(failsWith(with("error: *none\n"), "there is no &none before *none"));
   EXPECT_TRUE(failsWith(with("K_z: &z [*z]\n"), "there is no &z before *z"));

@@ -29,8 +29,8 @@ bool isOpenCvJson(const nlohmann::json& json) {
          });
 }
 
-Result<CaptureDraft> readJsonCapture(const std::filesystem::path& file) {
-  VOLUTE_ASSIGN(const auto json, readJson(file));
+Result<CaptureDraft> readJsonCapture(const std::filesystem::path& file, std::uint64_t maxMemory) {
+  VOLUTE_ASSIGN(const auto json, readJson(file, {.memory = maxMemory}));
   if (json.is_object() && json.contains("format"))
     return readCaptureJson(file, json);
   if (isOpenCvJson(json))
@@ -57,7 +57,7 @@ Result<CaptureDraft> readDraft(const std::filesystem::path& file, std::uint64_t 
     return readColmap(file, maxMemory);
   const std::string extension = extensionOf(file);
   if (extension == ".json")
-    return readJsonCapture(file);
+    return readJsonCapture(file, maxMemory);
   if (extension == ".yml" || extension == ".yaml" || extension == ".xml")
     return readOpenCv(file);
   if (extension == ".txt" || extension == ".bin")
@@ -490,7 +490,7 @@ Result<bool> isCapture(const std::filesystem::path& path) {
   }
   if (extension != ".json")
     return false;
-  VOLUTE_ASSIGN(const auto json, readJson(path));
+  VOLUTE_ASSIGN(const auto json, readOutermostJson(path));
   const auto format = json.is_object() ? json.value("format", nlohmann::json()) : nlohmann::json();
   const bool scene = format.is_string() && format.get<std::string>().starts_with("volute-scene-");
   if (!json.is_object() || scene)

@@ -15,7 +15,7 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/number_word.hpp"
 #include "volute/base/read_text.hpp"
-#include "volute/io/json_depth.hpp"
+#include "volute/io/json_check.hpp"
 
 namespace volute {
 namespace {
@@ -24,14 +24,16 @@ namespace {
 struct Parts {
   std::optional<double> rows, columns;
   int channels = 1;
+  bool whole = false;  ///< its numbers are integers
   std::optional<std::vector<double>> data;
-};
 
-/// OpenCV's "dt": channels before the letter of the type, e.g. "2f".
-int channelsOf(std::string_view type) {
-  const std::size_t first = type.find_first_of("0123456789");
-  return first == std::string_view::npos ? 1 : std::max(1, std::atoi(type.data() + first));
-}
+  /// OpenCV's "dt": channels before the letter of the type, e.g. "2f".
+  void take(std::string_view type) {
+    const std::size_t first = type.find_first_of("0123456789");
+    channels = first == std::string_view::npos ? 1 : std::max(1, std::atoi(type.data() + first));
+    whole = type.find_first_of("ucwsi") != std::string_view::npos;
+  }
+};
 
 /// Nothing where the parts do not fit together. An empty matrix is one.
 std::optional<OpenCvMatrix> matrixOf(Parts parts) {
@@ -42,14 +44,17 @@ std::optional<OpenCvMatrix> matrixOf(Parts parts) {
   if (!isCount(parts.rows) || !isCount(parts.columns) || !parts.data ||
       *parts.rows * *parts.columns * parts.channels != static_cast<double>(parts.data->size()))
     return std::nullopt;
+  const auto isFraction = [](double value) { return value != std::floor(value); };
+  if (parts.whole && std::ranges::any_of(*parts.data, isFraction))
+    return std::nullopt;
   return OpenCvMatrix{static_cast<int>(*parts.rows), static_cast<int>(*parts.columns),
                       std::move(*parts.data)};
 }
 
 tl::unexpected<Error> notWhole(const std::string& where, std::string_view name) {
   return fail(ErrorCode::kInvalidData,
-              "{}: {} is no whole matrix; expected rows, cols and data: the file is cut off or "
-              "damaged",
+              "{}: {} is no whole matrix; expected rows, cols and data of its type (dt): the file "
+              "is cut off or damaged",
               where, name);
 }
 
@@ -128,7 +133,7 @@ Result<OpenCvStorage> readXml(std::string_view text, const std::string& file,
         if (part->name == "data")
           parts.data = numbersOf(part->content);
         if (part->name == "dt")
-          parts.channels = channelsOf(std::string(part->content));
+          parts.take(std::string(part->content));
         if (part->name != "rows" && part->name != "cols")
           continue;
         if (const auto count = numbersOf(part->content); count && count->size() == 1)
@@ -325,7 +330,7 @@ class YamlReader {
         return fail(ErrorCode::kInvalidData,
                     "{}: {} is there twice in one matrix; expected it once", place, key);
       if (key == "dt")
-        parts.channels = channelsOf(scalar());
+        parts.take(scalar());
       VOLUTE_ASSIGN(auto value, readValue(depth + 1));
       if (key == "data")
         parts.data = value.kind == Kind::kList ? std::optional(std::move(value.content.values))
@@ -375,12 +380,12 @@ class YamlReader {
 
 Result<OpenCvStorage> readOpenCvStorage(const std::filesystem::path& file,
                                         bool (*isNeeded)(std::string_view)) {
-  constexpr std::uint64_t kMaxBytes = 16 << 20;
+  constexpr std::uint64_t kMaxBytes = 128 << 20;
   VOLUTE_ASSIGN(std::string text, readText(file, kMaxBytes));
   if (extensionOf(file) == ".xml")
     return readXml(text, file.string(), isNeeded);
   if (extensionOf(file) == ".json")
-    VOLUTE_TRY(checkJsonDepth(text, file.string()));
+    VOLUTE_TRY(checkJson(text, file.string()));
   // OpenCV's first line is no YAML directive as the standard has it, and old versions put no "---"
   // after it.
   if (text.starts_with("%YAML"))

@@ -16,6 +16,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <system_error>
 
 #include "volute/base/advice.hpp"
 #include "volute/base/interrupt.hpp"
@@ -87,6 +88,17 @@ Status flushResults() {
   return fail(ErrorCode::kIo, "standard output: cannot write: {}", std::strerror(errno));
 }
 
+/// A thread that cannot be started says no more than "Resource temporarily unavailable".
+std::string whatOf(const std::exception& error) {
+  const auto* system = dynamic_cast<const std::system_error*>(&error);
+  if (!system || system->code() != std::errc::resource_unavailable_try_again)
+    return error.what();
+  return fmt::format(
+      "no more threads can be started ({}); raise ulimit -u and -v, or take fewer "
+      "threads",
+      error.what());
+}
+
 /// Exceptions that a library let through end the command, not the program without a word.
 Status runGuarded(const Command& command, Arguments& arguments, Context& context) {
   PipedInputs piped;
@@ -101,7 +113,7 @@ Status runGuarded(const Command& command, Arguments& arguments, Context& context
         ErrorCode::kTooLarge,
         "there is not enough memory; take fewer frames, a lower resolution or a smaller region");
   } catch (const std::exception& error) {
-    return fail(ErrorCode::kIo, "{}", error.what());
+    return fail(ErrorCode::kIo, "{}", whatOf(error));
   }
 }
 
@@ -251,7 +263,7 @@ static int sayingWhy(Run&& run) {
   } catch (const std::bad_alloc&) {
     std::fputs("volute: there is not enough memory\n", stderr);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "volute: %s\n", error.what());
+    std::fprintf(stderr, "volute: %s\n", whatOf(error).c_str());
   }
   return kCouldNot;
 }

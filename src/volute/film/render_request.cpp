@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "volute/film/write_film.hpp"
+#include "volute/io/color_view.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/scene/kinds.hpp"
 #include "volute/scene/picture_camera.hpp"
@@ -32,6 +33,7 @@ PictureStyle styleOf(const RenderRequest& request, const FilmJob& job) {
   style.tone = request.tone.value_or(flames  ? ToneCurve::kShoulder
                                      : plain ? ToneCurve::kNone
                                              : ToneCurve::kFilmic);
+  style.view = request.view;
   return style;
 }
 
@@ -53,6 +55,25 @@ void addViewsOfTheWay(const FilmJob& job, std::vector<Camera>& views) {
 }
 
 }  // namespace
+
+Status takeTone(const std::string& name, RenderRequest& request) {
+  if (namesColorView(name)) {
+    VOLUTE_ASSIGN(request.view, openColorView(name));
+    request.tone = ToneCurve::kFilmic;  // for whose middle the exposure is chosen
+    return {};
+  }
+  for (const ToneCurve tone :
+       {ToneCurve::kNone, ToneCurve::kFilmic, ToneCurve::kAgx, ToneCurve::kShoulder}) {
+    if (name == nameOf(tone))
+      request.tone = tone;
+  }
+  if (request.tone || name == "auto")
+    return {};
+  return failFor("tone", ErrorCode::kInvalidArgument,
+                 "'{}' is unknown; expected auto, none, filmic, agx, shoulder, aces, ocio, "
+                 "ocio:VIEW or ocio:DISPLAY/VIEW",
+                 name);
+}
 
 void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions& options) {
   options.files.measured = use.measured;
@@ -91,6 +112,18 @@ Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemo
   job.orbit = request.frames.orbit.value_or(0) * std::numbers::pi / 180;
   job.orbitCentre =
       seen.description ? seen.description->view.target : Vec3(job.scene.bounds().centre());
+  constexpr double kNarrow = 2;  // [degrees]: a lens of 700 mm on film of 24 x 36 mm
+  if (const auto fov = seen.description ? seen.description->fov : std::nullopt;
+      fov && *fov < kNarrow) {
+    progress.remark(
+        {RemarkCode::kDoubtful,
+         fmt::format("fov {:g} degrees shows {:.3g} m at the target: is it in radians? "
+                     "{:.4g} degrees would be",
+                     *fov,
+                     2 * (seen.description->view.target - seen.description->view.eye).norm() *
+                         std::tan(*fov * std::numbers::pi / 360),
+                     *fov * 180 / std::numbers::pi)});
+  }
   job.way = std::move(seen.description);
   job.measured = request.measured || request.aov != Aov::kNone;
   job.samples = job.measured || job.contour ? 1 : request.samples;

@@ -24,13 +24,17 @@ struct RenderRequest {
   double exposure = 0;  ///< a factor of light; 0: brightest parts near white
   /// Else filmic; for what shows measured transmittance none, or a shoulder where flames are in it.
   std::optional<ToneCurve> tone{};
-  double bloom = 0;  ///< PictureStyle::glow
+  const ViewTransform* view = nullptr;  ///< instead of a tone curve
+  double bloom = 0;                     ///< PictureStyle::glow
   /// Of the time from a frame to the next, in which the shutter is open: 0.5 is 180 degrees.
   double shutter = 0;
   int samples = 8;                   ///< rays in a pixel where there are edges
   std::optional<ColorMap> colors{};  ///< of what has one channel
   std::optional<bool> legend{};      ///< else that of media which want one
 };
+
+/// Sets tone or view: "auto", "none", "filmic", "agx", "shoulder", or a name of openColorView().
+[[nodiscard]] Status takeTone(const std::string& name, RenderRequest& request);
 
 /// How the scene of a file alone is opened.
 struct RenderUse {

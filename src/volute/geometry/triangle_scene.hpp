@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "volute/base/result.hpp"
@@ -71,8 +72,9 @@ struct CurvedPart {
 /// What a file of geometry holds.
 struct TriangleMesh {
   std::vector<Triangle> triangles;
-  std::vector<Material> materials;   ///< at least as many as the triangles name
-  std::vector<CurvedPart> curved{};  ///< the same
+  std::vector<Material> materials;     ///< at least as many as the triangles name
+  std::vector<CurvedPart> curved{};    ///< the same
+  std::vector<std::string> remarks{};  ///< what its file says beyond that, one sentence each
 };
 
 /// Where a segment meets a surface first.

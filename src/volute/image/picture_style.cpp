@@ -247,7 +247,14 @@ Image developed(Image light, const PictureStyle& style) {
     light = exposed(std::move(light), style.exposure);
   if (style.glow > 0)
     light = withGlow(light, style.glow);
-  if (style.tone != ToneCurve::kNone) {
+  if (style.view && light.channels == 3) {
+    parallelRanges(light.pixels.size() / 3, 1 << 13, [&](std::size_t begin, std::size_t end) {
+      const auto part = std::span(light.pixels).subspan(3 * begin, 3 * (end - begin));
+      style.view->apply(part);
+      for (float& value : part)
+        value = static_cast<float>(srgbDecode(std::clamp(static_cast<double>(value), 0.0, 1.0)));
+    });
+  } else if (style.tone != ToneCurve::kNone) {
     const auto channels = static_cast<std::size_t>(light.channels);
     parallelRanges(
         light.pixels.size() / channels, 1 << 13, [&](std::size_t begin, std::size_t end) {

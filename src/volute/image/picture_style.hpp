@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "volute/image/image.hpp"
+#include "volute/image/view_transform.hpp"
 #include "volute/math/vec.hpp"
 
 // How light becomes a picture on a display, the same steps for stills, films and the viewer:
@@ -36,6 +37,9 @@ struct PictureStyle {
   ToneCurve tone = ToneCurve::kNone;
   double glow = 0;      ///< share of the light that spreads around where it comes from, 0..1
   bool dither = false;  ///< to 8 bits; else whoever writes the picture rounds
+  /// What a display is to show, instead of the tone curve; its code values are decoded as sRGB's,
+  /// so that a .png has them as they are.
+  const ViewTransform* view = nullptr;
 };
 
 /// What a display is to show of `light`: linear sRGB, each channel 0..1 but for kNone, which

@@ -177,7 +177,7 @@ class Cursor {
     VOLUTE_ASSIGN(auto file, InputFile::open(path));
     Cursor cursor(std::move(file), binary);
     if (!binary) {
-      VOLUTE_ASSIGN(cursor.text_, readText(path));
+      VOLUTE_ASSIGN(cursor.text_, readText(path, UINT64_MAX));  // in a process of limited memory
     }
     return cursor;
   }

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -123,6 +124,10 @@ class GltfReader {
       VOLUTE_TRY(addNode(node, Mat4::Identity(), 0));
     if (mesh_.triangles.empty())
       return fail(ErrorCode::kInvalidData, "{}: its scene has no triangles", file_);
+    if (!model_.textures.empty())
+      mesh_.remarks.push_back("textures are not drawn, the factors of its materials alone");
+    if (std::ranges::any_of(model_.materials, [](const auto& m) { return m.alphaMode == "BLEND"; }))
+      mesh_.remarks.push_back("materials that let light through (alpha) are drawn opaque");
     return std::move(mesh_);
   }
 

@@ -8,8 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/base/printable.hpp"
-#include "volute/io/json_depth.hpp"
-#include "volute/io/json_keys.hpp"
+#include "volute/io/json_check.hpp"
 
 namespace volute {
 namespace {
@@ -81,8 +80,7 @@ Status checkVersion(const nlohmann::json& gltf, const std::string& file) {
 }  // namespace
 
 Result<nlohmann::json> parseGltf(std::string_view text, const std::string& file) {
-  VOLUTE_TRY(checkJsonDepth(text, file));
-  VOLUTE_TRY(checkJsonKeys(text, file));
+  VOLUTE_TRY(checkJson(text, file));
   nlohmann::json gltf = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!gltf.is_object())
     return fail(ErrorCode::kInvalidData, "{}: not a whole glTF 2.0 file", file);

@@ -9,8 +9,6 @@
 
 #include "volute/base/printable.hpp"
 #include "volute/base/read_text.hpp"
-#include "volute/io/json_depth.hpp"
-#include "volute/io/json_keys.hpp"
 
 namespace volute {
 
@@ -27,12 +25,12 @@ std::string wordAt(const std::string& text, std::size_t end) {
   return text.substr(first, last - first);
 }
 
-}  // namespace
-
-Result<nlohmann::json> readJson(const std::filesystem::path& path, std::size_t mostMembers) {
-  constexpr std::uint64_t kMaxBytes = 16 << 20;
+/// @param keep  whether a value becomes part of the result
+Result<nlohmann::json> read(const std::filesystem::path& path, const JsonLimits& limits,
+                            const nlohmann::json::parser_callback_t& keep) {
+  constexpr std::uint64_t kMaxBytes = 128 << 20;
   const std::string file = path.string();
-  VOLUTE_ASSIGN(const auto text, readText(path, kMaxBytes));
+  VOLUTE_ASSIGN(const auto text, readText(path, std::min(kMaxBytes, limits.memory)));
   if (text.empty())
     return fail(ErrorCode::kInvalidData, "{}: is empty; expected JSON", file);
   if (const std::size_t end = text.find('\0'); end != text.npos) {  // where the parser would end
@@ -40,10 +38,9 @@ Result<nlohmann::json> readJson(const std::filesystem::path& path, std::size_t m
                 "{}: byte {} is 0; expected text: the file is damaged, or of another encoding",
                 file, end + 1);
   }
-  VOLUTE_TRY(checkJsonDepth(text, file));
-  VOLUTE_TRY(checkJsonKeys(text, file, mostMembers));
+  VOLUTE_TRY(checkJson(text, file, limits));
   try {
-    return nlohmann::json::parse(text);
+    return nlohmann::json::parse(text, keep);
   } catch (const nlohmann::json::parse_error& error) {
     const std::size_t end = std::min(error.byte, text.size());
     const auto line =
@@ -64,6 +61,39 @@ Result<nlohmann::json> readJson(const std::filesystem::path& path, std::size_t m
                 1 + std::count(text.begin(), text.begin() + at, '\n'),
                 printable(number.substr(0, 60)));
   }
+}
+
+}  // namespace
+
+Result<nlohmann::json> readJson(const std::filesystem::path& path, const JsonLimits& limits) {
+  return read(path, limits, nullptr);
+}
+
+Result<nlohmann::json> readOutermostJson(const std::filesystem::path& path) {
+  using Event = nlohmann::json::parse_event_t;
+  nlohmann::json members = nlohmann::json::object();
+  std::string name;
+  const auto keep = [&](int depth, Event event, nlohmann::json& value) {
+    if (depth == 1 && event == Event::key)
+      members[name = value.get<std::string>()] = nullptr;
+    else if (depth == 1 && event == Event::value && !name.empty())
+      members[name] = value;
+    return depth == 0;
+  };
+  VOLUTE_ASSIGN(auto outermost, read(path, {}, keep));
+  return outermost.is_object() ? std::move(members) : std::move(outermost);
+}
+
+Status forEachJsonText(const std::filesystem::path& path,
+                       const std::function<void(const std::string&)>& function) {
+  using Event = nlohmann::json::parse_event_t;
+  const auto keep = [&](int, Event event, nlohmann::json& value) {
+    if (event == Event::value && value.is_string())
+      function(value.get_ref<const std::string&>());
+    return event == Event::object_start || event == Event::array_start;
+  };
+  VOLUTE_TRY(read(path, {}, keep));
+  return {};
 }
 
 }  // namespace volute

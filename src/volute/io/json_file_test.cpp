@@ -16,10 +16,10 @@ using ::testing::HasSubstr;
 using testing::TempFolder;
 using testing::writeBytes;
 
-std::string messageOf(const std::string& text, std::size_t most = SIZE_MAX) {
+std::string messageOf(const std::string& text, const JsonLimits& limits = {}) {
   const TempFolder folder;
   writeBytes(folder / "a.json", text);
-  const auto json = readJson(folder / "a.json", most);
+  const auto json = readJson(folder / "a.json", limits);
   return json ? std::string() : json.error().message;
 }
 
@@ -39,9 +39,42 @@ TEST(JsonFile, NothingStandsBehindANul) {
 }
 
 TEST(JsonFile, ObjectsMayBeLimited) {
-  EXPECT_EQ(messageOf(R"({"a": 1, "b": {"a": 2, "b": 3}})", 2), "");
-  EXPECT_THAT(messageOf(R"({"a": 1, "o": {"a": 2, "b": 3, "c": 4}})", 2),
+  EXPECT_EQ(messageOf(R"({"a": 1, "b": {"a": 2, "b": 3}})", {.members = 2}), "");
+  EXPECT_THAT(messageOf(R"({"a": 1, "o": {"a": 2, "b": 3, "c": 4}})", {.members = 2}),
               HasSubstr("an object of more than 2 members in o"));
+}
+
+TEST(JsonFile, ItsValuesAreCountedBeforeTheyAreMade) {
+  std::string text = "[[]";
+  for (int i = 1; i < 100'000; ++i) text += ",[]";
+  text += "]";
+  EXPECT_EQ(messageOf(text, {.memory = 10 << 20}), "");
+  EXPECT_THAT(messageOf(text, {.memory = 9 << 20}),
+              HasSubstr("its 0 MB of JSON need about 9 MiB, more than the 9 MiB allowed"));
+}
+
+TEST(JsonFile, TheOutermostObjectAlone) {
+  const TempFolder folder;
+  writeBytes(folder / "a.json",
+             R"({"a": 1, "b": {"a": 2}, "c": [{"d": 1}, 3], "e": "f", "g": []})");
+  EXPECT_EQ(readOutermostJson(folder / "a.json").value().dump(),
+            R"({"a":1,"b":null,"c":null,"e":"f","g":null})");
+  writeBytes(folder / "a.json", R"([1, {"a": 2}])");
+  EXPECT_TRUE(readOutermostJson(folder / "a.json").value().is_array());
+  writeBytes(folder / "a.json", R"({"a": 1, "b": })");
+  EXPECT_FALSE(readOutermostJson(folder / "a.json"));
+}
+
+TEST(JsonFile, EachText) {
+  const TempFolder folder;
+  writeBytes(folder / "a.json", R"({"a": "1", "b": {"a": ["2", ["3", 4]]}, "c": [{"d": "5"}, 3]})");
+  std::string all;
+  const auto add = [&](const std::string& text) { all += text; };
+  EXPECT_TRUE(forEachJsonText(folder / "a.json", add));
+  EXPECT_EQ(all, "1235");
+  writeBytes(folder / "a.json", R"("6")");
+  EXPECT_TRUE(forEachJsonText(folder / "a.json", add));
+  EXPECT_EQ(all, "12356");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <optional>
 
 #include "volute/base/assert.hpp"
@@ -340,6 +341,28 @@ std::vector<double> statedTimes(const std::vector<LatticeFile>& files,
     return {};
   }
   return times;
+}
+
+/// What a collection says against its files: a time that the file states otherwise, or one file at
+/// two times; empty: nothing.
+std::string contradictionOf(const std::vector<LatticeFile>& files,
+                            const std::vector<LatticeFrame>& frames) {
+  std::map<std::filesystem::path, double> known;
+  std::string remark;
+  for (std::size_t i = 0; i < files.size() && remark.empty(); ++i) {
+    if (!files[i].time)
+      continue;
+    const double time = *files[i].time, own = frames[i].time;
+    const auto [place, isNew] = known.try_emplace(files[i].path, time);
+    if (!isNew) {
+      remark = fmt::format("{}: is there at {:g} s and at {:g} s: is one of them another file?",
+                           files[i].path.string(), place->second, time);
+    } else if (std::isfinite(own) && std::abs(own - time) > 1e-5 * std::max(1.0, std::abs(time))) {
+      remark = fmt::format("{}: states {:g} s itself (TimeValue); the collection's {:g} s is taken",
+                           files[i].path.string(), own, time);
+    }
+  }
+  return remark;
 }
 
 /// What is wrong with data of one file of several says which frame that is.
@@ -696,6 +719,8 @@ class LatticeSource final : public RoundingSource,
         statedTimes(files_, frames, known_ ? known_->present : std::vector<bool>(), remark);
     if (!remark.empty() && options_.remark)
       options_.remark({RemarkCode::kAssumed, remark});
+    if (remark = contradictionOf(files_, frames); !remark.empty() && options_.remark)
+      options_.remark({RemarkCode::kDoubtful, remark});
     info_.fillDefaults();
   }
 

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <map>
 #include <set>
 #include <span>
 
@@ -517,6 +518,7 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
   }
   std::ranges::stable_sort(files, {}, &TimedFile::time);
   FilesAsWritten written;
+  std::map<std::filesystem::path, double> known;
   for (const TimedFile& file : files) {
     if (!source.times_.empty() && source.times_.back() == file.time) {
       return fail(ErrorCode::kInvalidData,
@@ -525,7 +527,15 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
                   path.string(), source.instants_.back().file.filename().string(),
                   file.path.string(), file.time);
     }
-    source.instants_.push_back({written.find(path.parent_path(), file.path.string()), 0});
+    const auto found = written.find(path.parent_path(), file.path.string());
+    if (const auto [place, isNew] = known.try_emplace(found, file.time);
+        !isNew && source.repeated_.empty()) {
+      source.repeated_ = fmt::format(
+          "{} is there at {:g} s and at {:g} s: is one of them another "
+          "file?",
+          file.path.string(), place->second, file.time);
+    }
+    source.instants_.push_back({found, 0});
     source.times_.push_back(file.time);
   }
   if (source.instants_.empty())

@@ -88,6 +88,9 @@ class MeshSource {
   /// What absent() comes to, as a sentence; empty: nothing is absent.
   std::string absentText() const;
 
+  /// One file that is named for two times, as a sentence; empty: there is none.
+  std::string repeatedText() const { return repeated_; }
+
   /// The names of the fields at each time, where that is told without reading them: of each file of
   /// a .pvd (of absent ones too), of each time's folder of OpenFOAM; else empty.
   std::vector<std::vector<std::string>> fieldNames() const;
@@ -120,6 +123,7 @@ class MeshSource {
   std::vector<Instant> instants_;
   std::vector<double> absent_;
   std::string absentWhat_;  // what is absent then
+  std::string repeated_;
   std::vector<std::vector<MeshFieldSummary>> fieldLists_;
   // What the first frame that was read settled for all.
   std::string settledField_;

@@ -109,6 +109,19 @@ TEST(MeshSource, AFieldThatIsAbsentAtATimeIsLeftOutThere) {
   EXPECT_EQ(neither.times().size(), 3U) << "reading says what there is";
 }
 
+TEST(MeshSource, AFileThatIsThereAtTwoTimesIsTold) {
+  const TempFolder folder;
+  write(folder / "a.vtu", vtu("1 2 3 4 5 6"));
+  write(folder / "b.vtu", vtu("1 2 3 4 5 7"));
+  const SeriesFile files[] = {{"a.vtu", 0}, {"b.vtu", 1}, {"a.vtu", 2.5}};
+  ASSERT_TRUE(testing::ok(writePvd(folder / "s.pvd", files)));
+  ASSERT_VALUE(const auto source, MeshSource::open(folder / "s.pvd"));
+  EXPECT_THAT(source.repeatedText(), HasSubstr("a.vtu is there at 0 s and at 2.5 s"));
+  ASSERT_TRUE(testing::ok(writePvd(folder / "s.pvd", std::span(files).first(2))));
+  ASSERT_VALUE(const auto once, MeshSource::open(folder / "s.pvd"));
+  EXPECT_EQ(once.repeatedText(), "");
+}
+
 TEST(MeshSource, AFieldOfCellsIsNotOneOfPoints) {
   const TempFolder folder;
   write(folder / "a.vtu", vtu("1 2 3 4 5 6"));

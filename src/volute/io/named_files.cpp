@@ -7,7 +7,6 @@
 #include <climits>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -31,21 +30,14 @@ class OutsideFinder {
     constexpr std::size_t kMaxFiles = 1000;
     if (seen_.size() == kMaxFiles || !seen_.insert(fs::weakly_canonical(file, error)).second)
       return;
-    if (const auto json = readJson(file))
-      add(*json, folderOf(file));
+    const fs::path folder = folderOf(file);
+    // What is wrong with it is said when it is read.
+    (void)forEachJsonText(file, [&](const std::string& text) { addText(text, folder); });
   }
 
   std::vector<std::string> found() && { return std::move(found_); }
 
  private:
-  void add(const nlohmann::json& json, const fs::path& folder) {
-    if (json.is_structured()) {
-      for (const auto& member : json) add(member, folder);
-    } else if (json.is_string()) {
-      addText(json.get_ref<const std::string&>(), folder);
-    }
-  }
-
   void addText(const std::string& text, const fs::path& folder) {
     if (text.empty() || text.find('\0') != text.npos || isTooLong(text))
       return;
@@ -112,26 +104,17 @@ class OutsideFinder {
   std::vector<std::string> found_;
 };
 
-void addTexts(const nlohmann::json& json, const fs::path& folder, std::vector<std::string>& names) {
-  if (json.is_string()) {
-    if (const auto& text = json.get_ref<const std::string&>(); !text.empty())
-      names.push_back((folder / text).string());
-    return;
-  }
-  for (const auto& member : json) {
-    if (member.is_string() || member.is_structured())
-      addTexts(member, folder, names);
-  }
-}
-
 }  // namespace
 
 std::vector<std::string> filesNamedIn(const std::string& file) {
   std::vector<std::string> names;
   if (extensionOf(file) != ".json")
     return names;
-  if (const auto json = readJson(file))
-    addTexts(*json, fs::path(file).parent_path(), names);
+  const fs::path folder = fs::path(file).parent_path();
+  (void)forEachJsonText(file, [&](const std::string& text) {
+    if (!text.empty())
+      names.push_back((folder / text).string());
+  });
   return names;
 }
 

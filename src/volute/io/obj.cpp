@@ -78,6 +78,8 @@ constexpr std::string_view kObjWords[] = {
     "hole",     "scrv",       "sp",        "end",    "con",    "bzp",   "bsp",   "cdc",
     "cdp",      "res",        "call",      "csh",    "fo",     "vw",    "t"};
 
+constexpr std::string_view kObjLines[] = {"p", "l", "curv", "curv2"};
+
 /// What is read of materials, in lower case as some write it. Exporters add words of their own, so
 /// others are passed over, but for what may be one of these with a slip.
 constexpr std::string_view kMtlRead[] = {"newmtl", "kd", "ke"};
@@ -102,6 +104,34 @@ std::string unknownWord(std::string_view word, std::span<const std::string_view>
                      near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
 }
 
+/// The unit that a comment near the file's begin names, if it is not metres.
+std::string unitInComments(std::string_view text) {
+  constexpr std::string_view kUnits[] = {
+      "mm",   "millimeter", "millimetre", "cm",   "centimeter", "centimetre", "in",
+      "inch", "ft",         "foot",       "feet", "yard",       "km",         "kilometer"};
+  constexpr std::size_t kBegin = 64 << 10;
+  text = text.substr(0, kBegin);
+  while (!text.empty()) {
+    std::string line = lowered(text.substr(0, text.find('\n')));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    if (!line.starts_with('#') || line.find("unit") == line.npos)
+      continue;
+    std::ranges::replace_if(line, [](unsigned char c) { return c < 'a' || c > 'z'; }, ' ');
+    std::string_view rest = line;
+    bool said = false;
+    while (!rest.empty()) {
+      const std::string_view word = nextWord(rest);
+      said = said || word == "unit" || word == "units";
+      const auto names = [&](std::string_view unit) {
+        return word == unit || (unit.size() > 2 && word.starts_with(unit));
+      };
+      if (said && std::ranges::any_of(kUnits, names))
+        return std::string(word);
+    }
+  }
+  return "";
+}
+
 class ObjReader {
  public:
   ObjReader(std::filesystem::path path, std::uint64_t maxMemory)
@@ -118,6 +148,23 @@ class ObjReader {
       return fail(ErrorCode::kInvalidData, "{}: has no faces; expected an .obj file with v and f",
                   path_.string());
     }
+    if (const std::string unit = unitInComments(text); !unit.empty())
+      mesh_.remarks.push_back(fmt::format(
+          "a comment says that its unit is {}; taken as metres: a transform scales it", unit));
+    if (!unknown_.empty())
+      mesh_.remarks.push_back(fmt::format(
+          "the material '{}' is {}; what names it has the default colour", printable(unknown_),
+          missing_.empty() ? "not there" : "in " + printable(missing_) + ", which is not there"));
+    if (!bright_.empty())
+      mesh_.remarks.push_back(fmt::format(
+          "a surface of {} reflects more light than it gets; expected shares of 0 to 1", bright_));
+    if (hasLines_)
+      mesh_.remarks.push_back("its points, lines and curves are not drawn, its faces alone");
+    if (hasMaps_)
+      mesh_.remarks.push_back(
+          "pictures as colours (map_Kd, map_Ke) are not drawn, Kd and Ke alone");
+    if (isClear_)
+      mesh_.remarks.push_back("materials that let light through (d, Tr) are drawn opaque");
     return std::move(mesh_);
   }
 
@@ -134,8 +181,11 @@ class ObjReader {
     if (keyword == "f" || keyword == "fo")  // as the format's first version called it
       return addFace(rest, line);
     if (keyword == "usemtl") {
-      const auto found = named_.find(trimmedName(rest));
+      const std::string name = trimmedName(rest);
+      const auto found = named_.find(name);
       material_ = found == named_.end() ? 0 : found->second;
+      if (found == named_.end() && unknown_.empty() && name != "None" && name != "(null)")
+        unknown_ = name;
     } else if (keyword == "mtllib") {
       while (!rest.empty()) {
         const std::string_view name = nextWord(rest);
@@ -147,6 +197,8 @@ class ObjReader {
                    keyword);
     } else if (keyword == "surf") {
       return fault(line, "free-form surfaces are not read; export them as polygons");
+    } else if (isOneOf(keyword, kObjLines)) {
+      hasLines_ = true;
     } else if (!isOneOf(keyword, kObjWords)) {
       return fault(line, "{}", unknownWord(keyword, kObjWords));
     }
@@ -201,8 +253,10 @@ class ObjReader {
     if (!isBelowFolder(file, folder))
       return fault(line, "'{}' is not below the file's own folder", name);
     std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error))
+    if (!std::filesystem::is_regular_file(file, error)) {
+      missing_ = missing_.empty() ? name : missing_;
       return {};
+    }
     if (!libraries_.insert(file).second)
       return {};
     VOLUTE_ASSIGN(std::string text, readText(file, maxMemory_));
@@ -227,6 +281,11 @@ class ObjReader {
             return fail(ErrorCode::kInvalidData, "{}: line {}: {}", file.string(), at,
                         unknownWord(keyword, kMtlRead));
           }
+          hasMaps_ = hasMaps_ || word == "map_kd" || word == "map_ke";
+          if (double share = 1; word == "d" || word == "tr") {
+            isClear_ =
+                isClear_ || (readNumber(nextWord(rest), share) && share != (word == "d" ? 1 : 0));
+          }
           if (current == 0 || (word != "kd" && word != "ke"))
             return {};
           Rgb color;
@@ -243,6 +302,8 @@ class ObjReader {
                         file.string(), at, keyword,
                         isMore ? "has more than three shares" : "is there twice for a material");
           }
+          if (word == "kd" && bright_.empty() && (color > 1).any())
+            bright_ = fmt::format("{} {:g} {:g} {:g}", keyword, color[0], color[1], color[2]);
           Material& material = mesh_.materials[current];
           (word == "kd" ? material.baseColor : material.emission) = color;
           return {};
@@ -266,7 +327,10 @@ class ObjReader {
   std::map<std::string, std::uint32_t> named_;
   FilesAsWritten written_;
   std::set<std::filesystem::path> libraries_;  ///< that were read
+  // The first library that is not there, such a material, and a colour above 1.
+  std::string missing_, unknown_, bright_;
   std::uint32_t material_ = 0;
+  bool hasLines_ = false, hasMaps_ = false, isClear_ = false;  ///< is there what is not drawn
 };
 
 }  // namespace

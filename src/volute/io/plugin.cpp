@@ -28,7 +28,7 @@ std::filesystem::path namedFolder() {
 /// The Debian package of a plug-in: volute-vdb has volute_io_vdb.so.
 std::string packageOf(std::string_view name) {
   constexpr std::string_view kReader = "volute_io_", kOther = "volute_";
-  if (name == "volute_io_gltf" || name == "volute_io_tiff")
+  if (name == "volute_io_gltf" || name == "volute_io_tiff" || name == "volute_io_ocio")
     return "volute";
   name.remove_prefix((name.starts_with(kReader) ? kReader : kOther).size());
   return fmt::format("volute-{}", name);
@@ -189,6 +189,11 @@ Result<const StillPlugin*> loadTiffPlugin() {
 Result<const ArrayPlugin*> loadArrayPlugin() {
   return load<ArrayPlugin>(VOLUTE_HAS_GDAL, "volute_io_gdal", "voluteArrayPlugin", "GDAL",
                            "VOLUTE_WITH_GDAL");
+}
+
+Result<const ViewPlugin*> loadViewPlugin() {
+  return load<ViewPlugin>(VOLUTE_HAS_OCIO, "volute_io_ocio", "voluteViewPlugin", "OpenColorIO",
+                          "VOLUTE_WITH_OCIO");
 }
 
 }  // namespace volute

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/image/view_transform.hpp"
 #include "volute/io/array_file.hpp"
 #include "volute/io/film.hpp"
 #include "volute/io/lattice.hpp"
@@ -28,6 +29,7 @@ namespace volute {
 [[nodiscard]] Result<const FilmPlugin*> loadFilmPlugin();
 [[nodiscard]] Result<const StillPlugin*> loadTiffPlugin();
 [[nodiscard]] Result<const ArrayPlugin*> loadArrayPlugin();
+[[nodiscard]] Result<const ViewPlugin*> loadViewPlugin();
 
 /// What `function` of another plug-in, lib/volute/NAME.so, returns, of whatever build it is: what
 /// it returns must say. `library` is what it needs, for the error.

@@ -110,27 +110,31 @@ class SharedValues {
   std::size_t mapped_ = 0;
 };
 
+/// @param memory  bytes that it may take
 template <class Function>
-Result<std::string> guarded(Function&& function) {
-  constexpr const char* kMemory =
-      "reading it needs more memory than is allowed, or the file is damaged";
+Result<std::string> guarded(std::uint64_t memory, Function&& function) {
+  const auto tooLarge = [&] {
+    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+                "reading it needs more than the {} MiB of memory allowed, or the file is damaged",
+                memory >> 20);
+  };
   try {
     return function();
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"), kMemory);
+    return tooLarge();
   } catch (const std::length_error&) {
-    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"), kMemory);
+    return tooLarge();
   } catch (const std::exception& error) {
     return fail(ErrorCode::kInvalidData, "{}", error.what());
   }
 }
 
-[[noreturn]] void serveForever(const Result<ReaderJob::Serve>& serve) {
+[[noreturn]] void serveForever(const Result<ReaderJob::Serve>& serve, std::uint64_t memory) {
   SharedValues shared;
   ReaderHeader request;
   std::string text;
   while (receiveReaderMessage(kSocket, request, text)) {
-    const auto result = guarded([&]() -> Result<std::string> {
+    const auto result = guarded(memory, [&]() -> Result<std::string> {
       if (!serve)
         return tl::unexpected<Error>(serve.error());
       return (*serve)(text, {shared.first(request.valueCount), request.valueCount});
@@ -194,7 +198,7 @@ void serveAsReader(ReaderJob::Make make, const ReaderLine& line) {
   limitMemory(line.memory);
   const Parameters parameters = readParameters();
   Result<ReaderJob::Serve> serve = fail(ErrorCode::kIo, "nothing reads it");
-  const auto made = guarded([&]() -> Result<std::string> {
+  const auto made = guarded(line.memory, [&]() -> Result<std::string> {
     serve = make(parameters.text);
     return std::string();
   });
@@ -207,7 +211,7 @@ void serveAsReader(ReaderJob::Make make, const ReaderLine& line) {
                  "system calls");
   }
 #endif
-  serveForever(serve);
+  serveForever(serve, line.memory);
 }
 
 void serveUnconfined(const ReaderJob::Serve& serve, const ReaderLine& line) {
@@ -215,7 +219,7 @@ void serveUnconfined(const ReaderJob::Serve& serve, const ReaderLine& line) {
   takeDescriptors(line);
   endWithParent();
   limitMemory(line.memory);
-  serveForever(serve);
+  serveForever(serve, line.memory);
 }
 
 }  // namespace volute::detail

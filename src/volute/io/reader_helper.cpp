@@ -39,7 +39,7 @@ pid_t forkSibling() {
       ::syscall(SYS_clone, CLONE_PARENT | SIGCHLD, nullptr, nullptr, nullptr, nullptr));
 }
 
-[[noreturn]] void helpForever(int socket) {
+[[noreturn, maybe_unused]] void helpForever(int socket) {
   for (int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) ::signal(signal, SIG_IGN);
   ::dup2(socket, 3);
   ::close_range(4, ~0U, 0);

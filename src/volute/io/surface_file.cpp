@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cstring>
+#include <sstream>
 #include <string>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/base/printable.hpp"
 #include "volute/io/lattice_source.hpp"
 #include "volute/io/level_set_surface.hpp"
 #include "volute/io/obj.hpp"
@@ -40,7 +42,9 @@ Result<ReaderProcess::Serve> serveSurfaces(std::string_view parameters) {
       VOLUTE_ASSIGN(auto read, plugin->read(file));
       mesh = std::make_shared<TriangleMesh>(std::move(read));
       const SurfaceSize size{mesh->triangles.size(), mesh->materials.size()};
-      return toMessage(size);
+      std::string reply = toMessage(size);
+      for (const std::string& remark : mesh->remarks) reply += remark + '\n';
+      return reply;
     }
     auto* to = reinterpret_cast<std::byte*>(values.data());
     const std::size_t bytes = mesh->triangles.size() * sizeof(Triangle);
@@ -88,7 +92,8 @@ Result<TriangleMesh> readInChild(const std::filesystem::path& path, std::uint64_
   const ReaderProcess::Limits limits{.memory = maxMemory,
                                      .seconds = 3 + 1e-6 * static_cast<double>(opened.size())};
   VOLUTE_ASSIGN(const std::string reply, process.call(file, {}, 0, limits));
-  VOLUTE_ASSIGN(const auto size, fromMessage<SurfaceSize>(reply));
+  const std::size_t head = std::min(reply.size(), sizeof(SurfaceSize));
+  VOLUTE_ASSIGN(const auto size, fromMessage<SurfaceSize>(std::string_view(reply).substr(0, head)));
   VOLUTE_TRY(checkMemory(file, size.triangles, maxMemory));
   if (size.materials > maxMemory / sizeof(Material))
     return fail(ErrorCode::kTooLarge, "{}: {} materials are too many", file, size.materials);
@@ -104,6 +109,9 @@ Result<TriangleMesh> readInChild(const std::filesystem::path& path, std::uint64_
     std::memcpy(static_cast<void*>(mesh.materials.data()), from + bytes,
                 size.materials * sizeof(Material));
   VOLUTE_TRY(checkSurfaces(mesh, file));
+  std::istringstream remarks(reply.substr(head));
+  for (std::string remark; std::getline(remarks, remark);)
+    mesh.remarks.push_back(printable(remark));
   return mesh;
 }
 

@@ -13,7 +13,9 @@
 namespace volute {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using testing::TempFolder;
 using testing::writeBytes;
 
@@ -83,6 +85,34 @@ TEST(Obj, MaterialsMayHaveSpacesInTheirNames) {
   ASSERT_VALUE(const auto mesh, readSurfaces(folder / "a.obj"));
   EXPECT_EQ(mesh.materials[mesh.triangles[0].material].baseColor[0], 1);
   EXPECT_EQ(mesh.materials[mesh.triangles[1].material].baseColor[1], 1);
+}
+
+TEST(Obj, WhatIsNotDrawnIsTold) {
+  const TempFolder folder;
+  const std::string faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const auto remarks = [&](const std::string& obj, const std::string& mtl) {
+    writeBytes(folder / "a.mtl", mtl);
+    writeBytes(folder / "a.obj", obj + faces);
+    const auto mesh = readSurfaces(folder / "a.obj");
+    return mesh ? mesh->remarks : std::vector<std::string>{mesh.error().message};
+  };
+  const std::string plain = "newmtl a\nKd 1 1 1\nd 1\nTr 0\n";
+  EXPECT_THAT(remarks("# units: metres\n# united in 1990\nmtllib a.mtl\n", plain), IsEmpty());
+  EXPECT_THAT(remarks("# File units = millimeters\n", plain),
+              ElementsAre(HasSubstr("its unit is millimeters; taken as metres")));
+  EXPECT_THAT(remarks("#Unit:cm\n", plain), ElementsAre(HasSubstr("its unit is cm")));
+  EXPECT_THAT(remarks("mtllib a.mtl\nusemtl a\n", plain), IsEmpty());
+  EXPECT_THAT(remarks("mtllib a.mtl\nusemtl A\n", plain),
+              ElementsAre(HasSubstr("'A' is not there")));
+  EXPECT_THAT(remarks("mtllib b.mtl\nusemtl a\n", plain),
+              ElementsAre(HasSubstr("is in b.mtl, which")));
+  EXPECT_THAT(remarks("v 1 1 1\nl 1 2\n", plain), ElementsAre(HasSubstr("lines and curves")));
+  EXPECT_THAT(remarks("mtllib a.mtl\n", plain + "newmtl b\nKd 204 51 25\n"),
+              ElementsAre(HasSubstr("a surface of Kd 204 51 25 reflects more")));
+  EXPECT_THAT(remarks("mtllib a.mtl\n", plain + "map_Kd wood.png\n"),
+              ElementsAre(HasSubstr("map_Kd, map_Ke")));
+  EXPECT_THAT(remarks("mtllib a.mtl\n", plain + "newmtl glass\nd 0.3\n"),
+              ElementsAre(HasSubstr("drawn opaque")));
 }
 
 TEST(Obj, ErrorsNameTheLine) {
@@ -191,6 +221,19 @@ TEST(Gltf, WhatIsWrittenIsRead) {
   EXPECT_EQ(read.triangles[4].corners[2], Vec3(1, 3, -2));
   EXPECT_EQ(read.materials[read.triangles[0].material].baseColor[1], 0.25);
   EXPECT_NEAR(read.materials[read.triangles[4].material].emission[0], 4, 1e-12);
+}
+
+TEST(Gltf, WhatIsNotDrawnIsTold) {
+  const TempFolder folder;
+  std::string json = sample(R"([{"mesh":0}])");
+  writeBytes(folder / "a.glb", glb(json, square()));
+  ASSERT_VALUE(const auto plain, readSurfaces(folder / "a.glb"));
+  EXPECT_THAT(plain.remarks, IsEmpty());
+  json.insert(1, R"("textures":[{"source":0}],"images":[{"uri":"wood.png"}],)");
+  json.insert(json.find(R"("emissiveFactor")"), R"("alphaMode":"BLEND",)");
+  writeBytes(folder / "a.glb", glb(json, square()));
+  ASSERT_VALUE(const auto mesh, readSurfaces(folder / "a.glb"));
+  EXPECT_THAT(mesh.remarks, ElementsAre(HasSubstr("textures"), HasSubstr("drawn opaque")));
 }
 
 TEST(Gltf, ErrorsNameTheElement) {

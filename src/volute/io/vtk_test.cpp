@@ -17,7 +17,9 @@
 namespace volute {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using testing::makeBlob;
 using testing::ok;
 using testing::readBytes;
@@ -269,6 +271,21 @@ TEST(Vtk, TheTimeThatAFileStatesIsItsTime) {
   EXPECT_EQ(other.info.times.size(), 3U);
   ASSERT_EQ(remarks.size(), 1U);
   EXPECT_THAT(remarks[0], HasSubstr("a_3.vti: states 0 s, which is not after"));
+
+  // A collection may say otherwise, or name a file twice.
+  const auto remarksOf = [&](const std::string& times) {
+    remarks.clear();
+    writeBytes(folder / "s.pvd",
+               "<VTKFile type=\"Collection\"><Collection>" + times + "</Collection></VTKFile>");
+    const auto collected = readSequence(folder / "s.pvd", options);
+    return collected ? remarks : std::vector<std::string>{collected.error().message};
+  };
+  const std::string first = R"(<DataSet timestep="2.5" file="a_1.vti"/>)";
+  EXPECT_THAT(remarksOf(first + R"(<DataSet timestep="10" file="a_2.vti"/>)"), IsEmpty());
+  EXPECT_THAT(remarksOf(first + R"(<DataSet timestep="3" file="a_2.vti"/>)"),
+              ElementsAre(HasSubstr("a_2.vti: states 10 s itself")));
+  EXPECT_THAT(remarksOf(first + R"(<DataSet timestep="3" file="a_1.vti"/>)"),
+              ElementsAre(HasSubstr("a_1.vti: is there at 2.5 s and at 3 s")));
 }
 
 TEST(Vtk, MisspeltAttributesAreRefused) {

@@ -446,11 +446,12 @@ std::vector<std::string>& faults() {
 
 Status registerOwnKind(const volute_medium_kind& kind) {
   VOLUTE_TRY(checkOwnKind(kind));
-  auto made = std::make_unique<const OwnKind>(kind);
+  static std::vector<std::unique_ptr<const OwnKind>> all;  // open scenes refer to former ones
   auto& kinds = mediumKinds();
-  const auto same = std::ranges::find(kinds, made->name(), &MediumKind::name);
+  const auto same = std::ranges::find(kinds, std::string_view(kind.name), &MediumKind::name);
   if (same == kinds.end()) {
-    kinds.insert(kinds.begin(), made.release());  // one takes every file that no other does
+    // The last kind takes every file that no other does.
+    kinds.insert(kinds.begin(), all.emplace_back(std::make_unique<const OwnKind>(kind)).get());
     return {};
   }
   if (!dynamic_cast<const OwnKind*>(*same)) {
@@ -458,7 +459,7 @@ Status registerOwnKind(const volute_medium_kind& kind) {
                 "the kind of medium '{0}': Volute has a kind '{0}' itself; expected another name",
                 kind.name);
   }
-  *same = made.release();  // open scenes refer to the former
+  *same = all.emplace_back(std::make_unique<const OwnKind>(kind)).get();
   return {};
 }
 

@@ -9,7 +9,6 @@
 
 #include "volute/base/read_text.hpp"
 #include "volute/base/remark_log.hpp"
-#include "volute/io/json_depth.hpp"
 #include "volute/io/json_file.hpp"
 #include "volute/lighting/fewer_lamps.hpp"
 #include "volute/media/light_blockers.hpp"
@@ -117,9 +116,8 @@ Result<OrderedJson> readScene(const std::string& path) {
   // Whatever is wrong with it is said there. A member of an ordered object is found by looking
   // through the others, and no object of ours has more than some tens.
   constexpr std::size_t kMaxMembers = 2000;
-  VOLUTE_TRY(readJson(path, kMaxMembers));
+  VOLUTE_TRY(readJson(path, {.members = kMaxMembers}));
   VOLUTE_ASSIGN(const auto text, readText(path));
-  VOLUTE_TRY(checkJsonDepth(text, path));
   return OrderedJson::parse(text, nullptr, false);
 }
 

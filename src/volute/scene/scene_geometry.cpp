@@ -75,6 +75,8 @@ Result<TriangleScene> loadGeometry(const std::vector<SceneGeometry>& entries,
   TriangleMesh all;
   for (const SceneGeometry& entry : entries) {
     VOLUTE_ASSIGN(auto mesh, readSurfaces(entry.file, reading.maxMemory));
+    for (const std::string& remark : mesh.remarks)
+      reading.progress.remark({RemarkCode::kDoubtful, fmt::format("{}: {}", entry.file, remark)});
     // A million triangles are 80 MB, and each copy of them costs as much as reading them.
     const Mat4 placed = isYUp(entry) ? Mat4(entry.transform * yUpwards()) : entry.transform;
     if (placed != Mat4::Identity()) {

@@ -11,6 +11,8 @@ namespace volute {
 const FieldTable& lookFields() {
   using enum FieldType;
   static constexpr std::string_view kColors[] = {"grey", "viridis", "inferno"};
+  static constexpr std::string_view kTones[] = {"automatic", "none", "filmic",
+                                                "shoulder",  "aces", "ocio"};
   static constexpr std::string_view kQualities[] = {"automatic", "full", "half", "quarter"};
   static constexpr std::string_view kRenderers[] = {"automatic", "gl", "cpu"};
   static constexpr std::string_view kCameras[] = {"orbit", "walk"};
@@ -23,6 +25,8 @@ const FieldTable& lookFields() {
        .most = 1e30},
       {.name = "colors", .type = kChoice, .access = member<&SceneLook::colors>(),
        .help = "colour map of volumes with one channel", .choices = kColors},
+      {.name = "tone", .type = kChoice, .access = member<&SceneLook::tone>(),
+       .help = "tone curve; aces and ocio (the view of $OCIO) by OpenColorIO", .choices = kTones},
       {.name = "quality", .type = kChoice, .access = member<&SceneLook::quality>(),
        .help = "resolution of the pictures", .choices = kQualities},
       {.name = "renderer", .type = kChoice, .access = member<&SceneLook::renderer>(),

@@ -15,6 +15,7 @@ struct SceneLook {
   /// [1 / radiance]; nothing: one that suits the first picture.
   std::optional<double> exposure{};
   int colors = 0;                ///< grey, viridis, inferno: of what has one channel
+  int tone = 0;                  ///< automatic, none, filmic, shoulder, ACES, OpenColorIO's
   int quality = 0;               ///< automatic, full, half, quarter
   int renderer = 0;              ///< automatic, OpenGL, CPU
   bool surfaces = true;          ///< opaque things are shown

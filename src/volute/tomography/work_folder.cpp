@@ -11,7 +11,7 @@
 #include "volute/base/input_file.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/codec/packing.hpp"
-#include "volute/io/json_depth.hpp"
+#include "volute/io/json_check.hpp"
 #include "volute/io/json_file.hpp"
 
 namespace volute {
@@ -102,7 +102,7 @@ Result<nlohmann::ordered_json> WorkFolder::record(int frame, const std::string& 
   const auto file = recordFile(path(), frame, key);
   VOLUTE_ASSIGN(const auto bytes, readFile(file));
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  VOLUTE_TRY(checkJsonDepth(text, file.string()));
+  VOLUTE_TRY(checkJson(text, file.string()));
   const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("record")) {
     return fail(ErrorCode::kInvalidData,

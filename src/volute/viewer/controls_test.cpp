@@ -69,6 +69,21 @@ TEST_F(Controls, EveryParameterOfVolumes) {
   EXPECT_EQ(app().settings().look.colors, 1);
 }
 
+TEST_F(Controls, TonesOfAPicture) {
+  open("blob.npy");
+  Image shown = picture();
+  for (const char* tone : {"none", "filmic", "shoulder", "ACES"}) {
+    ASSERT_TRUE(script_->choose("tone", tone));
+    Image now = picture();
+    if (!app().view().toneError().empty())  // without OpenColorIO
+      continue;
+    EXPECT_GT(difference(shown, now), 0.002) << tone;
+    shown = std::move(now);
+  }
+  saveAs("blob2.json");
+  EXPECT_EQ(app().settings().look.tone, 4);
+}
+
 TEST_F(Controls, EveryParameterOfFdsCases) {
   open("room.smv");
   // Which says nothing about opacities; at its first step its clock says nothing either.

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/display.hpp"
 
+#include <array>
+#include <cmath>
 #include <vector>
 
 #include "volute/gl/glsl_sources.hpp"
@@ -16,7 +18,11 @@ namespace {
 
 constexpr int kColors = 256;
 constexpr int kPictureUnit = 0, kColorsUnit = 1, kSurfacesUnit = 2, kOtherUnit = 3,
-              kOtherSurfacesUnit = 4;
+              kOtherSurfacesUnit = 4, kViewUnit = 5;
+
+/// A view is sampled by light on a scale that is linear up to kViewDark and logarithmic above.
+constexpr int kViewSide = 64;
+constexpr double kViewDark = 0.0028, kViewBright = 64;
 
 void fillColors(GLuint texture, ColorMap map) {
   std::vector<float> texels;
@@ -25,6 +31,27 @@ void fillColors(GLuint texture, ColorMap map) {
     for (int c = 0; c < 3; ++c) texels.push_back(static_cast<float>(color[c]));
   }
   glTextureSubImage2D(texture, 0, 0, 0, kColors, 1, GL_RGB, GL_FLOAT, texels.data());
+}
+
+GlTexture sampled(const ViewTransform& view) {
+  std::array<float, kViewSide> light{};
+  for (int i = 0; i < kViewSide; ++i) {
+    const double place = i / (kViewSide - 1.0) * std::log2(kViewBright / kViewDark + 1);
+    light[i] = static_cast<float>(kViewDark * (std::exp2(place) - 1));
+  }
+  std::vector<float> values;
+  for (const float blue : light)
+    for (const float green : light)
+      for (const float red : light) values.insert(values.end(), {red, green, blue});
+  view.apply(values);
+  GlTexture texture = makeTexture3d(GL_RGB16F, kViewSide, kViewSide, kViewSide);
+  glTextureParameteri(texture.name(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTextureParameteri(texture.name(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+    glTextureParameteri(texture.name(), axis, GL_CLAMP_TO_EDGE);
+  glTextureSubImage3D(texture.name(), 0, 0, 0, 0, kViewSide, kViewSide, kViewSide, GL_RGB, GL_FLOAT,
+                      values.data());
+  return texture;
 }
 
 }  // namespace
@@ -51,8 +78,9 @@ Result<Display> Display::create() {
 
 bool Display::isKept(GLuint picture, int version, const DisplayLook& look) const {
   return picture_ == picture && version_ == version && look_.exposure == look.exposure &&
-         look_.tone == look.tone && look_.map == look.map && look_.surfaces == look.surfaces &&
-         look_.other == look.other && (look_.background == look.background).all();
+         look_.tone == look.tone && look_.view == look.view && look_.map == look.map &&
+         look_.surfaces == look.surfaces && look_.other == look.other &&
+         (look_.background == look.background).all();
 }
 
 bool Display::Kept::resize(const DisplaySize& other) {
@@ -124,7 +152,15 @@ void Display::keep(GLuint picture, const DisplayLook& look) {
   const auto some = [&](GLuint texture) { return texture ? texture : picture; };
   glBindTextureUnit(kOtherUnit, some(look.other.picture));
   glBindTextureUnit(kOtherSurfacesUnit, some(look.other.surfaces));
-  program_.set("tone", static_cast<int>(look.tone));
+  if (look.view && look.view != viewOf_) {
+    view_ = sampled(*look.view);
+    viewOf_ = look.view;
+  }
+  program_.set("tone", look.view ? 4 : static_cast<int>(look.tone));
+  program_.set("view", kViewUnit);
+  program_.set("viewScale", Vec3(1 / kViewDark, 1 / std::log2(kViewBright / kViewDark + 1), 0));
+  program_.set("viewSide", static_cast<float>(kViewSide));
+  glBindTextureUnit(kViewUnit, viewOf_ ? view_.name() : 0);
   program_.set("surfaces", kSurfacesUnit);
   program_.set("opaque", look.surfaces ? 1 : 0);
   // Not smoothed: its power has edges. Some texture in any case, or a rasteriser on the CPU

@@ -14,8 +14,9 @@ namespace volute {
 /// How light becomes what a display shows.
 struct DisplayLook {
   double exposure = 1;
-  ToneCurve tone = ToneCurve::kNone;  ///< not kAgx
-  std::optional<ColorMap> map;        ///< of the first channel, 0..1 after the exposure
+  ToneCurve tone = ToneCurve::kNone;    ///< not kAgx
+  const ViewTransform* view = nullptr;  ///< instead of a tone curve
+  std::optional<ColorMap> map;          ///< of the first channel, 0..1 after the exposure
   Rgb background = Rgb::Zero();
   GLuint surfaces = 0;  ///< SurfaceDrawer's; 0: there are none
 
@@ -77,6 +78,8 @@ class Display {
   GlTexture colors_;
   GlObject<detail::destroySampler> smooth_;
   std::optional<ColorMap> map_;
+  GlTexture view_;  ///< of viewOf_, sampled
+  const ViewTransform* viewOf_ = nullptr;
   bool prepared_ = false;
   Kept kept_, enlarged_;
   GLuint picture_ = 0;

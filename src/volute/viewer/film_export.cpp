@@ -50,7 +50,7 @@ std::string FilmOrder::key() const {
   for (const double value :
        {double(width), double(height), rate, begin, end, speed, still, double(turns),
         double(renderer == ViewRenderer::kGl), double(surfaces), look.exposure, double(look.tone),
-        look.map ? double(*look.map) : -1, camera.fov(), camera.ortho()})
+        look.view ? 1.0 : 0.0, look.map ? double(*look.map) : -1, camera.fov(), camera.ortho()})
     hash.add(value);
   view(camera.eye()), view(camera.forward()), view(camera.upwards()), view(camera.pivot());
   view(Vec3(look.background.matrix()));

@@ -165,6 +165,9 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   app.window().mark("exposure");
   if (app.document().info() && app.document().info()->grey)
     combo(app, "colours", look.colors, {"grey", "viridis", "inferno"});
+  combo(app, "tone", look.tone, {"automatic", "none", "filmic", "shoulder", "ACES", "OCIO"});
+  if (!app.view().toneError().empty())
+    drawNotice({PanelNotice::Kind::kError, app.view().toneError()});
   combo(app, "quality", look.quality, {"automatic", "full", "half", "quarter"});
   combo(app, "renderer", look.renderer, {"automatic", "OpenGL", "CPU"});
   viewSlider(app);

@@ -263,7 +263,8 @@ void ViewerApp::beginReport(Image picture) {
                 view.ortho > 0 ? std::pair("ortho", fmt::format("{:.6g} m", view.ortho))
                                : std::pair("fov", fmt::format("{:.6g} degrees", view.fov)),
                 {"exposure", fmt::format("{:.6g}", view_.display().exposure)},
-                {"tone", std::string(nameOf(view_.display().tone))}};
+                {"tone", view_.display().view ? view_.display().view->name()
+                                              : std::string(nameOf(view_.display().tone))}};
   report_ = std::make_shared<ReportJob>(std::move(order));
   document_.loader().change("report",
                             [job = report_](Document& document, Progress&) -> Result<std::string> {

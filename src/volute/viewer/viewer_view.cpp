@@ -3,12 +3,14 @@
 #include "volute/viewer/viewer_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "volute/image/picture_style.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/io/color_view.hpp"
 
 namespace volute {
 
@@ -94,6 +96,18 @@ ViewLook ViewerView::look() const {
   return look;
 }
 
+const Result<const ViewTransform*>& ViewerView::colorView(int tone) const {
+  auto& view = colorViews_[tone == 4 ? 0 : 1];
+  if (!view)
+    view = openColorView(tone == 4 ? "aces" : "ocio");
+  return *view;
+}
+
+std::string ViewerView::toneError() const {
+  const int tone = settings_.look.tone;
+  return tone > 3 && !colorView(tone) ? colorView(tone).error().message : "";
+}
+
 DisplayLook ViewerView::display() const {
   DisplayLook look;
   look.exposure = exposure_.value * std::exp2(settings_.look.stops);
@@ -103,6 +117,12 @@ DisplayLook ViewerView::display() const {
   look.tone = !document->measured ? ToneCurve::kFilmic
               : document->burns   ? ToneCurve::kShoulder
                                   : ToneCurve::kNone;
+  constexpr ToneCurve kCurves[] = {ToneCurve::kNone, ToneCurve::kFilmic, ToneCurve::kShoulder};
+  const int tone = settings_.look.tone;
+  if (tone > 0 && tone <= 3)
+    look.tone = kCurves[tone - 1];
+  if (tone > 3 && colorView(tone))
+    look.tone = ToneCurve::kFilmic, look.view = *colorView(tone);
   look.background = document->background;
   if (document->grey && settings_.look.colors > 0)
     look.map = settings_.look.colors == 1 ? ColorMap::kViridis : ColorMap::kInferno;
@@ -112,6 +132,11 @@ DisplayLook ViewerView::display() const {
 Rgb ViewerView::backgroundShown() const {
   const DisplayLook look = display();
   const Rgb light = look.exposure * look.background;
+  if (look.view) {
+    std::array<float, 3> values{float(light[0]), float(light[1]), float(light[2])};
+    look.view->apply(values);
+    return {values[0], values[1], values[2]};
+  }
   const Rgb toned = toneMapped(look.tone, light);
   return toned.unaryExpr([](double v) { return srgbEncode(std::clamp(v, 0.0, 1.0)); });
 }

@@ -2,6 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
+#include <optional>
+#include <string>
+
+#include "volute/image/view_transform.hpp"
 #include "volute/viewer/camera_way.hpp"
 #include "volute/viewer/playback.hpp"
 #include "volute/viewer/viewer_settings.hpp"
@@ -49,6 +54,9 @@ class ViewerView {
 
   DisplayLook display() const;
 
+  /// Why the tone that is chosen is not shown; empty: it is.
+  std::string toneError() const;
+
   /// The background as a display shows it, 0..1.
   Rgb backgroundShown() const;
 
@@ -66,6 +74,8 @@ class ViewerView {
     bool tried = false;  ///< from a picture that was not fine
   };
 
+  /// Of SceneLook::tone.
+  const Result<const ViewTransform*>& colorView(int tone) const;
   void lookForSomething(const DocumentInfo& document);
 
   ViewerSettings& settings_;
@@ -75,6 +85,7 @@ class ViewerView {
   CameraWay way_;
   ViewPicture picture_;
   FirstExposure exposure_;
+  mutable std::array<std::optional<Result<const ViewTransform*>>, 2> colorViews_;
   bool begun_ = false;
   bool blank_ = false;  ///< the picture of this version
   int looked_ = 0;

@@ -239,9 +239,9 @@ class StudyReader {
   std::map<std::vector<std::string>, std::string> runs_;  // by options and case
 };
 
-/// Any size: it is this program's own.
+/// This program's own, which may be long.
 Result<Json> readOwnJson(const std::filesystem::path& path) {
-  VOLUTE_ASSIGN(const auto text, readText(path));
+  VOLUTE_ASSIGN(const auto text, readText(path, std::uint64_t{1} << 30));
   Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded() || !json.is_object())
     return fail(ErrorCode::kInvalidData, "{}: is no JSON object", path.string());

@@ -3,6 +3,7 @@
 #include "volute/image/compare.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "volute/cli/commands/commands.hpp"
@@ -10,6 +11,7 @@
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/image/colormap.hpp"
+#include "volute/io/frame_file.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/volume_files/volume_comparison.hpp"
 
@@ -51,15 +53,70 @@ Status writeDifference(const std::string& target, const Image& errors) {
                                 : colorMapped(errors, ColorMap::kInferno, 0, most > 0 ? most : 1));
 }
 
+/// What else two pictures differ in: pixels of another shape, other windows.
+Status remarkOnWindows(const std::string& a, const std::string& b, Progress& progress) {
+  if (extensionOf(a) != ".exr" || extensionOf(b) != ".exr")
+    return {};
+  VOLUTE_ASSIGN(const auto infoA, readFrameInfo(a));
+  VOLUTE_ASSIGN(const auto infoB, readFrameInfo(b));
+  if (infoA.parts.empty() || infoB.parts.empty())
+    return {};
+  const FramePart &partA = infoA.parts.front(), &partB = infoB.parts.front();
+  const auto window = [](const PixelWindow& w) {
+    return fmt::format("{}..{} x {}..{}", w.left, w.right - 1, w.top, w.bottom - 1);
+  };
+  const auto differ = [&](std::string_view what, const std::string& of, const std::string& other) {
+    if (of != other)
+      progress.remark(
+          {RemarkCode::kDoubtful, fmt::format("{}: {} in {}, {} in {}; stored pixels are compared",
+                                              what, of, a, other, b)});
+  };
+  differ("shape of a pixel, width / height", fmt::format("{:g}", partA.pixelAspect),
+         fmt::format("{:g}", partB.pixelAspect));
+  differ("data window", window(partA.data), window(partB.data));
+  differ("display window", window(partA.display), window(partB.display));
+  return {};
+}
+
+void remarkOnNumbers(const std::string& file, const Image& image, Progress& progress) {
+  const auto count = std::ranges::count_if(image.pixels, [](float v) { return !std::isfinite(v); });
+  if (count > 0)
+    progress.remark(
+        {RemarkCode::kDoubtful, fmt::format("{}: {} of {} values are no numbers, or infinite", file,
+                                            count, image.pixels.size())});
+}
+
+/// Adds the largest difference in alpha, where both have it.
+Status compareAlpha(const std::string& a, const std::string& b, const ImageReadOptions& options,
+                    Report& report, Progress& progress) {
+  VOLUTE_ASSIGN(const auto alphaA, readAlpha(a, options));
+  VOLUTE_ASSIGN(const auto alphaB, readAlpha(b, options));
+  if (alphaA.has_value() != alphaB.has_value()) {
+    progress.remark({RemarkCode::kDoubtful, fmt::format("{}: has alpha, {} has none: the colours "
+                                                        "alone are compared",
+                                                        alphaA ? a : b, alphaA ? b : a)});
+  }
+  if (!alphaA || !alphaB)
+    return {};
+  VOLUTE_ASSIGN(const auto difference, compareImages(*alphaA, *alphaB));
+  report.add("alpha_max_error", difference.maxError);
+  return {};
+}
+
 Result<Report> comparePictures(const std::string& a, const std::string& b,
-                               const Arguments& arguments, std::uint64_t maxMemory) {
-  const ImageReadOptions options{.maxMemory = maxMemory / 2};  // both are held
+                               const Arguments& arguments, Context& context) {
+  const ImageReadOptions options{.maxMemory = context.maxMemory / 2};  // both are held
   VOLUTE_ASSIGN(const auto imageA, readImage(a, options));
   VOLUTE_ASSIGN(const auto imageB, readImage(b, options));
   VOLUTE_ASSIGN(const auto difference, compareImages(imageA, imageB));
   if (const auto target = arguments.find<std::string>("difference"))
     VOLUTE_TRY(writeDifference(*target, largestDifferences(imageA, imageB)));
-  return compareReport(difference, a, b);
+  auto report = compareReport(difference, a, b);
+  remarkOnNumbers(a, imageA, context.progress);
+  remarkOnNumbers(b, imageB, context.progress);
+  VOLUTE_TRY(remarkOnWindows(a, b, context.progress));
+  VOLUTE_TRY(compareAlpha(a, b, options, report, context.progress));
+  return report;
 }
 
 Result<Report> compareVolumes(const std::string& a, const std::string& b,
@@ -100,9 +157,8 @@ Status runCompare(const Arguments& arguments, Context& context) {
                 isPicturePath(a) ? a : b, isPicturePath(a) ? b : a);
   }
   VOLUTE_TRY(refuseIdle(arguments, {readKind(a), readKind(b)}));
-  VOLUTE_ASSIGN(const auto report, isPicturePath(a)
-                                       ? comparePictures(a, b, arguments, context.maxMemory)
-                                       : compareVolumes(a, b, arguments, context));
+  VOLUTE_ASSIGN(const auto report, isPicturePath(a) ? comparePictures(a, b, arguments, context)
+                                                    : compareVolumes(a, b, arguments, context));
   context.print(report);
   return {};
 }

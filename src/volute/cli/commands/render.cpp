@@ -188,13 +188,7 @@ Result<RenderRequest> requestOf(const Arguments& arguments, const std::string& t
                                          : Aov::kNone;
   request.measured = isMeasured(arguments);
   VOLUTE_ASSIGN(request.exposure, exposureOf(arguments));
-  const auto tone = arguments.get<std::string>("tone");
-  if (tone != "auto") {
-    request.tone = tone == "filmic"     ? ToneCurve::kFilmic
-                   : tone == "agx"      ? ToneCurve::kAgx
-                   : tone == "shoulder" ? ToneCurve::kShoulder
-                                        : ToneCurve::kNone;
-  }
+  VOLUTE_TRY(takeTone(arguments.get<std::string>("tone"), request));
   request.bloom = arguments.find<double>("bloom").value_or(0);
   request.samples = arguments.get<int>("samples");
   request.shutter = arguments.find<double>("shutter").value_or(0);
@@ -312,7 +306,8 @@ Status runRender(const Arguments& arguments, Context& context) {
     Report report;
     report.add("output", target)
         .add("exposure", development.style.exposure)
-        .add("tone", std::string(nameOf(development.style.tone)));
+        .add("tone", development.style.view ? development.style.view->name()
+                                            : std::string(nameOf(development.style.tone)));
     auto json = report.json();
     json.update(stats);
     context.printJson(std::move(json));
@@ -390,14 +385,14 @@ std::vector<Option> renderOptionTable() {
                "all pictures of a sequence",
        .initial = "auto"},
       {.name = "tone",
-       .kind = kChoice,
+       .kind = kText,
        .value = "NAME",
        .help =
            "tone curve for .png and films: filmic and agx desaturate bright light, shoulder "
            "dims what is above 0.7 and keeps its hue, none clips it; auto: filmic; for measured "
-           "transmittance none, with flames shoulder",
-       .initial = "auto",
-       .choices = {"auto", "none", "filmic", "agx", "shoulder"}},
+           "transmittance none, with flames shoulder; by OpenColorIO: aces (ACES 1.0 for sRGB), "
+           "ocio, ocio:VIEW or ocio:DISPLAY/VIEW of the configuration that $OCIO names",
+       .initial = "auto"},
       {.name = "bloom",
        .kind = kNumber,
        .value = "S",

@@ -16,7 +16,10 @@ uniform int mapped;  // 1: by colours; 2: the difference from `other`, by colour
 uniform sampler2D other, otherSurfaces;  // likewise, of another picture
 uniform int otherOpaque;
 uniform float span;  // of the colours of a difference
-uniform int tone;  // ToneCurve
+uniform int tone;  // ToneCurve, or 4: as `view` has it
+uniform sampler3D view;  // code values of a display, by light on a logarithmic scale
+uniform vec3 viewScale;  // 1 / the light up to which the scale is linear, 1 / the scale's length
+uniform float viewSide;
 
 vec3 encoded(vec3 linear) {
   vec3 v = clamp(linear, 0.0, 1.0);
@@ -39,6 +42,11 @@ vec3 shoulder(vec3 v) {
   return most > knee ? v * ((knee + (1.0 - knee) * beyond / (1.0 + beyond)) / most) : v;
 }
 
+vec3 viewed(vec3 v) {
+  vec3 place = min(log2(v * viewScale.x + 1.0) * viewScale.y, 1.0);
+  return texture(view, (place * (viewSide - 1.0) + 0.5) / viewSide).rgb;
+}
+
 // Each channel becomes one of the two levels around it, by a fixed pattern.
 vec3 dithered(vec3 v) {
   vec3 level = 255.0 * v;
@@ -58,9 +66,9 @@ vec3 seenIn(sampler2D lightOf, sampler2D surfacesOf, int withSurfaces) {
 void main() {
   vec3 seen = exposure * seenIn(picture, surfaces, opaque);
   if (mapped == 0) {
-    shown = vec4(dithered(encoded(tone == 0   ? seen
-                                 : tone == 3 ? shoulder(min(max(seen, 0.0), 1e4))
-                                             : filmic(min(max(seen, 0.0), 1e4)))), 1.0);
+    vec3 light = min(max(seen, 0.0), 1e4);
+    shown = vec4(dithered(tone == 4 ? viewed(light)
+                                    : encoded(tone == 0 ? seen : tone == 3 ? shoulder(light) : filmic(light))), 1.0);
     return;
   }
   float value = seen.r;
