@@ -78,8 +78,10 @@ SceneOptions sceneOptions(const std::string& members, std::uint64_t maxMemory) {
   return options;
 }
 
-/// (name, array or Function, shape, what is said of it) of each volume in memory.
-using Volumes = std::vector<std::tuple<std::string, py::object, Shape, py::dict>>;
+/// (name, array or Function, shape, what is said of it) of each volume in memory; of a mesh (name,
+/// Mesh, None, None).
+using Volumes =
+    std::vector<std::tuple<std::string, py::object, std::optional<Shape>, std::optional<py::dict>>>;
 
 /// What it raises goes through all that reads it, and ends the call.
 ValueFunction valuesOf(const py::object& function) {
@@ -95,11 +97,42 @@ ValueFunction valuesOf(const py::object& function) {
   };
 }
 
-/// The arrays are borrowed, and kept.
+/// What volute.Mesh has checked.
+MemoryMesh meshOf(const py::object& mesh) {
+  const auto numbersIn = [](const auto& array) {
+    return std::vector(array.data(), array.data() + array.size());
+  };
+  const auto [points, corners, offsets, shapes] =
+      mesh.attr("_cells")
+          .cast<std::tuple<py::array_t<double>, py::array_t<std::int64_t>,
+                           py::array_t<std::int64_t>, py::array_t<std::uint8_t>>>();
+  MemoryMesh made;
+  for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+    const double* at = points.data(i, 0);
+    made.cells.vertices.emplace_back(at[0], at[1], at[2]);
+  }
+  made.cells.connectivity = numbersIn(corners);
+  made.cells.offsets = numbersIn(offsets);
+  for (const std::uint8_t shape : numbersIn(shapes))
+    made.cells.shapes.push_back(static_cast<CellShape>(shape));
+  made.times = mesh.attr("times").cast<std::vector<double>>();
+  using Fields = std::vector<std::tuple<std::string, bool, py::array_t<float>>>;
+  for (const auto& [name, ofCells, values] : mesh.attr("_fields").cast<Fields>()) {
+    MemoryMesh::Field& field = made.fields.emplace_back();
+    field.name = name, field.ofCells = ofCells;
+    for (py::ssize_t time = 0; time < values.shape(0); ++time)
+      field.values.emplace_back(values.data(time), values.data(time) + values.shape(1));
+  }
+  return made;
+}
+
+/// The arrays of volumes are borrowed, and kept.
 void addVolumes(MemoryVolumes& to, const Volumes& volumes) {
   for (const auto& [name, values, shape, said] : volumes) {
-    take(py::isinstance<py::array>(values) ? to.add(name, infoOf(shape, said), numbersOf(values))
-                                           : to.add(name, infoOf(shape, said), valuesOf(values)));
+    take(!shape || !said ? to.add(name, meshOf(values))
+         : py::isinstance<py::array>(values)
+             ? to.add(name, infoOf(*shape, *said), numbersOf(values))
+             : to.add(name, infoOf(*shape, *said), valuesOf(values)));
   }
 }
 

@@ -361,9 +361,10 @@ class Package(unittest.TestCase):
         for cells in (cubes, {"hexahedron": cubes[:13], "tetra": tets[(np.arange(len(tets)) % 27) >= 13]}):
             mesh = volute.Mesh(points, cells, {"smoke": smoke.astype(np.float32)})
             picture = volute.picture(mesh, **view, **said)
+            self.write_vtu(points, cells if isinstance(cells, dict) else {"hexahedron": cells}, smoke)
             self.assertGreater(np.ptp(picture), 20)
             camera = ("--eye", "5,-4,3", "--target", "1,1,1", "--fov", "40", "--size", "48x36", "--samples", "1")
-            subprocess.run([COMMAND, "render", mesh.path, "-o", self.path / "mesh.png", *camera, "--quantity", "extinction", "--field", "smoke", "--quiet"],
+            subprocess.run([COMMAND, "render", self.path / "mesh.vtu", "-o", self.path / "mesh.png", *camera, "--quantity", "extinction", "--field", "smoke", "--quiet"],
                            check=True)
             np.testing.assert_array_equal(volute.to_srgb(volute.read_image(self.path / "mesh.png")).reshape(picture.shape), picture)
         # Two times, values of cells, and a scene with a volume beside it.
@@ -372,15 +373,29 @@ class Package(unittest.TestCase):
         np.testing.assert_array_equal(scene.times[:2], [0, 0.04])
         looked = [volute.Sight(mesh, **said).look([1, -1, 1], [1, 3, 1], time)["depth"][0] for time in (0, 1)]
         np.testing.assert_allclose(looked, [2, 4], rtol=1e-5)
-        folder = os.path.dirname(mesh.path)
-        del mesh, scene
-        self.assertFalse(os.path.exists(folder))
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(scene)).picture(2.5, size=(48, 36)), scene.picture(2.5, size=(48, 36)))
+        # Temperature serves doses, as that of a file does.
+        mesh = volute.Mesh(points, tets, {"smoke": smoke, "T": 300 + points[:, 0]})
+        engine = volute.Engine(mesh, [{"name": "exit", "position": [1.9, 1, 1], "normal": [-1, 0, 0]}],
+                               criteria=[{"kind": "temperature", "limit": 60}], **said)
+        np.testing.assert_allclose(engine.dose([1], [[1.25, 1, 1]], 0)["temperature"], 301.25 - 273.15, rtol=1e-4)
         for what, arguments in (("points: shape", (points[:, :2], tets, {"a": smoke})), ("finite", (points * np.nan, tets, {"a": smoke})),
                                 ("a corner is 64; there are 64 points", (points, tets + 1, {"a": smoke})), ("whole numbers", (points, tets * 1.0, {"a": smoke})),
                                 ("are masked", (np.ma.masked_less(points, 0.1), tets, {"a": smoke})), ("shape \\(3,\\)", (points, tets, {"a": smoke[:3]})),
                                 ("no fields", (points, tets)), ("'line'", (points, {"line": tets[:, :2]}, {"a": smoke}))):
             with self.assertRaisesRegex(ValueError, what):
                 volute.Mesh(*arguments)
+
+    def write_vtu(self, points, cells, smoke):
+        def data(kind, name, values, more=""):
+            return f'<DataArray type="{kind}" Name="{name}" format="ascii"{more}>{" ".join(map(str, np.ravel(values).tolist()))}</DataArray>'
+        counts = np.concatenate([np.full(len(of_kind), of_kind.shape[1]) for of_kind in cells.values()])
+        types = np.concatenate([np.full(len(of_kind), {"tetra": 10, "hexahedron": 12}[kind]) for kind, of_kind in cells.items()])
+        (self.path / "mesh.vtu").write_text(
+            f'<VTKFile type="UnstructuredGrid" version="1.0"><UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(types)}">'
+            f'<PointData>{data("Float64", "smoke", smoke)}</PointData><Points>{data("Float64", "Points", points, " NumberOfComponents=" + chr(34) + "3" + chr(34))}'
+            f'</Points><Cells>{data("Int64", "connectivity", np.concatenate([np.ravel(of_kind) for of_kind in cells.values()]))}'
+            f'{data("Int64", "offsets", np.cumsum(counts))}{data("UInt8", "types", types)}</Cells></Piece></UnstructuredGrid></VTKFile>')
 
     def test_axes_have_the_same_names_in_files_and_arrays(self):
         plugin = SOURCE / "src/volute/io/gdal_plugin.cpp"

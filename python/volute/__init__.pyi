@@ -138,7 +138,6 @@ class Lines:
 class Mesh:
     shape: Tuple[int, int]
     times: Floats
-    path: str
     def __init__(self, points: Any, cells: Union[None, npt.ArrayLike, Dict[str, npt.ArrayLike]] = ..., fields: Optional[Dict[str, npt.ArrayLike]] = ..., *,
                  cell_fields: Optional[Dict[str, npt.ArrayLike]] = ..., times: Optional[npt.ArrayLike] = ...) -> None: ...
 

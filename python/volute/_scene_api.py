@@ -87,8 +87,7 @@ class _Volumes:
         if _vtk_values.is_grid(source):
             source = Mesh(source)
         if isinstance(source, Mesh):
-            self._sources.append(source)
-            return source.path, members
+            return self.again(source, None, None) + ".vtu", members
         if isinstance(source, Frames):
             self._sources.append(source)
             if getattr(source, "name", None) and len(getattr(source, "grids", ())) > 1:
@@ -270,7 +269,7 @@ class Scene:
         changed, as it was given with `name`, or as scene.json has it ("memory:0"); None: all."""
         self._scene.path  # says that it is closed
         if name is not None:
-            known = {f"memory:{at}": said["name"] or "density" for at, _, _, said in self._added}
+            known = {f"memory:{at}": said["name"] or "density" for at, _, _, said in self._added if said}
             changed = [file for file, own in known.items() if name in (file, own)]
             if not changed:
                 raise ValueError(f"name={name!r}: expected {' or '.join(repr(own) for own in sorted({*known, *known.values()})) or 'a scene of arrays'}")

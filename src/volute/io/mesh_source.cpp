@@ -362,7 +362,7 @@ Result<MeshData> dataIn(const MemoryMesh& mesh, std::size_t frame, const std::st
     if (&other != field)
       others.push_back(other.name);
   }
-  return MeshData{.soup = mesh.cells,
+  return MeshData{.soup = {},  // the same at all times
                   .values = field->values[frame],
                   .ofCells = field->ofCells,
                   .field = field->name,
@@ -468,6 +468,7 @@ MeshSource MeshSource::of(std::shared_ptr<const MemoryMesh> mesh, const std::fil
                           const MeshOptions& options) {
   MeshSource source;
   source.options_ = options;
+  source.path_ = name;
   source.times_ = mesh->times;
   for (std::size_t i = 0; i < mesh->times.size(); ++i) {
     source.instants_.push_back({name, i});
@@ -477,8 +478,19 @@ MeshSource MeshSource::of(std::shared_ptr<const MemoryMesh> mesh, const std::fil
   return source;
 }
 
+Result<MeshSource> MeshSource::withField(const std::string& field, Negatives negatives) const {
+  const MeshOptions options{field, negatives, options_.maxMemory};
+  if (!memory_)
+    return open(path_, options);
+  MeshSource source = of(memory_, path_, options);
+  source.mesh_ = mesh_, source.added_ = added_;
+  source.vertexFrom_ = vertexFrom_, source.cellOf_ = cellOf_;
+  return source;
+}
+
 Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const MeshOptions& options) {
   MeshSource source;
+  source.path_ = path;
   source.options_ = options;
   std::error_code error;
   if (!std::filesystem::exists(path, error))
@@ -737,6 +749,19 @@ Result<MeshData> MeshSource::dataOf(std::size_t frame, const std::string& field)
   return readMesh(instant.file, instant.index, options);
 }
 
+Status MeshSource::takeCells(const CellSoup& soup, const std::string& file) {
+  VOLUTE_ASSIGN(SplitCells split, splitCells(soup, file));
+  MeshOrder order;
+  VOLUTE_ASSIGN(mesh_, buildInSpace(soup, split, order, file));
+  added_ = std::move(split.added);
+  vertexFrom_ = std::move(order.vertexFrom);
+  cellOf_.clear();
+  cellOf_.reserve(order.tetFrom.size());
+  for (const std::int32_t from : order.tetFrom)
+    cellOf_.push_back(split.cellOf[static_cast<std::size_t>(from)]);
+  return {};
+}
+
 Result<MeshFrame> MeshSource::read(std::size_t frame) {
   VOLUTE_ASSERT(frame < instants_.size());
   const std::string file = instants_[frame].file.string();
@@ -762,19 +787,13 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
   out.ofCells = data.ofCells;
   VOLUTE_ASSIGN(out.clamped, checkField(data.values, options_.negatives,
                                         fmt::format("{}: field '{}'", file, data.field)));
-  if (!mesh_ || soup_ != data.soup) {
+  if (memory_ && !mesh_) {
+    VOLUTE_TRY(takeCells(memory_->cells, file));
+  } else if (!memory_ && (!mesh_ || soup_ != data.soup)) {
     if (mesh_)
       VOLUTE_TRY(checkScale(data.soup, frame));
-    VOLUTE_ASSIGN(SplitCells split, splitCells(data.soup, file));
-    MeshOrder order;
-    VOLUTE_ASSIGN(mesh_, buildInSpace(data.soup, split, order, file));
+    VOLUTE_TRY(takeCells(data.soup, file));
     soup_ = std::move(data.soup);
-    added_ = std::move(split.added);
-    vertexFrom_ = std::move(order.vertexFrom);
-    cellOf_.clear();
-    cellOf_.reserve(order.tetFrom.size());
-    for (const std::int32_t from : order.tetFrom)
-      cellOf_.push_back(split.cellOf[static_cast<std::size_t>(from)]);
   }
   out.mesh = mesh_;
   if (data.ofCells) {

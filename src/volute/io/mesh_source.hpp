@@ -65,6 +65,12 @@ class MeshSource {
   static MeshSource of(std::shared_ptr<const MemoryMesh> mesh, const std::filesystem::path& name,
                        const MeshOptions& options = {});
 
+  /// The same case for another field.
+  [[nodiscard]] Result<MeshSource> withField(const std::string& field, Negatives negatives) const;
+
+  /// What was opened.
+  const std::filesystem::path& path() const { return path_; }
+
   /// [s], ascending; a single file is at 0.
   std::span<const double> times() const { return times_; }
 
@@ -118,7 +124,9 @@ class MeshSource {
   void leaveOut(const Absent& isAbsent);
   [[nodiscard]] Status settleSeries(const MeshData& data, std::size_t frame);
   [[nodiscard]] Status checkScale(const CellSoup& soup, std::size_t frame) const;
+  [[nodiscard]] Status takeCells(const CellSoup& soup, const std::string& file);
 
+  std::filesystem::path path_;
   std::shared_ptr<const MemoryMesh> memory_;  // null: files
   std::vector<Instant> instants_;
   std::vector<double> absent_;
@@ -133,7 +141,7 @@ class MeshSource {
   std::vector<int> numbers_;
   MeshOptions options_;
   std::shared_ptr<const TetMesh> mesh_;  // of the last frame, made of:
-  CellSoup soup_;
+  CellSoup soup_;                        // of files
   AddedVertices added_;
   std::vector<std::int32_t> vertexFrom_;  // of each vertex: the soup's, then the added ones
   std::vector<std::int32_t> cellOf_;      // of each tet

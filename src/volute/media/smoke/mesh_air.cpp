@@ -172,7 +172,7 @@ Result<std::vector<MeshAirField>> parseMeshAir(std::string_view text) {
   return all;
 }
 
-Result<std::unique_ptr<PointField>> meshConditions(const std::string& file, std::uint64_t maxMemory,
+Result<std::unique_ptr<PointField>> meshConditions(const MeshSource& mesh,
                                                    std::string_view quantity,
                                                    std::span<const MeshAirField> named,
                                                    std::span<const MeshFieldSummary> fields) {
@@ -198,21 +198,19 @@ Result<std::unique_ptr<PointField>> meshConditions(const std::string& file, std:
   one.unit = said != named.end() ? said->unit : "";
   if (one.unit.empty()) {
     constexpr double kKelvin = 150;  // no air is as cold, nor as hot everywhere
-    const bool foam = extensionOf(file) == ".foam";
+    const bool foam = extensionOf(mesh.path()) == ".foam";
     one.unit = quantity == "temperature"    ? (summary->least >= kKelvin ? "K" : "C")
                : quantity == "radiant-flux" ? "kW/m2"
                : foam                       ? "kg/kg"
                                             : "mol/mol";
   }
-  MeshOptions options{one.field, Negatives::kClamp, maxMemory};
-  VOLUTE_ASSIGN(auto source, MeshSource::open(file, options));
+  VOLUTE_ASSIGN(auto source, mesh.withField(one.field, Negatives::kClamp));
   return std::make_unique<MeshPoints>(std::move(source), std::move(one),
                                       *conversionOf(*usual, one.unit));
 }
 
-Result<std::unique_ptr<PointField>> meshField(const std::string& file, std::uint64_t maxMemory,
-                                              const std::string& field) {
-  VOLUTE_ASSIGN(auto source, MeshSource::open(file, {field, Negatives::kKeep, maxMemory}));
+Result<std::unique_ptr<PointField>> meshField(const MeshSource& mesh, const std::string& field) {
+  VOLUTE_ASSIGN(auto source, mesh.withField(field, Negatives::kKeep));
   return std::make_unique<MeshPoints>(std::move(source), MeshAirField{field, field, ""},
                                       Conversion{});
 }

@@ -31,12 +31,11 @@ struct MeshAirField {
 /// kNotFound where there is none.
 /// @param fields  the case's, at its first time
 [[nodiscard]] Result<std::unique_ptr<PointField>> meshConditions(
-    const std::string& file, std::uint64_t maxMemory, std::string_view quantity,
-    std::span<const MeshAirField> named, std::span<const MeshFieldSummary> fields);
+    const MeshSource& mesh, std::string_view quantity, std::span<const MeshAirField> named,
+    std::span<const MeshFieldSummary> fields);
 
 /// A scalar field as it is stored, at the points of a case.
-[[nodiscard]] Result<std::unique_ptr<PointField>> meshField(const std::string& file,
-                                                            std::uint64_t maxMemory,
+[[nodiscard]] Result<std::unique_ptr<PointField>> meshField(const MeshSource& mesh,
                                                             const std::string& field);
 
 }  // namespace volute

@@ -11,14 +11,11 @@
 namespace volute {
 namespace {
 
-constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;  ///< of each field
-
 class MeshProbe final : public FieldProbe {
  public:
-  MeshProbe(MeshSource source, std::string file, std::string shown, std::string unit,
+  MeshProbe(MeshSource source, std::string shown, std::string unit,
             std::function<double(double)> caseTime)
       : source_(std::move(source)),
-        file_(std::move(file)),
         shown_(std::move(shown)),
         unit_(std::move(unit)),
         caseTime_(std::move(caseTime)) {}
@@ -45,24 +42,24 @@ class MeshProbe final : public FieldProbe {
     for (const MeshFieldSummary& field : described.fields) {
       if (field.components != 1)
         continue;
-      if (auto opened = meshField(file_, kMemory, field.name))
+      if (auto opened = meshField(source_, field.name))
         fields_.emplace_back(field.name, std::move(*opened));
     }
     return {};
   }
 
   MeshSource source_;
-  std::string file_, shown_, unit_;
+  std::string shown_, unit_;
   std::function<double(double)> caseTime_;
   std::vector<std::pair<std::string, std::unique_ptr<PointField>>> fields_;
 };
 
 }  // namespace
 
-std::unique_ptr<FieldProbe> meshProbe(MeshSource source, std::string file, std::string shown,
-                                      std::string unit, std::function<double(double)> caseTime) {
-  return std::make_unique<MeshProbe>(std::move(source), std::move(file), std::move(shown),
-                                     std::move(unit), std::move(caseTime));
+std::unique_ptr<FieldProbe> meshProbe(MeshSource source, std::string shown, std::string unit,
+                                      std::function<double(double)> caseTime) {
+  return std::make_unique<MeshProbe>(std::move(source), std::move(shown), std::move(unit),
+                                     std::move(caseTime));
 }
 
 }  // namespace volute

@@ -14,7 +14,7 @@ namespace volute {
 /// All scalar fields of a mesh's files, as they are stored.
 /// @param shown  the field that smoke is made of, in `unit`
 /// @param caseTime  from the scene's time to the case's [s]
-std::unique_ptr<FieldProbe> meshProbe(MeshSource source, std::string file, std::string shown,
-                                      std::string unit, std::function<double(double)> caseTime);
+std::unique_ptr<FieldProbe> meshProbe(MeshSource source, std::string shown, std::string unit,
+                                      std::function<double(double)> caseTime);
 
 }  // namespace volute

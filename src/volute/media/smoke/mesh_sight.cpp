@@ -20,7 +20,7 @@ Result<std::unique_ptr<PointField>> MeshSight::conditions(std::string_view quant
     VOLUTE_ASSIGN(auto described, smoke_->source().describe(0));
     fields_ = std::move(described.fields);
   }
-  return meshConditions(smoke_->description().file, maxMemory_, quantity, air_, *fields_);
+  return meshConditions(smoke_->source(), quantity, air_, *fields_);
 }
 
 Result<std::shared_ptr<const SightInstant>> MeshSight::readOwn(std::size_t time) {

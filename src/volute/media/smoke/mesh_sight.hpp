@@ -14,9 +14,8 @@ namespace volute {
 class MeshSight final : public SightField {
  public:
   /// @param air  fields with quantities of the air, besides those with usual names
-  MeshSight(std::shared_ptr<SmokeMedium> smoke, std::vector<MeshAirField> air,
-            std::uint64_t maxMemory)
-      : smoke_(std::move(smoke)), air_(std::move(air)), maxMemory_(maxMemory) {}
+  MeshSight(std::shared_ptr<SmokeMedium> smoke, std::vector<MeshAirField> air)
+      : smoke_(std::move(smoke)), air_(std::move(air)) {}
 
   [[nodiscard]] Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override;
 
@@ -36,7 +35,6 @@ class MeshSight final : public SightField {
  private:
   std::shared_ptr<SmokeMedium> smoke_;
   std::vector<MeshAirField> air_;
-  std::uint64_t maxMemory_;
   std::optional<std::vector<MeshFieldSummary>> fields_;  // when they were asked for
   std::shared_ptr<const TetLocator> locator_;            // of the last mesh
   std::uint64_t meshes_ = 0;                             // how many there were

@@ -176,7 +176,7 @@ nlohmann::ordered_json SmokeMedium::counts() const {
             {"light_milliseconds", counts_.lightMilliseconds}}}};
 }
 
-Result<std::unique_ptr<SightField>> SmokeMedium::sight(Reading& reading) {
+Result<std::unique_ptr<SightField>> SmokeMedium::sight(Reading&) {
   if (description_.givesC && description_.model.quantity != SmokeQuantity::kVisibility) {
     return fail(ErrorCode::kInvalidArgument,
                 "{}/C: is of a visibility field, and this holds {}; a sign's C stands with the "
@@ -185,16 +185,14 @@ Result<std::unique_ptr<SightField>> SmokeMedium::sight(Reading& reading) {
   }
   VOLUTE_ASSIGN(auto air, parseMeshAir(description_.airFields));
   auto self = std::static_pointer_cast<SmokeMedium>(shared_from_this());
-  return std::make_unique<MeshSight>(std::move(self), std::move(air), reading.maxMemory);
+  return std::make_unique<MeshSight>(std::move(self), std::move(air));
 }
 
 std::unique_ptr<FieldProbe> SmokeMedium::fieldProbe() const {
   const auto stored = source().times();
-  return meshProbe(
-      source(), description_.file, fieldName(), std::string(unitOfField(description_.model)),
-      [clock = description_.clock, times = std::vector(stored.begin(), stored.end())](double time) {
-        return clock.at(time, times);
-      });
+  return meshProbe(source(), fieldName(), std::string(unitOfField(description_.model)),
+                   [clock = description_.clock, times = std::vector(stored.begin(), stored.end())](
+                       double time) { return clock.at(time, times); });
 }
 
 double SmokeMedium::timeOf(int step) const {

@@ -119,6 +119,41 @@ TEST_F(SmokeMediumTest, AMeshInMemoryIsWhatItsFileWouldBe) {
   EXPECT_FLOAT_EQ(static_cast<float>(described->fields.at(0).most), 3 * 6e-5F);
 }
 
+TEST_F(SmokeMediumTest, AMeshInMemoryHasAirAsItsFileWould) {
+  MemoryMesh mesh = inMemory();
+  MemoryMesh::Field heat{"Temp", false, mesh.fields[0].values};
+  for (std::size_t time = 0; time < 2; ++time) {
+    for (std::size_t i = 0; i < mesh.cells.vertices.size(); ++i)
+      heat.values[time][i] = static_cast<float>(300 + 40 * time + mesh.cells.vertices[i].x());
+  }
+  mesh.fields.push_back(heat);
+  MemoryVolumes volumes;
+  ASSERT_TRUE(volumes.add("room", mesh));
+  reading_.volumes = &volumes;
+  smoke_.file = "memory:room.vtu", smoke_.field = "smoke";
+  auto smoke = opened(smoke_);
+  ASSERT_TRUE(smoke) << smoke.error().message;
+  const auto sight = (*smoke)->sight(reading_);
+  ASSERT_TRUE(sight) << sight.error().message;
+  const auto air = (*sight)->conditions("temperature");
+  ASSERT_TRUE(air) << air.error().message;
+  const Vec3 place(2.5, 3, 1);
+  double celsius = 0;
+  ASSERT_TRUE((*air)->at(1, {&place, 1}, {&celsius, 1}));
+  EXPECT_NEAR(celsius, 322.5 - 273.15, 1e-3);
+  // Cells are split once, for all times and fields.
+  MeshSource source = (*smoke)->source();
+  ASSERT_TRUE(source.read(0));
+  auto other = source.withField("Temp", Negatives::kKeep);
+  ASSERT_TRUE(other) << other.error().message;
+  EXPECT_EQ(other->read(1)->mesh, source.read(1)->mesh);
+  const auto probe = (*smoke)->fieldProbe();
+  const auto fields = probe->at(0, place);
+  ASSERT_TRUE(fields) << fields.error().message;
+  ASSERT_EQ(fields->size(), 2U);
+  EXPECT_NEAR((*fields)[1].values.at(0), 302.5, 1e-3);
+}
+
 TEST_F(SmokeMediumTest, WhatIsNoMeshInMemoryIsRefused) {
   MemoryVolumes volumes;
   const auto wrong = [&](auto&& change) {
