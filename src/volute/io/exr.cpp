@@ -264,17 +264,26 @@ Result<Image> readPart(const InputFile& file, Imf::MultiPartInputFile& exr,
 
 /// Of a frame with other channels: all that still holds.
 Imf::Header headerFor(const FramePart& part) {
-  Imf::Header header = part.attributes ? part.attributes->header : Imf::Header();
-  for (const char* gone :
-       {"tiles", "type", "name", "version", "chunkCount", "maxSamplesPerPixel", "preview", "view",
-        "multiView", "BlenderMultiChannel", "dwaCompressionLevel"})
-    header.erase(gone);
-  std::vector<std::string> mattes;
-  for (auto it = header.begin(); it != header.end(); ++it) {
-    if (std::string_view(it.name()).starts_with("cryptomatte/"))
-      mattes.emplace_back(it.name());
+  constexpr std::string_view kGone[] = {"tiles",
+                                        "type",
+                                        "name",
+                                        "version",
+                                        "chunkCount",
+                                        "maxSamplesPerPixel",
+                                        "preview",
+                                        "view",
+                                        "multiView",
+                                        "BlenderMultiChannel",
+                                        "dwaCompressionLevel"};
+  Imf::Header header;
+  if (part.attributes) {  // OpenEXR 3.1's Header::erase() does not free what it erases
+    const Imf::Header& from = part.attributes->header;
+    for (auto it = from.begin(); it != from.end(); ++it) {
+      const std::string_view name = it.name();
+      if (std::ranges::find(kGone, name) == std::end(kGone) && !name.starts_with("cryptomatte/"))
+        header.insert(it.name(), it.attribute());
+    }
   }
-  for (const std::string& matte : mattes) header.erase(matte);
   header.channels() = Imf::ChannelList();
   header.compression() = Imf::ZIP_COMPRESSION;
   header.lineOrder() = Imf::INCREASING_Y;
