@@ -11,8 +11,8 @@
 namespace volute {
 namespace {
 
-constexpr std::uint32_t kNoFace = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kFewFaces = 8;
+constexpr std::size_t kFewPixels = 1 << 16;
 
 /// Pixels by the face that they see.
 struct PixelsOfFaces {
@@ -20,14 +20,14 @@ struct PixelsOfFaces {
 
   PixelsOfFaces(std::span<const std::uint32_t> faceOf, std::size_t faces) : begin(faces + 1, 0) {
     for (const std::uint32_t face : faceOf) {
-      if (face != kNoFace)
+      if (face != WallView::kNone)
         ++begin[face + 1];
     }
     for (std::size_t f = 0; f < faces; ++f) begin[f + 1] += begin[f];
     pixels.resize(begin.back());
     std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
     for (std::size_t i = 0; i < faceOf.size(); ++i) {
-      if (faceOf[i] != kNoFace)
+      if (faceOf[i] != WallView::kNone)
         pixels[next[faceOf[i]]++] = static_cast<std::uint32_t>(i);
     }
   }
@@ -174,27 +174,35 @@ Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
       view.color.pixels[3 * pixel + c] = static_cast<float>(color[c] * light[c]);
     }
   };
-  std::vector<std::uint32_t> faceOf(lights.lamps.empty() ? 0 : view.depth.size(), kNoFace);
-  parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t y) {
-    std::vector<Segment> rays;
-    std::vector<std::size_t> pixels;
-    for (std::size_t pixel = y * width; pixel < (y + 1) * width; ++pixel) {
-      if (only.empty() || only[pixel])
-        pixels.push_back(pixel), rays.push_back(rayOf(pixel));
-    }
-    std::vector<Hit> hits(rays.size());
-    walls->nearest(rays, hits);
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-      if (!hits[i].found())
-        continue;
-      view.depth[pixels[i]] = static_cast<float>(hits[i].distance);
-      if (!faceOf.empty())
-        faceOf[pixels[i]] = hits[i].triangle;
-      show(pixels[i], lights.ambient);
-    }
-  });
-  if (lights.lamps.empty())
+  if (!only.empty() && lights.lamps.empty()) {
+    walls->look(camera, only, [&](std::size_t pixel, const Hit& hit) {
+      view.depth[pixel] = static_cast<float>(hit.distance);
+      show(pixel, lights.ambient);
+    });
     return view;
+  }
+  std::vector<std::uint32_t> some;
+  std::shared_ptr<const WallView> all;
+  if (only.empty()) {
+    all = walls->seenFrom(camera);
+    view.depth = all->depth;
+  } else {
+    some.assign(view.depth.size(), WallView::kNone);
+    walls->look(camera, only, [&](std::size_t pixel, const Hit& hit) {
+      view.depth[pixel] = static_cast<float>(hit.distance);
+      some[pixel] = hit.triangle;
+    });
+  }
+  const std::vector<std::uint32_t>& faceOf = all ? all->face : some;
+  if (lights.lamps.empty()) {
+    parallelRanges(faceOf.size(), kFewPixels, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t pixel = begin; pixel < end; ++pixel) {
+        if (faceOf[pixel] != WallView::kNone)
+          show(pixel, lights.ambient);
+      }
+    });
+    return view;
+  }
   const PixelsOfFaces seen(faceOf, walls->faces().size());
   const auto vertices = smoke.locator->mesh().vertices();
   parallelRanges(walls->faces().size(), kFewFaces, [&](std::size_t begin, std::size_t end) {

@@ -231,6 +231,43 @@ TEST(LookAtWalls, KnowsFromEarlierPictures) {
 }
 
 /// The hall's smoke once more, half as thick, as if it were another medium's; and a second lamp.
+TEST(MeshWalls, OneCamerasViewIsKeptFromItsSecondPictureOn) {
+  const View3 view{Vec3(2.3, 6.8, 2.7), Vec3(20, 5, 1), Vec3::UnitZ()};
+  const Camera camera = Camera::pinhole(view, 70, 160, 120), shifted = camera.shifted(0.25, 0);
+  const auto walls = MeshWalls::make(hall().smoke.locator->mesh());
+  ASSERT_TRUE(walls);
+  const auto first = (*walls)->seenFrom(camera), second = (*walls)->seenFrom(camera);
+  EXPECT_NE(first, second);  // a camera that moves has nothing kept for it
+  EXPECT_EQ(first->depth, second->depth);
+  EXPECT_EQ(first->face, second->face);
+  EXPECT_EQ((*walls)->seenFrom(camera), second);
+  const auto other = (*walls)->seenFrom(shifted);
+  EXPECT_NE(other, second);
+  EXPECT_NE(other->depth, second->depth);
+  EXPECT_EQ((*walls)->seenFrom(camera)->depth, second->depth);
+}
+
+TEST(LookAtWalls, IsTheSameWhetherTheViewIsKeptOrNot) {
+  const Camera camera =
+      Camera::pinhole({Vec3(2.3, 6.8, 2.7), Vec3(20, 5, 1), Vec3::UnitZ()}, 70, 64, 48);
+  SmokeState smoke = hall().smoke;
+  const auto walls = MeshWalls::make(smoke.locator->mesh());
+  ASSERT_TRUE(walls);
+  smoke.walls = *walls;
+  const std::vector<std::uint8_t> each(std::size_t{64} * 48, 1);  // one by one, nothing is kept
+  SceneLights dark;
+  dark.ambient = Rgb(0.1, 0.2, 0.3);
+  for (const SceneLights& lights : {hall().lights, dark}) {
+    const auto alone = lookAtWalls(camera, smoke, lights, Rgb::Constant(0.5), {}, each);
+    for (int picture = 0; picture < 3; ++picture) {
+      const auto kept = lookAtWalls(camera, smoke, lights, Rgb::Constant(0.5));
+      ASSERT_TRUE(alone && kept);
+      EXPECT_EQ(kept->depth, alone->depth);
+      EXPECT_EQ(kept->color.pixels, alone->color.pixels);
+    }
+  }
+}
+
 TEST(SmokeAt, IsLitThroughOtherMediaAndByWhatGlows) {
   SmokeState state = hall().smoke;
   state.albedo = Rgb(0.9, 0.8, 0.7);

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <mutex>
 
+#include "volute/base/parallel.hpp"
 #include "volute/lighting/vertex_light.hpp"
 
 namespace volute {
@@ -15,6 +17,15 @@ namespace {
 constexpr double kTolerance = 5e-4;  ///< at three points of a patch, of the light without smoke
 constexpr double kFewPoints = 12;    ///< on a patch: to walk from each costs no more
 constexpr double kInset = 1e-3;  ///< of a face: ways from its rim itself would go along other faces
+
+bool haveTheSameRays(const Camera& a, const Camera& b) {
+  return a.width() == b.width() && a.height() == b.height() && a.eye() == b.eye() &&
+         a.right() == b.right() && a.down() == b.down() && a.forward() == b.forward() &&
+         a.isOrthographic() == b.isOrthographic() && a.pixelSize() == b.pixelSize() &&
+         a.pixelWidth() == b.pixelWidth() && a.principalPoint() == b.principalPoint() &&
+         a.distortion() == b.distortion() &&
+         (a.isOrthographic() || a.intrinsics() == b.intrinsics());
+}
 
 /// What a face sees of a lamp: the cone from it, or the prism, by the planes of its sides.
 class Beam {
@@ -376,6 +387,51 @@ void MeshWalls::nearest(std::span<const Segment> segments, std::span<Hit> hits) 
       scene_.nearest({&rest, 1}, {&hits[i], 1});
     }
   }
+}
+
+void MeshWalls::look(const Camera& camera, std::span<const std::uint8_t> only,
+                     const std::function<void(std::size_t, const Hit&)>& found) const {
+  const auto width = static_cast<std::size_t>(camera.width());
+  parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t y) {
+    std::vector<Segment> rays;
+    std::vector<std::size_t> pixels;
+    for (std::size_t x = 0; x < width; ++x) {
+      const std::size_t pixel = y * width + x;
+      if (!only.empty() && !only[pixel])
+        continue;
+      pixels.push_back(pixel);
+      rays.push_back(camera.ray(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));
+    }
+    std::vector<Hit> hits(rays.size());
+    nearest(rays, hits);
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      if (hits[i].found())
+        found(pixels[i], hits[i]);
+    }
+  });
+}
+
+std::shared_ptr<const WallView> MeshWalls::seenFrom(const Camera& camera) const {
+  bool again = false;
+  {
+    const std::lock_guard lock(guard_);
+    again = lastCamera_ && haveTheSameRays(*lastCamera_, camera);
+    if (again && lastView_)
+      return lastView_;
+  }
+  const std::size_t pixels =
+      static_cast<std::size_t>(camera.width()) * static_cast<std::size_t>(camera.height());
+  auto view = std::make_shared<WallView>();
+  view->depth.assign(pixels, std::numeric_limits<float>::infinity());
+  view->face.assign(pixels, WallView::kNone);
+  look(camera, {}, [&](std::size_t pixel, const Hit& hit) {
+    view->depth[pixel] = static_cast<float>(hit.distance);
+    view->face[pixel] = hit.triangle;
+  });
+  const std::lock_guard lock(guard_);
+  lastCamera_ = camera;
+  lastView_ = again ? view : nullptr;
+  return view;
 }
 
 WallLight::WallLight() : state_(std::make_unique<State>()) {}

@@ -3,11 +3,16 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/camera/camera.hpp"
 #include "volute/geometry/triangle_scene.hpp"
 #include "volute/lighting/lamp.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
@@ -21,7 +26,15 @@ struct WallFace {
   Vec3 inwards = Vec3::UnitX();  ///< unit normal
 };
 
-/// The boundary of a mesh as walls that are seen from inside. Immutable.
+/// What the rays of all pixels of a camera meet.
+struct WallView {
+  std::vector<float> depth;         ///< [m]; infinity: no wall
+  std::vector<std::uint32_t> face;  ///< its place in MeshWalls::faces(); kNone: no wall
+
+  static constexpr std::uint32_t kNone = Hit::kNone;
+};
+
+/// The boundary of a mesh as walls that are seen from inside. Immutable. Threads may share it.
 class MeshWalls {
  public:
   /// Two faces of the boundary with an edge in common; the second is -1 where an edge is of one
@@ -40,10 +53,22 @@ class MeshWalls {
   /// The first wall on each segment of which it meets the inner side.
   void nearest(std::span<const Segment> segments, std::span<Hit> hits) const;
 
+  /// Calls found(pixel, hit) on several threads where the ray of a pixel meets a wall.
+  /// @param only  empty, or one for each pixel: those that are asked for
+  void look(const Camera& camera, std::span<const std::uint8_t> only,
+            const std::function<void(std::size_t, const Hit&)>& found) const;
+
+  /// The walls in all pixels. Of a camera that is asked for again they are kept, as long as no
+  /// other one is: smoke moves before walls that do not.
+  std::shared_ptr<const WallView> seenFrom(const Camera& camera) const;
+
  private:
   std::vector<WallFace> faces_;
   std::vector<Edge> edges_;
   TriangleScene scene_;
+  mutable std::mutex guard_;  ///< of what follows
+  mutable std::optional<Camera> lastCamera_;
+  mutable std::shared_ptr<const WallView> lastView_;  ///< null: the camera came for the first time
 };
 
 /// How much of lamps' light comes to points of walls through the smoke before them, at one time:
