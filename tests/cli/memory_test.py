@@ -8,6 +8,7 @@ import json
 import math
 import os
 import pathlib
+import resource
 import shutil
 import struct
 import subprocess
@@ -113,6 +114,26 @@ class Memory(support.TestCase):
                                                    "--rms", "0.001", "--threads", 1, "--max-memory", "48M")
             self.assertEqual(code, 0, message)
         self.assertLess(peaks["long"], peaks["short"] + (16 << 20))
+
+    @unittest.skipIf("VOLUTE_TESTS_SANITIZED" in os.environ, "a sanitizer has an allocator of its own")
+    def test_pictures_of_a_film_stay_in_the_memory_of_those_before(self):
+        self.works("synthesize", "hall", "-o", self.path("hall.pvd"), "--cell", "1.5", "--frames", 2, "--interval", 5)
+        smoke = {"kind": "smoke", "case": "hall.pvd", "field": "soot", "quantity": "soot-density", "unit": "g/m3", "walls": [0.7, 0.7, 0.7]}
+        camera = {"eye": [2.3, 6.8, 1.7], "target": [20, 6, 2.5], "fov": 58}
+        self.path("s.json").write_text(json.dumps({"format": "volute-scene-2", "camera": camera, "media": [smoke]}))
+
+        def pages(speed):
+            """That were cleared for a film of 5 s."""
+            before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_minflt
+            result = support.volute("render", self.path("s.json"), "-o", self.path("x.mp4"), "--speed", speed, "--fps", 1, "--size",
+                                    "1920x1080", "--exposure", 1)
+            if "this build has no" in result.message:
+                self.skipTest("films are not built")
+            self.assertEqual(result.code, 0, result.message)
+            return resource.getrusage(resource.RUSAGE_CHILDREN).ru_minflt - before
+
+        # Of six pictures, and of two. A picture and its samples have 26,000 pages.
+        self.assertLess(pages(1) - pages(5), 4 * 6000)
 
 
 class Held(support.TestCase):

@@ -211,6 +211,14 @@ void ignoreSignalsOfWriting() {
 
 }  // namespace
 
+void keepFreedMemory(std::size_t bytes) {
+#ifdef __GLIBC__
+  constexpr std::size_t kMin = 32 << 20, kMax = 1 << 30;  // bytes; no larger mapping in glibc
+  ::mallopt(M_MMAP_THRESHOLD, kMin);
+  ::mallopt(M_TRIM_THRESHOLD, static_cast<int>(std::clamp(bytes, kMin, kMax)));
+#endif
+}
+
 /// Streams that were closed must not become the first files that are opened. Writing to standard
 /// output stays an error; messages get lost.
 static void openClosedStreams() {
@@ -242,21 +250,10 @@ static int chooseAndRun(int argc, char** argv) {
   return parseAndRun(*command, words);
 }
 
-/// Frames, blocks and pictures come and go. If each went back to the system, a tenth to a fifth of
-/// the time would be spent on having fresh pages cleared and mapped. Readers have this from the
-/// program.
-static void keepFreedMemory() {
-#ifdef __GLIBC__
-  constexpr int kOwnMapping = 32 << 20, kTrim = 32 << 20;  // bytes; glibc takes no larger mapping
-  ::mallopt(M_MMAP_THRESHOLD, kOwnMapping);
-  ::mallopt(M_TRIM_THRESHOLD, kTrim);
-#endif
-}
-
 /// Too little memory for the command line itself, and what else comes out of a library there.
 template <class Run>
 static int sayingWhy(Run&& run) {
-  keepFreedMemory();
+  keepFreedMemory(0);
   Interrupt::explainMissingMemory();
   try {
     return run();

@@ -8,6 +8,7 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/file_kind.hpp"
 #include "volute/cli/gl_pictures.hpp"
+#include "volute/cli/program.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/shared_options.hpp"
@@ -288,6 +289,13 @@ Status checkRenderTargets(const Arguments& arguments, const std::string& target)
   return checkTarget(target);
 }
 
+/// What a picture and the samples at its edges need, the next ones need again.
+void keepPictures(const Camera& camera) {
+  constexpr std::size_t kOfAPixel = 64;  // bytes: colours, depths, light and shares of it
+  keepFreedMemory(kOfAPixel * static_cast<std::size_t>(camera.width()) *
+                  static_cast<std::size_t>(camera.height()));
+}
+
 Status runRender(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
   VOLUTE_TRY(checkRenderTargets(arguments, target));
@@ -296,6 +304,7 @@ Status runRender(const Arguments& arguments, Context& context) {
     VOLUTE_TRY(checkFolderIsShared(target, context.team));
   VOLUTE_ASSIGN(const auto request, requestOf(arguments, target));
   VOLUTE_ASSIGN(auto job, makeJob(arguments, target, request, context));
+  keepPictures(job.camera);
   VOLUTE_ASSIGN(auto development, developmentOf(request, job));
   VOLUTE_TRY(takeFileStyle(arguments, target, development));
   VOLUTE_TRY(
