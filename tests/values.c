@@ -3,6 +3,7 @@
  *
  * Values of a C program in lines of sight, and volumes from lines; tests/install_test.py builds and runs it. */
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -119,6 +120,22 @@ int main(void) {
   const volute_view view = {.size = sizeof view, .width = 16, .height = 12};
   CHECK(volute_drawing_draw(drawing, &view, pixels, sizeof pixels) == VOLUTE_OK);
   CHECK(asks > 0 && inner == VOLUTE_INVALID_ARGUMENT);
+  /* By OpenGL, and as a display of ACES, where this machine has them. */
+  unsigned char other[sizeof pixels];
+  volute_view how = view;
+  how.renderer = "gl";
+  const volute_status by_gl = volute_drawing_draw(drawing, &how, other, sizeof other);
+  CHECK(by_gl == VOLUTE_OK || by_gl == VOLUTE_UNSUPPORTED);
+  for (size_t i = 0; by_gl == VOLUTE_OK && i < sizeof pixels; ++i) CHECK(abs(pixels[i] - other[i]) <= 3);
+  how.size = offsetof(volute_view, renderer), how.renderer = "of a program that had none";
+  CHECK(volute_drawing_draw(drawing, &how, other, sizeof other) == VOLUTE_OK);
+  how.size = sizeof how, how.renderer = "rays";
+  CHECK(volute_drawing_draw(drawing, &how, other, sizeof other) == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "expected cpu or gl"));
+  how.renderer = "cpu", how.display = "aces";
+  const volute_status aces = volute_drawing_draw(drawing, &how, other, sizeof other);
+  CHECK(aces == VOLUTE_UNSUPPORTED || (aces == VOLUTE_OK && memcmp(pixels, other, sizeof pixels) != 0));
+  how.display = "acid";
+  CHECK(volute_drawing_draw(drawing, &how, other, sizeof other) == VOLUTE_INVALID_ARGUMENT);
   volute_drawing_close(drawing);
 
   /* A cube of 2 1/m in the middle, by a line through the centres of each row of voxels. */

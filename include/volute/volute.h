@@ -233,6 +233,9 @@ typedef struct volute_view {
   void* user;                        /* for it */
   double shutter; /* averages light over this share of the time to the next frame: 0.5 is 180
                      degrees. Volumes move then where members have "interpolate": "auto" */
+  const char* renderer; /* "cpu", or "gl": OpenGL 4.5; NULL: cpu */
+  const char* display;  /* instead of a tone: "aces", or "ocio", "ocio:VIEW" and "ocio:DISPLAY/VIEW"
+                           of the configuration that the environment's OCIO names; NULL: none */
 } volute_view;
 
 /* Draws a picture for a display, the pixels of the .png of `volute render`: sRGB, row 0 at the top,

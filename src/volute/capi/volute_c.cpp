@@ -21,6 +21,9 @@
 #include "volute/codec/volute_reader.hpp"
 #include "volute/film/render_request.hpp"
 #include "volute/film/write_film.hpp"
+#ifdef VOLUTE_WITH_GL
+#include "volute/gl/gl_scene_renderer.hpp"
+#endif
 #include "volute/grid/array_source.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/media/camera_file.hpp"
@@ -284,13 +287,10 @@ class CallerProgress final : public Progress {
 
 Result<RenderRequest> requestOf(const volute_view& given) {
   volute_view view{};
-  // Programs of before there was a shutter go on to work.
-  if (given.size == offsetof(volute_view, shutter))
-    std::memcpy(&view, &given, given.size);
-  else
+  // Programs of before there was a shutter, or a renderer, go on to work.
+  if (given.size != offsetof(volute_view, shutter) && given.size != offsetof(volute_view, renderer))
     VOLUTE_TRY(checkSize("volute_drawing_draw", "view", given));
-  if (given.size == sizeof(volute_view))
-    view = given;
+  std::memcpy(&view, &given, given.size);
   RenderRequest request;
   if (view.time)
     request.frames.time = *view.time;
@@ -326,6 +326,8 @@ Result<RenderRequest> requestOf(const volute_view& given) {
     request.samples = view.samples;
   if (view.tone != VOLUTE_TONE_AUTO)
     request.tone = static_cast<ToneCurve>(view.tone - VOLUTE_TONE_NONE);
+  if (view.display)
+    VOLUTE_TRY(takeTone(view.display, request));
   return request;
 }
 
@@ -355,6 +357,32 @@ Result<ResampleRequest> requestOf(const volute_resampling& how) {
   return request;
 }
 
+Result<std::unique_ptr<SceneRenderer>> rendererNamed(const std::string& name) {
+  if (name == "cpu")
+    return std::make_unique<CpuRenderer>();
+  if (name != "gl")
+    return fail(ErrorCode::kInvalidArgument, "view.renderer: '{}'; expected cpu or gl", name);
+#ifdef VOLUTE_WITH_GL
+  return createGlRenderer(false);
+#else
+  return fail(ErrorCode::kUnsupported, "view.renderer: this build has no OpenGL");
+#endif
+}
+
+/// draw() with the renderer that the view names, for it alone: a context of OpenGL belongs to its
+/// thread.
+template <class Draw>
+std::invoke_result_t<Draw> drawnBy(const volute_view& view, FilmJob& job, Draw&& draw) {
+  const bool named = view.size == sizeof(volute_view) && view.renderer;
+  if (!named)
+    return draw();
+  VOLUTE_ASSIGN(auto renderer, rendererNamed(view.renderer));
+  std::swap(job.renderer, renderer);
+  auto done = draw();
+  std::swap(job.renderer, renderer);
+  return done;
+}
+
 /// @param draw  draw(job, development, progress) gives the picture
 template <class Draw>
 Result<Image> drawn(volute_drawing& drawing, const volute_view& view, std::size_t room,
@@ -371,8 +399,10 @@ Result<Image> drawn(volute_drawing& drawing, const volute_view& view, std::size_
                 "volute_drawing_draw: room for {} values; a picture of {} x {} pixels has {}", room,
                 camera.width(), camera.height(), needed);
   }
-  VOLUTE_ASSIGN(auto development, developmentOf(request, drawing.job));
-  return draw(drawing.job, development, progress);
+  return drawnBy(view, drawing.job, [&]() -> Result<Image> {
+    VOLUTE_ASSIGN(auto development, developmentOf(request, drawing.job));
+    return draw(drawing.job, development, progress);
+  });
 }
 
 Result<FrameRequest> requestOf(const volute_film& film, const char* path) {
@@ -404,10 +434,12 @@ Status writeFilmOf(volute_drawing& drawing, const volute_view& view, const volut
   VOLUTE_ASSIGN(const auto lock, waitFor(drawing.mutex, "the drawing"));
   CallerProgress progress(view);
   const std::uint64_t maxMemory = SceneOptions().maxMemory;
-  VOLUTE_TRY(prepare(drawing.job, request, maxMemory, progress));
-  VOLUTE_ASSIGN(auto development, developmentOf(request, drawing.job));
-  Team alone;
-  return writeFilm(drawing.job, path, development, maxMemory, progress, alone);
+  return drawnBy(view, drawing.job, [&]() -> Status {
+    VOLUTE_TRY(prepare(drawing.job, request, maxMemory, progress));
+    VOLUTE_ASSIGN(auto development, developmentOf(request, drawing.job));
+    Team alone;
+    return writeFilm(drawing.job, path, development, maxMemory, progress, alone);
+  });
 }
 
 /// The scene at a stored time. It is read once; lines are looked along without the lock.

@@ -83,6 +83,7 @@ inline constexpr std::pair<std::string_view, const char*> kGermanStrings[] = {
     // The panel of the picture.
     {"exposure", "Belichtung"},
     {"colours", "Farben"},
+    {"tone", "Tonkurve"},
     {"quality", "Güte"},
     {"renderer", "gerechnet"},
     {"camera", "Kamera"},
