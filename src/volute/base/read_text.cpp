@@ -8,16 +8,17 @@
 
 namespace volute {
 
-static double mebibytes(std::uint64_t bytes) {
-  return static_cast<double>(bytes) / (1 << 20);
+static std::string sizeOf(std::uint64_t bytes) {
+  constexpr std::uint64_t kMebi = 1 << 20;
+  return bytes < kMebi ? fmt::format("{} bytes", bytes)
+                       : fmt::format("{:.4g} MiB", static_cast<double>(bytes) / kMebi);
 }
 
 Result<std::string> readText(const std::filesystem::path& path, std::uint64_t most) {
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
   if (file.size() > most) {
-    return fail(ErrorCode::kTooLarge,
-                "{}: {:.4g} MiB of text are too many; expected at most {:.4g} MiB", path.string(),
-                mebibytes(file.size()), mebibytes(most));
+    return fail(ErrorCode::kTooLarge, "{}: {} of text are too many; expected at most {}",
+                path.string(), sizeOf(file.size()), sizeOf(most));
   }
   std::string text(file.size(), '\0');
   VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
