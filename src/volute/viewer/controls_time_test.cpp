@@ -133,7 +133,7 @@ TEST_F(TimeControls, AFilmIsMadeBesideTheWindowOrNotAtAll) {
   ASSERT_TRUE(script_->click("Make film"));
   waitForFilm();
   const Film film = filmOf("film.mp4");
-  EXPECT_EQ(film.frames, 6) << "0 to 0.2 s, 25 a second";
+  EXPECT_EQ(film.frames, 251) << "10 s around what moves for 0.2 s";
   EXPECT_TRUE(film.changes);
 }
 
@@ -186,6 +186,27 @@ TEST_F(TimeControls, AFilmOnceAroundIsMadeOfAStillToo) {
   const double angle = std::numbers::pi * 2 * 125 / 251;
   EXPECT_NEAR(level(125).normalized().dot(level(0).normalized()), std::cos(angle), 1e-9);
   EXPECT_NEAR(level(125).norm(), level(0).norm(), 1e-9);
+  app().playback().cancelFilm();
+}
+
+TEST_F(TimeControls, AroundWhatMovesBrieflyTakesItsTimesAgain) {
+  FilmOrder order;
+  order.begin = 2, order.end = 2.5, order.length = 10;
+  EXPECT_EQ(order.frames(), 251);
+  EXPECT_EQ(order.timeOf(0), 2);
+  EXPECT_NEAR(order.timeOf(5), 2.2, 1e-9);
+  EXPECT_NEAR(order.timeOf(15), 2.1, 1e-9);
+  order.end = 2;
+  EXPECT_EQ(order.timeOf(100), 2);
+  open("room.smv");  // of 5 s
+  app().settings().filmName = folder_.path("around.mp4");
+  app().settings().filmTurns = true;
+  app().playback().timeline().setSpeed(4);
+  app().beginFilm(script_->input());
+  if (!app().playback().film() && !app().playback().filmFailure().empty())
+    GTEST_SKIP() << app().playback().filmFailure();
+  ASSERT_TRUE(app().playback().film());
+  EXPECT_EQ(app().playback().film()->order().frames(), 251) << "10 s, not 1.25";
   app().playback().cancelFilm();
 }
 

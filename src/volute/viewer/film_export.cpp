@@ -22,7 +22,7 @@ constexpr int kLargestSide = 8192;
 }  // namespace
 
 int FilmOrder::frames() const {
-  const double seconds = end > begin ? (end - begin) / speed : still;
+  const double seconds = length > 0 ? length : (end - begin) / speed;
   return 1 + static_cast<int>(std::floor(seconds * rate + 1e-9));
 }
 
@@ -36,7 +36,10 @@ ViewCamera FilmOrder::cameraOf(int frame) const {
 }
 
 double FilmOrder::timeOf(int frame) const {
-  return std::min(begin + frame * speed / rate, end);
+  const double since = frame * speed / rate;
+  if (length > 0)
+    return end > begin ? begin + std::fmod(since, end - begin) : begin;
+  return std::min(begin + since, end);
 }
 
 std::string FilmOrder::key() const {
@@ -48,7 +51,7 @@ std::string FilmOrder::key() const {
   const auto view = [&](const Vec3& v) { hash.add(std::span<const double>(v.data(), 3)); };
   text(target), text(content);
   for (const double value :
-       {double(width), double(height), rate, begin, end, speed, still, double(turns),
+       {double(width), double(height), rate, begin, end, speed, length, double(turns),
         double(renderer == ViewRenderer::kGl), double(surfaces), look.exposure, double(look.tone),
         look.view ? 1.0 : 0.0, look.map ? double(*look.map) : -1, camera.fov(), camera.ortho()})
     hash.add(value);

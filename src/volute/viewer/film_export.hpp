@@ -22,7 +22,7 @@ struct FilmOrder {
   double rate = 25;               ///< pictures a second
   double begin = 0, end = 0;      ///< [s] of the document
   double speed = 1;               ///< document seconds a film second
-  double still = 0;               ///< [s] of the film, of what does not move
+  double length = 0;              ///< [s] of the film, in which its times come again; 0: once
   bool turns = false;             ///< the camera goes once around what it looks at
   std::vector<CameraKey> keys{};  ///< its way; empty: it stays
   ViewCamera camera;

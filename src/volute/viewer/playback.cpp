@@ -126,7 +126,9 @@ void Playback::goOnWithFilm(const ViewPicture& picture) {
     const std::string resumed =
         kept > 0 ? fmt::format(fmt::runtime(tr("; {} pictures were kept")), kept) : "";
     const std::string lacked = film_->remark().empty() ? "" : "; " + film_->remark();
-    return endFilm(film_->order().target + " is written" + resumed + lacked);
+    const FilmOrder& order = film_->order();
+    return endFilm(fmt::format("{} is written: {:.3g} s{}{}", order.target,
+                               order.frames() / order.rate, resumed, lacked));
   }
   const auto wanted = film_->wantedTime();
   if (wanted && wanted != filmAsked_) {

@@ -22,7 +22,7 @@ namespace {
 constexpr double kRest = 0.25;         ///< [s] until surfaces are drawn exactly
 constexpr double kQuickPicture = 0.1;  ///< [s] that the CPU's first picture may take
 constexpr int kLively = 6;             ///< frames in which panels answer an event
-constexpr double kAround = 10;         ///< [s] of a film around what does not move
+constexpr double kAround = 10;         ///< [s] of a film around what moves for less than that
 constexpr double kUnseen = 0.1;        ///< [s] after which panels are drawn again while it plays
 
 /// Keys that ImGui edits text with, and goes through panels.
@@ -235,8 +235,9 @@ void ViewerApp::beginFilm(const ViewerInput& input) {
   if (settings_.follows && view_.way().leads())
     order.keys = view_.way().keys();
   order.turns = settings_.filmTurns && order.keys.empty();
-  if (order.turns && !(order.end > order.begin))
-    order.still = kAround;
+  constexpr double kBrief = 2;  // [s]: too fast for a turn, or but one picture
+  if (order.turns && (order.end - order.begin) / order.speed < kBrief)
+    order.length = kAround;
   order.camera = view_.camera();
   order.renderer = static_cast<ViewRenderer>(settings_.look.renderer);
   order.surfaces = settings_.look.surfaces;
