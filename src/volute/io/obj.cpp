@@ -107,8 +107,8 @@ std::string unknownWord(std::string_view word, std::span<const std::string_view>
 /// The unit that a comment near the file's begin names, if it is not metres.
 std::string unitInComments(std::string_view text) {
   constexpr std::string_view kUnits[] = {
-      "mm",   "millimeter", "millimetre", "cm",   "centimeter", "centimetre", "in",
-      "inch", "ft",         "foot",       "feet", "yard",       "km",         "kilometer"};
+      "mm", "millimeter", "millimetre", "cm",   "centimeter", "centimetre", "inch",
+      "ft", "foot",       "feet",       "yard", "km",         "kilometer"};
   constexpr std::size_t kBegin = 64 << 10;
   text = text.substr(0, kBegin);
   while (!text.empty()) {

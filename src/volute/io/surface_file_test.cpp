@@ -97,7 +97,10 @@ TEST(Obj, WhatIsNotDrawnIsTold) {
     return mesh ? mesh->remarks : std::vector<std::string>{mesh.error().message};
   };
   const std::string plain = "newmtl a\nKd 1 1 1\nd 1\nTr 0\n";
-  EXPECT_THAT(remarks("# units: metres\n# united in 1990\nmtllib a.mtl\n", plain), IsEmpty());
+  EXPECT_THAT(
+      remarks("# units: metres\n# Units in this file are in m\n# united in 1990\nmtllib a.mtl\n",
+              plain),
+      IsEmpty());
   EXPECT_THAT(remarks("# File units = millimeters\n", plain),
               ElementsAre(HasSubstr("its unit is millimeters; taken as metres")));
   EXPECT_THAT(remarks("#Unit:cm\n", plain), ElementsAre(HasSubstr("its unit is cm")));

@@ -49,11 +49,11 @@ std::string FilmOrder::key() const {
     hash.add(std::span<const char>(part));
   };
   const auto view = [&](const Vec3& v) { hash.add(std::span<const double>(v.data(), 3)); };
-  text(target), text(content);
+  text(target), text(content), text(look.view ? look.view->name() : "");
   for (const double value :
        {double(width), double(height), rate, begin, end, speed, length, double(turns),
         double(renderer == ViewRenderer::kGl), double(surfaces), look.exposure, double(look.tone),
-        look.view ? 1.0 : 0.0, look.map ? double(*look.map) : -1, camera.fov(), camera.ortho()})
+        look.map ? double(*look.map) : -1, camera.fov(), camera.ortho()})
     hash.add(value);
   view(camera.eye()), view(camera.forward()), view(camera.upwards()), view(camera.pivot());
   view(Vec3(look.background.matrix()));
