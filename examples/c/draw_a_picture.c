@@ -30,7 +30,7 @@ int main(int count, char** arguments) {
   static unsigned char picture[3 * WIDTH * HEIGHT], huge[3 * 4000 * 3000];
   volute_info info = {sizeof(volute_info), 1, SIDE, SIDE, SIDE, 1, 1, {0, 0, 0}, {2, 2, 2}, 0};
   volute_array array = {sizeof(volute_array), ball, "<f8", {0, 0, 0, 0, 0}};
-  volute_view view = {sizeof(volute_view), NULL, NULL, WIDTH, HEIGHT, 0, 0, 0, listen, NULL, 0};
+  volute_view view = {.size = sizeof view, .width = WIDTH, .height = HEIGHT, .progress = listen};
   volute_drawing* drawing;
   int z, y, x, stop = 0;
   FILE* file;
