@@ -319,6 +319,42 @@ class Frames(support.TestCase):
         self.assertLess(off(depth="depth.exr"), 0.05)
         self.assertLess(off(depth="fine.exr"), 0.05)
 
+    def test_edges_stay_soft_over_ground_up_to_the_horizon(self):
+        """A post before ground, whose depth grows from row to row, and before the sky: three surfaces around a pixel; and a thin post."""
+        side, horizon, sigma, fog = 8, 4, 0.02, (0.6, 0.7, 0.8)
+        self.path("camera.json").write_text(json.dumps({"eye": [-100, 0, 5], "target": [0, 0, 5], "fov": 1}))
+        looks = {"post": (0.1, 0.1, 0.12), "ground": (0.3, 0.33, 0.2), "sky": (0.2, 0.3, 0.6)}
+
+        def seen(x, y):
+            if 4.3 + 0.05 * y < x < 8.4 + 0.05 * y or 12.2 < x < 13.4:
+                return "post", 20.0
+            return ("sky", 1e10) if y < horizon else ("ground", 200 / (y - horizon + 0.4))
+
+        def through(name, z):
+            passed = math.exp(-sigma * min(z, 300))  # where the map ends
+            return [passed * light + (1 - passed) * f for light, f in zip(looks[name], fog)]
+
+        inside = [[seen(x + (i + 0.5) / side, y + (j + 0.5) / side) for i in range(side) for j in range(side)] for y in range(HEIGHT) for x in range(WIDTH)]
+        mean = lambda values: [sum(value[c] for value in values) / side ** 2 for c in range(3)]
+        clear = [mean([looks[name] for name, z in pixel]) for pixel in inside]
+        truth = [mean([through(*one) for one in pixel]) for pixel in inside]
+        write_planes(self.path("color.exr"), WIDTH, HEIGHT, {name: [pixel[c] for pixel in clear] for c, name in enumerate("RGB")})
+        self.depth({"Z": [seen(x + 0.5, y + 0.5)[1] for y in range(HEIGHT) for x in range(WIDTH)]})
+        n = 4
+        write_planes(self.path("fine.exr"), n * WIDTH, n * HEIGHT,
+                     {"Z": [seen((x + 0.5) / n, (y + 0.5) / n)[1] for y in range(n * HEIGHT) for x in range(n * WIDTH)]})
+
+        def off(*more, columns, depth="depth.exr", rows=range(HEIGHT)):
+            """The largest error of a pixel."""
+            self.works(*self.words("--fog-color", ",".join(map(str, fog)), *more, depth=depth))
+            picture = read_exr(self.path("x.exr"))
+            return max(abs(picture.at(x, y, c) - truth[y * WIDTH + x][c]) for x in columns for y in rows for c in range(3))
+
+        self.assertGreater(off("--edges", "hard", columns=range(2, 11)), 0.1)
+        self.assertLess(off(columns=range(2, 11), rows=[y for y in range(HEIGHT) if y != horizon]), 0.04)
+        self.assertLess(off(columns=(1, 2, 10, 11), rows=[horizon]), 0.01)  # ground with another row's fog would be a line
+        self.assertLess(off(columns=range(2, 16), depth="fine.exr"), 0.04)
+
     def test_visible_pictures_are_dithered(self):
         wide = 480
         self.path("camera.json").write_text(json.dumps({"eye": [-100, 0, 5], "target": [0, 0, 5], "ortho": 2}))

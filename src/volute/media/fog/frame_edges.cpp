@@ -13,20 +13,22 @@
 namespace volute {
 namespace {
 
-constexpr float kSame = 0.1F;   ///< of distances' logarithms: closer ones are of one surface
-constexpr float kSky = 1e9F;    ///< [m]
-constexpr int kReach = 2;       ///< [pixels] in which surfaces are looked for
-constexpr double kMixed = 0.5;  ///< of a pixel's colour may not be between both surfaces'
+constexpr float kSame = 0.1F;     ///< of distances' logarithms: closer ones are of one surface
+constexpr float kSky = 1e9F;      ///< [m]
+constexpr int kReach = 2;         ///< [pixels] in which surfaces are looked for
+constexpr double kMixed = 0.5;    ///< of a pixel's colour may not be between both surfaces'
+constexpr float kFlat = 0.05F;    ///< of logarithms: a neighbour's distance from that of a plane
+constexpr double kClearly = 0.5;  ///< of a rest: another explanation is better
 
 float logOf(float depth) {
   return std::log(std::clamp(depth, 1e-3F, kSky));
 }
 
-/// What is known of a picture's pixels: the range of distances, as logarithms, and whether it is
-/// that of one surface.
-struct Ranges {
+/// What is known of a picture's pixels: the logarithm of the distance, and whether only one surface
+/// is seen in and beside the pixel.
+struct Surroundings {
   int width = 0, height = 0;
-  std::vector<float> near, far;
+  std::vector<float> logs;
   std::vector<char> pure;
 
   std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
@@ -41,12 +43,13 @@ struct Ranges {
 };
 
 /// The mean colour of the pixels around one that show a surface at this distance alone.
-std::optional<Rgb> colorAt(const Image& color, const Ranges& ranges, int x, int y, float distance) {
+std::optional<Rgb> colorAt(const Image& color, const Surroundings& all, int x, int y,
+                           float distance) {
   Rgb sum = Rgb::Zero();
   double weights = 0;
-  ranges.around(x, y, kReach, [&](int i, int j) {
-    const std::size_t k = ranges.index(i, j);
-    if (!ranges.pure[k] || std::abs(ranges.near[k] - distance) > kSame)
+  all.around(x, y, kReach, [&](int i, int j) {
+    const std::size_t k = all.index(i, j);
+    if (!all.pure[k] || std::abs(all.logs[k] - distance) > kSame)
       return;
     const double weight = 1.0 / ((i - x) * (i - x) + (j - y) * (j - y) + 1);
     for (int c = 0; c < 3; ++c) sum[c] += weight * color.at(i, j, c);
@@ -65,67 +68,117 @@ void setColor(Image& color, int x, int y, const Rgb& value) {
   for (int c = 0; c < 3; ++c) color.at(x, y, c) = static_cast<float>(value[c]);
 }
 
-/// Pixels whose neighbours are at other distances are not pure.
-Ranges rangesOf(const Image& color, std::span<const float> depth) {
-  Ranges own{color.width, color.height, {}, {}, {}};
-  for (const float d : depth) own.near.push_back(logOf(d));
-  Ranges all = own;
-  all.far = own.near;
+/// A pixel and its neighbours are at about one distance, or on a plane: 1 / z is linear over the
+/// picture of one, however fast it recedes to the horizon.
+bool isPure(const Surroundings& all, int x, int y) {
+  const float own = all.logs[all.index(x, y)];
+  float near = own, far = own;
+  all.around(x, y, 1, [&](int i, int j) {
+    near = std::min(near, all.logs[all.index(i, j)]);
+    far = std::max(far, all.logs[all.index(i, j)]);
+  });
+  if (far - near <= kSame)
+    return true;
+  if (x == 0 || y == 0 || x == all.width - 1 || y == all.height - 1)
+    return false;
+  constexpr std::pair<int, int> kHalfWay[] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
+  return std::ranges::all_of(kHalfWay, [&](const auto& step) {
+    const auto& [i, j] = step;
+    const float one = all.logs[all.index(x + i, y + j)], other = all.logs[all.index(x - i, y - j)];
+    return std::abs(std::log((std::exp(own - one) + std::exp(own - other)) / 2)) <= kFlat;
+  });
+}
+
+Surroundings surroundingsOf(const Image& color, std::span<const float> depth) {
+  Surroundings all{color.width, color.height, {}, {}};
+  for (const float d : depth) all.logs.push_back(logOf(d));
   all.pure.assign(depth.size(), 1);
   parallelFor(static_cast<std::size_t>(color.height), [&](std::size_t row) {
     const int y = static_cast<int>(row);
-    for (int x = 0; x < color.width; ++x) {
-      const std::size_t k = all.index(x, y);
-      own.around(x, y, 1, [&](int i, int j) {
-        all.near[k] = std::min(all.near[k], own.near[own.index(i, j)]);
-        all.far[k] = std::max(all.far[k], own.near[own.index(i, j)]);
-      });
-      all.pure[k] = all.far[k] - all.near[k] <= kSame;
-    }
+    for (int x = 0; x < color.width; ++x) all.pure[all.index(x, y)] = isPure(all, x, y);
   });
   return all;
 }
 
-/// The colours of the two surfaces that a pixel shows, and the near one's share.
-struct Mix {
-  Rgb near, far;
-  double share = 1;
+/// What is seen in or beside a pixel.
+struct SeenSurface {
+  std::size_t pixel = 0;  ///< whose distance it has
+  float distance = 0;     ///< its logarithm
+  std::optional<Rgb> color;
 };
 
-std::optional<Mix> mixOf(const Image& color, const Ranges& ranges, int x, int y) {
-  const std::size_t k = ranges.index(x, y);
-  const auto near = colorAt(color, ranges, x, y, ranges.near[k]);
-  const auto far = colorAt(color, ranges, x, y, ranges.far[k]);
-  if (!near || !far)
-    return std::nullopt;
-  const Rgb between = *near - *far, shown = colorOf(color, x, y);
+/// The pixel's own first, then those of its neighbours, the closest pixels first.
+std::vector<SeenSurface> surfacesAt(const Image& color, const Surroundings& all, int x, int y) {
+  constexpr std::pair<int, int> kNeighbours[] = {{0, 0},  {-1, 0}, {1, 0},   {0, -1}, {0, 1},
+                                                 {-1, 1}, {1, 1},  {-1, -1}, {1, -1}};
+  std::vector<SeenSurface> surfaces;
+  for (const auto& [i, j] : kNeighbours) {
+    if (x + i < 0 || y + j < 0 || x + i >= all.width || y + j >= all.height)
+      continue;
+    const std::size_t pixel = all.index(x + i, y + j);
+    const float distance = all.logs[pixel];
+    const bool known = std::ranges::any_of(surfaces, [&](const SeenSurface& other) {
+      return std::abs(other.distance - distance) <= kSame;
+    });
+    if (!known)
+      surfaces.push_back({pixel, distance, colorAt(color, all, x, y, distance)});
+  }
+  return surfaces;
+}
+
+/// The two surfaces that a pixel shows and the near one's share.
+struct Mix {
+  Rgb near, far;
+  double share = 1, rest = 0;  ///< rest: of the pixel's colour, squared
+  std::size_t nearPixel = 0, farPixel = 0;
+};
+
+std::optional<Mix> mixOf(const Rgb& shown, const SeenSurface& near, const SeenSurface& far) {
+  const Rgb between = *near.color - *far.color;
   const double contrast = between.matrix().squaredNorm();
   if (!(contrast > 0))
     return std::nullopt;
-  Mix mix{*near, *far};
-  mix.share = std::clamp((shown - *far).matrix().dot(between.matrix()) / contrast, 0.0, 1.0);
+  Mix mix{*near.color, *far.color};
+  mix.share = std::clamp((shown - mix.far).matrix().dot(between.matrix()) / contrast, 0.0, 1.0);
   const Rgb rest = shown - (mix.share * mix.near + (1 - mix.share) * mix.far);
-  if (rest.matrix().squaredNorm() > kMixed * kMixed * contrast)
+  mix.rest = rest.matrix().squaredNorm();
+  if (mix.rest > kMixed * kMixed * contrast)
     return std::nullopt;
   mix.near += rest, mix.far += rest;
+  mix.nearPixel = near.pixel, mix.farPixel = far.pixel;
   return mix;
 }
 
-/// The distance of the pixel around one that is nearest to this one's logarithm.
-float depthNear(std::span<const float> depth, const Ranges& ranges, int x, int y, float wanted) {
-  float found = depth[ranges.index(x, y)], off = std::abs(logOf(found) - wanted);
-  ranges.around(x, y, 1, [&](int i, int j) {
-    const float here = depth[ranges.index(i, j)];
-    if (std::abs(logOf(here) - wanted) < off)
-      found = here, off = std::abs(logOf(here) - wanted);
-  });
-  return found;
+/// The pixel's distance is the mean of those of a mix, as renderers write it that filter depths.
+bool isMean(const SeenSurface& own, const SeenSurface& near, const SeenSurface& far, double share) {
+  const double mean = share * std::exp(near.distance) + (1 - share) * std::exp(far.distance);
+  return std::abs(std::log(mean) - own.distance) <= 2 * kSame;
+}
+
+/// Of the pixel's own surface and another beside it, those whose colours explain its own best.
+std::optional<Mix> mixOf(const Image& color, const Surroundings& all, int x, int y) {
+  const std::vector<SeenSurface> surfaces = surfacesAt(color, all, x, y);
+  const Rgb shown = colorOf(color, x, y);
+  const SeenSurface& own = surfaces.front();
+  std::optional<Mix> best;
+  for (const SeenSurface& one : surfaces) {
+    for (const SeenSurface& other : surfaces) {
+      if (one.distance >= other.distance || !one.color || !other.color)
+        continue;
+      const bool isOwn = &one == &own || &other == &own;
+      const auto mix = isOwn || !own.color ? mixOf(shown, one, other) : std::nullopt;
+      if (mix && (isOwn || isMean(own, one, other, mix->share)) &&
+          (!best || mix->rest < kClearly * best->rest))
+        best = mix;
+    }
+  }
+  return best;
 }
 
 }  // namespace
 
 std::vector<FrameSample> samplesOf(const Image& color, std::vector<float> depth) {
-  const Ranges ranges = rangesOf(color, depth);
+  const Surroundings all = surroundingsOf(color, depth);
   std::vector<FrameSample> samples(2, {color, std::move(depth), {}});
   FrameSample &near = samples[0], &far = samples[1];
   const std::vector<float> own = near.depth;
@@ -134,14 +187,14 @@ std::vector<FrameSample> samplesOf(const Image& color, std::vector<float> depth)
   parallelFor(static_cast<std::size_t>(color.height), [&](std::size_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < color.width; ++x) {
-      const std::size_t k = ranges.index(x, y);
-      const auto mix = ranges.pure[k] ? std::nullopt : mixOf(color, ranges, x, y);
+      const std::size_t k = all.index(x, y);
+      const auto mix = all.pure[k] ? std::nullopt : mixOf(color, all, x, y);
       if (!mix)
         continue;
       setColor(near.color, x, y, mix->near);
       setColor(far.color, x, y, mix->far);
-      near.depth[k] = depthNear(own, ranges, x, y, ranges.near[k]);
-      far.depth[k] = depthNear(own, ranges, x, y, ranges.far[k]);
+      near.depth[k] = own[mix->nearPixel];
+      far.depth[k] = own[mix->farPixel];
       near.weight[k] = static_cast<float>(mix->share);
       far.weight[k] = 1 - near.weight[k];
     }
@@ -152,14 +205,14 @@ std::vector<FrameSample> samplesOf(const Image& color, std::vector<float> depth)
 }
 
 std::vector<FrameSample> samplesOf(const Image& color, std::vector<std::vector<float>> depths) {
-  Ranges ranges{color.width, color.height, {}, {}, {}};
+  Surroundings all{color.width, color.height, {}, {}};
   const std::size_t pixels = depths.front().size(), count = depths.size();
-  ranges.near.resize(pixels), ranges.far.resize(pixels), ranges.pure.resize(pixels);
+  all.logs.resize(pixels), all.pure.resize(pixels);
   for (std::size_t k = 0; k < pixels; ++k) {
     float near = depths[0][k], far = near;
     for (const auto& depth : depths) near = std::min(near, depth[k]), far = std::max(far, depth[k]);
-    ranges.near[k] = logOf(near), ranges.far[k] = logOf(far);
-    ranges.pure[k] = ranges.far[k] - ranges.near[k] <= kSame;
+    all.logs[k] = logOf(near);
+    all.pure[k] = logOf(far) - all.logs[k] <= kSame;
   }
   std::vector<FrameSample> samples;
   for (auto& depth : depths) {
@@ -168,22 +221,29 @@ std::vector<FrameSample> samplesOf(const Image& color, std::vector<std::vector<f
   }
   parallelFor(static_cast<std::size_t>(color.height), [&](std::size_t row) {
     const int y = static_cast<int>(row);
+    std::vector<std::optional<Rgb>> found(count);
     for (int x = 0; x < color.width; ++x) {
-      const std::size_t k = ranges.index(x, y);
-      if (ranges.pure[k])
+      const std::size_t k = all.index(x, y);
+      if (all.pure[k])
         continue;
       Rgb rest = colorOf(color, x, y);
-      std::vector<Rgb> found;
-      for (const FrameSample& sample : samples) {
-        const auto one = colorAt(color, ranges, x, y, logOf(sample.depth[k]));
-        if (!one)
-          break;
-        found.push_back(*one);
-        rest -= *one / static_cast<double>(count);
+      std::size_t unknown = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        found[i] = colorAt(color, all, x, y, logOf(samples[i].depth[k]));
+        if (found[i])
+          rest -= *found[i] / static_cast<double>(count);
+        else
+          ++unknown;
       }
-      if (found.size() != count)
-        continue;
-      for (std::size_t i = 0; i < count; ++i) setColor(samples[i].color, x, y, found[i] + rest);
+      // What is thinner than a pixel has no colour of its own anywhere: it has what the others
+      // leave.
+      for (std::size_t i = 0; i < count && unknown < count; ++i) {
+        if (unknown == 0)
+          setColor(samples[i].color, x, y, *found[i] + rest);
+        else
+          setColor(samples[i].color, x, y,
+                   found[i] ? *found[i] : Rgb(rest * (double(count) / double(unknown))));
+      }
     }
   });
   return samples;
