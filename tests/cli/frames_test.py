@@ -124,6 +124,19 @@ class Frames(support.TestCase):
         self.assertNotIn("sky", message)
         self.assertEqual(struct.unpack("<4i", self.header("x.exr")["dataWindow"]), (-2, 0, WIDTH, HEIGHT + 1))
 
+    def test_a_camera_of_other_pictures_is_told(self):
+        """As Blender exports it for a frame of which it then renders a region."""
+        gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+                "nodes": [{"camera": 0, "translation": [-100, 5, 0], "rotation": [0, -0.5 ** 0.5, 0, 0.5 ** 0.5]}],
+                "cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1, "aspectRatio": WIDTH / HEIGHT}}]}
+        self.depth({"Depth.V": self.sky(1e10)})
+        words = [self.path("camera.gltf") if word == self.path("camera.json") else word for word in self.words()]
+        self.path("camera.gltf").write_text(json.dumps(gltf))
+        self.assertNotIn("as wide as high", self.works(*words).message)
+        gltf["cameras"][0]["perspective"]["aspectRatio"] = 2 * WIDTH / HEIGHT
+        self.path("camera.gltf").write_text(json.dumps(gltf))
+        self.assertIn("its pictures are 2.67 times as wide as high", self.works(*words).message)
+
     def test_a_depth_that_is_no_picture_of_it(self):
         self.path("depth.jpg").write_bytes(b"\xff\xd8\xff")
         self.assertIn("expected the depth as .exr or .png", self.fails(1, *self.words("--depth-scale", "1", depth="depth.jpg")))

@@ -27,8 +27,9 @@ struct CameraDescription {
   std::optional<double> fov;    ///< [degrees]
   std::optional<double> ortho;  ///< [m]
   std::optional<Pixels> size;
-  std::string reason{};           ///< of one that nobody asked for: what it shows
-  std::vector<CameraKey> keys{};  ///< its way, by ascending times; empty: it stays
+  std::string reason{};            ///< of one that nobody asked for: what it shows
+  std::vector<CameraKey> keys{};   ///< its way, by ascending times; empty: it stays
+  std::optional<double> aspect{};  ///< of its pictures' width and height, where a glTF states it
 
   /// The view at a time: through all keys, with one velocity of eye and target at each (cubics of
   /// Catmull and Rom over the keys' own times), at rest before the first and after the last.

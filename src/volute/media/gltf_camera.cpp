@@ -126,10 +126,15 @@ Result<CameraDescription> cameraOf(const Json& gltf, const std::string& file) {
   const bool pinhole = json->at("type") == "perspective";
   const double size = pinhole ? json->at("perspective").at("yfov").get<double>()
                               : json->at("orthographic").at("ymag").get<double>();
-  if (pinhole)
+  if (pinhole) {
     camera.fov = size * 180 / std::numbers::pi;
-  else
+    if (const auto stated = json->at("perspective").find("aspectRatio");
+        stated != json->at("perspective").end())
+      camera.aspect = stated->get<double>();
+  } else {
     camera.ortho = 2 * size;
+    camera.aspect = json->at("orthographic").at("xmag").get<double>() / size;
+  }
   if (!placed.allFinite() || !camera.view.target.allFinite() || !camera.view.up.allFinite() ||
       !(size > 0) || (pinhole && !(size < std::numbers::pi)))
     return fail(ErrorCode::kInvalidData, "{}: its camera has no place or no field of view", file);

@@ -50,6 +50,13 @@ TEST_F(GltfCamera, IsTurnedAsItsGeometryIs) {
   EXPECT_LT((camera->view.up - Vec3(0, 0, 1)).norm(), 1e-12);
   EXPECT_NEAR(*camera->fov, 0.5 * 180 / std::numbers::pi, 1e-12);
   EXPECT_FALSE(camera->ortho);
+  EXPECT_FALSE(camera->aspect);
+}
+
+TEST_F(GltfCamera, StatesTheShapeOfItsPictures) {
+  json gltf = simple();
+  gltf["cameras"][0]["perspective"]["aspectRatio"] = 1.5;
+  EXPECT_EQ(read(gltf.dump())->aspect, 1.5);
 }
 
 TEST_F(GltfCamera, WhatIsThereTwiceIsRefused) {
@@ -78,6 +85,7 @@ TEST_F(GltfCamera, OfParallelRays) {
   const auto camera = read(gltf.dump());
   ASSERT_TRUE(camera) << camera.error().message;
   EXPECT_EQ(*camera->ortho, 6);
+  EXPECT_NEAR(*camera->aspect, 4 / 3.0, 1e-12);
 }
 
 TEST_F(GltfCamera, WhatIsNotOneCameraThatStandsIsRefused) {

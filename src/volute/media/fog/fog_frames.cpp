@@ -292,7 +292,8 @@ class Distances {
 };
 
 /// Of the display window.
-Result<Camera> cameraFor(const FogFrame& frame, const FramePart& part) {
+Result<Camera> cameraFor(const FogFrame& frame, const FramePart& part,
+                         std::vector<FrameRemark>& remarks) {
   VOLUTE_ASSIGN(const auto description, readCamera(frame.camera));
   const Pixels size{part.display.width(), part.display.height()};
   if (description.size && !(*description.size == size)) {
@@ -300,6 +301,17 @@ Result<Camera> cameraFor(const FogFrame& frame, const FramePart& part) {
                 "{}: a camera of {} x {} pixels, but {} has {} x {}; expected one size",
                 frame.camera, description.size->width, description.size->height, frame.color,
                 size.width, size.height);
+  }
+  const double width = size.width * part.pixelAspect;
+  if (const double stated = description.aspect.value_or(width / size.height);
+      std::abs(stated * size.height - width) > std::max(1.5, 0.01 * width)) {
+    remarks.push_back(
+        {RemarkCode::kDoubtful, "shape",
+         fmt::format(
+             "{}: its pictures are {:.3g} times as wide as high, {} is {:.3g} times: it may "
+             "be cropped, of pixels that are not square, or another camera's; then the fog "
+             "is not where the picture shows it",
+             frame.camera, stated, frame.color, width / size.height)});
   }
   Camera camera = makeCamera(description, size);
   if (part.pixelAspect == 1)
@@ -428,7 +440,7 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
   FoggedFrame out;
   VOLUTE_ASSIGN(auto color, readColor(frame, options, reading));
   FramePart part = color.pixels.part;
-  VOLUTE_ASSIGN(const auto whole, cameraFor(frame, part));
+  VOLUTE_ASSIGN(const auto whole, cameraFor(frame, part, out.remarks));
   VOLUTE_ASSIGN(auto depth, extensionOf(frame.depth) == ".exr"
                                 ? readExrDepth(frame.depth, options, color.layer, reading.maxMemory)
                                 : readPngDepth(frame.depth, options, reading.maxMemory));
