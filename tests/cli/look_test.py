@@ -158,6 +158,17 @@ class Look(support.TestCase):
         self.assertIn("shown as smoke", said)
         said = self.works("render", self.npy("smoke.npy"), "-o", self.path("t.png"), "--size", "8x8", "--preset", "none").message
         self.assertNotIn("shown as", said)
+        # Colours of smoke: light by default, as it says.
+        write_npy(self.path("smoke3.npy"), (1, 16, 16, 16, 3), [value for value in ball(16) for _ in range(3)])
+        said = self.works("render", self.path("smoke3.npy"), "-o", self.path("t.png"), "--size", "8x8").message
+        self.assertIn("is shown as light", said)
+        self.assertIn("--preset smoke shows it as smoke", said)
+        said = self.works("render", self.path("smoke3.npy"), "-o", self.path("t.exr"), "--size", "8x8", "--preset", "smoke").message
+        self.assertIn("the mean of the three channels of", said)
+        self.works("render", self.npy("one_smoke.npy"), "-o", self.path("one.exr"), "--size", "8x8", "--preset", "smoke")
+        self.assertLess(self.works("compare", self.path("t.exr"), self.path("one.exr"), "--json").json["max_error"], 1e-3)
+        said = self.fails(2, "render", self.path("smoke3.npy"), "-o", self.path("u.png"), "--preset", "fire")
+        self.assertIn("has three, which are shown as light without it", said)
         said = self.fails(2, "render", self.npy("thing.npy"), "-o", self.path("u.png"), "--preset", "fire-and-smoke")
         self.assertIn("needs a grid of flames", said)
 

@@ -22,7 +22,7 @@ inline FieldRow scaleRow(const FieldAccess& access) {
 inline FieldRow massExtinctionRow(const FieldAccess& access) {
   return {.name = "mass_extinction", .access = access,
           .help = "extinction of 1 kg/m3 of soot (natural logarithm)", .unit = "m2/kg", .least = 0,
-          .above = true, .option = {"KM"}, .slider = {.label = "Km", .least = 1000, .most = 15000}};
+          .above = true, .option = {"KM"}, .slider = {.label = "mass ext. Km", .least = 1000, .most = 15000}};
 }
 
 template <class D>
@@ -69,7 +69,7 @@ FieldRow lawCRow() {
           .help = "constant of visibility = C / K, for threshold mode and visibility fields: 3 for "
                   "reflecting signs, 8 for light-emitting ones", .least = 0, .above = true,
           .choices = lawNames(), .option = {.value = "C", .scene = true},
-          .slider = {.label = "C", .least = 1, .most = 10, .custom = addLawC<D>}};
+          .slider = {.label = "visibility C", .least = 1, .most = 10, .custom = addLawC<D>}};
   // clang-format on
 }
 

@@ -7,6 +7,20 @@
 #include "volute/media/field_members.hpp"
 
 namespace volute {
+namespace {
+
+FieldValue loopOf(const SceneLook& look) {
+  return look.loop ? FieldValue{(*look.loop)[0], (*look.loop)[1]} : FieldValue();
+}
+
+Status setLoop(SceneLook& look, const FieldValue& value) {
+  look.loop = value.get<std::array<double, 2>>();
+  if ((*look.loop)[0] < (*look.loop)[1])
+    return {};
+  return fail(ErrorCode::kInvalidData, "expected two times, the earlier one first");
+}
+
+}  // namespace
 
 const FieldTable& lookFields() {
   using enum FieldType;
@@ -37,7 +51,10 @@ const FieldTable& lookFields() {
        .help = "how the mouse moves the camera", .choices = kCameras},
       {.name = "speed", .access = member<&SceneLook::speed>(), .help = "playback speed",
        .least = 0.01, .most = 100},
-      {.name = "time", .access = member<&SceneLook::time>(), .help = "time shown", .unit = "s"}};
+      {.name = "time", .access = member<&SceneLook::time>(), .help = "time shown", .unit = "s"},
+      {.name = "loop", .type = kNumbers, .access = customMember<SceneLook, loopOf, setLoop>(),
+       .help = "begin and end of what is played; if not given, all frames", .unit = "s",
+       .count = 2}};
   // clang-format on
   static const FieldTable kTable = fieldTable<SceneLook>(
       {.name = "view",

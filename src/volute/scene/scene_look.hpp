@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "volute/media/field.hpp"
@@ -22,6 +23,7 @@ struct SceneLook {
   bool walks = false;            ///< else orbits
   double speed = 1;              ///< of the timeline
   std::optional<double> time{};  ///< [s]
+  std::optional<std::array<double, 2>> loop{};  ///< [s], ascending; nothing: all frames
 
   bool operator==(const SceneLook&) const = default;
 };

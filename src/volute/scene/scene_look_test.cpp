@@ -24,6 +24,10 @@ RC_GTEST_PROP(SceneLook, IsReadAsItIsWritten, ()) {
   look.speed = 0.1 * *rc::gen::inRange(1, 50);
   if (*rc::gen::arbitrary<bool>())
     look.time = *rc::gen::inRange(0, 1000) / 7.0;
+  if (*rc::gen::arbitrary<bool>()) {
+    const double begin = *rc::gen::inRange(0, 1000) / 7.0;
+    look.loop = {begin, begin + *rc::gen::inRange(1, 1000) / 7.0};
+  }
   const auto json = nlohmann::json::parse(toJson(look).dump());
   const auto read = readAs<SceneLook>(lookFields(), json, {"scene.json", "/view"});
   RC_ASSERT(read.has_value());
@@ -41,6 +45,8 @@ TEST(SceneLook, ErrorsSayWhere) {
                              testing::HasSubstr("grey, viridis, inferno")));
   EXPECT_THAT(error(R"({"sped": 1})"), testing::HasSubstr("did you mean 'speed'?"));
   EXPECT_THAT(error(R"({"speed": 0})"), testing::HasSubstr("/view/speed"));
+  EXPECT_THAT(error(R"({"loop": [2, 1]})"),
+              testing::AllOf(testing::HasSubstr("/view/loop"), testing::HasSubstr("earlier")));
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ const FieldTable& signFields() {
       {.name = "C", .access = customMember<Sign, signC, setSignC>(),
        .help = "optical depth at which it is no longer visible; overrides emitting", .least = 0,
        .above = true, .choices = lawNames(),
-       .slider = {.label = "C", .least = 1, .most = 10, .custom = addSignC}},
+       .slider = {.label = "visibility C", .least = 1, .most = 10, .custom = addSignC}},
       {.name = "size", .type = kNumbers, .access = memberPair<&Sign::width, &Sign::height>(),
        .help = "width and height", .unit = "m", .least = 0, .most = 1e6, .above = true,
        .below = true, .count = 2, .slider = {.label = "width|height", .least = 0.05, .most = 3}},

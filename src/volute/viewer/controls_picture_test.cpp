@@ -113,6 +113,44 @@ TEST_F(PictureControls, WhoDrewIsSaid) {
   EXPECT_LT(difference(gl, said("OpenGL")), 0.05) << "else it is the background's change";
 }
 
+TEST_F(PictureControls, ARasteriserIsNotOffered) {
+  if (!viewer_ || app().device().hardware)
+    GTEST_SKIP() << "there is a graphics card";
+  script_.reset(), viewer_.reset();
+  auto made = HeadlessViewer::create(documentOpener({.maxMemory = kViewerMemory}));
+  ASSERT_TRUE(made) << made.error().message;
+  viewer_ = std::move(*made);
+  begin(kNarrow, kHigh);
+  open("smoke.json");
+  ASSERT_TRUE(script_->click("renderer"));
+  script_->frames(2);
+  EXPECT_TRUE(script_->has("renderer = CPU"));
+  EXPECT_FALSE(script_->has("renderer = OpenGL"));
+  script_->press(Key::kEscape);
+  script_->frames(2);
+  EXPECT_FALSE(script_->has("renderer = CPU")) << "Escape closes a list";
+  ASSERT_TRUE(script_->choose("renderer", "CPU"));
+  EXPECT_EQ(app().settings().look.renderer, static_cast<int>(ViewRenderer::kCpu));
+  // A scene of another machine.
+  app().settings().look.renderer = static_cast<int>(ViewRenderer::kGl);
+  EXPECT_TRUE(script_->settle());
+  EXPECT_TRUE(app().view().picture().times().cpu);
+  EXPECT_EQ(app().view().picture().times().why, "there is no graphics card");
+}
+
+TEST_F(PictureControls, AnErrorMovesNoControl) {
+  open("smoke.json");
+  ASSERT_TRUE(script_->settle());
+  script_->frames(3);
+  const double exposure = app().window().controls().at("exposure").top;
+  app().open(folder_.path("nowhere.json"));
+  load();
+  script_->frames(3);
+  ASSERT_NE(app().document().error(), "");
+  EXPECT_EQ(app().window().controls().at("exposure").top, exposure);
+  EXPECT_EQ(app().settings().alerts.size(), 1U);
+}
+
 TEST_F(Controls, OpenGlAndTheCpuAgree) {
   open("smoke.json");
   app().settings().look.quality = 1;
@@ -132,7 +170,7 @@ TEST_F(Controls, APictureWithNothingInItSaysSo) {
   const auto says = [&] {
     EXPECT_TRUE(script_->settle());
     script_->frames(3);
-    return std::ranges::any_of(app().settings().notices, [](const PanelNotice& notice) {
+    return std::ranges::any_of(app().settings().alerts, [](const PanelNotice& notice) {
       return notice.text.starts_with("nothing is to be seen");
     });
   };
@@ -361,7 +399,7 @@ TEST_F(LayoutControls, TheMiddleOfThePictureIsFree) {
     for (const char* file : {"smoke.json", "fog.json"}) {
       SCOPED_TRACE(file);
       open(file);
-      EXPECT_EQ(covered(0.33, 0.15, 0.67, 0.8), 0);
+      EXPECT_LT(covered(0.33, 0.15, 0.67, 0.8), 3e-3) << "but by the marks of lamps";
       EXPECT_LT(covered(0, 0, 1, 1), width < 800 ? 0.2 : 0.6);
     }
   }

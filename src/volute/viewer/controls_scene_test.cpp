@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/viewer/controls_testing.hpp"
+#include "volute/viewer/pick_wall.hpp"
 
 namespace volute {
 namespace {
@@ -64,6 +65,21 @@ TEST_F(SceneControls, SignsOfTheSameNameHaveTheirOwnControls) {
   EXPECT_EQ(names(), (std::set<std::string>{"sign: exit", "sign: exit 2"}));
   press("duplicate /signs/1");
   EXPECT_TRUE(names().contains("sign: exit 3"));
+}
+
+TEST_F(SceneControls, APointerMeetsASignFromItsFrontOnly) {
+  open("smoke.json");
+  const ViewScene& scene = *app().view().picture().scene();
+  const Vec3 sign(5.9, 3, 1.8);
+  const auto behind = pickWall(scene, {sign + 0.05 * Vec3::UnitX(), -Vec3::UnitX(), 0, 1});
+  EXPECT_FALSE(behind && behind->position.x() > 5.85);
+  const auto before = pickWall(scene, {sign - Vec3::UnitX(), Vec3::UnitX(), 0, 10});
+  ASSERT_TRUE(before);
+  EXPECT_LT((before->position - sign).norm(), 2e-3);
+  EXPECT_LT((before->normal + Vec3::UnitX()).norm(), 1e-9);
+  const auto beside = pickWall(scene, {sign - Vec3(1, 0.9, 0), Vec3::UnitX(), 0, 10});
+  EXPECT_TRUE(!beside || beside->position.x() > 5.95);
+  EXPECT_FALSE(scene.marks.empty()) << "the lamp's";
 }
 
 TEST_F(SceneControls, ASignIsPutWhereTheMouseClicks) {
@@ -173,7 +189,7 @@ TEST_F(SceneControls, ChangesAreTakenBackAndDoneAgain) {
 
 /// Of each object: nothing is called alike, and all that has a dimension says its unit.
 TEST_F(SceneControls, ParametersHaveNamesAndUnits) {
-  const std::set<std::string> plain = {"mu", "C", "asymmetry"};
+  const std::set<std::string> plain = {"mu", "visibility C", "asymmetry"};
   for (const char* file : {"fog.json", "dull.json", "smoke.json", "blob.npy", "room.smv"}) {
     open(file);
     std::set<std::string> names;

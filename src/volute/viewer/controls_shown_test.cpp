@@ -176,7 +176,7 @@ TEST_F(ShownControls, WhatACaseHasIsChosenFromItsFiles) {
   script_->wheel(10);
   app().settings().look.quality = 1;  // marks of particles and devices are small
   ASSERT_EQ(app().document().error(), "");
-  EXPECT_EQ(chosen("/media/0/field"), "the best");
+  EXPECT_EQ(chosen("/media/0/field"), "automatic");
   chooses("/media/0/field", "s3d");
   chooses("/media/0/slice", "TEMPERATURE z=0.30");
   slide("/media/0/slice/at", 0.4);
@@ -283,7 +283,7 @@ TEST_F(ShownControls, AnotherFileIsComparedByABorderAndAsADifference) {
   EXPECT_LT(left, 1e-6);
   EXPECT_GT(right, 0.01) << "three times the smoke";
   expectSeen("border", [&] { ASSERT_TRUE(script_->click("border", 0.1)); });
-  expectSeen("difference", [&] { ASSERT_TRUE(script_->choose("as", "difference")); });
+  expectSeen("difference", [&] { ASSERT_TRUE(script_->choose("show", "difference")); });
   expectSeen("span", [&] { ASSERT_TRUE(script_->click("up to", 0.1)); });
   ASSERT_TRUE(script_->click("end comparison"));
   EXPECT_LT(difference(alone, picture()), 1e-6);
@@ -390,6 +390,49 @@ TEST_F(ShownControls, TheLoopAndMarksAreSetByKeys) {
   EXPECT_NEAR(timeline.time(), 1.4, 1e-9) << "from the loop's beginning again";
   script_->press(Key::kL);
   EXPECT_FALSE(timeline.loopsPart());
+}
+
+TEST_F(ShownControls, TheLoopIsChosenAndSaved) {
+  open("room.smv");  // 0 to 5 s
+  ASSERT_NO_FATAL_FAILURE(openMore());
+  Timeline& timeline = app().playback().timeline();
+  timeline.seek(1);
+  ASSERT_TRUE(script_->choose("loop", "loop to here"));
+  EXPECT_EQ(timeline.loopEnd(), 1);
+  timeline.seek(3);
+  ASSERT_TRUE(script_->choose("loop", "loop from here"));
+  EXPECT_EQ(timeline.loopBegin(), 3) << "behind what was its end";
+  EXPECT_EQ(timeline.loopEnd(), 5);
+  saveAs("loop.json");
+  ASSERT_TRUE(script_->choose("loop", "all frames"));
+  EXPECT_FALSE(timeline.loopsPart());
+  open("loop.json");
+  EXPECT_EQ(timeline.loopBegin(), 3);
+  EXPECT_TRUE(timeline.loopsPart());
+  open("room.smv");
+  EXPECT_FALSE(timeline.loopsPart()) << "it is the scene's";
+}
+
+TEST_F(ShownControls, WhatIsRefusedIsNotShownAsChosen) {
+  VolumeInfo info;
+  info.frames = 1, info.x = info.y = info.z = 8, info.channels = 3;
+  info.fillDefaults();
+  auto sink = NpySink::create(folder_.path("smoke.npy"), info);
+  ASSERT_TRUE(sink);
+  ASSERT_TRUE((*sink)->writeFrame(std::vector<float>(3 * 8 * 8 * 8, 0.5F)));
+  ASSERT_TRUE((*sink)->finish());
+  open("smoke.npy");
+  const auto preset = valueOf("/media/0/preset");
+  ASSERT_TRUE(script_->choose("/media/0/preset", "fire"));
+  load();
+  EXPECT_THAT(app().document().error(), ::testing::HasSubstr("three"));
+  EXPECT_EQ(valueOf("/media/0/preset"), preset);
+  ASSERT_TRUE(script_->choose("/media/0/preset", "smoke"));
+  load();
+  EXPECT_EQ(app().document().error(), "");
+  EXPECT_NE(valueOf("/media/0/preset"), preset);
+  EXPECT_THAT(app().document().info()->remarks,
+              ::testing::Contains(::testing::HasSubstr("mean of the three channels")));
 }
 
 /// As after a crash: the file of a process that is no longer there.

@@ -167,7 +167,8 @@ inline double difference(const Image& a, const Image& b) {
 class Controls : public ::testing::Test {
  protected:
   void SetUp() override {
-    auto made = HeadlessViewer::create(documentOpener({.maxMemory = kViewerMemory}));
+    auto made =
+        HeadlessViewer::create(documentOpener({.maxMemory = kViewerMemory}), {.rasteriser = true});
     if (!made)
       GTEST_SKIP() << made.error().message;
     viewer_ = std::move(*made);
@@ -175,10 +176,11 @@ class Controls : public ::testing::Test {
   }
 
   /// Another viewer instead: there is one interface at a time.
-  void restart(const ViewerOptions& options, DocumentOptions document = {}) {
+  void restart(ViewerOptions options, DocumentOptions document = {}) {
     const int width = script_->input().width, height = script_->input().height;
     script_.reset(), viewer_.reset();
     document.maxMemory = kViewerMemory;
+    options.rasteriser = true;
     auto made = HeadlessViewer::create(documentOpener(document), options);
     ASSERT_TRUE(made) << made.error().message;
     viewer_ = std::move(*made);

@@ -124,7 +124,12 @@ TEST_F(TimeControls, AFilmIsMadeBesideTheWindowOrNotAtAll) {
     GTEST_SKIP() << app().playback().filmFailure();
   script_->frames(3);
   ASSERT_TRUE(app().playback().film());
+  double x = 0, y = 0;
+  ASSERT_TRUE(script_->pointOf("Cancel film", 0.5, 0.5, x, y));
   ASSERT_TRUE(script_->click("Cancel film"));
+  script_->frames(2);
+  EXPECT_FALSE(app().playback().film());
+  script_->clickAt(x, y);  // too late
   script_->frames(2);
   EXPECT_FALSE(app().playback().film());
   EXPECT_FALSE(std::filesystem::exists(folder_.path("film.mp4")));

@@ -156,6 +156,8 @@ void drawOverlay(ViewerApp& app, const ViewerInput& input) {
       lines.line(line.from, line.to, IM_COL32(byte(0), byte(1), byte(2), 255));
     };
     std::ranges::for_each(scene->lines, draw);
+    if (app.settings().panels)
+      std::ranges::for_each(scene->marks, draw);
     if (app.settings().panels && !scene->aids.empty()) {
       drawAids(*scene, lines, app.view().backgroundShown());
     }

@@ -15,22 +15,15 @@ constexpr float kLabels = 70;  ///< [pixels] that are left for names
 
 constexpr std::size_t kFewTimes = 8;  ///< of pictures: the least that a histogram shows
 
-/// What there is to say, from the file's name down.
+/// About the file, from its name down.
 std::vector<PanelNotice> noticesOf(ViewerApp& app) {
-  using enum PanelNotice::Kind;
   std::vector<PanelNotice> all;
   const DocumentInfo* document = app.document().info();
   if (document)
-    all.push_back({kText, document->title, false});
-  if (!app.document().error().empty())
-    all.push_back({kError, app.document().error()});
-  if (!app.playback().filmFailure().empty())
-    all.push_back({kError, app.playback().filmFailure()});
-  if (app.view().blank())
-    all.push_back(
-        {kText, tr("nothing is to be seen: try another time, F for all of it, or +, which "
-                   "is brighter")});
-  const auto remark = [&](const std::string& text) { all.push_back({kFaint, text, false}); };
+    all.push_back({PanelNotice::Kind::kText, document->title});
+  const auto remark = [&](const std::string& text) {
+    all.push_back({PanelNotice::Kind::kFaint, text});
+  };
   if (!app.view().picture().remark().empty())
     remark(app.view().picture().remark());
   if (document)
@@ -40,34 +33,62 @@ std::vector<PanelNotice> noticesOf(ViewerApp& app) {
   return all;
 }
 
-/// Whether one is as high as the other: but for how far progress has come.
-bool asHigh(const std::vector<PanelNotice>& a, const std::vector<PanelNotice>& b) {
-  return std::ranges::equal(a, b, [](const PanelNotice& one, const PanelNotice& other) {
-    return one == other || (one.kind == PanelNotice::Kind::kProgress && one.kind == other.kind);
-  });
+/// What may be wrong with what was done or is seen.
+std::vector<PanelNotice> alertsOf(ViewerApp& app) {
+  using enum PanelNotice::Kind;
+  std::vector<PanelNotice> all;
+  for (const std::string& error :
+       {app.document().error(), app.playback().filmFailure(), app.view().toneError(),
+        app.comparison().active() ? app.comparison().error() : std::string()}) {
+    if (!error.empty())
+      all.push_back({kError, error});
+  }
+  if (app.view().blank())
+    all.push_back({kText, tr("nothing is to be seen: try another time, F for all of it, or +, "
+                             "which is brighter")});
+  return all;
+}
+
+/// Controls stay where they are while the pointer is on its way to one of them.
+bool aimsAtPanel(ViewerApp& app, const ViewerInput& input) {
+  const PanelLayout& layout = app.settings().layout;
+  return layout.isOpen(SidePanel::kPicture) &&
+         input.mouseX < kPanelMargin + layout.width(SidePanel::kPicture) &&
+         input.mouseY < kPanelMargin + app.settings().panelHeight;
+}
+
+void keepNotices(ViewerApp& app, const ViewerInput& input) {
+  auto notices = noticesOf(app);
+  auto& shown = app.settings().notices;
+  const bool sameFile = !notices.empty() && !shown.empty() && notices.front() == shown.front();
+  const bool held = app.settings().layout.still() || (sameFile && aimsAtPanel(app, input));
+  if (!held)
+    shown = std::move(notices);
 }
 
 void drawNotice(const PanelNotice& notice) {
-  using enum PanelNotice::Kind;
-  switch (notice.kind) {
-    case kText:
-    case kFaint:
-      wrappedText(notice.text, notice.kind == kFaint);
-      break;
-    case kError:
-      ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.5F, 0.4F, 1});
-      wrappedText(notice.text);
-      ImGui::PopStyleColor();
-      break;
-    case kProgress:
-      ImGui::ProgressBar(static_cast<float>(notice.share), {-1, 0}, notice.text.c_str());
-      break;
-  }
+  const bool error = notice.kind == PanelNotice::Kind::kError;
+  if (error)
+    ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.5F, 0.4F, 1});
+  wrappedText(notice.text, notice.kind == PanelNotice::Kind::kFaint);
+  if (error)
+    ImGui::PopStyleColor();
 }
 
 void combo(ViewerApp& app, const char* name, int& value,
            std::initializer_list<std::string> choices) {
   choiceBox(app, name, name, std::span(choices.begin(), choices.size()), value);
+}
+
+/// OpenGL is offered where it can be chosen; a scene from another machine may say it nevertheless.
+void rendererPart(ViewerApp& app) {
+  int& renderer = app.settings().look.renderer;
+  constexpr int kGl = static_cast<int>(ViewRenderer::kGl);
+  if (app.view().picture().offersGl() || renderer == kGl)
+    return combo(app, "renderer", renderer, {"automatic", "OpenGL", "CPU"});
+  int chosen = renderer > kGl ? renderer - 1 : renderer;
+  combo(app, "renderer", chosen, {"automatic", "CPU"});
+  renderer = chosen >= kGl ? chosen + 1 : chosen;
 }
 
 /// How much of the scene is seen: an angle, or a parallel camera's height.
@@ -81,11 +102,11 @@ void viewSlider(ViewerApp& app) {
   hint("parallel rays instead of perspective: 5");
   if (camera.parallel()) {
     const double size = app.document().info() ? app.document().info()->bounds.size().norm() : 1;
-    if (sliderDouble("view", seen, 0.01 * size, 3 * size, "%.3g m high", true))
+    if (sliderDouble("view height", seen, 0.01 * size, 3 * size, "%.3g m", true))
       camera.setOrtho(seen);
     hint("height of what is seen");
   } else {
-    if (sliderDouble("view", seen, 10, 120, "%.0f degrees"))
+    if (sliderDouble("view angle", seen, 10, 120, "%.0f degrees"))
       camera.setFov(seen);
     hint("vertical field of view");
   }
@@ -166,10 +187,8 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   if (app.document().info() && app.document().info()->grey)
     combo(app, "colours", look.colors, {"grey", "viridis", "inferno"});
   combo(app, "tone", look.tone, {"automatic", "none", "filmic", "shoulder", "ACES", "OCIO"});
-  if (!app.view().toneError().empty())
-    drawNotice({PanelNotice::Kind::kError, app.view().toneError()});
   combo(app, "quality", look.quality, {"automatic", "full", "half", "quarter"});
-  combo(app, "renderer", look.renderer, {"automatic", "OpenGL", "CPU"});
+  rendererPart(app);
   viewSlider(app);
   if (app.view().picture().scene() && app.view().picture().scene()->bare) {
     ImGui::Checkbox(tr("surfaces"), &look.surfaces);
@@ -209,10 +228,8 @@ void comparePart(ViewerApp& app) {
   }
   wrappedText(fmt::format(fmt::runtime(tr("compared with {}")),
                           std::filesystem::path(comparison.path()).filename().string()));
-  if (!comparison.error().empty())
-    drawNotice({PanelNotice::Kind::kError, comparison.error()});
   int mode = static_cast<int>(comparison.mode);
-  combo(app, "as", mode, {"border", "difference"});
+  combo(app, "show", mode, {"border", "difference"});
   comparison.mode = static_cast<Comparison::Mode>(mode);
   if (comparison.mode == Comparison::Mode::kWiper) {
     sliderDouble("border", comparison.border, 0, 1, "%.2f");
@@ -303,28 +320,33 @@ void timesPart(ViewerApp& app) {
   whoDraws(app);
 }
 
-/// What nobody should miss while the panel that says it is closed: below the titles on the left, or
-/// beside the panel that is open there.
-void drawNotices(ViewerApp& app) {
+/// On the picture, so that no control moves: beside the panel that is open, or below the titles.
+void drawAlerts(ViewerApp& app, const ViewerInput& input) {
+  constexpr float kNarrow = 180;  ///< too little for a sentence
   const PanelLayout& layout = app.settings().layout;
-  const auto& notices = app.settings().notices;
-  if (layout.isOpen(SidePanel::kPicture) || std::ranges::none_of(notices, &PanelNotice::missed))
+  const auto& alerts = app.settings().alerts;
+  app.settings().alertsHeight = 0;
+  if (alerts.empty())
     return;
   const float title = ImGui::GetFrameHeight() + kPanelGap;
-  const bool beside = app.tools().painting.tool().has() && layout.isOpen(SidePanel::kPaint);
-  const float left = beside ? layout.width(SidePanel::kPaint) + kPanelGap : 0;
-  const float top = beside ? 0 : app.tools().painting.tool().has() ? 2 * title : title;
-  const float width = layout.width(SidePanel::kPicture);
-  ImGui::SetNextWindowPos({kPanelMargin + left, kPanelMargin + top});
+  const bool paints = app.tools().painting.tool().has();
+  const SidePanel open =
+      layout.isOpen(SidePanel::kPicture) ? SidePanel::kPicture : SidePanel::kPaint;
+  const bool beside = layout.isOpen(open) && (open == SidePanel::kPicture || paints);
+  const float left = kPanelMargin + (beside ? layout.width(open) + kPanelGap : 0);
+  const float right = static_cast<float>(input.width) - kPanelMargin;
+  const float between = right - layout.shownWidth(SidePanel::kScene) - kPanelGap - left;
+  const bool below = !beside || between < kNarrow;
+  const float top = below ? (paints && !beside ? 2 * title : title) : 0;
+  const float width = std::min(layout.width(SidePanel::kPicture), below ? right - left : between);
+  ImGui::SetNextWindowPos({left, kPanelMargin + top});
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
   ImGui::Begin("Notices", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
                    ImGuiWindowFlags_NoFocusOnAppearing);
-  for (const PanelNotice& notice : notices) {
-    if (notice.missed)
-      drawNotice(notice);
-  }
+  std::ranges::for_each(alerts, drawNotice);
+  app.settings().alertsHeight = top + ImGui::GetWindowHeight() + kPanelGap;
   ImGui::End();
 }
 
@@ -371,9 +393,8 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
   PanelLayout& layout = app.settings().layout;
   layout.fit(static_cast<float>(input.width), static_cast<float>(input.height),
              time > 0 ? time + kPanelGap : 0, std::ranges::count(input.buttons, true) > 0);
-  auto notices = noticesOf(app);
-  if (!layout.still() || asHigh(notices, app.settings().notices))
-    app.settings().notices = std::move(notices);
+  keepNotices(app, input);
+  app.settings().alerts = alertsOf(app);
   if (beginSidePanel(app, SidePanel::kPicture, "Volute", kPanelMargin, kPanelMargin)) {
     ImGui::PushItemWidth(-kLabels);
     std::ranges::for_each(app.settings().notices, drawNotice);
@@ -385,11 +406,12 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
     timesPart(app);
     ImGui::PopItemWidth();
   }
+  app.settings().panelHeight = ImGui::GetWindowHeight();
   const float below = layout.lowerTop(ImGui::GetWindowPos().y + ImGui::GetWindowHeight());
   endSidePanel(app, SidePanel::kPicture);
   drawParameterPanel(app, input);
   drawPaintPanel(app, input, below);
-  drawNotices(app);
+  drawAlerts(app, input);
   drawTimePanel(app, input);
 }
 

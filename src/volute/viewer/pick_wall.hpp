@@ -14,8 +14,8 @@ struct WallPlace {
   Vec3 normal = Vec3::UnitX();   ///< unit, towards the side that was looked at
 };
 
-/// What a ray meets first: a surface of the scene, or the boundary of a mesh of smoke from its
-/// inside, shown as a wall or not.
+/// What a ray meets first: a surface of the scene, a sign, or the boundary of a mesh of smoke from
+/// its inside, shown as a wall or not.
 std::optional<WallPlace> pickWall(const ViewScene& scene, const Segment& ray);
 
 }  // namespace volute

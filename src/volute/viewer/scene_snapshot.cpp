@@ -18,7 +18,7 @@
 namespace volute {
 namespace {
 
-const Rgb kOutline(0.30, 0.33, 0.37), kGround(0.16, 0.18, 0.21);
+const Rgb kOutline(0.30, 0.33, 0.37), kGround(0.16, 0.18, 0.21), kMarked(0.85, 0.65, 0.25);
 
 /// A level grid under what there is to see, in steps of 1, 2 or 5 times a power of ten [m].
 void addGround(const Box3& content, std::vector<ViewLine>& lines) {
@@ -43,6 +43,27 @@ void addGround(const Box3& content, std::vector<ViewLine>& lines) {
     lines.push_back(
         {middle - turnedAlong + turnedAcross, middle + turnedAlong + turnedAcross, kGround});
   }
+}
+
+/// A star with a line the way that it shines.
+void markLamp(const Lamp& lamp, double size, std::vector<ViewLine>& lines) {
+  if (lamp.kind != Lamp::Kind::kSpot)
+    return;
+  for (const Vec3& axis : {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()})
+    lines.push_back(
+        {lamp.position - 0.4 * size * axis, lamp.position + 0.4 * size * axis, kMarked});
+  if (lamp.coneCosine > -1)
+    lines.push_back({lamp.position, lamp.position + 2 * size * lamp.direction, kMarked});
+}
+
+/// A square with a line to the side that is left out.
+void markPlane(const ClipPlane& plane, double size, std::vector<ViewLine>& lines) {
+  const Vec3 normal = plane.normal.normalized();
+  const Vec3 aside = size * normal.unitOrthogonal(), along = normal.cross(aside);
+  const Vec3 corners[] = {plane.point + aside + along, plane.point - aside + along,
+                          plane.point - aside - along, plane.point + aside - along};
+  for (std::size_t i = 0; i < 4; ++i) lines.push_back({corners[i], corners[(i + 1) % 4], kMarked});
+  lines.push_back({plane.point, plane.point + 0.5 * size * normal, kMarked});
 }
 
 std::string nameOf(const MediumInfo& info) {
@@ -188,6 +209,11 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneRequest& request, Progress& 
   if (!scene_.isFile() && scene_.media().front()->info().interpolates)
     addBox(scene_.bounds(), kOutline, scene.aids);
   for (const Box3& box : scene_.description().clip.boxes) addBox(box, kOutline, scene.aids);
+  const double size = content().empty() ? 1 : content().size().norm();
+  for (const Lamp& lamp : scene_.description().lights.lamps)
+    markLamp(lamp, 0.03 * size, scene.marks);
+  for (const ClipPlane& plane : scene_.description().clip.planes)
+    markPlane(plane, 0.3 * size, scene.marks);
   if (!scene_.isFile() && snapshot->geometry.empty() && !start_)
     addGround(content(), scene.aids);
   scene.cpu = byCpu(snapshot, true);

@@ -130,7 +130,8 @@ void drawToast(ViewerApp& app, const FreeArea& free) {
   if (text.empty())
     return;
   constexpr float kBelowTitles = 38;  // of panels that are closed, in small windows
-  ImGui::SetNextWindowPos({free.middle(), std::max(free.top, kBelowTitles)}, 0, {0.5F, 0});
+  const float above = std::max(free.top, kPanelMargin + app.settings().alertsHeight);
+  ImGui::SetNextWindowPos({free.middle(), std::max(above, kBelowTitles)}, 0, {0.5F, 0});
   const float width = std::max(std::min(460.0F, free.right - free.left), 120.0F);
   ImGui::SetNextWindowSizeConstraints({0, 0}, {width, 1e4F});
   ImGui::SetNextWindowBgAlpha(0.92F);
@@ -205,8 +206,7 @@ void drawColorBars(ViewerApp& app, const FreeArea& free) {
   if (!(look.exposure > 0))
     return;
   if (look.other.picture)
-    drawColorBar({tr("difference of light"), {*look.map, look.other.span / look.exposure, 0, ""}},
-                 free, bottom);
+    drawColorBar({tr("difference"), {*look.map, look.other.span, 0, tr("of white")}}, free, bottom);
   else if (look.map)
     drawColorBar({tr("light along the ray"), {*look.map, 1 / look.exposure, 0, ""}}, free, bottom);
 }

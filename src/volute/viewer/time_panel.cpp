@@ -21,12 +21,15 @@ bool isWhole(ViewerApp& app, const ViewerInput& input) {
 
 void filmPart(ViewerApp& app, const ViewerInput& input) {
   if (const FilmExport* film = app.playback().film()) {
-    if (ImGui::Button(tr("Cancel film"))) {
-      app.playback().cancelFilm();
-      app.window().mark("Cancel film");
-      return;
-    }
+    // Elsewhere than "Make film": a click that comes too late makes no other one.
+    ImGui::BeginDisabled();
+    ImGui::Button(tr("Make film"));
+    ImGui::EndDisabled();
+    ImGui::SameLine();
+    const bool cancels = ImGui::Button(tr("Cancel film"));
     app.window().mark("Cancel film");
+    if (cancels)
+      return app.playback().cancelFilm();
     ImGui::SameLine();
     std::string text = fmt::format("{}: {:.0f} %", film->order().target, 100 * film->share());
     if (const auto left = film->secondsLeft())
@@ -53,7 +56,7 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
     hint("the camera goes along its keys, in films and while it plays: K sets one");
     return;
   }
-  ImGui::Checkbox(tr("around"), &app.settings().filmTurns);
+  ImGui::Checkbox(tr("orbit"), &app.settings().filmTurns);
   app.window().mark("film around");
   hint("the camera goes once around what it looks at; for a path of your own, K sets keys");
 }
@@ -98,6 +101,31 @@ void speedPart(ViewerApp& app) {
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(frameText(app.playback()).c_str());
   hint("the file's frames a second; while it plays slower, those that are shown");
+}
+
+constexpr float kLoopWidth = 130, kNarrowLoop = 96;
+
+/// Which part is played, shown and chosen.
+void loopPart(ViewerApp& app, float width) {
+  Timeline& timeline = app.playback().timeline();
+
+  enum : int { kShown, kFromHere, kToHere, kAll };
+
+  const std::string shown =
+      timeline.loopsPart()
+          ? fmt::format("{:.4g} - {:.4g} s", timeline.loopBegin(), timeline.loopEnd())
+          : std::string("all frames");
+  const std::string choices[] = {shown, "loop from here", "loop to here", "all frames"};
+  int chosen = kShown;
+  ImGui::SetNextItemWidth(width);
+  choiceBox(app, "##loop", "loop", std::span(choices).first(timeline.loopsPart() ? 4 : 3), chosen);
+  hint("what is played and filmed; from here, to here, all: I, O, L");
+  if (chosen == kFromHere)
+    timeline.loopFromHere();
+  else if (chosen == kToHere)
+    timeline.loopToHere();
+  else if (chosen == kAll)
+    timeline.setLoop(0, 0);
 }
 
 /// Along the slider that was drawn last: what is decoded, the loop's range, marks.
@@ -186,12 +214,19 @@ void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
     if (wide)
       ImGui::SameLine();
     speedPart(app);
-    if (wide)
+    if (!wide) {
+      ImGui::SameLine();
+      loopPart(app, kNarrowLoop);
+    } else {
       ImGui::SameLine(0, 30);
+    }
     filmPart(app, input);
   }
-  if (wide)
-    timeSlider(app, -1);
+  if (wide) {
+    timeSlider(app, -kLoopWidth - ImGui::GetStyle().ItemSpacing.x);
+    ImGui::SameLine();
+    loopPart(app, kLoopWidth);
+  }
   ImGui::End();
 }
 

@@ -33,6 +33,14 @@ void Timeline::setLoop(double begin, double end) {
   loop_ = part ? std::optional(std::pair(begin, end)) : std::nullopt;
 }
 
+void Timeline::loopFromHere() {
+  setLoop(time_, time_ < loopEnd() ? loopEnd() : last());
+}
+
+void Timeline::loopToHere() {
+  setLoop(time_ > loopBegin() ? loopBegin() : first(), time_);
+}
+
 int Timeline::frameAt(double time) const {
   const auto after = std::ranges::upper_bound(times_, time);
   return static_cast<int>(std::max<std::ptrdiff_t>(after - times_.begin() - 1, 0));

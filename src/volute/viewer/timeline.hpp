@@ -59,6 +59,10 @@ class Timeline {
   /// An empty range: all.
   void setLoop(double begin, double end);
 
+  /// From time() on to the loop's end, or to the last frame where that is before it; and up to it.
+  void loopFromHere();
+  void loopToHere();
+
   /// To the beginning of the frame before or after; stops.
   void step(int frames);
 

@@ -89,7 +89,7 @@ std::shared_ptr<const ViewScene> ViewPicture::setScene(std::shared_ptr<const Vie
 }
 
 bool ViewPicture::byCpu(const PictureRequest& request) const {
-  if (!scene_->cpu || request.renderer == ViewRenderer::kGl)
+  if (!scene_->cpu || makesOnlyGl(request.renderer))
     return false;
   return request.renderer == ViewRenderer::kCpu || !makers_.hardware || !refused_.empty();
 }
@@ -120,9 +120,9 @@ void ViewPicture::noteTime(double seconds, int width, int height, bool cpu) {
 /// What is refused once is not tried again before the scene changes.
 Status ViewPicture::drawMedia(const PictureRequest& request, const Camera& camera) {
   media_ = false;
-  if (!scene_->notByGl.empty() && request.renderer != ViewRenderer::kGl)
+  if (!scene_->notByGl.empty() && !makesOnlyGl(request.renderer))
     return fail(ErrorCode::kUnsupported, "{}", scene_->notByGl);
-  if (scene_->media.parts.empty() || (request.renderer == ViewRenderer::kGl && !refused_.empty()))
+  if (scene_->media.parts.empty() || (makesOnlyGl(request.renderer) && !refused_.empty()))
     return {};
   const auto depth = opaque_ ? surfaces_.depth() : std::span<const float>();
   Progress quiet;
@@ -318,9 +318,9 @@ Status ViewPicture::drawByCpu(const PictureRequest& request) {
 Status ViewPicture::update(const PictureRequest& request) {
   if (!scene_)
     return {};
-  remark_ = refused_.empty()                        ? ""
-            : request.renderer == ViewRenderer::kGl ? "without the media: " + refused_
-                                                    : "by the CPU: " + refused_;
+  remark_ = refused_.empty()                ? ""
+            : makesOnlyGl(request.renderer) ? "without the media: " + refused_
+                                            : "by the CPU: " + refused_;
   if (remark_.empty() && !refusedExact_.empty())
     remark_ = "surfaces lit only at corners: " + refusedExact_;
   if (byCpu(request)) {

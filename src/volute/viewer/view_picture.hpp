@@ -24,12 +24,15 @@ enum class Quality { kAuto, kFull, kHalf, kQuarter };
 struct PictureMakers {
   bool hardware = false;  ///< OpenGL is a graphics card, not a rasteriser on the CPU
   bool cpu = true;        ///< else what it would have drawn is an error
+  /// A rasteriser may be chosen for OpenGL: its pictures can take a minute, in which nothing
+  /// answers.
+  bool rasteriser = false;
 };
 
 /// Who draws it.
 enum class ViewRenderer {
   kAuto,  ///< OpenGL on a graphics card, where it can; else the CPU
-  kGl,    ///< what it can, and nothing else
+  kGl,    ///< what it can, and nothing else; where OpenGL may not be chosen as kAuto
   kCpu,   ///< as `volute render --renderer cpu`
 };
 
@@ -77,9 +80,12 @@ class ViewPicture {
   /// scene, which then is no longer shown.
   [[nodiscard]] Status update(const PictureRequest& request);
 
+  /// Whether OpenGL can be chosen.
+  bool offersGl() const { return makers_.hardware || makers_.rasteriser; }
+
   /// Whether OpenGL may draw what is requested for.
   bool mayUseGl(ViewRenderer renderer) const {
-    return renderer == ViewRenderer::kGl || (renderer == ViewRenderer::kAuto && makers_.hardware);
+    return makesOnlyGl(renderer) || (renderer != ViewRenderer::kCpu && makers_.hardware);
   }
 
   /// Whether it is as fine as it will be, but that surfaces may become exact.
@@ -143,6 +149,10 @@ class ViewPicture {
 
  private:
   ViewPicture(GlRenderer renderer, SurfaceDrawer surfaces, Display display);
+
+  bool makesOnlyGl(ViewRenderer renderer) const {
+    return renderer == ViewRenderer::kGl && offersGl();
+  }
 
   bool byCpu(const PictureRequest& request) const;
   std::string whyCpu(const PictureRequest& request) const;

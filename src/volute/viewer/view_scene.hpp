@@ -50,12 +50,13 @@ struct ViewScene {
   std::shared_ptr<const GlSurfaces> surfaces{};
   std::vector<GlQuad> quads{};
   std::vector<ViewLine> lines{};
-  std::vector<ViewLine> aids{};  ///< likewise, but not on pictures without panels
-  CpuPicture cpu{};              ///< empty: there is none
-  CpuPicture bare{};             ///< the same without surfaces; empty: there are none
-  CpuPicture preview{};          ///< `cpu` sooner, without shadows; empty: no sooner
-  bool inTiles = false;          ///< a rectangle of a picture costs its share
-  std::uint64_t bytes = 0;       ///< of memory, about, that it alone holds
+  std::vector<ViewLine> aids{};   ///< behind what there is to see, not on pictures without panels
+  std::vector<ViewLine> marks{};  ///< where lamps and planes are: likewise, but before it
+  CpuPicture cpu{};               ///< empty: there is none
+  CpuPicture bare{};              ///< the same without surfaces; empty: there are none
+  CpuPicture preview{};           ///< `cpu` sooner, without shadows; empty: no sooner
+  bool inTiles = false;           ///< a rectangle of a picture costs its share
+  std::uint64_t bytes = 0;        ///< of memory, about, that it alone holds
   /// What a pointer or a ray meets: all triangles of the scene, however they are drawn.
   TriangleScene geometry{};
   std::vector<std::string> remarks{};  ///< what this instant lacks, in sentences

@@ -82,7 +82,11 @@ ViewerApp::~ViewerApp() {
 Result<std::unique_ptr<ViewerApp>> ViewerApp::create(OpenDocument open,
                                                      const ViewerOptions& options) {
   VOLUTE_ASSIGN(auto device, currentGlDevice());
-  VOLUTE_ASSIGN(auto picture, ViewPicture::create({device.hardware, options.cpu}));
+  VOLUTE_ASSIGN(auto picture,
+                ViewPicture::create(
+                    {.hardware = device.hardware,
+                     .cpu = options.cpu,
+                     .rasteriser = options.rasteriser || options.renderer == ViewRenderer::kGl}));
   return std::unique_ptr<ViewerApp>(
       new ViewerApp(std::move(open), options, std::move(device), std::move(picture)));
 }
@@ -150,6 +154,8 @@ void ViewerApp::takeDocument(const DocumentNews& news, const ViewerInput& input)
     settings_.look.renderer = static_cast<int>(*options_.renderer);
   Timeline& timeline = playback_.timeline();
   timeline.setSpeed(info.look->speed);
+  const auto loop = info.look->loop.value_or(std::array{0.0, 0.0});
+  timeline.setLoop(loop[0], loop[1]);
   if (!timeAsked_ && info.look->time)
     timeline.seek(*info.look->time);
 }

@@ -68,7 +68,7 @@ Result<std::unique_ptr<Document>> openBlobs(const std::string& path, Progress&) 
 class ViewerTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    auto made = HeadlessViewer::create(openBlobs);
+    auto made = HeadlessViewer::create(openBlobs, {.rasteriser = true});
     if (!made)
       GTEST_SKIP() << made.error().message;
     viewer_ = std::move(*made);

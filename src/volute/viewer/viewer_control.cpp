@@ -141,6 +141,9 @@ void ViewerApp::keys(const ViewerInput& input) {
       document_.files().closeBrowser();
     return;
   }
+  if (std::ranges::count(input.pressed, Key::kEscape) > 0 &&
+      ImGui::GetCurrentContext()->OpenPopupStack.Size > 0)
+    return ImGui::ClosePopupToLevel(0, true);  // a list or a picker
   if (ImGui::GetIO().WantTextInput)
     return;
   constexpr Key kPanels[] = {Key::kSpace, Key::kLeft, Key::kRight, Key::kUp,

@@ -43,6 +43,7 @@ std::optional<DocumentNews> ViewerDocument::take() {
   if (news.idle)
     pending_.clear();
   if (told->opened) {
+    held_.clear();
     news.changed = true;
     news.another = !info_ || info_->opened != told->opened->opened;
     news.otherTimes = info_ && info_->times != told->opened->times;
@@ -55,8 +56,15 @@ std::optional<DocumentNews> ViewerDocument::take() {
     }
     for (Parameter& parameter : info_->parameters) {
       if (const auto waiting = pending_.find(parameter.path); waiting != pending_.end())
-        parameter.value = waiting->second;
+        held_[parameter.path] = std::exchange(parameter.value, waiting->second);
     }
+  }
+  if (news.idle && info_) {  // what was refused did not become true
+    for (Parameter& parameter : info_->parameters) {
+      if (const auto held = held_.find(parameter.path); held != held_.end())
+        parameter.value = held->second;
+    }
+    held_.clear();
   }
   if (news.idle && opening_) {  // it cannot be opened
     opening_.reset();
@@ -76,9 +84,11 @@ std::optional<DocumentNews> ViewerDocument::take() {
 
 void ViewerDocument::set(const Parameter& parameter, const std::vector<double>& value) {
   pending_[parameter.path] = value;
-  for (Parameter& held : info_->parameters) {
-    if (held.path == parameter.path)
-      held.value = value;
+  for (Parameter& shown : info_->parameters) {
+    if (shown.path != parameter.path)
+      continue;
+    held_.try_emplace(parameter.path, shown.value);
+    shown.value = value;
   }
   loader_.change("set " + parameter.path,
                  [path = parameter.path, value](Document& document,
@@ -90,7 +100,7 @@ void ViewerDocument::set(const Parameter& parameter, const std::vector<double>& 
 
 /// What comes after another one of its kind does not replace that.
 void ViewerDocument::change(DocumentChange what) {
-  pending_.clear();  // their paths may be others' by then
+  pending_.clear(), held_.clear();  // their paths may be others' by then
   loader_.change(fmt::format("edit {}", ++edits_), std::move(what));
 }
 

@@ -98,7 +98,8 @@ class ViewerDocument {
   std::optional<LoadedScene> scene_;
   std::optional<LoadedFields> fields_;                  ///< the last that were read,
   std::optional<Vec3> fieldsAsked_;                     ///< and asked for
-  std::map<std::string, std::vector<double>> pending_;  ///< parameters on their way
+  std::map<std::string, std::vector<double>> pending_;  ///< parameters on their way,
+  std::map<std::string, std::vector<double>> held_;     ///< and what the document has of them
   int edits_ = 0;                                       ///< that were asked for
   DocumentFiles files_;
   std::string requested_;  ///< the file that is opened

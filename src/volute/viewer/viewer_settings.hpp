@@ -13,14 +13,12 @@
 
 namespace volute {
 
-/// What a panel says about a file and about what is being done.
+/// What is said about a file, and about what was done.
 struct PanelNotice {
-  enum class Kind { kText, kFaint, kError, kProgress };
+  enum class Kind { kText, kFaint, kError };
 
   Kind kind = Kind::kText;
   std::string text{};
-  bool missed = true;  ///< is seen wherever no panel says it
-  double share = 0;    ///< of kProgress, 0..1
 
   bool operator==(const PanelNotice&) const = default;
 };
@@ -33,7 +31,10 @@ struct ViewerSettings {
   bool search = false;   ///< over all commands
   std::string sought{};  ///< words of it
   PanelLayout layout{};
-  std::vector<PanelNotice> notices{};  ///< as they are shown
+  std::vector<PanelNotice> notices{};  ///< above the panel's controls, as they are shown
+  std::vector<PanelNotice> alerts{};   ///< on the picture,
+  float alertsHeight = 0;              ///< and how high they are with the gap below; 0: none
+  float panelHeight = 0;               ///< of the panel on the left, as it was drawn [pixels]
   bool timeOpen = false;               ///< a small window's panel of time shows speed and film too
   bool painting = false;               ///< the left button paints fog
   bool probe = false;                  ///< what is under the pointer is said
@@ -53,6 +54,7 @@ struct ViewerOptions {
   std::optional<ViewRenderer> renderer{};  ///< whatever scenes say
   /// Else what only the CPU could draw is an error: tests see so that OpenGL draws all.
   bool cpu = true;
+  bool rasteriser = false;         ///< OpenGL can be chosen where there is no graphics card
   bool desktop = false;            ///< the desktop's dialogs are used, where it has some
   double scale = 1;                ///< of letters and controls, times the display's
   std::filesystem::path recent{};  ///< names of files that were opened; empty: nothing is kept

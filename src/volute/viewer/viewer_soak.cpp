@@ -340,7 +340,8 @@ int main(int count, char** words) {
     return 2;
   }
   const double seconds = std::atof(words[1]);
-  auto viewer = HeadlessViewer::create(documentOpener({.maxMemory = std::uint64_t{2} << 30}));
+  auto viewer = HeadlessViewer::create(documentOpener({.maxMemory = std::uint64_t{2} << 30}),
+                                       {.rasteriser = true});
   if (!viewer) {
     fmt::print(stderr, "viewer_soak: {}\n", viewer.error().message);
     return 1;

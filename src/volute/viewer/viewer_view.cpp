@@ -91,6 +91,9 @@ ViewLook ViewerView::look() const {
   look.speed = playback_.timeline().speed();
   look.walks = camera_.mode() == ViewCamera::Mode::kWalk;
   look.time = playback_.timeline().time();
+  look.loop.reset();
+  if (playback_.timeline().loopsPart())
+    look.loop = {playback_.timeline().loopBegin(), playback_.timeline().loopEnd()};
   if (exposure_.found)
     look.exposure = exposure_.value;
   return look;

@@ -12,7 +12,7 @@ namespace volute {
 namespace {
 
 constexpr const char* kOff = "off";
-constexpr const char* kBest = "the best";
+constexpr const char* kBest = "automatic";
 
 /// "TEMPERATURE 60" as its two words; without a number the second is empty.
 std::pair<std::string, std::string> isoWords(const std::string& iso) {

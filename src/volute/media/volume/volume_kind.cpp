@@ -107,7 +107,7 @@ void addShown(ParameterGroup& group, const OrderedJson& entry, const VolumeMediu
   if (!appearance.transfer && (entry.contains("preset") || !entry.contains("emission")))
     add("preset", "preset", {usual, volumeFields().at("preset").choices});
   const auto bases = volumeFields().at("basis").choices;
-  add("basis", "basis", {usual, appearance.shaded() ? bases.subspan(1) : bases});
+  add("between voxels", "basis", {usual, appearance.shaded() ? bases.subspan(1) : bases});
   if (facts.frames > 1)
     add("between frames", "interpolate", {volumeFields().at("interpolate").choices});
   add("file's up axis", "up", {usual, volumeFields().at("up").choices});

@@ -270,13 +270,14 @@ Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path
   if (grids.info().channels == 3) {
     if (automatic)
       return choice;  // colours are light
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "{}: the preset is for grids of one channel, but '{}' has three; leave it out to show "
-        "them as light",
-        path, grids.mainName());
-  }
-  if (grids.named()) {
+    if (wanted != VolumePreset::kSmoke) {
+      return fail(ErrorCode::kInvalidArgument, Hint::set("preset", "none"),
+                  "{}: the preset is for grids of one channel, but '{}' has three, which are shown "
+                  "as light without it",
+                  path, grids.mainName());
+    }
+    choice.density = grids.mainName();
+  } else if (grids.named()) {
     choice.density = grids.find(kDensityNames);
     choice.flame = grids.find(kFlameNames);
     choice.heat = grids.find(kHeatNames);
@@ -395,14 +396,19 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
   if (choice.preset == VolumePreset::kNone) {
     const std::string shown = grids.mainName();
     const bool grey = grids.info().channels == 1;
-    if (isVdbPath(path) || (grids.named() && !shown.empty())) {
+    const bool called =
+        !grey && ((grids.named() && !nameAmong({shown}, kDensityNames).empty()) ||
+                  holdsWord(lower(std::filesystem::path(path).stem().string()), kSmokeWords));
+    if (called || isVdbPath(path) || (grids.named() && !shown.empty())) {
       std::string text = fmt::format("{}: '{}' is shown as light", path, shown);
       text +=
           grey ? ": neither its name nor its class says that it is smoke or fire"
-               : ", its values as red, green and blue, none where they are below 0: its name does "
-                 "not say what they are";
+          : called
+              ? ", its values as red, green and blue, although its name says smoke"
+              : ", its values as red, green and blue, none where they are below 0: its name does "
+                "not say what they are";
       Hints hints;
-      if (grey)
+      if (grey || called)
         hints.push_back(Hint::set("preset", "smoke").so("shows it as smoke"));
       reading.progress.remark(Remark(RemarkCode::kAssumed, std::move(text), hints).in(path));
     }
@@ -419,10 +425,11 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
     appearance.albedo = Rgb::Constant(kSmokeAlbedo);
     appearance.asymmetry = kSmokeAsymmetry;
     appearance.colors = grids.findColors();
-    text =
-        fmt::format("smoke from '{}' (0 to {:.3g}), extinction {:.3g}, albedo {:g}, asymmetry {:g}",
-                    choice.density, choice.densityRange.most, appearance.extinction, kSmokeAlbedo,
-                    kSmokeAsymmetry);
+    text = fmt::format(
+        "smoke from {}'{}' (0 to {:.3g}), extinction {:.3g}, albedo {:g}, asymmetry "
+        "{:g}",
+        grids.info().channels == 3 ? "the mean of the three channels of " : "", choice.density,
+        choice.densityRange.most, appearance.extinction, kSmokeAlbedo, kSmokeAsymmetry);
   }
   if (burns) {
     Flames flames;
