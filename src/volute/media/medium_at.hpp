@@ -110,6 +110,9 @@ class MediumAt {
   /// What it holds alone, about [bytes].
   virtual std::uint64_t memoryBytes() const { return 0; }
 
+  /// Whether it has less detail than one that rests: InstantRequest::moving.
+  virtual bool provisional() const { return false; }
+
   /// Whether it has walls of its own, which lookAtWalls() draws.
   virtual bool hasWalls() const { return false; }
 

@@ -94,6 +94,8 @@ class ClippedAt final : public MediumAt {
 
   std::uint64_t memoryBytes() const override { return medium_->memoryBytes(); }
 
+  bool provisional() const override { return medium_->provisional(); }
+
   bool hasWalls() const override { return medium_->hasWalls(); }
 
   std::optional<WallHit> wallOn(const Segment& ray) const override { return medium_->wallOn(ray); }

@@ -139,5 +139,40 @@ TEST_F(FirstSights, HasNearSurfacesAndFlatOnes) {
   EXPECT_GT(flat.content.size().z(), 0);
 }
 
+/// Light in a medium at some places.
+std::vector<Rgb> lightIn(const Snapshot& snapshot) {
+  std::vector<AnyMedium> media;
+  snapshot.media[0]->addMedia(media);
+  std::vector<Rgb> light;
+  for (double x = 0.05; x < 0.5; x += 0.02) light.push_back(media[0].emission({x, 0.22, 0.19}));
+  return light;
+}
+
+TEST_F(FirstSights, WhatMovesHasLessDetailAndNearlyTheSameLight) {
+  Progress quiet;
+  SceneOptions options{.assume = true};
+  options.members = nlohmann::ordered_json{{"preset", "smoke"}};
+  auto scene = Scene::open(blob({1, 2}, 0.4F), options, quiet);
+  ASSERT_TRUE(scene) << scene.error().message;
+  scene->setViews({Camera::framing(scene->bounds(), 400, 300)});  // close: splines
+  const auto moving = scene->at({.time = 0, .moving = true}, quiet);
+  ASSERT_TRUE(moving);
+  EXPECT_TRUE(moving->media[0]->provisional());
+  const auto whole = scene->at({.time = 0}, quiet);
+  ASSERT_TRUE(whole);
+  EXPECT_FALSE(whole->media[0]->provisional());
+  const auto again = scene->at({.time = 0, .moving = true}, quiet);
+  ASSERT_TRUE(again);
+  EXPECT_FALSE(again->media[0]->provisional()) << "it is known already";
+  const auto a = lightIn(*moving), b = lightIn(*whole);
+  double most = 0, off = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    most = std::max(most, b[i].maxCoeff());
+    off += (a[i] - b[i]).abs().maxCoeff() / static_cast<double>(a.size());
+  }
+  EXPECT_GT(off, 0);
+  EXPECT_LT(off, 0.1 * most);
+}
+
 }  // namespace
 }  // namespace volute

@@ -61,7 +61,8 @@ struct PlaceFields {
 struct SceneRequest {
   double time = 0;  ///< [s]
   bool coarse = false;
-  bool openGl = true;  ///< OpenGL will draw it: without, what only that needs may be left out
+  bool moving = false;  ///< it is shown but for a moment: InstantRequest::moving
+  bool openGl = true;   ///< OpenGL will draw it: without, what only that needs may be left out
 };
 
 /// What an open document says of itself: the loader takes it whenever the document has changed.

@@ -88,17 +88,20 @@ void Loader::open(std::string path, std::optional<double> time) {
   noteRequests();
 }
 
-void Loader::request(double time, std::vector<double> ahead) {
+void Loader::request(double time, std::vector<double> ahead, double period) {
   const std::lock_guard lock(mutex_);
   playing_ = !ahead.empty();
   ahead_ = std::move(ahead);
+  period_ = period;
   const bool kept = !wantedPath_ && wantedChanges_.empty() && !changing_;
   if (auto snapshot = kept ? ring_.find(time) : nullptr) {
     if (loaded_)
       discarded_.push_back(std::move(loaded_->scene));
+    wantedTime_.reset();
+    if (snapshot->provisional && !playing_)
+      wantedTime_ = time;
     loaded_ = LoadedScene{std::move(snapshot), time, false};
     time_ = time;
-    wantedTime_.reset();
   } else if (playing_ && kept && loadingAhead_ == time) {
     awaited_ = time;  // it is about to be there
   } else {
@@ -107,9 +110,11 @@ void Loader::request(double time, std::vector<double> ahead) {
   noteRequests();
 }
 
-void Loader::prepare(std::vector<double> ahead) {
+void Loader::prepare(std::vector<double> ahead, double period) {
   const std::lock_guard lock(mutex_);
   ahead_ = std::move(ahead);
+  period_ = period;
+  triesWhole_ = true;
   wake_.notify_all();
 }
 
@@ -192,6 +197,22 @@ bool Loader::idleNow() const {
 /// With the lock held.
 bool Loader::wanted() const {
   return wantedPath_ || wantedTime_ || !wantedChanges_.empty();
+}
+
+/// With the lock held: whether whole snapshots would be late.
+bool Loader::hurries() const {
+  constexpr double kShare = 0.4;  // of a period: pictures are drawn meanwhile
+  return period_ > 0 && wholeSeconds_ > kShare * period_;
+}
+
+/// With the lock held: whether a snapshot that is loaded ahead is whole. One tells again how long
+/// they take, once there is time for it: the first one after a file is opened takes longer.
+bool Loader::mayBeWhole(double time) {
+  constexpr std::ptrdiff_t kFar = 8;
+  if (!hurries())
+    return true;
+  const bool far = std::ranges::find(ahead_, time) - ahead_.begin() >= kFar;
+  return far && std::exchange(triesWhole_, false);
 }
 
 /// With the lock held.
@@ -294,12 +315,17 @@ void Loader::loadAhead(std::unique_lock<std::mutex>& lock) {
   }
   loadingAhead_ = time;
   awaited_.reset();
+  const SceneRequest request{.time = time, .moving = !mayBeWhole(time), .openGl = openGl_};
   lock.unlock();
   Reporter reporter(*this, aheadStops_);
-  auto scene = document_->sceneAt({.time = time, .coarse = false, .openGl = openGl_}, reporter);
+  const auto begun = SteadyClock::now();
+  auto scene = document_->sceneAt(request, reporter);
+  const std::chrono::duration<double> spent = SteadyClock::now() - begun;
   std::vector<SnapshotRing::Held> gone;
   lock.lock();
   loadingAhead_.reset();
+  if (scene && !request.moving)
+    wholeSeconds_ = spent.count();
   if (!scene) {  // request() will say why
     if (scene.error().code != ErrorCode::kCancelled)
       ahead_.clear();
@@ -498,18 +524,29 @@ void Loader::checkNow(std::unique_lock<std::mutex>& lock) {
 
 void Loader::loadNow(double time) {
   Reporter reporter(*this);
-  SceneRequest request{.time = time, .coarse = true, .openGl = openGl_};
+  SceneRequest request{.time = time, .openGl = openGl_};
   bool seeks = false;
   {
     const std::lock_guard lock(mutex_);
     time_ = time;
     seeks = !playing_;
+    request.moving = playing_ && hurries();
   }
-  if (seeks && document_->coarseHelps(time))
-    deliver(document_->sceneAt(request, reporter), time, true);
-  request.coarse = false;
-  if (!overtaken_)
-    deliver(document_->sceneAt(request, reporter), time, false);
+  if (seeks && document_->coarseHelps(time)) {
+    SceneRequest sooner = request;
+    sooner.coarse = true;
+    deliver(document_->sceneAt(sooner, reporter), time, true);
+  }
+  if (overtaken_)
+    return;
+  const auto begun = SteadyClock::now();
+  auto scene = document_->sceneAt(request, reporter);
+  const std::chrono::duration<double> spent = SteadyClock::now() - begun;
+  if (scene && !request.moving) {
+    const std::lock_guard lock(mutex_);
+    wholeSeconds_ = spent.count();
+  }
+  deliver(std::move(scene), time, false);
 }
 
 void Loader::deliver(Result<ViewScene> scene, double time, bool coarse) {

@@ -73,10 +73,12 @@ class Loader {
   /// Loads another snapshot, which is there at once if it was kept; the newest request counts. A
   /// coarse one comes first where that helps, unless `ahead` says that the document is played: the
   /// times that are wanted next, in order, which are loaded while there is nothing else to do.
-  void request(double time, std::vector<double> ahead = {});
+  /// Where whole ones are too slow for the `period` [s] that each is shown, they are provisional;
+  /// one that rests is whole in the end.
+  void request(double time, std::vector<double> ahead = {}, double period = 0);
 
   /// Says which times are wanted next, as request() does.
-  void prepare(std::vector<double> ahead);
+  void prepare(std::vector<double> ahead, double period = 0);
 
   /// Counts what news() would tell.
   int changes() const { return changes_; }
@@ -138,6 +140,8 @@ class Loader {
   void freeDiscarded(std::unique_lock<std::mutex>& lock);
   bool wanted() const;
   bool freezes() const;
+  bool hurries() const;
+  bool mayBeWhole(double time);
   bool idleNow() const;
   void noteRequests();
 
@@ -158,6 +162,9 @@ class Loader {
   std::optional<double> loadingAhead_;    ///< which of them is being loaded
   std::optional<double> awaited_;         ///< it is to be shown
   bool playing_ = false;                  ///< the last request had such
+  double period_ = 0;                     ///< [s] that each is shown; 0: as long as it takes
+  double wholeSeconds_ = 0;               ///< that the last whole snapshot took
+  bool triesWhole_ = false;               ///< how long one takes is to be found again
   bool changing_ = false;                 ///< the document is about to be another
   std::atomic<bool> aheadStops_ = false;  ///< what is loaded ahead is given up for something else
   std::atomic<bool> openGl_ = true;

@@ -45,6 +45,46 @@ bool soon(Holds&& holds) {
   return true;
 }
 
+/// Whose whole snapshots take longer than a film has.
+class Slow final : public Document {
+ public:
+  DocumentInfo info() const override {
+    return {.title = "slow", .bounds = {Vec3::Zero(), Vec3::Ones()}, .times = {0, 1, 2, 3}};
+  }
+
+  std::vector<std::filesystem::path> files() const override { return {}; }
+
+  Result<ViewScene> sceneAt(const SceneRequest& request, Progress&) override {
+    std::this_thread::sleep_for(milliseconds(request.moving ? 1 : 50));
+    return ViewScene{.time = request.time, .provisional = request.moving};
+  }
+};
+
+TEST(Loader, WhatPlaysIsProvisionalAndWhatRestsIsWhole) {
+  Loader loader([](const std::string&, Progress&) { return std::make_unique<Slow>(); });
+  loader.open("slow", std::nullopt);
+  std::optional<LoadedScene> last;
+  const auto shows = [&](double time, bool provisional) {
+    return soon([&] {
+      auto news = loader.news();
+      if (news && news->loaded)
+        last = std::move(news->loaded);
+      return last && last->time == time && last->scene->provisional == provisional;
+    });
+  };
+  ASSERT_TRUE(shows(0, false));
+  loader.request(1, {2, 3}, 0.04);
+  EXPECT_TRUE(shows(1, true)) << "50 ms are too long";
+  loader.request(2, {3}, 0.04);
+  EXPECT_TRUE(shows(2, true)) << "it was loaded ahead";
+  loader.request(2);
+  EXPECT_TRUE(shows(2, false)) << "it rests";
+  loader.request(3, {1}, 1);
+  loader.request(1, {0}, 1);
+  loader.request(0, {1}, 1);
+  EXPECT_TRUE(shows(0, false)) << "time enough";
+}
+
 TEST(Loader, IsNotIdleWhileAChangeIsStillToBeMade) {
   std::atomic<bool> made = false;
   Loader loader([](const std::string&, Progress&) { return std::make_unique<Heavy>(); });

@@ -34,12 +34,14 @@ void Playback::setFrames(const DocumentInfo& info, bool another) {
 
 void Playback::request() {
   const bool plays = timeline_.playing();
-  const double wanted = timeline_.snapshotTime();
-  if (document_.info() && !document_.opening() && std::abs(wanted - requested_) > kHeldTime) {
+  const double wanted = timeline_.snapshotTime(), period = timeline_.snapshotSeconds();
+  const bool rests = played_ && !plays, another = std::abs(wanted - requested_) > kHeldTime;
+  if (plays && !played_)
+    document_.loader().prepare(timeline_.ahead(kAhead), period);
+  if (document_.info() && !document_.opening() && (another || rests)) {
     requested_ = wanted;
-    document_.loader().request(requested_, plays ? timeline_.ahead(kAhead) : std::vector<double>());
-  } else if (plays && !played_) {
-    document_.loader().prepare(timeline_.ahead(kAhead));
+    document_.loader().request(requested_, plays ? timeline_.ahead(kAhead) : std::vector<double>(),
+                               period);
   }
   played_ = plays;
 }

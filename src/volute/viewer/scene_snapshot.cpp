@@ -193,8 +193,11 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneRequest& request, Progress& 
   std::optional<Vec3> eye;
   if (start_)
     eye = start_->eye;
-  VOLUTE_ASSIGN(auto taken,
-                scene_.at({.time = request.time, .coarse = request.coarse, .eye = eye}, progress));
+  VOLUTE_ASSIGN(
+      auto taken,
+      scene_.at(
+          {.time = request.time, .coarse = request.coarse, .moving = request.moving, .eye = eye},
+          progress));
   const auto snapshot = std::make_shared<const Snapshot>(std::move(taken));
   auto media = glSceneOf(*snapshot, {.smokeMethod = options_.smokeMethod});
   if (media)
@@ -221,7 +224,10 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneRequest& request, Progress& 
     scene.preview = byCpu(std::make_shared<const Snapshot>(std::move(*quick)), true);
   scene.inTiles = std::ranges::none_of(snapshot->media,
                                        [](const auto& medium) { return medium->drawsItself(); });
-  for (const auto& medium : snapshot->media) scene.bytes += medium->memoryBytes();
+  for (const auto& medium : snapshot->media) {
+    scene.bytes += medium->memoryBytes();
+    scene.provisional = scene.provisional || medium->provisional();
+  }
   // Here, not while a picture is waited for; but the first one that is waited for is a preview,
   // which needs none of it.
   const bool later = std::exchange(opens_, false) && scene.preview;

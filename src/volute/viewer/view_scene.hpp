@@ -56,6 +56,7 @@ struct ViewScene {
   CpuPicture bare{};              ///< the same without surfaces; empty: there are none
   CpuPicture preview{};           ///< `cpu` sooner, without shadows; empty: no sooner
   bool inTiles = false;           ///< a rectangle of a picture costs its share
+  bool provisional = false;       ///< of less detail than one that rests
   std::uint64_t bytes = 0;        ///< of memory, about, that it alone holds
   /// What a pointer or a ray meets: all triangles of the scene, however they are drawn.
   TriangleScene geometry{};

@@ -271,10 +271,10 @@ std::shared_ptr<const VolumeLight::Lattice> VolumeLight::sky() const {
   const bool fans = lighting_.place.keepsLengths() && volume_.slice().basis() == Basis::kTrilinear;
   // Larger volumes have larger features.
   const std::size_t small = fans ? kSmall : kSmall / 8;
-  const int step = lighting_.firstSky           ? kCoarse
-                   : places.size() <= small     ? 1
-                   : places.size() <= 8 * small ? 2
-                                                : kCoarse;
+  const int step = lighting_.firstSky || lighting_.fewSky ? kCoarse
+                   : places.size() <= small               ? 1
+                   : places.size() <= 8 * small           ? 2
+                                                          : kCoarse;
   // Between places so far apart nothing is seen of single voxels.
   const bool halved = fans && step == kCoarse && !lighting_.firstSky;
   auto lattice = std::make_shared<Lattice>(volume_.slice(), places, step, halved);

@@ -27,6 +27,7 @@ struct VolumeLighting {
   bool ownFire = true;            ///< what the volume emits is light for it, too
   bool multiple = false;          ///< light is scattered more than once: DiffuseLight
   bool firstSky = false;          ///< the surrounding as the first format of scenes has it
+  bool fewSky = false;            ///< the surrounding as large volumes have it
   AffineMap place{};              ///< from the volume's own space to that of lamps and views
 };
 

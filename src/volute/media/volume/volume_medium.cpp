@@ -47,7 +47,8 @@ VolumeAt::VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> lig
       extinction_(other.extinction_),
       factor_(other.factor_),
       lightsScene_(other.lightsScene_),
-      light_(std::move(light)) {}
+      light_(std::move(light)),
+      provisional_(other.provisional_) {}
 
 VolumeAt::VolumeAt(const VolumeMedium& of, std::shared_ptr<const BrickSlice> slice, double moment,
                    double factor)
@@ -307,9 +308,11 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
           "bricks, or leave the preset or the transfer function out",
           path_);
     }
-    VOLUTE_ASSIGN(auto light, lightAt(moment, request.lit));
+    VOLUTE_ASSIGN(auto light, lightAt(moment, request.lit, request.moving));
     block_ = rowOf(position);
-    return std::make_shared<const VolumeAt>(*this, std::move(light), moment, request.factor);
+    auto lit = std::make_shared<VolumeAt>(*this, std::move(light), moment, request.factor);
+    lit->setProvisional(lightMoves_);
+    return lit;
   }
   if (request.coarse && !inMemory(request.time) && !input_->source->info().levelSet) {
     VOLUTE_ASSIGN(auto slice, coarseSlice(position, progress));
@@ -323,7 +326,11 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   }
   VOLUTE_ASSIGN(auto slice, sliceAt(moment));
   block_ = rowOf(position);
-  return std::make_shared<const VolumeAt>(*this, drawn(std::move(slice)), moment, request.factor);
+  const bool moves = request.moving && refines(*slice) && slice != refinedOf_;
+  auto shown = std::make_shared<VolumeAt>(*this, moves ? moved(*slice) : drawn(std::move(slice)),
+                                          moment, request.factor);
+  shown->setProvisional(moves);
+  return shown;
 }
 
 std::uint64_t VolumeMedium::surfacesKey(const InstantRequest& request) const {
@@ -372,6 +379,12 @@ bool VolumeMedium::refines(const BrickSlice& slice) const {
          refinedSplineBytes(slice) <= maxMemory_ / 2;
 }
 
+std::shared_ptr<const BrickSlice> VolumeMedium::moved(const BrickSlice& slice) {
+  BrickSlice other(slice);
+  other.setBasis(Basis::kTrilinear);
+  return std::make_shared<const BrickSlice>(std::move(other));
+}
+
 std::shared_ptr<const BrickSlice> VolumeMedium::drawn(std::shared_ptr<const BrickSlice> slice) {
   if (!refines(*slice))
     return slice;
@@ -403,8 +416,9 @@ void VolumeMedium::chooseLook(std::span<const Camera> views) {
   setAppearance(appearance);
 }
 
-Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, bool lit) {
-  if (moment == lightMoment_ && (lightIsWhole_ || !lit))
+Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, bool lit,
+                                                                 bool moving) {
+  if (moment == lightMoment_ && (lightIsWhole_ || !lit) && (moving || !lightMoves_))
     return light_;
   VOLUTE_ASSIGN(auto slice, shadedSliceAt(moment));
   const Placement place = placementAt(moment);
@@ -413,11 +427,16 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, 
   if (lit)
     lighting = lighting_;
   lighting.place = {place.turn, place.offset};
+  const bool refined = refines(*slice);
+  lighting.fewSky = moving && lit && lighting.surrounding.maxCoeff() > 0;
+  if (moving && refined)
+    slice = moved(*slice);
   // Edges of shadows, colours, and light near a lamp change from voxel to voxel.
   const bool smooth = appearance_.colors.empty() && !lighting.blocks &&
                       std::ranges::all_of(lighting.lamps, [](const Lamp& lamp) {
                         return lamp.kind == Lamp::Kind::kSun;
                       });
+  const bool moves = lighting.fewSky || (moving && refined);
   ShadedVoxels volume = refines(*slice) ? ShadedVoxels::refining(std::move(slice))
                         : smooth        ? ShadedVoxels::withTiles(std::move(slice))
                                         : ShadedVoxels(std::move(slice));
@@ -427,6 +446,7 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, 
   light_ = std::make_shared<const VolumeLight>(std::move(volume), std::move(lighting));
   lightMoment_ = moment;
   lightIsWhole_ = lit;
+  lightMoves_ = moves;
   return light_;
 }
 

@@ -57,6 +57,10 @@ class VolumeAt final : public MediumAt {
 
   std::uint64_t memoryBytes() const override;
 
+  bool provisional() const override { return provisional_; }
+
+  void setProvisional(bool on) { provisional_ = on; }
+
   /// Null: it is plain emission and extinction of one grid.
   const std::shared_ptr<const VolumeLight>& light() const { return light_; }
 
@@ -97,6 +101,7 @@ class VolumeAt final : public MediumAt {
   std::shared_ptr<const VolumeLight> light_;
   std::shared_ptr<const Tree4d> tree_;
   int position_ = 0;
+  bool provisional_ = false;
   mutable std::once_flag made_;
   mutable std::shared_ptr<const BrickSlice> slice_;
   mutable std::optional<VoxelMedium> medium_;
@@ -248,8 +253,11 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   /// Splines as finer voxels, where pictures may and memory has room for them; the last is kept.
   Slice drawn(Slice slice);
   bool refines(const BrickSlice& slice) const;
+  /// The same where it moves: as trilinear.
+  static Slice moved(const BrickSlice& slice);
   /// Of a moment; the last one is kept.
-  [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(double moment, bool lit);
+  [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(double moment, bool lit,
+                                                                   bool moving = false);
 
   // ---- between frames
 
@@ -317,6 +325,7 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   VolumeLighting lighting_;
   double lightMoment_ = -1;
   bool lightIsWhole_ = false;  ///< else of the extinction alone
+  bool lightMoves_ = false;    ///< as InstantRequest::moving has it
   std::shared_ptr<const VolumeLight> light_;
 
   mutable std::optional<std::vector<std::string>> gridNames_;
