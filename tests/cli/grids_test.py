@@ -86,6 +86,9 @@ class EveryType(support.TestCase):
         self.assertEqual((listed["burnt"]["minimum"], listed["burnt"]["maximum"]), (0, 1))
         self.assertEqual(listed["id"]["maximum"], 3 * listed["big id"]["maximum"] / 2**40)
         self.assertNotIn(" nan ", self.works("info", folder / "all_0001.vdb").text)
+        # In parts, where a grid is larger than what is allowed.
+        parts = self.works("info", folder / "all_0001.vdb", "--max-memory", "4K", "--json").json["grids"]
+        self.assertEqual({one["name"]: one for one in parts}, listed)
         self.assertLessEqual(self.UNCODED | {"holes"}, {one["name"] for one in said.json["kept"]})
         listed = self.works("info", self.path("x.volute"), "--json").json
         self.assertEqual(listed["kept"], said.json["kept"])

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/confinement.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/prctl.h>
@@ -44,9 +45,10 @@ class Confinement : public ::testing::TestWithParam<bool> {
   }
 
   /// What the hostile reader says when it tries `what` while it reads file_.
-  std::string attempt(const std::string& what) {
+  std::string attempt(const std::string& what, std::uint64_t maxMemory = 64 << 20) {
     SourceOptions options;
     options.grid = what;
+    options.maxMemory = maxMemory;
     const auto source = openLatticeSource({{0, file_, std::nullopt}}, loadHostilePlugin, options);
     return source ? "it worked" : source.error().message;
   }
@@ -90,6 +92,16 @@ TEST_P(Confinement, ItReachesNobody) {
 TEST_P(Confinement, ItTakesNoMoreThanItIsGiven) {
   for (const char* what : {"shorten", "code", "hoard", "limit", "outlive"})
     EXPECT_THAT(attempt(what), HasSubstr("was refused")) << what;
+}
+
+TEST_P(Confinement, ItsMemoryIsWhatIsAllowedAndItsLibraries) {
+  for (const std::uint64_t allowed : {1, 48, 200}) {
+    const auto take = [&](std::uint64_t more) {
+      return attempt(fmt::format("take {}", allowed + more), allowed << 20);
+    };
+    EXPECT_THAT(take(40), HasSubstr("worked")) << allowed;
+    EXPECT_THAT(take(60), HasSubstr("was refused")) << allowed;
+  }
 }
 
 TEST_P(Confinement, WhatItAnswersIsChecked) {

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -69,8 +70,13 @@ long makeProcess(const char*) {
   return child;
 }
 
-long mapMemory(int protection, int flags) {
-  return ::mmap(nullptr, 4096, protection, flags | MAP_ANONYMOUS, -1, 0) == MAP_FAILED ? -1 : 0;
+long mapMemory(int protection, int flags, std::size_t bytes = 4096) {
+  return ::mmap(nullptr, bytes, protection, flags | MAP_ANONYMOUS, -1, 0) == MAP_FAILED ? -1 : 0;
+}
+
+long takeMemory(const char* mebibytes) {
+  const auto bytes = static_cast<std::size_t>(std::atoi(mebibytes)) << 20;
+  return mapMemory(PROT_READ | PROT_WRITE, MAP_PRIVATE, bytes);
 }
 
 const std::map<std::string, Attempt, std::less<>>& attempts() {
@@ -90,6 +96,7 @@ const std::map<std::string, Attempt, std::less<>>& attempts() {
       {"outlive", closeLifeline},
       {"code", [](const char*) { return mapMemory(PROT_READ | PROT_EXEC, MAP_PRIVATE); }},
       {"hoard", [](const char*) { return mapMemory(PROT_READ | PROT_WRITE, MAP_SHARED); }},
+      {"take", takeMemory},
       {"rights", [](const char*) { return ::prctl(PR_SET_DUMPABLE, 1); }},
       {"limit", [](const char*) {
          const rlimit all{RLIM_INFINITY, RLIM_INFINITY};

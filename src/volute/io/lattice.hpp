@@ -121,8 +121,11 @@ class LatticeReader {
                                                       const std::string& grid,
                                                       const std::string& usual, bool needBox) = 0;
 
-  /// All grids of a file, in its order. kUnsupported where the format has one.
-  [[nodiscard]] virtual Result<std::vector<GridFacts>> list(const std::filesystem::path& file) {
+  /// All grids of a file, in its order; holds about `limit` bytes of values at a time. kUnsupported
+  /// where the format has one.
+  [[nodiscard]] virtual Result<std::vector<GridFacts>> list(const std::filesystem::path& file,
+                                                            std::uint64_t limit) {
+    (void)limit;
     return fail(ErrorCode::kUnsupported, "{}: a format without a list of grids", file.string());
   }
 

@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 #include <optional>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
 #include "volute/grid/look_figures.hpp"
 #include "volute/grid/rounding_source.hpp"
+#include "volute/io/collection.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice_message.hpp"
 #include "volute/io/plugin.hpp"
@@ -81,7 +81,7 @@ Result<std::string> serve(LatticeReader& reader, Held& held, const std::filesyst
   reader.sampleFrusta(request.sampled ? &request.frusta : nullptr);
   reader.takeOffset(request.less);
   if (request.list) {
-    VOLUTE_ASSIGN(const auto grids, reader.list(path));
+    VOLUTE_ASSIGN(const auto grids, reader.list(path, request.limit));
     return detail::encodeGridFacts(grids);
   }
   if (request.cache) {
@@ -140,9 +140,9 @@ std::uint64_t sizeOf(const std::filesystem::path& file) {
 
 ReaderProcess::Limits limitsFor(const std::filesystem::path& file, std::size_t values,
                                 std::uint64_t maxMemory) {
-  constexpr std::uint64_t kLibraries = 64 << 20;
+  constexpr std::uint64_t kLibraries = 56 << 20;
   ReaderProcess::Limits limits;
-  limits.memory = std::max<std::uint64_t>(64 << 20, maxMemory) + kLibraries;
+  limits.memory = maxMemory + kLibraries;
   limits.seconds =
       3 + 1e-6 * static_cast<double>(sizeOf(file)) + 1e-7 * static_cast<double>(values);
   return limits;
@@ -343,26 +343,14 @@ std::vector<double> statedTimes(const std::vector<LatticeFile>& files,
   return times;
 }
 
-/// What a collection says against its files: a time that the file states otherwise, or one file at
-/// two times; empty: nothing.
-std::string contradictionOf(const std::vector<LatticeFile>& files,
+std::string contradictionIn(const std::vector<LatticeFile>& files,
                             const std::vector<LatticeFrame>& frames) {
-  std::map<std::filesystem::path, double> known;
-  std::string remark;
-  for (std::size_t i = 0; i < files.size() && remark.empty(); ++i) {
-    if (!files[i].time)
-      continue;
-    const double time = *files[i].time, own = frames[i].time;
-    const auto [place, isNew] = known.try_emplace(files[i].path, time);
-    if (!isNew) {
-      remark = fmt::format("{}: is there at {:g} s and at {:g} s: is one of them another file?",
-                           files[i].path.string(), place->second, time);
-    } else if (std::isfinite(own) && std::abs(own - time) > 1e-5 * std::max(1.0, std::abs(time))) {
-      remark = fmt::format("{}: states {:g} s itself (TimeValue); the collection's {:g} s is taken",
-                           files[i].path.string(), own, time);
-    }
+  std::vector<CollectedFile> collected;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (files[i].time)
+      collected.push_back({files[i].path, *files[i].time, frames[i].time});
   }
-  return remark;
+  return contradictionOf(collected);
 }
 
 /// What is wrong with data of one file of several says which frame that is.
@@ -719,7 +707,7 @@ class LatticeSource final : public RoundingSource,
         statedTimes(files_, frames, known_ ? known_->present : std::vector<bool>(), remark);
     if (!remark.empty() && options_.remark)
       options_.remark({RemarkCode::kAssumed, remark});
-    if (remark = contradictionOf(files_, frames); !remark.empty() && options_.remark)
+    if (remark = contradictionIn(files_, frames); !remark.empty() && options_.remark)
       options_.remark({RemarkCode::kDoubtful, remark});
     info_.fillDefaults();
   }
@@ -873,7 +861,8 @@ Result<std::vector<GridFacts>> listGrids(const std::filesystem::path& file,
   ReaderProcess process(readerOf({{0, file, std::nullopt}}, loadVdbPlugin));
   Request request;
   request.list = true;
-  // Every grid is read for its range.
+  request.limit = maxMemory;
+  // Every grid is read for its range, and its topology again for each part of it.
   ReaderProcess::Limits limits = limitsFor(file, 0, maxMemory);
   limits.seconds += 2e-6 * static_cast<double>(sizeOf(file));
   VOLUTE_ASSIGN(const std::string reply, process.call(name, toMessage(request) + name, 0, limits));

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -60,6 +61,12 @@ struct MeshFieldSummary {
   std::uint64_t notFinite = 0;  ///< how many values are
 };
 
+/// What the head of a file of one instant says.
+struct MeshHead {
+  double time = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN: not stated
+  std::vector<MeshFieldSummary> fields{};                  ///< without their values
+};
+
 /// What a file has at one instant. Trivially copyable.
 struct MeshContents {
   MeshSize size;
@@ -94,10 +101,8 @@ class MeshReader {
                                               std::size_t instant, const std::string& field,
                                               const MeshShare& share) = 0;
 
-  /// The fields that a file of one instant has, without their values, and without reading more than
-  /// what says so.
-  [[nodiscard]] virtual Result<std::vector<MeshFieldSummary>> fields(
-      const std::filesystem::path& file) = 0;
+  /// Reads no more of a file of one instant than what says so.
+  [[nodiscard]] virtual Result<MeshHead> head(const std::filesystem::path& file) = 0;
 
   /// Reads one instant without values; take() gives its cells.
   [[nodiscard]] virtual Result<std::pair<MeshContents, std::vector<MeshFieldSummary>>> describe(

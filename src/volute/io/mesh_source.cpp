@@ -11,7 +11,6 @@
 #include <cstring>
 #include <functional>
 #include <limits>
-#include <map>
 #include <set>
 #include <span>
 
@@ -19,6 +18,7 @@
 #include "volute/base/file_as_written.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/io/collection.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/grid_choice.hpp"
@@ -57,8 +57,7 @@ std::size_t floatsFor(const MeshSize& size) {
 }
 
 // Requests; others are instants, to be described where they begin with kDescribe.
-constexpr std::string_view kTimes = "times", kTake = "take", kDescribe = "describe",
-                           kFields = "fields";
+constexpr std::string_view kTimes = "times", kTake = "take", kDescribe = "describe", kHead = "head";
 
 /// What netCDF's libraries fill variables with before they are written (NC_FILL_DOUBLE and
 /// NC_FILL_FLOAT, which are the same number).
@@ -66,6 +65,28 @@ constexpr double kNetcdfFill = 9.9692099683868690e+36;
 
 bool isNetcdfFill(double value) {
   return static_cast<float>(value) == static_cast<float>(kNetcdfFill);
+}
+
+/// As many of them as a reply has room for, behind what it begins with.
+std::string withFields(std::string reply, std::span<const MeshFieldSummary> fields) {
+  for (const MeshFieldSummary& summary : fields) {
+    if (reply.size() + sizeof summary < ReaderProcess::kMaxMessage)
+      reply += toMessage(summary);
+  }
+  return reply;
+}
+
+/// The same the other way.
+Result<std::vector<MeshFieldSummary>> fieldsIn(std::string_view reply) {
+  std::vector<MeshFieldSummary> fields;
+  for (; !reply.empty(); reply.remove_prefix(sizeof(MeshFieldSummary))) {
+    VOLUTE_ASSIGN(auto summary,
+                  fromMessage<MeshFieldSummary>(reply.substr(0, sizeof(MeshFieldSummary))));
+    summary.name[MeshSize::kMaxName] = '\0';
+    settleFlag(summary.ofCells);
+    fields.push_back(summary);
+  }
+  return fields;
 }
 
 /// The child's side: it is asked for the instants, or for one of them: how much it is or what it
@@ -86,26 +107,16 @@ Result<ReaderProcess::Serve> serveMesh(std::string_view parameters) {
       return std::string(reinterpret_cast<const char*>(times.data()),
                          times.size() * sizeof(double));
     }
-    if (request == kFields) {
-      VOLUTE_ASSIGN(const auto fields, reader->fields(file));
-      std::string reply;
-      for (const MeshFieldSummary& summary : fields) {
-        if (reply.size() + sizeof summary < ReaderProcess::kMaxMessage)
-          reply += toMessage(summary);
-      }
-      return reply;
+    if (request == kHead) {
+      VOLUTE_ASSIGN(const MeshHead head, reader->head(file));
+      return withFields(toMessage(head.time), head.fields);
     }
     if (request.starts_with(kDescribe)) {
       request.remove_prefix(kDescribe.size());
       std::size_t instant = 0;
       std::from_chars(request.data(), request.data() + request.size(), instant);
       VOLUTE_ASSIGN(const auto described, reader->describe(file, instant));
-      std::string reply = toMessage(described.first);
-      for (const MeshFieldSummary& summary : described.second) {
-        if (reply.size() + sizeof summary < ReaderProcess::kMaxMessage)
-          reply += toMessage(summary);
-      }
-      return reply;
+      return withFields(toMessage(described.first), described.second);
     }
     if (request != kTake) {
       std::size_t instant = 0;
@@ -279,22 +290,16 @@ Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant
   return takeMesh(process, size, file, limits);
 }
 
-/// The fields that the head of a file names.
-Result<std::vector<MeshFieldSummary>> readFields(const std::filesystem::path& path,
-                                                 const MeshOptions& options) {
+Result<MeshHead> readHead(const std::filesystem::path& path, const MeshOptions& options) {
   const std::string file = path.string();
   VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(path, options.maxMemory));
   ReaderProcess process(meshReader(path, ""));
-  VOLUTE_ASSIGN(const std::string reply, process.call(file, kFields, 0, limits));
-  std::vector<MeshFieldSummary> fields;
-  for (std::size_t at = 0; at < reply.size(); at += sizeof(MeshFieldSummary)) {
-    VOLUTE_ASSIGN(auto summary, fromMessage<MeshFieldSummary>(
-                                    std::string_view(reply).substr(at, sizeof(MeshFieldSummary))));
-    summary.name[MeshSize::kMaxName] = '\0';
-    settleFlag(summary.ofCells);
-    fields.push_back(summary);
-  }
-  return fields;
+  VOLUTE_ASSIGN(const std::string reply, process.call(file, kHead, 0, limits));
+  const std::string_view text = reply;
+  MeshHead head;
+  VOLUTE_ASSIGN(head.time, fromMessage<double>(text.substr(0, sizeof(double))));
+  VOLUTE_ASSIGN(head.fields, fieldsIn(text.substr(sizeof(double))));
+  return head;
 }
 
 /// What a frame has, without values.
@@ -318,13 +323,7 @@ Result<Description> describeMesh(const std::filesystem::path& path, std::size_t 
   if (!settle(described.contents.size))
     return notSound(file);
   VOLUTE_TRY(checkMemory(described.contents.size, file, options));
-  for (std::size_t at = sizeof(MeshContents); at < text.size(); at += sizeof(MeshFieldSummary)) {
-    VOLUTE_ASSIGN(auto summary,
-                  fromMessage<MeshFieldSummary>(text.substr(at, sizeof(MeshFieldSummary))));
-    summary.name[MeshSize::kMaxName] = '\0';
-    settleFlag(summary.ofCells);
-    described.fields.push_back(summary);
-  }
+  VOLUTE_ASSIGN(described.fields, fieldsIn(text.substr(sizeof(MeshContents))));
   VOLUTE_ASSIGN(MeshData data, takeMesh(process, described.contents.size, file, limits));
   described.soup = std::move(data.soup);
   return described;
@@ -451,6 +450,8 @@ bool isMeshCase(const std::filesystem::path& path) {
 
 Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const MeshOptions& options) {
   VOLUTE_ASSIGN(MeshSource source, list(path, options));
+  if (extensionOf(path) == ".pvd")
+    source.readHeads();
   VOLUTE_TRY(source.leaveOutAbsent(path));
   bool ascending = extensionOf(path) == ".pvd";
   for (const Instant& instant : source.instants_) {
@@ -530,7 +531,6 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
   }
   std::ranges::stable_sort(files, {}, &TimedFile::time);
   FilesAsWritten written;
-  std::map<std::filesystem::path, double> known;
   for (const TimedFile& file : files) {
     if (!source.times_.empty() && source.times_.back() == file.time) {
       return fail(ErrorCode::kInvalidData,
@@ -539,15 +539,7 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
                   path.string(), source.instants_.back().file.filename().string(),
                   file.path.string(), file.time);
     }
-    const auto found = written.find(path.parent_path(), file.path.string());
-    if (const auto [place, isNew] = known.try_emplace(found, file.time);
-        !isNew && source.repeated_.empty()) {
-      source.repeated_ = fmt::format(
-          "{} is there at {:g} s and at {:g} s: is one of them another "
-          "file?",
-          file.path.string(), place->second, file.time);
-    }
-    source.instants_.push_back({found, 0});
+    source.instants_.push_back({written.find(path.parent_path(), file.path.string()), 0});
     source.times_.push_back(file.time);
   }
   if (source.instants_.empty())
@@ -571,16 +563,20 @@ void MeshSource::leaveOut(const Absent& isAbsent) {
   times_ = std::move(times);
 }
 
-Status MeshSource::listFields() {
-  for (const Instant& instant : instants_) {
-    auto fields = readFields(instant.file, options_);
-    if (!fields) {
+void MeshSource::readHeads() {
+  std::vector<CollectedFile> files;
+  for (std::size_t i = 0; i < instants_.size(); ++i)
+    files.push_back({instants_[i].file, times_[i]});
+  for (CollectedFile& file : files) {
+    auto head = readHead(file.path, options_);
+    if (!head) {
       fieldLists_.clear();
-      return {};  // reading the frame says what is wrong with the file
+      break;  // reading the frame says what is wrong with the file
     }
-    fieldLists_.push_back(std::move(*fields));
+    file.stated = head->time;
+    fieldLists_.push_back(std::move(head->fields));
   }
-  return {};
+  contradiction_ = contradictionOf(files);
 }
 
 std::vector<std::vector<std::string>> MeshSource::fieldNames() const {
@@ -616,7 +612,6 @@ Status MeshSource::leaveOutAbsent(const std::filesystem::path& path) {
   };
   std::vector<bool> there(instants_.size(), true);
   if (extensionOf(path) == ".pvd") {
-    VOLUTE_TRY(listFields());
     if (fieldLists_.empty())
       return {};
     if (field.empty()) {

@@ -94,8 +94,8 @@ class MeshSource {
   /// What absent() comes to, as a sentence; empty: nothing is absent.
   std::string absentText() const;
 
-  /// One file that is named for two times, as a sentence; empty: there is none.
-  std::string repeatedText() const { return repeated_; }
+  /// What a .pvd says against its files (contradictionOf()), as a sentence; empty: nothing.
+  const std::string& contradiction() const { return contradiction_; }
 
   /// The names of the fields at each time, where that is told without reading them: of each file of
   /// a .pvd (of absent ones too), of each time's folder of OpenFOAM; else empty.
@@ -118,7 +118,7 @@ class MeshSource {
   [[nodiscard]] Result<MeshData> dataOf(std::size_t frame, const std::string& field) const;
 
   [[nodiscard]] Status leaveOutAbsent(const std::filesystem::path& path);
-  [[nodiscard]] Status listFields();
+  void readHeads();
   [[nodiscard]] Status leaveOutUnwritten();
   template <class Absent>
   void leaveOut(const Absent& isAbsent);
@@ -131,7 +131,7 @@ class MeshSource {
   std::vector<Instant> instants_;
   std::vector<double> absent_;
   std::string absentWhat_;  // what is absent then
-  std::string repeated_;
+  std::string contradiction_;
   std::vector<std::vector<MeshFieldSummary>> fieldLists_;
   // What the first frame that was read settled for all.
   std::string settledField_;

@@ -116,10 +116,34 @@ TEST(MeshSource, AFileThatIsThereAtTwoTimesIsTold) {
   const SeriesFile files[] = {{"a.vtu", 0}, {"b.vtu", 1}, {"a.vtu", 2.5}};
   ASSERT_TRUE(testing::ok(writePvd(folder / "s.pvd", files)));
   ASSERT_VALUE(const auto source, MeshSource::open(folder / "s.pvd"));
-  EXPECT_THAT(source.repeatedText(), HasSubstr("a.vtu is there at 0 s and at 2.5 s"));
+  EXPECT_THAT(source.contradiction(), HasSubstr("a.vtu: is there at 0 s and at 2.5 s"));
   ASSERT_TRUE(testing::ok(writePvd(folder / "s.pvd", std::span(files).first(2))));
   ASSERT_VALUE(const auto once, MeshSource::open(folder / "s.pvd"));
-  EXPECT_EQ(once.repeatedText(), "");
+  EXPECT_EQ(once.contradiction(), "");
+}
+
+TEST(MeshSource, ATimeThatAFileStatesOtherwiseIsTold) {
+  const TempFolder folder;
+  const auto writeAt = [&](const char* name, const char* time) {
+    std::string text = vtu("1 2 3 4 5 6");
+    text.insert(text.find("<Piece"),
+                fmt::format("<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" "
+                            "NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray></FieldData>",
+                            time));
+    write(folder / name, text);
+  };
+  writeAt("a.vtu", "0"), writeAt("b.vtu", "10.00001");
+  const auto said = [&](std::initializer_list<SeriesFile> files) {
+    EXPECT_TRUE(testing::ok(writePvd(folder / "s.pvd", std::vector(files))));
+    const auto source = MeshSource::open(folder / "s.pvd");
+    return source ? source->contradiction() : source.error().message;
+  };
+  EXPECT_EQ(said({{"a.vtu", 0}, {"b.vtu", 10}}), "");
+  EXPECT_THAT(said({{"a.vtu", 0}, {"b.vtu", 60}}),
+              HasSubstr("b.vtu: states 10 s itself (TimeValue); the collection's 60 s is taken"));
+  EXPECT_THAT(said({{"a.vtu", 2}}), HasSubstr("a.vtu: states 0 s itself"));
+  write(folder / "b.vtu", vtu("1 2 3 4 5 6"));
+  EXPECT_EQ(said({{"a.vtu", 0}, {"b.vtu", 60}}), "");
 }
 
 TEST(MeshSource, AFieldOfCellsIsNotOneOfPoints) {

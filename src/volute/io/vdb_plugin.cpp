@@ -99,10 +99,15 @@ class VdbFile final : public openvdb::io::Archive {
   /// Of a grid that OpenVDB does not know, else empty; grid() is none of its kind then.
   const std::string& foreignType(std::size_t index) const { return grids_[index].foreignType; }
 
+  /// Whether readTopology() leaves values in the file.
+  bool hasTopology(std::size_t index) const {
+    return !whole_ && !grids_[index].descriptor.isInstance() && foreignType(index).empty();
+  }
+
   /// Where its voxels are, without their values.
   openvdb::GridBase::Ptr readTopology(std::size_t index) {
     const auto& entry = grids_[index];
-    if (whole_ || entry.descriptor.isInstance())
+    if (!hasTopology(index))
       return readTree(index);
     auto grid = openvdb::GridBase::createGrid(entry.descriptor.gridType());
     entry.descriptor.seekToGrid(stream_);
@@ -716,34 +721,76 @@ std::uint64_t notedBrickBytes(const openvdb::GridBase& grid) {
   return noted && noted->value() > 0 ? static_cast<std::uint64_t>(noted->value()) * 5 / 4 : 0;
 }
 
-/// Extremes over the active values of what has numbers.
-template <class... Grids>
-void addRange(const openvdb::GridBase& base, GridFacts& facts) {
-  facts.least = facts.most = std::numeric_limits<double>::quiet_NaN();
+/// What grids of numbers are called by: a function for each kind.
+template <class Function>
+void withNumbers(const openvdb::GridBase& base, const Function& function) {
+  using namespace openvdb;
   const auto take = [&]<class Grid>() {
-    if (!base.isType<Grid>())
-      return;
-    double least = std::numeric_limits<double>::infinity(), most = -least;
-    const auto add = [&](auto value) {
-      least = std::min(least, static_cast<double>(value));
-      most = std::max(most, static_cast<double>(value));
-    };
-    for (auto it = static_cast<const Grid&>(base).cbeginValueOn(); it; ++it) {
-      if constexpr (openvdb::VecTraits<typename Grid::ValueType>::IsVec)
-        for (int c = 0; c < 3; ++c) add((*it)[c]);
-      else
-        add(*it);
-    }
-    facts.least = least <= most ? least : 0, facts.most = least <= most ? most : 0;
+    if (base.isType<Grid>())
+      function(static_cast<const Grid&>(base));
   };
-  (take.template operator()<Grids>(), ...);
+  take.template operator()<FloatGrid>();
+  take.template operator()<DoubleGrid>();
+  take.template operator()<Vec3SGrid>();
+  take.template operator()<Vec3DGrid>();
+  take.template operator()<BoolGrid>();
+  take.template operator()<Int32Grid>();
+  take.template operator()<Int64Grid>();
+  take.template operator()<Vec3IGrid>();
+}
+
+/// Extremes over active values; NaN where they are no numbers.
+class Extremes {
+ public:
+  /// @param withLeaves  else tiles alone
+  void add(const openvdb::GridBase& base, bool withLeaves) {
+    withNumbers(base, [&]<class Grid>(const Grid& grid) {
+      numbers_ = true;
+      auto it = grid.cbeginValueOn();
+      if (!withLeaves)
+        it.setMaxDepth(Grid::ValueOnCIter::LEAF_DEPTH - 1);
+      for (; it; ++it) {
+        if constexpr (openvdb::VecTraits<typename Grid::ValueType>::IsVec)
+          for (int c = 0; c < 3; ++c) take(static_cast<double>((*it)[c]));
+        else
+          take(static_cast<double>(*it));
+      }
+    });
+  }
+
+  void put(GridFacts& facts) const {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    facts.least = !numbers_ ? kNone : least_ <= most_ ? least_ : 0;
+    facts.most = !numbers_ ? kNone : least_ <= most_ ? most_ : 0;
+  }
+
+ private:
+  void take(double value) { least_ = std::min(least_, value), most_ = std::max(most_, value); }
+
+  double least_ = std::numeric_limits<double>::infinity(), most_ = -least_;
+  bool numbers_ = false;
+};
+
+/// Layers of leaves, from below, with what the values in each take [bytes]; empty where a leaf
+/// holds its values without memory of their own.
+std::map<int, std::uint64_t> leafLayers(const openvdb::GridBase& topology) {
+  std::map<int, std::uint64_t> layers;
+  withNumbers(topology, [&]<class Grid>(const Grid& grid) {
+    using Leaf = typename Grid::TreeType::LeafNodeType;
+    if constexpr (!std::is_same_v<typename Grid::ValueType, bool>)
+      for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
+        layers[leaf->origin().z()] += Leaf::SIZE * sizeof(typename Grid::ValueType);
+  });
+  return layers;
 }
 
 void putText(std::string_view text, char* to, std::size_t most) {
   text.substr(0, most).copy(to, most);
 }
 
-GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid) {
+/// All but the range.
+/// @param grid  values may be missing, and count as `missing` bytes
+GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid, std::uint64_t missing) {
   GridFacts facts;
   name.copy(facts.name, GridFacts::kMaxName);
   grid.valueType().copy(facts.type, GridFacts::kMaxType);
@@ -761,11 +808,7 @@ GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid) {
   facts.readable = facts.readable && placed;
   facts.frustum = isFrustum(grid);
   facts.voxels = grid.activeVoxelCount();
-  facts.memory = grid.memUsage();
-  facts.half = grid.saveFloatAsHalf();
-  using namespace openvdb;
-  addRange<FloatGrid, DoubleGrid, Vec3SGrid, Vec3DGrid, BoolGrid, Int32Grid, Int64Grid, Vec3IGrid>(
-      grid, facts);
+  facts.memory = grid.memUsage() + missing;
   return facts;
 }
 
@@ -964,6 +1007,47 @@ Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
   return result;
 }
 
+/// Reads the values of a grid that takes more than `limit` bytes in parts of at most that, or of
+/// one layer of leaves.
+GridFacts factsIn(VdbFile& file, std::size_t index, std::uint64_t limit) {
+  constexpr std::uint64_t kMaxParts = 64;
+  Extremes extremes;
+  GridFacts facts;
+  std::map<int, std::uint64_t> layers;
+  openvdb::CoordBBox box;
+  std::uint64_t missing = 0;
+  if (file.hasTopology(index)) {
+    const auto topology = file.readTopology(index);
+    layers = leafLayers(*topology);
+    for (const auto& [z, bytes] : layers) missing += bytes;
+    if (missing > limit) {
+      facts = factsOf(file.name(index), *topology, missing);
+      extremes.add(*topology, /*withLeaves=*/false);
+      box = topology->evalActiveVoxelBoundingBox();
+    }
+  }
+  if (missing <= limit) {
+    const auto grid = file.readTree(index);
+    facts = factsOf(file.name(index), *grid, 0);
+    extremes.add(*grid, /*withLeaves=*/true);
+  } else {
+    const std::uint64_t most = std::max(limit, missing / kMaxParts);
+    for (auto begin = layers.begin(); begin != layers.end() && !box.empty();) {
+      auto end = begin;
+      std::uint64_t bytes = 0;
+      while (end != layers.end() && (end == begin || bytes + end->second <= most))
+        bytes += (end++)->second;
+      constexpr int kLastInLeaf = 7;
+      box.min().z() = begin->first, box.max().z() = std::prev(end)->first + kLastInLeaf;
+      extremes.add(*file.readTree(index, &box), /*withLeaves=*/true);
+      begin = end;
+    }
+  }
+  extremes.put(facts);
+  facts.half = file.grid(index).saveFloatAsHalf();
+  return facts;
+}
+
 class VdbReader final : public LatticeReader {
  public:
   VdbReader() { openvdb::initialize(); }
@@ -1014,16 +1098,15 @@ class VdbReader final : public LatticeReader {
     });
   }
 
-  Result<std::vector<GridFacts>> list(const std::filesystem::path& path) override {
+  Result<std::vector<GridFacts>> list(const std::filesystem::path& path,
+                                      std::uint64_t limit) override {
     return guarded(path, [&]() -> Result<std::vector<GridFacts>> {
       VdbFile file(path);
       std::vector<GridFacts> grids;
       for (std::size_t i = 0; i < file.gridCount(); ++i) {
         // What OpenVDB does not know in one grid is no damage of the others.
         try {
-          const auto grid = file.readTree(i);
-          grid->setSaveFloatAsHalf(file.grid(i).saveFloatAsHalf());
-          grids.push_back(factsOf(file.name(i), *grid));
+          grids.push_back(factsIn(file, i, limit));
         } catch (const openvdb::LookupError& error) {
           const std::string& type = file.foreignType(i);
           grids.push_back(unknownOf(file.name(i), type.empty() ? file.grid(i).valueType() : type,

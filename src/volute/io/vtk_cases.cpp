@@ -18,8 +18,10 @@
 #include <vtkXMLUnstructuredGridReader.h>
 
 #include <algorithm>
+#include <limits>
 #include <span>
 #include <sstream>
+#include <string_view>
 
 #include "volute/base/file_name.hpp"
 #include "volute/io/ensight_files.hpp"
@@ -241,7 +243,16 @@ Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
   return times;
 }
 
-Result<std::vector<VtkFieldName>> listVtkFields(const std::filesystem::path& path) {
+double statedTime(vtkAlgorithm& reader) {
+  vtkInformation* information = reader.GetOutputInformation(0);
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const auto key = vtkStreamingDemandDrivenPipeline::TIME_STEPS();
+  if (!information->Has(key) || information->Length(key) != 1)
+    return kUnknown;
+  return information->Get(key)[0];
+}
+
+Result<MeshHead> readVtkHead(const std::filesystem::path& path) {
   const ErrorWatch watch;
   std::filesystem::path file = path;
   if (extensionOf(path) == ".pvtu") {
@@ -252,17 +263,22 @@ Result<std::vector<VtkFieldName>> listVtkFields(const std::filesystem::path& pat
   reader->SetFileName(file.c_str());
   reader->UpdateInformation();
   VOLUTE_TRY(watch.status(file.string()));
-  std::vector<VtkFieldName> fields;
+  MeshHead head{.time = statedTime(*reader)};
   for (const bool cells : {false, true}) {
     auto* list = reader->GetOutputInformation(0)->Get(cells ? vtkDataObject::CELL_DATA_VECTOR()
                                                             : vtkDataObject::POINT_DATA_VECTOR());
     for (int i = 0; list && i < list->GetNumberOfInformationObjects(); ++i) {
       vtkInformation* field = list->GetInformationObject(i);
-      if (const char* name = field->Get(vtkDataObject::FIELD_NAME()))
-        fields.push_back({name, cells, field->Get(vtkDataObject::FIELD_NUMBER_OF_COMPONENTS())});
+      const char* name = field->Get(vtkDataObject::FIELD_NAME());
+      if (!name || std::string_view(name).starts_with("vtkGhost"))
+        continue;
+      MeshFieldSummary& summary = head.fields.emplace_back();
+      std::string_view(name).copy(summary.name, MeshSize::kMaxName);
+      summary.ofCells = cells;
+      summary.components = field->Get(vtkDataObject::FIELD_NUMBER_OF_COMPONENTS());
     }
   }
-  return fields;
+  return head;
 }
 
 Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t instant,

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <vtkAlgorithm.h>
 #include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
 
@@ -19,15 +20,11 @@ namespace volute {
 /// The instants of a .vtu file or a case.
 [[nodiscard]] Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path);
 
-/// A field that the head of a file names.
-struct VtkFieldName {
-  std::string name;
-  bool ofCells = false;
-  int components = 1;
-};
+/// [s], as programs of VTK note it in the field data (TimeValue); NaN where it is not stated.
+double statedTime(vtkAlgorithm& reader);
 
 /// Of a .vtu, or of the first piece of a .pvtu.
-[[nodiscard]] Result<std::vector<VtkFieldName>> listVtkFields(const std::filesystem::path& path);
+[[nodiscard]] Result<MeshHead> readVtkHead(const std::filesystem::path& path);
 
 /// What a file has at one instant.
 struct VtkVolume {

@@ -161,19 +161,7 @@ class VtkMeshReader final : public MeshReader {
     return sizeOfData();
   }
 
-  Result<std::vector<MeshFieldSummary>> fields(const std::filesystem::path& path) override {
-    VOLUTE_ASSIGN(const auto names, listVtkFields(path));
-    std::vector<MeshFieldSummary> fields;
-    for (const VtkFieldName& field : names) {
-      if (field.name.starts_with("vtkGhost"))
-        continue;
-      MeshFieldSummary& summary = fields.emplace_back();
-      field.name.copy(summary.name, MeshSize::kMaxName);
-      summary.ofCells = field.ofCells;
-      summary.components = field.components;
-    }
-    return fields;
-  }
+  Result<MeshHead> head(const std::filesystem::path& path) override { return readVtkHead(path); }
 
   Result<std::pair<MeshContents, std::vector<MeshFieldSummary>>> describe(
       const std::filesystem::path& path, std::size_t instant) override {

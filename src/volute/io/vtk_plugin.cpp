@@ -26,6 +26,7 @@
 #include "volute/base/number_type.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice.hpp"
+#include "volute/io/vtk_cases.hpp"
 #include "volute/io/vtk_errors.hpp"
 #include "volute/io/vtk_xml.hpp"
 #include "volute/io/xml_text.hpp"
@@ -194,16 +195,6 @@ Status copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
   return {};
 }
 
-/// [s], as programs of VTK note it in the field data (TimeValue); NaN where it is not stated.
-double timeOf(vtkXMLImageDataReader* reader) {
-  vtkInformation* information = reader->GetOutputInformation(0);
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  const auto key = vtkStreamingDemandDrivenPipeline::TIME_STEPS();
-  if (!information->Has(key) || information->Length(key) != 1)
-    return kUnknown;
-  return information->Get(key)[0];
-}
-
 class VtkReader final : public LatticeReader {
  public:
   Result<LatticeFrame> describe(const std::filesystem::path& path, const std::string& wanted,
@@ -221,7 +212,7 @@ class VtkReader final : public LatticeReader {
       frame.error().code = ErrorCode::kInvalidData;
     }
     if (frame)
-      frame->time = timeOf(reader);
+      frame->time = statedTime(*reader);
     return frame;
   }
 

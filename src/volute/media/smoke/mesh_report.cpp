@@ -138,8 +138,8 @@ void addFields(Report& report, const std::vector<MeshFieldSummary>& fields,
 void addPartial(Report& report, const MeshSource& source) {
   OrderedJson list = OrderedJson::array();
   std::string text = source.absentText();
-  if (const std::string repeated = source.repeatedText(); !repeated.empty())
-    text += (text.empty() ? "" : "; ") + repeated;
+  if (const std::string& said = source.contradiction(); !said.empty())
+    text += (text.empty() ? "" : "; ") + said;
   std::vector<std::pair<std::string, std::size_t>> counts;
   const auto lists = source.fieldNames();
   for (const auto& names : lists) {

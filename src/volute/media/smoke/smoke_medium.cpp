@@ -63,10 +63,8 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
     reading.progress.remark(
         Remark(RemarkCode::kLeftOut, fmt::format("{}: {}", description.file, absent))
             .in(description.file));
-  if (const std::string repeated = files->source.repeatedText(); !repeated.empty())
-    reading.progress.remark(
-        Remark(RemarkCode::kDoubtful, fmt::format("{}: {}", description.file, repeated))
-            .in(description.file));
+  if (const std::string& said = files->source.contradiction(); !said.empty())
+    reading.progress.remark(Remark(RemarkCode::kDoubtful, said).in(description.file));
   const std::shared_ptr<SmokeMedium> opened(new SmokeMedium(description, std::move(files)));
   SmokeMedium& medium = *opened;
   medium.remarked_ = how.sightOnly;
