@@ -183,6 +183,24 @@ TEST_F(Controls, APictureWithNothingInItSaysSo) {
   EXPECT_FALSE(says());
 }
 
+TEST_F(Controls, ASceneWithoutLightSaysSo) {
+  std::ofstream(folder_.path("dark.json")) << R"({"format": "volute-scene-2",
+    "media": [{"kind": "smoke", "case": "smoke.pvd", "quantity": "soot-density", "unit": "kg/m3"}]})";
+  open("dark.json");
+  EXPECT_TRUE(script_->settle());
+  script_->frames(3);
+  ASSERT_EQ(app().settings().alerts.size(), 1U);
+  EXPECT_THAT(app().settings().alerts[0].text, ::testing::HasSubstr("the scene has no light"));
+  script_->input().width = 900;
+  script_->frames(3);
+  ASSERT_TRUE(script_->click("add ambient"));
+  load();
+  EXPECT_TRUE(script_->settle());
+  script_->frames(3);
+  for (const PanelNotice& notice : app().settings().alerts)
+    EXPECT_THAT(notice.text, ::testing::Not(::testing::HasSubstr("has no light")));
+}
+
 TEST_F(Controls, FilesOpenByDropping) {
   open("smoke.json");
   script_->open(folder_.path("map.png"));

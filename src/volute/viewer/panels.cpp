@@ -43,9 +43,22 @@ std::vector<PanelNotice> alertsOf(ViewerApp& app) {
     if (!error.empty())
       all.push_back({kError, error});
   }
-  if (app.view().blank())
-    all.push_back({kText, tr("nothing is to be seen: try another time, F for all of it, or +, "
-                             "which is brighter")});
+  if (!app.view().blank())
+    return all;
+  const DocumentInfo* document = app.document().info();
+  const ViewScene* scene = app.view().picture().scene();
+  const auto isLight = [](const Parameter& parameter) {
+    return parameter.path.starts_with("/lights/");
+  };
+  const bool dark = document && document->editable && scene &&
+                    std::ranges::none_of(document->parameters, isLight) &&
+                    std::ranges::all_of(scene->names, [](const std::string& name) {
+                      return name.starts_with("smoke") || name.starts_with("fog");
+                    });
+  all.push_back({kText, tr(dark ? "nothing is to be seen: the scene has no light; add Ambient, a "
+                                  "Sun or a Lamp in the panel Scene, or try another time"
+                                : "nothing is to be seen: try another time, F for all of it, or "
+                                  "+, which is brighter")});
   return all;
 }
 

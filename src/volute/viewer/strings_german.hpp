@@ -47,6 +47,11 @@ inline constexpr std::pair<std::string_view, const char*> kGermanStrings[] = {
     {"Less", "Weniger"},
     {"Make film", "Film machen"},
     {"path", "Pfad"},
+    {"nothing is to be seen: the scene has no light; add Ambient, a Sun or a Lamp in the panel "
+     "Scene, or try another time",
+     "nichts zu sehen: die Szene hat kein Licht; Umlicht, Sonne oder Lampe im Feld Szene "
+     "hinzufügen, "
+     "oder andere Zeit"},
     {"nothing is to be seen: try another time, F for all of it, or +, which is brighter",
      "nichts zu sehen: andere Zeit, F für alles, oder + für heller"},
     {"Values", "Werte"},
