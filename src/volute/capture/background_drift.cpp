@@ -166,7 +166,8 @@ std::optional<Rgb> findPedestal(const Image& picture, std::span<const std::uint8
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (pixels[i] != 0) {
       columns.push_back(static_cast<float>(i % width));
-      rows.push_back(static_cast<float>(i / width));
+      const std::size_t row = i / width;
+      rows.push_back(static_cast<float>(row));
     }
   }
   if (columns.size() < kFewest)

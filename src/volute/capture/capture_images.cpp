@@ -190,6 +190,7 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   stored.image = std::move(read->image);
   VOLUTE_TRY(checkSize(camera, stored.image, name));
   turnUp(pictures, stored.image);
+  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): 'read->' names the same optional
   stored.transparentShare = read->alpha ? shareBelowOne(*read->alpha) : 0;
   if (!stored.linear && stored.transparentShare > 0) {
     return fail(ErrorCode::kInvalidData,
@@ -200,6 +201,7 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   if (pictures.response) {
     stored.response = *pictures.response;
   } else if (read->curve) {
+    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): as above
     VOLUTE_ASSIGN(stored.response, Response::table(std::move(*read->curve)));
   }
   constexpr double kNever = std::numeric_limits<double>::infinity();

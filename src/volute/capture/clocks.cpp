@@ -49,22 +49,23 @@ void takeRatesOfFilms(CaptureDraft& draft, std::uint64_t maxMemory) {
     slowest = std::min(slowest.value_or(*rate), *rate);
     fastest = std::max(fastest.value_or(*rate), *rate);
   }
-  if (!slowest)
+  if (!slowest || !fastest)
     return;
   if (sameRate(*slowest, *fastest)) {
     if (!draft.framesPerSecond) {
-      draft.framesPerSecond = *slowest;
+      draft.framesPerSecond = slowest;
       draft.remarks.push_back(fmt::format("{:g} frames a second, as the films say", *slowest));
     }
     return;
   }
   if (!draft.framesPerSecond)
-    draft.framesPerSecond = *slowest;
+    draft.framesPerSecond = slowest;
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < rates.size(); ++i) {
     if (!rates[i])
       continue;
     draft.cameras[i].framesPerSecond = rates[i];
+    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): asked for above
     texts.push_back(fmt::format("{} {:g}", draft.cameras[i].name, *rates[i]));
   }
   draft.remarks.push_back(fmt::format(

@@ -23,6 +23,7 @@ std::string escaped(char c) {
 std::string expressionOf(const std::string& component, bool last) {
   const auto found = last ? findFrameField(component) : std::optional<FrameField>();
   const bool has = found && *found;
+  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): 'has' asks for it
   const FrameField field = has ? **found : FrameField{};
   std::string expression;
   for (std::size_t at = 0; at < component.size();) {

@@ -42,11 +42,13 @@ std::optional<OpenCvMatrix> matrixOf(Parts parts) {
            *number == static_cast<int>(*number);
   };
   if (!isCount(parts.rows) || !isCount(parts.columns) || !parts.data ||
+      // NOLINTNEXTLINE(bugprone-unchecked-optional-access): isCount() asks
       *parts.rows * *parts.columns * parts.channels != static_cast<double>(parts.data->size()))
     return std::nullopt;
   const auto isFraction = [](double value) { return value != std::floor(value); };
   if (parts.whole && std::ranges::any_of(*parts.data, isFraction))
     return std::nullopt;
+  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): isCount() asked
   return OpenCvMatrix{static_cast<int>(*parts.rows), static_cast<int>(*parts.columns),
                       std::move(*parts.data)};
 }

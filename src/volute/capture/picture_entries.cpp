@@ -143,6 +143,7 @@ Status placeByTime(std::vector<Group>& groups, const std::set<double>& times,
   for (const Group& group : groups) {
     std::vector<std::pair<int, int>> points;
     for (std::size_t i = 0; i < group.entries.size(); ++i) {
+      // NOLINTNEXTLINE(bugprone-unchecked-optional-access): all have one
       const auto rank = std::distance(times.begin(), times.find(*group.entries[i]->time));
       points.emplace_back(static_cast<int>(rank), group.names[i].number());
     }
@@ -162,6 +163,7 @@ Status placeByTime(std::vector<Group>& groups, const std::set<double>& times,
       std::ranges::all_of(lines, [&](const NumberLine& line) { return line == lines[0]; });
   for (std::size_t g = 0; g < groups.size(); ++g) {
     for (const CameraDraft* entry : groups[g].entries) {
+      // NOLINTNEXTLINE(bugprone-unchecked-optional-access): all of a group have one
       const auto rank = static_cast<int>(std::distance(times.begin(), times.find(*entry->time)));
       frames.insert(alike ? lines[g].step * rank + lines[g].first : rank);
     }

@@ -29,12 +29,13 @@ Status FdsCase::findTemperatureScale() {
     return {};
   }
   const auto [least, most] = temperatureRange_;
-  if (largestSaid().value_or(most) > most * (1 + 1e-5)) {
+  const auto said = largestSaid();
+  if (said && *said > most * (1 + 1e-5)) {
     return fail(
         ErrorCode::kInvalidData,
         "{}: its .sz files have {} up to {:g} degrees C, and no TEMP_MINMAX says what bytes "
         "stand for",
-        index_.path.string(), options_.quantity, *largestSaid());
+        index_.path.string(), options_.quantity, *said);
   }
   remarks_.push_back(
       {RemarkCode::kAssumed,

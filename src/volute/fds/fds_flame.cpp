@@ -145,8 +145,9 @@ double FdsFlame::luminance(const FdsField& smoke, double scale, const Box3& box,
     const Vec3 size = box.size();
     for (int i = 0; i < kLines * kLines; ++i) {
       Vec3 from = box.min;
+      const int row = i / kLines;
       from[u] += size[u] * (i % kLines + 0.5) / kLines;
-      from[v] += size[v] * (i / kLines + 0.5) / kLines;
+      from[v] += size[v] * (row + 0.5) / kLines;
       lines.push_back({from, Vec3::Unit(axis), 0, size[axis]});
     }
   }

@@ -96,7 +96,8 @@ Status FdsVolume::readFrame(int index, std::span<float> values) {
   parallelRanges(rows, 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
       const auto y = static_cast<double>(row % static_cast<std::size_t>(info_.y));
-      const auto z = static_cast<double>(row / static_cast<std::size_t>(info_.y));
+      const std::size_t layer = row / static_cast<std::size_t>(info_.y);
+      const auto z = static_cast<double>(layer);
       for (int x = 0; x < info_.x; ++x) {
         const Vec3 centre = info_.bounds.min + voxel.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5));
         values[row * info_.x + static_cast<std::size_t>(x)] =

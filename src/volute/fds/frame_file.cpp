@@ -336,6 +336,7 @@ std::vector<FdsSizeRow> readSizeFile(const std::filesystem::path& path) {
     if (!line || !*line)
       return rows;
     FdsSizeRow row;
+    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): asked for above
     for (const auto word : words(**line)) {
       const auto number = numberOf(word);
       if (!number)

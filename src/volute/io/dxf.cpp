@@ -608,7 +608,8 @@ class DxfReader {
   /// @param layer  its own, or that of the block on which it is inserted
   Status draw(const Entity& entity, const Placement& outer, std::string_view layer, int depth) {
     constexpr std::uint64_t kMaxVisits = 100'000'000;
-    if ((visits_ += 1 + entity.pairs.size()) > kMaxVisits)
+    visits_ += 1 + entity.pairs.size();
+    if (visits_ > kMaxVisits)
       return fail(ErrorCode::kTooLarge,
                   "{}: more than {} values to draw, blocks within blocks counted", path_.string(),
                   kMaxVisits);

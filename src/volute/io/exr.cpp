@@ -166,6 +166,7 @@ Result<Image> readPixels(const InputFile& file, Imf::InputFile& exr,
     if (!toSrgb)
       return fail(toSrgb.error().code, "{}: {}", file.path().string(), toSrgb.error().message);
     if (*toSrgb)
+      // NOLINTNEXTLINE(bugprone-unchecked-optional-access): asked for above
       transformColors(**toSrgb, image);
   }
   return image;

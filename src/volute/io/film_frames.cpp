@@ -32,6 +32,7 @@ Result<Image> FilmFrames::frame(int index) {
     }
     ++next_;
   }
+  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): the loop ends with one
   return *last_;
 }
 

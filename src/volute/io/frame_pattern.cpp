@@ -169,6 +169,7 @@ Sequences sequencesOf(const std::vector<NumberedFile>& files, bool decimals) {
   Sequences sequences;
   for (const NumberedFile& file : files) {
     const std::string name = file.path.filename().string();
+    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): it is one of these
     const auto place = *lastNumber(file.path.stem().string(), decimals);
     ++sequences[{name.substr(0, place.begin), name.substr(place.end)}];
   }
@@ -216,6 +217,7 @@ Result<FramePattern> FramePattern::parse(const std::filesystem::path& path) {
   };
   FramePattern pattern;
   pattern.path_ = path;
+  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): asked for above
   pattern.field_ = **field;
   pattern.prefix_ = text(std::string_view(name).substr(0, pattern.field_.begin));
   pattern.suffix_ = text(std::string_view(name).substr(pattern.field_.end));

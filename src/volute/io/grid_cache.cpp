@@ -53,6 +53,7 @@ int widthOfNumbers(const std::filesystem::path& input, const std::vector<Lattice
   const auto field = findFrameField(input.filename().string());
   std::error_code error;
   if (field && *field && !std::filesystem::exists(input, error))
+    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): asked for above
     return (*field)->width;
   std::size_t width = 0;
   for (const LatticeFile& file : files) {

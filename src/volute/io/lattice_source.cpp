@@ -348,6 +348,7 @@ std::string contradictionIn(const std::vector<LatticeFile>& files,
   std::vector<CollectedFile> collected;
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (files[i].time)
+      // NOLINTNEXTLINE(bugprone-unchecked-optional-access): asked for above
       collected.push_back({files[i].path, *files[i].time, frames[i].time});
   }
   return contradictionOf(collected);
@@ -604,6 +605,7 @@ class LatticeSource final : public RoundingSource,
       frames.push_back(*frame);
     }
     if (first == files_.size())
+      // NOLINTNEXTLINE(bugprone-unchecked-optional-access): no file has the grid
       return tl::unexpected(std::move(*missing));
     if (!missing)
       return {};

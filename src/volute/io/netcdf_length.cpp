@@ -146,7 +146,7 @@ Status checkNetcdfLength(const std::filesystem::path& path, bool others) {
   const std::string_view text(magic.data(), magic.size());
   if (text == "\x89HDF" || (others && !text.starts_with("CDF")))
     return {};  // the library finds what is missing
-  const int version = text[3];
+  const auto version = static_cast<unsigned char>(text[3]);
   if (!text.starts_with("CDF") || (version != 1 && version != 2 && version != 5)) {
     return fail(file.size() < magic.size() ? ErrorCode::kTruncated : ErrorCode::kInvalidData,
                 "{}: begins with neither CDF (netCDF classic) nor the signature of HDF5; expected "

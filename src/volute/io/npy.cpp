@@ -171,6 +171,7 @@ class FortranNpySource final : public RoundingSource {
         const std::size_t voxel =
             ((at[3] * sides[2] + at[2]) * sides[1] + at[1]) * sides[0] + at[0];
         for (std::size_t t = 0; t < count; ++t) frames_[t * lines + voxel] = times[t];
+        // NOLINTNEXTLINE(bugprone-inc-dec-in-conditions): && keeps the order
         for (std::size_t axis = 4; axis-- > 0 && ++at[axis] == sides[axis];) at[axis] = 0;
       }
     }

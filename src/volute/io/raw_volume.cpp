@@ -24,6 +24,7 @@ NumberType numbersOf(const RawLayout& raw) {
 /// What one file of so many frames must be; none: it says how many it has.
 Result<VolumeInfo> infoOf(const InputFile& file, const SourceOptions& options,
                           std::optional<int> frames) {
+  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): of raw files
   const RawLayout& raw = *options.raw;
   const std::string where = file.path().string();
   VolumeInfo info;

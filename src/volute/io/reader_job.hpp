@@ -54,6 +54,7 @@ Result<T> fromMessage(std::string_view message) {
                 message.size(), sizeof(T));
   }
   T value;
+  // NOLINTNEXTLINE(bugprone-suspicious-stringview-data-usage,bugprone-multi-level*): bytes
   std::memcpy(&value, message.data(), sizeof value);
   return value;
 }

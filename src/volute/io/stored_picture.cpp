@@ -85,6 +85,7 @@ class TiffFile {
     for (std::size_t i = 0; i < pixels; ++i, value += each) {
       std::copy_n(value, colors, &picture.image.pixels[i * colors]);
       if (info.alpha)
+        // NOLINTNEXTLINE(bugprone-unchecked-optional-access): made above
         picture.alpha->pixels[i] = value[colors];
     }
     picture.linear = info.bits == 0;

@@ -78,6 +78,7 @@ Status TableReader::useUnit(std::size_t column, std::string_view unit) {
                                  : fmt::format("{} or another unit of the same kind", one.unit));
   }
   if (stated_[column] && !unit.empty() &&
+      // NOLINTNEXTLINE(bugprone-unchecked-optional-access): units only where there is one
       (change->factor != changes_[column].factor || change->offset != changes_[column].offset)) {
     return fail(ErrorCode::kInvalidData,
                 "{}: {} is in '{}', and its name has another unit: correct one of them", where(),

@@ -160,6 +160,7 @@ class StoredPicture {
   static int level(float value, float grain, int x, int y, int plane) {
     constexpr float kRounding = 1e-3F;  // must not push what is a level to its neighbour
     const float shift = (threshold(x, y, plane) - 0.5F) * (1 - 2 * kRounding);
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings): value >= 2
     return static_cast<int>(value + grain * shift + 0.5F);
   }
 

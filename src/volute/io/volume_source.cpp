@@ -49,10 +49,12 @@ Result<std::vector<LatticeFile>> listCollection(const std::filesystem::path& pat
   FilesAsWritten written;
   bool ascending = true;
   for (const auto& entry : timed) {
+    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): all have one
     if (!files.empty() && entry.time <= *files.back().time) {
       return fail(ErrorCode::kInvalidData,
                   "{}: the times of a volume's frames must ascend, one file for each; {} s comes "
                   "after {} s",
+                  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): all have one
                   path.string(), entry.time, *files.back().time);
     }
     if (extensionOf(entry.path) != ".vti") {
