@@ -64,7 +64,8 @@ void makeCorners(const BrickSlice& slice, const BrickPlace& count, MarchGrid& gr
       std::copy_n(&corners[i * each], each, &corners[static_cast<std::size_t>(number[i]) * each]);
   }
   corners.resize(static_cast<std::size_t>(grid.stored) * each);
-  corners.shrink_to_fit();
+  if (corners.size() < corners.capacity() / 4 * 3)  // else the copy costs more than the memory
+    corners.shrink_to_fit();
   grid.corners = std::make_shared<const std::vector<float>>(std::move(corners));
   for (BrickSlice::Entry& entry : grid.bricks) {
     entry.stored = number[static_cast<std::size_t>(entry.stored)];

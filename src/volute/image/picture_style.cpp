@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "volute/base/parallel.hpp"
 #include "volute/image/srgb.hpp"
@@ -48,9 +49,19 @@ constexpr double kMaxLight = 1e12;  ///< beyond it curves are level
 void mapFilmic(float* pixels, std::size_t count) {
   constexpr std::size_t kBlock = 64;
   double light[3][kBlock], in[3][kBlock];
+  bool known = false;
+  float plain[3] = {}, shown[3] = {};  // of the last block of one colour
   for (std::size_t first = 0; first < count; first += kBlock) {
     float* at = pixels + 3 * first;
     const std::size_t size = std::min(kBlock, count - first);
+    // Each value is that of the pixel before: an empty background.
+    const bool even = std::memcmp(at, at + 3, 3 * (size - 1) * sizeof(float)) == 0;
+    if (even && known && std::memcmp(at, plain, sizeof plain) == 0) {
+      for (std::size_t i = 0; i < size; ++i) std::copy_n(shown, 3, at + 3 * i);
+      continue;
+    }
+    if (even)
+      std::copy_n(at, 3, plain);
     for (std::size_t i = 0; i < kBlock; ++i) {
       for (std::size_t c = 0; c < 3; ++c) {
         const double value = i < size ? at[3 * i + c] : 0;
@@ -71,6 +82,8 @@ void mapFilmic(float* pixels, std::size_t count) {
       }
       for (std::size_t i = 0; i < size; ++i) at[3 * i + row] = static_cast<float>(out[i]);
     }
+    if (even)
+      std::copy_n(at, 3, shown), known = true;
   }
 }
 
@@ -273,26 +286,42 @@ Image developed(Image light, const PictureStyle& style) {
   return light;
 }
 
+namespace {
+
+/// Whether a level is more than `kEdge` halves of a level off the mean of those on both sides of
+/// it.
+constexpr int kEdge = 12;
+
+bool isEdge(int level, int before, int after) {
+  return std::abs(2 * level - before - after) > kEdge;
+}
+
+}  // namespace
+
 std::vector<std::uint8_t> edgePixels(const Image& shown) {
-  constexpr float kLevels = 12;
-  const int width = shown.width, height = shown.height, channels = shown.channels;
+  const auto channels = static_cast<std::size_t>(shown.channels),
+             width = static_cast<std::size_t>(shown.width),
+             height = static_cast<std::size_t>(shown.height), length = width * channels;
   const auto bytes = toSrgb8(shown);
-  std::vector<std::uint8_t> edges(static_cast<std::size_t>(width) * height, 0);
-  parallelRanges(static_cast<std::size_t>(height), 16, [&](std::size_t begin, std::size_t end) {
-    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-      for (int x = 0; x < width; ++x) {
-        const auto level = [&](int column, int row, int c) {
-          const int i = std::clamp(column, 0, width - 1), j = std::clamp(row, 0, height - 1);
-          return static_cast<float>(
-              bytes[(static_cast<std::size_t>(j) * width + i) * channels + c]);
-        };
-        bool edge = false;
-        for (int c = 0; c < channels && !edge; ++c) {
-          const float twice = 2 * level(x, y, c);
-          edge = std::abs(twice - level(x - 1, y, c) - level(x + 1, y, c)) > kLevels ||
-                 std::abs(twice - level(x, y - 1, c) - level(x, y + 1, c)) > kLevels;
-        }
-        edges[static_cast<std::size_t>(y) * width + x] = edge;
+  std::vector<std::uint8_t> edges(width * height, 0);
+  parallelRanges(height, 16, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint8_t> found(length);  // of each channel
+    for (std::size_t y = begin; y < end; ++y) {
+      const std::uint8_t* row = &bytes[y * length];
+      const std::uint8_t* above = y > 0 ? row - length : row;
+      const std::uint8_t* below = y + 1 < height ? row + length : row;
+      // The first and the last pixel are their own neighbours outside.
+      const std::size_t last = length - channels;
+      for (std::size_t i = 0; i < length; ++i) found[i] = isEdge(row[i], above[i], below[i]);
+      for (std::size_t i = channels; i < last; ++i)
+        found[i] |= static_cast<std::uint8_t>(isEdge(row[i], row[i - channels], row[i + channels]));
+      for (std::size_t c = 0; c < channels && width > 1; ++c) {
+        found[c] |= static_cast<std::uint8_t>(isEdge(row[c], row[c], row[c + channels]));
+        found[last + c] |= static_cast<std::uint8_t>(
+            isEdge(row[last + c], row[last + c - channels], row[last + c]));
+      }
+      for (std::size_t c = 0; c < channels; ++c) {
+        for (std::size_t x = 0; x < width; ++x) edges[y * width + x] |= found[x * channels + c];
       }
     }
   });

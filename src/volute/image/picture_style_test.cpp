@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <numeric>
+#include <random>
 
 #include "volute/image/srgb.hpp"
 
@@ -167,6 +170,50 @@ TEST(Edges, AreStepsAndNotGradients) {
   const auto edges = edgePixels(image);
   for (int x = 0; x < 40; ++x)
     EXPECT_EQ(edges[static_cast<std::size_t>(x)], x == 19 || x == 20 || x == 29 || x == 30) << x;
+}
+
+TEST(Style, EdgesAreThoseOfEachPixelByItself) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> level(0, 0.05F);
+  for (const auto& [width, height, channels] :
+       {std::array{1, 1, 3}, {2, 5, 3}, {1, 7, 1}, {33, 21, 3}, {40, 2, 1}}) {
+    Image image(width, height, channels);
+    for (float& value : image.pixels) value = level(random);
+    const auto bytes = toSrgb8(image);
+    const auto edges = edgePixels(image);
+    const auto at = [&](int x, int y, int c) {
+      const int i = std::clamp(x, 0, image.width - 1), j = std::clamp(y, 0, image.height - 1);
+      return int{bytes[static_cast<std::size_t>((j * image.width + i) * image.channels + c)]};
+    };
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        bool edge = false;
+        for (int c = 0; c < channels; ++c) {
+          edge |= std::abs(2 * at(x, y, c) - at(x - 1, y, c) - at(x + 1, y, c)) > 12 ||
+                  std::abs(2 * at(x, y, c) - at(x, y - 1, c) - at(x, y + 1, c)) > 12;
+        }
+        EXPECT_EQ(edges[static_cast<std::size_t>(y * width + x)], edge) << x << ", " << y;
+      }
+    }
+  }
+}
+
+TEST(Style, FilmicOfPlainAreasIsThatOfEachPixel) {
+  Image light(400, 3, 3);
+  for (std::size_t i = 0; i < light.pixels.size(); ++i) {
+    const std::size_t x = i / 3 % 400;
+    const float plain = x < 150 ? -1 : x < 300 ? 0.3F : 0.7F;
+    light.pixels[i] = (x == 380 ? 0.1F : plain) + 0.01F * static_cast<float>(i % 3);
+  }
+  const Image shown = developed(light, {1, ToneCurve::kFilmic, 0, false});
+  for (int y = 0; y < 3; ++y) {
+    for (int x = 0; x < 400; ++x) {
+      const Rgb expected =
+          toneMapped(ToneCurve::kFilmic, {light.at(x, y, 0), light.at(x, y, 1), light.at(x, y, 2)});
+      for (int c = 0; c < 3; ++c)
+        EXPECT_EQ(shown.at(x, y, c), static_cast<float>(expected[c])) << x << ", " << y;
+    }
+  }
 }
 
 TEST(Style, StepsComeInTheirOrder) {

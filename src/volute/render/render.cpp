@@ -24,6 +24,44 @@ struct Pixel {
   int y = 0;
 };
 
+/// Pixels: left <= x < right.
+struct Window {
+  int left = 0, top = 0, right = 0, bottom = 0;
+
+  bool meets(int x, int y, int side) const {
+    return x < right && x + side > left && y < bottom && y + side > top;
+  }
+};
+
+/// All pixels whose rays meet one of the media, and maybe others: around the corners of their
+/// bounds, where all of these are before the camera and straight edges stay straight.
+Window windowOf(const Camera& camera, std::span<const AnyMedium> media) {
+  constexpr double kMargin = 1;  // [pixels] more than any rounding
+  const Window whole{0, 0, camera.width(), camera.height()};
+  if (!camera.distortion().none())
+    return whole;
+  Vec2 low(camera.width(), camera.height()), high(0, 0);
+  for (const AnyMedium& medium : media) {
+    const Box3 bounds = medium.bounds();
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto side = [&](int axis) {
+        return (corner >> axis & 1 ? bounds.max : bounds.min)[axis];
+      };
+      const auto place = camera.project({side(0), side(1), side(2)});
+      if (!place || !std::isfinite(place->x()) || !std::isfinite(place->y()))
+        return whole;
+      low = low.cwiseMin(*place), high = high.cwiseMax(*place);
+    }
+  }
+  const auto pixel = [](double at, int most) {
+    return static_cast<int>(std::clamp<double>(at, 0, most));
+  };
+  return {pixel(std::floor(low.x() - kMargin), whole.right),
+          pixel(std::floor(low.y() - kMargin), whole.bottom),
+          pixel(std::ceil(high.x() + kMargin), whole.right),
+          pixel(std::ceil(high.y() + kMargin), whole.bottom)};
+}
+
 struct Scene {
   const Camera& camera;
   std::span<const AnyMedium> media;
@@ -182,7 +220,8 @@ void renderColors(const Scene& scene, std::span<const Pixel> pixels,
                   std::span<const Segment> segments, Image& image, RenderStats& stats) {
   std::vector<Radiance> light(segments.size());
   const bool reference = scene.options.renderer == Renderer::kReference;
-  (reference ? byPieces : byFastPaths)(scene.media, segments, light, stats);
+  if (!scene.media.empty())
+    (reference ? byPieces : byFastPaths)(scene.media, segments, light, stats);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     Rgb color = light[i].emitted;
     if (const Image* behind = scene.options.behind) {
@@ -251,7 +290,8 @@ Result<Image> render(const Camera& camera, std::span<const AnyMedium> media,
                 "a choice among {} pixels for an image of {} x {} pixels", options.only.size(),
                 image.width, image.height);
   }
-  const Scene scene{camera, media, options, opaqueDepth};
+  const Scene scene{camera, media, options, opaqueDepth}, beside{camera, {}, options, opaqueDepth};
+  const Window window = windowOf(camera, media);
   const int columns = (image.width + kTile - 1) / kTile;
   const int rows = (image.height + kTile - 1) / kTile;
   const auto caller = std::this_thread::get_id();  // the only one that may talk to `progress`
@@ -265,8 +305,9 @@ Result<Image> render(const Camera& camera, std::span<const AnyMedium> media,
     if (stopped)
       return;
     RenderStats own;
-    renderTile(scene, static_cast<int>(tile % columns) * kTile,
-               static_cast<int>(tile / columns) * kTile, image, own);
+    const int left = static_cast<int>(tile % columns) * kTile,
+              top = static_cast<int>(tile / columns) * kTile;
+    renderTile(window.meets(left, top, kTile) ? scene : beside, left, top, image, own);
     rays += own.rays, segments += own.segments, pieces += own.pieces;
     ++done;
     if (talks)

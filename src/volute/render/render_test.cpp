@@ -287,6 +287,45 @@ TEST(Render, SamePictureForAnyNumberOfThreads) {
   }
 }
 
+TEST(Render, MediaThatFillAPartOfThePictureAreWhole) {
+  const AnyMedium media[] = {block({Vec3(0.2, -0.1, 0), Vec3(0.5, 0.3, 0.2)}, 3, 5),
+                             block({Vec3(-0.4, 0.5, -0.3), Vec3(-0.3, 0.7, 0.1)}, 1, 2)};
+  const View3 from{Vec3(0.3, -2, 0.4), Vec3::Zero(), Vec3::UnitZ()};
+  for (const Camera& camera :
+       {Camera::pinhole(from, 40, 150, 110), Camera::pinhole(from, 110, 150, 110),
+        Camera::pinhole({Vec3(0.3, -0.6, 0.4), Vec3(0.4, 2, 0), Vec3::UnitZ()}, 90, 150, 110),
+        Camera::pinhole({Vec3(0.3, 0.1, 0.1), Vec3(1, 2, 0), Vec3::UnitZ()}, 60, 150, 110),
+        Camera::orthographic(from, 2, 150, 110),
+        Camera::pinhole(from, 40, 150, 110).shifted(40.3, -20.6)}) {
+    RenderOptions options;
+    options.background = Rgb(0.3, 0.2, 0.1);
+    const Image image = picture(camera, {&media[0], 1}, options);
+    const Image both = picture(camera, media, options);
+    options.aov = Aov::kOpticalDepth;
+    const Image depths = picture(camera, {&media[0], 1}, options);
+    int touched = 0;
+    for (int y = 0; y < 110; ++y) {
+      for (int x = 0; x < 150; ++x) {
+        const Segment ray = camera.ray(x + 0.5, y + 0.5);
+        Radiance light[2];
+        for (int m = 0; m < 2; ++m) media[m].radiance({&ray, 1}, {&light[m], 1});
+        double depth = 0;
+        media[0].opticalDepth({&ray, 1}, {&depth, 1});
+        touched += depth > 0;
+        const Rgb color = light[0].emitted + light[0].transmittance * options.background;
+        EXPECT_EQ(image.at(x, y, 1), static_cast<float>(color[1])) << x << ", " << y;
+        EXPECT_EQ(depths.at(x, y), static_cast<float>(depth)) << x << ", " << y;
+        const double passed = light[0].transmittance * light[1].transmittance;
+        if (passed == 1)
+          EXPECT_EQ(both.at(x, y, 0), static_cast<float>(options.background[0]));
+        else
+          EXPECT_NE(both.at(x, y, 0), static_cast<float>(options.background[0]));
+      }
+    }
+    EXPECT_GT(touched, 10);
+  }
+}
+
 TEST(Render, CountsWhatItDid) {
   const AnyMedium medium = block({Vec3(-1, -1, -1), Vec3(1, 1, 1)}, 3, 0.5);
   const Camera camera =
