@@ -144,8 +144,7 @@ class DictionaryParser {
       if (value > kMax)
         return malformed();
     }
-    const bool leadingZero = text_[begin] == '0' && at_ - begin > 1;
-    if (at_ == begin || leadingZero)
+    if (at_ == begin || (text_[begin] == '0' && at_ - begin > 1))
       return malformed();
     return value;
   }
