@@ -31,6 +31,7 @@
 #include "volute/codec/unit_store.hpp"
 #include "volute/codec/written_file.hpp"
 #include "volute/grid/rounding_source.hpp"
+#include "volute/grid/value_histogram.hpp"
 
 namespace volute {
 namespace {
@@ -46,8 +47,6 @@ constexpr double kFinerStep = 0.75;
 constexpr double kErrorPower = 1.2;
 
 // The first 16 bits of a value tell it to 1/128.
-constexpr unsigned kHistogramShift = 16;
-constexpr std::size_t kHistogramBins = std::size_t{1} << (32 - kHistogramShift);
 
 using Kind = ErrorTarget::Kind;
 
@@ -150,7 +149,6 @@ class Compressor {
         goal_(options.target, info_),
         modes_(static_cast<std::size_t>(plan_.count())),
         someModes_(modes_.size()),
-        histogram_(kHistogramBins),
         sampled_(row_.grid().rowCount() > kManyBlocks),
         effort_(planOf(options.effort, sampled_)),
         units_(plan_, team) {
@@ -262,9 +260,9 @@ class Compressor {
   std::vector<std::vector<std::optional<BlockMode>>> modes_;      // of each unit, of its blocks
   std::vector<std::vector<std::optional<BlockMode>>> someModes_;  // the same, of some blocks
   BlockMode usualMode_;
-  std::vector<SupportFacts> facts_;       // of each frame
-  std::vector<std::uint64_t> histogram_;  // of the support's values, by their first bits
-  std::vector<LayerMoments> moments_;     // of the units that this rank surveyed
+  std::vector<SupportFacts> facts_;    // of each frame
+  ValueHistogram histogram_;           // of the support's values
+  std::vector<LayerMoments> moments_;  // of the units that this rank surveyed
   BlockRow::InactiveValue inactive_;
   SupportError support_;
   double supportVoxels_ = 0;  // of all frames
@@ -333,25 +331,6 @@ void addCoefficients(std::span<const float> values, std::span<const VoxelState> 
   }
 }
 
-// Floats in their order as numbers, of which the histogram takes the first bits.
-std::uint32_t binOf(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  return ((bits >> 31) != 0 ? ~bits : bits | 0x80000000u) >> kHistogramShift;
-}
-
-// The least value of a bin.
-float leastOf(std::uint32_t bin) {
-  const std::uint32_t bits = bin << kHistogramShift;
-  return std::bit_cast<float>((bits >> 31) != 0 ? bits & 0x7FFFFFFFu : ~bits);
-}
-
-// The bin of the value that so many others are below.
-std::uint32_t binAt(std::span<const std::uint64_t> histogram, std::uint64_t rank) {
-  std::uint32_t bin = 0;
-  while (bin + 1 < histogram.size() && rank >= histogram[bin]) rank -= histogram[bin++];
-  return bin;
-}
-
 // The blocks that tell what all of them are like: the first of each layer, and some others. Which,
 // depends on their numbers alone.
 std::vector<std::uint64_t> Compressor::sampleOf(std::span<const std::uint64_t> blocks,
@@ -374,7 +353,7 @@ Status Compressor::surveyUnit(std::int64_t number) {
   VOLUTE_TRY(row_.load(unit.row, unit.firstLayer, unit.endLayer));
   const auto firstFrame = static_cast<std::size_t>(unit.row * grid.frames());
   for (std::size_t i = 0; i < row_.facts().size(); ++i) facts_[firstFrame + i].add(row_.facts()[i]);
-  row_.visitValues([&](float value, std::uint64_t count) { histogram_[binOf(value)] += count; });
+  row_.visitValues([&](float value, std::uint64_t count) { histogram_.add(value, count); });
   inactive_.add(row_.inactiveValue());
   for (std::size_t i = 0; i < row_.facts().size(); ++i) {
     const auto tiles = row_.tilesOf(static_cast<int>(i));
@@ -435,7 +414,7 @@ Status Compressor::shareSurvey() {
     parameters_.symbols = symbolsOfTable({});
     parameters_.symbolPrices = pricesOf(parameters_.symbols);
   }
-  VOLUTE_TRY(team_.sum(histogram_));
+  VOLUTE_TRY(team_.sum(histogram_.counts()));
   VOLUTE_ASSIGN(const auto facts, gatherValues(team_, std::span<const SupportFacts>(facts_)));
   const std::size_t frames = facts_.size();
   for (std::size_t i = 0; i < frames; ++i) facts_[i] = {};
@@ -547,31 +526,16 @@ void Compressor::settleRange() {
   support_.low = all.voxels > 0 ? all.least : least;
   support_.high = all.voxels > 0 ? all.most : least;
   double greatest = std::max(std::abs(least), std::abs(most));
-  const std::uint64_t count =
-      std::accumulate(histogram_.begin(), histogram_.end(), std::uint64_t{0});
-  constexpr double kTail = 1e-4;
-  constexpr std::uint64_t kFewValues = 1000;
-  // One value at least, so that a single one does not rule a small grid either.
-  const auto tail =
-      std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kTail * static_cast<double>(count)));
-  if (count >= kFewValues) {
-    const std::uint32_t lowBin = binAt(histogram_, tail);
-    const std::uint32_t highBin = binAt(histogram_, count - 1 - tail);
-    const double low = std::max<double>(leastOf(lowBin), support_.low);
-    const double high = std::min<double>(leastOf(highBin + 1), support_.high);
-    // Where nearly all are 0, the others are what there is.
-    const bool zeros = lowBin == binOf(0) && highBin == binOf(0);
-    if (!zeros && std::isfinite(high) && high > low &&
-        2 * (high - low) < support_.high - support_.low) {
-      support_.robust = true;
-      support_.low = low;
-      support_.high = high;
-      parameters_.outlierLow = static_cast<float>(low - (high - low));
-      parameters_.outlierHigh = static_cast<float>(high + (high - low));
-      greatest = std::max(std::abs(parameters_.outlierLow), std::abs(parameters_.outlierHigh));
-      for (const float background : parameters_.background)
-        greatest = std::max(greatest, static_cast<double>(std::abs(background)));
-    }
+  if (const auto range = histogram_.robustRange(support_.low, support_.high)) {
+    const auto [low, high] = *range;
+    support_.robust = true;
+    support_.low = low;
+    support_.high = high;
+    parameters_.outlierLow = static_cast<float>(low - (high - low));
+    parameters_.outlierHigh = static_cast<float>(high + (high - low));
+    greatest = std::max(std::abs(parameters_.outlierLow), std::abs(parameters_.outlierHigh));
+    for (const float background : parameters_.background)
+      greatest = std::max(greatest, static_cast<double>(std::abs(background)));
   }
   FrameAmounts& amounts = head_.header.amounts;
   std::vector<double> each;
@@ -611,14 +575,15 @@ void Compressor::bend(double strongest) {
 double Compressor::roundingToHalves() const {
   constexpr int kMinExponent = -14, kBits = 10;  // below, halves are evenly spaced
   double squares = 0;
-  for (std::uint32_t bin = 0; bin < histogram_.size(); ++bin) {
-    const float value = leastOf(bin);
+  const std::vector<std::uint64_t>& counts = histogram_.counts();
+  for (std::uint32_t bin = 0; bin < counts.size(); ++bin) {
+    const float value = ValueHistogram::leastOf(bin);
     const bool outlier =
         parameters_.sparse && (value < parameters_.outlierLow || value > parameters_.outlierHigh);
-    if (histogram_[bin] == 0 || value == 0 || outlier)
+    if (counts[bin] == 0 || value == 0 || outlier)
       continue;
     const double spacing = std::ldexp(1.0, std::max(std::ilogb(value), kMinExponent) - kBits);
-    squares += static_cast<double>(histogram_[bin]) * spacing * spacing / 12;
+    squares += static_cast<double>(counts[bin]) * spacing * spacing / 12;
   }
   const double voxels = options_.target.isOverSupport()
                             ? supportVoxels_

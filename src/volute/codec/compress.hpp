@@ -24,8 +24,8 @@ namespace volute {
 struct ErrorTarget {
   enum class Kind {
     /// RMS over the support / its range <= value. The support is what the source has active or not
-    /// equal to its background; its range is that of all frames, of the .0001 and .9999 quantiles
-    /// where these span less than half of it.
+    /// equal to its background; its range is that of all frames, without the few values
+    /// apart that ValueHistogram::robustRange() leaves out.
     kRms,
     kRmsOverAll,  ///< RMS over all voxels and channels / (max - min of the whole original) <= value
     kPsnr,        ///< [dB]; relative RMS over all voxels <= 10^(-value / 20)

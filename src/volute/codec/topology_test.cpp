@@ -221,6 +221,30 @@ TEST(Topology, OneValueApartDoesNotRuleTheError) {
   }
 }
 
+TEST(Topology, SomeValuesApartDoNotRuleTheErrorEither) {
+  const auto plain = throughFile({volume(37, 40, 44), puffs(1)}, {});
+  const auto count =
+      static_cast<std::size_t>(std::lround(plain.report.support.share * 37 * 40 * 44));
+  ASSERT_GT(count, 1500U);
+  for (const std::size_t some : {std::size_t{2}, std::size_t{7}, count / 150}) {
+    auto frames = puffs(1);
+    std::size_t seen = 0, changed = 0;
+    for (std::size_t leaf = 0; leaf < frames[0].leaves().size(); ++leaf) {
+      for (std::size_t i = 0; i < Bricks::kVoxels; ++i) {
+        const bool used = (frames[0].leaves()[leaf].active[i / 64] >> i % 64 & 1) != 0;
+        if (!used || seen++ % (count / some) != 0 || changed == some)
+          continue;
+        frames[0].values(leaf)[i] = changed++ % 3 == 0 ? -1e4F : 1e6F + static_cast<float>(i);
+      }
+    }
+    ASSERT_EQ(changed, some);
+    const auto kept = throughFile({volume(37, 40, 44), frames}, {});
+    EXPECT_TRUE(kept.report.support.robust) << some;
+    EXPECT_LT(kept.report.support.high - kept.report.support.low, 2) << some;
+    EXPECT_LT(kept.report.maxError, 0.1) << some;
+  }
+}
+
 TEST(Topology, AVoxelAloneSurvives) {
   auto frames = puffs(2);
   Bricks::Leaf alone{{29, 37, 29}};

@@ -27,7 +27,7 @@ struct SupportError {
   double rms = 0;                   ///< RMS over the support / (high - low)
   double share = 0;                 ///< of the support in all voxels
   double low = 0, high = 0;         ///< the support's range over all frames
-  bool robust = false;              ///< that range is of the .0001 and .9999 quantiles
+  bool robust = false;              ///< that range is ValueHistogram::robustRange()
   int worstFrame = 0;               ///< position of the frame with the greatest error
   std::array<int, 3> worstVoxel{};  ///< its place: x, y, z
 

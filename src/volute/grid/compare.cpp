@@ -3,16 +3,17 @@
 #include "volute/grid/compare.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "volute/base/assert.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/rounding_source.hpp"
+#include "volute/grid/value_histogram.hpp"
 
 namespace volute {
 namespace {
@@ -32,53 +33,6 @@ std::string sizeText(const VolumeInfo& info) {
                      info.frames == 1 ? "" : "s", info.x, info.y, info.z, info.channels,
                      info.channels == 1 ? "" : "s");
 }
-
-/// Counts of values by their first bits, in their order.
-class Histogram {
- public:
-  void add(float value, std::uint64_t count) { counts_[binOf(value)] += count; }
-
-  /// The .0001 and .9999 quantiles instead of a range, where they span less than half of it.
-  void narrow(Difference& difference) const {
-    constexpr double kTail = 1e-4;
-    constexpr std::uint64_t kFewValues = 1000;
-    const auto count = std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0});
-    if (count < kFewValues)
-      return;
-    const auto tail =
-        std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kTail * static_cast<double>(count)));
-    const std::uint32_t lowBin = binAt(tail), highBin = binAt(count - 1 - tail);
-    const double low = std::max<double>(leastOf(lowBin), difference.supportLow);
-    const double high = std::min<double>(leastOf(highBin + 1), difference.supportHigh);
-    const bool zeros = lowBin == binOf(0) && highBin == binOf(0);
-    if (zeros || !std::isfinite(high) || !(high > low) ||
-        2 * (high - low) >= difference.supportHigh - difference.supportLow)
-      return;
-    difference.supportLow = low, difference.supportHigh = high;
-    difference.robust = true;
-  }
-
- private:
-  static constexpr unsigned kShift = 16;
-
-  static std::uint32_t binOf(float value) {
-    const auto bits = std::bit_cast<std::uint32_t>(value);
-    return ((bits >> 31) != 0 ? ~bits : bits | 0x80000000u) >> kShift;
-  }
-
-  static float leastOf(std::uint32_t bin) {
-    const std::uint32_t bits = bin << kShift;
-    return std::bit_cast<float>((bits >> 31) != 0 ? bits & 0x7FFFFFFFu : ~bits);
-  }
-
-  std::uint32_t binAt(std::uint64_t rank) const {
-    std::uint32_t bin = 0;
-    while (bin + 1 < counts_.size() && rank >= counts_[bin]) rank -= counts_[bin++];
-    return bin;
-  }
-
-  std::vector<std::uint64_t> counts_ = std::vector<std::uint64_t>(std::size_t{1} << (32 - kShift));
-};
 
 /// A frame, and what of it reaches into a cube.
 struct FramePart {
@@ -201,7 +155,7 @@ Cut faceThrough(const IndexBox& box, const FramePart& a, const FramePart& b) {
 /// nothing but a few tiles, which cut them then.
 class FrameComparison {
  public:
-  FrameComparison(const IndexBox& whole, int channels, double apart, Histogram& histogram)
+  FrameComparison(const IndexBox& whole, int channels, double apart, ValueHistogram& histogram)
       : whole_(whole),
         channels_(static_cast<std::size_t>(channels)),
         apart_(apart),
@@ -277,7 +231,7 @@ class FrameComparison {
   IndexBox whole_;
   std::size_t channels_;
   double apart_;
-  Histogram& histogram_;
+  ValueHistogram& histogram_;
   Difference sum_;
   std::vector<float> valuesA_, valuesB_;
   std::vector<std::uint8_t> support_, supportB_;
@@ -378,7 +332,7 @@ Result<Difference> compare(FrameSource& a, FrameSource& b, Progress& progress,
   }
   const double offsetA = offsetOf(a), offsetB = offsetOf(b);
   Difference difference;
-  Histogram histogram;
+  ValueHistogram histogram;
   Bricks bricksA, bricksB;
   for (int frame = 0; frame < infoA.frames; ++frame) {
     if (progress.cancelled())
@@ -393,7 +347,10 @@ Result<Difference> compare(FrameSource& a, FrameSource& b, Progress& progress,
       byFrame->push_back(one);
     progress.report("comparing", frame + 1, infoA.frames);
   }
-  histogram.narrow(difference);
+  if (const auto range = histogram.robustRange(difference.supportLow, difference.supportHigh)) {
+    std::tie(difference.supportLow, difference.supportHigh) = *range;
+    difference.robust = true;
+  }
   difference.shift(offsetA, offsetB);
   for (std::size_t i = 0; byFrame && i < byFrame->size(); ++i)
     (*byFrame)[i].shift(offsetA, offsetB);

@@ -24,7 +24,7 @@ struct Difference {
   double supportSquares = 0;
   std::uint64_t supportValues = 0;
   double supportLow = 0, supportHigh = 0;  ///< the range of A's support
-  bool robust = false;                     ///< that is of the .0001 and .9999 quantiles
+  bool robust = false;                     ///< that is ValueHistogram::robustRange()
   double outsideError = 0;                 ///< largest |b - a| outside of the support
 
   int worstFrame = 0;              ///< position of the frame with the largest error

@@ -177,8 +177,8 @@ Command compareCommand() {
           "union of their extents; pictures in linear values. The relative RMS is the RMS over all "
           "divided by the maximum minus the minimum of A; PSNR is -20 log10 of it (infinite, null "
           "in JSON, if they are equal). The support RMS is that over the voxels that A has active "
-          "or not equal to its background, divided by the range of those, or of their .0001 and "
-          ".9999 quantiles where these span less than half of it; the outside error is the largest "
+          "or not equal to its background, divided by the range of those without the few far "
+          "from all others (as compress takes it); the outside error is the largest "
           "elsewhere. Both must have the same size.",
       .positionals = {{.name = "A", .help = "the original: a volume, or a picture (.png, .exr)"},
                       {.name = "B", .help = "the volume or picture to compare with it"}},
