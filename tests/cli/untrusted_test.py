@@ -109,6 +109,18 @@ class Untrusted(support.TestCase):
             said = self.fails(1, "render", scene, "-o", self.path("x.png"), "--size", "4x4", "--untrusted")
             self.assertIn("--untrusted refuses that", said)
 
+    def test_names_in_collections_and_cases(self):
+        self.path("in/cs").mkdir(parents=True)
+        self.path("in/a.pvd").write_text('<VTKFile type="Collection"><Collection><DataSet timestep="0" file="../secret/q.vtu"/></Collection></VTKFile>')
+        self.path("in/cs/case.smv").write_text("TITLE\n x\nSLCF 1\n  ..\\..\\secret\\c_1.sf\n soot\n")
+        self.path("in/own.pvd").write_text('<VTKFile type="Collection"><Collection><DataSet timestep="0" file="sub/q.vtu"/></Collection></VTKFile>')
+        scene = self.path("in/scene.json")
+        scene.write_text(json.dumps({"format": "volute-scene-2", "media": [{"kind": "smoke", "case": "cs/case.smv"}]}))
+        for file, name in ((self.path("in/a.pvd"), "../secret/q.vtu"), (self.path("in/cs/case.smv"), "../../secret/c_1.sf"), (scene, "../../secret/c_1.sf")):
+            said = self.fails(1, "info", file, "--untrusted")
+            self.assertIn(f"names '{name}', outside of its folder; --untrusted refuses that", said)
+        self.assertNotIn("outside of its folder", self.fails(1, "info", self.path("in/own.pvd"), "--untrusted"))
+
     def test_captures(self):
         self.path("in").mkdir()
         self.path("secret_0000.exr").write_bytes(b"not for strangers")

@@ -254,6 +254,22 @@ class Volumes(support.TestCase):
         self.assertEqual(said["input_bytes"], source.stat().st_size)
         self.assertAlmostEqual(said["ratio_to_input"], said["input_bytes"] / said["bytes"], places=3)
 
+    def test_wild_values_take_no_others_with_them(self):
+        """Two of 1e6 in a puff: all others come back, and the two as they were."""
+        def puff(x, y, z):
+            return max(0, 1 - math.dist((x, y, z), (6, 6, 6)) / 6)
+        values = [puff(x, y, z) for z in range(13) for y in range(13) for x in range(13)]
+        for at in (700, 1100):
+            values[at] = 1e6
+        support.write_npy(self.path("p.npy"), (1, 13, 13, 13), values)
+        said = self.works("compress", self.path("p.npy"), "-o", self.path("p.volute")).message
+        self.assertIn("a few values are far from all others", said)
+        self.assertIn("kept exactly", said)
+        self.works("extract", self.path("p.volute"), "-o", self.path("back.npy"))
+        back = support.read_npy(self.path("back.npy").read_bytes())[1]
+        self.assertEqual([back[700], back[1100]], [1e6, 1e6])
+        self.assertLess(max(abs(a - b) for a, b in zip(values, back)), 0.02)
+
     def test_targets_are_met(self):
         self.assertLessEqual(self.round_trip("--rms", "0.01")[0], 0.01)
         self.assertLessEqual(self.round_trip("--psnr", "50")[0], 10 ** -2.5)

@@ -8,9 +8,12 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "volute/base/file_name.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/io/below_folder.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/json_file.hpp"
@@ -20,7 +23,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Finds texts of a scene or a capture that lead out of its folder, and of the .json files that
+constexpr std::uintmax_t kLargestCollection = 64 << 20;  ///< [bytes]
+
+std::string unescaped(std::string text) {
+  constexpr std::pair<std::string_view, char> kNames[] = {
+      {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}};
+  for (const auto& [name, letter] : kNames) {
+    for (std::size_t at = 0; (at = text.find(name, at)) != std::string::npos; ++at)
+      text.replace(at, name.size(), 1, letter);
+  }
+  return text;
+}
+
+bool holdsNames(const fs::path& file) {
+  const std::string extension = extensionOf(file);
+  return extension == ".json" || extension == ".pvd" || extension == ".smv";
+}
+
+/// Finds texts of a scene or a capture that lead out of its folder, and of the files of names that
 /// these name. Most texts are names of something else, and all of these lie below the folder if
 /// taken as files.
 class OutsideFinder {
@@ -32,7 +52,13 @@ class OutsideFinder {
       return;
     const fs::path folder = folderOf(file);
     // What is wrong with it is said when it is read.
-    (void)forEachJsonText(file, [&](const std::string& text) { addText(text, folder); });
+    if (extensionOf(file) == ".json")
+      (void)forEachJsonText(file, [&](const std::string& text) { addText(text, folder); });
+    else if (extensionOf(file) == ".pvd")
+      std::ranges::for_each(namesInCollection(file),
+                            [&](const auto& text) { addText(text, folder); });
+    else
+      std::ranges::for_each(namesInCase(file), [&](const auto& text) { addText(text, folder); });
   }
 
   std::vector<std::string> found() && { return std::move(found_); }
@@ -55,7 +81,7 @@ class OutsideFinder {
     }
     if (leadsOut(path, folder))
       found_.push_back(text);
-    else if (extensionOf(path) == ".json" && fs::is_regular_file(path, error))
+    else if (holdsNames(path) && fs::is_regular_file(path, error))
       addFile(path);
   }
 
@@ -118,8 +144,45 @@ std::vector<std::string> filesNamedIn(const std::string& file) {
   return names;
 }
 
+std::vector<std::string> namesInCollection(const std::filesystem::path& collection) {
+  const auto read = readText(collection, kLargestCollection);
+  if (!read)
+    return {};
+  const std::string& text = *read;
+  std::vector<std::string> names;
+  constexpr std::string_view kKey = " file=";
+  for (std::size_t at = 0; (at = text.find(kKey, at)) != std::string::npos;) {
+    at += kKey.size();
+    const char quote = at < text.size() ? text[at] : '\0';
+    const std::size_t end = quote == '"' || quote == '\'' ? text.find(quote, at + 1) : at;
+    if (end == std::string::npos)
+      break;
+    if (end > at + 1)
+      names.push_back(unescaped(text.substr(at + 1, end - at - 1)));
+  }
+  return names;
+}
+
+std::vector<std::string> namesInCase(const std::filesystem::path& index) {
+  std::vector<std::string> names;
+  std::istringstream lines(readText(index, kLargestCollection).value_or(""));
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t begin = line.find_first_not_of(" \t"), end = line.find_last_not_of(" \t\r");
+    if (begin == std::string::npos)
+      continue;
+    line = line.substr(begin, end + 1 - begin);
+    const std::size_t dot = line.find_last_of('.');
+    if (dot + 1 >= line.size() || !std::isalpha(static_cast<unsigned char>(line[dot + 1])) ||
+        line.find_first_of(" \t") != std::string::npos)
+      continue;
+    std::ranges::replace(line, '\\', '/');
+    names.push_back(line);
+  }
+  return names;
+}
+
 std::vector<std::string> namesOutside(const std::string& file) {
-  if (extensionOf(file) != ".json")
+  if (!holdsNames(file))
     return {};
   OutsideFinder finder;
   finder.addFile(file);

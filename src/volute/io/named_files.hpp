@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -11,9 +12,16 @@ namespace volute {
 /// folder. Nothing of other files, and of what cannot be read: who reads it says what is wrong.
 std::vector<std::string> filesNamedIn(const std::string& file);
 
-/// Texts of a .json, and of those that it names, that lead out of its folder when they are taken as
-/// names of files, of folders or of patterns, links followed: a stranger's scene would read what it
-/// wants of this machine.
+/// What the DataSets of a .pvd call their files, as it stands there; nothing of what cannot be
+/// read.
+std::vector<std::string> namesInCollection(const std::filesystem::path& collection);
+
+/// What an FDS case's index (.smv) names on lines of their own, with "/" between folders; likewise.
+std::vector<std::string> namesInCase(const std::filesystem::path& index);
+
+/// Texts of a .json, .pvd or .smv, and of those that it names, that lead out of their folder when
+/// they are taken as names of files, of folders or of patterns, links followed: a stranger's scene
+/// would read what it wants of this machine.
 std::vector<std::string> namesOutside(const std::string& file);
 
 }  // namespace volute

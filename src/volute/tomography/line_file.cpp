@@ -61,6 +61,7 @@ class LineReader {
  private:
   Status checkNames();
   Status checkSigns();
+  void checkDark();
   void checkPercent();
   Status readRow();
   Result<Segment> line() const;
@@ -145,12 +146,19 @@ Status LineReader::readValue(LineMeasurement& one) const {
         "is in percent, name the column 'transmittance [%]'",
         table_.where(), one.value);
   }
+  if (!(one.value > 0) && lines_.hasSigma && one.sigma < 1 && one.value >= -3 * one.sigma) {
+    one.value = -std::log(one.sigma);  // no light that could be told from none
+    one.sigma = 1;
+    one.atLeast = true;
+    return {};
+  }
   if (!(one.value > 0)) {
     return fail(
         ErrorCode::kInvalidData,
         "{}: transmittance is {:g}, which lets no depth be told; expected more than 0 (about "
         "1 where there is no smoke): of a line that is too dark to measure, state the least "
-        "that the instrument can tell from dark, as 0.001, or leave the line out",
+        "that the instrument can tell from dark, as 0.001, or leave the line out; with a column "
+        "sigma, 0 is taken as less than that",
         table_.where(), one.value);
   }
   if (lines_.hasSigma)
@@ -183,6 +191,20 @@ Status LineReader::readRow() {
   VOLUTE_ASSIGN(LineFrame* const own, frame());
   own->lines.push_back(one);
   return {};
+}
+
+/// Lines that let no light through.
+void LineReader::checkDark() {
+  std::size_t dark = 0, all = 0;
+  for (const auto& [key, frame] : frames_) {
+    all += frame.lines.size();
+    dark +=
+        static_cast<std::size_t>(std::ranges::count(frame.lines, true, &LineMeasurement::atLeast));
+  }
+  if (dark > 0)
+    lines_.remarks.push_back(
+        fmt::format("{}: {} of {} lines let no light through: their depth is -ln(sigma) or more",
+                    file_, dark, all));
 }
 
 /// A column in percent whose values are none.
@@ -247,6 +269,7 @@ Result<LineFile> LineReader::read(std::string_view text) {
                 file_);
   VOLUTE_TRY(checkSigns());
   checkPercent();
+  checkDark();
   for (auto& [key, frame] : frames_) {
     if (lines_.hasTimes)
       frame.number = static_cast<int>(lines_.frames.size());

@@ -15,10 +15,11 @@ namespace volute {
 
 /// One measured line integral.
 struct LineMeasurement {
-  Segment line;      ///< [m]; from one point to another, or from a point on in a direction
-  double value = 0;  ///< integral along it; an optical depth has no unit
-  double sigma = 1;  ///< standard deviation of the value
-  int row = 0;       ///< of the file, from 1
+  Segment line;          ///< [m]; from one point to another, or from a point on in a direction
+  double value = 0;      ///< integral along it; an optical depth has no unit
+  double sigma = 1;      ///< standard deviation of the value
+  int row = 0;           ///< of the file, from 1
+  bool atLeast = false;  ///< the value is this or more
 };
 
 /// What was measured at one time.

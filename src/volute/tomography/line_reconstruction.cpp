@@ -72,10 +72,12 @@ class LineProblem {
     projector_ = std::make_unique<const Projector>(segments, support_, tableBytes);
     data_.projector = projector_.get();
     data_.measured.assign(4 * projector_->rows(), 0);
+    data_.atLeast.assign(projector_->rows(), 0);
     double sum = 0;
     for (std::size_t row = 0; row < projector_->rows(); ++row) {
       const auto& one = lines[static_cast<std::size_t>(projector_->pixels()[row].pixel)];
       data_.measured[4 * row] = static_cast<float>(one.value);
+      data_.atLeast[row] = one.atLeast ? 1 : 0;
       weights_.push_back(1 / (one.sigma * one.sigma));
       sum += weights_.back();
     }
@@ -130,7 +132,7 @@ class LineProblem {
       if (!fold.empty() && fold[row] == 0)
         continue;
       const double measured = data_.measured[4 * row];
-      off += weights_[row] * std::pow(projected_[4 * row] - measured, 2);
+      off += weights_[row] * std::pow<double>(data_.misfit(4 * row, &projected_[4 * row]), 2);
       all += weights_[row] * measured * measured;
     }
     return {off, all};

@@ -109,6 +109,20 @@ TEST(LineReconstruction, SmokeFromLampsThroughIt) {
   }
 }
 
+TEST(LineReconstruction, WhatIsSoMuchAtLeastMayBeMore) {
+  Progress progress;
+  auto lines = measured(600, 0);
+  double most = 0;
+  for (const LineMeasurement& one : lines) most = std::max(most, one.value);
+  for (LineMeasurement& one : lines) one.value = std::min(one.value, 0.5 * most);
+  const auto capped = reconstructLines(lines, kGeometry, {}, progress);
+  ASSERT_TRUE(capped);
+  for (LineMeasurement& one : lines) one.atLeast = one.value == 0.5 * most;
+  const auto bounded = reconstructLines(lines, kGeometry, {}, progress);
+  ASSERT_TRUE(bounded);
+  EXPECT_LT(relativeError(bounded->volume), 0.8 * relativeError(capped->volume));
+}
+
 TEST(LineReconstruction, LinesThatEndWithinTheVolumeCountAsFarAsTheyGo) {
   // The same smoke everywhere, which only lengths tell.
   std::vector<LineMeasurement> lines;
@@ -199,6 +213,22 @@ TEST_F(LineFileTest, ReadsEndsAndDirections) {
   EXPECT_NEAR(other.value, std::log(2), 1e-12);
   EXPECT_NEAR(other.sigma, 0.1, 1e-12);
   EXPECT_EQ(ray->frames[0].time, 0.25);
+}
+
+TEST_F(LineFileTest, NoLightIsABoundWhereSigmaSaysWhatCanBeTold) {
+  const auto dark = read(
+      "x,y,z,dx,dy,dz,transmittance,sigma\n1,2,3,0,0,-2,0.5,0.01\n"
+      "1,2,3,0,1,-2,0,0.01\n1,2,3,1,1,-2,-0.02,0.01\n");
+  ASSERT_TRUE(dark) << dark.error().message;
+  const auto& lines = dark->frames[0].lines;
+  EXPECT_FALSE(lines.at(0).atLeast);
+  for (const std::size_t i : {1U, 2U}) {
+    EXPECT_TRUE(lines.at(i).atLeast);
+    EXPECT_NEAR(lines[i].value, -std::log(0.01), 1e-12);
+  }
+  EXPECT_THAT(dark->remarks, testing::Contains(HasSubstr("2 of 3 lines let no light through")));
+  EXPECT_THAT(refusal("x,y,z,dx,dy,dz,transmittance,sigma\n0,0,0,1,0,0,-0.5,0.01\n"),
+              HasSubstr("transmittance is -0.5"));
 }
 
 TEST_F(LineFileTest, RefusesWrongColumnsAndValues) {

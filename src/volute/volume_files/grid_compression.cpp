@@ -301,6 +301,21 @@ void remarkOnSize(const std::string& path, const ErrorTarget& target, std::uint6
           .in(path));
 }
 
+/// Wild values may stand for what is not known, or be a fault: they are told, not judged.
+void remarkOnValuesApart(const std::string& grid, const CompressReport& report, Reading& reading) {
+  constexpr double kWild = 100;  // ranges of all others; hot spots of flames are nearer
+  const SupportError& support = report.support;
+  const double reach = kWild * (support.high - support.low);
+  if (!support.robust ||
+      (report.valueMax - support.high <= reach && support.low - report.valueMin <= reach))
+    return;
+  reading.progress.remark(Remark(
+      RemarkCode::kDoubtful,
+      fmt::format("{}: a few values are far from all others, which are {:.4g} to {:.4g}: the "
+                  "extremes are {:.4g} and {:.4g}; they are kept exactly",
+                  grid, support.low, support.high, report.valueMin, report.valueMax)));
+}
+
 /// The grids of a cache; nothing where one grid is to be compressed by itself.
 Result<std::optional<Report>> compressCache(const std::string& path, const std::string& target,
                                             const GridCompression& how, const InputOptions& input,
@@ -455,6 +470,8 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
       worst = std::max(worst, grid.report.support.rms);
     remarkOnSize(target, wanted, result.rawBytes(), result.fileBytes, worst, reading);
   }
+  for (const CompressedGrid& grid : result.grids)
+    remarkOnValuesApart(fmt::format("grid '{}'", grid.name), grid.report, reading);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
@@ -481,6 +498,7 @@ Result<Report> compressVolume(const std::string& path, const std::string& target
   VOLUTE_ASSIGN(const auto result, compress(*source, target, how.options, reading.progress, team));
   remarkOnSize(target, how.options.target, result.rawBytes, result.fileBytes, result.support.rms,
                reading);
+  remarkOnValuesApart(path, result, reading);
   return compressionReport(target, source->info(), result,
                            whole ? bytesOnDisk(path) : std::nullopt);
 }
