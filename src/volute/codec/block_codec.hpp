@@ -25,7 +25,7 @@ struct BlockShape {
 
   std::size_t values() const { return voxels() * channels; }
 
-  /// As BlockGrid::levels.
+  /// Levels of the wavelet transform; as BlockGrid::levels.
   int levels() const;
 };
 

@@ -64,7 +64,7 @@ class BlockRow {
 
   float maximum() const { return maximum_; }
 
-  /// Of what is loaded, frame by frame.
+  /// Facts about the support in the loaded row, frame by frame.
   std::span<const SupportFacts> facts() const { return facts_; }
 
   /// roundingOf() the source, of all that was loaded.

@@ -109,7 +109,7 @@ class CellMemory {
     return sum;
   }
 
-  /// The same for each orientation.
+  /// Magnitudes around a cell, summed for each of the 16 orientations.
   void around(std::ptrdiff_t cell, std::uint16_t out[16]) const {
     const std::uint8_t* m = magnitudes_.data() + 16 * cell;
     std::uint16_t sum[16] = {};

@@ -111,7 +111,7 @@ struct CompressReport {
                                               const CompressOptions& options, Progress& progress,
                                               Team& team);
 
-/// The same in this process only.
+/// Compresses in this process alone, without a team.
 [[nodiscard]] Result<CompressReport> compress(FrameSource& source,
                                               const std::filesystem::path& target,
                                               const CompressOptions& options, Progress& progress);

@@ -48,7 +48,7 @@ class CompressionGoal {
 
   bool isMaxError() const { return target_.kind == ErrorTarget::Kind::kMaxError; }
 
-  /// As `target`, after room was left.
+  /// The error to reach: `target` less the room left for rounding.
   double value() const { return goal_; }
 
   /// An RMS over a range; where there is none over the values themselves.

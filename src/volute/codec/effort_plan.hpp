@@ -11,7 +11,7 @@
 
 namespace volute {
 
-/// What compress() does with an effort.
+/// Which searches compress() makes at an effort.
 struct EffortPlan {
   enum class Modes {
     kFew,    ///< with one wavelet, and all or no time levels

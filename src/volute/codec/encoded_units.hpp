@@ -63,7 +63,7 @@ struct EncodedUnitRecord {
   /// Nothing when the bytes are of no such record.
   static std::optional<EncodedUnitRecord> fromBytes(std::span<const std::byte> bytes);
 
-  /// Of each tier, of all blocks.
+  /// Bytes of each tier, summed over all blocks.
   std::array<std::uint64_t, kWaveletTiers.size()> tierSizes() const;
 };
 

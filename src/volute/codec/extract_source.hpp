@@ -44,7 +44,7 @@ class ExtractSource final : public FrameSource {
   /// With the file's topology at level 0.
   [[nodiscard]] Status readBricks(int index, int first, int end, Bricks& bricks) override;
 
-  /// Of its frames in the file.
+  /// Positions in the file of the extracted frames.
   const std::vector<int>& positions() const { return extraction_.positions; }
 
  private:

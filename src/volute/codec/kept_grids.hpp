@@ -36,7 +36,7 @@ struct KeptTable {
   /// That the parts take in the file.
   std::uint64_t storedBytes() const;
 
-  /// The same of one grid.
+  /// Bytes that one grid takes in the file.
   std::uint64_t storedBytes(std::size_t grid) const;
 
   /// Where the parts are that follow each other from `offset` on.
