@@ -63,7 +63,7 @@ class FdsField {
 
   const std::vector<FdsCell>& cells(std::size_t lattice) const { return *cells_[lattice]; }
 
-  /// Of each lattice, to be shared.
+  /// Values of each lattice; shared, not copied.
   std::span<const std::shared_ptr<const FdsValues>> allValues() const { return values_; }
 
   std::span<const std::shared_ptr<const std::vector<FdsCell>>> allCells() const { return cells_; }
@@ -81,7 +81,7 @@ class FdsField {
   /// In which cell a point is; nothing outside of what the source covers.
   std::optional<Place> placeOf(const Vec3& point) const;
 
-  /// What stands there.
+  /// The kind of cell at a place.
   FdsCell cellIn(const Place& place) const;
   std::optional<FdsCell> cellAt(const Vec3& point) const;
 

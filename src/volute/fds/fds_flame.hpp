@@ -32,7 +32,7 @@ struct FlameLaw {
 /// interpolated. Cheap to copy.
 class FdsFlame {
  public:
-  /// What shines in one colour.
+  /// A part of the flames as a lamp of one colour.
   struct Light {
     FdsField field;  ///< in place of an extinction; of heat release [kW/m3] above the cutoff
     Rgb colour;      ///< radiance per metre of a unit of it

@@ -12,7 +12,7 @@
 
 namespace volute {
 
-/// What SmvIndex::others calls files of geometry.
+/// The kind by which SmvIndex::others lists files of geometry.
 inline constexpr std::string_view kFdsWallsKind = "walls made of triangles";
 
 /// Walls made of triangles (&GEOM): closed bodies, whose triangles go round anticlockwise as seen

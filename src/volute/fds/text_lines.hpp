@@ -49,7 +49,7 @@ class TextLines {
 /// Without spaces around it.
 std::string_view trimmed(std::string_view text);
 
-/// What spaces separate.
+/// The words of a line, which spaces separate.
 std::vector<std::string_view> words(std::string_view text);
 
 /// A whole word as a number; nothing when it is none or not finite.

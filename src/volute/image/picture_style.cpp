@@ -167,12 +167,12 @@ std::vector<float> blurredWide(const std::vector<float>& plane, int width, int h
 
 namespace {
 
-constexpr double kKnee = 0.7;
+constexpr double kKnee = 0.7;  // of pure colours
 
-/// From the knee on with the slope that it had there, and below 1 for ever.
-double shoulder(double light) {
-  const double beyond = (light - kKnee) / (1 - kKnee);
-  return kKnee + (1 - kKnee) * beyond / (1 + beyond);
+/// From the knee on with the slope that it had there, and below 1 for ever. White's knee is 1.
+double shoulder(double light, double purity) {
+  const double knee = 1 - (1 - kKnee) * purity;
+  return light > knee ? knee + (1 - knee) * (light - knee) / (1 - 2 * knee + light) : light;
 }
 
 }  // namespace
@@ -189,7 +189,7 @@ Rgb toneMapped(ToneCurve tone, const Rgb& light) {
   for (int c = 0; c < 3; ++c) v[c] = light[c] > 0 ? std::min(light[c], kMaxLight) : 0;
   if (tone == ToneCurve::kShoulder) {
     const double most = v.maxCoeff();
-    return most > kKnee ? Rgb(v * (shoulder(most) / most)) : Rgb(v);
+    return most > kKnee ? Rgb(v * (shoulder(most, 1 - v.minCoeff() / most) / most)) : Rgb(v);
   }
   if (tone == ToneCurve::kFilmic) {
     double in[3], out[3];

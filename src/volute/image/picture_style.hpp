@@ -24,8 +24,9 @@ enum class ToneCurve {
   /// AgX as Troy Sobotka defined it, with Benjamin Wrensch's polynomial for its sigmoid: less
   /// contrast, and hues that stay what they are.
   kAgx,
-  /// As it is up to 0.7 in the brightest channel, and what is brighter is brought below 1 with its
-  /// hue: for pictures of measured light in which something burns.
+  /// As it is up to 0.7 in the brightest channel, of what is white or grey up to 1, and what is
+  /// brighter is brought below 1 with its hue: for pictures of measured light in which something
+  /// burns before a white ground.
   kShoulder,
 };
 

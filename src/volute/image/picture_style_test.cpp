@@ -58,6 +58,13 @@ TEST(ToneCurve, AShoulderKeepsHuesAndWhatIsDark) {
   EXPECT_NEAR(toneMapped(ToneCurve::kShoulder, Rgb::Constant(0.701))[0], 0.701, 1e-5);
 }
 
+TEST(ToneCurve, AShoulderLeavesThinSmokeBeforeWhiteAsItIs) {
+  for (const double grey : {0.7, 0.8, 0.95, 1.0})
+    EXPECT_NEAR(toneMapped(ToneCurve::kShoulder, Rgb::Constant(grey))[0], grey, 1e-12);
+  EXPECT_EQ(toneMapped(ToneCurve::kShoulder, Rgb::Constant(3))[1], 1);
+  EXPECT_NEAR(toneMapped(ToneCurve::kShoulder, Rgb(1, 0.99, 0.98))[0], 1, 4e-3);
+}
+
 TEST(Tone, BrightLightGrowsAndLosesItsColour) {
   const Rgb fire(1, 0.3, 0.02);
   for (const ToneCurve tone : {ToneCurve::kFilmic, ToneCurve::kAgx}) {

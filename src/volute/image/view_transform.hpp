@@ -23,7 +23,7 @@ class ViewTransform {
   virtual void apply(std::span<float> pixels) const = 0;
 };
 
-/// What a plug-in for colour management offers.
+/// Functions of the plug-in for colour management.
 struct ViewPlugin {
   /// The Academy's rendering for a display of sRGB (ACES 1.0, SDR video).
   Result<std::unique_ptr<const ViewTransform>> (*aces)();

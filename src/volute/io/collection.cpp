@@ -21,7 +21,7 @@ std::string contradictionOf(std::span<const CollectedFile> files) {
     }
     if (std::isfinite(file.stated) &&
         std::abs(file.stated - file.time) > kRounding * std::max(1.0, std::abs(file.time))) {
-      return fmt::format("{}: states {:g} s itself (TimeValue); the collection's {:g} s is taken",
+      return fmt::format("{}: states {:g} s itself; the collection's {:g} s is taken",
                          file.path.string(), file.stated, file.time);
     }
   }

@@ -49,7 +49,7 @@ class FilmWriter {
   [[nodiscard]] virtual Status finish() = 0;
 };
 
-/// What a film says about itself.
+/// Size and rate of a film.
 struct FilmInfo {
   int width = 0;   ///< [pixels]
   int height = 0;  ///< [pixels]
@@ -98,7 +98,7 @@ class FilmReader {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What the plug-in for films offers.
+/// Functions of the plug-in for films.
 struct FilmPlugin {
   Result<std::unique_ptr<FilmWriter>> (*makeWriter)(const std::filesystem::path& path, int width,
                                                     int height, double framesPerSecond,

@@ -87,39 +87,60 @@ std::optional<std::filesystem::path> folderAt(const std::filesystem::path& caseP
   return std::nullopt;
 }
 
+/// What stands in the brackets of a field's dimensions; nothing where it states none.
+std::optional<std::string> dimensionsText(const std::filesystem::path& file) {
+  const std::string text = withoutComments(beginOf(file));
+  constexpr std::string_view kKey = "dimensions";
+  const std::size_t field = std::min(text.find("internalField"), text.size());
+  for (std::size_t at = text.find(kKey); at < field; at = text.find(kKey, at + 1)) {
+    const std::size_t open = text.find_first_not_of(" \t\r\n", at + kKey.size());
+    const bool own = at == 0 || std::string_view(" \t\r\n;}").find(text[at - 1]) != text.npos;
+    if (own && open != text.npos && text[open] == '[')
+      return text.substr(open + 1, text.find(']', open) - open - 1);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<FoamDimensions> foamDimensions(const std::filesystem::path& casePath,
                                              const std::string& field, double time) {
   const auto folder = folderAt(casePath, time);
   const auto file = folder ? present(*folder / field) : std::nullopt;
-  if (!file)
+  const auto text = file ? dimensionsText(*file) : std::nullopt;
+  if (!text)
     return std::nullopt;
-  const std::string text = withoutComments(beginOf(*file));
-  constexpr std::string_view kKey = "dimensions";
-  const std::size_t field0 = std::min(text.find("internalField"), text.size());
-  for (std::size_t at = text.find(kKey); at < field0; at = text.find(kKey, at + 1)) {
-    const std::size_t open = text.find_first_not_of(" \t\r\n", at + kKey.size());
-    const bool own = at == 0 || std::string_view(" \t\r\n;}").find(text[at - 1]) != text.npos;
-    if (!own || open == text.npos || text[open] != '[')
-      continue;
-    const std::string_view list =
-        std::string_view(text).substr(open + 1, text.find(']', open) - open - 1);
-    FoamDimensions dimensions{};
-    std::size_t count = 0;
-    for (std::size_t begin = list.find_first_not_of(" \t\r\n"); begin < list.size();) {
-      const std::size_t end = std::min(list.find_first_of(" \t\r\n", begin), list.size());
-      const auto power = numberOf<double>(list.substr(begin, end - begin));
-      if (!power || count == dimensions.size())
-        return std::nullopt;
-      dimensions[count++] = *power;
-      begin = list.find_first_not_of(" \t\r\n", end);
-    }
-    if (count == 5 || count == 7)
-      return dimensions;
-    return std::nullopt;
+  const std::string_view list = *text;
+  FoamDimensions dimensions{};
+  std::size_t count = 0;
+  for (std::size_t begin = list.find_first_not_of(" \t\r\n"); begin < list.size();) {
+    const std::size_t end = std::min(list.find_first_of(" \t\r\n", begin), list.size());
+    const auto power = numberOf<double>(list.substr(begin, end - begin));
+    if (!power || count == dimensions.size())
+      return std::nullopt;
+    dimensions[count++] = *power;
+    begin = list.find_first_not_of(" \t\r\n", end);
   }
-  return std::nullopt;
+  return count == 5 || count == 7 ? std::optional(dimensions) : std::nullopt;
+}
+
+Status checkFoamDimensions(const std::filesystem::path& casePath) {
+  const auto folder = casePath.parent_path().empty() ? "." : casePath.parent_path();
+  std::error_code error;
+  for (const auto& time : std::filesystem::directory_iterator(folder, error)) {
+    if (!time.is_directory(error) || !numberOf<double>(time.path().filename().string()))
+      continue;
+    for (const auto& entry : std::filesystem::directory_iterator(time.path(), error)) {
+      const auto text = entry.is_regular_file(error) ? dimensionsText(entry.path()) : std::nullopt;
+      if (text && std::ranges::any_of(*text, [](char c) { return c >= 'a' && c <= 'z'; })) {
+        return fail(ErrorCode::kUnsupported,
+                    "{}: its dimensions are units' names, [{}]; expected the powers of kg, m, s, "
+                    "K, mol, A and cd, as [1 -3 0 0 0 0 0] for kg/m3",
+                    entry.path().string(), *text);
+      }
+    }
+  }
+  return {};
 }
 
 bool hasFoamField(const std::filesystem::path& casePath, const std::string& field, double time) {

@@ -20,6 +20,10 @@ using FoamDimensions = std::array<double, 7>;
 [[nodiscard]] std::optional<FoamDimensions> foamDimensions(const std::filesystem::path& casePath,
                                                            const std::string& field, double time);
 
+/// Refuses dimensions that are units' names, which VTK takes for damage; reads the heads of all
+/// fields of all times.
+[[nodiscard]] Status checkFoamDimensions(const std::filesystem::path& casePath);
+
 /// Whether a file of this name, packed or not, is in the folder of a time [s].
 [[nodiscard]] bool hasFoamField(const std::filesystem::path& casePath, const std::string& field,
                                 double time);

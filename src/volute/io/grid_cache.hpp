@@ -41,7 +41,7 @@ class GridCache {
   /// Their numbers and times, of one voxel.
   VolumeInfo frames() const;
 
-  /// What the files say of themselves.
+  /// Metadata of the files, apart from those of grids.
   const FrameMetadata& fileMetadata() const { return fileMetadata_; }
 
   /// The frames of a volume that is not empty, over all that it takes in any of them.

@@ -19,7 +19,7 @@ std::string encodeCache(const LatticeCache& cache);
 /// A frame whose channels are 1 or 3, whose voxels have a size and whose box lies within 2^40.
 [[nodiscard]] Result<LatticeFrame> decodeFrame(std::string_view message, const std::string& file);
 
-/// As many as one message holds.
+/// Writes facts of grids, as many as one message holds.
 std::string encodeGridFacts(const std::vector<GridFacts>& grids);
 [[nodiscard]] Result<std::vector<GridFacts>> decodeGridFacts(std::string_view message);
 

@@ -108,7 +108,7 @@ class MeshReader {
   [[nodiscard]] virtual Result<std::pair<MeshContents, std::vector<MeshFieldSummary>>> describe(
       const std::filesystem::path& file, std::size_t instant) = 0;
 
-  /// What was loaded or described.
+  /// Hands over the mesh that was loaded or described.
   [[nodiscard]] virtual Result<MeshData> take() = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "volute/io/grid_cache.hpp"
 #include "volute/io/mesh_case_files.hpp"
 #include "volute/io/mesh_source.hpp"
 #include "volute/io/netcdf_length.hpp"
@@ -142,6 +143,18 @@ TEST(MeshCases, DimensionsOfOpenFoamAreReadAndStayTheSame) {
                                             ::testing::Not(::testing::Contains("soot"))));
 }
 
+TEST(MeshCases, DimensionsOfOpenFoamByUnitsNamesAreNotTakenForDamage) {
+  const TempFolder folder;
+  writeFoam(folder.path());
+  std::string text = readBytes(folder / "20" / "soot");
+  const auto open = text.find('['), close = text.find(']');
+  writeBytes(folder / "20" / "soot", text.replace(open, close + 1 - open, "[kg m^-3]"));
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "box.foam"));
+  EXPECT_THAT(
+      source.read(1).error().message,
+      HasSubstr("20/soot: its dimensions are units' names, [kg m^-3]; expected the powers"));
+}
+
 TEST(MeshCases, DecomposedOpenFoamSaysHowToReadIt) {
   const TempFolder folder;
   writeFoam(folder.path());
@@ -153,6 +166,9 @@ TEST(MeshCases, DecomposedOpenFoamSaysHowToReadIt) {
   ASSERT_FALSE(source);
   EXPECT_THAT(source.error().message,
               HasSubstr("box.foam: the case is decomposed into 2 processors"));
+  const auto ofFolder = listLatticeFiles(folder.path());
+  ASSERT_FALSE(ofFolder);
+  EXPECT_THAT(ofFolder.error().message, HasSubstr("/: the case is decomposed into 2 processors"));
 }
 
 TEST(MeshCases, ReadsOpenFoam) {

@@ -68,7 +68,7 @@ class MeshSource {
   /// The same case for another field.
   [[nodiscard]] Result<MeshSource> withField(const std::string& field, Negatives negatives) const;
 
-  /// What was opened.
+  /// The file or pattern that was opened.
   const std::filesystem::path& path() const { return path_; }
 
   /// [s], ascending; a single file is at 0.

@@ -124,15 +124,15 @@ TEST(MeshSource, AFileThatIsThereAtTwoTimesIsTold) {
 
 TEST(MeshSource, ATimeThatAFileStatesOtherwiseIsTold) {
   const TempFolder folder;
-  const auto writeAt = [&](const char* name, const char* time) {
+  const auto writeAt = [&](const char* name, const char* array, const char* time) {
     std::string text = vtu("1 2 3 4 5 6");
     text.insert(text.find("<Piece"),
-                fmt::format("<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" "
+                fmt::format("<FieldData><DataArray type=\"Float64\" Name=\"{}\" "
                             "NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray></FieldData>",
-                            time));
+                            array, time));
     write(folder / name, text);
   };
-  writeAt("a.vtu", "0"), writeAt("b.vtu", "10.00001");
+  writeAt("a.vtu", "TimeValue", "0"), writeAt("b.vtu", "TIME", "10.00001");
   const auto said = [&](std::initializer_list<SeriesFile> files) {
     EXPECT_TRUE(testing::ok(writePvd(folder / "s.pvd", std::vector(files))));
     const auto source = MeshSource::open(folder / "s.pvd");
@@ -140,7 +140,7 @@ TEST(MeshSource, ATimeThatAFileStatesOtherwiseIsTold) {
   };
   EXPECT_EQ(said({{"a.vtu", 0}, {"b.vtu", 10}}), "");
   EXPECT_THAT(said({{"a.vtu", 0}, {"b.vtu", 60}}),
-              HasSubstr("b.vtu: states 10 s itself (TimeValue); the collection's 60 s is taken"));
+              HasSubstr("b.vtu: states 10 s itself; the collection's 60 s is taken"));
   EXPECT_THAT(said({{"a.vtu", 2}}), HasSubstr("a.vtu: states 0 s itself"));
   write(folder / "b.vtu", vtu("1 2 3 4 5 6"));
   EXPECT_EQ(said({{"a.vtu", 0}, {"b.vtu", 60}}), "");

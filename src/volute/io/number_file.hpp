@@ -23,7 +23,7 @@ class NumberFile {
   NumberFile(InputFile file, std::uint64_t begin, std::uint64_t size)
       : file_(std::move(file)), begin_(begin), size_(size) {}
 
-  /// What was packed in `file`.
+  /// A file whose unpacked content is `unpacked`.
   NumberFile(InputFile file, std::vector<std::byte> unpacked)
       : file_(std::move(file)), size_(unpacked.size()), unpacked_(std::move(unpacked)) {}
 

@@ -27,7 +27,7 @@ int writeReaderParameters(const ReaderJob& job);
 /// end closes. Call it right after a fork.
 [[noreturn]] void serveAsReader(ReaderJob::Make make, const ReaderLine& line);
 
-/// The same without giving anything up.
+/// Serves a reader without confinement.
 [[noreturn]] void serveUnconfined(const ReaderJob::Serve& serve, const ReaderLine& line);
 
 }  // namespace volute::detail

@@ -15,7 +15,7 @@
 
 namespace volute {
 
-/// What a reader's process is for.
+/// The work of a reader's process.
 struct ReaderJob {
   /// Runs in the child, once for each call: takes the request and returns the reply, and may fill
   /// `values`.

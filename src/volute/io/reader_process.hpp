@@ -26,7 +26,7 @@ class ReaderProcess {
  public:
   using Serve = ReaderJob::Serve;
 
-  /// What a call may use.
+  /// Memory and time that one call may take.
   struct Limits {
     std::uint64_t memory = std::uint64_t{1}
                            << 30;  ///< bytes on top of what the process has; the values not counted

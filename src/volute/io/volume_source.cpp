@@ -8,6 +8,7 @@
 #include "volute/base/file_name.hpp"
 #include "volute/grid/rounding_source.hpp"
 #include "volute/io/array_file.hpp"
+#include "volute/io/foam_files.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/grid_cache.hpp"
 #include "volute/io/lattice_source.hpp"
@@ -78,6 +79,7 @@ Result<std::vector<LatticeFile>> listLatticeFiles(const std::filesystem::path& i
   std::error_code error;
   if (std::filesystem::is_directory(input, error)) {
     if (std::filesystem::exists(input / "system" / "controlDict", error)) {
+      VOLUTE_TRY(checkFoamDecomposed(input / ""));
       return fail(
           ErrorCode::kUnsupported,
           "{}: is an OpenFOAM case; give the name of a file in it that ends in .foam, which "

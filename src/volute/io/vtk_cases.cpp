@@ -205,6 +205,14 @@ Result<VtkVolume> readPvtu(const std::filesystem::path& path, const MeshShare& s
   return volume;
 }
 
+/// What VTK said; of an OpenFOAM case in words for dimensions that it cannot read.
+Status statusOfCase(const ErrorWatch& watch, const std::filesystem::path& path) {
+  Status read = watch.status(path.string());
+  if (!read && extensionOf(path) == ".foam")
+    VOLUTE_TRY(checkFoamDimensions(path));
+  return read;
+}
+
 /// VTK takes what stands there for the last number.
 Status checkLastLine(const std::filesystem::path& path) {
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
@@ -239,14 +247,21 @@ Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
   const ErrorWatch watch;
   const auto reader = readerOf(path);
   auto times = timesOf(*reader);
-  VOLUTE_TRY(watch.status(path.string()));
+  VOLUTE_TRY(statusOfCase(watch, path));
   return times;
 }
 
-double statedTime(vtkAlgorithm& reader) {
-  vtkInformation* information = reader.GetOutputInformation(0);
+double statedTime(vtkXMLReader& reader) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   const auto key = vtkStreamingDemandDrivenPipeline::TIME_STEPS();
+  for (int i = 0; i < reader.GetNumberOfTimeDataArrays(); ++i) {
+    if (reader.GetTimeDataArray(i) == std::string_view("TIME") &&
+        !reader.GetOutputInformation(0)->Has(key)) {
+      reader.SetActiveTimeDataArrayName("TIME");
+      reader.UpdateInformation();
+    }
+  }
+  vtkInformation* information = reader.GetOutputInformation(0);
   if (!information->Has(key) || information->Length(key) != 1)
     return kUnknown;
   return information->Get(key)[0];
@@ -302,7 +317,7 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t i
   }
   const auto reader = readerOf(path);
   const auto times = timesOf(*reader);
-  VOLUTE_TRY(watch.status(file));
+  VOLUTE_TRY(statusOfCase(watch, path));
   if (instant >= times.size()) {
     return fail(ErrorCode::kInvalidData, "{}: has {} instants now; expected more than {}", file,
                 times.size(), instant);
@@ -311,7 +326,7 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t i
   if (kind == ".case")
     VOLUTE_TRY(checkEnsight(path, field, volume.time));
   reader->UpdateTimeStep(volume.time);
-  VOLUTE_TRY(watch.status(file));
+  VOLUTE_TRY(statusOfCase(watch, path));
   VOLUTE_TRY(refuseStructured(reader->GetOutputDataObject(0), file));
   const auto grids = volumesOf(reader->GetOutputDataObject(0));
   volume.blocks = static_cast<int>(grids.size());

@@ -2,9 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <vtkAlgorithm.h>
 #include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
+#include <vtkXMLReader.h>
 
 #include <filesystem>
 #include <string>
@@ -20,8 +20,9 @@ namespace volute {
 /// The instants of a .vtu file or a case.
 [[nodiscard]] Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path);
 
-/// [s], as programs of VTK note it in the field data (TimeValue); NaN where it is not stated.
-double statedTime(vtkAlgorithm& reader);
+/// [s], as programs note it in the field data: VTK's (TimeValue) or VisIt (TIME); NaN where it is
+/// not stated.
+double statedTime(vtkXMLReader& reader);
 
 /// Of a .vtu, or of the first piece of a .pvtu.
 [[nodiscard]] Result<MeshHead> readVtkHead(const std::filesystem::path& path);

@@ -13,31 +13,19 @@
 #include <string>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/printable.hpp"
 
 // What VTK says when it cannot read; for the files of the VTK plug-in alone.
 
 namespace volute {
 
 /// One line of what a damaged file may have put into a message.
-inline std::string printable(std::string text) {
+inline std::string oneLine(std::string text) {
   constexpr std::size_t kMax = 400;
   if (text.size() > kMax)
     text = text.substr(0, kMax) + " ...";
   std::ranges::replace_if(text, [](unsigned char c) { return c < ' ' || c == 0x7F; }, ' ');
-  // What follows a first byte of UTF-8; other bytes are of no text.
-  std::size_t following = 0;
-  for (char& c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    const bool follows = byte >= 0x80 && byte < 0xC0;
-    if (following > 0 && follows) {
-      --following;
-      continue;
-    }
-    following = byte >= 0xF0 ? 3 : byte >= 0xE0 ? 2 : byte >= 0xC0 ? 1 : 0;
-    if (follows || byte >= 0xF8)
-      c = '?', following = 0;
-  }
-  return text;
+  return printable(text);
 }
 
 /// Where VTK reports that it could not read: not by return values. Lives in the child process
@@ -69,7 +57,7 @@ class ErrorWindow final : public vtkOutputWindow {
     first = colon == std::string::npos ? all : all.substr(colon + 3);
     if (first.starts_with("Generic Warning: In ") && first.find('\n') != std::string::npos)
       first.erase(0, first.find('\n') + 1);
-    first = printable(first);
+    first = oneLine(first);
     if (all.find("returned failure for request") != std::string::npos)
       first = "its numbers do not fit together";
     else if (first.ends_with("may be too short."))

@@ -253,12 +253,13 @@ TEST(Vtk, TheTimeThatAFileStatesIsItsTime) {
   const TempFolder folder;
   const std::string text = inPieces({{0, 4, 0, 4, 0, 4}});
   int number = 0;
-  for (const char* time : {"0", "2.5", "10"}) {
+  for (const auto& [name, time] :
+       {std::pair("TimeValue", "0"), {"TIME", "2.5"}, {"TimeValue", "10"}}) {
     std::string timed = text;
     timed.insert(timed.find("<Piece"),
-                 fmt::format("<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" "
+                 fmt::format("<FieldData><DataArray type=\"Float64\" Name=\"{}\" "
                              "NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray></FieldData>",
-                             time));
+                             name, time));
     writeBytes(folder / fmt::format("a_{}.vti", number++), timed);
   }
   ASSERT_VALUE(const auto read, readSequence(folder / "a_%d.vti"));

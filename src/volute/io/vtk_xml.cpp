@@ -26,7 +26,7 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-Words wordsOf(std::string_view text) {
+Words wordsIn(std::string_view text) {
   Words words;
   constexpr std::string_view kSpace = " \t\r\n";
   for (std::size_t at = text.find_first_not_of(kSpace); at != std::string_view::npos;) {
@@ -117,7 +117,7 @@ class XmlCheck {
     const std::string_view name = element->GetName();
     const std::string below = fmt::format("{}/{}", parent, name);
     const auto rule = std::ranges::find_if(kElements, [&](const ElementRule& known) {
-      const Words names = wordsOf(known.names);
+      const Words names = wordsIn(known.names);
       return isOneOf(name, names) || isOneOf(below, names);
     });
     if (rule == std::end(kElements))
@@ -139,12 +139,12 @@ class XmlCheck {
   tl::unexpected<Error> wrong(vtkXMLDataElement* element, fmt::format_string<Args...> format,
                               Args&&... args) const {
     return fail(ErrorCode::kInvalidData, "{}: byte {}: {}: {}", file_, element->GetXMLByteIndex(),
-                printable(element->GetName()), fmt::format(format, std::forward<Args>(args)...));
+                oneLine(element->GetName()), fmt::format(format, std::forward<Args>(args)...));
   }
 
   Status checkElement(vtkXMLDataElement* element, const ElementRule& rule) const {
-    const Words needed = wordsOf(rule.needed);
-    Words known = wordsOf(rule.allowed), absent;
+    const Words needed = wordsIn(rule.needed);
+    Words known = wordsIn(rule.allowed), absent;
     known.insert(known.end(), needed.begin(), needed.end());
     std::ranges::copy_if(known, std::back_inserter(absent), [&](std::string_view name) {
       return !element->GetAttribute(std::string(name).c_str());
@@ -154,7 +154,7 @@ class XmlCheck {
       if (isOneOf(name, known)) {
         VOLUTE_TRY(checkValue(element, name, element->GetAttributeValue(i)));
       } else if (const auto near = likeOneOf(name, absent); !near.empty()) {
-        return wrong(element, "'{}' is unknown; did you mean '{}'?", printable(std::string(name)),
+        return wrong(element, "'{}' is unknown; did you mean '{}'?", oneLine(std::string(name)),
                      near);
       }
     }
@@ -162,7 +162,7 @@ class XmlCheck {
       if (isOneOf(name, absent))
         return wrong(element, "its {} is missing", name);
     }
-    const Words children = wordsOf(rule.children);
+    const Words children = wordsIn(rule.children);
     for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) {
       const std::string_view name = element->GetNestedElement(i)->GetName();
       if (const auto near = isOneOf(name, children) ? "" : likeOneOf(name, children); !near.empty())
@@ -177,7 +177,7 @@ class XmlCheck {
       vtkXMLDataElement* const array = element->GetNestedElement(i);
       const char* const name = array->GetAttribute("Name");
       if (name && !names.insert(name).second)
-        return wrong(array, "the name '{}' is there twice", printable(name));
+        return wrong(array, "the name '{}' is there twice", oneLine(name));
     }
     return {};
   }
@@ -192,12 +192,12 @@ class XmlCheck {
   Status checkValue(vtkXMLDataElement* element, std::string_view name,
                     std::string_view value) const {
     const auto rule = std::ranges::find_if(
-        kValues, [&](const ValueRule& known) { return isOneOf(name, wordsOf(known.names)); });
+        kValues, [&](const ValueRule& known) { return isOneOf(name, wordsIn(known.names)); });
     const bool ofFile = element->GetName() == std::string_view("VTKFile") && name == "type";
     if (rule == std::end(kValues) || ofFile)
       return {};
-    const std::string shown = printable(std::string(value.substr(0, 60)));
-    const Words allowed = wordsOf(rule->allowed), words = wordsOf(value);
+    const std::string shown = oneLine(std::string(value.substr(0, 60)));
+    const Words allowed = wordsIn(rule->allowed), words = wordsIn(value);
     if (rule->count == 0) {
       if (isOneOf(value, allowed))
         return {};
@@ -216,7 +216,7 @@ class XmlCheck {
   static Cells extentOf(vtkXMLDataElement* element, const char* name) {
     Cells extent{};
     const char* text = element->GetAttribute(name);
-    const auto words = wordsOf(text ? text : "");
+    const auto words = wordsIn(text ? text : "");
     for (std::size_t i = 0; i < std::min(words.size(), extent.size()); ++i)
       readNumber(words[i], extent[i]);
     return extent;
@@ -271,11 +271,11 @@ class XmlCheck {
 
   Status checkCellArray(vtkXMLDataElement* element) const {
     const char* name = element->GetAttribute("Name");
-    const Words known = wordsOf(kCellArrays);
+    const Words known = wordsIn(kCellArrays);
     if (const auto near = !name || isOneOf(name, known) ? "" : likeOneOf(name, known);
         !near.empty())
-      return wrong(element, "the array '{}' of Cells is unknown; did you mean '{}'?",
-                   printable(name), near);
+      return wrong(element, "the array '{}' of Cells is unknown; did you mean '{}'?", oneLine(name),
+                   near);
     return {};
   }
 

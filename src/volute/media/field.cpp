@@ -56,6 +56,17 @@ tl::unexpected<FieldFault> fault(std::string message, std::string at = {}) {
   return tl::unexpected<FieldFault>({std::move(message), {}, std::move(at)});
 }
 
+tl::unexpected<FieldFault> outOfRange(const FieldRow& field, const FieldValue& value,
+                                      const std::string& expected) {
+  const auto larger = [](const FieldValue& one) {
+    return one.is_number() && std::abs(one.get<double>()) > kLargest;
+  };
+  const bool large = !std::isfinite(field.most) &&
+                     (value.is_array() ? std::ranges::any_of(value, larger) : larger(value));
+  return fault(fmt::format("{} is out of range; expected {}{}", value.dump(), expected,
+                           large ? fmt::format(", not beyond {:g}", kLargest) : ""));
+}
+
 Checked checkNumbers(const FieldRow& field, const FieldValue& value) {
   const auto [fewest, most] = countsOf(field);
   if (!value.is_array() || value.size() < fewest || value.size() > most)
@@ -68,7 +79,7 @@ Checked checkNumbers(const FieldRow& field, const FieldValue& value) {
   if (std::ranges::all_of(value,
                           [&](const FieldValue& v) { return holds(field, v.get<double>()); }))
     return {};
-  return fault(fmt::format("{} is out of range; expected {}", value.dump(), field.expected()));
+  return outOfRange(field, value, field.expected());
 }
 
 Checked checkRows(const FieldRow& field, const FieldValue& value) {
@@ -117,8 +128,7 @@ Checked checkValue(const FieldRow& field, const FieldValue& value) {
     case kInteger:
       good = isNumber(value, field.type == kInteger);
       if (good && !holds(field, value.get<double>()))
-        return fault(
-            fmt::format("{} is out of range; expected {}", value.dump(), field.rangeText()));
+        return outOfRange(field, value, field.rangeText());
       break;
     case kFlag:
       good = value.is_boolean();

@@ -147,7 +147,7 @@ FieldAccess memberPair() {
           }};
 }
 
-/// Of a kObject.
+/// Access to a member of type kObject.
 template <auto... path>
 FieldAccess part() {
   using Path = fields::Path<path...>;
@@ -159,7 +159,7 @@ FieldAccess part() {
           }};
 }
 
-/// Of an optional kObject.
+/// Access to an optional member of type kObject.
 template <auto... path>
 FieldAccess optionalPart() {
   using Path = fields::Path<path...>;

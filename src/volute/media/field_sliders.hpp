@@ -30,7 +30,7 @@ class ParameterGroup {
   ParameterGroup(std::vector<Parameter>& out, std::string name, std::string path)
       : out_(out), begin_(out.size()), name_(std::move(name)), path_(std::move(path)) {}
 
-  /// Of what follows.
+  /// Begins a section: sliders that follow belong to it.
   void section(std::string_view name) { section_ = name; }
 
   std::size_t size() const { return out_.size() - begin_; }

@@ -119,6 +119,8 @@ TEST(Fields, ErrorsSayWhereWhatWasFoundAndWhatWasExpected) {
             at + "/tint: [0,2,0] is out of range; expected three numbers of 0 to 1");
   EXPECT_EQ(wrongly(R"({"file": "x", "time": {"rate": 0}})"),
             at + "/time/rate: 0 is out of range; expected more than 0");
+  EXPECT_EQ(wrongly(R"({"file": "x", "time": {"rate": 1e38}})"),
+            at + "/time/rate: 1e+38 is out of range; expected more than 0, not beyond 1e+30");
   EXPECT_EQ(wrongly(R"({"file": "x", "colour": 1})"), at + "/colour: this name is unknown");
   EXPECT_EQ(wrongly(R"({"file": "x", "widht": 1})"),
             at + "/widht: this name is unknown; did you mean 'width'?");

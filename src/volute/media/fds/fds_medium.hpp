@@ -65,7 +65,7 @@ class FdsAt final : public MediumAt {
   void addMedia(std::vector<AnyMedium>& media) const override;
   void addExtinction(std::vector<AnyMedium>& media) const override;
 
-  /// Where this process holds all of it.
+  /// The instant in another light, where this process holds all of it.
   std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
 
   bool drawsItself() const override { return shares_.has_value(); }

@@ -44,7 +44,7 @@ class FdsSliceSheet {
   [[nodiscard]] Status addTo(TriangleMesh& mesh, double time) const;
 
  private:
-  /// Where somebody wants to see it.
+  /// The plane of a slice, as a scene states it.
   struct Plane {
     int axis = 2;
     double place = 0;  ///< [m]
