@@ -34,6 +34,8 @@ Status placeDetector(const JsonValue& row, CameraDraft& camera) {
         "columns and rows");
   }
   calibration.K = corner.inverse() * distance;
+  calibration.K(1, 0) = calibration.K(2, 0) = calibration.K(2, 1) = 0;
+  calibration.K(2, 2) = 1;  // to the digit, which a product by an inverse need not be
   calibration.R = axes.transpose();
   calibration.t = -(calibration.R * source);
   return {};

@@ -90,7 +90,7 @@ struct CaptureCamera {
                                  ///< stated
 };
 
-/// What lights the medium.
+/// A lamp of the laboratory that lights the medium.
 struct CaptureLamp {
   bool sun = true;                  ///< else a point
   Vec3 direction = -Vec3::UnitZ();  ///< of a sun: the way its light travels; unit

@@ -211,8 +211,10 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
     return stored;
   const bool fewer = pictures.bits != 0 && read->largest != std::ldexp(1.0, pictures.bits) - 1;
   VOLUTE_TRY(scaleBits(stored.image, fewer ? pictures.bits : 0, name));
-  if (!pictures.saturation && pictures.bits == 0)
+  if (!pictures.saturation && pictures.bits == 0) {
     stored.plateau = plateauOf(stored.image);
+    stored.bitsHolding = bitsHolding(stored.image);
+  }
   if (stored.plateau)
     stored.saturation = stored.plateau->value;
   subtractBlack(stored.image, pictures.black);
@@ -384,6 +386,7 @@ Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int numb
             stored.image.channels == 1,
             stored.mosaic,
             stored.plateau,
+            stored.bitsHolding,
             stored.linear ? std::nullopt : std::optional(stored.response)};
   const auto channels = static_cast<std::size_t>(stored.image.channels);
   seen.atLeast.assign(stored.image.pixels.size() / channels, 0);
@@ -424,6 +427,7 @@ Result<CaptureImages::Seen> CaptureImages::readAt(std::size_t camera, int frame)
   seen.transparentShare = std::max(seen.transparentShare, next.transparentShare);
   if (!seen.plateau)
     seen.plateau = next.plateau;
+  seen.bitsHolding = std::max(seen.bitsHolding, next.bitsHolding);
   return seen;
 }
 
@@ -436,6 +440,7 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
   picture.grey = seen.grey;
   picture.mosaic = seen.mosaic;
   picture.plateau = seen.plateau;
+  picture.bitsHolding = seen.bitsHolding;
   const std::size_t pixels = seen.atLeast.size();
   picture.weight.assign(pixels, 1);
   picture.atLeast.assign(pixels, 0);

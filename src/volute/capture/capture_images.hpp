@@ -35,6 +35,7 @@ struct CameraPicture {
   bool grey = false;            ///< one channel in the file
   bool mosaic = false;          ///< brightness goes by the place in blocks of 2 x 2 pixels
   std::optional<StoredPlateau> plateau;  ///< that was taken as saturation, for none is stated
+  int bitsHolding = 0;  ///< see bitsHolding(); 0 also where the capture states bits or saturation
   /// What all pixels beside the volume show, as a stored value: a black level, which was
   /// subtracted; 0: nothing.
   double storedPedestal = 0;
@@ -67,6 +68,7 @@ class CaptureImages {
     Response response = Response::srgb();  // of others
     double transparentShare = 0;
     std::optional<StoredPlateau> plateau;
+    int bitsHolding = 0;
     bool mosaic = false;
   };
 
@@ -82,6 +84,7 @@ class CaptureImages {
     bool grey = false;
     bool mosaic = false;
     std::optional<StoredPlateau> plateau;
+    int bitsHolding = 0;
     std::optional<Response> response;  // by which it became light; none: floats
   };
 

@@ -160,6 +160,7 @@ TEST_F(CaptureImagesTest, FewBitsInFilesOfSixteen) {
   json["bits"] = 12;
   ASSERT_VALUE(const auto stated, readPicture(0, 4));
   EXPECT_FALSE(stated.plateau.has_value());
+  EXPECT_EQ(stated.bitsHolding, 0);
   EXPECT_EQ(stated.saturatedShare, told.saturatedShare);
   EXPECT_NEAR(stated.brightest, 1, 1e-4);
   EXPECT_NEAR(stated.radiance.at(4, 8), 65535.0F / 4095 * told.radiance.at(4, 8), 1e-3);
@@ -180,11 +181,13 @@ TEST_F(CaptureImagesTest, FewBitsInFilesOfSixteen) {
     writeClipped(most, 1);
     ASSERT_VALUE(const auto smooth, readPicture(0, 4));
     EXPECT_FALSE(smooth.plateau.has_value()) << most;
+    EXPECT_EQ(smooth.bitsHolding, most == kTwelve ? 12 : most == 0.2F ? 14 : 16);
   }
   std::filesystem::remove(folder / "p_0004.png");
   write("p_0004.png", flame(0.5F, 3));  // 8 bits
   ASSERT_VALUE(const auto bytes, readPicture(0, 4));
   EXPECT_FALSE(bytes.plateau.has_value());
+  EXPECT_EQ(bytes.bitsHolding, 0);
 }
 
 /// A grey .tif of 16 bits with a page of one value for each of `levels`.
@@ -539,6 +542,9 @@ TEST_F(CaptureImagesTest, PicturesOfAnotherCameraAreRefused) {
   EXPECT_TRUE(ok(check())) << "of one frame alone: it may show nothing";
   copy("0005");
   EXPECT_TRUE(failsWith(check(), told));
+  for (const char* name : {"f_0004_a.exr", "f_0005_a.exr", "f_0004_c.exr", "f_0005_c.exr"})
+    write(name, picture(0));
+  EXPECT_TRUE(ok(check())) << "where nothing burns all see the same";
 }
 
 TEST_F(CaptureImagesTest, APictureThatIsMissingIsLeftOut) {

@@ -472,6 +472,23 @@ TEST_F(Importers, AstraDetectorsMayBeTilted) {
   EXPECT_TRUE(failsWith(openCalibration(folder / "cone.json", options), "type: is parallel3d_vec"));
 }
 
+TEST_F(Importers, AstraDetectorsAtAnyDistanceArePinholes) {
+  nlohmann::json json{{"type", "cone_vec"},
+                      {"DetectorRowCount", 16},
+                      {"DetectorColCount", 24},
+                      {"Vectors", nlohmann::json::array()}};
+  for (int i = 0; i < 100; ++i) {
+    const double far = 5 + 0.137 * i;
+    json["Vectors"].push_back({0, -far, 0, 0, 0.41 * far, 0, 0.2, 0, 0, 0, 0, -0.2});
+  }
+  writeText(folder / "cone.json", json.dump());
+  CaptureOptions options;
+  options.bounds = Box3{Vec3(-0.5, -0.5, -0.5), Vec3(0.5, 0.5, 0.5)};
+  options.resolution = {16, 0, 0};
+  ASSERT_VALUE(const auto read, openCalibration(folder / "cone.json", options));
+  EXPECT_EQ(read.cameras.size(), 100U);
+}
+
 TEST_F(Importers, NerfAnglesInDegreesAreRefused) {
   writeNerf(folder, true);
   auto json = readJson(folder / "transforms.json").value();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -12,6 +13,11 @@ namespace volute {
 namespace {
 
 constexpr int kLargest = 65535;  // of 16 bits
+
+bool isOfBytes(const Image& image) {
+  return std::ranges::all_of(image.pixels,
+                             [](float value) { return std::lround(value * kLargest) % 257 == 0; });
+}
 
 }  // namespace
 
@@ -35,9 +41,7 @@ std::optional<StoredPlateau> plateauOf(const Image& image) {
   }
   // Of 8 bits only what is near white is likely to be a limit: 235 of 255 of films.
   constexpr float kNearWhite = 0.85F;
-  const bool bytes = std::ranges::all_of(
-      image.pixels, [](float value) { return std::lround(value * kLargest) % 257 == 0; });
-  if (bytes && largest < kNearWhite)
+  if (largest < kNearWhite && isOfBytes(image))
     return std::nullopt;
   const auto values = static_cast<std::size_t>(
       std::ranges::count_if(counts, [](std::uint32_t count) { return count > 0; }));
@@ -47,6 +51,13 @@ std::optional<StoredPlateau> plateauOf(const Image& image) {
       static_cast<double>(full) < kShare * static_cast<double>(lit))
     return std::nullopt;
   return StoredPlateau{largest, static_cast<double>(full) / static_cast<double>(lit)};
+}
+
+int bitsHolding(const Image& image) {
+  if (image.pixels.empty() || isOfBytes(image))
+    return 0;
+  const auto most = std::lround(*std::ranges::max_element(image.pixels) * kLargest);
+  return std::bit_width(static_cast<std::uint32_t>(std::max(most, 0L)));
 }
 
 std::optional<int> bitsOf(double value) {

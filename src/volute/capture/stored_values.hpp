@@ -26,6 +26,11 @@ std::optional<StoredPlateau> plateauOf(const Image& image);
 /// The bits that make a value the largest: 12 for 4095 / 65535; nothing for other values.
 std::optional<int> bitsOf(double value);
 
+/// The fewest bits that hold all values of a picture whose file could hold 16; 0 for a black one,
+/// and for one of 8 bits.
+/// @param image  values as stored, whole numbers / 65535.
+int bitsHolding(const Image& image);
+
 /// Whether the brightness of a grey picture goes by the place in blocks of 2 x 2 pixels: the mosaic
 /// of a colour camera that was not made into colours.
 bool isMosaic(const Image& image);

@@ -142,8 +142,8 @@ bool anyExtended(std::span<const CameraCorrection> corrections) {
 Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyView>> frames,
                                          const VolumeGeometry& geometry,
                                          const CalibrationFitOptions& options, Progress& progress) {
-  if (frames.empty() || frames.size() > 3 || frames[0].empty())
-    return fail(ErrorCode::kInvalidArgument, "One to three frames can be refined together");
+  if (frames.empty() || frames[0].empty())
+    return fail(ErrorCode::kInvalidArgument, "There is no frame to refine with");
   const auto& views = frames[0];
   std::vector<CameraCorrection> plausible, corrections(views.size());
   for (const TomographyView& view : views) {
@@ -214,7 +214,8 @@ Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyV
   }
   if (options.fine && coarsest >= 2 && clearlyLess(result.after, result.before)) {
     const auto finest = refineAt({1, 4, 30, 1.5});
-    if (!finest && finest.error().code != ErrorCode::kTooLarge)
+    const bool fewerMayDo = frames.size() > LevelFit::kTogether;
+    if (!finest && (finest.error().code != ErrorCode::kTooLarge || fewerMayDo))
       return tl::unexpected<Error>(finest.error());
     if (!finest)
       progress.remark(finest.error().message);  // what coarser voxels gave is good, too

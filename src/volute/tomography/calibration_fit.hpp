@@ -27,10 +27,11 @@ struct CalibrationFit {
   bool lensOrResponse = false;  ///< whether any lens or exponent was corrected
 };
 
-/// What is refined.
+/// Parameters of cameras that are refined.
 struct CalibrationFitOptions {
   /// Goes on to the voxels of the volume where coarser ones explain more with the corrections, and
-  /// memory suffices; what is left before and after is that of voxels twice as wide all the same.
+  /// memory suffices (kTooLarge with more than four frames, for fewer may do); what is left before
+  /// and after is that of voxels twice as wide all the same.
   bool fine = false;
   bool lens = false;  ///< radial distortion, too
   /// One a view, not 0: its exponent of the radiance, too. The view needs its background, where
@@ -49,7 +50,8 @@ struct CalibrationFitOptions {
 /// explained clearly better, and of those cameras alone whose correction is well above its
 /// uncertainty. Of k1 and of exponents the median over the cameras is taken out: another volume
 /// explains what they share.
-/// @param frames  the same cameras at one to three times; pinholes.
+/// @param frames  the same cameras at one or more times; pinholes. Four take hardly more time than
+///   one, and memory and time grow with each four.
 /// Errors: kInvalidArgument, kNotFound for frames without light, kTooLarge, kCancelled.
 [[nodiscard]] Result<CalibrationFit> refineCalibration(
     std::span<const std::vector<TomographyView>> frames, const VolumeGeometry& geometry,

@@ -175,6 +175,37 @@ TEST(CalibrationFit, LeavesWhatIsRight) {
   for (const CameraCorrection& one : fit->corrections) EXPECT_NEAR(one.gain(), 1, 0.02);
 }
 
+TEST(CalibrationFit, MoreFramesTellMoreInAnyOrder) {
+  constexpr float kNoise = 0.4F;
+  std::vector<std::vector<TomographyView>> frames;
+  std::mt19937 random(7);
+  std::normal_distribution<float> normal(0, kNoise);
+  for (int frame = 0; frame < 6; ++frame) {
+    TestScene scene(6, 0, 0.25 * frame);
+    for (TomographyView& view : scene.views)
+      for (float& value : view.radiance.pixels) value += normal(random);
+    frames.push_back(scene.views);
+  }
+  const TestScene scene(6);
+  const auto truth = camerasOf(scene.views);
+  CameraCorrection wrong;
+  wrong.values.segment<3>(CameraCorrection::kTurn) = asEigen(Vec3(0.003, -0.004, 0.012));
+  for (auto& views : frames) views[3].camera = *corrected(truth[3], wrong);
+  Progress progress;
+  const auto off = [&](std::span<const std::vector<TomographyView>> some) {
+    const auto fit = refineCalibration(some, scene.geometry, {.maxMemory = kMemory}, progress);
+    EXPECT_TRUE(fit) << fit.error().message;
+    return fit ? pixelsOff(fit->cameras, truth, scene.geometry.bounds) : 1e9;
+  };
+  const double one = off(std::span(frames).first(1)), six = off(frames);
+  std::ranges::reverse(frames);
+  const double reversed = off(frames);
+  RecordProperty("one", std::to_string(one));
+  RecordProperty("six", std::to_string(six));
+  EXPECT_LT(six, 0.7 * one);
+  EXPECT_NEAR(reversed, six, 0.05 * six);
+}
+
 /// A camera with another lens.
 Camera withLens(const Camera& camera, double k1) {
   CameraCorrection lens;

@@ -97,7 +97,7 @@ Status LevelFit::begin(std::span<const CameraCorrection> corrections, Progress& 
                 "allowed",
                 geometry_.resolution[0], geometry_.resolution[1], geometry_.resolution[2],
                 (needed >> 20) + 1, maxMemory_ >> 20);
-  volume_.assign(4 * support_->size(), 0);
+  volume_.assign(layers() * kTogether * support_->size(), 0);
   progress_ = &progress;
   return makeProjector();
 }
@@ -105,41 +105,49 @@ Status LevelFit::begin(std::span<const CameraCorrection> corrections, Progress& 
 void LevelFit::startFrom(const LevelFit& coarse) {
   const auto& n = geometry_.resolution;
   const auto& m = coarse.geometry_.resolution;
-  Vector whole(4 * coarse.geometry_.voxels());
+  std::vector<std::int32_t> coarseAt(coarse.geometry_.voxels(), -1);
   for (std::size_t i = 0; i < coarse.support_->size(); ++i)
-    std::copy_n(&coarse.volume_[4 * i], 4,
-                &whole[4 * static_cast<std::size_t>(coarse.support_->voxels()[i])]);
+    coarseAt[static_cast<std::size_t>(coarse.support_->voxels()[i])] = static_cast<std::int32_t>(i);
   for (std::size_t i = 0; i < support_->size(); ++i) {
     const int voxel = support_->voxels()[i];
-    const std::array<int, 3> at{voxel % n[0], voxel / n[0] % n[1], voxel / n[0] / n[1]};
+    const std::array<int, 3> place{voxel % n[0], voxel / n[0] % n[1], voxel / n[0] / n[1]};
     std::size_t from = 0;
     for (int a = 2; a >= 0; --a)
-      from = from * m[a] + static_cast<std::size_t>(std::min(m[a] - 1, at[a] * m[a] / n[a]));
-    std::copy_n(&whole[4 * from], 4, &volume_[4 * i]);
+      from = from * m[a] + static_cast<std::size_t>(std::min(m[a] - 1, place[a] * m[a] / n[a]));
+    for (std::size_t f = 0; f < frames_; ++f)
+      volume_[slot(support_->size(), i, f)] =
+          coarseAt[from] < 0 ? 0
+                             : coarse.volume_[slot(coarse.support_->size(),
+                                                   static_cast<std::size_t>(coarseAt[from]), f)];
   }
 }
 
 void LevelFit::fitVolume(int iterations) {
   const Vector step = steps();
   Vector& x = volume_;
-  Vector y = x, before(x.size()), gradient(x.size()), sy(4 * rows());
+  Vector y = x, before(x.size()), gradient(x.size()), sy(measured_.size());
   Momentum momentum;
   for (int k = 1; k <= iterations; ++k) {
-    projector_->thereAndBack(
-        y,
-        [&](std::size_t row, const float* sum, float* back) {
-          for (std::size_t c = 0; c < 4; ++c)
-            back[c] = weight_[4 * row + c] * (sum[c] - measured_[4 * row + c]);
-        },
-        sy, gradient);
+    for (std::size_t layer = 0; layer < layers(); ++layer) {
+      const std::span<float> sums = layerOf(sy, layer);
+      const auto weight = layerOf(weight_, layer), measured = layerOf(measured_, layer);
+      projector_->thereAndBack(
+          layerOf(y, layer),
+          [&](std::size_t row, const float* sum, float* back) {
+            for (std::size_t c = 0; c < kTogether; ++c)
+              back[c] = weight[kTogether * row + c] * (sum[c] - measured[kTogether * row + c]);
+          },
+          sums, layerOf(gradient, layer));
+    }
     std::swap(before, x);
-    forElements(x.size(),
-                [&](std::size_t i) { x[i] = std::max(y[i] - step[i / 4] * gradient[i], 0.0F); });
+    forElements(x.size(), [&](std::size_t i) {
+      x[i] = std::max(y[i] - step[i / kTogether] * gradient[i], 0.0F);
+    });
     const float beta = momentum.next(x, y, before, step);
     forElements(x.size(), [&](std::size_t i) { y[i] = x[i] + beta * (x[i] - before[i]); });
   }
-  projected_.resize(4 * rows());
-  projector_->forward(volume_, projected_);
+  projected_.resize(measured_.size());
+  forward(volume_, projected_);
 }
 
 void LevelFit::weigh() {
@@ -148,10 +156,10 @@ void LevelFit::weigh() {
   std::vector<std::vector<float>> off(views_.size());
   for (std::size_t row = 0; row < rows(); ++row) {
     const PixelRow& at = projector_->pixels()[row];
-    for (std::size_t c = 0; c < frames_; ++c) {
-      if (own_[row] > 0 && (measured_[4 * row + c] != 0 || projected_[4 * row + c] != 0))
-        off[static_cast<std::size_t>(at.view)].push_back(
-            std::abs(measured_[4 * row + c] - projected_[4 * row + c]));
+    for (std::size_t f = 0; f < frames_; ++f) {
+      const std::size_t i = slot(rows(), row, f);
+      if (own_[row] > 0 && (measured_[i] != 0 || projected_[i] != 0))
+        off[static_cast<std::size_t>(at.view)].push_back(std::abs(measured_[i] - projected_[i]));
     }
   }
   for (std::size_t v = 0; v < views_.size(); ++v) {
@@ -171,11 +179,11 @@ void LevelFit::weigh() {
   for (std::size_t row = 0; row < rows(); ++row) {
     const auto view = static_cast<std::size_t>(projector_->pixels()[row].view);
     const double scale = std::max(scale_[view], least);
-    for (std::size_t c = 0; c < 4; ++c) {
-      const double off = (measured_[4 * row + c] - projected_[4 * row + c]) / (kTukey * scale);
+    for (std::size_t f = 0; f < frames_; ++f) {
+      const std::size_t i = slot(rows(), row, f);
+      const double off = (measured_[i] - projected_[i]) / (kTukey * scale);
       const double trust = off * off < 1 ? (1 - off * off) * (1 - off * off) : 0;
-      weight_[4 * row + c] =
-          c < frames_ ? static_cast<float>(own_[row] * trust / (scale * scale)) : 0;
+      weight_[i] = static_cast<float>(own_[row] * trust / (scale * scale));
     }
   }
 }
@@ -204,10 +212,11 @@ std::vector<double> LevelFit::residuals() const {
   std::vector<double> error(views_.size()), light(views_.size());
   for (std::size_t row = 0; row < rows(); ++row) {
     const auto v = static_cast<std::size_t>(projector_->pixels()[row].view);
-    for (std::size_t c = 0; c < frames_; ++c) {
-      const double off = projected_[4 * row + c] - measured_[4 * row + c];
+    for (std::size_t f = 0; f < frames_; ++f) {
+      const std::size_t i = slot(rows(), row, f);
+      const double off = projected_[i] - measured_[i];
       error[v] += own_[row] * off * off;
-      light[v] += own_[row] * measured_[4 * row + c] * measured_[4 * row + c];
+      light[v] += own_[row] * measured_[i] * measured_[i];
     }
   }
   for (std::size_t v = 0; v < views_.size(); ++v)
@@ -217,15 +226,16 @@ std::vector<double> LevelFit::residuals() const {
 
 std::uint64_t LevelFit::ownBytes() const {
   constexpr std::uint64_t kRowVectors = 8, kUnknownVectors = 14, kRay = 2 * sizeof(WalkRay);
-  const std::uint64_t row = kRowVectors * 16 + frames_ * sizeof(Parameters) + kRay;
+  const std::uint64_t values = layers() * kTogether * sizeof(float);
+  const std::uint64_t row = kRowVectors * values + frames_ * sizeof(Parameters) + kRay;
   std::uint64_t pixels = 0, seen = 0;
   for (const LevelView& view : views_) {
-    pixels += view.light.size() / 4;
+    pixels += view.light.size() / frames_;
     seen += view.view.silhouette.size() -
             static_cast<std::uint64_t>(std::ranges::count(view.view.silhouette, 0));
   }
-  return pixels * (32 + 4 + 1) + seen * row + support_->size() * kUnknownVectors * 16 +
-         geometry_.voxels() * (1 + 3 * 8 + 4) + support_->latticeSize() * 2 * 16;
+  return pixels * (frames_ * 8 + 4 + 1) + seen * row + support_->size() * kUnknownVectors * values +
+         geometry_.voxels() * (1 + frames_ * 8 + 4) + support_->latticeSize() * 2 * 16;
 }
 
 void LevelFit::addView(std::span<const std::vector<TomographyView>> frames, std::size_t v,
@@ -243,7 +253,7 @@ void LevelFit::addView(std::span<const std::vector<TomographyView>> frames, std:
     auto silhouette = grown(dilatedSilhouette(reduced, {}), reduced.camera.width(),
                             reduced.camera.height(), grow);
     if (f == 0) {
-      one.light.assign(4 * pixels, 0);
+      one.light.assign(frames_ * pixels, 0);
       one.view = {.name = first.name,
                   .camera = reduced.camera,
                   .radiance = {},
@@ -254,7 +264,7 @@ void LevelFit::addView(std::span<const std::vector<TomographyView>> frames, std:
       one.view.silhouette[i] |= silhouette[i];
       if (!reduced.weight.empty())
         one.view.weight[i] = std::min(one.view.weight[i], reduced.weight[i]);
-      one.light[4 * i + f] = greyOf(reduced.radiance, i);
+      one.light[frames_ * i + f] = greyOf(reduced.radiance, i);
     }
   }
   views_.push_back(std::move(one));
@@ -300,8 +310,8 @@ void LevelFit::applyExponent(std::size_t v, double exponent) {
         }
         if (!(weight > 0))
           continue;
-        view.light[4 * at + f] = static_cast<float>(light / weight);
-        view.slope[4 * at + f] = static_cast<float>(slope / weight);
+        view.light[frames_ * at + f] = static_cast<float>(light / weight);
+        view.slope[frames_ * at + f] = static_cast<float>(slope / weight);
       }
     });
   }
@@ -329,31 +339,43 @@ Status LevelFit::makeProjector() {
   projector_ = std::make_unique<const Projector>(seen, support_, 1, table);
   if (projector_->rows() == 0)
     return fail(ErrorCode::kNotFound, "No ray meets the volume");
-  measured_.assign(4 * rows(), 0);
+  measured_.assign(layers() * kTogether * rows(), 0);
   own_.assign(rows(), 0);
   for (std::size_t row = 0; row < rows(); ++row) {
     const PixelRow& at = projector_->pixels()[row];
     const LevelView& view = views_[static_cast<std::size_t>(at.view)];
     const auto gain = static_cast<float>(corrections_[static_cast<std::size_t>(at.view)].gain());
-    for (std::size_t c = 0; c < frames_; ++c)
-      measured_[4 * row + c] = gain * view.light[4 * static_cast<std::size_t>(at.pixel) + c];
+    for (std::size_t f = 0; f < frames_; ++f)
+      measured_[slot(rows(), row, f)] =
+          gain * view.light[frames_ * static_cast<std::size_t>(at.pixel) + f];
     own_[row] = view.view.weight[static_cast<std::size_t>(at.pixel)] / (gain * gain);
   }
-  weight_.assign(4 * rows(), 0);
-  for (std::size_t i = 0; i < weight_.size(); ++i) weight_[i] = i % 4 < frames_ ? own_[i / 4] : 0;
+  weight_.assign(measured_.size(), 0);
+  for (std::size_t f = 0; f < frames_; ++f)
+    for (std::size_t row = 0; row < rows(); ++row) weight_[slot(rows(), row, f)] = own_[row];
   if (progress_->cancelled())
     return fail(ErrorCode::kCancelled, "Stopped");
   return {};
 }
 
+void LevelFit::forward(const Vector& volume, Vector& rowsOut) const {
+  for (std::size_t layer = 0; layer < layers(); ++layer)
+    projector_->forward(layerOf(volume, layer), layerOf(rowsOut, layer));
+}
+
+void LevelFit::adjoint(const Vector& values, Vector& volume) const {
+  for (std::size_t layer = 0; layer < layers(); ++layer)
+    projector_->adjoint(layerOf(values, layer), layerOf(volume, layer));
+}
+
 LevelFit::Vector LevelFit::steps() const {
-  Vector ones(4 * volume_.size() / 4, 1), sums(4 * rows()), out(support_->size());
-  projector_->forward(ones, sums);
+  Vector ones(volume_.size(), 1), sums(measured_.size()), out(volume_.size() / kTogether);
+  forward(ones, sums);
   forElements(sums.size(), [&](std::size_t i) { sums[i] *= weight_[i]; });
-  projector_->adjoint(sums, ones);
+  adjoint(sums, ones);
   float largest = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    out[i] = *std::max_element(&ones[4 * i], &ones[4 * i] + 4);
+    out[i] = *std::max_element(&ones[kTogether * i], &ones[kTogether * i] + kTogether);
     largest = std::max(largest, out[i]);
   }
   for (float& value : out) value = 1 / std::max(value, 1e-3F * largest);
@@ -365,7 +387,8 @@ void LevelFit::findSlopes() {
   for (std::size_t f = 0; f < frames_; ++f) {
     Vector whole(geometry_.voxels());
     for (std::size_t i = 0; i < support_->size(); ++i)
-      whole[static_cast<std::size_t>(support_->voxels()[i])] = volume_[4 * i + f];
+      whole[static_cast<std::size_t>(support_->voxels()[i])] =
+          volume_[slot(support_->size(), i, f)];
     fields.emplace_back(geometry_, whole);
   }
   slopes_.assign(frames_ * rows(), Parameters::Zero());
@@ -387,7 +410,8 @@ void LevelFit::findSlopes() {
         out[CameraCorrection::kGain] = -slope.integral;
         if (!views_[v].slope.empty())
           out[CameraCorrection::kExponent] =
-              -corrections_[v].gain() * views_[v].slope[4 * static_cast<std::size_t>(at.pixel) + f];
+              -corrections_[v].gain() *
+              views_[v].slope[frames_ * static_cast<std::size_t>(at.pixel) + f];
         for (int p = 0; p < kCount; ++p)
           out[p] = free_[v][static_cast<std::size_t>(p)] ? out[p] : 0;
       }
@@ -426,30 +450,30 @@ double LevelFit::sightErrorOf(std::size_t v, const Square& covariance) const {
 
 void LevelFit::forwardBoth(const Vector& volume, std::span<const Parameters> delta,
                            Vector& rowsOut) const {
-  projector_->forward(volume, rowsOut);
+  forward(volume, rowsOut);
   forElements(rows(), [&](std::size_t row) {
     const auto v = static_cast<std::size_t>(projector_->pixels()[row].view);
     for (std::size_t f = 0; f < frames_; ++f)
-      rowsOut[4 * row + f] += static_cast<float>(slopes_[row * frames_ + f].dot(delta[v]));
+      rowsOut[slot(rows(), row, f)] += static_cast<float>(slopes_[row * frames_ + f].dot(delta[v]));
   });
 }
 
 void LevelFit::adjointBoth(const Vector& values, Vector& volume,
                            std::vector<Parameters>& delta) const {
-  projector_->adjoint(values, volume);
+  adjoint(values, volume);
   delta.assign(views_.size(), Parameters::Zero());
   for (std::size_t row = 0; row < rows(); ++row) {
     const auto v = static_cast<std::size_t>(projector_->pixels()[row].view);
     for (std::size_t f = 0; f < frames_; ++f)
-      delta[v] += values[4 * row + f] * slopes_[row * frames_ + f];
+      delta[v] += values[slot(rows(), row, f)] * slopes_[row * frames_ + f];
   }
 }
 
 std::vector<LevelFit::Parameters> LevelFit::solveTogether(int iterations) {
   // Neighbouring residuals are no independent witnesses: so many of them tell as one.
-  constexpr double kTogether = 30;
+  constexpr double kWitnesses = 30;
   const Vector step = steps();
-  Vector residual(4 * rows());
+  Vector residual(measured_.size());
   forElements(residual.size(),
               [&](std::size_t i) { residual[i] = weight_[i] * (measured_[i] - projected_[i]); });
   Vector rightVolume(volume_.size());
@@ -462,13 +486,13 @@ std::vector<LevelFit::Parameters> LevelFit::solveTogether(int iterations) {
   for (std::size_t row = 0; row < rows(); ++row) {
     const auto v = static_cast<std::size_t>(projector_->pixels()[row].view);
     for (std::size_t f = 0; f < frames_; ++f)
-      block[v] += weight_[4 * row + f] * slopes_[row * frames_ + f] *
+      block[v] += weight_[slot(rows(), row, f)] * slopes_[row * frames_ + f] *
                   slopes_[row * frames_ + f].transpose();
   }
   std::vector<Parameters> hold(views_.size());
   std::vector<Eigen::LDLT<Square>> inverse(views_.size());
   for (std::size_t v = 0; v < views_.size(); ++v) {
-    hold[v] = kTogether * plausible_[v].values.array().square().inverse();
+    hold[v] = kWitnesses * plausible_[v].values.array().square().inverse();
     for (int p = 0; p < kCount; ++p) {
       if (free_[v][static_cast<std::size_t>(p)])
         right[v][p] -= hold[v][p] * corrections_[v].values[p];
@@ -476,13 +500,13 @@ std::vector<LevelFit::Parameters> LevelFit::solveTogether(int iterations) {
     block[v] += Square(hold[v].asDiagonal());
     inverse[v].compute(block[v]);
   }
-  Vector da(volume_.size()), r = rightVolume, z(r.size()), p, ap(r.size()), sp(4 * rows());
+  Vector da(volume_.size()), r = rightVolume, z(r.size()), p, ap(r.size()), sp(measured_.size());
   std::vector<Parameters> dc(views_.size(), Parameters::Zero()), rc = right, zc = rc, pc, apc;
   const auto precondition = [&] {
     forElements(r.size(), [&](std::size_t i) {
       if (!free[i])
         r[i] = 0;
-      z[i] = step[i / 4] * r[i];
+      z[i] = step[i / kTogether] * r[i];
     });
     double product = dot(r, z);
     for (std::size_t v = 0; v < views_.size(); ++v) {
@@ -524,7 +548,7 @@ std::vector<LevelFit::Parameters> LevelFit::solveTogether(int iterations) {
   uncertain_.resize(views_.size());
   sightError_.resize(views_.size());
   for (std::size_t v = 0; v < views_.size(); ++v) {
-    const Square covariance = kTogether * inverse[v].solve(Square::Identity());
+    const Square covariance = kWitnesses * inverse[v].solve(Square::Identity());
     sightError_[v] = sightErrorOf(v, covariance);
     uncertain_[v].values = covariance.diagonal().cwiseMax(0).cwiseSqrt();
   }

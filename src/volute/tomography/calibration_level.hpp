@@ -32,6 +32,8 @@ using FreeParameters = std::array<bool, CameraCorrection::kCount>;
 /// where they are. Frames, cameras, geometry and options as refineCalibration() has them.
 class LevelFit {
  public:
+  static constexpr std::size_t kTogether = 4;  ///< frames in a product, for which there are colours
+
   LevelFit(std::span<const std::vector<TomographyView>> frames, const VolumeGeometry& geometry,
            const Level& level, std::span<const CameraCorrection> plausible,
            std::span<const FreeParameters> free, double pivot, std::uint64_t maxMemory);
@@ -75,16 +77,36 @@ class LevelFit {
   using Square = Eigen::Matrix<double, kCount, kCount>;
   using Vector = std::vector<float>;
 
-  /// The frames in the channels of one picture.
+  /// A camera's pictures of all frames.
   struct LevelView {
     TomographyView view;       ///< its camera as given, reduced
     int factor = 1;            ///< given pixels on a side of one
-    std::vector<float> light;  ///< (height, width, 4): grey, one frame a channel
+    std::vector<float> light;  ///< (height, width, frames): grey
     std::vector<float> slope;  ///< of `light` by the logarithm of the exponent; empty: not refined
     double exponent = 1;       ///< with which `light` was made
   };
 
   std::size_t rows() const { return projector_->rows(); }
+
+  // Vectors of unknowns and rows have one layer for each four frames, and in it four floats each.
+  std::size_t layers() const { return (frames_ + kTogether - 1) / kTogether; }
+
+  /// Where a vector of so many unknowns or rows has one of them in a frame.
+  static std::size_t slot(std::size_t count, std::size_t index, std::size_t frame) {
+    return kTogether * (frame / kTogether * count + index) + frame % kTogether;
+  }
+
+  template <class Values>
+  auto layerOf(Values& values, std::size_t layer) const {
+    const std::size_t size = values.size() / layers();
+    return std::span(values).subspan(layer * size, size);
+  }
+
+  /// S of all layers.
+  void forward(const Vector& volume, Vector& rowsOut) const;
+
+  /// S' of all layers.
+  void adjoint(const Vector& values, Vector& volume) const;
 
   /// All but the projector's table [bytes]: pictures, what rows, their rays and slopes take, and
   /// vectors of unknowns, of which products take some more.
@@ -134,8 +156,8 @@ class LevelFit {
   std::vector<Camera> cameras_;
   std::shared_ptr<const Support> support_;
   std::unique_ptr<const Projector> projector_;
-  Vector volume_;                   // four floats for each unknown: one a frame
-  Vector measured_, projected_;     // four floats for each row: one a frame
+  Vector volume_;                   // one for each unknown and frame
+  Vector measured_, projected_;     // one for each row and frame
   Vector weight_;                   // likewise: of squares
   Vector own_;                      // one a row: the pixel's weight
   std::vector<double> scale_;       // of each view's residuals

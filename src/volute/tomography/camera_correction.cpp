@@ -25,6 +25,18 @@ Mat3 cross(const Vec3& v) {
 
 }  // namespace
 
+CameraCorrection zoomBy(double factor) {
+  CameraCorrection correction;
+  correction.values[CameraCorrection::kZoom] = std::log(factor);
+  return correction;
+}
+
+CameraCorrection lensBy(double k1) {
+  CameraCorrection correction;
+  correction.values[CameraCorrection::kLens] = k1;
+  return correction;
+}
+
 Result<Camera> corrected(const Camera& camera, const CameraCorrection& correction, double scale) {
   if (camera.isOrthographic())
     return fail(ErrorCode::kInvalidArgument, "is orthographic; only pinholes can be refined");

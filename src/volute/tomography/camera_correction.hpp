@@ -41,6 +41,12 @@ struct CameraCorrection {
   double exponent() const { return std::exp(values[kExponent]); }
 };
 
+/// A focal length so many times as long.
+CameraCorrection zoomBy(double factor);
+
+/// A lens with so much more k1.
+CameraCorrection lensBy(double k1);
+
 /// The camera as corrected, of any size of the same picture: the principal point is in pixels of a
 /// picture `scale` times as large as the camera's. kInvalidArgument for orthographic cameras, and
 /// where the lens cannot be undone any more.

@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <numeric>
 #include <optional>
 
 #include "volute/image/srgb.hpp"
+#include "volute/tomography/camera_correction.hpp"
 #include "volute/tomography/hull.hpp"
 #include "volute/tomography/match.hpp"
 #include "volute/tomography/project.hpp"
@@ -98,20 +100,6 @@ void raise(TomographyView& view, double exponent, double white) {
   }
 }
 
-/// With another focal length.
-Camera zoomed(const Camera& camera, double factor) {
-  Calibration calibration;
-  calibration.width = camera.width();
-  calibration.height = camera.height();
-  calibration.K = camera.intrinsics();
-  for (int row = 0; row < 2; ++row)
-    for (int column = 0; column < 2; ++column) calibration.K(row, column) *= factor;
-  calibration.R = camera.rotation();
-  calibration.t = -(calibration.R * camera.eye());
-  calibration.distortion = camera.distortion();
-  return Camera::calibrated(calibration).value_or(camera);
-}
-
 /// The views without the mistake.
 Views without(const Views& views, std::span<const double> white, FaultKind kind,
               const std::vector<std::size_t>& cameras, double value) {
@@ -137,7 +125,10 @@ Views without(const Views& views, std::span<const double> white, FaultKind kind,
         for (float& light : mended[v].radiance.pixels) light *= static_cast<float>(value);
         break;
       case FaultKind::kZoom:
-        mended[v].camera = zoomed(mended[v].camera, value);
+        mended[v].camera = corrected(mended[v].camera, zoomBy(value)).value_or(mended[v].camera);
+        break;
+      case FaultKind::kLens:
+        mended[v].camera = corrected(mended[v].camera, lensBy(value)).value_or(mended[v].camera);
         break;
       case FaultKind::kEncoded:
       case FaultKind::kDecoded:
@@ -414,6 +405,8 @@ class FaultSearch {
     constexpr std::array kTurned{FaultKind::kMirrored, FaultKind::kFlipped, FaultKind::kUpsideDown};
     constexpr std::array kResponses{FaultKind::kEncoded, FaultKind::kDecoded};
     constexpr std::array kZooms{0.8, 1.25};
+    // Of the distance from the middle, at the border.
+    constexpr std::array kBent{-0.4, -0.15, 0.25};
     VOLUTE_ASSIGN(const auto suspects, maxSuspicious());
     std::vector<std::vector<std::size_t>> who{{}};
     for (const std::size_t v : suspects) who.push_back({v});
@@ -431,6 +424,10 @@ class FaultSearch {
       }
       if (cameras.empty())
         continue;
+      const std::size_t others = found.size();
+      for (const double bent : kBent)
+        VOLUTE_TRY(attempt(FaultKind::kLens, cameras, bent / borderSquare(cameras[0])));
+      keepTheBest(found, others);
       VOLUTE_ASSIGN(const double gain, gainOf(cameras[0]));
       constexpr double kMin = 1.1;  // less is for the refinement alone
       if (gain > kMin || gain < 1 / kMin)
@@ -452,7 +449,28 @@ class FaultSearch {
     }
     std::ranges::stable_sort(found, {}, &Hypothesis::left);
     found.resize(std::min(found.size(), kMax));
+    for (Hypothesis& one : found) {
+      if (one.kind == FaultKind::kLens || (one.kind == FaultKind::kZoom && !one.cameras.empty()))
+        VOLUTE_TRY(measure(coarse_, one, {0.5, 0.7, 0.85, 1.18, 1.4, 2, 2.8, 4}));
+    }
     return found;
+  }
+
+  /// Of the hypotheses from `first` on, the one that leaves least.
+  static void keepTheBest(std::vector<Hypothesis>& found, std::size_t first) {
+    if (found.size() <= first)
+      return;
+    std::ranges::iter_swap(
+        found.begin() + static_cast<std::ptrdiff_t>(first),
+        std::ranges::min_element(found.begin() + static_cast<std::ptrdiff_t>(first), found.end(),
+                                 {}, &Hypothesis::left));
+    found.resize(first + 1);
+  }
+
+  /// Squared distance from the middle of a camera's left and right border, at a depth of 1.
+  double borderSquare(std::size_t camera) const {
+    const Camera& seen = coarse_.views()[camera].camera;
+    return std::pow(0.5 * seen.width() * seen.pixelWidth(), 2);
   }
 
   /// The factor on a camera's light that fits what the others predict.
@@ -528,7 +546,7 @@ class FaultSearch {
       over.push_back(found.all / barOf(one).fitted);
     }
     const auto best = static_cast<std::size_t>(std::ranges::min_element(over) - over.begin());
-    const Hypothesis& one = candidates[best];
+    Hypothesis one = candidates[best];
     over.erase(over.begin() + static_cast<std::ptrdiff_t>(best));
     const bool alone =
         over.empty() || one.left / barOf(one).fitted < kSecond * std::ranges::min(over);
@@ -543,21 +561,24 @@ class FaultSearch {
     const bool obvious = one.left < 0.5 * barOf(one).fitted * now.all;
     if (!(after < (obvious ? 1 : barOf(one).heldOut) * before))
       return std::optional<CaptureFault>();
-    CaptureFault fault{one.kind, one.cameras, one.value, now.all, one.left, {}};
     if (one.kind == FaultKind::kExponent)
-      VOLUTE_TRY(measureExponent(fault));
-    return std::optional(std::move(fault));
+      VOLUTE_TRY(measure(fine_, one, {0.8, 0.875, 0.94, 1.06, 1.125}));
+    if (one.kind == FaultKind::kZoom)
+      VOLUTE_TRY(measure(fine_, one, {0.84, 0.88, 0.92, 0.96, 1.04, 1.08, 1.12, 1.16}));
+    if (one.kind == FaultKind::kLens)
+      VOLUTE_TRY(measure(fine_, one, {0.7, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.3}));
+    return std::optional(CaptureFault{one.kind, one.cameras, one.value, now.all, one.left, {}});
   }
 
-  /// The exponent that leaves least, about.
-  Status measureExponent(CaptureFault& fault) const {
-    const double found = fault.value;
-    for (const double factor : {0.8, 0.875, 0.94, 1.06, 1.125}) {
-      const Hypothesis one{fault.kind, fault.cameras, factor * found, 0};
-      VOLUTE_ASSIGN(const auto explained, fine_.explain(mended(fine_, one), progress_));
-      if (explained.all < fault.after) {
-        fault.after = explained.all;
-        fault.value = one.value;
+  /// Takes the value that leaves least, of those times these factors.
+  Status measure(const Level& level, Hypothesis& one, std::initializer_list<double> factors) const {
+    const double found = one.value;
+    for (const double factor : factors) {
+      const Hypothesis other{one.kind, one.cameras, factor * found, 0};
+      VOLUTE_ASSIGN(const auto explained, level.explain(mended(level, other), progress_));
+      if (explained.all < one.left) {
+        one.left = explained.all;
+        one.value = other.value;
       }
     }
     return {};
@@ -620,6 +641,11 @@ std::string describe(const CaptureFault& fault, const Views& views) {
       return fmt::format(
           "{}: another focal length, about {:.2g} times as long, fits {}; calibrate with the lens "
           "and the size of these pictures",
+          who, fault.value, evidence);
+    case FaultKind::kLens:
+      return fmt::format(
+          "{}: a lens that its calibration does not have: with k1 {:+.2g} more it fits {}; "
+          "calibrate the lens",
           who, fault.value, evidence);
     case FaultKind::kBox:
       return fmt::format(

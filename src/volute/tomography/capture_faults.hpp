@@ -24,12 +24,14 @@ struct CaptureFault {
     kExponent,    ///< stored by another curve: its light to a power
     kGain,        ///< brighter or darker than the others by a factor
     kZoom,        ///< of another focal length by much
+    kLens,        ///< of a lens that bends much more, or less, than the calibration has it
     kBox,         ///< the volume's bounds cut what is seen
   };
 
   Kind kind = Kind::kMirrored;
   std::vector<std::size_t> cameras;  ///< positions among the views; empty: all of them
-  double value = 1;                  ///< kGain, kZoom: the factor that mends it; kExponent
+  double value = 1;                  ///< kGain, kZoom: the factor that mends it; kExponent; kLens:
+                                     ///< what is added to k1
   double before = 0, after = 0;      ///< misfit of the views, as matchOf() has it, root mean square
   std::string text;                  ///< for people: what it is, the evidence, what to do
 };

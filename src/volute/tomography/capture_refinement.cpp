@@ -21,14 +21,16 @@ namespace volute {
 namespace {
 
 constexpr std::size_t kFewestViews = 4;
+constexpr std::size_t kMaxFrames = 8;
+constexpr std::size_t kFew = 4;  // frames that take no more memory than one
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-/// One frame as it is; of more, one early, one in the middle and one late.
-std::vector<int> framesToLookAt(const std::vector<int>& frames) {
-  const std::size_t n = frames.size();
-  if (n <= 3)
-    return frames;
-  return {frames[n / 3], frames[n * 3 / 5], frames[n * 5 / 6]};
+/// At most `most` places of so many, spread evenly.
+std::vector<std::size_t> spread(std::size_t all, std::size_t most) {
+  const std::size_t count = std::min(all, most);
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < count; ++i) places.push_back((2 * i + 1) * all / (2 * count));
+  return places;
 }
 
 double mean(const std::vector<double>& values) {
@@ -74,6 +76,13 @@ bool pays(const CaptureRefinement& refinement) {
          (left < kMuchBetter || (left < kBetter && refinement.after < kGood));
 }
 
+/// Whether a mistake is a number that refinement has, if far off.
+bool refinementMends(const CaptureFault& fault) {
+  return !fault.cameras.empty() &&
+         (fault.kind == CaptureFault::Kind::kGain || fault.kind == CaptureFault::Kind::kZoom ||
+          fault.kind == CaptureFault::Kind::kLens);
+}
+
 using Frames = std::vector<std::vector<TomographyView>>;
 
 /// Refines what was looked at, and finds clocks that are wrong by whole frames.
@@ -90,10 +99,10 @@ class Refiner {
     numbers_.clear();
     occlusions_.clear();
     // Trying other clocks copies them, and looking for mistakes reduces them.
-    const std::uint64_t most = maxMemory_ / 6 / std::max<std::uint64_t>(1, frameBytes());
-    for (const int number : framesToLookAt(capture_.frames)) {
-      if (!frames_.empty() && frames_.size() >= most)
-        break;
+    const std::uint64_t fitting = maxMemory_ / 6 / std::max<std::uint64_t>(1, frameBytes());
+    const std::size_t most = std::clamp<std::uint64_t>(fitting, 1, kMaxFrames);
+    for (const std::size_t place : spread(capture_.frames.size(), most)) {
+      const int number = capture_.frames[place];
       auto read = reader_.read(number);
       // A frame that cannot be read is told when its turn comes.
       if (!read)
@@ -113,8 +122,8 @@ class Refiner {
   /// Looks for what stands in front of one camera and leaves it out.
   /// @param fit  where cameras are now known to be; null: as given
   Status findOccluded(const CalibrationFit* fit) {
-    for (const auto& views : frames_) {
-      std::vector<TomographyView> placed = views;
+    for (const std::size_t f : someFrames()) {
+      std::vector<TomographyView> placed = frames_[f];
       for (std::size_t v = 0; fit != nullptr && v < placed.size(); ++v) {
         placed[v].camera = fit->cameras[v];
         const auto gain = static_cast<float>(fit->corrections[v].gain());
@@ -171,7 +180,19 @@ class Refiner {
         .fine = fine, .lens = extended, .exponent = {}, .maxMemory = maxMemory_ / 2};
     for (std::size_t v = 0; extended && v < frames[0].size(); ++v)
       options.exponent.push_back(hasResponse(frames[0][v]) ? 1 : 0);
-    return refineCalibration(frames, geometry(), options, progress_);
+    auto fit = refineCalibration(frames, geometry(), options, progress_);
+    if (fit || fit.error().code != ErrorCode::kTooLarge || frames.size() <= kFew)
+      return fit;
+    Frames few;
+    for (const std::size_t f : spread(frames.size(), kFew)) few.push_back(frames[f]);
+    return refineCalibration(few, geometry(), options, progress_);
+  }
+
+  /// Three of the frames, or as many as there are, for what is costly and looked for in each: an
+  /// early one, one in the middle and a late one.
+  std::vector<std::size_t> someFrames() const {
+    constexpr std::size_t kSome = 3;
+    return spread(frames_.size(), kSome);
   }
 
   /// Whether its exponent means anything: floats are linear, and an exponent of light is a
@@ -238,7 +259,7 @@ class Refiner {
   /// alone something else may be wrong with the picture.
   Result<bool> eachFrameAgrees(std::size_t camera, int by) {
     std::size_t better = 0, all = 0;
-    for (std::size_t f = 0; f < frames_.size(); ++f) {
+    for (const std::size_t f : someFrames()) {
       const std::size_t position = *findCamera(capture_, frames_[f][camera].name);
       auto view = reader_.neighbour(position, numbers_[f] + by);
       if (!view)
@@ -301,6 +322,19 @@ class Refiner {
   std::vector<Occlusion> occlusions_;
 };
 
+/// Of each view, the gain that was found where it is large; 1 where it is not, and where a response
+/// was found with it.
+std::vector<double> largeGains(const CalibrationFit& fit) {
+  constexpr double kLarge = 0.15;
+  std::vector<double> gains;
+  for (const CameraCorrection& one : fit.corrections) {
+    const bool large =
+        std::abs(one.values[CameraCorrection::kGain]) > kLarge && one.exponent() == 1;
+    gains.push_back(large ? one.gain() : 1);
+  }
+  return gains;
+}
+
 Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std::string>& heldOut,
                                   Refine refine, std::uint64_t maxMemory, Progress& progress) {
   CaptureRefinement result;
@@ -331,27 +365,53 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
       progress.remark(
           {RemarkCode::kDoubtful, fmt::format("calibration not refined: {}", error.message)});
     result.capture = capture;
-    result.gainsTaken = false;
+    result.leftOut.clear();
+    result.mended = false;
     return leave(error.message);
   };
   const auto faults = refiner.faults();
   if (!faults)
     return failed(faults.error());
-  bool mends = true;  // the refinement, what was found
+  const auto& seen = refiner.frames()[0];
+  std::vector<std::string> apart = heldOut;  // keep their calibration
+  bool all = false;                          // whether a mistake is not of some cameras alone
   for (const CaptureFault& fault : *faults) {
     result.faults.push_back(fault.text);
-    mends = mends && fault.kind == CaptureFault::Kind::kGain;
+    all = all || fault.cameras.empty();
+    for (const std::size_t v : fault.cameras) {
+      if (refinementMends(fault) || std::ranges::find(apart, seen[v].name) != apart.end())
+        continue;
+      apart.push_back(seen[v].name);
+      result.leftOut.push_back(seen[v].name);
+    }
   }
-  if (refine == Refine::kNever || (refine == Refine::kAuto && !mends))
+  if (refine == Refine::kNever)
     return result;
-  const bool otherGains = mends && !faults->empty();
-  if (otherGains) {
+  if (refine == Refine::kAuto && (all || views < kFewestViews + result.leftOut.size())) {
+    result.leftOut.clear();
+    return result;
+  }
+  if (refine == Refine::kAlways) {
+    apart = heldOut;
+    result.leftOut.clear();
+  }
+  if (!faults->empty() && !all) {
     // Far off it would not find them from where they are.
-    for (const CaptureFault& fault : *faults)
-      result.capture.cameras[*findCamera(capture, refiner.frames()[0][fault.cameras[0]].name)]
-          .pictures.gain *= fault.value;
-    result.gainsTaken = true;
-    VOLUTE_ASSIGN(reader, ViewReader::open(result.capture, heldOut, maxMemory, progress));
+    for (const CaptureFault& fault : *faults) {
+      if (!refinementMends(fault))
+        continue;
+      CaptureCamera& known =
+          result.capture.cameras[*findCamera(capture, seen[fault.cameras[0]].name)];
+      if (fault.kind == CaptureFault::Kind::kGain)
+        known.pictures.gain *= fault.value;
+      else
+        known.camera =
+            corrected(known.camera, fault.kind == CaptureFault::Kind::kLens ? lensBy(fault.value)
+                                                                            : zoomBy(fault.value))
+                .value_or(known.camera);
+      result.mended = true;
+    }
+    VOLUTE_ASSIGN(reader, ViewReader::open(result.capture, apart, maxMemory, progress));
     VOLUTE_TRY(refiner.read());
   }
   progress.report("refining the calibration", 0, 0);
@@ -359,6 +419,22 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
   if (!given)
     return failed(given.error());
   const auto before = given->before;
+  // A gain far from 1 is held back by what is plausible: it is taken, and what it lacks is found.
+  const std::vector<double> gains = largeGains(*given);
+  const bool anyLarge = std::ranges::any_of(gains, [](double gain) { return gain != 1; });
+  const auto applyGains = [&](double power) {
+    for (std::size_t v = 0; v < gains.size(); ++v)
+      result.capture.cameras[*findCamera(capture, refiner.frames()[0][v].name)].pictures.gain *=
+          std::pow(gains[v], power);
+  };
+  if (anyLarge) {
+    applyGains(1);
+    VOLUTE_ASSIGN(reader, ViewReader::open(result.capture, apart, maxMemory, progress));
+    VOLUTE_TRY(refiner.read());
+    given = refiner.fit(false, true);
+    if (!given)
+      return failed(given.error());
+  }
   const std::vector<int> unshifted = refiner.shifts();
   auto fit = refiner.withClocks(std::move(*given));
   if (!fit)
@@ -378,21 +454,24 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
   }
   result.fit = std::move(*fit);
   result.fit.before = before;
-  if (!result.used)
+  if (!result.used) {
+    applyGains(-1);
     return result;
+  }
   for (std::size_t v = 0; v < result.names.size(); ++v) {
     CaptureCamera& camera = result.capture.cameras[*findCamera(capture, result.names[v])];
     result.moved.push_back(
         pixelsMoved(camera.camera, result.fit.cameras[v], capture.volume.bounds));
     camera.camera = result.fit.cameras[v];
     camera.reprojectionError = result.fit.sightError[v];
-    const CameraCorrection& correction = result.fit.corrections[v];
+    const CameraCorrection correction = result.fit.corrections[v];
     PictureSource& pictures = camera.pictures;
     // pivot (light / pivot)^exponent, with light = white gain value^exponent.
     const double exponent = correction.exponent(), white = capture.white * pictures.gain;
     pictures.gain *= correction.gain() * std::pow(result.fit.pivot / white, 1 - exponent);
     pictures.exponent *= exponent;
     camera.pictures.frameShift += result.shifts[v];
+    result.fit.corrections[v].values[CameraCorrection::kGain] += std::log(gains[v]);
   }
   return result;
 }
@@ -404,9 +483,14 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
                                         std::uint64_t maxMemory, Progress& progress) {
   VOLUTE_ASSIGN(auto result, refined(capture, heldOut, refine, maxMemory, progress));
   for (const std::string& text : result.faults)
-    progress.remark({RemarkCode::kDoubtful,
-                     "warning: " + text + (result.gainsTaken ? "; that was taken" : "")});
-  if (!result.faults.empty() && !result.used && !result.gainsTaken)
+    progress.remark({RemarkCode::kDoubtful, "warning: " + text});
+  if (!result.faults.empty() && result.mended)
+    progress.remark("gains, focal lengths and lenses that were told are taken");
+  if (!result.leftOut.empty())
+    progress.remark(
+        fmt::format("camera{} {}: not refined before that is mended; the others are where it helps",
+                    result.leftOut.size() == 1 ? "" : "s", fmt::join(result.leftOut, ", ")));
+  else if (!result.faults.empty() && !result.used && !result.mended)
     progress.remark("the calibration is not refined before that is mended");
   if (!result.used)
     return result;

@@ -20,27 +20,29 @@ enum class Refine {
 
 /// A capture's calibration as refined.
 struct CaptureRefinement {
-  bool used = false;               ///< whether `capture` has the corrections
-  bool gainsTaken = false;         ///< whether it has those that are among `faults`
-  Capture capture;                 ///< held-out cameras as they were
-  std::vector<int> frames;         ///< that were looked at
+  bool used = false;        ///< whether `capture` has the corrections
+  bool mended = false;      ///< whether it has the gains and focal lengths that are among `faults`
+  Capture capture;          ///< held-out cameras as they were
+  std::vector<int> frames;  ///< that were looked at
   std::vector<std::string> names;  ///< of the refined cameras
   CalibrationFit fit;              ///< one of `names` each
   double before = 0, after = 0;    ///< relative L2, the mean over the cameras
   /// For each of `names`, how many frames later its pictures are taken from: its clock runs late by
   /// so many.
   std::vector<int> shifts;
-  std::vector<std::string> faults;  ///< mistakes that were found: sentences for people
+  std::vector<std::string> faults;   ///< mistakes that were found: sentences for people
+  std::vector<std::string> leftOut;  ///< cameras that keep their calibration, for what is wrong
+                                     ///< with them is no number a little off
   std::vector<double> moved;  ///< for each of `names`, how far what it sees of the volume moved in
                               ///< its picture, root mean square [pixels]
 };
 
-/// Looks at one to three frames of the capture. First for mistakes, see findCaptureFaults(): where
-/// there are any that no refinement mends, the calibration is left as it is; gains are taken. Then
-/// refines it,
-/// and, where a camera is left that does not fit, its clock by whole frames. Orthographic cameras,
-/// fewer than four cameras, and frames without light are left as they are, with the reason as a
-/// remark if `refine` is kAlways. Pixels in which something dark stands in front of one camera, see
+/// Looks at up to eight frames, spread over the film. First for mistakes, see findCaptureFaults():
+/// gains and focal lengths of some cameras are taken; cameras with others keep their calibration,
+/// and all do where a mistake is of all, or fewer than four are left. Then refines it, and, where a
+/// camera is left that does not fit, its clock by whole frames. Orthographic cameras, fewer than
+/// four cameras, and frames without light are left as they are, with the reason as a remark if
+/// `refine` is kAlways. Pixels in which something dark stands in front of one camera, see
 /// findOcclusions(), do not count. What was found and corrected is remarked on.
 [[nodiscard]] Result<CaptureRefinement> refineCapture(const Capture& capture,
                                                       const std::vector<std::string>& heldOut,

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/capture_refinement.hpp"
 
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -109,16 +110,74 @@ TEST_F(CaptureRefinementTest, AHalfExposureIsToldAndTaken) {
   capture.frames = {1};
   capture.cameras[2].pictures.gain = 0.5;
   const CaptureRefinement result = refined();
-  ASSERT_TRUE(result.gainsTaken);
+  ASSERT_TRUE(result.mended);
   ASSERT_EQ(result.faults.size(), 1U);
   EXPECT_NE(result.faults[0].find(" % too dark: its radiance"), std::string::npos)
       << result.faults[0];
   EXPECT_NEAR(result.capture.cameras[2].pictures.gain, 1, 0.03);
   EXPECT_NEAR(result.capture.cameras[3].pictures.gain, 1, 0.02);
   const CaptureRefinement never = refined(Refine::kNever);
-  EXPECT_FALSE(never.used || never.gainsTaken);
+  EXPECT_FALSE(never.used || never.mended);
   EXPECT_EQ(never.faults.size(), 1U);
   EXPECT_EQ(never.capture.cameras[2].pictures.gain, 0.5);
+}
+
+TEST_F(CaptureRefinementTest, AHalfExposureBesidePosesThatAreOffIsRefinedWithThem) {
+  capture.frames = {1};
+  const double clean = refined(Refine::kAlways).after;
+  perturb();
+  capture.cameras[2].pictures.gain *= 0.5;
+  const CaptureRefinement result = refined();
+  ASSERT_TRUE(result.used);
+  EXPECT_LT(result.after, 1.2 * clean);
+  // What all gains share no picture tells.
+  std::vector<double> gains;
+  for (const CaptureCamera& known : result.capture.cameras) gains.push_back(known.pictures.gain);
+  const auto [least, most] = std::ranges::minmax(gains);
+  EXPECT_LT(most / least, 1.06) << fmt::format("{}", fmt::join(gains, " "));
+}
+
+TEST_F(CaptureRefinementTest, AnotherFocalLengthIsToldAndTaken) {
+  capture.frames = {1};
+  const Camera truth = capture.cameras[2].camera;
+  capture.cameras[2].camera = *corrected(truth, zoomBy(1.2));
+  EXPECT_GT(pixelsOff(capture.cameras[2].camera, truth), 1.5);
+  const CaptureRefinement result = refined();
+  ASSERT_TRUE(result.mended);
+  ASSERT_EQ(result.faults.size(), 1U);
+  EXPECT_NE(result.faults[0].find("camera c2: another focal length"), std::string::npos)
+      << result.faults[0];
+  EXPECT_LT(pixelsOff(result.capture.cameras[2].camera, truth), 0.5);
+}
+
+TEST_F(CaptureRefinementTest, ALensIsToldAndTaken) {
+  capture.frames = {1};
+  const Camera truth = capture.cameras[2].camera;
+  capture.cameras[2].camera = *corrected(truth, lensBy(8));
+  EXPECT_GT(pixelsOff(capture.cameras[2].camera, truth), 1.5);
+  const CaptureRefinement result = refined();
+  ASSERT_TRUE(result.mended);
+  ASSERT_EQ(result.faults.size(), 1U);
+  EXPECT_NE(result.faults[0].find("camera c2: a lens that its calibration does not have"),
+            std::string::npos)
+      << result.faults[0];
+  EXPECT_LT(pixelsOff(result.capture.cameras[2].camera, truth), 0.5)
+      << result.capture.cameras[2].camera.distortion().k1;
+}
+
+TEST_F(CaptureRefinementTest, WhatIsWrongWithTwoCamerasDoesNotHinderTheOthers) {
+  capture.frames = {1};
+  perturb();
+  std::swap(capture.cameras[1].camera, capture.cameras[4].camera);
+  const CaptureRefinement result = refined();
+  ASSERT_EQ(result.faults.size(), 1U);
+  EXPECT_NE(result.faults[0].find("cameras c1 and c4: exchanged"), std::string::npos)
+      << result.faults[0];
+  EXPECT_EQ(result.leftOut, (std::vector<std::string>{"c1", "c4"}));
+  ASSERT_TRUE(result.used);
+  EXPECT_EQ(result.names, (std::vector<std::string>{"c0", "c2", "c3", "c5", "c6"}));
+  EXPECT_LT(result.after, 0.5 * result.before);
+  EXPECT_EQ(pixelsOff(result.capture.cameras[1].camera, capture.cameras[1].camera), 0);
 }
 
 TEST_F(CaptureRefinementTest, APoleBeforeOneCameraPullsNoCamera) {

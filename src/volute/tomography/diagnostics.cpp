@@ -21,7 +21,8 @@ constexpr double kGainShare = 0.3;        // of the squared residual that a gain
 constexpr double kMinMisfit = 0.04;       // below, nobody misfits
 constexpr double kMisfits = 1.5;          // times what the size of the voxels explains
 constexpr double kFullHull = 0.9;
-constexpr double kNarrow = 15;  // [degrees]
+constexpr double kNarrow = 15;   // [degrees]
+constexpr double kOneSide = 30;  // [degrees], of all cameras
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -276,8 +277,16 @@ std::vector<SightAngle> sightAngles(std::span<const Camera> cameras, const Vec3&
   return angles;
 }
 
-std::optional<std::string> layoutAdvice(std::span<const std::string> names,
-                                        std::span<const SightAngle> angles) {
+std::optional<Remark> layoutAdvice(std::span<const std::string> names,
+                                   std::span<const SightAngle> angles) {
+  if (const auto widest = std::ranges::max_element(angles, {}, &SightAngle::degrees);
+      widest != angles.end() && widest->degrees < kOneSide) {
+    return Remark(RemarkCode::kDoubtful,
+                  fmt::format("all cameras look along lines within {:.0f} degrees: how the medium "
+                              "lies along these is hardly known; another camera that looks from "
+                              "the side tells the most",
+                              widest->degrees));
+  }
   std::string pairs;
   for (const SightAngle& pair : angles) {
     if (pair.degrees < kNarrow)
@@ -286,11 +295,11 @@ std::optional<std::string> layoutAdvice(std::span<const std::string> names,
   }
   if (pairs.empty())
     return {};
-  return fmt::format(
+  return Remark(fmt::format(
       "cameras that look along nearly one line, from the same or from opposite sides, tell nearly "
       "the same: {} degrees modulo 180; an odd number on a ring, a half ring, or staggered heights "
       "tell more",
-      pairs);
+      pairs));
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/remark.hpp"
 #include "volute/tomography/reconstruct.hpp"
 
 namespace volute {
@@ -55,8 +56,8 @@ struct SightAngle {
 std::vector<SightAngle> sightAngles(std::span<const Camera> cameras, const Vec3& centre);
 
 /// Names the pairs of cameras that look along nearly the same line, from the same or from opposite
-/// sides, and says what to do about it; nothing for other layouts.
-std::optional<std::string> layoutAdvice(std::span<const std::string> names,
-                                        std::span<const SightAngle> angles);
+/// sides, or tells that all do so, and says what to do about it; nothing for other layouts.
+std::optional<Remark> layoutAdvice(std::span<const std::string> names,
+                                   std::span<const SightAngle> angles);
 
 }  // namespace volute

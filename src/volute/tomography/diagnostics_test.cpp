@@ -173,8 +173,19 @@ TEST(Diagnose, AdvisesAgainstOppositeCameras) {
   EXPECT_NEAR(angles[1].degrees, 0, 1e-5);
   const auto advice = layoutAdvice(names, angles);
   ASSERT_TRUE(advice);
-  EXPECT_THAT(*advice, HasSubstr("c0 and c2 (0), c1 and c3 (0) degrees"));
+  EXPECT_THAT(advice->sentence, HasSubstr("c0 and c2 (0), c1 and c3 (0) degrees"));
   EXPECT_FALSE(layoutAdvice(names, std::span(angles).first(1)));
+}
+
+TEST(Diagnose, TellsOfCamerasThatAllLookFromOneSide) {
+  const std::vector<std::string> names{"a", "b", "c"};
+  const auto advice = [&](double widest) {
+    const std::vector<SightAngle> angles{{0, 1, 8}, {0, 2, widest}, {1, 2, widest - 8}};
+    return layoutAdvice(names, angles)->sentence;
+  };
+  EXPECT_THAT(advice(20), HasSubstr("all cameras look along lines within 20 degrees"));
+  EXPECT_THAT(advice(40), HasSubstr("a and b (8) degrees"));
+  EXPECT_FALSE(layoutAdvice(std::span(names).first(1), {}));
 }
 
 }  // namespace

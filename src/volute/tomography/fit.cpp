@@ -192,8 +192,9 @@ double typicalValue(const LeastSquares& data, double largest) {
   return largest > 0 ? most / largest : 0;
 }
 
-std::vector<std::size_t> viewsToHoldOut(std::span<const TomographyView> views, const Vec3& centre) {
-  if (views.size() < kMinViews)
+std::vector<std::size_t> viewsToHoldOut(std::span<const TomographyView> views, const Vec3& centre,
+                                        std::size_t fewest) {
+  if (views.size() < fewest)
     return {};
   std::vector<std::pair<double, std::size_t>> nearest;
   for (std::size_t v = 0; v < views.size(); ++v) {

@@ -31,7 +31,7 @@ struct Fit {
   std::optional<TomographyChoice> choice;
 };
 
-/// What fits of one frame share.
+/// Views, options and scales that fits of one frame share.
 struct FitSetup {
   const FrameProblem& problem;
   std::span<const TomographyView> views;
@@ -56,8 +56,9 @@ std::vector<std::uint8_t> heldOutRows(std::size_t rows, std::uint32_t seed);
 
 /// The views that are held out, each by itself, to see how well others predict it: that whose
 /// nearest neighbour, in angle, is at the median distance, of five views or fewer another one, too.
-/// None of fewer than four.
-std::vector<std::size_t> viewsToHoldOut(std::span<const TomographyView> views, const Vec3& centre);
+/// None of fewer than `fewest`.
+std::vector<std::size_t> viewsToHoldOut(std::span<const TomographyView> views, const Vec3& centre,
+                                        std::size_t fewest = 4);
 
 /// How many pixels on a side may become one without the volume being able to tell: a voxel stays
 /// nearly two pixels wide. 1 where single pixels say more than their mean.

@@ -88,6 +88,7 @@ Result<FrameViews> ViewReader::read(int frame) {
                picture->drift,
                picture->mosaic,
                picture->plateau,
+               picture->bitsHolding,
                picture->storedPedestal};
     }
     result.facts.push_back(facts);

@@ -11,7 +11,7 @@
 
 namespace volute {
 
-/// What a picture said besides its radiance.
+/// Facts of a picture besides its radiance.
 struct PictureFacts {
   double brightest = 0;  ///< of the measured channels, background included
   double saturatedShare = 0;
@@ -23,6 +23,7 @@ struct PictureFacts {
   std::optional<BackgroundDrift> drift{};  ///< of the background, undone
   bool mosaic = false;                     ///< see CameraPicture
   std::optional<StoredPlateau> plateau{};
+  int bitsHolding = 0;
   double pedestal = 0;  ///< a stored value
 };
 
@@ -39,7 +40,7 @@ struct FrameViews {
   /// The views that are fitted.
   std::span<const TomographyView> fitted() const { return chosen.empty() ? views : chosen; }
 
-  /// Those but one.
+  /// The fitted views without one of them.
   std::vector<TomographyView> fittedWithout(std::size_t view) const;
 
   /// True when every picture has one channel.

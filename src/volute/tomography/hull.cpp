@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 #include "volute/base/parallel.hpp"
 #include "volute/tomography/box_blur.hpp"
@@ -89,15 +90,27 @@ double brightestOf(const TomographyView& view) {
   return brightest;
 }
 
+/// Whether dark pixels hold the upper half of their noise alone, as integers do.
+bool isCutOff(const Image& image) {
+  constexpr double kMany = 0.25;
+  std::size_t zeros = 0;
+  for (const float value : image.pixels) {
+    if (value < 0)
+      return false;
+    zeros += value == 0 ? 1 : 0;
+  }
+  return static_cast<double>(zeros) > kMany * static_cast<double>(image.pixels.size());
+}
+
 /// Pixels that show the medium. Where noise decides, the means of 25 pixels are looked at: their
-/// noise is a fifth.
+/// noise is a fifth, and the mean of noise that is cut off at 0 is .4 of it.
 std::vector<std::uint8_t> litPixels(const TomographyView& view, std::optional<double> noiseSigma) {
-  constexpr double kFifths = 5;  // a box so wide leaves a fifth of the noise
+  constexpr double kFifths = 5, kOfCutOff = 4;  // a box so wide leaves a fifth of the noise
   const double darkest = kDarkest * brightestOf(view);
   double threshold = silhouetteThreshold(view, noiseSigma);
   const bool noisy = threshold > darkest;
   if (noisy)
-    threshold = std::max(threshold / kFifths, darkest);
+    threshold = std::max(threshold / (isCutOff(view.radiance) ? kOfCutOff : kFifths), darkest);
   const Image image = noisy ? boxBlurred(view.radiance, kFifths) : view.radiance;
   std::vector<std::uint8_t> mask(image.pixels.size() / image.channels);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
@@ -112,21 +125,43 @@ std::vector<std::uint8_t> litPixels(const TomographyView& view, std::optional<do
 double noiseOf(const TomographyView& view) {
   const Image& image = view.radiance;
   std::vector<float> differences;
+  float step = std::numeric_limits<float>::infinity();  // of stored integers; of floats next to 0
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x + 1 < image.width; ++x) {
       const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
       if (!view.weight.empty() && (view.weight[pixel] == 0 || view.weight[pixel + 1] == 0))
         continue;
-      for (int c = 0; c < image.channels; ++c)
+      for (int c = 0; c < image.channels; ++c) {
         differences.push_back(std::abs(image.at(x, y, c) - image.at(x + 1, y, c)));
+        if (differences.back() > 0)
+          step = std::min(step, differences.back());
+      }
     }
   }
-  if (differences.empty())
+  if (differences.empty() || !std::isfinite(step))
     return 0;
   const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
   std::ranges::nth_element(differences, middle);
+  double median = *middle;
+  // Of integers many differences are the same: they are spread over the step that they stand for.
+  constexpr std::ptrdiff_t kOfSteps = 100;  // one of so many at least is a single step
+  const auto near = [&](double value) {
+    return std::ranges::count_if(differences, [&](float difference) {
+      return std::abs(difference - value) < 0.5 * static_cast<double>(step);
+    });
+  };
+  if (median < 4 * static_cast<double>(step) && kOfSteps * near(step) > std::ssize(differences)) {
+    const double low = std::max(0.0, median - 0.5 * static_cast<double>(step));
+    const auto below =
+        std::ranges::count_if(differences, [&](float difference) { return difference <= low; });
+    const auto counted = static_cast<double>(near(median)),
+               all = static_cast<double>(differences.size());
+    const double width = median > 0 ? step : 0.5 * static_cast<double>(step);
+    median = low + width * (0.5 * all - static_cast<double>(median > 0 ? below : 0)) / counted;
+  }
   constexpr double kSigmaOfMedian = 1.4826 / 1.41421356;  // of a difference of two
-  return kSigmaOfMedian * *middle;
+  constexpr double kWhole = 1.7;                          // times what is seen of it
+  return kSigmaOfMedian * median * (isCutOff(image) ? kWhole : 1);
 }
 
 double silhouetteThreshold(const TomographyView& view, std::optional<double> noiseSigma) {

@@ -13,7 +13,8 @@
 namespace volute {
 
 /// What is taken as noise in one view: a robust estimate from the differences of neighbouring
-/// pixels, as radiance; 0 for images without noise.
+/// pixels, as radiance; next to 0 for floats without noise, and a quarter of a step or more of
+/// integers. Where dark pixels are 0 and never less, the lower half of their noise is cut off.
 double noiseOf(const TomographyView& view);
 
 /// The radiance above which a pixel shows the medium, by default: 3.5 times the noise, and at least
@@ -23,7 +24,7 @@ double silhouetteThreshold(const TomographyView& view, std::optional<double> noi
 /// (height, width), 1 where the medium may be seen: the view's own silhouette or |p - b| over the
 /// threshold in any channel, dilated by one pixel and by twice the error of the view's sights; 1
 /// where the weight is 0, for nothing is known there. Where the noise decides, means of 5 x 5
-/// pixels are compared with a fifth of the threshold.
+/// pixels are compared with a fifth of the threshold, a fourth of noise that is cut off.
 std::vector<std::uint8_t> dilatedSilhouette(const TomographyView& view,
                                             std::optional<double> noiseSigma);
 

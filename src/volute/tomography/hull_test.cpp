@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <random>
 
 #include "volute/tomography/testing.hpp"
 
@@ -23,6 +24,29 @@ TEST(Noise, IsEstimatedFromNeighbours) {
   for (const TomographyView& view : scene.views) EXPECT_NEAR(noiseOf(view), 0.05, 0.01);
   const TestScene clean(3);
   EXPECT_LT(noiseOf(clean.views[0]), 1e-3);
+}
+
+/// Stored as integers, whose steps and whose end at 0 hide most of the noise in the dark.
+TEST(Noise, OfIntegersIsFound) {
+  constexpr float kStep = 1 / 255.0F;
+  for (const double noise : {0.4, 0.8, 1.2, 2.0}) {
+    TestScene scene(1, 0, 0, 96, 88);
+    TomographyView& view = scene.views[0];
+    const float scale = 0.9F / *std::ranges::max_element(view.radiance.pixels);
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    const auto lit = [](const std::vector<std::uint8_t>& mask) {
+      return static_cast<double>(std::ranges::count(mask, 1)) / static_cast<double>(mask.size());
+    };
+    for (float& value : view.radiance.pixels) value *= scale;
+    const double before = lit(dilatedSilhouette(view, {}));
+    for (float& value : view.radiance.pixels)
+      value = kStep *
+              static_cast<float>(std::max(0.0, std::round(value / kStep + noise * normal(random))));
+    EXPECT_GT(noiseOf(view), 0.5 * noise * kStep) << noise;
+    EXPECT_LT(noiseOf(view), 1.5 * std::hypot(noise, 0.29) * kStep) << noise;
+    EXPECT_LT(lit(dilatedSilhouette(view, {})), before + 0.1) << noise;
+  }
 }
 
 TEST(Silhouette, IsDilatedByOnePixel) {

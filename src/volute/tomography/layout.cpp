@@ -39,8 +39,8 @@ void CameraLayout::remark(bool all, Progress& progress) const {
   } else if (pairs > 0) {
     progress.remark(fmt::format("{}: {}", kWhat, narrowest(pairs)));
   }
-  if (const auto text = advice())
-    progress.remark(*text);
+  if (const auto remark = advice())
+    progress.remark(*remark);
 }
 
 }  // namespace volute

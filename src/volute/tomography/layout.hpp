@@ -19,7 +19,7 @@ struct CameraLayout {
   std::string narrowest(std::size_t most) const;
 
   /// See layoutAdvice().
-  std::optional<std::string> advice() const { return layoutAdvice(names, angles); }
+  std::optional<Remark> advice() const { return layoutAdvice(names, angles); }
 
   /// Remarks on the narrowest angles, or on all, and on the advice.
   void remark(bool all, Progress& progress) const;

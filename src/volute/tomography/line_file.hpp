@@ -22,7 +22,7 @@ struct LineMeasurement {
   bool atLeast = false;  ///< the value is this or more
 };
 
-/// What was measured at one time.
+/// Measurements of all lines at one time.
 struct LineFrame {
   int number = 0;
   double time = 0;  ///< [s]

@@ -20,7 +20,7 @@ struct LineVolumes {
   /// LineReconstruction has them; null where it has none.
   nlohmann::ordered_json records = nlohmann::ordered_json::array();
 
-  /// Of the records.
+  /// Mean of a figure over the records.
   double mean(const char* figure) const;
 };
 
@@ -37,7 +37,7 @@ struct LineVolumes {
                                                         const LineOptions& how, bool leaveOut,
                                                         Progress& progress);
 
-/// The same of a file (readLines()).
+/// Reconstructs a file of lines, as readLines() reads it.
 [[nodiscard]] Result<LineVolumes> reconstructLineFile(const std::string& file,
                                                       const CaptureOptions& where,
                                                       const LineOptions& how, bool leaveOut,

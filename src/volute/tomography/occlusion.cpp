@@ -98,6 +98,42 @@ std::vector<std::size_t> contestedVoxels(std::span<const CoarseView> views,
   return contested;
 }
 
+/// The squared misfit of a volume in all pixels but some of one view.
+double misfitBeside(std::span<const CoarseView> views, std::size_t view,
+                    std::span<const std::size_t> left, std::span<const float> volume,
+                    const VolumeGeometry& geometry, Basis basis) {
+  double sum = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const TomographyView& own = views[v].view;
+    const Image seen = projectVolume(volume, geometry, basis, own.camera, 1);
+    for (std::size_t i = 0; i < views[v].silhouette.size(); ++i) {
+      if (!own.counts(i) || (v == view && std::ranges::binary_search(left, i)))
+        continue;
+      const double off = greyAt(seen, i) - greyAt(own.radiance, i);
+      sum += off * off;
+    }
+  }
+  return sum;
+}
+
+/// Whether some volume explains the dark pixels of a view with everything else: then nothing has to
+/// be in front of it.
+Result<bool> explained(std::span<const CoarseView> views, std::size_t view,
+                       std::span<const std::size_t> dark, const VolumeGeometry& geometry,
+                       const TomographyOptions& options, Progress& progress) {
+  constexpr double kWorse = 1.5;
+  std::vector<TomographyView> all;
+  for (const CoarseView& one : views) all.push_back(one.view);
+  VOLUTE_ASSIGN(const auto with, reconstruct(all, geometry, options, {}, progress));
+  TomographyView& own = all[view];
+  if (own.weight.empty())
+    own.weight.assign(views[view].silhouette.size(), 1);
+  for (const std::size_t pixel : dark) own.weight[pixel] = 0;
+  VOLUTE_ASSIGN(const auto without, reconstruct(all, geometry, options, {}, progress));
+  return misfitBeside(views, view, dark, with.volume, geometry, options.basis) <
+         kWorse * misfitBeside(views, view, dark, without.volume, geometry, options.basis);
+}
+
 }  // namespace
 
 Result<std::vector<Occlusion>> findOcclusions(std::span<const TomographyView> views,
@@ -158,6 +194,11 @@ Result<std::vector<Occlusion>> findOcclusions(std::span<const TomographyView> vi
     const double share =
         static_cast<double>(dark.size()) / static_cast<double>(std::max<std::size_t>(1, light));
     if (dark.size() < kFewestPixels || share > kAsAWhole || off > kFits * kFits * size)
+      continue;
+    const auto needless = explained(reduced, v, dark, coarse, options, progress);
+    if (!needless && needless.error().code == ErrorCode::kCancelled)
+      return tl::unexpected<Error>(needless.error());
+    if (needless && *needless)
       continue;
     // Pixels at the rim of what is in the way are half covered.
     Occlusion occlusion{

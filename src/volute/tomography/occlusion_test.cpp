@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "volute/tomography/camera_correction.hpp"
 #include "volute/tomography/reconstruct.hpp"
@@ -88,6 +89,29 @@ TEST(Occlusion, NoneInCleanPictures) {
       ASSERT_TRUE(found) << found.error().message;
       EXPECT_TRUE(found->empty()) << cameras << " cameras, noise " << noise;
     }
+  }
+}
+
+/// Columns of light: what three cameras see of them may be in the gaps that the fourth sees.
+TEST(Occlusion, AGapThatOthersDoNotSeeIsNoObstacle) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    TestScene scene(4);
+    std::mt19937 random(seed);
+    const VolumeGeometry fine{scene.geometry.bounds, {40, 40, 40}};
+    std::vector<float> volume(3 * fine.voxels());
+    for (int column = 0; column < 8; ++column) {
+      const std::size_t left = 4 + random() % 28, front = 4 + random() % 28, low = 4 + random() % 8;
+      for (std::size_t z = low; z < low + 20; ++z)
+        for (std::size_t y = front; y < front + 5; ++y)
+          for (std::size_t x = left; x < left + 5; ++x)
+            std::fill_n(&volume[3 * ((z * 40 + y) * 40 + x)], 3, 1.0F);
+    }
+    for (TomographyView& view : scene.views)
+      view.radiance = projectVolume(volume, fine, Basis::kBox, view.camera, 4);
+    Progress progress;
+    const auto found = findOcclusions(scene.views, scene.geometry, progress);
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_TRUE(found->empty()) << "seed " << seed;
   }
 }
 

@@ -125,6 +125,30 @@ void checkStoring(const PictureFacts& facts, const std::string& camera, bool gre
   }
 }
 
+/// Values of fewer bits than their files have look like short exposures: without a plateau nothing
+/// tells them apart, but 4 of 16 bits and more are hardly left empty on purpose.
+void checkBits(const FrameViews& views, PictureFindings& findings) {
+  constexpr double kLargestOfAFile = 65535;
+  constexpr int kFew = 12;
+  int bits = 0;
+  for (const PictureFacts& facts : views.facts) {
+    if (facts.missing)
+      continue;
+    if (facts.bitsHolding == 0 || facts.bitsHolding > kFew || facts.plateau)
+      return;
+    bits = std::max(bits, facts.bitsHolding);
+  }
+  if (bits == 0)
+    return;
+  bits = bits <= 10 ? 10 : kFew;
+  const double most = std::ldexp(1.0, bits) - 1;
+  findings.warnings.push_back(fmt::format(
+      "frame {}: no picture reads more than {:.0f} of {:.0f}: are these {} bits? Then state "
+      "\"bits\": {}, for light is taken as {:.0f} times too dark; else the exposures use little of "
+      "their files",
+      views.frame, most, kLargestOfAFile, bits, bits, kLargestOfAFile / most));
+}
+
 double shareOf(std::size_t part, std::size_t whole) {
   return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(1, whole));
 }
@@ -165,7 +189,7 @@ void checkBackground(const Counts& counts, const std::string& name, bool optical
 }
 
 void checkPlace(const TomographyView& view, const Counts& counts, const std::string& name,
-                PictureFindings& findings) {
+                SharedSentences& shared, PictureFindings& findings) {
   constexpr double kLightOutside = 0.02, kBorderShare = 0.02;
   if (counts.lightOutside > kLightOutside * counts.light) {
     findings.warnings.push_back(fmt::format(
@@ -179,13 +203,13 @@ void checkPlace(const TomographyView& view, const Counts& counts, const std::str
     return static_cast<double>(counts.border[side]) > kNearlyAll * length;
   };
   if (whole(0) && whole(1) && whole(2) && whole(3)) {
-    findings.warnings.push_back(
-        name +
-        (view.opticalDepth
-             ? ": darker than the background all along the border of the picture: the background "
-               "got darker than it is known, or the medium is all around"
-             : ": light all along the border of the picture: the background got brighter than it "
-               "is known, or there is none to subtract"));
+    shared.add(
+        view.opticalDepth
+            ? "darker than the background all along the border of the picture: the background got "
+              "darker than it is known, or the medium is all around"
+            : "light all along the border of the picture, which is taken as the volume's: state "
+              "the \"background\" (again, if it got brighter), or a \"black\" level",
+        view.name);
     return;
   }
   for (std::size_t side = 0; side < counts.border.size(); ++side) {
@@ -230,7 +254,8 @@ void checkOpaque(const PictureFacts& facts, const std::string& name, PictureFind
       name, 100 * facts.opaqueShare));
 }
 
-/// Pixels that shine alone: ten times as bright as their neighbours and as what counts as lit.
+/// Pixels that shine alone: ten times as bright as their neighbours, of which none is saturated,
+/// and as what counts as lit.
 std::vector<Outlier> lonelyPixels(const TomographyView& view, double threshold) {
   constexpr float kAlone = 10;
   const Image& image = view.radiance;
@@ -250,8 +275,9 @@ std::vector<Outlier> lonelyPixels(const TomographyView& view, double threshold) 
       float around = 0;
       for (int v = std::max(0, y - 1); v <= std::min(image.height - 1, y + 1); ++v) {
         for (int u = std::max(0, x - 1); u <= std::min(image.width - 1, x + 1); ++u) {
+          const bool saturated = view.isSaturated(static_cast<std::size_t>(v) * image.width + u);
           if (u != x || v != y)
-            around = std::max(around, valueAt(u, v));
+            around = std::max(around, saturated ? value : valueAt(u, v));
         }
       }
       if (value > kAlone * around)
@@ -317,10 +343,12 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
       std::ranges::count_if(counts, [](const Counts& count) { return count.lit >= kFew; });
   findings.dark = seeing == 0;
   const bool maxSee = 2 * static_cast<std::size_t>(seeing) > counts.size();
-  SharedSentences storing, wrong;
+  SharedSentences storing, wrong, borders;
   for (std::size_t i = 0; i < counts.size(); ++i)
     checkStoring(views.facts[i], views.views[i].name, views.views[i].grey, storing, wrong);
   storing.moveTo(findings.warnings, views.frame);
+  if (!findings.dark)
+    checkBits(views, findings);
   wrong.moveTo(findings.faults, views.frame);
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const std::string name = fmt::format("camera {}, frame {}", views.views[i].name, views.frame);
@@ -346,7 +374,7 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
     checkBackground(counts[i], name, views.opticalDepth, findings);
     checkDrift(views.facts[i], name, findings);
     checkOpaque(views.facts[i], name, findings);
-    checkPlace(views.views[i], counts[i], name, findings);
+    checkPlace(views.views[i], counts[i], name, borders, findings);
     if (views.facts[i].transparentShare > 0) {
       findings.warnings.push_back(fmt::format(
           "{}: {:.1f} % of the pixels are transparent; their colours are taken as multiplied by "
@@ -354,6 +382,7 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
           name, 100 * views.facts[i].transparentShare));
     }
   }
+  borders.moveTo(findings.warnings, views.frame);
   return findings;
 }
 

@@ -34,7 +34,7 @@ class Prior {
   virtual double curvature() const { return 0; }
 };
 
-/// Nothing but a >= 0, if `nonNegative`.
+/// No prior but a >= 0, if `nonNegative`.
 std::unique_ptr<Prior> makeNoPrior(bool nonNegative);
 
 /// A liking for few voxels that shine: each voxel pays strength * scale / (scale + a) for its

@@ -68,7 +68,7 @@ class ReconstructedFrames final : public FrameSource {
   /// work; ranks share the work folder. Collective.
   [[nodiscard]] Status solveAll(Team& team);
 
-  /// The same in this process alone.
+  /// Solves all frames in this process alone.
   [[nodiscard]] Status solveAll() {
     Team alone;
     return solveAll(alone);

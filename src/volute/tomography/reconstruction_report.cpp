@@ -148,7 +148,7 @@ Result<Json> reconstructionReport(const CaptureRefinement& refinement,
                {"seconds_per_frame", meanOf(seconds)},
                {"cameras", cameras},
                {"angles", anglesJson(layout)},
-               {"advice", advice ? Json(*advice) : Json()},
+               {"advice", advice ? Json(advice->sentence) : Json()},
                {"warnings", warnings},
                {"frames", records}};
   if (velocity) {

@@ -422,6 +422,7 @@ Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> giv
   constexpr double kPower = 0.85;
   // Of so few views that none can be held out: the median of those sets.
   constexpr double kUsual = 1.5;
+  constexpr std::size_t kFewest = 3;  // two predict a third badly, but how badly is what counts
   VOLUTE_TRY(checkReconstruction(given, geometry, options));
   std::vector<TomographyView> reduced;
   TomographyOptions how = options;
@@ -436,7 +437,7 @@ Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> giv
   progress.report("error bars", 0, 0);
   VoxelUncertainty result;
   Bands squares{};
-  for (const std::size_t view : viewsToHoldOut(views, geometry.bounds.centre())) {
+  for (const std::size_t view : viewsToHoldOut(views, geometry.bounds.centre(), kFewest)) {
     VOLUTE_ASSIGN(const auto excess, excessOf(view, views, geometry, how, solved, quiet));
     if (!excess)
       continue;

@@ -125,11 +125,15 @@ TEST(Uncertainty, KnowsThatSightsAreOff) {
   EXPECT_GT(lengthOf(bars->sigma), lengthOf(exact.bars.sigma));
 }
 
-TEST(Uncertainty, OfThreeCamerasIsNotMeasured) {
+TEST(Uncertainty, OfThreeCamerasIsMeasuredAndOfTwoIsNot) {
   const TestScene scene(3, 0.02);
   const auto found = estimated(scene, scene.views);
-  EXPECT_TRUE(found.bars.heldOut.empty());
-  EXPECT_GT(lengthOf(found.bars.sigma), 0);
+  EXPECT_EQ(found.bars.heldOut.size(), 2U);
+  EXPECT_GT(covered(scene, found, 1), 0.5);
+  EXPECT_GT(covered(scene, found, 2), 0.8);
+  const auto two = estimated(scene, std::span(scene.views).first(2));
+  EXPECT_TRUE(two.bars.heldOut.empty());
+  EXPECT_GT(lengthOf(two.bars.sigma), 0);
 }
 
 }  // namespace

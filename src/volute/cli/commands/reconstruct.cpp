@@ -308,7 +308,8 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
                                                      context.maxMemory, context.progress));
   if (const auto file = arguments.find<std::string>("refined"))
     VOLUTE_TRY(writeCapture(*file, refinement.capture));
-  settings.causeNamed = !refinement.faults.empty() && !refinement.used && !refinement.gainsTaken;
+  settings.causeNamed = !refinement.leftOut.empty() ||
+                        (!refinement.faults.empty() && !refinement.used && !refinement.mended);
   std::unique_ptr<HoldOutRotation> rotation;
   if (inTurn) {
     VOLUTE_ASSIGN(rotation, HoldOutRotation::run(capture, settings, refineOf(arguments), target,
