@@ -58,6 +58,7 @@ struct BenchInput {
   bool quick = false;   ///< fewer measurements, where there are many
   bool whole = false;   ///< smoke: errors of every pixel instead of times
   std::string peers{};  ///< codec: a folder with sources of peers; empty: none
+  std::string only{};   ///< light: what is in the names of its rows; empty: all
 };
 
 /// A set of measurements that belong together. Figures of one run are compared with each other,

@@ -348,6 +348,11 @@ struct NamedMedia {
   std::vector<Json> media;
 };
 
+/// Without its renderer.
+std::string rowName(const NamedMedia& what, const NamedLight& light) {
+  return fmt::format("{}, {}, ", light.name, what.name);
+}
+
 Status judge(const Cases& cases, const NamedMedia& what, const NamedLight& light, BenchRows& rows,
              Progress& progress) {
   Json json = {
@@ -383,7 +388,7 @@ Status judge(const Cases& cases, const NamedMedia& what, const NamedLight& light
     renderers.push_back(std::move(*gl));
 #endif
   for (const auto& renderer : renderers) {
-    const std::string name = fmt::format("{}, {}, {}", light.name, what.name, renderer->name());
+    const std::string name = rowName(what, light) + std::string(renderer->name());
     const auto image = renderer->render(snapshot, camera, {}, quiet);
     if (!image) {
       rows.add({name, NAN, "", std::nullopt, {}, image.error().message});
@@ -421,7 +426,10 @@ Status benchLight(const BenchInput& input, BenchRows& rows, Progress& progress) 
   if (input.quick)
     all.resize(2);
   for (const NamedMedia& media : all) {
-    for (const NamedLight& light : kLights) VOLUTE_TRY(judge(cases, media, light, rows, progress));
+    for (const NamedLight& light : kLights) {
+      if (rowName(media, light).find(input.only) != std::string::npos)
+        VOLUTE_TRY(judge(cases, media, light, rows, progress));
+    }
   }
   return {};
 }

@@ -81,7 +81,8 @@ Status run(const Arguments& arguments, Context& context) {
                          arguments.find<std::string>("field").value_or(""),
                          arguments.flag("quick"),
                          arguments.flag("whole-pictures"),
-                         arguments.find<std::string>("peers").value_or("")};
+                         arguments.find<std::string>("peers").value_or(""),
+                         arguments.find<std::string>("only").value_or("")};
   nlohmann::ordered_json json{{"threads", threadCount()},
                               {"benchmarks", nlohmann::ordered_json::array()}};
   for (const Benchmark* benchmark : list) {

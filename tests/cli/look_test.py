@@ -124,6 +124,34 @@ class Look(support.TestCase):
         self.works(*film, "-o", self.path("h_%04d.exr"), "--frames", "0:1", measured=False)
         same(first, first.replace("f_", "h_"), 0)
 
+    def test_splines_are_nearly_as_sharp_as_their_voxels(self):
+        """Layers of 1, 1.5, 2 and 1.5, from their side: the brightest pixel."""
+        write_npy(self.path("layers.npy"), (1, 16, 16, 16), [(1, 1.5, 2, 1.5)[z % 4] for z in range(16) for _ in range(256)])
+
+        def most(basis):
+            self.works("render", self.path("layers.npy"), "-o", self.path("x.exr"), "--size", "96x96", "--basis", basis, "--measured")
+            return self.brightest(self.path("x.exr"))
+
+        self.assertGreater(most("cubic"), 0.97 * most("trilinear"))
+
+    def test_solid_smoke_is_lit_on_its_surface(self):
+        """As bright as thick smoke, however dense it is."""
+        self.npy("solid.npy", size=24)
+        scene = {"format": "volute-scene-2", "background": [0, 0, 0],
+                 "lights": [{"kind": "sun", "direction": [0.3, 1, -0.3], "radiance": [1, 1, 1]}],
+                 "camera": {"eye": [0.5, -2, 0.5], "target": [0.5, 0.5, 0.5], "fov": 30, "size": [160, 160]},
+                 "media": [{"kind": "volume", "file": "solid.npy", "emission": 0, "albedo": [0.9, 0.9, 0.9]}]}
+
+        def most(extinction):
+            scene["media"][0]["extinction"] = extinction
+            self.path("solid.json").write_text(json.dumps(scene))
+            self.works("render", self.path("solid.json"), "-o", self.path("x.exr"), "--samples", "1", measured=False)
+            return self.brightest(self.path("x.exr"))
+
+        thick = most(20)
+        for extinction in (2e3, 2e5, 2e7):
+            self.assertGreater(most(extinction), 0.7 * thick)
+
     def test_contours_are_those_of_the_spline(self):
         """Where each row crosses some levels, against the exact spline [pixels, RMS]."""
         volume = self.npy("thing.npy", size=12)
@@ -247,7 +275,9 @@ class Look(support.TestCase):
             camera = {"eye": [0.5, -2, 0.5], "target": [0.5, 0.5, 0.5], "fov": 30, "size": [8, 8]}
             scene = {"format": "volute-scene-1", "camera": camera, "media": [{"kind": "volume", "file": "fire.npy"} | members]}
             self.path("first.json").write_text(json.dumps(scene))
-            self.works("render", self.path("first.json"), "-o", self.path("x.exr"), "--renderer", "cpu", measured=False)
+            said = self.works("render", self.path("first.json"), "-o", self.path("x.exr"), "--renderer", "cpu", measured=False).message
+            other = "/media/0: its values are shown as light, as a volute-scene-1 means it"
+            (self.assertIn if preset == "none" else self.assertNotIn)(other, said)
             values = pictures.read_exr(self.path("x.exr")).values
             middle = values[3 * (3 * 8 + 3):3 * (3 * 8 + 5)]
             for value, before in zip(middle, expected, strict=True):

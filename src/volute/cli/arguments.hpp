@@ -64,13 +64,13 @@ class Arguments {
     return *value;
   }
 
-  /// As find, without the default.
+  /// The value of an option; nothing where it was not given.
   template <class T>
   std::optional<T> findGiven(std::string_view name) const {
     return given(name) ? find<T>(name) : std::nullopt;
   }
 
-  /// What the command takes; must outlive this.
+  /// The options of the command; must outlive this.
   std::span<const Option> options() const { return options_; }
 
   void setOptions(std::span<const Option> options) { options_ = options; }

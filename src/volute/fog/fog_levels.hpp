@@ -46,7 +46,7 @@ class FogLevels {
 
   const Level& level(int i) const { return levels_[i]; }
 
-  /// Of the map itself, without padding.
+  /// Columns of the map, without padding.
   int columns() const { return columns_; }
 
   int rows() const { return rows_; }

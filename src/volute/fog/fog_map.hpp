@@ -42,7 +42,7 @@ struct FogMap {
   [[nodiscard]] static Result<FogMap> fromImage(const Image& pixels, const FogPlacement& placement,
                                                 FogColour colour = FogColour::kRefuse);
 
-  /// The same from coefficients [1/m].
+  /// A map from spline coefficients [1/m] instead of pixels.
   [[nodiscard]] static Result<FogMap> fromCoefficients(SplineGrid coefficients,
                                                        const FogPlacement& placement);
 };

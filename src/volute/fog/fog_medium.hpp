@@ -67,7 +67,7 @@ class FogMedium {
   /// The same fog displaced [m], as by wind.
   FogMedium shifted(const Vec3& by) const;
 
-  /// The same without dropping details.
+  /// The same fog with details at all distances.
   FogMedium finest() const;
 
   /// The same map with another profile.

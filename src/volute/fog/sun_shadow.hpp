@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "volute/fog/fog_medium.hpp"
@@ -30,6 +31,9 @@ class SunShadow {
   /// The optical depth from a point, inside the fog or outside, to the sun.
   double opticalDepth(const Vec3& point) const;
 
+  /// exp(-opticalDepth()) of many points, in float: within 1e-4.
+  void shares(std::span<const Vec3> points, std::span<double> shares) const;
+
   /// Unit length.
   const Vec3& towardsSun() const { return sun_; }
 
@@ -53,16 +57,20 @@ class SunShadow {
     double at(double x, double y) const;
   };
 
-  /// The maps at a place from above that may lie before the fog.
+  /// I_0 and I_1 at a place from above that may lie before the fog.
   struct Moments {
-    double i0 = 0, i1 = 0, s = 0;
+    double i0 = 0, i1 = 0;
   };
 
   explicit SunShadow(FogMedium fog) : fog_(std::move(fog)) {}
 
   Map sampled(const FogProfile& profile, double factor) const;
   Map sampledDensity() const;
+  /// Of a place from above [samples]: moves it to where the way to the sun enters the maps, and
+  /// returns how long that way is, seen from above as sun_ is [m]; -1 where it never does.
+  double entry(double& u, double& v) const;
   Moments momentsAt(double x, double y) const;
+  double decayingAt(double x, double y) const;  ///< S
   double zoneDepth(const FogProfile::Zone& zone, const Vec3& point) const;
 
   FogMedium fog_;

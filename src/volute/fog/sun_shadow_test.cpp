@@ -58,6 +58,29 @@ TEST_P(SunProfiles, ShadowsAreThoseOfTheFog) {
   }
 }
 
+TEST_P(SunProfiles, ManyPlacesAtOnceAreThoseOfEach) {
+  const FogMedium fog = smoothFog(profile());
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-0.3, 1.3);
+  for (const Vec3& towards :
+       {Vec3(1, 0.4, 0.7), Vec3(-2, 1, 0.05), Vec3(0, 1, 0.3), Vec3(0, 0, 1)}) {
+    const SunShadow shadow = *SunShadow::make(fog, towards, 2);
+    for (const std::size_t count : {0, 1, 16, 333}) {
+      std::vector<Vec3> points;
+      const Box3 box = fog.bounds();
+      while (points.size() < count) {
+        points.push_back(box.min +
+                         Vec3(uniform(random), uniform(random), 0).cwiseProduct(box.size()));
+        points.back().z() = 12 * uniform(random);
+      }
+      std::vector<double> shares(count);
+      shadow.shares(points, shares);
+      for (std::size_t i = 0; i < count; ++i)
+        ASSERT_NEAR(shares[i], std::exp(-shadow.opticalDepth(points[i])), 1e-4) << i;
+    }
+  }
+}
+
 TEST(SunShadow, AtSamplesAnExponentialIsExactAtEveryHeight) {
   const FogMedium fog = smoothFog(*FogProfile::exponential(0, 4));
   const Vec3 towards = Vec3(0.5, -0.3, 0.6).normalized();

@@ -12,8 +12,8 @@
 namespace volute {
 namespace {
 
-constexpr double kMargin = 1e-5;   ///< of the scene's size, before and behind what Embree looks at
-constexpr double kLargest = 1e15;  ///< [m]; single precision squares what it is given
+constexpr double kRayMargin = 1e-5;  ///< of the scene's size, before and behind a ray's part
+constexpr double kLargest = 1e15;    ///< [m]; single precision squares what it is given
 
 struct ReleaseDevice {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
@@ -126,7 +126,7 @@ std::unique_ptr<const EmbreeScene> EmbreeScene::make(std::span<const Triangle> t
   const double size = bounds.size().norm();
   if (!(size > 0) || size > kLargest)
     return nullptr;
-  impl->margin = kMargin * size;
+  impl->margin = kRayMargin * size;
   impl->bounds = {(bounds.min.array() - impl->margin).matrix(),
                   (bounds.max.array() + impl->margin).matrix()};
   // By TBB, as all loops: a number of threads given here would be that of the whole program.

@@ -88,7 +88,7 @@ class SunTree {
 
   const Plot& plot(std::uint32_t number) const;
 
-  /// What is left to look at.
+  /// A node that a search has still to visit.
   struct Visit {
     const Plot* plot = nullptr;  ///< null: above the plots
     std::uint32_t node = 0;

@@ -107,7 +107,7 @@ void append(TriangleMesh& to, TriangleMesh mesh);
 /// meet it. Neighbouring triangles leave no gap. Cheap to copy: the triangles are shared and const.
 class TriangleScene {
  public:
-  /// Who answers.
+  /// Whether Embree or the tree of this module finds hits.
   enum class Execution {
     kFast,       ///< Embree where the library was built with it, else the reference
     kReference,  ///< a tree of boxes, in double
@@ -142,7 +142,7 @@ class TriangleScene {
   std::span<const Triangle> triangles() const;
   /// Which curved surface one of those stands for; null: it is flat by itself.
   const CurvedSurface* surfaceOf(std::size_t triangle) const;
-  /// Those that hits have the numbers of.
+  /// All triangles in one list; Hit::triangle is a position in it.
   std::span<const Triangle> flat() const;
   std::span<const CurvedPart> curved() const;
   std::span<const Material> materials() const;

@@ -34,7 +34,7 @@ struct FrameMetadata {
   /// Adds that of the next frame; null: it has none.
   void add(const MetadataList* list);
 
-  /// Those of some frames, by their positions.
+  /// Metadata of some frames, by their positions.
   FrameMetadata of(const std::vector<int>& positions) const;
 
   bool operator==(const FrameMetadata&) const = default;

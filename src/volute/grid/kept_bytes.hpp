@@ -14,12 +14,12 @@ namespace volute {
 /// parts.
 class KeptBytes {
  public:
-  /// Of each part but the last.
+  /// Size of each part but the last [bytes].
   static constexpr std::size_t kPart = std::size_t{16} << 20;
 
   virtual ~KeptBytes() = default;
 
-  /// Of all parts.
+  /// Size of all parts together [bytes].
   virtual std::uint64_t size() const = 0;
 
   /// The next part, good until the next call; empty after the last one.

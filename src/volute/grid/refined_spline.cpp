@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
@@ -47,7 +48,7 @@ SplineTaps refinedTaps() {
   return made;
 }
 
-constexpr int kMaxNeeded = kFineSide + 3;  // one more is read, with a weight of 0
+constexpr int kMaxNeeded = kFineSide + 4;
 
 using Block = std::array<float, kMaxNeeded * kMaxNeeded * kMaxNeeded>;
 
@@ -169,6 +170,72 @@ BrickSlice madeOf(const BrickSlice& spline, const SplineTaps& how, const VolumeI
   return made;
 }
 
+constexpr int kSteps[] = {1, kMaxNeeded, kMaxNeeded* kMaxNeeded};
+
+/// What flows out of a voxel to higher ones beside it, a sixth of each difference.
+float outflow(const float* at) {
+  float sum = 0;
+  for (const int step : kSteps)
+    sum += std::max(at[-step] - *at, 0.0F) + std::max(at[step] - *at, 0.0F);
+  return sum / 6;
+}
+
+/// What comes into a voxel through the face to the next one, each with its share of the outflow.
+float throughFace(const float* at, const float* share, int step) {
+  const float difference = (*at - at[step]) / 6;
+  return difference * (difference > 0 ? share[step] : *share);
+}
+
+/// The values less a sixth of the second differences of `shape`, as far as they last.
+/// @param values, shape  two voxels more than a brick on each side
+void sharpenBrick(const Block& values, const Block& shape, float* out) {
+  Block shares;
+  const auto place = [](int x, int y, int z) {
+    return static_cast<std::size_t>((z * kMaxNeeded + y) * kMaxNeeded + x);
+  };
+  for (int z = 1; z < kFineSide + 3; ++z) {
+    for (int y = 1; y < kFineSide + 3; ++y) {
+      for (int x = 1; x < kFineSide + 3; ++x) {
+        const std::size_t i = place(x, y, z);
+        const float flows = outflow(&shape[i]);
+        shares[i] = flows > values[i] ? std::max(values[i], 0.0F) / flows : 1.0F;
+      }
+    }
+  }
+  for (int z = 2; z < kFineSide + 2; ++z) {
+    for (int y = 2; y < kFineSide + 2; ++y) {
+      for (int x = 2; x < kFineSide + 2; ++x) {
+        const std::size_t i = place(x, y, z);
+        float sum = values[i];
+        for (const int step : kSteps) {
+          sum +=
+              throughFace(&shape[i], &shares[i], step) + throughFace(&shape[i], &shares[i], -step);
+        }
+        *out++ = values[i] > 0 ? std::max(sum, 0.0F) : sum;  // but for rounding it is not below
+      }
+    }
+  }
+}
+
+BrickSlice sharpened(const BrickSlice& values, const BrickSlice& shape) {
+  BrickSlice made = values.unshared();
+  parallelRanges(made.entries().size(), 8, [&](std::size_t begin, std::size_t end) {
+    Block own, its;
+    for (std::size_t b = begin; b < end; ++b) {
+      const BrickSlice::Entry& entry = made.entries()[b];
+      BrickPlace first;
+      for (std::size_t axis = 0; axis < 3; ++axis) first[axis] = entry.place[axis] * kFineSide - 2;
+      float* out = made.brick(entry.stored);
+      for (int c = 0; c < values.channels(); ++c, out += BrickSlice::kVoxels) {
+        if (readBlock(values, first, kFineSide + 4, c, own) &&
+            readBlock(shape, first, kFineSide + 4, c, its))
+          sharpenBrick(own, its, out);
+      }
+    }
+  });
+  return made;
+}
+
 VolumeInfo trilinearInfo(const BrickSlice& spline) {
   VOLUTE_ASSERT(spline.basis() == Basis::kCubic);
   VolumeInfo info;
@@ -184,6 +251,12 @@ Box3 grown(const BrickSlice& spline, double voxels) {
 }
 
 }  // namespace
+
+BrickSlice splineThrough(const BrickSlice& values) {
+  BrickSlice made = sharpened(values, sharpened(values, values));
+  made.setBasis(Basis::kCubic);
+  return made;
+}
 
 BrickSlice refinedSpline(const BrickSlice& spline) {
   VolumeInfo info = trilinearInfo(spline);

@@ -22,7 +22,7 @@ class LatticeMap {
   virtual Vec3 toNew(const Vec3& index) const = 0;
 };
 
-/// Of lattices with a matrix each.
+/// A map between lattices with an affine matrix each.
 class AffineLattices final : public LatticeMap {
  public:
   AffineLattices(const GridMatrix& oldToWorld, const GridMatrix& newToWorld)

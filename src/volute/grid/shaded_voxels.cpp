@@ -265,6 +265,16 @@ std::vector<Vec3> ShadedVoxels::lightPoints() const {
   return points;
 }
 
+std::int32_t ShadedVoxels::lightPointAt(const std::array<std::int32_t, 3>& voxel) const {
+  if (layout_)
+    return pointAt(voxel);
+  const auto [x, y, z] = voxel;
+  const bool stored =
+      x >= 0 && y >= 0 && z >= 0 && x < slice_->x() && y < slice_->y() && z < slice_->z() &&
+      slice_->brickAt(x / BrickSlice::kSide, y / BrickSlice::kSide, z / BrickSlice::kSide) >= 0;
+  return stored ? corners_->ofVoxel[slice_->placeOf(x, y, z)] : -1;
+}
+
 std::shared_ptr<ShadedVoxels::Tiles> ShadedVoxels::findTiles(const BrickSlice& slice) {
   auto tiles = std::make_shared<Tiles>();
   const BrickPlace count{slice.bricksX() + 1, slice.bricksY() + 1, slice.bricksZ() + 1};

@@ -58,8 +58,14 @@ class ShadedVoxels {
   /// The same as voxels; -1 is one before the first.
   VoxelPlaces lightPlaces() const;
 
+  /// Which of these a voxel is; -1: none. Not of tiles.
+  std::int32_t lightPointAt(const std::array<std::int32_t, 3>& voxel) const;
+
   /// [m]
   Vec3 centreOf(const std::array<std::int32_t, 3>& place) const;
+
+  /// Made by refining(): drawn over splines.
+  bool refines() const { return splines_ != nullptr; }
 
   /// From light at each of lightPoints() what L is to be there, so that between them its means are
   /// right to the fourth order: less a twelfth of its second differences. What is interpolated
@@ -113,7 +119,7 @@ class ShadedVoxels {
   bool marchesLight() const;
   std::shared_ptr<const MarchGrid> marched() const;
 
-  /// Where light is to be known.
+  /// Corners of cells at which light is computed.
   struct Corners {
     std::vector<BrickCorners> ofBrick;                ///< of bricks of cells
     std::vector<std::array<std::int32_t, 3>> places;  ///< voxels behind those
@@ -123,7 +129,7 @@ class ShadedVoxels {
     /// Which of the places is a corner of a brick; -1: none.
     std::int32_t pointAt(const MarchGrid& grid, std::size_t brick, int corner) const;
 
-    /// The same of all its corners.
+    /// Positions of all corners of a cell in the list of points.
     std::array<std::int32_t, CornerSet::kCorners> pointsOf(const MarchGrid& grid,
                                                            std::size_t brick) const;
   };

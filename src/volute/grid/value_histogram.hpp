@@ -15,7 +15,7 @@ class ValueHistogram {
  public:
   void add(float value, std::uint64_t count) { counts_[binOf(value)] += count; }
 
-  /// Of each bin, for sums over processes.
+  /// Counts of the bins; processes add theirs up.
   std::vector<std::uint64_t>& counts() { return counts_; }
 
   const std::vector<std::uint64_t>& counts() const { return counts_; }

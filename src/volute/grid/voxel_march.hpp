@@ -69,7 +69,7 @@ std::shared_ptr<MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>
 std::shared_ptr<MarchGrid> layMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
                                         const CellGrid& cells, const BrickTable* without);
 
-/// The same with values.
+/// A grid of laid-out cells, filled with values.
 std::shared_ptr<const MarchGrid> filled(const MarchGrid& laid);
 
 /// The voxels around the cells of a brick, shape (c, z, y, x).

@@ -545,6 +545,10 @@ const KnownDepth* LightField::known() const {
   return state_->options.known.get();
 }
 
+bool LightField::isKnown() const {
+  return known() && state_->media.empty();
+}
+
 std::uint64_t LightField::memoryBytes() const {
   return state_->made * sizeof(light_field::FieldBrick);
 }

@@ -20,6 +20,9 @@ class KnownDepth {
   virtual ~KnownDepth() = default;
 
   virtual double opticalDepth(const Vec3& point) const = 0;
+
+  /// exp(-opticalDepth()) of many points, sooner, within 1e-4.
+  virtual void shares(std::span<const Vec3> points, std::span<double> shares) const = 0;
 };
 
 /// Where a medium is: its shadow begins there.
@@ -47,7 +50,7 @@ struct LightFieldOptions {
 /// Immutable but for the bricks that are made; shared, and used by all threads.
 class LightField {
  public:
-  /// What is known of a place.
+  /// Transmittance at a place, from the bricks around it.
   struct Sample {
     double share = 1;  ///< of the light, 0..1
     double cell = 0;   ///< [m] below this distance it is all but linear; 0: it is exact
@@ -77,6 +80,9 @@ class LightField {
 
   /// May be null. Its share is a factor beside that of the bricks.
   const KnownDepth* known() const;
+
+  /// There are no media but what is known.
+  bool isKnown() const;
 
   std::uint64_t memoryBytes() const;
 

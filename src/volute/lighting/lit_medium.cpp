@@ -50,10 +50,11 @@ double meanInverseSquare(const Lamp& lamp, const Segment& ray, double begin, dou
 
 /// Where in a part, 0..1, the light that it sends comes from in the mean; light that is linear
 /// there is exact.
+/// @param left  exp(-depth)
 /// @param growth  of the extinction in the part, in parts of its mean
-double centroid(double depth, double growth) {
-  const double even = depth < 1e-3 ? 0.5 - depth / 12 : 1 / depth - 1 / std::expm1(depth);
-  return even + growth / 12 * std::exp(-depth);
+double centroid(double depth, double left, double growth) {
+  const double even = depth < 1e-2 ? 0.5 - depth / 12 : 1 / depth - left / (1 - left);
+  return even + growth / 12 * left;
 }
 
 /// How the extinction grows over a step, in parts of its mean, by the steps before and behind: it
@@ -360,6 +361,7 @@ void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> 
   std::vector<std::size_t> begins;
   std::vector<Radiance> parts;
   std::vector<double> depths;
+  std::vector<SunPlaces> suns(fields_.size());
   for (std::size_t first = 0; first < segments.size(); first += kSegmentsAtOnce) {
     const std::size_t count = std::min(kSegmentsAtOnce, segments.size() - first);
     rays.clear(), steps.clear(), begins.clear();
@@ -407,16 +409,35 @@ void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> 
       const auto itsDepths = std::span(depths).subspan(own, size);
       Radiance sum;
       for (std::size_t k = 0; k < size; ++k)
-        add(rays[i], itsSteps[k], parts[own + k], growthOf(itsSteps, itsDepths, k), sum);
+        add(rays[i], itsSteps, parts[own + k], itsDepths, k, suns, sum);
+      addSuns(rays[i], suns, sum);
       out[first + i] = sum;
     }
   }
 }
 
-/// One more step behind those of `sum`.
-/// @param growth  of its extinction, see growthOf()
-void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, double growth,
+/// The light of suns that are known, at all places of a ray.
+void LitMedium::addSuns(const Ray& ray, std::span<SunPlaces> suns, Radiance& sum) const {
+  for (std::size_t i = 0; i < suns.size(); ++i) {
+    auto& [points, given, shares] = suns[i];
+    if (points.empty())
+      continue;
+    shares.resize(points.size());
+    fields_[i].known()->shares(points, shares);
+    double light = 0;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      light += given[k] * (ray.phase(i) * shares[k] + goesOn(shares[k], ray.cosine(i)));
+    sum.emitted += light * options_.scattering.albedo * fields_[i].lamp().intensity;
+    points.clear(), given.clear();
+  }
+}
+
+/// Step k behind those of `sum`.
+/// @param suns  one for each field: of those that are known, what is to be asked
+void LitMedium::add(Ray& ray, std::span<const Segment> steps, const Radiance& own,
+                    std::span<const double> depths, std::size_t k, std::span<SunPlaces> suns,
                     Radiance& sum) const {
+  const Segment& step = steps[k];
   sum.emitted += sum.transmittance * own.emitted;
   const double before = sum.transmittance;
   sum.transmittance *= own.transmittance;
@@ -426,9 +447,26 @@ void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, double g
   if (!(before * (1 - own.transmittance) > lost) || !(middle > lit.begin && middle < lit.end))
     return;
   ray.stand(middle);
-  const double depth = -std::log(std::max(own.transmittance, 1e-300)),
+  const double depth = depths[k], growth = growthOf(steps, depths, k),
                length = step.end - step.begin;
   const int thick = static_cast<int>(std::min(depth / kPartDepth, 1e3)) + 1;
+  const double middleOfLight = centroid(depth, own.transmittance, growth);
+  // Begin, end and middle of the light of each of several parts, and how much of its light passes.
+  const auto forParts = [&](int count, auto&& part) {
+    double passed = 1;
+    double each = count > 1 ? std::exp(-depth / count) : own.transmittance;
+    double place = count > 1 ? centroid(depth / count, each, growth / count) : middleOfLight;
+    for (int k = 0; k < count && passed > kStepLost; ++k) {
+      const double begin = step.begin + length * k / count, end = begin + length / count;
+      if (growth != 0 && count > 1) {
+        const double dense = 1 + growth * ((k + 0.5) / count - 0.5);
+        each = std::exp(-depth * dense / count);
+        place = centroid(depth * dense / count, each, growth / (count * dense));
+      }
+      part(begin, end, begin + place * (end - begin), passed * (1 - each));
+      passed *= each;
+    }
+  };
   Rgb light = Rgb::Zero();
   for (std::size_t i = 0; i < fields_.size(); ++i) {
     if (!ray.reached(i))
@@ -436,9 +474,16 @@ void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, double g
     const LightField& field = fields_[i];
     const Lamp& lamp = field.lamp();
     const bool sun = lamp.kind == Lamp::Kind::kSun;
+    if (sun && field.isKnown()) {
+      forParts(std::min(thick, kMaxParts), [&](double, double, double place, double given) {
+        suns[i].points.push_back(step.at(place));
+        suns[i].given.push_back(before * given);
+      });
+      continue;
+    }
     int count = thick;
     LightField::Sample seen =
-        field.at(step.at(step.begin + length * (thick > 1 ? 0.5 : centroid(depth, growth))));
+        field.at(step.at(step.begin + length * (thick > 1 ? 0.5 : middleOfLight)));
     if (seen.cell > 0)
       count = std::max(count, static_cast<int>(std::min(length / seen.cell, 1e3)));
     if (!sun) {
@@ -455,17 +500,9 @@ void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, double g
                        lamp.coneShare(step.at(step.end))});
       count = std::max(count, 1 + static_cast<int>(kRimParts * (high - low)));
     }
-    count = std::min(count, kMaxParts);
-    double passed = 1, share = 0;
-    double each = std::exp(-depth / count), place = centroid(depth / count, growth / count);
-    for (int part = 0; part < count && passed > kStepLost; ++part) {
-      const double begin = step.begin + length * part / count, end = begin + length / count;
-      if (growth != 0 && count > 1) {
-        const double dense = 1 + growth * ((part + 0.5) / count - 0.5);
-        each = std::exp(-depth * dense / count);
-        place = centroid(depth * dense / count, growth / (count * dense));
-      }
-      const Vec3 point = step.at(begin + place * (end - begin));
+    double share = 0;
+    forParts(std::min(count, kMaxParts), [&](double begin, double end, double place, double given) {
+      const Vec3 point = step.at(place);
       double arriving = ray.phase(i), cosine = ray.cosine(i), falls = 1;
       if (!sun) {
         const Vec3 away = point - lamp.position;
@@ -478,13 +515,12 @@ void LitMedium::add(Ray& ray, const Segment& step, const Radiance& own, double g
       }
       if (count > 1)
         seen = arriving > 0 ? field.at(point) : LightField::Sample{};
-      share += passed * (1 - each) * (arriving * seen.share + falls * goesOn(seen.share, cosine));
-      passed *= each;
-    }
+      share += given * (arriving * seen.share + falls * goesOn(seen.share, cosine));
+    });
     light += share * lamp.intensity;
   }
   if (options_.again) {
-    const Vec3 point = step.at(step.begin + length * centroid(depth, growth));
+    const Vec3 point = step.at(step.begin + length * middleOfLight);
     light += (1 - own.transmittance) * options_.again->towards(point, -step.direction);
   }
   sum.emitted += before * options_.scattering.albedo * light;

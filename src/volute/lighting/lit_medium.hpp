@@ -69,10 +69,19 @@ class LitMedium {
     double cell = 0;  ///< LightField::Sample::cell, the least of all lamps
   };
 
+  /// Places of a ray at which a sun's light is asked for at once, and what of it they send on.
+  struct SunPlaces {
+    std::vector<Vec3> points;
+    std::vector<double> given, shares;
+  };
+
   Source source(const Ray& ray, const Vec3& point) const;
   double goesOn(double share, double cosine) const;
   double evenFor(const Ray& ray, const Vec3& point) const;
-  void add(Ray& ray, const Segment& step, const Radiance& own, double growth, Radiance& sum) const;
+  void add(Ray& ray, std::span<const Segment> steps, const Radiance& own,
+           std::span<const double> depths, std::size_t k, std::span<SunPlaces> suns,
+           Radiance& sum) const;
+  void addSuns(const Ray& ray, std::span<SunPlaces> suns, Radiance& sum) const;
   void cut(const Ray& ray, const Piece& piece, int cuts, std::vector<Piece>& out) const;
 
   AnyMedium medium_;

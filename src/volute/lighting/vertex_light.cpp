@@ -10,6 +10,7 @@
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/lighting/lamp_runs.hpp"
+#include "volute/lighting/share_fit.hpp"
 
 namespace volute {
 namespace {
@@ -257,6 +258,24 @@ std::vector<float> LampPaths::shares(std::span<const float> extinction, const La
     }
   });
   return shares;
+}
+
+std::vector<float> LampPaths::means(
+    std::span<const float> extinction, const Lamp& lamp, std::span<const float> shares,
+    const std::function<void(std::span<const Vec3>, std::span<float>)>& others) const {
+  const ShareFit fit(locator_->mesh(), extinction, shares);
+  const auto places = fit.places();
+  const bool inside = lamp.kind == Lamp::Kind::kSpot && locator_->find(lamp.position) >= 0;
+  std::vector<float> there(places.size());
+  parallelRanges(there.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      there[i] = static_cast<float>(
+          lampShareAt(*locator_, extinction, lamp.towards(places[i]), fit.tets()[i], inside));
+    }
+  });
+  if (others)
+    others(places, there);
+  return *fit.fitted(there);
 }
 
 double lampShareAt(const TetLocator& locator, std::span<const float> extinction, const Segment& way,

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -29,6 +30,14 @@ class LampPaths {
 
   /// One share for each vertex. `extinction` [1/m], one for each vertex, finite and >= 0.
   std::vector<float> shares(std::span<const float> extinction, const Lamp& lamp) const;
+
+  /// The same where light is linear between vertices: moved so that it is right in the mean of each
+  /// tet (ShareFit).
+  /// @param shares  those at vertices, also less what others take
+  /// @param others  takes what is not the mesh's from shares at points; may be empty
+  std::vector<float> means(
+      std::span<const float> extinction, const Lamp& lamp, std::span<const float> shares,
+      const std::function<void(std::span<const Vec3>, std::span<float>)>& others) const;
 
   const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
 

@@ -12,7 +12,7 @@ namespace volute {
 /// What stands between lamps and a medium; empty where there is no geometry.
 Blocks blocksOf(const TriangleScene& geometry);
 
-/// The same by intervals of segments, exactly.
+/// Shadows of geometry as intervals of segments, exactly.
 ShadowsOn shadowsOf(const TriangleScene& geometry);
 
 /// Stands for the triangles where computed light is kept.

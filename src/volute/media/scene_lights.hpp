@@ -21,7 +21,7 @@ struct SceneLights {
 
 Lamp lampOf(const Sun& sun);
 
-/// Of the kinds of lights.
+/// Tables of members, one for each kind of light.
 std::span<const FieldTable* const> lightTables();
 const FieldTable& sunFields();
 

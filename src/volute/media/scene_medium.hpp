@@ -86,7 +86,7 @@ struct MediumText {
   std::vector<PlaceMark> marks{};     ///< with the legend, where they are
 };
 
-/// What an instant is for.
+/// An instant of a medium, and how good it has to be.
 struct InstantRequest {
   double time = 0;      ///< [s], of the scene
   double factor = 1;    ///< of all extinctions: PictureLaw::factor()

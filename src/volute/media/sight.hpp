@@ -46,7 +46,7 @@ struct Sight {
   bool blocked = false;  ///< something opaque stands between; what ends at the target does not
 };
 
-/// What stands at a point.
+/// Gas, solid or outside of the field, at a point.
 enum class Place : unsigned char {
   kGas,      ///< one can look from here
   kSolid,    ///< inside something opaque
@@ -116,7 +116,7 @@ class SightInstant {
   /// Sight::blocked of each line alone, 1 where it is.
   virtual void blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const = 0;
 
-  /// What stands at each point.
+  /// Fills `places` with what stands at each point.
   virtual void places(std::span<const Vec3> points, std::span<Place> places) const = 0;
 
   /// What is cut by a level [m]; empty where nothing is known but places().
@@ -349,7 +349,7 @@ class SightField {
   /// none.
   virtual std::string tallerSource() const { return ""; }
 
-  /// What its reader has to say.
+  /// Remarks of the reader of the files.
   virtual std::vector<Remark> remarks() const { return {}; }
 
   /// When it is stored [s], ascending.
@@ -366,7 +366,7 @@ class SightField {
     return !storedPlace(times(), std::min(begin(), times().front()));
   }
 
-  /// What a person calls a stored time.
+  /// The frame number of a stored time.
   virtual int numberOf(std::size_t time) const { return static_cast<int>(time); }
 
   /// All places of which the field may know something [m].

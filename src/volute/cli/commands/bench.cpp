@@ -54,6 +54,10 @@ Command benchCommand() {
                   {.name = "whole-pictures",
                    .help = "`smoke`: compare every pixel with the reference in double (takes "
                            "minutes) and measure no times"},
+                  {.name = "only",
+                   .kind = ValueKind::kText,
+                   .value = "TEXT",
+                   .help = "`light`: only rows with this in their names, as in 'sun, mesh,'"},
                   {.name = "list", .help = "list the benchmarks"}},
       .run = runBench};
 }

@@ -398,7 +398,7 @@ std::vector<Option> renderOptionTable() {
        .value = "NAME",
        .help =
            "tone curve for .png and films: filmic and agx desaturate bright light, shoulder "
-           "dims what is above 0.7 and keeps its hue, none clips it; auto: filmic; for measured "
+           "dims colours above 0.7 and keeps their hue, none clips; auto: filmic; for measured "
            "transmittance none, with flames shoulder; by OpenColorIO: aces (ACES 1.0 for sRGB), "
            "ocio, ocio:VIEW or ocio:DISPLAY/VIEW of the configuration that $OCIO names",
        .initial = "auto"},

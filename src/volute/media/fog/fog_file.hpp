@@ -79,7 +79,7 @@ struct FogDescription {
 };
 
 const FieldTable& fogFields();
-/// Of its "profile".
+/// The members of a fog's "profile".
 const FieldTable& fogProfileFields();
 
 /// A fog object of a scene, or the options that say the same.

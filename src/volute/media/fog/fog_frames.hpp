@@ -26,7 +26,7 @@ struct FogFrame {
   std::string camera;  ///< a scene's camera object, .json
 };
 
-/// What the files do not say.
+/// Layer, channel, kind and scale of depths where files do not state them.
 struct FogFrameOptions {
   std::string colorLayer{};                   ///< empty: the one of the whole picture
   std::string depthChannel{};                 ///< empty: by the names that renderers give it

@@ -46,7 +46,7 @@ class FogAt final : public MediumAt {
 
   double factor() const { return factor_; }
 
-  /// What it is an instant of.
+  /// The medium in time that this is an instant of.
   const std::shared_ptr<const FogSceneMedium>& map() const { return map_; }
 
  private:

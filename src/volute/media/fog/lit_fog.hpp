@@ -31,6 +31,10 @@ struct SunInFog final : KnownDepth {
   explicit SunInFog(SunShadow made) : maps(std::move(made)) {}
 
   double opticalDepth(const Vec3& point) const override { return maps.opticalDepth(point); }
+
+  void shares(std::span<const Vec3> points, std::span<double> shares) const override {
+    maps.shares(points, shares);
+  }
 };
 
 /// Fog in the light of lamps that reach it through itself and other media.

@@ -246,7 +246,8 @@ void SmokeAt::light(const Illumination& light) const {
     const AnyMedium smoke(TetMedium(state_.locator, state_.extinction, {}));
     const auto again = light.again(smoke, smoke.bounds(), {state_.albedo});
     state_.source = scatteredLight(state_.locator->mesh().vertices(), light.lamps,
-                                   state_.lampShares, state_.albedo, light.ambient, again.get());
+                                   state_.lampMeans.empty() ? state_.lampShares : state_.lampMeans,
+                                   state_.albedo, light.ambient, again.get());
   });
 }
 
@@ -265,14 +266,17 @@ std::shared_ptr<const MediumAt> SmokeAt::litBy(const MediaLight& other) const {
   const ArrivingLight arriving(light, mesh.bounds());
   auto lit = std::make_shared<SmokeAt>(state_, factor_, lighting_, walls_);
   std::vector<std::vector<float>>& shares = lit->state_.lampShares;
-  for (std::size_t l = 0; l < own; ++l)  // surfaces have taken from them
-    arriving.takeFrom(l, mesh.vertices(), shares[l], false);
-  if (!other.lamps.empty()) {
-    const LampPaths paths(state_.locator);
-    for (std::size_t l = own; l < light.lamps.size(); ++l) {
+  const LampPaths paths(state_.locator);
+  lit->state_.lampMeans.clear();
+  for (std::size_t l = 0; l < light.lamps.size(); ++l) {
+    if (l >= own)
       shares.push_back(paths.shares(state_.extinction, light.lamps[l]));
-      arriving.takeFrom(l, mesh.vertices(), shares[l]);
-    }
+    arriving.takeFrom(l, mesh.vertices(), shares[l], l >= own);  // from its own they have taken
+    lit->state_.lampMeans.push_back(
+        paths.means(state_.extinction, light.lamps[l], shares[l],
+                    [&](std::span<const Vec3> points, std::span<float> there) {
+                      arriving.takeFrom(l, points, there);
+                    }));
   }
   lit->state_.source.clear();
   lit->light(light);

@@ -13,6 +13,7 @@
 #include "volute/base/assert.hpp"
 #include "volute/base/gather_values.hpp"
 #include "volute/base/stopwatch.hpp"
+#include "volute/lighting/share_fit.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/smoke/mesh_probe.hpp"
 #include "volute/media/smoke/mesh_sight.hpp"
@@ -316,7 +317,7 @@ Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::si
   if (!stored->paths) {
     stored->paths =
         std::make_shared<const LampPaths>(std::make_shared<const TetLocator>(frame.mesh));
-    constexpr double kVersion = 1;  // of LampPaths: another one, other light
+    constexpr double kVersion = 2;  // of LampPaths: another one, other light
     stored->meshHash.add(kVersion);
     static_assert(sizeof(Vec3) == 3 * sizeof(double));
     stored->meshHash.add(frame.mesh->vertices());
@@ -352,14 +353,20 @@ std::vector<float> SmokeMedium::lightOf(const Step& step, const Lamp& lamp) {
   if (memory)
     kept = memory->find(key);
   if (!kept && cache)
-    kept = cache->find(key, step.extinction.size());
+    kept = cache->find(key, 2 * step.extinction.size());
   if (kept) {
     ++counts_.lightsReused;
   } else {
-    kept = step.stored->paths->shares(step.extinction, lamp);
+    const LampPaths& paths = *step.stored->paths;
+    kept = paths.shares(step.extinction, lamp);
     const TetMesh& mesh = *step.stored->frame.mesh;
-    ArrivingLight({.lamps = {lamp}, .blocks = lighting_->blocks}, mesh.bounds())
-        .takeFrom(0, mesh.vertices(), *kept);
+    const ArrivingLight arriving({.lamps = {lamp}, .blocks = lighting_->blocks}, mesh.bounds());
+    arriving.takeFrom(0, mesh.vertices(), *kept);
+    const auto means = paths.means(step.extinction, lamp, *kept,
+                                   [&](std::span<const Vec3> points, std::span<float> shares) {
+                                     arriving.takeFrom(0, points, shares);
+                                   });
+    kept->insert(kept->end(), means.begin(), means.end());
     ++counts_.lightsComputed;
     if (cache && fillsCache_) {
       if (const auto stored = cache->store(key, *kept); !stored)
@@ -374,16 +381,27 @@ std::vector<float> SmokeMedium::lightOf(const Step& step, const Lamp& lamp) {
 Status SmokeMedium::light(Step& step) {
   const Stopwatch watch(counts_.lightMilliseconds);
   for (const Lamp& lamp : lighting_->lights.lamps) {
-    if (!holders_) {
-      step.lampShares.push_back(lightOf(step, lamp));
-      continue;
-    }
-    VOLUTE_ASSIGN(auto shares, sharedLampShares(*holders_, *step.stored->paths->locator(),
-                                                step.extinction, lamp, bounds_));
-    step.lampShares.push_back(std::move(shares));
-    ++counts_.lightsComputed;
+    VOLUTE_ASSIGN(const auto both, holders_ ? sharedLightOf(step, lamp)
+                                            : Result<std::vector<float>>(lightOf(step, lamp)));
+    const auto middle = both.begin() + static_cast<std::ptrdiff_t>(both.size() / 2);
+    step.lampShares.emplace_back(both.begin(), middle);
+    step.lampMeans.emplace_back(middle, both.end());
   }
   return {};
+}
+
+Result<std::vector<float>> SmokeMedium::sharedLightOf(const Step& step, const Lamp& lamp) {
+  const SharedMesh shared{*holders_, *step.stored->paths->locator(), bounds_};
+  const TetMesh& mesh = *step.stored->frame.mesh;
+  VOLUTE_ASSIGN(auto shares, sharedLampShares(shared, step.extinction, lamp, mesh.vertices()));
+  const ShareFit fit(mesh, step.extinction, shares);
+  VOLUTE_ASSIGN(const auto there, sharedLampShares(shared, step.extinction, lamp, fit.places()));
+  VOLUTE_ASSIGN(const auto means, fit.fitted(there, [&](std::span<double> sums) {
+    return addAtSharedVertices(shared, sums);
+  }));
+  shares.insert(shares.end(), means.begin(), means.end());
+  ++counts_.lightsComputed;
+  return shares;
 }
 
 Result<std::shared_ptr<const SmokeMedium::Step>> SmokeMedium::step(std::size_t index) {
@@ -436,6 +454,7 @@ Result<SmokeState> SmokeMedium::stateAt(double time, Progress& progress) {
                    from->extinction,
                    {},
                    from->lampShares,
+                   from->lampMeans,
                    extinctionOfConcentration(description_.model)};
   if (description_.walls) {
     VOLUTE_ASSIGN(state.walls, wallsOf(from->stored->frame));
@@ -445,8 +464,10 @@ Result<SmokeState> SmokeMedium::stateAt(double time, Progress& progress) {
     if (to->stored->frame.mesh == from->stored->frame.mesh) {
       const double share = (local - times[before]) / (times[after] - times[before]);
       state.extinction = between(from->extinction, to->extinction, share);
-      for (std::size_t l = 0; l < state.lampShares.size(); ++l)
+      for (std::size_t l = 0; l < state.lampShares.size(); ++l) {
         state.lampShares[l] = between(from->lampShares[l], to->lampShares[l], share);
+        state.lampMeans[l] = between(from->lampMeans[l], to->lampMeans[l], share);
+      }
     }
   }
   state.albedo = description_.albedo;

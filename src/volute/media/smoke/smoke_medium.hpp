@@ -31,6 +31,8 @@ struct SmokeState {
   std::vector<float> extinction;               ///< [1/m], natural logarithm, one for each vertex
   std::vector<float> source;                   ///< see TetMedium; empty: black
   std::vector<std::vector<float>> lampShares;  ///< of each lamp, at each vertex
+  /// The same for what is linear between vertices: LampPaths::means(). Empty: as they are.
+  std::vector<std::vector<float>> lampMeans{};
   /// Of one unit of concentration [1/m], unitOfConcentration(); 0: the field holds no mass.
   double extinctionOfUnit = 0;
   std::shared_ptr<const MeshWalls> walls{};  ///< of the mesh; null: not made yet
@@ -48,7 +50,7 @@ struct SmokeLighting {
   Illumination illumination(const MediaLight& other = {}) const;
 };
 
-/// What was done, summed over all pictures.
+/// Counts of work, summed over all pictures.
 struct SmokeCounts {
   std::uint64_t stepsRead = 0;
   std::uint64_t lightsComputed = 0;  ///< one for each lamp and step
@@ -190,7 +192,7 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
   const SmokeCounts& done() const { return counts_; }
 
  private:
-  /// What the files say of a step.
+  /// Values of a step, as the files hold them.
   struct Stored {
     std::size_t index = 0;
     std::shared_ptr<const LampPaths> paths;
@@ -213,7 +215,7 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
   struct Step {
     std::shared_ptr<const Stored> stored;
     std::vector<float> extinction;
-    std::vector<std::vector<float>> lampShares;
+    std::vector<std::vector<float>> lampShares, lampMeans;
   };
 
   SmokeMedium(SmokeDescription description, std::shared_ptr<Files> files)
@@ -226,7 +228,9 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
   [[nodiscard]] Result<std::vector<float>> extinctionOf(const Stored& stored) const;
   [[nodiscard]] Status light(Step& step);
   [[nodiscard]] Result<std::shared_ptr<const MeshWalls>> wallsOf(const MeshFrame& frame);
+  /// lampShares and, behind them, lampMeans.
   std::vector<float> lightOf(const Step& step, const Lamp& lamp);
+  [[nodiscard]] Result<std::vector<float>> sharedLightOf(const Step& step, const Lamp& lamp);
   std::string lightKey(const Step& step, const Lamp& lamp) const;
   [[nodiscard]] Status checkShare(const Stored& stored) const;
   [[nodiscard]] Result<double> largestOf(std::span<const float> extinction);

@@ -279,19 +279,32 @@ TEST(SmokeAt, IsLitThroughOtherMediaAndByWhatGlows) {
   const std::vector<AnyMedium> between{AnyMedium(TetMedium(state.locator, half))};
   const auto lit = smoke.litBy({hall().lights.lamps, between});
   ASSERT_TRUE(lit);
-  const auto& source = dynamic_cast<const SmokeAt&>(*lit).state().source;
+  const SmokeState& found = dynamic_cast<const SmokeAt&>(*lit).state();
+  const Lamp& lamp = hall().lights.lamps[0];
   std::vector<float> shares = state.lampShares[0];
   for (float& share : shares) share = std::pow(share, 1.5F);
-  const std::vector<std::vector<float>> both{shares, shares};
-  const std::vector<Lamp> lamps{hall().lights.lamps[0], hall().lights.lamps[0]};
-  const auto expected =
-      scatteredLight(state.locator->mesh().vertices(), lamps, both, state.albedo, Rgb::Zero());
-  ASSERT_EQ(source.size(), expected.size());
-  const float brightest = *std::ranges::max_element(expected);
-  double most = 0;
-  for (std::size_t i = 0; i < source.size(); ++i)
-    most = std::max<double>(most, std::abs(source[i] - expected[i]));
-  EXPECT_LT(most, 5e-3 * brightest);
+  const auto takesHalf = [&](std::span<const Vec3> points, std::span<float> there) {
+    std::vector<Segment> ways;
+    for (const Vec3& point : points) ways.push_back(lamp.towards(point));
+    std::vector<double> depths(ways.size());
+    between[0].opticalDepth(ways, depths);
+    for (std::size_t i = 0; i < there.size(); ++i)
+      there[i] *= static_cast<float>(std::exp(-depths[i]));
+  };
+  const auto means = LampPaths(state.locator).means(state.extinction, lamp, shares, takesHalf);
+  ASSERT_EQ(found.lampMeans.size(), 2);
+  double most = 0, moved = 0;
+  for (const auto& drawn : found.lampMeans) {
+    ASSERT_EQ(drawn.size(), means.size());
+    for (std::size_t i = 0; i < means.size(); ++i) {
+      most = std::max<double>(most, std::abs(drawn[i] - means[i]));
+      moved = std::max<double>(moved, std::abs(drawn[i] - shares[i]));
+    }
+  }
+  EXPECT_LT(most, 1e-2);
+  EXPECT_GT(moved, 1e-2);
+  EXPECT_EQ(found.source, scatteredLight(state.locator->mesh().vertices(), {{lamp, lamp}},
+                                         found.lampMeans, state.albedo, Rgb::Zero()));
   const SmokeAt black(hall().smoke, 1, lighting, std::nullopt);
   EXPECT_FALSE(black.litBy({hall().lights.lamps, between})) << "it scatters nothing";
 }

@@ -26,7 +26,7 @@ class TetInstant final : public BasicSightInstant {
   void places(std::span<const Vec3> points, std::span<Place> places) const override;
   void extinction(std::span<const Vec3> points, std::span<double> extinction) const override;
 
-  /// Of the mesh.
+  /// Identity of the mesh's geometry.
   std::uint64_t geometry() const override { return geometry_; }
 
   void weigh(const SightLine& line, std::vector<SightWeight>& weights, Sight& sight) const override;

@@ -81,7 +81,7 @@ class WallLight {
   WallLight();
   ~WallLight();
 
-  /// What is asked for a face.
+  /// A mesh whose walls are lit, and the lamps.
   struct Request {
     const TetLocator& locator;
     std::span<const float> extinction;

@@ -197,7 +197,7 @@ Box3 VolumeMedium::uprightBounds() const {
 void VolumeMedium::setAppearance(const Appearance& appearance) {
   shadedMoment_ = pathsMoment_ = lightMoment_ = -1;
   light_ = nullptr;
-  refinedOf_ = refined_ = nullptr;
+  drawnOf_ = drawn_ = nullptr;
   velocitiesChecked_ = velocitiesChecked_ && appearance.velocityUnit == appearance_.velocityUnit &&
                        appearance.velocityScale == appearance_.velocityScale;
   const Placement before = placed(std::exchange(appearance_, appearance));

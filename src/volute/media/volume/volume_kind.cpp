@@ -116,6 +116,27 @@ void addShown(ParameterGroup& group, const OrderedJson& entry, const VolumeMediu
   group.section("");
 }
 
+/// Of a scene of version 1, whose values are light where it does not say otherwise: what its file
+/// shows by itself, and later scenes do. What cannot be read is said by whoever opens it.
+void sayOtherLook(const std::string& file, InputOptions input, const MediumContext& context,
+                  Reading& reading, const std::shared_ptr<LoneFrame>& frame) {
+  Progress quiet;
+  Reading silent = reading.with(quiet);
+  Appearance appearance;
+  const auto preset = applyPreset(VolumePreset::kAuto, file, input, appearance, silent, frame);
+  if (!preset || *preset == VolumePreset::kNone)
+    return;
+  reading.progress.remark(
+      Remark(RemarkCode::kNote,
+             fmt::format("{}: {}: its values are shown as light, as a volute-scene-1 means it; "
+                         "\"preset\": \"auto\", or {}, shows it as {}",
+                         context.file, context.path, kSceneFormat,
+                         *preset == VolumePreset::kFire    ? "fire"
+                         : *preset == VolumePreset::kSmoke ? "smoke"
+                                                           : "fire and smoke"))
+          .in(context.file, context.path));
+}
+
 class VolumeKind final : public MediumKind {
  public:
   const FieldTable& fields() const override { return volumeFields(); }
@@ -131,9 +152,12 @@ class VolumeKind final : public MediumKind {
     input.partial = context.options.partial, input.verify = context.options.verify;
     const bool said =
         entry.contains("preset") || entry.contains("emission") || entry.contains("transfer");
-    const bool looks =
-        context.version >= 2 && !said && !context.options.measured && !context.options.byTree;
+    // Pictures are smooth where the file does not want otherwise; measurements take its own.
+    const bool pictures = !context.options.measured && !context.options.byTree;
+    const bool looks = context.version >= 2 && !said && pictures;
     const auto frame = std::make_shared<LoneFrame>();
+    if (context.version < 2 && !said && pictures && !context.options.sightOnly)
+      sayOtherLook(volume.file, input, context, reading, frame);
     VOLUTE_ASSIGN(const auto preset,
                   applyPreset(looks                        ? VolumePreset::kAuto
                               : volume.appearance.transfer ? VolumePreset::kNone
@@ -155,8 +179,6 @@ class VolumeKind final : public MediumKind {
       return origin.wrong(FieldRow{.name = "basis"},
                           "what is lit or burns is drawn over the trilinear or the cubic basis");
     }
-    // Pictures are smooth where the file does not want otherwise; measurements take its own.
-    const bool pictures = !context.options.measured && !context.options.byTree;
     appearance.refines = pictures;
     appearance.basisByView = pictures && context.version >= 2 && !appearance.basis;
     if (!appearance.basis && (appearance.shaded() || !context.options.measured))
@@ -167,7 +189,7 @@ class VolumeKind final : public MediumKind {
     lighting.lamps = context.lights.lamps;
     lighting.surrounding = context.lights.ambient;
     lighting.multiple = context.lights.multiple;
-    lighting.blocks = blocksOf(context.geometry);
+    lighting.surfaces = context.geometry;
     if (appearance.surface)
       lighting.lamps.clear(), lighting.surrounding = Rgb::Zero();  // they are the scene's
     if (preset != VolumePreset::kNone && context.lights.lamps.empty() &&

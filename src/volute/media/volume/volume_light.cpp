@@ -11,6 +11,7 @@
 
 #include "volute/base/parallel.hpp"
 #include "volute/math/phase_function.hpp"
+#include "volute/media/light_blockers.hpp"
 #include "volute/media/volume/light_fan.hpp"
 
 namespace volute {
@@ -377,6 +378,7 @@ std::shared_ptr<const VolumeLight> VolumeLight::withLamps(
     more->lampShares_.resize(more->lighting_.lamps.size());
     const ArrivingLight arriving(more->illumination(), bounds());
     for (std::size_t l = own; l < more->lampShares_.size(); ++l) more->addShares(l, arriving);
+    std::call_once(more->beside_, [&] { more->atSurfaces_ = atSurfaces(); });
     if (between.empty())
       return;
     std::vector<Vec3> points;
@@ -423,7 +425,7 @@ AnyMedium VolumeLight::medium() const {
 
 Illumination VolumeLight::illumination() const {
   return {.lamps = lighting_.lamps,
-          .blocks = lighting_.blocks,
+          .blocks = blocksOf(lighting_.surfaces),
           .between = between_,
           .multiple = lighting_.multiple};
 }
@@ -480,7 +482,42 @@ Rgb scatteredTo(const Lamp& lamp, const Vec3& point, const Vec3* way, double sha
   return arrives * cone / (reach * reach) * lamp.intensity;
 }
 
+/// From a point to the eye.
+Vec3 wayTo(const VolumeView& view, const Vec3& point) {
+  return view.parallel ? Vec3(-view.at) : Vec3((view.at - point).normalized());
+}
+
 }  // namespace
+
+/// What arrives of all lamps' light at a place, per unit of scattering.
+/// @param shareOf  of a lamp's light: 0..1
+/// @param again  what was scattered forwards on its way arrives, too
+template <class ShareOf>
+Rgb VolumeLight::ofLamps(const Place& place, const std::optional<View>& view, bool again,
+                         ShareOf&& shareOf) const {
+  const Scattering scattering{lighting_.albedo, lighting_.asymmetry};
+  const Vec3 point = placeOf(place);
+  const Vec3 way = view ? wayTo(*view, point) : Vec3::Zero();
+  Rgb sum = Rgb::Zero();
+  for (std::size_t l = 0; l < lampShares_.size(); ++l) {
+    if (const float share = shareOf(lampShares_[l]); share != 0)
+      sum += scatteredTo(lighting_.lamps[l], point, view ? &way : nullptr, share,
+                         again ? scattering.goesOn(share) : 0, scattering);
+  }
+  return sum;
+}
+
+const std::shared_ptr<const LightAtSurfaces>& VolumeLight::atSurfaces() const {
+  std::call_once(beside_, [&] {
+    if (lighting_.surfaces.empty() || !(lighting_.albedo.maxCoeff() > 0))
+      return;
+    auto found =
+        std::make_shared<const LightAtSurfaces>(volume_, lighting_.place, lighting_.surfaces);
+    if (!found->empty())
+      atSurfaces_ = std::move(found);
+  });
+  return atSurfaces_;
+}
 
 ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   gather();
@@ -488,7 +525,6 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   if (lampShares_.empty() && even_.empty() && !again)
     return volume_.drawn();
   const auto places = volume_.lightPlaces();
-  const Scattering scattering{lighting_.albedo, lighting_.asymmetry};
   std::vector<VoxelLight> light(places.size());
   parallelRanges(places.size(), 4096, [&](std::size_t begin, std::size_t end) {
     std::vector<Lattice::Reader> even;
@@ -499,14 +535,9 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
       Rgb sum = Rgb::Zero();
       for (Lattice::Reader& lattice : even) sum += lattice.at(place, i);
       const Vec3 point = placeOf(place);
-      Vec3 way = Vec3::Zero();  // from the point to the eye
-      if (view)
-        way = view->parallel ? Vec3(-view->at) : Vec3((view->at - point).normalized());
-      for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) {
-        if (const float share = lampShares_[l][i]; share != 0)
-          sum += scatteredTo(lighting_.lamps[l], point, view ? &way : nullptr, share,
-                             again ? scattering.goesOn(share) : 0, scattering);
-      }
+      const Vec3 way = view ? wayTo(*view, point) : Vec3::Zero();
+      sum += ofLamps(place, view, again != nullptr,
+                     [&](const std::vector<float>& shares) { return shares[i]; });
       if (again)
         sum += view ? again->towards(point, way) : again->at(point);
       sum *= lighting_.albedo;
@@ -515,13 +546,37 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
       light[i] = sum.cast<float>();
     }
   });
+  if (!view || lampShares_.empty() || !atSurfaces())
+    return volume_.withMeansOf(std::move(light));
+  const std::vector<LightAtSurfaces::Hidden> hidden = atSurfaces()->hiddenFrom(*view);
+  parallelRanges(hidden.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t h = begin; h < end; ++h) {
+      const LightAtSurfaces::Hidden& one = hidden[h];
+      const auto i = static_cast<std::size_t>(one.point.number);
+      const auto own = [&](const std::vector<float>& shares) { return shares[i]; };
+      const auto before = [&](const std::vector<float>& shares) {
+        float sum = 0;
+        for (const LightAtSurfaces::Seen& seen : one.seen)
+          sum += seen.weight * shares[static_cast<std::size_t>(seen.number)];
+        return sum;
+      };
+      Rgb change = ofLamps(one.point.place, view, again != nullptr, before) -
+                   ofLamps(one.point.place, view, again != nullptr, own);
+      change *= lighting_.albedo;
+      if (!lighting_.colors.empty())
+        change *= lighting_.colors[i];
+      light[i] = (light[i] + change.cast<float>()).max(0);
+    }
+  });
   return volume_.withMeansOf(std::move(light));
 }
 
 ShadedVoxels VolumeLight::seenFrom(const View& view) const {
   const std::lock_guard lock(guard_);
-  const bool same = last_ && (lighting_.asymmetry == 0 || (lastView_ && lastView_->at == view.at &&
-                                                           lastView_->parallel == view.parallel));
+  const bool even = lighting_.asymmetry == 0 && (lighting_.lamps.empty() || !atSurfaces());
+  const bool same =
+      last_ &&
+      (even || (lastView_ && lastView_->at == view.at && lastView_->parallel == view.parallel));
   if (!same) {
     last_ = shaded(view);
     lastView_ = view;

@@ -10,6 +10,7 @@
 
 #include "volute/grid/shaded_voxels.hpp"
 #include "volute/lighting/illumination.hpp"
+#include "volute/media/volume/light_at_surfaces.hpp"
 #include "volute/medium/affine_medium.hpp"
 
 namespace volute {
@@ -22,7 +23,7 @@ struct VolumeLighting {
   double asymmetry = 0;      ///< g of Henyey and Greenstein's phase function, -1 < g < 1
   std::vector<Lamp> lamps;
   Rgb surrounding = Rgb::Zero();  ///< radiance from everywhere beyond the volume
-  Blocks blocks;                  ///< what stands between lamps and volume; may be empty
+  TriangleScene surfaces{};       ///< what stands between lamps and volume
   std::vector<Rgb> colors{};      ///< of the albedo, at each light point; empty: none
   bool ownFire = true;            ///< what the volume emits is light for it, too
   bool multiple = false;          ///< light is scattered more than once: DiffuseLight
@@ -45,18 +46,15 @@ class VolumeLight {
  public:
   VolumeLight(ShadedVoxels volume, VolumeLighting lighting);
 
-  /// From where it is seen.
-  struct View {
-    bool parallel = false;
-    Vec3 at = Vec3::Zero();  ///< the eye, or the way that all rays go
-  };
+  using View = VolumeView;
 
   /// Finds the light that does not depend on a view; the first view would else do so.
-  void prepare() const { gather(), again(); }
+  void prepare() const { gather(), again(), atSurfaces(); }
 
+  /// Before surfaces the light is that of points before them: LightAtSurfaces.
   ShadedVoxels seenFrom(const View& view) const;
 
-  /// Without a direction: scattered evenly.
+  /// Without a direction: scattered evenly, and interpolated through surfaces.
   ShadedVoxels seen() const;
 
   /// About what it takes, with its light and one view of it.
@@ -91,7 +89,7 @@ class VolumeLight {
   bool fanned(const LightFan& fan, const Lamp& lamp, std::span<float> out,
               std::span<float> beyond = {}) const;
 
-  /// Of a voxel, in the world.
+  /// Place of a voxel in the world [m].
   Vec3 placeOf(const Place& voxel) const {
     return lighting_.place.toWorld(volume_.centreOf(voxel));
   }
@@ -103,15 +101,20 @@ class VolumeLight {
   AnyMedium medium() const;
   Illumination illumination() const;
   const DiffuseLight* again() const;
+  template <class ShareOf>
+  Rgb ofLamps(const Place& place, const std::optional<View>& view, bool again,
+              ShareOf&& shareOf) const;
+  const std::shared_ptr<const LightAtSurfaces>& atSurfaces() const;
   ShadedVoxels shaded(const std::optional<View>& view) const;
 
   ShadedVoxels volume_;
   VolumeLighting lighting_;
   std::vector<AnyMedium> between_;
-  mutable std::once_flag gathered_, scattered_;
+  mutable std::once_flag gathered_, scattered_, beside_;
   mutable std::vector<std::vector<float>> lampShares_;  ///< of each lamp, at each light point: 0..1
   mutable std::shared_ptr<const DiffuseLight> again_;   ///< null: light is scattered once
-  mutable std::vector<std::shared_ptr<const Lattice>> even_;  ///< A and F, where they are there
+  mutable std::vector<std::shared_ptr<const Lattice>> even_;   ///< A and F, where they are there
+  mutable std::shared_ptr<const LightAtSurfaces> atSurfaces_;  ///< null: there are none
   mutable std::mutex guard_;
   mutable std::shared_ptr<const VolumeLight> inMore_;  ///< withLamps()
   mutable std::optional<View> lastView_;

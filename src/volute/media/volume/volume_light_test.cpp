@@ -407,15 +407,92 @@ TEST(VolumeLight, MoreLampsAreAsIfTheyHadBeenThere) {
   EXPECT_NE(more, light.withLamps({}));
 }
 
-TEST(VolumeLight, WhatBlocksALampKeepsItsLight) {
-  VolumeLighting lighting = sunAndPoint();
-  lighting.blocks = [](std::span<const Segment> segments, std::span<std::uint8_t> blocked) {
-    for (std::size_t i = 0; i < segments.size(); ++i) blocked[i] = segments[i].origin.x() < 0;
+/// A box of opaque walls.
+TriangleScene boxOf(const Vec3& low, const Vec3& high) {
+  std::vector<Triangle> triangles;
+  const auto corner = [&](int i) {
+    return Vec3(i & 1 ? high.x() : low.x(), i & 2 ? high.y() : low.y(), i & 4 ? high.z() : low.z());
   };
+  for (const auto& [a, b, c, d] :
+       {std::array{0, 1, 3, 2}, std::array{4, 5, 7, 6}, std::array{0, 1, 5, 4},
+        std::array{2, 3, 7, 6}, std::array{0, 2, 6, 4}, std::array{1, 3, 7, 5}}) {
+    triangles.push_back({{corner(a), corner(b), corner(c)}});
+    triangles.push_back({{corner(a), corner(c), corner(d)}});
+  }
+  return TriangleScene::build(std::move(triangles)).value();
+}
+
+/// A lamp in even smoke of voxels of a quarter of a metre, and a wall of a tenth.
+VolumeLighting besideAWall(double lamp, double wall) {
+  VolumeLighting lighting;
+  lighting.albedo = Rgb::Constant(0.8);
+  Lamp point;
+  point.position = Vec3(lamp, 0.03, 0.02);
+  lighting.lamps = {point};
+  lighting.surfaces = boxOf(Vec3(wall, -3, -3), Vec3(wall + 0.1, 3, 3));
+  return lighting;
+}
+
+double even(const Vec3&) {
+  return 0.01;
+}
+
+TEST(VolumeLight, WhatBlocksALampKeepsItsLight) {
+  VolumeLighting lighting;
+  lighting.albedo = Rgb::Constant(0.8);
+  Lamp sun;
+  sun.kind = Lamp::Kind::kSun;
+  sun.direction = -Vec3::UnitX();
+  lighting.lamps = {sun};
+  lighting.surfaces = boxOf(Vec3(-0.01, -3, -3), Vec3(0.01, 3, 3));
   const VolumeLight light(filled(32, billows), lighting);
   const ShadedVoxels seen = light.seen();
   EXPECT_EQ(seen.emission(Vec3(-0.3, 0.1, 0)).sum(), 0);
   EXPECT_GT(seen.emission(Vec3(0.3, 0.1, 0)).sum(), 0);
+}
+
+TEST(VolumeLight, NoLightPassesAWallThatIsThinnerThanAVoxel) {
+  struct Case {
+    double lamp, wall;
+  };
+
+  // In the wall, where there is a voxel's centre; behind it, of which one face holds centres.
+  const std::array cases{Case{0.125, 0.075}, Case{0.8, 0.075}, Case{0.8, 0.2}, Case{0.8, 0.125}};
+  for (const Basis basis : {Basis::kTrilinear, Basis::kCubic}) {
+    for (const auto& [lamp, wall] : cases) {
+      SCOPED_TRACE(testing::Message()
+                   << "lamp " << lamp << " wall " << wall << " basis " << static_cast<int>(basis));
+      const VolumeLight light(filled(8, even, {}, basis), besideAWall(lamp, wall));
+      for (const VolumeView& view :
+           {VolumeView{false, Vec3(-4, 0.5, 0.3)}, VolumeView{true, Vec3::UnitX()}}) {
+        const ShadedVoxels seen = light.seenFrom(view);
+        for (int i = 0; i < 49; ++i) {
+          for (const double before : {0.001, 0.05, 0.12, 0.3}) {
+            const Vec3 at(wall - before, 0.1 * (i % 7) - 0.3, 0.1 * (i / 7) - 0.3);
+            EXPECT_EQ(seen.emission(at).sum(), 0) << at.x() << ' ' << at.y() << ' ' << at.z();
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(VolumeLight, SmokeBeforeALitWallIsNoDarkerThanWithoutTheWall) {
+  for (const Basis basis : {Basis::kTrilinear, Basis::kCubic}) {
+    for (const double wall : {0.075, 0.2, 0.0}) {
+      const VolumeLighting lighting = besideAWall(0.9, wall);
+      const VolumeLight light(filled(16, even, {}, basis), lighting);
+      VolumeLighting open = lighting;
+      open.surfaces = {};
+      const VolumeLight without(filled(16, even, {}, basis), open);
+      const VolumeView view{false, Vec3(0.8, 0.2, 0.1)};
+      const ShadedVoxels seen = light.seenFrom(view), expected = without.seenFrom(view);
+      for (const double before : {0.001, 0.05, 0.1}) {
+        const Vec3 at(wall + 0.1 + before, 0.2, 0.1);
+        EXPECT_NEAR(seen.emission(at).sum() / expected.emission(at).sum(), 1, 0.05) << at.x();
+      }
+    }
+  }
 }
 
 }  // namespace

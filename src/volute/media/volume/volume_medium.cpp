@@ -326,7 +326,7 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   }
   VOLUTE_ASSIGN(auto slice, sliceAt(moment));
   block_ = rowOf(position);
-  const bool moves = request.moving && refines(*slice) && slice != refinedOf_;
+  const bool moves = request.moving && refines(*slice) && slice != drawnOf_;
   auto shown = std::make_shared<VolumeAt>(*this, moves ? moved(*slice) : drawn(std::move(slice)),
                                           moment, request.factor);
   shown->setProvisional(moves);
@@ -385,14 +385,27 @@ std::shared_ptr<const BrickSlice> VolumeMedium::moved(const BrickSlice& slice) {
   return std::make_shared<const BrickSlice>(std::move(other));
 }
 
-std::shared_ptr<const BrickSlice> VolumeMedium::drawn(std::shared_ptr<const BrickSlice> slice) {
-  if (!refines(*slice))
+std::shared_ptr<const BrickSlice> VolumeMedium::splined(
+    std::shared_ptr<const BrickSlice> slice) const {
+  constexpr std::uint64_t kShare = 8;  // of the memory: tiles become voxels
+  const std::uint64_t bytes = slice->entries().size() * sizeof(float) * BrickSlice::kVoxels *
+                              static_cast<std::uint64_t>(slice->channels());
+  if (slice->basis() != Basis::kCubic || input_->source->info().basis == Basis::kCubic ||
+      bytes > maxMemory_ / kShare)
     return slice;
-  if (slice != refinedOf_) {
-    refined_ = std::make_shared<const BrickSlice>(refinedSpline(*slice));
-    refinedOf_ = std::move(slice);
+  return std::make_shared<const BrickSlice>(splineThrough(*slice));
+}
+
+std::shared_ptr<const BrickSlice> VolumeMedium::drawn(std::shared_ptr<const BrickSlice> slice) {
+  if (slice->basis() != Basis::kCubic)
+    return slice;
+  if (slice != drawnOf_) {
+    drawn_ = splined(slice);
+    if (refines(*drawn_))
+      drawn_ = std::make_shared<const BrickSlice>(refinedSpline(*drawn_));
+    drawnOf_ = std::move(slice);
   }
-  return refined_;
+  return drawn_;
 }
 
 void VolumeMedium::chooseLook(std::span<const Camera> views) {
@@ -416,6 +429,24 @@ void VolumeMedium::chooseLook(std::span<const Camera> views) {
   setAppearance(appearance);
 }
 
+namespace {
+
+/// Whether more than a hundredth of what is there is so dense that light ends within a voxel. Light
+/// of splines is known inside of it alone, where it is dark, and not on its surface.
+bool endsLight(const BrickSlice& slice) {
+  constexpr double kDense = 3, kShare = 0.01;
+  const Vec3 voxel = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
+  const auto most = static_cast<float>(kDense / voxel.minCoeff());
+  std::size_t dense = 0, all = 0;
+  for (const BrickSlice::Entry& entry : slice.entries()) {
+    const std::span<const float> values(slice.brick(entry.stored), BrickSlice::kVoxels);
+    for (const float value : values) dense += value > most, all += value > 0;
+  }
+  return static_cast<double>(dense) > kShare * static_cast<double>(all);
+}
+
+}  // namespace
+
 Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, bool lit,
                                                                  bool moving) {
   if (moment == lightMoment_ && (lightIsWhole_ || !lit) && (moving || !lightMoves_))
@@ -427,12 +458,13 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, 
   if (lit)
     lighting = lighting_;
   lighting.place = {place.turn, place.offset};
-  const bool refined = refines(*slice);
+  const bool dense = appearance_.basisByView && appearance_.scatters() &&
+                     slice->basis() == Basis::kCubic && endsLight(*slice);
+  const bool refined = !dense && refines(*slice);
   lighting.fewSky = moving && lit && lighting.surrounding.maxCoeff() > 0;
-  if (moving && refined)
-    slice = moved(*slice);
+  slice = dense || (moving && refined) ? moved(*slice) : splined(std::move(slice));
   // Edges of shadows, colours, and light near a lamp change from voxel to voxel.
-  const bool smooth = appearance_.colors.empty() && !lighting.blocks &&
+  const bool smooth = appearance_.colors.empty() && lighting.surfaces.empty() &&
                       std::ranges::all_of(lighting.lamps, [](const Lamp& lamp) {
                         return lamp.kind == Lamp::Kind::kSun;
                       });

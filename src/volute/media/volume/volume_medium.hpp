@@ -52,7 +52,7 @@ class VolumeAt final : public MediumAt {
   /// Lamps that belong to the picture of it, not to what it holds.
   void setLamps(std::vector<Lamp> lamps) { lamps_ = std::move(lamps); }
 
-  /// Where it scatters light.
+  /// The instant in another light, where it scatters any.
   std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
 
   std::uint64_t memoryBytes() const override;
@@ -88,7 +88,7 @@ class VolumeAt final : public MediumAt {
 
  private:
   VolumeAt(const VolumeMedium& of, double moment, double factor);
-  /// The same in other light.
+  /// A copy in other light.
   VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> light);
   AffineMap place() const;
   void addPlaced(AnyMedium medium, std::vector<AnyMedium>& media) const;
@@ -219,7 +219,7 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   /// From the own space of a file that has places to its world. Between frames the grid turns and
   /// grows evenly from one to the other; where one mirrors the other it jumps.
   GridMatrix filePlaceAt(double moment) const;
-  /// The same to the scene.
+  /// From the file's space to the scene's, at a moment.
   Placement placeAt(double moment) const;
   Placement placed(const Appearance& appearance) const;
   /// Looks for what holds nearly all where something may be far away from it.
@@ -250,10 +250,13 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   [[nodiscard]] Result<std::shared_ptr<const Tree4d>> treeAt(int position);
   int rowOf(int position) const;
   Result<Slice> coarseSlice(int position, Progress& progress) const;
+  /// The spline through values where the cubic basis is not the file's own; the slice itself where
+  /// it is, and where memory has no room.
+  Slice splined(Slice slice) const;
   /// Splines as finer voxels, where pictures may and memory has room for them; the last is kept.
   Slice drawn(Slice slice);
   bool refines(const BrickSlice& slice) const;
-  /// The same where it moves: as trilinear.
+  /// Values between frames by velocities, as a trilinear slice.
   static Slice moved(const BrickSlice& slice);
   /// Of a moment; the last one is kept.
   [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(double moment, bool lit,
@@ -308,7 +311,7 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   Slice slice_;
   double shadedMoment_ = -1;
   Slice shadedSlice_;
-  Slice refinedOf_, refined_;
+  Slice drawnOf_, drawn_;
   std::shared_ptr<const Tree4d> tree_;
   int treeBegin_ = 0;
   std::uint64_t treeNodes_ = 0, treeBytes_ = 0;  ///< of the largest tree that was in memory
