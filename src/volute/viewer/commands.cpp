@@ -62,7 +62,7 @@ void stop(App& app, const In&) {
   settings.help = settings.search = settings.painting = settings.probe = settings.measuring = false;
   app.tools().pointer.place("");
   app.tools().pointer.forgetRuler();
-  app.stopReport();
+  app.report().stop();
 }
 
 void measure(App& app, const In&) {

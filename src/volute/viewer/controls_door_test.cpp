@@ -29,7 +29,7 @@ TEST_F(DoorControls, AnEmptyWindowOpensAFileByTheList) {
   EXPECT_EQ(app().document().error(), "");
   ASSERT_NE(app().document().info(), nullptr);
   EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("blob.npy"));
-  EXPECT_EQ(app().title(), "blob.npy - Volute");
+  EXPECT_EQ(titleOf(app()), "blob.npy - Volute");
   EXPECT_FALSE(script_->has("Open a file"));
 }
 
@@ -50,12 +50,12 @@ TEST_F(DoorControls, TheListGoesThroughFolders) {
   script_->type("fog.json");  // the name has the keyboard
   script_->press(Key::kEnter);
   load();
-  EXPECT_EQ(app().title(), "fog.json - Volute");
+  EXPECT_EQ(titleOf(app()), "fog.json - Volute");
   script_->press(Key::kO, true);
   script_->frames(3);
   ASSERT_TRUE(script_->write("file name", "blob.npy"));  // with Enter
   load();
-  EXPECT_EQ(app().title(), "blob.npy - Volute");
+  EXPECT_EQ(titleOf(app()), "blob.npy - Volute");
   ASSERT_TRUE(script_->click("Open"));
   script_->frames(3);
   ASSERT_NE(app().document().files().browser(), nullptr);
@@ -66,6 +66,16 @@ TEST_F(DoorControls, TheListGoesThroughFolders) {
   ASSERT_TRUE(script_->click("open folder"));
   load();
   EXPECT_NE(app().document().error(), "") << "the folder holds no numbered frames";
+}
+
+TEST_F(DoorControls, AHintMayAppearTogetherWithAQuestion) {
+  open("blob.npy");
+  script_->frames(4);
+  ViewerInput& input = script_->input();
+  ASSERT_TRUE(script_->pointOf("Open", 0.5, 0.5, input.mouseX, input.mouseY));
+  script_->press(Key::kO, true);
+  script_->frames(2);
+  EXPECT_TRUE(script_->has("open cancel"));
 }
 
 TEST_F(DoorControls, RecentFilesAreOffered) {
@@ -88,13 +98,13 @@ TEST_F(DoorControls, ChangesOfASceneAreNotLostUnasked) {
   app().document().set(parameterAt("/media/0/mu"), {0.25});
   load();
   EXPECT_TRUE(app().document().info()->changed);
-  EXPECT_EQ(app().title(), "* fog.json - Volute");
+  EXPECT_EQ(titleOf(app()), "* fog.json - Volute");
   script_->open(folder_.path("blob.npy"));
   script_->frames(3);
   ASSERT_NE(app().leaving().asked(), nullptr);
   ASSERT_TRUE(script_->click("leave cancel"));
   EXPECT_EQ(app().leaving().asked(), nullptr);
-  EXPECT_EQ(app().title(), "* fog.json - Volute");
+  EXPECT_EQ(titleOf(app()), "* fog.json - Volute");
   script_->close();
   script_->frames(3);
   ASSERT_TRUE(script_->write("leave scene", folder_.path("kept.json")));
@@ -114,7 +124,7 @@ TEST_F(DoorControls, AnUndoneChangeIsNone) {
   EXPECT_FALSE(app().document().info()->changed);
   script_->open(folder_.path("blob.npy"));
   load();
-  EXPECT_EQ(app().title(), "blob.npy - Volute");
+  EXPECT_EQ(titleOf(app()), "blob.npy - Volute");
 }
 
 TEST_F(DoorControls, AFileOfOthersIsNotReplacedUnasked) {
@@ -366,20 +376,20 @@ TEST_F(DoorControls, AReportSaysWhatWasShownWhileOneGoesOn) {
   std::filesystem::current_path(std::filesystem::path(folder_.path("x")).parent_path());
   open("fog.json");
   script_->press(Key::kF12, true);
-  ASSERT_NE(app().report(), nullptr);
-  const std::string page = app().report()->target().string();
+  ASSERT_NE(app().report().job(), nullptr);
+  const std::string page = app().report().job()->target().string();
   // A change after the request is not in it.
   const auto& parameters = app().document().info()->parameters;
   const auto degree = std::ranges::find(parameters, "/media/0/sigma_max", &Parameter::path);
   ASSERT_NE(degree, parameters.end());
   EXPECT_EQ(degree->value[0], 0.4);
   app().document().set(*degree, {0.1});
-  for (int i = 0; i < 2000 && app().report(); ++i) {
+  for (int i = 0; i < 2000 && app().report().job(); ++i) {
     script_->frame();
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   std::filesystem::current_path(before);
-  ASSERT_EQ(app().report(), nullptr);
+  ASSERT_EQ(app().report().job(), nullptr);
   EXPECT_THAT(app().document().message(), ::testing::HasSubstr("volute_0001.html is written"));
   std::ifstream stream(page);
   const std::string text((std::istreambuf_iterator<char>(stream)), {});
@@ -394,9 +404,9 @@ TEST_F(DoorControls, AReportIsMadeByItsButtonAndStoppedByEscape) {
   std::filesystem::current_path(std::filesystem::path(folder_.path("x")).parent_path());
   open("blob.npy");
   ASSERT_TRUE(script_->click("Report"));
-  ASSERT_NE(app().report(), nullptr);
+  ASSERT_NE(app().report().job(), nullptr);
   script_->press(Key::kEscape);
-  EXPECT_EQ(app().report(), nullptr);
+  EXPECT_EQ(app().report().job(), nullptr);
   std::filesystem::current_path(before);
 }
 

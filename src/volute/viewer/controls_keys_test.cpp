@@ -24,7 +24,7 @@ class KeyControls : public WideControls {
 
   Vec3 ahead() { return (app().view().camera().view().target - eye()).normalized(); }
 
-  Vec3 aside() { return ahead().cross(app().view().camera().upwards()).normalized(); }
+  Vec3 aside() { return ahead().cross(app().view().camera().view().up).normalized(); }
 
   /// What walks so: how far the eye came [m].
   Vec3 walked(std::set<Key> keys, int frames = 6) {
@@ -133,7 +133,7 @@ TEST_F(KeyControls, FSeesAllAndMWalks) {
 TEST_F(KeyControls, HeldLettersWalk) {
   EXPECT_EQ(walked({Key::kW}).norm(), 0) << "it does not walk";
   script_->press(Key::kM);
-  const Vec3 up = app().view().camera().upwards(), right = aside(), level = up.cross(right);
+  const Vec3 up = app().view().camera().view().up, right = aside(), level = up.cross(right);
   Vec3 forth;
   expectSeen("W", [&] { forth = walked({Key::kW}); });
   EXPECT_GT(forth.dot(level), 0.01 * app().view().camera().distance());
@@ -157,6 +157,7 @@ TEST_F(KeyControls, CtrlSSavesTheScene) {
   ASSERT_TRUE(script_->write("scene", folder_.path("by_key.json")));
   ASSERT_TRUE(script_->click("/media/0/extinction", 0.3));
   load();
+  ASSERT_TRUE(script_->settle());  // what is kept is the exposure of a finished picture
   script_->move(kX, kY);
   const auto begun = eye();
   script_->press(Key::kM);

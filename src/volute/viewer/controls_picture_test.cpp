@@ -114,7 +114,7 @@ TEST_F(PictureControls, WhoDrewIsSaid) {
 }
 
 TEST_F(PictureControls, ARasteriserIsNotOffered) {
-  if (!viewer_ || app().device().hardware)
+  if (!viewer_ || app().view().picture().makers().hardware)
     GTEST_SKIP() << "there is a graphics card";
   script_.reset(), viewer_.reset();
   auto made = HeadlessViewer::create(documentOpener({.maxMemory = kViewerMemory}));

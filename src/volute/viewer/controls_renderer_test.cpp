@@ -234,7 +234,7 @@ TEST_F(Renderers, DrawBeforeAParallelCameraThatIsNotUpright) {
   saveAs("parallel2.json");
   expectTheSameAfter("parallel2.json");
   EXPECT_NEAR(app().view().camera().ortho(), seen, 1e-9);
-  EXPECT_LT((app().view().camera().upwards() - Vec3::UnitY()).norm(), 1e-9);
+  EXPECT_LT((app().view().camera().view().up - Vec3::UnitY()).norm(), 1e-9);
 }
 
 TEST_F(Renderers, ShowSignsToThoseBeforeThem) {
@@ -269,7 +269,7 @@ TEST_F(Renderers, WhatOpenGlRefusesIsSaidAndTheRestIsDrawn) {
       "map": "long.png", "cell": 1, "sigma_max": 0.1, "degree": 1, )" +
                          kSlab + "}]");
   open("long.json");
-  if (app().device().hardware)
+  if (app().view().picture().makers().hardware)
     GTEST_SKIP() << "graphics cards draw it";
   by(ViewRenderer::kGl);
   EXPECT_THAT(app().view().picture().remark(),

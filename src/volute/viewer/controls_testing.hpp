@@ -365,6 +365,9 @@ class Controls : public ::testing::Test {
   void saveAs(const std::string& name) {
     ASSERT_TRUE(script_->write("scene", folder_.path(name)));
     EXPECT_EQ(app().settings().sceneName, folder_.path(name));
+    if (!app().playback().timeline().playing()) {
+      ASSERT_TRUE(script_->settle());  // what is kept is the exposure of a finished picture
+    }
     ASSERT_TRUE(script_->click("Save scene"));
     load();
     EXPECT_EQ(app().document().error(), "");

@@ -183,7 +183,7 @@ TEST_F(TimeControls, AFilmOnceAroundIsMadeOfAStillToo) {
   EXPECT_EQ(order.frames(), 251) << "10 s";
   const ViewCamera& begin = order.camera;
   EXPECT_EQ(order.cameraOf(0), begin);
-  const Vec3 middle = begin.pivot(), axis = begin.upwards();
+  const Vec3 middle = begin.pivot(), axis = begin.view().up;
   const auto level = [&](int frame) {
     const Vec3 arm = order.cameraOf(frame).eye() - middle;
     return Vec3(arm - arm.dot(axis) * axis);

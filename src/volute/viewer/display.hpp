@@ -57,7 +57,7 @@ class Display {
             const DisplaySize& window);
 
  private:
-  /// What it drew last, to be copied.
+  /// The picture that was drawn last, to be copied.
   struct Kept {
     GlTexture colors;
     GlFramebuffer frame;

@@ -46,7 +46,7 @@ class DocumentFiles {
   /// Lets the person choose a file, by the desktop's dialog or by the list.
   void askToOpen(Purpose purpose = Purpose::kOpen);
 
-  /// What for a file is being chosen.
+  /// The purpose for which a file is being chosen.
   Purpose purpose() const { return purpose_; }
 
   /// What was chosen in the desktop's dialog, once.
@@ -60,7 +60,7 @@ class DocumentFiles {
   /// The person looks for it.
   void findMoved();
 
-  /// What is being looked for, once.
+  /// Takes the file to look for, once.
   std::optional<MovedFile> takeSought() { return std::exchange(sought_, std::nullopt); }
 
   /// Opens the list, or shows another folder in it.

@@ -55,7 +55,7 @@ std::string FilmOrder::key() const {
         double(renderer == ViewRenderer::kGl), double(surfaces), look.exposure, double(look.tone),
         look.map ? double(*look.map) : -1, camera.fov(), camera.ortho()})
     hash.add(value);
-  view(camera.eye()), view(camera.forward()), view(camera.upwards()), view(camera.pivot());
+  view(camera.eye()), view(camera.forward()), view(camera.view().up), view(camera.pivot());
   view(Vec3(look.background.matrix()));
   for (const CameraKey& key : keys) hash.add(key.time), view(key.eye), view(key.target);
   return hash.digits();

@@ -76,7 +76,7 @@ class FilmExport {
   /// Whether some of its pictures are kept.
   bool keeps() const;
 
-  /// What a picture lacked, if one did.
+  /// Remark of a picture that lacked something; empty: none did.
   const std::string& remark() const { return remark_; }
 
   const FilmOrder& order() const { return order_; }

@@ -37,11 +37,11 @@ Status HeadlessViewer::frame(const ViewerInput& input) {
   else if (!pixel_.colors.name())
     pixel_ = Target(1, 1);
   glBindFramebuffer(GL_FRAMEBUFFER, (whole_ ? frame_ : pixel_).framebuffer.name());
-  VOLUTE_TRY(app_->frame(input));
-  if (app_->drew())
+  VOLUTE_ASSIGN(drew_, app_->frame(input));
+  if (drew_)
     drawn_ = whole_;
   if (app_->window().takeReportRequest())
-    app_->beginReport(screenshot());
+    app_->report().begin(screenshot());
   glFinish();  // as a window's swap does: else what is deleted stays until the queue is full
   return {};
 }

@@ -27,6 +27,9 @@ class HeadlessViewer {
   /// kInvalidArgument while the timeline plays: then nothing ever comes to rest.
   [[nodiscard]] Status settle(ViewerInput input, Progress& progress);
 
+  /// Whether the last frame drew anything.
+  bool drew() const { return drew_; }
+
   /// What the last frame showed.
   Image picture();
 
@@ -52,7 +55,7 @@ class HeadlessViewer {
 
   HeadlessGl gl_;  // first, so that it ends last
   Target frame_, pixel_;
-  bool whole_ = false, drawn_ = false;
+  bool whole_ = false, drawn_ = false, drew_ = false;
   std::pair<int, int> size_{1, 1};  ///< of the last frame [pixels]
   std::unique_ptr<ViewerApp> app_;
 };

@@ -44,7 +44,7 @@ class PanelLayout {
   /// Where the lower one on the left begins, which would follow what ends at `above`.
   float lowerTop(float above);
 
-  /// Of an open one.
+  /// Width of a panel that is open.
   float width(SidePanel panel) const;
 
   /// As it is: titles of closed ones leave room for those on the other side.

@@ -107,13 +107,13 @@ void rendererPart(ViewerApp& app) {
 /// How much of the scene is seen: an angle, or a parallel camera's height.
 void viewSlider(ViewerApp& app) {
   ViewCamera& camera = app.view().camera();
-  double seen = camera.parallel() ? camera.ortho() : camera.fov();
-  bool parallel = camera.parallel();
+  double seen = camera.ortho() > 0 ? camera.ortho() : camera.fov();
+  bool parallel = camera.ortho() > 0;
   if (ImGui::Checkbox(tr("parallel"), &parallel))
     camera.toggleParallel();
   app.window().mark("parallel");
   hint("parallel rays instead of perspective: 5");
-  if (camera.parallel()) {
+  if (camera.ortho() > 0) {
     const double size = app.document().info() ? app.document().info()->bounds.size().norm() : 1;
     if (sliderDouble("view height", seen, 0.01 * size, 3 * size, "%.3g m", true))
       camera.setOrtho(seen);
@@ -299,9 +299,10 @@ void whoDraws(ViewerApp& app) {
     app.window().mark("who draws");
     return;
   }
-  wrappedText(fmt::format(fmt::runtime(tr("by {}")), app.device().renderer), true);
+  wrappedText(fmt::format(fmt::runtime(tr("by {}")), app.view().picture().makers().device), true);
   app.window().mark("who draws");
-  const bool tells = app.device().hardware;  // a rasteriser's clock looks when it has computed
+  const bool tells =
+      app.view().picture().makers().hardware;  // a rasteriser's clock looks when it has computed
   for (const GlPassTime& pass : times.passes) {
     const std::string time = tells ? fmt::format(": {:.1f} ms", pass.milliseconds) : "";
     wrappedText(fmt::format("{} {}{}", pass.name, pass.media, time), true);
@@ -390,17 +391,9 @@ void endSidePanel(ViewerApp& app, SidePanel panel) {
   ImGui::End();
 }
 
-void drawPanels(ViewerApp& app, const ViewerInput& input) {
-  drawOverlay(app, input);
-  drawStage(app, input);
-  drawHelpPanel(app, input);
-  drawSearchPanel(app, input);
-  drawOpenPanel(app, input);
-  drawLeavePanel(app, input);
-  drawReplacePanel(app, input);
-  drawMovedPanel(app, input);
-  if (!app.settings().panels)
-    return;
+namespace {
+
+void drawSides(ViewerApp& app, const ViewerInput& input) {
   drawEmptyWindow(app, input);
   const float time = timePanelHeight(app, input);
   PanelLayout& layout = app.settings().layout;
@@ -426,6 +419,22 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
   drawPaintPanel(app, input, below);
   drawAlerts(app, input);
   drawTimePanel(app, input);
+}
+
+}  // namespace
+
+void drawPanels(ViewerApp& app, const ViewerInput& input) {
+  drawOverlay(app, input);
+  drawStage(app, input);
+  drawHelpPanel(app, input);
+  drawSearchPanel(app, input);
+  if (app.settings().panels)
+    drawSides(app, input);
+  // Last: Dear ImGui 1.86 ends the program when a window appears after a question in one frame.
+  drawOpenPanel(app, input);
+  drawLeavePanel(app, input);
+  drawReplacePanel(app, input);
+  drawMovedPanel(app, input);
 }
 
 }  // namespace volute

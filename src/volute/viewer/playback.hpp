@@ -57,7 +57,7 @@ class Playback {
   /// Why there is none, until the next one begins; empty: nothing failed.
   const std::string& filmFailure() const { return filmFailure_; }
 
-  /// What the loader has for it.
+  /// Takes the scene that the loader opened for a film.
   void takeFilmScene(Result<LoadedScene> scene);
 
   /// @param picture  says who draws

@@ -67,7 +67,7 @@ double roundLength(double most) {
 
 /// What is being done, how far it is, and a way to end it.
 void drawProgress(ViewerApp& app, const FreeArea& free) {
-  const ViewerWork work = app.notes().work();
+  const ViewerWork work = app.window().notes().work();
   if (work.text.empty())
     return;
   const bool nothing = !app.view().picture().shown();  // then it is all that there is to see
@@ -116,7 +116,7 @@ std::string pictureNote(ViewerApp& app) {
 /// One line at the top: what the picture is not.
 void drawBadge(ViewerApp& app, const FreeArea& free) {
   const std::string text = pictureNote(app);
-  if (text.empty() || !app.notes().work().text.empty())
+  if (text.empty() || !app.window().notes().work().text.empty())
     return;
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
@@ -126,7 +126,7 @@ void drawBadge(ViewerApp& app, const FreeArea& free) {
 }
 
 void drawToast(ViewerApp& app, const FreeArea& free) {
-  const std::string& text = app.notes().toast();
+  const std::string& text = app.window().notes().toast();
   if (text.empty())
     return;
   constexpr float kBelowTitles = 38;  // of panels that are closed, in small windows

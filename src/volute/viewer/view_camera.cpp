@@ -66,7 +66,7 @@ void ViewCamera::set(const StartView& view) {
   frame_ = turnOfZ(view.up.norm() > 0 ? view.up : Vec3(-meant.down()));
   const Vec3 right = frame_.transpose() * meant.right();
   yaw_ = std::atan2(right.y(), right.x());
-  pitch_ = std::asin(std::clamp(meant.forward().dot(upwards()), -1.0, 1.0));
+  pitch_ = std::asin(std::clamp(meant.forward().dot(frame_.col(2)), -1.0, 1.0));
   fov_ = view.fov;
   ortho_ = std::max(view.ortho, 0.0);
 }
@@ -88,16 +88,16 @@ void ViewCamera::frame(const Box3& bounds, int width, int height, const Insets& 
   // The same angle now goes over all of the height.
   const double distance = height / free[1] * (upright.centre() - framing.eye()).norm();
   const double ortho =
-      parallel() ? 2 * distance * std::tan(0.5 * kFramed * std::numbers::pi / 180) : 0;
+      (ortho_ > 0) ? 2 * distance * std::tan(0.5 * kFramed * std::numbers::pi / 180) : 0;
   const Vec3 eye = upright.centre() - distance * framing.forward();
-  set({frame_ * eye, frame_ * upright.centre(), upwards(), kFramed, ortho});
+  set({frame_ * eye, frame_ * upright.centre(), frame_.col(2), kFramed, ortho});
   const Vec3 middle = pivot_;
   pan(0.5 * (insets.left - insets.right), 0.5 * (insets.top - insets.bottom), height);
   pivot_ = middle;
 }
 
 void ViewCamera::fit(const Box3& bounds, int width, int height, const Insets& insets) {
-  if (parallel() || (bounds.min.array() > bounds.max.array()).any())
+  if (ortho_ > 0 || (bounds.min.array() > bounds.max.array()).any())
     return;
   const auto [freeWidth, freeHeight] = freeOf(width, height, insets);
   const double focus = 0.5 * height / std::tan(0.5 * fov_ * std::numbers::pi / 180);  // [pixels]
@@ -149,7 +149,7 @@ void ViewCamera::setOrtho(double height) {
 void ViewCamera::toggleParallel() {
   const double slope = 2 * std::tan(0.5 * fov_ * std::numbers::pi / 180);
   const double depth = (pivot_ - eye_).dot(forward());
-  if (!parallel())
+  if (!(ortho_ > 0))
     return setOrtho(slope * (depth > 0 ? depth : distance_));
   const double wanted = ortho_ / slope;
   ortho_ = 0;
@@ -176,7 +176,7 @@ void ViewCamera::turn(double angle) {
 
 void ViewCamera::pan(double rightPixels, double downPixels, int height) {
   const double seen =
-      parallel() ? ortho_ : 2 * std::tan(0.5 * fov_ * std::numbers::pi / 180) * distance_;
+      (ortho_ > 0) ? ortho_ : 2 * std::tan(0.5 * fov_ * std::numbers::pi / 180) * distance_;
   const double perPixel = seen / std::max(height, 1);
   const Vec3 up = right().cross(forward());
   const Vec3 moved = perPixel * (downPixels * up - rightPixels * right());
@@ -186,7 +186,7 @@ void ViewCamera::pan(double rightPixels, double downPixels, int height) {
 
 void ViewCamera::zoom(double clicks, const Vec3& towards) {
   const double nearer = std::pow(0.88, clicks);
-  if (parallel()) {
+  if (ortho_ > 0) {
     const double before = ortho_;
     setOrtho(ortho_ * nearer);
     const Vec3 offset = towards - eye_;
@@ -209,12 +209,12 @@ void ViewCamera::walkBy(const Vec3& step) {
 
 void ViewCamera::walk(double ahead, double aside, double up) {
   const Vec3 level = frame_ * Vec3(-std::sin(yaw_), std::cos(yaw_), 0);
-  walkBy(ahead * level + aside * right() + up * upwards());
+  walkBy(ahead * level + aside * right() + up * frame_.col(2));
 }
 
 Camera ViewCamera::camera(int width, int height) const {
   const View3 view{eye_, target(), right().cross(forward())};
-  return parallel() ? Camera::orthographic(view, ortho_, width, height)
+  return ortho_ > 0 ? Camera::orthographic(view, ortho_, width, height)
                     : Camera::pinhole(view, fov_, width, height);
 }
 

@@ -59,7 +59,8 @@ class ViewCamera {
 
   Camera camera(int width, int height) const;
 
-  StartView view() const { return {eye_, target(), upwards(), fov_, ortho_}; }
+  /// Its direction upwards has unit length.
+  StartView view() const { return {eye_, target(), frame_.col(2), fov_, ortho_}; }
 
   bool operator==(const ViewCamera&) const = default;
 
@@ -71,17 +72,12 @@ class ViewCamera {
 
   void setFov(double degrees);
 
-  bool parallel() const { return ortho_ > 0; }
-
   double ortho() const { return ortho_; }  ///< [m], the height of its view volume; 0: a pinhole
 
   void setOrtho(double height);  ///< of a parallel one [m], > 0
 
   /// From a pinhole to parallel rays or back; what is at the pivot stays as large as it is.
   void toggleParallel();
-
-  /// Towards the side that is up, of unit length.
-  Vec3 upwards() const { return frame_.col(2); }
 
  private:
   void walkBy(const Vec3& step);

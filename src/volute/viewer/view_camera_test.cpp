@@ -91,10 +91,10 @@ TEST(ViewCamera, IsUprightAsItIsTold) {
     expectNear(again.camera(kViewWidth, kViewHeight).right(),
                camera.camera(kViewWidth, kViewHeight).right());
     camera.drag(70, 20);  // turns around what is up
-    EXPECT_NEAR(camera.camera(kViewWidth, kViewHeight).right().dot(camera.upwards()), 0, 1e-12);
+    EXPECT_NEAR(camera.camera(kViewWidth, kViewHeight).right().dot(camera.view().up), 0, 1e-12);
     const Vec3 eye = camera.eye();
     camera.walk(0, 0, 2);
-    expectNear(camera.eye(), eye + 2 * camera.upwards());
+    expectNear(camera.eye(), eye + 2 * camera.view().up);
   }
 }
 
@@ -155,7 +155,7 @@ TEST(ViewCamera, AParallelOneSeesItsHeight) {
   EXPECT_EQ(camera.view().ortho, camera.ortho());
   const Box3 bounds{Vec3(-1, 0, 0), Vec3(2, 1, 4)};
   camera.frame(bounds, kViewWidth, kViewHeight, {});
-  ASSERT_TRUE(camera.parallel());
+  ASSERT_GT(camera.ortho(), 0);
   for (int i = 0; i < 8; ++i) {
     const Vec3 corner(i & 1 ? -1 : 2, i & 2 ? 0 : 1, i & 4 ? 0 : 4);
     const auto seen = camera.camera(kViewWidth, kViewHeight).project(corner);

@@ -20,23 +20,24 @@ namespace volute {
 /// How finely a picture is drawn.
 enum class Quality { kAuto, kFull, kHalf, kQuarter };
 
-/// Who may draw.
+/// The renderers that may draw.
 struct PictureMakers {
   bool hardware = false;  ///< OpenGL is a graphics card, not a rasteriser on the CPU
+  std::string device{};   ///< OpenGL's name of it
   bool cpu = true;        ///< else what it would have drawn is an error
   /// A rasteriser may be chosen for OpenGL: its pictures can take a minute, in which nothing
   /// answers.
   bool rasteriser = false;
 };
 
-/// Who draws it.
+/// The renderer of a picture.
 enum class ViewRenderer {
   kAuto,  ///< OpenGL on a graphics card, where it can; else the CPU
   kGl,    ///< what it can, and nothing else; where OpenGL may not be chosen as kAuto
   kCpu,   ///< as `volute render --renderer cpu`
 };
 
-/// What a picture is to be.
+/// Camera, size, quality and renderer of a picture.
 struct PictureRequest {
   ViewCamera camera;
   int width = 0, height = 0;  ///< [pixels] of the window
@@ -51,13 +52,13 @@ struct PictureRequest {
   double exactAfter = std::numeric_limits<double>::infinity();
 };
 
-/// What the last pictures took.
+/// Times that the last pictures took.
 struct FrameTimes {
   double milliseconds = 0;    ///< the last picture, on the device or the CPU
   int width = 0, height = 0;  ///< that it had [pixels]
   bool cpu = false;           ///< who drew it
   std::string why{};          ///< it was the CPU
-  /// What OpenGL did for it.
+  /// Times of OpenGL's passes.
   std::vector<GlPassTime> passes{};
   std::vector<float> history{};  ///< the last pictures [ms]
 };
@@ -105,7 +106,7 @@ class ViewPicture {
 
   bool stopped() const { return stopped_; }
 
-  /// Of the picture that is shown.
+  /// State of the picture that is shown.
   struct Shown {
     int version = 0;     ///< counts them
     double time = 0;     ///< [s], may lag behind scene()'s
@@ -134,7 +135,7 @@ class ViewPicture {
   /// Into the framebuffer that is bound; `look.surfaces` is its own.
   void show(DisplayLook look, int width, int height);
 
-  /// What show() shows, as light.
+  /// The other picture of a comparison, in linear light.
   DisplayLook::Other shownLight() const;
 
   /// The light that is shown, before the exposure, at every n-th pixel of every n-th row: as many

@@ -12,6 +12,7 @@
 #include "volute/io/image_file.hpp"
 #include "volute/report/page.hpp"
 #include "volute/report/sha256.hpp"
+#include "volute/viewer/viewer_view.hpp"
 
 namespace volute {
 namespace {
@@ -124,6 +125,45 @@ Status ReportJob::write() {
   return writePage(order_.target, document_.title,
                    *figure + htmlWarnings(remarks) + "<h2>View</h2>\n" + htmlTable({}, view) +
                        parameterTable(document_.parameters) + files);
+}
+
+void ViewReport::begin(Image picture) {
+  if (!document_.info() || job_)
+    return;
+  const auto point = [](const Vec3& v) {
+    return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
+  };
+  const StartView view = view_.camera().view();
+  ReportOrder order{freeReportName(std::filesystem::current_path()), std::move(picture)};
+  order.view = {{"time", fmt::format("{:.6g} s", playback_.timeline().snapshotTime())},
+                {"eye", point(view.eye)},
+                {"target", point(view.target)},
+                {"up", point(view.up)},
+                view.ortho > 0 ? std::pair("ortho", fmt::format("{:.6g} m", view.ortho))
+                               : std::pair("fov", fmt::format("{:.6g} degrees", view.fov)),
+                {"exposure", fmt::format("{:.6g}", view_.display().exposure)},
+                {"tone", view_.display().view ? view_.display().view->name()
+                                              : std::string(nameOf(view_.display().tone))}};
+  job_ = std::make_shared<ReportJob>(std::move(order));
+  document_.loader().change("report",
+                            [job = job_](Document& document, Progress&) -> Result<std::string> {
+                              job->begin(document.info(), document.files());
+                              return job->target().filename().string() + " is being written";
+                            });
+}
+
+void ViewReport::stop() {
+  if (job_)
+    job_->stop();
+  job_.reset();
+}
+
+void ViewReport::update() {
+  if (!job_ || !job_->done())
+    return;
+  document_.say(job_->status() ? job_->target().filename().string() + " is written"
+                               : viewerText(job_->status().error()));
+  job_.reset();
 }
 
 }  // namespace volute

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -15,6 +16,10 @@
 #include "volute/viewer/document.hpp"
 
 namespace volute {
+
+class Playback;
+class ViewerDocument;
+class ViewerView;
 
 /// A page about what the window shows.
 struct ReportOrder {
@@ -49,7 +54,7 @@ class ReportJob {
   /// After done().
   const Status& status() const { return status_; }
 
-  /// Of the files' bytes, 0..1.
+  /// Share of the files' bytes that was copied, 0..1.
   double share() const { return share_; }
 
   /// By what it took so far [s]; nothing where that says little yet.
@@ -67,6 +72,30 @@ class ReportJob {
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
   Status status_;
   std::thread thread_;  // last: it uses the others
+};
+
+/// The report that a person asked for, about what is open as it is now; one at a time.
+class ViewReport {
+ public:
+  ViewReport(ViewerDocument& document, const ViewerView& view, Playback& playback)
+      : document_(document), view_(view), playback_(playback) {}
+
+  /// Into the current folder. @param picture  of what is shown
+  void begin(Image picture);
+
+  void stop();
+
+  /// Null: none is being written.
+  const ReportJob* job() const { return job_.get(); }
+
+  /// To be called in every frame: says that one is written.
+  void update();
+
+ private:
+  ViewerDocument& document_;
+  const ViewerView& view_;
+  Playback& playback_;
+  std::shared_ptr<ReportJob> job_;
 };
 
 }  // namespace volute

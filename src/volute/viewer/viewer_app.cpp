@@ -44,14 +44,13 @@ constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {{Key::kLeft, ImGuiKey_LeftArr
 
 }  // namespace
 
-ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice device,
-                     ViewPicture picture)
+ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, ViewPicture picture)
     : options_(options),
-      device_(std::move(device)),
       document_(open, options),
       playback_(document_),
       view_(settings_, document_, playback_, std::move(picture)),
       tools_{{settings_, document_}, {view_, document_}},
+      report_(document_, view_, playback_),
       leaving_(leaveActions()),
       comparison_(std::move(open)),
       recovery_(options.recent.empty() ? options.recent : options.recent.parent_path() / "unsaved"),
@@ -85,10 +84,10 @@ Result<std::unique_ptr<ViewerApp>> ViewerApp::create(OpenDocument open,
   VOLUTE_ASSIGN(auto picture,
                 ViewPicture::create(
                     {.hardware = device.hardware,
+                     .device = device.renderer,
                      .cpu = options.cpu,
                      .rasteriser = options.rasteriser || options.renderer == ViewRenderer::kGl}));
-  return std::unique_ptr<ViewerApp>(
-      new ViewerApp(std::move(open), options, std::move(device), std::move(picture)));
+  return std::unique_ptr<ViewerApp>(new ViewerApp(std::move(open), options, std::move(picture)));
 }
 
 LeaveQuestion::Actions ViewerApp::leaveActions() {
@@ -107,11 +106,11 @@ LeaveQuestion::Actions ViewerApp::leaveActions() {
           .open = [this](const std::string& path) { open(path); }};
 }
 
-std::string ViewerApp::title() const {
-  const DocumentInfo* info = document_.info();
+std::string titleOf(ViewerApp& app) {
+  const DocumentInfo* info = app.document().info();
   if (!info)
     return "Volute";
-  const bool unsaved = tools_.painting.unsaved() || info->changed;
+  const bool unsaved = app.tools().painting.unsaved() || info->changed;
   return (unsaved ? "* " : "") + std::filesystem::path(info->path).filename().string() +
          " - Volute";
 }
@@ -161,7 +160,7 @@ void ViewerApp::takeDocument(const DocumentNews& news, const ViewerInput& input)
 }
 
 void ViewerApp::takeLoaded(const ViewerInput& input) {
-  const Stopwatch watch(costs_.loaded);
+  const Stopwatch watch(window_.costs().loaded);
   auto news = document_.take();
   if (!news)
     return;  // then in the next frame
@@ -255,37 +254,6 @@ void ViewerApp::beginFilm(const ViewerInput& input) {
   playback_.beginFilm(order, view_.picture().makers());
 }
 
-void ViewerApp::beginReport(Image picture) {
-  if (!document_.info() || report_)
-    return;
-  const auto point = [](const Vec3& v) {
-    return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
-  };
-  const StartView view = view_.camera().view();
-  ReportOrder order{freeReportName(std::filesystem::current_path()), std::move(picture)};
-  order.view = {{"time", fmt::format("{:.6g} s", playback_.timeline().snapshotTime())},
-                {"eye", point(view.eye)},
-                {"target", point(view.target)},
-                {"up", point(view.up)},
-                view.ortho > 0 ? std::pair("ortho", fmt::format("{:.6g} m", view.ortho))
-                               : std::pair("fov", fmt::format("{:.6g} degrees", view.fov)),
-                {"exposure", fmt::format("{:.6g}", view_.display().exposure)},
-                {"tone", view_.display().view ? view_.display().view->name()
-                                              : std::string(nameOf(view_.display().tone))}};
-  report_ = std::make_shared<ReportJob>(std::move(order));
-  document_.loader().change("report",
-                            [job = report_](Document& document, Progress&) -> Result<std::string> {
-                              job->begin(document.info(), document.files());
-                              return job->target().filename().string() + " is being written";
-                            });
-}
-
-void ViewerApp::stopReport() {
-  if (report_)
-    report_->stop();
-  report_.reset();
-}
-
 WorkNotes::Seen ViewerApp::seenWork() const {
   const ViewPicture& picture = view_.picture();
   const LoadedScene* scene = document_.scene();
@@ -295,8 +263,8 @@ WorkNotes::Seen ViewerApp::seenWork() const {
   seen.loaded = document_.loading().share;
   seen.drawn = picture.progress();
   seen.draws = seen.drawn.busy && !moving_ && !picture.stopped();
-  if (report_)
-    seen.report = report_->share(), seen.reportLeft = report_->secondsLeft();
+  if (const ReportJob* job = report_.job())
+    seen.report = job->share(), seen.reportLeft = job->secondsLeft();
   seen.shown = picture.shown();
   seen.late = !moving_ && scene && picture.shown() &&
               (picture.state().stale || std::abs(picture.state().time - scene->time) > 1e-9);
@@ -317,7 +285,7 @@ PictureRequest ViewerApp::request(const ViewerInput& input) const {
 }
 
 void ViewerApp::usePanels(const ViewerInput& input) {
-  const Stopwatch watch(costs_.panels);
+  const Stopwatch watch(window_.costs().panels);
   if (std::exchange(fontScale_, input.scale) != input.scale) {
     useFont(fontScale_);
     ImGui_ImplOpenGL3_DestroyFontsTexture();
@@ -344,7 +312,7 @@ void ViewerApp::usePanels(const ViewerInput& input) {
 }
 
 void ViewerApp::show(const DisplayLook& look, bool panels) {
-  const Stopwatch watch(costs_.shown);
+  const Stopwatch watch(window_.costs().shown);
   ViewPicture& picture = view_.picture();
   if (!picture.shown() && document_.opening())
     picture.prepareShow();
@@ -360,12 +328,12 @@ void ViewerApp::show(const DisplayLook& look, bool panels) {
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
-Status ViewerApp::frame(const ViewerInput& input) {
+Result<bool> ViewerApp::frame(const ViewerInput& input) {
   GLint target = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
   seen_ = input;
   lively_ = std::max(lively_ - 1, 0);
-  costs_ = {};
+  window_.costs() = {};
   tools_.pointer.setSize(input.width, input.height);
   if (!input.dropped.empty())
     addFile(input.dropped);
@@ -376,15 +344,11 @@ Status ViewerApp::frame(const ViewerInput& input) {
   takeLoaded(input);
   if (document_.info())
     recovery_.keep(document_.info()->unsaved, settings_.sceneName);
-  if (report_ && report_->done()) {
-    document_.say(report_->status() ? report_->target().filename().string() + " is written"
-                                    : viewerText(report_->status().error()));
-    report_.reset();
-  }
-  notes_.update(seenWork(), document_.message());
+  report_.update();
+  window_.notes().update(seenWork(), document_.message());
   usePanels(input);
   {
-    const Stopwatch watch(costs_.picture);
+    const Stopwatch watch(window_.costs().picture);
     view_.draw(request(input));
     if (comparison_.active())
       comparison_.update(request(input), playback_.timeline().snapshotTime());
@@ -393,15 +357,14 @@ Status ViewerApp::frame(const ViewerInput& input) {
   unseen_ += input.seconds;
   playback_.noteShown(input.seconds, view_.picture().state().time);
   const int version = view_.picture().state().version;
-  drew_ = !std::exchange(steps_, false) || version != shownVersion_ || unseen_ > kUnseen;
-  if (!drew_)
-    return {};
+  if (std::exchange(steps_, false) && version == shownVersion_ && unseen_ <= kUnseen)
+    return false;
   unseen_ = 0;
   shownVersion_ = version;
   shownLook_ = view_.display();
   comparison_.addTo(shownLook_);
   show(shownLook_);
-  return {};
+  return true;
 }
 
 /// Else the last frame may stay: what it took is better spent on pictures. While it plays, a frame
@@ -417,7 +380,7 @@ bool ViewerApp::due(const ViewerInput& input) {
                     input.pixelsDown() != seen_.pixelsDown() || input.scale != seen_.scale ||
                     std::ranges::count(input.buttons, true) > 0 ||
                     !std::ranges::equal(input.buttons, seen_.buttons);
-  if (acts || playback_.film() || report_ || view_.picture().refining() || leaving_.asked())
+  if (acts || playback_.film() || report_.job() || view_.picture().refining() || leaving_.asked())
     lively_ = kLively;
   const bool writes = ImGui::GetIO().WantTextInput && input.seconds > 0.25;  // the cursor blinks
   const bool shows = lively_ > 0 || writes || view_.picture().hasNews() || input.seconds > 0.5;
@@ -439,7 +402,7 @@ bool ViewerApp::settled() const {
   const PictureRequest requested = request(seen_);
   const ViewPicture& picture = view_.picture();
   const bool there = document_.info() && document_.scene();
-  return document_.idle() && !playback_.film() && !report_ && picture.settled(requested) &&
+  return document_.idle() && !playback_.film() && !report_.job() && picture.settled(requested) &&
          picture.exact(requested) && (!comparison_.active() || comparison_.settled(requested)) &&
          (there || !document_.error().empty());
 }

@@ -8,26 +8,15 @@
 #include <string>
 #include <utility>
 
-#include "volute/gl/gl_device.hpp"
 #include "volute/viewer/comparison.hpp"
 #include "volute/viewer/language.hpp"
 #include "volute/viewer/recovery.hpp"
+#include "volute/viewer/view_report.hpp"
 #include "volute/viewer/viewer_input.hpp"
 #include "volute/viewer/viewer_tools.hpp"
 #include "volute/viewer/viewer_window.hpp"
-#include "volute/viewer/work_notes.hpp"
 
 namespace volute {
-
-class ReportJob;
-
-/// What parts of the last frame took [ms].
-struct FrameCosts {
-  double loaded = 0;   ///< to take over what the loader has
-  double panels = 0;   ///< input and panels
-  double picture = 0;  ///< OpenGL's picture, or asking the CPU for one
-  double shown = 0;    ///< picture and panels into the window
-};
 
 /// Where another viewer goes on when this one's context of OpenGL is lost.
 struct ViewerRest {
@@ -79,37 +68,17 @@ class ViewerApp {
 
   ViewerWindow& window() { return window_; }
 
-  /// What is being done, and what was done last.
-  const WorkNotes& notes() const { return notes_; }
-
-  const FrameCosts& costs() const { return costs_; }
-
-  const GlDevice& device() const { return device_; }
-
-  /// Of the window: the file's name, and a mark where something is in no file.
-  std::string title() const;
+  ViewReport& report() { return report_; }
 
   /// What a person chose: opens it, or compares it with what is open.
   void takeFile(const std::string& path);
-  void addFile(const std::string& path);
 
   void saveScene();
   void beginFilm(const ViewerInput& input);
 
-  /// Of what is open as it is now, into the current folder.
-  /// @param picture  of it
-  void beginReport(Image picture);
-
-  /// Null: none is being written.
-  const ReportJob* report() const { return report_.get(); }
-
-  void stopReport();
-
   /// One frame. Errors of documents are shown, not returned; what is returned ends the viewer.
-  [[nodiscard]] Status frame(const ViewerInput& input);
-
-  /// Whether the last frame drew anything; else what was shown before it stays.
-  bool drew() const { return drew_; }
+  /// @return  whether it drew anything; else what was shown before stays
+  [[nodiscard]] Result<bool> frame(const ViewerInput& input);
 
   /// Draws what the last frame showed once more, into the framebuffer that is bound.
   void showAgain(bool panels = true) { show(shownLook_, panels); }
@@ -133,9 +102,10 @@ class ViewerApp {
     bool placed = false;    ///< and put something somewhere
   };
 
-  ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice device, ViewPicture picture);
+  ViewerApp(OpenDocument open, const ViewerOptions& options, ViewPicture picture);
 
   LeaveQuestion::Actions leaveActions();
+  void addFile(const std::string& path);
   void feed(const ViewerInput& input);
   void takeLoaded(const ViewerInput& input);
   void takeDocument(const DocumentNews& news, const ViewerInput& input);
@@ -152,34 +122,33 @@ class ViewerApp {
   PictureRequest request(const ViewerInput& input) const;
 
   ViewerOptions options_;
-  GlDevice device_;
   ViewerSettings settings_;
   ViewerDocument document_;
   Playback playback_;
   ViewerView view_;
   ViewerTools tools_;
+  ViewReport report_;
   LeaveQuestion leaving_;
   Comparison comparison_;
   ViewerWindow window_;
   Recovery recovery_;
   WindowLanguage language_;
-  WorkNotes notes_;
-  FrameCosts costs_;
-  std::shared_ptr<ReportJob> report_;
   std::string other_;               ///< that the document is compared with from when it is there
   std::optional<ViewCamera> rest_;  ///< of rest(), until the document is there
   bool timeAsked_ = false;          ///< a person said at which time to begin
   bool moving_ = false;             ///< a person is turning it, or it plays
   int lively_ = 0;                  ///< frames that follow soon
   bool steps_ = false;              ///< the next frame only goes on with playing: see due()
-  bool drew_ = false;
-  double unseen_ = 0;     ///< [s] since the last frame that was drawn
-  int shownVersion_ = 0;  ///< of the picture
-  ViewerInput seen_;      ///< the last
+  double unseen_ = 0;               ///< [s] since the last frame that was drawn
+  int shownVersion_ = 0;            ///< of the picture
+  ViewerInput seen_;                ///< the last
   DisplayLook shownLook_;
   PointerState pointer_;
   std::size_t turn_ = 0;  ///< the panel that Tab opened last
   double fontScale_ = 1;
 };
+
+/// Of the window: the file's name, and a mark where something is in no file.
+std::string titleOf(ViewerApp& app);
 
 }  // namespace volute

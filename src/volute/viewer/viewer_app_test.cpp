@@ -237,10 +237,10 @@ TEST_F(ViewerTest, WhilePlayingOnlyWhatIsNewIsDrawn) {
       continue;
     const Image shown = viewer_->picture();
     ASSERT_TRUE(viewer_->frame(input_));
-    unseen = app().drew() ? 0 : unseen + input_.seconds;
+    unseen = viewer_->drew() ? 0 : unseen + input_.seconds;
     input_.seconds = 0;
     EXPECT_LT(unseen, 0.15);
-    if (app().drew())
+    if (viewer_->drew())
       continue;
     ++steps;
     EXPECT_EQ(app().view().picture().state().version, before);
@@ -249,7 +249,7 @@ TEST_F(ViewerTest, WhilePlayingOnlyWhatIsNewIsDrawn) {
   EXPECT_GT(steps, 10);
   press(Key::kSpace);
   settle();
-  EXPECT_TRUE(app().drew());
+  EXPECT_TRUE(viewer_->drew());
 }
 
 TEST_F(ViewerTest, WhatMovesFillsTheWindowAsWhatRests) {

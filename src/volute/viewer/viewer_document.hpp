@@ -44,13 +44,13 @@ class ViewerDocument {
   /// Why nothing is shown or was done, in the viewer's words; empty: no error.
   const std::string& error() const { return error_; }
 
-  /// The same as it came.
+  /// The error of the last failure, as it came.
   const std::optional<Error>& failure() const { return failure_; }
 
   /// The scene cannot be drawn.
   void refuseScene(Error why);
 
-  /// What was done last.
+  /// A sentence about what was done last.
   const std::string& message() const { return message_; }
 
   void say(std::string message) { message_ = std::move(message); }

@@ -216,7 +216,7 @@ class Round {
   }
 
   /// Frames that a rasteriser on the CPU draws take what they take.
-  bool counts() const { return !openGl_ || viewer_.app().device().hardware; }
+  bool counts() const { return !openGl_ || viewer_.app().view().picture().makers().hardware; }
 
   /// So many frames, or fewer where each takes long.
   void pause(int frames) {
@@ -234,7 +234,7 @@ class Round {
     const double own = ownSeconds();
     if (counts()) {
       (loads ? report_.loading : report_.other)
-          .see(seconds, own - own_, what_, viewer_.app().costs());
+          .see(seconds, own - own_, what_, viewer_.app().window().costs());
       if (loads && seconds > kLongest)
         ++report_.slow;
     }

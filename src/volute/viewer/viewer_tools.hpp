@@ -55,7 +55,7 @@ class PointerTools {
  public:
   PointerTools(ViewerView& view, ViewerDocument& document) : view_(view), document_(document) {}
 
-  /// Of the window in this frame [points].
+  /// Size of the window in this frame [points].
   void setSize(int width, int height) { width_ = width, height_ = height; }
 
   /// What the media are under it; nothing where its ray meets none, and no surface.

@@ -74,7 +74,7 @@ class ViewerView {
     bool tried = false;  ///< from a picture that was not fine
   };
 
-  /// Of SceneLook::tone.
+  /// The view transform of SceneLook::tone.
   const Result<const ViewTransform*>& colorView(int tone) const;
   void lookForSomething(const DocumentInfo& document);
 

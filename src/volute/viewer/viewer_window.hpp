@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "volute/viewer/clipboard.hpp"
+#include "volute/viewer/work_notes.hpp"
 
 namespace volute {
 
@@ -16,6 +17,14 @@ namespace volute {
 struct ControlPlace {
   float left = 0, top = 0, right = 0, bottom = 0;
   bool cut = false;  ///< a part is beside the panel's border
+};
+
+/// What parts of the last frame took [ms].
+struct FrameCosts {
+  double loaded = 0;   ///< to take over what the loader has
+  double panels = 0;   ///< input and panels
+  double picture = 0;  ///< OpenGL's picture, or asking the CPU for one
+  double shown = 0;    ///< picture and panels into the window
 };
 
 /// What the viewer and the window around it have to do with each other: where controls are, text
@@ -44,8 +53,13 @@ class ViewerWindow {
   /// The control that the keyboard is at; empty: none.
   const std::string& focused() const { return focused_; }
 
-  /// Of text, between programs.
+  /// The clipboard, for text.
   Clipboard& clipboard() { return clipboard_; }
+
+  /// What is being done, and what was done last.
+  WorkNotes& notes() { return notes_; }
+
+  FrameCosts& costs() { return costs_; }
 
   void requestFullScreen() { fullScreen_ = true; }
 
@@ -78,6 +92,8 @@ class ViewerWindow {
   std::vector<Stop> stops_;
   int steps_ = 0;
   Clipboard clipboard_;
+  WorkNotes notes_;
+  FrameCosts costs_;
   bool fullScreen_ = false, screenshot_ = false, report_ = false;
 };
 

@@ -289,7 +289,7 @@ Result<std::optional<ViewerRest>> runWindow(OpenDocument open, const ViewerStart
       return left.path.empty() ? rest : left;
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    VOLUTE_TRY(app->frame(input));
+    VOLUTE_ASSIGN(const bool drew, app->frame(input));
     if (app->window().takeScreenshotRequest()) {
       const std::string name = screenshotName();
       app->showAgain(false);
@@ -299,13 +299,13 @@ Result<std::optional<ViewerRest>> runWindow(OpenDocument open, const ViewerStart
     }
     if (app->window().takeReportRequest()) {
       app->showAgain(false);
-      app->beginReport(shownPicture(input.columns, input.rows));
+      app->report().begin(shownPicture(input.columns, input.rows));
       app->showAgain();
     }
     if (app->window().takeFullScreenRequest())
       window->toggleFullScreen();
-    window->setTitle(app->title());
-    if (app->drew())
+    window->setTitle(titleOf(*app));
+    if (drew)
       window->show();
   }
   return std::nullopt;

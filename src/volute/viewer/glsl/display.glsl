@@ -34,12 +34,11 @@ vec3 filmic(vec3 v) {
               dot(y, vec3(-0.00327, -0.07276, 1.07602)));
 }
 
-// The brightest channel ends below 1, and the others keep their share of it.
+// The brightest channel ends at 1, and the others keep their share of it.
 vec3 shoulder(vec3 v) {
-  const float knee = 0.7;
-  float most = max(v.r, max(v.g, v.b));
-  float beyond = (most - knee) / (1.0 - knee);
-  return most > knee ? v * ((knee + (1.0 - knee) * beyond / (1.0 + beyond)) / most) : v;
+  float most = max(v.r, max(v.g, v.b)), least = min(v.r, min(v.g, v.b));
+  float knee = 1.0 - 0.3 * (1.0 - least / max(most, 1e-6));
+  return most > knee ? v * ((knee + (1.0 - knee) * (most - knee) / (1.0 - 2.0 * knee + most)) / most) : v;
 }
 
 vec3 viewed(vec3 v) {
