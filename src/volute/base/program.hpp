@@ -15,7 +15,7 @@ namespace volute {
 /// The first of these programs that is in a folder of the PATH; empty when none is.
 std::string findProgram(std::initializer_list<std::string_view> names);
 
-/// What a program is given.
+/// Limits and standard streams of a program that is started.
 struct ProgramLimits {
   double seconds = 60;                 ///< after which it is killed
   std::uint64_t memory = 0;            ///< [bytes] of address space; 0: any

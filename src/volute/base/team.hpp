@@ -63,7 +63,7 @@ class Team {
   [[nodiscard]] Result<std::vector<std::vector<std::byte>>> gatherAll(
       std::span<const std::byte> bytes);
 
-  /// The same of texts.
+  /// Gathers one text of each process, in the order of ranks.
   [[nodiscard]] Result<std::vector<std::string>> gatherTexts(std::string_view text);
 
   /// Collective. Sends toEach[rank], one for each rank, to that rank.

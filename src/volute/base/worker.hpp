@@ -21,7 +21,7 @@ class Worker {
   /// @param pending  works that may wait; give() waits for room
   explicit Worker(std::size_t pending) : pending_(pending) {}
 
-  /// What has not begun is left undone.
+  /// Waits for the task that runs; tasks that have not begun are dropped.
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;

@@ -20,7 +20,7 @@ struct TeamLayout {
   bool operator==(const TeamLayout&) const = default;
 };
 
-/// What the plug-in that links MPI gives.
+/// Functions of the plug-in that links MPI.
 struct MpiPlugin {
   TeamLayout layout;  ///< in front for ever
 

@@ -31,7 +31,7 @@ struct FrameRequest {
   double rate = kUsualRate;            ///< of what has no frames of its own [1/s]
 };
 
-/// What chooseFrames() found.
+/// The frames to draw, with their times; made by chooseFrames().
 struct ChosenFrames {
   std::vector<FilmFrame> frames;  ///< at least one
   std::string reason{};           ///< why this frame, where the request left it open; may be empty

@@ -34,7 +34,7 @@ struct PictureMark {
   std::string text;
 };
 
-/// What a picture says about itself.
+/// Notes in a picture's file, and what is drawn onto it.
 struct PictureText {
   ImageNotes notes{};                 ///< in the file
   std::vector<std::string> legend{};  ///< drawn into .png and films; empty: nothing

@@ -48,7 +48,7 @@ class GlRenderer {
   [[nodiscard]] Result<SurfacePicture> walls(const Camera& camera, const GlWalls& walls,
                                              Progress& progress);
 
-  /// As signPixels(). No signs: no pixels.
+  /// Pixels of each sign, as signPixels() finds them; empty without signs.
   [[nodiscard]] Result<std::vector<SignPixel>> findSigns(const Camera& camera,
                                                          std::span<const Sign> signs,
                                                          std::span<const float> opaqueDepth);

@@ -61,7 +61,7 @@ class GlStore {
 /// Names and values, in order.
 using GlCounts = std::vector<std::pair<std::string, std::int64_t>>;
 
-/// What pictures are drawn with.
+/// Buffers, textures and programs that pictures share.
 struct GlResources {
   GlDevice device;
   GlPasses passes;

@@ -11,7 +11,7 @@
 
 namespace volute {
 
-/// What a scene's shader is for.
+/// The quantity that a scene's shader computes.
 enum class GlQuantity { kLight, kOpticalDepth };
 
 /// Shaders with the same key are the same: it has the media's structure and none of their values.

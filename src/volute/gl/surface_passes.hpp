@@ -35,7 +35,7 @@ class SurfacePasses {
                                                  const Attenuate& attenuate, GlPasses& passes);
 
  private:
-  /// What does not change with the camera.
+  /// Buffers of surfaces, which do not depend on the camera.
   struct Surfaces {
     TriangleScene scene;
     GlTriangles triangles;

@@ -30,7 +30,7 @@ struct ProjectedTet {
 /// 1 or 3 (odd), 2 (even), 4. Zero counts as positive: what is seen edge-on covers nothing.
 ProjectedTet projectTet(const std::array<double, 4>& eyeShares);
 
-/// What projectTet() asks for.
+/// Barycentric coordinates of the eye in a tet, as projectTet() takes them.
 std::array<double, 4> eyeShares(const TetMesh& mesh, std::int32_t tet, const ViewOrigin& view);
 
 }  // namespace volute

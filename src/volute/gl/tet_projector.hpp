@@ -15,7 +15,7 @@
 
 namespace volute {
 
-/// What tets are blended into.
+/// The framebuffer that tets are blended into.
 enum class TetTarget {
   kFloat32,
   kFloat16,
@@ -33,7 +33,7 @@ struct TetProjectorOptions {
   bool cutAtWalls = true;
 };
 
-/// What a TetProjector has done.
+/// Counts of a TetProjector's work.
 struct TetProjectorCounts {
   std::int64_t sorts = 0;    ///< and projections; none while the eye stays
   std::int64_t uploads = 0;  ///< of vertices, their smoke, and indices

@@ -14,7 +14,7 @@
 
 namespace volute {
 
-/// What a billboard's texture lets through.
+/// How a billboard's alpha is used.
 enum class BillboardAlpha {
   kTransmittance,  ///< what the medium lets through
   /// 1 - the brightest channel, clipped to 0..1: how fire, which does not absorb, hides a bright

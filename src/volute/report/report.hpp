@@ -54,7 +54,7 @@ nlohmann::ordered_json vectorJson(const Vec3& v);
 /// [[1, 2, 3], [4, 5, 6]], the corners of a box [m].
 nlohmann::ordered_json boxJson(const Box3& box);
 
-/// What is in a file.
+/// Format, contents and figures of a file, for `info`.
 struct FileDescription {
   Report report;
   bool damaged = false;  ///< something of it is missing or cannot be used; the report says what

@@ -30,7 +30,7 @@ class Sha256 {
   std::uint64_t size_ = 0;
 };
 
-/// Of a file, whatever its size.
+/// SHA-256 of a file, read in parts.
 [[nodiscard]] Result<std::string> sha256Of(const std::filesystem::path& file);
 
 }  // namespace volute

@@ -32,7 +32,7 @@ struct SceneClip {
   Segment part(const Segment& segment) const;
 };
 
-/// Of the kinds of entries.
+/// Tables of members, one for each kind of clip.
 std::span<const FieldTable* const> clipTables();
 
 [[nodiscard]] Result<SceneClip> parseClip(const nlohmann::json& json, const FieldOrigin& origin);

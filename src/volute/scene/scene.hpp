@@ -127,7 +127,7 @@ class Scene {
   [[nodiscard]] Result<std::vector<std::shared_ptr<SceneMedium>>> openMedia(
       const SceneDescription& description, bool sameLights, Progress& progress);
   [[nodiscard]] Status placeSurfaces(const InstantRequest& request);
-  /// What glows lights the rest.
+  /// Adds media that glow as lamps for the others.
   void shine(Snapshot& snapshot, Progress& progress);
 
   std::string path_;  ///< names in the JSON are found from its folder

@@ -28,7 +28,7 @@ class SceneHistory {
 
   bool canRedo() const { return !future_.empty(); }
 
-  /// What the scene is to be; canUndo().
+  /// The scene before the last change; expects canUndo().
   const nlohmann::ordered_json& before() const { return past_.back(); }
 
   /// Likewise; canRedo().

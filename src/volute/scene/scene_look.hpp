@@ -30,7 +30,7 @@ struct SceneLook {
 
 const FieldTable& lookFields();
 
-/// As a scene file has it.
+/// The look as "view" of a scene file.
 nlohmann::ordered_json toJson(const SceneLook& look);
 
 }  // namespace volute

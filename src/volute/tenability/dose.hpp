@@ -21,7 +21,7 @@ enum class Activity { kRest, kLight, kHeavy };
 
 enum class Clothing { kUnclothed, kClothed };
 
-/// What radiant heat is to avoid.
+/// The injury by radiant heat that a dose is counted towards.
 enum class BurnEndpoint { kPain, kSecondDegree };
 
 /// A way to add up what the air does.
@@ -79,7 +79,7 @@ bool isInstantaneous(DoseLaw law);
 
 /// Without these a law says nothing. Of irritants at least one must be known.
 std::vector<Air> needed(DoseLaw law);
-/// What it takes in besides.
+/// Quantities of the air that a law takes in besides its main one.
 std::vector<Air> taken(DoseLaw law);
 
 }  // namespace volute

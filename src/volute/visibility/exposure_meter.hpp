@@ -61,7 +61,7 @@ class AirField {
     Spans spans{};                                  ///< from which times each value comes
   };
 
-  /// Of which nothing is known: all NaN.
+  /// An exposure of which nothing is known: all NaN.
   static Exposure unknown();
 
   /// Whether values of what a criterion takes in leave nothing open.

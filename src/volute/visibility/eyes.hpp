@@ -71,7 +71,7 @@ class Trajectories {
 
   static constexpr double kEyeHeight = 1.8;  ///< [m]
 
-  /// What was taken as what.
+  /// Remarks on how columns and units were read.
   std::span<const std::string> remarks() const { return remarks_; }
 
   struct Person {

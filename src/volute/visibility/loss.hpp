@@ -49,7 +49,7 @@ struct LossTimes {
   /// The time of a place that is complete; NaN of another.
   double answer(std::size_t place, RoundTime round) const;
 
-  /// Those of all places.
+  /// Answers of all places.
   std::vector<double> answers(RoundTime round) const;
 
   /// Keeps the first loss of a place.

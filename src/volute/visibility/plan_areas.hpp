@@ -58,7 +58,7 @@ struct PlanMargins {
   std::vector<double> margin;  ///< infinite: no criterion is reached; NaN: not known, or nobody
   std::vector<double> least;  ///< what is sure: `margin`, or what is left until the end of the data
 
-  /// Of some places.
+  /// Counts of some places, and the worst of them.
   struct Worst {
     std::size_t needed = 0, tooLate = 0, unknown = 0;  ///< places
     std::optional<std::size_t> place{};                ///< with the smallest margin that is known

@@ -48,7 +48,7 @@ class PlanTenability {
     std::vector<bool> in;           ///< where one is seen before there is smoke
   };
 
-  /// Of the page, each with its headings.
+  /// Parts of the page, each with its headings.
   struct Parts {
     std::string criteria, results, sensitivity;
   };

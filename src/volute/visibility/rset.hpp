@@ -16,7 +16,7 @@ namespace volute {
 /// How long people need (required safe egress time).
 class Rset {
  public:
-  /// The same for everybody [s].
+  /// One required time for everybody [s].
   explicit Rset(double seconds) : what_(seconds) {}
 
   /// Until somebody comes by for the last time.

@@ -15,7 +15,7 @@
 
 namespace volute {
 
-/// What is looked at besides.
+/// A variant of the survey, for comparison.
 struct Variation {
   std::string_view name;
   double smoke = 1;  ///< what the extinction is multiplied with

@@ -23,7 +23,7 @@ struct SurveyRequest {
   SightFile sightFile = SightFile::kAuto;
   bool pdf = false;  ///< print report.html as report.pdf; a remark where that cannot be
 
-  /// Of the report; may be empty.
+  /// Title, author and inputs of the report; may be empty.
   struct Document {
     std::string title, project, author, date;
     std::vector<std::filesystem::path> inputs;  ///< files that were read, for their checksums
@@ -61,7 +61,7 @@ struct SurveySummary {
                                               Watch& watch, SurveyPictures& pictures,
                                               Progress& progress, Team& team);
 
-/// The same in this process alone.
+/// Runs a survey in this process alone.
 [[nodiscard]] Result<SurveySummary> runSurvey(SurveyRequest request, SightField& field,
                                               Watch& watch, SurveyPictures& pictures,
                                               Progress& progress);

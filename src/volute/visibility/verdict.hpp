@@ -45,7 +45,7 @@ Json latestJson(const FirstLoss& latest, RoundTime round);
 /// Among the places for which `counts` is true; empty: all.
 FirstLoss firstLoss(const LossTimes& times, RoundTime round, const std::vector<bool>& counts = {});
 
-/// The same among some places.
+/// The first loss among some places.
 FirstLoss firstLoss(const LossTimes& times, RoundTime round, std::span<const std::size_t> places);
 
 /// Losses, and the places at which they count; null: all.

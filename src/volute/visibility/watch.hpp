@@ -31,7 +31,7 @@ struct SignSet {
 
 struct PlanUnderlay;
 
-/// What all of a survey's parts know.
+/// Field, signs, times and settings that all parts of a survey share.
 struct Survey {
   std::filesystem::path folder;  ///< where results go
   std::vector<SightTarget> signs;

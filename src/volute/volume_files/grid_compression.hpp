@@ -32,7 +32,7 @@ struct KeptResult {
   std::uint64_t bytes = 0;  ///< in the file
 };
 
-/// What came of one grid.
+/// Size and error of one compressed grid.
 struct CompressedGrid {
   std::string name;
   VolumeInfo info;  ///< of an empty one x is 0

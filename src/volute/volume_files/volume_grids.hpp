@@ -40,7 +40,7 @@ class VolumeGrids {
 
   const std::vector<VolumeGrid>& grids() const { return grids_; }
 
-  /// What the files say of themselves.
+  /// Metadata of the files, apart from those of grids.
   const FrameMetadata& fileMetadata() const { return fileMetadata_; }
 
   /// Their numbers and times, of one voxel.

@@ -12,7 +12,7 @@
 
 namespace volute::conformance {
 
-/// What is inside the bounds.
+/// The interval of a segment inside of the bounds.
 Interval insideBounds(const MediumUnderTest& tested, const Segment& segment);
 
 /// The same points the other way: s becomes -s.
