@@ -257,8 +257,8 @@ typedef struct volute_film {
 } volute_film;
 
 /* Writes a film (.mp4, .webm) or numbered pictures ("fire_%04d.png") as `volute render` does, with
- * one exposure for all. `view` as above, whose time must be NULL; `film` may be NULL. What is stopped
- * leaves no file. */
+ * one exposure for all. `view` as above, whose time must be NULL; `film` may be NULL. A film that is
+ * stopped leaves no file, numbered pictures leave those that were whole. */
 volute_status volute_drawing_film(volute_drawing* drawing, const volute_view* view,
                                   const volute_film* film, const char* path);
 

@@ -123,6 +123,8 @@ Status Team::forUnits(std::string_view stage, std::int64_t count, Progress& prog
     setCounter(Counter::kDone, 0);
   }
   VOLUTE_TRY(agree({}));
+  if (leads())
+    progress.report(stage, 0, static_cast<double>(count));  // who stops here has no first unit
   double milliseconds = 0;
   const std::clock_t cpuBefore = std::clock();
   Status status;

@@ -88,7 +88,7 @@ class Team {
 
   /// Collective. Does the units 0 to count - 1 of a stage, each once on the rank that is free for
   /// it; a rank gets its units in ascending order. An error of `body` ends the stage on all ranks.
-  /// Rank 0 reports the units that all ranks have finished.
+  /// Rank 0 reports 0 units, and then those that all ranks have finished.
   /// @param last  called on each rank when there are no more units for it, before it waits for the
   ///              others: on rank 0 it can collect what they post.
   [[nodiscard]] Status forUnits(std::string_view stage, std::int64_t count, Progress& progress,

@@ -40,6 +40,25 @@ TEST(Team, DoesEachUnitOnceOnAnyNumberOfRanks) {
   }
 }
 
+TEST(Team, WhoStopsAtOnceGetsNoUnit) {
+  struct : Progress {
+    void report(std::string_view /*stage*/, double done, double /*total*/) override {
+      stopped = stopped || done == 0;
+    }
+
+    bool cancelled() const override { return stopped; }
+
+    bool stopped = false;
+  } progress;
+
+  Team alone;
+  const Status done = alone.forUnits("work", 2, progress, [](std::int64_t) -> Status {
+    ADD_FAILURE();
+    return {};
+  });
+  EXPECT_EQ(done.error().code, ErrorCode::kCancelled);
+}
+
 TEST(Team, EachRankSendsToEach) {
   onRanks(3, [](Team& team) {
     std::vector<std::vector<int>> toEach;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "volute/base/parallel.hpp"
 #include "volute/math/phase_function.hpp"
@@ -519,11 +520,9 @@ const std::shared_ptr<const LightAtSurfaces>& VolumeLight::atSurfaces() const {
   return atSurfaces_;
 }
 
-ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
-  gather();
+/// At each light point.
+std::vector<VoxelLight> VolumeLight::scattered(const std::optional<View>& view) const {
   const DiffuseLight* const again = this->again();
-  if (lampShares_.empty() && even_.empty() && !again)
-    return volume_.drawn();
   const auto places = volume_.lightPlaces();
   std::vector<VoxelLight> light(places.size());
   parallelRanges(places.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -535,20 +534,31 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
       Rgb sum = Rgb::Zero();
       for (Lattice::Reader& lattice : even) sum += lattice.at(place, i);
       const Vec3 point = placeOf(place);
-      const Vec3 way = view ? wayTo(*view, point) : Vec3::Zero();
       sum += ofLamps(place, view, again != nullptr,
                      [&](const std::vector<float>& shares) { return shares[i]; });
       if (again)
-        sum += view ? again->towards(point, way) : again->at(point);
+        sum += view ? again->towards(point, wayTo(*view, point)) : again->at(point);
       sum *= lighting_.albedo;
       if (!lighting_.colors.empty())
         sum *= lighting_.colors[i];
       light[i] = sum.cast<float>();
     }
   });
-  if (!view || lampShares_.empty() || !atSurfaces())
-    return volume_.withMeansOf(std::move(light));
-  const std::vector<LightAtSurfaces::Hidden> hidden = atSurfaces()->hiddenFrom(*view);
+  return light;
+}
+
+/// Interpolated through surfaces.
+ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
+  gather();
+  if (lampShares_.empty() && even_.empty() && !again())
+    return volume_.drawn();
+  return volume_.withMeansOf(scattered(view));
+}
+
+/// Points that a view does not see take the light of those before the surface.
+void VolumeLight::hide(const View& view, std::vector<VoxelLight>& light) const {
+  const bool again = this->again() != nullptr;
+  const std::vector<LightAtSurfaces::Hidden> hidden = atSurfaces()->hiddenFrom(view);
   parallelRanges(hidden.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t h = begin; h < end; ++h) {
       const LightAtSurfaces::Hidden& one = hidden[h];
@@ -560,27 +570,34 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
           sum += seen.weight * shares[static_cast<std::size_t>(seen.number)];
         return sum;
       };
-      Rgb change = ofLamps(one.point.place, view, again != nullptr, before) -
-                   ofLamps(one.point.place, view, again != nullptr, own);
+      Rgb change = ofLamps(one.point.place, view, again, before) -
+                   ofLamps(one.point.place, view, again, own);
       change *= lighting_.albedo;
       if (!lighting_.colors.empty())
         change *= lighting_.colors[i];
       light[i] = (light[i] + change.cast<float>()).max(0);
     }
   });
-  return volume_.withMeansOf(std::move(light));
 }
 
 ShadedVoxels VolumeLight::seenFrom(const View& view) const {
   const std::lock_guard lock(guard_);
-  const bool even = lighting_.asymmetry == 0 && (lighting_.lamps.empty() || !atSurfaces());
-  const bool same =
-      last_ &&
-      (even || (lastView_ && lastView_->at == view.at && lastView_->parallel == view.parallel));
-  if (!same) {
+  gather();
+  const bool hides = !lampShares_.empty() && atSurfaces();
+  const bool even = lighting_.asymmetry == 0;  // the same light towards all views
+  if (last_ &&
+      ((even && !hides) || (lastView_->at == view.at && lastView_->parallel == view.parallel)))
+    return *last_;
+  lastView_ = view;
+  if (!hides) {
     last_ = shaded(view);
-    lastView_ = view;
+    return *last_;
   }
+  if (!even || unhidden_.empty())
+    unhidden_ = scattered(view);
+  std::vector<VoxelLight> light = even ? unhidden_ : std::exchange(unhidden_, {});
+  hide(view, light);
+  last_ = volume_.withMeansOf(std::move(light));
   return *last_;
 }
 
@@ -590,8 +607,11 @@ std::uint64_t VolumeLight::memoryBytes() const {
   // Corners are in up to eight bricks: of the values with light, and of the values alone.
   const auto channels = static_cast<std::uint64_t>(slice.channels());
   const std::uint64_t corners = 3 * (2 * channels + 1) * sizeof(float) / 2;
+  // What does not depend on a view is kept where surfaces change the rest of it.
+  const std::uint64_t kept = lighting_.surfaces.empty() ? 0 : sizeof(VoxelLight);
   return slice.bytes() + volume_.drawnBytes() +
-         points * (corners + sizeof(VoxelLight) / 2 + lighting_.lamps.size() * sizeof(float));
+         points *
+             (corners + sizeof(VoxelLight) / 2 + kept + lighting_.lamps.size() * sizeof(float));
 }
 
 ShadedVoxels VolumeLight::seen() const {

@@ -106,6 +106,8 @@ class VolumeLight {
               ShareOf&& shareOf) const;
   const std::shared_ptr<const LightAtSurfaces>& atSurfaces() const;
   ShadedVoxels shaded(const std::optional<View>& view) const;
+  std::vector<VoxelLight> scattered(const std::optional<View>& view) const;
+  void hide(const View& view, std::vector<VoxelLight>& light) const;
 
   ShadedVoxels volume_;
   VolumeLighting lighting_;
@@ -119,6 +121,7 @@ class VolumeLight {
   mutable std::shared_ptr<const VolumeLight> inMore_;  ///< withLamps()
   mutable std::optional<View> lastView_;
   mutable std::optional<ShadedVoxels> last_;
+  mutable std::vector<VoxelLight> unhidden_;  ///< scattered evenly, before hide()
 };
 
 }  // namespace volute
