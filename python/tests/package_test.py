@@ -578,6 +578,7 @@ class Package(unittest.TestCase):
 import threading, time, sys
 import numpy as np, volute
 values = np.random.default_rng(1).random((32, 48, 48, 48), np.float32)
+volute.set_threads(1)
 def work(i):
     while True:
         volute.compress(values, f"{sys.argv[1]}/end{i}.volute", rms=1e-4)

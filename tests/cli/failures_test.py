@@ -182,7 +182,7 @@ class Failures(support.TestCase):
                      ["reconstruct", self.path("a.json"), "-o", self.path("y.volute")]]
         for words in commands:
             with self.subTest(words=[str(word) for word in words]):
-                done = volute(*words, timeout=20)
+                done = volute(*words, timeout=60)
                 self.assertIn(done.code, (1, 2), done.message)
                 self.assertRegex(done.message + done.text, "a pipe|a socket|a device|pipe; expected|no known|not a known")
 

@@ -51,6 +51,7 @@ class Interrupt(support.TestCase):
         for number in (signal.SIGINT, signal.SIGTERM):
             process = subprocess.Popen([support.PROGRAM, "compress", noise, "-o", self.path("x.volute"), "--rms", "0.0001"],
                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            support.listening(process)
             time.sleep(0.4)
             self.assertIn("volute compress: stopped", self.stopped(process, [number]))
             self.assertEqual(self.files(), ["noise.npy"])
@@ -71,6 +72,7 @@ class Interrupt(support.TestCase):
         command = f"'{support.PROGRAM}' compress '{noise}' -o '{self.path('x.volute')}' --rms 0.0001"
         loop = subprocess.Popen(["bash", "-c", f"for i in 1 2 3; do {command}; echo $i: $?; done"], stdout=subprocess.PIPE,
                                 stderr=subprocess.PIPE, start_new_session=True)
+        support.listening(loop)
         time.sleep(0.6)
         os.killpg(loop.pid, signal.SIGINT)
         said, message = loop.communicate(timeout=60)
@@ -82,6 +84,7 @@ class Interrupt(support.TestCase):
         packed = self.make_volute()
         process = subprocess.Popen(["bash", "-c", f"trap '' INT; exec '{support.PROGRAM}' render '{packed}' -o '{self.path('x.png')}' "
                                     "--size 900x900 --renderer reference"], stderr=subprocess.PIPE)
+        support.listening(process)
         time.sleep(0.3)
         process.send_signal(signal.SIGINT)
         message = process.communicate(timeout=120)[1]
@@ -92,6 +95,7 @@ class Interrupt(support.TestCase):
         packed = self.make_volute()
         process = subprocess.Popen([support.PROGRAM, "render", packed, "-o", self.path("x.png"), "--size", "4000x4000", "--renderer", "reference"],
                                    stderr=subprocess.PIPE)
+        support.listening(process)
         time.sleep(0.5)
         self.assertIn("stopped", self.stopped(process, [signal.SIGINT]))
         self.assertEqual(self.files(), ["in.volute"])
@@ -111,16 +115,22 @@ class Interrupt(support.TestCase):
 
     def test_a_second_is_enough(self):
         """What computes without asking ends too: the hall's 12 million tets are made in one step."""
-        begun = subprocess.Popen([support.PROGRAM, "synthesize", "hall", "-o", self.path("hall.pvd"), "--cell", "0.1"],
-                                 stderr=subprocess.PIPE)
-        time.sleep(0.4)
-        at = time.monotonic()
-        self.assertIn("stopped", self.stopped(begun, [signal.SIGINT]))
-        self.assertLess(time.monotonic() - at, LONGEST)
-        self.assertEqual(self.files(), [])
+        def took():
+            begun = subprocess.Popen([support.PROGRAM, "synthesize", "hall", "-o", self.path("hall.pvd"), "--cell", "0.1"],
+                                     stderr=subprocess.PIPE)
+            support.listening(begun)
+            time.sleep(0.4)
+            at = time.monotonic()
+            self.assertIn("stopped", self.stopped(begun, [signal.SIGINT]))
+            self.assertEqual(self.files(), [])
+            return time.monotonic() - at
+
+        self.assertTrue(soon(took))
 
 
-LONGEST = 1.5 * support.SLOWER  # [s] from the signal to the end of the program, which has one of them, on a machine with other work
+def soon(took):
+    """Whether one of three runs ends as soon as it has to, on a machine with other work: a second, and half of one to be gone."""
+    return any(took() < 1.5 * support.slower() for _ in range(3))
 
 
 def sparse_npy(path, shape):
@@ -140,34 +150,47 @@ class EveryVerb(support.TestCase):
     from."""
 
     def stops(self, *arguments, after=0.3, may=(), **options):
-        before = set(self.files())
-        process = subprocess.Popen([support.PROGRAM, *map(str, arguments)], stderr=subprocess.PIPE, **options)
-        time.sleep(after)
-        self.assertIsNone(process.poll(), "ended before it could be stopped")
-        at = time.monotonic()
-        process.send_signal(signal.SIGINT)
-        process.wait(timeout=60)
-        took = time.monotonic() - at
-        message = process.stderr.read().decode()
-        process.stderr.close()
-        self.assertEqual(process.returncode, -signal.SIGINT, message)
-        self.assertIn("stopped", message.lower())
-        self.assertLess(took, LONGEST)
-        self.assertEqual(set(self.files()) - set(may), before)
+        def took():
+            before = set(self.files())
+            process = subprocess.Popen([support.PROGRAM, *map(str, arguments)], stderr=subprocess.PIPE, **options)
+            support.listening(process)
+            time.sleep(after)
+            self.assertIsNone(process.poll(), "ended before it could be stopped")
+            at = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            process.wait(timeout=60)
+            gone = time.monotonic()
+            message = process.stderr.read().decode()
+            process.stderr.close()
+            self.assertEqual(process.returncode, -signal.SIGINT, message)
+            self.assertIn("stopped", message.lower())
+            self.assertEqual(set(self.files()) - set(may), before - set(may))
+            return gone - at
+
+        self.assertTrue(soon(took))
 
     def reader_gone(self, file):
-        """No process has the file open."""
+        """No process has the file open, soon."""
+        end = time.monotonic() + 10
+        while self.holders(file) and time.monotonic() < end:
+            time.sleep(0.02)
+        self.assertEqual(self.holders(file), [])
+
+    def holders(self, file):
+        found = []
         for entry in pathlib.Path("/proc").glob("[0-9]*/fd/*"):
             try:
-                self.assertNotEqual(os.readlink(entry), str(file))
+                if os.readlink(entry) == str(file):
+                    found.append(entry)
             except OSError:
                 pass
+        return found
 
     def test_info_and_compare(self):
         for name in ("a.npy", "b.npy"):
             sparse_npy(self.path(name), (20000, 64, 64, 64))
-        self.stops("info", self.path("a.npy"), "--values")
-        self.stops("compare", self.path("a.npy"), self.path("b.npy"))
+        self.stops("info", self.path("a.npy"), "--values", "--threads", 1)
+        self.stops("compare", self.path("a.npy"), self.path("b.npy"), "--threads", 1)
 
     def test_into_a_pipe_that_nobody_reads(self):
         self.make_volute("fire.volute", frames=20, size=16)
@@ -215,7 +238,7 @@ class EveryVerb(support.TestCase):
         self.path("signs.json").write_text(json.dumps({"signs": [
             {"name": str(i), "position": [0.1 * i, 0, 2], "normal": [0, 1, 0]} for i in range(20)]}))
         self.stops("visibility", self.path("a.vtu"), "--quantity", "extinction", "--signs", self.path("signs.json"), "-o",
-                   self.path("out"), "--step", "0.04", after=0.8)
+                   self.path("out"), "--step", "0.04", "--threads", 1, after=0.8)
         self.reader_gone(self.path("a.vtu"))
 
 
@@ -227,7 +250,8 @@ class OfCaptures(ring.TestCase):
             camera["width"], camera["height"] = 4000, 3200
             camera["K"] = [[4200, 0, 2000], [0, 4200, 1600], [0, 0, 1]]
         self.write_capture()
-        self.stops("project", self.path("truth.npy"), self.path("capture.json"), "-o", self.path("{camera}_new_%04d.exr"))
+        self.stops("project", self.path("truth.npy"), self.path("capture.json"), "-o", self.path("{camera}_new_%04d.exr"),
+                   "--threads", 1)
 
     def test_reconstruct(self):
         self.stops("reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), "--resolution", 160, "--threads", 1,

@@ -11,6 +11,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import schema
@@ -40,10 +41,30 @@ class Result:
 SLOWER = float(os.environ.get("VOLUTE_TESTS_SLOWER", "1"))  # than without a sanitizer
 
 
+def slower():
+    """Than a machine where nobody else works."""
+    return SLOWER * max(1.0, os.getloadavg()[0] / os.cpu_count())
+
+
+def listening(process):
+    """Waits until the program, maybe a child of a shell, takes signals itself: before that they end it without a word."""
+    end = time.monotonic() + 60
+    bit = 1 << signal.SIGINT - 1
+    while process.poll() is None and time.monotonic() < end:
+        children = pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        for pid in (process.pid, *map(int, children.read_text().split())):
+            status = dict(line.split(":", 1) for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines() if ":" in line)
+            if status["Name"].strip() == pathlib.Path(PROGRAM).name:  # what it forks itself is no matter
+                if any(int(status[key], 16) & bit for key in ("SigBlk", "SigIgn", "SigCgt")):
+                    return
+                break
+        time.sleep(0.005)
+
+
 def volute(*arguments, **options):
     """Runs the program; `options` go to subprocess.run."""
     command = [PROGRAM, *map(str, arguments)]
-    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "timeout": 120 * SLOWER, "stdin": subprocess.DEVNULL} | options
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "timeout": 120 * slower(), "stdin": subprocess.DEVNULL} | options
     return Result(subprocess.run(command, **options))
 
 

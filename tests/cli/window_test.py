@@ -45,7 +45,7 @@ class Window(support.TestCase):
                 black = lambda w, h, data: not any(data[4 * (300 * w + 400):4 * (300 * w + 500)])
                 display.wait_for(black, "the window did not become smaller")
                 display.close(window)
-                self.assertEqual(process.wait(timeout=30), 0, process.stderr.read())
+                self.assertEqual(process.wait(timeout=120), 0, process.stderr.read())
 
     def test_a_driver_of_less_than_opengl_4_5_shows_what_the_cpu_draws(self):
         volume = self.make_npy(frames=1, size=16)
@@ -57,7 +57,7 @@ class Window(support.TestCase):
                     window = display.window(b"Volute")
                     display.wait_for(bright, "no picture appeared")
                     display.close(window)
-                    self.assertEqual(process.wait(timeout=30), 0, process.stderr.read())
+                    self.assertEqual(process.wait(timeout=120), 0, process.stderr.read())
 
 
 if __name__ == "__main__":

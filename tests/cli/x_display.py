@@ -68,7 +68,7 @@ class Display:
         self.server.wait()
         self.server.stdout.close()
 
-    def window(self, program, seconds=30):
+    def window(self, program, seconds=120):
         """The window of a program, once it is there; before the program's name its title may tell the open file."""
         name = ctypes.c_char_p()
         root, parent, count = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.c_uint()
@@ -118,7 +118,7 @@ class Display:
         begin = head[0] + 12 * head[19]
         return head[4], head[5], data[begin:begin + head[5] * head[12]]
 
-    def wait_for(self, test, what, seconds=30):
+    def wait_for(self, test, what, seconds=120):
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             shown = self.shown()

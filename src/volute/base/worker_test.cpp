@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <future>
 #include <new>
+#include <thread>
 #include <vector>
 
 namespace volute {
@@ -55,15 +58,23 @@ TEST(Worker, WhatIsThrownReachesWhoWaits) {
 
 TEST(Worker, WhatHasNotBegunIsLeftUndone) {
   std::atomic<int> done{0};
+  std::promise<void> ends;
+  std::jthread later;
   {
     Worker worker(100);
     for (int i = 0; i < 100; ++i) {
       ASSERT_TRUE(worker.give([&] {
+        if (done == 0)
+          ends.get_future().wait();
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
         ++done;
         return Status();
       }));
     }
+    later = std::jthread([&] {  // it is waited for at the end of the block
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+      ends.set_value();
+    });
   }
   EXPECT_LT(done, 100);
 }

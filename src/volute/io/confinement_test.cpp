@@ -148,7 +148,7 @@ TEST_P(Confinement, ItEndsWithTheProgram) {
   ::waitpid(program, nullptr, 0);
   int status = 0;
   pid_t ended = 0;
-  for (int i = 0; i < 100 && ended == 0; ++i) {
+  for (int i = 0; i < 3000 && ended == 0; ++i) {
     ::usleep(10'000);
     ended = ::waitpid(reader, &status, WNOHANG);
   }

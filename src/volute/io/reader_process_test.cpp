@@ -141,7 +141,7 @@ TEST(ReaderProcess, WhoeverWaitsForItCanGiveUp) {
   stopReading = false;
   ASSERT_FALSE(reply);
   EXPECT_EQ(reply.error().code, ErrorCode::kCancelled);
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(1));
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20));
 }
 
 TEST(ReaderProcess, EveryEndOfTheChildIsAnErrorAndTheNextCallWorks) {

@@ -38,7 +38,7 @@ class FileDialog : public ::testing::Test {
   }
 
   static std::optional<std::string> answer(DesktopDialog& dialog) {
-    for (int i = 0; i < 1000; ++i) {
+    for (int i = 0; i < 12000; ++i) {
       if (auto said = dialog.poll())
         return said;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));

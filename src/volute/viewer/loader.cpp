@@ -417,9 +417,14 @@ bool Loader::changedOnDisk() {
   return false;
 }
 
-std::vector<Loader::Watched> Loader::look(const std::vector<std::filesystem::path>& files) {
+/// @param before  keep their times
+std::vector<Loader::Watched> Loader::look(const std::vector<std::filesystem::path>& files,
+                                          std::span<const Watched> before) {
   std::vector<Watched> watched;
-  for (const auto& file : files) watched.push_back({file, changedAt(file)});
+  for (const auto& path : files) {
+    const auto old = std::ranges::find(before, path, &Watched::path);
+    watched.push_back({path, old == before.end() ? changedAt(path) : old->time});
+  }
   return watched;
 }
 
@@ -444,12 +449,13 @@ bool Loader::openNow(const std::string& path) {
   std::vector<std::filesystem::path> files{path};
   if (document_ && path == path_)
     files = document_->files();
-  std::vector<Watched> watched = look(files);
+  watched_ = look(files);
   auto document = open_(path, reporter);
   std::optional<DocumentInfo> info;
   std::uint64_t memory = 0;
   if (document) {
-    watched = look((*document)->files());
+    // What changed while it was read is news.
+    watched_ = look((*document)->files(), watched_);
     document_ = std::move(*document);
     ++openedCount_;
     info = describe();  // before the lock: the window never waits for it
@@ -457,7 +463,6 @@ bool Loader::openNow(const std::string& path) {
     memory = info->snapshotMemory;
     firstTime_ = info->firstTime;
   }
-  watched_ = std::move(watched);
   std::optional<LoadedScene> before;  // freed without the lock
   const std::lock_guard lock(mutex_);
   path_ = path;
@@ -488,12 +493,7 @@ void Loader::changeNow(const DocumentChange& what) {
   std::ranges::copy_if(watched_, std::back_inserter(news),
                        [](const Watched& file) { return changedAt(file.path) != file.time; });
   auto done = what(*document_, reporter);
-  watched_ = look(document_->files());  // what it wrote itself is no news
-  for (const Watched& old : news) {
-    const auto file = std::ranges::find(watched_, old.path, &Watched::path);
-    if (file != watched_.end())
-      file->time = old.time;
-  }
+  watched_ = look(document_->files(), news);  // what it wrote itself is no news
   std::optional<DocumentInfo> info = describe();
   const std::lock_guard lock(mutex_);
   opened_.swap(info);

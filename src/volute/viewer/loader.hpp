@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
@@ -134,7 +135,8 @@ class Loader {
   void freeThawed(std::unique_lock<std::mutex>& lock);
   void forgetSnapshots(std::unique_lock<std::mutex>& lock);
   DocumentInfo describe() const;
-  static std::vector<Watched> look(const std::vector<std::filesystem::path>& files);
+  static std::vector<Watched> look(const std::vector<std::filesystem::path>& files,
+                                   std::span<const Watched> before = {});
   void deliver(Result<ViewScene> scene, double time, bool coarse);
   bool changedOnDisk();
   void freeDiscarded(std::unique_lock<std::mutex>& lock);

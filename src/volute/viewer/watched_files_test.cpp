@@ -25,7 +25,7 @@ class WatchedFiles : public Controls {
   /// The picture is another after a while.
   void expectAnother(const Image& shown) {
     const int opened = app().document().info()->opened;
-    for (int i = 0; i < 4000 && app().document().info()->opened == opened; ++i) {
+    for (int i = 0; i < 20000 && app().document().info()->opened == opened; ++i) {
       script_->frame();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -59,7 +59,7 @@ TEST_F(WatchedFiles, ThoseOfAnFdsCaseThatIsStillComputed) {
   fdswriter::smokeFile(cellsOf(kFirst), {{0, some}, {5, some}, {10, some}})
       .save(folder_.path("longer.s3d"));
   replace("room_1.s3d", "longer.s3d");
-  for (int i = 0; i < 4000 && app().document().info()->opened == opened; ++i) {
+  for (int i = 0; i < 20000 && app().document().info()->opened == opened; ++i) {
     script_->frame();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
