@@ -64,10 +64,13 @@ class Posterior {
     setPreconditioner();
   }
 
+  /// What a sample is of besides noise.
+  enum class Open { kNothing, kPrior };
+
   /// What may be added to the estimate, three channels each.
-  Vector sample(std::mt19937& random) {
+  Vector sample(std::mt19937& random, Open open = Open::kPrior) {
     constexpr int kIterations = 40;
-    Vector x(4 * support_.size()), r = rightSide(random), z(r.size()), h(r.size());
+    Vector x(4 * support_.size()), r = rightSide(random, open), z(r.size()), h(r.size());
     const auto precondition = [&] {
       forElements(z.size(), [&](std::size_t i) { z[i] = inverse_[i] * r[i]; });
     };
@@ -112,16 +115,18 @@ class Posterior {
       forElements(x.size(), [&](std::size_t i) { x[i] = std::max(x[i], -estimate_[i]); });
   }
 
-  /// The weighted mean of each unknown and the six around it: few samples are noisy.
+  /// Three times the weighted mean of each unknown and the six around it: few samples are noisy.
   void smooth(Vector& squares) {
-    field_.fill(squares);
-    const auto nodes = support_.nodes();
-    forElements(nodes.size(), [&](std::size_t i) {
-      Colour sum = 2 * field_[nodes[i]];
-      for (const std::int32_t stride : support_.stride())
-        sum += field_[nodes[i] - stride] + field_[nodes[i] + stride];
-      for (int c = 0; c < 3; ++c) squares[4 * i + static_cast<std::size_t>(c)] = sum[c] / 8;
-    });
+    for (int times = 0; times < 3; ++times) {
+      field_.fill(squares);
+      const auto nodes = support_.nodes();
+      forElements(nodes.size(), [&](std::size_t i) {
+        Colour sum = 2 * field_[nodes[i]];
+        for (const std::int32_t stride : support_.stride())
+          sum += field_[nodes[i] - stride] + field_[nodes[i] + stride];
+        for (int c = 0; c < 3; ++c) squares[4 * i + static_cast<std::size_t>(c)] = sum[c] / 8;
+      });
+    }
   }
 
  private:
@@ -199,8 +204,8 @@ class Posterior {
     }
   }
 
-  /// S' W^2 / variance (noise and sights) + D' sqrt(precision) noise.
-  Vector rightSide(std::mt19937& random) {
+  /// S' W^2 / variance (noise and sights) + D' sqrt(precision) noise, the latter where it is open.
+  Vector rightSide(std::mt19937& random, Open open) {
     std::normal_distribution<float> normal;
     const LeastSquares& data = problem_.data;
     const auto pixels = problem_.projector->pixels();
@@ -226,6 +231,8 @@ class Posterior {
       }
     }
     problem_.projector->adjoint(rows, b);
+    if (open == Open::kNothing)
+      return b;
     for (const std::int32_t stride : support_.stride()) {
       const auto size = static_cast<std::ptrdiff_t>(support_.latticeSize());
       for (std::ptrdiff_t n = 0; n < size; ++n) {
@@ -422,6 +429,10 @@ Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> giv
   constexpr double kPower = 0.85;
   // Of so few views that none can be held out: the median of those sets.
   constexpr double kUsual = 1.5;
+  // Shares of the variance: of scaled samples, and of what noise alone does, which left-out
+  // pictures do not show where they are as noisy. Fitted to 116 captures with a known truth, of
+  // three kinds.
+  constexpr double kOfSamples = 0.85, kOfNoise = 0.35;
   constexpr std::size_t kFewest = 3;  // two predict a third badly, but how badly is what counts
   VOLUTE_TRY(checkReconstruction(given, geometry, options));
   std::vector<TomographyView> reduced;
@@ -455,12 +466,18 @@ Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> giv
   Posterior posterior(problem, views, how, estimate);
   std::mt19937 random(options.seed);
   Vector mean(estimate.size());
+  const auto add = [&](const Vector& sample, double share) {
+    const auto each = static_cast<float>(share / kSamples);
+    forElements(mean.size(), [&](std::size_t i) { mean[i] += each * sample[i] * sample[i]; });
+  };
   for (int k = 0; k < kSamples; ++k) {
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "Stopped");
     Vector sample = posterior.sample(random);
     posterior.scale(result.scale, options.nonNegative, sample);
-    forElements(mean.size(), [&](std::size_t i) { mean[i] += sample[i] * sample[i] / kSamples; });
+    add(sample, folds > 0 ? kOfSamples : 1);
+    if (folds > 0)
+      add(posterior.sample(random, Posterior::Open::kNothing), kOfNoise);
   }
   posterior.smooth(mean);
   const double open = sumElements(mean.size(), [&](std::size_t i) { return mean[i]; });
