@@ -6,7 +6,12 @@
 
 #include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <thread>
+#include <utility>
+
+#include "volute/base/program.hpp"
 
 namespace volute {
 namespace {
@@ -83,6 +88,41 @@ TEST(Loader, WhatPlaysIsProvisionalAndWhatRestsIsWhole) {
   loader.request(1, {0}, 1);
   loader.request(0, {1}, 1);
   EXPECT_TRUE(shows(0, false)) << "time enough";
+}
+
+/// Of one file.
+class OfFile final : public Document {
+ public:
+  explicit OfFile(std::filesystem::path path) : path_(std::move(path)) {}
+
+  DocumentInfo info() const override {
+    return {.title = "file", .bounds = {Vec3::Zero(), Vec3::Ones()}, .times = {0}};
+  }
+
+  std::vector<std::filesystem::path> files() const override { return {path_}; }
+
+  Result<ViewScene> sceneAt(const SceneRequest&, Progress&) override { return ViewScene{}; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+TEST(Loader, AFileThatChangesWhileItIsReadIsReadAgain) {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "a";
+  std::ofstream(path) << "before";
+  std::atomic<int> opened = 0;
+  Loader loader([&](const std::string&, Progress&) {
+    if (++opened == 1)
+      std::filesystem::last_write_time(
+          path, std::filesystem::last_write_time(path) + std::chrono::seconds(1));
+    return std::make_unique<OfFile>(path);
+  });
+  loader.open(path.string(), std::nullopt);
+  EXPECT_TRUE(soon([&] {
+    loader.news();
+    return opened == 2;
+  }));
 }
 
 TEST(Loader, IsNotIdleWhileAChangeIsStillToBeMade) {
