@@ -33,8 +33,8 @@ struct VoxelUncertainty {
 /// as small as their noise, what they leave open as large as the volume varies. How large that is
 /// is then measured: a view, of five or fewer two, is predicted by a volume without it, and in
 /// three bands of size the samples are scaled by how much its picture differs more than samples of
-/// that volume do. Values below 0 are clamped. The variance is four fifths of that and three tenths
-/// of what the noise alone does; of two views it is that of the samples.
+/// that volume do. Values below 0 are clamped. The variance is .85 of that and .35 of what the
+/// noise alone does; of two views it is that of the samples.
 /// @param solved  by reconstruct() with the same views, geometry and options.
 /// Errors: those of reconstruct().
 [[nodiscard]] Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> views,

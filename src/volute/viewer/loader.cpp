@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <unordered_map>
 
 #include "volute/base/content_hash.hpp"
 #include "volute/base/thread_priority.hpp"
@@ -420,10 +421,12 @@ bool Loader::changedOnDisk() {
 /// @param before  keep their times
 std::vector<Loader::Watched> Loader::look(const std::vector<std::filesystem::path>& files,
                                           std::span<const Watched> before) {
+  std::unordered_map<std::string, std::filesystem::file_time_type> times;
+  for (const Watched& file : before) times.emplace(file.path.native(), file.time);
   std::vector<Watched> watched;
   for (const auto& path : files) {
-    const auto old = std::ranges::find(before, path, &Watched::path);
-    watched.push_back({path, old == before.end() ? changedAt(path) : old->time});
+    const auto old = times.find(path.native());
+    watched.push_back({path, old == times.end() ? changedAt(path) : old->second});
   }
   return watched;
 }
