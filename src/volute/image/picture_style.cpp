@@ -228,27 +228,33 @@ Image withGlow(const Image& image, double share) {
 
 void dither(Image& image) {
   static const auto kShown = [] {
-    std::array<float, 256> shown{};
+    std::array<float, 257> shown{};
     for (std::size_t i = 0; i < 256; ++i)
       shown[i] = static_cast<float>(srgbDecode(static_cast<double>(i) / 255));
+    shown[256] = 2;  // not reached
     return shown;
   }();
   constexpr double kRight = 0.7548776662466927, kDown = 0.5698402909980532, kChannel = 1 / 3.0;
+  const auto width = static_cast<std::size_t>(image.width);
+  const auto channels = static_cast<std::size_t>(image.channels);
   parallelRanges(
       static_cast<std::size_t>(image.height), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
-          for (int x = 0; x < image.width; ++x) {
-            for (int c = 0; c < image.channels; ++c) {
-              const double place = kRight * x + kDown * static_cast<double>(y) + kChannel * c;
-              const double threshold = place - std::floor(place);
-              float& value = image.at(x, static_cast<int>(y), c);
+          float* value = &image.pixels[y * width * channels];
+          for (std::size_t x = 0; x < width; ++x) {
+            for (std::size_t c = 0; c < channels; ++c, ++value) {
+              const double place = kRight * static_cast<double>(x) +
+                                   kDown * static_cast<double>(y) +
+                                   kChannel * static_cast<double>(c);
+              const double threshold = place - static_cast<double>(static_cast<int>(place));
+              const float light = *value > 0 ? std::min(*value, 1.0F) : 0;  // NaN gives 0
+              std::size_t level = toSrgb8(light);
               // The rounding of what a display shows as it is must not push it to its neighbour.
-              constexpr double kRounding = 1e-4;
-              const double level = 255 * srgbEncode(value);
-              const double whole = std::floor(level + kRounding);
-              const double rest = std::max(level - whole, 0.0);
-              const double shown = whole + (rest > kRounding && rest > threshold ? 1 : 0);
-              value = kShown[static_cast<std::size_t>(std::min(shown, 255.0))];
+              constexpr float kRounding = 1e-4F;
+              if (light < kShown[level] - kRounding * (kShown[level + 1] - kShown[level]))
+                --level;
+              const float rest = (light - kShown[level]) / (kShown[level + 1] - kShown[level]);
+              *value = kShown[level + (rest > kRounding && rest > threshold ? 1 : 0)];
             }
           }
         }

@@ -53,9 +53,9 @@ Rgb toneMapped(ToneCurve tone, const Rgb& light);
 Image withGlow(const Image& image, double share);
 
 /// Each value becomes one of the 256 that a display shows, up or down by its distance to both, so
-/// that smooth gradients have no steps. Values that a display shows as they are stay. The pattern
-/// (R2 of Martin Roberts) is the same in all frames. What comes out is linear light that toSrgb8()
-/// turns into exactly these values.
+/// that smooth gradients have no steps and the mean of the light stays. Values that a display shows
+/// as they are stay. The pattern (R2 of Martin Roberts) is the same in all frames. What comes out
+/// is linear light that toSrgb8() turns into exactly these values.
 void dither(Image& image);
 
 /// All steps: RGB, or one channel, which is light without colour.

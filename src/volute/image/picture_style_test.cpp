@@ -149,6 +149,11 @@ TEST(Dither, KeepsMeansAndHasNoStepAboveOneLevel) {
     }
   }
   EXPECT_NEAR(sum / (512 * 64), 0, 0.02);
+  const auto meanOf = [](const Image& of) {
+    return std::accumulate(of.pixels.begin(), of.pixels.end(), 0.0) /
+           static_cast<double>(of.pixels.size());
+  };
+  EXPECT_NEAR(meanOf(dithered) / meanOf(image), 1, 2e-4);
   EXPECT_LT(longest, 30);  // rounded, bands are 43 pixels wide
 }
 

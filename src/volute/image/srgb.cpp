@@ -19,11 +19,11 @@ double clampToUnit(double value) {
 }
 
 /// The byte that shows a linear value.
-std::uint8_t srgbByte(double linear) {
+std::uint8_t byteOf(double linear) {
   return static_cast<std::uint8_t>(std::lround(255 * srgbEncode(linear)));
 }
 
-/// srgbByte() of floats, without its power. Positive floats are in the order of their bits, so each
+/// byteOf() floats, without its power. Positive floats are in the order of their bits, so each
 /// byte begins at one pattern of bits, and 2^7 parts of each octave are narrow enough that at most
 /// one byte begins within each.
 class SrgbTable {
@@ -37,7 +37,7 @@ class SrgbTable {
       std::uint32_t high = kOne;  // shows `byte` or more; what is below `low` shows less
       while (low < high) {
         const std::uint32_t middle = low + (high - low) / 2;
-        if (srgbByte(std::bit_cast<float>(middle)) >= byte)
+        if (byteOf(std::bit_cast<float>(middle)) >= byte)
           high = middle;
         else
           low = middle + 1;
@@ -46,7 +46,7 @@ class SrgbTable {
     }
     for (std::size_t part = 0; part < bytes_.size(); ++part) {
       const auto bits = static_cast<std::uint32_t>(kFirst + (part << kPart));
-      bytes_[part] = srgbByte(std::bit_cast<float>(bits));
+      bytes_[part] = byteOf(std::bit_cast<float>(bits));
     }
   }
 
@@ -69,6 +69,11 @@ class SrgbTable {
   std::array<std::uint8_t, ((kOne - kFirst) >> kPart) + 1> bytes_;
 };
 
+const SrgbTable& table() {
+  static const SrgbTable one;
+  return one;
+}
+
 }  // namespace
 
 double srgbEncode(double linear) {
@@ -81,9 +86,13 @@ double srgbDecode(double display) {
   return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
 }
 
+std::uint8_t toSrgb8(float linear) {
+  return table()(linear);
+}
+
 std::vector<std::uint8_t> toSrgb8(const Image& image, double exposure) {
   constexpr std::size_t kGrain = 1 << 16;
-  static const SrgbTable table;
+  const SrgbTable& shown = table();
   std::vector<std::uint8_t> bytes(image.pixels.size());
   const std::size_t row =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels);
@@ -96,9 +105,9 @@ std::vector<std::uint8_t> toSrgb8(const Image& image, double exposure) {
                      if (y > first && std::memcmp(from, from - row, row * sizeof(float)) == 0) {
                        std::copy_n(to - row, row, to);  // as in drawings
                      } else if (exposure == 1) {
-                       for (std::size_t i = 0; i < row; ++i) to[i] = table(from[i]);
+                       for (std::size_t i = 0; i < row; ++i) to[i] = shown(from[i]);
                      } else {
-                       for (std::size_t i = 0; i < row; ++i) to[i] = srgbByte(exposure * from[i]);
+                       for (std::size_t i = 0; i < row; ++i) to[i] = byteOf(exposure * from[i]);
                      }
                    }
                  });

@@ -20,6 +20,9 @@ double srgbDecode(double display);
 /// `exposure` is a factor.
 std::vector<std::uint8_t> toSrgb8(const Image& image, double exposure = 1);
 
+/// The byte of one value; NaN gives 0.
+std::uint8_t toSrgb8(float linear);
+
 /// The picture times `factor`.
 Image exposed(Image image, double factor);
 
