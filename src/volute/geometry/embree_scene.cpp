@@ -2,7 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/geometry/embree_scene.hpp"
 
+#if VOLUTE_EMBREE == 3
 #include <embree3/rtcore.h>
+#else
+#include <embree4/rtcore.h>
+#endif
 
 #include <cmath>
 #include <optional>
@@ -36,9 +40,17 @@ std::optional<double> atPlane(const Segment& segment, const Triangle& triangle) 
   return std::nullopt;
 }
 
+#if VOLUTE_EMBREE == 3
+using QueryContext = RTCIntersectContext;
+constexpr RTCSceneFlags kFilters = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+#else
+using QueryContext = RTCRayQueryContext;
+constexpr RTCSceneFlags kFilters = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
+#endif
+
 /// What a filter call knows of its query: a ray's id is the place of its segment.
 struct Query {
-  RTCIntersectContext context;
+  QueryContext context;
   std::span<const Triangle> triangles;
   std::span<const Segment> segments;
 };
@@ -54,6 +66,63 @@ void keepWithin(const RTCFilterFunctionNArguments* arguments) {
       arguments->valid[i] = 0;
   }
 }
+
+// Both versions pass the filter with each query; the third has it in the context, the fourth in
+// arguments beside it.
+#if VOLUTE_EMBREE == 3
+RTCIntersectContext* begin(Query& query, bool coherent = false) {
+  rtcInitIntersectContext(&query.context);
+  if (coherent)
+    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  query.context.filter = keepWithin;
+  return &query.context;
+}
+
+void intersect(RTCScene scene, Query& query, RTCRayHit& found) {
+  rtcIntersect1(scene, begin(query), &found);
+}
+
+void intersect(RTCScene scene, Query& query, const int* valid, RTCRayHit16& found) {
+  rtcIntersect16(valid, scene, begin(query, true), &found);
+}
+
+void occlude(RTCScene scene, Query& query, RTCRay& ray) {
+  rtcOccluded1(scene, begin(query), &ray);
+}
+#else
+template <class Arguments>
+void begin(Query& query, Arguments& arguments, RTCRayQueryFlags order) {
+  rtcInitRayQueryContext(&query.context);
+  arguments.flags =
+      static_cast<RTCRayQueryFlags>(order | RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER);
+  arguments.context = &query.context;
+  arguments.filter = keepWithin;
+}
+
+RTCIntersectArguments toIntersect(Query& query, RTCRayQueryFlags order) {
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  begin(query, arguments, order);
+  return arguments;
+}
+
+void intersect(RTCScene scene, Query& query, RTCRayHit& found) {
+  auto arguments = toIntersect(query, RTC_RAY_QUERY_FLAG_INCOHERENT);
+  rtcIntersect1(scene, &found, &arguments);
+}
+
+void intersect(RTCScene scene, Query& query, const int* valid, RTCRayHit16& found) {
+  auto arguments = toIntersect(query, RTC_RAY_QUERY_FLAG_COHERENT);
+  rtcIntersect16(valid, scene, &found, &arguments);
+}
+
+void occlude(RTCScene scene, Query& query, RTCRay& ray) {
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  begin(query, arguments, RTC_RAY_QUERY_FLAG_INCOHERENT);
+  rtcOccluded1(scene, &ray, &arguments);
+}
+#endif
 
 bool attachTriangles(RTCDevice device, RTCScene scene, std::span<const Triangle> triangles,
                      const Vec3& centre) {
@@ -134,9 +203,7 @@ std::unique_ptr<const EmbreeScene> EmbreeScene::make(std::span<const Triangle> t
   if (!impl->device)
     return nullptr;
   impl->scene.reset(rtcNewScene(impl->device.get()));
-  rtcSetSceneFlags(
-      impl->scene.get(),
-      static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  rtcSetSceneFlags(impl->scene.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | kFilters));
   if (!attachTriangles(impl->device.get(), impl->scene.get(), triangles, impl->centre))
     return nullptr;
   isolated([&] { rtcCommitScene(impl->scene.get()); });
@@ -156,11 +223,9 @@ Hit EmbreeScene::nearest(const Segment& segment) const {
   if (!ray)
     return {};
   Query query{{}, impl_->triangles, {&segment, 1}};
-  rtcInitIntersectContext(&query.context);
-  query.context.filter = keepWithin;
   RTCRayHit found{*ray, {}};
   found.hit.geomID = found.hit.primID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(impl_->scene.get(), &query.context, &found);
+  intersect(impl_->scene.get(), query, found);
   return impl_->hitOf(segment, found.hit.primID);
 }
 
@@ -185,10 +250,7 @@ void EmbreeScene::nearest(std::span<const Segment> segments, std::span<Hit> hits
       found.ray.id[i] = static_cast<unsigned int>(i);
     }
     Query query{{}, impl_->triangles, some};
-    rtcInitIntersectContext(&query.context);
-    query.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    query.context.filter = keepWithin;
-    rtcIntersect16(valid, impl_->scene.get(), &query.context, &found);
+    intersect(impl_->scene.get(), query, valid, found);
     for (std::size_t i = 0; i < count; ++i)
       hits[first + i] = impl_->hitOf(some[i], found.hit.primID[i]);
   }
@@ -199,9 +261,7 @@ bool EmbreeScene::occluded(const Segment& segment) const {
   if (!ray)
     return false;
   Query query{{}, impl_->triangles, {&segment, 1}};
-  rtcInitIntersectContext(&query.context);
-  query.context.filter = keepWithin;
-  rtcOccluded1(impl_->scene.get(), &query.context, &*ray);
+  occlude(impl_->scene.get(), query, *ray);
   return ray->tfar < 0;
 }
 

@@ -2,24 +2,24 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/clipboard.hpp"
 
-#include <imgui.h>
+#include "volute/viewer/imgui_spellings.hpp"
 
 namespace volute {
 
-void Clipboard::serve(ImGuiIO& io) {
-  io.ClipboardUserData = this;
-  io.GetClipboardTextFn = [](void* data) {
-    auto& own = *static_cast<Clipboard*>(data);
-    if (own.get_)
-      own.text_ = own.get_();
-    return own.text_.c_str();
-  };
-  io.SetClipboardTextFn = [](void* data, const char* text) {
-    auto& own = *static_cast<Clipboard*>(data);
-    own.text_ = text;
-    if (own.set_)
-      own.set_(own.text_);
-  };
+const char* Clipboard::get(Clipboard& own) {
+  if (own.get_)
+    own.text_ = own.get_();
+  return own.text_.c_str();
+}
+
+void Clipboard::set(Clipboard& own, const char* text) {
+  own.text_ = text;
+  if (own.set_)
+    own.set_(own.text_);
+}
+
+void Clipboard::serve() {
+  imgui::useClipboard<Clipboard, &Clipboard::get, &Clipboard::set>(*this);
 }
 
 }  // namespace volute

@@ -6,8 +6,6 @@
 #include <string>
 #include <utility>
 
-struct ImGuiIO;
-
 namespace volute {
 
 /// Text between the viewer and other programs; without a window it stays in the viewer. It must not
@@ -21,9 +19,12 @@ class Clipboard {
   }
 
   /// Dear ImGui's text boxes copy to it and paste from it.
-  void serve(ImGuiIO& io);
+  void serve();
 
  private:
+  static const char* get(Clipboard& own);
+  static void set(Clipboard& own, const char* text);
+
   std::function<std::string()> get_;
   std::function<void(const std::string&)> set_;
   std::string text_;

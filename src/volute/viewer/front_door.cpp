@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "volute/viewer/imgui_spellings.hpp"
 #include "volute/viewer/panels.hpp"
 
 namespace volute {
@@ -127,7 +128,7 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::BeginChild("##entries", {-1, high}, true);
     std::optional<std::filesystem::path> folder;
     std::optional<std::string> chosen;
-    if (ImGui::Selectable("..", false, ImGuiSelectableFlags_DontClosePopups))
+    if (ImGui::Selectable("..", false, imgui::kKeepsPopup))
       folder = browser->folder.parent_path();
     app.window().mark("folder above");
     for (const FolderEntry& entry : browser->entries) {
@@ -135,9 +136,9 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
       if (plain)
         ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
       const std::string label = entry.folder ? entry.name + "/" : entry.name;
-      const bool pressed = ImGui::Selectable(
-          label.c_str(), browser->name == entry.name,
-          ImGuiSelectableFlags_DontClosePopups | ImGuiSelectableFlags_AllowDoubleClick);
+      const bool pressed =
+          ImGui::Selectable(label.c_str(), browser->name == entry.name,
+                            imgui::kKeepsPopup | ImGuiSelectableFlags_AllowDoubleClick);
       app.window().mark("entry = " + entry.name);
       if (plain)
         ImGui::PopStyleColor();
@@ -157,8 +158,7 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
     if (ImGui::IsWindowAppearing())
       ImGui::SetKeyboardFocusHere();
     nameBox("##name", browser->name);
-    const bool named =
-        ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter));
+    const bool named = ImGui::IsItemDeactivated() && imgui::isPressed(ImGuiKey_Enter);
     app.window().mark("file name");
     const bool opens = markedButton(app, "Open", "open file", !browser->name.empty()) ||
                        (named && !browser->name.empty());

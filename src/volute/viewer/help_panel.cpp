@@ -131,7 +131,7 @@ void drawSearchPanel(ViewerApp& app, const ViewerInput& input) {
       chosen = &command;
     app.window().mark(std::string("command ") + command.name);
     const float keys = ImGui::CalcTextSize(trName(command.keys).c_str()).x;
-    ImGui::SameLine(ImGui::GetContentRegionMax().x - keys);
+    ImGui::SameLine(contentRight() - keys);
     ImGui::TextDisabled("%s", trName(command.keys).c_str());
   }
   if (!first)

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "volute/viewer/imgui_spellings.hpp"
 #include "volute/viewer/panels.hpp"
 
 namespace volute {
@@ -141,7 +142,7 @@ void drawAids(const ViewScene& scene, const Lines& lines, const Rgb& background)
     };
     lines.line(line.from, line.to, IM_COL32(byte(0), byte(1), byte(2), 255));
   }
-  list->AddCallback(ImDrawCallback_ResetRenderState, nullptr);
+  list->AddCallback(imgui::resetRenderState(), nullptr);
   list->Flags = flags;
 }
 

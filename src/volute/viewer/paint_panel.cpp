@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/viewer/imgui_spellings.hpp"
 #include "volute/viewer/panels.hpp"
 
 namespace volute {
@@ -78,8 +79,7 @@ void planPart(ViewerApp& app, const ViewerInput& input) {
   const ImVec2 high = onScreen(painter.peakOf({columns - 1, rows - 1}) + half);
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->AddRectFilled(from, to, IM_COL32(68, 1, 84, 255));
-  const auto texture = static_cast<std::intptr_t>(app.tools().painting.plan());
-  list->AddImage(reinterpret_cast<ImTextureID>(texture), {low.x, high.y}, {high.x, low.y});
+  list->AddImage(imgui::textureOf(app.tools().painting.plan()), {low.x, high.y}, {high.x, low.y});
   list->AddRect(from, to, IM_COL32(255, 255, 255, 60));
   if (ImGui::IsItemHovered() || ImGui::IsItemActive()) {
     const ImVec2 mouse = ImGui::GetIO().MousePos;

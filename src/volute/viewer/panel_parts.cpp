@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <imgui.h>
-#if VOLUTE_HAS_FREETYPE
-#include <imgui_freetype.h>
-#endif
 
 #include <algorithm>
 #include <array>
@@ -12,6 +9,7 @@
 #include <string>
 
 #include "volute/image/text.hpp"
+#include "volute/viewer/imgui_spellings.hpp"
 #include "volute/viewer/panels.hpp"
 
 namespace volute {
@@ -24,8 +22,7 @@ void useFont(double scale) {
                                      0x2190, 0x21FF, 0x2200, 0x22FF, 0};
   ImFontAtlas* fonts = ImGui::GetIO().Fonts;
 #if VOLUTE_HAS_FREETYPE
-  fonts->FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();
-  fonts->FontBuilderFlags = ImGuiFreeTypeBuilderFlags_LightHinting;
+  imgui::useFreeType(*fonts);
 #endif
   fonts->Clear();
   const float size = std::round(kPoints * static_cast<float>(scale));
@@ -33,7 +30,7 @@ void useFont(double scale) {
   const bool found = file && fonts->AddFontFromFileTTF(file->c_str(), size, nullptr, kLetters);
   if (!found)
     fonts->AddFontDefault();
-  ImGui::GetIO().FontGlobalScale = found ? kPoints / size : 1;
+  imgui::setFontScale(found ? kPoints / size : 1);
 }
 
 void styleControls() {
@@ -88,6 +85,10 @@ std::string inLines(const std::string& text) {
 }
 
 }  // namespace
+
+float contentRight() {
+  return ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x;
+}
 
 void wrappedText(const std::string& text, bool faint) {
   ImGui::PushTextWrapPos(0);

@@ -130,7 +130,7 @@ void viewSlider(ViewerApp& app) {
 void besideOrBelow(const char* label) {
   ImGui::SameLine();
   const float wide = ImGui::CalcTextSize(tr(label)).x + 2 * ImGui::GetStyle().FramePadding.x;
-  if (ImGui::GetCursorPosX() + wide > ImGui::GetContentRegionMax().x)
+  if (ImGui::GetCursorPosX() + wide > contentRight())
     ImGui::NewLine();
 }
 
@@ -262,7 +262,7 @@ void stationPart(ViewerApp& app) {
     return;
   ImGui::Separator();
   ImGui::TextUnformatted(tr("look from"));
-  const float right = ImGui::GetContentRegionMax().x;
+  const float right = contentRight();
   for (const ViewStation& station : app.document().info()->stations) {
     const std::string shown =
         shortened(station.name, lettersIn(right - ImGui::GetStyle().WindowPadding.x) - 1);

@@ -51,6 +51,9 @@ std::string shortened(const std::string& path, std::size_t letters);
 /// How many letters fit beside each other [pixels].
 std::size_t lettersIn(float width);
 
+/// Where the panel's contents end, from its left edge.
+float contentRight();
+
 /// A line of text that breaks where the panel ends.
 void wrappedText(const std::string& text, bool faint = false);
 

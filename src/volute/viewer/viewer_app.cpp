@@ -25,23 +25,6 @@ constexpr int kLively = 6;             ///< frames in which panels answer an eve
 constexpr double kAround = 10;         ///< [s] of a film around what moves for less than that
 constexpr double kUnseen = 0.1;        ///< [s] after which panels are drawn again while it plays
 
-/// Keys that ImGui edits text with, and goes through panels.
-constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {{Key::kLeft, ImGuiKey_LeftArrow},
-                                                   {Key::kRight, ImGuiKey_RightArrow},
-                                                   {Key::kUp, ImGuiKey_UpArrow},
-                                                   {Key::kDown, ImGuiKey_DownArrow},
-                                                   {Key::kSpace, ImGuiKey_Space},
-                                                   {Key::kHome, ImGuiKey_Home},
-                                                   {Key::kEnd, ImGuiKey_End},
-                                                   {Key::kDelete, ImGuiKey_Delete},
-                                                   {Key::kBackspace, ImGuiKey_Backspace},
-                                                   {Key::kEnter, ImGuiKey_Enter},
-                                                   {Key::kEscape, ImGuiKey_Escape},
-                                                   {Key::kA, ImGuiKey_A},
-                                                   {Key::kC, ImGuiKey_C},
-                                                   {Key::kV, ImGuiKey_V},
-                                                   {Key::kX, ImGuiKey_X}};
-
 }  // namespace
 
 ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, ViewPicture picture)
@@ -64,10 +47,9 @@ ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, ViewPictur
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   io.UserData = &language_;
-  for (const auto& [key, theirs] : kTextKeys) io.KeyMap[theirs] = static_cast<int>(key);
   useFont(fontScale_);
   styleControls();
-  window_.clipboard().serve(io);
+  window_.clipboard().serve();
   document_.loader().setOpenGl(
       view_.picture().mayUseGl(static_cast<ViewRenderer>(settings_.look.renderer)));
   ImGui_ImplOpenGL3_Init("#version 450");
@@ -288,8 +270,10 @@ void ViewerApp::usePanels(const ViewerInput& input) {
   const Stopwatch watch(window_.costs().panels);
   if (std::exchange(fontScale_, input.scale) != input.scale) {
     useFont(fontScale_);
+#if IMGUI_VERSION_NUM < 19200  // later ones follow the font by themselves
     ImGui_ImplOpenGL3_DestroyFontsTexture();
     ImGui_ImplOpenGL3_CreateFontsTexture();
+#endif
   }
   feed(input);
   useKeyboard(input);

@@ -2,14 +2,34 @@
 // SPDX-FileCopyrightText: The Volute authors
 // The part of a ViewerApp that listens to keys and the mouse.
 #include <imgui.h>
-#include <imgui_internal.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "volute/viewer/commands.hpp"
+#include "volute/viewer/imgui_spellings.hpp"
 
 namespace volute {
+namespace {
+
+/// Keys that ImGui edits text with, and goes through panels.
+constexpr std::pair<Key, imgui::KeyName> kTextKeys[] = {{Key::kLeft, ImGuiKey_LeftArrow},
+                                                        {Key::kRight, ImGuiKey_RightArrow},
+                                                        {Key::kUp, ImGuiKey_UpArrow},
+                                                        {Key::kDown, ImGuiKey_DownArrow},
+                                                        {Key::kSpace, ImGuiKey_Space},
+                                                        {Key::kHome, ImGuiKey_Home},
+                                                        {Key::kEnd, ImGuiKey_End},
+                                                        {Key::kDelete, ImGuiKey_Delete},
+                                                        {Key::kBackspace, ImGuiKey_Backspace},
+                                                        {Key::kEnter, ImGuiKey_Enter},
+                                                        {Key::kEscape, ImGuiKey_Escape},
+                                                        {Key::kA, ImGuiKey_A},
+                                                        {Key::kC, ImGuiKey_C},
+                                                        {Key::kV, ImGuiKey_V},
+                                                        {Key::kX, ImGuiKey_X}};
+
+}  // namespace
 
 /// Hands the input to Dear ImGui.
 void ViewerApp::feed(const ViewerInput& input) {
@@ -22,11 +42,12 @@ void ViewerApp::feed(const ViewerInput& input) {
   io.MousePos = {static_cast<float>(input.mouseX), static_cast<float>(input.mouseY)};
   for (int i = 0; i < 3; ++i) io.MouseDown[i] = input.buttons[i];
   io.MouseWheel = static_cast<float>(input.wheel);
-  io.KeyShift = input.shift;
-  io.KeyCtrl = input.control;
-  std::ranges::fill(io.KeysDown, false);
-  for (const Key key : input.held) io.KeysDown[static_cast<int>(key)] = true;
-  for (const Key key : input.pressed) io.KeysDown[static_cast<int>(key)] = true;
+  imgui::feedAtOnce(io);
+  imgui::setModifiers(io, input.shift, input.control);
+  for (const auto& [key, name] : kTextKeys) {
+    const bool down = input.held.contains(key) || std::ranges::count(input.pressed, key) > 0;
+    imgui::setKey(io, key, name, down);
+  }
   if (!input.typed.empty() && !input.control)
     io.AddInputCharactersUTF8(input.typed.c_str());
 }
@@ -53,11 +74,11 @@ void ViewerWindow::addStop(const std::string& name, unsigned id) {
   const ImGuiContext& context = *ImGui::GetCurrentContext();
   ImGuiWindow* window = ImGui::GetCurrentWindowRead();
   if (id == 0 || std::string_view(window->Name).find("###") == std::string_view::npos ||
-      (context.LastItemData.InFlags & ImGuiItemFlags_Disabled) != 0)
+      imgui::lastItemIsDisabled(context))
     return;
   const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
   stops_.push_back({name, id, window, from.x, from.y, to.x, to.y});
-  if (context.NavId == id && context.NavWindow == window && !context.NavDisableHighlight)
+  if (context.NavId == id && context.NavWindow == window && imgui::showsFocus(context))
     focused_ = name;
 }
 
@@ -71,8 +92,7 @@ void ViewerWindow::focus(const Stop& stop) {
   ImGui::FocusWindow(window);
   ImGui::SetNavID(stop.id, ImGuiNavLayer_Main, 0, within);
   ImGui::ScrollToBringRectIntoView(window, at);
-  context.NavDisableHighlight = false;
-  context.NavDisableMouseHover = true;
+  imgui::showFocus(context);
 }
 
 bool ViewerWindow::applyFocus() {
@@ -89,7 +109,7 @@ bool ViewerWindow::applyFocus() {
   const auto found = std::ranges::find_if(stops, [&](const Stop* stop) {
     return stop->id == context.NavId && stop->window == context.NavWindow;
   });
-  const bool none = found == stops.end() || context.NavDisableHighlight;
+  const bool none = found == stops.end() || !imgui::showsFocus(context);
   const auto count = static_cast<int>(stops.size());
   const int next =
       none ? (steps > 0 ? 0 : count - 1) : static_cast<int>(found - stops.begin()) + steps;
