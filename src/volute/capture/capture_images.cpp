@@ -669,7 +669,10 @@ Result<std::vector<std::string>> checkPicturesThere(const Capture& capture, bool
   const char* what = found.empty == 0     ? "missing"
                      : found.missing == 0 ? "empty"
                                           : "missing or empty";
-  return fail(ErrorCode::kNotFound, "{}; {} of {} pictures are {}{}", found.first,
+  Hints hints;
+  if (found.missing + found.empty < found.all)
+    hints.push_back(Hint::set("force").so("goes on without them"));
+  return fail(ErrorCode::kNotFound, hints, "{}; {} of {} pictures are {}{}", found.first,
               found.missing + found.empty, found.all, what, countsText(capture, found.there));
 }
 

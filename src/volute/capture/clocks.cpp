@@ -163,8 +163,8 @@ void settleClocks(CaptureDraft& draft, std::uint64_t maxMemory) {
   }
 }
 
-Result<std::vector<int>> framesOfFilms(const CaptureDraft& draft, std::uint64_t maxMemory) {
-  double first = 0, last = kMaxPictures;
+Result<std::vector<int>> framesOfFilms(CaptureDraft& draft, std::uint64_t maxMemory) {
+  double first = 0, last = kMaxPictures, firstOfAny = last, lastOfAny = first;
   const CameraDraft *latest = nullptr, *earliest = nullptr;  // to begin, to end
   for (const CameraDraft& camera : draft.cameras) {
     const PictureSource& pictures = camera.pictures;
@@ -176,6 +176,7 @@ Result<std::vector<int>> framesOfFilms(const CaptureDraft& draft, std::uint64_t 
                   count.error().message);
     const double begin = pictures.videoStart - pictures.frameShift;
     const double end = begin + pictures.placeInFilm(*count - 1) / pictures.rate;
+    firstOfAny = std::min(firstOfAny, std::max(begin, 0.0)), lastOfAny = std::max(lastOfAny, end);
     if (!latest || begin > first)
       latest = &camera, first = std::max(begin, 0.0);
     if (!earliest || end < last)
@@ -191,6 +192,19 @@ Result<std::vector<int>> framesOfFilms(const CaptureDraft& draft, std::uint64_t 
         "The films have no frame in common: that of camera {} begins with frame {:.1f}, that "
         "of camera {} ends with frame {:.1f}; check video_start, start_time and frame_shift",
         latest->name, first, earliest->name, last);
+  }
+  // By less than a frame films differ that were begun and stopped together.
+  if (lastOfAny - last >= 1) {
+    draft.remarks.push_back(fmt::format(
+        "camera {}: its film ends with frame {:.0f}, others reach frame {:.0f}: what comes after "
+        "is left out",
+        earliest->name, last, lastOfAny));
+  }
+  if (first - firstOfAny >= 1) {
+    draft.remarks.push_back(fmt::format(
+        "camera {}: its film begins with frame {:.0f}, others with frame {:.0f}: what comes before "
+        "is left out",
+        latest->name, first, firstOfAny));
   }
   return frames;
 }

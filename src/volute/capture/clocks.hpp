@@ -21,8 +21,8 @@ void settleClocks(CaptureDraft& draft, std::uint64_t maxMemory);
 /// How many pictures the film has; they are counted where that was not done.
 [[nodiscard]] Result<int> picturesOfFilm(const PictureSource& pictures, std::uint64_t maxMemory);
 
-/// The frames of which all films have pictures; kInvalidArgument where there are none.
-[[nodiscard]] Result<std::vector<int>> framesOfFilms(const CaptureDraft& draft,
-                                                     std::uint64_t maxMemory);
+/// The frames of which all films have pictures; kInvalidArgument where there are none. Frames that
+/// only some have are remarked on.
+[[nodiscard]] Result<std::vector<int>> framesOfFilms(CaptureDraft& draft, std::uint64_t maxMemory);
 
 }  // namespace volute

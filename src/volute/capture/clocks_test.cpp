@@ -219,6 +219,20 @@ TEST_F(ClocksTest, TellsWhatIsWrong) {
   EXPECT_TRUE(failsWith(opened(json), "cameras[1].frames_per_second: is 0; expected 0.001 to"));
 }
 
+TEST_F(ClocksTest, FramesThatSomeFilmsLackAreTold) {
+  if (!writeFilm("a.mp4", 0, 25, 4) || !writeFilm("b.mp4", 0, 25, 9))
+    GTEST_SKIP() << "built without films";
+  auto json = captureOf("a.mp4", "b.mp4");
+  ASSERT_VALUE(const auto shorter, opened(json));
+  EXPECT_EQ(shorter.frames, (std::vector{0, 1, 2, 3}));
+  EXPECT_THAT(
+      shorter.remarks,
+      ::testing::Contains(HasSubstr("camera a: its film ends with frame 3, others reach frame 8")));
+  json["frames"] = {0, 1};
+  ASSERT_VALUE(const auto stated, opened(json));
+  EXPECT_THAT(stated.remarks, ::testing::Not(::testing::Contains(HasSubstr("its film ends"))));
+}
+
 TEST_F(ClocksTest, NumberedFilesHaveClocksToo) {
   for (int number = 0; number < 8; ++number) {
     Image image(kWidth, kHeight);

@@ -272,7 +272,7 @@ Status completeKinds(CaptureDraft& draft, FolderFiles& folders, std::uint64_t ma
 
 /// All frames of the capture: those that are stated, else those of which there are pictures; of
 /// films those that the range names, else those that all of them have.
-Result<std::vector<int>> findFrames(const std::filesystem::path& file, const CaptureDraft& draft,
+Result<std::vector<int>> findFrames(const std::filesystem::path& file, CaptureDraft& draft,
                                     const FrameRange& range, FolderFiles& folders,
                                     std::uint64_t maxMemory) {
   if (draft.frames)

@@ -371,21 +371,25 @@ class FaultSearch {
     return 2 * static_cast<std::size_t>(count) > views.size();
   }
 
-  /// The share of a view's light whose sights miss the bounds.
+  /// The share of a view's light whose sights miss the bounds; 0 where what is lit is no more than
+  /// noise.
   static double lightOutside(const TomographyView& view, const Box3& bounds) {
     const double threshold = 2 * silhouetteThreshold(view, {});
+    constexpr double kOfNoise = 2e-3;  // of all pixels
     double all = 0, outside = 0;
+    std::size_t lit = 0;
     for (std::size_t i = 0; i < view.radiance.pixels.size() / 3; ++i) {
       const double light = view.radiance.pixels[3 * i];
       if (!view.counts(i) || !(light > threshold))
         continue;
       const Segment ray = view.camera.ray(static_cast<double>(i % view.radiance.width) + 0.5,
                                           static_cast<double>(i / view.radiance.width) + 0.5);
-      all += light;
+      all += light, ++lit;
       if (bounds.intersect(ray.origin, ray.direction).intersect({ray.begin, ray.end}).empty())
         outside += light;
     }
-    return all > 0 ? outside / all : 0;
+    const auto pixels = static_cast<double>(view.radiance.pixels.size() / 3);
+    return static_cast<double>(lit) > kOfNoise * pixels ? outside / all : 0;
   }
 
   /// Mistakes without which a coarse volume explains more, the best first.
