@@ -518,6 +518,32 @@ ShadedVoxels ShadedVoxels::withMeansOf(std::vector<VoxelLight> light) const {
   return withPacked(std::move(packed));
 }
 
+/// Halfway to its neighbours, by their extinctions, light is that of the mean optical depth. At an
+/// edge of the smoke neighbours are those across it.
+VoxelLight ShadedVoxels::atRim(const std::array<std::int32_t, 3>& place, std::size_t point,
+                               std::span<const VoxelLight> light) const {
+  const VoxelLight& own = light[point];
+  VoxelLight sum = VoxelLight::Zero();
+  float weight = 0;
+  const auto add = [&](int axes) {  // along so many of them
+    for (int n = 0; n < 27; ++n) {
+      const std::array<std::int32_t, 3> way{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+      if (std::abs(way[0]) + std::abs(way[1]) + std::abs(way[2]) != axes)
+        continue;
+      const std::array beside{place[0] + way[0], place[1] + way[1], place[2] + way[2]};
+      const float extinction = slice_->value(beside[0], beside[1], beside[2]);
+      const std::int32_t other = extinction > 0 ? pointAt(beside) : -1;
+      if (other < 0)
+        continue;
+      const VoxelLight& its = light[static_cast<std::size_t>(other)];
+      weight += extinction;
+      for (int c = 0; c < 3; ++c) sum[c] += extinction * (2 * std::sqrt(own[c] * its[c]) - its[c]);
+    }
+  };
+  for (int axes = 1; axes <= 3 && !(weight > 0); ++axes) add(axes);
+  return weight > 0 ? (sum / weight).max(0.0F).min(kMaxOfMeans * own) : own;
+}
+
 template <class Put>
 void ShadedVoxels::eachMean(std::span<const VoxelLight> light, Put&& put) const {
   if (tiles_)
@@ -528,6 +554,9 @@ void ShadedVoxels::eachMean(std::span<const VoxelLight> light, Put&& put) const 
       const auto points = corners_->pointsOf(*layout_, b);
       corners_->ofBrick[b].own.each([&](int corner) {
         const auto i = static_cast<std::size_t>(points[static_cast<std::size_t>(corner)]);
+        const auto place = VoxelPlaces::cornerOf(layout_->bricks[b].place, corner);
+        if (!tiles_ && slice_->value(place[0], place[1], place[2]) == 0)
+          return put(i, atRim(place, i, light));
         VoxelLight differences = VoxelLight::Zero();
         for (std::size_t axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
           const auto step = static_cast<int>(stride);
@@ -535,9 +564,9 @@ void ShadedVoxels::eachMean(std::span<const VoxelLight> light, Put&& put) const 
           const auto neighbour = [&](int way) {
             if (at + way >= 0 && at + way < kShadedSide)
               return points[static_cast<std::size_t>(corner + way * step)];
-            auto place = VoxelPlaces::cornerOf(layout_->bricks[b].place, corner);
-            place[axis] += way;
-            return pointAt(place);
+            auto beside = place;
+            beside[axis] += way;
+            return pointAt(beside);
           };
           const std::int32_t before = neighbour(-1), after = neighbour(1);
           if (before >= 0 && after >= 0)

@@ -69,8 +69,9 @@ class ShadedVoxels {
 
   /// From light at each of lightPoints() what L is to be there, so that between them its means are
   /// right to the fourth order: less a twelfth of its second differences. What is interpolated
-  /// between values of e^-t would else be too bright everywhere. Over the cubic basis it is the
-  /// light itself.
+  /// between values of e^-t would else be too bright everywhere. Where there is no smoke, light
+  /// counts by what is interpolated between it and the smoke beside it: a voxel in the sun does not
+  /// light what lies in shadow. Over the cubic basis it is the light itself.
   std::vector<VoxelLight> forMeans(std::span<const VoxelLight> light) const;
 
   /// withLight() of forMeans(), with less memory.
@@ -193,6 +194,10 @@ class ShadedVoxels {
 
   /// Gives the corners of tiles their places, behind those of other cells.
   void addCorners(Tiles& tiles, Corners& corners) const;
+
+  /// Of a light point without smoke beside smoke.
+  VoxelLight atRim(const std::array<std::int32_t, 3>& place, std::size_t point,
+                   std::span<const VoxelLight> light) const;
 
   /// Calls put(i, light) for each place, as forMeans() says.
   template <class Put>

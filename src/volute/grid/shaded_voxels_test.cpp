@@ -228,5 +228,36 @@ TEST(ShadedVoxels, LightForMeansHasTheMeansOfExponentials) {
   EXPECT_NEAR(mean(medium.forMeans(light)), exact, 1e-3 * exact);
 }
 
+TEST(ShadedVoxels, LightBesideTheSmokeDoesNotShineOnItsShadow) {
+  // A block of 8^3 voxels, one per voxel of optical depth, in a sun from above: its sides are dark
+  // below, although the voxels beside them are in the sun.
+  VolumeInfo info;
+  info.x = info.y = info.z = 16;
+  info.bounds = {Vec3::Zero(), Vec3::Constant(16)};
+  info.basis = Basis::kTrilinear;
+  std::vector<float> values(info.frameValues(), 0);
+  for (int z = 4; z < 12; ++z)
+    for (int y = 4; y < 12; ++y)
+      for (int x = 4; x < 12; ++x) values[(z * 16 + y) * 16 + x] = 1;
+  const ShadedVoxels medium(std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values)));
+  const auto isInside = [](double at) { return at > 4 && at < 12; };
+  std::vector<VoxelLight> light;
+  for (const Vec3& p : medium.lightPoints()) {
+    const bool shaded = isInside(p.x()) && isInside(p.y());
+    const double depth = shaded ? std::clamp(12 - p.z(), 0.0, 8.0) : 0;
+    light.push_back(VoxelLight::Constant(static_cast<float>(std::exp(-depth))));
+  }
+  const ShadedVoxels lit = medium.withLight(medium.forMeans(light));
+  const auto seen = [&](const ShadedVoxels& from, const Vec3& at) { return from.emission(at)[0]; };
+  for (const Vec3& side : {Vec3(3.8, 8, 5), Vec3(8, 12.2, 5), Vec3(3.8, 3.8, 5)}) {
+    EXPECT_GT(seen(medium.withLight(light), side), 0.05) << side.x();
+    EXPECT_LT(seen(lit, side), 0.02) << side.x();
+  }
+  // What is lit stays so: 1 - e^-.5 over the first ramp.
+  double sum = 0;
+  for (int i = 0; i < 100; ++i) sum += seen(lit, {8, 8, 11.5 + (i + 0.5) / 100}) / 100;
+  EXPECT_NEAR(sum, 0.37, 0.03);
+}
+
 }  // namespace
 }  // namespace volute
