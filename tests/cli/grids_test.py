@@ -8,6 +8,7 @@ import shutil
 import struct
 import subprocess
 import unittest
+import zlib
 
 import support
 from pictures import read_exr
@@ -338,6 +339,12 @@ class Places(support.TestCase):
                 self.assertEqual(self.depth(source, low - 0.002, 0.5, *time), 0)
                 self.assertEqual(self.depth(source, high + 0.002, 0.5, *time), 0)
 
+    def test_a_film_keeps_its_time_where_frames_are_missing(self):
+        (self.blocks / "moving_0002.vdb").unlink()
+        said = self.works("render", self.blocks / "moving_%04d.vdb", "-o", self.path("x.mp4"), "--fps", "25", "--size", "32x32", "--json")
+        self.assertEqual(said.json["pictures"], 3)
+        self.assertIn("until the next one the frame before is shown", said.message)
+
     def test_images_whose_voxels_grow(self):
         for frame, spacing in enumerate((0.1, 0.2)):
             self.path(f"grows_{frame}.vti").write_text(
@@ -446,6 +453,7 @@ class Places(support.TestCase):
 class Resampled(Places):
     """The same blocks on other voxels."""
     test_depth_is_where_the_matrix_says = test_what_moves_between_frames = test_images_whose_voxels_grow = None
+    test_a_film_keeps_its_time_where_frames_are_missing = None
     test_there_and_back = test_words = None
 
     def mass(self, file, *more):
@@ -468,6 +476,13 @@ class Resampled(Places):
         self.assertAlmostEqual(self.mass(self.blocks / "mirrored.vdb")[0], 1, delta=1e-5)
         for one, expected in zip(self.mass(self.blocks / "moving_%04d.vdb", "--voxel-size", "0.05"), (1, 1, 8)):
             self.assertAlmostEqual(one, expected, delta=2e-3 * expected)
+
+    def test_what_new_voxels_leave_out_is_told(self):
+        moving = self.blocks / "moving_%04d.vdb"
+        like = ("--like", self.blocks / "moving_0001.vdb")
+        said = self.works("resample", moving, "-o", self.path("l_%04d.vdb"), *like)
+        self.assertIn("what lies outside of the new voxels is left out in 2 of 3 frames, most in 3: ", said.message)
+        self.assertNotIn("left out", self.works("resample", like[1], "-o", self.path("l.vdb"), *like).message)
 
     def test_a_frustum_is_sampled(self):
         source = self.blocks / "frustum.vdb"
@@ -534,6 +549,21 @@ class Resampled(Places):
         self.assertIn(".nvdb files state no times", self.works("extract", self.path("n.volute"), "-o", self.path("f_%04d.nvdb")).message)
         self.works("render", self.path("n_0101.nvdb"), "-o", self.path("n.png"), "--size", "32x32")
         data = bytearray(self.path("n_0101.nvdb").read_bytes())
+        # Compressed by zlib, as NanoVDB's own tools write it.
+        self.works("resample", CACHE, "-o", self.path("one.nvdb"), "--field", "density", "--frames", "101:102")
+        one = self.path("one.nvdb").read_bytes()
+        header, facts = 16, 176
+        size, names = struct.unpack_from("<Q", one, header)[0], struct.unpack_from("<I", one, header + 136)[0]
+        begin = header + facts + names
+        self.assertEqual(len(one), begin + size)
+        packed = zlib.compress(one[begin:])
+        zipped = bytearray(one[:begin]) + struct.pack("<Q", len(packed)) + packed
+        zipped[14:16] = zipped[header + 168:header + 170] = struct.pack("<H", 1)
+        zipped[header + 8:header + 16] = struct.pack("<Q", len(packed) + 8)
+        self.path("zipped.nvdb").write_bytes(zipped)
+        self.assertEqual(self.works("compare", self.path("one.nvdb"), self.path("zipped.nvdb"), "--json").json["max_error"], 0)
+        self.path("zipped.nvdb").write_bytes(zipped[:-9])
+        self.assertIn("zipped.nvdb", self.fails(1, "render", self.path("zipped.nvdb"), "-o", self.path("x.png")))
         for what, expected in (((7, b"2"), "of a newer kind"), ((8, struct.pack("<I", 33 << 21)), "version 33.0.0"),
                                ((len(data) // 2, bytes([data[len(data) // 2] ^ 1])), "damaged")):
             broken = bytearray(data)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "volute/film/picture_writer.hpp"
 #include "volute/grid/select_frames.hpp"
@@ -78,6 +79,33 @@ int numberAt(const MediumInfo& medium, double time) {
   const auto next = std::ranges::upper_bound(medium.times, time);
   const auto before = std::max<std::ptrdiff_t>(next - medium.times.begin() - 1, 0);
   return medium.interpolates ? 0 : medium.numbers[static_cast<std::size_t>(before)];
+}
+
+/// For a film, in which each picture is shown as long as any other: frames that are shown until a
+/// later one because some between are missing, once for each of those. Frames whose times are no
+/// multiples of one interval stay as they are.
+std::vector<FilmFrame> heldInGaps(std::vector<FilmFrame> frames) {
+  constexpr double kUneven = 0.01;     // of an interval
+  constexpr double kMostlyHeld = 100;  // pictures for each frame
+  double interval = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    interval = std::min(interval, frames[i].time - frames[i - 1].time);
+  if (frames.size() < 2 || !(interval > 0))
+    return frames;
+  const double pictures = (frames.back().time - frames.front().time) / interval;
+  std::vector<FilmFrame> held;
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
+    const double times = (frames[i + 1].time - frames[i].time) / interval;
+    if (std::abs(times - std::round(times)) > kUneven ||
+        pictures > kMostlyHeld * static_cast<double>(frames.size()))
+      return frames;
+    for (int k = 0; k < static_cast<int>(std::round(times)); ++k) {
+      held.push_back(frames[i]);
+      held.back().time += k * interval;
+    }
+  }
+  held.push_back(frames.back());
+  return held;
 }
 
 ChosenFrames plainly(std::vector<FilmFrame> frames) {
@@ -166,6 +194,8 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
   std::vector<FilmFrame> frames;
   for (const int position : positions)
     frames.push_back({info.numbers[at(position)], info.times[at(position)]});
+  if (film)
+    frames = heldInGaps(std::move(frames));
   return fitting(std::move(frames), target).map(plainly);
 }
 

@@ -302,17 +302,79 @@ NewBrick sampleBrick(const VoxelFinder& finder, const LatticeMap& map, const Ind
   return made;
 }
 
+VoxelsCut cutOf(const Bricks& bricks, const LatticeMap& map, const IndexBox& box) {
+  const auto isInside = [&](const VoxelIndex& at) {
+    const Vec3 place = map.toNew(
+        Vec3(static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])));
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double index = place[a] + 0.5;
+      if (!(index > static_cast<double>(box.begin[a]) - kWhole &&
+            index < static_cast<double>(box.end[a]) + kWhole))
+        return false;
+    }
+    return true;
+  };
+  // A cube is convex, and so is the box: what has its corners inside is inside.
+  const auto cubeIsInside = [&](const VoxelIndex& origin, std::int64_t side) {
+    for (int corner = 0; corner < 8; ++corner) {
+      VoxelIndex at = origin;
+      for (std::size_t a = 0; a < 3; ++a) at[a] += (corner >> a & 1) * (side - 1);
+      if (!isInside(at))
+        return false;
+    }
+    return true;
+  };
+  constexpr auto kSide = static_cast<std::size_t>(Bricks::kSide);
+  VoxelsCut cut;
+  for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+    const Bricks::Leaf& leaf = bricks.leaves()[i];
+    const bool inside = cubeIsInside(leaf.origin, Bricks::kSide);
+    const auto values = bricks.values(i);
+    for (std::size_t v = 0; v < kSide * kSide * kSide; ++v) {
+      bool differs = false;
+      for (std::size_t c = 0; c < static_cast<std::size_t>(bricks.channels()); ++c)
+        differs |= values[c * kSide * kSide * kSide + v] != bricks.background()[c];
+      if (!differs)
+        continue;
+      ++cut.all;
+      const VoxelIndex at{leaf.origin[0] + static_cast<std::int64_t>(v % kSide),
+                          leaf.origin[1] + static_cast<std::int64_t>(v / kSide % kSide),
+                          leaf.origin[2] + static_cast<std::int64_t>(v / (kSide * kSide))};
+      cut.outside += inside || isInside(at) ? 0 : 1;
+    }
+  }
+  for (const Bricks::Tile& tile : bricks.tiles()) {
+    if (std::equal(tile.value.begin(), tile.value.begin() + bricks.channels(),
+                   bricks.background().begin()))
+      continue;
+    // By blocks of voxels, at most 16 along each axis.
+    const std::int64_t step = std::max<std::int64_t>(1, tile.side / 16);
+    const auto voxels = static_cast<std::uint64_t>(step * step * step);
+    cut.all += static_cast<std::uint64_t>(tile.side * tile.side * tile.side);
+    if (cubeIsInside(tile.origin, tile.side))
+      continue;
+    for (std::int64_t z = step / 2; z < tile.side; z += step)
+      for (std::int64_t y = step / 2; y < tile.side; y += step)
+        for (std::int64_t x = step / 2; x < tile.side; x += step) {
+          const VoxelIndex at{tile.origin[0] + x, tile.origin[1] + y, tile.origin[2] + z};
+          cut.outside += isInside(at) ? 0 : voxels;
+        }
+  }
+  return cut;
+}
+
 class ResampledSource final : public RoundingSource {
  public:
   ResampledSource(std::unique_ptr<FrameSource> source, std::vector<GridMatrix> places,
                   const Lattice& lattice, Basis basis, std::uint64_t maxMemory,
-                  std::vector<Mat3> turns)
+                  std::vector<Mat3> turns, std::function<void(int, const VoxelsCut&)> onCut)
       : source_(std::move(source)),
         places_(std::move(places)),
         lattice_(lattice),
         basis_(basis),
         maxMemory_(maxMemory),
         turns_(std::move(turns)),
+        onCut_(std::move(onCut)),
         info_(source_->info()) {
     info_.x = static_cast<int>(lattice.box.size(0));
     info_.y = static_cast<int>(lattice.box.size(1));
@@ -344,6 +406,8 @@ class ResampledSource final : public RoundingSource {
     VOLUTE_TRY(source_->readBricks(index, 0, source_->info().z, bricks));
     const auto frame = static_cast<std::size_t>(index);
     const AffineLattices map(indexToWorld(source_->info(), places_, frame), lattice_.indexToWorld);
+    if (onCut_ && first == 0)
+      onCut_(index, cutOf(bricks, map, lattice_.box));
     IndexBox box = lattice_.box;
     box.begin[2] = lattice_.box.begin[2] + first, box.end[2] = lattice_.box.begin[2] + end;
     if (const auto moved = wholeVoxels(map)) {
@@ -430,6 +494,7 @@ class ResampledSource final : public RoundingSource {
   Basis basis_;
   std::uint64_t maxMemory_;
   std::vector<Mat3> turns_;
+  std::function<void(int, const VoxelsCut&)> onCut_;
   VolumeInfo info_;
 };
 
@@ -478,9 +543,10 @@ Result<Bricks> resampled(const Bricks& bricks, const LatticeMap& map, const Inde
 std::unique_ptr<FrameSource> resampleTo(std::unique_ptr<FrameSource> source,
                                         std::vector<GridMatrix> places, const Lattice& lattice,
                                         Basis basis, std::uint64_t maxMemory,
-                                        std::vector<Mat3> turns) {
+                                        std::vector<Mat3> turns,
+                                        std::function<void(int, const VoxelsCut&)> onCut) {
   return std::make_unique<ResampledSource>(std::move(source), std::move(places), lattice, basis,
-                                           maxMemory, std::move(turns));
+                                           maxMemory, std::move(turns), std::move(onCut));
 }
 
 GridMatrix indexToWorld(const VolumeInfo& info, const std::vector<GridMatrix>& places,

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -59,14 +60,24 @@ struct Lattice {
   IndexBox box{};
 };
 
+/// Voxels of a frame that are not background, and how many of them have their centre outside of a
+/// lattice's box.
+struct VoxelsCut {
+  std::uint64_t all = 0;
+  std::uint64_t outside = 0;
+};
+
 /// The frames of `source` on another lattice. Where that is the same one, or moved by whole voxels,
 /// its bricks stay as they are. Its bounds are in spaceOf(lattice.indexToWorld).
 /// @param places  of the source, as PlacedFrames has them
 /// @param turns  of the vectors in it, in each frame; empty: they are the same on the new lattice
+/// @param onCut  called for each frame that is read from its first layer on, by any thread; may be
+///               empty
 std::unique_ptr<FrameSource> resampleTo(std::unique_ptr<FrameSource> source,
                                         std::vector<GridMatrix> places, const Lattice& lattice,
                                         Basis basis, std::uint64_t maxMemory,
-                                        std::vector<Mat3> turns = {});
+                                        std::vector<Mat3> turns = {},
+                                        std::function<void(int, const VoxelsCut&)> onCut = {});
 
 /// From the index of a volume's first voxel to the world in a frame.
 /// @param places  as PlacedFrames has them

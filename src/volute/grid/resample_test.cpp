@@ -166,6 +166,29 @@ TEST(Resample, OneLatticeKeepsLeavesAndTiles) {
   EXPECT_TRUE(part.leaves().empty());
 }
 
+TEST(Resample, WhatNewVoxelsLeaveOutIsCounted) {
+  // 4 voxels of a leaf, a tile of 8^3 and one of 128^3 are there.
+  const auto countedBy = [](double voxel, const IndexBox& box) {
+    VoxelsCut counted;
+    const Lattice lattice{gridMatrix(voxel * Mat3::Identity(), Vec3::Constant(0.5 * voxel)), box};
+    auto source =
+        resampleTo(std::make_unique<StillFrame>(wide(), sparse()), {}, lattice, Basis::kBox,
+                   kMemory, {}, [&](int, const VoxelsCut& cut) { counted = cut; });
+    read(*source);
+    return counted;
+  };
+  constexpr std::uint64_t kTiles = 8 * 8 * 8 + 128 * 128 * 128;
+  VoxelsCut cut = countedBy(1, {{0, 0, 0}, {100'000, 100'000, 100'000}});
+  EXPECT_EQ(cut.all, kTiles + 4);
+  EXPECT_EQ(cut.outside, 0);
+  cut = countedBy(2, {{0, 0, 0}, {1'000, 1'000, 1'000}});
+  EXPECT_EQ(cut.all, kTiles + 4);
+  EXPECT_EQ(cut.outside, 4);
+  // Half of the large tile, all of the small one.
+  cut = countedBy(1, {{64, 64, 64}, {192, 100'000, 100'000}});
+  EXPECT_EQ(cut.outside, 4 + 8 * 8 * 8 + 128 * 128 * 64);
+}
+
 TEST(Resample, SparseFramesStaySparse) {
   // Voxels of half the size: 8 times as many.
   const Lattice half{gridMatrix(0.5 * Mat3::Identity(), Vec3::Constant(0.25)),

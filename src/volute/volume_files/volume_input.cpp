@@ -178,8 +178,9 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
   const VolumeInfo& info = input.source->info();
   if (const auto gaps = missingNumbers(info.frameNumbers, info.frameScale); !gaps.empty())
     reading.progress.remark(
-        Remark(RemarkCode::kAssumed,
-               fmt::format("{}: {}; volumes between are interpolated", path, gaps))
+        Remark(RemarkCode::kAssumed, fmt::format("{}: {}; until the next one the frame before is "
+                                                 "shown, unless frames are interpolated",
+                                                 path, gaps))
             .in(path));
   return input;
 }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "volute/volume_files/volume_grids.hpp"
@@ -154,6 +156,38 @@ std::vector<Mat3> turnsOf(const OldGrid& old, const Lattice& lattice) {
   return turns;
 }
 
+/// What the new voxels of a grid left out in each frame.
+class CutLog {
+ public:
+  void add(const std::string& frame, const VoxelsCut& cut) {
+    const std::lock_guard lock(mutex_);
+    if (cut.all > 0)
+      frames_[frame] = cut;
+  }
+
+  /// "in 5 of 6 frames, most in 1006: 11513 of 11513 voxels"; empty where nothing was.
+  std::string text() const {
+    const auto lost = [](const VoxelsCut& cut) {
+      return static_cast<double>(cut.outside) / static_cast<double>(cut.all);
+    };
+    std::size_t frames = 0;
+    const std::pair<const std::string, VoxelsCut>* worst = nullptr;
+    for (const auto& frame : frames_) {
+      frames += frame.second.outside > 0 ? 1 : 0;
+      if (frame.second.outside > 0 && (!worst || lost(frame.second) > lost(worst->second)))
+        worst = &frame;
+    }
+    if (!worst)
+      return {};
+    return fmt::format("in {} of {} frames, most in {}: {} of {} voxels", frames, frames_.size(),
+                       worst->first, worst->second.outside, worst->second.all);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, VoxelsCut> frames_;
+};
+
 class Resampler {
  public:
   Resampler(const std::string& path, const std::string& target, const ResampleRequest& request,
@@ -174,6 +208,8 @@ class Resampler {
   Team& team_;
   std::optional<Lattice> stated_;  // for all grids
   std::vector<std::unique_ptr<FrameSource>> sources_;
+  std::vector<std::pair<std::string, std::shared_ptr<CutLog>>>
+      cuts_;  // of each grid, with its name
   std::vector<WrittenGrid> written_;
   FrameMetadata fileMetadata_;
 };
@@ -220,8 +256,16 @@ Status Resampler::add(OldGrid old) {
   }
   WrittenGrid written{nullptr, request_.rms, describe(old, lattice)};
   auto turns = turnsOf(old, lattice);
+  std::function<void(int, const VoxelsCut&)> onCut;
+  if (stated_) {  // who states a box cuts on purpose
+    const auto& [name, log] =
+        cuts_.emplace_back(old.source->info().name, std::make_shared<CutLog>());
+    onCut = [log, info = old.source->info()](int frame, const VoxelsCut& cut) {
+      log->add(info.frameText(static_cast<std::size_t>(frame)), cut);
+    };
+  }
   auto source = resampleTo(std::move(old.source), std::move(old.places), lattice, request_.basis,
-                           reading_.maxMemory, std::move(turns));
+                           reading_.maxMemory, std::move(turns), std::move(onCut));
   const VolumeInfo& info = source->info();
   const bool sparse = isVolutePath(target_) || isVdbPath(target_);
   if (const std::uint64_t bytes = 4 * std::uint64_t{info.frameValues()};
@@ -308,6 +352,14 @@ Result<Report> Resampler::run() {
       .add("frames", frames, fmt::format("{}", frames))
       .add("grids", list, text);
   VOLUTE_TRY(writer.write(report));
+  for (const auto& [name, log] : cuts_) {
+    if (const std::string cut = log->text(); !cut.empty())
+      reading_.progress.remark(
+          Remark(RemarkCode::kLeftOut,
+                 fmt::format("{}: '{}': what lies outside of the new voxels is left out {}", path_,
+                             name, cut))
+              .in(path_));
+  }
   return report;
 }
 

@@ -459,9 +459,9 @@ Status VolumeMedium::openOthers(Reading& reading) {
           path_, name, info.frames, input_->source->info().name, volume_.frames);
     }
     if (!samePlaces(found->places, input_->places, info.bounds, info.voxelSize().minCoeff())) {
-      return fail(ErrorCode::kUnsupported,
+      return fail(ErrorCode::kUnsupported, Hint::set("preset", "smoke").so("shows the smoke alone"),
                   "{}: grid '{}' is turned otherwise than '{}', or lies elsewhere; grids that are "
-                  "shown together need one place",
+                  "shown together need one place, which resampling gives them",
                   path_, name, input_->source->info().name);
     }
     if (!found->reader)

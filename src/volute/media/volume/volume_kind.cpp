@@ -171,7 +171,10 @@ class VolumeKind final : public MediumKind {
       appearance.albedo = Rgb::Zero();
       appearance.flames.reset();
     }
-    if (!appearance.transfer && entry.contains("albedo") && !(appearance.extinction > 0)) {
+    const bool dark = entry.contains("extinction") && appearance.extinction == 0;  // faded out
+    if (dark)
+      appearance.albedo = Rgb::Zero();
+    if (!appearance.transfer && !dark && entry.contains("albedo") && !(appearance.extinction > 0)) {
       return origin.wrong(FieldRow{.name = "albedo"},
                           "what extinguishes no light scatters none; say an extinction above 0");
     }
