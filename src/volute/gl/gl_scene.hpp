@@ -32,7 +32,7 @@ struct GlScene {
 };
 
 /// The boundary of a mesh as walls that reflect the light of lamps, seen from inside alone
-/// (lookAtWalls() in scene/smoke_walls).
+/// (lookAtWalls() in media/smoke/smoke_walls).
 struct GlWalls {
   std::shared_ptr<const TetMesh> mesh;
   GlScene media{};  ///< that the lamps shine through

@@ -16,8 +16,4 @@ struct SegmentWeights {
 /// closed form; errors below 1e-12.
 SegmentWeights segmentWeights(double d0, double d1);
 
-/// The same by the paper's table: bilinear between 1024 x 1024 values over (e^-d0, e^-d1). Off by
-/// 8e-2 in its first cell, near thin smoke beside thick; for comparison only.
-SegmentWeights tableWeights(double d0, double d1);
-
 }  // namespace volute

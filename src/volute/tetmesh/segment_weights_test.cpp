@@ -43,22 +43,5 @@ TEST(SegmentWeights, LeaveTheTransmittanceThatThePaperMisprints) {
   EXPECT_NEAR(1 - weights.w0 + weights.w1, 0.8788, 5e-5);
 }
 
-TEST(SegmentWeights, AreWhatTheTableMisses) {
-  double worst = 0, second = 0;
-  const double cell = 1.0 / 1023;
-  for (int i = 1; i < 40; ++i) {
-    const double inFirst = -std::log(cell * i / 40), inSecond = -std::log(cell * (1 + i / 40.0));
-    for (const double d1 : {1e-6, 0.01, 1.0}) {
-      worst =
-          std::max(worst, std::abs(tableWeights(inFirst, d1).w0 - segmentWeights(inFirst, d1).w0));
-      second = std::max(second,
-                        std::abs(tableWeights(inSecond, d1).w0 - segmentWeights(inSecond, d1).w0));
-    }
-  }
-  EXPECT_GT(worst, 0.01);
-  EXPECT_LT(second, 5e-3);
-  EXPECT_NEAR(tableWeights(0.3, 0.5).w1, segmentWeights(0.3, 0.5).w1, 1e-5);
-}
-
 }  // namespace
 }  // namespace volute
