@@ -138,7 +138,7 @@ TEST(CubicVoxels, ScatteredLightIsThatOfTheSplineTimesTheLight) {
   std::vector<VoxelLight> light;
   for (const Vec3& p : dark.lightPoints())
     light.push_back(VoxelLight::Constant(static_cast<float>(lightAt(p))));
-  const ShadedVoxels lit = dark.withLight(dark.forMeans(light));
+  const ShadedVoxels lit = dark.withLight(dark.forMeans(light, Vec3::Constant(1)));
   double plain = 0, corrected = 0, largest = 0;
   for (double x = 4; x < 20; x += 0.37) {
     const Vec3 p(x, 11.2, 12.9);

@@ -153,7 +153,7 @@ TEST(RefinedSpline, IsLitAsTheSplineIs) {
         const auto share = static_cast<float>(0.5 + 0.4 * std::sin(2 * point.x() + point.z()));
         light.push_back(VoxelLight(share, 0.5F * share, 0.2F));
       }
-      return volume.withLight(volume.forMeans(light));
+      return volume.withLight(volume.forMeans(light, Vec3::Constant(1)));
     };
     const auto rays = raysThrough(exact.bounds(), 500);
     for (const bool lit : {true, false}) {

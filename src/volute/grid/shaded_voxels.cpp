@@ -496,15 +496,16 @@ std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& voxel) con
   return -1;
 }
 
-std::vector<VoxelLight> ShadedVoxels::forMeans(std::span<const VoxelLight> light) const {
+std::vector<VoxelLight> ShadedVoxels::forMeans(std::span<const VoxelLight> light,
+                                               const Vec3& edges) const {
   if (!layout_ || splines_)
     return {light.begin(), light.end()};
   std::vector<VoxelLight> out(light.size());
-  eachMean(light, [&](std::size_t i, const VoxelLight& mean) { out[i] = mean; });
+  eachMean(light, edges, [&](std::size_t i, const VoxelLight& mean) { out[i] = mean; });
   return out;
 }
 
-ShadedVoxels ShadedVoxels::withMeansOf(std::vector<VoxelLight> light) const {
+ShadedVoxels ShadedVoxels::withMeansOf(std::vector<VoxelLight> light, const Vec3& edges) const {
   if (!layout_ || splines_)
     return withLight(std::move(light));
   VoxelLight most = VoxelLight::Zero();
@@ -513,15 +514,17 @@ ShadedVoxels ShadedVoxels::withMeansOf(std::vector<VoxelLight> light) const {
     return withLight(std::move(light));
   auto packed = std::make_shared<PackedLight>(kMaxOfMeans * most,
                                               isOneColor(light, most.cast<double>()), light.size());
-  eachMean(light, [&](std::size_t i, const VoxelLight& mean) { packed->set(i, mean); });
+  eachMean(light, edges, [&](std::size_t i, const VoxelLight& mean) { packed->set(i, mean); });
   light = std::vector<VoxelLight>();  // {} would keep its memory
   return withPacked(std::move(packed));
 }
 
-/// Halfway to its neighbours, by their extinctions, light is that of the mean optical depth. At an
-/// edge of the smoke neighbours are those across it.
+/// Linear in between, half of the optical depth by which a neighbour is darker than its own smoke
+/// explains is the light halfway to it. At an edge of the smoke neighbours are those across it.
 VoxelLight ShadedVoxels::atRim(const std::array<std::int32_t, 3>& place, std::size_t point,
-                               std::span<const VoxelLight> light) const {
+                               std::span<const VoxelLight> light, const Vec3& edges) const {
+  // From here on light is too little to tell by which smoke it was taken.
+  constexpr float kDark = 20;
   const VoxelLight& own = light[point];
   VoxelLight sum = VoxelLight::Zero();
   float weight = 0;
@@ -535,17 +538,25 @@ VoxelLight ShadedVoxels::atRim(const std::array<std::int32_t, 3>& place, std::si
       const std::int32_t other = extinction > 0 ? pointAt(beside) : -1;
       if (other < 0)
         continue;
+      const double length = edges.cwiseProduct(Vec3(way[0], way[1], way[2])).norm();
+      const auto ramp = static_cast<float>(0.5 * extinction * length);
       const VoxelLight& its = light[static_cast<std::size_t>(other)];
       weight += extinction;
-      for (int c = 0; c < 3; ++c) sum[c] += extinction * (2 * std::sqrt(own[c] * its[c]) - its[c]);
+      for (int c = 0; c < 3; ++c) {
+        if (!(own[c] > 0))
+          continue;
+        const float depth = own[c] > std::exp(kDark) * its[c] ? kDark : std::log(own[c] / its[c]);
+        const float shadow = std::exp(-0.5F * std::max(depth - ramp, 0.0F));
+        sum[c] += extinction * (2 - shadow) * shadow * own[c];
+      }
     }
   };
   for (int axes = 1; axes <= 3 && !(weight > 0); ++axes) add(axes);
-  return weight > 0 ? (sum / weight).max(0.0F).min(kMaxOfMeans * own) : own;
+  return weight > 0 ? VoxelLight(sum / weight) : own;
 }
 
 template <class Put>
-void ShadedVoxels::eachMean(std::span<const VoxelLight> light, Put&& put) const {
+void ShadedVoxels::eachMean(std::span<const VoxelLight> light, const Vec3& edges, Put&& put) const {
   if (tiles_)
     eachMeanOfTiles(light, put);
   // By the brick that has a point first; its neighbours are mostly there.
@@ -556,7 +567,7 @@ void ShadedVoxels::eachMean(std::span<const VoxelLight> light, Put&& put) const 
         const auto i = static_cast<std::size_t>(points[static_cast<std::size_t>(corner)]);
         const auto place = VoxelPlaces::cornerOf(layout_->bricks[b].place, corner);
         if (!tiles_ && slice_->value(place[0], place[1], place[2]) == 0)
-          return put(i, atRim(place, i, light));
+          return put(i, atRim(place, i, light, edges));
         VoxelLight differences = VoxelLight::Zero();
         for (std::size_t axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
           const auto step = static_cast<int>(stride);

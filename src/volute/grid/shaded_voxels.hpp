@@ -69,13 +69,14 @@ class ShadedVoxels {
 
   /// From light at each of lightPoints() what L is to be there, so that between them its means are
   /// right to the fourth order: less a twelfth of its second differences. What is interpolated
-  /// between values of e^-t would else be too bright everywhere. Where there is no smoke, light
-  /// counts by what is interpolated between it and the smoke beside it: a voxel in the sun does not
-  /// light what lies in shadow. Over the cubic basis it is the light itself.
-  std::vector<VoxelLight> forMeans(std::span<const VoxelLight> light) const;
+  /// between values of e^-t would else be too bright everywhere. Where there is no smoke, it is
+  /// less by how much the smoke beside is in a shadow that is not its own: else a voxel in the sun
+  /// would light it. Over the cubic basis it is the light itself.
+  /// @param edges  lengths of a voxel's edges [m]
+  std::vector<VoxelLight> forMeans(std::span<const VoxelLight> light, const Vec3& edges) const;
 
   /// withLight() of forMeans(), with less memory.
-  ShadedVoxels withMeansOf(std::vector<VoxelLight> light) const;
+  ShadedVoxels withMeansOf(std::vector<VoxelLight> light, const Vec3& edges) const;
 
   /// The same with light: L at each of lightPoints().
   ShadedVoxels withLight(std::vector<VoxelLight> light) const;
@@ -197,11 +198,11 @@ class ShadedVoxels {
 
   /// Of a light point without smoke beside smoke.
   VoxelLight atRim(const std::array<std::int32_t, 3>& place, std::size_t point,
-                   std::span<const VoxelLight> light) const;
+                   std::span<const VoxelLight> light, const Vec3& edges) const;
 
   /// Calls put(i, light) for each place, as forMeans() says.
   template <class Put>
-  void eachMean(std::span<const VoxelLight> light, Put&& put) const;
+  void eachMean(std::span<const VoxelLight> light, const Vec3& edges, Put&& put) const;
 
   /// The same for the places that only tiles have.
   template <class Put>

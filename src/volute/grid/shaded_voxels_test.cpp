@@ -225,7 +225,7 @@ TEST(ShadedVoxels, LightForMeansHasTheMeansOfExponentials) {
   };
   const double exact = (std::exp(-0.5 * 7.5) - std::exp(-0.5 * 8.5)) / 0.5;
   EXPECT_GT(mean(light), 1.015 * exact);
-  EXPECT_NEAR(mean(medium.forMeans(light)), exact, 1e-3 * exact);
+  EXPECT_NEAR(mean(medium.forMeans(light, Vec3::Constant(1))), exact, 1e-3 * exact);
 }
 
 TEST(ShadedVoxels, LightBesideTheSmokeDoesNotShineOnItsShadow) {
@@ -247,7 +247,7 @@ TEST(ShadedVoxels, LightBesideTheSmokeDoesNotShineOnItsShadow) {
     const double depth = shaded ? std::clamp(12 - p.z(), 0.0, 8.0) : 0;
     light.push_back(VoxelLight::Constant(static_cast<float>(std::exp(-depth))));
   }
-  const ShadedVoxels lit = medium.withLight(medium.forMeans(light));
+  const ShadedVoxels lit = medium.withLight(medium.forMeans(light, Vec3::Constant(1)));
   const auto seen = [&](const ShadedVoxels& from, const Vec3& at) { return from.emission(at)[0]; };
   for (const Vec3& side : {Vec3(3.8, 8, 5), Vec3(8, 12.2, 5), Vec3(3.8, 3.8, 5)}) {
     EXPECT_GT(seen(medium.withLight(light), side), 0.05) << side.x();

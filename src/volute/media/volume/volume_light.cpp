@@ -411,6 +411,14 @@ void VolumeLight::gather() const {
   });
 }
 
+/// Of a voxel in the world [m].
+Vec3 VolumeLight::edges() const {
+  const BrickSlice& slice = volume_.slice();
+  const Vec3 own = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
+  const Mat3 world = lighting_.place.linear() * own.asDiagonal();
+  return {world.col(0).norm(), world.col(1).norm(), world.col(2).norm()};
+}
+
 /// In the world.
 Box3 VolumeLight::bounds() const {
   return lighting_.place.isIdentity() ? volume_.bounds() : lighting_.place.around(volume_.bounds());
@@ -552,7 +560,7 @@ ShadedVoxels VolumeLight::shaded(const std::optional<View>& view) const {
   gather();
   if (lampShares_.empty() && even_.empty() && !again())
     return volume_.drawn();
-  return volume_.withMeansOf(scattered(view));
+  return volume_.withMeansOf(scattered(view), edges());
 }
 
 /// Points that a view does not see take the light of those before the surface.
@@ -597,7 +605,7 @@ ShadedVoxels VolumeLight::seenFrom(const View& view) const {
     unhidden_ = scattered(view);
   std::vector<VoxelLight> light = even ? unhidden_ : std::exchange(unhidden_, {});
   hide(view, light);
-  last_ = volume_.withMeansOf(std::move(light));
+  last_ = volume_.withMeansOf(std::move(light), edges());
   return *last_;
 }
 

@@ -97,6 +97,7 @@ class VolumeLight {
   std::vector<Lamp> fires() const;
   std::shared_ptr<const Lattice> sky() const;
   void addRays(std::span<const Lamp> lamps, Lattice& lattice) const;
+  Vec3 edges() const;
   Box3 bounds() const;
   AnyMedium medium() const;
   Illumination illumination() const;
