@@ -159,8 +159,10 @@ void checkSaturation(const Counts& counts, const std::string& name, const Pictur
   const double share = shareOf(counts.saturated, counts.lit);
   if (counts.saturated == 0 || share <= std::min(kWorthAWord, limits.saturated))
     return;
-  const auto text = fmt::format("{}: {:.1f} % of the lit pixels are saturated and do not count",
-                                name, 100 * share);
+  const auto text = fmt::format(
+      "{}: {:.1f} % of the lit pixels are saturated: all that is known is how bright they are at "
+      "least",
+      name, 100 * share);
   if (share > limits.saturated) {
     findings.faults.push_back(fmt::format("{}, more than the {:.1f} % allowed; expose less", text,
                                           100 * limits.saturated));
