@@ -335,12 +335,66 @@ bool VolumeLight::fanned(const LightFan& fan, const Lamp& lamp, std::span<float>
   return fan.transmittances(own, out, beyond);
 }
 
+/// Light points on both sides of the surface of what is nearly solid, where rays of a fan that pass
+/// on both sides of a surface say little of the light between them.
+const std::vector<std::int32_t>& VolumeLight::atSolid() const {
+  constexpr double kSolid = 2;  // of optical depth, a voxel
+  std::call_once(foundSolid_, [&] {
+    const BrickSlice& slice = volume_.slice();
+    const auto solid = static_cast<float>(kSolid / edges().minCoeff());
+    const bool any = std::ranges::any_of(slice.entries(), [&](const BrickSlice::Entry& entry) {
+      const std::span<const float> values(slice.brick(entry.stored), BrickSlice::kVoxels);
+      return std::ranges::any_of(values, [&](float value) { return value > solid; });
+    });
+    if (!any)
+      return;
+    const VoxelPlaces places = volume_.lightPlaces();
+    const auto isSolid = [&](const Place& at) { return slice.value(at[0], at[1], at[2]) > solid; };
+    const auto isOnSurface = [&](const Place& at) {
+      const bool own = isSolid(at);
+      for (int n = 0; n < 27; ++n) {
+        if (isSolid({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1}) != own)
+          return true;
+      }
+      return false;
+    };
+    std::vector<std::uint8_t> found(places.size());
+    parallelRanges(places.size(), 4096, [&](std::size_t begin, std::size_t end) {
+      VoxelPlaces::Reader at(places);
+      for (std::size_t i = begin; i < end; ++i) found[i] = isOnSurface(at[i]) ? 1 : 0;
+    });
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (found[i] != 0)
+        atSolid_.push_back(static_cast<std::int32_t>(i));
+    }
+  });
+  return atSolid_;
+}
+
+/// By a ray to each of some light points.
+void VolumeLight::addExactShares(std::size_t lamp, std::span<const std::int32_t> points) const {
+  const VoxelPlaces places = volume_.lightPlaces();
+  parallelRanges(points.size(), kLightGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<Segment> segments;
+    VoxelPlaces::Reader at(places);
+    for (std::size_t i = begin; i < end; ++i)
+      segments.push_back(
+          lighting_.lamps[lamp].towards(placeOf(at[static_cast<std::size_t>(points[i])])));
+    std::vector<float> shares(segments.size());
+    transmittances(volume_, lighting_.place, segments, shares);
+    for (std::size_t i = begin; i < end; ++i)
+      lampShares_[lamp][static_cast<std::size_t>(points[i])] = shares[i - begin];
+  });
+}
+
 /// How much of a lamp's light arrives at each light point.
 void VolumeLight::addShares(std::size_t lamp, const ArrivingLight& arriving) const {
   const auto places = volume_.lightPlaces();
   lampShares_[lamp].resize(places.size());
   const bool fan =
       fanned(LightFan(volume_.slice(), places), lighting_.lamps[lamp], lampShares_[lamp]);
+  if (fan)
+    addExactShares(lamp, atSolid());
   parallelRanges(places.size(), kLightGrain, [&](std::size_t begin, std::size_t end) {
     const std::span<float> shares(&lampShares_[lamp][begin], end - begin);
     std::vector<Vec3> points;

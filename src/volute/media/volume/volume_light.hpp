@@ -35,11 +35,12 @@ struct VolumeLighting {
 /// Single scattering in a volume at one instant:
 ///   L(x, w) = albedo (sum over lamps of E(x) exp(-t(x, lamp)) V phase + A(x) + F(x))
 /// with E a lamp's irradiance where nothing is in the way, t the volume's own optical depth towards
-/// it at the centre of every voxel: exact, or by LightFan, exact on rays as close as voxels. A, the
-/// share of an even surrounding that arrives, is a mean over 100 directions by fans or 26 by rays,
-/// at each voxel, or every second, or over 50 at every fourth of a large volume, whose extinction
-/// is taken from voxels of twice the edges; F, what its own fire sends, a sum over the bricks that
-/// emit, each as a point, at every fourth. Both are scattered evenly.
+/// it at the centre of every voxel: exact, or by LightFan, exact on rays as close as voxels, but
+/// for voxels beside others that are nearly solid. A, the share of an even surrounding that
+/// arrives, is a mean over 100 directions by fans or 26 by rays, at each voxel, or every second, or
+/// over 50 at every fourth of a large volume, whose extinction is taken from voxels of twice the
+/// edges; F, what its own fire sends, a sum over the bricks that emit, each as a point, at every
+/// fourth. Both are scattered evenly.
 ///
 /// Threads may share it.
 class VolumeLight {
@@ -86,6 +87,8 @@ class VolumeLight {
 
   void gather() const;
   void addShares(std::size_t lamp, const ArrivingLight& arriving) const;
+  const std::vector<std::int32_t>& atSolid() const;
+  void addExactShares(std::size_t lamp, std::span<const std::int32_t> points) const;
   bool fanned(const LightFan& fan, const Lamp& lamp, std::span<float> out,
               std::span<float> beyond = {}) const;
 
@@ -113,7 +116,8 @@ class VolumeLight {
   ShadedVoxels volume_;
   VolumeLighting lighting_;
   std::vector<AnyMedium> between_;
-  mutable std::once_flag gathered_, scattered_, beside_;
+  mutable std::once_flag gathered_, scattered_, beside_, foundSolid_;
+  mutable std::vector<std::int32_t> atSolid_;           ///< numbers of light points
   mutable std::vector<std::vector<float>> lampShares_;  ///< of each lamp, at each light point: 0..1
   mutable std::shared_ptr<const DiffuseLight> again_;   ///< null: light is scattered once
   mutable std::vector<std::shared_ptr<const Lattice>> even_;   ///< A and F, where they are there

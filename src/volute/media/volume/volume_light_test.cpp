@@ -496,5 +496,31 @@ TEST(VolumeLight, SmokeBeforeALitWallIsNoDarkerThanWithoutTheWall) {
   }
 }
 
+TEST(VolumeLight, ALampLightsASolidFaceWithoutStripes) {
+  // 50 optical depths a voxel. The light before a face is that of the lamp's distance alone.
+  constexpr int kSide = 40;
+  const double voxel = 2.0 / kSide;
+  const ShadedVoxels box =
+      filled(kSide, [](const Vec3& p) { return p.cwiseAbs().maxCoeff() < 0.9 ? 1000.0 : 0.0; });
+  VolumeLighting lighting;
+  lighting.albedo = Rgb::Ones();
+  Lamp lamp;
+  lamp.kind = Lamp::Kind::kSpot;
+  lamp.position = Vec3(1, -3, 2);
+  lamp.intensity = Rgb::Constant(5);
+  lamp.coneCosine = -1;
+  lighting.lamps = {lamp};
+  const ShadedVoxels lit = VolumeLight(box, lighting).seen();
+  for (int k = 4; k < kSide - 4; ++k) {
+    for (int i = 4; i < kSide - 4; ++i) {
+      const Vec3 before(-1 + (i + 0.5) * voxel, -0.9 - 0.5 * voxel, -1 + (k + 0.5) * voxel);
+      const Vec3 at = before + Vec3(0, 1e-3 * voxel, 0);  // where there is something to be lit
+      const double light = lit.emission(at)[0] / lit.extinction(at);
+      const double exact = lamp.irradiance(before)[0] / (4 * std::numbers::pi);
+      EXPECT_NEAR(light / exact, 1, 0.02) << i << ' ' << k;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace volute
