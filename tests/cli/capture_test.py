@@ -346,13 +346,13 @@ class Pictures(ring.TestCase):
         self.assertNotIn("bits", stated.message)
         self.assertAlmostEqual(stated.json["residual"], result.json["residual"], delta=5e-3)
 
-    def test_saturated_pixels_do_not_count_and_are_told(self):
+    def test_saturated_pixels_are_told(self):
         peak = max(max(read_exr(self.path(f"{name}_0010.exr")).values) for name in ring.NAMES)
         self.as_png(4 / peak)
         self.json["white"] = peak / 4
         self.write_capture()
         result = self.png()
-        self.assertRegex(result.message, r"camera \w+, frame 10: \d\d\.\d % of the lit pixels are saturated and do not count")
+        self.assertRegex(result.message, r"camera \w+, frame 10: \d\d\.\d % of the lit pixels are saturated: all that is known is how bright they are at least")
         message = self.fails(1, "reconstruct", self.path("capture.json"), "-o", self.path("x.npy"), "--frames", "10",
                              "--images", self.path("{camera}_%04d.png"), "--max-saturated", "0.05")
         self.assertRegex(message, r"camera \w+, frame 10: .* more than the 5\.0 % allowed")

@@ -85,8 +85,8 @@ int numberAt(const MediumInfo& medium, double time) {
 /// later one because some between are missing, once for each of those. Frames whose times are no
 /// multiples of one interval stay as they are.
 std::vector<FilmFrame> heldInGaps(std::vector<FilmFrame> frames) {
-  constexpr double kUneven = 0.01;     // of an interval
-  constexpr double kMostlyHeld = 100;  // pictures for each frame
+  constexpr double kUneven = 0.01;    // of an interval
+  constexpr double kMostlyHeld = 10;  // pictures for each frame, all of which are drawn
   double interval = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < frames.size(); ++i)
     interval = std::min(interval, frames[i].time - frames[i - 1].time);
