@@ -317,8 +317,9 @@ void parametersPart(ViewerApp& app) {
   for (const Parameter& parameter : parameters) {
     if (ownerOf(parameter) != owner) {  // two signs may have the same name
       owner = ownerOf(parameter);
-      open = ImGui::CollapsingHeader((headingOf(parameter.group, letters) + "###" + owner).c_str(),
-                                     ImGuiTreeNodeFlags_DefaultOpen);
+      open =
+          ImGui::CollapsingHeader((headingOf(parameter.group, letters) + "###of " + owner).c_str(),
+                                  ImGuiTreeNodeFlags_DefaultOpen);
       app.window().mark("group " + parameter.group);
       hint(parameter.group.size() > letters ? parameter.group : "");
       if (open) {
