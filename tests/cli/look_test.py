@@ -287,6 +287,7 @@ class Look(support.TestCase):
     def test_contradictions_are_refused(self):
         said = self.fails(1, "render", self.scene(albedo=[0.5, 0.5, 0.5]), "-o", self.path("x.png"))
         self.assertIn("scene.json: /media/0/albedo", said)
+        self.works("render", self.scene(albedo=[0.5, 0.5, 0.5], extinction=0), "-o", self.path("faded.png"))
         said = self.fails(1, "render", self.scene(albedo=[0.5, 0.5, 0.5], extinction=3, basis="box"), "-o", self.path("x.png"))
         self.assertIn("scene.json: /media/0/basis", said)
 

@@ -337,7 +337,7 @@ bool VolumeLight::fanned(const LightFan& fan, const Lamp& lamp, std::span<float>
 
 /// Light points on both sides of the surface of what is nearly solid, where rays of a fan that pass
 /// on both sides of a surface say little of the light between them.
-const std::vector<std::int32_t>& VolumeLight::atSolid() const {
+const std::vector<bool>& VolumeLight::atSolid() const {
   constexpr double kSolid = 2;  // of optical depth, a voxel
   std::call_once(foundSolid_, [&] {
     const BrickSlice& slice = volume_.slice();
@@ -363,28 +363,9 @@ const std::vector<std::int32_t>& VolumeLight::atSolid() const {
       VoxelPlaces::Reader at(places);
       for (std::size_t i = begin; i < end; ++i) found[i] = isOnSurface(at[i]) ? 1 : 0;
     });
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      if (found[i] != 0)
-        atSolid_.push_back(static_cast<std::int32_t>(i));
-    }
+    atSolid_.assign(found.begin(), found.end());
   });
   return atSolid_;
-}
-
-/// By a ray to each of some light points.
-void VolumeLight::addExactShares(std::size_t lamp, std::span<const std::int32_t> points) const {
-  const VoxelPlaces places = volume_.lightPlaces();
-  parallelRanges(points.size(), kLightGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Segment> segments;
-    VoxelPlaces::Reader at(places);
-    for (std::size_t i = begin; i < end; ++i)
-      segments.push_back(
-          lighting_.lamps[lamp].towards(placeOf(at[static_cast<std::size_t>(points[i])])));
-    std::vector<float> shares(segments.size());
-    transmittances(volume_, lighting_.place, segments, shares);
-    for (std::size_t i = begin; i < end; ++i)
-      lampShares_[lamp][static_cast<std::size_t>(points[i])] = shares[i - begin];
-  });
 }
 
 /// How much of a lamp's light arrives at each light point.
@@ -393,20 +374,23 @@ void VolumeLight::addShares(std::size_t lamp, const ArrivingLight& arriving) con
   lampShares_[lamp].resize(places.size());
   const bool fan =
       fanned(LightFan(volume_.slice(), places), lighting_.lamps[lamp], lampShares_[lamp]);
-  if (fan)
-    addExactShares(lamp, atSolid());
+  const std::vector<bool> own = fan ? atSolid() : std::vector<bool>(places.size(), true);
   parallelRanges(places.size(), kLightGrain, [&](std::size_t begin, std::size_t end) {
     const std::span<float> shares(&lampShares_[lamp][begin], end - begin);
     std::vector<Vec3> points;
+    std::vector<std::size_t> alone;  // with rays of their own
     std::vector<Segment> segments;
     VoxelPlaces::Reader at(places);
     for (std::size_t i = begin; i < end; ++i) {
       points.push_back(placeOf(at[i]));
-      if (!fan)
-        segments.push_back(lighting_.lamps[lamp].towards(points.back()));
+      if (own.empty() || !own[i])
+        continue;
+      alone.push_back(i - begin);
+      segments.push_back(lighting_.lamps[lamp].towards(points.back()));
     }
-    if (!fan)
-      transmittances(volume_, lighting_.place, segments, shares);
+    std::vector<float> exact(segments.size());
+    transmittances(volume_, lighting_.place, segments, exact);
+    for (std::size_t k = 0; k < exact.size(); ++k) shares[alone[k]] = exact[k];
     arriving.takeFrom(lamp, points, shares);
   });
 }

@@ -87,8 +87,7 @@ class VolumeLight {
 
   void gather() const;
   void addShares(std::size_t lamp, const ArrivingLight& arriving) const;
-  const std::vector<std::int32_t>& atSolid() const;
-  void addExactShares(std::size_t lamp, std::span<const std::int32_t> points) const;
+  const std::vector<bool>& atSolid() const;
   bool fanned(const LightFan& fan, const Lamp& lamp, std::span<float> out,
               std::span<float> beyond = {}) const;
 
@@ -117,7 +116,7 @@ class VolumeLight {
   VolumeLighting lighting_;
   std::vector<AnyMedium> between_;
   mutable std::once_flag gathered_, scattered_, beside_, foundSolid_;
-  mutable std::vector<std::int32_t> atSolid_;           ///< numbers of light points
+  mutable std::vector<bool> atSolid_;                   ///< of each light point; empty: none is
   mutable std::vector<std::vector<float>> lampShares_;  ///< of each lamp, at each light point: 0..1
   mutable std::shared_ptr<const DiffuseLight> again_;   ///< null: light is scattered once
   mutable std::vector<std::shared_ptr<const Lattice>> even_;   ///< A and F, where they are there
