@@ -388,9 +388,11 @@ void VolumeLight::addShares(std::size_t lamp, const ArrivingLight& arriving) con
       alone.push_back(i - begin);
       segments.push_back(lighting_.lamps[lamp].towards(points.back()));
     }
-    std::vector<float> exact(segments.size());
-    transmittances(volume_, lighting_.place, segments, exact);
-    for (std::size_t k = 0; k < exact.size(); ++k) shares[alone[k]] = exact[k];
+    if (!alone.empty()) {
+      std::vector<float> exact(alone.size());
+      transmittances(volume_, lighting_.place, segments, exact);
+      for (std::size_t k = 0; k < exact.size(); ++k) shares[alone[k]] = exact[k];
+    }
     arriving.takeFrom(lamp, points, shares);
   });
 }
