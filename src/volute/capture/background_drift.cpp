@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "volute/base/assert.hpp"
 
@@ -25,6 +26,16 @@ double middleOf(std::vector<float>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
+}
+
+/// Of noise of about a step of stored values, most of which are the same: by the mean of the
+/// nearest nine tenths, which for noise of many steps is less than by the middle.
+double spreadOfSteps(std::vector<float> off) {
+  constexpr double kNormalOfMean = 1.2533;
+  std::ranges::sort(off);
+  off.resize(off.size() * 9 / 10);
+  const double sum = std::accumulate(off.begin(), off.end(), 0.0);
+  return kNormalOfMean * sum / static_cast<double>(std::max<std::size_t>(1, off.size()));
 }
 
 /// The median distance to the line, and the share of pixels within six times its spread of a normal
@@ -181,7 +192,7 @@ std::optional<Rgb> findPedestal(const Image& picture, std::span<const std::uint8
       return std::nullopt;
     const double middle = middleOf(values);
     for (float& value : values) value = static_cast<float>(std::abs(value - middle));
-    const double spread = kNormal * middleOf(values);
+    const double spread = std::max(kNormal * middleOf(values), spreadOfSteps(values));
     // Noise that is cut off at 0 stands above it by less than its spread.
     if (!(middle > kOfBrightest * brightest) || !(middle > kSigmas * spread))
       continue;

@@ -71,6 +71,24 @@ TEST(BackgroundDrift, OtherChangesAreNone) {
   EXPECT_FALSE(findBackgroundDrift(drift.applied(litWall()), litWall(), few));
 }
 
+TEST(Pedestal, IsFoundUnderNoiseOfAboutAStepOfWhatIsStored) {
+  Image picture(40, 40, 3);
+  const std::vector<std::uint8_t> all(40 * 40, 1);
+  std::mt19937 random(1);
+  for (const float noise : {0.0F, 0.3F, 0.5F, 0.8F, 2.0F}) {
+    std::normal_distribution<float> off(0, 1);
+    for (float& value : picture.pixels)
+      value = std::max(0.0F, std::round(12 + noise * off(random))) / 255;
+    const auto found = findPedestal(picture, all);
+    ASSERT_TRUE(found) << noise;
+    EXPECT_NEAR(found->mean(), 12 / 255.0, 0.2 / 255) << noise;
+    // Without it noise is cut off at 0 and stays.
+    for (float& value : picture.pixels)
+      value = std::max(0.0F, std::round(noise * off(random))) / 255;
+    EXPECT_FALSE(findPedestal(picture, all)) << noise;
+  }
+}
+
 TEST(BackgroundDrift, PixelsBesideTheVolumeMissIt) {
   const Box3 box{Vec3(-0.5, -0.5, -0.5), Vec3(0.5, 0.5, 0.5)};
   const Camera camera = Camera::pinhole({Vec3(0, -5, 0), Vec3::Zero()}, 30, kWide, kTall);

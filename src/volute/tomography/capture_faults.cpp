@@ -408,7 +408,7 @@ class FaultSearch {
     };
     constexpr std::array kTurned{FaultKind::kMirrored, FaultKind::kFlipped, FaultKind::kUpsideDown};
     constexpr std::array kResponses{FaultKind::kEncoded, FaultKind::kDecoded};
-    constexpr std::array kZooms{0.8, 1.25};
+    constexpr std::array kZooms{0.8, 0.92, 1.09, 1.25};
     // Of the distance from the middle, at the border.
     constexpr std::array kBent{-0.4, -0.15, 0.25};
     VOLUTE_ASSIGN(const auto suspects, maxSuspicious());
@@ -422,13 +422,15 @@ class FaultSearch {
       }
       // Smaller or larger pictures in all cameras are nearly a larger or smaller medium, and take
       // in what the bounds cut: it takes much to say so.
+      std::size_t others = found.size();
       for (const double zoom : kZooms) {
         if (!cameras.empty() || now.all > kMuchUnexplained)
           VOLUTE_TRY(attempt(FaultKind::kZoom, cameras, zoom));
       }
+      keepTheBest(found, others);
       if (cameras.empty())
         continue;
-      const std::size_t others = found.size();
+      others = found.size();
       for (const double bent : kBent)
         VOLUTE_TRY(attempt(FaultKind::kLens, cameras, bent / borderSquare(cameras[0])));
       keepTheBest(found, others);
@@ -643,7 +645,7 @@ std::string describe(const CaptureFault& fault, const Views& views) {
           fault.value, evidence);
     case FaultKind::kZoom:
       return fmt::format(
-          "{}: another focal length, about {:.2g} times as long, fits {}; calibrate with the lens "
+          "{}: another focal length, about {:.3g} times as long, fits {}; calibrate with the lens "
           "and the size of these pictures",
           who, fault.value, evidence);
     case FaultKind::kLens:

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "volute/image/srgb.hpp"
+#include "volute/tomography/camera_correction.hpp"
 #include "volute/tomography/testing.hpp"
 
 namespace volute {
@@ -140,6 +141,21 @@ TEST(CaptureFaults, GainsAreMeasured) {
   EXPECT_NEAR(faults[0].value, 2, 0.1);
   EXPECT_NE(faults[0].text.find(" % too dark: its radiance times"), std::string::npos)
       << faults[0].text;
+}
+
+TEST(CaptureFaults, FocalLengthsThatAreALittleOffAreMeasured) {
+  const TestScene scene = smallScene(6);
+  for (const double factor : {0.92, 1.08}) {
+    Views views = scene.views;
+    const auto zoomed = corrected(views[1].camera, zoomBy(factor));
+    ASSERT_TRUE(zoomed);
+    views[1].camera = *zoomed;
+    const auto faults = faultsOf(scene, views, brightestOf(views));
+    ASSERT_EQ(faults.size(), 1U) << factor;
+    EXPECT_EQ(faults[0].kind, Kind::kZoom) << faults[0].text;
+    EXPECT_EQ(faults[0].cameras, std::vector<std::size_t>{1});
+    EXPECT_NEAR(faults[0].value, 1 / factor, 0.02);
+  }
 }
 
 TEST(CaptureFaults, BoundsThatCutTheMediumAreToldAlone) {
