@@ -22,9 +22,7 @@ struct Sight {
 Sight sightOf(const Box3& bounds, const Camera& camera) {
   Sight sight;
   for (int i = 0; i < 8; ++i) {
-    const Vec3 corner((i & 1 ? bounds.max : bounds.min).x(), (i & 2 ? bounds.max : bounds.min).y(),
-                      (i & 4 ? bounds.max : bounds.min).z());
-    const Vec3 offset = corner - camera.eye();
+    const Vec3 offset = bounds.corner(i) - camera.eye();
     const double depth = offset.dot(camera.forward());
     if (!(depth > 0)) {
       ++sight.behind;

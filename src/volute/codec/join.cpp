@@ -457,8 +457,7 @@ Result<VolumeInfo> volumeAround(const std::vector<Part>& parts) {
   Box3 around = first.bounds;
   for (const Part& part : parts) {
     const VolumeInfo& info = part.info();
-    around.extend(info.bounds.min);
-    around.extend(info.bounds.max);
+    around.extend(info.bounds);
     const bool sameKind =
         info.channels == first.channels && info.unit == first.unit && info.basis == first.basis;
     if (!sameKind || !onOneLattice(info, first) ||

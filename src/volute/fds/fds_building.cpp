@@ -128,10 +128,7 @@ FdsBuilding::FdsBuilding(const SmvIndex& index, double time, int columns) {
   addVents(index, time);
   findBounds(index);
   Box3 meshes;
-  for (const FdsMesh& mesh : index.meshes) {
-    meshes.extend(mesh.bounds().min);
-    meshes.extend(mesh.bounds().max);
-  }
+  for (const FdsMesh& mesh : index.meshes) meshes.extend(mesh.bounds());
   Raster raster(meshes, columns);
   for (const FdsMesh& mesh : index.meshes) raster.fill(mesh.bounds(), kGasCell);
   for (const Face& face : faces_) {
@@ -175,19 +172,15 @@ void FdsBuilding::addVents(const SmvIndex& index, double time) {
 }
 
 void FdsBuilding::findBounds(const SmvIndex& index) {
-  const auto extend = [&](const Box3& box) {
-    bounds_.extend(box.min);
-    bounds_.extend(box.max);
-  };
-  for (const FdsBox& box : boxes_) extend(box.bounds);
+  for (const FdsBox& box : boxes_) bounds_.extend(box.bounds);
   bool walls = false;
   for (const Face& face : faces_) {
     walls |= face.side >= 0 && face.axis != 2;
     if (face.side >= 0 && face.axis != 2)
-      extend(face.box);
+      bounds_.extend(face.box);
   }
   if (bounds_.empty() || (!walls && bounds_.size().minCoeff() <= 0)) {
-    for (const FdsMesh& mesh : index.meshes) extend(mesh.bounds());
+    for (const FdsMesh& mesh : index.meshes) bounds_.extend(mesh.bounds());
   }
 }
 

@@ -99,8 +99,7 @@ FdsFlame::FdsFlame(std::vector<Light> lights) : lights_(std::move(lights)) {
     const Box3 box = litBounds(light.field);
     if (box.empty())
       continue;
-    bounds_.extend(box.min);
-    bounds_.extend(box.max);
+    bounds_.extend(box);
   }
   burns_ = !bounds_.empty();
   if (!burns_)

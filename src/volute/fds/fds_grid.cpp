@@ -103,8 +103,7 @@ Result<std::shared_ptr<const FdsGrid>> FdsGrid::create(std::vector<FdsLattice> l
                   grid->table_.begin() + static_cast<std::ptrdiff_t>(row + end[0]), index);
       }
     }
-    grid->bounds_.extend(lattice.bounds().min);
-    grid->bounds_.extend(lattice.bounds().max);
+    grid->bounds_.extend(lattice.bounds());
   }
   for (std::int32_t& part : grid->table_) {
     if (part >= 0 && !grid->holds(static_cast<std::size_t>(part)))

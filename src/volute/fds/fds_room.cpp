@@ -146,10 +146,7 @@ std::optional<Box3> largestRoom(const SmvIndex& index, double time) {
   if (boxes.empty())
     return std::nullopt;
   Box3 bounds;
-  for (const FdsMesh& mesh : index.meshes) {
-    bounds.extend(mesh.bounds().min);
-    bounds.extend(mesh.bounds().max);
-  }
+  for (const FdsMesh& mesh : index.meshes) bounds.extend(mesh.bounds());
   const Plan plan(bounds);
   const double headroom = std::min(kHeadroom, kMinHeight * bounds.size().z());
   std::optional<Box3> room;

@@ -39,8 +39,7 @@ Status FdsVolume::placeVoxels(const Options& options) {
     for (const FdsLattice& lattice : case_.grid().lattices()) {
       if (lattice.mesh != *options.mesh)
         continue;
-      part.extend(lattice.bounds().min);
-      part.extend(lattice.bounds().max);
+      part.extend(lattice.bounds());
     }
     if (part.empty()) {
       return fail(ErrorCode::kNotFound, "{}: the source '{}' has nothing of mesh {}", name,

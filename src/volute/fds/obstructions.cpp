@@ -84,8 +84,7 @@ void FdsObstructions::build(std::size_t node, std::size_t begin, std::size_t end
   Box3 centres;
   for (std::size_t i = begin; i < end; ++i) {
     const Box3& box = (*boxes_)[i].bounds;
-    bounds.extend(box.min);
-    bounds.extend(box.max);
+    bounds.extend(box);
     centres.extend(box.centre());
   }
   (*nodes_)[node].bounds = bounds;

@@ -64,10 +64,7 @@ Status checkContour(const Contour& contour, const Scene& scene) {
   if (!slice)
     return {};
   Box3 bounds;
-  for (const MediumInfo* medium : media) {
-    bounds.extend(medium->bounds.min);
-    bounds.extend(medium->bounds.max);
-  }
+  for (const MediumInfo* medium : media) bounds.extend(medium->bounds);
   const double low = bounds.min[contour.axis], high = bounds.max[contour.axis];
   if (!(contour.place >= low && contour.place < high)) {
     return failFor("slice", ErrorCode::kInvalidArgument,

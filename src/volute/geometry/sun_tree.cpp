@@ -141,7 +141,7 @@ class SunTreeBuilder {
     Box3 bounds;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       for (const Vec3& corner : triangles[i].corners) boxes[i].extend(tree.axes_ * corner);
-      bounds.extend(boxes[i].min), bounds.extend(boxes[i].max);
+      bounds.extend(boxes[i]);
     }
     const double half = 0.5 * bounds.size().head<2>().maxCoeff() * (1 + 1e-6);
     if (!(half > 0))

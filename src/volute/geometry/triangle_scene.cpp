@@ -31,7 +31,7 @@ struct TriangleScene::Impl {
     for (const CurvedPart& part : curved) {
       const Box3& box = part.surface->bounds();
       if (!box.empty())
-        bounds.extend(box.min), bounds.extend(box.max);
+        bounds.extend(box);
     }
   }
 

@@ -62,7 +62,7 @@ void TriangleTree::build(std::uint32_t begin, std::uint32_t end) {
   Box3 box, centres;
   for (std::uint32_t i = begin; i < end; ++i) {
     const Box3 one = boxOf(triangles_[order_[i]]);
-    box.extend(one.min), box.extend(one.max);
+    box.extend(one);
     centres.extend(one.centre());
   }
   const std::size_t self = nodes_.size();

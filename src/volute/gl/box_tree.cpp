@@ -13,10 +13,7 @@ constexpr std::size_t kLeaf = 4;  ///< items at most
 /// Rounded outwards by more than a float's rounding.
 void setBox(BoxTree::Node& node, std::span<const Box3> boxes, std::span<const std::int32_t> items) {
   Box3 box;
-  for (const std::int32_t item : items) {
-    box.extend(boxes[item].min);
-    box.extend(boxes[item].max);
-  }
+  for (const std::int32_t item : items) box.extend(boxes[item]);
   const double margin = 1e-6 * (box.min.cwiseAbs().maxCoeff() + box.max.cwiseAbs().maxCoeff());
   for (int axis = 0; axis < 3; ++axis) {
     node.low[axis] = static_cast<float>(box.min[axis] - margin);

@@ -61,11 +61,8 @@ Box3 aroundPlaces(const Box3& box, std::span<const GridMatrix> places) {
     return box;
   Box3 around;
   for (const GridMatrix& place : places) {
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 at((corner & 1 ? box.max : box.min).x(), (corner & 2 ? box.max : box.min).y(),
-                    (corner & 4 ? box.max : box.min).z());
-      around.extend(linearOf(place) * at + offsetOf(place));
-    }
+    for (int corner = 0; corner < 8; ++corner)
+      around.extend(linearOf(place) * box.corner(corner) + offsetOf(place));
   }
   return around;
 }
@@ -78,9 +75,7 @@ bool samePlaces(std::span<const GridMatrix> a, std::span<const GridMatrix> b, co
     const Mat3 linear = linearOf(a[i]) - linearOf(b[i]);
     const Vec3 offset = offsetOf(a[i]) - offsetOf(b[i]);
     for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 at((corner & 1 ? box.max : box.min).x(), (corner & 2 ? box.max : box.min).y(),
-                    (corner & 4 ? box.max : box.min).z());
-      if (!((linear * at + offset).norm() <= 1e-3 * voxel))
+      if (!((linear * box.corner(corner) + offset).norm() <= 1e-3 * voxel))
         return false;
     }
   }

@@ -305,12 +305,8 @@ LevelSetSurface::LevelSetSurface(std::shared_ptr<const Field> field, const Mat3&
   constexpr double kRoughness = 0.1;  // of a voxel: cells meet in edges
   roughness_ = kRoughness * linear.columnNorms().minCoeff();
   const Box3& box = field_->box;
-  for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
-    bounds_.extend(linear * Vec3((corner & 1 ? box.max : box.min).x(),
-                                 (corner & 2 ? box.max : box.min).y(),
-                                 (corner & 4 ? box.max : box.min).z()) +
-                   offset);
-  }
+  for (int corner = 0; corner < 8 && !box.empty(); ++corner)
+    bounds_.extend(linear * box.corner(corner) + offset);
 }
 
 std::shared_ptr<const CurvedSurface> LevelSetSurface::moved(const Mat4& transform) const {

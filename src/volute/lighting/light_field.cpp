@@ -59,11 +59,7 @@ struct SunSpace {
     const Vec3 across = along.unitOrthogonal();
     world = Mat3::ofColumns(across, along.cross(across), along);
     Box3 box;
-    for (int i = 0; i < 8; ++i) {
-      const Vec3 point(i & 1 ? lit.max.x() : lit.min.x(), i & 2 ? lit.max.y() : lit.min.y(),
-                       i & 4 ? lit.max.z() : lit.min.z());
-      box.extend(world.transpose() * point);
-    }
+    for (int i = 0; i < 8; ++i) box.extend(world.transpose() * lit.corner(i));
     const Vec3 size = box.size();
     const double side = std::max(size.maxCoeff(), 1e-9) / kSunRoots;
     for (int axis = 0; axis < 3; ++axis) {

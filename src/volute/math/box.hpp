@@ -36,6 +36,14 @@ struct Box3 {
 
   void extend(const Vec3& point) { min = min.cwiseMin(point), max = max.cwiseMax(point); }
 
+  /// @param box  not empty but for being flat
+  void extend(const Box3& box) { extend(box.min), extend(box.max); }
+
+  /// @param index  0 to 7: bit 0 is set on the side of the largest x, bit 1 of y, bit 2 of z
+  Vec3 corner(int index) const {
+    return {(index & 1 ? max : min).x(), (index & 2 ? max : min).y(), (index & 4 ? max : min).z()};
+  }
+
   bool contains(const Vec3& point) const {
     return (point.array() >= min.array()).all() && (point.array() <= max.array()).all();
   }

@@ -39,10 +39,7 @@ class AffineMap {
       return {-endless, endless};
     }
     Box3 box;
-    for (int corner = 0; corner < 8; ++corner)
-      box.extend(
-          toWorld({(corner & 1 ? own.max : own.min).x(), (corner & 2 ? own.max : own.min).y(),
-                   (corner & 4 ? own.max : own.min).z()}));
+    for (int corner = 0; corner < 8; ++corner) box.extend(toWorld(own.corner(corner)));
     return box;
   }
 

@@ -44,10 +44,7 @@ Window windowOf(const Camera& camera, std::span<const AnyMedium> media) {
   for (const AnyMedium& medium : media) {
     const Box3 bounds = medium.bounds();
     for (int corner = 0; corner < 8; ++corner) {
-      const auto side = [&](int axis) {
-        return (corner >> axis & 1 ? bounds.max : bounds.min)[axis];
-      };
-      const auto place = camera.project({side(0), side(1), side(2)});
+      const auto place = camera.project(bounds.corner(corner));
       if (!place || !std::isfinite(place->x()) || !std::isfinite(place->y()))
         return whole;
       low = low.cwiseMin(*place), high = high.cwiseMax(*place);

@@ -27,8 +27,7 @@ bool holds(const Box3& box) {
 void extendBy(Box3& box, const Box3& by) {
   if (!holds(by))
     return;
-  box.extend(by.min);
-  box.extend(by.max);
+  box.extend(by);
 }
 
 /// Fog may have no end above or below: what is more than half as high as it is wide is hardly seen.

@@ -54,11 +54,6 @@ Remark joined(std::span<const Lamp> all, std::span<const Lamp> few, const Box3& 
                       path, all.size(), few.size(), 100 * lampsDiffer(few, all, box))};
 }
 
-void extend(Box3& box, const Box3& by) {
-  box.extend(by.min);
-  box.extend(by.max);
-}
-
 /// An entry of a scene file, in which settings of its kind are members.
 struct SceneEntry {
   const std::string& file;
@@ -356,9 +351,9 @@ void Scene::note(OrderedJson json) {
 
 Box3 Scene::bounds() const {
   Box3 bounds;
-  for (const auto& medium : media_) extend(bounds, finite(medium->info().bounds));
+  for (const auto& medium : media_) bounds.extend(finite(medium->info().bounds));
   if (!geometry_.empty())
-    extend(bounds, geometry_.bounds());
+    bounds.extend(geometry_.bounds());
   if (!bounds.empty())
     return bounds;
   const Vec3 target = description_.camera ? description_.camera->view.target : Vec3(Vec3::Zero());

@@ -59,9 +59,7 @@ struct Range {
     if (!view.orthographic)
       least = (view.eye.cwiseMax(box.min).cwiseMin(box.max) - view.eye).norm();
     for (int i = 0; i < 8; ++i) {
-      const Vec3 corner(i & 1 ? box.max.x() : box.min.x(), i & 2 ? box.max.y() : box.min.y(),
-                        i & 4 ? box.max.z() : box.min.z());
-      const Vec3 from = corner - view.eye;
+      const Vec3 from = box.corner(i) - view.eye;
       const double distance = view.orthographic ? from.dot(view.forward) : from.norm();
       least = std::min(least, distance), most = std::max(most, distance);
     }

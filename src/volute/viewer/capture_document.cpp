@@ -64,8 +64,7 @@ Result<std::unique_ptr<Document>> CaptureDocument::open(const std::string& path,
     distance += (camera.camera.eye() - volume.centre()).norm() /
                 static_cast<double>(capture.cameras.size());
   }
-  bounds.extend(volume.min);
-  bounds.extend(volume.max);
+  bounds.extend(volume);
   document->screen_ = kScreenShare * std::max(distance, 1e-3);
   return std::unique_ptr<Document>(std::move(document));
 }

@@ -75,12 +75,7 @@ void ViewCamera::frame(const Box3& bounds, int width, int height, const Insets& 
   Box3 upright = bounds;
   if (frame_ != Mat3::Identity() && (bounds.min.array() <= bounds.max.array()).all()) {
     upright = Box3();
-    for (int i = 0; i < 8; ++i) {
-      const Vec3 corner(i & 1 ? bounds.max.x() : bounds.min.x(),
-                        i & 2 ? bounds.max.y() : bounds.min.y(),
-                        i & 4 ? bounds.max.z() : bounds.min.z());
-      upright.extend(frame_.transpose() * corner);
-    }
+    for (int i = 0; i < 8; ++i) upright.extend(frame_.transpose() * bounds.corner(i));
   }
   const auto free = freeOf(width, height, insets);
   const Camera framing =
@@ -107,10 +102,7 @@ void ViewCamera::fit(const Box3& bounds, int width, int height, const Insets& in
   const auto covers = [&](double distance) {
     Vec2 from = Vec2::Constant(1e300), to = -from;
     for (int i = 0; i < 8; ++i) {
-      const Vec3 corner(i & 1 ? bounds.max.x() : bounds.min.x(),
-                        i & 2 ? bounds.max.y() : bounds.min.y(),
-                        i & 4 ? bounds.max.z() : bounds.min.z());
-      const Vec3 own = frame.transpose() * (corner - centre);
+      const Vec3 own = frame.transpose() * (bounds.corner(i) - centre);
       const double depth = std::max(own.y() + distance, 1e-3 * distance);
       const Vec2 on(focus * own.x() / depth, -focus * own.z() / depth);
       from = from.cwiseMin(on), to = to.cwiseMax(on);

@@ -13,11 +13,7 @@ inline void addBox(const Box3& box, const Rgb& color, std::vector<ViewLine>& lin
     for (int axis = 0; axis < 3; ++axis) {
       if (i >> axis & 1)
         continue;
-      const auto corner = [&](int bits) {
-        return Vec3(bits & 1 ? box.max.x() : box.min.x(), bits & 2 ? box.max.y() : box.min.y(),
-                    bits & 4 ? box.max.z() : box.min.z());
-      };
-      lines.push_back({corner(i), corner(i | 1 << axis), color});
+      lines.push_back({box.corner(i), box.corner(i | 1 << axis), color});
     }
   }
 }

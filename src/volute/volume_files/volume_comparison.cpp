@@ -74,7 +74,7 @@ void align(std::unique_ptr<FrameSource>& a, const std::array<double, 3>& outside
   if (!onOneLattice(infoB, infoA))
     return;  // compare() says what does not fit
   Box3 both = infoA.bounds;
-  both.extend(infoB.bounds.min), both.extend(infoB.bounds.max);
+  both.extend(infoB.bounds);
   const VolumeInfo wide = widenedTo(infoA, both);
   const auto differs = [&](const VolumeInfo& info) {
     return info.x != wide.x || info.y != wide.y || info.z != wide.z;

@@ -36,10 +36,8 @@ void extend(IndexBox& all, const Box3& box, const GridMatrix& worldFromBox,
   const Mat3 back = linearOf(indexToWorld).inverse();
   Vec3 low = Vec3::Constant(kFarthest), high = -low;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 at((corner & 1 ? box.max : box.min).x(), (corner & 2 ? box.max : box.min).y(),
-                  (corner & 4 ? box.max : box.min).z());
-    const Vec3 place =
-        back * (linearOf(worldFromBox) * at + offsetOf(worldFromBox) - offsetOf(indexToWorld));
+    const Vec3 place = back * (linearOf(worldFromBox) * box.corner(corner) +
+                               offsetOf(worldFromBox) - offsetOf(indexToWorld));
     low = low.cwiseMin(place), high = high.cwiseMax(place);
   }
   IndexBox one;

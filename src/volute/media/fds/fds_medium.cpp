@@ -469,8 +469,7 @@ Result<double> FdsMedium::luminanceAt(double caseTime) const {
   for (const Box3& one : boxes) {
     if (one.empty())
       continue;
-    box.extend(one.min);
-    box.extend(one.max);
+    box.extend(one);
   }
   if (box.empty())
     return 0.0;
@@ -643,10 +642,7 @@ View3 viewOf(const Box3& box, const Vec3& towardsEye) {
     const Camera camera = Camera::pinhole(view, kOutdoorFov, 1, 1);
     double distance = 1e-3;
     for (int i = 0; i < 8; ++i) {
-      const Vec3 at =
-          Vec3((i & 1) != 0 ? box.max.x() : box.min.x(), (i & 2) != 0 ? box.max.y() : box.min.y(),
-               (i & 4) != 0 ? box.max.z() : box.min.z()) -
-          view.target;
+      const Vec3 at = box.corner(i) - view.target;
       const double deep = at.dot(camera.forward());
       distance = std::max({distance, std::abs(at.dot(camera.right())) / wide - deep,
                            std::abs(at.dot(camera.down())) / tall - deep});
@@ -655,10 +651,7 @@ View3 viewOf(const Box3& box, const Vec3& towardsEye) {
     // What is seen is centred.
     Vec2 least = Vec2::Constant(1e300), most = -least;
     for (int i = 0; i < 8; ++i) {
-      const Vec3 at =
-          Vec3((i & 1) != 0 ? box.max.x() : box.min.x(), (i & 2) != 0 ? box.max.y() : box.min.y(),
-               (i & 4) != 0 ? box.max.z() : box.min.z()) -
-          view.eye;
+      const Vec3 at = box.corner(i) - view.eye;
       const double deep = at.dot(camera.forward());
       const Vec2 seen(at.dot(camera.right()) / deep, at.dot(camera.down()) / deep);
       least = least.cwiseMin(seen);
@@ -820,10 +813,7 @@ void FdsMedium::addBuilding(double time, const std::optional<Vec3>& eye, Triangl
 void FdsMedium::addEdges(std::span<const FdsQuad> quads, const Box3& bounds,
                          TriangleMesh& to) const {
   Box3 meshes;
-  for (const FdsMesh& mesh : case_->index().meshes) {
-    meshes.extend(mesh.bounds().min);
-    meshes.extend(mesh.bounds().max);
-  }
+  for (const FdsMesh& mesh : case_->index().meshes) meshes.extend(mesh.bounds());
   const double half = kEdge * bounds.size().norm();
   const auto dark =
       addMaterial(to, {Rgb::Zero(), Rgb::Constant(kEdgeLight * lineLight(lights_, bounds))});

@@ -40,10 +40,7 @@ Result<FdsParticleCloud> FdsParticleCloud::open(const SmvIndex& index, const std
                                 srgbDecode(one.colour[2]));
   }
   Box3 bounds;
-  for (const FdsMesh& mesh : index.meshes) {
-    bounds.extend(mesh.bounds().min);
-    bounds.extend(mesh.bounds().max);
-  }
+  for (const FdsMesh& mesh : index.meshes) bounds.extend(mesh.bounds());
   cloud.size_ = kMarkShare * bounds.size().norm();
   std::set<std::string> classes, quantities, shown;
   const auto isClass = [&](const FdsParticleClass& one) { return one.name == which; };

@@ -27,8 +27,7 @@ void addMeshes(Report& report, const SmvIndex& index) {
   for (std::size_t i = 0; i < index.meshes.size(); ++i) {
     const FdsMesh& mesh = index.meshes[i];
     const Box3 box = mesh.bounds();
-    bounds.extend(box.min);
-    bounds.extend(box.max);
+    bounds.extend(box);
     cells += mesh.cellCount();
     list.push_back({{"name", mesh.name},
                     {"cells", {mesh.cells(0), mesh.cells(1), mesh.cells(2)}},

@@ -379,10 +379,7 @@ namespace {
 class FlatBins {
  public:
   explicit FlatBins(std::span<const Box3> boxes) : bins_(kSide * kSide) {
-    for (const Box3& box : boxes) {
-      bounds_.extend(box.min);
-      bounds_.extend(box.max);
-    }
+    for (const Box3& box : boxes) bounds_.extend(box);
     for (std::uint32_t i = 0; i < boxes.size(); ++i) {
       for (std::size_t y = along(1, boxes[i].min); y <= along(1, boxes[i].max); ++y) {
         for (std::size_t x = along(0, boxes[i].min); x <= along(0, boxes[i].max); ++x)
@@ -679,21 +676,17 @@ FdsSight::FdsSight(FdsCase fds, std::string name, std::uint64_t maxMemory,
   std::ranges::sort(times_);
   events_ = obstructionEvents(case_.index());
   bounds_ = case_.bounds();
-  const auto extend = [&](const Box3& box) {
-    bounds_.extend(box.min);
-    bounds_.extend(box.max);
-  };
   std::set<int> known = meshesIn(case_.grid());
   for (const FdsCase& other : others_) {
     for (const FdsLattice& lattice : other.grid().lattices()) {
       if (!known.contains(lattice.mesh))
-        extend(lattice.bounds());
+        bounds_.extend(lattice.bounds());
     }
     known.merge(meshesIn(other.grid()));
   }
   for (std::size_t mesh = 0; mesh < case_.index().meshes.size(); ++mesh) {
     if (!known.contains(static_cast<int>(mesh))) {
-      extend(case_.index().meshes[mesh].bounds());
+      bounds_.extend(case_.index().meshes[mesh].bounds());
       nowhereKnown_.push_back(static_cast<int>(mesh));
     }
   }

@@ -78,10 +78,7 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
   if (holders) {
     const Box3 own = medium.bounds_;
     VOLUTE_ASSIGN(const auto shares, gatherValues(*holders, std::span(&own, 1)));
-    for (const Box3& share : shares) {
-      medium.bounds_.extend(share.min);
-      medium.bounds_.extend(share.max);
-    }
+    for (const Box3& share : shares) medium.bounds_.extend(share);
   }
   VOLUTE_ASSIGN(const auto extinction, medium.extinctionOf(*stored));
   VOLUTE_ASSIGN(const double most, medium.largestOf(extinction));

@@ -236,7 +236,7 @@ Box3 VolumeMedium::boundsInScene() const {
     }
     const std::array<GridMatrix, 1> matrix{gridMatrix(place.turn, place.offset)};
     const Box3 around = aroundPlaces(box, matrix);
-    all.extend(around.min), all.extend(around.max);
+    all.extend(around);
   };
   if (!hasPlaces())
     add(volume_.bounds, placement_);
@@ -469,7 +469,7 @@ Status VolumeMedium::openOthers(Reading& reading) {
     others_[name] = std::make_shared<VolumeInput>(std::move(*found));
     if (std::ranges::find(velocities_, name) != velocities_.end())
       continue;  // where nothing else is, it moves nothing
-    reached.extend(info.bounds.min), reached.extend(info.bounds.max);
+    reached.extend(info.bounds);
   }
   VOLUTE_TRY(checkVelocities(reading));
   const VolumeInfo wide = widenedTo(input_->source->info(), options_.bounds ? box : reached);
