@@ -2,20 +2,17 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <string>
 #include <string_view>
+
+#include "volute/base/lower_case.hpp"
 
 namespace volute {
 
 /// A name's last extension in lower case, with the dot.
 inline std::string extensionOf(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+  return lowerCase(path.extension().string());
 }
 
 /// True when both are there and the same file, or the same path when they are not.

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/lower_case.hpp"
 #include "volute/base/number_word.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/math/vec.hpp"
@@ -104,15 +105,7 @@ class DxfReader {
 
   /// Names of layers are the same in capitals.
   static bool isSame(std::string_view one, std::string_view other) {
-    return std::ranges::equal(one, other, {}, lower, lower);
-  }
-
-  static char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-  static std::string lowered(std::string_view text) {
-    std::string out(text);
-    std::ranges::transform(out, out.begin(), lower);
-    return out;
+    return lowerCase(one) == lowerCase(other);
   }
 
   Status checkLayer() const {
@@ -257,7 +250,7 @@ class DxfReader {
     readNumber(layer.text(70), flags);
     readNumber(layer.text(62), color);
     if ((flags & kFrozen) || color < 0)
-      offLayers_.insert(lowered(layer.text(2)));
+      offLayers_.insert(lowerCase(layer.text(2)));
   }
 
   /// The old polylines' points are entities of their own: they become values of the polyline.
@@ -547,7 +540,7 @@ class DxfReader {
 
   bool isHidden(const Entity& entity) const {
     return entity.text(67) == "1" || entity.text(60) == "1" ||
-           offLayers_.contains(lowered(entity.text(8)));
+           offLayers_.contains(lowerCase(entity.text(8)));
   }
 
   /// What is on the layer that is asked for, drawn or not.

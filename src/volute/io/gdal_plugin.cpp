@@ -17,6 +17,7 @@
 #include <optional>
 #include <string_view>
 
+#include "volute/base/lower_case.hpp"
 #include "volute/base/number_type.hpp"
 #include "volute/io/array_file.hpp"
 #include "volute/io/grid_choice.hpp"
@@ -29,18 +30,12 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kAxes = 5;  // t, z, y, x, c
 constexpr std::string_view kAxisNames[kAxes] = {"t", "z", "y", "x", "c"};
 
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 /// The axis that a dimension's name says; -1: none.
 int axisNamed(const std::string& name) {
   static constexpr std::pair<std::string_view, int> kNames[] = {
       {"t", 0}, {"time", 0}, {"z", 1},       {"height", 1}, {"altitude", 1}, {"y", 2},
       {"x", 3}, {"c", 4},    {"channel", 4}, {"rgb", 4},    {"component", 4}};
-  const std::string small = lower(name);
+  const std::string small = lowerCase(name);
   const auto* known = std::ranges::find(kNames, small, &std::pair<std::string_view, int>::first);
   return known == std::end(kNames) ? -1 : known->second;
 }
@@ -87,7 +82,7 @@ std::shared_ptr<GDALAttribute> attributeOf(const GDALMDArray& array, std::string
     return attribute;
   constexpr const char* kAll[] = {"SHOW_ALL=YES", nullptr};
   for (const auto& attribute : array.GetAttributes(kAll)) {
-    if (lower(attribute->GetName()) == lower(std::string(name)))
+    if (lowerCase(attribute->GetName()) == lowerCase(name))
       return attribute;
   }
   return nullptr;
@@ -329,7 +324,7 @@ class GdalReader final : public ArrayReader {
     high_ = !most.empty() ? most.front() : !range.empty() ? range[1] : kInfinite;
     const auto isUnsigned = attributeOf(*array_, "_Unsigned");
     const char* said = isUnsigned ? isUnsigned->ReadAsString() : nullptr;
-    wrap_ = !isFloat_ && said && lower(said) == "true"
+    wrap_ = !isFloat_ && said && lowerCase(said) == "true"
                 ? std::exp2(8.0 * GDALGetDataTypeSizeBytes(type))
                 : 0;
     for (double& number : missing_) number += number < 0 ? wrap_ : 0;

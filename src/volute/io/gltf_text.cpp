@@ -3,20 +3,15 @@
 #include "volute/io/gltf_text.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/lower_case.hpp"
 #include "volute/base/printable.hpp"
 #include "volute/io/json_check.hpp"
 
 namespace volute {
 namespace {
-
-std::string lowered(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 /// That a member is not there under a name that is nearly its own, or has so many numbers, up to
 /// `most`.
@@ -25,7 +20,7 @@ Status checkNumbers(const nlohmann::json& object, const std::string& name, std::
   if (!object.is_object())
     return fail(ErrorCode::kInvalidData, "{}: expected an object", where);
   for (const auto& [key, value] : object.items()) {
-    if (key != name && lowered(key).starts_with(lowered(name)))
+    if (key != name && lowerCase(key).starts_with(lowerCase(name)))
       return fail(ErrorCode::kInvalidData, "{}: '{}' is unknown; expected {}", where,
                   printable(key.substr(0, 60)), name);
   }

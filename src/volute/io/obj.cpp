@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "volute/base/file_as_written.hpp"
+#include "volute/base/lower_case.hpp"
 #include "volute/base/number_word.hpp"
 #include "volute/base/printable.hpp"
 #include "volute/base/read_text.hpp"
@@ -86,12 +87,6 @@ constexpr std::string_view kMtlRead[] = {"newmtl", "kd", "ke"};
 constexpr std::string_view kMtlOther[] = {"ka", "ks", "km", "kt", "kr", "tf", "tr", "ns", "ni",
                                           "ne", "nt", "d",  "pr", "pm", "ps", "pc", "ta", "pcr"};
 
-std::string lowered(std::string_view word) {
-  std::string lower(word);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return lower;
-}
-
 bool isOneOf(std::string_view word, std::span<const std::string_view> words) {
   return std::ranges::find(words, word) != words.end();
 }
@@ -112,7 +107,7 @@ std::string unitInComments(std::string_view text) {
   constexpr std::size_t kBegin = 64 << 10;
   text = text.substr(0, kBegin);
   while (!text.empty()) {
-    std::string line = lowered(text.substr(0, text.find('\n')));
+    std::string line = lowerCase(text.substr(0, text.find('\n')));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
     if (!line.starts_with('#') || line.find("unit") == line.npos)
       continue;
@@ -265,7 +260,7 @@ class ObjReader {
     std::map<std::string, std::vector<std::uint32_t>> own;
     VOLUTE_TRY(
         forEachLine(text, [&](std::string_view keyword, std::string_view rest, int at) -> Status {
-          const std::string word = lowered(keyword);
+          const std::string word = lowerCase(keyword);
           if (word == "newmtl") {
             current = static_cast<std::uint32_t>(mesh_.materials.size());
             named_[trimmedName(rest)] = current;

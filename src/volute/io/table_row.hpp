@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "volute/base/lower_case.hpp"
 #include "volute/base/number_word.hpp"
 #include "volute/base/result.hpp"
 
@@ -22,13 +23,6 @@ inline std::string_view trimmedField(std::string_view text) {
   while (!text.empty() && isSpace(text.front())) text.remove_prefix(1);
   while (!text.empty() && isSpace(text.back())) text.remove_suffix(1);
   return text;
-}
-
-/// In lower case, letters of ASCII alone.
-inline std::string lowerCase(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return lower;
 }
 
 /// The number that all of `text` is; nothing for other text, infinities and NaN.

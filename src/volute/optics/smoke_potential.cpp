@@ -2,10 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/optics/smoke_potential.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <string>
+
+#include "volute/base/lower_case.hpp"
 
 namespace volute {
 namespace {
@@ -24,11 +24,6 @@ constexpr std::array<SmokePotential, 11> kTable{{
     {"plasterboard", 0.042, 0.39},
 }};
 
-bool sameName(std::string_view a, std::string_view b) {
-  return std::ranges::equal(
-      a, b, [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
-}
-
 }  // namespace
 
 Result<Burning> burning(std::string_view name) {
@@ -46,7 +41,7 @@ std::span<const SmokePotential> smokePotentials() {
 Result<SmokePotential> smokePotentialOf(std::string_view material) {
   std::string names;
   for (const SmokePotential& entry : kTable) {
-    if (sameName(entry.material, material))
+    if (lowerCase(entry.material) == lowerCase(material))
       return entry;
     names += (names.empty() ? "" : ", ") + std::string(entry.material);
   }

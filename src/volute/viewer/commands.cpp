@@ -5,10 +5,10 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <cctype>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "volute/base/lower_case.hpp"
 #include "volute/viewer/error_text.hpp"
 #include "volute/viewer/language.hpp"
 
@@ -238,16 +238,12 @@ constexpr std::pair<std::string_view, std::string_view> kAlsoCalled[] = {
     {"clip by a plane", "cut section slice"}};
 
 bool isFound(const ViewerCommand& command, const std::string& words) {
-  const auto lower = [](std::string text) {
-    std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-    return text;
-  };
   const auto also = std::ranges::find(kAlsoCalled, std::string_view(command.name),
                                       &std::pair<std::string_view, std::string_view>::first);
   const std::string text =
-      lower(fmt::format("{} {} {} {}", command.name, tr(command.name), command.keys,
-                        also == std::end(kAlsoCalled) ? "" : also->second));
-  std::istringstream each(lower(words));
+      lowerCase(fmt::format("{} {} {} {}", command.name, tr(command.name), command.keys,
+                            also == std::end(kAlsoCalled) ? "" : also->second));
+  std::istringstream each(lowerCase(words));
   for (std::string word; each >> word;) {
     if (text.find(word) == std::string::npos)
       return false;

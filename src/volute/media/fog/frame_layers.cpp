@@ -6,18 +6,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <functional>
 #include <vector>
 
+#include "volute/base/lower_case.hpp"
+
 namespace volute {
 namespace {
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 /// "ViewLayer.Depth" of "ViewLayer.Depth.Z".
 std::string before(const std::string& name) {
@@ -31,8 +26,9 @@ std::string after(const std::string& name) {
 }
 
 const FrameChannel* find(std::span<const FrameChannel> channels, const std::string& name) {
-  const auto found = std::ranges::find(
-      channels, lower(name), [](const FrameChannel& channel) { return lower(channel.name); });
+  const auto found = std::ranges::find(channels, lowerCase(name), [](const FrameChannel& channel) {
+    return lowerCase(channel.name);
+  });
   return found == channels.end() ? nullptr : &*found;
 }
 
@@ -55,7 +51,7 @@ constexpr std::string_view kWhole[] = {"combined", "rgba",       "beauty",    "r
 std::size_t rankOf(const std::string& layer) {
   if (layer.empty())
     return 0;
-  const std::string name = lower(layer);
+  const std::string name = lowerCase(layer);
   if (name == "composite.combined")
     return 1;
   const auto known = std::ranges::find(kWhole, after(name));
@@ -97,7 +93,7 @@ std::string withoutMarks(std::string name) {
 
 /// "FinalImageMovieRenderQueue_WorldDepth" is one.
 const DepthName* depthOf(const std::string& name) {
-  const std::string whole = lower(name), own = withoutMarks(whole);
+  const std::string whole = lowerCase(name), own = withoutMarks(whole);
   const auto known = std::ranges::find_if(kDepths, [&](const DepthName& depth) {
     return own == depth.name || (depth.name.ends_with("depth") && depth.name.size() > 6 &&
                                  whole.ends_with("_" + std::string(depth.name)));
@@ -108,7 +104,7 @@ const DepthName* depthOf(const std::string& name) {
 /// The one channel of a layer of that name, or a channel of that name.
 const DepthName* depthOf(std::span<const FrameChannel> channels, const FrameChannel& channel) {
   constexpr std::string_view kOnly[] = {"z", "v", "y", "r", "x", "depth"};
-  const std::string layer = before(channel.name), own = lower(after(channel.name));
+  const std::string layer = before(channel.name), own = lowerCase(after(channel.name));
   if (isVector(channels, layer))
     return nullptr;
   if (!layer.empty() && std::ranges::find(kOnly, own) != std::end(kOnly)) {
@@ -126,7 +122,7 @@ DepthChannel makeDepth(const FrameInfo& info, const FrameChannel& channel, const
   DepthChannel depth{channel};
   if (name)
     depth.kind = name->kind;
-  const std::string own = lower(channel.name);
+  const std::string own = lowerCase(channel.name);
   if (depth.kind == DepthKind::kUnknown &&
       (info.software.find("Blender") != std::string::npos || info.software.starts_with("Volute") ||
        own.ends_with(".depth.z") || own == "depth.v" || own.ends_with(".depth.v")))
@@ -135,7 +131,7 @@ DepthChannel makeDepth(const FrameInfo& info, const FrameChannel& channel, const
     depth.unit = "Unreal writes centimetres, 0.01";
   const std::string layer = before(channel.name);
   const FrameChannel *green = in(info.channels, layer, "G"), *blue = in(info.channels, layer, "B");
-  if (lower(after(channel.name)) == "r" && green && blue)
+  if (lowerCase(after(channel.name)) == "r" && green && blue)
     depth.same[0] = *green, depth.same[1] = *blue;
   return depth;
 }
@@ -147,7 +143,7 @@ Result<ColorChannels> colorChannels(std::span<const FrameChannel> channels,
   std::vector<std::string> layers;
   for (const FrameChannel& channel : channels) {
     const std::string name = before(channel.name);
-    if (lower(after(channel.name)) == "r" && in(channels, name, "G") && in(channels, name, "B"))
+    if (lowerCase(after(channel.name)) == "r" && in(channels, name, "G") && in(channels, name, "B"))
       layers.push_back(name);
   }
   std::ranges::stable_sort(layers, {}, rankOf);
@@ -159,7 +155,7 @@ Result<ColorChannels> colorChannels(std::span<const FrameChannel> channels,
     return color;
   };
   if (!layer.empty()) {
-    const auto named = std::ranges::find(layers, lower(layer), lower);
+    const auto named = std::ranges::find(layers, lowerCase(layer), lowerCase);
     if (named != layers.end())
       return make(*named);
     return fail(ErrorCode::kInvalidData, "has no layer '{}' with R, G and B; its channels are {}",
@@ -205,11 +201,13 @@ Result<DepthChannel> depthChannel(const FrameInfo& info, const std::string& want
       found.push_back(makeDepth(info, channel, name));
   }
   if (found.size() > 1) {  // that of the colour's view, or of the file itself
-    const std::string view = lower(layer.substr(0, layer.find('.')));
+    const std::string view = lowerCase(layer.substr(0, layer.find('.')));
     const auto ofView = [&](const DepthChannel& depth) {
-      return lower(depth.channel.name).starts_with(view + ".");
+      return lowerCase(depth.channel.name).starts_with(view + ".");
     };
-    const auto ofFile = [](const DepthChannel& depth) { return lower(depth.channel.name) == "z"; };
+    const auto ofFile = [](const DepthChannel& depth) {
+      return lowerCase(depth.channel.name) == "z";
+    };
     if (std::ranges::count_if(found, ofView) == 1)
       std::erase_if(found, std::not_fn(ofView));
     else if (layer.find('.') == std::string::npos && std::ranges::count_if(found, ofFile) == 1)

@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <map>
 #include <optional>
 
 #include "volute/base/file_name.hpp"
+#include "volute/base/lower_case.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/media/smoke/tet_sight.hpp"
 
@@ -45,12 +45,6 @@ constexpr double kAir = 28.96;  // [g/mol]
 const UsualField* usualField(std::string_view quantity) {
   const auto* found = std::ranges::find(kUsual, quantity, &UsualField::quantity);
   return found == std::end(kUsual) ? nullptr : found;
-}
-
-std::string small(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
 }
 
 /// What a field's values are multiplied with, and then added to, for the quantity's own unit.
@@ -183,9 +177,10 @@ Result<std::unique_ptr<PointField>> meshConditions(const MeshSource& mesh,
   for (const MeshFieldSummary& field : fields) {
     if (usual == nullptr || field.components != 1)
       continue;
-    const bool wanted = said != named.end() ? field.name == said->field
-                                            : std::ranges::find(usual->names, small(field.name)) !=
-                                                  usual->names.end();
+    const bool wanted =
+        said != named.end()
+            ? field.name == said->field
+            : std::ranges::find(usual->names, lowerCase(field.name)) != usual->names.end();
     if (wanted && summary == nullptr)
       summary = &field;
   }

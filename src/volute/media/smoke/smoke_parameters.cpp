@@ -3,10 +3,10 @@
 #include "volute/media/smoke/smoke_parameters.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/lower_case.hpp"
 #include "volute/media/smoke/smoke_medium.hpp"
 #include "volute/optics/smoke_potential.hpp"
 
@@ -109,8 +109,7 @@ std::string guessSmoke(nlohmann::ordered_json& smoke, const SmokeMedium& medium)
       doubtOf(medium.description().model, {.largestExtinction = medium.largestExtinction()});
   if (doubt.text.empty())
     return "";
-  std::string name = medium.fieldName();
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string name = lowerCase(medium.fieldName());
   const auto says = [&](std::initializer_list<const char*> words) {
     return std::ranges::any_of(
         words, [&](const char* word) { return name.find(word) != std::string::npos; });

@@ -6,13 +6,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <map>
 #include <set>
 #include <utility>
 
+#include "volute/base/lower_case.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
@@ -375,10 +375,7 @@ Status VolumeMedium::chooseInterpolation(Progress& progress) {
   std::vector<std::string> grids = input_->source->otherGrids();
   grids.push_back(input_->source->info().name);
   const auto find = [&](const std::string& name) -> std::string {
-    const auto same = [&](const std::string& grid) {
-      return std::ranges::equal(grid, name, {}, [](unsigned char c) { return std::tolower(c); });
-    };
-    const auto found = std::ranges::find_if(grids, same);
+    const auto found = std::ranges::find(grids, name, lowerCase);
     return found == grids.end() ? "" : *found;
   };
   for (const char* name : {"velocity", "vel", "v"}) {

@@ -8,6 +8,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "volute/base/lower_case.hpp"
 #include "volute/grid/look_figures.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/volume_files/memory_volumes.hpp"
@@ -37,12 +38,6 @@ constexpr double kFireLight = 4;   ///< radiance of bright columns
 constexpr double kSmokeAlbedo = 0.9;
 constexpr double kSmokeAsymmetry = 0.3;
 constexpr double kKelvins = 600;  ///< temperatures that reach it are in kelvins
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 bool holdsWord(const std::string& text, Names words) {
   return std::ranges::any_of(
@@ -75,7 +70,7 @@ constexpr std::string_view kOtherWords[] = {"gradient", "grad",   "velocity", "v
 std::string nameAmong(const std::vector<std::string>& names, Names wanted) {
   for (const std::string_view one : wanted) {
     for (const std::string& name : names) {
-      if (lower(name) == lower(std::string(one)))
+      if (lowerCase(name) == lowerCase(one))
         return name;
     }
   }
@@ -83,7 +78,7 @@ std::string nameAmong(const std::vector<std::string>& names, Names wanted) {
     for (const std::string& name : names) {
       const auto words = wordsOf(name);
       const auto has = [&](std::string_view word) {
-        return std::ranges::find(words, lower(std::string(word))) != words.end();
+        return std::ranges::find(words, lowerCase(word)) != words.end();
       };
       if (has(one) && std::ranges::none_of(kOtherWords, has))
         return name;
@@ -242,7 +237,7 @@ class Grids {
     if ((nameless && info().name == VolumeInfo().name) || info().name.starts_with('[') ||
         (std::filesystem::is_directory(path, error) && volumesIn(path).value_or(".vdb") == ".npy"))
       return false;
-    const std::string file = lower(std::filesystem::path(path).stem().string());
+    const std::string file = lowerCase(std::filesystem::path(path).stem().string());
     return !(isVolutePath(path) && names_.empty() && info().name == VolumeInfo().name &&
              holdsWord(file, kFireWords));
   }
@@ -282,7 +277,7 @@ Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path
     choice.flame = grids.find(kFlameNames);
     choice.heat = grids.find(kHeatNames);
   } else {
-    const std::string file = lower(std::filesystem::path(path).stem().string());
+    const std::string file = lowerCase(std::filesystem::path(path).stem().string());
     const bool fire = wanted == VolumePreset::kFire || (automatic && holdsWord(file, kFireWords));
     const bool smoke =
         wanted == VolumePreset::kSmoke || (automatic && holdsWord(file, kSmokeWords));
@@ -398,7 +393,7 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
     const bool grey = grids.info().channels == 1;
     const bool called =
         !grey && ((grids.named() && !nameAmong({shown}, kDensityNames).empty()) ||
-                  holdsWord(lower(std::filesystem::path(path).stem().string()), kSmokeWords));
+                  holdsWord(lowerCase(std::filesystem::path(path).stem().string()), kSmokeWords));
     if (called || isVdbPath(path) || (grids.named() && !shown.empty())) {
       std::string text = fmt::format("{}: '{}' is shown as light", path, shown);
       text +=
