@@ -83,12 +83,14 @@ Result<CaptureLamp> readLamp(const JsonValue& value) {
   return lamp;
 }
 
-/// A number from -most to most.
-Result<double> readWithin(const JsonValue& value, double most, const char* unit) {
-  VOLUTE_ASSIGN(const double number, value.number());
-  if (std::abs(number) > most)
-    return value.fault(fmt::format("expected -{} to {} {}", most, most, unit));
-  return number;
+/// Reads a number from -most to most.
+auto within(double most, const char* unit) {
+  return [=](const JsonValue& value) -> Result<double> {
+    VOLUTE_ASSIGN(const double number, value.number());
+    if (std::abs(number) > most)
+      return value.fault(fmt::format("expected -{} to {} {}", most, most, unit));
+    return number;
+  };
 }
 
 /// Bits of the values in files of 16 bits.
@@ -112,18 +114,10 @@ Result<double> readBlack(const JsonValue& value) {
 
 /// How values are stored, of all cameras or of one.
 Status readStoring(const JsonValue& value, PictureSource& pictures) {
-  if (const auto color = value.find("color")) {
-    VOLUTE_ASSIGN(pictures.response, readResponse(*color));
-  }
-  if (const auto saturation = value.find("saturation")) {
-    VOLUTE_ASSIGN(pictures.saturation, readPositive(*saturation));
-  }
-  if (const auto bits = value.find("bits")) {
-    VOLUTE_ASSIGN(pictures.bits, readBits(*bits));
-  }
-  if (const auto black = value.find("black")) {
-    VOLUTE_ASSIGN(pictures.black, readBlack(*black));
-  }
+  VOLUTE_TRY(readIfThere(value, "color", pictures.response, readResponse));
+  VOLUTE_TRY(readIfThere(value, "saturation", pictures.saturation, readPositive));
+  VOLUTE_TRY(readIfThere(value, "bits", pictures.bits, readBits));
+  VOLUTE_TRY(readIfThere(value, "black", pictures.black, readBlack));
   if (const auto bottomUp = value.find("bottom_up")) {
     if (!bottomUp->json().is_boolean())
       return bottomUp->fault("expected true or false");
@@ -187,8 +181,7 @@ class CameraReader {
   }
 
   Result<CameraDraft> read() {
-    VOLUTE_ASSIGN(const auto name, value_.at("name"));
-    VOLUTE_ASSIGN(draft_.name, name.text());
+    VOLUTE_TRY(readMember(value_, "name", draft_.name, &JsonValue::text));
     VOLUTE_TRY(readCalibration());
     VOLUTE_TRY(readPictures());
     return draft_;
@@ -197,23 +190,15 @@ class CameraReader {
  private:
   Status readCalibration() {
     Calibration& calibration = draft_.calibration;
-    VOLUTE_ASSIGN(const auto width, value_.at("width"));
-    VOLUTE_ASSIGN(calibration.width, readSide(width));
-    VOLUTE_ASSIGN(const auto height, value_.at("height"));
-    VOLUTE_ASSIGN(calibration.height, readSide(height));
-    VOLUTE_ASSIGN(const auto K, value_.at("K"));
-    VOLUTE_ASSIGN(calibration.K, K.matrix());
-    VOLUTE_ASSIGN(const auto R, value_.at("R"));
-    VOLUTE_ASSIGN(calibration.R, R.matrix());
-    VOLUTE_ASSIGN(const auto t, value_.at("t"));
-    VOLUTE_ASSIGN(calibration.t, t.vector());
-    if (const auto distortion = value_.find("distortion")) {
-      VOLUTE_ASSIGN(calibration.distortion, readDistortion(*distortion));
-    }
-    return {};
+    VOLUTE_TRY(readMember(value_, "width", calibration.width, readSide));
+    VOLUTE_TRY(readMember(value_, "height", calibration.height, readSide));
+    VOLUTE_TRY(readMember(value_, "K", calibration.K, &JsonValue::matrix));
+    VOLUTE_TRY(readMember(value_, "R", calibration.R, &JsonValue::matrix));
+    VOLUTE_TRY(readMember(value_, "t", calibration.t, &JsonValue::vector));
+    return readIfThere(value_, "distortion", calibration.distortion, readDistortion);
   }
 
-  Result<std::string> path(const JsonValue& value) const {
+  Result<std::string> pathOf(const JsonValue& value) const {
     VOLUTE_ASSIGN(const auto text, value.text());
     if (text.empty())
       return value.fault("expected a file's name");
@@ -232,42 +217,33 @@ class CameraReader {
   Status readPictures() {
     PictureSource& pictures = draft_.pictures;
     if (const auto image = value_.find("image")) {
-      VOLUTE_ASSIGN(pictures.image, path(*image));
+      VOLUTE_ASSIGN(pictures.image, pathOf(*image));
       if (namesSeries(pictures.image) && !FramePattern::parse(pictures.image)) {
         return image->fault("expected one frame number in the file's name, as %04d, %d or ####");
       }
     }
     if (const auto video = value_.find("video")) {
-      VOLUTE_ASSIGN(pictures.video, path(*video));
+      VOLUTE_ASSIGN(pictures.video, pathOf(*video));
       if (!pictures.image.empty())
         return video->fault("the camera has an image too; expected one of them");
     }
-    if (const auto start = value_.find("video_start")) {
-      VOLUTE_ASSIGN(pictures.videoStart, readWithin(*start, 1e9, "frames"));
-    }
+    VOLUTE_TRY(readIfThere(value_, "video_start", pictures.videoStart, within(1e9, "frames")));
     if (const auto start = value_.find("start_time")) {
       if (value_.find("video_start"))
         return start->fault("the camera has video_start too; expected one of them");
-      VOLUTE_ASSIGN(draft_.startTime, readWithin(*start, 1e9, "seconds"));
+      VOLUTE_ASSIGN(draft_.startTime, within(1e9, "seconds")(*start));
     }
-    if (const auto rate = value_.find("frames_per_second")) {
-      VOLUTE_ASSIGN(draft_.framesPerSecond, readRate(*rate));
-    }
-    if (const auto shift = value_.find("frame_shift")) {
-      VOLUTE_ASSIGN(pictures.frameShift, readWithin(*shift, 1000000, "frames"));
-    }
+    VOLUTE_TRY(readIfThere(value_, "frames_per_second", draft_.framesPerSecond, readRate));
+    VOLUTE_TRY(readIfThere(value_, "frame_shift", pictures.frameShift, within(1000000, "frames")));
     if (const auto error = value_.find("reprojection_error")) {
       constexpr double kMax = 20;
       VOLUTE_ASSIGN(draft_.reprojectionError, error->number());
       if (!(draft_.reprojectionError >= 0 && draft_.reprojectionError <= kMax))
         return error->fault(fmt::format("expected 0 to {} pixels", kMax));
     }
-    if (const auto background = value_.find("background")) {
-      VOLUTE_ASSIGN(pictures.background, path(*background));
-    }
-    if (const auto mask = value_.find("mask")) {
-      VOLUTE_ASSIGN(pictures.mask, path(*mask));
-    }
+    const auto path = [this](const JsonValue& value) { return pathOf(value); };
+    VOLUTE_TRY(readIfThere(value_, "background", pictures.background, path));
+    VOLUTE_TRY(readIfThere(value_, "mask", pictures.mask, path));
     if (const auto gain = value_.find("gain"); gain && gain->json().is_array()) {
       VOLUTE_ASSIGN(pictures.channelGain, readLight(*gain));
       if (!(pictures.channelGain.minCoeff() > 0))
@@ -333,25 +309,13 @@ Status readHead(const JsonValue& root, CaptureDraft& draft, CameraDraft& default
       return centre->fault("expected 0.5 or 0: where the centre of the first pixel is");
   }
   defaults.calibration.pixelCentre = draft.pixelCentre;
-  if (const auto kind = root.find("kind")) {
-    VOLUTE_ASSIGN(draft.measured, readMeasured(*kind));
-  }
+  VOLUTE_TRY(readIfThere(root, "kind", draft.measured, readMeasured));
   VOLUTE_TRY(readStoring(root, defaults.pictures));
-  if (const auto white = root.find("white")) {
-    VOLUTE_ASSIGN(draft.white, readPositive(*white));
-  }
-  if (const auto sigma = root.find("noise_sigma")) {
-    VOLUTE_ASSIGN(draft.noiseSigma, readPositive(*sigma));
-  }
-  if (const auto rate = root.find("frames_per_second")) {
-    VOLUTE_ASSIGN(draft.framesPerSecond, readRate(*rate));
-  }
-  if (const auto frames = root.find("frames")) {
-    VOLUTE_ASSIGN(draft.frames, readFrames(*frames));
-  }
-  if (const auto empty = root.find("empty_frames")) {
-    VOLUTE_ASSIGN(draft.emptyFrames, readEmptyFrames(*empty));
-  }
+  VOLUTE_TRY(readIfThere(root, "white", draft.white, readPositive));
+  VOLUTE_TRY(readIfThere(root, "noise_sigma", draft.noiseSigma, readPositive));
+  VOLUTE_TRY(readIfThere(root, "frames_per_second", draft.framesPerSecond, readRate));
+  VOLUTE_TRY(readIfThere(root, "frames", draft.frames, readFrames));
+  VOLUTE_TRY(readIfThere(root, "empty_frames", draft.emptyFrames, readEmptyFrames));
   if (const auto lamps = root.find("lamps")) {
     VOLUTE_ASSIGN(const auto items, lamps->items());
     for (const JsonValue& item : items) {

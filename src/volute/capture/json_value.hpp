@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <functional>
 #include <initializer_list>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -58,5 +59,21 @@ class JsonValue {
   std::string file_;
   std::string path_;
 };
+
+/// Puts what `read` makes of a member into `to`; an error when it is missing.
+template <class T, class Read>
+[[nodiscard]] Status readMember(const JsonValue& value, std::string_view key, T& to,
+                                const Read& read) {
+  VOLUTE_ASSIGN(const auto member, value.at(key));
+  VOLUTE_ASSIGN(to, std::invoke(read, member));
+  return {};
+}
+
+/// The same of a member that may be missing: then `to` stays as it is.
+template <class T, class Read>
+[[nodiscard]] Status readIfThere(const JsonValue& value, std::string_view key, T& to,
+                                 const Read& read) {
+  return value.has(key) ? readMember(value, key, to, read) : Status();
+}
 
 }  // namespace volute

@@ -229,15 +229,12 @@ Result<CaptureDraft> readNerfTransforms(const std::filesystem::path& file,
     VOLUTE_TRY(checkModel(frame, root));
     VOLUTE_TRY(readIntrinsics(frame, root, camera.calibration));
     VOLUTE_TRY(readPose(frame, camera.calibration));
-    VOLUTE_ASSIGN(const auto path, frame.at("file_path"));
-    VOLUTE_ASSIGN(camera.pictureName, path.text());
+    VOLUTE_TRY(readMember(frame, "file_path", camera.pictureName, &JsonValue::text));
     camera.pictures.image =
         written.find(file.parent_path(), withExtension(camera.pictureName)).lexically_normal();
     if (camera.pictures.image.find('\\') == std::string::npos)
       std::ranges::replace(camera.pictureName, '\\', '/');
-    if (const auto time = frame.find("time")) {
-      VOLUTE_ASSIGN(camera.time, time->number());
-    }
+    VOLUTE_TRY(readIfThere(frame, "time", camera.time, &JsonValue::number));
     draft.cameras.push_back(std::move(camera));
   }
   if (std::string remark = written.remark(); !remark.empty())

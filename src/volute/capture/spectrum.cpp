@@ -127,10 +127,8 @@ Result<CaptureSpectrum> writtenSpectrum(const JsonValue& value, const JsonValue&
   }
   if (spectrum.lines.empty())
     return lines.fault("expected at least one line");
-  VOLUTE_ASSIGN(const auto scale, value.at("scale"));
-  VOLUTE_ASSIGN(spectrum.scale, positive(scale));
-  VOLUTE_ASSIGN(const auto exponent, value.at("soot_exponent"));
-  VOLUTE_ASSIGN(spectrum.sootExponent, exponent.number());
+  VOLUTE_TRY(readMember(value, "scale", spectrum.scale, positive));
+  VOLUTE_TRY(readMember(value, "soot_exponent", spectrum.sootExponent, &JsonValue::number));
   return spectrum;
 }
 
