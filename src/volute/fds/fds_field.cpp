@@ -15,23 +15,6 @@ namespace {
 
 constexpr std::size_t kGrain = 64;  // segments worth a task
 
-/// Where the eight corners of a cell are among the values of a nodal lattice.
-struct NodePlaces {
-  explicit NodePlaces(const FdsLattice& lattice)
-      : strideY(lattice.planes[0].size()), strideZ(strideY * lattice.planes[1].size()) {}
-
-  std::size_t first(const std::array<int, 3>& cell) const {
-    return cell[2] * strideZ + cell[1] * strideY + static_cast<std::size_t>(cell[0]);
-  }
-
-  std::size_t offset(int corner) const {
-    return (corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ;
-  }
-
-  std::size_t strideY;
-  std::size_t strideZ;
-};
-
 /// A cell and a segment through it: place on each axis from 0 to 1 is at + slope * s.
 struct Local {
   Local(const FdsLattice& lattice, const std::array<int, 3>& cell, const Segment& segment) {

@@ -50,6 +50,23 @@ struct FdsLattice {
   }
 };
 
+/// Where the eight corners of a cell are among the values of a nodal lattice.
+struct NodePlaces {
+  explicit NodePlaces(const FdsLattice& lattice)
+      : strideY(lattice.planes[0].size()), strideZ(strideY * lattice.planes[1].size()) {}
+
+  std::size_t first(const std::array<int, 3>& cell) const {
+    return cell[2] * strideZ + cell[1] * strideY + static_cast<std::size_t>(cell[0]);
+  }
+
+  std::size_t offset(int corner) const {
+    return (corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ;
+  }
+
+  std::size_t strideY;
+  std::size_t strideZ;
+};
+
 /// The cell between planes that holds a place; one on a plane belongs to the upper cell, one
 /// outside to the outermost.
 inline int cellBetween(const std::vector<double>& planes, double place) {

@@ -60,23 +60,15 @@ AxisCells nodeAxis(const std::vector<double>& nodes, int begin, int end) {
 class ClearFrames final : public FdsFrameFile {
  public:
   /// Of all values with indices as FDS counts cells, ghosts included.
-  ClearFrames(std::vector<double> times, const FdsMesh& mesh) : values_(mesh.nodeCount()) {
+  ClearFrames(std::vector<double> times, const FdsMesh& mesh) : FdsFrameFile(mesh.nodeCount()) {
     frames_.times = std::move(times);
     frames_.offsets.resize(frames_.times.size());
   }
-
-  const FdsFrameIndex& frames() const override { return frames_; }
-
-  std::size_t values() const override { return values_; }
 
   Status readFrame(std::size_t, std::span<float> out) const override {
     std::ranges::fill(out, 0.0F);
     return {};
   }
-
- private:
-  std::size_t values_;
-  FdsFrameIndex frames_;
 };
 
 /// Of the first file that has any: slices, fire, particles, PLOT3D.

@@ -78,11 +78,9 @@ struct FdsCase::Part {
   bool hasValues(std::span<const float> values, const std::array<int, 3>& cell) const {
     if (!lattice.nodal)
       return !std::isnan(values[lattice.cellAt(cell)]);
-    const std::size_t strideY = lattice.planes[0].size();
-    const std::size_t strideZ = strideY * lattice.planes[1].size();
-    const float* first = values.data() + cell[2] * strideZ + cell[1] * strideY + cell[0];
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-      if (std::isnan(first[(corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ]))
+    const NodePlaces places(lattice);
+    for (int corner = 0; corner < 8; ++corner) {
+      if (std::isnan(values[places.first(cell) + places.offset(corner)]))
         return false;
     }
     return true;
@@ -91,8 +89,7 @@ struct FdsCase::Part {
   /// 1 for each value that a cell of gas needs.
   std::vector<std::uint8_t> needed(const FdsMesh& mesh, std::span<const std::uint8_t> solid) const {
     std::vector<std::uint8_t> needed(lattice.valueCount(), 0);
-    const std::size_t strideY = lattice.planes[0].size();
-    const std::size_t strideZ = strideY * lattice.planes[1].size();
+    const NodePlaces places(lattice);
     forCells([&](const std::array<int, 3>& cell) {
       if (isSolid(mesh, solid, cell))
         return;
@@ -100,9 +97,8 @@ struct FdsCase::Part {
         needed[lattice.cellAt(cell)] = 1;
         return;
       }
-      const std::size_t first = cell[2] * strideZ + cell[1] * strideY + cell[0];
-      for (std::size_t corner = 0; corner < 8; ++corner)
-        needed[first + (corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ] = 1;
+      for (int corner = 0; corner < 8; ++corner)
+        needed[places.first(cell) + places.offset(corner)] = 1;
     });
     return needed;
   }

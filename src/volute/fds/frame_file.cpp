@@ -266,10 +266,9 @@ Result<double> FdsSmoke16File::step(std::size_t frame) const {
 
 Result<FdsPlotFiles> FdsPlotFiles::open(std::vector<FdsPlotEntry> entries, int variable,
                                         const FdsMesh& mesh) {
-  FdsPlotFiles plots;
+  FdsPlotFiles plots(mesh);
   plots.variable_ = variable;
   plots.nodes_ = nodesOf(mesh);
-  plots.values_ = mesh.nodeCount();
   std::optional<Error> missing;
   for (const FdsPlotEntry& entry : entries) {
     auto opened = FortranFile::open(entry.file);

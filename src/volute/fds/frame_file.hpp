@@ -23,13 +23,22 @@ class FdsFrameFile {
  public:
   virtual ~FdsFrameFile() = default;
 
-  virtual const FdsFrameIndex& frames() const = 0;
+  const FdsFrameIndex& frames() const { return frames_; }
 
   /// Values of one frame.
-  virtual std::size_t values() const = 0;
+  std::size_t values() const { return values_; }
 
   /// Fills `out`, values() long, x fastest, then y, then z.
   [[nodiscard]] virtual Status readFrame(std::size_t frame, std::span<float> out) const = 0;
+
+ protected:
+  explicit FdsFrameFile(std::size_t values) : values_(values) {}
+
+  FdsFrameFile(FdsFrameFile&&) = default;
+  FdsFrameFile& operator=(FdsFrameFile&&) = default;
+
+  std::size_t values_;
+  FdsFrameIndex frames_;
 };
 
 /// .sf: float values on the nodes `nodes` (or of the cells with those indices).
@@ -39,24 +48,18 @@ class FdsSliceFile final : public FdsFrameFile {
   /// has them, and lie in the mesh.
   [[nodiscard]] static Result<FdsSliceFile> open(const FdsSliceEntry& entry, const FdsMesh& mesh);
 
-  const FdsFrameIndex& frames() const override { return frames_; }
-
   const FdsNodeBox& nodes() const { return nodes_; }
-
-  std::size_t values() const override { return values_; }
 
   [[nodiscard]] Status readFrame(std::size_t frame, std::span<float> out) const override;
 
  private:
   FdsSliceFile(FortranFile file, FdsNodeBox nodes, std::size_t values)
-      : file_(std::move(file)), nodes_(nodes), values_(values) {}
+      : FdsFrameFile(values), file_(std::move(file)), nodes_(nodes) {}
 
   Status findFrames(std::uint64_t offset);
 
   FortranFile file_;
   FdsNodeBox nodes_;
-  std::size_t values_;
-  FdsFrameIndex frames_;
 };
 
 /// .s3d and .s3dd: bytes 0..254 at all nodes of a mesh, run-length coded. readFrame gives them as
@@ -66,22 +69,17 @@ class FdsSmokeFile final : public FdsFrameFile {
   [[nodiscard]] static Result<FdsSmokeFile> open(const std::filesystem::path& path,
                                                  const FdsMesh& mesh);
 
-  const FdsFrameIndex& frames() const override { return frames_; }
-
-  std::size_t values() const override { return values_; }
-
   [[nodiscard]] Status readFrame(std::size_t frame, std::span<float> out) const override;
 
   [[nodiscard]] Status readBytes(std::size_t frame, std::span<std::uint8_t> out) const;
 
  private:
-  FdsSmokeFile(FortranFile file, std::size_t values) : file_(std::move(file)), values_(values) {}
+  FdsSmokeFile(FortranFile file, std::size_t values)
+      : FdsFrameFile(values), file_(std::move(file)) {}
 
   Status findFrames(std::uint64_t offset);
 
   FortranFile file_;
-  std::size_t values_;
-  FdsFrameIndex frames_;
 };
 
 /// .s16: 16-bit values at all nodes of a mesh, in the physical unit.
@@ -89,10 +87,6 @@ class FdsSmoke16File final : public FdsFrameFile {
  public:
   [[nodiscard]] static Result<FdsSmoke16File> open(const std::filesystem::path& path,
                                                    const FdsMesh& mesh);
-
-  const FdsFrameIndex& frames() const override { return frames_; }
-
-  std::size_t values() const override { return values_; }
 
   /// Physical values.
   [[nodiscard]] Status readFrame(std::size_t frame, std::span<float> out) const override;
@@ -108,14 +102,13 @@ class FdsSmoke16File final : public FdsFrameFile {
     float most = 0;
   };
 
-  FdsSmoke16File(FortranFile file, std::size_t values) : file_(std::move(file)), values_(values) {}
+  FdsSmoke16File(FortranFile file, std::size_t values)
+      : FdsFrameFile(values), file_(std::move(file)) {}
 
   Status findFrames(std::uint64_t offset);
   Result<FrameHead> readHead(std::uint64_t& offset, const std::string& what) const;
 
   FortranFile file_;
-  std::size_t values_;
-  FdsFrameIndex frames_;
 };
 
 /// .q: one variable of PLOT3D files, one file for each time.
@@ -125,18 +118,14 @@ class FdsPlotFiles final : public FdsFrameFile {
   [[nodiscard]] static Result<FdsPlotFiles> open(std::vector<FdsPlotEntry> entries, int variable,
                                                  const FdsMesh& mesh);
 
-  const FdsFrameIndex& frames() const override { return frames_; }
-
-  std::size_t values() const override { return values_; }
-
   [[nodiscard]] Status readFrame(std::size_t frame, std::span<float> out) const override;
 
  private:
+  explicit FdsPlotFiles(const FdsMesh& mesh) : FdsFrameFile(mesh.nodeCount()) {}
+
   std::vector<std::filesystem::path> paths_;  // offsets of frames_ are places in it
   int variable_ = 0;
   std::array<std::int32_t, 3> nodes_{};
-  std::size_t values_ = 0;
-  FdsFrameIndex frames_;
 };
 
 /// Run-length code of .s3d: 255, value, count is a run; any other byte is itself. Fails unless

@@ -31,14 +31,9 @@ double valueOf(const FdsLattice& lattice, const FdsValues& values, const std::ar
   if (!lattice.nodal)
     return values.value[lattice.cellAt(cell)];
   double sum = 0;
-  const std::size_t strideY = lattice.planes[0].size();
-  const std::size_t strideZ = strideY * lattice.planes[1].size();
-  const std::size_t first =
-      cell[2] * strideZ + cell[1] * strideY + static_cast<std::size_t>(cell[0]);
-  for (std::size_t corner = 0; corner < 8; ++corner)
-    sum +=
-        values
-            .value[first + (corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ];
+  const NodePlaces places(lattice);
+  for (int corner = 0; corner < 8; ++corner)
+    sum += values.value[places.first(cell) + places.offset(corner)];
   return sum / 8;
 }
 
