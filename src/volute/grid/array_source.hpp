@@ -23,19 +23,13 @@ struct NumberArray {
 std::array<std::ptrdiff_t, 5> denseStrides(const VolumeInfo& info, const NumberType& type);
 
 /// Such numbers as frames, without a copy of them. They must not change while they are read.
-class ArraySource final : public RoundingSource {
+class ArraySource final : public LayerwiseSource {
  public:
   /// @param info  validated
   ArraySource(VolumeInfo info, NumberArray array)
       : info_(std::move(info)), array_(std::move(array)) {}
 
   const VolumeInfo& info() const override { return info_; }
-
-  [[nodiscard]] Status readFrame(int index, std::span<float> values) override {
-    return readLayers(index, 0, info_.z, values);
-  }
-
-  bool readsLayers() const override { return true; }
 
   /// kInvalidData for finite numbers beyond all floats.
   [[nodiscard]] Status readLayers(int index, int first, int end, std::span<float> values) override;

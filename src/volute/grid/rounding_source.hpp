@@ -23,6 +23,19 @@ class RoundingSource : public FrameSource {
   virtual void takeOffset(double offset) { (void)offset; }
 };
 
+/// One that reads layers for no more than they are of a frame.
+class LayerwiseSource : public RoundingSource {
+ public:
+  [[nodiscard]] Status readFrame(int index, std::span<float> values) final {
+    return readLayers(index, 0, info().z, values);
+  }
+
+  bool readsLayers() const override { return true; }
+
+  [[nodiscard]] Status readLayers(int index, int first, int end,
+                                  std::span<float> values) override = 0;
+};
+
 /// RoundingSource::rounding() of any source; 0 where it is none.
 double roundingOf(const FrameSource& source);
 

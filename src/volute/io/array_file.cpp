@@ -64,7 +64,7 @@ Result<ReaderProcess::Serve> serveArrays(std::string_view parameters) {
   };
 }
 
-class ArrayFileSource final : public RoundingSource {
+class ArrayFileSource final : public LayerwiseSource {
  public:
   /// @param named  whether the input's name says which array is meant
   ArrayFileSource(const NamedArray& input, bool named, const SourceOptions& options)
@@ -126,12 +126,6 @@ class ArrayFileSource final : public RoundingSource {
       return {};
     return namesOfGrids(facts_.others);
   }
-
-  Status readFrame(int index, std::span<float> values) override {
-    return readLayers(index, 0, info_.z, values);
-  }
-
-  bool readsLayers() const override { return true; }
 
   Status readLayers(int index, int first, int end, std::span<float> values) override {
     request_.frame = index, request_.first = first, request_.layers = end - first;

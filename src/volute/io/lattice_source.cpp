@@ -361,7 +361,7 @@ Error inFrame(Error error, const std::vector<LatticeFile>& files, std::size_t i)
   return error;
 }
 
-class LatticeSource final : public RoundingSource,
+class LatticeSource final : public LayerwiseSource,
                             public PlacedFrames,
                             public VectorFrames,
                             public CountedFrames,
@@ -450,12 +450,6 @@ class LatticeSource final : public RoundingSource,
   }
 
   std::vector<std::string> otherGrids() const override { return others_; }
-
-  Status readFrame(int index, std::span<float> values) override {
-    return readLayers(index, 0, info_.z, values);
-  }
-
-  bool readsLayers() const override { return true; }
 
   Status readLayers(int index, int first, int end, std::span<float> values) override {
     VOLUTE_ASSERT(values.size() == info_.frameValues() / static_cast<std::size_t>(info_.z) *

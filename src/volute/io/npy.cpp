@@ -71,7 +71,7 @@ Result<VolumeInfo> toInfo(const NpyHeader& header, const NumberFile& file, const
   return info;
 }
 
-class NpySource final : public RoundingSource {
+class NpySource final : public LayerwiseSource {
  public:
   NpySource(NumberFile file, const NpyHeader& header, VolumeInfo info,
             std::vector<std::string> others)
@@ -83,12 +83,6 @@ class NpySource final : public RoundingSource {
   const VolumeInfo& info() const override { return info_; }
 
   std::vector<std::string> otherGrids() const override { return others_; }
-
-  Status readFrame(int index, std::span<float> values) override {
-    return readLayers(index, 0, info_.z, values);
-  }
-
-  bool readsLayers() const override { return true; }
 
   Status readLayers(int index, int first, [[maybe_unused]] int end,
                     std::span<float> values) override {
@@ -214,7 +208,7 @@ Result<std::unique_ptr<FrameSource>> openArray(NumberFile file, const std::strin
 }
 
 /// A file is open while its frame is read.
-class NpySequence final : public RoundingSource {
+class NpySequence final : public LayerwiseSource {
  public:
   /// @param rounded  whether a float may be another number than one of a file
   NpySequence(std::vector<NumberedFile> files, SourceOptions options, VolumeInfo info, bool rounded)
@@ -224,12 +218,6 @@ class NpySequence final : public RoundingSource {
         rounded_(rounded) {}
 
   const VolumeInfo& info() const override { return info_; }
-
-  bool readsLayers() const override { return true; }
-
-  Status readFrame(int index, std::span<float> values) override {
-    return readLayers(index, 0, info_.z, values);
-  }
 
   Status readLayers(int index, int first, [[maybe_unused]] int end,
                     std::span<float> values) override {

@@ -76,7 +76,7 @@ Result<VolumeInfo> infoOf(const InputFile& file, const SourceOptions& options,
 }
 
 /// Files of numbered frames are open while they are read.
-class RawSource final : public RoundingSource {
+class RawSource final : public LayerwiseSource {
  public:
   RawSource(std::vector<std::filesystem::path> files, std::optional<NumberFile> single,
             RawLayout layout, VolumeInfo info)
@@ -86,12 +86,6 @@ class RawSource final : public RoundingSource {
         info_(std::move(info)) {}
 
   const VolumeInfo& info() const override { return info_; }
-
-  bool readsLayers() const override { return true; }
-
-  Status readFrame(int index, std::span<float> values) override {
-    return readLayers(index, 0, info_.z, values);
-  }
 
   Status readLayers(int index, int first, [[maybe_unused]] int end,
                     std::span<float> values) override {
