@@ -10,18 +10,24 @@
 
 namespace volute {
 
-/// Collective. The values of all ranks, bit for bit, in the order of ranks.
+/// The values in each of some messages.
 template <class Value>
-[[nodiscard]] Result<std::vector<std::vector<Value>>> gatherEach(Team& team,
-                                                                 std::span<const Value> own) {
-  VOLUTE_ASSIGN(const auto all, team.gatherAll(std::as_bytes(own)));
+std::vector<std::vector<Value>> valuesIn(std::span<const std::vector<std::byte>> messages) {
   std::vector<std::vector<Value>> values;
-  for (const auto& bytes : all) {
+  for (const auto& bytes : messages) {
     auto& one = values.emplace_back(bytes.size() / sizeof(Value));
     if (!bytes.empty())
       std::memcpy(static_cast<void*>(one.data()), bytes.data(), bytes.size());
   }
   return values;
+}
+
+/// Collective. The values of all ranks, bit for bit, in the order of ranks.
+template <class Value>
+[[nodiscard]] Result<std::vector<std::vector<Value>>> gatherEach(Team& team,
+                                                                 std::span<const Value> own) {
+  VOLUTE_ASSIGN(const auto all, team.gatherAll(std::as_bytes(own)));
+  return valuesIn<Value>(all);
 }
 
 /// Collective. The values that each rank has for this one, bit for bit, in the order of ranks.
@@ -35,13 +41,7 @@ template <class Value>
     sent.emplace_back(bytes.begin(), bytes.end());
   }
   VOLUTE_ASSIGN(const auto received, team.exchangeAll(sent));
-  std::vector<std::vector<Value>> all;
-  for (const auto& bytes : received) {
-    auto& one = all.emplace_back(bytes.size() / sizeof(Value));
-    if (!bytes.empty())
-      std::memcpy(static_cast<void*>(one.data()), bytes.data(), bytes.size());
-  }
-  return all;
+  return valuesIn<Value>(received);
 }
 
 /// The values of all ranks, one after the other. Collective.

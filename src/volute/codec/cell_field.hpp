@@ -55,35 +55,17 @@ inline unsigned siblingSum(int k, const std::uint8_t m[16]) {
 }
 
 /// The magnitudes of one level, at most 255 each. Cells that have none share one entry.
-class CellField {
+class CellField : public CellPlaces {
  public:
   using Entry = std::array<std::uint8_t, 16>;
   static constexpr std::size_t kCellsOfRow = kLongestSide / 2;
 
   void reset(const CellLevel& level) {
-    std::size_t size = 1;
-    for (int axis = 4; axis-- > 0;) {
-      stride_[axis] = static_cast<std::ptrdiff_t>(size);
-      size *= static_cast<std::size_t>(level.cells[axis]) + 2;
-    }
+    const std::size_t size = place(level);
     entryOf_.assign(size, 0);
     sums_.assign(size + kCellsOfRow, 0);
     entries_.resize(1);
     entries_[0] = {};
-    int n = 0;
-    for (int a = 0; a < 4; ++a) {
-      direct_[a] = -stride_[a];
-      for (int b = a + 1; b < 4; ++b) {
-        diagonal_[n++] = -stride_[a] - stride_[b];
-        diagonal_[n++] = -stride_[a] + stride_[b];
-      }
-    }
-  }
-
-  std::ptrdiff_t at(const BlockGrid::Index4& cell) const {
-    std::ptrdiff_t at = 0;
-    for (int axis = 0; axis < 4; ++axis) at += (cell[axis] + 1) * stride_[axis];
-    return at;
   }
 
   /// The sums of neighbours of the cells of a row, those at distance 1 twice, without the cell
@@ -142,8 +124,6 @@ class CellField {
       sum[i] = static_cast<std::uint16_t>(sum[i] + numbers[i]);
   }
 
-  std::array<std::ptrdiff_t, 4> stride_{}, direct_{};
-  std::array<std::ptrdiff_t, 12> diagonal_{};
   std::vector<std::uint16_t> entryOf_;
   std::vector<std::uint8_t> sums_;
   std::vector<Entry> entries_;

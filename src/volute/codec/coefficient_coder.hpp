@@ -71,19 +71,23 @@ inline unsigned onesOf(std::uint16_t word) {
          kOnes[word >> 12];
 }
 
-/// The magnitudes of one level, for the contexts of the cells to come and of the next level: a cell
-/// is 16 of them, with a border of empty cells around all.
-class CellMemory {
+/// Where the cells of a level are in memory, with a border of empty cells around all.
+class CellPlaces {
  public:
-  /// Forgets all, for the cells of another level.
-  void reset(const CellLevel& level) {
+  std::ptrdiff_t at(const BlockGrid::Index4& cell) const {
+    std::ptrdiff_t at = 0;
+    for (int axis = 0; axis < 4; ++axis) at += (cell[axis] + 1) * stride_[axis];
+    return at;
+  }
+
+ protected:
+  /// @return how many cells that are, those of the border too
+  std::size_t place(const CellLevel& level) {
     std::size_t size = 1;
     for (int axis = 4; axis-- > 0;) {
       stride_[axis] = static_cast<std::ptrdiff_t>(size);
       size *= static_cast<std::size_t>(level.cells[axis]) + 2;
     }
-    magnitudes_.assign(16 * size, 0);
-    sums_.assign(size, 0);
     int n = 0;
     for (int a = 0; a < 4; ++a) {
       direct_[a] = -stride_[a];
@@ -92,12 +96,22 @@ class CellMemory {
         diagonal_[n++] = -stride_[a] + stride_[b];
       }
     }
+    return size;
   }
 
-  std::ptrdiff_t at(const BlockGrid::Index4& cell) const {
-    std::ptrdiff_t at = 0;
-    for (int axis = 0; axis < 4; ++axis) at += (cell[axis] + 1) * stride_[axis];
-    return at;
+  std::array<std::ptrdiff_t, 4> stride_{}, direct_{};
+  std::array<std::ptrdiff_t, 12> diagonal_{};
+};
+
+/// The magnitudes of one level, for the contexts of the cells to come and of the next level: a cell
+/// is 16 of them.
+class CellMemory : public CellPlaces {
+ public:
+  /// Forgets all, for the cells of another level.
+  void reset(const CellLevel& level) {
+    const std::size_t size = place(level);
+    magnitudes_.assign(16 * size, 0);
+    sums_.assign(size, 0);
   }
 
   /// Neighbours before a cell: those at distance 1 twice, diagonal ones once.
@@ -135,8 +149,6 @@ class CellMemory {
   }
 
  private:
-  std::array<std::ptrdiff_t, 4> stride_{}, direct_{};
-  std::array<std::ptrdiff_t, 12> diagonal_{};
   std::vector<std::uint8_t> magnitudes_;
   std::vector<std::uint16_t> sums_;
 };

@@ -126,46 +126,42 @@ Bricks Bricks::fromLayers(const VolumeInfo& info, int firstLayer, int endLayer,
     std::vector<float> brick(all.leafValues());
     for (int by = 0; by < down; ++by) {
       for (int bx = 0; bx < across; ++bx) {
+        const int columns = std::min(kSide, info.x - bx * kSide);
+        // Calls visit(z, y, row) for each row of the brick, with places in the brick.
+        const auto forRows = [&](const auto& visit) {
+          for (int z = std::max(z0, firstLayer); z < std::min(z0 + kSide, endLayer); ++z) {
+            for (int y = by * kSide; y < std::min((by + 1) * kSide, info.y); ++y)
+              visit(static_cast<std::size_t>(z - z0), y % kSide,
+                    &values[((static_cast<std::size_t>(z - firstLayer) * height +
+                              static_cast<std::size_t>(y)) *
+                                 width +
+                             static_cast<std::size_t>(bx * kSide)) *
+                            channels]);
+          }
+        };
         Leaf leaf{{bx * kSide, by * kSide, z0}};
         std::uint64_t any = 0;
-        for (int z = std::max(z0, firstLayer); z < std::min(z0 + kSide, endLayer); ++z) {
-          for (int y = by * kSide; y < std::min((by + 1) * kSide, info.y); ++y) {
-            const float* row = &values[((static_cast<std::size_t>(z - firstLayer) * height +
-                                         static_cast<std::size_t>(y)) *
-                                            width +
-                                        static_cast<std::size_t>(bx * kSide)) *
-                                       channels];
-            const int columns = std::min(kSide, info.x - bx * kSide);
-            const int bit = kSide * (y % kSide);
-            for (int x = 0; x < columns; ++x, row += channels) {
-              for (std::size_t c = 0; c < channels; ++c) {
-                if (row[c] != background[c])
-                  leaf.active[static_cast<std::size_t>(z - z0)] |= 1ull << (bit + x);
-              }
+        forRows([&](std::size_t z, int y, const float* row) {
+          for (int x = 0; x < columns; ++x, row += channels) {
+            for (std::size_t c = 0; c < channels; ++c) {
+              if (row[c] != background[c])
+                leaf.active[z] |= 1ull << (kSide * y + x);
             }
-            any |= leaf.active[static_cast<std::size_t>(z - z0)];
           }
-        }
+          any |= leaf.active[z];
+        });
         if (any == 0)
           continue;
         leaf.valued = leaf.active;
         const std::span<float> to = layer.addLeaf(leaf);
-        for (int z = std::max(z0, firstLayer); z < std::min(z0 + kSide, endLayer); ++z) {
-          for (int y = by * kSide; y < std::min((by + 1) * kSide, info.y); ++y) {
-            const float* row = &values[((static_cast<std::size_t>(z - firstLayer) * height +
-                                         static_cast<std::size_t>(y)) *
-                                            width +
-                                        static_cast<std::size_t>(bx * kSide)) *
-                                       channels];
-            const int columns = std::min(kSide, info.x - bx * kSide);
-            const auto place = static_cast<std::size_t>(((z - z0) * kSide + y % kSide) * kSide);
-            for (int x = 0; x < columns; ++x) {
-              for (std::size_t c = 0; c < channels; ++c)
-                to[c * kVoxels + place + static_cast<std::size_t>(x)] =
-                    row[static_cast<std::size_t>(x) * channels + c];
-            }
+        forRows([&](std::size_t z, int y, const float* row) {
+          const std::size_t place = (z * kSide + static_cast<std::size_t>(y)) * kSide;
+          for (int x = 0; x < columns; ++x) {
+            for (std::size_t c = 0; c < channels; ++c)
+              to[c * kVoxels + place + static_cast<std::size_t>(x)] =
+                  row[static_cast<std::size_t>(x) * channels + c];
           }
-        }
+        });
       }
     }
   });
