@@ -27,6 +27,7 @@
 #include "volute/base/output_file.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/base/printable.hpp"
+#include "volute/base/program.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/base/thread_priority.hpp"
@@ -34,14 +35,6 @@
 
 namespace volute {
 namespace {
-
-std::filesystem::path freshFolder(const std::string& name) {
-  auto folder =
-      std::filesystem::temp_directory_path() / fmt::format("volute-base-{}-{}", ::getpid(), name);
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
-}
 
 std::span<const std::byte> bytesOf(std::string_view text) {
   return std::as_bytes(std::span(text));
@@ -154,23 +147,23 @@ TEST(ThreadLimit, HoldsWhileItLives) {
 }
 
 TEST(OutputFile, AppearsWholeOnCommitAndNotBefore) {
-  const auto folder = freshFolder("commit");
+  const ScratchFolder folder;
   const auto target = folder / "out.bin";
   {
     auto file = OutputFile::create(target);
     ASSERT_TRUE(file);
-    ASSERT_TRUE(file->write(bytesOf("hello world")));
-    ASSERT_TRUE(file->overwrite(6, bytesOf("W")));
+    ASSERT_TRUE(file->write(bytesOf("hello ")));
+    ASSERT_TRUE(file->write(bytesOf("world")));
     EXPECT_FALSE(std::filesystem::exists(target));
     ASSERT_TRUE(file->commit());
   }
   std::ifstream in(target);
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "hello World");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "hello world");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
 TEST(OutputFile, AbandonedLeavesNothingAndKeepsTheOldTarget) {
-  const auto folder = freshFolder("abandon");
+  const ScratchFolder folder;
   const auto target = folder / "out.bin";
   std::ofstream(target) << "old";
   {
@@ -178,7 +171,7 @@ TEST(OutputFile, AbandonedLeavesNothingAndKeepsTheOldTarget) {
     ASSERT_TRUE(file);
     ASSERT_TRUE(file->write(bytesOf("new")));
   }
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
   std::ifstream in(target);
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "old");
 }
@@ -206,7 +199,8 @@ TEST(OutputFile, FullDiskIsAnErrorOfTheWrite) {
 }
 
 TEST(InputFile, ReadsAnywhereAndRefusesPastTheEnd) {
-  const auto path = freshFolder("input") / "in.bin";
+  const ScratchFolder folder;
+  const auto path = folder / "in.bin";
   std::ofstream(path) << "0123456789";
   auto file = InputFile::open(path);
   ASSERT_TRUE(file);
@@ -220,7 +214,8 @@ TEST(InputFile, ReadsAnywhereAndRefusesPastTheEnd) {
 }
 
 TEST(InputFile, MoreFilesThanTheUsualLimitAreOpened) {
-  const auto path = freshFolder("many") / "in.bin";
+  const ScratchFolder folder;
+  const auto path = folder / "in.bin";
   std::ofstream(path) << "0123456789";
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
@@ -237,7 +232,8 @@ TEST(InputFile, MoreFilesThanTheUsualLimitAreOpened) {
 }
 
 TEST(ReadText, ReadsAllUpToALimit) {
-  const auto path = freshFolder("text") / "in.txt";
+  const ScratchFolder folder;
+  const auto path = folder / "in.txt";
   std::ofstream(path) << "0123456789";
   EXPECT_EQ(readText(path).value(), "0123456789");
   EXPECT_EQ(readText(path, 10).value().size(), 10u);
@@ -254,7 +250,7 @@ TEST(InputFile, MissingFileIsNotFound) {
 }
 
 TEST(InputFile, WhatIsNoFileIsRefusedWithoutWaiting) {
-  const auto folder = freshFolder("kinds");
+  const ScratchFolder folder;
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
   const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un name{};
@@ -265,7 +261,7 @@ TEST(InputFile, WhatIsNoFileIsRefusedWithoutWaiting) {
   ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
   for (const auto& [path, what] : {std::pair(folder / "pipe", "a pipe"),
                                    {folder / "socket", "a socket"},
-                                   {folder, "a folder"},
+                                   {folder.path(), "a folder"},
                                    {std::filesystem::path("/dev/zero"), "a device"}}) {
     const auto checked = InputFile::check(path);
     ASSERT_FALSE(checked) << path;

@@ -19,16 +19,13 @@ class FilesAsWritten {
   /// Names that were found otherwise than they are written.
   std::size_t others() const { return others_; }
 
-  /// "hall.sf for '.\HALL.SF'", of the first of them.
-  const std::string& firstOther() const { return firstOther_; }
-
   /// "2 names differ from those of the files in ..."; empty without any.
   std::string remark() const;
 
  private:
   std::map<std::filesystem::path, std::map<std::string, std::vector<std::string>>> folders_;
   std::size_t others_ = 0;
-  std::string firstOther_;
+  std::string firstOther_;  ///< "hall.sf for '.\HALL.SF'"
 };
 
 }  // namespace volute

@@ -17,22 +17,6 @@
 namespace volute {
 namespace {
 
-Status writeAll(int descriptor, std::span<const std::byte> bytes, std::int64_t offset,
-                const std::string& name) {
-  while (!bytes.empty()) {
-    const ssize_t count = offset < 0 ? ::write(descriptor, bytes.data(), bytes.size())
-                                     : ::pwrite(descriptor, bytes.data(), bytes.size(), offset);
-    if (count < 0 && errno == EINTR)
-      continue;
-    if (count < 0)
-      return fail(ErrorCode::kIo, "{}: cannot write: {}", name, std::strerror(errno));
-    if (offset >= 0)
-      offset += count;
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-  }
-  return {};
-}
-
 /// Where a target is: symbolic links lead there.
 Result<std::filesystem::path> placeOf(const std::filesystem::path& target) {
   constexpr int kMaxLinks = 40;
@@ -174,13 +158,16 @@ std::string OutputFile::name() const {
 }
 
 Status OutputFile::write(std::span<const std::byte> bytes) {
-  VOLUTE_TRY(writeAll(descriptor_, bytes, -1, name()));
-  size_ += bytes.size();
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR)
+      continue;
+    if (count < 0)
+      return fail(ErrorCode::kIo, "{}: cannot write: {}", name(), std::strerror(errno));
+    size_ += static_cast<std::uint64_t>(count);
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
   return {};
-}
-
-Status OutputFile::overwrite(std::uint64_t offset, std::span<const std::byte> bytes) {
-  return writeAll(descriptor_, bytes, static_cast<std::int64_t>(offset), name());
 }
 
 Status OutputFile::commit() {

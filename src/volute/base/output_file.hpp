@@ -56,10 +56,6 @@ class OutputFile {
   /// Appends. kIo names the target and the system's reason (a full disk, say).
   [[nodiscard]] Status write(std::span<const std::byte> bytes);
 
-  /// Writes over bytes that were written before (headers whose counts come last). Not for standard
-  /// output.
-  [[nodiscard]] Status overwrite(std::uint64_t offset, std::span<const std::byte> bytes);
-
   [[nodiscard]] Status commit();
 
   std::uint64_t size() const { return size_; }

@@ -41,12 +41,6 @@ struct GlTreeVolume {
   GlTreeSkip skip = GlTreeSkip::kBricks;  ///< the picture is the same
 };
 
-/// How a .volute is drawn.
-enum class GlVolumeMethod {
-  kBricks,  ///< GlVolume: each instant's bricks are extracted and uploaded
-  kTree,    ///< GlTreeVolume
-};
-
 std::shared_ptr<const GlPart> glPart(GlVolume volume);
 std::shared_ptr<const GlPart> glPart(GlTreeVolume volume);
 

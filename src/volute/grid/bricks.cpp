@@ -300,36 +300,6 @@ std::uint64_t Bricks::activeVoxels() const {
   return count;
 }
 
-IndexBox Bricks::activeBox() const {
-  IndexBox box;
-  for (const Leaf& leaf : leaves_) {
-    std::uint64_t all = 0;
-    int firstZ = kSide, endZ = 0;
-    for (int z = 0; z < kSide; ++z) {
-      const std::uint64_t word = leaf.active[static_cast<std::size_t>(z)];
-      all |= word;
-      if (word != 0)
-        firstZ = std::min(firstZ, z), endZ = z + 1;
-    }
-    if (all == 0)
-      continue;
-    unsigned columns = 0;
-    for (int y = 0; y < kSide; ++y) columns |= static_cast<unsigned>(all >> (kSide * y) & 0xFF);
-    const int firstY = std::countr_zero(all) / kSide;
-    const int endY = kSide - std::countl_zero(all) / kSide;
-    const int firstX = std::countr_zero(columns);
-    const int endX = static_cast<int>(std::bit_width(columns));
-    const VoxelIndex& o = leaf.origin;
-    box.extend(
-        {{o[0] + firstX, o[1] + firstY, o[2] + firstZ}, {o[0] + endX, o[1] + endY, o[2] + endZ}});
-  }
-  for (const Tile& tile : tiles_) {
-    if (tile.active)
-      box.extend(tile.box());
-  }
-  return box;
-}
-
 std::size_t Bricks::messageBytes() const {
   return sizeof(MessageHead) + tiles_.size() * sizeof(Tile) + leaves_.size() * sizeof(Leaf) +
          values_.size() * sizeof(float);

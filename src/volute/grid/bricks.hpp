@@ -118,9 +118,6 @@ class Bricks {
   /// Active voxels, those of tiles too.
   std::uint64_t activeVoxels() const;
 
-  /// The least box around all active voxels.
-  IndexBox activeBox() const;
-
   /// Moves all by so many voxels.
   void shift(const VoxelIndex& by);
 

@@ -74,8 +74,6 @@ TEST(Bricks, OneVoxelInAnEmptyBackground) {
   Bricks::Leaf leaf{{1'000'000'000'000, -16, 8}};
   leaf.active[3] = leaf.valued[3] = std::uint64_t{1} << (8 * 5 + 2);
   bricks.addLeaf(leaf)[64 * 3 + 8 * 5 + 2] = 2;
-  EXPECT_EQ(bricks.activeBox(),
-            (IndexBox{{1'000'000'000'002, -11, 11}, {1'000'000'000'003, -10, 12}}));
   EXPECT_EQ(bricks.activeVoxels(), 1u);
   std::vector<float> values(8);
   bricks.toDense({{1'000'000'000'001, -12, 10}, {1'000'000'000'003, -10, 12}}, values);
@@ -99,13 +97,16 @@ TEST(Bricks, CroppedVoxelsAreBackground) {
   bricks.crop(box);
   std::vector<float> values(sequence.values.size());
   bricks.toDense(boxOf(sequence.info), values);
+  std::uint64_t active = 0;
   for (int z = 0; z < 16; ++z)
     for (int y = 0; y < 16; ++y)
       for (int x = 0; x < 16; ++x) {
         const std::size_t at = static_cast<std::size_t>((z * 16 + y) * 16 + x);
-        EXPECT_EQ(values[at], box.contains(VoxelIndex{x, y, z}) ? sequence.values[at] : 0);
+        const float expected = box.contains(VoxelIndex{x, y, z}) ? sequence.values[at] : 0;
+        EXPECT_EQ(values[at], expected);
+        active += expected != 0;
       }
-  EXPECT_TRUE(box.contains(bricks.activeBox()));
+  EXPECT_EQ(bricks.activeVoxels(), active);
 }
 
 TEST(Bricks, MessagesComeBackAndDamageIsFound) {

@@ -143,13 +143,6 @@ class Numbers {
     return true;
   }
 
-  bool hasNaN() const {
-    for (const T x : numbers_)
-      if (std::isnan(x))
-        return true;
-    return false;
-  }
-
   bool isZero(T precision = T(1e-12)) const {
     for (const T x : numbers_)
       if (!(std::abs(x) <= precision))
