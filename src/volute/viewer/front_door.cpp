@@ -20,14 +20,22 @@ ImVec2 middleOf(const ViewerInput& input, float down) {
   return {0.5F * static_cast<float>(input.width), down * static_cast<float>(input.height)};
 }
 
-/// Centred, as wide as `wide` where the window is.
-bool beginQuestion(const char* title, const ViewerInput& input, float wide) {
+/// Centred, as wide as `wide` where the window is; opens where `asked`.
+bool beginQuestion(const std::string& title, bool asked, const ViewerInput& input, float wide) {
+  if (asked && !ImGui::IsPopupOpen(title.c_str()))
+    ImGui::OpenPopup(title.c_str());
   ImGui::SetNextWindowPos(middleOf(input, 0.4F), 0, {0.5F, 0.5F});
   const float width = std::min(wide, static_cast<float>(input.width) - 2 * kPanelMargin);
   ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
-  return ImGui::BeginPopupModal(title, nullptr,
+  return ImGui::BeginPopupModal(title.c_str(), nullptr,
                                 ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoSavedSettings);
+}
+
+void endQuestion(bool asked) {
+  if (!asked)
+    ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
 }
 
 void errorText(const std::string& text) {
@@ -118,9 +126,7 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
   const auto purpose = static_cast<std::size_t>(app.document().files().purpose());
   const std::string kTitle = tr(kTitles[purpose]) + std::string("###open a file");
   DocumentFiles::Browser* browser = app.document().files().browser();
-  if (browser && !ImGui::IsPopupOpen(kTitle.c_str()))
-    ImGui::OpenPopup(kTitle.c_str());
-  if (!beginQuestion(kTitle.c_str(), input, 560))
+  if (!beginQuestion(kTitle, browser, input, 560))
     return;
   if (browser) {
     wrappedText(browser->folder.string(), true);
@@ -176,17 +182,13 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
     else if (folder)
       app.document().files().browse(*folder);
   }
-  if (!app.document().files().browser())
-    ImGui::CloseCurrentPopup();
-  ImGui::EndPopup();
+  endQuestion(app.document().files().browser());
 }
 
 /// A question that has to be answered before anything else.
 void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
   const std::string kTitle = tr("Not saved yet") + std::string("###not saved");
-  if (app.leaving().asked() && !ImGui::IsPopupOpen(kTitle.c_str()))
-    ImGui::OpenPopup(kTitle.c_str());
-  if (!beginQuestion(kTitle.c_str(), input, 420))
+  if (!beginQuestion(kTitle, app.leaving().asked(), input, 420))
     return;
   if (const LeaveQuestion::Asked* leaving = app.leaving().asked()) {
     const bool map = leaving->what == LeaveQuestion::What::kMap;
@@ -215,9 +217,7 @@ void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
     else if (stays)
       app.leaving().stay();
   }
-  if (!app.leaving().asked())
-    ImGui::CloseCurrentPopup();
-  ImGui::EndPopup();
+  endQuestion(app.leaving().asked());
 }
 
 /// A scene's file that is not there is asked for, once there are panels: those that appear with a
@@ -226,9 +226,7 @@ void drawMovedPanel(ViewerApp& app, const ViewerInput& input) {
   if (ImGui::GetFrameCount() < 3)
     return;
   const std::string kTitle = tr("A file is missing") + std::string("###moved");
-  if (app.document().files().moved() && !ImGui::IsPopupOpen(kTitle.c_str()))
-    ImGui::OpenPopup(kTitle.c_str());
-  if (!beginQuestion(kTitle.c_str(), input, 460))
+  if (!beginQuestion(kTitle, app.document().files().moved(), input, 460))
     return;
   if (const MovedFile* moved = app.document().files().moved()) {
     wrappedText(fmt::format(fmt::runtime(tr("{} names {}, which is not there.")),
@@ -242,17 +240,13 @@ void drawMovedPanel(ViewerApp& app, const ViewerInput& input) {
     else if (stays)
       app.document().files().setMoved({});
   }
-  if (!app.document().files().moved())
-    ImGui::CloseCurrentPopup();
-  ImGui::EndPopup();
+  endQuestion(app.document().files().moved());
 }
 
 /// Before a file that somebody else wrote is written over.
 void drawReplacePanel(ViewerApp& app, const ViewerInput& input) {
   const std::string kTitle = tr("The file exists") + std::string("###file exists");
-  if (app.document().files().replacing() && !ImGui::IsPopupOpen(kTitle.c_str()))
-    ImGui::OpenPopup(kTitle.c_str());
-  if (!beginQuestion(kTitle.c_str(), input, 380))
+  if (!beginQuestion(kTitle, app.document().files().replacing(), input, 380))
     return;
   if (app.document().files().replacing()) {
     wrappedText(fmt::format(fmt::runtime(tr("{} is there already.")),
@@ -265,9 +259,7 @@ void drawReplacePanel(ViewerApp& app, const ViewerInput& input) {
     else if (keeps)
       app.document().files().keep();
   }
-  if (!app.document().files().replacing())
-    ImGui::CloseCurrentPopup();
-  ImGui::EndPopup();
+  endQuestion(app.document().files().replacing());
 }
 
 }  // namespace volute
