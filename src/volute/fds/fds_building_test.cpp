@@ -5,12 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "volute/base/program.hpp"
 #include "volute/fds/fds_writer.hpp"
 
 namespace volute {
 namespace {
 
-using fdswriter::Folder;
 using fdswriter::Indices;
 using testing::SizeIs;
 
@@ -26,7 +26,7 @@ std::vector<double> housePlanes(int cells) {
 /// 8 x 6 x 3 m.
 SmvIndex house(std::vector<Indices> obstructions, std::vector<Indices> openings = {},
                const std::string& vents = "") {
-  const Folder folder;
+  const ScratchFolder folder;
   fdswriter::Index index;
   index.meshes.push_back({{housePlanes(32), housePlanes(24), housePlanes(12)},
                           std::move(obstructions),

@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 /// Two meshes with a 3D slice each, at times 0 and 10, k times as thick at 10 as at 0.
-void saveSlices(const Folder& folder, bool cellCentred, double thicker,
+void saveSlices(const ScratchFolder& folder, bool cellCentred, double thicker,
                 const fdswriter::Function& function) {
   fdswriter::Index index;
   int number = 0;
@@ -40,7 +40,7 @@ void saveSlices(const Folder& folder, bool cellCentred, double thicker,
 }
 
 TEST(FdsCase, nodesOfTwoMeshesGiveTheClosedFormAtAnyTime) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveSlices(folder, false, 3, linear);
   FdsCase read = opened(folder / "made.smv");
   EXPECT_THAT(sentences(read.remarks()), IsEmpty());
@@ -66,7 +66,7 @@ TEST(FdsCase, evenSmokeDimsToTheGreyOfTheClosedForm) {
   std::normal_distribution<double> normal;
   for (const double cell : {0.05, 0.2, 1.0}) {
     for (const bool cellCentred : {false, true}) {
-      const Folder folder;
+      const ScratchFolder folder;
       fdswriter::Index index;
       for (int number = 1; number <= 2; ++number) {
         // The second mesh has cells half as large on y and z.
@@ -115,7 +115,7 @@ TEST(FdsCase, evenSmokeDimsToTheGreyOfTheClosedForm) {
 }
 
 TEST(FdsCase, cellsAreConstantAndGhostsAreDropped) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveSlices(folder, true, 1, [](double x, double, double z) { return 10 * x + z; });
   FdsCase read = opened(folder / "made.smv");
   EXPECT_EQ(read.source().name, "slice3d-extinction-cells");
@@ -135,16 +135,11 @@ TEST(FdsCase, cellsAreConstantAndGhostsAreDropped) {
 }
 
 TEST(FdsCase, aSliceOfCellsIsALayerOfThem) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {}, {}});
+  MadeCase made;
   // Cell 2 on z lies between 0.3 and 0.5, not at node 2.
   const fdswriter::Slice cells{{0, 5, 0, 4, 2, 2}};
-  fdswriter::sliceFile(cells, {{0, fdswriter::inCells(kFirst, cells.at, linear, 777.0F)}})
-      .save(folder / "cells.sf");
-  index.slice(1, cells, "cells.sf", true);
-  index.save(folder / "made.smv");
-  FdsCase read = opened(folder / "made.smv");
+  made.add(cells, "cells.sf", {{0, fdswriter::inCells(kFirst, cells.at, linear, 777.0F)}}, true);
+  FdsCase read = made.open();
   const FdsField field = fieldAt(read, 0);
   EXPECT_EQ(field.bounds().min.z(), 0.3);
   EXPECT_EQ(field.bounds().max.z(), 0.5);
@@ -155,15 +150,10 @@ TEST(FdsCase, aSliceOfCellsIsALayerOfThem) {
 }
 
 TEST(FdsCase, aSliceOfNodesIsALayerRoundThem) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {}, {}});
+  MadeCase made;
   const fdswriter::Slice nodes{{0, 5, 0, 4, 2, 2}};
-  fdswriter::sliceFile(nodes, {{0, fdswriter::atNodes(kFirst, nodes.at, linear)}})
-      .save(folder / "nodes.sf");
-  index.slice(1, nodes, "nodes.sf", false);
-  index.save(folder / "made.smv");
-  FdsCase read = opened(folder / "made.smv");
+  made.add(nodes, "nodes.sf", {{0, fdswriter::atNodes(kFirst, nodes.at, linear)}});
+  FdsCase read = made.open();
   EXPECT_EQ(read.source().name, "slice-extinction");
   const FdsField field = fieldAt(read, 0);
   EXPECT_NEAR(field.bounds().min.z(), 0.4, 1e-12);
@@ -173,28 +163,23 @@ TEST(FdsCase, aSliceOfNodesIsALayerRoundThem) {
               0.5 * (linear(0.1, 0.1, 0.5) + linear(0.9, 0.7, 0.5)) * line.end, 1e-6);
   FdsOptions volume;
   volume.volume = true;
-  const auto none = FdsCase::open(folder / "made.smv", volume);
+  const auto none = FdsCase::open(made.folder / "made.smv", volume);
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().message, HasSubstr("layers only (slice-extinction)"));
 }
 
 TEST(FdsCase, theBestSourceIsTakenAndOthersByName) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {}, {}});
+  MadeCase made;
   const auto save = [&](const std::string& quantity, const std::string& unit, double value) {
     fdswriter::Slice slice{whole(kFirst), quantity, "short", unit};
     const std::string name = fmt::format("{}.sf", value);
-    fdswriter::sliceFile(
-        slice, {{0, fdswriter::atNodes(kFirst, slice.at, [&](auto...) { return value; })}})
-        .save(folder / name);
-    index.slice(1, slice, name, false);
+    made.add(slice, name,
+             {{0, fdswriter::atNodes(kFirst, slice.at, [&](auto...) { return value; })}});
   };
   save("SOOT VISIBILITY", "m", 6);
   save("SOOT DENSITY", "kg/m3", 1e-4);
   save("SOOT OPTICAL DENSITY", "1/m", 0.3);
   save("SOOT EXTINCTION COEFFICIENT", "1/m", 0.7);
-  index.save(folder / "made.smv");
   const Segment line = between({0, 0.4, 0.4}, {1, 0.4, 0.4});
   FdsOptions options;
   for (const auto& [name, expected] : std::vector<std::pair<std::string, double>>{
@@ -204,11 +189,11 @@ TEST(FdsCase, theBestSourceIsTakenAndOthersByName) {
            {"slice3d-soot-density", 0.87},
            {"slice3d-visibility", 0.5}}) {
     options.source = name;
-    FdsCase read = opened(folder / "made.smv", options);
+    FdsCase read = made.open(options);
     EXPECT_NEAR(depthOf(fieldAt(read, 0), line).value, expected, 1e-6) << name;
   }
   options.source = "slice3d-smoke";
-  const auto unknown = FdsCase::open(folder / "made.smv", options);
+  const auto unknown = FdsCase::open(made.folder / "made.smv", options);
   ASSERT_FALSE(unknown);
   EXPECT_THAT(unknown.error().message,
               HasSubstr("the case has slice3d-extinction, slice3d-optical-density, "
@@ -216,7 +201,7 @@ TEST(FdsCase, theBestSourceIsTakenAndOthersByName) {
 }
 
 /// Extinction in nodes at `times` as a 3D slice, and bytes at `more`.
-void saveSliceAndBytes(const Folder& folder, const std::vector<float>& times,
+void saveSliceAndBytes(const ScratchFolder& folder, const std::vector<float>& times,
                        const std::vector<float>& more, const std::string& smoke = "SOOT DENSITY",
                        bool slices = true) {
   fdswriter::Index index;
@@ -239,7 +224,7 @@ void saveSliceAndBytes(const Folder& folder, const std::vector<float>& times,
 
 TEST(FdsCase, manyTimesGoBeforeExactValuesAtFew) {
   const std::vector<float> few{0, 30, 60}, some{0, 15, 30, 45, 60}, many{0, 10, 20, 30, 40, 50, 60};
-  const Folder folder;
+  const ScratchFolder folder;
   saveSliceAndBytes(folder, few, many);
   const FdsCase bytes = opened(folder / "made.smv");
   EXPECT_EQ(bytes.source().name, "s3d");
@@ -256,7 +241,7 @@ TEST(FdsCase, manyTimesGoBeforeExactValuesAtFew) {
 }
 
 TEST(FdsCase, aSourceWhoseFileIsMissingIsNotPassedOverInSilence) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveSliceAndBytes(folder, {0}, {0, 1, 2, 3});
   std::filesystem::remove(folder / "made.sf");
   const auto result = FdsCase::open(folder / "made.smv");
@@ -265,7 +250,7 @@ TEST(FdsCase, aSourceWhoseFileIsMissingIsNotPassedOverInSilence) {
 }
 
 TEST(FdsCase, anySmokeWithAMassExtinctionIsSeen) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveSliceAndBytes(folder, {0}, {0}, "ASH DENSITY", false);
   FdsCase read = opened(folder / "made.smv");
   EXPECT_EQ(read.source().name, "s3d");
@@ -276,16 +261,11 @@ TEST(FdsCase, anySmokeWithAMassExtinctionIsSeen) {
 }
 
 TEST(FdsCase, visibilityAtItsCapSaysOnlyHowThickSmokeIsAtMost) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {}, {}});
+  MadeCase made;
   fdswriter::Slice slice{whole(kFirst), "SOOT VISIBILITY", "VIS", "m"};
-  fdswriter::sliceFile(slice,
-                       {{0, fdswriter::atNodes(kFirst, slice.at, [](auto...) { return 30.0; })}})
-      .save(folder / "v.sf");
-  index.slice(1, slice, "v.sf", false);
-  index.save(folder / "made.smv");
-  FdsCase read = opened(folder / "made.smv");
+  made.add(slice, "v.sf",
+           {{0, fdswriter::atNodes(kFirst, slice.at, [](auto...) { return 30.0; })}});
+  FdsCase read = made.open();
   EXPECT_THAT(sentences(read.remarks()), ElementsAre(HasSubstr("visibility is cut at 30 m")));
   const FdsDepth depth = depthOf(fieldAt(read, 0), between({0, 0.4, 0.4}, {1, 0.4, 0.4}));
   EXPECT_EQ(depth.low, 0);
@@ -294,7 +274,7 @@ TEST(FdsCase, visibilityAtItsCapSaysOnlyHowThickSmokeIsAtMost) {
 }
 
 /// A case with VISIBILITY of `value` at all nodes, and 7 at the corner.
-fdswriter::Index visibilityOf(const Folder& folder, float value) {
+fdswriter::Index visibilityOf(const ScratchFolder& folder, float value) {
   fdswriter::Index index;
   index.meshes.push_back({kFirst, {}, {}});
   fdswriter::Slice slice{whole(kFirst), "SOOT VISIBILITY", "VIS", "m"};
@@ -307,7 +287,7 @@ fdswriter::Index visibilityOf(const Folder& folder, float value) {
 }
 
 TEST(FdsCase, visibilityHasTheFactorAndCapOfTheInput) {
-  const Folder folder;
+  const ScratchFolder folder;
   visibilityOf(folder, 50).save(folder / "made.smv");
   const auto line = between({0, 0.4, 0.4}, {1, 0.4, 0.4});
   {
@@ -334,16 +314,11 @@ TEST(FdsCase, visibilityHasTheFactorAndCapOfTheInput) {
 
 TEST(FdsCase, negativeExtinctionIsNoClearAir) {
   for (const double k : {-1e-6, -0.2}) {
-    const Folder folder;
-    fdswriter::Index index;
-    index.meshes.push_back({kFirst, {}, {}});
+    MadeCase made;
     const fdswriter::Slice slice{whole(kFirst)};
-    fdswriter::sliceFile(slice,
-                         {{3, fdswriter::atNodes(kFirst, slice.at, [&](auto...) { return k; })}})
-        .save(folder / "k.sf");
-    index.slice(1, slice, "k.sf", false);
-    index.save(folder / "made.smv");
-    FdsCase read = opened(folder / "made.smv");
+    made.add(slice, "k.sf",
+             {{3, fdswriter::atNodes(kFirst, slice.at, [&](auto...) { return k; })}});
+    FdsCase read = made.open();
     const auto field = read.field(3);
     EXPECT_EQ(field.has_value(), k > -1e-4);
     if (!field) {
@@ -356,7 +331,7 @@ TEST(FdsCase, negativeExtinctionIsNoClearAir) {
 
 TEST(FdsCase, meshesThatFdsConnectsAreOne) {
   for (const double gap : {0.0, 2e-5, 9e-4, 4e-3}) {
-    const Folder folder;
+    const ScratchFolder folder;
     fdswriter::Index index;
     auto second = kSecond;
     for (double& x : second[0]) x += gap;
@@ -384,18 +359,15 @@ TEST(FdsCase, meshesThatFdsConnectsAreOne) {
 }
 
 TEST(FdsCase, withoutSmokeItIsClearWhereThatIsAskedFor) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {{1, 4, 1, 3, 0, 3}}, {}});
+  MadeCase made({{1, 4, 1, 3, 0, 3}});
   fdswriter::Slice slice{whole(kFirst), "TEMPERATURE", "temp", "C"};
   const auto values = fdswriter::atNodes(kFirst, slice.at, [](auto...) { return 20; });
-  fdswriter::sliceFile(slice, {{0, values}, {5, values}}).save(folder / "t.sf");
-  index.slice(1, slice, "t.sf", false);
-  index.save(folder / "made.smv");
-  EXPECT_EQ(FdsCase::open(folder / "made.smv").error().code, ErrorCode::kNotFound);
+  made.add(slice, "t.sf", {{0, values}, {5, values}});
+  made.index.save(made.folder / "made.smv");
+  EXPECT_EQ(FdsCase::open(made.folder / "made.smv").error().code, ErrorCode::kNotFound);
   FdsOptions options;
   options.orClear = true;
-  FdsCase read = opened(folder / "made.smv", options);
+  FdsCase read = opened(made.folder / "made.smv", options);
   EXPECT_THAT(read.times(), ElementsAre(0, 5));
   const FdsDepth depth = depthOf(fieldAt(read, 5), between({0, 0.7, 0.4}, {1, 0.7, 0.4}));
   EXPECT_EQ(depth.value, 0);
@@ -404,42 +376,30 @@ TEST(FdsCase, withoutSmokeItIsClearWhereThatIsAskedFor) {
 
 TEST(FdsCase, solidsNeverReachTheirNeighbours) {
   // FDS writes the ambient value at nodes inside walls: soot of 1.2 kg/m3.
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {{1, 4, 1, 3, 0, 3}}, {}});
+  MadeCase made({{1, 4, 1, 3, 0, 3}});
   fdswriter::Slice slice{whole(kFirst), "SOOT DENSITY", "rho", "kg/m3"};
   const auto inside = [](double x, double y, double) { return x > 0.3 && x < 0.7 && y == 0.4; };
-  fdswriter::sliceFile(slice, {{0, fdswriter::atNodes(kFirst, slice.at,
-                                                      [&](double x, double y, double z) {
-                                                        return inside(x, y, z) ? 1.195 : 1e-4;
-                                                      })}})
-      .save(folder / "a.sf");
-  index.slice(1, slice, "a.sf", false);
-  index.save(folder / "made.smv");
-  FdsCase read = opened(folder / "made.smv");
+  const auto soot = [&](double x, double y, double z) { return inside(x, y, z) ? 1.195 : 1e-4; };
+  made.add(slice, "a.sf", {{0, fdswriter::atNodes(kFirst, slice.at, soot)}});
+  FdsCase read = made.open();
   const FdsDepth depth = depthOf(fieldAt(read, 0), between({0, 0.4, 0.3}, {1, 0.4, 0.3}));
   EXPECT_NEAR(depth.insideSolids, 0.6, 1e-9);
   EXPECT_NEAR(depth.value, 0.4 * 0.87, 1e-6);
 }
 
 TEST(FdsCase, aDoorOpensTheLineOfSightAtItsTime) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {{2, 3, 0, 4, 0, 3}, {4, 4, 0, 4, 0, 3}}, {}});
+  MadeCase made({{2, 3, 0, 4, 0, 3}, {4, 4, 0, 4, 0, 3}});
   fdswriter::Slice slice{whole(kFirst)};
   const auto frame = [&](double gas, double door) {
     return fdswriter::inCells(
         kFirst, slice.at, [&](double x, double, double) { return x > 0.4 && x < 0.6 ? door : gas; },
         0.0F);
   };
-  fdswriter::sliceFile(slice, {{0, frame(1, 999)}, {10, frame(1, 999)}, {20, frame(1, 5)}})
-      .save(folder / "a.sf");
-  index.slice(1, slice, "a.sf", true);
-  index.event("HIDE_OBST", 1, 1, 12.5);
-  index.event("HIDE_OBST", 1, 2, 12.5);
-  index.event("SHOW_OBST", 1, 2, 15);
-  index.save(folder / "made.smv");
-  FdsCase read = opened(folder / "made.smv");
+  made.add(slice, "a.sf", {{0, frame(1, 999)}, {10, frame(1, 999)}, {20, frame(1, 5)}}, true);
+  made.index.event("HIDE_OBST", 1, 1, 12.5);
+  made.index.event("HIDE_OBST", 1, 2, 12.5);
+  made.index.event("SHOW_OBST", 1, 2, 15);
+  FdsCase read = made.open();
   EXPECT_THAT(obstructionEvents(read.index()), ElementsAre(12.5, 15));
   const Segment line = between({0.1, 0.4, 0.3}, {0.9, 0.4, 0.3});
   EXPECT_TRUE(read.obstructions(12.49).blocked(line));
@@ -452,22 +412,18 @@ TEST(FdsCase, aDoorOpensTheLineOfSightAtItsTime) {
 }
 
 TEST(FdsCase, gasThatNoFrameKnowsIsNotCovered) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {{2, 3, 0, 4, 0, 3}}, {}});
+  MadeCase made({{2, 3, 0, 4, 0, 3}});
   fdswriter::Slice slice{whole(kFirst)};
   const auto values = fdswriter::inCells(kFirst, slice.at, linear, 0.0F);
-  fdswriter::sliceFile(slice, {{0, values}}).save(folder / "a.sf");
-  index.slice(1, slice, "a.sf", true);
-  index.event("HIDE_OBST", 1, 1, 5);
-  index.save(folder / "made.smv");
-  FdsCase read = opened(folder / "made.smv");
+  made.add(slice, "a.sf", {{0, values}}, true);
+  made.index.event("HIDE_OBST", 1, 1, 5);
+  FdsCase read = made.open();
   EXPECT_NEAR(depthOf(fieldAt(read, 5), between({0, 0.4, 0.3}, {1, 0.4, 0.3})).uncovered, 0.2,
               1e-12);
 }
 
 TEST(FdsCase, aRunningCaseIsReadAsFarAsAllItsFilesGo) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveSlices(folder, false, 2, linear);
   std::filesystem::resize_file(folder / "made_2_1.sf",
                                std::filesystem::file_size(folder / "made_2_1.sf") - 9);
@@ -480,7 +436,7 @@ TEST(FdsCase, aRunningCaseIsReadAsFarAsAllItsFilesGo) {
 
 TEST(FdsCase, aMeshThatEndsBetweenFramesIsNamedWhicheverItIs) {
   for (const int mesh : {1, 2}) {
-    const Folder folder;
+    const ScratchFolder folder;
     saveSlices(folder, false, 2, linear);
     const auto file = folder / fmt::format("made_{}_1.sf", mesh);
     const auto header = 3 * (30 + 8) + (6 * 4 + 8);
@@ -500,7 +456,7 @@ TEST(FdsCase, aMeshThatEndsEarlierIsUnknownWhereThatIsAskedFor) {
   const Segment first = between({0, 0.4, 0.3}, {1, 0.4, 0.3});
   const Segment second = between({1.01, 0.4, 0.3}, {1.9, 0.4, 0.3});
   for (const int mesh : {1, 2}) {
-    const Folder folder;
+    const ScratchFolder folder;
     saveSlices(folder, false, 2, linear);
     const auto file = folder / fmt::format("made_{}_1.sf", mesh);
     const auto header = 3 * (30 + 8) + (6 * 4 + 8);
@@ -529,7 +485,7 @@ TEST(FdsCase, aMeshThatEndsEarlierIsUnknownWhereThatIsAskedFor) {
 }
 
 TEST(FdsCase, aMissingFileLeavesItsMeshUnknownWhereThatIsAskedFor) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveSlices(folder, false, 2, linear);
   std::filesystem::remove(folder / "made_2_1.sf");
   EXPECT_FALSE(FdsCase::open(folder / "made.smv"));
@@ -543,7 +499,7 @@ TEST(FdsCase, aMissingFileLeavesItsMeshUnknownWhereThatIsAskedFor) {
 }
 
 TEST(FdsCase, aMeshWithoutAWholeFrameIsLeftOutAndNamed) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveSlices(folder, false, 2, linear);
   std::filesystem::resize_file(folder / "made_2_1.sf", 200);
   const FdsCase read = opened(folder / "made.smv");
@@ -552,7 +508,7 @@ TEST(FdsCase, aMeshWithoutAWholeFrameIsLeftOutAndNamed) {
 }
 
 TEST(FdsCase, valuesThatAreNoNumbersAreRefusedWhereThereIsGas) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveSlices(folder, false, 1, [](double x, double y, double z) {
     return x == 1 && y == 0.4 && z == 0.5 ? std::nan("") : 1.0;
   });
@@ -563,7 +519,7 @@ TEST(FdsCase, valuesThatAreNoNumbersAreRefusedWhereThereIsGas) {
 }
 
 TEST(FdsCase, memoryIsBounded) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveSlices(folder, false, 1, linear);
   FdsOptions options;
   options.maxMemory = 1000;
@@ -574,7 +530,7 @@ TEST(FdsCase, memoryIsBounded) {
 
 TEST(FdsCase, aMeshThatIsTooLargeIsRefusedBeforeItIsBuilt) {
   // A slice of four values in a mesh of 7e11 cells: the index alone says so.
-  const Folder folder;
+  const ScratchFolder folder;
   fdswriter::Index index;
   Planes planes;
   for (auto& axis : planes) {
@@ -592,9 +548,7 @@ TEST(FdsCase, aMeshThatIsTooLargeIsRefusedBeforeItIsBuilt) {
 }
 
 TEST(FdsCase, plot3dIsReadWhereNothingElseIs) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {}, {}});
+  MadeCase made;
   for (const double time : {1.0, 3.0}) {
     std::vector<float> five;
     for (int v = 0; v < 5; ++v) {
@@ -604,11 +558,10 @@ TEST(FdsCase, plot3dIsReadWhereNothingElseIs) {
       five.insert(five.end(), values.begin(), values.end());
     }
     const std::string name = fmt::format("made_1_{}p00.q", time);
-    fdswriter::plotFile(cellsOf(kFirst), five).save(folder / name);
-    index.plot(1, time, name, "SOOT EXTINCTION COEFFICIENT");
+    fdswriter::plotFile(cellsOf(kFirst), five).save(made.folder / name);
+    made.index.plot(1, time, name, "SOOT EXTINCTION COEFFICIENT");
   }
-  index.save(folder / "made.smv");
-  FdsCase read = opened(folder / "made.smv");
+  FdsCase read = made.open();
   EXPECT_EQ(read.source().name, "plot3d-extinction");
   EXPECT_THAT(read.times(), ElementsAre(1, 3));
   EXPECT_NEAR(fieldAt(read, 2).extinction({0.5, 0.5, 0.2}), 2 * linear(0.5, 0.5, 0.2), 1e-5);

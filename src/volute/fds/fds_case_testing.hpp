@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/program.hpp"
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_writer.hpp"
 
@@ -15,7 +16,6 @@
 
 namespace volute {
 
-using fdswriter::Folder;
 using fdswriter::Indices;
 using fdswriter::Planes;
 
@@ -66,6 +66,28 @@ inline FdsCase opened(const std::filesystem::path& path, const FdsOptions& optio
     throw std::runtime_error(result.error().message);
   return std::move(*result);
 }
+
+/// A case of the mesh kFirst that a test makes.
+struct MadeCase {
+  explicit MadeCase(std::vector<Indices> obstructions = {}) {
+    index.meshes.push_back({kFirst, std::move(obstructions), {}});
+  }
+
+  void add(const fdswriter::Slice& slice, const std::string& name,
+           const std::vector<std::pair<float, std::vector<float>>>& frames,
+           bool cellCentred = false) {
+    fdswriter::sliceFile(slice, frames).save(folder / name);
+    index.slice(1, slice, name, cellCentred);
+  }
+
+  FdsCase open(const FdsOptions& options = {}) const {
+    index.save(folder / "made.smv");
+    return opened(folder / "made.smv", options);
+  }
+
+  ScratchFolder folder;
+  fdswriter::Index index;
+};
 
 inline FdsField fieldAt(FdsCase& opened, double time) {
   auto field = opened.field(time);

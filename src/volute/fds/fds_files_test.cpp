@@ -9,19 +9,19 @@
 #include <fstream>
 #include <iterator>
 
+#include "volute/base/program.hpp"
 #include "volute/fds/fds_writer.hpp"
 
 namespace volute {
 namespace {
 
 namespace fs = std::filesystem;
-using fdswriter::Folder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 /// Four meshes in a row, each with a slice and a smoke file of three frames, and PLOT3D at 10 s.
-SmvIndex saveFour(const Folder& folder) {
+SmvIndex saveFour(const ScratchFolder& folder) {
   fdswriter::Index index;
   for (int mesh = 1; mesh <= 4; ++mesh) {
     const double x = 2.0 * mesh;
@@ -52,7 +52,7 @@ const FdsFileCheck& find(const std::vector<FdsFileCheck>& checks, const std::str
 }
 
 TEST(FdsFiles, wholeOnesAreWhole) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto checks = checkFiles(saveFour(folder));
   ASSERT_THAT(checks, SizeIs(12));
   for (const FdsFileCheck& check : checks) {
@@ -63,7 +63,7 @@ TEST(FdsFiles, wholeOnesAreWhole) {
 }
 
 TEST(FdsFiles, otherFilesAreLookedForToo) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveFour(folder);
   std::string text;
   std::ifstream in(folder / "made.smv");
@@ -83,7 +83,7 @@ TEST(FdsFiles, otherFilesAreLookedForToo) {
 }
 
 TEST(FdsFiles, eachLossIsToldApart) {
-  const Folder folder;
+  const ScratchFolder folder;
   const SmvIndex index = saveFour(folder);
   const auto cut = [&](const std::string& name, std::uintmax_t bytes) {
     fs::resize_file(folder / name, bytes);

@@ -25,7 +25,7 @@ using ::testing::IsEmpty;
 const FdsOptions kHeat{.quantity = std::string(kFdsHeatRelease)};
 
 /// A case with the heat release as a 3D slice of nodes.
-FdsField heatOf(const Folder& folder, const fdswriter::Function& heat, Indices solid) {
+FdsField heatOf(const ScratchFolder& folder, const fdswriter::Function& heat, Indices solid) {
   fdswriter::Index index;
   index.meshes.push_back({kFirst, {solid}, {}});
   const fdswriter::Slice slice{whole(kFirst), "HRRPUV", "hrrpuv", "kW/m3"};
@@ -39,7 +39,7 @@ FdsField heatOf(const Folder& folder, const fdswriter::Function& heat, Indices s
 }
 
 conformance::MediumUnderTest underTest() {
-  const Folder folder;
+  const ScratchFolder folder;
   std::mt19937 random(9);
   std::uniform_real_distribution<double> uniform(0, 900);
   const FdsFlame flame(
@@ -54,7 +54,7 @@ conformance::MediumUnderTest underTest() {
 VOLUTE_CONFORMANCE(FdsFlames, underTest());
 
 conformance::MediumUnderTest glowingUnderTest() {
-  const Folder folder;
+  const ScratchFolder folder;
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(600, 1700);
   const FdsFlame flame = FdsFlame::glowing(
@@ -68,7 +68,7 @@ conformance::MediumUnderTest glowingUnderTest() {
 VOLUTE_CONFORMANCE(FdsGlowingFlames, glowingUnderTest());
 
 TEST(FdsFlame, TemperaturesShineAsBlackBodies) {
-  const Folder folder;
+  const ScratchFolder folder;
   // 400 degrees below x = 0.5 are dark, 1400 above shine.
   const FdsField celsius =
       heatOf(folder, [](double x, double, double) { return x < 0.5 ? 400.0 : 1400.0; },
@@ -87,14 +87,14 @@ TEST(FdsFlame, TemperaturesShineAsBlackBodies) {
     EXPECT_NEAR(seen.emitted[c], expected * colour[static_cast<std::size_t>(c)], 1e-3 * expected);
   }
   EXPECT_EQ(seen.transmittance, 1);
-  const Folder cold;
+  const ScratchFolder cold;
   EXPECT_FALSE(
       FdsFlame::glowing(heatOf(cold, [](auto...) { return 300.0; }, {0, 0, 0, 0, 0, 0}), {}, 1500)
           .burns());
 }
 
 TEST(FdsFlame, ReachesAsFarAsItsCells) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto heat = [](double x, double y, double z) {
     return x == 0.6 && y == 0.4 && z == 0 ? 500.0 : 10.0;
   };
@@ -102,13 +102,13 @@ TEST(FdsFlame, ReachesAsFarAsItsCells) {
   EXPECT_TRUE(flame.burns());
   EXPECT_NEAR((flame.bounds().min - Vec3(0.4, 0.2, 0)).norm(), 0, 1e-12);
   EXPECT_NEAR((flame.bounds().max - Vec3(0.8, 0.6, 0.3)).norm(), 0, 1e-12);
-  const Folder cold;
+  const ScratchFolder cold;
   EXPECT_FALSE(
       FdsFlame(heatOf(cold, [](auto...) { return 10.0; }, {0, 0, 0, 0, 0, 0}), {}).burns());
 }
 
 TEST(FdsFlame, ShinesAsItReleasesHeatAboveItsCutoff) {
-  const Folder folder;
+  const ScratchFolder folder;
   // 100 kW/m3 below x = 0.5, 700 above: at nodes 0, 0.2, 0.4 and 0.6, 0.8, 1.
   const FdsField heat = heatOf(
       folder, [](double x, double, double) { return x < 0.5 ? 100.0 : 700.0; }, {0, 0, 0, 0, 0, 0});
@@ -127,7 +127,7 @@ TEST(FdsFlame, ShinesAsItReleasesHeatAboveItsCutoff) {
 }
 
 TEST(FdsFlame, ItsLuminanceIsThatOfLinesThroughItAndItsSmoke) {
-  const Folder folder;
+  const ScratchFolder folder;
   const FdsField heat =
       heatOf(folder, [](double, double, double) { return 700.0; }, {0, 0, 0, 0, 0, 0});
   const FdsFlame flame(heat, {.emission = 3});
@@ -141,7 +141,7 @@ TEST(FdsFlame, ItsLuminanceIsThatOfLinesThroughItAndItsSmoke) {
 }
 
 /// Bytes as FDS writes them, one mesh of even heat with a byte of 254 at one node.
-void saveBytes(const Folder& folder, double heat, double most, const std::string& sizes) {
+void saveBytes(const ScratchFolder& folder, double heat, double most, const std::string& sizes) {
   fdswriter::Index index;
   index.meshes.push_back({kFirst, {}, {}});
   const auto byte = static_cast<std::uint8_t>(254 * heat / most);
@@ -156,7 +156,7 @@ void saveBytes(const Folder& folder, double heat, double most, const std::string
 
 TEST(FdsFlame, BytesHaveTheScaleThatTheirSizesSay) {
   for (const double most : {1200.0, 5000.0}) {
-    const Folder folder;
+    const ScratchFolder folder;
     saveBytes(folder, 267.8, most, "0\n 0 1 1 0.0\n 5 1 1 267.8\n");
     FdsCase read = opened(folder / "made.smv", kHeat);
     EXPECT_EQ(read.source().name, "s3d-hrrpuv");
@@ -172,7 +172,7 @@ TEST(FdsFlame, BytesHaveTheScaleThatTheirSizesSay) {
 }
 
 TEST(FdsFlame, TheIndexSaysWhatTheLastByteIs) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveBytes(folder, 267.8, 5000, "0\n 0 1 1 0.0\n 5 1 1 267.8\n");
   std::ifstream in(folder / "made.smv");
   const std::string text(std::istreambuf_iterator<char>(in), {});
@@ -186,7 +186,7 @@ TEST(FdsFlame, TheIndexSaysWhatTheLastByteIs) {
 
 /// Bytes of 20 to 2000 degrees C unless `range` says otherwise: the first frame all byte 0, the
 /// second all `byte`.
-void saveTemperature(const Folder& folder, std::uint8_t byte, const std::string& range,
+void saveTemperature(const ScratchFolder& folder, std::uint8_t byte, const std::string& range,
                      const std::string& sizes) {
   fdswriter::Index index;
   index.meshes.push_back({kFirst, {}, {}});
@@ -206,7 +206,7 @@ TEST(FdsFlame, BytesOfTemperatureReachAsTheIndexSays) {
   for (const auto& [range, least, most] :
        {std::tuple{std::string("TEMP_MINMAX\n   20.0   2000.0\n\n"), 20.0, 2000.0},
         std::tuple{std::string("TEMP_MINMAX\n 100 1100\n"), 100.0, 1100.0}}) {
-    const Folder folder;
+    const ScratchFolder folder;
     saveTemperature(folder, 127, range, "0\n 0 1 1 20.0\n 5 1 1 1010\n");
     FdsCase read = opened(folder / "made.smv", kGlow);
     EXPECT_EQ(read.source().name, "s3d-effective-flame-temperature");
@@ -223,7 +223,7 @@ TEST(FdsFlame, BytesOfTemperatureReachAsTheIndexSays) {
 }
 
 TEST(FdsFlame, WithoutARangeBytesOfTemperatureHaveTheDefaults) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveTemperature(folder, 127, "", "0\n 0 1 1 20.0\n 5 1 1 1010\n");
   FdsCase read = opened(folder / "made.smv", kGlow);
   EXPECT_THAT(sentences(read.remarks()), Contains(HasSubstr("no TEMP_MINMAX")));
@@ -237,7 +237,7 @@ TEST(FdsFlame, WithoutARangeBytesOfTemperatureHaveTheDefaults) {
 }
 
 TEST(FdsFlame, BytesThatContradictTheirSizesAreRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   saveBytes(folder, 267.8, 1200, "0\n 0 1 1 0.0\n 5 1 1 267.8\n 5 1 1 900\n");
   const auto read = FdsCase::open(folder / "made.smv", kHeat);
   ASSERT_FALSE(read);
@@ -245,11 +245,9 @@ TEST(FdsFlame, BytesThatContradictTheirSizesAreRefused) {
 }
 
 TEST(FdsFlame, ACaseWithoutHeatSaysSo) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {}, {}});
-  index.save(folder / "made.smv");
-  const auto read = FdsCase::open(folder / "made.smv", kHeat);
+  MadeCase made;
+  made.index.save(made.folder / "made.smv");
+  const auto read = FdsCase::open(made.folder / "made.smv", kHeat);
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().code, ErrorCode::kNotFound);
   EXPECT_THAT(read.error().message, HasSubstr("no file of the case has 'HRRPUV'"));

@@ -29,7 +29,7 @@ constexpr const char* kText =
     "&TAIL /\n";
 
 TEST(FdsInput, SaysWhatOutputsDoNot) {
-  fdswriter::Folder folder;
+  ScratchFolder folder;
   fdswriter::saveText(folder / "case.fds", kText);
   const auto input = FdsInput::read(folder / "case.fds").value();
   EXPECT_EQ(input.chid, "case");
@@ -59,14 +59,14 @@ TEST(FdsInput, NamelistsHaveAllValues) {
 }
 
 TEST(FdsInput, ImpossibleNumbersAreNamed) {
-  fdswriter::Folder folder;
+  ScratchFolder folder;
   fdswriter::saveText(folder / "a.fds", "&HEAD CHID='a' /\n&MISC VISIBILITY_FACTOR=-1 /\n");
   EXPECT_THAT(FdsInput::read(folder / "a.fds").error().message,
               HasSubstr("a.fds: line 2: VISIBILITY_FACTOR is '-1'; expected a number above 0"));
 }
 
 TEST(FdsInput, IsReadAsFortranReadsIt) {
-  fdswriter::Folder folder;
+  ScratchFolder folder;
   fdswriter::saveText(folder / "a.fds",
                       "&HEAD CHID='a' /\n&TIME T_BEGIN=-5. /\n"
                       "&MISC VISIBILITY_FACTOR ! of signs that emit light\n = 5., TMPA\n=20.,\n"
@@ -91,7 +91,7 @@ TEST(FdsInput, IsReadAsFortranReadsIt) {
 }
 
 TEST(FdsInput, ReadsTheFilesThatItNames) {
-  fdswriter::Folder folder;
+  ScratchFolder folder;
   fdswriter::saveText(folder / "a.fds",
                       "&HEAD CHID='a' /\n&CATF OTHER_FILES='optics.fds','Fires.fds' /\n");
   EXPECT_THAT(FdsInput::read(folder / "a.fds").error().message,

@@ -13,7 +13,8 @@ namespace volute {
 namespace {
 
 /// 3D slices of a temperature, at nodes.
-FdsField temperatureOf(const Folder& folder, const fdswriter::Function& value, Indices solid) {
+FdsField temperatureOf(const ScratchFolder& folder, const fdswriter::Function& value,
+                       Indices solid) {
   fdswriter::Index index;
   index.meshes.push_back({kFirst, {solid}, {}});
   const fdswriter::Slice slice{whole(kFirst), "TEMPERATURE", "temp", "C"};
@@ -26,7 +27,7 @@ FdsField temperatureOf(const Folder& folder, const fdswriter::Function& value, I
 }
 
 TEST(FdsIso, StandsWhereAPlaneHasItsLevel) {
-  const Folder folder;
+  const ScratchFolder folder;
   const FdsIso iso(
       temperatureOf(folder,
                     [](double x, double y, double z) { return 20 + 100 * x + 50 * y + 30 * z; },
@@ -55,7 +56,7 @@ TEST(FdsIso, StandsWhereAPlaneHasItsLevel) {
 }
 
 TEST(FdsIso, ALayerIsCrossedTwiceAndSolidsHaveNone) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto hump = [](double x, double, double) { return x > 0.35 && x < 0.65 ? 100.0 : 20.0; };
   const FdsIso open(temperatureOf(folder, hump, {0, 0, 0, 0, 0, 0}), {.level = 60});
   const Segment line = between({0, 0.3, 0.2}, {1, 0.3, 0.2});
@@ -63,7 +64,7 @@ TEST(FdsIso, ALayerIsCrossedTwiceAndSolidsHaveNone) {
   ASSERT_EQ(at.size(), 2U);
   EXPECT_NEAR(at[0], 0.3, 1e-5);
   EXPECT_NEAR(at[1], 0.7, 1e-5);
-  const Folder other;
+  const ScratchFolder other;
   const FdsIso blocked(temperatureOf(other, hump, {1, 4, 0, 4, 0, 3}), {.level = 60});
   EXPECT_TRUE(blocked.crossings(line).empty()) << "all within a solid";
 }

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "volute/base/program.hpp"
 #include "volute/fds/fds_writer.hpp"
 
 namespace volute {
 namespace {
 
-using fdswriter::Folder;
 using fdswriter::Index;
 using fdswriter::Indices;
 
@@ -23,7 +23,7 @@ std::vector<double> planes(double from, int cells) {
 
 /// 12 x 6 x 3 m of 0.2 m cells, with the obstructions.
 std::optional<Box3> roomAmong(std::vector<Indices> obstructions) {
-  const Folder folder;
+  const ScratchFolder folder;
   Index index;
   index.meshes.push_back(
       {{planes(10, 60), planes(-3, 30), planes(0, 15)}, std::move(obstructions), {}});
@@ -55,7 +55,7 @@ TEST(FdsRoom, ReachesFromWallToWallAndFromFloorToCeiling) {
 }
 
 TEST(FdsRoom, IsUnderTheMeshesOwnTop) {
-  const Folder folder;
+  const ScratchFolder folder;
   Index index;
   index.meshes.push_back({{planes(10, 60), planes(-3, 30), planes(0, 15)}, {}, {}});
   std::string text = index.text();
@@ -78,7 +78,7 @@ TEST(FdsRoom, WhatHangsBelowTheCeilingLowersItAndWhatIsTooLowIsLeftOut) {
 }
 
 TEST(FdsRoom, ARoofThatIsGoneCoversNothing) {
-  const Folder folder;
+  const ScratchFolder folder;
   Index index;
   index.meshes.push_back(
       {{planes(0, 20), planes(0, 20), planes(0, 15)}, {{0, 20, 0, 20, 13, 14}}, {}});

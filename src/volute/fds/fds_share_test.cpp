@@ -69,7 +69,7 @@ TEST(FdsShare, MoreSharesThanMeshesAreRefused) {
 }
 
 /// Two meshes side by side and a finer one within the first, with an obstruction in the second.
-void saveCase(const Folder& folder, bool cellCentred) {
+void saveCase(const ScratchFolder& folder, bool cellCentred) {
   const Planes fine{{{0.2, 0.3, 0.4, 0.5, 0.6}, {0.2, 0.3, 0.4, 0.5, 0.6}, {0.3, 0.4, 0.5}}};
   fdswriter::Index index;
   int number = 0;
@@ -96,7 +96,7 @@ TEST(FdsShare, FieldsOfSharesAddUpToTheWhole) {
   std::mt19937 draw(2);
   std::uniform_real_distribution<double> x(-0.2, 2.2), y(-0.1, 0.9), z(-0.1, 0.7);
   for (const bool cellCentred : {false, true}) {
-    const Folder folder;
+    const ScratchFolder folder;
     saveCase(folder, cellCentred);
     FdsCase all = opened(folder / "made.smv");
     const FdsField whole = fieldAt(all, 0);

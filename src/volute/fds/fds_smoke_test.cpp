@@ -93,7 +93,8 @@ constexpr double kKm = 8700;
 /// One mesh with random smoke in 8 or 16 bits, as the three generations and .s16 write it.
 enum class Writing { kOpacity, kOpacityAndDensity, kDensity, kWords };
 
-void saveSmoke(const Folder& folder, const Cells& cells, const Indices& solid, Writing writing) {
+void saveSmoke(const ScratchFolder& folder, const Cells& cells, const Indices& solid,
+               Writing writing) {
   const auto count = cellsOf(cells.planes);
   const auto k = cells.nodes(false);
   const std::vector<double> clear(k.size(), 0.0);
@@ -157,7 +158,7 @@ RC_GTEST_PROP(FdsSmoke, theTrueDepthLiesWithinTheBand, ()) {
   const double most = *rc::gen::element(0.3, 3.0, 20.0);
   const Planes& planes = *rc::gen::arbitrary<bool>() ? kFirst : kSecond;
   const Indices solid{1, 3, 1, 3, 0, 2};
-  const Folder folder;
+  const ScratchFolder folder;
   const Cells cells = randomCells(planes, solid, most, seed);
   saveSmoke(folder, cells, solid, writing);
   FdsCase read = opened(folder / "made.smv");
@@ -186,7 +187,7 @@ RC_GTEST_PROP(FdsSmoke, theTrueDepthLiesWithinTheBand, ()) {
 }
 
 TEST(FdsSmoke, clearAirInWordsIsClear) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Indices solid{1, 3, 1, 3, 0, 2};
   saveSmoke(folder, randomCells(kFirst, solid, 3, 5), solid, Writing::kWords);
   FdsCase read = opened(folder / "made.smv");
@@ -197,7 +198,7 @@ TEST(FdsSmoke, clearAirInWordsIsClear) {
 
 TEST(FdsSmoke, aSignOnAWallIsSeenThroughTheSmokeThatIsThere) {
   // Even smoke: FDS's means at the wall are a half, at its edges a quarter of it.
-  const Folder folder;
+  const ScratchFolder folder;
   const Indices wall{2, 3, 0, 4, 0, 3};
   Cells cells(kFirst);
   cells.each([&](int i, int j, int k) {
@@ -220,7 +221,7 @@ TEST(FdsSmoke, aSignOnAWallIsSeenThroughTheSmokeThatIsThere) {
 TEST(FdsSmoke, aSignOnAWallIsSeenAsTheFloatSliceSeesIt) {
   // Uneven smoke, both ways in one case: bytes that FDS averaged over walls too, and its slice at
   // nodes, which is the mean of the gas.
-  const Folder folder;
+  const ScratchFolder folder;
   const Indices wall{2, 3, 0, 4, 0, 3};
   const Cells cells = randomCells(kFirst, wall, 4, 7);
   saveSmoke(folder, cells, wall, Writing::kOpacity);
@@ -249,7 +250,7 @@ TEST(FdsSmoke, aSignOnAWallIsSeenAsTheFloatSliceSeesIt) {
 }
 
 TEST(FdsSmoke, theLastByteSaysAtLeast) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Cells cells = [] {
     Cells thick(kFirst);
     thick.each([&](int i, int j, int k) {
@@ -268,7 +269,7 @@ TEST(FdsSmoke, theLastByteSaysAtLeast) {
 
 TEST(FdsSmoke, theCellOfItsOwnMeshScalesAByte) {
   // The same byte in meshes with cells of 0.1 and 0.2 m means twice the extinction.
-  const Folder folder;
+  const ScratchFolder folder;
   const Planes fine{{{0, 0.1, 0.2}, {0, 0.2, 0.4}, {0, 0.2, 0.4}}};
   const Planes coarse{{{0.2, 0.4, 0.6}, {0, 0.2, 0.4}, {0, 0.2, 0.4}}};
   fdswriter::Index index;
@@ -291,11 +292,9 @@ TEST(FdsSmoke, theCellOfItsOwnMeshScalesAByte) {
 
 TEST(FdsSmoke, smokeThatWasThereFromTheFirstIsNotDividedByWalls) {
   // FDS keeps the value of the first stored time in cells outside, but for those across edges.
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {}, {}});
-  index.smoke(1, "s.s3d", kKm);
-  index.save(folder / "made.smv");
+  MadeCase made;
+  made.index.smoke(1, "s.s3d", kKm);
+  made.index.save(made.folder / "made.smv");
   const auto count = cellsOf(kFirst);
   std::vector<double> k;
   for (int z = 0; z <= count[2]; ++z) {
@@ -308,10 +307,10 @@ TEST(FdsSmoke, smokeThatWasThereFromTheFirstIsNotDividedByWalls) {
     }
   }
   const auto bytes = opacityBytes(k, 0.2);
-  fdswriter::smokeFile(count, {{0, bytes}, {5, bytes}}).save(folder / "s.s3d");
-  fdswriter::saveText(folder / "s.s3d.sz",
+  fdswriter::smokeFile(count, {{0, bytes}, {5, bytes}}).save(made.folder / "s.s3d");
+  fdswriter::saveText(made.folder / "s.s3d.sz",
                       fmt::format("0\n 0 1 1 {0}\n 5 1 1 {0}\n", mostOpaque(k, 0.2)));
-  FdsCase read = opened(folder / "made.smv");
+  FdsCase read = opened(made.folder / "made.smv");
   const FdsField field = fieldAt(read, 5);
   for (const Vec3& point : {Vec3(0, 0, 0), Vec3(0, 0, 0.2), Vec3(0, 0.3, 0.2), Vec3(0.5, 0.3, 0.2)})
     EXPECT_NEAR(field.extinction(point), 2, 0.05) << point;
@@ -321,7 +320,7 @@ TEST(FdsSmoke, smokeThatWasThereFromTheFirstIsNotDividedByWalls) {
 // them.
 TEST(FdsSmoke, theTrueTemperatureLiesWithinTheBandOfItsByte) {
   for (const double ambient : {20.0, 12.0}) {
-    const Folder folder;
+    const ScratchFolder folder;
     const Indices solid{1, 3, 1, 3, 0, 2};
     const Cells rises = randomCells(kFirst, solid, 300, 11);
     const auto bytesOf = [&](const std::vector<double>& mean) {

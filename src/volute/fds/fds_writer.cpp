@@ -379,18 +379,6 @@ std::vector<float> inCells(const Planes& planes, const Indices& at, const Functi
   return out;
 }
 
-Folder::Folder() {
-  std::string name = (std::filesystem::temp_directory_path() / "volute-fds-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr)
-    throw std::runtime_error("no temporary folder");
-  path_ = name;
-}
-
-Folder::~Folder() {
-  std::error_code code;
-  std::filesystem::remove_all(path_, code);
-}
-
 void saveText(const std::filesystem::path& path, const std::string& text) {
   std::filesystem::remove(path);
   std::ofstream(path, std::ios::binary) << text;

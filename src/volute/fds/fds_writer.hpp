@@ -144,20 +144,6 @@ std::vector<float> inCells(const Planes& planes, const Indices& at, const Functi
                            float ghost);
 std::vector<float> atNodes(const Planes& planes, const Indices& at, const Function& function);
 
-/// A folder that goes away with the object.
-class Folder {
- public:
-  Folder();
-  ~Folder();
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
-
 void saveText(const std::filesystem::path& path, const std::string& text);
 void saveBytes(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
 

@@ -9,12 +9,12 @@
 #include <cmath>
 #include <memory>
 
+#include "volute/base/program.hpp"
 #include "volute/fds/fds_writer.hpp"
 
 namespace volute {
 namespace {
 
-using fdswriter::Folder;
 using fdswriter::Records;
 using ::testing::HasSubstr;
 
@@ -121,7 +121,7 @@ std::vector<std::vector<float>> readAll(const FdsFrameFile& file) {
 }
 
 TEST(FrameFile, readsEveryKindWholeAndSplit) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const std::size_t split : {0, 5}) {
     for (const Kind& kind : kinds(split)) {
       SCOPED_TRACE(kind.name);
@@ -147,7 +147,7 @@ TEST(FrameFile, readsEveryKindWholeAndSplit) {
 }
 
 TEST(FrameFile, aFrameOfOneValueHasExactWords) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto values = valuesAt(0);
   const std::vector<double> one(values.size(), 0.25), more(values.begin(), values.end());
   fdswriter::smoke16File(kCells, {{0, one}, {1, more}}).save(folder / "file");
@@ -159,7 +159,7 @@ TEST(FrameFile, aFrameOfOneValueHasExactWords) {
 }
 
 TEST(FrameFile, everyTruncationLeavesTheWholeFramesAndSaysSo) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const std::size_t split : {0, 7}) {
     for (const Kind& kind : kinds(split)) {
       SCOPED_TRACE(kind.name);
@@ -194,7 +194,7 @@ TEST(FrameFile, everyTruncationLeavesTheWholeFramesAndSaysSo) {
 }
 
 TEST(FrameFile, everyFlippedBitOfHeadersAndMarkersIsRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::size_t flips = 0;
   for (const std::size_t split : {0, 7}) {
     for (const Kind& kind : kinds(split)) {
@@ -224,7 +224,7 @@ TEST(FrameFile, everyFlippedBitOfHeadersAndMarkersIsRefused) {
 }
 
 TEST(FrameFile, aRestartReplacesLaterFrames) {
-  const Folder folder;
+  const ScratchFolder folder;
   fdswriter::sliceFile(
       wholeSlice(),
       {{0, valuesAt(0)}, {1, valuesAt(1)}, {2, valuesAt(2)}, {1, valuesAt(5)}, {3, valuesAt(6)}})
@@ -238,7 +238,7 @@ TEST(FrameFile, aRestartReplacesLaterFrames) {
 }
 
 TEST(FrameFile, aWrongMeshIsRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   FdsMesh other = mesh();
   other.planes[0].push_back(1);
   fdswriter::smokeFile(kCells, {{0, bytesAt(0)}}).save(folder / "a.s3d");

@@ -7,6 +7,7 @@
 
 #include <limits>
 
+#include "volute/base/program.hpp"
 #include "volute/fds/fds_writer.hpp"
 
 namespace volute {
@@ -23,7 +24,7 @@ class GeometryFile : public ::testing::Test {
     return readGeometryFile(folder_ / "made.ge");
   }
 
-  fdswriter::Folder folder_;
+  ScratchFolder folder_;
 };
 
 TEST_F(GeometryFile, HoldsTheTrianglesThatStay) {

@@ -31,7 +31,7 @@ std::vector<fdswriter::Triangles> isoFrames() {
           {4, {0, 0, 0.2F, 1, 0, 0.2F, 0, 0.8F, 0.2F}, {1, 2, 3}, {2}}};
 }
 
-Result<FdsIsoFile> isoOf(const fdswriter::Records& file, const Folder& folder) {
+Result<FdsIsoFile> isoOf(const fdswriter::Records& file, const ScratchFolder& folder) {
   file.save(folder / "a.iso");
   return FdsIsoFile::open({0, folder / "a.iso", {"TEMPERATURE", "temp", "C"}}, meshOfFirst());
 }
@@ -45,13 +45,13 @@ std::vector<fdswriter::Particles> particleFrames() {
           {2, {{{0.1F, 0.3F, 0.5F}, {}}, {{0.7F, 0.1F, 0.2F}, {55, 900}}}}};
 }
 
-Result<FdsParticleFile> particlesOf(const fdswriter::Records& file, const Folder& folder) {
+Result<FdsParticleFile> particlesOf(const fdswriter::Records& file, const ScratchFolder& folder) {
   file.save(folder / "a.prt5");
   return FdsParticleFile::open({0, {0, 1}, folder / "a.prt5"});
 }
 
 TEST(FdsIsoFile, GivesTrianglesAndTheirLevels) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const std::size_t split : {0, 5}) {
     const auto iso = isoOf(fdswriter::isoFile({30, 100}, isoFrames(), split), folder);
     ASSERT_TRUE(iso) << iso.error().message;
@@ -69,7 +69,7 @@ TEST(FdsIsoFile, GivesTrianglesAndTheirLevels) {
 }
 
 TEST(FdsIsoFile, SaysWhatIsWrong) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto refused = [&](std::vector<fdswriter::Triangles> frames, const std::string& says) {
     const auto iso = isoOf(fdswriter::isoFile({30, 100}, frames), folder);
     ASSERT_TRUE(iso) << iso.error().message;
@@ -96,7 +96,7 @@ TEST(FdsIsoFile, SaysWhatIsWrong) {
 }
 
 TEST(FdsParticleFile, GivesPlacesAndValues) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const std::size_t split : {0, 5}) {
     const auto file =
         particlesOf(fdswriter::particleFile(kQuantities, particleFrames(), split), folder);
@@ -118,7 +118,7 @@ TEST(FdsParticleFile, GivesPlacesAndValues) {
 }
 
 TEST(FdsPeople, AreATableOfWalksAboveTheFloorsOfTheirMeshes) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto people = [](float x, std::vector<std::int32_t> numbers) {
     const std::size_t n = numbers.size();
     fdswriter::Particles::OfAClass one;
@@ -159,7 +159,7 @@ TEST(FdsPeople, AreATableOfWalksAboveTheFloorsOfTheirMeshes) {
 }
 
 TEST(FdsParticleFile, WorksWithoutEmptyRecordsAndSaysWhatIsWrong) {
-  const Folder folder;
+  const ScratchFolder folder;
   // As a writer that leaves them out.
   using Words = std::vector<std::int32_t>;
   fdswriter::Records bare;
@@ -217,13 +217,13 @@ void damage(const fdswriter::Records& whole, const Open& open) {
 }
 
 TEST(FdsIsoFile, IsReadToItsLastWholeFrameAndDamageIsRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   damage(fdswriter::isoFile({30, 100}, isoFrames()),
          [&](const fdswriter::Records& file) { return isoOf(file, folder); });
 }
 
 TEST(FdsParticleFile, IsReadToItsLastWholeFrameAndDamageIsRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   damage(fdswriter::particleFile(kQuantities, particleFrames()),
          [&](const fdswriter::Records& file) { return particlesOf(file, folder); });
 }

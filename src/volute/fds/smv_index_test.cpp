@@ -13,7 +13,6 @@
 namespace volute {
 namespace {
 
-using fdswriter::Folder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
@@ -34,13 +33,13 @@ fdswriter::Index made() {
   return index;
 }
 
-Result<SmvIndex> readText(const Folder& folder, const std::string& text) {
+Result<SmvIndex> readText(const ScratchFolder& folder, const std::string& text) {
   fdswriter::saveText(folder / "made.smv", text);
   return SmvIndex::read(folder / "made.smv");
 }
 
 TEST(SmvIndex, leavesOutMeshesOfEvacuation) {
-  const Folder folder;
+  const ScratchFolder folder;
   fdswriter::Index index;
   index.meshes.push_back({kIndexPlanes, {{0, 1, 0, 2, 0, 1}}, {}, true});
   index.meshes.push_back({kIndexPlanes, {}, {}, false});
@@ -65,7 +64,7 @@ TEST(SmvIndex, leavesOutMeshesOfEvacuation) {
 }
 
 TEST(SmvIndex, aFileIsOfOneMesh) {
-  const Folder folder;
+  const ScratchFolder folder;
   fdswriter::Index index = made();
   index.slice(1, {{0, 2, 0, 2, 1, 1}}, "made_2_1.sf", false);
   EXPECT_THAT(readText(folder, index.text()).error().message,
@@ -73,7 +72,7 @@ TEST(SmvIndex, aFileIsOfOneMesh) {
 }
 
 TEST(SmvIndex, findsFilesThatWindowsNamed) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::filesystem::create_directory(folder / "Results");
   fdswriter::saveText(folder / "Results/MADE_1.SF", "");
   fdswriter::saveText(folder / "Results/a.sf", "");
@@ -94,7 +93,7 @@ TEST(SmvIndex, findsFilesThatWindowsNamed) {
 }
 
 TEST(SmvIndex, readsTheInputThatItNames) {
-  const Folder folder;
+  const ScratchFolder folder;
   fdswriter::Index index = made();
   index.input = "made.fds";
   EXPECT_TRUE(inputOf(*readText(folder, index.text())).path.empty()) << "a case without it is read";
@@ -111,7 +110,7 @@ TEST(SmvIndex, readsTheInputThatItNames) {
 }
 
 TEST(SmvIndex, readsWhatAnyVersionWrites) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto index = readText(folder, made().text());
   ASSERT_TRUE(index) << index.error().message;
   EXPECT_EQ(index->chid, "made");
@@ -161,7 +160,7 @@ TEST(SmvIndex, readsWhatAnyVersionWrites) {
 }
 
 TEST(SmvIndex, devicesAreActiveFromTheirEventsOn) {
-  const Folder folder;
+  const ScratchFolder folder;
   auto text = made();
   text.files =
       "DEVICE\n detector % CHAMBER OBSCURATION\n 1 2 3 0 0 -1 0 0\n"
@@ -184,7 +183,7 @@ TEST(SmvIndex, devicesAreActiveFromTheirEventsOn) {
 }
 
 TEST(SmvIndex, wallsOfTrianglesAreNamedAndMissedWhereTheyAreNotThere) {
-  const Folder folder;
+  const ScratchFolder folder;
   auto text = made();
   text.files += "GEOM 1\n made.ge\n FACE 0.0 0.0 0.0 0 ! 9 9 9 1.0 12\n";
   const auto without = readText(folder, text.text());
@@ -201,7 +200,7 @@ TEST(SmvIndex, wallsOfTrianglesAreNamedAndMissedWhereTheyAreNotThere) {
 }
 
 TEST(SmvIndex, nodesThatDoNotReachTheEndsOfTheMeshAreRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::string text = made().text();
   text.replace(text.find("0.00000 3.00000"), 15, "0.00000 3.50000");
   const auto wrong = readText(folder, text);
@@ -211,7 +210,7 @@ TEST(SmvIndex, nodesThatDoNotReachTheEndsOfTheMeshAreRefused) {
 }
 
 TEST(SmvIndex, meshesThatAreMovedAreRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::string text = made().text();
   const std::size_t offset = text.find("OFFSET\n") + 7;
   text.replace(offset, text.find('\n', offset) - offset, " 5.0 0.0 0.0");
@@ -221,7 +220,7 @@ TEST(SmvIndex, meshesThatAreMovedAreRefused) {
 }
 
 TEST(SmvIndex, obstructionsLieWhereTheirNodesAre) {
-  const Folder folder;
+  const ScratchFolder folder;
   fdswriter::Index index;
   const std::vector<double> planes{0, 1, 2, 3, 4, 5, 6, 7, 8};
   index.meshes.push_back({{{planes, planes, planes}}, {{1, 3, 1, 3, 0, 2}}, {}});
@@ -239,7 +238,7 @@ TEST(SmvIndex, obstructionsLieWhereTheirNodesAre) {
 }
 
 TEST(SmvIndex, moreObstructionsThanMemoryHoldsAreRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   fdswriter::saveText(folder / "made.smv", made().text());
   EXPECT_TRUE(SmvIndex::read(folder / "made.smv", 10'000));
   const auto refused = SmvIndex::read(folder / "made.smv", 500);
@@ -249,7 +248,7 @@ TEST(SmvIndex, moreObstructionsThanMemoryHoldsAreRefused) {
 }
 
 TEST(SmvIndex, everyTruncationIsAnErrorWithinTheMeshesAndARemarkAfterThem) {
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string text = made().text();
   const std::size_t files = text.find("SLCF");
   const auto whole = readText(folder, text);
@@ -278,7 +277,7 @@ TEST(SmvIndex, everyTruncationIsAnErrorWithinTheMeshesAndARemarkAfterThem) {
 }
 
 TEST(SmvIndex, anyFlippedBitIsReadOrRefused) {
-  const Folder folder;
+  const ScratchFolder folder;
   const std::string text = made().text();
   for (std::size_t bit = 0; bit < 8 * text.size(); bit += 3) {
     std::string flipped = text;
@@ -292,7 +291,7 @@ TEST(SmvIndex, anyFlippedBitIsReadOrRefused) {
 
 /// A number that no int holds, where a surface is expected.
 TEST(SmvIndex, surfacesHaveNumbers) {
-  const Folder folder;
+  const ScratchFolder folder;
   for (const char* section : {"OBST", "VENT"}) {
     const std::string text = made().text();
     std::size_t line = text.find(section);
@@ -307,7 +306,7 @@ TEST(SmvIndex, surfacesHaveNumbers) {
 }
 
 TEST(SmvIndex, errorsNameTheLine) {
-  const Folder folder;
+  const ScratchFolder folder;
   std::string text = made().text();
   text.replace(text.find("        1.00000"), 15, "        9.00000");
   const auto index = readText(folder, text);
@@ -320,7 +319,7 @@ TEST(SmvIndex, errorsNameTheLine) {
 }
 
 TEST(Obstructions, hideWhatLiesBehindThem) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto index = readText(folder, made().text());
   const FdsObstructions now(*index, 0);
   EXPECT_THAT(now.boxes(), SizeIs(2));
@@ -348,7 +347,7 @@ TEST(Obstructions, manyAreFoundAsOneByOne) {
     all.push_back({x, x + std::rand() % 3, y, y + std::rand() % 3, z, z + std::rand() % 3});
   }
   index.meshes.push_back({planes, all, {}});
-  const Folder folder;
+  const ScratchFolder folder;
   const auto read = readText(folder, index.text());
   const FdsObstructions many(*read, 0);
   std::vector<Segment> lines;
@@ -381,7 +380,7 @@ TEST(Obstructions, manyAreFoundAsOneByOne) {
 }
 
 TEST(Obstructions, facesTurnOutwards) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto index = readText(folder, made().text());
   const auto quads = FdsBuilding(*index, 0).quads();
   EXPECT_THAT(quads, SizeIs(6 + 1));  // a block, and a thin wall
@@ -398,7 +397,7 @@ TEST(Obstructions, facesTurnOutwards) {
 }
 
 TEST(SmvIndex, NorthIsClampedAndMustBeANumber) {
-  const Folder folder;
+  const ScratchFolder folder;
   fdswriter::Index made;
   made.meshes.push_back({kFirst, {}, {}});
   const std::string text = made.text();

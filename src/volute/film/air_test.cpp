@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "volute/base/program.hpp"
 #include "volute/fds/fds_writer.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_sight.hpp"
@@ -23,7 +24,6 @@
 namespace volute {
 namespace {
 
-using fdswriter::Folder;
 using fdswriter::Indices;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -58,7 +58,7 @@ const std::array<fdswriter::Planes, 2> kHall{
 constexpr Indices kWhole{0, 4, 0, 4, 0, 6}, kLayer{0, 4, 0, 4, 4, 4};
 const std::vector<Vec3> kEyes{Vec3(1.5, 1.5, 2), Vec3(4.5, 2.5, 2), Vec3(6.5, 1.5, 2)};
 
-void save(const Folder& folder, const Fire& fire, const Sources& sources) {
+void save(const ScratchFolder& folder, const Fire& fire, const Sources& sources) {
   fdswriter::Index index;
   for (const fdswriter::Planes& half : kHall) index.meshes.push_back({half, {}, {}});
   std::string devices;
@@ -180,7 +180,7 @@ std::vector<Criterion> criteria() {
 }
 
 std::optional<Answers> judge(const Fire& fire, const Sources& sources) {
-  const Folder folder;
+  const ScratchFolder folder;
   save(folder, fire, sources);
   Progress quiet;
   auto field = openSight((folder / "made.smv").string(), {}, quiet);
@@ -368,7 +368,7 @@ class OpenCounts {
 };
 
 TEST(SceneSight, ACaseIsOpenedOnceForPicturesAndSight) {
-  const Folder folder;
+  const ScratchFolder folder;
   fdswriter::Index index;
   const fdswriter::Planes planes{{{0, 1, 2, 3}, {0, 1, 2}, {0, 1, 2}}};
   index.meshes.push_back({planes, {}, {}});

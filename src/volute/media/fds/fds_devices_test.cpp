@@ -51,7 +51,7 @@ class FdsDevices : public ::testing::Test {
     return value;
   }
 
-  fdswriter::Folder folder_;
+  ScratchFolder folder_;
   fdswriter::Index index_;
   int count_ = 0;
 };

@@ -103,7 +103,7 @@ TEST(FdsInstant, BlocksOfCellsBoundEveryLine) {
 }
 
 TEST(FdsSight, WallsOfTrianglesBlockAndCarry) {
-  const Folder folder;
+  const ScratchFolder folder;
   fdswriter::Index index;
   index.meshes.push_back({{{{0, 1, 2, 3, 4, 5, 6}, {0, 1, 2, 3, 4}, {0, 1, 2, 3}}}, {}, {}});
   const fdswriter::Slice slice{{0, 6, 0, 4, 0, 3}};
@@ -143,17 +143,13 @@ TEST(FdsSight, WallsOfTrianglesBlockAndCarry) {
 }
 
 TEST(FdsSight, ASliceNamesTheSourceThatFillsItsMesh) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {}, {}});
+  MadeCase made;
   const auto add = [&](const fdswriter::Slice& slice, const std::string& name) {
-    fdswriter::sliceFile(slice, {{0, fdswriter::atNodes(kFirst, slice.at, linear)}})
-        .save(folder / name);
-    index.slice(1, slice, name, false);
-    index.save(folder / "made.smv");
+    made.add(slice, name, {{0, fdswriter::atNodes(kFirst, slice.at, linear)}});
+    made.index.save(made.folder / "made.smv");
   };
   const auto sight = [&](const std::string& source) {
-    return FdsSight(opened(folder / "made.smv", {.source = source}));
+    return FdsSight(opened(made.folder / "made.smv", {.source = source}));
   };
   add({{0, 5, 0, 4, 2, 2}}, "flat.sf");
   EXPECT_EQ(sight("").tallerSource(), "");
@@ -163,7 +159,7 @@ TEST(FdsSight, ASliceNamesTheSourceThatFillsItsMesh) {
 }
 
 TEST(FdsSight, LayersThatLeaveOutAPartOfAHeightGiveWayToWhatFillsMeshes) {
-  const Folder folder;
+  const ScratchFolder folder;
   // Cells of 0.2 m, and 0.3, 0.2, 0.1 m on z.
   const auto sightOf = [&](const std::vector<Indices>& layers) {
     fdswriter::Index index;
@@ -196,22 +192,18 @@ TEST(FdsSight, LayersThatLeaveOutAPartOfAHeightGiveWayToWhatFillsMeshes) {
 }
 
 TEST(FdsSight, LayersThatStandInForAWhileLeaveTheRestUnknown) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {}, {}});
+  MadeCase made;
   const auto add = [&](const fdswriter::Slice& slice, const std::string& name,
                        const std::vector<float>& times, double value) {
     std::vector<std::pair<float, std::vector<float>>> frames;
     for (const float time : times)
       frames.emplace_back(time,
                           fdswriter::atNodes(kFirst, slice.at, [&](auto...) { return value; }));
-    fdswriter::sliceFile(slice, frames).save(folder / name);
-    index.slice(1, slice, name, false);
+    made.add(slice, name, frames);
   };
   add({whole(kFirst)}, "whole.sf", {10, 20}, 0.1);
   add({{0, 5, 0, 4, 1, 1}, "SOOT VISIBILITY", "VIS", "m"}, "flat.sf", {0, 10, 20}, 6);
-  index.save(folder / "made.smv");
-  FdsCase fds = opened(folder / "made.smv", {.source = "slice3d-extinction"});
+  FdsCase fds = made.open({.source = "slice3d-extinction"});
   auto others = fillingSources(fds, {});
   ASSERT_EQ(others.size(), 1U);
   FdsSight sight(std::move(fds), "made", 1 << 30, std::move(others));
@@ -243,9 +235,7 @@ TEST(FdsSight, LayersWithMoreTimesServeBetweenThoseOfAVolume) {
     std::vector<double> truth(kTimes);
     for (double& k : truth) k = uniform(draw);
     truth[0] = 0.1;  // where visibilities are cut
-    const Folder folder;
-    fdswriter::Index index;
-    index.meshes.push_back({kFirst, {}, {}});
+    MadeCase made;
     const auto add = [&](const fdswriter::Slice& slice, const std::string& name, int step,
                          auto&& stored) {
       std::vector<std::pair<float, std::vector<float>>> frames;
@@ -253,14 +243,12 @@ TEST(FdsSight, LayersWithMoreTimesServeBetweenThoseOfAVolume) {
         frames.emplace_back(
             static_cast<float>(2 * t),
             fdswriter::atNodes(kFirst, slice.at, [&](auto...) { return stored(truth[t]); }));
-      fdswriter::sliceFile(slice, frames).save(folder / name);
-      index.slice(1, slice, name, false);
+      made.add(slice, name, frames);
     };
     add({whole(kFirst)}, "whole.sf", every, [](double k) { return k; });
     add({{0, 5, 0, 4, 1, 1}, "SOOT VISIBILITY", "VIS", "m"}, "flat.sf", 1,
         [](double k) { return 3 / (kMean * k); });
-    index.save(folder / "made.smv");
-    FdsCase fds = opened(folder / "made.smv", {.source = "slice3d-extinction"});
+    FdsCase fds = made.open({.source = "slice3d-extinction"});
     auto others = fillingSources(fds, {});
     FdsSight sight(std::move(fds), "made", 1 << 30, std::move(others));
     ASSERT_EQ(sight.times().size(), kTimes);
@@ -299,7 +287,7 @@ TEST(FdsSight, LayersWithMoreTimesServeBetweenThoseOfAVolume) {
 
 TEST(FdsSight, AFileThatIsCutIsNamedWhetherItServesOrNot) {
   for (const bool serves : {true, false}) {
-    const Folder folder;
+    const ScratchFolder folder;
     fdswriter::Index index;
     // Of another mesh, or in the same as a source with as many times.
     index.meshes.push_back({kFirst, {}, {}});
@@ -334,16 +322,11 @@ TEST(FdsSight, AFileThatIsCutIsNamedWhetherItServesOrNot) {
 }
 
 TEST(FdsSight, AFileThatShouldServeBesideALayerIsNamedWhenItIsMissing) {
-  const Folder folder;
-  fdswriter::Index index;
-  index.meshes.push_back({kFirst, {}, {}});
+  MadeCase made;
   const fdswriter::Slice slice{{0, 5, 0, 4, 1, 1}};
-  fdswriter::sliceFile(slice, {{0, fdswriter::atNodes(kFirst, slice.at, linear)}})
-      .save(folder / "flat.sf");
-  index.slice(1, slice, "flat.sf", false);
-  index.smoke(1, "gone.s3d", 7600);
-  index.save(folder / "made.smv");
-  const FdsCase fds = opened(folder / "made.smv", {.source = "slice-extinction"});
+  made.add(slice, "flat.sf", {{0, fdswriter::atNodes(kFirst, slice.at, linear)}});
+  made.index.smoke(1, "gone.s3d", 7600);
+  const FdsCase fds = made.open({.source = "slice-extinction"});
   std::vector<Remark> unread;
   EXPECT_TRUE(fillingSources(fds, {}, nullptr, &unread).empty());
   ASSERT_EQ(unread.size(), 1U);
