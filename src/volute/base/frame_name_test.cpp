@@ -3,11 +3,11 @@
 #include "volute/base/frame_name.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
 
 #include "volute/base/output_name.hpp"
+#include "volute/base/program.hpp"
 
 namespace volute {
 namespace {
@@ -47,10 +47,8 @@ TEST(FrameName, RefusesSeveralNumbersAndWideOnes) {
 
 TEST(OutputName, KeepsPercentAndHashOfAFileThatIsThere) {
   const auto before = std::filesystem::current_path();
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("volute_output_name_" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
-  std::filesystem::current_path(folder);
+  const ScratchFolder folder;
+  std::filesystem::current_path(folder.path());
   for (const char* name : {"take##.volute", "x%04d.volute", "smoke_50%.volute"})
     std::ofstream(name) << 'x';
   // But for what an output would read as numbers.
@@ -63,7 +61,6 @@ TEST(OutputName, KeepsPercentAndHashOfAFileThatIsThere) {
   EXPECT_EQ(derivedOutput("cache_%04d.vdb", ".volute"), "cache.volute");
   EXPECT_EQ(derivedOutput("cache.$F4.vdb", ".volute"), "cache.volute");
   std::filesystem::current_path(before);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

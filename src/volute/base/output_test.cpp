@@ -13,6 +13,7 @@
 #include "volute/base/leftovers.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/base/output_folder.hpp"
+#include "volute/base/program.hpp"
 #include "volute/base/write_file.hpp"
 
 namespace volute {
@@ -23,13 +24,6 @@ using ::testing::HasSubstr;
 
 class Output : public ::testing::Test {
  protected:
-  Output() {
-    std::string name = (fs::temp_directory_path() / "volute-output-XXXXXX").string();
-    folder_ = ::mkdtemp(name.data());
-  }
-
-  ~Output() override { fs::remove_all(folder_); }
-
   std::string textOf(const fs::path& path) const {
     std::ifstream stream(path);
     return {std::istreambuf_iterator<char>(stream), {}};
@@ -50,7 +44,8 @@ class Output : public ::testing::Test {
     return child;
   }
 
-  fs::path folder_;
+  const ScratchFolder scratch_;
+  const fs::path folder_ = scratch_.path();
 };
 
 TEST_F(Output, AReplacedFileHandsOnItsMode) {

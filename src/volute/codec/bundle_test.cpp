@@ -16,11 +16,7 @@ namespace volute {
 namespace {
 
 using Kind = ErrorTarget::Kind;
-using testing::compressTo;
-using testing::plumes;
-using testing::readBytes;
-using testing::ScratchFile;
-using testing::writeBytes;
+using namespace testing;
 
 constexpr std::uint64_t kMemory = std::uint64_t{64} << 20;
 

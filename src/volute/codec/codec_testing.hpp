@@ -3,15 +3,15 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "volute/base/damage_testing.hpp"
+#include "volute/base/program.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/grid/bricks.hpp"
@@ -19,46 +19,19 @@
 
 namespace volute::testing {
 
-/// A file name in a folder of this process that is removed with the object.
+/// A file name in a folder of its own that is removed with the object.
 class ScratchFile {
  public:
-  explicit ScratchFile(const std::string& name = "x.volute")
-      : folder_(std::filesystem::temp_directory_path() /
-                fmt::format("volute-codec-{}-{}", ::getpid(), counter()++)),
-        path_(folder_ / name) {
-    std::filesystem::create_directories(folder_);
-  }
-
-  ~ScratchFile() {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
+  explicit ScratchFile(const std::string& name = "x.volute") : path_(folder_ / name) {}
 
   const std::filesystem::path& path() const { return path_; }
 
-  const std::filesystem::path& folder() const { return folder_; }
+  const std::filesystem::path& folder() const { return folder_.path(); }
 
  private:
-  static int& counter() {
-    static int count = 0;
-    return count;
-  }
-
-  std::filesystem::path folder_, path_;
+  ScratchFolder folder_;
+  std::filesystem::path path_;
 };
-
-inline std::vector<char> readBytes(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-inline void writeBytes(const std::filesystem::path& path, const std::vector<char>& bytes) {
-  std::ofstream(path, std::ios::binary | std::ios::trunc)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
 
 /// Drifting plumes with empty space and some grain; exact in every float unit that rounds as IEEE
 /// 754 says.
@@ -143,11 +116,11 @@ inline Result<Sequence> readBack(const std::filesystem::path& path,
   return readAll(*source, std::uint64_t{1} << 32);
 }
 
-struct Difference {
+struct SequenceError {
   double relativeRms = 0, maxError = 0;
 };
 
-inline Difference differenceOf(const Sequence& a, const Sequence& b) {
+inline SequenceError differenceOf(const Sequence& a, const Sequence& b) {
   double sum = 0, greatest = 0, low = INFINITY, high = -INFINITY;
   for (std::size_t i = 0; i < a.values.size(); ++i) {
     const double error = std::abs(static_cast<double>(b.values[i]) - a.values[i]);

@@ -16,12 +16,7 @@ namespace volute {
 namespace {
 
 using Kind = ErrorTarget::Kind;
-using testing::compressTo;
-using testing::differenceOf;
-using testing::plumes;
-using testing::readBack;
-using testing::readBytes;
-using testing::ScratchFile;
+using namespace testing;
 
 // Compresses, reads back and checks that the report tells the truth.
 CompressReport checkedRoundTrip(const Sequence& sequence, ErrorTarget target,
@@ -462,7 +457,7 @@ TEST(Compress, ValuesThatAreNotFiniteAreNamed) {
 
 TEST(Compress, TheSameBytesForAnyNumberOfThreads) {
   const Sequence sequence = plumes(18, 20, 33, 35);  // 36 blocks
-  std::vector<char> first;
+  std::string first;
   for (const int threads : {1, 2, 3}) {
     const ThreadLimit limit(threads);
     const ScratchFile file;
@@ -504,7 +499,7 @@ TEST(Compress, TheSameBytesForAnyNumberOfRanks) {
   for (const Case& one : {Case{{Kind::kRms, 2e-3}, 3}, Case{{Kind::kSize, 9000}, 1},
                           Case{{Kind::kMaxError, 0.05}, 1}}) {
     const Sequence sequence = plumes(33, 20, 18, 20, one.channels);  // 3 rows of 2 layers
-    std::vector<char> alone;
+    std::string alone;
     for (const int ranks : {1, 2, 3, 4, 8}) {
       const ScratchFile file;
       onRanks(ranks, [&](Team& team) {
@@ -612,7 +607,7 @@ TEST(Compress, DoesNotTrustWhatItFinds) {
 TEST(Compress, LayersThatFitInMemoryGiveTheSameBytes) {
   const Sequence sequence = plumes(16, 32, 32, 32);
   CompressOptions options;
-  std::vector<std::vector<char>> files;
+  std::vector<std::string> files;
   for (const std::uint64_t memory : {std::uint64_t{10} << 20, std::uint64_t{64} << 20}) {
     LayeredSource source(sequence);
     options.maxMemory = memory;

@@ -3,10 +3,10 @@
 #include "volute/codec/extract_source.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 
+#include "volute/base/program.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/grid/sequence.hpp"
 
@@ -29,8 +29,6 @@ class ExtractSourceTest : public ::testing::Test {
         }
       }
     }
-    path_ = std::filesystem::temp_directory_path() /
-            fmt::format("volute-extract-{}.volute", ::getpid());
     SequenceSource source(original_);
     CompressOptions options;
     options.target = {ErrorTarget::Kind::kRms, 1e-3};
@@ -43,15 +41,14 @@ class ExtractSourceTest : public ::testing::Test {
     whole_ = *readAll(*frameSource(reader_), UINT64_MAX);
   }
 
-  void TearDown() override { std::filesystem::remove(path_); }
-
   Result<Sequence> extract(Extraction extraction) {
     Progress progress;
     VOLUTE_ASSIGN(auto source, ExtractSource::create(reader_, std::move(extraction), progress));
     return readAll(*source, UINT64_MAX);
   }
 
-  std::filesystem::path path_;
+  const ScratchFolder folder_;
+  const std::filesystem::path path_ = folder_ / "a.volute";
   Sequence original_, whole_;
   std::shared_ptr<const VoluteReader> reader_;
 };

@@ -13,10 +13,7 @@
 namespace volute {
 namespace {
 
-using testing::differenceOf;
-using testing::plumes;
-using testing::readBack;
-using testing::ScratchFile;
+using namespace testing;
 
 /// Frames [begin, end) as a sequence of its own.
 Sequence partOf(const Sequence& whole, int begin, int end) {
@@ -143,9 +140,7 @@ TEST_F(JoinTest, DamagedListsOfPartsAreRefused) {
                       pack("b.volute", partOf(whole, 16, 32), 4e-3)}));
   const auto bytes = testing::readBytes(scratch.path());
   for (std::size_t i = 0; i < bytes.size(); ++i) {
-    auto damaged = bytes;
-    damaged[i] ^= static_cast<char>(1 << i % 8);
-    testing::writeBytes(scratch.path(), damaged);
+    testing::writeBytes(scratch.path(), testing::withFlippedBit(bytes, 8 * i + i % 8));
     const auto opened = VoluteReader::open(scratch.path());
     EXPECT_TRUE(!opened || !opened->verify().complete()) << i;
   }

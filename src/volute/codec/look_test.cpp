@@ -14,8 +14,7 @@
 namespace volute {
 namespace {
 
-using testing::plumes;
-using testing::ScratchFile;
+using namespace testing;
 
 /// The values of a sequence, where they are.
 ArraySource sourceOf(const Sequence& sequence) {

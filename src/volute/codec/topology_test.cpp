@@ -16,8 +16,7 @@ namespace volute {
 namespace {
 
 using Kind = ErrorTarget::Kind;
-using testing::BrickFrames;
-using testing::ScratchFile;
+using namespace testing;
 
 VolumeInfo volume(int z, int y, int x, int channels = 1) {
   VolumeInfo info;
@@ -473,15 +472,12 @@ TEST(Topology, NoDamageGoesUnnoticed) {
   };
   ASSERT_TRUE(readsWhole());
   for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 64) {
-    testing::writeBytes(file.path(),
-                        {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
+    testing::writeBytes(file.path(), bytes.substr(0, size));
     EXPECT_FALSE(readsWhole()) << "cut at " << size;
   }
   std::mt19937 random(3);
   for (int i = 0; i < 400; ++i) {
-    auto damaged = bytes;
-    damaged[random() % damaged.size()] ^= static_cast<char>(1 << random() % 8);
-    testing::writeBytes(file.path(), damaged);
+    testing::writeBytes(file.path(), testing::withFlippedBit(bytes, random() % (8 * bytes.size())));
     EXPECT_FALSE(readsWhole());
   }
 }

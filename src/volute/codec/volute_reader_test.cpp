@@ -15,12 +15,7 @@ namespace volute {
 namespace {
 
 using Kind = ErrorTarget::Kind;
-using testing::compressTo;
-using testing::plumes;
-using testing::readBack;
-using testing::readBytes;
-using testing::ScratchFile;
-using testing::writeBytes;
+using namespace testing;
 
 constexpr VoluteReader::Options kPartial{true, std::uint64_t{64} << 20};
 constexpr VoluteReader::Options kWhole{false, std::uint64_t{64} << 20};
@@ -39,7 +34,7 @@ struct SmallFile {
 
   ScratchFile file;
   Sequence sequence, decoded;
-  std::vector<char> bytes;
+  std::string bytes;
 };
 
 // A damaged file is refused; with `partial` it may also say that it is damaged, and then gives
@@ -156,7 +151,7 @@ TEST(DamagedFile, OnlyTheDamagedBlockIsRefusedAndItsFramesAreNamed) {
 }
 
 // `bytes` with the prologue's checksum made right again.
-std::vector<char> resealed(std::vector<char> bytes) {
+std::string resealed(std::string bytes) {
   const std::uint32_t crc = crc32(std::as_bytes(std::span(bytes).first(32)));
   for (int i = 0; i < 4; ++i)
     bytes[32 + static_cast<std::size_t>(i)] = static_cast<char>(crc >> 8 * i);
@@ -182,7 +177,7 @@ TEST(NewerFile, OtherVersionsAndCodecsAreUnsupportedNotDamaged) {
 }
 
 // A file with a chunk of type `XTRA` between the prologue and INFO.
-std::vector<char> withExtraChunk(const std::vector<char>& bytes, std::uint32_t flags) {
+std::string withExtraChunk(const std::string& bytes, std::uint32_t flags) {
   ByteWriter frame;
   const std::string_view type = "XTRA", payload = "hello";
   frame.bytes(std::as_bytes(std::span(type)));
@@ -221,7 +216,7 @@ TEST(NewerFile, UnknownChunksAreSkippedWhenTheySayThatTheyMayBe) {
 TEST(VoluteReader, SaysWhatIsNoVoluteFile) {
   const ScratchFile file;
   for (const std::string text : {"", "hello", "a longer text that is not a volute file at all"}) {
-    writeBytes(file.path(), {text.begin(), text.end()});
+    writeBytes(file.path(), text);
     const auto reader = VoluteReader::open(file.path());
     ASSERT_FALSE(reader);
     EXPECT_NE(reader.error().message.find("is not a .volute file"), std::string::npos);

@@ -15,8 +15,7 @@ namespace volute {
 namespace {
 
 using Kind = ErrorTarget::Kind;
-using testing::plumes;
-using testing::ScratchFile;
+using namespace testing;
 
 struct Block {
   BlockShape shape;

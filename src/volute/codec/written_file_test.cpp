@@ -9,17 +9,14 @@
 namespace volute {
 namespace {
 
-using testing::plumes;
-using testing::readBytes;
-using testing::ScratchFile;
-using testing::writeBytes;
+using namespace testing;
 
 /// A file, and what its encoder knows of it.
 struct Written {
   ScratchFile file;
   FileHead head;
   std::vector<std::byte> headBytes;
-  std::vector<char> bytes;
+  std::string bytes;
 
   Written() {
     EXPECT_TRUE(
@@ -31,7 +28,7 @@ struct Written {
   }
 
   /// What is said of these bytes in the file's place; empty: nothing.
-  std::string check(const std::vector<char>& now) const {
+  std::string check(const std::string& now) const {
     const Progress quiet;
     writeBytes(file.path(), now);
     const auto opened = InputFile::open(file.path());
@@ -48,8 +45,7 @@ TEST(WrittenFile, WhatWasWrittenPasses) {
 TEST(WrittenFile, AFlippedBitIsFound) {
   const Written written;
   for (std::size_t i = 0; i < written.bytes.size(); i += 5) {
-    std::vector<char> other = written.bytes;
-    other[i] = static_cast<char>(other[i] ^ 1 << i % 8);
+    const std::string other = testing::withFlippedBit(written.bytes, 8 * i + i % 8);
     EXPECT_NE(written.check(other).find("differs from what was written"), std::string::npos)
         << "byte " << i;
   }
@@ -57,7 +53,7 @@ TEST(WrittenFile, AFlippedBitIsFound) {
 
 TEST(WrittenFile, AnyOtherLengthIsFound) {
   const Written written;
-  std::vector<char> other = written.bytes;
+  std::string other = written.bytes;
   other.push_back(0);
   EXPECT_NE(written.check(other).find("out.volute: has"), std::string::npos);
   for (std::size_t length = 0; length < written.bytes.size(); length += 37) {

@@ -14,8 +14,7 @@ namespace volute {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::TempFolder;
-using testing::writeBytes;
+using namespace testing;
 
 std::array<float, 3> shown(const ViewTransform& view, float red, float green, float blue) {
   std::array<float, 3> pixel{red, green, blue};

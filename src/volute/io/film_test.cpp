@@ -15,10 +15,7 @@ namespace volute {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ok;
-using testing::readBytes;
-using testing::TempFolder;
-using testing::writeBytes;
+using namespace testing;
 
 #if VOLUTE_HAS_VIDEO
 
@@ -130,14 +127,8 @@ TEST_P(Films, EqualInputsGiveEqualBytes) {
 }
 
 TEST_P(Films, AFullDiskLeavesNothing) {
-  const TempFolder folder;
-  {
-    const testing::FullDisk full(400);
-    const auto status = writeFilm(folder / GetParam(), 64, 48);
-    ASSERT_FALSE(status);
-    EXPECT_EQ(status.error().code, ErrorCode::kIo);
-  }
-  EXPECT_EQ(folder.entries(), 0u);
+  expectFullDiskLeavesNothing(
+      400, [](const TempFolder& folder) { return writeFilm(folder / GetParam(), 64, 48); });
 }
 
 TEST_P(Films, DamagedFilmsNeverCrash) {

@@ -10,8 +10,7 @@
 namespace volute {
 namespace {
 
-using testing::TempFolder;
-using testing::writeBytes;
+using namespace testing;
 
 TEST(FramePattern, FormatsAsPrintfDoes) {
   ASSERT_VALUE(const auto padded, FramePattern::parse("out/flame_%04d.vdb"));

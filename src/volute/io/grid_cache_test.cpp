@@ -15,9 +15,7 @@ namespace volute {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::makeBlob;
-using testing::ok;
-using testing::TempFolder;
+using namespace testing;
 
 #if VOLUTE_HAS_VDB
 

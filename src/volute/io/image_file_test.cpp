@@ -18,10 +18,7 @@ namespace volute {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ok;
-using testing::readBytes;
-using testing::TempFolder;
-using testing::writeBytes;
+using namespace testing;
 
 Image makePicture(int width, int height, int channels, float scale = 1) {
   Image image(width, height, channels);
@@ -165,14 +162,9 @@ TEST(Png, EveryTruncationAndEveryBitFlipIsRefused) {
   const TempFolder folder;
   ASSERT_TRUE(ok(writeImage(folder / "a.png", makePicture(5, 4, 3))));
   const std::string bytes = readBytes(folder / "a.png");
-  for (std::size_t length = 0; length < bytes.size(); ++length) {
-    writeBytes(folder / "b.png", bytes.substr(0, length));
-    EXPECT_FALSE(readImage(folder / "b.png")) << length << " of " << bytes.size();
-  }
+  expectCutsRefused(folder / "b.png", bytes, [](const auto& file) { return readImage(file); });
   for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
-    std::string flipped = bytes;
-    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
-    writeBytes(folder / "b.png", flipped);
+    writeBytes(folder / "b.png", withFlippedBit(bytes, bit));
     EXPECT_FALSE(readImage(folder / "b.png")) << "bit " << bit;
   }
 }
@@ -265,14 +257,9 @@ TEST(Exr, TruncationsAreRefusedAndBitFlipsNeverCrash) {
   const TempFolder folder;
   ASSERT_TRUE(ok(writeImage(folder / "a.exr", makePicture(9, 20, 3))));
   const std::string bytes = readBytes(folder / "a.exr");
-  for (std::size_t length = 0; length < bytes.size(); ++length) {
-    writeBytes(folder / "b.exr", bytes.substr(0, length));
-    EXPECT_FALSE(readImage(folder / "b.exr")) << length << " of " << bytes.size();
-  }
+  expectCutsRefused(folder / "b.exr", bytes, [](const auto& file) { return readImage(file); });
   for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += 11) {
-    std::string flipped = bytes;
-    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
-    writeBytes(folder / "b.exr", flipped);
+    writeBytes(folder / "b.exr", withFlippedBit(bytes, bit));
     const auto read = readImage(folder / "b.exr", {.maxMemory = 1 << 24});
     EXPECT_TRUE(read || !read.error().message.empty());
   }

@@ -13,8 +13,7 @@ namespace volute {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::TempFolder;
-using testing::writeBytes;
+using namespace testing;
 
 std::string messageOf(const std::string& text, const JsonLimits& limits = {}) {
   const TempFolder folder;

@@ -12,8 +12,7 @@ namespace volute {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::TempFolder;
-using testing::writeBytes;
+using namespace testing;
 
 std::string bigEndian(std::uint64_t value, int bytes) {
   std::string out;

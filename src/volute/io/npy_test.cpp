@@ -21,13 +21,7 @@
 namespace volute {
 namespace {
 
-using testing::makeBlob;
-using testing::ok;
-using testing::readBytes;
-using testing::readSequence;
-using testing::TempFolder;
-using testing::writeAll;
-using testing::writeBytes;
+using namespace testing;
 
 /// A file of version 1 with this dictionary and `dataBytes` zeros.
 std::string npyFile(const std::string& dictionary, std::size_t dataBytes) {
@@ -243,10 +237,7 @@ TEST(Npy, EveryTruncationIsRefused) {
   const TempFolder folder;
   ASSERT_TRUE(ok(writeAll(folder / "a.npy", makeBlob(2, 2, 3, 2))));
   const std::string bytes = readBytes(folder / "a.npy");
-  for (std::size_t length = 0; length < bytes.size(); ++length) {
-    writeBytes(folder / "b.npy", bytes.substr(0, length));
-    EXPECT_FALSE(openSource(folder / "b.npy", {})) << length;
-  }
+  expectCutsRefused(folder / "b.npy", bytes, [](const auto& file) { return openSource(file, {}); });
   writeBytes(folder / "b.npy", bytes + "x");
   EXPECT_FALSE(openSource(folder / "b.npy", {}));
 }
@@ -257,8 +248,7 @@ TEST(Npy, EveryBitFlipInTheHeaderIsRefused) {
   const std::string bytes = readBytes(folder / "a.npy");
   ASSERT_EQ(makeNpyHeader({2, 12, 3, 20, 3}), bytes.substr(0, 128));
   for (std::size_t bit = 0; bit < 8 * 128; ++bit) {
-    std::string flipped = bytes;
-    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
+    const std::string flipped = withFlippedBit(bytes, bit);
     writeBytes(folder / "b.npy", flipped);
     // An array whose bytes are in the other order is as whole as this one.
     const bool otherOrder = flipped[bit / 8] == '>' && bytes[bit / 8] == '<';
@@ -268,15 +258,9 @@ TEST(Npy, EveryBitFlipInTheHeaderIsRefused) {
 }
 
 TEST(Npy, AFullDiskLeavesNothing) {
-  const TempFolder folder;
   const auto sequence = makeBlob(4, 16, 16, 16);
-  {
-    const testing::FullDisk full(20000);
-    const auto status = writeAll(folder / "a.npy", sequence);
-    ASSERT_FALSE(status);
-    EXPECT_EQ(status.error().code, ErrorCode::kIo);
-  }
-  EXPECT_EQ(folder.entries(), 0u);
+  expectFullDiskLeavesNothing(
+      20000, [&](const TempFolder& folder) { return writeAll(folder / "a.npy", sequence); });
 }
 
 TEST(Npy, MissingFramesLeaveNothing) {

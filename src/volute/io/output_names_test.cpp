@@ -13,8 +13,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::TempFolder;
-using testing::writeBytes;
+using namespace testing;
 
 TEST(OutputNames, NoTwoHaveOneNameHoweverItIsSpelt) {
   const TempFolder folder;

@@ -16,10 +16,7 @@ namespace volute {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ok;
-using testing::readSequence;
-using testing::TempFolder;
-using testing::writeBytes;
+using namespace testing;
 using Type = RawLayout::Type;
 
 template <class Value>

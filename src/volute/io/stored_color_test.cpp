@@ -16,10 +16,7 @@ namespace volute {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::ok;
-using testing::readBytes;
-using testing::TempFolder;
-using testing::writeBytes;
+using namespace testing;
 
 std::string word(std::uint32_t value) {
   return {static_cast<char>(value >> 24), static_cast<char>(value >> 16),

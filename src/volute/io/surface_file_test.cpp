@@ -16,8 +16,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using testing::TempFolder;
-using testing::writeBytes;
+using namespace testing;
 
 std::string messageOf(const std::filesystem::path& path, std::uint64_t maxMemory = 1 << 28) {
   const auto mesh = readSurfaces(path, maxMemory);
@@ -294,15 +293,11 @@ TEST(Gltf, ErrorsNameTheElement) {
 TEST(Gltf, DamageIsAnErrorOrOtherTriangles) {
   const TempFolder folder;
   const std::string whole = glb(sample(R"([{"mesh":0}])"), square());
-  for (std::size_t size = 0; size + 4 < whole.size(); size += 29) {
-    writeBytes(folder / "cut.glb", whole.substr(0, size));
-    EXPECT_FALSE(readSurfaces(folder / "cut.glb", 1 << 26)) << size;
-  }
+  const auto read = [](const std::filesystem::path& file) { return readSurfaces(file, 1 << 26); };
+  expectCutsRefused(folder / "cut.glb", whole.substr(0, whole.size() - 4), read, 29);
   for (std::size_t bit = 0; bit < 8 * whole.size(); bit += 83) {
-    std::string flipped = whole;
-    flipped[bit / 8] ^= static_cast<char>(1 << bit % 8);
-    writeBytes(folder / "flip.glb", flipped);
-    const auto mesh = readSurfaces(folder / "flip.glb", 1 << 26);
+    writeBytes(folder / "flip.glb", withFlippedBit(whole, bit));
+    const auto mesh = read(folder / "flip.glb");
     if (!mesh) {
       EXPECT_THAT(mesh.error().message, HasSubstr("flip.glb"));
       EXPECT_THAT(mesh.error().message, ::testing::Not(HasSubstr("signal")));

@@ -5,44 +5,25 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <string>
 #include <vector>
 
+#include "volute/base/damage_testing.hpp"
+#include "volute/base/program.hpp"
 #include "volute/grid/sequence.hpp"
 
 /// What the tests of this module share.
 namespace volute::testing {
 
 /// A folder that lives as long as the test.
-class TempFolder {
+class TempFolder : public ScratchFolder {
  public:
-  TempFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "volute-io-XXXXXX").string();
-    if (!::mkdtemp(name.data()))
-      std::abort();
-    path_ = name;
-  }
-
-  ~TempFolder() { std::filesystem::remove_all(path_); }
-
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
-  const std::filesystem::path& path() const { return path_; }
-
   std::size_t entries() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path()), {}));
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 /// While it lives, files cannot grow beyond `bytes`: a stand-in for a full disk.
@@ -64,18 +45,6 @@ class FullDisk {
   rlimit before_{};
 };
 
-inline std::string readBytes(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-/// Some file systems make overwriting wait for the disk; a new file does not.
-inline void writeBytes(const std::filesystem::path& path, const std::string& bytes) {
-  std::filesystem::remove(path);
-  std::ofstream(path, std::ios::binary)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
 /// Values that repeat nowhere near, about half of them zero, away from the outer voxels.
 inline Sequence makeBlob(int frames, int z, int y, int x, int channels = 1) {
   Sequence sequence = makeSequence(frames, z, y, x, channels);
@@ -85,6 +54,20 @@ inline Sequence makeBlob(int frames, int z, int y, int x, int channels = 1) {
     value = state >> 31 ? static_cast<float>(state >> 8 & 0xFFFF) / 4096.0f : 0.0f;
   }
   return sequence;
+}
+
+/// Expects that `write(folder)` fails on a disk that is full after so many bytes of a file, and
+/// leaves nothing.
+template <class Write>
+void expectFullDiskLeavesNothing(rlim_t bytes, const Write& write) {
+  const TempFolder folder;
+  {
+    const FullDisk full(bytes);
+    const Status status = write(folder);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::kIo);
+  }
+  EXPECT_EQ(folder.entries(), 0u);
 }
 
 /// Fails with the message of a Result.

@@ -16,13 +16,7 @@ namespace volute {
 namespace {
 
 using ::testing::HasSubstr;
-using testing::makeBlob;
-using testing::ok;
-using testing::readBytes;
-using testing::readSequence;
-using testing::TempFolder;
-using testing::writeAll;
-using testing::writeBytes;
+using namespace testing;
 
 #if VOLUTE_HAS_VDB
 
@@ -268,26 +262,17 @@ TEST(Vdb, SeveralFramesNeedAPattern) {
 }
 
 TEST(Vdb, AFullDiskLeavesNothing) {
-  const TempFolder folder;
   const auto sequence = makeFullBlob(2, 16, 16, 16);
-  {
-    const testing::FullDisk full(4096);
-    const auto status = writeAll(folder / "a_%d.vdb", sequence);
-    ASSERT_FALSE(status);
-    EXPECT_EQ(status.error().code, ErrorCode::kIo);
-  }
-  EXPECT_EQ(folder.entries(), 0u);
+  expectFullDiskLeavesNothing(
+      4096, [&](const TempFolder& folder) { return writeAll(folder / "a_%d.vdb", sequence); });
 }
 
 TEST(Vdb, TruncationsAreRefused) {
   const TempFolder folder;
   ASSERT_TRUE(ok(writeAll(folder / "a.vdb", makeFullBlob(1, 6, 6, 6))));
   const std::string bytes = readBytes(folder / "a.vdb");
-  for (std::size_t length = 0; length < bytes.size();
-       length += std::max<std::size_t>(1, bytes.size() / 150)) {
-    writeBytes(folder / "b.vdb", bytes.substr(0, length));
-    EXPECT_FALSE(readSequence(folder / "b.vdb")) << length << " of " << bytes.size();
-  }
+  const auto read = [](const std::filesystem::path& file) { return readSequence(file); };
+  expectCutsRefused(folder / "b.vdb", bytes, read, 1 + bytes.size() / 150);
   writeBytes(folder / "b.vdb", bytes.substr(0, bytes.size() - 1));
   EXPECT_FALSE(readSequence(folder / "b.vdb"));
 }
@@ -300,10 +285,7 @@ TEST(Vdb, BitFlipsNeverCrash) {
   SourceOptions options;
   options.maxMemory = 16 << 20;
   for (int i = 0; i < 150; ++i) {
-    std::string flipped = bytes;
-    const std::size_t bit = random() % (8 * bytes.size());
-    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
-    writeBytes(folder / "b.vdb", flipped);
+    writeBytes(folder / "b.vdb", withFlippedBit(bytes, random() % (8 * bytes.size())));
     const auto read = readSequence(folder / "b.vdb", options);
     EXPECT_TRUE(read || !read.error().message.empty());
   }

@@ -20,13 +20,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using testing::makeBlob;
-using testing::ok;
-using testing::readBytes;
-using testing::readSequence;
-using testing::TempFolder;
-using testing::writeAll;
-using testing::writeBytes;
+using namespace testing;
 
 #if VOLUTE_HAS_VTK
 
@@ -169,15 +163,19 @@ TEST(Vtk, TurnedGridsHaveMatrices) {
   EXPECT_THAT(openSource(folder / "e.vti", {}).error().message, HasSubstr("flat"));
 }
 
-TEST(Vtk, PiecesFillTheWholeExtent) {
+/// What is said of a file in which `from` is `to`; empty: nothing.
+std::string errorOfChanged(std::string text, const std::string& from, const std::string& to) {
   const TempFolder folder;
-  const auto said = [&](std::string from, const std::string& to) {
-    std::string text = asciiFile("", "", kCells);
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    writeBytes(folder / "p.vti", text.replace(at, from.size(), to));
-    const auto read = readSequence(folder / "p.vti");
-    return read ? std::string() : read.error().message;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  writeBytes(folder / "p.vti", text.replace(at, from.size(), to));
+  const auto read = readSequence(folder / "p.vti");
+  return read ? std::string() : read.error().message;
+}
+
+TEST(Vtk, PiecesFillTheWholeExtent) {
+  const auto said = [&](const std::string& from, const std::string& to) {
+    return errorOfChanged(asciiFile("", "", kCells), from, to);
   };
   EXPECT_EQ(said("Piece", "Piece"), "");
   EXPECT_THAT(said("WholeExtent=\"2 4", "WholeExtent=\"2 9"),
@@ -290,14 +288,8 @@ TEST(Vtk, TheTimeThatAFileStatesIsItsTime) {
 }
 
 TEST(Vtk, MisspeltAttributesAreRefused) {
-  const TempFolder folder;
   const auto said = [&](const std::string& from, const std::string& to) {
-    std::string text = asciiFile("", kPoints, "");
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    writeBytes(folder / "p.vti", text.replace(at, from.size(), to));
-    const auto read = readSequence(folder / "p.vti");
-    return read ? std::string() : read.error().message;
+    return errorOfChanged(asciiFile("", kPoints, ""), from, to);
   };
   EXPECT_EQ(said("Origin", "Origin"), "");
   EXPECT_THAT(said("Spacing", "Spaci.g"),
@@ -321,21 +313,16 @@ TEST(Vtk, DamagedFilesAreErrors) {
   ASSERT_TRUE(ok(writeAll(folder / "a.vti", written)));
   const std::string bytes = readBytes(folder / "a.vti");
   const std::size_t whole = bytes.find_last_of('>');
-  for (std::size_t length = 0; length < whole;
-       length += std::max<std::size_t>(1, bytes.size() / 100)) {
-    writeBytes(folder / "b.vti", bytes.substr(0, length));
-    EXPECT_FALSE(readSequence(folder / "b.vti")) << length << " of " << bytes.size();
-  }
+  expectCutsRefused(
+      folder / "b.vti", bytes.substr(0, whole),
+      [](const std::filesystem::path& file) { return readSequence(file); }, 1 + bytes.size() / 100);
   writeBytes(folder / "b.vti", bytes.substr(0, whole));
   EXPECT_FALSE(readSequence(folder / "b.vti"));
   std::mt19937 random(1);
   SourceOptions options;
   options.maxMemory = 16 << 20;
   for (int i = 0; i < 100; ++i) {
-    std::string flipped = bytes;
-    const std::size_t bit = random() % (8 * bytes.size());
-    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
-    writeBytes(folder / "b.vti", flipped);
+    writeBytes(folder / "b.vti", withFlippedBit(bytes, random() % (8 * bytes.size())));
     const auto read = readSequence(folder / "b.vti", options);
     EXPECT_TRUE(read || !read.error().message.empty());
   }
@@ -345,11 +332,9 @@ TEST(Vtk, DamagedCollectionsAreErrors) {
   const TempFolder folder;
   ASSERT_TRUE(ok(writeAll(folder / "s.pvd", makeSeries(1))));
   const std::string bytes = readBytes(folder / "s.pvd");
-  const std::size_t whole = bytes.find_last_of('>');
-  for (std::size_t length = 0; length <= whole; length += 7) {
-    writeBytes(folder / "b.pvd", bytes.substr(0, length));
-    EXPECT_FALSE(openSource(folder / "b.pvd", {})) << length;
-  }
+  expectCutsRefused(
+      folder / "b.pvd", bytes.substr(0, bytes.find_last_of('>') + 1),
+      [](const std::filesystem::path& file) { return openSource(file, {}); }, 7);
   const auto refused = [&](const std::string& from, const std::string& to) {
     std::string text = bytes;
     text.replace(text.find(from), from.size(), to);
@@ -365,15 +350,9 @@ TEST(Vtk, DamagedCollectionsAreErrors) {
 }
 
 TEST(Vtk, AFullDiskLeavesNothing) {
-  const TempFolder folder;
   const auto sequence = makeBlob(1, 32, 32, 32);
-  {
-    const testing::FullDisk full(4096);
-    const auto status = writeAll(folder / "a.vti", sequence);
-    ASSERT_FALSE(status);
-    EXPECT_EQ(status.error().code, ErrorCode::kIo);
-  }
-  EXPECT_EQ(folder.entries(), 0u);
+  expectFullDiskLeavesNothing(
+      4096, [&](const TempFolder& folder) { return writeAll(folder / "a.vti", sequence); });
 }
 
 #else

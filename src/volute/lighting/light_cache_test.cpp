@@ -3,11 +3,12 @@
 #include "volute/lighting/light_cache.hpp"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <chrono>
 #include <fstream>
 #include <numeric>
+
+#include "volute/base/program.hpp"
 
 namespace volute {
 namespace {
@@ -16,20 +17,14 @@ namespace fs = std::filesystem;
 
 class Folder : public ::testing::Test {
  protected:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "volute-light-XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-
-  ~Folder() override { fs::remove_all(folder); }
-
   std::vector<fs::path> files() const {
     std::vector<fs::path> paths;
     for (const auto& entry : fs::directory_iterator(folder)) paths.push_back(entry.path());
     return paths;
   }
 
-  fs::path folder;
+  const ScratchFolder scratch;
+  const fs::path folder = scratch.path();
 };
 
 using LightCacheTest = Folder;

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/program.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/npy.hpp"
 #include "volute/scene/scene.hpp"
@@ -30,10 +31,6 @@ constexpr int kClipPixels = 8;
 class ClippedScene : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ =
-        std::filesystem::path(::testing::TempDir()) /
-        (std::string("clip_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
     VolumeInfo info;
     info.frames = 1, info.x = info.y = info.z = kHalvesSide;
     info.fillDefaults();
@@ -81,7 +78,7 @@ class ClippedScene : public ::testing::Test {
     return made ? "no error" : made.error().message;
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
   Progress quiet_;
 };
 

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/program.hpp"
 #include "volute/io/npy.hpp"
 #include "volute/volume_files/grid_compression.hpp"
 
@@ -21,12 +22,6 @@ constexpr int kSide = 20;  ///< voxels of 5 cm
 /// A folder with a blob of some 20 cm in a corner of 1 m, whose frames are as bright as they say.
 class FirstSights : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::filesystem::create_directories(folder_);
-  }
-
   /// @param around  of what is within 40 cm of it, as a share
   std::string blob(const std::vector<float>& brightness, float around = 0) const {
     VolumeInfo info;
@@ -63,7 +58,7 @@ class FirstSights : public testing::Test {
     return sight.value_or(FirstSight());
   }
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
 };
 
 TEST_F(FirstSights, IsAroundTheContentNotTheBounds) {

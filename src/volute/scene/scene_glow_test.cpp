@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 
+#include "volute/base/program.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/io/npy.hpp"
 #include "volute/media/fog/fog_scene_medium.hpp"
@@ -28,10 +29,6 @@ constexpr int kGlowSide = 20;  ///< voxels of 5 cm
 class SceneGlow : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ =
-        std::filesystem::path(testing::TempDir()) /
-        (std::string("glow_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
     power_ = write("fire.npy", 100);
     write("smoke.npy", 0);
     std::ofstream(folder_ / "ground.obj")
@@ -87,7 +84,7 @@ class SceneGlow : public testing::Test {
     std::string remarks;
   };
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
   double power_ = 0;  ///< per solid angle
   Heard heard_;
 };

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/program.hpp"
 #include "volute/io/npy.hpp"
 #include "volute/io/volume_sink.hpp"
 #include "volute/render/surfaces.hpp"
@@ -29,10 +30,6 @@ class SceneLevelSet : public testing::Test {
  protected:
   /// A ball in the middle of 1 m.
   void SetUp() override {
-    folder_ =
-        std::filesystem::path(testing::TempDir()) /
-        (std::string("level_set_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
     GridTarget target;
     VolumeInfo& info = target.info;
     info.name = "hull";
@@ -80,7 +77,7 @@ class SceneLevelSet : public testing::Test {
     std::string remarks;
   };
 
-  std::filesystem::path folder_;
+  ScratchFolder folder_;
   Heard heard_;
 };
 

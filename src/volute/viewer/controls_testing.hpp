@@ -13,6 +13,7 @@
 #include <set>
 #include <thread>
 
+#include "volute/base/program.hpp"
 #include "volute/capture/testing.hpp"
 #include "volute/fds/fds_case_testing.hpp"
 #include "volute/io/image_file.hpp"
@@ -32,10 +33,6 @@ constexpr std::uint64_t kViewerMemory = std::uint64_t{1} << 30;
 class SceneFolder {
  public:
   SceneFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "volute-viewer-XXXXXX").string();
-    if (!::mkdtemp(name.data()))
-      std::abort();
-    path_ = name;
     writeMapOfFog();
     writeSmoke();
     writeVolume();
@@ -47,9 +44,7 @@ class SceneFolder {
     std::ofstream(path("smoke.json")) << kSmoke;
   }
 
-  ~SceneFolder() { std::filesystem::remove_all(path_); }
-
-  std::string path(const std::string& name) const { return (path_ / name).string(); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
  private:
   void writeMapOfFog() const {
@@ -148,7 +143,7 @@ class SceneFolder {
                "smoke_potential": 2.0, "mode": "threshold", "C": 3}],
     "signs": [{"name": "exit", "position": [5.9, 3, 1.8], "normal": [-1, 0, 0], "size": [1.6, 0.8], "emitting": false}]})";
 
-  std::filesystem::path path_;
+  ScratchFolder folder_;
 };
 
 /// Of all tests of this program.

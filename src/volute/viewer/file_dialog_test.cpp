@@ -11,6 +11,8 @@
 #include <fstream>
 #include <thread>
 
+#include "volute/base/program.hpp"
+
 namespace volute {
 namespace {
 
@@ -18,17 +20,7 @@ namespace fs = std::filesystem;
 
 class FileDialog : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "volute-dialog-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    path_ = ::getenv("PATH");
-  }
-
-  void TearDown() override {
-    ::setenv("PATH", path_.c_str(), 1);
-    fs::remove_all(folder_);
-  }
+  ~FileDialog() override { ::setenv("PATH", path_.c_str(), 1); }
 
   /// A program of this name is the only one there is.
   void program(const std::string& name, const std::string& lines) {
@@ -46,8 +38,9 @@ class FileDialog : public ::testing::Test {
     return std::nullopt;
   }
 
-  fs::path folder_;
-  std::string path_;
+  const ScratchFolder scratch_;
+  const fs::path folder_ = scratch_.path();
+  const std::string path_ = ::getenv("PATH");
 };
 
 TEST_F(FileDialog, IsTheDesktops) {
