@@ -149,22 +149,6 @@ Camera cameraFrom(const Box3& bounds, const Vec3& way, double sizes, bool parall
 
 class GlFarTest : public GlRendererTest {
  protected:
-  /// The largest difference as a share of the largest value; what is infinite must be so in both.
-  static double difference(std::span<const float> found, std::span<const float> expected) {
-    if (found.size() != expected.size())
-      return INFINITY;
-    double worst = 0, largest = 0;
-    for (std::size_t i = 0; i < expected.size(); ++i) {
-      if (std::isinf(expected[i]) && found[i] == expected[i])
-        continue;
-      const double error = std::abs(double(found[i]) - expected[i]);
-      worst = !(error <= worst) ? error : worst;
-      largest = std::max(largest, std::abs(double(expected[i])));
-    }
-    EXPECT_GT(largest, 1e-3) << "the test's picture is black";
-    return worst / largest;
-  }
-
   void sweep(const Thing& thing, double bar = kBar) {
     for (const bool parallel : {false, true}) {
       for (const Vec3& way : {Vec3(0.48, -0.6, 0.64), Vec3(0, -1, 0)}) {

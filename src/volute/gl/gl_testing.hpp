@@ -57,6 +57,22 @@ class GlRendererTest : public testing::Test {
   static inline std::string missing_;
   Progress quiet_;
 
+  /// The largest difference as a share of the largest value; what is infinite must be so in both.
+  static double difference(std::span<const float> found, std::span<const float> expected) {
+    if (found.size() != expected.size())
+      return INFINITY;
+    double worst = 0, largest = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      if (std::isinf(expected[i]) && found[i] == expected[i])
+        continue;
+      const double error = std::abs(double(found[i]) - expected[i]);
+      worst = !(error <= worst) ? error : worst;
+      largest = std::max(largest, std::abs(double(expected[i])));
+    }
+    EXPECT_GT(largest, 1e-3) << "the test's picture is black";
+    return worst / largest;
+  }
+
   /// The largest difference from the reference, as a share of its largest value.
   double errorOf(const Camera& camera, const GlScene& scene, std::span<const AnyMedium> media,
                  RenderOptions options, std::span<const float> opaque = {}) {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "volute/grid/bricks.hpp"
+#include "volute/grid/one_frame_testing.hpp"
 #include "volute/grid/sequence.hpp"
 
 namespace volute {
@@ -54,35 +55,6 @@ TEST(Compare, ConstantFirstHasNoRange) {
   EXPECT_TRUE(std::isinf(difference.relativeRms()));
 }
 
-/// One frame.
-class OneFrame final : public FrameSource {
- public:
-  OneFrame(VolumeInfo info, Bricks bricks) : info_(std::move(info)), bricks_(std::move(bricks)) {
-    info_.frames = 1;
-    info_.fillDefaults();
-  }
-
-  using FrameSource::readBricks;
-
-  const VolumeInfo& info() const override { return info_; }
-
-  Status readFrame(int, std::span<float> values) override {
-    bricks_.toDense({{0, 0, 0}, {info_.x, info_.y, info_.z}}, values);
-    return {};
-  }
-
-  Status readBricks(int, int, int, Bricks& bricks) override {
-    bricks = bricks_;
-    return {};
-  }
-
-  bool hasTopology() const override { return true; }
-
- private:
-  VolumeInfo info_;
-  Bricks bricks_;
-};
-
 /// 2 x 2 x 4 tiles beside a leaf, so that no face is at a multiple of their side.
 Bricks tilesBesideALeaf(std::int64_t side, float odd) {
   Bricks bricks;
@@ -104,7 +76,10 @@ TEST(Compare, TilesAreComparedWithoutTheirVoxels) {
     VolumeInfo info;
     info.x = static_cast<int>(2 * side + 8), info.y = static_cast<int>(2 * side),
     info.z = static_cast<int>(4 * side) - (crop ? 3 : 0);
-    OneFrame a(info, tilesBesideALeaf(side, 0.5F)), b(info, tilesBesideALeaf(side, 0.75F));
+    info.frames = 1;
+    info.fillDefaults();
+    gridtest::OneFrame a(info, tilesBesideALeaf(side, 0.5F)),
+        b(info, tilesBesideALeaf(side, 0.75F));
     Progress progress;
     return compare(a, b, progress).value();
   };

@@ -9,6 +9,7 @@
 
 #include "volute/grid/array_source.hpp"
 #include "volute/grid/bricks.hpp"
+#include "volute/grid/one_frame_testing.hpp"
 
 namespace volute {
 namespace {
@@ -64,36 +65,12 @@ TEST_F(MaskedSourceTest, VoxelsThatAreNotThereAreInactiveAndZerosAreActive) {
 TEST_F(MaskedSourceTest, OfATopologyVoxelsAreTakenOut) {
   Bricks bricks;
   ASSERT_TRUE(opened()->readBricks(0, bricks));
-
-  class OneFrame final : public FrameSource {
-   public:
-    OneFrame(VolumeInfo info, Bricks bricks) : info_(std::move(info)), bricks_(std::move(bricks)) {}
-
-    const VolumeInfo& info() const override { return info_; }
-
-    Status readFrame(int, std::span<float> values) override {
-      bricks_.toDense({{0, 0, 0}, {info_.x, info_.y, info_.z}}, values);
-      return {};
-    }
-
-    Status readBricks(int, int, int, Bricks& to) override {
-      to = bricks_;
-      return {};
-    }
-
-    bool hasTopology() const override { return true; }
-
-   private:
-    VolumeInfo info_;
-    Bricks bricks_;
-  };
-
   const auto all = bricks.activeVoxels();
   std::uint64_t holes = 0;
   for (std::size_t i = 0; i < info_.frameValues(); ++i) holes += std::isnan(values_[i]);
   info_.frames = 1, info_.times = {}, info_.frameNumbers = {};
   info_.fillDefaults();
-  const auto source = withoutHoles(std::make_unique<OneFrame>(info_, bricks));
+  const auto source = withoutHoles(std::make_unique<gridtest::OneFrame>(info_, bricks));
   Bricks finite;
   ASSERT_TRUE(source->readBricks(0, finite));
   EXPECT_EQ(finite.activeVoxels(), all - holes);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "volute/grid/grid_description.hpp"
+#include "volute/grid/one_frame_testing.hpp"
 #include "volute/grid/sequence.hpp"
 #include "volute/grid/vector_kind.hpp"
 #include "volute/math/rotation.hpp"
@@ -105,32 +106,6 @@ TEST(Resample, TheSumStaysWhereVoxelsGrow) {
   }
 }
 
-/// A frame that is as it is.
-class StillFrame final : public FrameSource {
- public:
-  StillFrame(const VolumeInfo& info, Bricks bricks) : info_(info), bricks_(std::move(bricks)) {}
-
-  const VolumeInfo& info() const override { return info_; }
-
-  Status readFrame(int, std::span<float> values) override {
-    bricks_.toDense({{0, 0, 0}, {info_.x, info_.y, info_.z}}, values);
-    return {};
-  }
-
-  using FrameSource::readBricks;
-
-  Status readBricks(int, int, int, Bricks& bricks) override {
-    bricks = bricks_;
-    return {};
-  }
-
-  bool hasTopology() const override { return true; }
-
- private:
-  VolumeInfo info_;
-  Bricks bricks_;
-};
-
 VolumeInfo wide() {
   VolumeInfo info = makeSequence(1, 1, 1, 1, 1).info;
   info.x = info.y = info.z = 100'000;
@@ -153,13 +128,13 @@ Bricks sparse(float background = 0) {
 TEST(Resample, OneLatticeKeepsLeavesAndTiles) {
   const Lattice same{gridMatrix(Mat3::Identity(), Vec3::Constant(0.5)),
                      {{0, 0, 0}, {100'000, 100'000, 100'000}}};
-  auto source = resampleTo(std::make_unique<StillFrame>(wide(), sparse()), {}, same,
+  auto source = resampleTo(std::make_unique<gridtest::OneFrame>(wide(), sparse()), {}, same,
                            Basis::kTrilinear, kMemory);
   EXPECT_EQ(read(*source).checksum(), sparse().checksum());
   // Moved by whole voxels: a lattice whose index 0 is elsewhere.
   const Lattice moved{gridMatrix(Mat3::Identity(), Vec3(16.5, 16.5, 16.5)), {{0, 0, 0}, {8, 8, 8}}};
-  source = resampleTo(std::make_unique<StillFrame>(wide(), sparse()), {}, moved, Basis::kTrilinear,
-                      kMemory);
+  source = resampleTo(std::make_unique<gridtest::OneFrame>(wide(), sparse()), {}, moved,
+                      Basis::kTrilinear, kMemory);
   const Bricks part = read(*source);
   ASSERT_EQ(part.tiles().size(), 1U);
   EXPECT_EQ(part.tiles()[0].origin, (VoxelIndex{0, 0, 0}));
@@ -172,7 +147,7 @@ TEST(Resample, WhatNewVoxelsLeaveOutIsCounted) {
     VoxelsCut counted;
     const Lattice lattice{gridMatrix(voxel * Mat3::Identity(), Vec3::Constant(0.5 * voxel)), box};
     auto source =
-        resampleTo(std::make_unique<StillFrame>(wide(), sparse()), {}, lattice, Basis::kBox,
+        resampleTo(std::make_unique<gridtest::OneFrame>(wide(), sparse()), {}, lattice, Basis::kBox,
                    kMemory, {}, [&](int, const VoxelsCut& cut) { counted = cut; });
     read(*source);
     return counted;
@@ -193,8 +168,8 @@ TEST(Resample, SparseFramesStaySparse) {
   // Voxels of half the size: 8 times as many.
   const Lattice half{gridMatrix(0.5 * Mat3::Identity(), Vec3::Constant(0.25)),
                      {{0, 0, 0}, {200'000, 200'000, 200'000}}};
-  auto source =
-      resampleTo(std::make_unique<StillFrame>(wide(), sparse(1)), {}, half, Basis::kBox, kMemory);
+  auto source = resampleTo(std::make_unique<gridtest::OneFrame>(wide(), sparse(1)), {}, half,
+                           Basis::kBox, kMemory);
   const Bricks made = read(*source);
   EXPECT_EQ(made.background()[0], 1);
   EXPECT_EQ(made.activeVoxels(), 8u * (512 + 4));
@@ -211,7 +186,7 @@ TEST(Resample, SparseFramesStaySparse) {
 TEST(Resample, TooMuchIsRefusedBeforeItIsMade) {
   const Lattice fine{gridMatrix(1e-3 * Mat3::Identity(), Vec3::Zero()),
                      {{0, 0, 0}, {1'000'000, 1'000'000, 1'000'000}}};
-  const auto source = resampleTo(std::make_unique<StillFrame>(wide(), sparse()), {}, fine,
+  const auto source = resampleTo(std::make_unique<gridtest::OneFrame>(wide(), sparse()), {}, fine,
                                  Basis::kTrilinear, 1 << 20);
   Bricks bricks;
   const Status status = source->readBricks(0, bricks);

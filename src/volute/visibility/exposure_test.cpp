@@ -175,15 +175,20 @@ TEST(ExposureMeter, FollowsPeopleWhoWalk) {
   EXPECT_NEAR(meter.times(0).none[0], 10, 1e-3);  // t^2 / 100 = 1
 }
 
-TEST(SightEngine, SeesBetweenStoredTimesWhatTheClosedFormDoes) {
-  auto room = std::make_shared<BurningRoom>();
+/// A burning room with a sign in its east.
+SightEngine engineInTheRoom() {
   std::vector<SafetySign> signs{{.name = "east",
                                  .position = Vec3(30, 2, 2),
                                  .normal = Vec3(-1, 0, 0),
                                  .law = visibilityLaw("jin-reflecting").value(),
                                  .angle = {}}};
   Progress quiet;
-  auto engine = SightEngine::open(room, signs, std::vector{fdsDose(1)}, quiet).value();
+  return SightEngine::open(std::make_shared<BurningRoom>(), signs, std::vector{fdsDose(1)}, quiet)
+      .value();
+}
+
+TEST(SightEngine, SeesBetweenStoredTimesWhatTheClosedFormDoes) {
+  SightEngine engine = engineInTheRoom();
   const std::vector<Vec3> eyes{Vec3(10, 2, 2), Vec3(10, 9, 2), Vec3(25, 2, 2)};
   std::vector<Seen> seen(3);
   // Depths of 0.8 to 1.2 times K d; C = 3.
@@ -207,14 +212,7 @@ TEST(SightEngine, SeesBetweenStoredTimesWhatTheClosedFormDoes) {
 }
 
 TEST(SightEngine, DosesGoOnWithThePerson) {
-  auto room = std::make_shared<BurningRoom>();
-  std::vector<SafetySign> signs{{.name = "east",
-                                 .position = Vec3(30, 2, 2),
-                                 .normal = Vec3(-1, 0, 0),
-                                 .law = visibilityLaw("jin-reflecting").value(),
-                                 .angle = {}}};
-  Progress quiet;
-  auto engine = SightEngine::open(room, signs, std::vector{fdsDose(1)}, quiet).value();
+  SightEngine engine = engineInTheRoom();
   ASSERT_EQ(engine.criteria().size(), 1U);
   std::vector<double> dose(2);
   const std::vector<Vec3> eyes{Vec3(10, 2, 2), Vec3(11, 2, 2)};
