@@ -10,7 +10,7 @@ namespace volute {
 namespace {
 
 /// A device for which everything is too large.
-class TooSmall final : public SceneRenderer {
+class TooSmall : public SceneRenderer {
  public:
   explicit TooSmall(ErrorCode code) : code_(code) {}
 
@@ -45,20 +45,14 @@ class TooSmall final : public SceneRenderer {
 };
 
 /// Draws one colour, another in each call, and is stopped after some calls.
-class StoppedDrawer final : public SceneRenderer {
+class StoppedDrawer final : public TooSmall {
  public:
-  explicit StoppedDrawer(int calls) : left_(calls) {}
+  explicit StoppedDrawer(int calls) : TooSmall(ErrorCode::kUnsupported), left_(calls) {}
 
   std::string_view name() const override { return "cpu"; }
 
  protected:
   Status begin(const View&) override { return {}; }
-
-  Result<SurfacePicture> surfaces(const View&, Progress&) override { return missing(); }
-
-  Result<SurfaceView> walls(const View&, std::size_t) override { return missing(); }
-
-  Result<std::vector<SignPixel>> findSigns(const View&) override { return missing(); }
 
   Result<Image> color(const View& view, const RenderOptions&, Progress&, RenderStats&) override {
     if (left_-- == 0)
@@ -69,18 +63,7 @@ class StoppedDrawer final : public SceneRenderer {
     return image;
   }
 
-  Result<Image> opticalDepth(const View&, const RenderOptions&, Progress&, RenderStats&) override {
-    return missing();
-  }
-
-  Status addSigns(const View&, std::span<const SignPixel>, const RenderOptions&, Progress&,
-                  Image&) override {
-    return missing();
-  }
-
  private:
-  static tl::unexpected<Error> missing() { return fail(ErrorCode::kUnsupported, "not drawn"); }
-
   int left_;
   float value_ = 1;
 };
